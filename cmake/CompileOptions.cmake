@@ -1,0 +1,52 @@
+# evolvent_options: what every target of the project is compiled with.
+#
+# No -ffast-math, and no fused multiply-add behind our back (-ffp-contract=off): the same case gives the same bits with
+# every option below.
+set(CMAKE_C_STANDARD 11)
+set(CMAKE_C_STANDARD_REQUIRED ON)
+set(CMAKE_C_EXTENSIONS OFF)
+
+add_library(evolvent_options INTERFACE)
+target_compile_definitions(evolvent_options INTERFACE $<$<COMPILE_LANGUAGE:C>:_POSIX_C_SOURCE=200809L>)
+
+if(NOT CMAKE_Fortran_COMPILER_ID STREQUAL "GNU")
+  message(
+    FATAL_ERROR
+    "evolvent is written for gfortran, found ${CMAKE_Fortran_COMPILER_ID}; "
+    "choose it with -DCMAKE_Fortran_COMPILER=gfortran (Debian package gfortran)"
+  )
+endif()
+
+target_compile_options(
+  evolvent_options
+  INTERFACE
+    -ffp-contract=off
+    $<$<BOOL:${EVOLVENT_NATIVE}>:-march=native>
+    $<$<BOOL:${EVOLVENT_WERROR}>:-Werror>
+    $<$<COMPILE_LANGUAGE:C>:-Wall$<SEMICOLON>-Wextra$<SEMICOLON>-Wpedantic$<SEMICOLON>-Wconversion>
+    $<$<COMPILE_LANGUAGE:Fortran>:-Wall$<SEMICOLON>-Wextra$<SEMICOLON>-Wimplicit-interface>
+    # -frecursive keeps local arrays on the stack, which makes every procedure thread-safe.
+    $<$<COMPILE_LANGUAGE:Fortran>:-std=f2018$<SEMICOLON>-fimplicit-none$<SEMICOLON>-frecursive>
+    $<$<AND:$<COMPILE_LANGUAGE:Fortran>,$<CONFIG:Debug>>:-fcheck=all$<SEMICOLON>-fbacktrace>
+)
+
+if(EVOLVENT_SANITIZE)
+  set(sanitize -fsanitize=${EVOLVENT_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_compile_options(evolvent_options INTERFACE ${sanitize})
+  target_link_options(evolvent_options INTERFACE ${sanitize})
+endif()
+
+# Link-time optimisation sees C and Fortran together, so it also finds a C declaration that drifted from its Fortran.
+if(EVOLVENT_LTO AND NOT EVOLVENT_SANITIZE AND NOT CMAKE_BUILD_TYPE STREQUAL "Debug")
+  include(CheckIPOSupported)
+  check_ipo_supported(RESULT has_lto OUTPUT lto_output LANGUAGES C Fortran)
+  if(has_lto)
+    set(CMAKE_INTERPROCEDURAL_OPTIMIZATION ON)
+    target_link_options(
+      evolvent_options
+      INTERFACE -Wlto-type-mismatch $<$<BOOL:${EVOLVENT_WERROR}>:-Werror>
+    )
+  else()
+    message(STATUS "No link-time optimisation: the compilers do not support it together")
+  endif()
+endif()

@@ -1,0 +1,65 @@
+# Outside libraries. Each that is missing is named with the package that has it, all in one message.
+set(missing "")
+
+find_package(PkgConfig QUIET)
+if(NOT PKG_CONFIG_FOUND)
+  list(APPEND missing "pkg-config: Debian pkg-config, conda-forge pkg-config")
+endif()
+
+# The matrices are small: plain LAPACK starts faster than a threaded one. -DBLA_VENDOR=... chooses another.
+if(BLA_VENDOR)
+  find_package(LAPACK QUIET)
+else()
+  set(BLA_VENDOR Generic)
+  find_package(LAPACK QUIET)
+  unset(BLA_VENDOR)
+  if(NOT LAPACK_FOUND)
+    find_package(LAPACK QUIET)
+  endif()
+endif()
+if(NOT LAPACK_FOUND)
+  list(APPEND missing "LAPACK: Debian liblapack-dev, conda-forge liblapack")
+endif()
+
+find_package(SUNDIALS 6.4 QUIET COMPONENTS ida nvecserial sunmatrixdense sunlinsoldense)
+if(NOT SUNDIALS_FOUND)
+  # A package of a later major version answers only to its own number.
+  find_package(SUNDIALS 7 QUIET COMPONENTS ida nvecserial sunmatrixdense sunlinsoldense)
+endif()
+if(SUNDIALS_FOUND)
+  add_library(evolvent_sundials INTERFACE)
+  target_link_libraries(
+    evolvent_sundials
+    INTERFACE SUNDIALS::ida SUNDIALS::nvecserial SUNDIALS::sunmatrixdense SUNDIALS::sunlinsoldense
+  )
+  if(TARGET SUNDIALS::core)
+    target_link_libraries(evolvent_sundials INTERFACE SUNDIALS::core)
+  endif()
+else()
+  list(APPEND missing "SUNDIALS 6.4 or newer with IDA: Debian libsundials-dev, conda-forge sundials")
+endif()
+
+set(HDF5_PREFER_PARALLEL OFF)
+find_package(HDF5 QUIET COMPONENTS C HL)
+if(NOT HDF5_FOUND)
+  list(APPEND missing "HDF5 with its high-level C library: Debian libhdf5-dev, conda-forge hdf5")
+endif()
+
+if(PKG_CONFIG_FOUND)
+  pkg_check_modules(YAML QUIET IMPORTED_TARGET yaml-0.1)
+  if(NOT YAML_FOUND)
+    list(APPEND missing "libyaml: Debian libyaml-dev, conda-forge yaml")
+  endif()
+  if(EVOLVENT_TESTS)
+    pkg_check_modules(CMOCKA QUIET IMPORTED_TARGET cmocka)
+    if(NOT CMOCKA_FOUND)
+      list(APPEND missing "cmocka (for the tests): Debian libcmocka-dev, conda-forge cmocka")
+    endif()
+  endif()
+endif()
+
+if(missing)
+  list(JOIN missing "\n  " missing)
+  message(FATAL_ERROR "Not found:\n  ${missing}")
+endif()
+message(STATUS "SUNDIALS ${SUNDIALS_VERSION}, HDF5 ${HDF5_VERSION}, libyaml ${YAML_VERSION}")
