@@ -42,10 +42,7 @@ if(EVOLVENT_LTO AND NOT EVOLVENT_SANITIZE AND NOT CMAKE_BUILD_TYPE STREQUAL "Deb
   check_ipo_supported(RESULT has_lto OUTPUT lto_output LANGUAGES C Fortran)
   if(has_lto)
     set(CMAKE_INTERPROCEDURAL_OPTIMIZATION ON)
-    target_link_options(
-      evolvent_options
-      INTERFACE -Wlto-type-mismatch $<$<BOOL:${EVOLVENT_WERROR}>:-Werror>
-    )
+    target_link_options(evolvent_options INTERFACE -Wlto-type-mismatch $<$<BOOL:${EVOLVENT_WERROR}>:-Werror>)
   else()
     message(STATUS "No link-time optimisation: the compilers do not support it together")
   endif()

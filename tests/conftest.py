@@ -1,0 +1,67 @@
+"""What every test may use: the program, the kernel's library, the examples."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+BUILDS = ("ci", "release", "debug")  # in order of preference, if the environment names none
+
+
+def _built(variable: str, name: str) -> Path:
+    """Path of a built file: that of the environment variable, else the first in build/."""
+    named = os.environ.get(variable)
+    candidates = [Path(named)] if named else [ROOT / "build" / build / name for build in BUILDS]
+    for candidate in candidates:
+        if candidate.is_file():
+            return candidate
+    looked = ", ".join(str(candidate) for candidate in candidates)
+    pytest.fail(
+        f"{name} is not built (looked for {looked}); run ./runtests, or set {variable}",
+        pytrace=False,
+    )
+
+
+@pytest.fixture(scope="session")
+def root() -> Path:
+    """Root of the repository."""
+    return ROOT
+
+
+@pytest.fixture(scope="session")
+def examples() -> Path:
+    """Folder of the example cases."""
+    return ROOT / "examples"
+
+
+@pytest.fixture(scope="session")
+def executable() -> Path:
+    """Path of the program `evolvent`."""
+    return _built("EVOLVENT_EXECUTABLE", "evolvent")
+
+
+@pytest.fixture(scope="session")
+def kernel_library() -> Path:
+    """Path of the kernel's shared library, for ctypes."""
+    return _built("EVOLVENT_KERNEL_LIBRARY", "libevolvent_kernel.so")
+
+
+@pytest.fixture
+def evolvent(executable: Path, tmp_path: Path) -> Callable[..., subprocess.CompletedProcess[str]]:
+    """Run the program in an empty folder: ``evolvent("run", case, "-o", "x.h5")``.
+
+    The exit code is not checked. Keyword arguments go to `subprocess.run`: ``cwd``, ``env``,
+    ``input``, ``timeout`` (120 s unless given).
+    """
+
+    def run(*arguments: str | Path, **options: object) -> subprocess.CompletedProcess[str]:
+        command: Sequence[str] = [str(executable), *map(str, arguments)]
+        settings = {"cwd": tmp_path, "timeout": 120, "capture_output": True, "text": True}
+        return subprocess.run(command, **{**settings, **options}, check=False)
+
+    return run

@@ -1,0 +1,124 @@
+# shellcheck shell=bash
+# What quickstart and runtests share: Debian packages, the build, the Python environment. To be sourced from the
+# repository's root. Each step is skipped when it is done, prints one line, and keeps its output in build/log/.
+
+export LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive MPLBACKEND=Agg
+# Caches stay inside the repository.
+export XDG_CACHE_HOME="$PWD/build/cache" MPLCONFIGDIR="$PWD/build/cache/matplotlib"
+export PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_NO_INPUT=1 PIP_ROOT_USER_ACTION=ignore
+mkdir -p build/log "$MPLCONFIGDIR"
+
+say() { printf '%s\n' "$*"; }
+die() {
+  printf '%s: %s\n' "${0##*/}" "$*" >&2
+  exit 1
+}
+
+# step TEXT COMMAND...: run quietly; on failure show the end of the log and stop.
+step() {
+  local text=$1 log start=$SECONDS
+  shift
+  log="build/log/$(tr -cs 'A-Za-z0-9\n' '-' <<<"$text").log"
+  printf '%s ... ' "$text"
+  if "$@" >"$log" 2>&1 </dev/null; then
+    printf 'done (%d s)\n' $((SECONDS - start))
+  else
+    printf 'failed\n'
+    tail -n 20 "$log" >&2
+    die "$text failed; the whole log is $log"
+  fi
+}
+
+install_packages() {
+  if [ "$(id -u)" = 0 ]; then
+    apt-get update && apt-get install -y --no-install-recommends "$@"
+  else
+    sudo apt-get update && sudo DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "$@"
+  fi
+}
+
+# need PACKAGE...: install these Debian packages if that is possible here, otherwise name them and stop.
+need() {
+  [ $# -gt 0 ] || return 0
+  command -v apt-get >/dev/null || die "not found: what Debian has in the packages $*
+Install them with your system's package manager, load their modules, or see \"Without root\" in README.md; then run $0 again."
+  if [ "$(id -u)" != 0 ]; then
+    command -v sudo >/dev/null && { sudo -n true 2>/dev/null || { [ -t 0 ] && sudo -v; }; } ||
+      die "these Debian packages are missing and need root to install: apt-get install --no-install-recommends $*
+Ask for them, or see \"Without root\" in README.md; then run $0 again."
+  fi
+  step "Installing Debian packages: $*" install_packages "$@"
+}
+
+# A Python that evolvent supports and that can make virtual environments.
+find_python() {
+  local candidate
+  for candidate in ${PYTHON:-python3 python3.14 python3.13 python3.12 python3.11}; do
+    if "$candidate" -c 'import sys, ensurepip, venv; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then
+      command -v "$candidate"
+      return
+    fi
+  done
+  return 1
+}
+
+# Tools are looked for by their commands, so that modules and conda environments count as well.
+setup_tools() {
+  local missing=()
+  command -v gcc >/dev/null || command -v "${CC:-cc}" >/dev/null || missing+=(gcc libc6-dev)
+  command -v "${FC:-gfortran}" >/dev/null || missing+=(gfortran)
+  command -v cmake >/dev/null || missing+=(cmake)
+  command -v ninja >/dev/null || missing+=(ninja-build)
+  command -v pkg-config >/dev/null || missing+=(pkg-config)
+  find_python >/dev/null || missing+=(python3-venv)
+  need "${missing[@]}"
+  find_python >/dev/null || die "no Python 3.11 or newer with the modules venv and ensurepip found; name one with PYTHON=..."
+}
+
+# configure PRESET: CMake finds the libraries, and it names the Debian packages of those that are missing.
+configure() {
+  local dir=build/$1 home missing
+  home=$(sed -n 's/^CMAKE_HOME_DIRECTORY:INTERNAL=//p' "$dir/CMakeCache.txt" 2>/dev/null || true)
+  [ -f "$dir/build.ninja" ] && [ "$home" = "$PWD" ] && return
+  rm -rf "$dir"
+  if ! cmake --preset "$1" >"build/log/configure-$1.log" 2>&1; then
+    missing=$(sed -n 's/.*: Debian \([a-z0-9-]*\),.*/\1/p' "build/log/configure-$1.log")
+    if [ -z "$missing" ]; then
+      tail -n 20 "build/log/configure-$1.log" >&2
+      die "CMake failed; the whole log is build/log/configure-$1.log"
+    fi
+    rm -rf "$dir"
+    # shellcheck disable=SC2086  # one word a package
+    need $missing
+    step "Configuring $1" cmake --preset "$1"
+  fi
+}
+
+# build PRESET
+build() {
+  configure "$1"
+  step "Building $1" cmake --build --preset "$1"
+}
+
+# python_environment LOCK: .venv with exactly what the lock file says.
+python_environment() {
+  local lock=$1 python identity
+  python=$(find_python)
+  identity="$PWD $("$python" --version)"
+  if [ "$(cat .venv/.identity 2>/dev/null)" != "$identity" ]; then
+    rm -rf .venv
+    step "Making the Python environment .venv" "$python" -m venv .venv
+    printf '%s\n' "$identity" >.venv/.identity
+  fi
+  if ! cmp -s "$lock" ".venv/.$lock"; then
+    step "Installing Python packages ($lock)" .venv/bin/python -m pip install --require-hashes -r "$lock"
+    cp "$lock" ".venv/.$lock"
+  fi
+  # The package in place: Python reads the sources, and CMake's program is linked, not built again.
+  if ! cmp -s pyproject.toml .venv/.pyproject.toml || ! cmp -s CMakeLists.txt .venv/.CMakeLists.txt; then
+    step "Installing the Python package evolvent in place" .venv/bin/python -m pip install \
+      --no-deps --no-build-isolation --config-settings=wheel.cmake=false --config-settings=editable.mode=inplace -e .
+    cp pyproject.toml .venv/.pyproject.toml
+    cp CMakeLists.txt .venv/.CMakeLists.txt
+  fi
+}
