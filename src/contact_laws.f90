@@ -1,0 +1,253 @@
+!> The force laws of a contact behind one interface: elastic, viscous and friction.
+!>
+!> A new law is a procedure in its own file, one entry in `law_table` and one case in the procedures of its family here.
+!> The index of a law is its place in the table, from 0; the constants below name those places.
+module evl_contact_laws
+   use evl_damping, only: linear_damping, linear_damping_law, no_damping_law, one_sided_damping, one_sided_damping_law
+   use evl_friction, only: coulomb_factor, coulomb_friction_law, coulomb_knee, coulomb_mode, no_friction_law
+   use evl_johnson, only: johnson_force, johnson_law, johnson_limit_message, johnson_penetration, johnson_potential
+   use evl_kinds, only: wp
+   use evl_law_info, only: law_info_t, law_name_length, law_parameter_t, law_text_length, max_law_parameters, &
+                           parameter_range_error
+   use evl_status, only: code_invalid_input, code_ok, code_out_of_domain
+   implicit none (type, external)
+   private
+
+   public :: contact_context, elastic_result, law_choice, law_info_t, law_parameter_t
+   public :: elastic_force, elastic_limit_message, elastic_potential, penetration_from_force, viscous_force
+   public :: friction_factor, friction_knee, friction_mode
+   public :: law_count, law_describe, law_validate
+   public :: law_name_length, law_text_length, laws_contact, laws_damping, laws_friction
+
+   integer, parameter :: laws_contact = 0  !! family of the elastic laws; evl_law_family of the C header
+   integer, parameter :: laws_damping = 1  !! family of the viscous laws
+   integer, parameter :: laws_friction = 2 !! family of the friction laws
+
+   integer, parameter :: contact_johnson = 0
+   integer, parameter :: damping_none = 0, damping_linear = 1, damping_one_sided = 2
+   integer, parameter :: friction_none = 0, friction_coulomb = 1
+
+   !> One law of a family with its parameters, in the order of the table. Assumed valid below: see law_validate.
+   type :: law_choice
+      integer :: law = 0                                     !! index in the family's table, from 0
+      real(wp) :: parameters(max_law_parameters) = 0.0_wp    !! in the units of the table
+   end type law_choice
+
+   !> What a law may know about a contact.
+   type :: contact_context
+      real(wp) :: h = 0.0_wp       !! penetration [m], negative for a gap
+      real(wp) :: h_dot = 0.0_wp   !! its rate [m/s]
+      real(wp) :: rho_sum = 0.0_wp !! rho_a + rho_b [m]
+      real(wp) :: rho_a = 0.0_wp   !! radius of curvature of the driving flank [m]
+      real(wp) :: rho_b = 0.0_wp   !! radius of curvature of the driven flank [m]
+      real(wp) :: e_star = 0.0_wp  !! effective modulus E* [Pa]
+      real(wp) :: width = 0.0_wp   !! common face width [m]
+      real(wp) :: v0 = 0.0_wp      !! approach speed at the last closing [m/s]
+   end type contact_context
+
+   !> An elastic force with its derivatives.
+   type :: elastic_result
+      real(wp) :: force = 0.0_wp !! [N], over the whole width
+      real(wp) :: d_h = 0.0_wp   !! dF/dh at constant rho_sum [N/m]
+      real(wp) :: d_rho = 0.0_wp !! dF/d(rho_sum) at constant h [N/m]
+   end type elastic_result
+
+contains
+
+   !> Elastic normal force, odd in h. Which sign of h counts as contact is the business of the contact mode.
+   pure subroutine elastic_force(choice, ctx, result, code)
+      type(law_choice), intent(in) :: choice      !! of family laws_contact
+      type(contact_context), intent(in) :: ctx    !! where
+      type(elastic_result), intent(out) :: result !! zero on error
+      integer, intent(out) :: code                !! code_ok or code_out_of_domain
+
+      code = code_out_of_domain
+      select case (choice%law)
+      case (contact_johnson)
+         call johnson_force(ctx%h, ctx%rho_sum, ctx%e_star, result%force, result%d_h, result%d_rho, code)
+      end select
+      result%force = ctx%width*result%force
+      result%d_h = ctx%width*result%d_h
+      result%d_rho = ctx%width*result%d_rho
+   end subroutine elastic_force
+
+   !> Why elastic_force answered code_out_of_domain, as one sentence.
+   pure subroutine elastic_limit_message(choice, ctx, message)
+      type(law_choice), intent(in) :: choice    !! of family laws_contact
+      type(contact_context), intent(in) :: ctx  !! where
+      character(len=*), intent(out) :: message  !! truncated to its length
+
+      message = ""
+      select case (choice%law)
+      case (contact_johnson)
+         call johnson_limit_message(ctx%h, ctx%rho_sum, message)
+      end select
+   end subroutine elastic_limit_message
+
+   !> Penetration at which the elastic force is `force`; ctx%h is not used.
+   pure subroutine penetration_from_force(choice, ctx, force, h, code)
+      type(law_choice), intent(in) :: choice   !! of family laws_contact
+      type(contact_context), intent(in) :: ctx !! where
+      real(wp), intent(in) :: force            !! [N], over the whole width
+      real(wp), intent(out) :: h               !! [m]; 0 on error
+      integer, intent(out) :: code             !! code_ok or code_out_of_domain
+
+      h = 0.0_wp
+      code = code_out_of_domain
+      select case (choice%law)
+      case (contact_johnson)
+         call johnson_penetration(force/ctx%width, ctx%rho_sum, ctx%e_star, h, code)
+      end select
+   end subroutine penetration_from_force
+
+   !> Elastic energy of the contact: dV = F dh along rho_sum = rho + h, as a mesh moves. Even in h.
+   pure subroutine elastic_potential(choice, ctx, potential, code)
+      type(law_choice), intent(in) :: choice   !! of family laws_contact
+      type(contact_context), intent(in) :: ctx !! where
+      real(wp), intent(out) :: potential       !! [J]; 0 on error
+      integer, intent(out), optional :: code   !! code_ok or code_out_of_domain
+      real(wp) :: constant_radii
+      integer :: answer
+
+      potential = 0.0_wp
+      answer = code_out_of_domain
+      select case (choice%law)
+      case (contact_johnson)
+         call johnson_potential(ctx%h, ctx%rho_sum, ctx%e_star, potential, constant_radii, answer)
+      end select
+      potential = ctx%width*potential
+      if (present(code)) code = answer
+   end subroutine elastic_potential
+
+   !> Viscous normal force; positive when it pushes the flanks apart.
+   pure subroutine viscous_force(choice, ctx, elastic, force, d_h, d_h_dot)
+      type(law_choice), intent(in) :: choice      !! of family laws_damping
+      type(contact_context), intent(in) :: ctx    !! where
+      type(elastic_result), intent(in) :: elastic !! elastic force there, for laws that multiply it
+      real(wp), intent(out) :: force              !! [N], over the whole width
+      real(wp), intent(out) :: d_h                !! dF/dh at constant rho_sum, through the elastic force too [N/m]
+      real(wp), intent(out) :: d_h_dot            !! dF/dh' [N s/m]
+
+      force = 0.0_wp
+      d_h = 0.0_wp
+      d_h_dot = 0.0_wp
+      associate (unused => elastic) ! no law of the table multiplies the elastic force
+      end associate
+      select case (choice%law)
+      case (damping_linear)
+         call linear_damping(ctx%h_dot, choice%parameters(1), force, d_h_dot)
+      case (damping_one_sided)
+         call one_sided_damping(ctx%h, ctx%h_dot, choice%parameters(1), force, d_h, d_h_dot)
+      end select
+   end subroutine viscous_force
+
+   !> phi of F_t = -F_n phi(v_t) on the branch `mode`, also where v_t has left that branch.
+   pure subroutine friction_factor(choice, mode, v_t, factor, d_v)
+      type(law_choice), intent(in) :: choice !! of family laws_friction
+      integer, intent(in) :: mode            !! -1, 0 or +1, as friction_mode gives it
+      real(wp), intent(in) :: v_t            !! sliding velocity [m/s]
+      real(wp), intent(out) :: factor        !! phi
+      real(wp), intent(out) :: d_v           !! dphi/dv_t [s/m]
+
+      factor = 0.0_wp
+      d_v = 0.0_wp
+      select case (choice%law)
+      case (friction_coulomb)
+         call coulomb_factor(mode, v_t, choice%parameters(1), choice%parameters(2), factor, d_v)
+      end select
+   end subroutine friction_factor
+
+   !> The branch of the friction law that belongs to a sliding velocity: -1, 0 or +1.
+   pure integer function friction_mode(choice, v_t)
+      type(law_choice), intent(in) :: choice !! of family laws_friction
+      real(wp), intent(in) :: v_t            !! sliding velocity [m/s]
+
+      friction_mode = 0
+      select case (choice%law)
+      case (friction_coulomb)
+         friction_mode = coulomb_mode(v_t, choice%parameters(1), choice%parameters(2))
+      end select
+   end function friction_mode
+
+   !> The |v_t| at which the friction mode changes [m/s]; 0 if it never does.
+   pure real(wp) function friction_knee(choice)
+      type(law_choice), intent(in) :: choice !! of family laws_friction
+
+      friction_knee = 0.0_wp
+      select case (choice%law)
+      case (friction_coulomb)
+         friction_knee = coulomb_knee(choice%parameters(1), choice%parameters(2))
+      end select
+   end function friction_knee
+
+   !> The table: every law of a family, in the order of the constants above; empty if there is no such family.
+   pure function law_table(family) result(laws)
+      integer, intent(in) :: family !! laws_contact, laws_damping or laws_friction
+      type(law_info_t), allocatable :: laws(:)
+
+      select case (family)
+      case (laws_contact)
+         laws = [johnson_law()]
+      case (laws_damping)
+         laws = [no_damping_law(), linear_damping_law(), one_sided_damping_law()]
+      case (laws_friction)
+         laws = [no_friction_law(), coulomb_friction_law()]
+      case default
+         allocate (laws(0))
+      end select
+   end function law_table
+
+   !> Number of laws of a family; 0 if there is no such family.
+   pure integer function law_count(family)
+      integer, intent(in) :: family !! laws_contact, laws_damping or laws_friction
+
+      law_count = size(law_table(family))
+   end function law_count
+
+   !> Describe law `index` of a family.
+   pure subroutine law_describe(family, index, info, code)
+      integer, intent(in) :: family           !! laws_contact, laws_damping or laws_friction
+      integer, intent(in) :: index            !! from 0
+      type(law_info_t), intent(out) :: info   !! empty if there is no such law
+      integer, intent(out), optional :: code  !! code_ok, or code_invalid_input if there is no such law
+
+      if (present(code)) code = code_invalid_input
+      associate (laws => law_table(family))
+         if (index < 0 .or. index >= size(laws)) return
+         info = laws(index + 1)
+      end associate
+      if (present(code)) code = code_ok
+   end subroutine law_describe
+
+   !> Check that a choice names a law of the family and that its parameters are in range.
+   pure subroutine law_validate(family, choice, code, field, message)
+      integer, intent(in) :: family            !! laws_contact, laws_damping or laws_friction
+      type(law_choice), intent(in) :: choice   !! to check; parameters that the law does not have are ignored
+      integer, intent(out) :: code             !! code_ok or code_invalid_input
+      character(len=*), intent(out) :: field   !! "law", or the parameter's name; "" if valid
+      character(len=*), intent(out) :: message !! one sentence; "" if valid
+      type(law_info_t) :: info
+      character(len=:), allocatable :: reason
+      character(len=12) :: number
+      integer :: i
+
+      field = ""
+      message = ""
+      call law_describe(family, choice%law, info, code)
+      if (code /= code_ok) then
+         field = "law"
+         write (number, "(i0)") choice%law
+         message = "there is no law "//trim(number)//" in this family"
+         return
+      end if
+      do i = 1, info%n_parameters
+         reason = parameter_range_error(info%parameters(i), choice%parameters(i))
+         if (len(reason) == 0) cycle
+         code = code_invalid_input
+         field = info%parameters(i)%name
+         message = reason//" (law "//trim(info%name)//")"
+         return
+      end do
+   end subroutine law_validate
+
+end module evl_contact_laws

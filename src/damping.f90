@@ -1,0 +1,72 @@
+!> Normal viscous forces of a contact, positive when they push the flanks apart.
+!>
+!> A law's force is that of the overlapping flanks; that a contact never pulls is the business of the mesh.
+module evl_damping
+   use evl_kinds, only: wp
+   use evl_law_info, only: law_info_t, law_parameter
+   implicit none (type, external)
+   private
+
+   public :: linear_damping, linear_damping_law, no_damping_law, one_sided_damping, one_sided_damping_law
+
+contains
+
+   !> F = c h'. Source: Kosenko & Gusev 2011, section 4, "similar to [7]".
+   elemental subroutine linear_damping(h_dot, coefficient, force, d_h_dot)
+      real(wp), intent(in) :: h_dot       !! rate of penetration [m/s], positive on approach
+      real(wp), intent(in) :: coefficient !! c [N s/m], >= 0
+      real(wp), intent(out) :: force      !! [N]
+      real(wp), intent(out) :: d_h_dot    !! dF/dh' [N s/m]
+
+      force = coefficient*h_dot
+      d_h_dot = coefficient
+   end subroutine linear_damping
+
+   !> F = c h h' on approach (h' > 0), 0 on separation.
+   !>
+   !> The paper's group writes it damp |kappa| |h'| with kappa = -h. Continued to h < 0 with its sign, so that it stays
+   !> smooth through the end of contact.
+   elemental subroutine one_sided_damping(h, h_dot, coefficient, force, d_h, d_h_dot)
+      real(wp), intent(in) :: h           !! penetration [m]
+      real(wp), intent(in) :: h_dot       !! rate of penetration [m/s], positive on approach
+      real(wp), intent(in) :: coefficient !! c [N s/m^2], >= 0
+      real(wp), intent(out) :: force      !! [N]
+      real(wp), intent(out) :: d_h        !! dF/dh [N/m]
+      real(wp), intent(out) :: d_h_dot    !! dF/dh' [N s/m]; that of separation at h' = 0
+
+      force = 0.0_wp
+      d_h = 0.0_wp
+      d_h_dot = 0.0_wp
+      if (h_dot <= 0.0_wp) return
+      force = coefficient*h*h_dot
+      d_h = coefficient*h_dot
+      d_h_dot = coefficient*h
+   end subroutine one_sided_damping
+
+   !> The entries of the law table.
+   pure type(law_info_t) function no_damping_law() result(info)
+
+      info%name = "none"
+      info%description = "no viscous force"
+   end function no_damping_law
+
+   pure type(law_info_t) function linear_damping_law() result(info)
+
+      info%name = "linear"
+      info%description = "proportional to the rate of penetration"
+      info%source = "Kosenko & Gusev 2011, section 4"
+      info%n_parameters = 1
+      info%parameters(1) = law_parameter("coefficient", "N s/m", "force per rate of penetration", minimum=0.0_wp)
+   end function linear_damping_law
+
+   pure type(law_info_t) function one_sided_damping_law() result(info)
+
+      info%name = "one_sided"
+      info%description = "proportional to penetration and its rate on approach, zero on separation"
+      info%source = "the Modelica library of Kosenko's group: damp |kappa| |h'|"
+      info%n_parameters = 1
+      info%parameters(1) = law_parameter("coefficient", "N s/m2", "force per penetration and rate of penetration", &
+                                         minimum=0.0_wp)
+   end function one_sided_damping_law
+
+end module evl_damping
