@@ -1,6 +1,6 @@
 !> The involute flank as an implicit curve: f(x, y) = 0 on the flank, f < 0 in the material.
 !>
-!> In the wheel's own frame, its x axis through the root of the involute, with R, theta polar and s = sqrt(R**2 - r_b**2):
+!> In the wheel's own frame, x axis through the root of the involute, R and theta polar, s = sqrt(R**2 - r_b**2):
 !>
 !>    f = s/r_b - acos(r_b/R) - hand theta                                  (4)-(6)
 !>

@@ -110,7 +110,8 @@ contains
       share = force/(pi*e_star*rho_sum)
       constant_radii = force**2/(2.0_wp*pi*e_star)*(log_ratio - 1.5_wp)
       potential = constant_radii + force**2/(2.0_wp*pi*e_star)*share &
-                  *((log_ratio - 5.0_wp/3.0_wp)/3.0_wp + share*((24.0_wp*log_ratio - 28.0_wp)*log_ratio - 23.0_wp)/288.0_wp)
+                  *((log_ratio - 5.0_wp/3.0_wp)/3.0_wp &
+                    + share*((24.0_wp*log_ratio - 28.0_wp)*log_ratio - 23.0_wp)/288.0_wp)
    end subroutine johnson_potential
 
    !> Largest penetration of the model, 4 rho/e**2 [m]; itself outside. Source: Kosenko & Gusev 2011, (15).
@@ -135,7 +136,7 @@ contains
       character(len=*), intent(out) :: message  !! truncated to its length
 
       if (.not. rho_sum > 0.0_wp) then
-         message = "rho_A + rho_B = "//quantity(rho_sum, "m")//" is not positive: the Johnson force has no contact there"
+         message = "rho_A + rho_B = "//quantity(rho_sum, "m")//" is not positive, as the Johnson force needs"
       else
          message = "penetration h = "//quantity(h, "m")//" exceeds the limit 4 (rho_A + rho_B)/e^2 = " &
                    //quantity(johnson_penetration_limit(rho_sum), "m")//" of the Johnson force, eq. (15)"

@@ -66,7 +66,8 @@ contains
    !> Source: Kosenko & Gusev 2011, section 7.1, for any direction of the centre line and either flank.
    !> Errors: code_invalid_input with field teeth, pitch_radius, pressure_angle, centre_line_angle, driving_rotation or
    !> centre; for the first two, status%index is 1 for wheel A and 2 for wheel B.
-   pure subroutine spur_pair_derive(teeth_a, teeth_b, pitch_radius_a, paper_rule, alpha_w, chi, sigma, centre_a, pair, status)
+   pure subroutine spur_pair_derive(teeth_a, teeth_b, pitch_radius_a, paper_rule, alpha_w, chi, sigma, centre_a, &
+                                    pair, status)
       integer, intent(in) :: teeth_a         !! z_A, minimum_teeth to maximum_teeth
       integer, intent(in) :: teeth_b         !! z_B, the same
       real(wp), intent(in) :: pitch_radius_a !! operating pitch radius of A [m], > 0

@@ -1,0 +1,106 @@
+!> The structs of the C header as Fortran sees them, and the passage of strings and statuses.
+module evl_capi_types
+   use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_int, c_null_char
+   use evl_contact_laws, only: contact_context, law_choice
+   use evl_status, only: code_ok, status_t
+   implicit none (type, external)
+   private
+
+   public :: c_contact_context, c_law_choice, c_law_info, c_law_parameter, c_status
+   public :: c_field_length, c_max_law_parameters, c_message_length, c_name_length, c_text_length
+   public :: choice_from_c, context_from_c, first_error, status_to_c, to_c
+
+   integer, parameter :: c_max_law_parameters = 8 !! EVL_MAX_LAW_PARAMETERS
+   integer, parameter :: c_name_length = 32       !! EVL_NAME_LENGTH
+   integer, parameter :: c_text_length = 96       !! EVL_TEXT_LENGTH
+   integer, parameter :: c_field_length = 48      !! EVL_FIELD_LENGTH
+   integer, parameter :: c_message_length = 320   !! EVL_MESSAGE_LENGTH
+
+   !> evl_status
+   type, bind(c) :: c_status
+      integer(c_int) :: code, subject, index
+      character(kind=c_char) :: field(c_field_length)
+      character(kind=c_char) :: message(c_message_length)
+   end type c_status
+
+   !> evl_law_choice
+   type, bind(c) :: c_law_choice
+      integer(c_int) :: law
+      real(c_double) :: parameters(c_max_law_parameters)
+   end type c_law_choice
+
+   !> evl_law_parameter
+   type, bind(c) :: c_law_parameter
+      character(kind=c_char) :: name(c_name_length), units(c_name_length), description(c_text_length)
+      logical(c_bool) :: required
+      real(c_double) :: default_value, minimum, maximum
+      logical(c_bool) :: minimum_open, maximum_open
+   end type c_law_parameter
+
+   !> evl_law_info
+   type, bind(c) :: c_law_info
+      character(kind=c_char) :: name(c_name_length), description(c_text_length), source(c_text_length)
+      integer(c_int) :: n_parameters
+      type(c_law_parameter) :: parameters(c_max_law_parameters)
+   end type c_law_info
+
+   !> evl_contact_context
+   type, bind(c) :: c_contact_context
+      real(c_double) :: h, h_dot, rho_sum, rho_a, rho_b, e_star, width, v0
+   end type c_contact_context
+
+contains
+
+   !> First answer that is not code_ok.
+   pure integer(c_int) function first_error(codes)
+      integer(c_int), intent(in) :: codes(:) !! one for each value
+      integer :: i
+
+      first_error = code_ok
+      do i = 1, size(codes)
+         if (codes(i) == code_ok) cycle
+         first_error = codes(i)
+         return
+      end do
+   end function first_error
+
+   !> A blank-padded string as a C string.
+   pure subroutine to_c(text, c_text)
+      character(len=*), intent(in) :: text                !! cut to what fits
+      character(kind=c_char), intent(out) :: c_text(:)    !! NUL-terminated
+      integer :: i, n
+
+      n = min(len_trim(text), size(c_text) - 1)
+      c_text = c_null_char
+      do i = 1, n
+         c_text(i) = text(i:i)
+      end do
+   end subroutine to_c
+
+   !> A status for C; indices count from 0 there.
+   pure subroutine status_to_c(status, c)
+      type(status_t), intent(in) :: status !! of the kernel
+      type(c_status), intent(out) :: c     !! the same
+
+      c%code = status%code
+      c%subject = status%subject
+      c%index = status%index - 1
+      call to_c(status%field, c%field)
+      call to_c(status%message, c%message)
+   end subroutine status_to_c
+
+   pure type(law_choice) function choice_from_c(c) result(choice)
+      type(c_law_choice), intent(in) :: c
+
+      choice%law = c%law
+      choice%parameters = c%parameters
+   end function choice_from_c
+
+   elemental type(contact_context) function context_from_c(c) result(ctx)
+      type(c_contact_context), intent(in) :: c
+
+      ctx = contact_context(h=c%h, h_dot=c%h_dot, rho_sum=c%rho_sum, rho_a=c%rho_a, rho_b=c%rho_b, e_star=c%e_star, &
+                            width=c%width, v0=c%v0)
+   end function context_from_c
+
+end module evl_capi_types
