@@ -31,22 +31,28 @@ step() {
 
 install_packages() {
   if [ "$(id -u)" = 0 ]; then
-    apt-get update && apt-get install -y --no-install-recommends "$@"
+    apt-get update && apt-get -o Acquire::Retries=3 install -y --no-install-recommends "$@"
   else
-    sudo apt-get update && sudo DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "$@"
+    sudo apt-get update && sudo DEBIAN_FRONTEND=noninteractive apt-get -o Acquire::Retries=3 install -y --no-install-recommends "$@"
   fi
+}
+
+# The Debian packages that a log of CMake, or all that its list of libraries names.
+library_packages() { sed -n 's/.*: Debian \([a-z0-9-]*\),.*/\1/p' "${1:-cmake/Dependencies.cmake}"; }
+
+can_install() {
+  command -v apt-get >/dev/null || return 1
+  [ "$(id -u)" = 0 ] && return
+  command -v sudo >/dev/null || return 1
+  sudo -n true 2>/dev/null || { [ -t 0 ] && sudo -v; }
 }
 
 # need PACKAGE...: install these Debian packages if that is possible here, otherwise name them and stop.
 need() {
   [ $# -gt 0 ] || return 0
-  command -v apt-get >/dev/null || die "not found: what Debian has in the packages $*
-Install them with your system's package manager, load their modules, or see \"Without root\" in README.md; then run $0 again."
-  if [ "$(id -u)" != 0 ]; then
-    command -v sudo >/dev/null && { sudo -n true 2>/dev/null || { [ -t 0 ] && sudo -v; }; } ||
-      die "these Debian packages are missing and need root to install: apt-get install --no-install-recommends $*
-Ask for them, or see \"Without root\" in README.md; then run $0 again."
-  fi
+  can_install || die "missing, in Debian's names: $*
+Without apt and root they cannot be installed from here. Install them, load their modules, or see \"Without root\" in
+README.md; then run $0 again."
   step "Installing Debian packages: $*" install_packages "$@"
 }
 
@@ -71,6 +77,10 @@ setup_tools() {
   command -v ninja >/dev/null || missing+=(ninja-build)
   command -v pkg-config >/dev/null || missing+=(pkg-config)
   find_python >/dev/null || missing+=(python3-venv)
+  if [ ${#missing[@]} -gt 0 ] && ! can_install; then
+    # CMake cannot look for the libraries yet, so name them all.
+    mapfile -t -O ${#missing[@]} missing < <(library_packages | grep -v pkg-config)
+  fi
   need "${missing[@]}"
   find_python >/dev/null || die "no Python 3.11 or newer with the modules venv and ensurepip found; name one with PYTHON=..."
 }
@@ -82,7 +92,7 @@ configure() {
   [ -f "$dir/build.ninja" ] && [ "$home" = "$PWD" ] && return
   rm -rf "$dir"
   if ! cmake --preset "$1" >"build/log/configure-$1.log" 2>&1; then
-    missing=$(sed -n 's/.*: Debian \([a-z0-9-]*\),.*/\1/p' "build/log/configure-$1.log")
+    missing=$(library_packages "build/log/configure-$1.log")
     if [ -z "$missing" ]; then
       tail -n 20 "build/log/configure-$1.log" >&2
       die "CMake failed; the whole log is build/log/configure-$1.log"
