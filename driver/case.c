@@ -1,0 +1,188 @@
+#include "case.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "case_resolve.h"
+#include "case_schema.h"
+#include "case_tree.h"
+#include "memory.h"
+#include "number.h"
+
+enum { FORMAT = 1 };
+
+struct case_file {
+    char *path;
+    int n_options;
+    char **options; /* the nodes of the tree point to them */
+    case_node *root;
+    char *text;
+    description description;
+};
+
+/** Before anything else: a case of another format has other keys. */
+static bool check_format(const case_file *file, evl_error *error)
+{
+    const case_node *format = node_get(file->root, "format");
+    double version = 0;
+    if (format == NULL || format->kind != NODE_SCALAR || !format->plain ||
+        number_read(format->text, &version) != NUMBER_FINITE || version == FORMAT) {
+        return true; /* good, or the schema says better what is wrong */
+    }
+    char place[EVL_ERROR_PLACE_LENGTH];
+    place_text(file->path, format->place, place);
+    evl_error_set(error, EVL_EXIT_CASE, place, "format: is %.32s, but this evolvent reads format %d only", format->text,
+                  FORMAT);
+    return false;
+}
+
+static bool read_and_resolve(case_file *file, const law_tables *laws, evl_error *error)
+{
+    file->root = tree_load_file(file->path, error);
+    if (file->root == NULL) {
+        return false;
+    }
+    for (int i = 0; i < file->n_options; i++) {
+        if (!tree_set(file->root, file->options[i], error)) {
+            return false;
+        }
+    }
+    if (!check_format(file, error)) {
+        return false;
+    }
+    case_schema *schema = schema_create(laws);
+    const bool good = schema_check(schema, file->path, file->root, error) &&
+                      case_resolve(file->path, file->root, laws, &file->description, error);
+    schema_delete(&schema);
+    return good;
+}
+
+case_file *case_read(const char *path, int n_set, const char *const *set_options, const law_tables *laws,
+                     evl_error *error)
+{
+    memset(error, 0, sizeof *error);
+    case_file *file = xcalloc(1, sizeof *file);
+    file->path = xstrdup(path);
+    file->n_options = n_set;
+    file->options = xcalloc((size_t)n_set, sizeof *file->options);
+    for (int i = 0; i < n_set; i++) {
+        file->options[i] = xstrdup(set_options[i]);
+    }
+    if (read_and_resolve(file, laws, error)) {
+        file->text = tree_text(file->root);
+    } else {
+        case_delete(&file);
+    }
+    return file;
+}
+
+void case_delete(case_file **file)
+{
+    if (*file == NULL) {
+        return;
+    }
+    description_clear(&(*file)->description);
+    node_delete(&(*file)->root);
+    for (int i = 0; i < (*file)->n_options; i++) {
+        free((*file)->options[i]);
+    }
+    free((*file)->options);
+    free((*file)->text);
+    free((*file)->path);
+    free(*file);
+    *file = NULL;
+}
+
+const description *case_description(const case_file *file)
+{
+    return &file->description;
+}
+
+const char *case_path(const case_file *file)
+{
+    return file->path;
+}
+
+const char *case_text(const case_file *file)
+{
+    return file->text;
+}
+
+const case_node *case_root(const case_file *file)
+{
+    return file->root;
+}
+
+/* ---- refusals by the model ---- */
+
+/** Go to element `index` of the list `key`, whose name (or index) is added to the label. */
+static const case_node *list_element(const case_node *block, const char *key, int index, char **label)
+{
+    const case_node *list = node_get(block, key);
+    if (list == NULL || index < 0 || index >= list->n) {
+        return block;
+    }
+    const case_node *element = list->entries[index].value;
+    const char *name = node_get_text(element, "name");
+    char *longer = name != NULL ? xasprintf("%s%s.%s.", *label, key, name) : xasprintf("%s%s.%d.", *label, key, index);
+    free(*label);
+    *label = longer;
+    return element;
+}
+
+/** The deepest node along a dotted path that the case has. */
+static const case_node *deepest(const case_node *block, const char *field)
+{
+    char *path = xstrdup(field);
+    for (char *key = path; key != NULL;) {
+        char *dot = strchr(key, '.');
+        if (dot != NULL) {
+            *dot = '\0';
+        }
+        const case_node *value = node_get(block, key);
+        if (value == NULL) {
+            break;
+        }
+        block = value;
+        key = dot == NULL ? NULL : dot + 1;
+    }
+    free(path);
+    return block;
+}
+
+void case_refuse(const case_file *file, case_subject subject, int index, int load, const char *field,
+                 const char *message, evl_error *error)
+{
+    const case_node *block = file->root;
+    char *label = xstrdup("");
+    switch (subject) {
+    case CASE_ABOUT_NOTHING:
+        break;
+    case CASE_ABOUT_WHEEL:
+        block = list_element(block, "wheels", index, &label);
+        break;
+    case CASE_ABOUT_LOAD:
+        block = list_element(block, "wheels", index, &label);
+        block = list_element(block, "loads", load, &label);
+        break;
+    case CASE_ABOUT_MESH:
+        block = list_element(block, "meshes", index, &label);
+        break;
+    case CASE_ABOUT_INITIAL:
+        block = node_get(node_get(block, "simulation"), "initial");
+        free(label);
+        label = xstrdup("simulation.initial.");
+        break;
+    }
+    const case_node *node = deepest(block, field);
+    char place[EVL_ERROR_PLACE_LENGTH];
+    place_text(file->path, node->place, place);
+    char *name = xasprintf("%s%s", label, field);
+    const size_t length = strlen(name);
+    if (length > 0 && name[length - 1] == '.') {
+        name[length - 1] = '\0';
+    }
+    evl_error_set(error, EVL_EXIT_CASE, place, "%s%s%s", name, name[0] == '\0' ? "" : ": ", message);
+    free(name);
+    free(label);
+}

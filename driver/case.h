@@ -1,0 +1,45 @@
+/** A case file: read, edited by --set options, checked against the schema, and resolved to a description. */
+#ifndef EVOLVENT_CASE_H
+#define EVOLVENT_CASE_H
+
+#include "description.h"
+#include "status.h"
+
+typedef struct case_file case_file;
+
+/** Read the case at `path`, apply the options in their order, check and resolve.
+ *  @param set_options  [n_set] each "PATH=VALUE"
+ *  @param laws         the laws that the model offers; used during the call only
+ *  @return NULL with the first thing that is wrong in `error`: EVL_EXIT_USAGE for a malformed option, else EVL_EXIT_CASE */
+case_file *case_read(const char *path, int n_set, const char *const *set_options, const law_tables *laws,
+                     evl_error *error);
+/** Free a case and set the pointer to NULL. Nothing happens if it is NULL already. */
+void case_delete(case_file **file);
+
+/** The case as plain data; lives as long as the case. */
+const description *case_description(const case_file *file);
+/** The file as it was given to case_read. */
+const char *case_path(const case_file *file);
+/** The whole case as YAML text: options applied, every default filled in, nothing derived. Reading it gives the same description. */
+const char *case_text(const case_file *file);
+
+/** The checked tree itself, with the file's own keys and units. */
+const struct case_node *case_root(const case_file *file);
+
+typedef enum {
+    CASE_ABOUT_NOTHING,
+    CASE_ABOUT_WHEEL,
+    CASE_ABOUT_MESH,
+    CASE_ABOUT_LOAD,
+    CASE_ABOUT_INITIAL
+} case_subject;
+
+/** Turn a refusal by the model into an error that names the place in the file or the option.
+ *  @param index    wheel (also of a load) or mesh, from 0; -1 if none
+ *  @param load     which load of that wheel, from 0; -1 if none
+ *  @param field    key in the block, may be a dotted path such as "support.stiffness"; "" for the whole block.
+ *                  A key that the case does not give leads to the place of its block. */
+void case_refuse(const case_file *file, case_subject subject, int index, int load, const char *field,
+                 const char *message, evl_error *error);
+
+#endif

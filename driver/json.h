@@ -1,0 +1,24 @@
+/** Writes JSON, one value after the other, indented. A leaf. */
+#ifndef EVOLVENT_JSON_H
+#define EVOLVENT_JSON_H
+
+#include <stdbool.h>
+#include <stdio.h>
+
+typedef struct {
+    FILE *stream;
+    int level;
+    bool has_values; /**< the innermost object or array has one already */
+} json_writer;
+
+/* `key` is NULL in an array and at the top. */
+void json_open(json_writer *writer, const char *key, char bracket);
+/** @param bracket  '}' or ']' */
+void json_close(json_writer *writer, char bracket);
+/** UTF-8 text. */
+void json_text(json_writer *writer, const char *key, const char *text);
+/** In the shortest form that reads back exactly; null if it is not finite. */
+void json_number(json_writer *writer, const char *key, double value);
+void json_numbers(json_writer *writer, const char *key, int n, const double *values);
+
+#endif

@@ -1,0 +1,19 @@
+/** Memory that is there, or the program ends with a message: nothing sensible can be done without it. A leaf. */
+#ifndef EVOLVENT_MEMORY_H
+#define EVOLVENT_MEMORY_H
+
+#include <stddef.h>
+
+/** count * size bytes, zeroed; never NULL. */
+void *xcalloc(size_t count, size_t size);
+/** count * size bytes with the old content; never NULL. */
+void *xrealloc(void *old, size_t count, size_t size);
+char *xstrdup(const char *text);
+/** A new string as printf would print it. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 1, 2)))
+#endif
+char *
+xasprintf(const char *format, ...);
+
+#endif

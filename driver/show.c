@@ -1,0 +1,178 @@
+#include "show.h"
+
+#include <string.h>
+
+#include "case_schema.h"
+#include "json.h"
+#include "number.h"
+
+enum { MOST_ROWS = 40 };
+
+static const double DEGREES_PER_RADIAN = 57.295779513082320877;
+
+/** Whether all of it got through, also to a full disk or a closed pipe. */
+static int finish(FILE *stream)
+{
+    return fflush(stream) == 0 && !ferror(stream) ? EVL_EXIT_OK : EVL_EXIT_IO;
+}
+
+/* ---- for reading ---- */
+
+static const char *unit_text(const char *units)
+{
+    return strcmp(units, "1") == 0 ? "" : units;
+}
+
+static void print_rows(FILE *stream, int n, const model_quantity *rows)
+{
+    for (int i = 0; i < n; i++) {
+        const model_quantity *row = &rows[i];
+        fprintf(stream, "  %-46s %-12s ", row->long_name, row->symbol);
+        if (row->n == 2) {
+            fprintf(stream, "(%.10g, %.10g) %s", row->value[0], row->value[1], unit_text(row->units));
+        } else {
+            fprintf(stream, "%.10g %s", row->value[0], unit_text(row->units));
+        }
+        if (row->is_angle) {
+            fprintf(stream, " = %.8g deg", row->value[0] * DEGREES_PER_RADIAN);
+        }
+        fputc('\n', stream);
+    }
+}
+
+static void print_indented(FILE *stream, const char *text)
+{
+    for (const char *line = text; *line != '\0';) {
+        const size_t n = strcspn(line, "\n");
+        fprintf(stream, "  %.*s\n", (int)n, line);
+        line += n + (line[n] == '\n' ? 1 : 0);
+    }
+}
+
+int show_text(FILE *stream, const case_file *file, const model *model)
+{
+    const description *description = case_description(file);
+    model_quantity rows[MOST_ROWS];
+    fprintf(stream, "Case %s, with all defaults (angles in degrees)\n\n", case_path(file));
+    print_indented(stream, case_text(file));
+    for (int i = 0; i < description->n_wheels; i++) {
+        fprintf(stream, "\nWheel %s\n", description->wheels[i].name);
+        print_rows(stream, model_wheel_geometry(model, i, rows), rows);
+    }
+    for (int i = 0; i < description->n_meshes; i++) {
+        fprintf(stream, "\nMesh %s\n", description->meshes[i].name);
+        print_rows(stream, model_mesh_geometry(model, i, rows), rows);
+    }
+    for (int i = 0; i < model_n_warnings(model); i++) {
+        char text[DAE_MESSAGE_LENGTH];
+        model_warning(model, i, text);
+        fprintf(stream, "%s  %s\n", i == 0 ? "\nWarnings\n" : "", text);
+    }
+    return finish(stream);
+}
+
+/* ---- for scripts ---- */
+
+static void write_node(json_writer *writer, const char *key, const case_node *node)
+{
+    double value = 0;
+    if (node->kind == NODE_SCALAR && node->plain && number_read(node->text, &value) == NUMBER_FINITE) {
+        json_number(writer, key, value);
+    } else if (node->kind == NODE_SCALAR) {
+        json_text(writer, key, node->text);
+    } else {
+        json_open(writer, key, node->kind == NODE_SEQUENCE ? '[' : '{');
+        for (int i = 0; i < node->n; i++) {
+            write_node(writer, node->entries[i].key, node->entries[i].value);
+        }
+        json_close(writer, node->kind == NODE_SEQUENCE ? ']' : '}');
+    }
+}
+
+static void write_rows(json_writer *writer, const char *key, int n, const model_quantity *rows)
+{
+    json_open(writer, key, '{');
+    for (int i = 0; i < n; i++) {
+        if (rows[i].n == 2) {
+            json_numbers(writer, rows[i].name, 2, rows[i].value);
+        } else {
+            json_number(writer, rows[i].name, rows[i].value[0]);
+        }
+    }
+    json_close(writer, '}');
+}
+
+int show_json(FILE *stream, const case_file *file, const model *model)
+{
+    const description *description = case_description(file);
+    model_quantity rows[MOST_ROWS];
+    json_writer writer = {.stream = stream};
+    json_open(&writer, NULL, '{');
+    json_text(&writer, "path", case_path(file));
+    write_node(&writer, "case", case_root(file));
+    json_open(&writer, "wheels", '{');
+    for (int i = 0; i < description->n_wheels; i++) {
+        write_rows(&writer, description->wheels[i].name, model_wheel_geometry(model, i, rows), rows);
+    }
+    json_close(&writer, '}');
+    json_open(&writer, "meshes", '{');
+    for (int i = 0; i < description->n_meshes; i++) {
+        write_rows(&writer, description->meshes[i].name, model_mesh_geometry(model, i, rows), rows);
+    }
+    json_close(&writer, '}');
+    json_open(&writer, "warnings", '[');
+    for (int i = 0; i < model_n_warnings(model); i++) {
+        char text[DAE_MESSAGE_LENGTH];
+        model_warning(model, i, text);
+        json_text(&writer, NULL, text);
+    }
+    json_close(&writer, ']');
+    json_close(&writer, '}');
+    return finish(stream);
+}
+
+/* ---- laws and keys ---- */
+
+static void print_parameter(FILE *stream, const law_parameter *parameter)
+{
+    const case_key range = {.minimum = parameter->minimum,
+                            .maximum = parameter->maximum,
+                            .minimum_open = parameter->minimum_open,
+                            .maximum_open = parameter->maximum_open};
+    char range_text[128], value[NUMBER_TEXT_LENGTH];
+    key_range_text(&range, range_text);
+    number_write(value, parameter->default_value);
+    const char *unit = unit_text(parameter->units);
+    fprintf(stream, "      %s%s%s%s: %s\n", parameter->name, unit[0] == '\0' ? "" : " [", unit,
+            unit[0] == '\0' ? "" : "]", parameter->text);
+    fprintf(stream, "        %s%s%s%s\n", parameter->required ? "required" : "default ",
+            parameter->required ? "" : value, range_text[0] == '\0' ? "" : ", ", range_text);
+}
+
+int show_laws(FILE *stream, const law_tables *laws)
+{
+    static const char *const families[LAWS_FAMILIES] = {
+        [LAWS_CONTACT] = "contact", [LAWS_DAMPING] = "damping", [LAWS_FRICTION] = "friction"};
+    for (int family = 0; family < LAWS_FAMILIES; family++) {
+        fprintf(stream, "%s%s:\n", family == 0 ? "" : "\n", families[family]);
+        for (int i = 0; i < laws->count[family]; i++) {
+            const law_info *law = &laws->laws[family][i];
+            fprintf(stream, "  {law: %s}  %s\n", law->name, law->text);
+            if (law->source[0] != '\0') {
+                fprintf(stream, "      source: %s\n", law->source);
+            }
+            for (int k = 0; k < law->n_parameters; k++) {
+                print_parameter(stream, &law->parameters[k]);
+            }
+        }
+    }
+    return finish(stream);
+}
+
+int show_keys(FILE *stream, const law_tables *laws)
+{
+    case_schema *schema = schema_create(laws);
+    schema_print(stream, schema);
+    schema_delete(&schema);
+    return finish(stream);
+}

@@ -1,0 +1,45 @@
+/** How a command ends: exit codes, and the one line that says why. A leaf. */
+#ifndef EVOLVENT_STATUS_H
+#define EVOLVENT_STATUS_H
+
+#include <stdio.h>
+
+/** Every exit code of the program: name, number, meaning. */
+#define EVL_EXIT_CODES(X)                                                                                              \
+    X(EVL_EXIT_OK, 0, "done")                                                                                          \
+    X(EVL_EXIT_PARTIAL, 1, "a batch in which some cases failed")                                                       \
+    X(EVL_EXIT_USAGE, 2, "wrong usage of the command line, also a malformed --set")                                    \
+    X(EVL_EXIT_CASE, 3, "bad case, also a refused --set path or value")                                                \
+    X(EVL_EXIT_INTEGRATION, 4, "the integration failed")                                                               \
+    X(EVL_EXIT_IO, 74, "output could not be written")                                                                  \
+    X(EVL_EXIT_INTERRUPTED, 75, "interrupted by a signal")
+
+#define EVL_EXIT_ENUMERATOR(name, number, text) name = number,
+typedef enum { EVL_EXIT_CODES(EVL_EXIT_ENUMERATOR) } evl_exit;
+#undef EVL_EXIT_ENUMERATOR
+
+/** What an exit code means; "unknown" if there is no such code. */
+const char *evl_exit_text(int code);
+/** One line "  code  meaning" for each exit code, as --help shows them. */
+void evl_exit_print_table(FILE *stream);
+
+enum { EVL_ERROR_PLACE_LENGTH = 1280, EVL_ERROR_MESSAGE_LENGTH = 1024 };
+
+/** Why something failed. code is EVL_EXIT_OK as long as nothing did. */
+typedef struct {
+    evl_exit code;
+    char place[EVL_ERROR_PLACE_LENGTH]; /**< "CASE.yaml:12:5" or "--set wheels.gear.teeth=-3"; "" if there is none */
+    char message[EVL_ERROR_MESSAGE_LENGTH]; /**< what is wrong and what to do, one line without its newline */
+} evl_error;
+
+/** Fill an error; control characters of foreign text become blanks, so that the message stays one line of valid text.
+ *  @param place  "" if there is none */
+#if defined(__GNUC__)
+__attribute__((format(printf, 4, 5)))
+#endif
+void evl_error_set(evl_error *error, evl_exit code, const char *place, const char *format, ...);
+
+/** Write "PLACE: MESSAGE", or "evolvent: MESSAGE" if there is no place, and a newline. */
+void evl_error_print(FILE *stream, const evl_error *error);
+
+#endif
