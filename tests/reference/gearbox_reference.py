@@ -8,7 +8,7 @@ and speeds are products of complex numbers, not formulas worked out beforehand.
 Setup: a pinion A at the origin that turns clockwise, a gear B on a slider along x at L + s, a
 constant torque on A and a viscous one on B; the defaults are those of examples/paper.yaml.
 
-Source: Kosenko & Gusev, 8th Modelica Conference 2011, pp. 315-328; equation numbers are the paper's.
+Source: Kosenko & Gusev, 8th Modelica Conference 2011, pp. 315-328, whose equation numbers we use.
 """
 
 from __future__ import annotations
@@ -257,10 +257,11 @@ def solve(
     -------
     dict with arrays of shape (n,): t [s], h (signed) [m], normal_force, elastic_force [N],
     friction_force (on A, along t) [N], sliding_velocity [m/s], phi_a (since the start) [rad],
-    omega_a, omega_b [rad/s], slider, delta (lag of the gear, (19)) [m], delta_rate, slider_rate
-    [m/s], teeth_passed, load_work, dissipated [J]; point and along (complex), the contact point
-    and the direction of the line of action. Beside them switch_times [s]; events, a list of
-    (t, name, state before); gearbox, the `Gearbox`.
+    omega_a, omega_b [rad/s], acceleration_a, acceleration_b [rad/s^2], slider, delta (lag of the
+    gear, (19)) [m], delta_rate, slider_rate [m/s], teeth_passed, load_work, dissipated [J],
+    curvature_a, curvature_b [m], alpha [rad]; point and along (complex), the contact point [m] and
+    the direction of the line of action. Beside them switch_times [s]; events, a list of (t, name,
+    state before); gearbox, the `Gearbox`.
     """
     unknown = set(params) - {field.name for field in fields(Setup)}
     if unknown:
@@ -314,6 +315,8 @@ def solve(
 def record(rows: dict[str, list[Any]], t: float, y: State, gearbox: Gearbox, mode: Mode) -> None:
     """Append one row of output."""
     m = gearbox.loads(y, mode.teeth_passed, mode.pushing, mode.sliding)
+    rates = gearbox.rhs(y, mode.teeth_passed, mode.pushing, mode.sliding)
+    acceleration_a = rates[OMEGA_A]
     row = {
         "t": t,
         "h": m["depth"],
@@ -324,6 +327,8 @@ def record(rows: dict[str, list[Any]], t: float, y: State, gearbox: Gearbox, mod
         "phi_a": y[PHI_A] - gearbox.phi_start,
         "omega_a": y[OMEGA_A],
         "omega_b": m["omega_b"],
+        "acceleration_a": acceleration_a,
+        "acceleration_b": -(rates[LAG_RATE] + gearbox.base_a * acceleration_a) / gearbox.base_b,
         "slider": y[SLIDER],
         "delta": y[LAG],
         "delta_rate": y[LAG_RATE],
@@ -331,6 +336,9 @@ def record(rows: dict[str, list[Any]], t: float, y: State, gearbox: Gearbox, mod
         "teeth_passed": mode.teeth_passed,
         "load_work": y[LOAD_WORK],
         "dissipated": y[DISSIPATED],
+        "curvature_a": m["curvature_a"],
+        "curvature_b": m["curvature_b"],
+        "alpha": m["alpha"],
         "point": m["point"],
         "along": m["along"],
     }

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from gearbox_reference import Gearbox, Setup, solve
+
+from reference.gearbox_reference import Gearbox, Setup, solve
 
 
 @pytest.fixture(scope="module", params=[0.0, 0.3], ids=["frictionless", "friction"])

@@ -1,0 +1,238 @@
+"""Figures of one or several histories over time. They take datasets and return figures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from evolvent.history import require
+from evolvent.units import prefixed
+
+# Told apart by lightness and by dashes, so that they survive a grey printer.
+LINES = (
+    {"color": "#10243e", "linestyle": "-"},
+    {"color": "#d1681c", "linestyle": (0, (5, 2))},
+    {"color": "#3f8fc4", "linestyle": (0, (1.2, 1.2))},
+    {"color": "#7a9a2b", "linestyle": (0, (6, 1.5, 1.2, 1.5))},
+    {"color": "#b78bc0", "linestyle": (0, (3, 1, 1, 1, 1, 1))},
+)
+STYLE: dict[Any, Any] = {
+    "font.size": 12,
+    "axes.labelsize": 12,
+    "legend.fontsize": 11,
+    "axes.grid": True,
+    "grid.color": "#dddddd",
+    "grid.linewidth": 0.6,
+    "lines.linewidth": 1.3,
+    "legend.frameon": False,
+    "svg.hashsalt": "evolvent",  # the same figure gives the same file
+}
+# Events that a reader of the figures asks about, with their marks at the lower edge.
+EVENT_MARKS = {
+    "tooth_switch": ("tooth switch", "^"),
+    "tooth_switch_back": ("tooth switch back", "v"),
+    "contact_closed": ("contact closed", "s"),
+    "contact_opened": ("contact opened", "o"),
+    "sliding_began": ("sliding began", "|"),
+    "sliding_ended": ("sliding ended", "x"),
+}
+# matplotlib's type hints do not know these places.
+ABOVE: Any = "outside upper left"
+BELOW: Any = "outside lower left"
+MAX_EVENT_LINES = 40  # more vertical lines would hide the curves
+MAX_POINTS = 6000  # of a line; more cannot be seen and make an SVG of many megabytes
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One line of a figure."""
+
+    label: str
+    values: xr.DataArray  # dim (time)
+
+
+def figure_penetration(history: xr.Dataset, events: xr.Dataset | None = None) -> Figure:
+    """Draw transmission error Delta and penetration h over time, one panel a mesh.
+
+    Parameters
+    ----------
+    history : with transmission_error and penetration [m], dims (time, mesh).
+    events : as from `open_events`; marked if given.
+
+    Source: Kosenko & Gusev 2011, Figure 3.
+    """
+    panels = [
+        (
+            _panel_title(history, mesh),
+            [
+                Curve(f"{label} ${symbol}$", require(history, name).isel(mesh=mesh))
+                for name, label, symbol in (
+                    ("transmission_error", "transmission error", r"\Delta"),
+                    ("penetration", "penetration", "h"),
+                )
+            ],
+            _of_mesh(events, mesh),
+        )
+        for mesh in range(history.sizes["mesh"])
+    ]
+    return _figure(panels, "length along the line of action")
+
+
+def figure_transmission_error(
+    histories: Sequence[xr.Dataset], labels: Sequence[str], events: xr.Dataset | None = None
+) -> Figure:
+    """Draw the transmission error Delta of several runs together, one panel a mesh.
+
+    Parameters
+    ----------
+    histories : with transmission_error [m], dims (time, mesh), and the same number of meshes.
+    labels : one a history.
+    events : of one of them; marked if given.
+
+    Source: Kosenko & Gusev 2011, (19) and Figure 4.
+    """
+    panels = [
+        (
+            _panel_title(histories[0], mesh),
+            [
+                Curve(label, require(history, "transmission_error").isel(mesh=mesh))
+                for history, label in zip(histories, labels, strict=True)
+            ],
+            _of_mesh(events, mesh),
+        )
+        for mesh in range(histories[0].sizes["mesh"])
+    ]
+    return _figure(panels, r"transmission error $\Delta$")
+
+
+def figure_normal_force(history: xr.Dataset, events: xr.Dataset | None = None) -> Figure:
+    """Draw the normal force F_n [N] of every mesh over time, dims (time, mesh)."""
+    force = require(history, "normal_force")
+    curves = [Curve(_name(history, "mesh", m), force.isel(mesh=m)) for m in range(force.mesh.size)]
+    return _figure([("", curves, events)], "normal force $F_n$")
+
+
+def figure_speeds(history: xr.Dataset, events: xr.Dataset | None = None) -> Figure:
+    """Draw the angular velocity [rad/s] of every wheel over time, dims (time, wheel)."""
+    speed = require(history, "angular_velocity")
+    curves = [
+        Curve(_name(history, "wheel", w), speed.isel(wheel=w)) for w in range(speed.wheel.size)
+    ]
+    return _figure([("", curves, events)], r"angular velocity $\omega$")
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a figure in the format of the file's ending; the same data give the same bytes."""
+    undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
+    with rc_context(STYLE):
+        figure.savefig(path, dpi=150, metadata=undated.get(path.suffix.lstrip(".").lower()))
+
+
+def _figure(panels: list[tuple[str, list[Curve], xr.Dataset | None]], ylabel: str) -> Figure:
+    with rc_context(STYLE):
+        figure = Figure(figsize=(7.5, 1.9 + 2.7 * len(panels)), layout="constrained")
+        axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+        for axis, (title, curves, events) in zip(axes, panels, strict=True):
+            _draw(axis, curves, ylabel)
+            if events is not None:
+                _mark_events(axis, events)
+            if title and len(panels) > 1:
+                axis.set_title(title, loc="left", fontsize=12)
+        axes[-1].set_xlabel("time [s]")
+        _legends(figure, list(axes))
+    return figure
+
+
+def _draw(axis: Axes, curves: list[Curve], ylabel: str) -> None:
+    units = str(curves[0].values.attrs.get("units", "1"))
+    largest = max(_largest(curve.values) for curve in curves)
+    factor, shown = prefixed(largest, units)
+    for number, curve in enumerate(curves):
+        time, values = _thinned(curve.values["time"].values, curve.values.values * factor)
+        axis.plot(time, values, label=curve.label, **LINES[number % len(LINES)])
+    axis.set_ylabel(f"{ylabel} [{shown}]" if shown else ylabel)
+    times = [curve.values["time"].values for curve in curves if curve.values.size]
+    if times:
+        begin, end = min(t[0] for t in times), max(t[-1] for t in times)
+        if begin < end:
+            axis.set_xlim(begin, end)
+    axis.margins(y=0.08)
+    axis.ticklabel_format(useOffset=False)
+
+
+def _mark_events(axis: Axes, events: xr.Dataset) -> None:
+    begin, end = axis.get_xlim()
+    times = events["time"].values
+    inside = (times >= begin) & (times <= end)
+    kinds = events["kind"].values
+    switches = times[inside & np.isin(kinds, ["tooth_switch", "tooth_switch_back"])]
+    if switches.size <= MAX_EVENT_LINES:
+        for time in switches:
+            axis.axvline(time, color="#999999", linewidth=0.8, linestyle=":", zorder=0.5)
+    for kind, (label, marker) in EVENT_MARKS.items():
+        at = times[inside & (kinds == kind)]
+        if at.size:
+            axis.plot(
+                at,
+                np.full(at.size, 0.025),
+                marker,
+                transform=axis.get_xaxis_transform(),
+                color="#555555",
+                markersize=5,
+                markerfacecolor="#bbbbbb",
+                label=label,
+            )
+
+
+def _legends(figure: Figure, axes: list[Axes]) -> None:
+    """Name the curves above the panels and the events below, where they hide nothing."""
+    entries: dict[str, Any] = {}
+    for axis in axes:
+        for handle, label in zip(*axis.get_legend_handles_labels(), strict=True):
+            entries.setdefault(label, handle)
+    marks = {label for label, _ in EVENT_MARKS.values()} & set(entries)
+    curves = [label for label in entries if label not in marks]
+    for place, labels in ((ABOVE, curves), (BELOW, [label for label in entries if label in marks])):
+        if labels:
+            handles = [entries[label] for label in labels]
+            figure.legend(handles, labels, loc=place, ncols=4, columnspacing=1.4)
+
+
+def _thinned(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Keep the smallest and the largest value of each of equal blocks if there are too many."""
+    if values.size <= MAX_POINTS:
+        return time, values
+    block = -(-values.size // (MAX_POINTS // 2))
+    starts = np.arange(0, values.size, block)
+    finite = np.where(np.isfinite(values), values, values[np.isfinite(values)][0])
+    low = [s + int(np.argmin(finite[s : s + block])) for s in starts]
+    high = [s + int(np.argmax(finite[s : s + block])) for s in starts]
+    kept = np.unique(np.concatenate([low, high, [0, values.size - 1]]))
+    return time[kept], values[kept]
+
+
+def _largest(values: xr.DataArray) -> float:
+    finite = np.abs(values.values[np.isfinite(values.values)])
+    return float(finite.max(initial=0.0))
+
+
+def _of_mesh(events: xr.Dataset | None, mesh: int) -> xr.Dataset | None:
+    if events is None:
+        return None
+    return events.isel(event=np.isin(events["mesh"].values, [-1, mesh]))
+
+
+def _name(history: xr.Dataset, dim: str, index: int) -> str:
+    return str(history[dim].values[index])
+
+
+def _panel_title(history: xr.Dataset, mesh: int) -> str:
+    return f"mesh {_name(history, 'mesh', mesh)}"

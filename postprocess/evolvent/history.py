@@ -1,0 +1,152 @@
+"""Open a history file as xarray datasets.
+
+The only module that knows how a history lies on file; docs/result_format.md describes it.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+NEWEST_FORMAT = 1
+DIMENSIONS = ("time", "wheel", "mesh", "axis")
+DONE = "done"  # the attribute `status` of a run that reached its end
+
+
+class HistoryError(Exception):
+    """A file that cannot be used as a history; the message names it and says why."""
+
+
+def open_history(path: str | Path) -> xr.Dataset:
+    """Open a history.
+
+    Values are read when they are first used; close the dataset, or use it in a `with` statement,
+    to let go of the file. A history of a run that did not finish opens as well: see `run_warning`.
+
+    Parameters
+    ----------
+    path : file written by `evolvent run`, or its NAME.partial.
+
+    Returns
+    -------
+    Dataset with the dimensions time [s], wheel, mesh and axis (x, y); SI units and radians, each
+    variable with `units`, `long_name` and `symbol`. `case`, the whole resolved case, and the
+    counts and versions of the run are attributes.
+
+    Raises
+    ------
+    HistoryError
+        No such file, not HDF5, no history, or of a newer format than this package reads.
+    """
+    path = Path(path)
+    history = _open(path, None)
+    try:
+        _check_format(path, history)
+    except HistoryError:
+        history.close()
+        raise
+    return history
+
+
+def open_events(path: str | Path) -> xr.Dataset:
+    """Open the located events of a history.
+
+    Parameters
+    ----------
+    path : as for `open_history`.
+
+    Returns
+    -------
+    Dataset with the dimensions event and side (before, after): `time` [s] (event), `kind` (event),
+    decoded to names such as "tooth_switch"; `mesh` (event), an index from 0, -1 if the event
+    concerns no mesh; `tooth_pair` (event), pitches since the start; every state (event, side).
+
+    Raises
+    ------
+    HistoryError
+        As for `open_history`, or without a group of events.
+    """
+    path = Path(path)
+    with open_history(path):  # refuses what is no history
+        events = _open(path, "events")
+    if "kind" not in events:
+        events.close()
+        raise HistoryError(f"{path}: the group `events` has no variable `kind`")
+    return events.assign(kind=_decode_flags(events["kind"]))
+
+
+def run_warning(history: xr.Dataset) -> str | None:
+    """Say in one sentence that the run did not reach its end; None if it did."""
+    status = str(history.attrs.get("status", "unknown"))
+    if status == DONE:
+        return None
+    reason = str(history.attrs.get("status_message", ""))
+    end = (
+        f" (last output at t = {float(history['time'][-1]):.6g} s)" if history.sizes["time"] else ""
+    )
+    return f"the run did not finish: {status}{', ' + reason if reason else ''}{end}"
+
+
+def source_name(history: xr.Dataset) -> str:
+    """Name of the file that a history was opened from."""
+    return Path(str(history.encoding.get("source", "history"))).name
+
+
+def file_label(path: str | Path) -> str:
+    """Name a history in legends and file names: its file name without the endings."""
+    return Path(path).name.removesuffix(".partial").removesuffix(".h5")
+
+
+def require(history: xr.Dataset, name: str) -> xr.DataArray:
+    """Return a variable of a history, or say which file lacks it."""
+    if name not in history:
+        raise HistoryError(f"{source_name(history)}: has no variable `{name}`")
+    return history[name]
+
+
+def _open(path: Path, group: str | None) -> xr.Dataset:
+    if not path.exists():
+        partial = path.with_name(path.name + ".partial")
+        hint = f"; its run did not finish, but there is {partial.name}" if partial.exists() else ""
+        raise HistoryError(f"{path}: no such file{hint}")
+    if path.is_dir():
+        raise HistoryError(f"{path}: is a folder, not a history")
+    try:
+        # Times stay seconds since the start of the run; xarray would make dates of some units.
+        return xr.open_dataset(path, engine="h5netcdf", group=group, decode_times=False)
+    except PermissionError as error:
+        raise HistoryError(f"{path}: may not be read") from error
+    except (OSError, KeyError, ValueError) as error:
+        if group is not None:
+            raise HistoryError(f"{path}: has no readable group `{group}`") from error
+        reason = " ".join(str(error).split())
+        raise HistoryError(f"{path}: is not a readable HDF5 file ({reason})") from error
+
+
+def _check_format(path: Path, history: xr.Dataset) -> None:
+    number = history.attrs.get("evolvent_format")
+    if number is None:
+        raise HistoryError(f"{path}: is no evolvent history (no attribute `evolvent_format`)")
+    if not isinstance(number, int | np.integer) or number < 1:
+        raise HistoryError(f"{path}: evolvent_format = {number} is no format number")
+    if number > NEWEST_FORMAT:
+        raise HistoryError(
+            f"{path}: has format {number}, but this evolvent-post reads formats up to "
+            f"{NEWEST_FORMAT}; use a newer evolvent"
+        )
+    missing = [name for name in DIMENSIONS if name not in history.dims]
+    if missing:
+        raise HistoryError(f"{path}: is no complete history (no dimension {', '.join(missing)})")
+
+
+def _decode_flags(flags: xr.DataArray) -> xr.DataArray:
+    """Replace the numbers of a CF flag variable by their meanings."""
+    meanings = str(flags.attrs.get("flag_meanings", "")).split()
+    values: list[Any] = np.atleast_1d(flags.attrs.get("flag_values", [])).tolist()
+    names = dict(zip(values, meanings, strict=False))
+    decoded = np.array([names.get(int(k), f"kind_{int(k)}") for k in flags.values], dtype=object)
+    attrs = {k: v for k, v in flags.attrs.items() if not k.startswith("flag_")}
+    return xr.DataArray(decoded, dims=flags.dims, attrs=attrs)

@@ -1,0 +1,293 @@
+"""What must hold in every run, whatever the case: the invariants as a table, and their verdicts.
+
+Each invariant is a function of the history that gives the deviation from what should be, divided
+by its natural scale, so that one number bounds it. docs/theory.md explains them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from evolvent.history import require
+
+CLOSED_FORM = 0  # value of `tracking`
+
+
+class NotApplicableError(Exception):
+    """An invariant says nothing about this history; the message is the reason."""
+
+
+@dataclass(frozen=True)
+class Invariant:
+    """One line of the table."""
+
+    name: str
+    formula: str  # text, as in docs/theory.md
+    relative_to: str
+    bound: float
+    deviation: Callable[[xr.Dataset], xr.DataArray]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What became of an invariant in one history."""
+
+    invariant: Invariant
+    verdict: str  # "pass", "fail" or "not applicable"
+    worst: float | None  # largest deviation; None if not applicable
+    where: dict[str, str]  # coordinates of the worst value, such as {"time": "1.25 s"}
+    reason: str  # why it is not applicable
+
+    @property
+    def failed(self) -> bool:
+        """Whether the invariant is broken."""
+        return self.verdict == "fail"
+
+
+def check_history(history: xr.Dataset) -> list[Verdict]:
+    """Check every invariant.
+
+    Parameters
+    ----------
+    history : as from `open_history`.
+
+    Returns
+    -------
+    One verdict for each line of `INVARIANTS`, in its order.
+
+    Raises
+    ------
+    HistoryError
+        A variable that an invariant needs is not in the file.
+    """
+    return [check_invariant(history, invariant) for invariant in INVARIANTS]
+
+
+def check_invariant(history: xr.Dataset, invariant: Invariant) -> Verdict:
+    """Check one invariant; a value that is no number breaks it."""
+    try:
+        if history.sizes["time"] == 0:
+            raise NotApplicableError("the history has no output")
+        deviation = abs(invariant.deviation(history))
+    except NotApplicableError as error:
+        return Verdict(invariant, "not applicable", None, {}, str(error))
+    values = deviation.values
+    broken = ~np.isfinite(values)
+    position = np.unravel_index(
+        int(np.argmax(broken)) if broken.any() else int(np.argmax(values)), values.shape
+    )
+    worst = float(values[position])
+    where = {
+        str(dim): _place(deviation, str(dim), int(index))
+        for dim, index in zip(deviation.dims, position, strict=True)
+    }
+    passed = not broken.any() and worst <= invariant.bound
+    return Verdict(invariant, "pass" if passed else "fail", worst, where, "")
+
+
+def gradient_ratio(history: xr.Dataset) -> xr.DataArray:
+    """lambda over its constant value -r_bB/r_bA, minus 1, dims (time, mesh).
+
+    Source: Kosenko & Gusev 2011, Assertion 2.
+    """
+    tracked = _tracked(history)
+    driving, driven = _base_radii(tracked)
+    return require(tracked, "gradient_ratio") * driving / driven + 1.0
+
+
+def transmission_error_identity(history: xr.Dataset) -> xr.DataArray:
+    """Delta - h - R (inv alpha - inv alpha_0) over the largest h, dims (time, mesh).
+
+    Source: Kosenko & Gusev 2011, (19), generalised to axles that move.
+    """
+    pressed, depth = _pressed(history)
+    lag = require(pressed, "transmission_error") + require(pressed, "gap")
+    return (lag - require(pressed, "separation_curvature")) / depth
+
+
+def distance_from_flanks(history: xr.Dataset) -> xr.DataArray:
+    """Distance of the tracked points from their flanks, r_b g, over the largest h.
+
+    Dims (wheel_of_mesh, time, mesh).   Source: Kosenko & Gusev 2011, (1).
+    """
+    return _of_both_wheels(history, "tracking_residual")
+
+
+def distance_from_line_of_action(history: xr.Dataset) -> xr.DataArray:
+    """Distance of the tracked points from the line of action, (r_P - K_A).t, over the largest h.
+
+    Dims (wheel_of_mesh, time, mesh).   Source: Kosenko & Gusev 2011, Assertion 1.
+    """
+    return _of_both_wheels(history, "line_distance")
+
+
+def energy_balance(history: xr.Dataset) -> xr.DataArray:
+    """Energy that appeared or got lost since the start over the energy put in, dim (time).
+
+    T + V + dissipated - work of the loads is constant. What was put in is the gross work of the
+    loads (their positive power, integrated over the outputs) and the energy at the start.
+    """
+    stored = require(history, "kinetic_energy") + require(history, "potential_energy")
+    balance = stored + require(history, "dissipated_energy") - require(history, "load_work")
+    power = (require(history, "load_torque") * require(history, "angular_velocity")).sum("wheel")
+    gross = float(power.clip(min=0.0).integrate("time"))
+    scale = gross + abs(float(stored[0]))
+    if scale == 0.0:
+        raise NotApplicableError("no work is done and there is no energy")
+    return (balance - balance[0]) / scale
+
+
+def torque_balance(history: xr.Dataset) -> xr.DataArray:
+    """J omega' - load - contact torques over the wheel's largest contact torque.
+
+    Dims (time, wheel). With friction, on approach and recess alike; a wheel that is never touched
+    is left out.
+    """
+    contact = contact_torque(history)
+    inertia_torque = require(history, "inertia") * require(history, "angular_acceleration")
+    largest = abs(contact).max("time")
+    touched = largest.values > 0.0
+    if not touched.any():
+        raise NotApplicableError("the teeth never touch")
+    deviation = inertia_torque - require(history, "load_torque") - contact
+    return (deviation / largest).isel(wheel=touched).transpose("time", "wheel")
+
+
+def order_of_times(history: xr.Dataset) -> xr.DataArray:
+    """1 where the time is not later than that of the row before, else 0, dim (time)."""
+    time = require(history, "time")
+    late = np.ones(time.size, dtype=bool)
+    late[1:] = np.diff(time.values) > 0.0
+    return xr.DataArray((~late).astype(float), dims="time", coords={"time": time})
+
+
+def finiteness(history: xr.Dataset) -> xr.DataArray:
+    """Share of the values that are no finite numbers, dim (variable).
+
+    What only tracked contact has is missing on purpose where the closed form is used.
+    """
+    shares: dict[str, float] = {}
+    for name, variable in history.variables.items():
+        if variable.dtype.kind != "f":
+            continue
+        values = history[name]
+        if name in TRACKED_ONLY and "mesh" in values.dims:
+            values = values.isel(mesh=_is_tracked(history))
+        shares[str(name)] = float(np.mean(~np.isfinite(values.values))) if values.size else 0.0
+    return xr.DataArray(list(shares.values()), dims="variable", coords={"variable": list(shares)})
+
+
+def contact_torque(history: xr.Dataset) -> xr.DataArray:
+    """Torque of all contacts on each wheel about its axle [N m], dims (time, wheel).
+
+    sigma (F_n r_b + F_t l), summed over the meshes of the wheel; counterclockwise positive.
+    """
+    total = xr.zeros_like(require(history, "load_torque"))
+    base_radius = require(history, "base_radius").values
+    for side in ("driving", "driven"):
+        wheels = require(history, f"{side}_wheel").values.astype(int)
+        arms = require(history, f"friction_arm_{side}")
+        for mesh, wheel in enumerate(wheels):
+            force = require(history, "normal_force").isel(mesh=mesh)
+            friction = require(history, "friction_force").isel(mesh=mesh)
+            torque = force * base_radius[wheel] + friction * arms.isel(mesh=mesh)
+            total[{"wheel": int(wheel)}] += torque.values * float(history["flank"][mesh])
+    return total.assign_attrs(units="N m", long_name="torque of the contacts")
+
+
+TRACKED_ONLY = frozenset(
+    {
+        "gradient_ratio",
+        "tracking_residual_driving",
+        "tracking_residual_driven",
+        "line_distance_driving",
+        "line_distance_driven",
+    }
+)
+
+LARGEST_DEPTH = "largest penetration"
+
+INVARIANTS = (
+    Invariant("gradient ratio", "lambda = -r_bB/r_bA", "itself", 1e-12, gradient_ratio),
+    Invariant(
+        "transmission error",
+        "Delta = h + R (inv alpha - inv alpha_0)",
+        LARGEST_DEPTH,
+        1e-10,
+        transmission_error_identity,
+    ),
+    Invariant("points on flanks", "r_b g(r_P) = 0", LARGEST_DEPTH, 1e-10, distance_from_flanks),
+    Invariant(
+        "points on line of action",
+        "(r_P - K_A).t = 0",
+        LARGEST_DEPTH,
+        1e-10,
+        distance_from_line_of_action,
+    ),
+    Invariant(
+        "energy balance",
+        "T + V + dissipated - work of loads = constant",
+        "energy put in",
+        1e-8,
+        energy_balance,
+    ),
+    Invariant(
+        "torque balance",
+        "J omega' = load + sigma (F_n r_b + F_t l)",
+        "largest contact torque",
+        1e-6,
+        torque_balance,
+    ),
+    Invariant("order of times", "t_i < t_(i+1)", "1", 0.0, order_of_times),
+    Invariant("finite values", "every value is a number", "number of values", 0.0, finiteness),
+)
+
+
+def _is_tracked(history: xr.Dataset) -> np.ndarray:
+    return np.asarray(require(history, "tracking").values != CLOSED_FORM)
+
+
+def _tracked(history: xr.Dataset) -> xr.Dataset:
+    """Keep the meshes whose contact points are tracked."""
+    tracked = _is_tracked(history)
+    if not tracked.any():
+        raise NotApplicableError("closed form: no contact points are tracked")
+    return history.isel(mesh=tracked)
+
+
+def _pressed(history: xr.Dataset) -> tuple[xr.Dataset, xr.DataArray]:
+    """Keep the meshes that ever touch, and give their largest penetration [m], dim (mesh)."""
+    depth = require(history, "penetration").max("time")
+    touched = depth.values > 0.0
+    if not touched.any():
+        raise NotApplicableError("the teeth never touch")
+    return history.isel(mesh=touched), depth.isel(mesh=touched)
+
+
+def _of_both_wheels(history: xr.Dataset, name: str) -> xr.DataArray:
+    pressed, depth = _pressed(_tracked(history))
+    sides = ["driving", "driven"]
+    distances = [require(pressed, f"{name}_{side}") for side in sides]
+    both = xr.concat(distances, dim=xr.DataArray(sides, dims="wheel_of_mesh", name="wheel_of_mesh"))
+    return (both / depth).transpose("wheel_of_mesh", "time", "mesh")
+
+
+def _base_radii(history: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
+    """Base radii of the driving and the driven wheel of each mesh [m], dims (mesh)."""
+    radius = require(history, "base_radius").values
+    driving, driven = (
+        xr.DataArray(radius[require(history, f"{side}_wheel").values.astype(int)], dims="mesh")
+        for side in ("driving", "driven")
+    )
+    return driving, driven
+
+
+def _place(deviation: xr.DataArray, dim: str, index: int) -> str:
+    if dim not in deviation.coords:
+        return str(index)
+    value = deviation[dim].values[index]
+    return f"{value:.6g} s" if dim == "time" else str(value)

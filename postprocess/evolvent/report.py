@@ -1,0 +1,146 @@
+"""One self-contained HTML page about one run."""
+
+from __future__ import annotations
+
+import base64
+import io
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from jinja2 import Environment, PackageLoader
+from matplotlib import rc_context
+from matplotlib.figure import Figure
+
+from evolvent import figures
+from evolvent.history import run_warning, source_name
+from evolvent.invariants import check_history
+from evolvent.scheme import figure_mesh_scheme
+from evolvent.units import quantity
+
+# Attributes of a history that have a place of their own on the page.
+PLACED_ATTRIBUTES = ("Conventions", "title", "evolvent_format", "case", "status", "status_message")
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure, ready for the page."""
+
+    title: str
+    alternative: str  # text for those who cannot see it
+    source: str  # data URI
+
+
+def report(history: xr.Dataset, events: xr.Dataset) -> str:
+    """Make the page.
+
+    Parameters
+    ----------
+    history, events : as from `open_history` and `open_events`.
+
+    Returns
+    -------
+    HTML with style and figures inside; it needs no other file and no network.
+    """
+    environment = Environment(
+        loader=PackageLoader("evolvent"), autoescape=True, trim_blocks=True, lstrip_blocks=True
+    )
+    attributes = {k: v for k, v in history.attrs.items() if k not in PLACED_ATTRIBUTES}
+    numbers = {k: v for k, v in attributes.items() if isinstance(v, int | float | np.number)}
+    return environment.get_template("report.html.j2").render(
+        title=str(history.attrs.get("title") or source_name(history)),
+        file=source_name(history),
+        warning=run_warning(history),
+        status=history.attrs.get("status", "unknown"),
+        time=history["time"].values,
+        verdicts=check_history(history),
+        schemes=[_scheme(history, mesh) for mesh in range(history.sizes["mesh"])],
+        tables={dim: static_table(history, dim) for dim in ("wheel", "mesh")},
+        figures=_figures(history, events),
+        events=event_counts(history, events),
+        counts={
+            k: f"{v:,}" if isinstance(v, int | np.integer) else f"{v:.6g}"
+            for k, v in numbers.items()
+        },
+        versions={k: str(v) for k, v in attributes.items() if k not in numbers},
+        case=str(history.attrs.get("case", "")),
+    )
+
+
+def static_table(history: xr.Dataset, dim: str) -> dict[str, list[Any]]:
+    """Collect what is constant along time for each wheel or mesh.
+
+    Parameters
+    ----------
+    history : as from `open_history`.
+    dim : "wheel" or "mesh".
+
+    Returns
+    -------
+    `columns`, the names along `dim`, and `rows`: (long name, symbol, one text a column).
+    """
+    rows = []
+    for name, variable in history.data_vars.items():
+        if variable.dims not in ((dim,), (dim, "axis")):
+            continue
+        units = str(variable.attrs.get("units", "1"))
+        names = _names(history, str(name))
+        texts = [names[int(v)] if names else _text(v, units) for v in variable.values]
+        label = str(variable.attrs.get("long_name", name))
+        rows.append((label, str(variable.attrs.get("symbol", "")), texts))
+    return {"columns": [str(v) for v in history[dim].values], "rows": rows}
+
+
+def event_counts(history: xr.Dataset, events: xr.Dataset) -> list[tuple[str, str, int]]:
+    """Count the events of each kind and mesh: (kind in words, name of the mesh or "", number)."""
+    names = [str(v) for v in history["mesh"].values]
+    counted: dict[tuple[str, str], int] = {}
+    for kind, mesh in zip(events["kind"].values, events["mesh"].values, strict=True):
+        key = (str(kind).replace("_", " "), names[mesh] if mesh >= 0 else "")
+        counted[key] = counted.get(key, 0) + 1
+    return [(kind, mesh, number) for (kind, mesh), number in counted.items()]
+
+
+def _names(history: xr.Dataset, variable: str) -> list[str]:
+    """Give what the numbers of a variable stand for; empty if they are just numbers."""
+    if variable == "tracking":
+        return ["closed form", "algebraic", "differential"]
+    if variable in ("driving_wheel", "driven_wheel"):
+        return [str(v) for v in history["wheel"].values]
+    return []
+
+
+def _text(values: Any, units: str) -> str:
+    if np.ndim(values) == 0 and np.asarray(values).dtype.kind in "iu":
+        return str(int(values))
+    return ", ".join(quantity(float(v), units) for v in np.atleast_1d(values))
+
+
+def _scheme(history: xr.Dataset, mesh: int) -> Picture:
+    name = str(history["mesh"].values[mesh])
+    return _picture(
+        f"Mesh {name}",
+        "base, pitch and tip circles, line of action and the two flanks in contact, to scale",
+        figure_mesh_scheme(history, mesh),
+    )
+
+
+def _figures(history: xr.Dataset, events: xr.Dataset) -> list[Picture]:
+    if history.sizes["time"] == 0:
+        return []
+    drawn = {
+        "Transmission error and penetration": figures.figure_penetration(history, events),
+        "Normal force": figures.figure_normal_force(history, events),
+        "Speeds": figures.figure_speeds(history, events),
+    }
+    return [_picture(title, f"{title.lower()} over time", drawn[title]) for title in drawn]
+
+
+def _picture(title: str, alternative: str, figure: Figure) -> Picture:
+    # As an image of its own each SVG keeps its identifiers to itself.
+    buffer = io.BytesIO()
+    with rc_context(figures.STYLE):
+        figure.savefig(buffer, format="svg", metadata={"Date": None})
+    encoded = base64.b64encode(buffer.getvalue()).decode("ascii")
+    return Picture(title, alternative, f"data:image/svg+xml;base64,{encoded}")
