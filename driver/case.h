@@ -10,7 +10,8 @@ typedef struct case_file case_file;
 /** Read the case at `path`, apply the options in their order, check and resolve.
  *  @param set_options  [n_set] each "PATH=VALUE"
  *  @param laws         the laws that the model offers; used during the call only
- *  @return NULL with the first thing that is wrong in `error`: EVL_EXIT_USAGE for a malformed option, else EVL_EXIT_CASE */
+ *  @return NULL with the first thing that is wrong in `error`: EVL_EXIT_USAGE for a malformed option,
+ *  else EVL_EXIT_CASE */
 case_file *case_read(const char *path, int n_set, const char *const *set_options, const law_tables *laws,
                      evl_error *error);
 /** Free a case and set the pointer to NULL. Nothing happens if it is NULL already. */
@@ -20,7 +21,8 @@ void case_delete(case_file **file);
 const description *case_description(const case_file *file);
 /** The file as it was given to case_read. */
 const char *case_path(const case_file *file);
-/** The whole case as YAML text: options applied, every default filled in, nothing derived. Reading it gives the same description. */
+/** The whole case as YAML text: options applied, every default filled in, nothing derived.
+ *  Reading it gives the same description. */
 const char *case_text(const case_file *file);
 
 /** The checked tree itself, with the file's own keys and units. */

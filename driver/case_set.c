@@ -48,7 +48,8 @@ static void refuse_element(const set_edit *edit, const case_node *sequence, cons
     free(names);
 }
 
-/** Index of the element that a segment names, by name or number; the length for an element to be appended; -1 if none. */
+/** Index of the element that a segment names, by name or number; -1 if none.
+ *  The number behind the last one stands for an element to be appended. */
 static int element_index(const case_node *sequence, const char *segment)
 {
     for (int i = 0; i < sequence->n; i++) {
@@ -84,7 +85,8 @@ static case_entry *enter(const set_edit *edit, case_node *node, const char *pare
     return &node->entries[i];
 }
 
-/** Walk along the path, which is cut up on the way, and put `value` at its end. `value` is taken over if it succeeds. */
+/** Walk along the path, which is cut up on the way, and put `value` at its end.
+ *  @return false if refused: then `value` stays with the caller */
 static bool put(const set_edit *edit, case_node *root, char *path, case_node *value)
 {
     case_node *node = root;

@@ -76,8 +76,8 @@ case_node *tree_load_file(const char *path, evl_error *error);
  *  @return NULL with the reason in `error`; empty text gives a null scalar */
 case_node *tree_load_text(const char *text, case_place place, evl_error *error);
 
-/** Apply one --set option "PATH=VALUE" to the tree. The nodes it makes point to `option`, which has to outlive the tree.
- *  Keys that do not exist are added; the schema refuses them later if it does not know them.
+/** Apply one --set option "PATH=VALUE" to the tree. The nodes it makes point to `option`, which has to outlive
+ *  the tree. Keys that do not exist are added; the schema refuses them later if it does not know them.
  *  @return false with the reason in `error`: EVL_EXIT_USAGE if malformed, EVL_EXIT_CASE if refused */
 bool tree_set(case_node *root, const char *option, evl_error *error);
 

@@ -1,0 +1,127 @@
+/* Numbers and words: reading and writing a number, the nearest word, one-line errors. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "number.h"
+#include "status.h"
+#include "suggest.h"
+
+static void numbers_are_those_of_yaml_1_2(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        double value;
+    } good[] = {{"0", 0},     {"-12", -12}, {"+3", 3},       {"2.5", 2.5},         {".5", 0.5}, {"5.", 5},
+                {"1e9", 1e9}, {"1E9", 1e9}, {"1.0e+9", 1e9}, {"-1.5e-3", -1.5e-3}, {"012", 12}, {"1e-400", 0}};
+    static const char *const bad[] = {"",    "-",   ".",  "e5", "1e",    "1e+", "0x10", "0o17", "1_000",
+                                      "1,5", "1 2", " 1", "1 ", "1.2.3", "--1", "abc",  "1d3",  "infinit"};
+    static const char *const not_finite[] = {".nan",  ".NaN", "nan",      ".inf", "-.inf",
+                                             "+.INF", "inf",  "Infinity", "1e309"};
+    double value = 0;
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
+        assert_int_equal(number_read(good[i].text, &value), NUMBER_FINITE);
+        assert_true(value == good[i].value);
+    }
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        assert_int_equal(number_read(bad[i], &value), NUMBER_NONE);
+    }
+    for (size_t i = 0; i < sizeof not_finite / sizeof *not_finite; i++) {
+        assert_int_equal(number_read(not_finite[i], &value), NUMBER_NOT_FINITE);
+    }
+}
+
+static void a_written_number_reads_back_to_the_bit(void **state)
+{
+    (void)state;
+    uint64_t bits = 88172645463325252u; /* xorshift64 */
+    for (int i = 0; i < 20000; i++) {
+        bits ^= bits << 13;
+        bits ^= bits >> 7;
+        bits ^= bits << 17;
+        double value = 0, back = 0;
+        memcpy(&value, &bits, sizeof value);
+        if (!isfinite(value)) {
+            continue;
+        }
+        char text[NUMBER_TEXT_LENGTH];
+        number_write(text, value);
+        assert_int_equal(number_read(text, &back), NUMBER_FINITE);
+        assert_memory_equal(&back, &value, sizeof value);
+    }
+}
+
+static void a_number_is_written_as_short_as_it_reads_well(void **state)
+{
+    (void)state;
+    static const struct {
+        double value;
+        const char *text;
+    } cases[] = {{0, "0"},          {0.1, "0.1"},       {7800, "7800"},     {2e11, "2.0e+11"},
+                 {1e-9, "1.0e-09"}, {-0.001, "-0.001"}, {100000, "100000"}, {0.1 + 0.2, "0.30000000000000004"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[NUMBER_TEXT_LENGTH];
+        number_write(text, cases[i].value);
+        assert_string_equal(text, cases[i].text);
+    }
+}
+
+static void the_nearest_word_is_suggested_and_a_far_one_is_not(void **state)
+{
+    (void)state;
+    static const char *const words[] = {"teeth", "width", "material", "stiffness", "centre", "coulomb"};
+    static const struct {
+        const char *text, *nearest;
+    } cases[] = {{"teth", "teeth"},         {"Teeth", "teeth"},   {"wdith", "width"},    {"materail", "material"},
+                 {"stifness", "stiffness"}, {"center", "centre"}, {"coulumb", "coulomb"}};
+    static const char *const far[] = {"", "x", "colour", "damping", "th"};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const char *nearest = suggest_nearest(cases[i].text, 6, words);
+        assert_non_null(nearest);
+        assert_string_equal(nearest, cases[i].nearest);
+    }
+    for (size_t i = 0; i < sizeof far / sizeof *far; i++) {
+        assert_null(suggest_nearest(far[i], 6, words));
+    }
+    assert_null(suggest_nearest("teeth", 0, NULL));
+}
+
+static void an_error_is_one_line(void **state)
+{
+    (void)state;
+    evl_error error;
+    evl_error_set(&error, EVL_EXIT_CASE, "a\nb", "x\ty\r\nz %d", 3);
+    assert_string_equal(error.place, "a b");
+    assert_string_equal(error.message, "x y  z 3");
+    assert_int_equal(error.code, 3);
+}
+
+static void every_exit_code_has_a_meaning(void **state)
+{
+    (void)state;
+    static const int codes[] = {0, 1, 2, 3, 4, 74, 75};
+    for (size_t i = 0; i < sizeof codes / sizeof *codes; i++) {
+        assert_string_not_equal(evl_exit_text(codes[i]), "unknown");
+    }
+    assert_string_equal(evl_exit_text(5), "unknown");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(numbers_are_those_of_yaml_1_2),
+        cmocka_unit_test(a_written_number_reads_back_to_the_bit),
+        cmocka_unit_test(a_number_is_written_as_short_as_it_reads_well),
+        cmocka_unit_test(the_nearest_word_is_suggested_and_a_far_one_is_not),
+        cmocka_unit_test(an_error_is_one_line),
+        cmocka_unit_test(every_exit_code_has_a_meaning),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
