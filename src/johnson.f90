@@ -41,7 +41,7 @@ contains
       real(wp), intent(out) :: d_h    !! dN/dh at constant rho_sum [N/m^2]; 0 on error
       real(wp), intent(out) :: d_rho  !! dN/d(rho_sum) at constant h [N/m^2]; 0 on error
       integer, intent(out) :: code    !! code_ok or code_out_of_domain
-      real(wp) :: ratio, excess, v
+      real(wp) :: ratio, excess, v, w_inverse
 
       force = 0.0_wp
       d_h = 0.0_wp
@@ -55,9 +55,10 @@ contains
       code = code_ok
       if (.not. abs(h) > 0.0_wp) return
       v = w_minus_one(excess)
-      force = pi*e_star*h/(1.0_wp + v)
+      w_inverse = 1.0_wp/(1.0_wp + v)
+      force = pi*e_star*h*w_inverse
       d_h = pi*e_star/v
-      d_rho = -force/(rho_sum*v)
+      d_rho = sign(4.0_wp*ratio, -h)*d_h*w_inverse
    end subroutine johnson_force
 
    !> Penetration from the force per unit width.
