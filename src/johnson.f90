@@ -91,7 +91,7 @@ contains
    !>
    !> The first term is the energy at constant radii; each further one is minus the integral over h of the derivative of
    !> the one before it to rho_sum. What is left out is of the relative order (h/rho_sum)**3: below 1e-13 for
-   !> h < 5e-5 rho_sum.
+   !> h < 3e-4 rho_sum, past what steel bears.
    !>
    !> Source: integral of (13); the terms after the first are derived here.   Valid: as johnson_force; even in h
    elemental subroutine johnson_potential(h, rho_sum, e_star, potential, constant_radii, code)
@@ -181,6 +181,7 @@ contains
       if (.not. x > 0.0_wp) return
       nu = -1.0_wp/log(x)
       eta = start
+      next = start
       code = code_no_solution
       do turns = 1, max_turns
          next = johnson_iteration(eta, nu)
