@@ -1,0 +1,403 @@
+!> C interface of the gearbox: creation, states, residual, events and outputs.
+!>
+!> The header documents each procedure; here is only the passage from C to Fortran. A handle is the address of a gearbox.
+module evl_capi
+   use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_char, c_null_ptr, c_ptr
+   use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
+   use, intrinsic :: iso_fortran_env, only: compiler_version
+   use evl_capi_description, only: c_initial, c_load, c_mesh, c_wheel, initial_from_c, load_from_c, mesh_from_c, wheel_from_c
+   use evl_capi_types, only: c_message_length, c_name_length, c_status, c_text_length, status_to_c, to_c
+   use evl_gearbox, only: gearbox_derivative, gearbox_jacobian, gearbox_residual, gearbox_t
+   use evl_gearbox_create, only: gearbox_create
+   use evl_gearbox_events, only: event_name, event_t, gearbox_apply_event, gearbox_n_roots, gearbox_next_time_event, &
+                                 gearbox_root_directions, gearbox_roots, n_event_kinds
+   use evl_gearbox_initial, only: gearbox_initial_speeds, gearbox_start
+   use evl_gearbox_outputs, only: gearbox_n_values, gearbox_output_table, gearbox_outputs, n_outputs, output_t
+   use evl_gearbox_scales, only: gearbox_state_scales
+   use evl_gearbox_states, only: gearbox_state_name
+   use evl_kinds, only: pi
+   use evl_load, only: load_t
+   use evl_status, only: code_invalid_input, code_no_memory, code_ok, fail, has_failed, status_t
+   implicit none (type, external)
+   private
+
+   public :: evl_gearbox_create, evl_gearbox_delete, evl_gearbox_sizes, evl_gearbox_warning
+   public :: evl_gearbox_wheel_geometry, evl_gearbox_mesh_geometry, evl_gearbox_initial_state, evl_gearbox_scales
+   public :: evl_gearbox_state_name, evl_gearbox_residual, evl_gearbox_jacobian, evl_gearbox_derivative
+   public :: evl_event_count, evl_event_name, evl_gearbox_roots, evl_gearbox_root_directions, evl_gearbox_next_time_event
+   public :: evl_gearbox_apply_event, evl_gearbox_output, evl_gearbox_outputs, evl_kernel_compiler
+
+   !> evl_sizes
+   type, bind(c) :: c_sizes
+      integer(c_int) :: n_wheels, n_meshes, n_loads, n_states, n_integers, n_reals, n_roots, n_outputs, n_values, n_warnings
+   end type c_sizes
+
+   !> evl_wheel_geometry
+   type, bind(c) :: c_wheel_geometry
+      real(c_double) :: pitch_radius, base_radius, tip_radius, angular_pitch, mass, inertia, centre(2), speed_ratio
+      logical(c_bool) :: is_reference
+   end type c_wheel_geometry
+
+   !> evl_mesh_geometry
+   type, bind(c) :: c_mesh_geometry
+      integer(c_int) :: sigma
+      real(c_double) :: transmission_ratio, centre_distance, centre_line_angle, minimum_pressure_angle, working_pressure_angle
+      real(c_double) :: base_pitch, contact_ratio, line_of_action_length
+      real(c_double), dimension(2) :: point_k_a, point_k_b, point_a, point_b, pitch_point
+      real(c_double) :: tip_radius_driving, tip_radius_driven, rho_start_driving, rho_start_driven
+      real(c_double) :: common_width, effective_modulus, elastic_share_driving, reference_force, reference_penetration
+   end type c_mesh_geometry
+
+   !> evl_event
+   type, bind(c) :: c_event
+      integer(c_int) :: kind, mesh, tooth_pair
+   end type c_event
+
+   !> evl_output
+   type, bind(c) :: c_output
+      character(kind=c_char) :: name(c_name_length), units(c_name_length), symbol(c_name_length), long_name(c_text_length)
+      integer(c_int) :: dims
+      logical(c_bool) :: is_static, is_integer
+      integer(c_int) :: offset, count
+   end type c_output
+
+   !> Written once, at compile time; C gets its address.
+   character(len=len(compiler_version()) + 1), target, protected :: compiler = compiler_version()//c_null_char
+
+contains
+
+   !> The gearbox behind a handle.
+   function gearbox_of(handle) result(gearbox)
+      type(c_ptr), intent(in) :: handle
+      type(gearbox_t), pointer :: gearbox
+
+      call c_f_pointer(handle, gearbox)
+   end function gearbox_of
+
+   !> Hand a status over, and its code.
+   integer(c_int) function answer(status, c) result(code)
+      type(status_t), intent(in) :: status
+      type(c_status), intent(out), optional :: c
+
+      if (present(c)) call status_to_c(status, c)
+      code = status%code
+   end function answer
+
+   type(c_ptr) function evl_gearbox_create(n_wheels, wheels, n_loads, loads, n_meshes, meshes, status) result(handle) bind(c)
+      integer(c_int), intent(in), value :: n_wheels, n_loads, n_meshes
+      type(c_wheel), intent(in) :: wheels(n_wheels)
+      type(c_load), intent(in) :: loads(n_loads)
+      type(c_mesh), intent(in) :: meshes(n_meshes)
+      type(c_status), intent(out), optional :: status
+      type(gearbox_t), pointer :: gearbox
+      type(load_t), allocatable :: kernel_loads(:)
+      type(status_t) :: s
+      integer :: i, stat
+
+      handle = c_null_ptr
+      allocate (gearbox, stat=stat)
+      if (stat /= 0) then
+         call fail(s, code_no_memory, "there is no memory for a gearbox")
+         if (present(status)) call status_to_c(s, status)
+         return
+      end if
+      allocate (kernel_loads(n_loads))
+      do i = 1, n_loads
+         call load_from_c(loads(i), i, kernel_loads(i), s)
+         if (has_failed(s)) exit
+      end do
+      if (.not. has_failed(s)) &
+         call gearbox_create([(wheel_from_c(wheels(i)), i=1, n_wheels)], kernel_loads, &
+                             [(mesh_from_c(meshes(i)), i=1, n_meshes)], gearbox, s)
+      if (has_failed(s)) then
+         deallocate (gearbox)
+      else
+         handle = c_loc(gearbox)
+      end if
+      if (present(status)) call status_to_c(s, status)
+   end function evl_gearbox_create
+
+   subroutine evl_gearbox_delete(handle) bind(c)
+      type(c_ptr), intent(inout), optional :: handle
+      type(gearbox_t), pointer :: gearbox
+
+      if (.not. present(handle)) return
+      call c_f_pointer(handle, gearbox)
+      if (associated(gearbox)) deallocate (gearbox)
+      handle = c_null_ptr
+   end subroutine evl_gearbox_delete
+
+   subroutine evl_gearbox_sizes(handle, sizes) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      type(c_sizes), intent(out) :: sizes
+      type(output_t) :: table(n_outputs)
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      call gearbox_output_table(g, table)
+      sizes = c_sizes(size(g%wheels), size(g%meshes), size(g%loads), g%n_states, g%n_integers, size(g%meshes), &
+                      gearbox_n_roots(g), n_outputs, gearbox_n_values(g), size(g%warnings))
+   end subroutine evl_gearbox_sizes
+
+   integer(c_int) function evl_gearbox_warning(handle, index, text) result(length) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: index
+      character(kind=c_char), intent(out) :: text(c_message_length)
+      type(gearbox_t), pointer :: g
+
+      text = c_null_char
+      length = 0
+      g => gearbox_of(handle)
+      if (index < 0 .or. index >= size(g%warnings)) return
+      call to_c(g%warnings(index + 1), text)
+      length = len_trim(g%warnings(index + 1))
+   end function evl_gearbox_warning
+
+   subroutine evl_gearbox_wheel_geometry(handle, index, geometry) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: index
+      type(c_wheel_geometry), intent(out) :: geometry
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      associate (wheel => g%wheels(index + 1))
+         geometry = c_wheel_geometry(wheel%pitch_radius, wheel%base_radius, wheel%tip_radius, 2*pi/wheel%teeth, wheel%mass, &
+                                     wheel%inertia, wheel%centre, wheel%ratio, logical(index + 1 == g%reference, c_bool))
+      end associate
+   end subroutine evl_gearbox_wheel_geometry
+
+   subroutine evl_gearbox_mesh_geometry(handle, index, geometry) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: index
+      type(c_mesh_geometry), intent(out) :: geometry
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      associate (mesh => g%meshes(index + 1), pair => g%pairs(index + 1))
+         geometry = c_mesh_geometry( &
+                    sigma=pair%sigma, transmission_ratio=pair%ratio, centre_distance=pair%centre_distance, &
+                    centre_line_angle=pair%chi, minimum_pressure_angle=pair%alpha_inf, &
+                    working_pressure_angle=pair%alpha_w, base_pitch=pair%base_pitch, &
+                    contact_ratio=norm2(pair%point_b - pair%point_a)/pair%base_pitch, line_of_action_length=pair%rho, &
+                    point_k_a=pair%point_k_a, point_k_b=pair%point_k_b, point_a=pair%point_a, point_b=pair%point_b, &
+                    pitch_point=pair%pitch_point, tip_radius_driving=pair%tip_radius_a, &
+                    tip_radius_driven=pair%tip_radius_b, rho_start_driving=pair%rho_start_a, &
+                    rho_start_driven=pair%rho_start_b, common_width=mesh%width, effective_modulus=mesh%e_star, &
+                    elastic_share_driving=mesh%pair%share_a, reference_force=mesh%force_scale, &
+                    reference_penetration=mesh%h_scale)
+      end associate
+   end subroutine evl_gearbox_mesh_geometry
+
+   integer(c_int) function evl_gearbox_initial_state(handle, initial, t, y, yp, integers, reals, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      type(c_initial), intent(in) :: initial
+      real(c_double), intent(in), value :: t
+      real(c_double), intent(inout) :: y(*), yp(*), reals(*)
+      integer(c_int), intent(inout) :: integers(*)
+      type(c_status), intent(out), optional :: status
+      type(status_t) :: s
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      call gearbox_start(g, initial_from_c(initial, size(g%wheels), size(g%meshes)), t, y(:g%n_states), yp(:g%n_states), &
+                         integers(:g%n_integers), reals(:size(g%meshes)), s)
+      code = answer(s, status)
+   end function evl_gearbox_initial_state
+
+   subroutine evl_gearbox_scales(handle, initial, state, row, differential) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      type(c_initial), intent(in) :: initial
+      real(c_double), intent(inout) :: state(*), row(*)
+      integer(c_int), intent(inout) :: differential(*)
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      call gearbox_state_scales(g, gearbox_initial_speeds(g, initial_from_c(initial, size(g%wheels), size(g%meshes))), &
+                                state(:g%n_states), row(:g%n_states), differential(:g%n_states))
+   end subroutine evl_gearbox_scales
+
+   subroutine evl_gearbox_state_name(handle, index, name, units) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: index
+      character(kind=c_char), intent(out) :: name(c_name_length), units(c_name_length)
+      character(len=c_name_length) :: text, unit
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      call gearbox_state_name(g, index + 1, text, unit)
+      call to_c(text, name)
+      call to_c(unit, units)
+   end subroutine evl_gearbox_state_name
+
+   integer(c_int) function evl_gearbox_residual(handle, t, y, yp, integers, reals, residual, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in), value :: t
+      real(c_double), intent(in) :: y(*), yp(*), reals(*)
+      integer(c_int), intent(in) :: integers(*)
+      real(c_double), intent(inout) :: residual(*)
+      type(c_status), intent(out), optional :: status
+      type(status_t) :: s
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      call gearbox_residual(g, t, y(:g%n_states), yp(:g%n_states), integers(:g%n_integers), reals(:size(g%meshes)), &
+                            residual(:g%n_states), s)
+      code = s%code
+      if (code /= code_ok) code = answer(s, status)
+   end function evl_gearbox_residual
+
+   integer(c_int) function evl_gearbox_jacobian(handle, t, cj, y, yp, integers, reals, jacobian, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in), value :: t, cj
+      real(c_double), intent(in) :: y(*), yp(*), reals(*)
+      integer(c_int), intent(in) :: integers(*)
+      real(c_double), intent(inout), target :: jacobian(*)
+      type(c_status), intent(out), optional :: status
+      type(status_t) :: s
+      real(c_double), pointer :: matrix(:, :)
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      call c_f_pointer(c_loc(jacobian), matrix, [g%n_states, g%n_states])
+      call gearbox_jacobian(g, t, cj, y(:g%n_states), yp(:g%n_states), integers(:g%n_integers), reals(:size(g%meshes)), &
+                            matrix, s)
+      code = s%code
+      if (code /= code_ok) code = answer(s, status)
+   end function evl_gearbox_jacobian
+
+   integer(c_int) function evl_gearbox_derivative(handle, t, y, integers, reals, yp, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in), value :: t
+      real(c_double), intent(in) :: y(*), reals(*)
+      integer(c_int), intent(in) :: integers(*)
+      real(c_double), intent(inout) :: yp(*)
+      type(c_status), intent(out), optional :: status
+      type(status_t) :: s
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      call gearbox_derivative(g, t, y(:g%n_states), integers(:g%n_integers), reals(:size(g%meshes)), yp(:g%n_states), s)
+      code = answer(s, status)
+   end function evl_gearbox_derivative
+
+   integer(c_int) function evl_event_count() bind(c)
+      evl_event_count = n_event_kinds
+   end function evl_event_count
+
+   subroutine evl_event_name(kind, name) bind(c)
+      integer(c_int), intent(in), value :: kind
+      character(kind=c_char), intent(out) :: name(c_name_length)
+
+      call to_c(event_name(kind), name)
+   end subroutine evl_event_name
+
+   integer(c_int) function evl_gearbox_roots(handle, y, integers, reals, values, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in) :: y(*), reals(*)
+      integer(c_int), intent(in) :: integers(*)
+      real(c_double), intent(inout) :: values(*)
+      type(c_status), intent(out), optional :: status
+      type(status_t) :: s
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      call gearbox_roots(g, y(:g%n_states), integers(:g%n_integers), reals(:size(g%meshes)), &
+                         values(:gearbox_n_roots(g)), s)
+      code = s%code
+      if (code /= code_ok) code = answer(s, status)
+   end function evl_gearbox_roots
+
+   subroutine evl_gearbox_root_directions(handle, integers, directions) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in) :: integers(*)
+      integer(c_int), intent(inout) :: directions(*)
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      call gearbox_root_directions(g, integers(:g%n_integers), directions(:gearbox_n_roots(g)))
+   end subroutine evl_gearbox_root_directions
+
+   real(c_double) function evl_gearbox_next_time_event(handle, integers) result(time) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in) :: integers(*)
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      time = gearbox_next_time_event(g, integers(:g%n_integers))
+      if (time >= huge(time)) time = ieee_value(time, ieee_positive_inf)
+   end function evl_gearbox_next_time_event
+
+   integer(c_int) function evl_gearbox_apply_event(handle, t, fired, time_event, y, yp, integers, reals, events, n_events, &
+                                                   status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in), value :: t
+      integer(c_int), intent(in) :: fired(*)
+      logical(c_bool), intent(in), value :: time_event
+      real(c_double), intent(inout) :: y(*), yp(*), reals(*)
+      integer(c_int), intent(inout) :: integers(*)
+      type(c_event), intent(inout) :: events(*)
+      integer(c_int), intent(out) :: n_events
+      type(c_status), intent(out), optional :: status
+      type(event_t), allocatable :: log(:)
+      type(status_t) :: s
+      integer :: i
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      allocate (log(gearbox_n_roots(g) + 2))
+      call gearbox_apply_event(g, t, fired(:gearbox_n_roots(g)), logical(time_event), y(:g%n_states), yp(:g%n_states), &
+                               integers(:g%n_integers), reals(:size(g%meshes)), log, n_events, s)
+      do i = 1, n_events
+         events(i) = c_event(log(i)%kind, log(i)%mesh - 1, log(i)%tooth_pair)
+      end do
+      code = answer(s, status)
+   end function evl_gearbox_apply_event
+
+   integer(c_int) function evl_gearbox_output(handle, index, output) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: index
+      type(c_output), intent(out) :: output
+
+      type(gearbox_t), pointer :: g
+      type(output_t) :: table(n_outputs)
+
+      code = code_invalid_input
+      g => gearbox_of(handle)
+      call gearbox_output_table(g, table)
+      if (index < 0 .or. index >= size(table)) return
+      associate (entry => table(index + 1))
+         call to_c(entry%name, output%name)
+         call to_c(entry%units, output%units)
+         call to_c(entry%symbol, output%symbol)
+         call to_c(entry%long_name, output%long_name)
+         output%dims = entry%dims
+         output%is_static = logical(entry%is_static, c_bool)
+         output%is_integer = logical(entry%is_integer, c_bool)
+         output%offset = entry%offset
+         output%count = entry%count
+      end associate
+      code = code_ok
+   end function evl_gearbox_output
+
+   integer(c_int) function evl_gearbox_outputs(handle, t, y, integers, reals, values, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in), value :: t
+      real(c_double), intent(in) :: y(*), reals(*)
+      integer(c_int), intent(in) :: integers(*)
+      real(c_double), intent(inout) :: values(*)
+      type(c_status), intent(out), optional :: status
+      type(status_t) :: s
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      call gearbox_outputs(g, t, y(:g%n_states), integers(:g%n_integers), reals(:size(g%meshes)), &
+                           values(:gearbox_n_values(g)), s)
+      code = s%code
+      if (code /= code_ok) code = answer(s, status)
+   end function evl_gearbox_outputs
+
+   type(c_ptr) function evl_kernel_compiler() bind(c)
+      evl_kernel_compiler = c_loc(compiler)
+   end function evl_kernel_compiler
+
+end module evl_capi

@@ -1,0 +1,123 @@
+!> The description of a gearbox as C gives it, and its passage to the kernel. Indices count from 0 in C, from 1 here.
+module evl_capi_description
+   use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_double, c_f_pointer, c_int, c_ptr
+   use evl_capi_types, only: c_law_choice, choice_from_c
+   use evl_gearbox_create, only: mesh_input, wheel_input
+   use evl_gearbox_initial, only: initial_t
+   use evl_load, only: load_t
+   use evl_status, only: code_invalid_input, fail, status_t, subject_load
+   implicit none (type, external)
+   private
+
+   public :: c_wheel, c_load, c_mesh, c_initial
+   public :: wheel_from_c, load_from_c, mesh_from_c, initial_from_c
+
+   !> evl_wheel
+   type, bind(c) :: c_wheel
+      integer(c_int) :: teeth
+      logical(c_bool) :: has_pitch_radius
+      real(c_double) :: pitch_radius, width
+      logical(c_bool) :: has_centre
+      real(c_double) :: centre(2), youngs_modulus, poisson_ratio, density
+      logical(c_bool) :: has_inertia
+      real(c_double) :: inertia
+      logical(c_bool) :: has_mass
+      real(c_double) :: mass
+      integer(c_int) :: support_kind
+      real(c_double) :: support_direction, support_mass, support_stiffness(2), support_damping(2)
+   end type c_wheel
+
+   !> evl_load
+   type, bind(c) :: c_load
+      integer(c_int) :: wheel, kind
+      real(c_double) :: value
+      integer(c_int) :: n
+      type(c_ptr) :: time, values
+   end type c_load
+
+   !> evl_mesh
+   type, bind(c) :: c_mesh
+      integer(c_int) :: driving, driven, driving_rotation
+      logical(c_bool) :: has_centre_line_angle
+      real(c_double) :: centre_line_angle
+      logical(c_bool) :: paper_rule
+      real(c_double) :: pressure_angle
+      type(c_law_choice) :: contact, damping, friction
+      integer(c_int) :: tracking
+   end type c_mesh
+
+   !> evl_initial
+   type, bind(c) :: c_initial
+      integer(c_int) :: kind
+      type(c_ptr) :: speeds, gaps
+   end type c_initial
+
+contains
+
+   pure type(wheel_input) function wheel_from_c(c) result(wheel)
+      type(c_wheel), intent(in) :: c
+
+      wheel = wheel_input(teeth=c%teeth, has_pitch_radius=logical(c%has_pitch_radius), pitch_radius=c%pitch_radius, &
+                          width=c%width, has_centre=logical(c%has_centre), centre=c%centre, &
+                          youngs_modulus=c%youngs_modulus, poisson_ratio=c%poisson_ratio, density=c%density, &
+                          has_inertia=logical(c%has_inertia), inertia=c%inertia, has_mass=logical(c%has_mass), mass=c%mass, &
+                          support_kind=c%support_kind, support_direction=c%support_direction, support_mass=c%support_mass, &
+                          support_stiffness=c%support_stiffness, support_damping=c%support_damping)
+   end function wheel_from_c
+
+   !> A load with a copy of its table. Errors: code_invalid_input if the table is announced but not there.
+   subroutine load_from_c(c, index, load, status)
+      type(c_load), intent(in) :: c
+      integer, intent(in) :: index !! of the load, from 1, for the message
+      type(load_t), intent(out) :: load
+      type(status_t), intent(inout) :: status
+      real(c_double), pointer :: time(:), values(:)
+
+      load%wheel = c%wheel + 1
+      load%kind = c%kind
+      load%value = c%value
+      if (c%n < 1) then
+         allocate (load%time(0), load%values(0))
+      else if (c_associated(c%time) .and. c_associated(c%values)) then
+         call c_f_pointer(c%time, time, [c%n])
+         call c_f_pointer(c%values, values, [c%n])
+         load%time = time
+         load%values = values
+      else
+         call fail(status, code_invalid_input, "the table of a load is missing", subject_load, index, "time")
+      end if
+   end subroutine load_from_c
+
+   pure type(mesh_input) function mesh_from_c(c) result(mesh)
+      type(c_mesh), intent(in) :: c
+
+      mesh = mesh_input(driving=c%driving + 1, driven=c%driven + 1, driving_rotation=c%driving_rotation, &
+                        has_centre_line_angle=logical(c%has_centre_line_angle), centre_line_angle=c%centre_line_angle, &
+                        paper_rule=logical(c%paper_rule), pressure_angle=c%pressure_angle, &
+                        contact=choice_from_c(c%contact), damping=choice_from_c(c%damping), &
+                        friction=choice_from_c(c%friction), tracking=c%tracking)
+   end function mesh_from_c
+
+   type(initial_t) function initial_from_c(c, n_wheels, n_meshes) result(initial)
+      type(c_initial), intent(in) :: c
+      integer, intent(in) :: n_wheels, n_meshes
+
+      initial%kind = c%kind
+      allocate (initial%speeds, source=array_from_c(c%speeds, n_wheels))
+      allocate (initial%gaps, source=array_from_c(c%gaps, n_meshes))
+   end function initial_from_c
+
+   !> A copy of a C array; size 0 for NULL.
+   function array_from_c(pointer, n) result(array)
+      type(c_ptr), intent(in) :: pointer
+      integer, intent(in) :: n
+      real(c_double), allocatable :: array(:)
+      real(c_double), pointer :: view(:)
+
+      allocate (array(merge(n, 0, c_associated(pointer))))
+      if (.not. c_associated(pointer)) return
+      call c_f_pointer(pointer, view, [n])
+      array(:) = view
+   end function array_from_c
+
+end module evl_capi_description

@@ -1,0 +1,473 @@
+!> Makes a gearbox from its description: checks every number, finds the layout, derives the geometry, numbers the states.
+module evl_gearbox_create
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use evl_contact_laws, only: law_choice, law_validate, laws_contact, laws_damping, laws_friction
+   use evl_contact_tracking, only: at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_theta, at_track, at_u_a, &
+                                   at_u_b, at_v_a, at_v_b, n_track
+   use evl_gearbox, only: gearbox_t, i_omega, i_theta, support_bearing, support_fixed, support_slider, support_t
+   use evl_gearbox_scales, only: gearbox_set_scales
+   use evl_kinds, only: pi, wp
+   use evl_layout, only: layout_resolve, layout_t
+   use evl_load, only: load_constant, load_prescribed_speed, load_t, load_table, load_viscous
+   use evl_mesh, only: mesh_link, mesh_t, tracking_closed_form, tracking_differential
+   use evl_spur_geometry, only: maximum_teeth, minimum_teeth, spur_pair_derive
+   use evl_status, only: code_invalid_input, fail, has_failed, message_length, quantity, status_t, subject_load, &
+                         subject_mesh, subject_none, subject_wheel
+   implicit none (type, external)
+   private
+
+   public :: gearbox_create, wheel_input, mesh_input
+
+   real(wp), parameter :: agreement = 1.0e-9_wp !! relative: base radii from two meshes that differ less are the same
+
+   !> A wheel as described; see `evl_wheel` in the C header.
+   type :: wheel_input
+      integer :: teeth = 0
+      logical :: has_pitch_radius = .false., has_centre = .false., has_inertia = .false., has_mass = .false.
+      real(wp) :: pitch_radius = 0.0_wp, width = 0.0_wp, centre(2) = 0.0_wp
+      real(wp) :: youngs_modulus = 0.0_wp, poisson_ratio = 0.0_wp, density = 0.0_wp, inertia = 0.0_wp, mass = 0.0_wp
+      integer :: support_kind = support_fixed
+      real(wp) :: support_direction = 0.0_wp, support_mass = 0.0_wp
+      real(wp) :: support_stiffness(2) = 0.0_wp, support_damping(2) = 0.0_wp
+   end type wheel_input
+
+   !> A mesh as described; wheels from 1. See `evl_mesh` in the C header.
+   type :: mesh_input
+      integer :: driving = 0, driven = 0, driving_rotation = -1
+      logical :: has_centre_line_angle = .false., paper_rule = .true.
+      real(wp) :: centre_line_angle = 0.0_wp, pressure_angle = 0.0_wp
+      type(law_choice) :: contact, damping, friction
+      integer :: tracking = tracking_closed_form
+   end type mesh_input
+
+contains
+
+   !> Make a gearbox. Loads come with `wheel` from 1 and without `i_segment`.
+   !> Errors: code_invalid_input with subject, index and field.
+   subroutine gearbox_create(wheels, loads, meshes, gearbox, status)
+      type(wheel_input), intent(in) :: wheels(:)
+      type(load_t), intent(in) :: loads(:)
+      type(mesh_input), intent(in) :: meshes(:)
+      type(gearbox_t), intent(out) :: gearbox
+      type(status_t), intent(inout) :: status
+      type(layout_t) :: layout
+      integer :: i
+
+      if (size(wheels) < 1) then
+         call fail(status, code_invalid_input, "a gearbox needs at least one wheel", subject_none)
+         return
+      end if
+      do i = 1, size(wheels)
+         call check_wheel(wheels(i), i, status)
+         if (has_failed(status)) return
+      end do
+      do i = 1, size(loads)
+         call check_load(loads, i, size(wheels), status)
+         if (has_failed(status)) return
+      end do
+      do i = 1, size(meshes)
+         call check_mesh(meshes(i), i, size(wheels), status)
+         if (has_failed(status)) return
+      end do
+      allocate (gearbox%wheels(size(wheels)), gearbox%meshes(size(meshes)), gearbox%pairs(size(meshes)))
+      allocate (gearbox%warnings(0))
+      gearbox%loads = loads
+      do i = 1, size(loads)
+         if (loads(i)%kind == load_prescribed_speed) gearbox%wheels(loads(i)%wheel)%prescribed = i
+      end do
+      gearbox%reference = max(1, findloc(gearbox%wheels%prescribed > 0, .true., dim=1))
+      call start_layout(wheels, meshes, layout)
+      call layout_resolve(layout, gearbox%reference, status)
+      if (has_failed(status)) return
+      call take_wheels(wheels, layout, gearbox)
+      call number_states(meshes, gearbox)
+      do i = 1, size(meshes)
+         call take_mesh(gearbox, wheels, meshes(i), layout, i, status)
+         if (has_failed(status)) return
+      end do
+      call gearbox_set_scales(gearbox)
+   end subroutine gearbox_create
+
+   !> Every number of a wheel is in its range.
+   subroutine check_wheel(wheel, index, status)
+      type(wheel_input), intent(in) :: wheel
+      integer, intent(in) :: index
+      type(status_t), intent(inout) :: status
+      character(len=80) :: text
+
+      if (wheel%teeth < minimum_teeth .or. wheel%teeth > maximum_teeth) then
+         write (text, "(a, i0, a, i0, a, i0)") "number of teeth ", wheel%teeth, " must be from ", minimum_teeth, " to ", &
+            maximum_teeth
+         call fail(status, code_invalid_input, trim(text), subject_wheel, index, "teeth")
+      end if
+      if (wheel%has_pitch_radius) call check(wheel%pitch_radius, "pitch_radius", "m", index, status)
+      call check(wheel%width, "width", "m", index, status)
+      call check(wheel%youngs_modulus, "youngs_modulus", "Pa", index, status)
+      call check(wheel%density, "density", "kg/m^3", index, status)
+      if (wheel%has_inertia) call check(wheel%inertia, "inertia", "kg m^2", index, status)
+      if (wheel%has_mass) call check(wheel%mass, "mass", "kg", index, status)
+      if (has_failed(status)) return
+      if (.not. (wheel%poisson_ratio > -1 .and. wheel%poisson_ratio < 0.5_wp)) then
+         call fail(status, code_invalid_input, "Poisson ratio "//quantity(wheel%poisson_ratio, "")//" must lie between -1 and" &
+                   //" 0.5, ends excluded", subject_wheel, index, "poisson_ratio")
+      else if (wheel%has_centre .and. .not. all(ieee_is_finite(wheel%centre))) then
+         call fail(status, code_invalid_input, "centre must be two finite numbers", subject_wheel, index, "centre")
+      else if (all(wheel%support_kind /= [support_fixed, support_slider, support_bearing])) then
+         call fail(status, code_invalid_input, "there is no such kind of support", subject_wheel, index, "support_kind")
+      end if
+      if (wheel%support_kind == support_fixed .or. has_failed(status)) return
+      if (.not. ieee_is_finite(wheel%support_direction)) then
+         call fail(status, code_invalid_input, "direction must be a finite number", subject_wheel, index, "support_direction")
+      end if
+      call check_not_negative([wheel%support_mass], "support_mass", "kg", index, status)
+      call check_not_negative(wheel%support_stiffness, "support_stiffness", "N/m", index, status)
+      call check_not_negative(wheel%support_damping, "support_damping", "N s/m", index, status)
+   end subroutine check_wheel
+
+   !> A finite number greater than 0.
+   subroutine check(value, field, unit, index, status)
+      real(wp), intent(in) :: value
+      character(len=*), intent(in) :: field, unit
+      integer, intent(in) :: index
+      type(status_t), intent(inout) :: status
+
+      if (has_failed(status) .or. (ieee_is_finite(value) .and. value > 0)) return
+      call fail(status, code_invalid_input, field//" = "//quantity(value, unit)//" must be a finite number greater than 0", &
+                subject_wheel, index, field)
+   end subroutine check
+
+   !> Finite numbers not less than 0.
+   subroutine check_not_negative(values, field, unit, index, status)
+      real(wp), intent(in) :: values(:)
+      character(len=*), intent(in) :: field, unit
+      integer, intent(in) :: index
+      type(status_t), intent(inout) :: status
+      integer :: i
+
+      do i = 1, size(values)
+         if (has_failed(status) .or. (ieee_is_finite(values(i)) .and. values(i) >= 0)) cycle
+         call fail(status, code_invalid_input, field//" = "//quantity(values(i), unit)//" must be a finite number, not negative", &
+                   subject_wheel, index, field)
+      end do
+   end subroutine check_not_negative
+
+   !> A load acts on a wheel, its numbers are finite, its table's times increase, and no wheel has two prescribed speeds.
+   subroutine check_load(loads, index, n_wheels, status)
+      type(load_t), intent(in) :: loads(:)
+      integer, intent(in) :: index, n_wheels
+      type(status_t), intent(inout) :: status
+      integer :: i, n
+
+      associate (load => loads(index))
+         n = size(load%time)
+         if (load%wheel < 1 .or. load%wheel > n_wheels) then
+            call refuse("there is no such wheel", "wheel")
+         else if (all(load%kind /= [load_constant, load_viscous, load_table, load_prescribed_speed])) then
+            call refuse("there is no such kind of load", "kind")
+         else if (.not. ieee_is_finite(load%value)) then
+            call refuse("value must be a finite number", "value")
+         else if (load%kind == load_viscous .and. load%value < 0) then
+            call refuse("coefficient "//quantity(load%value, "N m s/rad")//" must not be negative", "value")
+         else if (load%kind == load_table .and. n < 2) then
+            call refuse("a table needs at least two knots", "time")
+         else if (size(load%values) /= n) then
+            call refuse("a table needs as many values as times", "values")
+         else if (.not. (all(ieee_is_finite(load%time)) .and. all(ieee_is_finite(load%values)))) then
+            call refuse("times and values of a table must be finite numbers", "time")
+         end if
+         if (has_failed(status)) return
+         do i = 2, n
+            if (load%time(i) > load%time(i - 1)) cycle
+            call refuse("the times of a table must increase, but "//quantity(load%time(i), "s")//" follows " &
+                        //quantity(load%time(i - 1), "s"), "time")
+            return
+         end do
+         if (load%kind /= load_prescribed_speed) return
+         if (count(loads(:index)%wheel == load%wheel .and. loads(:index)%kind == load_prescribed_speed) > 1) &
+            call refuse("the speed of this wheel is prescribed already", "kind")
+      end associate
+
+   contains
+
+      subroutine refuse(message, field)
+         character(len=*), intent(in) :: message, field
+
+         call fail(status, code_invalid_input, message, subject_load, index, field)
+      end subroutine refuse
+
+   end subroutine check_load
+
+   !> A mesh joins two different wheels, and its laws exist and have valid parameters.
+   subroutine check_mesh(mesh, index, n_wheels, status)
+      type(mesh_input), intent(in) :: mesh
+      integer, intent(in) :: index, n_wheels
+      type(status_t), intent(inout) :: status
+
+      if (mesh%driving < 1 .or. mesh%driving > n_wheels) then
+         call fail(status, code_invalid_input, "there is no such driving wheel", subject_mesh, index, "driving")
+      else if (mesh%driven < 1 .or. mesh%driven > n_wheels) then
+         call fail(status, code_invalid_input, "there is no such driven wheel", subject_mesh, index, "driven")
+      else if (mesh%driving == mesh%driven) then
+         call fail(status, code_invalid_input, "a wheel cannot mesh with itself", subject_mesh, index, "driven")
+      else if (mesh%tracking < tracking_closed_form .or. mesh%tracking > tracking_differential) then
+         call fail(status, code_invalid_input, "there is no such tracking", subject_mesh, index, "tracking")
+      end if
+      call check_law(laws_contact, mesh%contact, "contact", index, status)
+      call check_law(laws_damping, mesh%damping, "damping", index, status)
+      call check_law(laws_friction, mesh%friction, "friction", index, status)
+   end subroutine check_mesh
+
+   !> A law of a mesh; the field is named family.parameter.
+   subroutine check_law(family, choice, name, index, status)
+      integer, intent(in) :: family, index
+      type(law_choice), intent(in) :: choice
+      character(len=*), intent(in) :: name
+      type(status_t), intent(inout) :: status
+      character(len=32) :: field
+      character(len=message_length) :: message
+      integer :: code
+
+      if (has_failed(status)) return
+      call law_validate(family, choice, code, field, message)
+      if (code == code_invalid_input) call fail(status, code, message, subject_mesh, index, name//"."//field)
+   end subroutine check_law
+
+   !> What the description says of the layout.
+   subroutine start_layout(wheels, meshes, layout)
+      type(wheel_input), intent(in) :: wheels(:)
+      type(mesh_input), intent(in) :: meshes(:)
+      type(layout_t), intent(out) :: layout
+      integer :: i
+
+      layout%teeth = wheels%teeth
+      layout%has_radius = wheels%has_pitch_radius
+      layout%pitch_radius = wheels%pitch_radius
+      layout%has_centre = wheels%has_centre
+      allocate (layout%centre(2, size(wheels)))
+      do i = 1, size(wheels)
+         layout%centre(:, i) = wheels(i)%centre
+      end do
+      layout%driving = meshes%driving
+      layout%driven = meshes%driven
+      layout%has_angle = meshes%has_centre_line_angle
+      layout%angle = meshes%centre_line_angle
+   end subroutine start_layout
+
+   !> Mass, inertia, support and speed ratio of every wheel. A solid disc of the pitch radius unless mass and inertia are given.
+   subroutine take_wheels(wheels, layout, gearbox)
+      type(wheel_input), intent(in) :: wheels(:)
+      type(layout_t), intent(in) :: layout
+      type(gearbox_t), intent(inout) :: gearbox
+      integer :: i
+
+      do i = 1, size(wheels)
+         associate (wheel => gearbox%wheels(i), given => wheels(i))
+            wheel%teeth = given%teeth
+            wheel%pitch_radius = layout%pitch_radius(i)
+            wheel%centre = layout%centre(:, i)
+            wheel%ratio = layout%turn(i)*real(wheels(gearbox%reference)%teeth, wp)/given%teeth
+            wheel%mass = given%density*pi*wheel%pitch_radius**2*given%width
+            if (given%has_mass) wheel%mass = given%mass
+            wheel%inertia = wheel%mass*wheel%pitch_radius**2/2
+            if (given%has_inertia) wheel%inertia = given%inertia
+            call take_support(given, wheel%mass, wheel%support)
+         end associate
+      end do
+   end subroutine take_wheels
+
+   !> A support's directions, springs and dampers.
+   subroutine take_support(given, wheel_mass, support)
+      type(wheel_input), intent(in) :: given
+      real(wp), intent(in) :: wheel_mass !! [kg]
+      type(support_t), intent(out) :: support
+
+      support%kind = given%support_kind
+      support%mass = wheel_mass + given%support_mass
+      support%stiffness = given%support_stiffness
+      support%damping = given%support_damping
+      select case (support%kind)
+      case (support_slider)
+         support%n = 1
+         support%direction(:, 1) = [cos(given%support_direction), sin(given%support_direction)]
+      case (support_bearing)
+         support%n = 2
+         support%direction(:, 1) = [1, 0]
+         support%direction(:, 2) = [0, 1]
+      end select
+   end subroutine take_support
+
+   !> Give every quantity its place in the state and in the discrete state.
+   subroutine number_states(meshes, gearbox)
+      type(mesh_input), intent(in) :: meshes(:)
+      type(gearbox_t), intent(inout) :: gearbox
+      integer :: i, j, n
+
+      n = i_omega
+      do i = 1, size(gearbox%wheels)
+         associate (wheel => gearbox%wheels(i))
+            wheel%i_speed = i_omega
+            if (i == gearbox%reference) cycle
+            wheel%i_psi = n + 1
+            wheel%i_speed = n + 2
+            n = n + 2
+         end associate
+      end do
+      do i = 1, size(gearbox%wheels)
+         do j = 1, gearbox%wheels(i)%support%n
+            gearbox%wheels(i)%support%i_state(j) = n + 1
+            n = n + 2
+         end do
+      end do
+      do i = 1, size(meshes)
+         if (meshes(i)%tracking == tracking_closed_form) cycle
+         gearbox%meshes(i)%i_track = n + 1
+         n = n + n_track
+      end do
+      gearbox%i_dissipated = n + 1
+      gearbox%i_work = n + 2
+      gearbox%n_states = n + 2
+
+      n = 1
+      do i = 1, size(meshes)
+         gearbox%meshes(i)%i_mode = n + 1
+         n = n + 3
+      end do
+      do i = 1, size(gearbox%loads)
+         if (size(gearbox%loads(i)%time) == 0) cycle
+         gearbox%loads(i)%i_segment = n + 1
+         n = n + 1
+      end do
+      gearbox%n_integers = n
+   end subroutine number_states
+
+   !> Geometry, laws and couplings of one mesh; base and tip radii of its wheels.
+   subroutine take_mesh(gearbox, wheels, given, layout, index, status)
+      type(gearbox_t), intent(inout) :: gearbox
+      type(wheel_input), intent(in) :: wheels(:)
+      type(mesh_input), intent(in) :: given
+      type(layout_t), intent(in) :: layout
+      integer, intent(in) :: index
+      type(status_t), intent(inout) :: status
+      real(wp) :: compliance_a, compliance_b
+
+      associate (mesh => gearbox%meshes(index), pair => gearbox%pairs(index), a => given%driving, b => given%driven)
+         call spur_pair_derive(wheels(a)%teeth, wheels(b)%teeth, layout%pitch_radius(a), given%paper_rule, &
+                               given%pressure_angle, layout%angle(index), -given%driving_rotation, layout%centre(:, a), pair, &
+                               status)
+         if (has_failed(status)) then
+            status%subject = subject_mesh
+            status%index = index
+            return
+         end if
+         call take_radii(gearbox, a, pair%base_radius_a, pair%tip_radius_a, index, status)
+         call take_radii(gearbox, b, pair%base_radius_b, pair%tip_radius_b, index, status)
+         if (has_failed(status)) return
+         mesh%wheel_a = a
+         mesh%wheel_b = b
+         mesh%contact = given%contact
+         mesh%damping = given%damping
+         mesh%friction = given%friction
+         mesh%tracking = given%tracking
+         compliance_a = (1 - wheels(a)%poisson_ratio**2)/wheels(a)%youngs_modulus
+         compliance_b = (1 - wheels(b)%poisson_ratio**2)/wheels(b)%youngs_modulus
+         mesh%e_star = 1/(compliance_a + compliance_b)
+         mesh%width = min(wheels(a)%width, wheels(b)%width)
+         mesh%base_pitch = pair%base_pitch
+         mesh%rho_start = pair%rho_start_a
+         mesh%gap_apart = (pair%rho - pair%base_pitch)/4
+         mesh%t_0 = pair%t
+         mesh%e_0 = pair%e
+         mesh%k_a0 = pair%point_k_a
+         mesh%pair%sigma = real(pair%sigma, wp)
+         mesh%pair%r_ba = pair%base_radius_a
+         mesh%pair%r_bb = pair%base_radius_b
+         mesh%pair%rho_0 = pair%rho
+         mesh%pair%ratio_a = gearbox%wheels(a)%ratio
+         mesh%pair%ratio_b = gearbox%wheels(b)%ratio
+         mesh%pair%advance = -mesh%pair%sigma*mesh%pair%r_ba*mesh%pair%ratio_a
+         mesh%pair%share_a = compliance_a*mesh%e_star
+         mesh%pair%share_b = compliance_b*mesh%e_star
+         mesh%pitches_per_turn = -pair%sigma*layout%turn(a)*wheels(gearbox%reference)%teeth
+         if (.not. pair%contains_pitch_point) call warn(gearbox, index, "its path of contact does not contain the pitch point:" &
+                                                        //" the teeth slide in one sense only")
+         if (index > 1) call check_senses(gearbox, layout, given, index)
+      end associate
+      call link_states(gearbox, gearbox%meshes(index))
+   end subroutine take_mesh
+
+   !> Whether the flank of a mesh fits the sense of rotation that the first mesh gives the wheels.
+   subroutine check_senses(gearbox, layout, given, index)
+      type(gearbox_t), intent(inout) :: gearbox
+      type(layout_t), intent(in) :: layout
+      type(mesh_input), intent(in) :: given
+      integer, intent(in) :: index
+      integer :: first
+
+      first = -gearbox%pairs(1)%sigma*layout%turn(gearbox%meshes(1)%wheel_a)
+      if (first*layout%turn(given%driving) /= given%driving_rotation) &
+         call warn(gearbox, index, "its driving wheel turns against driving_rotation when the first mesh turns as it says")
+   end subroutine check_senses
+
+   !> A wheel has one base circle, whatever it meshes with.
+   subroutine take_radii(gearbox, index, base_radius, tip_radius, mesh, status)
+      type(gearbox_t), intent(inout) :: gearbox
+      integer, intent(in) :: index, mesh
+      real(wp), intent(in) :: base_radius, tip_radius !! from the mesh [m]
+      type(status_t), intent(inout) :: status
+
+      associate (wheel => gearbox%wheels(index))
+         wheel%tip_radius = max(wheel%tip_radius, tip_radius)
+         if (.not. wheel%base_radius > 0) wheel%base_radius = base_radius
+         if (abs(wheel%base_radius - base_radius) <= agreement*base_radius) return
+         call fail(status, code_invalid_input, "its pressure angle gives a wheel the base radius "//quantity(base_radius, "m") &
+                   //", but another mesh gives the same wheel "//quantity(wheel%base_radius, "m")//": a wheel has one base" &
+                   //" circle, so give the pressure angles", subject_mesh, mesh, "pressure_angle")
+      end associate
+   end subroutine take_radii
+
+   !> Write a warning about a mesh down.
+   subroutine warn(gearbox, mesh, text)
+      type(gearbox_t), intent(inout) :: gearbox
+      integer, intent(in) :: mesh !! from 1
+      character(len=*), intent(in) :: text
+      character(len=message_length) :: warning
+
+      write (warning, "(a, i0, a)") "mesh ", mesh - 1, ": "//text
+      gearbox%warnings = [gearbox%warnings, warning]
+   end subroutine warn
+
+   !> Local variables of a mesh in terms of the state.
+   subroutine link_states(gearbox, mesh)
+      type(gearbox_t), intent(in) :: gearbox
+      type(mesh_t), intent(inout) :: mesh
+      integer :: i
+
+      mesh%links = [mesh_link(at_theta, i_theta, 1.0_wp), mesh_link(at_omega, i_omega, 1.0_wp)]
+      call link_wheel(gearbox, mesh, mesh%wheel_a, at_psi_a, at_psi_dot_a, at_u_a, at_v_a)
+      call link_wheel(gearbox, mesh, mesh%wheel_b, at_psi_b, at_psi_dot_b, at_u_b, at_v_b)
+      if (mesh%i_track > 0) &
+         mesh%links = [mesh%links, (mesh_link(at_track + i, mesh%i_track + i, 1.0_wp), i=0, n_track - 1)]
+   end subroutine link_states
+
+   !> One wheel's part of them.
+   subroutine link_wheel(gearbox, mesh, index, at_psi, at_psi_dot, at_u, at_v)
+      type(gearbox_t), intent(in) :: gearbox
+      type(mesh_t), intent(inout) :: mesh
+      integer, intent(in) :: index, at_psi, at_psi_dot, at_u, at_v
+      real(wp) :: along(2)
+      integer :: j
+
+      associate (wheel => gearbox%wheels(index))
+         if (wheel%i_psi > 0) mesh%links = [mesh%links, mesh_link(at_psi, wheel%i_psi, 1.0_wp), &
+                                            mesh_link(at_psi_dot, wheel%i_psi + 1, 1.0_wp)]
+         do j = 1, wheel%support%n
+            along = [dot_product(wheel%support%direction(:, j), mesh%t_0), dot_product(wheel%support%direction(:, j), mesh%e_0)]
+            associate (i => wheel%support%i_state(j))
+               mesh%links = [mesh%links, mesh_link(at_u, i, along(1)), mesh_link(at_u + 1, i, along(2)), &
+                             mesh_link(at_v, i + 1, along(1)), mesh_link(at_v + 1, i + 1, along(2))]
+            end associate
+         end do
+      end associate
+   end subroutine link_wheel
+
+end module evl_gearbox_create

@@ -1,0 +1,355 @@
+!> What a gearbox tells about itself: one table of outputs, and their values at a state.
+module evl_gearbox_outputs
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use evl_contact_tracking, only: algebraic_residual, at_dr, at_lambda, at_psi_a, at_psi_b, at_track, at_zeta, &
+                                   centre_line_turn, closed_form_gap, contact_point, line_distance, n_local, n_track, &
+                                   points_from_closed_form, track_closed_form
+   use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_rates, gearbox_t, i_omega, i_theta, i_turns, wheel_load_torque, &
+                          wheel_speed
+   use evl_kinds, only: pi, wp
+   use evl_mesh, only: contact_apart, mesh_contact, mesh_energy, mesh_force, mesh_forces, mesh_mode, mesh_nominal_rho, &
+                       tracking_closed_form
+   use evl_status, only: has_failed, status_t
+   implicit none (type, external)
+   private
+
+   public :: n_outputs, output_t, gearbox_output_table, gearbox_outputs, gearbox_n_values
+   public :: dims_none, dims_wheel, dims_mesh, dims_wheel_axis, dims_mesh_axis
+
+   integer, parameter :: n_wheel_constants = 7, n_mesh_constants = 15, n_gearbox_histories = 6, n_wheel_histories = 7, &
+                         n_mesh_histories = 19
+   integer, parameter :: n_outputs = n_wheel_constants + n_mesh_constants + n_gearbox_histories + n_wheel_histories &
+                                     + n_mesh_histories !! entries of the table
+   integer, parameter :: dims_none = 0, dims_wheel = 1, dims_mesh = 2, dims_wheel_axis = 3, dims_mesh_axis = 4
+
+   !> One output; see `evl_output` in the C header.
+   type :: output_t
+      character(len=31) :: name = "", units = "", symbol = ""
+      character(len=95) :: long_name = ""
+      integer :: dims = dims_none
+      logical :: is_static = .false., is_integer = .false.
+      integer :: offset = 0, count = 0 !! place among the values, offset from 0
+   end type output_t
+
+   !> A wheel at one time.
+   type :: wheel_sample
+      real(wp) :: angle = 0.0_wp, deviation = 0.0_wp, speed = 0.0_wp, acceleration = 0.0_wp, torque = 0.0_wp
+      real(wp) :: displacement(2) = 0.0_wp, velocity(2) = 0.0_wp
+      real(wp) :: kinetic = 0.0_wp, potential = 0.0_wp !! energies of wheel and support [J]
+   end type wheel_sample
+
+   !> A mesh at one time.
+   type :: mesh_sample
+      type(contact_point) :: point
+      type(mesh_force) :: force
+      type(mesh_mode) :: mode
+      real(wp) :: transmission_error, separation, lambda
+      real(wp) :: flank_distance_a, flank_distance_b, line_distance_a, line_distance_b
+      real(wp) :: point_a(2), point_b(2)
+      real(wp) :: potential
+   end type mesh_sample
+
+contains
+
+   !> The table, in the order in which the values are filled.
+   pure subroutine gearbox_output_table(gearbox, table)
+      type(gearbox_t), intent(in) :: gearbox
+      type(output_t), intent(out) :: table(n_outputs)
+      integer :: i, offset
+
+      table = [wheel_constants(), mesh_constants(), gearbox_histories(), wheel_histories(), mesh_histories()]
+      offset = 0
+      do i = 1, size(table)
+         table(i)%offset = offset
+         table(i)%count = count_of(gearbox, table(i)%dims)
+         offset = offset + table(i)%count
+      end do
+   end subroutine gearbox_output_table
+
+   !> Number of values that outputs of these dimensions have.
+   pure integer function count_of(gearbox, dims) result(n)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: dims
+
+      select case (dims)
+      case (dims_wheel)
+         n = size(gearbox%wheels)
+      case (dims_wheel_axis)
+         n = 2*size(gearbox%wheels)
+      case (dims_mesh)
+         n = size(gearbox%meshes)
+      case (dims_mesh_axis)
+         n = 2*size(gearbox%meshes)
+      case default
+         n = 1
+      end select
+   end function count_of
+
+   !> Number of all values.
+   pure integer function gearbox_n_values(gearbox) result(n)
+      type(gearbox_t), intent(in) :: gearbox
+      type(output_t) :: table(n_outputs)
+
+      call gearbox_output_table(gearbox, table)
+      n = sum(table%count)
+   end function gearbox_n_values
+
+   pure function wheel_constants() result(t)
+      type(output_t) :: t(n_wheel_constants)
+
+      t(1) = output_t("teeth", "1", "z", "number of teeth", dims_wheel, .true., .true.)
+      t(2) = output_t("pitch_radius", "m", "r", "operating pitch radius", dims_wheel, .true.)
+      t(3) = output_t("base_radius", "m", "r_b", "base radius", dims_wheel, .true.)
+      t(4) = output_t("tip_radius", "m", "r_a", "tip radius", dims_wheel, .true.)
+      t(5) = output_t("mass", "kg", "m", "mass of the wheel", dims_wheel, .true.)
+      t(6) = output_t("inertia", "kg m2", "J", "moment of inertia about the axle", dims_wheel, .true.)
+      t(7) = output_t("centre", "m", "O", "reference position of the axle", dims_wheel_axis, .true.)
+   end function wheel_constants
+
+   pure function mesh_constants() result(t)
+      type(output_t) :: t(n_mesh_constants)
+
+      t(1) = output_t("driving_wheel", "1", "", "index of the driving wheel, from 0", dims_mesh, .true., .true.)
+      t(2) = output_t("driven_wheel", "1", "", "index of the driven wheel, from 0", dims_mesh, .true., .true.)
+      t(3) = output_t("flank", "1", "sigma", "+1: driving wheel nominally clockwise, -1: counterclockwise", dims_mesh, .true., &
+                      .true.)
+      t(4) = output_t("tracking", "1", "", "contact tracking: 0 closed form, 1 algebraic, 2 differential", dims_mesh, .true., &
+                      .true.)
+      t(5) = output_t("centre_line_angle", "rad", "chi", "direction from the driving to the driven axle", dims_mesh, .true.)
+      t(6) = output_t("working_pressure_angle", "rad", "alpha_w", "working pressure angle", dims_mesh, .true.)
+      t(7) = output_t("base_pitch", "m", "p_b", "base pitch", dims_mesh, .true.)
+      t(8) = output_t("line_of_action_length", "m", "rho", "length of the line of action between the base circles", dims_mesh, &
+                      .true.)
+      t(9) = output_t("rho_start_driving", "m", "rho_A", "radius of curvature of the driving flank at the start of contact", &
+                      dims_mesh, .true.)
+      t(10) = output_t("rho_start_driven", "m", "rho_B", "radius of curvature of the driven flank at the start of contact", &
+                       dims_mesh, .true.)
+      t(11) = output_t("common_width", "m", "b", "common face width", dims_mesh, .true.)
+      t(12) = output_t("effective_modulus", "Pa", "E_star", "effective modulus of elasticity", dims_mesh, .true.)
+      t(13) = output_t("elastic_share_driving", "1", "w_A", "share of the driving wheel in the elastic compliance", dims_mesh, &
+                       .true.)
+      t(14) = output_t("reference_force", "N", "F_0", "normal force that the loads suggest", dims_mesh, .true.)
+      t(15) = output_t("reference_penetration", "m", "h_0", "penetration under the reference force", dims_mesh, .true.)
+   end function mesh_constants
+
+   pure function gearbox_histories() result(t)
+      type(output_t) :: t(n_gearbox_histories)
+
+      t(1) = output_t("reference_angle", "rad", "theta", "angle of the reference wheel since the start, less whole turns")
+      t(2) = output_t("reference_turns", "1", "", "whole turns of the reference wheel beside reference_angle", &
+                      is_integer=.true.)
+      t(3) = output_t("kinetic_energy", "J", "T", "kinetic energy")
+      t(4) = output_t("potential_energy", "J", "V", "elastic energy of contacts and supports")
+      t(5) = output_t("dissipated_energy", "J", "D", "energy lost to damping and friction since the start")
+      t(6) = output_t("load_work", "J", "W", "work of the loads since the start")
+   end function gearbox_histories
+
+   pure function wheel_histories() result(t)
+      type(output_t) :: t(n_wheel_histories)
+
+      t(1) = output_t("angle", "rad", "phi", "angle since the start", dims_wheel)
+      t(2) = output_t("angle_deviation", "rad", "psi", "angle less the nominal ratio times that of the reference wheel", &
+                      dims_wheel)
+      t(3) = output_t("angular_velocity", "rad s-1", "omega", "angular velocity", dims_wheel)
+      t(4) = output_t("angular_acceleration", "rad s-2", "omega'", "angular acceleration", dims_wheel)
+      t(5) = output_t("load_torque", "N m", "M", "torque of the loads", dims_wheel)
+      t(6) = output_t("centre_displacement", "m", "u", "displacement of the axle from its reference position", dims_wheel_axis)
+      t(7) = output_t("centre_velocity", "m s-1", "u'", "velocity of the axle", dims_wheel_axis)
+   end function wheel_histories
+
+   pure function mesh_histories() result(t)
+      type(output_t) :: t(n_mesh_histories)
+
+      t(1) = output_t("transmission_error", "m", "Delta", "dynamic transmission error along the line of action", dims_mesh)
+      t(2) = output_t("penetration", "m", "h", "mutual penetration of the flanks", dims_mesh)
+      t(3) = output_t("gap", "m", "kappa", "gap between the flanks, negative in contact", dims_mesh)
+      t(4) = output_t("separation_curvature", "m", "", "R (inv alpha - inv alpha_0)", dims_mesh)
+      t(5) = output_t("normal_force", "N", "F_n", "normal force", dims_mesh)
+      t(6) = output_t("friction_force", "N", "F_t", "friction force on the driving wheel along t", dims_mesh)
+      t(7) = output_t("sliding_velocity", "m s-1", "v_t", "sliding velocity along t", dims_mesh)
+      t(8) = output_t("friction_arm_driving", "m", "l_A", "arm of the friction force about the driving axle", dims_mesh)
+      t(9) = output_t("friction_arm_driven", "m", "l_B", "arm of the friction force about the driven axle", dims_mesh)
+      t(10) = output_t("gradient_ratio", "1", "lambda", "ratio of the flanks' gradients", dims_mesh)
+      t(11) = output_t("tracking_residual_driving", "m", "r_bA g_A", "distance of the tracked point from the driving flank", &
+                       dims_mesh)
+      t(12) = output_t("tracking_residual_driven", "m", "r_bB g_B", "distance of the tracked point from the driven flank", &
+                       dims_mesh)
+      t(13) = output_t("line_distance_driving", "m", "", "distance of the driving wheel's tracked point from the line of action", &
+                       dims_mesh)
+      t(14) = output_t("line_distance_driven", "m", "", "distance of the driven wheel's tracked point from the line of action", &
+                       dims_mesh)
+      t(15) = output_t("tooth_pair", "1", "k", "pitches since the start", dims_mesh, is_integer=.true.)
+      t(16) = output_t("in_contact", "1", "", "1 if the flanks overlap", dims_mesh, is_integer=.true.)
+      t(17) = output_t("contact_mode", "1", "", "0 open, 1 loaded, 2 overlapping without force, 3 too far apart to track", &
+                       dims_mesh, is_integer=.true.)
+      t(18) = output_t("contact_point_driving", "m", "P_A", "contact point on the driving flank", dims_mesh_axis)
+      t(19) = output_t("contact_point_driven", "m", "P_B", "contact point on the driven flank", dims_mesh_axis)
+   end function mesh_histories
+
+   !> All values at a state, in the order of the table.
+   subroutine gearbox_outputs(gearbox, t, y, integers, reals, values, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: t, y(gearbox%n_states), reals(:)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(out) :: values(:)      !! [gearbox_n_values]
+      type(status_t), intent(inout) :: status
+      real(wp) :: f(gearbox%n_states)
+      type(wheel_sample) :: wheels(size(gearbox%wheels))
+      type(mesh_sample) :: meshes(size(gearbox%meshes))
+      real(wp) :: torque(size(gearbox%wheels))
+      integer :: i, n
+
+      call gearbox_rates(gearbox, t, y, integers, reals, f, status)
+      if (has_failed(status)) return
+      torque = 0
+      do i = 1, size(meshes)
+         call sample_mesh(gearbox, i, y, integers, reals, meshes(i), status)
+         associate (a => torque(gearbox%meshes(i)%wheel_a), b => torque(gearbox%meshes(i)%wheel_b))
+            a = a + meshes(i)%force%torque_a
+            b = b + meshes(i)%force%torque_b
+         end associate
+      end do
+      do i = 1, size(wheels)
+         wheels(i) = sample_wheel(gearbox, i, t, y, f, torque(i), integers)
+      end do
+      n = 0
+      call put(real(gearbox%wheels%teeth, wp), values, n)
+      call put(gearbox%wheels%pitch_radius, values, n)
+      call put(gearbox%wheels%base_radius, values, n)
+      call put(gearbox%wheels%tip_radius, values, n)
+      call put(gearbox%wheels%mass, values, n)
+      call put(gearbox%wheels%inertia, values, n)
+      call put([(gearbox%wheels(i)%centre, i=1, size(wheels))], values, n)
+
+      call put(real(gearbox%meshes%wheel_a - 1, wp), values, n)
+      call put(real(gearbox%meshes%wheel_b - 1, wp), values, n)
+      call put(gearbox%meshes%pair%sigma, values, n)
+      call put(real(gearbox%meshes%tracking, wp), values, n)
+      call put(gearbox%pairs%chi, values, n)
+      call put(gearbox%pairs%alpha_w, values, n)
+      call put(gearbox%meshes%base_pitch, values, n)
+      call put(gearbox%meshes%pair%rho_0, values, n)
+      call put(gearbox%pairs%rho_start_a, values, n)
+      call put(gearbox%pairs%rho_start_b, values, n)
+      call put(gearbox%meshes%width, values, n)
+      call put(gearbox%meshes%e_star, values, n)
+      call put(gearbox%meshes%pair%share_a, values, n)
+      call put(gearbox%meshes%force_scale, values, n)
+      call put(gearbox%meshes%h_scale, values, n)
+
+      call put([y(i_theta), real(integers(i_turns), wp), sum(wheels%kinetic), sum(wheels%potential) + sum(meshes%potential), &
+                y(gearbox%i_dissipated), y(gearbox%i_work)], values, n)
+
+      call put(wheels%angle, values, n)
+      call put(wheels%deviation, values, n)
+      call put(wheels%speed, values, n)
+      call put(wheels%acceleration, values, n)
+      call put(wheels%torque, values, n)
+      call put([(wheels(i)%displacement, i=1, size(wheels))], values, n)
+      call put([(wheels(i)%velocity, i=1, size(wheels))], values, n)
+
+      call put(meshes%transmission_error, values, n)
+      call put(max(meshes%point%h, 0.0_wp), values, n)
+      call put(-meshes%point%h, values, n)
+      call put(meshes%separation, values, n)
+      call put(meshes%force%normal, values, n)
+      call put(meshes%force%friction, values, n)
+      call put(meshes%point%v_t, values, n)
+      call put(meshes%point%l_a, values, n)
+      call put(meshes%point%l_b, values, n)
+      call put(meshes%lambda, values, n)
+      call put(meshes%flank_distance_a, values, n)
+      call put(meshes%flank_distance_b, values, n)
+      call put(meshes%line_distance_a, values, n)
+      call put(meshes%line_distance_b, values, n)
+      call put(real(meshes%mode%teeth, wp), values, n)
+      call put(merge(1.0_wp, 0.0_wp, meshes%point%h > 0), values, n)
+      call put(real(meshes%mode%contact, wp), values, n)
+      call put([(meshes(i)%point_a, i=1, size(meshes))], values, n)
+      call put([(meshes(i)%point_b, i=1, size(meshes))], values, n)
+   end subroutine gearbox_outputs
+
+   !> Append to the values.
+   pure subroutine put(some, values, n)
+      real(wp), intent(in) :: some(:)
+      real(wp), intent(inout) :: values(:)
+      integer, intent(inout) :: n !! values so far
+
+      values(n + 1:n + size(some)) = some
+      n = n + size(some)
+   end subroutine put
+
+   !> A wheel at a state with its rates f.
+   pure type(wheel_sample) function sample_wheel(gearbox, index, t, y, f, mesh_torque, integers) result(sample)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index, integers(:)
+      real(wp), intent(in) :: t, y(:), f(:)
+      real(wp), intent(in) :: mesh_torque !! of all its meshes [N m]
+      integer :: j
+
+      associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support)
+         if (wheel%i_psi > 0) sample%deviation = y(wheel%i_psi)
+         sample%angle = wheel%ratio*(y(i_theta) + 2*pi*integers(i_turns)) + sample%deviation
+         sample%speed = wheel_speed(wheel, y)
+         sample%acceleration = f(i_omega)
+         if (wheel%i_psi > 0) sample%acceleration = f(wheel%i_speed) + wheel%ratio*f(i_omega)
+         sample%torque = wheel_load_torque(gearbox, index, t, sample%speed, integers)
+         if (wheel%prescribed > 0) sample%torque = wheel%inertia*sample%acceleration - mesh_torque
+         sample%kinetic = wheel%inertia*sample%speed**2/2
+         do j = 1, support%n
+            associate (i => support%i_state(j))
+               sample%displacement = sample%displacement + y(i)*support%direction(:, j)
+               sample%velocity = sample%velocity + y(i + 1)*support%direction(:, j)
+               sample%kinetic = sample%kinetic + support%mass*y(i + 1)**2/2
+               sample%potential = sample%potential + support%stiffness(j)*y(i)**2/2
+            end associate
+         end do
+      end associate
+   end function sample_wheel
+
+   !> A mesh at a state.
+   subroutine sample_mesh(gearbox, index, y, integers, reals, sample, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index, integers(:)
+      real(wp), intent(in) :: y(:), reals(:)
+      type(mesh_sample), intent(out) :: sample
+      type(status_t), intent(inout) :: status
+      real(wp) :: q(n_local), rho_a0, residual(n_track), turn, nan
+      logical :: exists
+
+      nan = ieee_value(nan, ieee_quiet_nan)
+      associate (mesh => gearbox%meshes(index), point => sample%point)
+         sample%mode = gearbox_mode(gearbox, index, integers, reals)
+         call gearbox_local(gearbox, mesh, y, q)
+         rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), sample%mode%teeth)
+         if (sample%mode%contact == contact_apart) then
+            call track_closed_form(mesh%pair, rho_a0, q, point)
+         else
+            call mesh_contact(mesh, rho_a0, q, point)
+         end if
+         call mesh_forces(mesh, index, sample%mode, point, sample%force, status)
+         sample%potential = mesh_energy(mesh, sample%mode, point)
+         turn = centre_line_turn(mesh%pair, q)
+         sample%transmission_error = -mesh%pair%sigma*(mesh%pair%r_ba*q(at_psi_a) + mesh%pair%r_bb*q(at_psi_b) &
+                                                       - (mesh%pair%r_ba + mesh%pair%r_bb)*turn)
+         sample%separation = closed_form_gap(mesh%pair, q) + sample%transmission_error
+         sample%lambda = nan
+         sample%flank_distance_a = nan
+         sample%flank_distance_b = nan
+         sample%line_distance_a = nan
+         sample%line_distance_b = nan
+         if (mesh%tracking == tracking_closed_form .or. sample%mode%contact == contact_apart) then
+            call points_from_closed_form(mesh%pair, rho_a0, q, q(at_track:))
+         else
+            call algebraic_residual(mesh%pair, rho_a0, q, residual, exists)
+            sample%lambda = q(at_lambda)
+            sample%flank_distance_a = residual(5)
+            sample%flank_distance_b = residual(6)
+            call line_distance(mesh%pair, rho_a0, q, sample%line_distance_a, sample%line_distance_b)
+         end if
+         sample%point_a = mesh%k_a0 + q(at_zeta)*mesh%t_0 + (rho_a0 + q(at_zeta + 1))*mesh%e_0
+         sample%point_b = sample%point_a + q(at_dr)*mesh%t_0 + q(at_dr + 1)*mesh%e_0
+      end associate
+   end subroutine sample_mesh
+
+end module evl_gearbox_outputs

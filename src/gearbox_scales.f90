@@ -1,0 +1,208 @@
+!> What counts as large in a gearbox: forces, penetrations, speeds and energies that the loads and the start suggest.
+!>
+!> Error control is absolute, each state against its own scale: the static penetration h_0 for lengths, h_0 times the contact's
+!> natural frequency for their rates, a small part of a pitch for the reference angle.
+module evl_gearbox_scales
+   use evl_contact_laws, only: contact_context, elastic_force, elastic_result, penetration_from_force
+   use evl_contact_tracking, only: n_track
+   use evl_gearbox, only: gearbox_t, i_omega, i_theta
+   use evl_kinds, only: pi, wp
+   use evl_load, only: load_damping, load_largest, load_prescribed_speed, load_viscous
+   use evl_mesh, only: mesh_t, tracking_algebraic
+   use evl_status, only: code_ok
+   implicit none (type, external)
+   private
+
+   public :: gearbox_set_scales, gearbox_state_scales, gearbox_likely_speed
+
+   real(wp), parameter :: angle_share = 0.2_wp     !! scale of theta times the reference wheel's teeth: 1e-2 rad at 20 teeth
+   real(wp), parameter :: track_factor = 3.0_wp    !! scale of zeta over h_0
+   real(wp), parameter :: smallest_load = 1.0e-9_wp !! force scale of an unloaded mesh over b pi E* rho
+   real(wp), parameter :: spin_up = 1.0_wp         !! time in which torques alone would give the speed scale [s]
+
+contains
+
+   !> Force and penetration scales of all meshes from the loads alone.
+   subroutine gearbox_set_scales(gearbox)
+      type(gearbox_t), intent(inout) :: gearbox
+      integer :: i
+
+      do i = 1, size(gearbox%meshes)
+         associate (mesh => gearbox%meshes(i))
+            mesh%force_scale = max(mesh_load(gearbox, mesh, gearbox_likely_speed(gearbox)), &
+                                   smallest_load*pi*mesh%e_star*mesh%pair%rho_0*mesh%width)
+            call static_penetration(mesh, mesh%force_scale, mesh%h_scale)
+         end associate
+      end do
+   end subroutine gearbox_set_scales
+
+   !> Speed of the reference wheel that the loads suggest [rad/s], at least 0: the prescribed one, that at which viscous loads
+   !> balance the torques, or that after a second under the torques.
+   pure real(wp) function gearbox_likely_speed(gearbox) result(speed)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp) :: torque, damping, inertia
+      integer :: i
+
+      speed = 0
+      torque = 0
+      damping = 0
+      do i = 1, size(gearbox%loads)
+         associate (load => gearbox%loads(i))
+            associate (g => gearbox%wheels(load%wheel)%ratio)
+               damping = damping + load_damping(load)*g**2
+               if (load%kind == load_prescribed_speed) then
+                  speed = max(speed, load_largest(load)/abs(g))
+               else if (load%kind /= load_viscous) then
+                  torque = torque + abs(g)*load_largest(load)
+               end if
+            end associate
+         end associate
+      end do
+      if (speed > 0 .or. .not. torque > 0) return
+      inertia = sum(gearbox%wheels%inertia*gearbox%wheels%ratio**2)
+      if (damping > 0) then
+         speed = torque/damping
+      else
+         speed = torque/inertia*spin_up
+      end if
+   end function gearbox_likely_speed
+
+   !> Largest normal force that the load of one wheel can put on a mesh when the reference wheel turns at `speed` [N].
+   pure real(wp) function mesh_load(gearbox, mesh, speed) result(force)
+      type(gearbox_t), intent(in) :: gearbox
+      type(mesh_t), intent(in) :: mesh
+      real(wp), intent(in) :: speed !! [rad/s]
+      real(wp) :: torque
+      integer :: i, j
+
+      force = 0
+      do i = 1, size(gearbox%wheels)
+         associate (g => abs(gearbox%wheels(i)%ratio))
+            torque = 0
+            do j = 1, size(gearbox%loads)
+               associate (load => gearbox%loads(j))
+                  if (load%wheel /= i .or. load%kind == load_prescribed_speed) cycle
+                  torque = torque + merge(load_damping(load)*g*speed, load_largest(load), load%kind == load_viscous)
+               end associate
+            end do
+            force = max(force, torque*g/(abs(mesh%pair%ratio_a)*mesh%pair%r_ba))
+         end associate
+      end do
+   end function mesh_load
+
+   !> Penetration under a force; a force beyond the law is halved until the law carries it.
+   subroutine static_penetration(mesh, force, h)
+      type(mesh_t), intent(in) :: mesh
+      real(wp), intent(inout) :: force !! [N]
+      real(wp), intent(out) :: h       !! [m]
+      type(contact_context) :: ctx
+      integer :: code
+
+      ctx = nominal_context(mesh)
+      do
+         call penetration_from_force(mesh%contact, ctx, force, h, code)
+         if (code == code_ok) exit
+         force = force/2
+      end do
+   end subroutine static_penetration
+
+   !> A contact in the middle of the line of action.
+   pure type(contact_context) function nominal_context(mesh) result(ctx)
+      type(mesh_t), intent(in) :: mesh
+
+      ctx%rho_sum = mesh%pair%rho_0
+      ctx%rho_a = mesh%pair%rho_0/2
+      ctx%rho_b = mesh%pair%rho_0/2
+      ctx%e_star = mesh%e_star
+      ctx%width = mesh%width
+   end function nominal_context
+
+   !> Scales of states and residuals for error control, and which states are differential.
+   subroutine gearbox_state_scales(gearbox, speeds, state, row, differential)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: speeds(:)      !! initial angular velocities of the wheels; size 0 if not given [rad/s]
+      real(wp), intent(out) :: state(gearbox%n_states), row(gearbox%n_states)
+      integer, intent(out) :: differential(gearbox%n_states)
+      real(wp) :: speed, h(size(gearbox%meshes)), rate(size(gearbox%meshes)), frequency
+      real(wp) :: h_least, rate_least, energy
+      integer :: i, j
+
+      speed = gearbox_likely_speed(gearbox)
+      if (size(speeds) > 0) speed = max(speed, maxval(abs(speeds/gearbox%wheels%ratio)))
+      energy = 0
+      do i = 1, size(gearbox%meshes)
+         call mesh_scales(gearbox, gearbox%meshes(i), speed, speeds, h(i), frequency, energy)
+         rate(i) = h(i)*frequency
+      end do
+      differential = 1
+      state(i_theta) = angle_share/gearbox%wheels(gearbox%reference)%teeth
+      state(i_omega) = merge(speed, 1.0_wp, speed > 0)
+      do i = 1, size(gearbox%wheels)
+         associate (wheel => gearbox%wheels(i))
+            call least_of(gearbox, i, h, rate, h_least, rate_least)
+            if (wheel%i_psi > 0) state(wheel%i_psi:wheel%i_psi + 1) = [h_least, rate_least]/wheel%base_radius
+            do j = 1, wheel%support%n
+               state(wheel%support%i_state(j):wheel%support%i_state(j) + 1) = [h_least, rate_least]
+            end do
+         end associate
+      end do
+      state(gearbox%i_dissipated) = merge(energy, 1.0_wp, energy > 0)
+      state(gearbox%i_work) = state(gearbox%i_dissipated)
+      row = state
+      do i = 1, size(gearbox%meshes)
+         associate (mesh => gearbox%meshes(i), first => gearbox%meshes(i)%i_track)
+            if (first == 0) cycle
+            state(first:first + n_track - 1) = [track_factor*h(i), track_factor*h(i), h(i), h(i), 1.0_wp, mesh%pair%r_bb*h(i)]
+            row(first:first + n_track - 1) = [h(i)/mesh%pair%rho_0, 1.0_wp, h(i), h(i), h(i), h(i)]
+            if (mesh%tracking == tracking_algebraic) differential(first:first + n_track - 1) = 0
+         end associate
+      end do
+   end subroutine gearbox_state_scales
+
+   !> Penetration, natural frequency and energy scale of a mesh under its loads, or under the impact of the initial speeds.
+   subroutine mesh_scales(gearbox, mesh, speed, speeds, h, frequency, energy)
+      type(gearbox_t), intent(in) :: gearbox
+      type(mesh_t), intent(in) :: mesh
+      real(wp), intent(in) :: speed, speeds(:) !! of the reference wheel; of the wheels at the start [rad/s]
+      real(wp), intent(out) :: h               !! [m]
+      real(wp), intent(out) :: frequency       !! [rad/s]
+      real(wp), intent(inout) :: energy        !! raised to the mesh's own, if that is larger [J]
+      type(contact_context) :: ctx
+      type(elastic_result) :: elastic
+      real(wp) :: force, mobility, approach
+      integer :: code
+
+      force = mesh_load(gearbox, mesh, speed)
+      energy = max(energy, angle_share/gearbox%wheels(gearbox%reference)%teeth*force*abs(mesh%pair%advance))
+      force = max(force, mesh%force_scale)
+      call static_penetration(mesh, force, h)
+      ctx = nominal_context(mesh)
+      ctx%h = h
+      call elastic_force(mesh%contact, ctx, elastic, code)
+      associate (a => gearbox%wheels(mesh%wheel_a), b => gearbox%wheels(mesh%wheel_b))
+         mobility = a%base_radius**2/a%inertia + b%base_radius**2/b%inertia
+         frequency = sqrt(elastic%d_h*mobility)
+         if (size(speeds) == 0) return
+         approach = abs(a%base_radius*speeds(mesh%wheel_a) + b%base_radius*speeds(mesh%wheel_b))
+      end associate
+      h = max(h, approach/frequency)
+      energy = max(energy, approach**2/mobility/2)
+   end subroutine mesh_scales
+
+   !> The smallest scales among the meshes of a wheel; 1 for a wheel without a mesh.
+   pure subroutine least_of(gearbox, wheel, h, rate, h_least, rate_least)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: wheel
+      real(wp), intent(in) :: h(:), rate(:)
+      real(wp), intent(out) :: h_least, rate_least
+      logical :: mine(size(h))
+
+      mine = gearbox%meshes%wheel_a == wheel .or. gearbox%meshes%wheel_b == wheel
+      h_least = 1
+      rate_least = 1
+      if (.not. any(mine)) return
+      h_least = minval(h, mask=mine)
+      rate_least = minval(rate, mask=mine)
+   end subroutine least_of
+
+end module evl_gearbox_scales

@@ -1,0 +1,71 @@
+!> What the states of a gearbox are called.
+module evl_gearbox_states
+   use evl_contact_tracking, only: n_track
+   use evl_gearbox, only: gearbox_t, i_omega, i_theta
+   implicit none (type, external)
+   private
+
+   public :: gearbox_state_name
+
+   character(len=*), parameter :: track_names(n_track) = [character(len=14) :: &
+      "zeta_t", "zeta_e", "dr_t", "dr_e", "gradient_ratio", "mu"]
+   character(len=*), parameter :: track_units(n_track) = [character(len=2) :: "m", "m", "m", "m", "1", "m2"]
+
+contains
+
+   !> Name of a state with the index, from 0, of its wheel or mesh, and its unit; blank if there is no such state.
+   subroutine gearbox_state_name(gearbox, index, name, units)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index            !! place in the state
+      character(len=*), intent(out) :: name   !! such as "angle_deviation_1"
+      character(len=*), intent(out) :: units  !! "1" if without
+      integer :: i, j
+
+      name = ""
+      units = ""
+      if (index == i_theta) call set("reference_angle", "rad")
+      if (index == i_omega) call set("reference_speed", "rad s-1")
+      if (index == gearbox%i_dissipated) call set("dissipated_energy", "J")
+      if (index == gearbox%i_work) call set("load_work", "J")
+      do i = 1, size(gearbox%wheels)
+         associate (wheel => gearbox%wheels(i))
+            if (wheel%i_psi > 0 .and. index == wheel%i_psi) call set("angle_deviation", "rad", i)
+            if (wheel%i_psi > 0 .and. index == wheel%i_psi + 1) call set("speed_deviation", "rad s-1", i)
+            do j = 1, wheel%support%n
+               if (index == wheel%support%i_state(j)) call set(displacement(wheel%support%n, j), "m", i)
+               if (index == wheel%support%i_state(j) + 1) call set(trim(displacement(wheel%support%n, j))//"_rate", "m s-1", i)
+            end do
+         end associate
+      end do
+      do i = 1, size(gearbox%meshes)
+         j = index - gearbox%meshes(i)%i_track + 1
+         if (gearbox%meshes(i)%i_track > 0 .and. j >= 1 .and. j <= n_track) &
+            call set(trim(track_names(j)), trim(track_units(j)), i)
+      end do
+
+   contains
+
+      subroutine set(text, unit, number)
+         character(len=*), intent(in) :: text, unit
+         integer, intent(in), optional :: number !! of a wheel or mesh, from 1
+         character(len=8) :: suffix
+
+         name = text
+         units = unit
+         if (.not. present(number)) return
+         write (suffix, "(a, i0)") "_", number - 1
+         name = text//suffix
+      end subroutine set
+
+   end subroutine gearbox_state_name
+
+   !> Name of a support's degree of freedom.
+   pure function displacement(n, j) result(name)
+      integer, intent(in) :: n, j !! how many there are, and which
+      character(len=14) :: name
+
+      name = "displacement"
+      if (n == 2) name = "displacement_"//merge("x", "y", j == 1)
+   end function displacement
+
+end module evl_gearbox_states

@@ -1,0 +1,414 @@
+/** evolvent kernel: the mechanics of spur gearboxes, in one C interface.
+ *
+ *  A gearbox is made once by evl_gearbox_create and never changes after that. Everything that does change is a state, held by the
+ *  caller in plain arrays whose lengths evl_gearbox_sizes tells:
+ *
+ *    y, yp     [n_states]    continuous state and its time derivative, SI units
+ *    integers  [n_integers]  discrete state: turns of the reference wheel, teeth passed, contact and friction modes, table segments
+ *    reals     [n_reals]     discrete state: approach speed at the last closing of each mesh
+ *
+ *  Each call is a function of (gearbox, state) alone: it prints nothing, keeps nothing, and may run in any number of threads on the
+ *  same gearbox. Every fallible call returns an evl_code and, if `status` is not NULL, fills it with one sentence that names the
+ *  symbol, its value and its unit.
+ *
+ *  SI units and radians throughout; angles, angular velocities and torques are counterclockwise positive. */
+#ifndef EVOLVENT_KERNEL_H
+#define EVOLVENT_KERNEL_H
+
+#include <stdbool.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(__GNUC__)
+#define EVL_API __attribute__((visibility("default")))
+#else
+#define EVL_API
+#endif
+
+/** What a call can answer. EVL_OUT_OF_DOMAIN is recoverable: a trial state outside the model's domain, a smaller step may help. */
+typedef enum {
+    EVL_OK = 0,
+    EVL_INVALID_INPUT = 1, /**< a parameter is refused; subject, index and field say which */
+    EVL_OUT_OF_DOMAIN = 2, /**< the state leaves the domain of a law, such as limit (15) of the Johnson force */
+    EVL_SINGULAR = 3,      /**< a linear system has no solution at this state */
+    EVL_NO_SOLUTION = 4,   /**< no steady state exists, or it was not found */
+    EVL_NO_MEMORY = 5
+} evl_code;
+
+typedef enum { EVL_SUBJECT_NONE = 0, EVL_SUBJECT_WHEEL = 1, EVL_SUBJECT_MESH = 2, EVL_SUBJECT_LOAD = 3, EVL_SUBJECT_INITIAL = 4 } evl_subject;
+
+enum { EVL_FIELD_LENGTH = 48, EVL_MESSAGE_LENGTH = 320, EVL_NAME_LENGTH = 32, EVL_TEXT_LENGTH = 96, EVL_MAX_LAW_PARAMETERS = 8 };
+
+typedef struct {
+    int code;                         /**< evl_code */
+    int subject;                      /**< evl_subject: what the message is about */
+    int index;                        /**< which wheel, mesh or load, from 0; -1 if none */
+    char field[EVL_FIELD_LENGTH];     /**< name of the offending parameter as in the structs below; "" if none */
+    char message[EVL_MESSAGE_LENGTH]; /**< one sentence without a final newline; "" if code is EVL_OK */
+} evl_status;
+
+/* ---- description of a gearbox ---------------------------------------------------------------------------------------------- */
+
+typedef enum {
+    EVL_SUPPORT_FIXED = 0,  /**< the axle does not move */
+    EVL_SUPPORT_SLIDER = 1, /**< the axle moves in one direction on a spring and a damper */
+    EVL_SUPPORT_BEARING = 2 /**< the axle moves in x and y, each on a spring and a damper */
+} evl_support_kind;
+
+typedef struct {
+    int teeth;              /**< z >= 3 */
+    bool has_pitch_radius;  /**< otherwise it follows from a mesh */
+    double pitch_radius;    /**< [m] > 0 */
+    double width;           /**< face width [m] > 0 */
+    bool has_centre;        /**< otherwise it follows from a mesh */
+    double centre[2];       /**< reference position of the axle in the housing frame [m] */
+    double youngs_modulus;  /**< E [Pa] > 0 */
+    double poisson_ratio;   /**< nu, -1 < nu < 0.5 */
+    double density;         /**< [kg/m^3] > 0: mass and inertia of a solid disc of the pitch radius unless given below */
+    bool has_inertia;       /**< */
+    double inertia;         /**< J about the axle [kg m^2] > 0 */
+    bool has_mass;          /**< */
+    double mass;            /**< [kg] > 0 */
+    int support_kind;       /**< evl_support_kind */
+    double support_direction;    /**< slider: angle of its direction to the x axis [rad] */
+    double support_mass;         /**< mass that moves with the axle, beside the wheel's own [kg] >= 0 */
+    double support_stiffness[2]; /**< slider: [0]; bearing: x, y [N/m] >= 0 */
+    double support_damping[2];   /**< slider: [0]; bearing: x, y [N s/m] >= 0 */
+} evl_wheel;
+
+typedef enum {
+    EVL_LOAD_TORQUE = 0,  /**< constant torque `value` [N m] */
+    EVL_LOAD_VISCOUS = 1, /**< torque -value * omega, value [N m s] >= 0 */
+    EVL_LOAD_TABLE = 2,   /**< torque over time, linear between knots, constant outside */
+    EVL_LOAD_SPEED = 3    /**< prescribed speed: `value` [rad/s], or a table over time if n > 0; at most one a wheel */
+} evl_load_kind;
+
+typedef struct {
+    int wheel;            /**< which wheel it acts on, from 0 */
+    int kind;             /**< evl_load_kind */
+    double value;         /**< see evl_load_kind */
+    int n;                /**< number of knots of the table, 0 if none */
+    const double *time;   /**< [n] knots [s], strictly increasing; copied */
+    const double *values; /**< [n] torque [N m] or speed [rad/s]; copied */
+} evl_load;
+
+typedef enum { EVL_TRACKING_CLOSED_FORM = 0, EVL_TRACKING_ALGEBRAIC = 1, EVL_TRACKING_DIFFERENTIAL = 2 } evl_tracking;
+
+/** One law of a family with its parameters in the order of the law table (evl_law_describe). */
+typedef struct {
+    int law; /**< index in the family's table */
+    double parameters[EVL_MAX_LAW_PARAMETERS];
+} evl_law_choice;
+
+typedef struct {
+    int driving, driven;           /**< wheels, from 0, different */
+    int driving_rotation;          /**< nominal sense of the driving wheel: -1 clockwise (the paper's), +1 counterclockwise */
+    bool has_centre_line_angle;    /**< otherwise it follows from the two centres */
+    double centre_line_angle;      /**< direction from the driving to the driven axle [rad] */
+    bool paper_rule;               /**< alpha_w = 1.05 alpha_inf, Kosenko & Gusev 2011, section 7.1 */
+    double pressure_angle;         /**< working pressure angle alpha_w [rad] if not paper_rule, alpha_inf < alpha_w < pi/2 */
+    evl_law_choice contact;        /**< normal elastic force */
+    evl_law_choice damping;        /**< normal viscous force */
+    evl_law_choice friction;       /**< tangential force */
+    int tracking;                  /**< evl_tracking */
+} evl_mesh;
+
+typedef enum {
+    EVL_INITIAL_REST = 0,   /**< every wheel and support at rest */
+    EVL_INITIAL_STEADY = 1, /**< kinematic speeds and penetrations at which no wheel or support accelerates */
+    EVL_INITIAL_SPEEDS = 2  /**< given speeds */
+} evl_initial_kind;
+
+typedef struct {
+    int kind;             /**< evl_initial_kind */
+    const double *speeds; /**< [n_wheels] [rad/s] for EVL_INITIAL_SPEEDS, else NULL */
+    const double *gaps;   /**< [n_meshes] initial gap between the flanks [m], negative: penetration; NULL: all touch. Not for steady */
+} evl_initial;
+
+/* ---- law tables ------------------------------------------------------------------------------------------------------------ */
+
+typedef enum { EVL_LAWS_CONTACT = 0, EVL_LAWS_DAMPING = 1, EVL_LAWS_FRICTION = 2 } evl_law_family;
+
+typedef struct {
+    char name[EVL_NAME_LENGTH];   /**< as in the case file */
+    char units[EVL_NAME_LENGTH];  /**< "1" if without */
+    char description[EVL_TEXT_LENGTH];
+    bool required;                /**< there is no default */
+    double default_value;
+    double minimum, maximum;      /**< accepted range; -/+infinity if unbounded */
+    bool minimum_open, maximum_open; /**< the end itself is refused */
+} evl_law_parameter;
+
+typedef struct {
+    char name[EVL_NAME_LENGTH]; /**< as in the case file */
+    char description[EVL_TEXT_LENGTH];
+    char source[EVL_TEXT_LENGTH];
+    int n_parameters;
+    evl_law_parameter parameters[EVL_MAX_LAW_PARAMETERS];
+} evl_law_info;
+
+/** Number of laws of a family; 0 if there is no such family. */
+EVL_API int evl_law_count(int family);
+/** Describe law `index` of a family. @return EVL_OK, or EVL_INVALID_INPUT if there is none. */
+EVL_API int evl_law_describe(int family, int index, evl_law_info *info);
+
+/* ---- gearbox --------------------------------------------------------------------------------------------------------------- */
+
+typedef struct evl_gearbox evl_gearbox;
+
+/** Make a gearbox: validate the description, resolve radii and centres, derive all geometry.
+ *  All wheels have to be connected by meshes. @return the gearbox, or NULL with the reason in `status`. */
+EVL_API evl_gearbox *evl_gearbox_create(int n_wheels, const evl_wheel *wheels, int n_loads, const evl_load *loads, int n_meshes,
+                                        const evl_mesh *meshes, evl_status *status);
+/** Free a gearbox and set the pointer to NULL. Nothing happens if it is NULL already. */
+EVL_API void evl_gearbox_delete(evl_gearbox **gearbox);
+
+typedef struct {
+    int n_wheels, n_meshes, n_loads, n_states, n_integers, n_reals, n_roots, n_outputs, n_values, n_warnings;
+} evl_sizes;
+
+EVL_API void evl_gearbox_sizes(const evl_gearbox *gearbox, evl_sizes *sizes);
+
+/** Warning `index` (from 0) of the creation: something allowed, but worth knowing. @return its length; 0 if there is none. */
+EVL_API int evl_gearbox_warning(const evl_gearbox *gearbox, int index, char text[EVL_MESSAGE_LENGTH]);
+
+typedef struct {
+    double pitch_radius, base_radius, tip_radius; /**< [m]; tip_radius is the largest over its meshes, 0 without a mesh */
+    double angular_pitch;                         /**< 2 pi/z [rad] */
+    double mass, inertia;                         /**< of the wheel itself [kg], [kg m^2] */
+    double centre[2];                             /**< [m] */
+    double speed_ratio;                           /**< g: nominal speed over that of the reference wheel */
+    bool is_reference;                            /**< its angle is the reference angle theta */
+} evl_wheel_geometry;
+
+typedef struct {
+    int sigma;                     /**< +1: driving wheel nominally clockwise, -1: counterclockwise */
+    double transmission_ratio;     /**< n = z_driven/z_driving */
+    double centre_distance;        /**< [m] */
+    double centre_line_angle;      /**< [rad] */
+    double minimum_pressure_angle; /**< alpha_inf [rad] */
+    double working_pressure_angle; /**< alpha_w [rad] */
+    double base_pitch;             /**< |ab| [m], which is the path of contact too: contact ratio 1 */
+    double contact_ratio;          /**< */
+    double line_of_action_length;  /**< |K_A K_B| [m] */
+    double point_k_a[2], point_k_b[2]; /**< where the line of action touches the base circles [m] */
+    double point_a[2], point_b[2];     /**< nominal start and end of contact [m] */
+    double pitch_point[2];             /**< [m] */
+    double tip_radius_driving, tip_radius_driven; /**< |b - O_A|, |a - O_B| [m] */
+    double rho_start_driving, rho_start_driven;   /**< radii of curvature at a [m] */
+    double common_width;           /**< b [m] */
+    double effective_modulus;      /**< E* [Pa] */
+    double elastic_share_driving;  /**< w_A = E* (1-nu_A^2)/E_A */
+    double reference_force;        /**< normal force that the loads suggest [N]: the scale of the error weights */
+    double reference_penetration;  /**< its penetration h_0 [m] */
+} evl_mesh_geometry;
+
+EVL_API void evl_gearbox_wheel_geometry(const evl_gearbox *gearbox, int wheel, evl_wheel_geometry *geometry);
+EVL_API void evl_gearbox_mesh_geometry(const evl_gearbox *gearbox, int mesh, evl_mesh_geometry *geometry);
+
+/** Fill y, yp, integers and reals for time t. @return EVL_OK, EVL_INVALID_INPUT (initial values that contradict each other or the
+ *  loads), EVL_NO_SOLUTION (steady state), EVL_OUT_OF_DOMAIN. */
+EVL_API int evl_gearbox_initial_state(const evl_gearbox *gearbox, const evl_initial *initial, double t, double *y, double *yp,
+                                      int *integers, double *reals, evl_status *status);
+
+/** Scales for error control, absolute, from the loads and the initial state: state[i] is the unit in which an error of y[i] counts, row[i] the unit
+ *  of residual i; differential[i] is 1 for a differential and 0 for an algebraic state. */
+EVL_API void evl_gearbox_scales(const evl_gearbox *gearbox, const evl_initial *initial, double *state, double *row, int *differential);
+
+/** The name of state `index` with its wheel or mesh, such as "angle_deviation[1]", and its unit. */
+EVL_API void evl_gearbox_state_name(const evl_gearbox *gearbox, int index, char name[EVL_NAME_LENGTH], char units[EVL_NAME_LENGTH]);
+
+/** F(t, y, y') = 0, row i in its own unit. Allocates nothing. @return EVL_OK or EVL_OUT_OF_DOMAIN. */
+EVL_API int evl_gearbox_residual(const evl_gearbox *gearbox, double t, const double *y, const double *yp, const int *integers,
+                                 const double *reals, double *residual, evl_status *status);
+/** dF/dy + cj dF/dy', column-major [n_states * n_states], analytic. */
+EVL_API int evl_gearbox_jacobian(const evl_gearbox *gearbox, double t, double cj, const double *y, const double *yp,
+                                 const int *integers, const double *reals, double *jacobian, evl_status *status);
+/** The y' that belongs to y: the explicit right-hand side; for tracked meshes the linear system of the differential form is
+ *  solved with LAPACK, so algebraic states get their true derivative as well. */
+EVL_API int evl_gearbox_derivative(const evl_gearbox *gearbox, double t, const double *y, const int *integers, const double *reals,
+                                   double *yp, evl_status *status);
+
+/* ---- events ---------------------------------------------------------------------------------------------------------------- */
+
+typedef enum {
+    EVL_EVENT_TOOTH_SWITCH = 0,       /**< the driving wheel moved on by one pitch: the next tooth pair takes over */
+    EVL_EVENT_TOOTH_SWITCH_BACK = 1,  /**< it turned back by one pitch */
+    EVL_EVENT_CONTACT_CLOSED = 2,     /**< the gap closed */
+    EVL_EVENT_CONTACT_OPENED = 3,     /**< the flanks parted */
+    EVL_EVENT_FORCE_VANISHED = 4,     /**< elastic + viscous force fell to 0 while the flanks still overlap */
+    EVL_EVENT_FORCE_RETURNED = 5,     /**< and rose above 0 again */
+    EVL_EVENT_SLIDING_BEGAN = 6,      /**< friction left the linear part of its law */
+    EVL_EVENT_SLIDING_ENDED = 7,      /**< friction entered the linear part of its law */
+    EVL_EVENT_TABLE_KNOT = 8,         /**< a table of a load has a knot here */
+    EVL_EVENT_REVOLUTION = 9,         /**< the reference angle was reduced by whole turns */
+    EVL_EVENT_FLANKS_APART = 10,      /**< the gap became too wide for the tracked points to face each other: tracking rests */
+    EVL_EVENT_FLANKS_NEAR = 11        /**< and tracking begins anew */
+} evl_event_kind;
+
+typedef struct {
+    int kind;       /**< evl_event_kind */
+    int mesh;       /**< -1 if it concerns no mesh */
+    int tooth_pair; /**< pitches since the start, after the event; -1 if it concerns no mesh */
+} evl_event;
+
+/** Number of event kinds, and the name of one, such as "tooth_switch"; "" if there is none. */
+EVL_API int evl_event_count(void);
+EVL_API void evl_event_name(int kind, char name[EVL_NAME_LENGTH]);
+
+/** Root functions [n_roots], each scaled to be of order 1; those that have no meaning in the present mode are 1. */
+EVL_API int evl_gearbox_roots(const evl_gearbox *gearbox, const double *y, const int *integers, const double *reals, double *values,
+                              evl_status *status);
+/** Directions [n_roots] that count in the present mode: +1 rising, -1 falling. To be asked again after each event. */
+EVL_API void evl_gearbox_root_directions(const evl_gearbox *gearbox, const int *integers, int *directions);
+/** Time of the next knot of a table; +infinity if there is none. */
+EVL_API double evl_gearbox_next_time_event(const evl_gearbox *gearbox, const int *integers);
+/** Apply what happened at t: `fired` [n_roots] as IDAGetRootInfo gives it (0, +1, -1), `time_event` if t is that of
+ *  evl_gearbox_next_time_event. Changes y, integers, reals and fills yp consistently. events: [n_roots + 2].
+ *  @return EVL_OK; the number of events in *n_events. */
+EVL_API int evl_gearbox_apply_event(const evl_gearbox *gearbox, double t, const int *fired, bool time_event, double *y, double *yp,
+                                    int *integers, double *reals, evl_event *events, int *n_events, evl_status *status);
+
+/* ---- outputs --------------------------------------------------------------------------------------------------------------- */
+
+typedef enum { EVL_DIMS_NONE = 0, EVL_DIMS_WHEEL = 1, EVL_DIMS_MESH = 2, EVL_DIMS_WHEEL_AXIS = 3, EVL_DIMS_MESH_AXIS = 4 } evl_dims;
+
+typedef struct {
+    char name[EVL_NAME_LENGTH];
+    char units[EVL_NAME_LENGTH];  /**< UDUNITS; "1" if without */
+    char symbol[EVL_NAME_LENGTH]; /**< as in docs/symbols.md */
+    char long_name[EVL_TEXT_LENGTH];
+    int dims;                     /**< evl_dims, axis being x, y */
+    bool is_static;               /**< has no time dimension */
+    bool is_integer;
+    int offset, count;            /**< its place in the array that evl_gearbox_outputs fills; C order */
+} evl_output;
+
+EVL_API int evl_gearbox_output(const evl_gearbox *gearbox, int index, evl_output *output);
+/** All outputs at a state, [n_values]; integers as whole doubles, NaN where a quantity has no meaning. */
+EVL_API int evl_gearbox_outputs(const evl_gearbox *gearbox, double t, const double *y, const int *integers, const double *reals,
+                                double *values, evl_status *status);
+
+EVL_API const char *evl_kernel_compiler(void);
+
+/* ---- parts: the formulas one by one, for tests and for other programs -------------------------------------------------------- */
+
+/* Array calls take n values at once; `codes` [n] gets the evl_code of each, the return value is the first that is not
+ * EVL_OK, and where it is not EVL_OK the results are 0. Points are pairs x, y; gradients pairs, Hessians 2 x 2. */
+
+/** Flank function f of the involute whose root lies on the wheel's x axis, its gradient and Hessian, at points [n][2]
+ *  of the wheel's frame [m]. f < 0 in the material, r_b f is the signed distance [m] and |grad f| = 1/r_b. hand: +1
+ *  counterclockwise involute, -1 its mirror image. Valid outside the base circle, else EVL_OUT_OF_DOMAIN. Kosenko &
+ *  Gusev 2011, (4)-(12). */
+EVL_API int evl_involute_flank(int n, const double *points, double base_radius, int hand, double *values,
+                               double *gradients, double *hessians, int *codes);
+/** The same by the paper's polar Jacobian, slower: a check of the other. */
+EVL_API int evl_involute_flank_polar(int n, const double *points, double base_radius, int hand, double *values,
+                                     double *gradients, double *hessians, int *codes);
+/** The same at points of the housing frame, for a wheel at `centre` [2] [m] whose involute root is at `angle` [rad]. */
+EVL_API int evl_involute_flank_housing(int n, const double *points, const double centre[2], double angle,
+                                       double base_radius, int hand, double *values, double *gradients,
+                                       double *hessians, int *codes);
+/** Points [n][2] of the flank at roll angles [n] [rad] >= 0, in the wheel's frame [m]. */
+EVL_API void evl_involute_points(int n, const double *roll_angles, double base_radius, int hand, double *points);
+
+/** All that follows from the data of one pair; wheel A drives wheel B. Lengths [m], angles [rad], points in the housing
+ *  frame. */
+typedef struct {
+    double ratio;                          /**< n = z_B/z_A */
+    double pitch_radius_a, pitch_radius_b; /**< operating pitch radii */
+    double centre_distance;                /**< r_A + r_B */
+    double gamma_a, gamma_b;               /**< angular pitches 2 pi/z */
+    double alpha_inf;                      /**< pressure angle at which the line of action is one base pitch long */
+    double alpha_w;                        /**< working pressure angle */
+    double base_radius_a, base_radius_b;   /**< */
+    double base_radius_sum;                /**< R */
+    double rho;                            /**< |K_A K_B|, length of the line of action */
+    double base_pitch;                     /**< |ab|, length of the path of contact */
+    double tip_radius_a, tip_radius_b;     /**< |b - O_A|, |a - O_B| */
+    double rho_start_a, rho_start_b;       /**< radii of curvature at a */
+    double phi_a, phi_b;                   /**< angles of the involute roots when the teeth touch at a */
+    double centre_a[2], centre_b[2];       /**< O_A, O_B */
+    double t[2], e[2];                     /**< unit vectors across the line of action and along it, from K_A to K_B */
+    double point_k_a[2], point_k_b[2];     /**< where the line of action touches the base circles */
+    double point_a[2], point_b[2];         /**< start and end of contact */
+    double pitch_point[2];                 /**< where the pitch circles touch */
+    bool contains_pitch_point;             /**< whether a-b does */
+} evl_spur_pair;
+
+/** Derive the geometry of a pair: 3 to 10000 teeth, pitch_radius_a > 0, alpha_inf < alpha_w < pi/2 unless paper_rule
+ *  (alpha_w = 1.05 alpha_inf), chi the direction from O_A to O_B, sigma +1 (A drives clockwise) or -1.
+ *  @return EVL_OK, or EVL_INVALID_INPUT with status->field teeth, pitch_radius, pressure_angle, centre_line_angle,
+ *  driving_rotation or centre; index 0 for A, 1 for B. Kosenko & Gusev 2011, section 7.1. */
+EVL_API int evl_spur_pair_derive(int teeth_a, int teeth_b, double pitch_radius_a, bool paper_rule, double alpha_w,
+                                 double chi, int sigma, const double centre_a[2], evl_spur_pair *pair,
+                                 evl_status *status);
+
+/** Johnson's force per unit width N [N/m] at penetrations h [m], odd in h, with dN/dh and dN/d(rho_sum) [N/m^2].
+ *  rho_sum: sum of the radii of curvature [m], e_star: effective modulus [Pa]. EVL_OUT_OF_DOMAIN from |h| = 4
+ *  rho_sum/e^2 on. Kosenko & Gusev 2011, (13)-(15). */
+EVL_API int evl_johnson_force(int n, const double *h, const double *rho_sum, const double *e_star, double *force,
+                              double *d_h, double *d_rho, int *codes);
+/** The inverse: penetrations [m] from forces per unit width [N/m], |N| < 4 pi e_star rho_sum/e^2. */
+EVL_API int evl_johnson_penetration(int n, const double *force, const double *rho_sum, const double *e_star, double *h,
+                                    int *codes);
+/** Elastic energy per unit width [J/m] at h, with rho_sum there: `potential` along rho_sum - h = constant, as a mesh
+ *  moves; `constant_radii` at constant rho_sum. */
+EVL_API int evl_johnson_potential(int n, const double *h, const double *rho_sum, const double *e_star,
+                                  double *potential, double *constant_radii, int *codes);
+/** The limits (15): of the penetration [m] and of the force per unit width [N/m]. */
+EVL_API void evl_johnson_limits(int n, const double *rho_sum, const double *e_star, double *penetration, double *force);
+/** One turn of the paper's iteration (18): nu (1 + eta ln eta). */
+EVL_API void evl_johnson_iteration(int n, const double *eta, const double *nu, double *next);
+/** N by the paper's iteration (18) from start [n] in (0, 1/e), until eta changes by less than `tolerance` relatively;
+ *  `turns` [n]. EVL_NO_SOLUTION if max_turns do not suffice. Slow, and independent of evl_johnson_force. */
+EVL_API int evl_johnson_iteration_force(int n, const double *h, const double *rho_sum, const double *e_star,
+                                        const double *start, double tolerance, int max_turns, double *force, int *turns,
+                                        int *codes);
+
+/** What a force law may know about a contact. */
+typedef struct {
+    double h;            /**< penetration [m], negative for a gap */
+    double h_dot;        /**< its rate [m/s] */
+    double rho_sum;      /**< rho_a + rho_b [m] */
+    double rho_a, rho_b; /**< radii of curvature of the flanks [m] */
+    double e_star;       /**< effective modulus [Pa] */
+    double width;        /**< common face width [m] */
+    double v0;           /**< approach speed at the last closing [m/s] */
+} evl_contact_context;
+
+/** Check a law's index and the range of its parameters.
+ *  @return EVL_OK, or EVL_INVALID_INPUT with status->field "law" or the parameter's name. The calls below take valid
+ *  choices only. */
+EVL_API int evl_law_validate(int family, const evl_law_choice *choice, evl_status *status);
+/** Elastic normal force [N], odd in h, with its derivatives to h and to rho_sum [N/m]. */
+EVL_API int evl_law_elastic_force(int n, const evl_law_choice *contact, const evl_contact_context *contexts,
+                                  double *force, double *d_h, double *d_rho, int *codes);
+/** Why evl_law_elastic_force answered EVL_OUT_OF_DOMAIN, as one sentence. */
+EVL_API void evl_law_elastic_limit(const evl_law_choice *contact, const evl_contact_context *context,
+                                   char message[EVL_MESSAGE_LENGTH]);
+/** Penetration [m] at which the elastic force is `force` [N]; the h of the contexts is not used. */
+EVL_API int evl_law_penetration(int n, const evl_law_choice *contact, const evl_contact_context *contexts,
+                                const double *force, double *h, int *codes);
+/** Elastic energy [J] along rho_sum - h = constant. */
+EVL_API int evl_law_elastic_potential(int n, const evl_law_choice *contact, const evl_contact_context *contexts,
+                                      double *potential, int *codes);
+/** Viscous normal force [N] with its derivatives to h [N/m] and to h_dot [N s/m]; the contact law's force enters some
+ *  laws. */
+EVL_API int evl_law_viscous_force(int n, const evl_law_choice *contact, const evl_law_choice *damping,
+                                  const evl_contact_context *contexts, double *force, double *d_h, double *d_h_dot,
+                                  int *codes);
+/** phi of F_t = -F_n phi(v_t) and dphi/dv_t [s/m], on the branch modes [n] (-1, 0, +1) of the law. */
+EVL_API void evl_law_friction_factor(int n, const evl_law_choice *friction, const int *modes, const double *v_t,
+                                     double *factor, double *d_v);
+/** The branch that belongs to each sliding velocity [m/s]. */
+EVL_API void evl_law_friction_mode(int n, const evl_law_choice *friction, const double *v_t, int *modes);
+/** The |v_t| at which the branch changes [m/s]; 0 if it never does, also for a coefficient of 0. */
+EVL_API double evl_law_friction_knee(const evl_law_choice *friction);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

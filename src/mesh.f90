@@ -1,0 +1,345 @@
+!> One mesh: the tooth pair that carries the load between two wheels, its forces on both, and what happens to it.
+!>
+!> Forces are counted on the driving wheel A, along t and against e; wheel B feels the opposite.
+module evl_mesh
+   use evl_contact_laws, only: contact_context, elastic_force, elastic_limit_message, elastic_potential, elastic_result, &
+                               friction_factor, friction_knee, friction_mode, law_choice, viscous_force
+   use evl_contact_tracking, only: at_mu, at_psi_a, at_track, at_zeta, centre_line_turn, closed_form_gap, contact_gradient, &
+                                   contact_point, gradient_closed_form, gradient_points, n_local, n_track, &
+                                   points_from_closed_form, track_closed_form, track_points, tracked_pair
+   use evl_kinds, only: wp
+   use evl_status, only: code_ok, code_out_of_domain, fail, quantity, status_t, subject_mesh
+   implicit none (type, external)
+   private
+
+   public :: mesh_t, mesh_link, mesh_mode, mesh_force, mesh_force_gradient
+   public :: mesh_contact, mesh_forces, mesh_gradient, mesh_energy, mesh_roots, mesh_root_directions, mesh_teeth_moved
+   public :: mesh_nominal_rho, mesh_unclipped_force, mesh_settle_friction
+   public :: tracking_closed_form, tracking_algebraic, tracking_differential
+   public :: contact_open, contact_loaded, contact_unloaded, contact_apart
+   public :: n_mesh_roots, root_contact, root_force, root_friction_high, root_friction_low, root_forward, root_back, root_apart
+
+   integer, parameter :: tracking_closed_form = 0  !! contact from the wheels' positions
+   integer, parameter :: tracking_algebraic = 1    !! contact from (1)
+   integer, parameter :: tracking_differential = 2 !! contact from (2)-(3)
+
+   integer, parameter :: contact_open = 0     !! a gap
+   integer, parameter :: contact_loaded = 1   !! penetration and force
+   integer, parameter :: contact_unloaded = 2 !! penetration, but the damper would pull: no force
+   integer, parameter :: contact_apart = 3    !! tracked flanks so far apart that no two points face each other
+
+   integer, parameter :: n_mesh_roots = 7       !! root functions of a mesh
+   integer, parameter :: root_contact = 1       !! the gap closes or opens
+   integer, parameter :: root_force = 2         !! the unclipped force passes zero
+   integer, parameter :: root_friction_high = 3 !! v_t passes the upper end of the linear part
+   integer, parameter :: root_friction_low = 4  !! v_t passes the lower end
+   integer, parameter :: root_forward = 5       !! one pitch on since the last switch
+   integer, parameter :: root_back = 6          !! one pitch back since the last switch
+   integer, parameter :: root_apart = 7         !! the flanks part so far, or come so near, that tracking ends or begins
+
+   !> Roots lie this far past the change of mode, relative to the size of the quantity: a root function never starts at zero.
+   real(wp), parameter :: past = 1.0e-10_wp
+
+   !> Couples a local variable of the mesh with a state of the gearbox.
+   type :: mesh_link
+      integer :: local = 0           !! place in the local variables
+      integer :: state = 0           !! place in the state
+      real(wp) :: weight = 0.0_wp    !! d local/d state
+   end type mesh_link
+
+   type :: mesh_t
+      integer :: wheel_a = 0, wheel_b = 0 !! driving and driven wheel
+      type(tracked_pair) :: pair          !! geometry for the tracking
+      type(law_choice) :: contact, damping, friction
+      integer :: tracking = tracking_closed_form
+      real(wp) :: e_star = 0.0_wp         !! effective modulus [Pa]
+      real(wp) :: width = 0.0_wp          !! common face width [m]
+      real(wp) :: base_pitch = 0.0_wp     !! |ab| [m]
+      real(wp) :: rho_start = 0.0_wp      !! rho_A at a [m]
+      integer :: pitches_per_turn = 0     !! by how many pitches one turn of the reference wheel moves rho_A0
+      real(wp) :: gap_apart = 0.0_wp      !! gap past which flanks are not tracked [m]
+      real(wp) :: t_0(2) = 0.0_wp, e_0(2) = 0.0_wp !! nominal basis in the housing frame
+      real(wp) :: k_a0(2) = 0.0_wp        !! K_A at the reference centre distance [m]
+      real(wp) :: force_scale = 0.0_wp    !! normal force that the loads suggest [N]
+      real(wp) :: h_scale = 0.0_wp        !! its penetration [m]
+      type(mesh_link), allocatable :: links(:) !! local variables in terms of the state
+      integer :: i_track = 0              !! first tracked variable in the state; 0 if none
+      integer :: i_mode = 0               !! place of its three integers in the discrete state
+   end type mesh_t
+
+   !> Discrete state of a mesh.
+   type :: mesh_mode
+      integer :: teeth = 0              !! pitches since the start
+      integer :: contact = contact_open !! one of the contact modes
+      integer :: friction = 0           !! branch of the friction law
+      real(wp) :: v0 = 0.0_wp           !! approach speed at the last closing [m/s]
+   end type mesh_mode
+
+   !> Forces of a mesh.
+   type :: mesh_force
+      real(wp) :: normal = 0.0_wp   !! F_n >= 0 [N]
+      real(wp) :: elastic = 0.0_wp  !! its elastic part before clipping [N]
+      real(wp) :: viscous = 0.0_wp  !! its viscous part before clipping [N]
+      real(wp) :: friction = 0.0_wp !! F_t along t on A [N]
+      real(wp) :: torque_a = 0.0_wp, torque_b = 0.0_wp !! on the wheels [N m]
+      real(wp) :: on_a(2) = 0.0_wp  !! force on A in (t_0, e_0) [N]
+      real(wp) :: dissipation = 0.0_wp !! power lost to damping, clipping and friction [W]
+   end type mesh_force
+
+   !> Derivatives of the forces with respect to the local variables.
+   type :: mesh_force_gradient
+      real(wp) :: torque_a(n_local), torque_b(n_local), on_a(n_local, 2), dissipation(n_local)
+   end type mesh_force_gradient
+
+contains
+
+   !> Nominal radius of curvature rho_A0 of the tooth pair in mesh [m]; teeth and turns are whole numbers and stay exact.
+   pure real(wp) function mesh_nominal_rho(mesh, theta, turns, teeth) result(rho_a0)
+      type(mesh_t), intent(in) :: mesh
+      real(wp), intent(in) :: theta  !! reference angle [rad]
+      integer, intent(in) :: turns   !! whole turns of the reference wheel beside theta
+      integer, intent(in) :: teeth   !! pitches since the start
+
+      rho_a0 = mesh%rho_start + mesh%base_pitch*real(mesh%pitches_per_turn*turns - teeth, wp) + mesh%pair%advance*theta
+   end function mesh_nominal_rho
+
+   !> The contact as the mesh's tracking sees it.
+   pure subroutine mesh_contact(mesh, rho_a0, q, point)
+      type(mesh_t), intent(in) :: mesh
+      real(wp), intent(in) :: rho_a0, q(n_local)
+      type(contact_point), intent(out) :: point
+
+      if (mesh%tracking == tracking_closed_form) then
+         call track_closed_form(mesh%pair, rho_a0, q, point)
+      else
+         call track_points(mesh%pair, rho_a0, q, point)
+      end if
+   end subroutine mesh_contact
+
+   !> What the laws may know.
+   pure type(contact_context) function context_of(mesh, point, v0) result(ctx)
+      type(mesh_t), intent(in) :: mesh
+      type(contact_point), intent(in) :: point
+      real(wp), intent(in) :: v0
+
+      ctx%h = point%h
+      ctx%h_dot = point%h_dot
+      ctx%rho_sum = point%rho_a + point%rho_b
+      ctx%rho_a = point%rho_a
+      ctx%rho_b = point%rho_b
+      ctx%e_star = mesh%e_star
+      ctx%width = mesh%width
+      ctx%v0 = v0
+   end function context_of
+
+   !> Forces at a contact point. Nothing acts in the modes without contact.
+   subroutine mesh_forces(mesh, index, mode, point, force, status)
+      type(mesh_t), intent(in) :: mesh
+      integer, intent(in) :: index            !! of the mesh, for messages
+      type(mesh_mode), intent(in) :: mode
+      type(contact_point), intent(in) :: point
+      type(mesh_force), intent(out) :: force
+      type(status_t), intent(inout) :: status !! code_out_of_domain if a limit of the law or of the involutes is passed
+      real(wp) :: factor, d_v, d_h, d_h_dot
+      type(elastic_result) :: elastic
+
+      if (mode%contact == contact_open .or. mode%contact == contact_apart) return
+      if (.not. (point%exists .and. point%rho_a > 0 .and. point%rho_b > 0)) then
+         call left_involute(point, index, status)
+         return
+      end if
+      call contact_law(mesh, index, mode, point, elastic, force%viscous, d_h, d_h_dot, status)
+      force%elastic = elastic%force
+      if (mode%contact == contact_unloaded) then
+         force%dissipation = -force%elastic*point%h_dot
+         return
+      end if
+      force%normal = force%elastic + force%viscous
+      call friction_factor(mesh%friction, mode%friction, point%v_t, factor, d_v)
+      force%friction = -force%normal*factor
+      associate (sigma => mesh%pair%sigma)
+         force%torque_a = sigma*(force%normal*mesh%pair%r_ba + force%friction*point%l_a)
+         force%torque_b = sigma*(force%normal*mesh%pair%r_bb + force%friction*point%l_b)
+      end associate
+      force%on_a(1) = force%normal*point%s + force%friction*point%c
+      force%on_a(2) = -force%normal*point%c + force%friction*point%s
+      force%dissipation = force%viscous*point%h_dot - force%friction*point%v_t
+   end subroutine mesh_forces
+
+   !> Elastic and viscous force with derivatives.
+   subroutine contact_law(mesh, index, mode, point, elastic, viscous, d_h, d_h_dot, status)
+      type(mesh_t), intent(in) :: mesh
+      integer, intent(in) :: index
+      type(mesh_mode), intent(in) :: mode
+      type(contact_point), intent(in) :: point
+      type(elastic_result), intent(out) :: elastic
+      real(wp), intent(out) :: viscous, d_h, d_h_dot
+      type(status_t), intent(inout) :: status
+      type(contact_context) :: ctx
+      character(len=len(status%message)) :: message
+      integer :: code
+
+      ctx = context_of(mesh, point, mode%v0)
+      call elastic_force(mesh%contact, ctx, elastic, code)
+      if (code /= code_ok) then
+         call elastic_limit_message(mesh%contact, ctx, message)
+         call fail(status, code, message, subject_mesh, index, "contact")
+      end if
+      call viscous_force(mesh%damping, ctx, elastic, viscous, d_h, d_h_dot)
+   end subroutine contact_law
+
+   !> The contact has left an involute: say which radius of curvature ran out.
+   pure subroutine left_involute(point, index, status)
+      type(contact_point), intent(in) :: point
+      integer, intent(in) :: index
+      type(status_t), intent(inout) :: status
+      character(len=:), allocatable :: which
+
+      which = "driven"
+      if (point%rho_a <= 0 .or. .not. point%exists) which = "driving"
+      call fail(status, code_out_of_domain, "the contact has left the involute of the "//which//" wheel below its base circle" &
+                //" (radii of curvature rho_A = "//quantity(point%rho_a, "m")//", rho_B = "//quantity(point%rho_b, "m") &
+                //"): the tooth pair has turned back too far, or the gap is too wide", subject_mesh, index, "tracking")
+   end subroutine left_involute
+
+   !> Derivatives of the forces with respect to the local variables; zero in the modes without contact.
+   subroutine mesh_gradient(mesh, index, mode, rho_a0, q, point, force, gradient, status)
+      type(mesh_t), intent(in) :: mesh
+      integer, intent(in) :: index
+      type(mesh_mode), intent(in) :: mode
+      real(wp), intent(in) :: rho_a0, q(n_local)
+      type(contact_point), intent(in) :: point !! at q
+      type(mesh_force), intent(in) :: force    !! there
+      type(mesh_force_gradient), intent(out) :: gradient
+      type(status_t), intent(inout) :: status
+      type(contact_gradient) :: d
+      type(elastic_result) :: elastic
+      real(wp) :: viscous, d_h, d_h_dot, factor, d_v
+      real(wp), dimension(n_local) :: d_elastic, d_viscous, d_normal, d_friction
+
+      gradient%torque_a = 0
+      gradient%torque_b = 0
+      gradient%on_a = 0
+      gradient%dissipation = 0
+      if (mode%contact == contact_open .or. mode%contact == contact_apart) return
+      if (mesh%tracking == tracking_closed_form) then
+         call gradient_closed_form(mesh%pair, q, point, d)
+      else
+         call gradient_points(mesh%pair, rho_a0, q, point, d)
+      end if
+      call contact_law(mesh, index, mode, point, elastic, viscous, d_h, d_h_dot, status)
+      d_elastic = elastic%d_h*d%h + elastic%d_rho*(d%rho_a + d%rho_b)
+      if (mode%contact == contact_unloaded) then
+         gradient%dissipation = -d_elastic*point%h_dot - elastic%force*d%h_dot
+         return
+      end if
+      d_viscous = d_h*d%h + d_h_dot*d%h_dot
+      d_normal = d_elastic + d_viscous
+      call friction_factor(mesh%friction, mode%friction, point%v_t, factor, d_v)
+      d_friction = -factor*d_normal - force%normal*d_v*d%v_t
+      associate (sigma => mesh%pair%sigma, r_ba => mesh%pair%r_ba, r_bb => mesh%pair%r_bb)
+         gradient%torque_a = sigma*(r_ba*d_normal + point%l_a*d_friction + force%friction*d%l_a)
+         gradient%torque_b = sigma*(r_bb*d_normal + point%l_b*d_friction + force%friction*d%l_b)
+      end associate
+      gradient%on_a(:, 1) = point%s*d_normal + point%c*d_friction - force%on_a(2)*d%angle
+      gradient%on_a(:, 2) = -point%c*d_normal + point%s*d_friction + force%on_a(1)*d%angle
+      gradient%dissipation = d_viscous*point%h_dot + viscous*d%h_dot - d_friction*point%v_t - force%friction*d%v_t
+   end subroutine mesh_gradient
+
+   !> Elastic energy stored in the contact [J]; 0 without penetration.
+   pure real(wp) function mesh_energy(mesh, mode, point) result(energy)
+      type(mesh_t), intent(in) :: mesh
+      type(mesh_mode), intent(in) :: mode
+      type(contact_point), intent(in) :: point
+
+      energy = 0
+      if (mode%contact == contact_loaded .or. mode%contact == contact_unloaded) &
+         call elastic_potential(mesh%contact, context_of(mesh, point, mode%v0), energy)
+   end function mesh_energy
+
+   !> Elastic + viscous force as if nothing were clipped [N].
+   subroutine mesh_unclipped_force(mesh, index, mode, point, force, status)
+      type(mesh_t), intent(in) :: mesh
+      integer, intent(in) :: index
+      type(mesh_mode), intent(in) :: mode
+      type(contact_point), intent(in) :: point
+      real(wp), intent(out) :: force
+      type(status_t), intent(inout) :: status
+      type(elastic_result) :: elastic
+      real(wp) :: viscous, d_h, d_h_dot
+
+      call contact_law(mesh, index, mode, point, elastic, viscous, d_h, d_h_dot, status)
+      force = elastic%force + viscous
+   end subroutine mesh_unclipped_force
+
+   !> By how much the driving wheel has moved on since the last switch, as an arc of its base circle [m].
+   pure real(wp) function mesh_teeth_moved(mesh, rho_a0, q) result(moved)
+      type(mesh_t), intent(in) :: mesh
+      real(wp), intent(in) :: rho_a0, q(n_local)
+
+      moved = rho_a0 - mesh%rho_start - mesh%pair%sigma*mesh%pair%r_ba*(q(at_psi_a) - centre_line_turn(mesh%pair, q))
+   end function mesh_teeth_moved
+
+   !> The friction branch that belongs to a contact.
+   pure integer function mesh_settle_friction(mesh, point) result(branch)
+      type(mesh_t), intent(in) :: mesh
+      type(contact_point), intent(in) :: point
+
+      branch = friction_mode(mesh%friction, point%v_t)
+   end function mesh_settle_friction
+
+   !> Root functions, of order 1; those without meaning in the mode are 1.
+   subroutine mesh_roots(mesh, index, mode, rho_a0, q, point, roots, status)
+      type(mesh_t), intent(in) :: mesh
+      integer, intent(in) :: index
+      type(mesh_mode), intent(in) :: mode
+      real(wp), intent(in) :: rho_a0, q(n_local)
+      type(contact_point), intent(in) :: point
+      real(wp), intent(out) :: roots(n_mesh_roots)
+      type(status_t), intent(inout) :: status
+      real(wp) :: force, knee, moved
+      logical :: touching
+
+      roots = 1
+      touching = mode%contact == contact_loaded .or. mode%contact == contact_unloaded
+      if (mode%contact == contact_open) roots(root_contact) = point%h/mesh%h_scale - past
+      if (touching) then
+         roots(root_contact) = point%h/mesh%h_scale + past
+         call mesh_unclipped_force(mesh, index, mode, point, force, status)
+         roots(root_force) = force/mesh%force_scale + merge(past, -past, mode%contact == contact_loaded)
+      end if
+      knee = friction_knee(mesh%friction)
+      if (knee > 0 .and. mode%contact == contact_loaded) then
+         select case (mode%friction)
+         case (0)
+            roots(root_friction_high) = point%v_t/knee - (1 + past)
+            roots(root_friction_low) = point%v_t/knee + (1 + past)
+         case (1)
+            roots(root_friction_high) = point%v_t/knee - (1 - past)
+         case (-1)
+            roots(root_friction_low) = point%v_t/knee + (1 - past)
+         end select
+      end if
+      moved = mesh_teeth_moved(mesh, rho_a0, q)/mesh%base_pitch
+      roots(root_forward) = moved - 1
+      roots(root_back) = moved + 1
+      if (mesh%tracking == tracking_closed_form) return
+      if (mode%contact == contact_open) roots(root_apart) = -point%h/mesh%gap_apart - 1
+      if (mode%contact == contact_apart) roots(root_apart) = closed_form_gap(mesh%pair, q)/mesh%gap_apart - 1
+   end subroutine mesh_roots
+
+   !> The direction in which each root counts.
+   pure subroutine mesh_root_directions(mode, directions)
+      type(mesh_mode), intent(in) :: mode
+      integer, intent(out) :: directions(n_mesh_roots)
+
+      directions(root_contact) = merge(1, -1, mode%contact == contact_open)
+      directions(root_force) = merge(1, -1, mode%contact == contact_unloaded)
+      directions(root_friction_high) = merge(-1, 1, mode%friction == 1)
+      directions(root_friction_low) = merge(1, -1, mode%friction == -1)
+      directions(root_forward) = 1
+      directions(root_back) = -1
+      directions(root_apart) = merge(-1, 1, mode%contact == contact_apart)
+   end subroutine mesh_root_directions
+
+end module evl_mesh
