@@ -11,6 +11,7 @@
 enum {
     MOST_BYTES = 32 * 1024 * 1024, /* a case of that size is a mistake, such as a history in place of a case */
     MOST_NODES = 4 * 1000 * 1000,  /* aliases multiply: a few lines can mean any number of nodes */
+    MOST_KEYS = 10000,             /* of one block; they are compared with each other */
     MOST_LEVELS = 32
 };
 
@@ -134,6 +135,10 @@ static bool copy_mapping(yaml_loader *loader, const yaml_node_t *from, int level
                                                              to->entries[earlier].key_place.line);
             refuse(loader, place, message);
             free(message);
+            return false;
+        }
+        if (to->n == MOST_KEYS) {
+            refuse(loader, place, "too many keys in one block");
             return false;
         }
         case_node *value = copy_node(loader, pair->value, level);
