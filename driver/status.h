@@ -14,7 +14,7 @@
     X(EVL_EXIT_IO, 74, "output could not be written")                                                                  \
     X(EVL_EXIT_INTERRUPTED, 75, "interrupted by a signal")
 
-#define EVL_EXIT_ENUMERATOR(name, number, text) name = number,
+#define EVL_EXIT_ENUMERATOR(name, number, text) name = (number),
 typedef enum { EVL_EXIT_CODES(EVL_EXIT_ENUMERATOR) } evl_exit;
 #undef EVL_EXIT_ENUMERATOR
 
