@@ -41,7 +41,7 @@ app = typer.Typer(
     """,
 )
 
-Files = Annotated[list[Path], typer.Argument(metavar="FILE...", help="Histories (.h5).")]
+Files = Annotated[list[Path], typer.Argument(metavar="FILE", help="Histories (.h5).")]
 File = Annotated[Path, typer.Argument(metavar="FILE", help="History (.h5).")]
 AsJson = Annotated[bool, typer.Option("--json", help="Write JSON, for scripts.")]
 
@@ -90,13 +90,13 @@ def _options(
 
 @app.command()
 def check(files: Files, as_json: AsJson = False) -> None:
-    r"""Check the invariants of runs: what must hold whatever the case.
+    """Check the invariants of runs: what must hold whatever the case.
 
     \b
     Exit code 1 if one is broken, 3 if a file cannot be read.
     Example:
       evolvent-post check paper.h5 paper-friction.h5
-    """
+    """  # noqa: D301 - \b keeps click from filling the lines
     checked: list[tuple[Path, str | None, list[Verdict]]] = []
     unreadable = False
     for path in files:
@@ -131,13 +131,22 @@ def plot(
         typer.Option("--quantity", help="What to draw; may be repeated. All if not given."),
     ] = None,
     begin: Annotated[
-        float, typer.Option("--from", metavar="TIME", help="First time drawn [s].")
+        float,
+        typer.Option(
+            "--from",
+            metavar="TIME",
+            show_default=False,
+            help="First time drawn [s]; else the first.",
+        ),
     ] = -math.inf,
     end: Annotated[
-        float, typer.Option("--to", metavar="TIME", help="Last time drawn [s].")
+        float,
+        typer.Option(
+            "--to", metavar="TIME", show_default=False, help="Last time drawn [s]; else the last."
+        ),
     ] = math.inf,
 ) -> None:
-    r"""Draw quantities over time; the transmission errors of all files come in one figure.
+    """Draw quantities over time; the transmission errors of all files come in one figure.
 
     \b
     The figures are named after the histories, as in paper-penetration.png.
@@ -145,7 +154,7 @@ def plot(
       evolvent-post plot paper.h5 -o figures
       evolvent-post plot paper.h5 paper-friction.h5 --quantity transmission_error --format pdf
       evolvent-post plot paper.h5 --from 2.5 --to 2.7
-    """
+    """  # noqa: D301 - \b keeps click from filling the lines
     wanted = quantities or list(Quantity)
     labels = _labels(files)
     histories, events = [], []
@@ -190,13 +199,13 @@ def report(
         ),
     ] = None,
 ) -> None:
-    r"""Write one self-contained HTML page about a run.
+    """Write one self-contained HTML page about a run.
 
     \b
     The case, its geometry, invariants, figures, events, solver counts and versions.
     Example:
       evolvent-post report paper.h5 -o paper.html
-    """
+    """  # noqa: D301 - \b keeps click from filling the lines
     from evolvent.report import report as make_report
 
     path = output if output is not None else Path(f"{file_label(file)}.html")
@@ -219,14 +228,14 @@ def compare(
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    r"""Show the largest difference of every variable of two runs.
+    """Show the largest difference of every variable of two runs.
 
     \b
     Relative differences refer to the variable's largest absolute value in both runs.
     Exit code 1 if one is beyond the tolerance.
     Example:
       evolvent-post compare closed_form.h5 differential.h5 --tolerance 1e-6
-    """
+    """  # noqa: D301 - \b keeps click from filling the lines
     with _open_with_warning(first) as one, _open_with_warning(second) as two:
         result = evolvent.compare_histories(one, two)
     relative = result["relative"].values

@@ -74,14 +74,15 @@ def _ratio(difference: float, largest: float) -> float:
 
 
 def _on_common_times(first: xr.Dataset, second: xr.Dataset) -> tuple[xr.Dataset, xr.Dataset, str]:
+    for history in (first, second):
+        if history.sizes["time"] == 0:
+            raise HistoryError(f"{source_name(history)}: has no output")
     one, two = first["time"].values, second["time"].values
     begin, end = max(one[0], two[0]), min(one[-1], two[-1])
     slack = SAME_TIME * min(np.diff(one).min(initial=np.inf), np.diff(two).min(initial=np.inf))
     slack = slack if np.isfinite(slack) else 0.0
     if begin > end + slack:
-        raise HistoryError(
-            f"{source_name(first)} ends or begins where {source_name(second)} has no time in common"
-        )
+        raise HistoryError(f"{source_name(first)} and {source_name(second)} have no time in common")
     nearest = np.clip(np.searchsorted(two, one - slack), 0, two.size - 1)
     common = np.abs(two[nearest] - one) <= slack
     coarser = min(np.count_nonzero((t >= begin - slack) & (t <= end + slack)) for t in (one, two))

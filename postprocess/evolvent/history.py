@@ -13,7 +13,7 @@ import xarray as xr
 
 NEWEST_FORMAT = 1
 DIMENSIONS = ("time", "wheel", "mesh", "axis")
-DONE = "done"  # the attribute `status` of a run that reached its end
+DONE, RUNNING = "done", "running"  # values of the attribute `status`
 
 
 class HistoryError(Exception):
@@ -79,15 +79,21 @@ def open_events(path: str | Path) -> xr.Dataset:
 
 
 def run_warning(history: xr.Dataset) -> str | None:
-    """Say in one sentence that the run did not reach its end; None if it did."""
-    status = str(history.attrs.get("status", "unknown"))
+    """Say what has to be known of the end of a run: why it stopped, or that contact was lost.
+
+    None if the run reached its end and there is nothing to say.
+    """
+    status = history.attrs.get("status")
+    message = str(history.attrs.get("status_message", ""))
     if status == DONE:
-        return None
-    reason = str(history.attrs.get("status_message", ""))
-    end = (
-        f" (last output at t = {float(history['time'][-1]):.6g} s)" if history.sizes["time"] else ""
-    )
-    return f"the run did not finish: {status}{', ' + reason if reason else ''}{end}"
+        return message or None
+    if status in (None, RUNNING):
+        text = "the run goes on or was killed: its file was not closed"
+    else:
+        text = f"the run did not finish: {message or status}"
+    if history.sizes["time"] == 0:
+        return f"{text} (there is no output)"
+    return f"{text} (last output at t = {float(history['time'][-1]):.6g} s)"
 
 
 def source_name(history: xr.Dataset) -> str:
@@ -116,7 +122,9 @@ def _open(path: Path, group: str | None) -> xr.Dataset:
         raise HistoryError(f"{path}: is a folder, not a history")
     try:
         # Times stay seconds since the start of the run; xarray would make dates of some units.
-        return xr.open_dataset(path, engine="h5netcdf", group=group, decode_times=False)
+        return xr.open_dataset(
+            path, engine="h5netcdf", group=group, decode_times=False, phony_dims="access"
+        )
     except PermissionError as error:
         raise HistoryError(f"{path}: may not be read") from error
     except (OSError, KeyError, ValueError) as error:

@@ -15,6 +15,7 @@ import xarray as xr
 from evolvent.history import require
 
 CLOSED_FORM = 0  # value of `tracking`
+APART = 3  # value of `contact_mode`: the flanks are too far apart to track points on them
 
 
 class NotApplicableError(Exception):
@@ -94,9 +95,9 @@ def gradient_ratio(history: xr.Dataset) -> xr.DataArray:
 
     Source: Kosenko & Gusev 2011, Assertion 2.
     """
-    tracked = _tracked(history)
+    tracked, when = _tracked(history)
     driving, driven = _base_radii(tracked)
-    return require(tracked, "gradient_ratio") * driving / driven + 1.0
+    return (require(tracked, "gradient_ratio") * driving / driven + 1.0).where(when, 0.0)
 
 
 def transmission_error_identity(history: xr.Dataset) -> xr.DataArray:
@@ -129,12 +130,13 @@ def energy_balance(history: xr.Dataset) -> xr.DataArray:
     """Energy that appeared or got lost since the start over the energy put in, dim (time).
 
     T + V + dissipated - work of the loads is constant. What was put in is the gross work of the
-    loads (their positive power, integrated over the outputs) and the energy at the start.
+    loads (the positive power on each wheel, integrated over the outputs) and the energy at the
+    start.
     """
     stored = require(history, "kinetic_energy") + require(history, "potential_energy")
     balance = stored + require(history, "dissipated_energy") - require(history, "load_work")
-    power = (require(history, "load_torque") * require(history, "angular_velocity")).sum("wheel")
-    gross = float(power.clip(min=0.0).integrate("time"))
+    power = require(history, "load_torque") * require(history, "angular_velocity")
+    gross = float(power.clip(min=0.0).sum("wheel").integrate("time"))
     scale = gross + abs(float(stored[0]))
     if scale == 0.0:
         raise NotApplicableError("no work is done and there is no energy")
@@ -168,15 +170,15 @@ def order_of_times(history: xr.Dataset) -> xr.DataArray:
 def finiteness(history: xr.Dataset) -> xr.DataArray:
     """Share of the values that are no finite numbers, dim (variable).
 
-    What only tracked contact has is missing on purpose where the closed form is used.
+    What only tracked points have is missing on purpose where none are tracked.
     """
     shares: dict[str, float] = {}
     for name, variable in history.variables.items():
         if variable.dtype.kind != "f":
             continue
         values = history[name]
-        if name in TRACKED_ONLY and "mesh" in values.dims:
-            values = values.isel(mesh=_is_tracked(history))
+        if name in TRACKED_ONLY:
+            values = values.where(_is_tracked(history), 0.0)
         shares[str(name)] = float(np.mean(~np.isfinite(values.values))) if values.size else 0.0
     return xr.DataArray(list(shares.values()), dims="variable", coords={"variable": list(shares)})
 
@@ -247,16 +249,21 @@ INVARIANTS = (
 )
 
 
-def _is_tracked(history: xr.Dataset) -> np.ndarray:
-    return np.asarray(require(history, "tracking").values != CLOSED_FORM)
+def _is_tracked(history: xr.Dataset) -> xr.DataArray:
+    """Tell when contact points are tracked, dims (time, mesh)."""
+    apart = require(history, "contact_mode") == APART
+    return (~apart & (require(history, "tracking") != CLOSED_FORM)).transpose("time", "mesh")
 
 
-def _tracked(history: xr.Dataset) -> xr.Dataset:
-    """Keep the meshes whose contact points are tracked."""
-    tracked = _is_tracked(history)
-    if not tracked.any():
+def _tracked(history: xr.Dataset) -> tuple[xr.Dataset, xr.DataArray]:
+    """Keep the meshes whose contact points are tracked, and tell when, dims (time, mesh)."""
+    if not (require(history, "tracking") != CLOSED_FORM).any():
         raise NotApplicableError("closed form: no contact points are tracked")
-    return history.isel(mesh=tracked)
+    when = _is_tracked(history)
+    ever = when.any("time").values
+    if not ever.any():
+        raise NotApplicableError("the flanks are too far apart to track points on them")
+    return history.isel(mesh=ever), when.isel(mesh=ever)
 
 
 def _pressed(history: xr.Dataset) -> tuple[xr.Dataset, xr.DataArray]:
@@ -269,11 +276,13 @@ def _pressed(history: xr.Dataset) -> tuple[xr.Dataset, xr.DataArray]:
 
 
 def _of_both_wheels(history: xr.Dataset, name: str) -> xr.DataArray:
-    pressed, depth = _pressed(_tracked(history))
+    tracked, when = _tracked(history)
+    pressed, depth = _pressed(tracked)
     sides = ["driving", "driven"]
     distances = [require(pressed, f"{name}_{side}") for side in sides]
     both = xr.concat(distances, dim=xr.DataArray(sides, dims="wheel_of_mesh", name="wheel_of_mesh"))
-    return (both / depth).transpose("wheel_of_mesh", "time", "mesh")
+    relative = (both / depth).where(when.sel(mesh=depth["mesh"]), 0.0)
+    return relative.transpose("wheel_of_mesh", "time", "mesh")
 
 
 def _base_radii(history: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:

@@ -20,7 +20,15 @@ from evolvent.scheme import figure_mesh_scheme
 from evolvent.units import quantity
 
 # Attributes of a history that have a place of their own on the page.
-PLACED_ATTRIBUTES = ("Conventions", "title", "evolvent_format", "case", "status", "status_message")
+PLACED_ATTRIBUTES = (
+    "Conventions",
+    "title",
+    "evolvent_format",
+    "case",
+    "status",
+    "status_message",
+    "warnings",
+)
 
 
 @dataclass(frozen=True)
@@ -51,7 +59,7 @@ def report(history: xr.Dataset, events: xr.Dataset) -> str:
     return environment.get_template("report.html.j2").render(
         title=str(history.attrs.get("title") or source_name(history)),
         file=source_name(history),
-        warning=run_warning(history),
+        warnings=_warnings(history),
         status=history.attrs.get("status", "unknown"),
         time=history["time"].values,
         verdicts=check_history(history),
@@ -100,6 +108,13 @@ def event_counts(history: xr.Dataset, events: xr.Dataset) -> list[tuple[str, str
         key = (str(kind).replace("_", " "), names[mesh] if mesh >= 0 else "")
         counted[key] = counted.get(key, 0) + 1
     return [(kind, mesh, number) for (kind, mesh), number in counted.items()]
+
+
+def _warnings(history: xr.Dataset) -> list[str]:
+    """How the run ended, if that is worth a word, and the warnings of its start."""
+    end = run_warning(history)
+    start = str(history.attrs.get("warnings", "")).splitlines()
+    return ([end] if end else []) + start
 
 
 def _names(history: xr.Dataset, variable: str) -> list[str]:

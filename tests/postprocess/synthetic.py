@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from reference.gearbox_reference import Gearbox
+from gearbox_reference import Gearbox
 
 EVENT_KINDS = (
     "tooth_switch",
@@ -53,10 +53,10 @@ def make_history(solution: dict[str, Any]) -> xr.Dataset:
         "case": CASE,
         "status": "done",
         "status_message": "",
-        "evolvent_version": "0.1.0",
-        "steps": 9700,
-        "events": len(solution["events"]),
-        "cpu_seconds": 0.0423,
+        "versions": "evolvent 0.1.0, SUNDIALS 6.4.1, HDF5 1.10.8",
+        "warnings": "",
+        "integrator_steps": 9700,
+        "integrator_events": len(solution["events"]),
     }
     time = ("time", solution["t"], {"units": "s", "long_name": "model time", "symbol": "t"})
     names = {"wheel": ["pinion", "gear"], "mesh": ["pinion-gear"], "axis": ["x", "y"]}
@@ -209,6 +209,7 @@ def _of_meshes(g: Gearbox, s: dict[str, Any]) -> dict[str, tuple[tuple[str, ...]
         "gradient_ratio": (zero - g.base_b / g.base_a, "1"),
         "tooth_pair": (s["teeth_passed"].astype(np.int32), "1"),
         "in_contact": ((s["h"] > 0).astype(np.int32), "1"),
+        "contact_mode": ((s["h"] > 0).astype(np.int32), "1"),
         "tracking_residual_driving": (zero, "m"),
         "tracking_residual_driven": (zero, "m"),
         "line_distance_driving": (zero, "m"),

@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-
-from reference.gearbox_reference import Gearbox, Setup, solve
+from gearbox_reference import Gearbox, Setup, solve
 
 
 @pytest.fixture(scope="module", params=[0.0, 0.3], ids=["frictionless", "friction"])

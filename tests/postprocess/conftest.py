@@ -1,0 +1,40 @@
+"""Histories to work on, written once a session in the layout of result_format."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+import xarray as xr
+from gearbox_reference import solve
+from synthetic import make_events, make_history, write_history
+
+
+@dataclass(frozen=True)
+class Run:
+    """A history in memory and on file."""
+
+    history: xr.Dataset
+    events: xr.Dataset
+    path: Path
+
+
+def _run(folder: Path, name: str, solution: dict[str, Any]) -> Run:
+    history, events = make_history(solution), make_events(solution)
+    return Run(history, events, write_history(folder / f"{name}.h5", history, events))
+
+
+@pytest.fixture(scope="session")
+def friction_run(tmp_path_factory: pytest.TempPathFactory) -> Run:
+    """3 s with f = 0.3: one tooth switch and three ends of the friction law's linear part."""
+    folder = tmp_path_factory.mktemp("runs")
+    return _run(folder, "friction", solve(friction=0.3, t_end=3.0))
+
+
+@pytest.fixture(scope="session")
+def smooth_run(tmp_path_factory: pytest.TempPathFactory) -> Run:
+    """Half a second without friction: no event at all."""
+    folder = tmp_path_factory.mktemp("runs")
+    return _run(folder, "smooth", solve(friction=0.0, t_end=0.5))

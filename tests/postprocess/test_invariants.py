@@ -1,0 +1,238 @@
+"""Each invariant holds for a right solution and breaks as soon as its subject is wrong."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from evolvent import HistoryError, check_history
+from evolvent.invariants import INVARIANTS, contact_torque
+
+# A change just beyond the bound of an invariant, and one far enough below it.
+BEYOND, WITHIN = 1.1, 0.5
+
+
+def _verdict(history: xr.Dataset, name: str):
+    return {v.invariant.name: v for v in check_history(history)}[name]
+
+
+def _bound(name: str) -> float:
+    return {i.name: i.bound for i in INVARIANTS}[name]
+
+
+def _changed(history: xr.Dataset, name: str, change: float, **where: int) -> xr.Dataset:
+    changed = history.copy(deep=True)
+    changed[name][where] += change
+    return changed
+
+
+def test_every_invariant_holds_for_the_independent_solution(friction_run):
+    verdicts = check_history(friction_run.history)
+    assert [v.invariant for v in verdicts] == list(INVARIANTS)
+    assert [v.verdict for v in verdicts] == ["pass"] * len(INVARIANTS)
+
+
+def test_torques_worked_out_from_vectors_balance_to_rounding(friction_run):
+    # The independent program has its torques from vector products, so this checks the formula.
+    assert _verdict(friction_run.history, "torque balance").worst < 1e-14
+
+
+@pytest.mark.parametrize(
+    ("invariant", "variable", "scale"),
+    [
+        ("gradient ratio", "gradient_ratio", "ratio"),
+        ("transmission error", "transmission_error", "depth"),
+        ("transmission error", "gap", "depth"),
+        ("transmission error", "separation_curvature", "depth"),
+        ("points on flanks", "tracking_residual_driving", "depth"),
+        ("points on flanks", "tracking_residual_driven", "depth"),
+        ("points on line of action", "line_distance_driving", "depth"),
+        ("points on line of action", "line_distance_driven", "depth"),
+    ],
+)
+@pytest.mark.parametrize("size", [BEYOND, -BEYOND, WITHIN])
+def test_a_mesh_invariant_breaks_just_beyond_its_bound(
+    friction_run, invariant, variable, scale, size
+):
+    history = friction_run.history
+    unit = 1.5 if scale == "ratio" else float(history["penetration"].max())
+    change = size * _bound(invariant) * unit
+    verdict = _verdict(_changed(history, variable, change, time=1234, mesh=0), invariant)
+    assert verdict.failed == (abs(size) > 1.0)
+    assert verdict.where["time"] == "1.234 s"
+    assert verdict.where["mesh"] == "pinion-gear"
+
+
+@pytest.mark.parametrize("wheel", ["driving", "driven"])
+def test_points_off_their_flanks_name_the_wheel_of_the_mesh(friction_run, wheel):
+    changed = _changed(friction_run.history, f"tracking_residual_{wheel}", 1e-12, time=5)
+    assert _verdict(changed, "points on flanks").where["wheel_of_mesh"] == wheel
+
+
+@pytest.mark.parametrize(
+    "variable", ["kinetic_energy", "potential_energy", "dissipated_energy", "load_work"]
+)
+@pytest.mark.parametrize("size", [BEYOND, WITHIN])
+def test_the_energy_balance_breaks_just_beyond_its_bound(friction_run, variable, size):
+    history = friction_run.history
+    # The torque of 1 N m does all the work that is put in: 1 J for each radian of the pinion.
+    gross = abs(float(history["angle"][-1, 0]))
+    change = size * _bound("energy balance") * gross
+    verdict = _verdict(_changed(history, variable, change, time=1234), "energy balance")
+    assert verdict.failed == (size > 1.0)
+    assert verdict.where == {"time": "1.234 s"}
+
+
+def test_an_unloaded_run_is_measured_by_its_energy_at_the_start(friction_run):
+    coasting = friction_run.history.isel(time=slice(2000, 2100)).copy(deep=True)
+    coasting["load_torque"][:] = 0.0
+    for name in ("potential_energy", "dissipated_energy", "load_work"):
+        coasting[name][:] = 0.0
+    coasting["kinetic_energy"][:] = 0.25
+    assert _verdict(coasting, "energy balance").verdict == "pass"
+    coasting["kinetic_energy"][50] += 1.1e-8 * 0.25
+    assert _verdict(coasting, "energy balance").worst == pytest.approx(1.1e-8, rel=1e-6)
+
+
+@pytest.mark.parametrize("variable", ["angular_acceleration", "load_torque"])
+@pytest.mark.parametrize("wheel", [0, 1])
+@pytest.mark.parametrize("time", [1000, 2000], ids=["approach", "recess"])
+@pytest.mark.parametrize("size", [BEYOND, WITHIN])
+def test_the_torque_balance_breaks_just_beyond_its_bound(friction_run, variable, wheel, time, size):
+    history = friction_run.history
+    unit = float(np.abs(contact_torque(history)).max("time")[wheel])
+    if variable == "angular_acceleration":
+        unit /= float(history["inertia"][wheel])
+    change = size * _bound("torque balance") * unit
+    changed = _changed(history, variable, change, time=time, wheel=wheel)
+    verdict = _verdict(changed, "torque balance")
+    assert verdict.failed == (size > 1.0)
+    assert verdict.where == {"time": f"{time / 1000:g} s", "wheel": ["pinion", "gear"][wheel]}
+
+
+def test_friction_left_out_breaks_the_torque_balance(friction_run):
+    changed = friction_run.history.copy(deep=True)
+    changed["friction_force"][:] = 0.0
+    assert _verdict(changed, "torque balance").failed
+
+
+@pytest.mark.parametrize("step", [0.0, -1e-9])
+def test_times_that_do_not_increase_are_found(smooth_run, step):
+    times = smooth_run.history["time"].values.copy()
+    times[17] = times[16] + step
+    verdict = _verdict(smooth_run.history.assign_coords(time=times), "order of times")
+    assert verdict.failed
+    assert verdict.where == {"time": "0.016 s"}
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_a_value_that_is_no_number_is_found_and_its_variable_named(smooth_run, value):
+    changed = smooth_run.history.copy(deep=True)
+    changed["centre_velocity"][7, 1, 0] = value
+    verdict = _verdict(changed, "finite values")
+    assert verdict.failed
+    assert verdict.where == {"variable": "centre_velocity"}
+
+
+def test_an_invariant_that_is_no_number_is_broken(smooth_run):
+    changed = smooth_run.history.copy(deep=True)
+    changed["transmission_error"][3] = np.nan
+    verdict = _verdict(changed, "transmission error")
+    assert verdict.failed
+    assert verdict.where["time"] == "0.003 s"
+
+
+def _in_closed_form(history: xr.Dataset) -> xr.Dataset:
+    closed = history.copy(deep=True)
+    closed["tracking"][:] = 0
+    closed["gradient_ratio"][:] = np.nan
+    for name in ("tracking_residual", "line_distance"):
+        for side in ("driving", "driven"):
+            closed[f"{name}_{side}"][:] = np.nan
+    return closed
+
+
+def test_closed_form_has_no_tracked_points_to_check(smooth_run):
+    verdicts = {v.invariant.name: v for v in check_history(_in_closed_form(smooth_run.history))}
+    for name in ("gradient ratio", "points on flanks", "points on line of action"):
+        assert verdicts[name].verdict == "not applicable"
+        assert verdicts[name].reason == "closed form: no contact points are tracked"
+    assert verdicts["finite values"].verdict == "pass"
+    assert verdicts["transmission error"].verdict == "pass"
+
+
+def _side_by_side(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
+    """The meshes of two histories in one, on the same wheels."""
+    names = [n for n, v in first.data_vars.items() if "mesh" in v.dims]
+    meshes = xr.concat([h[names] for h in (first, second)], dim="mesh")
+    return xr.merge([meshes.assign_coords(mesh=["first", "second"]), first.drop_dims("mesh")])
+
+
+def test_a_mesh_that_never_touches_is_left_out_beside_one_that_does(smooth_run):
+    apart = smooth_run.history.copy(deep=True)
+    apart["penetration"][:] = 0.0
+    both = _side_by_side(apart, smooth_run.history)
+    for name in ("transmission error", "points on flanks", "points on line of action"):
+        assert _verdict(both, name).verdict == "pass"
+    both["line_distance_driven"][5, 1] = 1e-18
+    assert _verdict(both, "points on line of action").where["mesh"] == "second"
+
+
+def test_a_tracked_mesh_beside_a_closed_one_is_still_checked(smooth_run):
+    both = _side_by_side(_in_closed_form(smooth_run.history), smooth_run.history)
+    assert _verdict(both, "gradient ratio").verdict == "pass"
+    assert _verdict(both, "finite values").verdict == "pass"
+    both["gradient_ratio"][5, 1] *= 1 + 1e-9
+    assert _verdict(both, "gradient ratio").where == {"time": "0.005 s", "mesh": "second"}
+
+
+TRACKED = ["gradient_ratio"] + [
+    f"{name}_{side}"
+    for name in ("tracking_residual", "line_distance")
+    for side in ("driving", "driven")
+]
+
+
+def test_points_are_not_checked_while_the_flanks_are_too_far_apart(smooth_run):
+    parted = smooth_run.history.copy(deep=True)
+    parted["contact_mode"][200:300] = 3
+    for name in TRACKED:
+        parted[name][200:300] = np.nan
+    assert [v.verdict for v in check_history(parted)] == ["pass"] * len(INVARIANTS)
+    parted["gradient_ratio"][300] = np.nan  # where there are tracked points again
+    assert _verdict(parted, "gradient ratio").where["time"] == "0.3 s"
+    assert _verdict(parted, "finite values").where == {"variable": "gradient_ratio"}
+
+
+def test_flanks_that_are_always_too_far_apart_have_no_tracked_points(smooth_run):
+    parted = smooth_run.history.copy(deep=True)
+    parted["contact_mode"][:] = 3
+    verdict = _verdict(parted, "points on flanks")
+    assert verdict.verdict == "not applicable"
+    assert verdict.reason == "the flanks are too far apart to track points on them"
+
+
+def test_teeth_that_never_touch_have_nothing_to_compare_with(smooth_run):
+    apart = smooth_run.history.copy(deep=True)
+    for name in ("penetration", "normal_force", "friction_force"):
+        apart[name][:] = 0.0
+    for name in ("transmission error", "torque balance"):
+        assert _verdict(apart, name).verdict == "not applicable"
+        assert _verdict(apart, name).reason == "the teeth never touch"
+
+
+def test_a_history_without_output_has_nothing_to_check(smooth_run):
+    verdicts = check_history(smooth_run.history.isel(time=slice(0, 0)))
+    assert {v.verdict for v in verdicts} == {"not applicable"}
+
+
+def test_a_variable_that_is_not_in_the_file_is_named(smooth_run):
+    with pytest.raises(HistoryError, match="has no variable `separation_curvature`"):
+        check_history(smooth_run.history.drop_vars("separation_curvature"))
+
+
+def test_contact_torques_of_two_meshes_of_a_wheel_add_up(smooth_run):
+    history = smooth_run.history.isel(time=slice(100, 110))
+    both = _side_by_side(history, history)
+    np.testing.assert_allclose(contact_torque(both), 2 * contact_torque(history), rtol=1e-15)
