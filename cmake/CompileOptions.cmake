@@ -27,7 +27,7 @@ target_compile_options(
     $<$<COMPILE_LANGUAGE:Fortran>:-Wall$<SEMICOLON>-Wextra$<SEMICOLON>-Wimplicit-interface>
     # -frecursive keeps local arrays on the stack, which makes every procedure thread-safe.
     $<$<COMPILE_LANGUAGE:Fortran>:-std=f2018$<SEMICOLON>-fimplicit-none$<SEMICOLON>-frecursive>
-    $<$<AND:$<COMPILE_LANGUAGE:Fortran>,$<CONFIG:Debug>>:-fcheck=all$<SEMICOLON>-fbacktrace>
+    $<$<AND:$<COMPILE_LANGUAGE:Fortran>,$<CONFIG:Debug>>:-fcheck=all,no-array-temps$<SEMICOLON>-fbacktrace>
 )
 
 if(EVOLVENT_SANITIZE)
