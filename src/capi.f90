@@ -8,12 +8,12 @@ module evl_capi
    use evl_capi_description, only: c_initial, c_load, c_mesh, c_wheel, initial_from_c, load_from_c, mesh_from_c, wheel_from_c
    use evl_capi_types, only: c_message_length, c_name_length, c_status, c_text_length, status_to_c, to_c
    use evl_gearbox, only: gearbox_derivative, gearbox_jacobian, gearbox_residual, gearbox_t
-   use evl_gearbox_create, only: gearbox_create
+   use evl_gearbox_build, only: gearbox_create
    use evl_gearbox_events, only: event_name, event_t, gearbox_apply_event, gearbox_n_roots, gearbox_next_time_event, &
                                  gearbox_root_directions, gearbox_roots, n_event_kinds
    use evl_gearbox_initial, only: gearbox_initial_speeds, gearbox_start
-   use evl_gearbox_outputs, only: gearbox_n_values, gearbox_output_table, gearbox_outputs, n_outputs, output_t
-   use evl_gearbox_scales, only: gearbox_state_scales
+   use evl_output_table, only: gearbox_n_values, gearbox_output_table, gearbox_outputs, n_outputs, output_t
+   use evl_gearbox_scaling, only: gearbox_state_scales
    use evl_gearbox_states, only: gearbox_state_name
    use evl_kinds, only: pi
    use evl_load, only: load_t
@@ -107,8 +107,7 @@ contains
          if (has_failed(s)) exit
       end do
       if (.not. has_failed(s)) &
-         call gearbox_create([(wheel_from_c(wheels(i)), i=1, n_wheels)], kernel_loads, &
-                             [(mesh_from_c(meshes(i)), i=1, n_meshes)], gearbox, s)
+         call gearbox_create(wheel_from_c(wheels), kernel_loads, mesh_from_c(meshes), gearbox, s)
       if (has_failed(s)) then
          deallocate (gearbox)
       else
@@ -130,11 +129,9 @@ contains
    subroutine evl_gearbox_sizes(handle, sizes) bind(c)
       type(c_ptr), intent(in), value :: handle
       type(c_sizes), intent(out) :: sizes
-      type(output_t) :: table(n_outputs)
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
-      call gearbox_output_table(g, table)
       sizes = c_sizes(size(g%wheels), size(g%meshes), size(g%loads), g%n_states, g%n_integers, size(g%meshes), &
                       gearbox_n_roots(g), n_outputs, gearbox_n_values(g), size(g%warnings))
    end subroutine evl_gearbox_sizes

@@ -2,7 +2,7 @@
 module evl_capi_description
    use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_double, c_f_pointer, c_int, c_ptr
    use evl_capi_types, only: c_law_choice, choice_from_c
-   use evl_gearbox_create, only: mesh_input, wheel_input
+   use evl_gearbox_build, only: mesh_input, wheel_input
    use evl_gearbox_initial, only: initial_t
    use evl_load, only: load_t
    use evl_status, only: code_invalid_input, fail, status_t, subject_load
@@ -54,7 +54,7 @@ module evl_capi_description
 
 contains
 
-   pure type(wheel_input) function wheel_from_c(c) result(wheel)
+   elemental type(wheel_input) function wheel_from_c(c) result(wheel)
       type(c_wheel), intent(in) :: c
 
       wheel = wheel_input(teeth=c%teeth, has_pitch_radius=logical(c%has_pitch_radius), pitch_radius=c%pitch_radius, &
@@ -88,7 +88,7 @@ contains
       end if
    end subroutine load_from_c
 
-   pure type(mesh_input) function mesh_from_c(c) result(mesh)
+   elemental type(mesh_input) function mesh_from_c(c) result(mesh)
       type(c_mesh), intent(in) :: c
 
       mesh = mesh_input(driving=c%driving + 1, driven=c%driven + 1, driving_rotation=c%driving_rotation, &

@@ -89,7 +89,7 @@ contains
       call to_c(status%message, c%message)
    end subroutine status_to_c
 
-   pure type(law_choice) function choice_from_c(c) result(choice)
+   elemental type(law_choice) function choice_from_c(c) result(choice)
       type(c_law_choice), intent(in) :: c
 
       choice%law = c%law

@@ -5,7 +5,7 @@ module evl_gearbox_initial
                                    points_from_closed_form, track_closed_form
    use evl_gearbox, only: gearbox_derivative, gearbox_jacobian, gearbox_local, gearbox_mode, gearbox_rates, &
                           gearbox_store_mode, gearbox_t, i_omega, i_theta, i_turns
-   use evl_gearbox_scales, only: gearbox_likely_speed, gearbox_state_scales
+   use evl_gearbox_scaling, only: gearbox_likely_speed, gearbox_state_scales
    use evl_kinds, only: wp
    use evl_load, only: load_acceleration, load_segment, load_speed, load_torque, load_damping
    use evl_mesh, only: contact_loaded, contact_open, contact_unloaded, mesh_mode, mesh_nominal_rho, mesh_settle_friction, &

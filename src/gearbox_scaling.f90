@@ -2,7 +2,7 @@
 !>
 !> Error control is absolute, each state against its own scale: the static penetration h_0 for lengths, h_0 times the contact's
 !> natural frequency for their rates, a small part of a pitch for the reference angle.
-module evl_gearbox_scales
+module evl_gearbox_scaling
    use evl_contact_laws, only: contact_context, elastic_force, elastic_result, penetration_from_force
    use evl_contact_tracking, only: n_track
    use evl_gearbox, only: gearbox_t, i_omega, i_theta
@@ -205,4 +205,4 @@ contains
       rate_least = minval(rate, mask=mine)
    end subroutine least_of
 
-end module evl_gearbox_scales
+end module evl_gearbox_scaling

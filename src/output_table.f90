@@ -1,5 +1,5 @@
 !> What a gearbox tells about itself: one table of outputs, and their values at a state.
-module evl_gearbox_outputs
+module evl_output_table
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use evl_contact_tracking, only: algebraic_residual, at_dr, at_lambda, at_psi_a, at_psi_b, at_track, at_zeta, &
                                    centre_line_turn, closed_form_gap, contact_point, line_distance, n_local, n_track, &
@@ -352,4 +352,4 @@ contains
       end associate
    end subroutine sample_mesh
 
-end module evl_gearbox_outputs
+end module evl_output_table

@@ -1,11 +1,11 @@
 !> Makes a gearbox from its description: checks every number, finds the layout, derives the geometry, numbers the states.
-module evl_gearbox_create
+module evl_gearbox_build
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use evl_contact_laws, only: law_choice, law_validate, laws_contact, laws_damping, laws_friction
    use evl_contact_tracking, only: at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_theta, at_track, at_u_a, &
                                    at_u_b, at_v_a, at_v_b, n_track
    use evl_gearbox, only: gearbox_t, i_omega, i_theta, support_bearing, support_fixed, support_slider, support_t
-   use evl_gearbox_scales, only: gearbox_set_scales
+   use evl_gearbox_scaling, only: gearbox_set_scales
    use evl_kinds, only: pi, wp
    use evl_layout, only: layout_resolve, layout_t
    use evl_load, only: load_constant, load_prescribed_speed, load_t, load_table, load_viscous
@@ -470,4 +470,4 @@ contains
       end associate
    end subroutine link_wheel
 
-end module evl_gearbox_create
+end module evl_gearbox_build

@@ -1,0 +1,444 @@
+/* The only file that includes SUNDIALS. States are handed to IDA in units of their scales, so that one absolute tolerance holds
+ * for all of them. Differences between SUNDIALS 6 and 7 stay here. */
+#include "integrate.h"
+
+#include <ida/ida.h>
+#include <math.h>
+#include <nvector/nvector_serial.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sundials/sundials_config.h>
+#include <sunlinsol/sunlinsol_dense.h>
+#include <sunmatrix/sunmatrix_dense.h>
+#include <time.h>
+
+#if SUNDIALS_VERSION_MAJOR < 7
+#define SUN_COMM_NULL NULL
+#endif
+
+/* A contact of damping ratio 0.02 is followed for thousands of oscillations: a Newton matrix that is out of date by more than a
+ * hundredth in the step size costs more steps than it saves factorisations. */
+static const double matrix_staleness = 0.01;
+static const double first_step = 1e-8;       /* [s] from touching flanks, where the force's stiffness starts from 0 */
+static const double restart_step = 1e-7;     /* [s] after an event */
+static const int most_events_at_once = 1000; /* events without progress in time before giving up */
+static const double grid_slack = 1e-6;       /* of an output interval: a grid point this near the end is the end */
+
+typedef struct {
+    const dae *model;
+    const integrate_options *options;
+    const integrate_observer *observer;
+    dae_state *state; /* what the caller sees: physical units, at the last accepted time */
+    dae_state trial;  /* what IDA asks for: same discrete state */
+    integrate_counts *counts;
+    integrate_counts before; /* until the last restart: IDAReInit starts its counters anew */
+    char *reason;
+    double *row_units; /* 1/row_scale */
+    int *fired, *directions;
+    dae_event *events;
+    dae_state old; /* state before an event */
+    SUNContext context;
+    void *ida;
+    N_Vector y, yp, dense, id;
+    SUNMatrix matrix;
+    SUNLinearSolver solver;
+    long next_output; /* index of the next grid point */
+    double t_start;
+    double t_event;     /* of the last event */
+    int events_at_once; /* there */
+} session;
+
+static bool allocate_state(const dae *m, dae_state *state)
+{
+    state->y = calloc((size_t)m->n, sizeof(double));
+    state->yp = calloc((size_t)m->n, sizeof(double));
+    state->integers = calloc((size_t)m->n_integers + 1, sizeof(int));
+    state->reals = calloc((size_t)m->n_reals + 1, sizeof(double));
+    return state->y && state->yp && state->integers && state->reals;
+}
+
+static void free_state(dae_state *state)
+{
+    free(state->y);
+    free(state->yp);
+    free(state->integers);
+    free(state->reals);
+}
+
+static void copy_state(const dae *m, dae_state *to, const dae_state *from)
+{
+    to->t = from->t;
+    memcpy(to->y, from->y, (size_t)m->n * sizeof(double));
+    memcpy(to->yp, from->yp, (size_t)m->n * sizeof(double));
+    memcpy(to->integers, from->integers, (size_t)m->n_integers * sizeof(int));
+    memcpy(to->reals, from->reals, (size_t)m->n_reals * sizeof(double));
+}
+
+/* The discrete state cannot change while IDA steps: trial states borrow the caller's. */
+static void take_trial(session *s, double t, N_Vector y, N_Vector yp)
+{
+    const double *scale = s->model->scale;
+    const double *from = N_VGetArrayPointer(y);
+    s->trial.t = t;
+    for (int i = 0; i < s->model->n; i++)
+        s->trial.y[i] = from[i] * scale[i];
+    if (!yp)
+        return;
+    const double *rates = N_VGetArrayPointer(yp);
+    for (int i = 0; i < s->model->n; i++)
+        s->trial.yp[i] = rates[i] * scale[i];
+}
+
+static dae_state borrowed(const session *s)
+{
+    dae_state state = s->trial;
+    state.integers = s->state->integers;
+    state.reals = s->state->reals;
+    return state;
+}
+
+static int residual(sunrealtype t, N_Vector y, N_Vector yp, N_Vector r, void *data)
+{
+    session *s = data;
+    take_trial(s, t, y, yp);
+    const dae_state state = borrowed(s);
+    double *rows = N_VGetArrayPointer(r);
+    const int code = s->model->residual(s->model->self, &state, rows, s->reason);
+    for (int i = 0; i < s->model->n; i++)
+        rows[i] *= s->row_units[i];
+    return code;
+}
+
+static int jacobian(sunrealtype t, sunrealtype cj, N_Vector y, N_Vector yp, N_Vector r, SUNMatrix matrix, void *data,
+                    N_Vector a, N_Vector b, N_Vector c)
+{
+    (void)r, (void)a, (void)b, (void)c;
+    session *s = data;
+    const int n = s->model->n;
+    take_trial(s, t, y, yp);
+    const dae_state state = borrowed(s);
+    double *entries = SUNDenseMatrix_Data(matrix);
+    const int code = s->model->jacobian(s->model->self, &state, cj, entries, s->reason);
+    for (int j = 0; j < n; j++)
+        for (int i = 0; i < n; i++)
+            entries[j * n + i] *= s->row_units[i] * s->model->scale[j];
+    return code;
+}
+
+static int roots(sunrealtype t, N_Vector y, N_Vector yp, sunrealtype *values, void *data)
+{
+    session *s = data;
+    take_trial(s, t, y, yp);
+    const dae_state state = borrowed(s);
+    return s->model->roots(s->model->self, &state, values, s->reason);
+}
+
+#if SUNDIALS_VERSION_MAJOR < 7
+/* The driver prints the one line about a failure. */
+static void be_silent(int code, const char *module, const char *function, char *message, void *data)
+{
+    (void)code, (void)module, (void)function, (void)message, (void)data;
+}
+#endif
+
+static void silence(session *s)
+{
+#if SUNDIALS_VERSION_MAJOR < 7
+    IDASetErrHandlerFn(s->ida, be_silent, NULL);
+#else
+    SUNContext_ClearErrHandlers(s->context);
+#endif
+}
+
+static void to_scaled(const session *s, const double *from, N_Vector to)
+{
+    double *values = N_VGetArrayPointer(to);
+    for (int i = 0; i < s->model->n; i++) {
+        values[i] = from[i] / s->model->scale[i];
+    }
+}
+
+static void from_scaled(const session *s, N_Vector from, double *to)
+{
+    const double *values = N_VGetArrayPointer(from);
+    for (int i = 0; i < s->model->n; i++) {
+        to[i] = values[i] * s->model->scale[i];
+    }
+}
+
+static bool allocate_arrays(session *s)
+{
+    const dae *m = s->model;
+    s->row_units = calloc((size_t)m->n, sizeof(double));
+    s->fired = calloc((size_t)m->n_roots + 1, sizeof(int));
+    s->directions = calloc((size_t)m->n_roots + 1, sizeof(int));
+    s->events = calloc((size_t)m->n_roots + 2, sizeof(dae_event));
+    if (!s->row_units || !s->fired || !s->directions || !s->events) {
+        return false;
+    }
+    for (int i = 0; i < m->n; i++) {
+        s->row_units[i] = 1 / m->row_scale[i];
+    }
+    return allocate_state(m, &s->trial) && allocate_state(m, &s->old);
+}
+
+static bool create_solver(session *s)
+{
+    const dae *m = s->model;
+    if (SUNContext_Create(SUN_COMM_NULL, &s->context) != 0) {
+        return false;
+    }
+    s->y = N_VNew_Serial(m->n, s->context);
+    s->yp = N_VNew_Serial(m->n, s->context);
+    s->dense = N_VNew_Serial(m->n, s->context);
+    s->id = N_VNew_Serial(m->n, s->context);
+    s->matrix = SUNDenseMatrix(m->n, m->n, s->context);
+    s->ida = IDACreate(s->context);
+    if (!s->y || !s->yp || !s->dense || !s->id || !s->matrix || !s->ida) {
+        return false;
+    }
+    s->solver = SUNLinSol_Dense(s->y, s->matrix, s->context);
+    return s->solver != NULL;
+}
+
+static bool set_up(session *s)
+{
+    const dae *m = s->model;
+    double *id = N_VGetArrayPointer(s->id);
+    for (int i = 0; i < m->n; i++) {
+        id[i] = m->differential[i];
+    }
+    to_scaled(s, s->state->y, s->y);
+    to_scaled(s, s->state->yp, s->yp);
+    silence(s);
+    bool good = IDAInit(s->ida, residual, s->state->t, s->y, s->yp) == IDA_SUCCESS;
+    good = good && IDASStolerances(s->ida, 0, s->options->tolerance) == IDA_SUCCESS;
+    good = good && IDASetUserData(s->ida, s) == IDA_SUCCESS && IDASetId(s->ida, s->id) == IDA_SUCCESS;
+    good = good && IDASetLinearSolver(s->ida, s->solver, s->matrix) == IDA_SUCCESS;
+    good = good && IDASetJacFn(s->ida, jacobian) == IDA_SUCCESS;
+    good = good && IDASetDeltaCjLSetup(s->ida, matrix_staleness) == IDA_SUCCESS;
+    good = good && IDASetMaxStep(s->ida, s->options->max_step) == IDA_SUCCESS;
+    good = good && IDASetInitStep(s->ida, first_step) == IDA_SUCCESS;
+    if (good && m->n_roots > 0) {
+        m->root_directions(m->self, s->state->integers, s->directions);
+        good = IDARootInit(s->ida, m->n_roots, roots) == IDA_SUCCESS &&
+               IDASetRootDirection(s->ida, s->directions) == IDA_SUCCESS &&
+               IDASetNoInactiveRootWarn(s->ida) == IDA_SUCCESS;
+    }
+    return good;
+}
+
+static void close_session(session *s)
+{
+    IDAFree(&s->ida);
+    SUNLinSolFree(s->solver);
+    SUNMatDestroy(s->matrix);
+    N_VDestroy(s->y);
+    N_VDestroy(s->yp);
+    N_VDestroy(s->dense);
+    N_VDestroy(s->id);
+    SUNContext_Free(&s->context);
+    free_state(&s->trial);
+    free_state(&s->old);
+    free(s->row_units);
+    free(s->fired);
+    free(s->directions);
+    free(s->events);
+}
+
+static void count(session *s)
+{
+    integrate_counts now = {0};
+    IDAGetNumSteps(s->ida, &now.steps);
+    IDAGetNumResEvals(s->ida, &now.residuals);
+    IDAGetNumJacEvals(s->ida, &now.jacobians);
+    IDAGetNumLinSolvSetups(s->ida, &now.linear_setups);
+    IDAGetNumNonlinSolvIters(s->ida, &now.newton_iterations);
+    IDAGetNumErrTestFails(s->ida, &now.error_test_failures);
+    IDAGetNumNonlinSolvConvFails(s->ida, &now.convergence_failures);
+    IDAGetNumGEvals(s->ida, &now.roots_evaluated);
+    integrate_counts *total = s->counts;
+    const integrate_counts *before = &s->before;
+    total->steps = before->steps + now.steps;
+    total->residuals = before->residuals + now.residuals;
+    total->jacobians = before->jacobians + now.jacobians;
+    total->linear_setups = before->linear_setups + now.linear_setups;
+    total->newton_iterations = before->newton_iterations + now.newton_iterations;
+    total->error_test_failures = before->error_test_failures + now.error_test_failures;
+    total->convergence_failures = before->convergence_failures + now.convergence_failures;
+    total->roots_evaluated = before->roots_evaluated + now.roots_evaluated;
+}
+
+/* The k-th output time; the last one is the end itself. */
+static double output_time(const session *s, long k)
+{
+    const double t = s->t_start + (double)k * s->options->output_interval;
+    return t > s->options->t_end - grid_slack * s->options->output_interval ? s->options->t_end : t;
+}
+
+/* Hand over the grid points up to time t by dense output; the end itself comes from the accepted state. */
+static integrate_code give_outputs(session *s, double t)
+{
+    double t_out;
+    while ((t_out = output_time(s, s->next_output)) <= t && t_out < s->options->t_end) {
+        if (t_out < t) {
+            if (IDAGetDky(s->ida, t_out, 0, s->dense) != IDA_SUCCESS) {
+                (void)snprintf(s->reason, DAE_MESSAGE_LENGTH, "no dense output at t = %.9g s", t_out);
+                return INTEGRATE_FAILED;
+            }
+            from_scaled(s, s->dense, s->trial.y);
+        } else {
+            memcpy(s->trial.y, s->state->y, (size_t)s->model->n * sizeof(double));
+        }
+        s->trial.t = t_out;
+        const dae_state state = borrowed(s);
+        s->next_output++;
+        if (s->observer->output(s->observer->self, &state) != 0) {
+            return INTEGRATE_STOPPED;
+        }
+    }
+    return INTEGRATE_DONE;
+}
+
+/* Apply what happened at the present state and start anew from there. */
+static integrate_code handle_event(session *s, bool time_event)
+{
+    const dae *m = s->model;
+    int n_events = 0;
+    copy_state(m, &s->old, s->state);
+    if (m->apply_event(m->self, s->state, s->fired, time_event, s->events, &n_events, s->reason) != DAE_OK) {
+        copy_state(m, s->state, &s->old);
+        return INTEGRATE_FAILED;
+    }
+    for (int i = 0; i < n_events; i++) {
+        const event_record record = {s->state->t, s->events[i], m->n, &s->old, s->state};
+        s->counts->events++;
+        if (s->observer->event(s->observer->self, &record) != 0) {
+            return INTEGRATE_STOPPED;
+        }
+    }
+    count(s);
+    s->before = *s->counts;
+    to_scaled(s, s->state->y, s->y);
+    to_scaled(s, s->state->yp, s->yp);
+    m->root_directions(m->self, s->state->integers, s->directions);
+    if (IDAReInit(s->ida, s->state->t, s->y, s->yp) != IDA_SUCCESS ||
+        IDASetInitStep(s->ida, restart_step) != IDA_SUCCESS ||
+        IDASetRootDirection(s->ida, s->directions) != IDA_SUCCESS) {
+        (void)snprintf(s->reason, DAE_MESSAGE_LENGTH, "the integrator could not be started anew after an event");
+        return INTEGRATE_FAILED;
+    }
+    return INTEGRATE_DONE;
+}
+
+/* The model's own words if it had any, else the integrator's. */
+static integrate_code explain(session *s, int flag)
+{
+    if (!s->reason[0]) {
+        char *name = IDAGetReturnFlagName(flag);
+        (void)snprintf(s->reason, DAE_MESSAGE_LENGTH, "the integrator cannot go on (%s)",
+                       name ? name : "unknown reason");
+        free(name);
+    }
+    return INTEGRATE_FAILED;
+}
+
+/* One step of IDA, its outputs, and the event it may have ended at. */
+static integrate_code advance(session *s)
+{
+    const dae *m = s->model;
+    const double t_before = s->state->t;
+    const double t_event = m->next_time_event(m->self, s->state);
+    const double t_stop = fmin(s->options->t_end, t_event);
+    double t = t_before;
+    int flag = IDA_TSTOP_RETURN;
+    if (t_stop > t_before) {
+        s->reason[0] = '\0';
+        flag = IDASetStopTime(s->ida, t_stop);
+        if (flag == IDA_SUCCESS) {
+            flag = IDASolve(s->ida, s->options->t_end, &t, s->y, s->yp, IDA_ONE_STEP);
+        }
+        if (flag < 0) {
+            return explain(s, flag);
+        }
+        s->state->t = t;
+        from_scaled(s, s->y, s->state->y);
+        from_scaled(s, s->yp, s->state->yp);
+        integrate_code code = give_outputs(s, t);
+        if (code != INTEGRATE_DONE) {
+            return code;
+        }
+        if (s->observer->step(s->observer->self, t) != 0) {
+            return INTEGRATE_STOPPED;
+        }
+    }
+    const bool root = flag == IDA_ROOT_RETURN;
+    const bool time_event = s->state->t >= t_event;
+    if (!root && !time_event) {
+        return INTEGRATE_DONE;
+    }
+    memset(s->fired, 0, (size_t)m->n_roots * sizeof(int));
+    if (root && IDAGetRootInfo(s->ida, s->fired) != IDA_SUCCESS) {
+        return explain(s, IDA_RTFUNC_FAIL);
+    }
+    s->events_at_once = t > s->t_event ? 1 : s->events_at_once + 1;
+    s->t_event = t;
+    if (s->events_at_once > most_events_at_once) {
+        (void)snprintf(s->reason, DAE_MESSAGE_LENGTH, "%d events at one time: the model chatters", most_events_at_once);
+        return INTEGRATE_FAILED;
+    }
+    return handle_event(s, time_event);
+}
+
+static integrate_code run(session *s)
+{
+    s->t_start = s->state->t;
+    s->t_event = -INFINITY;
+    s->next_output = 0;
+    integrate_code code = INTEGRATE_DONE;
+    s->next_output++;
+    if (s->observer->output(s->observer->self, s->state) != 0) {
+        return INTEGRATE_STOPPED;
+    }
+    while (code == INTEGRATE_DONE && s->state->t < s->options->t_end) {
+        code = advance(s);
+    }
+    if (code == INTEGRATE_DONE && s->observer->output(s->observer->self, s->state) != 0) {
+        code = INTEGRATE_STOPPED;
+    }
+    return code;
+}
+
+static double cpu_now(void)
+{
+    struct timespec now;
+    return clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now) == 0 ? (double)now.tv_sec + 1e-9 * (double)now.tv_nsec : 0;
+}
+
+integrate_code integrate(const dae *model, const integrate_options *options, const integrate_observer *observer,
+                         dae_state *state, integrate_counts *counts, char reason[DAE_MESSAGE_LENGTH])
+{
+    session s = {.model = model, .options = options, .observer = observer, .state = state, .counts = counts};
+    s.reason = reason;
+    const double cpu_start = cpu_now();
+    integrate_code code = INTEGRATE_FAILED;
+    reason[0] = '\0';
+    *counts = (integrate_counts){0};
+    if (!allocate_arrays(&s) || !create_solver(&s)) {
+        (void)snprintf(reason, DAE_MESSAGE_LENGTH, "there is not enough memory for the integrator");
+    } else if (!set_up(&s)) {
+        (void)snprintf(reason, DAE_MESSAGE_LENGTH, "the integrator refused its options");
+    } else {
+        code = run(&s);
+        count(&s);
+    }
+    close_session(&s);
+    counts->cpu_seconds = cpu_now() - cpu_start;
+    return code;
+}
+
+const char *integrate_version(void)
+{
+    return "SUNDIALS " SUNDIALS_VERSION;
+}
