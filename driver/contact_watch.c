@@ -1,0 +1,88 @@
+#include "contact_watch.h"
+
+#include "memory.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int find_event(const char *name)
+{
+    for (int kind = 0; kind < model_n_event_kinds(); kind++) {
+        if (strcmp(model_event_kind(kind), name) == 0) {
+            return kind;
+        }
+    }
+    return -1;
+}
+
+static int find_output(const model *model, const char *name)
+{
+    const model_output *outputs = model_outputs_table(model);
+    for (int i = 0; i < model_n_outputs(model); i++) {
+        if (strcmp(outputs[i].name, name) == 0) {
+            return outputs[i].offset;
+        }
+    }
+    return -1;
+}
+
+void contact_watch_init(contact_watch *watch, const model *model, int n_meshes)
+{
+    *watch = (contact_watch){.n_meshes = n_meshes,
+                             .opened = find_event("contact_opened"),
+                             .closed = find_event("contact_closed"),
+                             .offset = find_output(model, "in_contact"),
+                             .meshes = xcalloc((size_t)n_meshes, sizeof *watch->meshes)};
+}
+
+void contact_watch_outputs(contact_watch *watch, const double *values)
+{
+    for (int i = 0; i < watch->n_meshes && watch->offset >= 0; i++) {
+        watch->meshes[i].had_contact = watch->meshes[i].had_contact || values[watch->offset + i] > 0.0;
+    }
+}
+
+void contact_watch_event(contact_watch *watch, const event_record *record)
+{
+    const int mesh = record->what.subject, kind = record->what.kind;
+    if (mesh < 0 || mesh >= watch->n_meshes || (kind != watch->opened && kind != watch->closed)) {
+        return;
+    }
+    watch->meshes[mesh].had_contact = true;
+    watch->meshes[mesh].is_open = kind == watch->opened;
+    watch->meshes[mesh].t_opened = record->t;
+}
+
+bool contact_watch_lost(const contact_watch *watch, const char *const *mesh_names, char *text, size_t size)
+{
+    int others = -1;
+    text[0] = '\0';
+    for (int i = 0; i < watch->n_meshes; i++) {
+        const struct contact_watch_mesh *mesh = &watch->meshes[i];
+        if (mesh->had_contact && !mesh->is_open) {
+            continue;
+        }
+        others++;
+        if (others > 0) {
+            continue;
+        }
+        if (mesh->had_contact) {
+            (void)snprintf(text, size, "mesh '%s' lost contact at t = %.9g s and never regained it", mesh_names[i],
+                           mesh->t_opened);
+        } else {
+            (void)snprintf(text, size, "the flanks of mesh '%s' never touched", mesh_names[i]);
+        }
+    }
+    if (others > 0) {
+        const size_t length = strlen(text);
+        (void)snprintf(text + length, size - length, "; so did %d other mesh%s", others, others > 1 ? "es" : "");
+    }
+    return others >= 0;
+}
+
+void contact_watch_free(contact_watch *watch)
+{
+    free(watch->meshes);
+    watch->meshes = NULL;
+}

@@ -1,0 +1,28 @@
+/** Whether the flanks of each mesh meet: a run that ends apart deserves a word. */
+#ifndef EVOLVENT_CONTACT_WATCH_H
+#define EVOLVENT_CONTACT_WATCH_H
+
+#include "events.h"
+#include "model.h"
+
+#include <stddef.h>
+
+typedef struct {
+    int n_meshes;
+    int opened, closed; /**< event kinds, -1 if the model has none */
+    int offset;         /**< of in_contact among the outputs, -1 if the model has none */
+    struct contact_watch_mesh {
+        bool had_contact, is_open; /**< is_open: the last contact event was an opening, at t_opened */
+        double t_opened;
+    } * meshes;
+} contact_watch;
+
+void contact_watch_init(contact_watch *watch, const model *model, int n_meshes);
+void contact_watch_outputs(contact_watch *watch, const double *values);
+void contact_watch_event(contact_watch *watch, const event_record *record);
+/** Say of the first mesh that ended without contact how that came; mesh_names [n_meshes].
+ *  @return false, with an empty text, if every mesh regained contact or never lost it */
+bool contact_watch_lost(const contact_watch *watch, const char *const *mesh_names, char *text, size_t size);
+void contact_watch_free(contact_watch *watch);
+
+#endif

@@ -1,0 +1,365 @@
+#include "history.h"
+
+#include "memory.h"
+#include "netcdf_hdf5.h"
+#include "output_file.h"
+#include "series_hdf5.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+/* docs/result_format.md describes what this file writes. */
+enum { FORMAT = 1, ROWS = 1024, EVENT_ROWS = 256, FLUSH_SECONDS = 5 };
+enum { EVENT_NUMBER, EVENT_TIME, EVENT_KIND, EVENT_MESH, EVENT_TOOTH_PAIR, EVENT_STATES };
+
+struct history {
+    output_file file;
+    netcdf_file netcdf;
+    netcdf_dimension wheel, mesh, axis, side;
+    series times, events;
+    int n_outputs, n_values, n_states;
+    model_output *outputs;
+    char *event_kinds; /**< as one string of words */
+    double *row;       /**< [1 + n_values] time and outputs */
+    double *event_row; /**< [EVENT_STATES + 2 n_states] */
+    long long n_rows, n_events;
+    time_t last_flush;
+    char message[DAE_MESSAGE_LENGTH];
+};
+
+static time_t monotonic_seconds(void)
+{
+    struct timespec now;
+    return clock_gettime(CLOCK_MONOTONIC, &now) == 0 ? now.tv_sec : 0;
+}
+
+/** Say why writing failed; the first reason counts. @return false */
+static bool fail(history *history)
+{
+    if (history->message[0] == '\0') {
+        output_file_describe(history->file.partial_path, history->netcdf.system_error, history->netcdf.reason,
+                             history->message, sizeof history->message);
+    }
+    return false;
+}
+
+static netcdf_variable describe(netcdf_type type, const char *name, const char *units, const char *symbol,
+                                const char *long_name)
+{
+    netcdf_variable variable = {.type = type};
+    (void)snprintf(variable.name, sizeof variable.name, "%s", name);
+    (void)snprintf(variable.units, sizeof variable.units, "%s", units);
+    (void)snprintf(variable.symbol, sizeof variable.symbol, "%s", symbol);
+    (void)snprintf(variable.long_name, sizeof variable.long_name, "%s", long_name);
+    return variable;
+}
+
+static void set_dimensions(history *history, const model_output *output, netcdf_variable *variable)
+{
+    netcdf_dimension *const first[] = {NULL, &history->wheel, &history->mesh, &history->wheel, &history->mesh};
+    const int ranks[] = {0, 1, 1, 2, 2};
+    variable->rank = ranks[output->dims];
+    variable->dimensions[0] = first[output->dims];
+    variable->dimensions[1] = &history->axis;
+}
+
+static netcdf_variable describe_output(history *history, const model_output *output)
+{
+    netcdf_variable variable = describe(output->is_integer ? NETCDF_INTEGER : NETCDF_REAL, output->name, output->units,
+                                        output->symbol, output->long_name);
+    set_dimensions(history, output, &variable);
+    return variable;
+}
+
+/** A dimension whose coordinate variable holds names. */
+static bool define_names(history *history, hid_t group, netcdf_dimension *dimension, const char *name,
+                         const char *long_name, int n, const char *const *names)
+{
+    const netcdf_variable variable = describe(NETCDF_TEXT, name, "1", name, long_name);
+    *dimension = (netcdf_dimension){.length = (hsize_t)n};
+    if (!netcdf_define_dimension(&history->netcdf, group, &variable, dimension, 0)) {
+        return false;
+    }
+    const herr_t result =
+        n == 0 ? 0 : H5Dwrite(dimension->scale.dataset, history->netcdf.text, H5S_ALL, H5S_ALL, H5P_DEFAULT, names);
+    return result < 0 ? netcdf_fail(&history->netcdf) : true;
+}
+
+static bool put_attributes(history *history, int n, const history_attribute *attributes)
+{
+    netcdf_file *netcdf = &history->netcdf;
+    bool good = true;
+    for (int i = 0; i < n && good; i++) {
+        const history_attribute *attribute = &attributes[i];
+        switch (attribute->kind) {
+        case HISTORY_TEXT:
+            good = netcdf_put_text(netcdf, netcdf->id, attribute->key, attribute->text);
+            break;
+        case HISTORY_INTEGER:
+            good = netcdf_put_integer(netcdf, netcdf->id, attribute->key, attribute->integer);
+            break;
+        case HISTORY_REAL:
+            good = netcdf_put_real(netcdf, netcdf->id, attribute->key, attribute->real);
+            break;
+        }
+    }
+    return good;
+}
+
+static void plan_times(history *history)
+{
+    series *times = &history->times;
+    series_init(times, &history->netcdf, history->netcdf.id, 1 + history->n_outputs);
+    const netcdf_variable time = describe(NETCDF_REAL, "time", "s", "t", "model time");
+    series_add_column(times, &time, 0, 1);
+    for (int i = 0; i < history->n_outputs; i++) {
+        const model_output *output = &history->outputs[i];
+        if (!output->is_static && output->count > 0) {
+            const netcdf_variable variable = describe_output(history, output);
+            series_add_column(times, &variable, 1 + output->offset, output->count);
+        }
+    }
+    series_start(times, ROWS);
+}
+
+/** A state's name as CF wants it: angle_deviation[1] becomes angle_deviation_1. */
+static void make_name(const char *state, char *name, size_t size)
+{
+    size_t length = 0;
+    for (; *state != '\0' && length + 1 < size; state++) {
+        if (isalnum((unsigned char)*state) || *state == '_') {
+            name[length++] = *state;
+        } else if (*state != ']' && *state != ')') {
+            name[length++] = '_';
+        }
+    }
+    name[length] = '\0';
+}
+
+static char *join_words(int n, const char *const *words)
+{
+    char *joined = xstrdup("");
+    for (int i = 0; i < n; i++) {
+        char *longer = xasprintf("%s%s%s", joined, i == 0 ? "" : " ", words[i]);
+        free(joined);
+        joined = longer;
+    }
+    return joined;
+}
+
+static void plan_events(history *history, hid_t group, const history_layout *layout)
+{
+    series *events = &history->events;
+    series_init(events, &history->netcdf, group, EVENT_STATES + layout->n_states);
+    netcdf_variable columns[EVENT_STATES] = {
+        [EVENT_NUMBER] = describe(NETCDF_INTEGER, "event", "1", "event", "number of the event, from 0"),
+        [EVENT_TIME] = describe(NETCDF_REAL, "time", "s", "t", "model time of the event"),
+        [EVENT_KIND] = describe(NETCDF_INTEGER, "kind", "1", "kind", "what happened"),
+        [EVENT_MESH] = describe(NETCDF_INTEGER, "mesh", "1", "mesh", "index of the mesh, -1 if it concerns none"),
+        [EVENT_TOOTH_PAIR] = describe(NETCDF_INTEGER, "tooth_pair", "1", "tooth_pair",
+                                      "pitches since the start, after the event; -1 if it concerns no mesh"),
+    };
+    history->event_kinds = join_words(layout->n_event_kinds, layout->event_kinds);
+    columns[EVENT_KIND].n_flags = layout->n_event_kinds;
+    columns[EVENT_KIND].flag_meanings = history->event_kinds;
+    for (int i = 0; i < EVENT_STATES; i++) {
+        series_add_column(events, &columns[i], i, 1);
+    }
+    for (int i = 0; i < layout->n_states; i++) {
+        const char *state = layout->state_names[i];
+        char name[64], long_name[128];
+        make_name(state, name, sizeof name);
+        (void)snprintf(long_name, sizeof long_name, "state %s on both sides of the event", state);
+        netcdf_variable variable = describe(NETCDF_REAL, name, layout->state_units[i], state, long_name);
+        variable.rank = 1;
+        variable.dimensions[0] = &history->side;
+        series_add_column(events, &variable, EVENT_STATES + 2 * i, 2);
+    }
+    series_start(events, EVENT_ROWS);
+}
+
+/** Everything whose size is known: attributes, names, the group of events. */
+static bool write_head(history *history, const history_layout *layout)
+{
+    static const char *const axes[] = {"x", "y"}, *const sides[] = {"before", "after"};
+    netcdf_file *netcdf = &history->netcdf;
+    if (!netcdf_create(netcdf, history->file.partial_path)) {
+        return false;
+    }
+    const hid_t root = netcdf->id;
+    const bool good =
+        netcdf_put_text(netcdf, root, "Conventions", "CF-1.10") &&
+        netcdf_put_integer(netcdf, root, "evolvent_format", FORMAT) &&
+        put_attributes(history, layout->n_attributes, layout->attributes) &&
+        define_names(history, root, &history->wheel, "wheel", "wheel", layout->n_wheels, layout->wheel_names) &&
+        define_names(history, root, &history->mesh, "mesh", "mesh", layout->n_meshes, layout->mesh_names) &&
+        define_names(history, root, &history->axis, "axis", "axis of the housing frame", 2, axes);
+    const hid_t group = good ? netcdf_create_group(netcdf, "events") : H5I_INVALID_HID;
+    if (group < 0 || !define_names(history, group, &history->side, "side", "side of the event", 2, sides)) {
+        return false;
+    }
+    plan_times(history);
+    plan_events(history, group, layout);
+    return true;
+}
+
+static void free_history(history *history)
+{
+    series_free(&history->times);
+    series_free(&history->events);
+    scale_free(&history->wheel.scale);
+    scale_free(&history->mesh.scale);
+    scale_free(&history->axis.scale);
+    scale_free(&history->side.scale);
+    free(history->outputs);
+    free(history->event_kinds);
+    free(history->row);
+    free(history->event_row);
+    free(history);
+}
+
+history *history_create(const history_layout *layout, char message[DAE_MESSAGE_LENGTH])
+{
+    output_file file;
+    if (!output_file_open(&file, layout->path, message, DAE_MESSAGE_LENGTH)) {
+        return NULL;
+    }
+    history *history = xcalloc(1, sizeof *history);
+    history->file = file;
+    history->n_outputs = layout->n_outputs;
+    history->n_states = layout->n_states;
+    history->outputs = xcalloc((size_t)layout->n_outputs, sizeof *history->outputs);
+    for (int i = 0; i < layout->n_outputs; i++) {
+        history->outputs[i] = layout->outputs[i];
+        const int end = layout->outputs[i].offset + layout->outputs[i].count;
+        history->n_values = end > history->n_values ? end : history->n_values;
+    }
+    history->row = xcalloc(1 + (size_t)history->n_values, sizeof *history->row);
+    history->event_row = xcalloc(EVENT_STATES + 2 * (size_t)layout->n_states, sizeof *history->event_row);
+    history->last_flush = monotonic_seconds();
+    if (!write_head(history, layout)) {
+        (void)fail(history);
+        (void)snprintf(message, DAE_MESSAGE_LENGTH, "%s", history->message);
+        output_file_drop(&history->file, true);
+        free_history(history);
+        return NULL;
+    }
+    return history;
+}
+
+/** Everything that is only in memory goes on file. */
+static bool write_all(history *history, bool is_last)
+{
+    netcdf_file *netcdf = &history->netcdf;
+    return series_write(&history->times, is_last) && series_write(&history->events, is_last) &&
+           netcdf_finish_dimension(netcdf, &history->wheel) && netcdf_finish_dimension(netcdf, &history->mesh) &&
+           netcdf_finish_dimension(netcdf, &history->axis) && netcdf_finish_dimension(netcdf, &history->side);
+}
+
+/** From time to time, so that most of a killed run can be read. */
+static bool flush_if_due(history *history)
+{
+    const time_t now = monotonic_seconds();
+    if (now - history->last_flush < FLUSH_SECONDS) {
+        return true;
+    }
+    history->last_flush = now;
+    return write_all(history, false) && netcdf_flush(&history->netcdf);
+}
+
+static bool write_static(history *history, const model_output *output, const double *values)
+{
+    const netcdf_variable variable = describe_output(history, output);
+    const hid_t dataset = netcdf_define(&history->netcdf, history->netcdf.id, &variable, 0);
+    if (dataset < 0) {
+        return false;
+    }
+    /* HDF5 turns whole doubles into integers. */
+    const herr_t written = H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values);
+    return written < 0 || H5Dclose(dataset) < 0 ? netcdf_fail(&history->netcdf) : true;
+}
+
+static bool write_statics(history *history, const double *values)
+{
+    bool good = true;
+    for (int i = 0; i < history->n_outputs && good; i++) {
+        const model_output *output = &history->outputs[i];
+        good = !output->is_static || output->count == 0 || write_static(history, output, values + output->offset);
+    }
+    return good;
+}
+
+bool history_append(history *history, double t, const double *values)
+{
+    history->row[0] = t;
+    memcpy(history->row + 1, values, (size_t)history->n_values * sizeof *values);
+    const bool good = (history->n_rows > 0 || write_statics(history, values)) &&
+                      series_append(&history->times, history->row) && flush_if_due(history);
+    history->n_rows++;
+    return good ? true : fail(history);
+}
+
+bool history_add_event(history *history, const event_record *record)
+{
+    double *row = history->event_row;
+    row[EVENT_NUMBER] = (double)history->n_events;
+    row[EVENT_TIME] = record->t;
+    row[EVENT_KIND] = record->what.kind;
+    row[EVENT_MESH] = record->what.subject;
+    row[EVENT_TOOTH_PAIR] = record->what.count;
+    for (int i = 0; i < history->n_states; i++) {
+        row[EVENT_STATES + 2 * i] = record->before->y[i];
+        row[EVENT_STATES + 2 * i + 1] = record->after->y[i];
+    }
+    history->n_events++;
+    return series_append(&history->events, row) && flush_if_due(history) ? true : fail(history);
+}
+
+bool history_close(history **pointer, bool commit, int n_attributes, const history_attribute *attributes,
+                   char message[DAE_MESSAGE_LENGTH])
+{
+    history *history = *pointer;
+    *pointer = NULL;
+    bool good = write_all(history, true) && put_attributes(history, n_attributes, attributes) &&
+                netcdf_flush(&history->netcdf) && netcdf_close(&history->netcdf);
+    if (good) {
+        good = output_file_close(&history->file, commit, message, DAE_MESSAGE_LENGTH);
+    } else {
+        (void)fail(history);
+        (void)snprintf(message, DAE_MESSAGE_LENGTH, "%s", history->message);
+        output_file_drop(&history->file, false);
+    }
+    free_history(history);
+    return good;
+}
+
+void history_abandon(history **pointer)
+{
+    if (*pointer != NULL) {
+        output_file_drop(&(*pointer)->file, false);
+        free_history(*pointer);
+        *pointer = NULL;
+    }
+}
+
+const char *history_error(const history *history)
+{
+    return history->message;
+}
+
+const char *history_partial_path(const history *history)
+{
+    return history->file.partial_path;
+}
+
+const char *history_version(void)
+{
+    static char text[32];
+    unsigned version[3] = {0};
+    netcdf_library_version(version);
+    (void)snprintf(text, sizeof text, "HDF5 %u.%u.%u", version[0], version[1], version[2]);
+    return text;
+}

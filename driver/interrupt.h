@@ -1,0 +1,15 @@
+/** SIGINT and SIGTERM as a question that a run asks after every step. A leaf. */
+#ifndef EVOLVENT_INTERRUPT_H
+#define EVOLVENT_INTERRUPT_H
+
+#include <signal.h>
+
+/** Number of the signal that asked the program to end; 0 if none did. */
+extern volatile sig_atomic_t interrupt_signal;
+
+/** From now on these signals are only noted. A file that grows too large is an error of write, no signal. */
+void interrupt_install(void);
+/** "SIGINT" or "SIGTERM" */
+const char *interrupt_name(int signal);
+
+#endif

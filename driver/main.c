@@ -1,0 +1,85 @@
+#include "cli.h"
+#include "history.h"
+#include "integrate.h"
+#include "interrupt.h"
+#include "log.h"
+#include "prepare.h"
+#include "run.h"
+#include "show.h"
+#include "status.h"
+
+#include <errno.h>
+#include <evolvent_version.h>
+#include <stdio.h>
+#include <string.h>
+
+static evl_exit run_command(const cli_options *options, evl_error *error)
+{
+    const run_options settings = {.case_path = options->case_path,
+                                  .output = options->output,
+                                  .n_set = options->n_set,
+                                  .set = options->set,
+                                  .show_progress = !options->quiet};
+    log_set_quiet(options->quiet);
+    interrupt_install();
+    return run_case(&settings, error);
+}
+
+static evl_exit show_command(const cli_options *options, evl_error *error)
+{
+    if (options->laws) {
+        return (evl_exit)show_laws(stdout, model_laws());
+    }
+    if (options->keys) {
+        return (evl_exit)show_keys(stdout, model_laws());
+    }
+    prepared_case prepared;
+    if (!prepare_case(&prepared, options->case_path, options->n_set, options->set, error)) {
+        return error->code;
+    }
+    const int code = options->json ? show_json(stdout, prepared.file, prepared.model)
+                                   : show_text(stdout, prepared.file, prepared.model);
+    prepared_case_free(&prepared);
+    return (evl_exit)code;
+}
+
+static void print_versions(void)
+{
+    printf("evolvent %s\n%s\n%s\n%s\n%s\n", EVOLVENT_VERSION, integrate_version(), history_version(),
+           EVOLVENT_C_COMPILER, model_compiler());
+}
+
+static evl_exit execute(const cli_options *options, evl_error *error)
+{
+    switch (options->command) {
+    case CLI_RUN:
+        return run_command(options, error);
+    case CLI_SHOW:
+        return show_command(options, error);
+    case CLI_VERSION:
+        print_versions();
+        return EVL_EXIT_OK;
+    case CLI_NOTHING:
+        break;
+    }
+    return (evl_exit)options->exit_code;
+}
+
+int main(int argc, char **argv)
+{
+    cli_options options;
+    evl_error error = {.code = EVL_EXIT_OK};
+    errno = 0;
+    cli_parse(argc, argv, &options);
+    evl_exit code = execute(&options, &error);
+    cli_free(&options);
+    if ((fflush(stdout) != 0 || ferror(stdout) != 0 || code == EVL_EXIT_IO) && error.code == EVL_EXIT_OK) {
+        evl_error_set(&error, EVL_EXIT_IO, "", "cannot write to standard output%s%s", errno != 0 ? ": " : "",
+                      errno != 0 ? strerror(errno) : "");
+        code = EVL_EXIT_IO;
+    }
+    if (error.code != EVL_EXIT_OK) {
+        evl_error_print(stderr, &error);
+    }
+    return code;
+}

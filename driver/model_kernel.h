@@ -1,0 +1,24 @@
+/** What the files of the model share: the only include of the kernel's header. Private to model*.c. */
+#ifndef EVOLVENT_MODEL_KERNEL_H
+#define EVOLVENT_MODEL_KERNEL_H
+
+#include "model.h"
+
+#include <evolvent/kernel.h>
+
+struct model {
+    evl_gearbox *gearbox;
+    dae dae;
+    evl_sizes sizes;
+    evl_initial initial;               /**< its arrays are owned */
+    int *wheel_of_load, *load_of_load; /**< [n_loads] where a load of the kernel's list stands in the description */
+    model_output *outputs;             /**< [n_outputs] */
+    char (*state_names)[EVL_NAME_LENGTH], (*state_units)[EVL_NAME_LENGTH]; /**< [n_states] */
+};
+
+/** Fill model->dae; its arrays are owned by the model. */
+void model_describe_dae(model *model);
+/** Fill the tables of outputs and of states. */
+void model_describe_tables(model *model);
+
+#endif

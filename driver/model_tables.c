@@ -1,0 +1,195 @@
+#include "memory.h"
+#include "model_kernel.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static law_info *translate_laws(int family, int n)
+{
+    law_info *laws = xcalloc((size_t)n, sizeof *laws);
+    for (int i = 0; i < n; i++) {
+        evl_law_info from;
+        law_info *to = &laws[i];
+        if (evl_law_describe(family, i, &from) != EVL_OK) {
+            continue;
+        }
+        (void)snprintf(to->name, sizeof to->name, "%s", from.name);
+        (void)snprintf(to->text, sizeof to->text, "%s", from.description);
+        (void)snprintf(to->source, sizeof to->source, "%s", from.source);
+        to->n_parameters = from.n_parameters;
+        for (int j = 0; j < from.n_parameters; j++) {
+            const evl_law_parameter *parameter = &from.parameters[j];
+            law_parameter *copy = &to->parameters[j];
+            *copy = (law_parameter){.required = parameter->required,
+                                    .default_value = parameter->default_value,
+                                    .minimum = parameter->minimum,
+                                    .maximum = parameter->maximum,
+                                    .minimum_open = parameter->minimum_open,
+                                    .maximum_open = parameter->maximum_open};
+            (void)snprintf(copy->name, sizeof copy->name, "%s", parameter->name);
+            (void)snprintf(copy->units, sizeof copy->units, "%s", parameter->units);
+            (void)snprintf(copy->text, sizeof copy->text, "%s", parameter->description);
+        }
+    }
+    return laws;
+}
+
+const law_tables *model_laws(void)
+{
+    static law_tables tables;
+    static const int families[LAWS_FAMILIES] = {
+        [LAWS_CONTACT] = EVL_LAWS_CONTACT,
+        [LAWS_DAMPING] = EVL_LAWS_DAMPING,
+        [LAWS_FRICTION] = EVL_LAWS_FRICTION,
+    };
+    for (int i = 0; i < LAWS_FAMILIES && tables.laws[i] == NULL; i++) {
+        tables.count[i] = evl_law_count(families[i]);
+        tables.laws[i] = translate_laws(families[i], tables.count[i]);
+    }
+    return &tables;
+}
+
+void model_describe_tables(model *model)
+{
+    static const model_dims dims[] = {
+        [EVL_DIMS_NONE] = MODEL_DIMS_NONE,           [EVL_DIMS_WHEEL] = MODEL_DIMS_WHEEL,
+        [EVL_DIMS_MESH] = MODEL_DIMS_MESH,           [EVL_DIMS_WHEEL_AXIS] = MODEL_DIMS_WHEEL_AXIS,
+        [EVL_DIMS_MESH_AXIS] = MODEL_DIMS_MESH_AXIS,
+    };
+    const evl_sizes *sizes = &model->sizes;
+    model->outputs = xcalloc((size_t)sizes->n_outputs, sizeof *model->outputs);
+    for (int i = 0; i < sizes->n_outputs; i++) {
+        evl_output from;
+        model_output *to = &model->outputs[i];
+        (void)evl_gearbox_output(model->gearbox, i, &from);
+        *to = (model_output){.dims = dims[from.dims],
+                             .is_static = from.is_static,
+                             .is_integer = from.is_integer,
+                             .offset = from.offset,
+                             .count = from.count};
+        (void)snprintf(to->name, sizeof to->name, "%s", from.name);
+        (void)snprintf(to->units, sizeof to->units, "%s", from.units);
+        (void)snprintf(to->symbol, sizeof to->symbol, "%s", from.symbol);
+        (void)snprintf(to->long_name, sizeof to->long_name, "%s", from.long_name);
+    }
+    model->state_names = xcalloc((size_t)sizes->n_states, sizeof *model->state_names);
+    model->state_units = xcalloc((size_t)sizes->n_states, sizeof *model->state_units);
+    for (int i = 0; i < sizes->n_states; i++) {
+        evl_gearbox_state_name(model->gearbox, i, model->state_names[i], model->state_units[i]);
+    }
+}
+
+int model_n_outputs(const model *model)
+{
+    return model->sizes.n_outputs;
+}
+
+const model_output *model_outputs_table(const model *model)
+{
+    return model->outputs;
+}
+
+int model_n_values(const model *model)
+{
+    return model->sizes.n_values;
+}
+
+int model_n_event_kinds(void)
+{
+    return evl_event_count();
+}
+
+const char *model_event_kind(int kind)
+{
+    enum { ROOM = 32 };
+    static char names[ROOM][EVL_NAME_LENGTH];
+    if (kind < 0 || kind >= ROOM) {
+        return "";
+    }
+    if (names[kind][0] == '\0') {
+        evl_event_name(kind, names[kind]);
+    }
+    return names[kind];
+}
+
+const char *model_state_name(const model *model, int index)
+{
+    return model->state_names[index];
+}
+
+const char *model_state_units(const model *model, int index)
+{
+    return model->state_units[index];
+}
+
+const char *model_compiler(void)
+{
+    return evl_kernel_compiler();
+}
+
+static model_quantity number(const char *name, const char *units, const char *symbol, const char *long_name,
+                             double value)
+{
+    const bool is_angle = strcmp(units, "rad") == 0;
+    return (model_quantity){name, units, symbol, long_name, 1, {value, 0.0}, is_angle};
+}
+
+static model_quantity point(const char *name, const char *symbol, const char *long_name, const double value[2])
+{
+    return (model_quantity){name, "m", symbol, long_name, 2, {value[0], value[1]}, false};
+}
+
+int model_wheel_geometry(const model *model, int wheel, model_quantity rows[40])
+{
+    evl_wheel_geometry g;
+    evl_gearbox_wheel_geometry(model->gearbox, wheel, &g);
+    int n = 0;
+    rows[n++] = number("pitch_radius", "m", "r", "pitch radius", g.pitch_radius);
+    rows[n++] = number("base_radius", "m", "r_b", "base radius", g.base_radius);
+    rows[n++] = number("tip_radius", "m", "r_a", "tip radius, the largest over its meshes", g.tip_radius);
+    rows[n++] = number("angular_pitch", "rad", "gamma", "angular pitch", g.angular_pitch);
+    rows[n++] = number("mass", "kg", "m", "mass of the wheel", g.mass);
+    rows[n++] = number("inertia", "kg m2", "J", "moment of inertia about the axle", g.inertia);
+    rows[n++] = point("centre", "O", "reference position of the axle", g.centre);
+    rows[n++] = number("speed_ratio", "1", "g", "nominal speed over that of the reference wheel", g.speed_ratio);
+    return n;
+}
+
+int model_mesh_geometry(const model *model, int mesh, model_quantity rows[40])
+{
+    evl_mesh_geometry g;
+    evl_gearbox_mesh_geometry(model->gearbox, mesh, &g);
+    int n = 0;
+    rows[n++] = number("flank", "1", "sigma", "+1: the driving wheel turns clockwise, -1: counterclockwise", g.sigma);
+    rows[n++] =
+        number("transmission_ratio", "1", "n", "teeth of the driven over the driving wheel", g.transmission_ratio);
+    rows[n++] = number("centre_distance", "m", "d", "distance of the axles", g.centre_distance);
+    rows[n++] =
+        number("centre_line_angle", "rad", "chi", "direction from the driving to the driven axle", g.centre_line_angle);
+    rows[n++] =
+        number("minimum_pressure_angle", "rad", "alpha_inf", "least working pressure angle", g.minimum_pressure_angle);
+    rows[n++] = number("working_pressure_angle", "rad", "alpha_w", "working pressure angle", g.working_pressure_angle);
+    rows[n++] = number("base_pitch", "m", "|ab|", "base pitch, the length of the path of contact", g.base_pitch);
+    rows[n++] = number("contact_ratio", "1", "epsilon_alpha", "transverse contact ratio", g.contact_ratio);
+    rows[n++] =
+        number("line_of_action_length", "m", "rho", "length |K_A K_B| of the line of action", g.line_of_action_length);
+    rows[n++] = point("point_k_a", "K_A", "line of action at the driving wheel's base circle", g.point_k_a);
+    rows[n++] = point("point_k_b", "K_B", "line of action at the driven wheel's base circle", g.point_k_b);
+    rows[n++] = point("point_a", "a", "nominal start of contact", g.point_a);
+    rows[n++] = point("point_b", "b", "nominal end of contact", g.point_b);
+    rows[n++] = point("pitch_point", "C", "pitch point", g.pitch_point);
+    rows[n++] = number("tip_radius_driving", "m", "r_aA", "tip radius of the driving wheel", g.tip_radius_driving);
+    rows[n++] = number("tip_radius_driven", "m", "r_aB", "tip radius of the driven wheel", g.tip_radius_driven);
+    rows[n++] =
+        number("rho_start_driving", "m", "rho_A", "radius of curvature of the driving flank at a", g.rho_start_driving);
+    rows[n++] =
+        number("rho_start_driven", "m", "rho_B", "radius of curvature of the driven flank at a", g.rho_start_driven);
+    rows[n++] = number("common_width", "m", "b", "common face width", g.common_width);
+    rows[n++] = number("effective_modulus", "Pa", "E*", "effective modulus of elasticity", g.effective_modulus);
+    rows[n++] = number("elastic_share_driving", "1", "w_A", "share of the driving wheel in the compliance",
+                       g.elastic_share_driving);
+    rows[n++] = number("reference_force", "N", "F_0", "normal force that the loads suggest", g.reference_force);
+    rows[n++] = number("reference_penetration", "m", "h_0", "its penetration", g.reference_penetration);
+    return n;
+}

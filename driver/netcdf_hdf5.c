@@ -1,0 +1,269 @@
+#include "netcdf_hdf5.h"
+
+#include "memory.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/** The system's reason inside an HDF5 message such as "..., errno = 28, error message = '...', ..."; 0 if there is none. */
+static int system_error(const char *description)
+{
+    static const char mark[] = "errno = ";
+    const char *at = description == NULL ? NULL : strstr(description, mark);
+    return at == NULL ? 0 : (int)strtol(at + sizeof mark - 1, NULL, 10);
+}
+
+/** The innermost message comes first; one with a system error is worth more than any other. */
+static herr_t collect_reason(unsigned index, const H5E_error2_t *error, void *data)
+{
+    netcdf_file *file = data;
+    file->system_error = system_error(error->desc);
+    if (file->system_error != 0) {
+        (void)snprintf(file->reason, sizeof file->reason, "%s", strerror(file->system_error));
+        return 1;
+    }
+    if (index == 0) {
+        (void)snprintf(file->reason, sizeof file->reason, "HDF5: %s", error->desc == NULL ? "no reason" : error->desc);
+    }
+    return 0;
+}
+
+bool netcdf_fail(netcdf_file *file)
+{
+    if (file->reason[0] == '\0') {
+        (void)H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, collect_reason, file);
+    }
+    if (file->reason[0] == '\0') {
+        (void)snprintf(file->reason, sizeof file->reason, "HDF5 gives no reason");
+    }
+    return false;
+}
+
+static bool checked(netcdf_file *file, herr_t result)
+{
+    return result < 0 ? netcdf_fail(file) : true;
+}
+
+/** Reproducible files: members in order of creation, as netCDF wants them, and no times. */
+static bool set_group_properties(hid_t properties)
+{
+    const unsigned order = H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED;
+    return H5Pset_link_creation_order(properties, order) >= 0 && H5Pset_obj_track_times(properties, 0) >= 0;
+}
+
+/** To come before every other call of the library. After a failed write it could not clean up at exit, and would crash;
+ *  and a lock of its own would meet that of the caller, who holds one before the file is emptied. */
+static void prepare_library(void)
+{
+    (void)H5dont_atexit();
+    (void)setenv("HDF5_USE_FILE_LOCKING", "FALSE", 1);
+}
+
+void netcdf_library_version(unsigned version[3])
+{
+    prepare_library();
+    (void)H5get_libversion(&version[0], &version[1], &version[2]);
+}
+
+bool netcdf_create(netcdf_file *file, const char *path)
+{
+    prepare_library();
+    if (H5open() < 0 || H5Eset_auto2(H5E_DEFAULT, NULL, NULL) < 0) {
+        return netcdf_fail(file);
+    }
+    const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+    const hid_t creation = H5Pcreate(H5P_FILE_CREATE);
+    file->text = H5Tcopy(H5T_C_S1);
+    file->scalar = H5Screate(H5S_SCALAR);
+    /* Format 1.8: later ones mark a file as open for writing, and a killed run's flushed file could not be read. */
+    const bool ready = access >= 0 && creation >= 0 && file->text >= 0 && file->scalar >= 0 &&
+                       H5Tset_size(file->text, H5T_VARIABLE) >= 0 && H5Tset_cset(file->text, H5T_CSET_UTF8) >= 0 &&
+                       H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18) >= 0 &&
+                       H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) >= 0 && set_group_properties(creation);
+    file->id = ready ? H5Fcreate(path, H5F_ACC_TRUNC, creation, access) : H5I_INVALID_HID;
+    const bool good = checked(file, file->id < 0 ? -1 : 0);
+    (void)H5Pclose(creation);
+    (void)H5Pclose(access);
+    return good;
+}
+
+bool netcdf_flush(netcdf_file *file)
+{
+    return checked(file, H5Fflush(file->id, H5F_SCOPE_GLOBAL));
+}
+
+bool netcdf_close(netcdf_file *file)
+{
+    const bool good = checked(file, H5Fclose(file->id));
+    (void)H5Tclose(file->text);
+    (void)H5Sclose(file->scalar);
+    return good;
+}
+
+hid_t netcdf_create_group(netcdf_file *file, const char *name)
+{
+    const hid_t creation = H5Pcreate(H5P_GROUP_CREATE);
+    const bool ready = creation >= 0 && set_group_properties(creation);
+    const hid_t group = ready ? H5Gcreate2(file->id, name, H5P_DEFAULT, creation, H5P_DEFAULT) : H5I_INVALID_HID;
+    (void)checked(file, group < 0 ? -1 : 0);
+    (void)H5Pclose(creation);
+    return group;
+}
+
+static bool put(netcdf_file *file, hid_t object, const char *name, hid_t type, hid_t space, const void *value)
+{
+    const htri_t exists = H5Aexists(object, name);
+    if (exists < 0 || (exists > 0 && H5Adelete(object, name) < 0)) {
+        return netcdf_fail(file);
+    }
+    const hid_t attribute = H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
+    const bool good = attribute >= 0 && H5Awrite(attribute, type, value) >= 0;
+    (void)checked(file, good ? 0 : -1);
+    (void)(attribute >= 0 && H5Aclose(attribute));
+    return good;
+}
+
+bool netcdf_put_text(netcdf_file *file, hid_t object, const char *name, const char *text)
+{
+    return put(file, object, name, file->text, file->scalar, &text);
+}
+
+bool netcdf_put_integer(netcdf_file *file, hid_t object, const char *name, long long value)
+{
+    return put(file, object, name, H5T_NATIVE_LLONG, file->scalar, &value);
+}
+
+bool netcdf_put_real(netcdf_file *file, hid_t object, const char *name, double value)
+{
+    return put(file, object, name, H5T_NATIVE_DOUBLE, file->scalar, &value);
+}
+
+/** Attributes of a variable that are arrays, as CF and netCDF have them. */
+static bool put_array(netcdf_file *file, hid_t object, const char *name, hid_t type, int n, const void *values)
+{
+    const hsize_t length = (hsize_t)n;
+    const hid_t space = H5Screate_simple(1, &length, NULL);
+    const bool good = space >= 0 ? put(file, object, name, type, space, values) : netcdf_fail(file);
+    (void)(space >= 0 && H5Sclose(space));
+    return good;
+}
+
+/** The CF attributes by which a reader turns numbers into words. */
+static bool put_flags(netcdf_file *file, hid_t dataset, const netcdf_variable *variable)
+{
+    int *values = xcalloc((size_t)variable->n_flags, sizeof *values);
+    for (int i = 0; i < variable->n_flags; i++) {
+        values[i] = i;
+    }
+    const bool good = put_array(file, dataset, "flag_values", H5T_NATIVE_INT, variable->n_flags, values) &&
+                      netcdf_put_text(file, dataset, "flag_meanings", variable->flag_meanings);
+    free(values);
+    return good;
+}
+
+static hid_t element_type(const netcdf_file *file, netcdf_type type)
+{
+    return type == NETCDF_TEXT ? file->text : type == NETCDF_INTEGER ? H5T_NATIVE_INT : H5T_NATIVE_DOUBLE;
+}
+
+static bool is_unlimited(const netcdf_variable *variable)
+{
+    return variable->rank > 0 && variable->dimensions[0]->is_unlimited;
+}
+
+static hid_t create_space(const netcdf_variable *variable)
+{
+    hsize_t extent[NETCDF_MAX_RANK], limit[NETCDF_MAX_RANK];
+    for (int i = 0; i < variable->rank; i++) {
+        extent[i] = limit[i] = variable->dimensions[i]->length;
+    }
+    if (is_unlimited(variable)) {
+        extent[0] = 0;
+        limit[0] = H5S_UNLIMITED;
+    }
+    return variable->rank == 0 ? H5Screate(H5S_SCALAR) : H5Screate_simple(variable->rank, extent, limit);
+}
+
+static bool set_storage(const netcdf_variable *variable, hsize_t chunk_rows, hid_t creation, hid_t access)
+{
+    const double missing = NAN;
+    if (variable->type == NETCDF_REAL && H5Pset_fill_value(creation, H5T_NATIVE_DOUBLE, &missing) < 0) {
+        return false;
+    }
+    if (!is_unlimited(variable)) {
+        return true;
+    }
+    hsize_t chunk[NETCDF_MAX_RANK] = {chunk_rows};
+    for (int i = 1; i < variable->rank; i++) {
+        chunk[i] = variable->dimensions[i]->length;
+    }
+    /* Rows come in whole chunks: a cache would only cost memory, a megabyte a variable. */
+    return H5Pset_chunk(creation, variable->rank, chunk) >= 0 && H5Pset_chunk_cache(access, 1, 0, 1.0) >= 0;
+}
+
+static hid_t create_dataset(netcdf_file *file, hid_t group, const netcdf_variable *variable, hsize_t chunk_rows)
+{
+    const hid_t creation = H5Pcreate(H5P_DATASET_CREATE);
+    const hid_t access = H5Pcreate(H5P_DATASET_ACCESS);
+    const hid_t space = create_space(variable);
+    const bool ready = creation >= 0 && access >= 0 && space >= 0 && H5Pset_obj_track_times(creation, 0) >= 0 &&
+                       set_storage(variable, chunk_rows, creation, access);
+    const hid_t dataset = ready ? H5Dcreate2(group, variable->name, element_type(file, variable->type), space,
+                                             H5P_DEFAULT, creation, access)
+                                : H5I_INVALID_HID;
+    (void)checked(file, dataset < 0 ? -1 : 0);
+    (void)H5Sclose(space);
+    (void)H5Pclose(access);
+    (void)H5Pclose(creation);
+    return dataset;
+}
+
+static bool put_variable_attributes(netcdf_file *file, hid_t dataset, const netcdf_variable *variable)
+{
+    const double missing = NAN;
+    return netcdf_put_text(file, dataset, "units", variable->units) &&
+           netcdf_put_text(file, dataset, "long_name", variable->long_name) &&
+           netcdf_put_text(file, dataset, "symbol", variable->symbol) &&
+           (variable->type != NETCDF_REAL || put_array(file, dataset, "_FillValue", H5T_NATIVE_DOUBLE, 1, &missing)) &&
+           (variable->n_flags == 0 || put_flags(file, dataset, variable));
+}
+
+hid_t netcdf_define(netcdf_file *file, hid_t group, const netcdf_variable *variable, hsize_t chunk_rows)
+{
+    const hid_t dataset = create_dataset(file, group, variable, chunk_rows);
+    if (dataset < 0 || !put_variable_attributes(file, dataset, variable)) {
+        return H5I_INVALID_HID;
+    }
+    dimension_scale *scales[NETCDF_MAX_RANK];
+    for (int i = 0; i < variable->rank; i++) {
+        scales[i] = &variable->dimensions[i]->scale;
+    }
+    if (!scales_attach(dataset, variable->rank, scales)) {
+        (void)netcdf_fail(file);
+        return H5I_INVALID_HID;
+    }
+    return dataset;
+}
+
+bool netcdf_define_dimension(netcdf_file *file, hid_t group, const netcdf_variable *coordinate,
+                             netcdf_dimension *dimension, hsize_t chunk_rows)
+{
+    netcdf_variable variable = *coordinate;
+    variable.rank = 1;
+    variable.dimensions[0] = dimension;
+    const hid_t dataset = create_dataset(file, group, &variable, chunk_rows);
+    if (dataset < 0) {
+        return false;
+    }
+    if (!scale_make(&dimension->scale, dataset, variable.name)) {
+        return netcdf_fail(file);
+    }
+    return put_variable_attributes(file, dataset, &variable);
+}
+
+bool netcdf_finish_dimension(netcdf_file *file, netcdf_dimension *dimension)
+{
+    return scale_list_users(&dimension->scale) ? true : netcdf_fail(file);
+}

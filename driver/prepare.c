@@ -1,0 +1,34 @@
+#include "prepare.h"
+
+void prepare_refuse(const prepared_case *prepared, const model_error *refusal, evl_error *error)
+{
+    static const case_subject subjects[] = {
+        [MODEL_ABOUT_NOTHING] = CASE_ABOUT_NOTHING, [MODEL_ABOUT_WHEEL] = CASE_ABOUT_WHEEL,
+        [MODEL_ABOUT_MESH] = CASE_ABOUT_MESH,       [MODEL_ABOUT_LOAD] = CASE_ABOUT_LOAD,
+        [MODEL_ABOUT_INITIAL] = CASE_ABOUT_INITIAL,
+    };
+    case_refuse(prepared->file, subjects[refusal->subject], refusal->index, refusal->load, refusal->field,
+                refusal->message, error);
+}
+
+bool prepare_case(prepared_case *prepared, const char *path, int n_set, const char *const *set, evl_error *error)
+{
+    model_error refusal;
+    *prepared = (prepared_case){.file = case_read(path, n_set, set, model_laws(), error)};
+    if (prepared->file == NULL) {
+        return false;
+    }
+    prepared->model = model_create(case_description(prepared->file), &refusal);
+    if (prepared->model == NULL) {
+        prepare_refuse(prepared, &refusal, error);
+        case_delete(&prepared->file);
+        return false;
+    }
+    return true;
+}
+
+void prepared_case_free(prepared_case *prepared)
+{
+    model_delete(&prepared->model);
+    case_delete(&prepared->file);
+}

@@ -1,0 +1,19 @@
+/** From a case file to a model, with every refusal shown at its place in the file. */
+#ifndef EVOLVENT_PREPARE_H
+#define EVOLVENT_PREPARE_H
+
+#include "case.h"
+#include "model.h"
+
+typedef struct {
+    case_file *file;
+    model *model;
+} prepared_case;
+
+/** Read and check the case and make its model. @return false with the reason in `error`; then there is nothing to free */
+bool prepare_case(prepared_case *prepared, const char *path, int n_set, const char *const *set, evl_error *error);
+/** Turn a refusal by the model into one of the case file. */
+void prepare_refuse(const prepared_case *prepared, const model_error *refusal, evl_error *error);
+void prepared_case_free(prepared_case *prepared);
+
+#endif

@@ -1,0 +1,322 @@
+#include "run.h"
+
+#include "contact_watch.h"
+#include "history.h"
+#include "integrate.h"
+#include "interrupt.h"
+#include "log.h"
+#include "memory.h"
+#include "prepare.h"
+#include "progress.h"
+
+#include <evolvent_version.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+
+/** Why the observer ended an integration. */
+typedef enum { STOP_NONE, STOP_INTERRUPTED, STOP_MODEL, STOP_HISTORY } stop_reason;
+
+typedef struct {
+    prepared_case prepared;
+    history *history;
+    const char **wheel_names, **mesh_names;
+    double *values;   /**< [model_n_values] */
+    double t_written; /**< model time of the history's last row */
+    contact_watch contact;
+    progress progress;
+    stop_reason stop;
+    char message[DAE_MESSAGE_LENGTH]; /**< of a failure */
+} run;
+
+/* What the integrator tells. */
+
+static int on_output(void *self, const dae_state *state)
+{
+    run *run = self;
+    if (model_outputs(run->prepared.model, state, run->values, run->message) != DAE_OK) {
+        run->stop = STOP_MODEL;
+        return 1;
+    }
+    contact_watch_outputs(&run->contact, run->values);
+    if (!history_append(run->history, state->t, run->values)) {
+        run->stop = STOP_HISTORY;
+        return 1;
+    }
+    run->t_written = state->t;
+    return 0;
+}
+
+static int on_event(void *self, const event_record *record)
+{
+    run *run = self;
+    contact_watch_event(&run->contact, record);
+    if (!history_add_event(run->history, record)) {
+        run->stop = STOP_HISTORY;
+        return 1;
+    }
+    return 0;
+}
+
+static int on_step(void *self, double t)
+{
+    run *run = self;
+    progress_step(&run->progress, t);
+    if (interrupt_signal != 0) {
+        run->stop = STOP_INTERRUPTED;
+        return 1;
+    }
+    return 0;
+}
+
+/* Where the history goes. */
+
+static char *default_output(const char *case_path)
+{
+    const char *slash = strrchr(case_path, '/');
+    const char *name = slash == NULL ? case_path : slash + 1;
+    const char *dot = strrchr(name, '.');
+    const size_t length = dot == NULL || dot == name ? strlen(name) : (size_t)(dot - name);
+    return xasprintf("%.*s.h5", (int)length, name);
+}
+
+static bool is_same_file(const char *a, const char *b)
+{
+    struct stat first, second;
+    return stat(a, &first) == 0 && stat(b, &second) == 0 && first.st_dev == second.st_dev &&
+           first.st_ino == second.st_ino;
+}
+
+/* The history's head and end. */
+
+static history_attribute text_attribute(const char *key, const char *text)
+{
+    return (history_attribute){.key = key, .kind = HISTORY_TEXT, .text = text};
+}
+
+static history_attribute count_attribute(const char *key, long count)
+{
+    return (history_attribute){.key = key, .kind = HISTORY_INTEGER, .integer = count};
+}
+
+static bool create_history(run *run, const char *path)
+{
+    const model *model = run->prepared.model;
+    const description *description = case_description(run->prepared.file);
+    const int n_states = model_dae(model)->n, n_kinds = model_n_event_kinds(), n_warnings = model_n_warnings(model);
+    const char **state_names = xcalloc((size_t)n_states, sizeof *state_names);
+    const char **state_units = xcalloc((size_t)n_states, sizeof *state_units);
+    const char **kinds = xcalloc((size_t)n_kinds, sizeof *kinds);
+    for (int i = 0; i < n_states; i++) {
+        state_names[i] = model_state_name(model, i);
+        state_units[i] = model_state_units(model, i);
+    }
+    for (int i = 0; i < n_kinds; i++) {
+        kinds[i] = model_event_kind(i);
+    }
+    char *warnings = xstrdup("");
+    for (int i = 0; i < n_warnings; i++) {
+        char warning[DAE_MESSAGE_LENGTH];
+        model_warning(model, i, warning);
+        char *longer = xasprintf("%s%s%s", warnings, i == 0 ? "" : "\n", warning);
+        free(warnings);
+        warnings = longer;
+    }
+    char *versions = xasprintf("evolvent %s, %s, %s, %s, %s", EVOLVENT_VERSION, integrate_version(), history_version(),
+                               EVOLVENT_C_COMPILER, model_compiler());
+    const history_attribute attributes[] = {
+        text_attribute("title", description->title), text_attribute("case", case_text(run->prepared.file)),
+        text_attribute("versions", versions),        text_attribute("warnings", warnings),
+        text_attribute("status", "running"),         text_attribute("status_message", ""),
+    };
+    const history_layout layout = {
+        .path = path,
+        .n_wheels = description->n_wheels,
+        .n_meshes = description->n_meshes,
+        .wheel_names = run->wheel_names,
+        .mesh_names = run->mesh_names,
+        .n_outputs = model_n_outputs(model),
+        .outputs = model_outputs_table(model),
+        .n_states = n_states,
+        .state_names = state_names,
+        .state_units = state_units,
+        .n_event_kinds = n_kinds,
+        .event_kinds = kinds,
+        .n_attributes = sizeof attributes / sizeof *attributes,
+        .attributes = attributes,
+    };
+    run->history = history_create(&layout, run->message);
+    free(versions);
+    free(warnings);
+    free(kinds);
+    free(state_units);
+    free(state_names);
+    return run->history != NULL;
+}
+
+/** A run that ends early ends with its last good state, if its outputs exist and are not on file yet. */
+static bool append_last(run *run, const dae_state *state)
+{
+    char message[DAE_MESSAGE_LENGTH];
+    if (run->stop == STOP_MODEL || !(state->t > run->t_written) ||
+        model_outputs(run->prepared.model, state, run->values, message) != DAE_OK) {
+        return true;
+    }
+    contact_watch_outputs(&run->contact, run->values);
+    return history_append(run->history, state->t, run->values);
+}
+
+/** @return false if the history could not be completed; the reason is in run->message */
+static bool close_history(run *run, bool commit, const char *status, const char *message,
+                          const integrate_counts *counts)
+{
+    const history_attribute attributes[] = {
+        text_attribute("status", status),
+        text_attribute("status_message", message),
+        count_attribute("integrator_steps", counts->steps),
+        count_attribute("integrator_residuals", counts->residuals),
+        count_attribute("integrator_jacobians", counts->jacobians),
+        count_attribute("integrator_linear_setups", counts->linear_setups),
+        count_attribute("integrator_newton_iterations", counts->newton_iterations),
+        count_attribute("integrator_error_test_failures", counts->error_test_failures),
+        count_attribute("integrator_convergence_failures", counts->convergence_failures),
+        count_attribute("integrator_root_evaluations", counts->roots_evaluated),
+        count_attribute("integrator_events", counts->events),
+    };
+    return history_close(&run->history, commit, sizeof attributes / sizeof *attributes, attributes, run->message);
+}
+
+/* The run itself. */
+
+static void take_names(run *run)
+{
+    const description *description = case_description(run->prepared.file);
+    run->wheel_names = xcalloc((size_t)description->n_wheels, sizeof *run->wheel_names);
+    run->mesh_names = xcalloc((size_t)description->n_meshes, sizeof *run->mesh_names);
+    for (int i = 0; i < description->n_wheels; i++) {
+        run->wheel_names[i] = description->wheels[i].name;
+    }
+    for (int i = 0; i < description->n_meshes; i++) {
+        run->mesh_names[i] = description->meshes[i].name;
+    }
+}
+
+static void warn(const run *run)
+{
+    for (int i = 0; i < model_n_warnings(run->prepared.model); i++) {
+        char text[DAE_MESSAGE_LENGTH];
+        model_warning(run->prepared.model, i, text);
+        log_warning("%s", text);
+    }
+}
+
+static void summarise(const integrate_counts *counts, const char *path)
+{
+    log_note("%ld steps, %ld event%s, %.3g s CPU: %s", counts->steps, counts->events, counts->events == 1 ? "" : "s",
+             (double)clock() / CLOCKS_PER_SEC, path);
+}
+
+/** The run ended at time t: complete the history, and say how it went. */
+static void conclude(run *run, integrate_code code, double t, const integrate_counts *counts, const char *path,
+                     evl_error *error)
+{
+    char lost[DAE_MESSAGE_LENGTH], reason[2 * DAE_MESSAGE_LENGTH] = "";
+    const char *status = "done";
+    const bool has_lost = contact_watch_lost(&run->contact, run->mesh_names, lost, sizeof lost);
+    char *partial = xstrdup(history_partial_path(run->history));
+    char *place = xasprintf("%s: t = %.9g s", case_path(run->prepared.file), t);
+    if (has_lost) {
+        log_warning("%s", lost);
+    }
+    if (run->stop == STOP_INTERRUPTED) {
+        status = "interrupted";
+        (void)snprintf(reason, sizeof reason, "interrupted by %s at t = %.9g s", interrupt_name((int)interrupt_signal),
+                       t);
+        evl_error_set(error, EVL_EXIT_INTERRUPTED, place, "interrupted by %s; the history up to there is in '%s'",
+                      interrupt_name((int)interrupt_signal), partial);
+    } else if (code != INTEGRATE_DONE) {
+        status = "failed";
+        (void)snprintf(reason, sizeof reason, "failed at t = %.9g s: %s", t, run->message);
+        evl_error_set(error, EVL_EXIT_INTEGRATION, place, "%s; the history up to there is in '%s'", run->message,
+                      partial);
+    }
+    char *message = xasprintf("%s%s%s", reason, reason[0] != '\0' && has_lost ? "; " : "", lost);
+    if (!close_history(run, code == INTEGRATE_DONE, status, message, counts)) {
+        evl_error_set(error, EVL_EXIT_IO, "", "%s", run->message);
+    } else if (code == INTEGRATE_DONE) {
+        summarise(counts, path);
+    }
+    free(message);
+    free(place);
+    free(partial);
+}
+
+static void integrate_case(run *run, const char *path, dae_state *state, evl_error *error)
+{
+    const simulation_description *simulation = &case_description(run->prepared.file)->simulation;
+    const integrate_options options = {.t_end = simulation->duration,
+                                       .output_interval = simulation->output_interval,
+                                       .tolerance = simulation->tolerance,
+                                       .max_step = simulation->max_step};
+    const integrate_observer observer = {.self = run, .output = on_output, .event = on_event, .step = on_step};
+    integrate_counts counts = {0};
+    const integrate_code code =
+        integrate(model_dae(run->prepared.model), &options, &observer, state, &counts, run->message);
+    progress_end(&run->progress);
+    if (run->stop != STOP_HISTORY && code != INTEGRATE_DONE && !append_last(run, state)) {
+        run->stop = STOP_HISTORY;
+    }
+    if (run->stop == STOP_HISTORY) {
+        evl_error_set(error, EVL_EXIT_IO, "", "%s", history_error(run->history));
+        history_abandon(&run->history);
+    } else {
+        conclude(run, code, state->t, &counts, path, error);
+    }
+}
+
+static void run_prepared(run *run, const run_options *options, const char *path, evl_error *error)
+{
+    dae_state state;
+    model_error refusal;
+    if (!model_initial_state(run->prepared.model, &state, &refusal)) {
+        prepare_refuse(&run->prepared, &refusal, error);
+        return;
+    }
+    warn(run);
+    take_names(run);
+    run->values = xcalloc((size_t)model_n_values(run->prepared.model), sizeof *run->values);
+    contact_watch_init(&run->contact, run->prepared.model, case_description(run->prepared.file)->n_meshes);
+    progress_start(&run->progress, options->show_progress, state.t,
+                   case_description(run->prepared.file)->simulation.duration);
+    if (create_history(run, path)) {
+        integrate_case(run, path, &state, error);
+    } else {
+        evl_error_set(error, EVL_EXIT_IO, "", "%s", run->message);
+    }
+    contact_watch_free(&run->contact);
+    free(run->values);
+    free(run->mesh_names);
+    free(run->wheel_names);
+    dae_state_free(&state);
+}
+
+evl_exit run_case(const run_options *options, evl_error *error)
+{
+    run run = {.stop = STOP_NONE, .t_written = -1.0};
+    *error = (evl_error){.code = EVL_EXIT_OK};
+    if (!prepare_case(&run.prepared, options->case_path, options->n_set, options->set, error)) {
+        return error->code;
+    }
+    char *path = options->output != NULL ? xstrdup(options->output) : default_output(options->case_path);
+    if (is_same_file(path, options->case_path)) {
+        evl_error_set(error, EVL_EXIT_USAGE, "", "the history would replace the case '%s'; name another file with -o",
+                      path);
+    } else {
+        run_prepared(&run, options, path, error);
+    }
+    free(path);
+    prepared_case_free(&run.prepared);
+    return error->code;
+}

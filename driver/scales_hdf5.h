@@ -1,0 +1,34 @@
+/** Dimension scales as the HDF5 specification stores them, attributes written once.
+ *
+ *  H5DSattach_scale gives the same file, but rewrites a scale's list of users with every further user: a fifth of what a
+ *  short history costs. */
+#ifndef EVOLVENT_SCALES_HDF5_H
+#define EVOLVENT_SCALES_HDF5_H
+
+#include <hdf5.h>
+#include <stdbool.h>
+
+/** One entry of a scale's REFERENCE_LIST. */
+typedef struct {
+    hobj_ref_t dataset;
+    int axis;
+} scale_user;
+
+typedef struct {
+    hid_t dataset; /**< of the coordinate; not owned */
+    hobj_ref_t reference;
+    int n_users, n_listed; /**< those that are on file */
+    scale_user *users;     /**< [n_users] */
+} dimension_scale;
+
+/* Each returns false after a failed HDF5 call, whose reason is on HDF5's error stack. */
+
+/** Make a dataset the scale `name`. */
+bool scale_make(dimension_scale *scale, hid_t dataset, const char *name);
+/** Attach a scale to every axis of a dataset; the scales are to list their users later. */
+bool scales_attach(hid_t dataset, int rank, dimension_scale *const *scales);
+/** Write the list of users, if there are new ones. */
+bool scale_list_users(dimension_scale *scale);
+void scale_free(dimension_scale *scale);
+
+#endif

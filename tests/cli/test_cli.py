@@ -1,0 +1,162 @@
+"""The command line: what it accepts, what it says, how it ends."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+Evolvent = Callable[..., subprocess.CompletedProcess[str]]
+COMMANDS = ("run", "show")
+SHORT = ("--set", "simulation.duration=0.01")  # a run that takes no time
+
+
+def assert_misuse(result: subprocess.CompletedProcess[str], complaint: str) -> None:
+    """Exit code 2, the complaint in the first line of stderr, a short help after it, no stdout."""
+    first, *rest = result.stderr.splitlines()
+    assert result.returncode == 2
+    assert complaint in first
+    assert any(line.startswith("Usage: evolvent") for line in rest)
+    assert "--help' tells more" in rest[-1]
+    assert len(rest) < 8
+    assert result.stdout == ""
+
+
+def test_without_arguments_a_short_help_goes_to_stderr(evolvent: Evolvent) -> None:
+    assert_misuse(evolvent(), "a command is missing")
+
+
+@pytest.mark.parametrize(
+    ("words", "complaint"),
+    [
+        (["rum"], "unknown command 'rum' (did you mean 'run'?)"),
+        (["shwo", "x.yaml"], "unknown command 'shwo' (did you mean 'show'?)"),
+        (["integrate"], "unknown command 'integrate'"),
+        (["--versoin"], "unknown option '--versoin' (did you mean '--version'?)"),
+        (["run"], "'run' needs a case file"),
+        (["show"], "'show' needs a case file"),
+        (["run", "a.yaml", "b.yaml"], "one case at a time: what is 'b.yaml' after 'a.yaml'?"),
+        (["run", "--ouput=x.h5"], "unknown option '--ouput' (did you mean '--output'?)"),
+        (["run", "--json", "a.yaml"], "unknown option '--json'"),
+        (["run", "-z", "a.yaml"], "unknown option '-z'"),
+        (["run", "a.yaml", "-o"], "option '--output' needs a value"),
+        (["run", "a.yaml", "-o", ""], "option '--output' needs a value"),
+        (["run", "a.yaml", "--set"], "option '--set' needs a value"),
+        (["run", "a.yaml", "--quiet=yes"], "option '--quiet' takes no value"),
+        (["show", "--laws", "a.yaml"], "option '--laws' stands alone"),
+        (["show", "--laws", "--keys"], "option '--laws' stands alone"),
+    ],
+)
+def test_misuse_is_named_and_exits_with_2(
+    evolvent: Evolvent, words: list[str], complaint: str
+) -> None:
+    assert_misuse(evolvent(*words), complaint)
+
+
+def test_a_set_option_without_equals_sign_is_misuse(evolvent: Evolvent, examples: Path) -> None:
+    result = evolvent("run", examples / "paper.yaml", "--set", "wheels.pinion.teeth")
+    assert result.returncode == 2
+    assert "'='" in result.stderr
+    assert len(result.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize("words", [["--help"], ["-h"]])
+def test_help_lists_every_command_and_exit_code_on_stdout(
+    evolvent: Evolvent, words: list[str]
+) -> None:
+    result = evolvent(*words)
+    assert (result.returncode, result.stderr) == (0, "")
+    for command in COMMANDS:
+        assert re.search(rf"^  {command} ", result.stdout, re.MULTILINE)
+    for code in (0, 2, 3, 4, 74, 75):
+        assert re.search(rf"^ +{code}  \w", result.stdout, re.MULTILINE)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_of_a_command_has_an_example_and_its_options(evolvent: Evolvent, command: str) -> None:
+    result = evolvent(command, "--help")
+    assert (result.returncode, result.stderr) == (0, "")
+    assert result.stdout.startswith(f"Usage: evolvent {command} ")
+    assert f"\n  evolvent {command} examples/" in result.stdout
+    for option in set(re.findall(r"\[(--?\w+)", result.stdout.splitlines()[0])):
+        assert re.search(rf"^ +.*{option}\b", result.stdout.split("Options:")[1], re.MULTILINE)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_examples_in_the_help_work(
+    evolvent: Evolvent, root: Path, tmp_path: Path, command: str
+) -> None:
+    (tmp_path / "examples").symlink_to(root / "examples")
+    text = evolvent(command, "--help").stdout
+    lines = re.findall(rf"^  evolvent ({command} .*)$", text, re.MULTILINE)
+    assert lines
+    for line in lines:
+        words = line.split()
+        result = evolvent(*words, *(SHORT if command == "run" else ()))
+        assert result.returncode == 0, result.stderr
+
+
+def test_help_wins_over_a_missing_case(evolvent: Evolvent) -> None:
+    assert evolvent("run", "no-such-case.yaml", "--help").returncode == 0
+
+
+def test_version_is_that_of_the_build_and_names_the_libraries(
+    evolvent: Evolvent, root: Path
+) -> None:
+    match = re.search(r"^\s*VERSION (\S+)", (root / "CMakeLists.txt").read_text(), re.MULTILINE)
+    assert match
+    result = evolvent("--version")
+    assert result.returncode == 0
+    assert result.stdout.splitlines()[0] == f"evolvent {match[1]}"
+    assert re.search(r"^SUNDIALS \d+\.\d+", result.stdout, re.MULTILINE)
+    assert re.search(r"^HDF5 \d+\.\d+", result.stdout, re.MULTILINE)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["-o", "x.h5", "CASE"],
+        ["-ox.h5", "CASE"],
+        ["-qo", "x.h5", "CASE"],
+        ["-qox.h5", "CASE"],
+        ["CASE", "--output", "x.h5"],
+        ["CASE", "--output=x.h5"],
+        ["--output=x.h5", "--", "CASE"],
+    ],
+)
+def test_options_may_be_written_in_every_usual_way(
+    evolvent: Evolvent, examples: Path, tmp_path: Path, words: list[str]
+) -> None:
+    case = str(examples / "paper.yaml")
+    result = evolvent("run", *SHORT, *(case if word == "CASE" else word for word in words))
+    assert result.returncode == 0, result.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["x.h5"]
+
+
+def test_after_two_dashes_a_word_is_a_file(
+    evolvent: Evolvent, examples: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "-q.yaml").write_text((examples / "paper.yaml").read_text())
+    assert evolvent("run", *SHORT, "--", "-q.yaml").returncode == 0
+    assert (tmp_path / "-q.h5").is_file()
+
+
+@pytest.mark.parametrize("words", [["--help"], ["--version"], ["show", "CASE"], ["show", "--laws"]])
+def test_a_full_standard_output_exits_with_74(
+    executable: Path, examples: Path, words: list[str]
+) -> None:
+    case = str(examples / "paper.yaml")
+    with Path("/dev/full").open("w") as full:
+        result = subprocess.run(
+            [str(executable), *(case if word == "CASE" else word for word in words)],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            timeout=60,
+            check=False,
+        )
+    assert result.returncode == 74
+    assert "cannot write to standard output: No space left on device" in result.stderr

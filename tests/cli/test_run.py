@@ -1,0 +1,403 @@
+"""A run from its case to its history: what is written, and what is left when it goes wrong."""
+
+from __future__ import annotations
+
+import os
+import pty
+import re
+import shutil
+import signal
+import subprocess
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+Evolvent = Callable[..., subprocess.CompletedProcess[str]]
+ENGINES = ("h5netcdf", "netcdf4")
+SHORT = ("--set", "simulation.duration=0.05")
+ENDLESS = ("--set", "simulation.duration=1e6", "--set", "simulation.output_interval=0.01")
+# beyond the limit (15) of the Johnson force, about 1e9 N for this pair
+OVERLOAD = ("--set", "wheels.pinion.loads.0.value=-1e10")
+
+
+@pytest.fixture
+def case(examples: Path) -> Path:
+    """The paper's case."""
+    return examples / "paper.yaml"
+
+
+def names(folder: Path) -> list[str]:
+    """What a folder holds."""
+    return sorted(path.name for path in folder.iterdir())
+
+
+def attributes(path: Path) -> dict[str, object]:
+    """Root attributes of a history."""
+    with xr.open_dataset(path, engine="h5netcdf") as history:
+        return dict(history.attrs)
+
+
+def wait_for(condition: Callable[[], bool], seconds: float = 60.0) -> None:
+    """Wait until something is the case; fail if it never is."""
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.01)
+
+
+# ---- what a complete run leaves ------------------------------------------------------------------
+
+
+def test_a_history_is_named_after_its_case_and_nothing_else_is_left(
+    evolvent: Evolvent, case: Path, tmp_path: Path
+) -> None:
+    result = evolvent("run", case, *SHORT)
+    assert result.returncode == 0, result.stderr
+    assert result.stdout == ""
+    assert names(tmp_path) == ["paper.h5"]
+
+
+def test_the_summary_is_one_line_on_stderr(evolvent: Evolvent, case: Path) -> None:
+    lines = evolvent("run", case, *SHORT).stderr.splitlines()
+    assert re.fullmatch(r"evolvent: \d+ steps, \d+ events?, \S+ s CPU: paper\.h5", lines[-1])
+    assert all(line.startswith("evolvent: warning: ") for line in lines[:-1])
+
+
+def test_quiet_leaves_only_warnings(evolvent: Evolvent, case: Path) -> None:
+    loud = evolvent("run", case, *SHORT).stderr.splitlines()
+    quiet = evolvent("run", case, *SHORT, "-q").stderr.splitlines()
+    assert quiet == [line for line in loud if line.startswith("evolvent: warning: ")]
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_xarray_opens_a_history_with_named_coordinates_and_units(
+    evolvent: Evolvent, case: Path, tmp_path: Path, engine: str
+) -> None:
+    evolvent("run", case, *SHORT)
+    with xr.open_dataset(tmp_path / "paper.h5", engine=engine) as history:
+        assert set(history.sizes) == {"time", "wheel", "mesh", "axis"}
+        assert set(history.coords) == {"time", "wheel", "mesh", "axis"}
+        assert history.wheel.values.tolist() == ["pinion", "gear"]
+        assert history.mesh.values.tolist() == ["pinion-gear"]
+        assert history.axis.values.tolist() == ["x", "y"]
+        for variable in history.variables.values():
+            assert {"units", "long_name", "symbol"} <= set(variable.attrs), variable
+            missing = variable.encoding.get("_FillValue")
+            if variable.dtype.kind == "f":
+                assert missing is not None
+                assert np.isnan(missing)
+            else:
+                assert missing is None
+        assert history.penetration.dims == ("time", "mesh")
+        assert history.centre_displacement.dims == ("time", "wheel", "axis")
+        gear = history.angular_velocity.sel(wheel="gear")
+        between = float(gear.interp(time=0.0205))
+        neighbours = gear.sel(time=[0.020, 0.021], method="nearest").values
+        assert between == pytest.approx(neighbours.mean(), rel=1e-12)  # linear interpolation
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_xarray_opens_the_events_with_names_for_their_kinds(
+    evolvent: Evolvent, case: Path, tmp_path: Path, engine: str
+) -> None:
+    evolvent("run", case, "--set", "simulation.output_interval=0.1")
+    with xr.open_dataset(tmp_path / "paper.h5", engine=engine, group="events") as events:
+        assert events.side.values.tolist() == ["before", "after"]
+        meanings = events.kind.attrs["flag_meanings"].split()
+        assert np.atleast_1d(events.kind.attrs["flag_values"]).tolist() == list(
+            range(len(meanings))
+        )
+        kinds = [meanings[kind] for kind in events.kind.values]
+        assert "tooth_switch" in kinds
+        assert np.all(np.diff(events.time) >= 0.0)
+        states = [name for name, v in events.data_vars.items() if v.dims == ("event", "side")]
+        assert states
+        for variable in events.variables.values():
+            assert {"units", "long_name", "symbol"} <= set(variable.attrs), variable
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_run_without_events_has_an_empty_group_of_them(
+    evolvent: Evolvent, case: Path, tmp_path: Path, engine: str
+) -> None:
+    still = ("--set", "simulation.duration=1e-5", "--set", "simulation.output_interval=1e-6")
+    assert evolvent("run", case, *still).returncode == 0
+    with xr.open_dataset(tmp_path / "paper.h5", engine=engine, group="events") as events:
+        events.load()
+        assert events.sizes == {"event": 0, "side": 2}
+
+
+def test_the_grid_of_outputs_starts_at_0_and_ends_at_the_end(
+    evolvent: Evolvent, case: Path, tmp_path: Path
+) -> None:
+    step, end = 0.003, 0.05
+    grid = ("--set", f"simulation.output_interval={step}", "--set", f"simulation.duration={end}")
+    evolvent("run", case, *grid)
+    with xr.open_dataset(tmp_path / "paper.h5") as history:
+        expected = [*(step * k for k in range(17)), end]
+        # the grid is start + k * interval in floating point: at most one rounding apart
+        np.testing.assert_allclose(history.time, expected, rtol=1e-15, atol=0.0)
+
+
+def test_the_attributes_tell_how_the_history_came_about(
+    evolvent: Evolvent, case: Path, tmp_path: Path
+) -> None:
+    evolvent("run", case, *SHORT, "--set", "wheels.gear.teeth=31")
+    found = attributes(tmp_path / "paper.h5")
+    assert str(found["Conventions"]).startswith("CF-")
+    assert found["evolvent_format"] == 1
+    assert (found["status"], found["status_message"]) == ("done", "")
+    assert str(found["title"]) in case.read_text()
+    assert int(str(found["integrator_steps"])) > 0
+    for library in ("evolvent", "SUNDIALS", "HDF5"):
+        assert re.search(rf"\b{library} \d+\.\d+", str(found["versions"]))
+
+
+def test_the_case_inside_a_history_runs_again_to_the_same_data(
+    evolvent: Evolvent, case: Path, tmp_path: Path
+) -> None:
+    evolvent("run", case, *SHORT, "--set", "wheels.gear.teeth=31")
+    (tmp_path / "again.yaml").write_text(str(attributes(tmp_path / "paper.h5")["case"]))
+    assert evolvent("run", "again.yaml").returncode == 0
+    with (
+        xr.open_dataset(tmp_path / "paper.h5") as first,
+        xr.open_dataset(tmp_path / "again.h5") as second,
+    ):
+        assert first.identical(second)
+
+
+def test_the_same_case_gives_the_same_file_to_the_byte(
+    evolvent: Evolvent, case: Path, tmp_path: Path
+) -> None:
+    evolvent("run", case, *SHORT, "-o", "a.h5")
+    evolvent("run", case, *SHORT, "-o", "b.h5")
+    assert (tmp_path / "a.h5").read_bytes() == (tmp_path / "b.h5").read_bytes()
+
+
+def test_a_run_that_loses_contact_for_good_says_so(
+    evolvent: Evolvent, case: Path, tmp_path: Path
+) -> None:
+    apart = ("--set", "wheels.pinion.loads.0.value=1", *SHORT)
+    result = evolvent("run", case, *apart)
+    assert result.returncode == 0, result.stderr
+    said = r"(mesh 'pinion-gear' lost contact at t = \S+ s and never regained it"
+    said += r"|the flanks of mesh 'pinion-gear' never touched)"
+    assert re.search(f"evolvent: warning: {said}", result.stderr)
+    assert re.search(said, str(attributes(tmp_path / "paper.h5")["status_message"]))
+
+
+# ---- on a terminal -------------------------------------------------------------------------------
+
+
+def test_progress_appears_on_a_terminal_and_is_wiped_at_the_end(
+    executable: Path, case: Path, tmp_path: Path
+) -> None:
+    ours, theirs = pty.openpty()
+    with subprocess.Popen(
+        [str(executable), "run", str(case), *ENDLESS], cwd=tmp_path, stderr=theirs
+    ) as process:
+        os.close(theirs)
+        text = os.read(ours, 4096)
+        while text.count(b"%") < 2:
+            text += os.read(ours, 4096)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(timeout=60) == 75
+    text += os.read(ours, 65536)
+    os.close(ours)
+    assert re.search(rb"\r *\d+\.\d %  t = \S+ of 1e\+06 s, \S+ s per s, \S+( h)? left", text)
+    assert re.search(rb"\r\x1b\[K[^\r]*interrupted by SIGINT", text)
+
+
+# ---- what is refused leaves no trace -------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("target", "reason"),
+    [
+        ("missing/x.h5", "No such file or directory; create the folder"),
+        ("folder", "Is a directory; name a file"),
+        ("file/x.h5", "Not a directory"),
+        ("/dev/null", "not a regular file"),
+        ("x" * 300, "File name too long"),
+    ],
+)
+def test_an_impossible_output_is_refused_with_its_reason(
+    evolvent: Evolvent, case: Path, tmp_path: Path, target: str, reason: str
+) -> None:
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "file").touch()
+    result = evolvent("run", case, *SHORT, "-q", "-o", target)
+    assert result.returncode == 74
+    last = result.stderr.splitlines()[-1]
+    assert last.startswith("evolvent: cannot write '")
+    assert target[-50:] in last  # the beginning of a long path is left out
+    assert reason in last
+    assert names(tmp_path) == ["file", "folder"]
+
+
+def test_the_case_itself_is_never_overwritten(
+    evolvent: Evolvent, case: Path, tmp_path: Path
+) -> None:
+    mine = tmp_path / "mine.h5"
+    mine.write_text(case.read_text())
+    for words in (["run", "mine.h5"], ["run", "mine.h5", "-o", "./mine.h5"]):
+        result = evolvent(*words)
+        assert result.returncode == 2
+        assert "would replace the case" in result.stderr
+    assert mine.read_text() == case.read_text()
+    assert names(tmp_path) == ["mine.h5"]
+
+
+def test_a_bad_case_leaves_an_older_history_alone(
+    evolvent: Evolvent, case: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "paper.h5").write_text("older")
+    result = evolvent("run", case, "--set", "wheels.pinion.width=-1")
+    assert result.returncode == 3
+    assert len(result.stderr.splitlines()) == 1
+    assert names(tmp_path) == ["paper.h5"]
+    assert (tmp_path / "paper.h5").read_text() == "older"
+
+
+def test_two_runs_do_not_write_the_same_file(
+    evolvent: Evolvent, executable: Path, case: Path, tmp_path: Path
+) -> None:
+    partial = tmp_path / "paper.h5.partial"
+    with subprocess.Popen([str(executable), "run", "-q", str(case), *ENDLESS], cwd=tmp_path) as one:
+        wait_for(lambda: partial.exists() and partial.stat().st_size > 100_000)
+        other = evolvent("run", "-q", case, *SHORT)
+        one.terminate()
+        assert one.wait(timeout=60) == 75
+    assert other.returncode == 74
+    assert "another run is writing it" in other.stderr
+    assert attributes(partial)["status"] == "interrupted"
+
+
+# ---- what ends early stays readable under another name -------------------------------------------
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupted_run_leaves_what_it_has_and_says_why(
+    executable: Path, case: Path, tmp_path: Path, number: signal.Signals
+) -> None:
+    (tmp_path / "paper.h5").write_text("older")
+    partial = tmp_path / "paper.h5.partial"
+    with subprocess.Popen(
+        [str(executable), "run", "-q", str(case), *ENDLESS],
+        cwd=tmp_path,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
+        wait_for(lambda: partial.exists() and partial.stat().st_size > 100_000)
+        process.send_signal(number)
+        _, message = process.communicate(timeout=60)
+    assert process.returncode == 75
+    match = re.search(
+        rf"t = (\S+) s: interrupted by {number.name}; .*'paper\.h5\.partial'", message
+    )
+    assert match
+    with xr.open_dataset(partial) as history:
+        assert history.attrs["status"] == "interrupted"
+        assert (
+            f"interrupted by {number.name} at t = {match[1]} s" in history.attrs["status_message"]
+        )
+        assert history.time[-1] == pytest.approx(float(match[1]), rel=1e-8)  # printed with 9 digits
+        assert np.all(np.diff(history.time) > 0.0)
+        assert np.all(np.isfinite(history.angular_velocity))
+    assert (tmp_path / "paper.h5").read_text() == "older"
+
+
+def test_a_failed_run_names_time_value_and_limit_and_keeps_the_history_up_to_there(
+    evolvent: Evolvent, case: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "paper.h5").write_text("older")
+    result = evolvent("run", "-q", case, *OVERLOAD)
+    assert result.returncode == 4
+    last = result.stderr.splitlines()[-1]
+    match = re.search(r"paper\.yaml: t = (\S+) s: (.*); .* 'paper\.h5\.partial'", last)
+    assert match
+    assert len(re.findall(r"\d+\.?\d*(?:[eE][-+]?\d+)? m\b", match[2])) >= 2  # value and limit
+    with xr.open_dataset(tmp_path / "paper.h5.partial") as history:
+        history.load()
+        assert history.attrs["status"] == "failed"
+        assert match[2] in history.attrs["status_message"]
+        assert history.sizes["time"] > 0
+        assert history.time[-1] <= float(match[1]) * (1.0 + 1e-8)  # printed with 9 digits
+    assert (tmp_path / "paper.h5").read_text() == "older"
+
+
+def test_a_complete_run_replaces_an_older_history_and_a_partial_one(
+    evolvent: Evolvent, case: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "paper.h5").write_text("older")
+    (tmp_path / "paper.h5.partial").write_text("of a killed run")
+    assert evolvent("run", case, *SHORT).returncode == 0
+    assert names(tmp_path) == ["paper.h5"]
+    assert attributes(tmp_path / "paper.h5")["status"] == "done"
+
+
+# ---- disks ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kilobytes", [0, 4, 100, 1000])
+def test_a_write_that_fails_exits_with_74_and_keeps_the_older_history(
+    executable: Path, case: Path, tmp_path: Path, kilobytes: int
+) -> None:
+    (tmp_path / "paper.h5").write_text("older")
+    limited = f'ulimit -f {kilobytes}; exec "$@"'  # bash counts in blocks of 1 kB
+    result = subprocess.run(
+        ["bash", "-c", limited, "bash", str(executable), "run", "-q", str(case)],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert result.returncode == 74
+    last = result.stderr.splitlines()[-1]
+    assert "cannot write 'paper.h5.partial': File too large; raise the limit" in last
+    assert (tmp_path / "paper.h5").read_text() == "older"
+
+
+def in_own_mount(options: str, folder: Path, *command: str) -> subprocess.CompletedProcess[str]:
+    """Run a command where `folder` is a file system of its own; skip if that is forbidden here."""
+    unshare = (
+        ["unshare", "--mount"] if os.geteuid() == 0 else ["unshare", "--mount", "--map-root-user"]
+    )
+    script = f'mount -t tmpfs -o {options} none "$0" || exit 99; "$@"; code=$?; ls "$0"; exit $code'
+    if shutil.which("unshare") is None:
+        pytest.skip("needs unshare (util-linux) for a file system of its own")
+    result = subprocess.run(
+        [*unshare, "bash", "-c", script, str(folder), *command],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    if result.returncode in (1, 99) and ("unshare:" in result.stderr or "mount:" in result.stderr):
+        pytest.skip(f"this system mounts nothing for a test: {result.stderr.splitlines()[0]}")
+    return result
+
+
+def test_a_full_disk_exits_with_74_and_leaves_no_history(
+    executable: Path, case: Path, tmp_path: Path
+) -> None:
+    output = tmp_path / "x.h5"
+    command = (str(executable), "run", "-q", str(case), "-o", str(output))
+    result = in_own_mount("size=256k", tmp_path, *command)
+    assert result.returncode == 74
+    assert "No space left on device; free some space" in result.stderr.splitlines()[-1]
+    assert result.stdout.split() == ["x.h5.partial"]
+
+
+def test_a_read_only_folder_exits_with_74(executable: Path, case: Path, tmp_path: Path) -> None:
+    output = tmp_path / "x.h5"
+    command = (str(executable), "run", "-q", str(case), "-o", str(output))
+    result = in_own_mount("ro", tmp_path, *command)
+    assert result.returncode == 74
+    assert "Read-only file system; write to a folder" in result.stderr.splitlines()[-1]
+    assert result.stdout == ""

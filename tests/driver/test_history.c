@@ -1,0 +1,394 @@
+/** The history's file, read back with HDF5 itself; the readers of users are tested in tests/cli. */
+#include "history.h"
+
+#include <hdf5.h>
+#include <hdf5_hl.h>
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+enum { N_VALUES = 9, N_STATES = 2 };
+
+static const char *const wheels[] = {"pinion", "gear"};
+static const char *const meshes[] = {"pinion-gear"};
+static const char *const states[] = {"reference_angle", "angle_deviation[1]"};
+static const char *const state_units[] = {"rad", "rad"};
+static const char *const kinds[] = {"tooth_switch", "contact_closed"};
+static const model_output outputs[] = {
+    {"teeth", "1", "z", "number of teeth", MODEL_DIMS_WHEEL, true, true, 0, 2},
+    {"energy", "J", "T", "kinetic energy", MODEL_DIMS_NONE, false, false, 2, 1},
+    {"centre", "m", "O", "displacement of the centre", MODEL_DIMS_WHEEL_AXIS, false, false, 3, 4},
+    {"gap", "m", "kappa", "gap", MODEL_DIMS_MESH, false, false, 7, 1},
+    {"tooth_pair", "1", "k", "pitches since the start", MODEL_DIMS_MESH, false, true, 8, 1},
+};
+
+typedef struct {
+    char folder[64], path[96], partial[112];
+} place;
+
+static int make_place(void **state)
+{
+    place *place = calloc(1, sizeof *place);
+    *state = place;
+    (void)snprintf(place->folder, sizeof place->folder, "/tmp/test_history_XXXXXX");
+    if (mkdtemp(place->folder) == NULL) {
+        return -1;
+    }
+    (void)snprintf(place->path, sizeof place->path, "%s/run.h5", place->folder);
+    (void)snprintf(place->partial, sizeof place->partial, "%s/run.h5.partial", place->folder);
+    return 0;
+}
+
+static int remove_place(void **state)
+{
+    place *place = *state;
+    (void)unlink(place->path);
+    (void)unlink(place->partial);
+    (void)rmdir(place->folder);
+    free(place);
+    return 0;
+}
+
+static history *create(const char *path, char *message)
+{
+    static const history_attribute attributes[] = {{.key = "title", .kind = HISTORY_TEXT, .text = "a test"},
+                                                   {.key = "status", .kind = HISTORY_TEXT, .text = "running"}};
+    const history_layout layout = {.path = path,
+                                   .n_wheels = 2,
+                                   .n_meshes = 1,
+                                   .wheel_names = wheels,
+                                   .mesh_names = meshes,
+                                   .n_outputs = sizeof outputs / sizeof *outputs,
+                                   .outputs = outputs,
+                                   .n_states = N_STATES,
+                                   .state_names = states,
+                                   .state_units = state_units,
+                                   .n_event_kinds = 2,
+                                   .event_kinds = kinds,
+                                   .n_attributes = 2,
+                                   .attributes = attributes};
+    return history_create(&layout, message);
+}
+
+static void fill_values(long row, double values[N_VALUES])
+{
+    const double x = (double)row;
+    const double filled[N_VALUES] = {20.0, 30.0, 0.5 * x, x + 0.1, x + 0.2, x + 0.3, x + 0.4, -x, x + 7.0};
+    memcpy(values, filled, sizeof filled);
+}
+
+static bool append(history *history, long row)
+{
+    double values[N_VALUES];
+    fill_values(row, values);
+    return history_append(history, 1e-3 * (double)row, values);
+}
+
+static bool add_event(history *history, double t)
+{
+    double before[N_STATES] = {1.0 + t, 2.0}, after[N_STATES] = {3.0 + t, 4.0};
+    const dae_state a = {.t = t, .y = before}, b = {.t = t, .y = after};
+    const event_record record = {.t = t, .what = {1, 0, 3}, .n = N_STATES, .before = &a, .after = &b};
+    return history_add_event(history, &record);
+}
+
+static bool close_as(history **history, bool commit, const char *status, char *message)
+{
+    const history_attribute attributes[] = {{.key = "status", .kind = HISTORY_TEXT, .text = status},
+                                            {.key = "steps", .kind = HISTORY_INTEGER, .integer = 42},
+                                            {.key = "tolerance", .kind = HISTORY_REAL, .real = 1e-9}};
+    return history_close(history, commit, 3, attributes, message);
+}
+
+/** A whole run of n_rows; fails the test if anything goes wrong. */
+static void write_run(const place *place, long n_rows, int n_events, bool commit)
+{
+    char message[DAE_MESSAGE_LENGTH] = "";
+    history *history = create(place->path, message);
+    assert_string_equal(message, "");
+    assert_non_null(history);
+    for (long i = 0; i < n_rows; i++) {
+        assert_true(append(history, i));
+    }
+    for (int i = 0; i < n_events; i++) {
+        assert_true(add_event(history, i));
+    }
+    assert_true(close_as(&history, commit, "done", message));
+    assert_null(history);
+}
+
+static bool exists(const char *path)
+{
+    struct stat status;
+    return stat(path, &status) == 0;
+}
+
+/** The dataset's values as doubles, to be freed; its extents in `extent`. */
+static double *read_all(hid_t file, const char *name, int rank, hsize_t *extent)
+{
+    const hid_t dataset = H5Dopen2(file, name, H5P_DEFAULT);
+    assert_true(dataset >= 0);
+    const hid_t space = H5Dget_space(dataset);
+    assert_int_equal(H5Sget_simple_extent_ndims(space), rank);
+    (void)H5Sget_simple_extent_dims(space, extent, NULL);
+    const hssize_t n = H5Sget_simple_extent_npoints(space);
+    double *values = calloc((size_t)n + 1, sizeof *values);
+    assert_true(H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0);
+    (void)H5Sclose(space);
+    (void)H5Dclose(dataset);
+    return values;
+}
+
+static void check_rows(const char *path, long n_rows)
+{
+    const hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
+    assert_true(file >= 0);
+    hsize_t n[3];
+    double *time = read_all(file, "time", 1, n);
+    assert_int_equal(n[0], n_rows);
+    double *centre = read_all(file, "centre", 3, n);
+    assert_int_equal(n[0], n_rows);
+    assert_int_equal(n[1], 2);
+    assert_int_equal(n[2], 2);
+    double *pair = read_all(file, "tooth_pair", 2, n);
+    for (long i = 0; i < n_rows; i++) {
+        double values[N_VALUES];
+        fill_values(i, values);
+        assert_true(time[i] == 1e-3 * (double)i); /* stored, not computed: equal to the bit */
+        assert_memory_equal(centre + 4 * i, values + 3, 4 * sizeof *values);
+        assert_true(pair[i] == values[8]);
+    }
+    if (n_rows > 0) { /* static variables come with the first row */
+        double *teeth = read_all(file, "teeth", 1, n);
+        assert_true(n[0] == 2 && teeth[0] == 20.0 && teeth[1] == 30.0);
+        free(teeth);
+    }
+    free(pair);
+    free(centre);
+    free(time);
+    (void)H5Fclose(file);
+}
+
+static void every_row_is_read_back_whatever_their_number(void **state)
+{
+    const place *place = *state;
+    const long numbers[] = {0, 1, 10, 1023, 1024, 1025, 5001};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        write_run(place, numbers[i], 0, true);
+        check_rows(place->path, numbers[i]);
+    }
+}
+
+static void events_keep_both_sides_of_the_state(void **state)
+{
+    const place *place = *state;
+    const int numbers[] = {0, 1, 255, 256, 600};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        write_run(place, 3, numbers[i], true);
+        const hid_t file = H5Fopen(place->path, H5F_ACC_RDONLY, H5P_DEFAULT);
+        hsize_t n[2];
+        double *values = read_all(file, "events/reference_angle", 2, n);
+        double *kind = read_all(file, "events/kind", 1, n);
+        double *renamed = read_all(file, "events/angle_deviation_1", 2, n);
+        assert_int_equal(n[0], numbers[i]);
+        assert_int_equal(n[1], 2);
+        for (int k = 0; k < numbers[i]; k++) {
+            assert_true(values[2 * k] == 1.0 + k && values[2 * k + 1] == 3.0 + k);
+            assert_true(kind[k] == 1.0 && renamed[2 * k] == 2.0 && renamed[2 * k + 1] == 4.0);
+        }
+        free(renamed);
+        free(kind);
+        free(values);
+        (void)H5Fclose(file);
+    }
+}
+
+static void check_attached(hid_t file, const char *variable, unsigned axis, const char *scale)
+{
+    const hid_t dataset = H5Dopen2(file, variable, H5P_DEFAULT), of_scale = H5Dopen2(file, scale, H5P_DEFAULT);
+    assert_int_equal(H5DSis_attached(dataset, of_scale, axis), 1);
+    (void)H5Dclose(of_scale);
+    (void)H5Dclose(dataset);
+}
+
+static void every_axis_is_attached_to_its_dimension_in_the_eyes_of_hdf5(void **state)
+{
+    const place *place = *state;
+    write_run(place, 3, 1, true);
+    const hid_t file = H5Fopen(place->path, H5F_ACC_RDONLY, H5P_DEFAULT);
+    check_attached(file, "teeth", 0, "wheel");
+    check_attached(file, "energy", 0, "time");
+    check_attached(file, "centre", 0, "time");
+    check_attached(file, "centre", 1, "wheel");
+    check_attached(file, "centre", 2, "axis");
+    check_attached(file, "gap", 1, "mesh");
+    check_attached(file, "events/kind", 0, "events/event");
+    check_attached(file, "events/reference_angle", 0, "events/event");
+    check_attached(file, "events/reference_angle", 1, "events/side");
+    (void)H5Fclose(file);
+}
+
+static void only_a_commit_replaces_an_older_file(void **state)
+{
+    const place *place = *state;
+    write_run(place, 5, 0, true);
+    write_run(place, 7, 0, false);
+    check_rows(place->path, 5);
+    check_rows(place->partial, 7);
+    write_run(place, 9, 0, true);
+    check_rows(place->path, 9);
+    assert_false(exists(place->partial));
+}
+
+static void read_bytes(const char *path, unsigned char **bytes, size_t *size)
+{
+    FILE *stream = fopen(path, "rb");
+    assert_non_null(stream);
+    struct stat status;
+    assert_int_equal(fstat(fileno(stream), &status), 0);
+    *size = (size_t)status.st_size;
+    *bytes = calloc(*size, 1);
+    assert_int_equal(fread(*bytes, 1, *size, stream), *size);
+    (void)fclose(stream);
+}
+
+static void the_same_run_gives_the_same_file_to_the_byte(void **state)
+{
+    const place *place = *state;
+    unsigned char *first, *second;
+    size_t n, m;
+    write_run(place, 2000, 20, true);
+    read_bytes(place->path, &first, &n);
+    write_run(place, 2000, 20, true);
+    read_bytes(place->path, &second, &m);
+    assert_int_equal(n, m);
+    assert_memory_equal(first, second, n);
+    free(first);
+    free(second);
+}
+
+static void a_short_run_makes_a_small_file(void **state)
+{
+    const place *place = *state;
+    struct stat status;
+    write_run(place, 10, 0, true);
+    assert_int_equal(stat(place->path, &status), 0);
+    assert_in_range(status.st_size, 1, 40000); /* one chunk of 1024 rows of each variable would take 90 kB */
+}
+
+static void a_path_that_cannot_be_written_is_refused_with_its_reason(void **state)
+{
+    const place *place = *state;
+    char path[160], message[DAE_MESSAGE_LENGTH];
+    (void)snprintf(path, sizeof path, "%s/none/run.h5", place->folder);
+    assert_null(create(path, message));
+    assert_non_null(strstr(message, path));
+    assert_non_null(strstr(message, "No such file or directory; create the folder"));
+    assert_null(create(place->folder, message));
+    assert_non_null(strstr(message, "Is a directory; name a file"));
+    assert_null(create("/dev/null", message));
+    assert_non_null(strstr(message, "'/dev/null': not a regular file"));
+    write_run(place, 3, 0, true);
+    (void)snprintf(path, sizeof path, "%s/under.h5", place->path);
+    assert_null(create(path, message));
+    assert_non_null(strstr(message, "Not a directory"));
+    (void)snprintf(path, sizeof path, "%s.partial", place->folder);
+    assert_false(exists(path));
+}
+
+static void a_second_run_to_the_same_name_is_refused_while_the_first_writes(void **state)
+{
+    const place *place = *state;
+    char message[DAE_MESSAGE_LENGTH];
+    history *first = create(place->path, message);
+    assert_non_null(first);
+    assert_true(append(first, 0));
+    assert_null(create(place->path, message));
+    assert_non_null(strstr(message, "another run is writing it"));
+    assert_true(close_as(&first, true, "done", message));
+    check_rows(place->path, 1);
+}
+
+static void an_integer_that_is_none_is_refused_by_name(void **state)
+{
+    const place *place = *state;
+    char message[DAE_MESSAGE_LENGTH];
+    history *history = create(place->path, message);
+    double values[N_VALUES];
+    fill_values(0, values);
+    values[8] = 1e300;
+    assert_false(history_append(history, 0.0, values));
+    assert_non_null(strstr(history_error(history), "tooth_pair"));
+    history_abandon(&history);
+    assert_null(history);
+}
+
+/** Runs in a child, whose files may have `limit` bytes. @return 0 if the writer saw that, and said so */
+static int write_past_limit(const place *place, rlim_t limit)
+{
+    char message[DAE_MESSAGE_LENGTH] = "";
+    const struct rlimit size = {.rlim_cur = limit, .rlim_max = limit};
+    (void)signal(SIGXFSZ, SIG_IGN);
+    if (setrlimit(RLIMIT_FSIZE, &size) != 0 || history_version()[0] == '\0') {
+        return 10;
+    }
+    history *history = create(place->path, message);
+    bool good = history != NULL;
+    for (long i = 0; good && i < 20000; i++) {
+        good = append(history, i);
+    }
+    if (!good && history != NULL) {
+        (void)snprintf(message, sizeof message, "%s", history_error(history));
+        history_abandon(&history);
+    } else if (good) {
+        good = close_as(&history, true, "done", message);
+    }
+    return good ? 11 : strstr(message, "run.h5.partial': File too large; raise the limit") == NULL ? 12 : 0;
+}
+
+static void a_write_that_fails_is_reported_and_leaves_the_older_file(void **state)
+{
+    const place *place = *state;
+    const rlim_t limits[] = {0, 2000, 20000, 200000, 1000000};
+    write_run(place, 5, 0, true);
+    for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
+        const pid_t child = fork();
+        if (child == 0) {
+            exit(write_past_limit(place, limits[i])); /* through exit(): HDF5 must not crash there */
+        }
+        int result = -1;
+        assert_int_equal(waitpid(child, &result, 0), child);
+        assert_true(WIFEXITED(result));
+        assert_int_equal(WEXITSTATUS(result), 0);
+        check_rows(place->path, 5);
+    }
+}
+
+int main(void)
+{
+#define TEST(claim) cmocka_unit_test_setup_teardown(claim, make_place, remove_place)
+    const struct CMUnitTest tests[] = {
+        TEST(every_row_is_read_back_whatever_their_number),
+        TEST(events_keep_both_sides_of_the_state),
+        TEST(every_axis_is_attached_to_its_dimension_in_the_eyes_of_hdf5),
+        TEST(only_a_commit_replaces_an_older_file),
+        TEST(the_same_run_gives_the_same_file_to_the_byte),
+        TEST(a_short_run_makes_a_small_file),
+        TEST(a_path_that_cannot_be_written_is_refused_with_its_reason),
+        TEST(a_second_run_to_the_same_name_is_refused_while_the_first_writes),
+        TEST(an_integer_that_is_none_is_refused_by_name),
+        TEST(a_write_that_fails_is_reported_and_leaves_the_older_file),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
