@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import xarray as xr
 
@@ -10,14 +12,16 @@ from evolvent.history import HistoryError, source_name
 # Two times are one if they differ by less than this part of the output interval: the same multiple
 # of an interval can be rounded differently.
 SAME_TIME = 1e-6
+SETTINGS = ("tracking",)  # choices, not results
 
 
 def compare_histories(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
     """Find the largest difference of every variable that both histories have.
 
     On the times that both have; if these are fewer than half of the coarser grid, the second is
-    interpolated linearly to the times of the first (integers: the last value before). Equal
-    missing values are no difference, a value missing in one only is an infinite one.
+    interpolated linearly to the times of the first (integers: the last value before). A value
+    missing in one history only is an infinite difference, but what one of them lacks at all times,
+    such as tracked points in closed form, is left out. How contact was tracked is not compared.
 
     Parameters
     ----------
@@ -28,7 +32,8 @@ def compare_histories(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
     Dataset with the dimension variable: `absolute`, the largest difference, in the unit that
     `units` names; `largest`, the largest absolute value in either; `relative`, their ratio;
     `where`, time and place of the largest difference. Its attributes: `times` (how times were
-    matched, in words), `n_times`, `only_in_first` and `only_in_second` (names, comma-separated).
+    matched, in words), `n_times`, `only_in_first` and `only_in_second` (names of what the other
+    lacks, comma-separated).
 
     Raises
     ------
@@ -42,35 +47,50 @@ def compare_histories(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
                 f"{source_name(second)}: its {dim} names are {', '.join(names[1])}, those of "
                 f"{source_name(first)} are {', '.join(names[0])}; only like runs can be compared"
             )
-    first_names, second_names = ([str(n) for n in h.data_vars] for h in (first, second))
-    shared = [name for name in first_names if name in set(second_names)]
     one, two, how = _on_common_times(first, second)
-    rows = [_compare_variable(name, one[name], two[name]) for name in shared]
-    absolute, largest, where = (list(column) for column in zip(*rows, strict=True))
-    relative = [_ratio(a, b) for a, b in zip(absolute, largest, strict=True)]
-    units = [str(first[name].attrs.get("units", "1")) for name in shared]
+    differences: dict[str, Difference] = {}
+    lacking: dict[str, list[str]] = {"only_in_first": [], "only_in_second": []}
+    for name in dict.fromkeys(str(n) for n in [*first.data_vars, *second.data_vars]):
+        if name in SETTINGS:
+            continue
+        if name not in two or (name in one and _is_blank(two[name]) and not _is_blank(one[name])):
+            lacking["only_in_first"].append(name)
+        elif name not in one or (_is_blank(one[name]) and not _is_blank(two[name])):
+            lacking["only_in_second"].append(name)
+        else:
+            differences[name] = _largest_difference(name, one[name], two[name])
+    found = differences.values()
     return xr.Dataset(
         {
-            "absolute": ("variable", absolute),
-            "largest": ("variable", largest),
-            "relative": ("variable", relative),
-            "where": ("variable", where),
-            "units": ("variable", units),
+            "absolute": ("variable", [d.absolute for d in found]),
+            "largest": ("variable", [d.largest for d in found]),
+            "relative": ("variable", [d.relative for d in found]),
+            "where": ("variable", [d.where for d in found]),
+            "units": ("variable", [str(first[n].attrs.get("units", "1")) for n in differences]),
         },
-        coords={"variable": shared},
+        coords={"variable": list(differences)},
         attrs={
             "times": how,
             "n_times": one.sizes["time"],
-            "only_in_first": ", ".join(n for n in first_names if n not in set(second_names)),
-            "only_in_second": ", ".join(n for n in second_names if n not in set(first_names)),
+            **{side: ", ".join(names) for side, names in lacking.items()},
         },
     )
 
 
-def _ratio(difference: float, largest: float) -> float:
-    if difference == 0.0:
-        return 0.0
-    return difference / largest if largest > 0.0 else float("inf")
+@dataclass(frozen=True)
+class Difference:
+    """The largest difference of one variable."""
+
+    absolute: float
+    largest: float
+    where: str
+
+    @property
+    def relative(self) -> float:
+        """Difference over the largest value."""
+        if self.absolute == 0.0:
+            return 0.0
+        return self.absolute / self.largest if self.largest > 0.0 else float("inf")
 
 
 def _on_common_times(first: xr.Dataset, second: xr.Dataset) -> tuple[xr.Dataset, xr.Dataset, str]:
@@ -100,27 +120,33 @@ def _on_common_times(first: xr.Dataset, second: xr.Dataset) -> tuple[xr.Dataset,
     return first.isel(time=inside), interpolated, how
 
 
-def _compare_variable(
-    name: str, first: xr.DataArray, second: xr.DataArray
-) -> tuple[float, float, str]:
+def _is_blank(values: xr.DataArray) -> bool:
+    return values.dtype.kind == "f" and values.size > 0 and bool(np.isnan(values.values).all())
+
+
+def _largest_difference(name: str, first: xr.DataArray, second: xr.DataArray) -> Difference:
     if first.dims != second.dims or first.shape != second.shape:
         raise HistoryError(f"variable `{name}` has different dimensions in the two histories")
-    if first.dtype.kind not in "iufb":
-        different = first.values != second.values
-        return float(np.any(different)), 1.0, ""
     one, two = first.values.astype(float), second.values.astype(float)
     if one.size == 0:
-        return 0.0, 0.0, ""
-    difference = np.abs(one - two)
-    missing = np.isnan(one), np.isnan(two)
-    difference[missing[0] & missing[1]] = 0.0
-    difference[missing[0] ^ missing[1]] = np.inf
+        return Difference(0.0, 0.0, "")
+    with np.errstate(invalid="ignore"):
+        difference = np.abs(one - two)
+    difference[np.isnan(difference)] = np.inf
+    difference[(one == two) | (np.isnan(one) & np.isnan(two))] = 0.0
+    if "time" in first.dims:
+        # A mesh in closed form has no tracked points, while it has in the other history.
+        blank_one, blank_two = (
+            np.isnan(v).all(axis=first.get_axis_num("time")) for v in (one, two)
+        )
+        difference[..., blank_one ^ blank_two] = 0.0
     finite = np.concatenate([v[np.isfinite(v)] for v in (one, two)])
     largest = float(np.abs(finite).max(initial=0.0))
     position = np.unravel_index(int(np.argmax(difference)), difference.shape)
-    worst = float(difference[position])
+    if difference[position] == 0.0:
+        return Difference(0.0, largest, "")
     places = []
     for dim, index in zip(first.dims, position, strict=True):
         label = first[dim].values[index]
         places.append(f"t = {label:.6g} s" if dim == "time" else str(label))
-    return worst, largest, ", ".join(places) if worst > 0 else ""
+    return Difference(float(difference[position]), largest, ", ".join(places))

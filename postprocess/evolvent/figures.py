@@ -47,7 +47,7 @@ EVENT_MARKS = {
 # matplotlib's type hints do not know these places.
 ABOVE: Any = "outside upper left"
 BELOW: Any = "outside lower left"
-MAX_EVENT_LINES = 40  # more vertical lines would hide the curves
+MAX_MARKS = 40  # of one kind of event; more would run into each other and hide the curves
 MAX_POINTS = 6000  # of a line; more cannot be seen and make an SVG of many megabytes
 
 
@@ -140,14 +140,15 @@ def _figure(panels: list[tuple[str, list[Curve], xr.Dataset | None]], ylabel: st
     with rc_context(STYLE):
         figure = Figure(figsize=(7.5, 1.9 + 2.7 * len(panels)), layout="constrained")
         axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+        marks: set[str] = set()
         for axis, (title, curves, events) in zip(axes, panels, strict=True):
             _draw(axis, curves, ylabel)
             if events is not None:
-                _mark_events(axis, events)
+                marks.update(_mark_events(axis, events))
             if title and len(panels) > 1:
                 axis.set_title(title, loc="left", fontsize=12)
         axes[-1].set_xlabel("time [s]")
-        _legends(figure, list(axes))
+        _legends(figure, list(axes), marks)
     return figure
 
 
@@ -168,37 +169,44 @@ def _draw(axis: Axes, curves: list[Curve], ylabel: str) -> None:
     axis.ticklabel_format(useOffset=False)
 
 
-def _mark_events(axis: Axes, events: xr.Dataset) -> None:
+def _mark_events(axis: Axes, events: xr.Dataset) -> list[str]:
+    """Mark events at the lower edge; return the labels of the marks."""
     begin, end = axis.get_xlim()
-    times = events["time"].values
-    inside = (times >= begin) & (times <= end)
-    kinds = events["kind"].values
-    switches = times[inside & np.isin(kinds, ["tooth_switch", "tooth_switch_back"])]
-    if switches.size <= MAX_EVENT_LINES:
-        for time in switches:
-            axis.axvline(time, color="#999999", linewidth=0.8, linestyle=":", zorder=0.5)
+    inside = (events["time"].values >= begin) & (events["time"].values <= end)
+    labels, crowded = [], []
     for kind, (label, marker) in EVENT_MARKS.items():
-        at = times[inside & (kinds == kind)]
-        if at.size:
-            axis.plot(
-                at,
-                np.full(at.size, 0.025),
-                marker,
-                transform=axis.get_xaxis_transform(),
-                color="#555555",
-                markersize=5,
-                markerfacecolor="#bbbbbb",
-                label=label,
-            )
+        times = events["time"].values[inside & (events["kind"].values == kind)]
+        if times.size > MAX_MARKS:
+            crowded.append(f"{times.size} of {label}")
+            continue
+        if times.size == 0:
+            continue
+        if kind.startswith("tooth_switch"):
+            for time in times:
+                axis.axvline(time, color="#999999", linewidth=0.8, linestyle=":", zorder=0.5)
+        axis.plot(
+            times,
+            np.full(times.size, 0.025),
+            marker,
+            transform=axis.get_xaxis_transform(),
+            color="#555555",
+            markersize=5,
+            markerfacecolor="#bbbbbb",
+            label=label,
+        )
+        labels.append(label)
+    if crowded:
+        labels.append(f"too many to mark: {', '.join(crowded)}")
+        axis.plot([], [], " ", label=labels[-1])
+    return labels
 
 
-def _legends(figure: Figure, axes: list[Axes]) -> None:
+def _legends(figure: Figure, axes: list[Axes], marks: set[str]) -> None:
     """Name the curves above the panels and the events below, where they hide nothing."""
     entries: dict[str, Any] = {}
     for axis in axes:
         for handle, label in zip(*axis.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)
-    marks = {label for label, _ in EVENT_MARKS.values()} & set(entries)
     curves = [label for label in entries if label not in marks]
     for place, labels in ((ABOVE, curves), (BELOW, [label for label in entries if label in marks])):
         if labels:

@@ -95,7 +95,7 @@ def static_table(history: xr.Dataset, dim: str) -> dict[str, list[Any]]:
         units = str(variable.attrs.get("units", "1"))
         names = _names(history, str(name))
         texts = [names[int(v)] if names else _text(v, units) for v in variable.values]
-        label = str(variable.attrs.get("long_name", name))
+        label = str(name).replace("_", " ") if names else str(variable.attrs.get("long_name", name))
         rows.append((label, str(variable.attrs.get("symbol", "")), texts))
     return {"columns": [str(v) for v in history[dim].values], "rows": rows}
 

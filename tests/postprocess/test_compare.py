@@ -16,7 +16,7 @@ def _row(result: xr.Dataset, name: str) -> tuple[float, float, str]:
 
 def test_a_history_does_not_differ_from_itself(friction_run):
     result = compare_histories(friction_run.history, friction_run.history)
-    assert set(result["variable"].values) == set(friction_run.history.data_vars)
+    assert set(result["variable"].values) == set(friction_run.history.data_vars) - {"tracking"}
     assert float(result["absolute"].max()) == 0.0
     assert result.attrs["n_times"] == 3001
 
@@ -45,10 +45,32 @@ def test_static_variables_and_integers_are_compared(friction_run):
 
 def test_a_value_missing_in_one_only_is_an_infinite_difference(smooth_run):
     other = smooth_run.history.copy(deep=True)
-    other["gradient_ratio"][:] = np.nan
+    other["gradient_ratio"][7] = np.nan
     result = compare_histories(smooth_run.history, other)
-    assert _row(result, "gradient_ratio")[:2] == (np.inf, np.inf)
+    assert _row(result, "gradient_ratio") == (np.inf, np.inf, "t = 0.007 s, pinion-gear")
     assert _row(compare_histories(other, other), "gradient_ratio")[0] == 0.0
+
+
+def test_tracked_points_are_not_compared_with_none(smooth_run):
+    closed = smooth_run.history.copy(deep=True)
+    closed["gradient_ratio"][:] = np.nan
+    closed["tracking"][:] = 0
+    result = compare_histories(smooth_run.history, closed)
+    assert result.attrs["only_in_first"] == "gradient_ratio"
+    assert compare_histories(closed, smooth_run.history).attrs["only_in_second"] == "gradient_ratio"
+    assert float(result["absolute"].max()) == 0.0
+
+
+def test_a_mesh_in_closed_form_beside_a_tracked_one_is_left_out(smooth_run):
+    ratio = xr.concat([smooth_run.history["gradient_ratio"]] * 2, dim="mesh")
+    names = {"mesh": ["first", "second"]}
+    tracked = smooth_run.history.drop_dims("mesh").assign(gradient_ratio=ratio.assign_coords(names))
+    mixed = tracked.copy(deep=True)
+    mixed["gradient_ratio"][:, 0] = np.nan
+    mixed["gradient_ratio"][3, 1] += 1e-3
+    absolute, _, where = _row(compare_histories(tracked, mixed), "gradient_ratio")
+    assert absolute == pytest.approx(1e-3, rel=1e-9)
+    assert where == "t = 0.003 s, second"
 
 
 def test_a_difference_from_nothing_but_zeros_is_the_whole_value(smooth_run):

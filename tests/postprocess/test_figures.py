@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from evolvent import open_events
 from evolvent.figures import (
-    MAX_EVENT_LINES,
+    MAX_MARKS,
     MAX_POINTS,
     figure_normal_force,
     figure_penetration,
@@ -108,8 +108,8 @@ def test_events_of_another_mesh_are_not_marked(friction_run, events):
     assert len(figure.axes[0].lines) == 2
 
 
-def test_many_switches_do_not_hide_the_curves(friction_run):
-    n = MAX_EVENT_LINES + 1
+def test_events_too_many_to_mark_are_counted_instead(friction_run):
+    n = MAX_MARKS + 1
     events = xr.Dataset(
         {
             "time": ("event", np.linspace(0.1, 2.9, n)),
@@ -118,7 +118,9 @@ def test_many_switches_do_not_hide_the_curves(friction_run):
         }
     )
     figure = figure_normal_force(friction_run.history, events)
-    assert len(figure.axes[0].lines) == 2  # the force and one row of marks
+    assert _texts(figure) == ["pinion-gear", "too many to mark: 41 of tooth switch"]
+    drawn = [line for line in figure.axes[0].lines if len(line.get_xdata())]
+    assert [line.get_label() for line in drawn] == ["pinion-gear"]
 
 
 def test_a_long_run_is_thinned_without_losing_its_peaks():
