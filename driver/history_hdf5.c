@@ -129,12 +129,16 @@ static void plan_times(history *history)
 static void make_name(const char *state, char *name, size_t size)
 {
     size_t length = 0;
-    for (; *state != '\0' && length + 1 < size; state++) {
-        if (isalnum((unsigned char)*state) || *state == '_') {
-            name[length++] = *state;
-        } else if (*state != ']' && *state != ')') {
+    bool is_gap = false;
+    for (; *state != '\0' && length + 2 < size; state++) {
+        const bool is_letter = isalnum((unsigned char)*state) != 0;
+        if (is_letter && is_gap && length > 0) {
             name[length++] = '_';
         }
+        if (is_letter) {
+            name[length++] = *state;
+        }
+        is_gap = !is_letter;
     }
     name[length] = '\0';
 }

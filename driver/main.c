@@ -45,8 +45,8 @@ static evl_exit show_command(const cli_options *options, evl_error *error)
 
 static void print_versions(void)
 {
-    printf("evolvent %s\n%s\n%s\n%s\n%s\n", EVOLVENT_VERSION, integrate_version(), history_version(),
-           EVOLVENT_C_COMPILER, model_compiler());
+    printf("evolvent %s\n%s\n%s\nC compiler %s\nFortran compiler %s\n", EVOLVENT_VERSION, integrate_version(),
+           history_version(), EVOLVENT_C_COMPILER, model_compiler());
 }
 
 static evl_exit execute(const cli_options *options, evl_error *error)

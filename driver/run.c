@@ -124,8 +124,8 @@ static bool create_history(run *run, const char *path)
         free(warnings);
         warnings = longer;
     }
-    char *versions = xasprintf("evolvent %s, %s, %s, %s, %s", EVOLVENT_VERSION, integrate_version(), history_version(),
-                               EVOLVENT_C_COMPILER, model_compiler());
+    char *versions = xasprintf("evolvent %s, %s, %s, C compiler %s, Fortran compiler %s", EVOLVENT_VERSION,
+                               integrate_version(), history_version(), EVOLVENT_C_COMPILER, model_compiler());
     const history_attribute attributes[] = {
         text_attribute("title", description->title), text_attribute("case", case_text(run->prepared.file)),
         text_attribute("versions", versions),        text_attribute("warnings", warnings),
