@@ -240,16 +240,12 @@ static char *read_bytes(FILE *file, const char *path, size_t *length, evl_error 
     size_t capacity = 16 * 1024;
     char *text = xcalloc(capacity, 1);
     size_t n = 0;
-    while (n <= MOST_BYTES) {
+    while (n <= MOST_BYTES && !feof(file) && !ferror(file)) {
         if (n == capacity) {
             capacity *= 2;
             text = xrealloc(text, capacity, 1);
         }
-        const size_t got = fread(text + n, 1, capacity - n, file);
-        if (got == 0) {
-            break;
-        }
-        n += got;
+        n += fread(text + n, 1, capacity - n, file);
     }
     if (ferror(file)) {
         evl_error_set(error, EVL_EXIT_CASE, path, "cannot be read: %s", strerror(errno));

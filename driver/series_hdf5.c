@@ -41,7 +41,7 @@ void series_start(series *rows, size_t max_rows)
     for (int i = 0; i < rows->n_columns; i++) {
         row_bytes += (size_t)rows->columns[i].count * sizeof(double);
     }
-    const size_t fit = BLOCK_BYTES / row_bytes;
+    const size_t fit = row_bytes == 0 ? max_rows : BLOCK_BYTES / row_bytes;
     rows->capacity = fit > max_rows ? max_rows : fit < MIN_ROWS ? MIN_ROWS : fit;
     for (int i = 0; i < rows->n_columns; i++) {
         series_column *column = &rows->columns[i];
