@@ -9,6 +9,11 @@
 !> circle of a wheel this gives the normal and the radius of curvature of the involute through a point; with the sum of both base
 !> radii it gives the line of action for any centre distance.
 !>
+!> The tracked point of wheel A is r_PA = O_A + r_bA t + (rho_A0 + zeta) e, O_A where the axle is now, t and e turned by `turn`
+!> from t_0 and e_0, rho_A0(theta) the nominal radius of curvature; that of wheel B is r_PB = r_PA + dr. In these coordinates g_A is
+!> linear, and the rest of (1) is linear with constant coefficients but for terms that are smaller by a displacement over a
+!> radius: a multistep method keeps the points on the flanks to rounding, and on the line of action to 1e-10 of the penetration.
+!>
 !> Source: Kosenko & Gusev 2011, (1)-(3) and Assertions 1 and 2.
 module evl_contact_tracking
    use evl_kinds, only: wp
@@ -18,12 +23,12 @@ module evl_contact_tracking
    public :: tracked_pair, contact_point, contact_gradient, deviation
    public :: deviation_find, track_closed_form, track_points, gradient_closed_form, gradient_points
    public :: closed_form_gap, algebraic_residual, differential_residual, algebraic_jacobian, differential_jacobian
-   public :: differential_rates, points_from_closed_form, centre_line_turn, line_distance
+   public :: differential_rates, points_from_closed_form, tracked_positions, centre_line_turn, line_distance
    public :: n_local, n_track, at_theta, at_psi_a, at_psi_b, at_u_a, at_u_b
-   public :: at_omega, at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, at_track, at_zeta, at_dr, at_lambda, at_mu
+   public :: at_omega, at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, at_track, at_turn, at_zeta, at_dr, at_lambda, at_mu
 
    integer, parameter :: n_local = 20      !! variables that one mesh sees
-   integer, parameter :: n_track = 6       !! tracked variables of a mesh: zeta (2), dr (2), lambda, mu
+   integer, parameter :: n_track = 6       !! tracked variables of a mesh: turn, zeta, dr (2), lambda, mu
    integer, parameter :: at_theta = 1      !! reference angle theta [rad]
    integer, parameter :: at_psi_a = 2      !! angle deviation psi_A [rad]
    integer, parameter :: at_psi_b = 3      !! angle deviation psi_B [rad]
@@ -34,11 +39,12 @@ module evl_contact_tracking
    integer, parameter :: at_psi_dot_b = 10 !! psi_B' [rad/s]
    integer, parameter :: at_v_a = 11       !! velocity of axle A (t_0, e_0) [m/s], two places
    integer, parameter :: at_v_b = 13       !! velocity of axle B (t_0, e_0) [m/s], two places
-   integer, parameter :: at_zeta = 15      !! zeta = r_PA - K_A0 - rho_A0 e_0 [m], two places
+   integer, parameter :: at_turn = 15      !! angle from e_0 to A's normal at P_A [rad]
+   integer, parameter :: at_zeta = 16      !! radius of curvature of A at P_A less rho_A0 [m]
    integer, parameter :: at_dr = 17        !! dr = r_PB - r_PA [m], two places
    integer, parameter :: at_lambda = 19    !! lambda of (1) [1]
    integer, parameter :: at_mu = 20        !! mu of (1) [m^2]
-   integer, parameter :: at_track = at_zeta !! first tracked variable
+   integer, parameter :: at_track = at_turn !! first tracked variable
 
    !> Constants of one tooth pair that its tracking needs.
    type :: tracked_pair
@@ -190,11 +196,55 @@ contains
       real(wp), intent(in) :: rho_a0
       real(wp), intent(in) :: q(n_local)
       type(deviation), intent(out) :: on_a, on_b
+      real(wp) :: a(2), b(2)
 
-      call deviation_find(pair%r_ba, rho_a0, q(at_zeta) - q(at_u_a), q(at_zeta + 1) - q(at_u_a + 1), on_a)
-      call deviation_find(pair%r_bb, pair%rho_0 - rho_a0, q(at_u_b) - q(at_zeta) - q(at_dr), &
-                          q(at_u_b + 1) - q(at_zeta + 1) - q(at_dr + 1), on_b)
+      on_a%angle = q(at_turn)
+      on_a%s = sin(on_a%angle)
+      on_a%c = cos(on_a%angle)
+      on_a%d_rho = q(at_zeta)
+      on_a%rho = rho_a0 + on_a%d_rho
+      on_a%exists = on_a%rho > 0
+      call point_positions(pair, on_a, q, a, b)
+      call deviation_find(pair%r_bb, pair%rho_0 - rho_a0, b(1), b(2), on_b)
    end subroutine points_on_wheels
+
+   !> Positions of the tracked points seen from their axles, less the nominal ones; that on B with opposite sign [m].
+   pure subroutine point_positions(pair, on_a, q, a, b)
+      type(tracked_pair), intent(in) :: pair
+      type(deviation), intent(in) :: on_a
+      real(wp), intent(in) :: q(n_local)
+      real(wp), intent(out) :: a(2), b(2) !! (t_0, e_0)
+
+      a(1) = -pair%r_ba*versine(on_a) - on_a%rho*on_a%s
+      a(2) = pair%r_ba*on_a%s + on_a%d_rho - on_a%rho*versine(on_a)
+      b = q(at_u_b:at_u_b + 1) - q(at_u_a:at_u_a + 1) - a - q(at_dr:at_dr + 1)
+   end subroutine point_positions
+
+   !> Derivatives of rho_A0, of the radius of curvature at P_A, and of the position of P_B.
+   pure subroutine position_gradients(pair, on_a, rho_0, rho, b)
+      type(tracked_pair), intent(in) :: pair
+      type(deviation), intent(in) :: on_a
+      real(wp), intent(out) :: rho_0(n_local), rho(n_local), b(n_local, 2)
+      real(wp) :: along(n_local), across(n_local)
+
+      rho_0 = unit(at_theta, pair%advance)
+      rho = rho_0 + unit(at_zeta, 1.0_wp)
+      along = rho + unit(at_turn, pair%r_ba)  ! P_A moves by this along e
+      across = unit(at_turn, -on_a%rho)       ! and by this along t
+      b(:, 1) = unit(at_u_b, 1.0_wp) - unit(at_u_a, 1.0_wp) - unit(at_dr, 1.0_wp) + on_a%s*along - on_a%c*across
+      b(:, 2) = unit(at_u_b + 1, 1.0_wp) - unit(at_u_a + 1, 1.0_wp) - unit(at_dr + 1, 1.0_wp) - on_a%c*along - on_a%s*across &
+                + rho_0
+   end subroutine position_gradients
+
+   !> Derivatives of a deviation: of its angle, and of rho - rho_0 + r_b angle.
+   pure subroutine deviation_gradients(on, position, rho_0, angle, distance)
+      type(deviation), intent(in) :: on
+      real(wp), intent(in) :: position(n_local, 2), rho_0(n_local) !! derivatives of the point and of the nominal distance
+      real(wp), intent(out) :: angle(n_local), distance(n_local)
+
+      angle = -(position(:, 1)*on%c + (position(:, 2) + rho_0)*on%s)/on%rho
+      distance = -position(:, 1)*on%s + position(:, 2)*on%c - versine(on)*rho_0
+   end subroutine deviation_gradients
 
    !> Rates, arms and sliding velocity from penetration, normal and radii.
    pure subroutine complete_point(pair, q, point)
@@ -247,43 +297,18 @@ contains
       type(contact_point), intent(in) :: point !! at q
       type(contact_gradient), intent(out) :: gradient
       type(deviation) :: on_a, on_b
-      real(wp) :: angle_b(n_local)
+      real(wp), dimension(n_local) :: angle_b, distance_b, rho_0
+      real(wp) :: b(n_local, 2)
 
       call points_on_wheels(pair, rho_a0, q, on_a, on_b)
-      call angle_gradients(pair, on_a, on_b, gradient%angle, angle_b)
+      call position_gradients(pair, on_a, rho_0, gradient%rho_a, b)
+      call deviation_gradients(on_b, b, -rho_0, angle_b, distance_b)
+      gradient%angle = unit(at_turn, 1.0_wp)
       gradient%h = 0
       gradient%h(at_mu) = -1/pair%r_bb
-      gradient%rho_a = -pair%r_ba*gradient%angle
-      gradient%rho_a(at_theta) = gradient%rho_a(at_theta) + on_a%c*pair%advance
-      gradient%rho_a(at_zeta:at_zeta + 1) = gradient%rho_a(at_zeta:at_zeta + 1) + [-on_a%s, on_a%c]
-      gradient%rho_a(at_u_a:at_u_a + 1) = gradient%rho_a(at_u_a:at_u_a + 1) - [-on_a%s, on_a%c]
-      gradient%rho_b = -pair%r_bb*angle_b
-      gradient%rho_b(at_theta) = gradient%rho_b(at_theta) - on_b%c*pair%advance
-      gradient%rho_b(at_u_b:at_u_b + 1) = gradient%rho_b(at_u_b:at_u_b + 1) + [-on_b%s, on_b%c]
-      gradient%rho_b(at_zeta:at_zeta + 1) = gradient%rho_b(at_zeta:at_zeta + 1) - [-on_b%s, on_b%c]
-      gradient%rho_b(at_dr:at_dr + 1) = gradient%rho_b(at_dr:at_dr + 1) - [-on_b%s, on_b%c]
+      gradient%rho_b = -rho_0 + distance_b - pair%r_bb*angle_b
       call complete_gradient(pair, q, point, gradient)
    end subroutine gradient_points
-
-   !> Derivatives of the normals' angles at the two tracked points.
-   pure subroutine angle_gradients(pair, on_a, on_b, angle_a, angle_b)
-      type(tracked_pair), intent(in) :: pair
-      type(deviation), intent(in) :: on_a, on_b
-      real(wp), intent(out) :: angle_a(n_local), angle_b(n_local)
-      real(wp) :: t_over_rho(2)
-
-      angle_a = 0
-      t_over_rho = [on_a%c, on_a%s]/on_a%rho
-      angle_a(at_theta) = -on_a%s/on_a%rho*pair%advance
-      angle_a(at_zeta:at_zeta + 1) = -t_over_rho
-      angle_a(at_u_a:at_u_a + 1) = t_over_rho
-      angle_b = 0
-      t_over_rho = [on_b%c, on_b%s]/on_b%rho
-      angle_b(at_theta) = on_b%s/on_b%rho*pair%advance
-      angle_b(at_u_b:at_u_b + 1) = -t_over_rho
-      angle_b(at_zeta:at_zeta + 1) = t_over_rho
-      angle_b(at_dr:at_dr + 1) = t_over_rho
-   end subroutine angle_gradients
 
    !> Derivatives of `complete_point`; h, rho_a, rho_b and angle are there already.
    pure subroutine complete_gradient(pair, q, point, gradient)
@@ -313,12 +338,13 @@ contains
 
    !> The algebraic form (1) as a residual.
    !>
-   !> r_bA (grad g_A - lambda grad g_B) (t_0 and e_0 component), -(r_PA - r_PB - mu grad g_B), r_bA g_A, r_bB g_B.
+   !> rho_B r_bA (grad g_A - lambda grad g_B) (t_0 and e_0 component), -(r_PA - r_PB - mu grad g_B), r_bA g_A, r_bB g_B. With the
+   !> factor rho_B the first row has constant coefficients, so that a Newton matrix from earlier still fits it.
    pure subroutine algebraic_residual(pair, rho_a0, q, residual, exists)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: rho_a0
       real(wp), intent(in) :: q(n_local)
-      real(wp), intent(out) :: residual(n_track) !! [1, 1, m, m, m, m]
+      real(wp), intent(out) :: residual(n_track) !! [m]
       logical, intent(out) :: exists             !! false if a point lies inside a base circle
       type(deviation) :: on_a, on_b
       real(wp) :: big_lambda, kappa
@@ -327,8 +353,8 @@ contains
       exists = on_a%exists .and. on_b%exists
       big_lambda = q(at_lambda)*pair%r_ba/pair%r_bb
       kappa = q(at_mu)/pair%r_bb
-      residual(1) = -(on_a%s + big_lambda*on_b%s)
-      residual(2) = on_a%c + big_lambda*on_b%c
+      residual(1) = -on_b%rho*(on_a%s + big_lambda*on_b%s)
+      residual(2) = on_b%rho*(on_a%c + big_lambda*on_b%c)
       residual(3) = q(at_dr) + kappa*on_b%s
       residual(4) = q(at_dr + 1) - kappa*on_b%c
       residual(5) = on_a%d_rho + pair%r_ba*(on_a%angle + pair%sigma*q(at_psi_a))
@@ -342,32 +368,30 @@ contains
       real(wp), intent(in) :: q(n_local)
       real(wp), intent(out) :: jacobian(n_track, n_local)
       type(deviation) :: on_a, on_b
-      real(wp) :: angle_a(n_local), angle_b(n_local), big_lambda, kappa
+      real(wp), dimension(n_local) :: angle_a, angle_b, distance_b, rho_0, rho, rho_b, lambda
+      real(wp) :: b(n_local, 2), big_lambda, kappa
 
       call points_on_wheels(pair, rho_a0, q, on_a, on_b)
-      call angle_gradients(pair, on_a, on_b, angle_a, angle_b)
+      call position_gradients(pair, on_a, rho_0, rho, b)
+      call deviation_gradients(on_b, b, -rho_0, angle_b, distance_b)
+      angle_a = unit(at_turn, 1.0_wp)
       big_lambda = q(at_lambda)*pair%r_ba/pair%r_bb
       kappa = q(at_mu)/pair%r_bb
-      jacobian(1, :) = -(on_a%c*angle_a + big_lambda*on_b%c*angle_b)
-      jacobian(1, at_lambda) = -on_b%s*pair%r_ba/pair%r_bb
-      jacobian(2, :) = -(on_a%s*angle_a + big_lambda*on_b%s*angle_b)
-      jacobian(2, at_lambda) = on_b%c*pair%r_ba/pair%r_bb
+      rho_b = -rho_0 + distance_b - pair%r_bb*angle_b
+      lambda = unit(at_lambda, pair%r_ba/pair%r_bb)
+      jacobian(1, :) = -on_b%rho*(on_a%c*angle_a + big_lambda*on_b%c*angle_b + on_b%s*lambda) &
+                       - (on_a%s + big_lambda*on_b%s)*rho_b
+      jacobian(2, :) = -on_b%rho*(on_a%s*angle_a + big_lambda*on_b%s*angle_b - on_b%c*lambda) &
+                       + (on_a%c + big_lambda*on_b%c)*rho_b
       jacobian(3, :) = kappa*on_b%c*angle_b
       jacobian(3, at_dr) = jacobian(3, at_dr) + 1
       jacobian(3, at_mu) = on_b%s/pair%r_bb
       jacobian(4, :) = kappa*on_b%s*angle_b
       jacobian(4, at_dr + 1) = jacobian(4, at_dr + 1) + 1
       jacobian(4, at_mu) = -on_b%c/pair%r_bb
-      jacobian(5:6, :) = 0
-      jacobian(5, at_theta) = -versine(on_a)*pair%advance
-      jacobian(5, at_psi_a) = pair%r_ba*pair%sigma
-      jacobian(5, at_zeta:at_zeta + 1) = [-on_a%s, on_a%c]
-      jacobian(5, at_u_a:at_u_a + 1) = [on_a%s, -on_a%c]
-      jacobian(6, at_theta) = versine(on_b)*pair%advance
+      jacobian(5, :) = unit(at_zeta, 1.0_wp) + unit(at_turn, pair%r_ba) + unit(at_psi_a, pair%r_ba*pair%sigma)
+      jacobian(6, :) = distance_b
       jacobian(6, at_psi_b) = pair%r_bb*pair%sigma
-      jacobian(6, at_u_b:at_u_b + 1) = [-on_b%s, on_b%c]
-      jacobian(6, at_zeta:at_zeta + 1) = [on_b%s, -on_b%c]
-      jacobian(6, at_dr:at_dr + 1) = [on_b%s, -on_b%c]
    end subroutine algebraic_jacobian
 
    !> The differential form (2)-(3) as a residual in the tracked variables' rates.
@@ -378,47 +402,51 @@ contains
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: rho_a0
       real(wp), intent(in) :: q(n_local)
-      real(wp), intent(in) :: rates(n_track) !! zeta', dr', lambda', mu'
+      real(wp), intent(in) :: rates(n_track) !! turn', zeta', dr', lambda', mu'
       real(wp), intent(out) :: residual(n_track)
       logical, intent(out) :: exists
       type(deviation) :: on_a, on_b
-      real(wp) :: big_lambda, kappa, a_dot(2), b_dot(2), rho_dot, turn_a, turn_b, lambda_dot, kappa_dot
+      real(wp) :: big_lambda, kappa, b_dot(2), rho_dot, turn_b, lambda_dot, kappa_dot
 
       call points_on_wheels(pair, rho_a0, q, on_a, on_b)
       exists = on_a%exists .and. on_b%exists
       big_lambda = q(at_lambda)*pair%r_ba/pair%r_bb
       kappa = q(at_mu)/pair%r_bb
-      call point_rates(pair, q, rates, a_dot, b_dot, rho_dot)
-      turn_a = turn_rate(on_a, a_dot, rho_dot)
+      rho_dot = pair%advance*q(at_omega)
+      call point_rate(pair, on_a, q, rates, rho_dot, b_dot)
       turn_b = turn_rate(on_b, b_dot, -rho_dot)
       lambda_dot = rates(5)*pair%r_ba/pair%r_bb
       kappa_dot = rates(6)/pair%r_bb
-      residual(1) = -turn_a*on_a%c - big_lambda*turn_b*on_b%c - lambda_dot*on_b%s
-      residual(2) = -turn_a*on_a%s - big_lambda*turn_b*on_b%s + lambda_dot*on_b%c
+      residual(1) = on_b%rho*(-rates(1)*on_a%c - big_lambda*turn_b*on_b%c - lambda_dot*on_b%s)
+      residual(2) = on_b%rho*(-rates(1)*on_a%s - big_lambda*turn_b*on_b%s + lambda_dot*on_b%c)
       residual(3) = rates(3) + kappa_dot*on_b%s + kappa*turn_b*on_b%c
       residual(4) = rates(4) - kappa_dot*on_b%c + kappa*turn_b*on_b%s
-      residual(5) = -a_dot(1)*on_a%s + a_dot(2)*on_a%c - versine(on_a)*rho_dot + pair%sigma*pair%r_ba*q(at_psi_dot_a)
+      residual(5) = rates(2) + pair%r_ba*(rates(1) + pair%sigma*q(at_psi_dot_a))
       residual(6) = -b_dot(1)*on_b%s + b_dot(2)*on_b%c + versine(on_b)*rho_dot + pair%sigma*pair%r_bb*q(at_psi_dot_b)
    end subroutine differential_residual
 
-   !> Velocities of the tracked points relative to their axles, less the nominal rolling along e_0.
-   pure subroutine point_rates(pair, q, rates, a_dot, b_dot, rho_dot)
+   !> Rate of the position of P_B as in `point_positions`.
+   pure subroutine point_rate(pair, on_a, q, rates, rho_dot, b_dot)
       type(tracked_pair), intent(in) :: pair
+      type(deviation), intent(in) :: on_a
       real(wp), intent(in) :: q(n_local), rates(n_track)
-      real(wp), intent(out) :: a_dot(2), b_dot(2) !! (t_0, e_0) [m/s]
-      real(wp), intent(out) :: rho_dot            !! nominal rate of rho_A0 [m/s]
+      real(wp), intent(in) :: rho_dot   !! of rho_A0 [m/s]
+      real(wp), intent(out) :: b_dot(2) !! (t_0, e_0) [m/s]
+      real(wp) :: along, across
 
-      a_dot = rates(1:2) - q(at_v_a:at_v_a + 1)
-      b_dot = q(at_v_b:at_v_b + 1) - rates(1:2) - rates(3:4)
-      rho_dot = pair%advance*q(at_omega)
-   end subroutine point_rates
+      along = pair%r_ba*rates(1) + rates(2) ! of P_A along e, less rho_A0'
+      across = -on_a%rho*rates(1)           ! along t
+      b_dot = q(at_v_b:at_v_b + 1) - q(at_v_a:at_v_a + 1) - rates(3:4)
+      b_dot(1) = b_dot(1) + on_a%s*(along + rho_dot) - on_a%c*across
+      b_dot(2) = b_dot(2) - on_a%c*along - on_a%s*across + versine(on_a)*rho_dot
+   end subroutine point_rate
 
    !> Rate of a deviation's angle.
-   pure real(wp) function turn_rate(on, a_dot, rho_dot)
+   pure real(wp) function turn_rate(on, rate, rho_dot)
       type(deviation), intent(in) :: on
-      real(wp), intent(in) :: a_dot(2), rho_dot
+      real(wp), intent(in) :: rate(2), rho_dot !! of the point and of its nominal distance [m/s]
 
-      turn_rate = -(a_dot(1)*on%c + (a_dot(2) + rho_dot)*on%s)/on%rho
+      turn_rate = -(rate(1)*on%c + (rate(2) + rho_dot)*on%s)/on%rho
    end function turn_rate
 
    !> Derivatives of `differential_residual`: with respect to the local variables, plus cj times those with respect to the rates.
@@ -428,15 +456,32 @@ contains
       real(wp), intent(in) :: q(n_local), rates(n_track), cj
       real(wp), intent(out) :: jacobian(n_track, n_local)
       type(deviation) :: on_a, on_b
-      real(wp), dimension(n_local) :: angle_a, angle_b, turn_a, turn_b, lambda, kappa, lambda_dot, kappa_dot, rho_dot
-      real(wp), dimension(n_local, 2) :: a_dot, b_dot
-      real(wp) :: a_rate(2), b_rate(2), rho_rate, turn_rate_a, turn_rate_b, ratio, l, k, k_dot, l_dot
+      real(wp), dimension(n_local) :: angle_a, angle_b, distance_b, turn_a, turn_b, along, across
+      real(wp), dimension(n_local) :: lambda, kappa, lambda_dot, kappa_dot, rho_0, rho, rho_b, rho_dot
+      real(wp), dimension(n_local, 2) :: b, b_dot
+      real(wp) :: b_rate(2), rho_rate, turn, turn_rate_b, ratio, l, k, k_dot, l_dot
 
       call points_on_wheels(pair, rho_a0, q, on_a, on_b)
-      call angle_gradients(pair, on_a, on_b, angle_a, angle_b)
-      call point_rates(pair, q, rates, a_rate, b_rate, rho_rate)
-      turn_rate_a = turn_rate(on_a, a_rate, rho_rate)
+      call position_gradients(pair, on_a, rho_0, rho, b)
+      call deviation_gradients(on_b, b, -rho_0, angle_b, distance_b)
+      angle_a = unit(at_turn, 1.0_wp)
+      turn = rates(1)
+      turn_a = unit(at_turn, cj)
+      rho_rate = pair%advance*q(at_omega)
+      rho_dot = unit(at_omega, pair%advance)
+      call point_rate(pair, on_a, q, rates, rho_rate, b_rate)
+      along = turn_a*pair%r_ba + unit(at_zeta, cj)
+      across = -on_a%rho*turn_a - turn*rho
+      b_dot(:, 1) = unit(at_v_b, 1.0_wp) - unit(at_v_a, 1.0_wp) - unit(at_dr, cj) + on_a%s*(along + rho_dot) - on_a%c*across
+      b_dot(:, 2) = unit(at_v_b + 1, 1.0_wp) - unit(at_v_a + 1, 1.0_wp) - unit(at_dr + 1, cj) - on_a%c*along &
+                    - on_a%s*across + versine(on_a)*rho_dot
+      associate (g => pair%r_ba*turn + rates(2) + rho_rate)
+         b_dot(:, 1) = b_dot(:, 1) + (on_a%c*g - on_a%s*on_a%rho*turn)*angle_a
+         b_dot(:, 2) = b_dot(:, 2) + (on_a%s*g + on_a%c*on_a%rho*turn)*angle_a
+      end associate
       turn_rate_b = turn_rate(on_b, b_rate, -rho_rate)
+      rho_b = -rho_0 + distance_b - pair%r_bb*angle_b
+      turn_b = turn_gradient(on_b, b_rate, -rho_rate, angle_b, b_dot, -rho_dot, rho_b)
       ratio = pair%r_ba/pair%r_bb
       l = q(at_lambda)*ratio
       k = q(at_mu)/pair%r_bb
@@ -446,56 +491,33 @@ contains
       kappa = unit(at_mu, 1/pair%r_bb)
       lambda_dot = unit(at_lambda, cj*ratio)
       kappa_dot = unit(at_mu, cj/pair%r_bb)
-      rho_dot = unit(at_omega, pair%advance)
-      a_dot(:, 1) = unit(at_zeta, cj) - unit(at_v_a, 1.0_wp)
-      a_dot(:, 2) = unit(at_zeta + 1, cj) - unit(at_v_a + 1, 1.0_wp)
-      b_dot(:, 1) = unit(at_v_b, 1.0_wp) - unit(at_zeta, cj) - unit(at_dr, cj)
-      b_dot(:, 2) = unit(at_v_b + 1, 1.0_wp) - unit(at_zeta + 1, cj) - unit(at_dr + 1, cj)
-      call turn_gradient(on_a, pair%r_ba, a_rate, rho_rate, angle_a, a_dot, rho_dot, &
-                         point_shift(on_a, at_zeta, 0, at_u_a, pair%advance), turn_a)
-      call turn_gradient(on_b, pair%r_bb, b_rate, -rho_rate, angle_b, b_dot, -rho_dot, &
-                         -point_shift(on_b, at_zeta, at_dr, at_u_b, pair%advance), turn_b)
 
-      jacobian(1, :) = -turn_a*on_a%c + turn_rate_a*on_a%s*angle_a - (lambda*turn_rate_b + l*turn_b)*on_b%c &
-                       + l*turn_rate_b*on_b%s*angle_b - lambda_dot*on_b%s - l_dot*on_b%c*angle_b
-      jacobian(2, :) = -turn_a*on_a%s - turn_rate_a*on_a%c*angle_a - (lambda*turn_rate_b + l*turn_b)*on_b%s &
-                       - l*turn_rate_b*on_b%c*angle_b + lambda_dot*on_b%c - l_dot*on_b%s*angle_b
+      jacobian(1, :) = on_b%rho*(-turn_a*on_a%c + turn*on_a%s*angle_a - (lambda*turn_rate_b + l*turn_b)*on_b%c &
+                                 + l*turn_rate_b*on_b%s*angle_b - lambda_dot*on_b%s - l_dot*on_b%c*angle_b) &
+                       + (-turn*on_a%c - l*turn_rate_b*on_b%c - l_dot*on_b%s)*rho_b
+      jacobian(2, :) = on_b%rho*(-turn_a*on_a%s - turn*on_a%c*angle_a - (lambda*turn_rate_b + l*turn_b)*on_b%s &
+                                 - l*turn_rate_b*on_b%c*angle_b + lambda_dot*on_b%c - l_dot*on_b%s*angle_b) &
+                       + (-turn*on_a%s - l*turn_rate_b*on_b%s + l_dot*on_b%c)*rho_b
       jacobian(3, :) = unit(at_dr, cj) + kappa_dot*on_b%s + k_dot*on_b%c*angle_b + (kappa*turn_rate_b + k*turn_b)*on_b%c &
                        - k*turn_rate_b*on_b%s*angle_b
       jacobian(4, :) = unit(at_dr + 1, cj) - kappa_dot*on_b%c + k_dot*on_b%s*angle_b + (kappa*turn_rate_b + k*turn_b)*on_b%s &
                        + k*turn_rate_b*on_b%c*angle_b
-      jacobian(5, :) = -a_dot(:, 1)*on_a%s + a_dot(:, 2)*on_a%c &
-                       - (a_rate(1)*on_a%c + (a_rate(2) + rho_rate)*on_a%s)*angle_a - versine(on_a)*rho_dot
-      jacobian(5, at_psi_dot_a) = pair%sigma*pair%r_ba
+      jacobian(5, :) = along + unit(at_psi_dot_a, pair%r_ba*pair%sigma)
       jacobian(6, :) = -b_dot(:, 1)*on_b%s + b_dot(:, 2)*on_b%c &
                        - (b_rate(1)*on_b%c + (b_rate(2) - rho_rate)*on_b%s)*angle_b + versine(on_b)*rho_dot
       jacobian(6, at_psi_dot_b) = pair%sigma*pair%r_bb
    end subroutine differential_jacobian
 
-   !> d(a.e + rho_0 c)/d local: what moves a point along its normal; B's with the opposite sign.
-   pure function point_shift(on, plus, also, minus, advance) result(shift)
-      type(deviation), intent(in) :: on
-      integer, intent(in) :: plus, also, minus !! places that move the point and, with opposite sign, its axle; 0: none
-      real(wp), intent(in) :: advance
-      real(wp) :: shift(n_local)
-
-      shift = unit(plus, -on%s) + unit(plus + 1, on%c) - unit(minus, -on%s) - unit(minus + 1, on%c) + unit(at_theta, on%c*advance)
-      if (also > 0) shift = shift + unit(also, -on%s) + unit(also + 1, on%c)
-   end function point_shift
-
    !> Derivatives of `turn_rate`.
-   pure subroutine turn_gradient(on, r_b, a_rate, rho_rate, angle, a_dot, rho_dot, shift, turn)
+   pure function turn_gradient(on, rate, rho_rate, angle, dot, rho_dot, rho) result(turn)
       type(deviation), intent(in) :: on
-      real(wp), intent(in) :: r_b, a_rate(2), rho_rate
-      real(wp), intent(in) :: angle(n_local), a_dot(n_local, 2), rho_dot(n_local)
-      real(wp), intent(in) :: shift(n_local) !! d rho + r_b d angle
-      real(wp), intent(out) :: turn(n_local)
-      real(wp) :: rho(n_local)
+      real(wp), intent(in) :: rate(2), rho_rate
+      real(wp), intent(in) :: angle(n_local), dot(n_local, 2), rho_dot(n_local), rho(n_local) !! derivatives
+      real(wp) :: turn(n_local)
 
-      rho = shift - r_b*angle
-      turn = -(a_dot(:, 1)*on%c + (a_dot(:, 2) + rho_dot)*on%s &
-               + (-a_rate(1)*on%s + (a_rate(2) + rho_rate)*on%c)*angle + turn_rate(on, a_rate, rho_rate)*rho)/on%rho
-   end subroutine turn_gradient
+      turn = -(dot(:, 1)*on%c + (dot(:, 2) + rho_dot)*on%s + (-rate(1)*on%s + (rate(2) + rho_rate)*on%c)*angle &
+               + turn_rate(on, rate, rho_rate)*rho)/on%rho
+   end function turn_gradient
 
    !> A vector of local variables that is zero but for one place.
    pure function unit(place, value) result(vector)
@@ -512,7 +534,7 @@ contains
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: rho_a0
       real(wp), intent(in) :: q(n_local)
-      real(wp), intent(out) :: rates(n_track) !! zeta', dr', lambda', mu'
+      real(wp), intent(out) :: rates(n_track) !! turn', zeta', dr', lambda', mu'
       logical, intent(out) :: solved          !! false if the system is singular or a point lies inside a base circle
       real(wp) :: jacobian(n_track, n_local), jacobian_0(n_track, n_local), matrix(n_track, n_track), constant(n_track)
       integer :: pivots(n_track), info
@@ -538,26 +560,35 @@ contains
    end subroutine differential_rates
 
    !> Tracked variables that belong to the wheels' positions, by Assertions 1 and 2: the points lie on the line of action.
-   pure subroutine points_from_closed_form(pair, rho_a0, q, track)
+   pure subroutine points_from_closed_form(pair, q, track)
       type(tracked_pair), intent(in) :: pair
-      real(wp), intent(in) :: rho_a0
       real(wp), intent(in) :: q(n_local)       !! local variables; the tracked ones are not looked at
-      real(wp), intent(out) :: track(n_track)  !! zeta, dr, lambda, mu
+      real(wp), intent(out) :: track(n_track)  !! turn, zeta, dr, lambda, mu
       type(deviation) :: line
-      real(wp) :: kappa, shift, along
+      real(wp) :: kappa
 
       call closed_form_line(pair, q, line)
       kappa = closed_form_gap(pair, q)
-      shift = -pair%r_ba*(line%angle + pair%sigma*q(at_psi_a)) ! rho_A - rho_A0
-      along = rho_a0 + shift
-      ! r_bA (t - t_0) + rho_A e - rho_A0 e_0
-      track(1) = q(at_u_a) - pair%r_ba*versine(line) - along*line%s
-      track(2) = q(at_u_a + 1) + pair%r_ba*line%s + shift - along*versine(line)
-      track(3) = -kappa*line%s
-      track(4) = kappa*line%c
+      track(1) = line%angle
+      track(2) = -pair%r_ba*(line%angle + pair%sigma*q(at_psi_a))
+      track(3:4) = kappa*[-line%s, line%c]
       track(5) = -pair%r_bb/pair%r_ba
       track(6) = pair%r_bb*kappa
    end subroutine points_from_closed_form
+
+   !> The tracked points in the nominal basis, from K_A at the reference centre distance [m].
+   pure subroutine tracked_positions(pair, rho_a0, q, point_a, point_b)
+      type(tracked_pair), intent(in) :: pair
+      real(wp), intent(in) :: rho_a0, q(n_local)
+      real(wp), intent(out) :: point_a(2), point_b(2) !! (t_0, e_0)
+      type(deviation) :: on_a, on_b
+      real(wp) :: a(2), b(2)
+
+      call points_on_wheels(pair, rho_a0, q, on_a, on_b)
+      call point_positions(pair, on_a, q, a, b)
+      point_a = q(at_u_a:at_u_a + 1) + a + [0.0_wp, rho_a0]
+      point_b = point_a + q(at_dr:at_dr + 1)
+   end subroutine tracked_positions
 
    !> Dchi: how far the centre line has turned from its reference direction [rad], counterclockwise.
    pure real(wp) function centre_line_turn(pair, q) result(turn)
@@ -576,14 +607,15 @@ contains
       real(wp), intent(in) :: rho_a0
       real(wp), intent(in) :: q(n_local)
       real(wp), intent(out) :: distance_a, distance_b
-      type(deviation) :: line
-      real(wp) :: a(2), b(2)
+      type(deviation) :: line, on_a, on_b
+      real(wp) :: a(2), b(2), off
 
       call closed_form_line(pair, q, line)
-      a = q(at_zeta:at_zeta + 1) - q(at_u_a:at_u_a + 1)
-      b = q(at_u_b:at_u_b + 1) - q(at_zeta:at_zeta + 1) - q(at_dr:at_dr + 1)
-      ! a point r_b t_0 + rho_0 e_0 + a seen from its axle, less r_b t
-      distance_a = -pair%r_ba*versine(line) + rho_a0*line%s + a(1)*line%c + a(2)*line%s
+      call points_on_wheels(pair, rho_a0, q, on_a, on_b)
+      call point_positions(pair, on_a, q, a, b)
+      off = on_a%angle - line%angle
+      distance_a = -2*pair%r_ba*sin(off/2)**2 - on_a%rho*sin(off)
+      ! P_B is -(r_bB t_0 + rho_B0 e_0 + b) seen from its axle, K_B is -r_bB t
       distance_b = pair%r_bb*versine(line) - (pair%rho_0 - rho_a0)*line%s - b(1)*line%c - b(2)*line%s
    end subroutine line_distance
 

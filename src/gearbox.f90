@@ -5,7 +5,7 @@
 !>    theta, omega               angle and speed of the reference wheel
 !>    psi_i, psi_i'              of every other wheel: phi_i = g_i theta + psi_i, g_i the kinematic speed ratio
 !>    s_j, s_j'                  of every degree of freedom of a support, from its reference position
-!>    zeta, dr, lambda, mu       of every mesh that tracks its contact points
+!>    turn, zeta, dr, lambda, mu   of every mesh that tracks its contact points, see evl_contact_tracking
 !>    dissipated energy, work of the loads
 !>
 !> Discrete integers: turns of the reference wheel beside theta; teeth, contact mode and friction branch of every mesh; knots

@@ -196,8 +196,8 @@ contains
       mode = gearbox_mode(gearbox, m, integers, reals)
       switched = fired(root_forward) .or. fired(root_back)
       if (switched) then
-         call mesh_point(gearbox, m, y, integers, mode, q, rho_a0, point)
-         call switch_teeth(gearbox, m, merge(1, -1, fired(root_forward)), point, mode, y)
+         ! both tracked points move by one base pitch along e, and so does rho_A0: turn, zeta, dr, lambda and mu stay
+         mode%teeth = mode%teeth + merge(1, -1, fired(root_forward))
          call note(log, merge(event_switch, event_switch_back, fired(root_forward)), m, mode%teeth)
       end if
       call mesh_point(gearbox, m, y, integers, mode, q, rho_a0, point)
@@ -206,27 +206,9 @@ contains
       ! the radii of curvature jump at a switch, and friction starts anew with a contact
       if (mode%contact == contact_loaded .and. (switched .or. fired(root_contact) .or. fired(root_force))) &
          mode%friction = mesh_settle_friction(gearbox%meshes(m), point)
-      if (fired(root_apart)) call change_distance(gearbox, m, q, rho_a0, mode, y, log)
+      if (fired(root_apart)) call change_distance(gearbox, m, q, mode, y, log)
       call gearbox_store_mode(gearbox, m, mode, integers, reals)
    end subroutine mesh_event
-
-   !> The next tooth pair, or the one before, takes over: both tracked points move by one base pitch along the line of action,
-   !> lambda and mu stay.
-   pure subroutine switch_teeth(gearbox, m, step, point, mode, y)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: m, step !! step: +1 next pair, -1 the one before
-      type(contact_point), intent(in) :: point
-      type(mesh_mode), intent(inout) :: mode
-      real(wp), intent(inout) :: y(:)
-
-      mode%teeth = mode%teeth + step
-      associate (mesh => gearbox%meshes(m), i => gearbox%meshes(m)%i_track)
-         if (i == 0 .or. mode%contact == contact_apart) return
-         ! rho_A0 moves by -|ab| along e_0 with the count of teeth; what is left of -|ab| e is |ab| (e_0 - e)
-         y(i) = y(i) + step*mesh%base_pitch*point%s
-         y(i + 1) = y(i + 1) + step*mesh%base_pitch*point%s**2/(1 + point%c)
-      end associate
-   end subroutine switch_teeth
 
    !> The sliding velocity passed an end of the linear part of the friction law.
    pure subroutine change_friction(m, fired, mode, log)
@@ -280,10 +262,10 @@ contains
 
    !> Tracking ends where the flanks are too far apart for two of their points to face each other, and begins anew when they
    !> come near.
-   pure subroutine change_distance(gearbox, m, q, rho_a0, mode, y, log)
+   pure subroutine change_distance(gearbox, m, q, mode, y, log)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m
-      real(wp), intent(in) :: q(n_local), rho_a0
+      real(wp), intent(in) :: q(n_local)
       type(mesh_mode), intent(inout) :: mode
       real(wp), intent(inout) :: y(:)
       type(event_log), intent(inout) :: log
@@ -291,7 +273,7 @@ contains
       associate (mesh => gearbox%meshes(m))
          if (mode%contact == contact_apart) then
             mode%contact = contact_open
-            call points_from_closed_form(mesh%pair, rho_a0, q, y(mesh%i_track:mesh%i_track + n_track - 1))
+            call points_from_closed_form(mesh%pair, q, y(mesh%i_track:mesh%i_track + n_track - 1))
             call note(log, event_near, m, mode%teeth)
          else if (mode%contact == contact_open) then
             mode%contact = contact_apart

@@ -82,7 +82,7 @@ contains
          call check_gaps(gearbox, initial, y, status)
       end if
       if (has_failed(status)) return
-      call set_tracked(gearbox, y, integers)
+      call set_tracked(gearbox, y)
       call settle(gearbox, t, y, integers, reals, status)
       if (has_failed(status)) return
       call gearbox_derivative(gearbox, t, y, integers, reals, yp, status)
@@ -218,10 +218,9 @@ contains
    end subroutine closed_form_point
 
    !> Tracked variables that belong to the wheels' positions.
-   subroutine set_tracked(gearbox, y, integers)
+   subroutine set_tracked(gearbox, y)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(inout) :: y(gearbox%n_states)
-      integer, intent(in) :: integers(:)
       real(wp) :: q(n_local)
       integer :: m
 
@@ -229,8 +228,7 @@ contains
          associate (mesh => gearbox%meshes(m))
             if (mesh%i_track == 0) cycle
             call gearbox_local(gearbox, mesh, y, q)
-            call points_from_closed_form(mesh%pair, mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), 0), q, &
-                                         y(mesh%i_track:mesh%i_track + n_track - 1))
+            call points_from_closed_form(mesh%pair, q, y(mesh%i_track:mesh%i_track + n_track - 1))
          end associate
       end do
    end subroutine set_tracked

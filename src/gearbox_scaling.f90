@@ -16,7 +16,7 @@ module evl_gearbox_scaling
    public :: gearbox_set_scales, gearbox_state_scales, gearbox_likely_speed
 
    real(wp), parameter :: angle_share = 0.2_wp     !! scale of theta times the reference wheel's teeth: 1e-2 rad at 20 teeth
-   real(wp), parameter :: track_factor = 3.0_wp    !! scale of zeta over h_0
+   real(wp), parameter :: track_factor = 3.0_wp    !! scale of zeta, and of turn times rho, over h_0
    real(wp), parameter :: smallest_load = 1.0e-9_wp !! force scale of an unloaded mesh over b pi E* rho
    real(wp), parameter :: spin_up = 1.0_wp         !! time in which torques alone would give the speed scale [s]
 
@@ -152,8 +152,9 @@ contains
       do i = 1, size(gearbox%meshes)
          associate (mesh => gearbox%meshes(i), first => gearbox%meshes(i)%i_track)
             if (first == 0) cycle
-            state(first:first + n_track - 1) = [track_factor*h(i), track_factor*h(i), h(i), h(i), 1.0_wp, mesh%pair%r_bb*h(i)]
-            row(first:first + n_track - 1) = [h(i)/mesh%pair%rho_0, 1.0_wp, h(i), h(i), h(i), h(i)]
+            state(first:first + n_track - 1) = [track_factor*h(i)/mesh%pair%rho_0, track_factor*h(i), h(i), h(i), 1.0_wp, &
+                                             mesh%pair%r_bb*h(i)]
+            row(first:first + n_track - 1) = [h(i), mesh%pair%rho_0, h(i), h(i), h(i), h(i)]
             if (mesh%tracking == tracking_algebraic) differential(first:first + n_track - 1) = 0
          end associate
       end do

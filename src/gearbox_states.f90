@@ -8,8 +8,8 @@ module evl_gearbox_states
    public :: gearbox_state_name
 
    character(len=*), parameter :: track_names(n_track) = [character(len=14) :: &
-      "zeta_t", "zeta_e", "dr_t", "dr_e", "gradient_ratio", "mu"]
-   character(len=*), parameter :: track_units(n_track) = [character(len=2) :: "m", "m", "m", "m", "1", "m2"]
+      "turn", "zeta", "dr_t", "dr_e", "gradient_ratio", "mu"]
+   character(len=*), parameter :: track_units(n_track) = [character(len=3) :: "rad", "m", "m", "m", "1", "m2"]
 
 contains
 

@@ -4,9 +4,9 @@
 module evl_mesh
    use evl_contact_laws, only: contact_context, elastic_force, elastic_limit_message, elastic_potential, elastic_result, &
                                friction_factor, friction_knee, friction_mode, law_choice, viscous_force
-   use evl_contact_tracking, only: at_mu, at_psi_a, at_track, at_zeta, centre_line_turn, closed_form_gap, contact_gradient, &
-                                   contact_point, gradient_closed_form, gradient_points, n_local, n_track, &
-                                   points_from_closed_form, track_closed_form, track_points, tracked_pair
+   use evl_contact_tracking, only: at_psi_a, centre_line_turn, closed_form_gap, contact_gradient, contact_point, &
+                                   gradient_closed_form, gradient_points, n_local, track_closed_form, track_points, &
+                                   tracked_pair
    use evl_kinds, only: wp
    use evl_status, only: code_ok, code_out_of_domain, fail, quantity, status_t, subject_mesh
    implicit none (type, external)

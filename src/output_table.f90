@@ -1,9 +1,9 @@
 !> What a gearbox tells about itself: one table of outputs, and their values at a state.
 module evl_output_table
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use evl_contact_tracking, only: algebraic_residual, at_dr, at_lambda, at_psi_a, at_psi_b, at_track, at_zeta, &
-                                   centre_line_turn, closed_form_gap, contact_point, line_distance, n_local, n_track, &
-                                   points_from_closed_form, track_closed_form
+   use evl_contact_tracking, only: algebraic_residual, at_lambda, at_psi_a, at_psi_b, at_track, centre_line_turn, &
+                                   closed_form_gap, contact_point, line_distance, n_local, n_track, &
+                                   points_from_closed_form, track_closed_form, tracked_positions
    use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_rates, gearbox_t, i_omega, i_theta, i_turns, wheel_load_torque, &
                           wheel_speed
    use evl_kinds, only: pi, wp
@@ -314,7 +314,7 @@ contains
       real(wp), intent(in) :: y(:), reals(:)
       type(mesh_sample), intent(out) :: sample
       type(status_t), intent(inout) :: status
-      real(wp) :: q(n_local), rho_a0, residual(n_track), turn, nan
+      real(wp) :: q(n_local), rho_a0, residual(n_track), turn, nan, point_a(2), point_b(2)
       logical :: exists
 
       nan = ieee_value(nan, ieee_quiet_nan)
@@ -339,7 +339,7 @@ contains
          sample%line_distance_a = nan
          sample%line_distance_b = nan
          if (mesh%tracking == tracking_closed_form .or. sample%mode%contact == contact_apart) then
-            call points_from_closed_form(mesh%pair, rho_a0, q, q(at_track:))
+            call points_from_closed_form(mesh%pair, q, q(at_track:))
          else
             call algebraic_residual(mesh%pair, rho_a0, q, residual, exists)
             sample%lambda = q(at_lambda)
@@ -347,8 +347,9 @@ contains
             sample%flank_distance_b = residual(6)
             call line_distance(mesh%pair, rho_a0, q, sample%line_distance_a, sample%line_distance_b)
          end if
-         sample%point_a = mesh%k_a0 + q(at_zeta)*mesh%t_0 + (rho_a0 + q(at_zeta + 1))*mesh%e_0
-         sample%point_b = sample%point_a + q(at_dr)*mesh%t_0 + q(at_dr + 1)*mesh%e_0
+         call tracked_positions(mesh%pair, rho_a0, q, point_a, point_b)
+         sample%point_a = mesh%k_a0 + point_a(1)*mesh%t_0 + point_a(2)*mesh%e_0
+         sample%point_b = mesh%k_a0 + point_b(1)*mesh%t_0 + point_b(2)*mesh%e_0
       end associate
    end subroutine sample_mesh
 

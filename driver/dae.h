@@ -1,0 +1,50 @@
+/** What an integrator has to know of a model: a differential-algebraic system F(t, y, y') = 0 with discrete states, roots and events.
+ *  Nothing here knows what is being modelled. */
+#ifndef EVOLVENT_DAE_H
+#define EVOLVENT_DAE_H
+
+#include <stdbool.h>
+
+enum { DAE_MESSAGE_LENGTH = 320 };
+
+/** Answers of the model's procedures. DAE_RECOVERABLE: a trial state outside the model's domain; a smaller step may help. */
+typedef enum { DAE_OK = 0, DAE_RECOVERABLE = 1, DAE_FATAL = -1 } dae_code;
+
+/** All that changes during a run. */
+typedef struct {
+    double t;
+    double *y, *yp; /**< [n] */
+    int *integers;  /**< [n_integers] */
+    double *reals;  /**< [n_reals] */
+} dae_state;
+
+/** One thing that happened at an event; `subject` and `count` mean something to the model only. */
+typedef struct {
+    int kind;    /**< index in the model's table of event kinds */
+    int subject; /**< which part of the model; -1 if none */
+    int count;   /**< the part's counter after the event; -1 if none */
+} dae_event;
+
+typedef struct dae {
+    const void *self; /**< handed to every procedure; never changed by them */
+    int n, n_integers, n_reals, n_roots;
+    const double *scale;     /**< [n] unit in which an error of y[i] counts */
+    const double *row_scale; /**< [n] unit of residual i */
+    const int *differential; /**< [n] 1: differential, 0: algebraic state */
+
+    /* Each returns a dae_code and on failure writes one sentence to message. */
+    int (*residual)(const void *self, const dae_state *state, double *residual, char message[DAE_MESSAGE_LENGTH]);
+    /** dF/dy + cj dF/dy', column-major [n * n] */
+    int (*jacobian)(const void *self, const dae_state *state, double cj, double *jacobian,
+                    char message[DAE_MESSAGE_LENGTH]);
+    /** the y' that belongs to y, written to yp */
+    int (*derivative)(const void *self, const dae_state *state, double *yp, char message[DAE_MESSAGE_LENGTH]);
+    int (*roots)(const void *self, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH]);
+    void (*root_directions)(const void *self, const int *integers, int *directions);
+    double (*next_time_event)(const void *self, const dae_state *state);
+    /** events: room for n_roots + 2 */
+    int (*apply_event)(const void *self, dae_state *state, const int *fired, bool time_event, dae_event *events,
+                       int *n_events, char message[DAE_MESSAGE_LENGTH]);
+} dae;
+
+#endif

@@ -1,0 +1,115 @@
+/** A resolved case as plain data: what the case file says, in SI units and radians, defaults filled in. A leaf: knows no other room. */
+#ifndef EVOLVENT_DESCRIPTION_H
+#define EVOLVENT_DESCRIPTION_H
+
+#include <stdbool.h>
+
+enum { DESCRIPTION_MAX_LAW_PARAMETERS = 8 };
+
+typedef struct {
+    bool given;
+    double value;
+} optional_double;
+
+typedef struct {
+    char *name;
+    double youngs_modulus, poisson_ratio, density;
+} material_description;
+
+typedef enum { SUPPORT_FIXED, SUPPORT_SLIDER, SUPPORT_BEARING } support_kind;
+
+typedef struct {
+    support_kind kind;
+    double direction; /**< [rad] */
+    double mass;
+    double stiffness[2], damping[2]; /**< slider: [0]; bearing: x, y */
+} support_description;
+
+typedef enum { LOAD_TORQUE, LOAD_VISCOUS, LOAD_TABLE, LOAD_SPEED } load_kind;
+
+typedef struct {
+    load_kind kind;
+    double value;
+    int n; /**< knots of a table, 0 if none (table: torque over time; speed: value, or a table if n > 0) */
+    double *time, *values;
+} load_description;
+
+typedef struct {
+    char *name;
+    int teeth;
+    optional_double pitch_radius;
+    double width;
+    int material; /**< index in description.materials */
+    bool has_centre;
+    double centre[2];
+    optional_double inertia, mass;
+    support_description support;
+    int n_loads;
+    load_description *loads;
+} wheel_description;
+
+/** A law of a family's table with its parameters in the table's order. */
+typedef struct {
+    int law;
+    double parameters[DESCRIPTION_MAX_LAW_PARAMETERS];
+} law_choice;
+
+typedef enum { TRACKING_CLOSED_FORM, TRACKING_ALGEBRAIC, TRACKING_DIFFERENTIAL } tracking_kind;
+
+typedef struct {
+    char *name;
+    int driving, driven;               /**< indices in description.wheels */
+    int driving_rotation;              /**< -1 clockwise, +1 counterclockwise */
+    optional_double centre_line_angle; /**< [rad] */
+    bool paper_rule;
+    double pressure_angle; /**< [rad] if not paper_rule */
+    law_choice contact, damping, friction;
+    tracking_kind tracking;
+} mesh_description;
+
+typedef enum { INITIAL_REST, INITIAL_STEADY, INITIAL_SPEEDS } initial_kind;
+
+typedef struct {
+    initial_kind kind;
+    double *speeds; /**< [n_wheels] for INITIAL_SPEEDS, else NULL */
+    double *gaps;   /**< [n_meshes], zeros by default */
+} initial_description;
+
+typedef struct {
+    double duration, output_interval, tolerance;
+    double max_step; /**< [s] */
+    initial_description initial;
+} simulation_description;
+
+typedef struct {
+    char *title; /**< "" if none */
+    int n_materials, n_wheels, n_meshes;
+    material_description *materials;
+    wheel_description *wheels;
+    mesh_description *meshes;
+    simulation_description simulation;
+} description;
+
+/* ---- the laws that a model offers, as the case file's schema needs them ---- */
+
+typedef struct {
+    char name[32], units[32], text[96];
+    bool required;
+    double default_value, minimum, maximum;
+    bool minimum_open, maximum_open;
+} law_parameter;
+
+typedef struct {
+    char name[32], text[96], source[96];
+    int n_parameters;
+    law_parameter parameters[DESCRIPTION_MAX_LAW_PARAMETERS];
+} law_info;
+
+typedef enum { LAWS_CONTACT, LAWS_DAMPING, LAWS_FRICTION, LAWS_FAMILIES } law_family;
+
+typedef struct {
+    int count[LAWS_FAMILIES];
+    const law_info *laws[LAWS_FAMILIES];
+} law_tables;
+
+#endif

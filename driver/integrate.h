@@ -1,0 +1,40 @@
+/** Integration of a dae with SUNDIALS IDA: located events, consistent restarts, output on a grid by dense output. */
+#ifndef EVOLVENT_INTEGRATE_H
+#define EVOLVENT_INTEGRATE_H
+
+#include "dae.h"
+#include "events.h"
+
+typedef struct {
+    double t_end;           /**< [s] */
+    double output_interval; /**< [s] outputs at start + k * output_interval, and at t_end */
+    double tolerance;       /**< relative to dae.scale */
+    double max_step;        /**< [s] */
+} integrate_options;
+
+/** What the caller wants to hear. Each returns 0 to go on; anything else ends the integration with INTEGRATE_STOPPED. */
+typedef struct {
+    void *self;
+    int (*output)(void *self,
+                  const dae_state *state); /**< grid points in order of time, the start and t_end among them */
+    int (*event)(void *self, const event_record *record); /**< after it was applied */
+    int (*step)(void *self, double t);                    /**< after each accepted step: progress, interrupts */
+} integrate_observer;
+
+typedef struct {
+    long steps, residuals, jacobians, linear_setups, newton_iterations, error_test_failures, convergence_failures,
+        roots_evaluated, events;
+    double cpu_seconds; /**< of the integration with its observers */
+} integrate_counts;
+
+typedef enum { INTEGRATE_DONE = 0, INTEGRATE_STOPPED = 1, INTEGRATE_FAILED = 2 } integrate_code;
+
+/** Integrate from `state` to options->t_end. The state is that of the end, or the last good one. `reason` gets one sentence on failure.
+ *  Re-entrant. */
+integrate_code integrate(const dae *model, const integrate_options *options, const integrate_observer *observer,
+                         dae_state *state, integrate_counts *counts, char reason[DAE_MESSAGE_LENGTH]);
+
+/** Version of the integrator's library, such as "SUNDIALS 6.4.1". */
+const char *integrate_version(void);
+
+#endif

@@ -1,0 +1,76 @@
+/** The gearbox as a dae and as a table of outputs: the driver's only door to the kernel. */
+#ifndef EVOLVENT_MODEL_H
+#define EVOLVENT_MODEL_H
+
+#include "dae.h"
+#include "description.h"
+
+typedef enum {
+    MODEL_DIMS_NONE,
+    MODEL_DIMS_WHEEL,
+    MODEL_DIMS_MESH,
+    MODEL_DIMS_WHEEL_AXIS,
+    MODEL_DIMS_MESH_AXIS
+} model_dims;
+
+/** One variable of the history: constant over time (is_static) or one value, or array of values, a time. */
+typedef struct {
+    char name[32], units[32], symbol[32], long_name[96];
+    model_dims dims;
+    bool is_static, is_integer;
+    int offset, count; /**< place in the array that model_outputs fills */
+} model_output;
+
+/** Why a description was refused: what it is about, so that the case file can be shown at the place. */
+typedef struct {
+    enum { MODEL_ABOUT_NOTHING, MODEL_ABOUT_WHEEL, MODEL_ABOUT_MESH, MODEL_ABOUT_LOAD, MODEL_ABOUT_INITIAL } subject;
+    int index;      /**< wheel, mesh, or wheel of the load; -1 if none */
+    int load;       /**< which load of that wheel, -1 if none */
+    char field[48]; /**< key in the case file's block, "" if the whole block */
+    char message[DAE_MESSAGE_LENGTH];
+} model_error;
+
+typedef struct model model;
+
+/** The laws that the kernel offers; lives as long as the program. */
+const law_tables *model_laws(void);
+
+/** Make the gearbox. @return NULL with the reason in `error`. */
+model *model_create(const description *description, model_error *error);
+void model_delete(model **model);
+
+const dae *model_dae(const model *model);
+
+/** State at t = 0; its arrays belong to the caller, who frees them with dae_state_free. @return false with the reason in `error`. */
+bool model_initial_state(const model *model, dae_state *state, model_error *error);
+void dae_state_free(dae_state *state);
+
+int model_n_warnings(const model *model);
+void model_warning(const model *model, int index, char text[DAE_MESSAGE_LENGTH]);
+
+int model_n_outputs(const model *model);
+const model_output *model_outputs_table(const model *model);
+int model_n_values(const model *model);
+/** All outputs at a state [model_n_values]; integers as whole doubles. @return a dae_code */
+int model_outputs(const model *model, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH]);
+
+int model_n_event_kinds(void);
+const char *model_event_kind(int kind);
+const char *model_state_name(const model *model, int index);
+const char *model_state_units(const model *model, int index);
+
+/** Derived geometry as (name, unit, symbol, long name, value) rows, for `evolvent show`. */
+typedef struct {
+    const char *name, *units, *symbol, *long_name;
+    int n; /**< 1, or 2 for a point */
+    double value[2];
+    bool is_angle; /**< shown in degrees as well */
+} model_quantity;
+/** @return the number of rows written to rows (room for 40) */
+int model_wheel_geometry(const model *model, int wheel, model_quantity rows[40]);
+int model_mesh_geometry(const model *model, int mesh, model_quantity rows[40]);
+
+/** The compiler that built the kernel. */
+const char *model_compiler(void);
+
+#endif
