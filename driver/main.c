@@ -12,6 +12,7 @@
 #include <evolvent_version.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 static evl_exit run_command(const cli_options *options, evl_error *error)
 {
@@ -80,6 +81,9 @@ int main(int argc, char **argv)
     }
     if (error.code != EVL_EXIT_OK) {
         evl_error_print(stderr, &error);
+    }
+    if (code == EVL_EXIT_IO) {
+        _exit(code); /* a library that could not write has nothing to tidy up in peace */
     }
     return code;
 }

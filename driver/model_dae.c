@@ -106,6 +106,7 @@ void model_describe_dae(model *model)
 int model_outputs(const model *model, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH])
 {
     evl_status status;
-    const int code = evl_gearbox_outputs(model->gearbox, state->t, state->y, state->integers, state->reals, values, &status);
+    const int code =
+        evl_gearbox_outputs(model->gearbox, state->t, state->y, state->integers, state->reals, values, &status);
     return dae_answer(code, &status, message);
 }
