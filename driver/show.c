@@ -23,16 +23,29 @@ static const char *unit_text(const char *units)
     return strcmp(units, "1") == 0 ? "" : units;
 }
 
+static int longer(int width, const char *text)
+{
+    const int length = (int)strlen(text);
+    return length > width ? length : width;
+}
+
 static void print_rows(FILE *stream, int n, const model_quantity *rows)
 {
+    int name_width = 0, symbol_width = 0;
+    for (int i = 0; i < n; i++) {
+        name_width = longer(name_width, rows[i].long_name);
+        symbol_width = longer(symbol_width, rows[i].symbol);
+    }
     for (int i = 0; i < n; i++) {
         const model_quantity *row = &rows[i];
-        fprintf(stream, "  %-46s %-12s ", row->long_name, row->symbol);
+        const char *unit = unit_text(row->units);
+        fprintf(stream, "  %-*s  %-*s  ", name_width, row->long_name, symbol_width, row->symbol);
         if (row->n == 2) {
-            fprintf(stream, "(%.10g, %.10g) %s", row->value[0], row->value[1], unit_text(row->units));
+            fprintf(stream, "(%.10g, %.10g)", row->value[0], row->value[1]);
         } else {
-            fprintf(stream, "%.10g %s", row->value[0], unit_text(row->units));
+            fprintf(stream, "%.10g", row->value[0]);
         }
+        fprintf(stream, "%s%s", unit[0] == '\0' ? "" : " ", unit);
         if (row->is_angle) {
             fprintf(stream, " = %.8g deg", row->value[0] * DEGREES_PER_RADIAN);
         }
