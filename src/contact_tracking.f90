@@ -338,13 +338,13 @@ contains
 
    !> The algebraic form (1) as a residual.
    !>
-   !> rho_B r_bA (grad g_A - lambda grad g_B) (t_0 and e_0 component), -(r_PA - r_PB - mu grad g_B), r_bA g_A, r_bB g_B. With the
-   !> factor rho_B the first row has constant coefficients, so that a Newton matrix from earlier still fits it.
+   !> r_bA (grad g_A - lambda grad g_B) (t_0 component, times rho_B, and e_0 component), -(r_PA - r_PB - mu grad g_B), r_bA g_A,
+   !> r_bB g_B. With its factor the first row has constant coefficients like the others: a Newton matrix from earlier still fits.
    pure subroutine algebraic_residual(pair, rho_a0, q, residual, exists)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: rho_a0
       real(wp), intent(in) :: q(n_local)
-      real(wp), intent(out) :: residual(n_track) !! [m]
+      real(wp), intent(out) :: residual(n_track) !! [m, 1, m, m, m, m]
       logical, intent(out) :: exists             !! false if a point lies inside a base circle
       type(deviation) :: on_a, on_b
       real(wp) :: big_lambda, kappa
@@ -354,7 +354,7 @@ contains
       big_lambda = q(at_lambda)*pair%r_ba/pair%r_bb
       kappa = q(at_mu)/pair%r_bb
       residual(1) = -on_b%rho*(on_a%s + big_lambda*on_b%s)
-      residual(2) = on_b%rho*(on_a%c + big_lambda*on_b%c)
+      residual(2) = on_a%c + big_lambda*on_b%c
       residual(3) = q(at_dr) + kappa*on_b%s
       residual(4) = q(at_dr + 1) - kappa*on_b%c
       residual(5) = on_a%d_rho + pair%r_ba*(on_a%angle + pair%sigma*q(at_psi_a))
@@ -381,8 +381,7 @@ contains
       lambda = unit(at_lambda, pair%r_ba/pair%r_bb)
       jacobian(1, :) = -on_b%rho*(on_a%c*angle_a + big_lambda*on_b%c*angle_b + on_b%s*lambda) &
                        - (on_a%s + big_lambda*on_b%s)*rho_b
-      jacobian(2, :) = -on_b%rho*(on_a%s*angle_a + big_lambda*on_b%s*angle_b - on_b%c*lambda) &
-                       + (on_a%c + big_lambda*on_b%c)*rho_b
+      jacobian(2, :) = -on_a%s*angle_a - big_lambda*on_b%s*angle_b + on_b%c*lambda
       jacobian(3, :) = kappa*on_b%c*angle_b
       jacobian(3, at_dr) = jacobian(3, at_dr) + 1
       jacobian(3, at_mu) = on_b%s/pair%r_bb
@@ -418,7 +417,7 @@ contains
       lambda_dot = rates(5)*pair%r_ba/pair%r_bb
       kappa_dot = rates(6)/pair%r_bb
       residual(1) = on_b%rho*(-rates(1)*on_a%c - big_lambda*turn_b*on_b%c - lambda_dot*on_b%s)
-      residual(2) = on_b%rho*(-rates(1)*on_a%s - big_lambda*turn_b*on_b%s + lambda_dot*on_b%c)
+      residual(2) = -rates(1)*on_a%s - big_lambda*turn_b*on_b%s + lambda_dot*on_b%c
       residual(3) = rates(3) + kappa_dot*on_b%s + kappa*turn_b*on_b%c
       residual(4) = rates(4) - kappa_dot*on_b%c + kappa*turn_b*on_b%s
       residual(5) = rates(2) + pair%r_ba*(rates(1) + pair%sigma*q(at_psi_dot_a))
@@ -495,9 +494,8 @@ contains
       jacobian(1, :) = on_b%rho*(-turn_a*on_a%c + turn*on_a%s*angle_a - (lambda*turn_rate_b + l*turn_b)*on_b%c &
                                  + l*turn_rate_b*on_b%s*angle_b - lambda_dot*on_b%s - l_dot*on_b%c*angle_b) &
                        + (-turn*on_a%c - l*turn_rate_b*on_b%c - l_dot*on_b%s)*rho_b
-      jacobian(2, :) = on_b%rho*(-turn_a*on_a%s - turn*on_a%c*angle_a - (lambda*turn_rate_b + l*turn_b)*on_b%s &
-                                 - l*turn_rate_b*on_b%c*angle_b + lambda_dot*on_b%c - l_dot*on_b%s*angle_b) &
-                       + (-turn*on_a%s - l*turn_rate_b*on_b%s + l_dot*on_b%c)*rho_b
+      jacobian(2, :) = -turn_a*on_a%s - turn*on_a%c*angle_a - (lambda*turn_rate_b + l*turn_b)*on_b%s &
+                       - l*turn_rate_b*on_b%c*angle_b + lambda_dot*on_b%c - l_dot*on_b%s*angle_b
       jacobian(3, :) = unit(at_dr, cj) + kappa_dot*on_b%s + k_dot*on_b%c*angle_b + (kappa*turn_rate_b + k*turn_b)*on_b%c &
                        - k*turn_rate_b*on_b%s*angle_b
       jacobian(4, :) = unit(at_dr + 1, cj) - kappa_dot*on_b%c + k_dot*on_b%s*angle_b + (kappa*turn_rate_b + k*turn_b)*on_b%s &

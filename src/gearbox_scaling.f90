@@ -154,7 +154,7 @@ contains
             if (first == 0) cycle
             state(first:first + n_track - 1) = [track_factor*h(i)/mesh%pair%rho_0, track_factor*h(i), h(i), h(i), 1.0_wp, &
                                              mesh%pair%r_bb*h(i)]
-            row(first:first + n_track - 1) = [h(i), mesh%pair%rho_0, h(i), h(i), h(i), h(i)]
+            row(first:first + n_track - 1) = [h(i), 1.0_wp, h(i), h(i), h(i), h(i)]
             if (mesh%tracking == tracking_algebraic) differential(first:first + n_track - 1) = 0
          end associate
       end do
