@@ -2,6 +2,7 @@
  * for all of them. Differences between SUNDIALS 6 and 7 stay here. */
 #include "integrate.h"
 
+#include <float.h>
 #include <ida/ida.h>
 #include <math.h>
 #include <nvector/nvector_serial.h>
@@ -20,8 +21,12 @@
 /* A contact of damping ratio 0.02 is followed for thousands of oscillations: a Newton matrix that is out of date by more than a
  * hundredth in the step size costs more steps than it saves factorisations. */
 static const double matrix_staleness = 0.01;
-static const double first_step = 1e-8;       /* [s] from touching flanks, where the force's stiffness starts from 0 */
-static const double restart_step = 1e-7;     /* [s] after an event */
+static const double first_step = 1e-8;   /* [s] from touching flanks, where the force's stiffness starts from 0 */
+static const double restart_step = 1e-7; /* [s] after an event */
+/* Of the model time: towards a limit of the model the steps shrink for ever unless they may not pass rounding. */
+static const double smallest_step = 64 * DBL_EPSILON;
+/* Only for what grows beyond all scales, such as the gap of flanks that never meet again: asks for no more than rounding allows. */
+static const double relative_tolerance = 16 * DBL_EPSILON;
 static const int most_events_at_once = 1000; /* events without progress in time before giving up */
 static const double grid_slack = 1e-6;       /* of an output interval: a grid point this near the end is the end */
 
@@ -213,12 +218,13 @@ static bool set_up(session *s)
     to_scaled(s, s->state->yp, s->yp);
     silence(s);
     bool good = IDAInit(s->ida, residual, s->state->t, s->y, s->yp) == IDA_SUCCESS;
-    good = good && IDASStolerances(s->ida, 0, s->options->tolerance) == IDA_SUCCESS;
+    good = good && IDASStolerances(s->ida, relative_tolerance, s->options->tolerance) == IDA_SUCCESS;
     good = good && IDASetUserData(s->ida, s) == IDA_SUCCESS && IDASetId(s->ida, s->id) == IDA_SUCCESS;
     good = good && IDASetLinearSolver(s->ida, s->solver, s->matrix) == IDA_SUCCESS;
     good = good && IDASetJacFn(s->ida, jacobian) == IDA_SUCCESS;
     good = good && IDASetDeltaCjLSetup(s->ida, matrix_staleness) == IDA_SUCCESS;
     good = good && IDASetMaxStep(s->ida, s->options->max_step) == IDA_SUCCESS;
+    good = good && IDASetMinStep(s->ida, smallest_step * fmax(1, s->options->t_end)) == IDA_SUCCESS;
     good = good && IDASetInitStep(s->ida, first_step) == IDA_SUCCESS;
     if (good && m->n_roots > 0) {
         m->root_directions(m->self, s->state->integers, s->directions);

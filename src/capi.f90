@@ -12,7 +12,7 @@ module evl_capi
    use evl_gearbox_events, only: event_name, event_t, gearbox_apply_event, gearbox_n_roots, gearbox_next_time_event, &
                                  gearbox_root_directions, gearbox_roots, n_event_kinds
    use evl_gearbox_initial, only: gearbox_initial_speeds, gearbox_start
-   use evl_output_table, only: gearbox_n_values, gearbox_output_table, gearbox_outputs, n_outputs, output_t
+   use evl_output_table, only: gearbox_output_table, gearbox_outputs, n_outputs, output_t
    use evl_gearbox_scaling, only: gearbox_state_scales
    use evl_gearbox_states, only: gearbox_state_name
    use evl_kinds, only: pi
@@ -133,7 +133,7 @@ contains
 
       g => gearbox_of(handle)
       sizes = c_sizes(size(g%wheels), size(g%meshes), size(g%loads), g%n_states, g%n_integers, size(g%meshes), &
-                      gearbox_n_roots(g), n_outputs, gearbox_n_values(g), size(g%warnings))
+                      gearbox_n_roots(g), n_outputs, g%n_values, size(g%warnings))
    end subroutine evl_gearbox_sizes
 
    integer(c_int) function evl_gearbox_warning(handle, index, text) result(length) bind(c)
@@ -388,7 +388,7 @@ contains
 
       g => gearbox_of(handle)
       call gearbox_outputs(g, t, y(:g%n_states), integers(:g%n_integers), reals(:size(g%meshes)), &
-                           values(:gearbox_n_values(g)), s)
+                           values(:g%n_values), s)
       code = s%code
       if (code /= code_ok) code = answer(s, status)
    end function evl_gearbox_outputs

@@ -67,7 +67,7 @@ module evl_gearbox
       type(spur_pair_t), allocatable :: pairs(:) !! geometry of each mesh
       character(len=message_length), allocatable :: warnings(:)
       integer :: reference = 1               !! wheel whose angle is theta
-      integer :: n_states = 0, n_integers = 0
+      integer :: n_states = 0, n_integers = 0, n_values = 0 !! lengths of the state, the discrete state and the outputs
       integer :: i_dissipated = 0, i_work = 0 !! places of the two energies in the state
    end type gearbox_t
 

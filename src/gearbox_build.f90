@@ -10,6 +10,7 @@ module evl_gearbox_build
    use evl_layout, only: layout_resolve, layout_t
    use evl_load, only: load_constant, load_prescribed_speed, load_t, load_table, load_viscous
    use evl_mesh, only: mesh_link, mesh_t, tracking_closed_form, tracking_differential
+   use evl_output_table, only: count_values
    use evl_spur_geometry, only: maximum_teeth, minimum_teeth, spur_pair_derive
    use evl_status, only: code_invalid_input, fail, has_failed, message_length, quantity, status_t, subject_load, &
                          subject_mesh, subject_none, subject_wheel
@@ -86,6 +87,7 @@ contains
          if (has_failed(status)) return
       end do
       call gearbox_set_scales(gearbox)
+      gearbox%n_values = count_values(gearbox)
    end subroutine gearbox_create
 
    !> Every number of a wheel is in its range.

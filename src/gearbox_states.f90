@@ -32,7 +32,7 @@ contains
             if (wheel%i_psi > 0 .and. index == wheel%i_psi) call set("angle_deviation", "rad", i)
             if (wheel%i_psi > 0 .and. index == wheel%i_psi + 1) call set("speed_deviation", "rad s-1", i)
             do j = 1, wheel%support%n
-               if (index == wheel%support%i_state(j)) call set(displacement(wheel%support%n, j), "m", i)
+               if (index == wheel%support%i_state(j)) call set(trim(displacement(wheel%support%n, j)), "m", i)
                if (index == wheel%support%i_state(j) + 1) call set(trim(displacement(wheel%support%n, j))//"_rate", "m s-1", i)
             end do
          end associate

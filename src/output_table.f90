@@ -13,7 +13,7 @@ module evl_output_table
    implicit none (type, external)
    private
 
-   public :: n_outputs, output_t, gearbox_output_table, gearbox_outputs, gearbox_n_values
+   public :: n_outputs, output_t, gearbox_output_table, gearbox_outputs, count_values
    public :: dims_none, dims_wheel, dims_mesh, dims_wheel_axis, dims_mesh_axis
 
    integer, parameter :: n_wheel_constants = 7, n_mesh_constants = 15, n_gearbox_histories = 6, n_wheel_histories = 7, &
@@ -86,13 +86,13 @@ contains
    end function count_of
 
    !> Number of all values.
-   pure integer function gearbox_n_values(gearbox) result(n)
+   pure integer function count_values(gearbox) result(n)
       type(gearbox_t), intent(in) :: gearbox
       type(output_t) :: table(n_outputs)
 
       call gearbox_output_table(gearbox, table)
       n = sum(table%count)
-   end function gearbox_n_values
+   end function count_values
 
    pure function wheel_constants() result(t)
       type(output_t) :: t(n_wheel_constants)
@@ -191,7 +191,7 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t, y(gearbox%n_states), reals(:)
       integer, intent(in) :: integers(:)
-      real(wp), intent(out) :: values(:)      !! [gearbox_n_values]
+      real(wp), intent(out) :: values(:)      !! [gearbox%n_values]
       type(status_t), intent(inout) :: status
       real(wp) :: f(gearbox%n_states)
       type(wheel_sample) :: wheels(size(gearbox%wheels))
