@@ -127,6 +127,8 @@ def _open(path: Path, group: str | None) -> xr.Dataset:
         )
     except PermissionError as error:
         raise HistoryError(f"{path}: may not be read") from error
+    except BlockingIOError as error:
+        raise HistoryError(f"{path}: is being written; wait until its run has ended") from error
     except (OSError, KeyError, ValueError) as error:
         if group is not None:
             raise HistoryError(f"{path}: has no readable group `{group}`") from error

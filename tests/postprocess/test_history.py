@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 from pathlib import Path
 
 import h5py
@@ -122,6 +123,14 @@ def test_a_truncated_history_is_refused(friction_run, tmp_path):
     path.write_bytes(friction_run.path.read_bytes()[:5000])
     with pytest.raises(HistoryError, match=r"cut\.h5: is not a readable HDF5 file"):
         open_history(path)
+
+
+def test_a_history_that_is_being_written_is_not_called_broken(smooth_run, tmp_path):
+    path = write_history(tmp_path / "a.h5.partial", smooth_run.history, smooth_run.events)
+    with path.open("rb+") as writer:
+        fcntl.flock(writer, fcntl.LOCK_EX | fcntl.LOCK_NB)  # as a running evolvent holds it
+        with pytest.raises(HistoryError, match=r"a\.h5\.partial: is being written; wait"):
+            open_history(path)
 
 
 def test_another_hdf5_file_is_no_history(tmp_path):
