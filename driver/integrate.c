@@ -27,8 +27,9 @@ static const double restart_step = 1e-7; /* [s] after an event */
 static const double smallest_step = 64 * DBL_EPSILON;
 /* Only for what grows beyond all scales, such as the gap of flanks that never meet again: asks for no more than rounding allows. */
 static const double relative_tolerance = 16 * DBL_EPSILON;
-static const int most_events_at_once = 1000; /* events without progress in time before giving up */
-static const double grid_slack = 1e-6;       /* of an output interval: a grid point this near the end is the end */
+static const long steps_between_looks = 1000; /* after which the observer hears of it, however far the next output is */
+static const int most_events_at_once = 1000;  /* events without progress in time before giving up */
+static const double grid_slack = 1e-6;        /* of an output interval: a grid point this near the end is the end */
 
 typedef struct {
     const dae *model;
@@ -45,9 +46,10 @@ typedef struct {
     dae_state old; /* state before an event */
     SUNContext context;
     void *ida;
-    N_Vector y, yp, dense, id;
+    N_Vector y, yp, id;
     SUNMatrix matrix;
     SUNLinearSolver solver;
+    double t_refused; /* latest time at which the model had no answer */
     long next_output; /* index of the next grid point */
     double t_start;
     double t_event;     /* of the last event */
@@ -103,6 +105,13 @@ static dae_state borrowed(const session *s)
     return state;
 }
 
+static void note_refusal(session *s, int code)
+{
+    if (code != DAE_OK) {
+        s->t_refused = s->trial.t;
+    }
+}
+
 static int residual(sunrealtype t, N_Vector y, N_Vector yp, N_Vector r, void *data)
 {
     session *s = data;
@@ -110,6 +119,7 @@ static int residual(sunrealtype t, N_Vector y, N_Vector yp, N_Vector r, void *da
     const dae_state state = borrowed(s);
     double *rows = N_VGetArrayPointer(r);
     const int code = s->model->residual(s->model->self, &state, rows, s->reason);
+    note_refusal(s, code);
     for (int i = 0; i < s->model->n; i++)
         rows[i] *= s->row_units[i];
     return code;
@@ -125,6 +135,7 @@ static int jacobian(sunrealtype t, sunrealtype cj, N_Vector y, N_Vector yp, N_Ve
     const dae_state state = borrowed(s);
     double *entries = SUNDenseMatrix_Data(matrix);
     const int code = s->model->jacobian(s->model->self, &state, cj, entries, s->reason);
+    note_refusal(s, code);
     for (int j = 0; j < n; j++)
         for (int i = 0; i < n; i++)
             entries[j * n + i] *= s->row_units[i] * s->model->scale[j];
@@ -136,7 +147,9 @@ static int roots(sunrealtype t, N_Vector y, N_Vector yp, sunrealtype *values, vo
     session *s = data;
     take_trial(s, t, y, yp);
     const dae_state state = borrowed(s);
-    return s->model->roots(s->model->self, &state, values, s->reason);
+    const int code = s->model->roots(s->model->self, &state, values, s->reason);
+    note_refusal(s, code);
+    return code;
 }
 
 #if SUNDIALS_VERSION_MAJOR < 7
@@ -196,13 +209,13 @@ static bool create_solver(session *s)
     }
     s->y = N_VNew_Serial(m->n, s->context);
     s->yp = N_VNew_Serial(m->n, s->context);
-    s->dense = N_VNew_Serial(m->n, s->context);
     s->id = N_VNew_Serial(m->n, s->context);
     s->matrix = SUNDenseMatrix(m->n, m->n, s->context);
     s->ida = IDACreate(s->context);
-    if (!s->y || !s->yp || !s->dense || !s->id || !s->matrix || !s->ida) {
+    if (!s->y || !s->yp || !s->id || !s->matrix || !s->ida) {
         return false;
     }
+    N_VEnableFusedOps_Serial(s->y, SUNTRUE);
     s->solver = SUNLinSol_Dense(s->y, s->matrix, s->context);
     return s->solver != NULL;
 }
@@ -223,6 +236,7 @@ static bool set_up(session *s)
     good = good && IDASetLinearSolver(s->ida, s->solver, s->matrix) == IDA_SUCCESS;
     good = good && IDASetJacFn(s->ida, jacobian) == IDA_SUCCESS;
     good = good && IDASetDeltaCjLSetup(s->ida, matrix_staleness) == IDA_SUCCESS;
+    good = good && IDASetMaxNumSteps(s->ida, steps_between_looks) == IDA_SUCCESS;
     good = good && IDASetMaxStep(s->ida, s->options->max_step) == IDA_SUCCESS;
     good = good && IDASetMinStep(s->ida, smallest_step * fmax(1, s->options->t_end)) == IDA_SUCCESS;
     good = good && IDASetInitStep(s->ida, first_step) == IDA_SUCCESS;
@@ -242,7 +256,6 @@ static void close_session(session *s)
     SUNMatDestroy(s->matrix);
     N_VDestroy(s->y);
     N_VDestroy(s->yp);
-    N_VDestroy(s->dense);
     N_VDestroy(s->id);
     SUNContext_Free(&s->context);
     free_state(&s->trial);
@@ -283,28 +296,15 @@ static double output_time(const session *s, long k)
     return t > s->options->t_end - grid_slack * s->options->output_interval ? s->options->t_end : t;
 }
 
-/* Hand over the grid points up to time t by dense output; the end itself comes from the accepted state. */
-static integrate_code give_outputs(session *s, double t)
+/* Hand over the present state if it lies on the grid; the end itself is handed over at the end. */
+static integrate_code give_output(session *s)
 {
-    double t_out;
-    while ((t_out = output_time(s, s->next_output)) <= t && t_out < s->options->t_end) {
-        if (t_out < t) {
-            if (IDAGetDky(s->ida, t_out, 0, s->dense) != IDA_SUCCESS) {
-                (void)snprintf(s->reason, DAE_MESSAGE_LENGTH, "no dense output at t = %.9g s", t_out);
-                return INTEGRATE_FAILED;
-            }
-            from_scaled(s, s->dense, s->trial.y);
-        } else {
-            memcpy(s->trial.y, s->state->y, (size_t)s->model->n * sizeof(double));
-        }
-        s->trial.t = t_out;
-        const dae_state state = borrowed(s);
-        s->next_output++;
-        if (s->observer->output(s->observer->self, &state) != 0) {
-            return INTEGRATE_STOPPED;
-        }
+    const double t_out = output_time(s, s->next_output);
+    if (s->state->t < t_out || t_out >= s->options->t_end) {
+        return INTEGRATE_DONE;
     }
-    return INTEGRATE_DONE;
+    s->next_output++;
+    return s->observer->output(s->observer->self, s->state) == 0 ? INTEGRATE_DONE : INTEGRATE_STOPPED;
 }
 
 /* Apply what happened at the present state and start anew from there. */
@@ -338,10 +338,10 @@ static integrate_code handle_event(session *s, bool time_event)
     return INTEGRATE_DONE;
 }
 
-/* The model's own words if it had any, else the integrator's. */
+/* The model's own words if it refused states beyond the last accepted one, else the integrator's. */
 static integrate_code explain(session *s, int flag)
 {
-    if (!s->reason[0]) {
+    if (!(s->t_refused > s->state->t)) {
         char *name = IDAGetReturnFlagName(flag);
         (void)snprintf(s->reason, DAE_MESSAGE_LENGTH, "the integrator cannot go on (%s)",
                        name ? name : "unknown reason");
@@ -350,32 +350,28 @@ static integrate_code explain(session *s, int flag)
     return INTEGRATE_FAILED;
 }
 
-/* One step of IDA, its outputs, and the event it may have ended at. */
+/* On to the next grid point, event or end, whichever comes first; IDA steps freely and interpolates. */
 static integrate_code advance(session *s)
 {
     const dae *m = s->model;
-    const double t_before = s->state->t;
     const double t_event = m->next_time_event(m->self, s->state);
     const double t_stop = fmin(s->options->t_end, t_event);
-    double t = t_before;
     int flag = IDA_TSTOP_RETURN;
-    if (t_stop > t_before) {
-        s->reason[0] = '\0';
+    if (t_stop > s->state->t) {
         flag = IDASetStopTime(s->ida, t_stop);
         if (flag == IDA_SUCCESS) {
-            flag = IDASolve(s->ida, s->options->t_end, &t, s->y, s->yp, IDA_ONE_STEP);
+            flag = IDASolve(s->ida, output_time(s, s->next_output), &s->state->t, s->y, s->yp, IDA_NORMAL);
         }
-        if (flag < 0) {
-            return explain(s, flag);
-        }
-        s->state->t = t;
         from_scaled(s, s->y, s->state->y);
         from_scaled(s, s->yp, s->state->yp);
-        integrate_code code = give_outputs(s, t);
+        if (flag < 0 && flag != IDA_TOO_MUCH_WORK) {
+            return explain(s, flag);
+        }
+        const integrate_code code = give_output(s);
         if (code != INTEGRATE_DONE) {
             return code;
         }
-        if (s->observer->step(s->observer->self, t) != 0) {
+        if (s->observer->step(s->observer->self, s->state->t) != 0) {
             return INTEGRATE_STOPPED;
         }
     }
@@ -388,8 +384,8 @@ static integrate_code advance(session *s)
     if (root && IDAGetRootInfo(s->ida, s->fired) != IDA_SUCCESS) {
         return explain(s, IDA_RTFUNC_FAIL);
     }
-    s->events_at_once = t > s->t_event ? 1 : s->events_at_once + 1;
-    s->t_event = t;
+    s->events_at_once = s->state->t > s->t_event ? 1 : s->events_at_once + 1;
+    s->t_event = s->state->t;
     if (s->events_at_once > most_events_at_once) {
         (void)snprintf(s->reason, DAE_MESSAGE_LENGTH, "%d events at one time: the model chatters", most_events_at_once);
         return INTEGRATE_FAILED;
@@ -401,9 +397,9 @@ static integrate_code run(session *s)
 {
     s->t_start = s->state->t;
     s->t_event = -INFINITY;
-    s->next_output = 0;
+    s->t_refused = -INFINITY;
+    s->next_output = 1;
     integrate_code code = INTEGRATE_DONE;
-    s->next_output++;
     if (s->observer->output(s->observer->self, s->state) != 0) {
         return INTEGRATE_STOPPED;
     }

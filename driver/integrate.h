@@ -18,7 +18,7 @@ typedef struct {
     int (*output)(void *self,
                   const dae_state *state); /**< grid points in order of time, the start and t_end among them */
     int (*event)(void *self, const event_record *record); /**< after it was applied */
-    int (*step)(void *self, double t);                    /**< after each accepted step: progress, interrupts */
+    int (*step)(void *self, double t);                    /**< now and then, between steps: progress, interrupts */
 } integrate_observer;
 
 typedef struct {
