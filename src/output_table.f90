@@ -31,24 +31,6 @@ module evl_output_table
       integer :: offset = 0, count = 0 !! place among the values, offset from 0
    end type output_t
 
-   !> A wheel at one time.
-   type :: wheel_sample
-      real(wp) :: angle = 0.0_wp, deviation = 0.0_wp, speed = 0.0_wp, acceleration = 0.0_wp, torque = 0.0_wp
-      real(wp) :: displacement(2) = 0.0_wp, velocity(2) = 0.0_wp
-      real(wp) :: kinetic = 0.0_wp, potential = 0.0_wp !! energies of wheel and support [J]
-   end type wheel_sample
-
-   !> A mesh at one time.
-   type :: mesh_sample
-      type(contact_point) :: point
-      type(mesh_force) :: force
-      type(mesh_mode) :: mode
-      real(wp) :: transmission_error, separation, lambda
-      real(wp) :: flank_distance_a, flank_distance_b, line_distance_a, line_distance_b
-      real(wp) :: point_a(2), point_b(2)
-      real(wp) :: potential
-   end type mesh_sample
-
 contains
 
    !> The table, in the order in which the values are filled.
@@ -191,166 +173,161 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t, y(gearbox%n_states), reals(:)
       integer, intent(in) :: integers(:)
-      real(wp), intent(out) :: values(:)      !! [gearbox%n_values]
+      real(wp), intent(out) :: values(gearbox%n_values)
       type(status_t), intent(inout) :: status
-      real(wp) :: f(gearbox%n_states)
-      type(wheel_sample) :: wheels(size(gearbox%wheels))
-      type(mesh_sample) :: meshes(size(gearbox%meshes))
-      real(wp) :: torque(size(gearbox%wheels))
-      integer :: i, n
+      real(wp) :: f(gearbox%n_states), torque(size(gearbox%wheels))
+      integer :: nw, nm, i, at_time, at_wheels, at_meshes
 
       call gearbox_rates(gearbox, t, y, integers, reals, f, status)
       if (has_failed(status)) return
-      torque = 0
-      do i = 1, size(meshes)
-         call sample_mesh(gearbox, i, y, integers, reals, meshes(i), status)
-         associate (a => torque(gearbox%meshes(i)%wheel_a), b => torque(gearbox%meshes(i)%wheel_b))
-            a = a + meshes(i)%force%torque_a
-            b = b + meshes(i)%force%torque_b
-         end associate
-      end do
-      do i = 1, size(wheels)
-         wheels(i) = sample_wheel(gearbox, i, t, y, f, torque(i), integers)
-      end do
-      n = 0
-      call put(real(gearbox%wheels%teeth, wp), values, n)
-      call put(gearbox%wheels%pitch_radius, values, n)
-      call put(gearbox%wheels%base_radius, values, n)
-      call put(gearbox%wheels%tip_radius, values, n)
-      call put(gearbox%wheels%mass, values, n)
-      call put(gearbox%wheels%inertia, values, n)
-      call put([(gearbox%wheels(i)%centre, i=1, size(wheels))], values, n)
-
-      call put(real(gearbox%meshes%wheel_a - 1, wp), values, n)
-      call put(real(gearbox%meshes%wheel_b - 1, wp), values, n)
-      call put(gearbox%meshes%pair%sigma, values, n)
-      call put(real(gearbox%meshes%tracking, wp), values, n)
-      call put(gearbox%pairs%chi, values, n)
-      call put(gearbox%pairs%alpha_w, values, n)
-      call put(gearbox%meshes%base_pitch, values, n)
-      call put(gearbox%meshes%pair%rho_0, values, n)
-      call put(gearbox%pairs%rho_start_a, values, n)
-      call put(gearbox%pairs%rho_start_b, values, n)
-      call put(gearbox%meshes%width, values, n)
-      call put(gearbox%meshes%e_star, values, n)
-      call put(gearbox%meshes%pair%share_a, values, n)
-      call put(gearbox%meshes%force_scale, values, n)
-      call put(gearbox%meshes%h_scale, values, n)
-
-      call put([y(i_theta), real(integers(i_turns), wp), sum(wheels%kinetic), sum(wheels%potential) + sum(meshes%potential), &
-                y(gearbox%i_dissipated), y(gearbox%i_work)], values, n)
-
-      call put(wheels%angle, values, n)
-      call put(wheels%deviation, values, n)
-      call put(wheels%speed, values, n)
-      call put(wheels%acceleration, values, n)
-      call put(wheels%torque, values, n)
-      call put([(wheels(i)%displacement, i=1, size(wheels))], values, n)
-      call put([(wheels(i)%velocity, i=1, size(wheels))], values, n)
-
-      call put(meshes%transmission_error, values, n)
-      call put(max(meshes%point%h, 0.0_wp), values, n)
-      call put(-meshes%point%h, values, n)
-      call put(meshes%separation, values, n)
-      call put(meshes%force%normal, values, n)
-      call put(meshes%force%friction, values, n)
-      call put(meshes%point%v_t, values, n)
-      call put(meshes%point%l_a, values, n)
-      call put(meshes%point%l_b, values, n)
-      call put(meshes%lambda, values, n)
-      call put(meshes%flank_distance_a, values, n)
-      call put(meshes%flank_distance_b, values, n)
-      call put(meshes%line_distance_a, values, n)
-      call put(meshes%line_distance_b, values, n)
-      call put(real(meshes%mode%teeth, wp), values, n)
-      call put(merge(1.0_wp, 0.0_wp, meshes%point%h > 0), values, n)
-      call put(real(meshes%mode%contact, wp), values, n)
-      call put([(meshes(i)%point_a, i=1, size(meshes))], values, n)
-      call put([(meshes(i)%point_b, i=1, size(meshes))], values, n)
+      nw = size(gearbox%wheels)
+      nm = size(gearbox%meshes)
+      call put_wheel_constants(gearbox, nw, values)
+      call put_mesh_constants(gearbox, nm, values(nw*(n_wheel_constants + 1) + 1))
+      at_time = nw*(n_wheel_constants + 1) + nm*n_mesh_constants
+      at_wheels = at_time + n_gearbox_histories
+      at_meshes = at_wheels + nw*(n_wheel_histories + 2)
+      associate (kinetic => values(at_time + 3), potential => values(at_time + 4))
+         kinetic = 0
+         potential = 0
+         torque = 0
+         do i = 1, nm
+            call put_mesh(gearbox, i, nm, y, integers, reals, torque, values(at_meshes + 1), &
+                          values(at_meshes + nm*(n_mesh_histories - 2) + 1), potential, status)
+         end do
+         do i = 1, nw
+            call put_wheel(gearbox, i, nw, t, y, f, torque(i), integers, values(at_wheels + 1), &
+                           values(at_wheels + nw*(n_wheel_histories - 2) + 1), kinetic, potential)
+         end do
+      end associate
+      values(at_time + 1) = y(i_theta)
+      values(at_time + 2) = integers(i_turns)
+      values(at_time + 5) = y(gearbox%i_dissipated)
+      values(at_time + 6) = y(gearbox%i_work)
    end subroutine gearbox_outputs
 
-   !> Append to the values.
-   pure subroutine put(some, values, n)
-      real(wp), intent(in) :: some(:)
-      real(wp), intent(inout) :: values(:)
-      integer, intent(inout) :: n !! values so far
+   !> What does not change of the wheels.
+   pure subroutine put_wheel_constants(gearbox, n, values)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: n !! wheels
+      real(wp), intent(inout) :: values(n, n_wheel_constants + 1)
+      integer :: i
 
-      values(n + 1:n + size(some)) = some
-      n = n + size(some)
-   end subroutine put
+      do i = 1, n
+         associate (wheel => gearbox%wheels(i))
+            values(i, :6) = [real(wheel%teeth, wp), wheel%pitch_radius, wheel%base_radius, wheel%tip_radius, wheel%mass, &
+                             wheel%inertia]
+            call put_pair(wheel%centre, i, n, values(1, 7))
+         end associate
+      end do
+   end subroutine put_wheel_constants
+
+   !> Components x and y of wheel or mesh i.
+   pure subroutine put_pair(pair, i, n, values)
+      real(wp), intent(in) :: pair(2)
+      integer, intent(in) :: i, n
+      real(wp), intent(inout) :: values(2, n)
+
+      values(:, i) = pair
+   end subroutine put_pair
+
+   !> What does not change of the meshes.
+   pure subroutine put_mesh_constants(gearbox, n, values)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: n !! meshes
+      real(wp), intent(inout) :: values(n, n_mesh_constants)
+      integer :: i
+
+      do i = 1, n
+         associate (mesh => gearbox%meshes(i), pair => gearbox%pairs(i))
+            values(i, :) = [real(mesh%wheel_a - 1, wp), real(mesh%wheel_b - 1, wp), mesh%pair%sigma, real(mesh%tracking, wp), &
+                            pair%chi, pair%alpha_w, mesh%base_pitch, mesh%pair%rho_0, pair%rho_start_a, pair%rho_start_b, &
+                            mesh%width, mesh%e_star, mesh%pair%share_a, mesh%force_scale, mesh%h_scale]
+         end associate
+      end do
+   end subroutine put_mesh_constants
 
    !> A wheel at a state with its rates f.
-   pure type(wheel_sample) function sample_wheel(gearbox, index, t, y, f, mesh_torque, integers) result(sample)
+   pure subroutine put_wheel(gearbox, index, n, t, y, f, mesh_torque, integers, scalars, pairs, kinetic, potential)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index, integers(:)
+      integer, intent(in) :: index, n, integers(:)
       real(wp), intent(in) :: t, y(:), f(:)
-      real(wp), intent(in) :: mesh_torque !! of all its meshes [N m]
+      real(wp), intent(in) :: mesh_torque            !! of all its meshes [N m]
+      real(wp), intent(inout) :: scalars(n, n_wheel_histories - 2), pairs(2, n, 2)
+      real(wp), intent(inout) :: kinetic, potential  !! energies so far [J]
+      real(wp) :: deviation, speed, acceleration, torque
       integer :: j
 
       associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support)
-         if (wheel%i_psi > 0) sample%deviation = y(wheel%i_psi)
-         sample%angle = wheel%ratio*(y(i_theta) + 2*pi*integers(i_turns)) + sample%deviation
-         sample%speed = wheel_speed(wheel, y)
-         sample%acceleration = f(i_omega)
-         if (wheel%i_psi > 0) sample%acceleration = f(wheel%i_speed) + wheel%ratio*f(i_omega)
-         sample%torque = wheel_load_torque(gearbox, index, t, sample%speed, integers)
-         if (wheel%prescribed > 0) sample%torque = wheel%inertia*sample%acceleration - mesh_torque
-         sample%kinetic = wheel%inertia*sample%speed**2/2
+         deviation = 0
+         if (wheel%i_psi > 0) deviation = y(wheel%i_psi)
+         speed = wheel_speed(wheel, y)
+         acceleration = f(i_omega)
+         if (wheel%i_psi > 0) acceleration = f(wheel%i_speed) + wheel%ratio*f(i_omega)
+         torque = wheel_load_torque(gearbox, index, t, speed, integers)
+         if (wheel%prescribed > 0) torque = wheel%inertia*acceleration - mesh_torque
+         scalars(index, :) = [wheel%ratio*(y(i_theta) + 2*pi*integers(i_turns)) + deviation, deviation, speed, acceleration, &
+                              torque]
+         kinetic = kinetic + wheel%inertia*speed**2/2
+         pairs(:, index, :) = 0
          do j = 1, support%n
             associate (i => support%i_state(j))
-               sample%displacement = sample%displacement + y(i)*support%direction(:, j)
-               sample%velocity = sample%velocity + y(i + 1)*support%direction(:, j)
-               sample%kinetic = sample%kinetic + support%mass*y(i + 1)**2/2
-               sample%potential = sample%potential + support%stiffness(j)*y(i)**2/2
+               pairs(:, index, 1) = pairs(:, index, 1) + y(i)*support%direction(:, j)
+               pairs(:, index, 2) = pairs(:, index, 2) + y(i + 1)*support%direction(:, j)
+               kinetic = kinetic + support%mass*y(i + 1)**2/2
+               potential = potential + support%stiffness(j)*y(i)**2/2
             end associate
          end do
       end associate
-   end function sample_wheel
+   end subroutine put_wheel
 
    !> A mesh at a state.
-   subroutine sample_mesh(gearbox, index, y, integers, reals, sample, status)
+   subroutine put_mesh(gearbox, index, n, y, integers, reals, torque, scalars, pairs, potential, status)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index, integers(:)
+      integer, intent(in) :: index, n, integers(:)
       real(wp), intent(in) :: y(:), reals(:)
-      type(mesh_sample), intent(out) :: sample
+      real(wp), intent(inout) :: torque(:)  !! of the meshes on the wheels so far [N m]
+      real(wp), intent(inout) :: scalars(n, n_mesh_histories - 2), pairs(2, n, 2)
+      real(wp), intent(inout) :: potential  !! energy so far [J]
       type(status_t), intent(inout) :: status
-      real(wp) :: q(n_local), rho_a0, residual(n_track), turn, nan, point_a(2), point_b(2)
+      type(contact_point) :: point
+      type(mesh_force) :: force
+      type(mesh_mode) :: mode
+      real(wp) :: q(n_local), rho_a0, transmission_error, tracked(5), residual(n_track), point_a(2), point_b(2)
       logical :: exists
 
-      nan = ieee_value(nan, ieee_quiet_nan)
-      associate (mesh => gearbox%meshes(index), point => sample%point)
-         sample%mode = gearbox_mode(gearbox, index, integers, reals)
+      associate (mesh => gearbox%meshes(index))
+         mode = gearbox_mode(gearbox, index, integers, reals)
          call gearbox_local(gearbox, mesh, y, q)
-         rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), sample%mode%teeth)
-         if (sample%mode%contact == contact_apart) then
+         rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
+         if (mode%contact == contact_apart) then
             call track_closed_form(mesh%pair, rho_a0, q, point)
          else
             call mesh_contact(mesh, rho_a0, q, point)
          end if
-         call mesh_forces(mesh, index, sample%mode, point, sample%force, status)
-         sample%potential = mesh_energy(mesh, sample%mode, point)
-         turn = centre_line_turn(mesh%pair, q)
-         sample%transmission_error = -mesh%pair%sigma*(mesh%pair%r_ba*q(at_psi_a) + mesh%pair%r_bb*q(at_psi_b) &
-                                                       - (mesh%pair%r_ba + mesh%pair%r_bb)*turn)
-         sample%separation = closed_form_gap(mesh%pair, q) + sample%transmission_error
-         sample%lambda = nan
-         sample%flank_distance_a = nan
-         sample%flank_distance_b = nan
-         sample%line_distance_a = nan
-         sample%line_distance_b = nan
-         if (mesh%tracking == tracking_closed_form .or. sample%mode%contact == contact_apart) then
+         call mesh_forces(mesh, index, mode, point, force, status)
+         torque(mesh%wheel_a) = torque(mesh%wheel_a) + force%torque_a
+         torque(mesh%wheel_b) = torque(mesh%wheel_b) + force%torque_b
+         potential = potential + mesh_energy(mesh, mode, point)
+         associate (p => mesh%pair)
+            transmission_error = -p%sigma*(p%r_ba*q(at_psi_a) + p%r_bb*q(at_psi_b) - (p%r_ba + p%r_bb)*centre_line_turn(p, q))
+         end associate
+         tracked = ieee_value(tracked, ieee_quiet_nan)
+         if (mesh%tracking == tracking_closed_form .or. mode%contact == contact_apart) then
             call points_from_closed_form(mesh%pair, q, q(at_track:))
          else
             call algebraic_residual(mesh%pair, rho_a0, q, residual, exists)
-            sample%lambda = q(at_lambda)
-            sample%flank_distance_a = residual(5)
-            sample%flank_distance_b = residual(6)
-            call line_distance(mesh%pair, rho_a0, q, sample%line_distance_a, sample%line_distance_b)
+            tracked(1:3) = [q(at_lambda), residual(5), residual(6)]
+            call line_distance(mesh%pair, rho_a0, q, tracked(4), tracked(5))
          end if
+         scalars(index, :) = [transmission_error, max(point%h, 0.0_wp), -point%h, &
+                              closed_form_gap(mesh%pair, q) + transmission_error, force%normal, force%friction, point%v_t, &
+                              point%l_a, point%l_b, tracked, real(mode%teeth, wp), merge(1.0_wp, 0.0_wp, point%h > 0), &
+                              real(mode%contact, wp)]
          call tracked_positions(mesh%pair, rho_a0, q, point_a, point_b)
-         sample%point_a = mesh%k_a0 + point_a(1)*mesh%t_0 + point_a(2)*mesh%e_0
-         sample%point_b = mesh%k_a0 + point_b(1)*mesh%t_0 + point_b(2)*mesh%e_0
+         pairs(:, index, 1) = mesh%k_a0 + point_a(1)*mesh%t_0 + point_a(2)*mesh%e_0
+         pairs(:, index, 2) = mesh%k_a0 + point_b(1)*mesh%t_0 + point_b(2)*mesh%e_0
       end associate
-   end subroutine sample_mesh
+   end subroutine put_mesh
 
 end module evl_output_table
