@@ -125,8 +125,7 @@ static void print_help(const command_row *command)
 #if defined(__GNUC__)
 __attribute__((format(printf, 3, 4)))
 #endif
-static void
-misuse(cli_options *options, const command_row *command, const char *format, ...)
+static void misuse(cli_options *options, const command_row *command, const char *format, ...)
 {
     evl_error error = {.code = EVL_EXIT_OK};
     char text[EVL_ERROR_MESSAGE_LENGTH];

@@ -14,7 +14,7 @@ typedef struct {
     struct contact_watch_mesh {
         bool had_contact, is_open; /**< is_open: the last contact event was an opening, at t_opened */
         double t_opened;
-    } * meshes;
+    } *meshes;
 } contact_watch;
 
 void contact_watch_init(contact_watch *watch, const model *model, int n_meshes);

@@ -13,7 +13,6 @@ char *xstrdup(const char *text);
 #if defined(__GNUC__)
 __attribute__((format(printf, 1, 2)))
 #endif
-char *
-xasprintf(const char *format, ...);
+char *xasprintf(const char *format, ...);
 
 #endif

@@ -7,7 +7,9 @@ module evl_capi
    use, intrinsic :: iso_fortran_env, only: compiler_version
    use evl_capi_description, only: c_initial, c_load, c_mesh, c_wheel, initial_from_c, load_from_c, mesh_from_c, wheel_from_c
    use evl_capi_types, only: c_message_length, c_name_length, c_status, c_text_length, status_to_c, to_c
-   use evl_gearbox, only: gearbox_derivative, gearbox_jacobian, gearbox_residual, gearbox_t
+   use evl_dae_jacobian, only: gearbox_jacobian
+   use evl_dae_residual, only: gearbox_derivative, gearbox_residual
+   use evl_gearbox, only: gearbox_t
    use evl_gearbox_build, only: gearbox_create
    use evl_gearbox_events, only: event_name, event_t, gearbox_apply_event, gearbox_n_roots, gearbox_next_time_event, &
                                  gearbox_root_directions, gearbox_roots, n_event_kinds

@@ -1,176 +1,25 @@
-!> The two points of a tooth pair that touch or face each other, found in three ways.
-!>
-!> Everything is written in the nominal basis (t_0, e_0) of the mesh: e_0 along the line of action from K_A to K_B at the
-!> reference centre distance, t_0 across it. Positions are deviations from the nominal rolling motion, so that a penetration of
-!> 1e-9 m keeps its full relative precision beside radii of 0.1 m.
-!>
-!> One geometrical fact carries all three forms (`deviation_find`): a point near r_b t_0 + rho_0 e_0 lies on a line that touches
-!> the circle of radius r_b; the line is turned from e_0 by `angle`, and the point lies `rho` from where it touches. With the base
-!> circle of a wheel this gives the normal and the radius of curvature of the involute through a point; with the sum of both base
-!> radii it gives the line of action for any centre distance.
+!> The two points of a tooth pair that touch or face each other, tracked by the algebraic form (1) or the differential form (2)-(3).
 !>
 !> The tracked point of wheel A is r_PA = O_A + r_bA t + (rho_A0 + zeta) e, O_A where the axle is now, t and e turned by `turn`
 !> from t_0 and e_0, rho_A0(theta) the nominal radius of curvature; that of wheel B is r_PB = r_PA + dr. In these coordinates g_A is
 !> linear, and the rest of (1) is linear with constant coefficients but for terms that are smaller by a displacement over a
 !> radius: a multistep method keeps the points on the flanks to rounding, and on the line of action to 1e-10 of the penetration.
 !>
-!> Source: Kosenko & Gusev 2011, (1)-(3) and Assertions 1 and 2.
+!> Source: Kosenko & Gusev 2011, (1)-(3).
 module evl_contact_tracking
+   use evl_closed_form, only: closed_form_gap, closed_form_line
+   use evl_contact_point, only: complete_gradient, complete_point, contact_gradient, contact_point, tracked_pair
+   use evl_deviation, only: deviation, deviation_find, deviation_gradients, versine
    use evl_kinds, only: wp
+   use evl_local_variables, only: at_dr, at_lambda, at_mu, at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_theta, &
+                                  at_track, at_turn, at_u_a, at_u_b, at_v_a, at_v_b, at_zeta, n_local, n_track, unit
    implicit none (type, external)
    private
 
-   public :: tracked_pair, contact_point, contact_gradient, deviation
-   public :: deviation_find, track_closed_form, track_points, gradient_closed_form, gradient_points
-   public :: closed_form_gap, algebraic_residual, differential_residual, algebraic_jacobian, differential_jacobian
-   public :: differential_rates, points_from_closed_form, tracked_positions, centre_line_turn, line_distance
-   public :: n_local, n_track, at_theta, at_psi_a, at_psi_b, at_u_a, at_u_b
-   public :: at_omega, at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, at_track, at_turn, at_zeta, at_dr, at_lambda, at_mu
-
-   integer, parameter :: n_local = 20      !! variables that one mesh sees
-   integer, parameter :: n_track = 6       !! tracked variables of a mesh: turn, zeta, dr (2), lambda, mu
-   integer, parameter :: at_theta = 1      !! reference angle theta [rad]
-   integer, parameter :: at_psi_a = 2      !! angle deviation psi_A [rad]
-   integer, parameter :: at_psi_b = 3      !! angle deviation psi_B [rad]
-   integer, parameter :: at_u_a = 4        !! displacement of axle A (t_0, e_0) [m], two places
-   integer, parameter :: at_u_b = 6        !! displacement of axle B (t_0, e_0) [m], two places
-   integer, parameter :: at_omega = 8      !! theta' [rad/s]
-   integer, parameter :: at_psi_dot_a = 9  !! psi_A' [rad/s]
-   integer, parameter :: at_psi_dot_b = 10 !! psi_B' [rad/s]
-   integer, parameter :: at_v_a = 11       !! velocity of axle A (t_0, e_0) [m/s], two places
-   integer, parameter :: at_v_b = 13       !! velocity of axle B (t_0, e_0) [m/s], two places
-   integer, parameter :: at_turn = 15      !! angle from e_0 to A's normal at P_A [rad]
-   integer, parameter :: at_zeta = 16      !! radius of curvature of A at P_A less rho_A0 [m]
-   integer, parameter :: at_dr = 17        !! dr = r_PB - r_PA [m], two places
-   integer, parameter :: at_lambda = 19    !! lambda of (1) [1]
-   integer, parameter :: at_mu = 20        !! mu of (1) [m^2]
-   integer, parameter :: at_track = at_turn !! first tracked variable
-
-   !> Constants of one tooth pair that its tracking needs.
-   type :: tracked_pair
-      real(wp) :: sigma       !! +1: driving wheel nominally clockwise, -1: counterclockwise
-      real(wp) :: r_ba, r_bb  !! base radii [m]
-      real(wp) :: rho_0       !! |K_A K_B| at the reference centre distance [m]
-      real(wp) :: ratio_a     !! g_A: nominal speed of A over that of the reference wheel
-      real(wp) :: ratio_b     !! g_B
-      real(wp) :: advance     !! d rho_A0/d theta = -sigma r_bA g_A [m]
-      real(wp) :: share_a     !! w_A = E* (1-nu_A^2)/E_A: where between P_A and P_B the force acts
-      real(wp) :: share_b     !! w_B = 1 - w_A
-   end type tracked_pair
-
-   !> Where a point lies relative to a circle's tangents, see `deviation_find`.
-   type :: deviation
-      logical :: exists   !! false if the point lies inside the circle
-      real(wp) :: d_rho   !! rho - rho_0 [m]
-      real(wp) :: rho     !! distance from the point of tangency [m]
-      real(wp) :: angle   !! from e_0 to e, such that t = cos t_0 + sin e_0, e = -sin t_0 + cos e_0 [rad]
-      real(wp) :: s, c    !! sine and cosine of `angle`
-   end type deviation
-
-   !> What the forces have to know of the contact.
-   type :: contact_point
-      logical :: exists        !! false if the tracked points left the involutes
-      real(wp) :: h            !! penetration; negative: gap [m]
-      real(wp) :: h_dot        !! its rate [m/s]
-      real(wp) :: rho_a, rho_b !! radii of curvature [m]
-      real(wp) :: s, c         !! direction of the normal: e = (-s, c), t = (c, s) in (t_0, e_0)
-      real(wp) :: l_a, l_b     !! arms of the friction force [m]
-      real(wp) :: v_t          !! sliding velocity along t [m/s]
-      real(wp) :: omega_a, omega_b !! angular velocities [rad/s]
-   end type contact_point
-
-   !> Derivatives of a `contact_point` with respect to the local variables; `angle` is that of the normal.
-   type :: contact_gradient
-      real(wp) :: h(n_local), h_dot(n_local), rho_a(n_local), rho_b(n_local), angle(n_local)
-      real(wp) :: l_a(n_local), l_b(n_local), v_t(n_local)
-   end type contact_gradient
+   public :: track_points, gradient_points, tracked_positions, line_distance, points_from_closed_form
+   public :: algebraic_residual, algebraic_jacobian, differential_residual, differential_jacobian, differential_rates
 
 contains
-
-   !> Tangent to a circle of radius r_b through the point (r_b + a_t, rho_0 + a_e).
-   !>
-   !> Valid: rho_0 > 0 and the point outside the circle. Written without cancellation: rho - rho_0 and the angle keep full relative
-   !> precision in a. Derivatives: d angle = -(da.t + s drho_0)/rho, d rho = da.e + c drho_0 - r_b d angle, hence
-   !> d(rho - rho_0 + r_b angle) = da.e + (c-1) drho_0.
-   pure subroutine deviation_find(r_b, rho_0, a_t, a_e, found)
-      real(wp), intent(in) :: r_b      !! radius of the circle [m]
-      real(wp), intent(in) :: rho_0    !! nominal distance from the point of tangency [m]
-      real(wp), intent(in) :: a_t, a_e !! deviation from the nominal point [m]
-      type(deviation), intent(out) :: found
-      real(wp) :: change, radicand, y, radius2, s2
-
-      change = a_t*(2*r_b + a_t) + a_e*(2*rho_0 + a_e)
-      radicand = rho_0**2 + change
-      y = rho_0 + a_e
-      found%exists = radicand > 0 .and. rho_0 > 0 .and. y > 0
-      if (.not. found%exists) then
-         found%d_rho = 0
-         found%rho = rho_0
-         found%angle = 0
-         found%s = 0
-         found%c = 1
-         return
-      end if
-      found%rho = sqrt(radicand)
-      found%d_rho = change/(found%rho + rho_0)
-      radius2 = r_b**2 + radicand
-      found%s = -a_t*(r_b*(2*r_b + a_t)/(found%rho + y) + found%rho)/radius2
-      found%c = (r_b*(r_b + a_t) + found%rho*y)/radius2
-      s2 = found%s**2
-      if (s2 < 1.0e-4_wp) then ! the series of asin: next term 2e-22 relative
-         found%angle = found%s*(1 + s2*(1/6.0_wp + s2*(3/40.0_wp + s2*(15/336.0_wp + s2*(105/3456.0_wp)))))
-      else
-         found%angle = atan2(found%s, found%c)
-      end if
-   end subroutine deviation_find
-
-   !> 1 - cos of a deviation's angle, without cancellation.
-   pure real(wp) function versine(found)
-      type(deviation), intent(in) :: found
-
-      versine = found%s**2/(1 + found%c)
-   end function versine
-
-   !> Closed form of the contact (Assertions 1 and 2): gap, normal and radii of curvature from the wheels' positions alone.
-   !>
-   !> kappa = rho - rho_A - rho_B = (rho - rho_0) + R angle + sigma (r_bA psi_A + r_bB psi_B), which is
-   !> R (inv alpha - inv alpha_0) + sigma (r_bA Dphi_A + r_bB Dphi_B - R Dchi).
-   pure subroutine track_closed_form(pair, rho_a0, q, point)
-      type(tracked_pair), intent(in) :: pair
-      real(wp), intent(in) :: rho_a0      !! nominal radius of curvature on A at theta [m]
-      real(wp), intent(in) :: q(n_local)  !! local variables
-      type(contact_point), intent(out) :: point
-      type(deviation) :: line
-
-      call closed_form_line(pair, q, line)
-      point%exists = line%exists
-      point%h = -closed_form_gap(pair, q)
-      point%rho_a = rho_a0 - pair%r_ba*(line%angle + pair%sigma*q(at_psi_a))
-      point%rho_b = pair%rho_0 - rho_a0 - pair%r_bb*(line%angle + pair%sigma*q(at_psi_b))
-      point%s = line%s
-      point%c = line%c
-      call complete_point(pair, q, point)
-   end subroutine track_closed_form
-
-   !> The line of action at the present centre distance.
-   pure subroutine closed_form_line(pair, q, line)
-      type(tracked_pair), intent(in) :: pair
-      real(wp), intent(in) :: q(n_local)
-      type(deviation), intent(out) :: line
-
-      call deviation_find(pair%r_ba + pair%r_bb, pair%rho_0, q(at_u_b) - q(at_u_a), q(at_u_b + 1) - q(at_u_a + 1), line)
-   end subroutine closed_form_line
-
-   !> Gap kappa in closed form [m].
-   pure real(wp) function closed_form_gap(pair, q) result(kappa)
-      type(tracked_pair), intent(in) :: pair
-      real(wp), intent(in) :: q(n_local)
-      type(deviation) :: line
-
-      call closed_form_line(pair, q, line)
-      kappa = line%d_rho + (pair%r_ba + pair%r_bb)*line%angle &
-              + pair%sigma*(pair%r_ba*q(at_psi_a) + pair%r_bb*q(at_psi_b))
-   end function closed_form_gap
 
    !> The contact from the tracked points: penetration from mu, normal and radii from where the points lie on the two wheels.
    pure subroutine track_points(pair, rho_a0, q, point)
@@ -236,59 +85,6 @@ contains
                 + rho_0
    end subroutine position_gradients
 
-   !> Derivatives of a deviation: of its angle, and of rho - rho_0 + r_b angle.
-   pure subroutine deviation_gradients(on, position, rho_0, angle, distance)
-      type(deviation), intent(in) :: on
-      real(wp), intent(in) :: position(n_local, 2), rho_0(n_local) !! derivatives of the point and of the nominal distance
-      real(wp), intent(out) :: angle(n_local), distance(n_local)
-
-      angle = -(position(:, 1)*on%c + (position(:, 2) + rho_0)*on%s)/on%rho
-      distance = -position(:, 1)*on%s + position(:, 2)*on%c - versine(on)*rho_0
-   end subroutine deviation_gradients
-
-   !> Rates, arms and sliding velocity from penetration, normal and radii.
-   pure subroutine complete_point(pair, q, point)
-      type(tracked_pair), intent(in) :: pair
-      real(wp), intent(in) :: q(n_local)
-      type(contact_point), intent(inout) :: point
-      real(wp) :: v_t, v_e
-
-      v_t = q(at_v_b) - q(at_v_a)
-      v_e = q(at_v_b + 1) - q(at_v_a + 1)
-      point%omega_a = pair%ratio_a*q(at_omega) + q(at_psi_dot_a)
-      point%omega_b = pair%ratio_b*q(at_omega) + q(at_psi_dot_b)
-      point%h_dot = -pair%sigma*(pair%r_ba*q(at_psi_dot_a) + pair%r_bb*q(at_psi_dot_b)) + v_t*point%s - v_e*point%c
-      point%l_a = point%rho_a - pair%share_a*point%h
-      point%l_b = point%rho_b - pair%share_b*point%h
-      point%v_t = pair%sigma*(point%omega_a*point%l_a + point%omega_b*point%l_b) - v_t*point%c - v_e*point%s
-   end subroutine complete_point
-
-   !> Derivatives of `track_closed_form`.
-   pure subroutine gradient_closed_form(pair, q, point, gradient)
-      type(tracked_pair), intent(in) :: pair
-      real(wp), intent(in) :: q(n_local)
-      type(contact_point), intent(in) :: point !! at q
-      type(contact_gradient), intent(out) :: gradient
-      type(deviation) :: line
-
-      call closed_form_line(pair, q, line)
-      gradient%angle = 0
-      gradient%angle(at_u_b:at_u_b + 1) = -[line%c, line%s]/line%rho
-      gradient%angle(at_u_a:at_u_a + 1) = -gradient%angle(at_u_b:at_u_b + 1)
-      gradient%h = 0
-      gradient%h(at_psi_a) = -pair%sigma*pair%r_ba
-      gradient%h(at_psi_b) = -pair%sigma*pair%r_bb
-      gradient%h(at_u_b:at_u_b + 1) = [line%s, -line%c]
-      gradient%h(at_u_a:at_u_a + 1) = -gradient%h(at_u_b:at_u_b + 1)
-      gradient%rho_a = -pair%r_ba*gradient%angle
-      gradient%rho_a(at_theta) = pair%advance
-      gradient%rho_a(at_psi_a) = -pair%r_ba*pair%sigma
-      gradient%rho_b = -pair%r_bb*gradient%angle
-      gradient%rho_b(at_theta) = -pair%advance
-      gradient%rho_b(at_psi_b) = -pair%r_bb*pair%sigma
-      call complete_gradient(pair, q, point, gradient)
-   end subroutine gradient_closed_form
-
    !> Derivatives of `track_points`.
    pure subroutine gradient_points(pair, rho_a0, q, point, gradient)
       type(tracked_pair), intent(in) :: pair
@@ -310,35 +106,6 @@ contains
       call complete_gradient(pair, q, point, gradient)
    end subroutine gradient_points
 
-   !> Derivatives of `complete_point`; h, rho_a, rho_b and angle are there already.
-   pure subroutine complete_gradient(pair, q, point, gradient)
-      type(tracked_pair), intent(in) :: pair
-      real(wp), intent(in) :: q(n_local)
-      type(contact_point), intent(in) :: point
-      type(contact_gradient), intent(inout) :: gradient
-      real(wp) :: v_t, v_e
-
-      v_t = q(at_v_b) - q(at_v_a)
-      v_e = q(at_v_b + 1) - q(at_v_a + 1)
-      gradient%h_dot = (v_t*point%c + v_e*point%s)*gradient%angle
-      gradient%h_dot(at_psi_dot_a) = -pair%sigma*pair%r_ba
-      gradient%h_dot(at_psi_dot_b) = -pair%sigma*pair%r_bb
-      gradient%h_dot(at_v_b:at_v_b + 1) = [point%s, -point%c]
-      gradient%h_dot(at_v_a:at_v_a + 1) = [-point%s, point%c]
-      gradient%l_a = gradient%rho_a - pair%share_a*gradient%h
-      gradient%l_b = gradient%rho_b - pair%share_b*gradient%h
-      gradient%v_t = pair%sigma*(point%omega_a*gradient%l_a + point%omega_b*gradient%l_b) &
-                     + (v_t*point%s - v_e*point%c)*gradient%angle
-      gradient%v_t(at_omega) = pair%sigma*(pair%ratio_a*point%l_a + pair%ratio_b*point%l_b)
-      gradient%v_t(at_psi_dot_a) = pair%sigma*point%l_a
-      gradient%v_t(at_psi_dot_b) = pair%sigma*point%l_b
-      gradient%v_t(at_v_b:at_v_b + 1) = -[point%c, point%s]
-      gradient%v_t(at_v_a:at_v_a + 1) = [point%c, point%s]
-   end subroutine complete_gradient
-
-   !> The algebraic form (1) as a residual.
-   !>
-   !> r_bA (grad g_A - lambda grad g_B) (t_0 component, times rho_B, and e_0 component), -(r_PA - r_PB - mu grad g_B), r_bA g_A,
    !> r_bB g_B. With its factor the first row has constant coefficients like the others: a Newton matrix from earlier still fits.
    pure subroutine algebraic_residual(pair, rho_a0, q, residual, exists)
       type(tracked_pair), intent(in) :: pair
@@ -393,9 +160,6 @@ contains
       jacobian(6, at_psi_b) = pair%r_bb*pair%sigma
    end subroutine algebraic_jacobian
 
-   !> The differential form (2)-(3) as a residual in the tracked variables' rates.
-   !>
-   !> The terms of [w, grad g] + Hess g (u - v) that grow with the angular velocity cancel on paper: what remains is the rate
    !> of turn of the normal, -t ((u - v_O).t)/(r_b rho). Rows as in `algebraic_residual`, per second.
    pure subroutine differential_residual(pair, rho_a0, q, rates, residual, exists)
       type(tracked_pair), intent(in) :: pair
@@ -517,16 +281,6 @@ contains
                + turn_rate(on, rate, rho_rate)*rho)/on%rho
    end function turn_gradient
 
-   !> A vector of local variables that is zero but for one place.
-   pure function unit(place, value) result(vector)
-      integer, intent(in) :: place
-      real(wp), intent(in) :: value
-      real(wp) :: vector(n_local)
-
-      vector = 0
-      vector(place) = value
-   end function unit
-
    !> The differential form solved for the rates: a linear system of order 6, by LAPACK.
    subroutine differential_rates(pair, rho_a0, q, rates, solved)
       type(tracked_pair), intent(in) :: pair
@@ -587,17 +341,6 @@ contains
       point_a = q(at_u_a:at_u_a + 1) + a + [0.0_wp, rho_a0]
       point_b = point_a + q(at_dr:at_dr + 1)
    end subroutine tracked_positions
-
-   !> Dchi: how far the centre line has turned from its reference direction [rad], counterclockwise.
-   pure real(wp) function centre_line_turn(pair, q) result(turn)
-      type(tracked_pair), intent(in) :: pair
-      real(wp), intent(in) :: q(n_local)
-      real(wp) :: w(2), r
-
-      r = pair%r_ba + pair%r_bb
-      w = q(at_u_b:at_u_b + 1) - q(at_u_a:at_u_a + 1)
-      turn = atan2(-pair%sigma*(r*w(2) - pair%rho_0*w(1)), r*(r + w(1)) + pair%rho_0*(pair%rho_0 + w(2)))
-   end function centre_line_turn
 
    !> Distances of the tracked points from the line of action [m], (r_PA - K_A).t and (r_PB - K_B).t.
    pure subroutine line_distance(pair, rho_a0, q, distance_a, distance_b)

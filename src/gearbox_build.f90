@@ -2,13 +2,13 @@
 module evl_gearbox_build
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use evl_contact_laws, only: law_choice, law_validate, laws_contact, laws_damping, laws_friction
-   use evl_contact_tracking, only: at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_theta, at_track, at_u_a, &
-                                   at_u_b, at_v_a, at_v_b, n_track
    use evl_gearbox, only: gearbox_t, i_omega, i_theta, support_bearing, support_fixed, support_slider, support_t
    use evl_gearbox_scaling, only: gearbox_set_scales
    use evl_kinds, only: pi, wp
    use evl_layout, only: layout_resolve, layout_t
    use evl_load, only: load_constant, load_prescribed_speed, load_t, load_table, load_viscous
+   use evl_local_variables, only: at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_theta, at_track, at_u_a, &
+                                  at_u_b, at_v_a, at_v_b, n_track
    use evl_mesh, only: mesh_link, mesh_t, tracking_closed_form, tracking_differential
    use evl_output_table, only: count_values
    use evl_spur_geometry, only: maximum_teeth, minimum_teeth, spur_pair_derive

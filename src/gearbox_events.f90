@@ -1,9 +1,12 @@
 !> What can happen to a gearbox, and what changes when it does.
 module evl_gearbox_events
-   use evl_contact_tracking, only: contact_point, n_local, n_track, points_from_closed_form
-   use evl_gearbox, only: gearbox_derivative, gearbox_local, gearbox_mode, gearbox_store_mode, gearbox_t, i_theta, i_turns
+   use evl_contact_point, only: contact_point
+   use evl_contact_tracking, only: points_from_closed_form
+   use evl_dae_residual, only: gearbox_derivative
+   use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_store_mode, gearbox_t, i_theta, i_turns
    use evl_kinds, only: pi, wp
    use evl_load, only: load_next_knot
+   use evl_local_variables, only: n_local, n_track
    use evl_mesh, only: contact_apart, contact_loaded, contact_open, contact_unloaded, mesh_contact, mesh_mode, &
                        mesh_nominal_rho, mesh_root_directions, mesh_roots, mesh_settle_friction, n_mesh_roots, root_apart, &
                        root_back, root_contact, root_force, root_forward, root_friction_high, root_friction_low
@@ -18,9 +21,10 @@ module evl_gearbox_events
                          event_returned = 5, event_sliding_began = 6, event_sliding_ended = 7, event_knot = 8, &
                          event_revolution = 9, event_apart = 10, event_near = 11
    integer, parameter :: n_event_kinds = 12 !! number of kinds
-   character(len=*), parameter :: names(0:n_event_kinds - 1) = [character(len=18) :: &
-      "tooth_switch", "tooth_switch_back", "contact_closed", "contact_opened", "force_vanished", "force_returned", &
-      "sliding_began", "sliding_ended", "table_knot", "revolution", "flanks_apart", "flanks_near"]
+   character(len=18), parameter :: names(0:n_event_kinds - 1) = ["tooth_switch      ", "tooth_switch_back ", "contact_closed    ", &
+                                                                 "contact_opened    ", "force_vanished    ", "force_returned    ", &
+                                                                 "sliding_began     ", "sliding_ended     ", "table_knot        ", &
+                                                                 "revolution        ", "flanks_apart      ", "flanks_near       "]
 
    real(wp), parameter :: grazing = 1.0e-6_wp !! penetration over its scale below which a vanishing force is an opening
    integer, parameter :: most_turns = 2       !! theta is reduced at events past one turn, and at this many at the latest

@@ -1,13 +1,16 @@
 !> The state at the start: rest, given speeds, or the steady state.
 module evl_gearbox_initial
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use evl_contact_tracking, only: at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, contact_point, n_local, n_track, &
-                                   points_from_closed_form, track_closed_form
-   use evl_gearbox, only: gearbox_derivative, gearbox_jacobian, gearbox_local, gearbox_mode, gearbox_rates, &
-                          gearbox_store_mode, gearbox_t, i_omega, i_theta, i_turns
+   use evl_closed_form, only: track_closed_form
+   use evl_contact_point, only: contact_point
+   use evl_contact_tracking, only: points_from_closed_form
+   use evl_dae_jacobian, only: gearbox_jacobian
+   use evl_dae_residual, only: gearbox_derivative
+   use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_rates, gearbox_store_mode, gearbox_t, i_omega, i_theta, i_turns
    use evl_gearbox_scaling, only: gearbox_likely_speed, gearbox_state_scales
    use evl_kinds, only: wp
    use evl_load, only: load_acceleration, load_segment, load_speed, load_torque, load_damping
+   use evl_local_variables, only: at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, n_local, n_track
    use evl_mesh, only: contact_loaded, contact_open, contact_unloaded, mesh_mode, mesh_nominal_rho, mesh_settle_friction, &
                        mesh_unclipped_force, tracking_closed_form
    use evl_status, only: clear, code_invalid_input, code_no_solution, fail, has_failed, quantity, status_t, subject_initial, &

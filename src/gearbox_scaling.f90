@@ -4,10 +4,10 @@
 !> natural frequency for their rates, a small part of a pitch for the reference angle.
 module evl_gearbox_scaling
    use evl_contact_laws, only: contact_context, elastic_force, elastic_result, penetration_from_force
-   use evl_contact_tracking, only: n_track
    use evl_gearbox, only: gearbox_t, i_omega, i_theta
    use evl_kinds, only: pi, wp
    use evl_load, only: load_damping, load_largest, load_prescribed_speed, load_viscous
+   use evl_local_variables, only: n_track
    use evl_mesh, only: mesh_t, tracking_algebraic
    use evl_status, only: code_ok
    implicit none (type, external)
@@ -153,7 +153,7 @@ contains
          associate (mesh => gearbox%meshes(i), first => gearbox%meshes(i)%i_track)
             if (first == 0) cycle
             state(first:first + n_track - 1) = [track_factor*h(i)/mesh%pair%rho_0, track_factor*h(i), h(i), h(i), 1.0_wp, &
-                                             mesh%pair%r_bb*h(i)]
+                                                mesh%pair%r_bb*h(i)]
             row(first:first + n_track - 1) = [h(i), 1.0_wp, h(i), h(i), h(i), h(i)]
             if (mesh%tracking == tracking_algebraic) differential(first:first + n_track - 1) = 0
          end associate

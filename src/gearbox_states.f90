@@ -1,15 +1,15 @@
 !> What the states of a gearbox are called.
 module evl_gearbox_states
-   use evl_contact_tracking, only: n_track
    use evl_gearbox, only: gearbox_t, i_omega, i_theta
+   use evl_local_variables, only: n_track
    implicit none (type, external)
    private
 
    public :: gearbox_state_name
 
-   character(len=*), parameter :: track_names(n_track) = [character(len=14) :: &
-      "turn", "zeta", "dr_t", "dr_e", "gradient_ratio", "mu"]
-   character(len=*), parameter :: track_units(n_track) = [character(len=3) :: "rad", "m", "m", "m", "1", "m2"]
+   character(len=14), parameter :: track_names(n_track) = ["turn          ", "zeta          ", "dr_t          ", &
+                                                           "dr_e          ", "gradient_ratio", "mu            "]
+   character(len=3), parameter :: track_units(n_track) = ["rad", "m  ", "m  ", "m  ", "1  ", "m2 "]
 
 contains
 

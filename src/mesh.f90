@@ -2,12 +2,13 @@
 !>
 !> Forces are counted on the driving wheel A, along t and against e; wheel B feels the opposite.
 module evl_mesh
+   use evl_closed_form, only: centre_line_turn, closed_form_gap, gradient_closed_form, track_closed_form
    use evl_contact_laws, only: contact_context, elastic_force, elastic_limit_message, elastic_potential, elastic_result, &
                                friction_factor, friction_knee, friction_mode, law_choice, viscous_force
-   use evl_contact_tracking, only: at_psi_a, centre_line_turn, closed_form_gap, contact_gradient, contact_point, &
-                                   gradient_closed_form, gradient_points, n_local, track_closed_form, track_points, &
-                                   tracked_pair
+   use evl_contact_point, only: contact_gradient, contact_point, tracked_pair
+   use evl_contact_tracking, only: gradient_points, track_points
    use evl_kinds, only: wp
+   use evl_local_variables, only: at_psi_a, n_local
    use evl_status, only: code_ok, code_out_of_domain, fail, quantity, status_t, subject_mesh
    implicit none (type, external)
    private

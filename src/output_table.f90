@@ -1,12 +1,13 @@
 !> What a gearbox tells about itself: one table of outputs, and their values at a state.
 module evl_output_table
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use evl_contact_tracking, only: algebraic_residual, at_lambda, at_psi_a, at_psi_b, at_track, centre_line_turn, &
-                                   closed_form_gap, contact_point, line_distance, n_local, n_track, &
-                                   points_from_closed_form, track_closed_form, tracked_positions
+   use evl_closed_form, only: centre_line_turn, closed_form_gap, track_closed_form
+   use evl_contact_point, only: contact_point
+   use evl_contact_tracking, only: algebraic_residual, line_distance, points_from_closed_form, tracked_positions
    use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_rates, gearbox_t, i_omega, i_theta, i_turns, wheel_load_torque, &
                           wheel_speed
    use evl_kinds, only: pi, wp
+   use evl_local_variables, only: at_lambda, at_psi_a, at_psi_b, at_track, n_local, n_track
    use evl_mesh, only: contact_apart, mesh_contact, mesh_energy, mesh_force, mesh_forces, mesh_mode, mesh_nominal_rho, &
                        tracking_closed_form
    use evl_status, only: has_failed, status_t
@@ -19,7 +20,7 @@ module evl_output_table
    integer, parameter :: n_wheel_constants = 7, n_mesh_constants = 15, n_gearbox_histories = 6, n_wheel_histories = 7, &
                          n_mesh_histories = 19
    integer, parameter :: n_outputs = n_wheel_constants + n_mesh_constants + n_gearbox_histories + n_wheel_histories &
-                                     + n_mesh_histories !! entries of the table
+                         + n_mesh_histories !! entries of the table
    integer, parameter :: dims_none = 0, dims_wheel = 1, dims_mesh = 2, dims_wheel_axis = 3, dims_mesh_axis = 4
 
    !> One output; see `evl_output` in the C header.

@@ -37,9 +37,21 @@ typedef enum {
     EVL_NO_MEMORY = 5
 } evl_code;
 
-typedef enum { EVL_SUBJECT_NONE = 0, EVL_SUBJECT_WHEEL = 1, EVL_SUBJECT_MESH = 2, EVL_SUBJECT_LOAD = 3, EVL_SUBJECT_INITIAL = 4 } evl_subject;
+typedef enum {
+    EVL_SUBJECT_NONE = 0,
+    EVL_SUBJECT_WHEEL = 1,
+    EVL_SUBJECT_MESH = 2,
+    EVL_SUBJECT_LOAD = 3,
+    EVL_SUBJECT_INITIAL = 4
+} evl_subject;
 
-enum { EVL_FIELD_LENGTH = 48, EVL_MESSAGE_LENGTH = 320, EVL_NAME_LENGTH = 32, EVL_TEXT_LENGTH = 96, EVL_MAX_LAW_PARAMETERS = 8 };
+enum {
+    EVL_FIELD_LENGTH = 48,
+    EVL_MESSAGE_LENGTH = 320,
+    EVL_NAME_LENGTH = 32,
+    EVL_TEXT_LENGTH = 96,
+    EVL_MAX_LAW_PARAMETERS = 8
+};
 
 typedef struct {
     int code;                         /**< evl_code */
@@ -58,20 +70,20 @@ typedef enum {
 } evl_support_kind;
 
 typedef struct {
-    int teeth;              /**< z >= 3 */
-    bool has_pitch_radius;  /**< otherwise it follows from a mesh */
-    double pitch_radius;    /**< [m] > 0 */
-    double width;           /**< face width [m] > 0 */
-    bool has_centre;        /**< otherwise it follows from a mesh */
-    double centre[2];       /**< reference position of the axle in the housing frame [m] */
-    double youngs_modulus;  /**< E [Pa] > 0 */
-    double poisson_ratio;   /**< nu, -1 < nu < 0.5 */
-    double density;         /**< [kg/m^3] > 0: mass and inertia of a solid disc of the pitch radius unless given below */
-    bool has_inertia;       /**< */
-    double inertia;         /**< J about the axle [kg m^2] > 0 */
-    bool has_mass;          /**< */
-    double mass;            /**< [kg] > 0 */
-    int support_kind;       /**< evl_support_kind */
+    int teeth;             /**< z >= 3 */
+    bool has_pitch_radius; /**< otherwise it follows from a mesh */
+    double pitch_radius;   /**< [m] > 0 */
+    double width;          /**< face width [m] > 0 */
+    bool has_centre;       /**< otherwise it follows from a mesh */
+    double centre[2];      /**< reference position of the axle in the housing frame [m] */
+    double youngs_modulus; /**< E [Pa] > 0 */
+    double poisson_ratio;  /**< nu, -1 < nu < 0.5 */
+    double density;        /**< [kg/m^3] > 0: mass and inertia of a solid disc of the pitch radius unless given below */
+    bool has_inertia;      /**< */
+    double inertia;        /**< J about the axle [kg m^2] > 0 */
+    bool has_mass;         /**< */
+    double mass;           /**< [kg] > 0 */
+    int support_kind;      /**< evl_support_kind */
     double support_direction;    /**< slider: angle of its direction to the x axis [rad] */
     double support_mass;         /**< mass that moves with the axle, beside the wheel's own [kg] >= 0 */
     double support_stiffness[2]; /**< slider: [0]; bearing: x, y [N/m] >= 0 */
@@ -103,16 +115,16 @@ typedef struct {
 } evl_law_choice;
 
 typedef struct {
-    int driving, driven;           /**< wheels, from 0, different */
-    int driving_rotation;          /**< nominal sense of the driving wheel: -1 clockwise (the paper's), +1 counterclockwise */
-    bool has_centre_line_angle;    /**< otherwise it follows from the two centres */
-    double centre_line_angle;      /**< direction from the driving to the driven axle [rad] */
-    bool paper_rule;               /**< alpha_w = 1.05 alpha_inf, Kosenko & Gusev 2011, section 7.1 */
-    double pressure_angle;         /**< working pressure angle alpha_w [rad] if not paper_rule, alpha_inf < alpha_w < pi/2 */
-    evl_law_choice contact;        /**< normal elastic force */
-    evl_law_choice damping;        /**< normal viscous force */
-    evl_law_choice friction;       /**< tangential force */
-    int tracking;                  /**< evl_tracking */
+    int driving, driven;  /**< wheels, from 0, different */
+    int driving_rotation; /**< nominal sense of the driving wheel: -1 clockwise (the paper's), +1 counterclockwise */
+    bool has_centre_line_angle; /**< otherwise it follows from the two centres */
+    double centre_line_angle;   /**< direction from the driving to the driven axle [rad] */
+    bool paper_rule;            /**< alpha_w = 1.05 alpha_inf, Kosenko & Gusev 2011, section 7.1 */
+    double pressure_angle;   /**< working pressure angle alpha_w [rad] if not paper_rule, alpha_inf < alpha_w < pi/2 */
+    evl_law_choice contact;  /**< normal elastic force */
+    evl_law_choice damping;  /**< normal viscous force */
+    evl_law_choice friction; /**< tangential force */
+    int tracking;            /**< evl_tracking */
 } evl_mesh;
 
 typedef enum {
@@ -124,7 +136,8 @@ typedef enum {
 typedef struct {
     int kind;             /**< evl_initial_kind */
     const double *speeds; /**< [n_wheels] [rad/s] for EVL_INITIAL_SPEEDS, else NULL */
-    const double *gaps;   /**< [n_meshes] initial gap between the flanks [m], negative: penetration; NULL: all touch. Not for steady */
+    const double *
+        gaps; /**< [n_meshes] initial gap between the flanks [m], negative: penetration; NULL: all touch. Not for steady */
 } evl_initial;
 
 /* ---- law tables ------------------------------------------------------------------------------------------------------------ */
@@ -132,12 +145,12 @@ typedef struct {
 typedef enum { EVL_LAWS_CONTACT = 0, EVL_LAWS_DAMPING = 1, EVL_LAWS_FRICTION = 2 } evl_law_family;
 
 typedef struct {
-    char name[EVL_NAME_LENGTH];   /**< as in the case file */
-    char units[EVL_NAME_LENGTH];  /**< "1" if without */
+    char name[EVL_NAME_LENGTH];  /**< as in the case file */
+    char units[EVL_NAME_LENGTH]; /**< "1" if without */
     char description[EVL_TEXT_LENGTH];
-    bool required;                /**< there is no default */
+    bool required; /**< there is no default */
     double default_value;
-    double minimum, maximum;      /**< accepted range; -/+infinity if unbounded */
+    double minimum, maximum;         /**< accepted range; -/+infinity if unbounded */
     bool minimum_open, maximum_open; /**< the end itself is refused */
 } evl_law_parameter;
 
@@ -160,8 +173,8 @@ typedef struct evl_gearbox evl_gearbox;
 
 /** Make a gearbox: validate the description, resolve radii and centres, derive all geometry.
  *  All wheels have to be connected by meshes. @return the gearbox, or NULL with the reason in `status`. */
-EVL_API evl_gearbox *evl_gearbox_create(int n_wheels, const evl_wheel *wheels, int n_loads, const evl_load *loads, int n_meshes,
-                                        const evl_mesh *meshes, evl_status *status);
+EVL_API evl_gearbox *evl_gearbox_create(int n_wheels, const evl_wheel *wheels, int n_loads, const evl_load *loads,
+                                        int n_meshes, const evl_mesh *meshes, evl_status *status);
 /** Free a gearbox and set the pointer to NULL. Nothing happens if it is NULL already. */
 EVL_API void evl_gearbox_delete(evl_gearbox **gearbox);
 
@@ -175,34 +188,35 @@ EVL_API void evl_gearbox_sizes(const evl_gearbox *gearbox, evl_sizes *sizes);
 EVL_API int evl_gearbox_warning(const evl_gearbox *gearbox, int index, char text[EVL_MESSAGE_LENGTH]);
 
 typedef struct {
-    double pitch_radius, base_radius, tip_radius; /**< [m]; tip_radius is the largest over its meshes, 0 without a mesh */
-    double angular_pitch;                         /**< 2 pi/z [rad] */
-    double mass, inertia;                         /**< of the wheel itself [kg], [kg m^2] */
-    double centre[2];                             /**< [m] */
-    double speed_ratio;                           /**< g: nominal speed over that of the reference wheel */
-    bool is_reference;                            /**< its angle is the reference angle theta */
+    double pitch_radius, base_radius,
+        tip_radius;       /**< [m]; tip_radius is the largest over its meshes, 0 without a mesh */
+    double angular_pitch; /**< 2 pi/z [rad] */
+    double mass, inertia; /**< of the wheel itself [kg], [kg m^2] */
+    double centre[2];     /**< [m] */
+    double speed_ratio;   /**< g: nominal speed over that of the reference wheel */
+    bool is_reference;    /**< its angle is the reference angle theta */
 } evl_wheel_geometry;
 
 typedef struct {
-    int sigma;                     /**< +1: driving wheel nominally clockwise, -1: counterclockwise */
-    double transmission_ratio;     /**< n = z_driven/z_driving */
-    double centre_distance;        /**< [m] */
-    double centre_line_angle;      /**< [rad] */
-    double minimum_pressure_angle; /**< alpha_inf [rad] */
-    double working_pressure_angle; /**< alpha_w [rad] */
-    double base_pitch;             /**< |ab| [m], which is the path of contact too: contact ratio 1 */
-    double contact_ratio;          /**< */
-    double line_of_action_length;  /**< |K_A K_B| [m] */
-    double point_k_a[2], point_k_b[2]; /**< where the line of action touches the base circles [m] */
-    double point_a[2], point_b[2];     /**< nominal start and end of contact [m] */
-    double pitch_point[2];             /**< [m] */
+    int sigma;                                    /**< +1: driving wheel nominally clockwise, -1: counterclockwise */
+    double transmission_ratio;                    /**< n = z_driven/z_driving */
+    double centre_distance;                       /**< [m] */
+    double centre_line_angle;                     /**< [rad] */
+    double minimum_pressure_angle;                /**< alpha_inf [rad] */
+    double working_pressure_angle;                /**< alpha_w [rad] */
+    double base_pitch;                            /**< |ab| [m], which is the path of contact too: contact ratio 1 */
+    double contact_ratio;                         /**< */
+    double line_of_action_length;                 /**< |K_A K_B| [m] */
+    double point_k_a[2], point_k_b[2];            /**< where the line of action touches the base circles [m] */
+    double point_a[2], point_b[2];                /**< nominal start and end of contact [m] */
+    double pitch_point[2];                        /**< [m] */
     double tip_radius_driving, tip_radius_driven; /**< |b - O_A|, |a - O_B| [m] */
     double rho_start_driving, rho_start_driven;   /**< radii of curvature at a [m] */
-    double common_width;           /**< b [m] */
-    double effective_modulus;      /**< E* [Pa] */
-    double elastic_share_driving;  /**< w_A = E* (1-nu_A^2)/E_A */
-    double reference_force;        /**< normal force that the loads suggest [N]: the scale of the error weights */
-    double reference_penetration;  /**< its penetration h_0 [m] */
+    double common_width;                          /**< b [m] */
+    double effective_modulus;                     /**< E* [Pa] */
+    double elastic_share_driving;                 /**< w_A = E* (1-nu_A^2)/E_A */
+    double reference_force;       /**< normal force that the loads suggest [N]: the scale of the error weights */
+    double reference_penetration; /**< its penetration h_0 [m] */
 } evl_mesh_geometry;
 
 EVL_API void evl_gearbox_wheel_geometry(const evl_gearbox *gearbox, int wheel, evl_wheel_geometry *geometry);
@@ -210,42 +224,45 @@ EVL_API void evl_gearbox_mesh_geometry(const evl_gearbox *gearbox, int mesh, evl
 
 /** Fill y, yp, integers and reals for time t. @return EVL_OK, EVL_INVALID_INPUT (initial values that contradict each other or the
  *  loads), EVL_NO_SOLUTION (steady state), EVL_OUT_OF_DOMAIN. */
-EVL_API int evl_gearbox_initial_state(const evl_gearbox *gearbox, const evl_initial *initial, double t, double *y, double *yp,
-                                      int *integers, double *reals, evl_status *status);
+EVL_API int evl_gearbox_initial_state(const evl_gearbox *gearbox, const evl_initial *initial, double t, double *y,
+                                      double *yp, int *integers, double *reals, evl_status *status);
 
 /** Scales for error control, absolute, from the loads and the initial state: state[i] is the unit in which an error of y[i] counts, row[i] the unit
  *  of residual i; differential[i] is 1 for a differential and 0 for an algebraic state. */
-EVL_API void evl_gearbox_scales(const evl_gearbox *gearbox, const evl_initial *initial, double *state, double *row, int *differential);
+EVL_API void evl_gearbox_scales(const evl_gearbox *gearbox, const evl_initial *initial, double *state, double *row,
+                                int *differential);
 
 /** The name of state `index` with its wheel or mesh, such as "angle_deviation[1]", and its unit. */
-EVL_API void evl_gearbox_state_name(const evl_gearbox *gearbox, int index, char name[EVL_NAME_LENGTH], char units[EVL_NAME_LENGTH]);
+EVL_API void evl_gearbox_state_name(const evl_gearbox *gearbox, int index, char name[EVL_NAME_LENGTH],
+                                    char units[EVL_NAME_LENGTH]);
 
 /** F(t, y, y') = 0, row i in its own unit. Allocates nothing. @return EVL_OK or EVL_OUT_OF_DOMAIN. */
-EVL_API int evl_gearbox_residual(const evl_gearbox *gearbox, double t, const double *y, const double *yp, const int *integers,
-                                 const double *reals, double *residual, evl_status *status);
+EVL_API int evl_gearbox_residual(const evl_gearbox *gearbox, double t, const double *y, const double *yp,
+                                 const int *integers, const double *reals, double *residual, evl_status *status);
 /** dF/dy + cj dF/dy', column-major [n_states * n_states], analytic. */
 EVL_API int evl_gearbox_jacobian(const evl_gearbox *gearbox, double t, double cj, const double *y, const double *yp,
                                  const int *integers, const double *reals, double *jacobian, evl_status *status);
 /** The y' that belongs to y: the explicit right-hand side; for tracked meshes the linear system of the differential form is
  *  solved with LAPACK, so algebraic states get their true derivative as well. */
-EVL_API int evl_gearbox_derivative(const evl_gearbox *gearbox, double t, const double *y, const int *integers, const double *reals,
-                                   double *yp, evl_status *status);
+EVL_API int evl_gearbox_derivative(const evl_gearbox *gearbox, double t, const double *y, const int *integers,
+                                   const double *reals, double *yp, evl_status *status);
 
 /* ---- events ---------------------------------------------------------------------------------------------------------------- */
 
 typedef enum {
-    EVL_EVENT_TOOTH_SWITCH = 0,       /**< the driving wheel moved on by one pitch: the next tooth pair takes over */
-    EVL_EVENT_TOOTH_SWITCH_BACK = 1,  /**< it turned back by one pitch */
-    EVL_EVENT_CONTACT_CLOSED = 2,     /**< the gap closed */
-    EVL_EVENT_CONTACT_OPENED = 3,     /**< the flanks parted */
-    EVL_EVENT_FORCE_VANISHED = 4,     /**< elastic + viscous force fell to 0 while the flanks still overlap */
-    EVL_EVENT_FORCE_RETURNED = 5,     /**< and rose above 0 again */
-    EVL_EVENT_SLIDING_BEGAN = 6,      /**< friction left the linear part of its law */
-    EVL_EVENT_SLIDING_ENDED = 7,      /**< friction entered the linear part of its law */
-    EVL_EVENT_TABLE_KNOT = 8,         /**< a table of a load has a knot here */
-    EVL_EVENT_REVOLUTION = 9,         /**< the reference angle was reduced by whole turns */
-    EVL_EVENT_FLANKS_APART = 10,      /**< the gap became too wide for the tracked points to face each other: tracking rests */
-    EVL_EVENT_FLANKS_NEAR = 11        /**< and tracking begins anew */
+    EVL_EVENT_TOOTH_SWITCH = 0,      /**< the driving wheel moved on by one pitch: the next tooth pair takes over */
+    EVL_EVENT_TOOTH_SWITCH_BACK = 1, /**< it turned back by one pitch */
+    EVL_EVENT_CONTACT_CLOSED = 2,    /**< the gap closed */
+    EVL_EVENT_CONTACT_OPENED = 3,    /**< the flanks parted */
+    EVL_EVENT_FORCE_VANISHED = 4,    /**< elastic + viscous force fell to 0 while the flanks still overlap */
+    EVL_EVENT_FORCE_RETURNED = 5,    /**< and rose above 0 again */
+    EVL_EVENT_SLIDING_BEGAN = 6,     /**< friction left the linear part of its law */
+    EVL_EVENT_SLIDING_ENDED = 7,     /**< friction entered the linear part of its law */
+    EVL_EVENT_TABLE_KNOT = 8,        /**< a table of a load has a knot here */
+    EVL_EVENT_REVOLUTION = 9,        /**< the reference angle was reduced by whole turns */
+    EVL_EVENT_FLANKS_APART =
+        10,                    /**< the gap became too wide for the tracked points to face each other: tracking rests */
+    EVL_EVENT_FLANKS_NEAR = 11 /**< and tracking begins anew */
 } evl_event_kind;
 
 typedef struct {
@@ -259,8 +276,8 @@ EVL_API int evl_event_count(void);
 EVL_API void evl_event_name(int kind, char name[EVL_NAME_LENGTH]);
 
 /** Root functions [n_roots], each scaled to be of order 1; those that have no meaning in the present mode are 1. */
-EVL_API int evl_gearbox_roots(const evl_gearbox *gearbox, const double *y, const int *integers, const double *reals, double *values,
-                              evl_status *status);
+EVL_API int evl_gearbox_roots(const evl_gearbox *gearbox, const double *y, const int *integers, const double *reals,
+                              double *values, evl_status *status);
 /** Directions [n_roots] that count in the present mode: +1 rising, -1 falling. To be asked again after each event. */
 EVL_API void evl_gearbox_root_directions(const evl_gearbox *gearbox, const int *integers, int *directions);
 /** Time of the next knot of a table; +infinity if there is none. */
@@ -268,28 +285,35 @@ EVL_API double evl_gearbox_next_time_event(const evl_gearbox *gearbox, const int
 /** Apply what happened at t: `fired` [n_roots] as IDAGetRootInfo gives it (0, +1, -1), `time_event` if t is that of
  *  evl_gearbox_next_time_event. Changes y, integers, reals and fills yp consistently. events: [n_roots + 2].
  *  @return EVL_OK; the number of events in *n_events. */
-EVL_API int evl_gearbox_apply_event(const evl_gearbox *gearbox, double t, const int *fired, bool time_event, double *y, double *yp,
-                                    int *integers, double *reals, evl_event *events, int *n_events, evl_status *status);
+EVL_API int evl_gearbox_apply_event(const evl_gearbox *gearbox, double t, const int *fired, bool time_event, double *y,
+                                    double *yp, int *integers, double *reals, evl_event *events, int *n_events,
+                                    evl_status *status);
 
 /* ---- outputs --------------------------------------------------------------------------------------------------------------- */
 
-typedef enum { EVL_DIMS_NONE = 0, EVL_DIMS_WHEEL = 1, EVL_DIMS_MESH = 2, EVL_DIMS_WHEEL_AXIS = 3, EVL_DIMS_MESH_AXIS = 4 } evl_dims;
+typedef enum {
+    EVL_DIMS_NONE = 0,
+    EVL_DIMS_WHEEL = 1,
+    EVL_DIMS_MESH = 2,
+    EVL_DIMS_WHEEL_AXIS = 3,
+    EVL_DIMS_MESH_AXIS = 4
+} evl_dims;
 
 typedef struct {
     char name[EVL_NAME_LENGTH];
     char units[EVL_NAME_LENGTH];  /**< UDUNITS; "1" if without */
     char symbol[EVL_NAME_LENGTH]; /**< as in docs/symbols.md */
     char long_name[EVL_TEXT_LENGTH];
-    int dims;                     /**< evl_dims, axis being x, y */
-    bool is_static;               /**< has no time dimension */
+    int dims;       /**< evl_dims, axis being x, y */
+    bool is_static; /**< has no time dimension */
     bool is_integer;
-    int offset, count;            /**< its place in the array that evl_gearbox_outputs fills; C order */
+    int offset, count; /**< its place in the array that evl_gearbox_outputs fills; C order */
 } evl_output;
 
 EVL_API int evl_gearbox_output(const evl_gearbox *gearbox, int index, evl_output *output);
 /** All outputs at a state, [n_values]; integers as whole doubles, NaN where a quantity has no meaning. */
-EVL_API int evl_gearbox_outputs(const evl_gearbox *gearbox, double t, const double *y, const int *integers, const double *reals,
-                                double *values, evl_status *status);
+EVL_API int evl_gearbox_outputs(const evl_gearbox *gearbox, double t, const double *y, const int *integers,
+                                const double *reals, double *values, evl_status *status);
 
 EVL_API const char *evl_kernel_compiler(void);
 

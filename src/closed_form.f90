@@ -1,0 +1,91 @@
+!> The contact in closed form: gap, normal and radii of curvature from the wheels' positions alone.
+!>
+!> Source: Kosenko & Gusev 2011, Assertions 1 and 2.
+module evl_closed_form
+   use evl_contact_point, only: complete_gradient, complete_point, contact_gradient, contact_point, tracked_pair
+   use evl_deviation, only: deviation, deviation_find
+   use evl_kinds, only: wp
+   use evl_local_variables, only: at_psi_a, at_psi_b, at_theta, at_u_a, at_u_b, n_local
+   implicit none (type, external)
+   private
+
+   public :: track_closed_form, gradient_closed_form, closed_form_gap, closed_form_line, centre_line_turn
+
+contains
+
+   !> R (inv alpha - inv alpha_0) + sigma (r_bA Dphi_A + r_bB Dphi_B - R Dchi).
+   pure subroutine track_closed_form(pair, rho_a0, q, point)
+      type(tracked_pair), intent(in) :: pair
+      real(wp), intent(in) :: rho_a0      !! nominal radius of curvature on A at theta [m]
+      real(wp), intent(in) :: q(n_local)  !! local variables
+      type(contact_point), intent(out) :: point
+      type(deviation) :: line
+
+      call closed_form_line(pair, q, line)
+      point%exists = line%exists
+      point%h = -closed_form_gap(pair, q)
+      point%rho_a = rho_a0 - pair%r_ba*(line%angle + pair%sigma*q(at_psi_a))
+      point%rho_b = pair%rho_0 - rho_a0 - pair%r_bb*(line%angle + pair%sigma*q(at_psi_b))
+      point%s = line%s
+      point%c = line%c
+      call complete_point(pair, q, point)
+   end subroutine track_closed_form
+
+   !> The line of action at the present centre distance.
+   pure subroutine closed_form_line(pair, q, line)
+      type(tracked_pair), intent(in) :: pair
+      real(wp), intent(in) :: q(n_local)
+      type(deviation), intent(out) :: line
+
+      call deviation_find(pair%r_ba + pair%r_bb, pair%rho_0, q(at_u_b) - q(at_u_a), q(at_u_b + 1) - q(at_u_a + 1), line)
+   end subroutine closed_form_line
+
+   !> Gap kappa in closed form [m].
+   pure real(wp) function closed_form_gap(pair, q) result(kappa)
+      type(tracked_pair), intent(in) :: pair
+      real(wp), intent(in) :: q(n_local)
+      type(deviation) :: line
+
+      call closed_form_line(pair, q, line)
+      kappa = line%d_rho + (pair%r_ba + pair%r_bb)*line%angle &
+              + pair%sigma*(pair%r_ba*q(at_psi_a) + pair%r_bb*q(at_psi_b))
+   end function closed_form_gap
+
+   !> Derivatives of `track_closed_form`.
+   pure subroutine gradient_closed_form(pair, q, point, gradient)
+      type(tracked_pair), intent(in) :: pair
+      real(wp), intent(in) :: q(n_local)
+      type(contact_point), intent(in) :: point !! at q
+      type(contact_gradient), intent(out) :: gradient
+      type(deviation) :: line
+
+      call closed_form_line(pair, q, line)
+      gradient%angle = 0
+      gradient%angle(at_u_b:at_u_b + 1) = -[line%c, line%s]/line%rho
+      gradient%angle(at_u_a:at_u_a + 1) = -gradient%angle(at_u_b:at_u_b + 1)
+      gradient%h = 0
+      gradient%h(at_psi_a) = -pair%sigma*pair%r_ba
+      gradient%h(at_psi_b) = -pair%sigma*pair%r_bb
+      gradient%h(at_u_b:at_u_b + 1) = [line%s, -line%c]
+      gradient%h(at_u_a:at_u_a + 1) = -gradient%h(at_u_b:at_u_b + 1)
+      gradient%rho_a = -pair%r_ba*gradient%angle
+      gradient%rho_a(at_theta) = pair%advance
+      gradient%rho_a(at_psi_a) = -pair%r_ba*pair%sigma
+      gradient%rho_b = -pair%r_bb*gradient%angle
+      gradient%rho_b(at_theta) = -pair%advance
+      gradient%rho_b(at_psi_b) = -pair%r_bb*pair%sigma
+      call complete_gradient(pair, q, point, gradient)
+   end subroutine gradient_closed_form
+
+   !> Dchi: how far the centre line has turned from its reference direction [rad], counterclockwise.
+   pure real(wp) function centre_line_turn(pair, q) result(turn)
+      type(tracked_pair), intent(in) :: pair
+      real(wp), intent(in) :: q(n_local)
+      real(wp) :: w(2), r
+
+      r = pair%r_ba + pair%r_bb
+      w = q(at_u_b:at_u_b + 1) - q(at_u_a:at_u_a + 1)
+      turn = atan2(-pair%sigma*(r*w(2) - pair%rho_0*w(1)), r*(r + w(1)) + pair%rho_0*(pair%rho_0 + w(2)))
+   end function centre_line_turn
+
+end module evl_closed_form

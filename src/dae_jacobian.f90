@@ -1,0 +1,213 @@
+!> The analytic Jacobian dF/dy + cj dF/dy' of the gearbox.
+module evl_dae_jacobian
+   use evl_contact_point, only: contact_point
+   use evl_contact_tracking, only: algebraic_jacobian, differential_jacobian
+   use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_t, i_omega, i_theta, i_turns, support_t, wheel_acceleration, &
+                          wheel_load_torque, wheel_speed, wheel_t
+   use evl_kinds, only: wp
+   use evl_load, only: load_damping
+   use evl_local_variables, only: n_local, n_track
+   use evl_mesh, only: contact_apart, mesh_contact, mesh_force, mesh_force_gradient, mesh_forces, mesh_gradient, mesh_mode, &
+                       mesh_nominal_rho, mesh_t, tracking_algebraic
+   use evl_status, only: has_failed, status_t
+   implicit none (type, external)
+   private
+
+   public :: gearbox_jacobian
+
+contains
+
+   !> dF/dy + cj dF/dy'.
+   subroutine gearbox_jacobian(gearbox, t, cj, y, yp, integers, reals, jacobian, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: t, cj
+      real(wp), intent(in) :: y(gearbox%n_states), yp(gearbox%n_states)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: reals(:)
+      real(wp), intent(out) :: jacobian(gearbox%n_states, gearbox%n_states)
+      type(status_t), intent(inout) :: status
+      integer :: i
+
+      jacobian = 0
+      do i = 1, size(gearbox%wheels)
+         call add_wheel(gearbox, i, t, y, integers, jacobian)
+      end do
+      do i = 1, size(gearbox%meshes)
+         call add_mesh(gearbox, i, y, integers, reals, jacobian, status)
+         if (has_failed(status)) return
+      end do
+      do i = 1, size(gearbox%wheels)
+         call couple_reference(gearbox%wheels(i), jacobian)
+      end do
+      do i = 1, gearbox%n_states
+         jacobian(i, i) = jacobian(i, i) + cj
+      end do
+      do i = 1, size(gearbox%meshes)
+         if (gearbox%meshes(i)%i_track > 0) call add_tracking(gearbox, i, cj, y, yp, integers, reals, jacobian)
+      end do
+   end subroutine gearbox_jacobian
+
+   !> Rows of psi' and s', supports, and the loads' torque and power.
+   pure subroutine add_wheel(gearbox, index, t, y, integers, jacobian)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      real(wp), intent(in) :: t, y(:)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(inout) :: jacobian(:, :)
+      real(wp) :: damping, omega, torque
+      integer :: i, j
+
+      associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support)
+         if (wheel%i_psi > 0) then
+            jacobian(wheel%i_psi, wheel%i_psi + 1) = -1
+         else
+            jacobian(i_theta, i_omega) = -1
+         end if
+         damping = 0
+         do i = 1, size(gearbox%loads)
+            if (gearbox%loads(i)%wheel == index) damping = damping + load_damping(gearbox%loads(i))
+         end do
+         omega = wheel_speed(wheel, y)
+         if (wheel%prescribed == 0) then
+            torque = wheel_load_torque(gearbox, index, t, omega, integers)
+            call add_speed(wheel, wheel%i_speed, damping/wheel%inertia, jacobian)
+            call add_speed(wheel, gearbox%i_work, damping*omega - torque, jacobian)
+         else
+            torque = wheel%inertia*wheel_acceleration(gearbox, index, 0.0_wp, integers)
+            call add_speed(wheel, gearbox%i_work, -torque, jacobian)
+         end if
+         do j = 1, support%n
+            i = support%i_state(j)
+            jacobian(i, i + 1) = -1
+            jacobian(i + 1, i) = support%stiffness(j)/support%mass
+            jacobian(i + 1, i + 1) = support%damping(j)/support%mass
+            jacobian(gearbox%i_dissipated, i + 1) = -2*support%damping(j)*y(i + 1)
+         end do
+      end associate
+   end subroutine add_wheel
+
+   !> Add a multiple of a wheel's speed gradient to a row.
+   pure subroutine add_speed(wheel, row, factor, jacobian)
+      type(wheel_t), intent(in) :: wheel
+      integer, intent(in) :: row
+      real(wp), intent(in) :: factor
+      real(wp), intent(inout) :: jacobian(:, :)
+
+      jacobian(row, i_omega) = jacobian(row, i_omega) + wheel%ratio*factor
+      if (wheel%i_psi > 0) jacobian(row, wheel%i_psi + 1) = jacobian(row, wheel%i_psi + 1) + factor
+   end subroutine add_speed
+
+   !> A mesh's derivatives in the rows of its wheels, their supports and the energies.
+   subroutine add_mesh(gearbox, index, y, integers, reals, jacobian, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      real(wp), intent(in) :: y(:), reals(:)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(inout) :: jacobian(:, :)
+      type(status_t), intent(inout) :: status
+      real(wp) :: q(n_local), rho_a0
+      type(contact_point) :: point
+      type(mesh_force) :: force
+      type(mesh_force_gradient) :: gradient
+      type(mesh_mode) :: mode
+
+      mode = gearbox_mode(gearbox, index, integers, reals)
+      associate (mesh => gearbox%meshes(index))
+         call gearbox_local(gearbox, mesh, y, q)
+         rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
+         call mesh_contact(mesh, rho_a0, q, point)
+         call mesh_forces(mesh, index, mode, point, force, status)
+         if (has_failed(status)) return
+         call mesh_gradient(mesh, index, mode, rho_a0, q, point, force, gradient, status)
+         call add_torque(gearbox, mesh, gearbox%wheels(mesh%wheel_a), force%torque_a, gradient%torque_a, y, jacobian)
+         call add_torque(gearbox, mesh, gearbox%wheels(mesh%wheel_b), force%torque_b, gradient%torque_b, y, jacobian)
+         call add_push(mesh, gearbox%wheels(mesh%wheel_a)%support, gradient%on_a, 1.0_wp, jacobian)
+         call add_push(mesh, gearbox%wheels(mesh%wheel_b)%support, gradient%on_a, -1.0_wp, jacobian)
+         call scatter(mesh, -gradient%dissipation, gearbox%i_dissipated, jacobian)
+      end associate
+   end subroutine add_mesh
+
+   !> A mesh's torque on a wheel: it accelerates the wheel, or, if its speed is prescribed, is carried by the load.
+   pure subroutine add_torque(gearbox, mesh, wheel, torque, gradient, y, jacobian)
+      type(gearbox_t), intent(in) :: gearbox
+      type(mesh_t), intent(in) :: mesh
+      type(wheel_t), intent(in) :: wheel
+      real(wp), intent(in) :: torque, gradient(n_local), y(:)
+      real(wp), intent(inout) :: jacobian(:, :)
+
+      if (wheel%prescribed == 0) then
+         call scatter(mesh, -gradient/wheel%inertia, wheel%i_speed, jacobian)
+      else
+         call scatter(mesh, wheel_speed(wheel, y)*gradient, gearbox%i_work, jacobian)
+         call add_speed(wheel, gearbox%i_work, torque, jacobian)
+      end if
+   end subroutine add_torque
+
+   !> A mesh's force on a support.
+   pure subroutine add_push(mesh, support, gradient, sign, jacobian)
+      type(mesh_t), intent(in) :: mesh
+      type(support_t), intent(in) :: support
+      real(wp), intent(in) :: gradient(n_local, 2), sign
+      real(wp), intent(inout) :: jacobian(:, :)
+      integer :: j
+
+      do j = 1, support%n
+         associate (d => support%direction(:, j), factor => -sign/support%mass)
+            call scatter(mesh, factor*(dot_product(d, mesh%t_0)*gradient(:, 1) + dot_product(d, mesh%e_0)*gradient(:, 2)), &
+                         support%i_state(j) + 1, jacobian)
+         end associate
+      end do
+   end subroutine add_push
+
+   !> Add derivatives with respect to local variables to a row.
+   pure subroutine scatter(mesh, gradient, row, jacobian)
+      type(mesh_t), intent(in) :: mesh
+      real(wp), intent(in) :: gradient(n_local)
+      integer, intent(in) :: row
+      real(wp), intent(inout) :: jacobian(:, :)
+      integer :: i
+
+      do i = 1, size(mesh%links)
+         associate (link => mesh%links(i))
+            jacobian(row, link%state) = jacobian(row, link%state) + link%weight*gradient(link%local)
+         end associate
+      end do
+   end subroutine scatter
+
+   !> Complete the row of a wheel's speed: psi'' = phi'' - g theta''.
+   pure subroutine couple_reference(wheel, jacobian)
+      type(wheel_t), intent(in) :: wheel
+      real(wp), intent(inout) :: jacobian(:, :)
+
+      if (wheel%i_psi > 0) jacobian(wheel%i_speed, :) = jacobian(wheel%i_speed, :) - wheel%ratio*jacobian(i_omega, :)
+   end subroutine couple_reference
+
+   !> The rows of a mesh's tracked variables.
+   pure subroutine add_tracking(gearbox, index, cj, y, yp, integers, reals, jacobian)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      real(wp), intent(in) :: cj, y(:), yp(:), reals(:)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(inout) :: jacobian(:, :)
+      real(wp) :: q(n_local), rho_a0, local(n_track, n_local)
+      type(mesh_mode) :: mode
+      integer :: row
+
+      mode = gearbox_mode(gearbox, index, integers, reals)
+      if (mode%contact == contact_apart) return
+      associate (mesh => gearbox%meshes(index))
+         call gearbox_local(gearbox, mesh, y, q)
+         rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
+         if (mesh%tracking == tracking_algebraic) then
+            call algebraic_jacobian(mesh%pair, rho_a0, q, local)
+         else
+            call differential_jacobian(mesh%pair, rho_a0, q, yp(mesh%i_track:mesh%i_track + n_track - 1), cj, local)
+         end if
+         do row = 1, n_track
+            jacobian(mesh%i_track + row - 1, :) = 0
+            call scatter(mesh, local(row, :), mesh%i_track + row - 1, jacobian)
+         end do
+      end associate
+   end subroutine add_tracking
+
+end module evl_dae_jacobian
