@@ -2,7 +2,7 @@
 module evl_capi_description
    use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_double, c_f_pointer, c_int, c_ptr
    use evl_capi_types, only: c_law_choice, choice_from_c
-   use evl_gearbox_build, only: mesh_input, wheel_input
+   use evl_gearbox_description, only: mesh_input, wheel_input
    use evl_gearbox_initial, only: initial_t
    use evl_load, only: load_t
    use evl_status, only: code_invalid_input, fail, status_t, subject_load

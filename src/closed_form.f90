@@ -13,6 +13,9 @@ module evl_closed_form
 
 contains
 
+   !> Closed form of the contact (Assertions 1 and 2): gap, normal and radii of curvature from the wheels' positions alone.
+   !>
+   !> kappa = rho - rho_A - rho_B = (rho - rho_0) + R angle + sigma (r_bA psi_A + r_bB psi_B), which is
    !> R (inv alpha - inv alpha_0) + sigma (r_bA Dphi_A + r_bB Dphi_B - R Dchi).
    pure subroutine track_closed_form(pair, rho_a0, q, point)
       type(tracked_pair), intent(in) :: pair

@@ -11,6 +11,7 @@ module evl_contact_tracking
    use evl_contact_point, only: complete_gradient, complete_point, contact_gradient, contact_point, tracked_pair
    use evl_deviation, only: deviation, deviation_find, deviation_gradients, versine
    use evl_kinds, only: wp
+   use evl_lapack, only: dgesv
    use evl_local_variables, only: at_dr, at_lambda, at_mu, at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_theta, &
                                   at_track, at_turn, at_u_a, at_u_b, at_v_a, at_v_b, at_zeta, n_local, n_track, unit
    implicit none (type, external)
@@ -106,6 +107,9 @@ contains
       call complete_gradient(pair, q, point, gradient)
    end subroutine gradient_points
 
+   !> The algebraic form (1) as a residual.
+   !>
+   !> r_bA (grad g_A - lambda grad g_B) (t_0 component, times rho_B, and e_0 component), -(r_PA - r_PB - mu grad g_B), r_bA g_A,
    !> r_bB g_B. With its factor the first row has constant coefficients like the others: a Newton matrix from earlier still fits.
    pure subroutine algebraic_residual(pair, rho_a0, q, residual, exists)
       type(tracked_pair), intent(in) :: pair
@@ -160,6 +164,9 @@ contains
       jacobian(6, at_psi_b) = pair%r_bb*pair%sigma
    end subroutine algebraic_jacobian
 
+   !> The differential form (2)-(3) as a residual in the tracked variables' rates.
+   !>
+   !> The terms of [w, grad g] + Hess g (u - v) that grow with the angular velocity cancel on paper: what remains is the rate
    !> of turn of the normal, -t ((u - v_O).t)/(r_b rho). Rows as in `algebraic_residual`, per second.
    pure subroutine differential_residual(pair, rho_a0, q, rates, residual, exists)
       type(tracked_pair), intent(in) :: pair
@@ -290,15 +297,6 @@ contains
       logical, intent(out) :: solved          !! false if the system is singular or a point lies inside a base circle
       real(wp) :: jacobian(n_track, n_local), jacobian_0(n_track, n_local), matrix(n_track, n_track), constant(n_track)
       integer :: pivots(n_track), info
-      interface
-         subroutine dgesv(n, nrhs, a, lda, ipiv, b, ldb, info)
-            use evl_kinds, only: wp
-            implicit none (type, external)
-            integer, intent(in) :: n, nrhs, lda, ldb
-            real(wp), intent(inout) :: a(lda, *), b(ldb, *)
-            integer, intent(out) :: ipiv(*), info
-         end subroutine dgesv
-      end interface
 
       rates = 0
       call differential_residual(pair, rho_a0, q, rates, constant, solved)

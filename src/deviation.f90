@@ -22,6 +22,10 @@ module evl_deviation
 
 contains
 
+   !> Tangent to a circle of radius r_b through the point (r_b + a_t, rho_0 + a_e).
+   !>
+   !> Valid: rho_0 > 0 and the point outside the circle. Written without cancellation: rho - rho_0 and the angle keep full relative
+   !> precision in a. Derivatives: d angle = -(da.t + s drho_0)/rho, d rho = da.e + c drho_0 - r_b d angle, hence
    !> d(rho - rho_0 + r_b angle) = da.e + (c-1) drho_0.
    pure subroutine deviation_find(r_b, rho_0, a_t, a_e, found)
       real(wp), intent(in) :: r_b      !! radius of the circle [m]

@@ -1,20 +1,17 @@
 !> The state at the start: rest, given speeds, or the steady state.
 module evl_gearbox_initial
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use evl_closed_form, only: track_closed_form
    use evl_contact_point, only: contact_point
    use evl_contact_tracking, only: points_from_closed_form
-   use evl_dae_jacobian, only: gearbox_jacobian
    use evl_dae_residual, only: gearbox_derivative
-   use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_rates, gearbox_store_mode, gearbox_t, i_omega, i_theta, i_turns
-   use evl_gearbox_scaling, only: gearbox_likely_speed, gearbox_state_scales
+   use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_rates, gearbox_store_mode, gearbox_t, i_omega, i_turns
    use evl_kinds, only: wp
-   use evl_load, only: load_acceleration, load_segment, load_speed, load_torque, load_damping
+   use evl_load, only: load_segment
    use evl_local_variables, only: at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, n_local, n_track
-   use evl_mesh, only: contact_loaded, contact_open, contact_unloaded, mesh_mode, mesh_nominal_rho, mesh_settle_friction, &
-                       mesh_unclipped_force, tracking_closed_form
-   use evl_status, only: clear, code_invalid_input, code_no_solution, fail, has_failed, quantity, status_t, subject_initial, &
-                         subject_load, subject_mesh, subject_none
+   use evl_mesh, only: contact_loaded, contact_open, contact_unloaded, mesh_mode, mesh_settle_friction, mesh_unclipped_force
+   use evl_start_positions, only: closed_form_point, prescribed_speed, set_gaps
+   use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_initial, subject_load, subject_mesh
+   use evl_steady_state, only: find_steady_state
    implicit none (type, external)
    private
 
@@ -26,8 +23,6 @@ module evl_gearbox_initial
    integer, parameter :: initial_speeds = 2 !! given speeds
 
    real(wp), parameter :: speed_agreement = 1.0e-12_wp !! relative: an initial and a prescribed speed that differ less agree
-   integer, parameter :: max_newton = 60               !! corrections; a start from rest needs about five
-   real(wp), parameter :: newton_tolerance = 1.0e-13_wp !! last correction, relative to the scales of the states
 
    type :: initial_t
       integer :: kind = initial_rest       !! one of the kinds above
@@ -77,7 +72,7 @@ contains
       call check_initial(gearbox, initial, status)
       if (has_failed(status)) return
       if (initial%kind == initial_steady) then
-         call steady_state(gearbox, t, y, integers, reals, status)
+         call find_steady_state(gearbox, t, y, integers, reals, status)
       else
          call set_speeds(gearbox, gearbox_initial_speeds(gearbox, initial), t, y, integers, status)
          if (has_failed(status)) return
@@ -137,56 +132,6 @@ contains
       end do
    end subroutine set_speeds
 
-   !> The speed that a load prescribes at t [rad/s].
-   pure real(wp) function prescribed_speed(gearbox, load, t, integers) result(speed)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: load, integers(:)
-      real(wp), intent(in) :: t
-
-      associate (l => gearbox%loads(load))
-         if (l%i_segment > 0) then
-            speed = load_speed(l, t, integers(l%i_segment))
-         else
-            speed = load_speed(l, t, 0)
-         end if
-      end associate
-   end function prescribed_speed
-
-   !> Turn the wheels, from the reference wheel on, until every mesh has the given penetration.
-   pure subroutine set_gaps(gearbox, penetrations, y)
-      type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: penetrations(:) !! of the meshes [m]
-      real(wp), intent(inout) :: y(:)
-      logical :: placed(size(gearbox%wheels)), found
-      real(wp) :: psi(size(gearbox%wheels)), arc
-      integer :: m
-
-      placed = .false.
-      placed(gearbox%reference) = .true.
-      psi = 0
-      found = .true.
-      do while (found)
-         found = .false.
-         do m = 1, size(gearbox%meshes)
-            associate (mesh => gearbox%meshes(m), a => gearbox%meshes(m)%wheel_a, b => gearbox%meshes(m)%wheel_b)
-               if (placed(a) .eqv. placed(b)) cycle
-               arc = -mesh%pair%sigma*penetrations(m) ! r_bA psi_A + r_bB psi_B
-               if (placed(a)) then
-                  psi(b) = (arc - mesh%pair%r_ba*psi(a))/mesh%pair%r_bb
-               else
-                  psi(a) = (arc - mesh%pair%r_bb*psi(b))/mesh%pair%r_ba
-               end if
-               placed(a) = .true.
-               placed(b) = .true.
-               found = .true.
-            end associate
-         end do
-      end do
-      do m = 1, size(gearbox%wheels)
-         if (gearbox%wheels(m)%i_psi > 0) y(gearbox%wheels(m)%i_psi) = psi(m)
-      end do
-   end subroutine set_gaps
-
    !> In a ring of wheels the last gap follows from the others: it has to be the given one.
    subroutine check_gaps(gearbox, initial, y, status)
       type(gearbox_t), intent(in) :: gearbox
@@ -205,20 +150,6 @@ contains
          return
       end do
    end subroutine check_gaps
-
-   !> The contact of a mesh by the closed form, whatever its tracking.
-   subroutine closed_form_point(gearbox, index, y, turns, teeth, point)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index, turns, teeth
-      real(wp), intent(in) :: y(:)
-      type(contact_point), intent(out) :: point
-      real(wp) :: q(n_local)
-
-      associate (mesh => gearbox%meshes(index))
-         call gearbox_local(gearbox, mesh, y, q)
-         call track_closed_form(mesh%pair, mesh_nominal_rho(mesh, y(i_theta), turns, teeth), q, point)
-      end associate
-   end subroutine closed_form_point
 
    !> Tracked variables that belong to the wheels' positions.
    subroutine set_tracked(gearbox, y)
@@ -275,192 +206,5 @@ contains
          end associate
       end do
    end subroutine settle
-
-   !> Positions and speeds at which nothing accelerates, by Newton's method on the closed form.
-   subroutine steady_state(gearbox, t, y, integers, reals, status)
-      type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: t
-      real(wp), intent(inout) :: y(gearbox%n_states)
-      integer, intent(inout) :: integers(:)
-      real(wp), intent(inout) :: reals(:)
-      type(status_t), intent(inout) :: status
-      type(gearbox_t) :: closed
-      integer, allocatable :: unknown(:), row(:)
-      integer :: i, turn
-
-      call check_steady(gearbox, integers, status)
-      if (has_failed(status)) return
-      closed = gearbox
-      closed%meshes%tracking = tracking_closed_form
-      closed%meshes%i_track = 0
-      unknown = [(gearbox%wheels(i)%i_psi, i=1, size(gearbox%wheels))]
-      row = unknown + 1
-      unknown(gearbox%reference) = i_omega
-      row(gearbox%reference) = i_omega
-      if (gearbox%wheels(gearbox%reference)%prescribed > 0) then
-         y(i_omega) = prescribed_speed(gearbox, gearbox%wheels(gearbox%reference)%prescribed, t, integers)
-         unknown = pack(unknown, unknown /= i_omega)
-         row = pack(row, row /= i_omega)
-      else
-         y(i_omega) = free_speed(gearbox, t, integers)
-      end if
-      do i = 1, size(gearbox%wheels)
-         associate (support => gearbox%wheels(i)%support)
-            unknown = [unknown, support%i_state(:support%n)]
-            row = [row, support%i_state(:support%n) + 1]
-         end associate
-      end do
-      call set_gaps(gearbox, gearbox%meshes%h_scale, y)
-      do turn = 1, 3 ! friction branches depend on the speed, the speed on friction
-         call load_all(closed, y, integers, reals)
-         call newton(closed, t, unknown, row, y, integers, reals, status)
-         if (has_failed(status)) return
-      end do
-      call check_pressed(closed, y, status)
-   end subroutine steady_state
-
-   !> A steady state can exist: no prescribed speed changes, and at most one is prescribed.
-   subroutine check_steady(gearbox, integers, status)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: integers(:)
-      type(status_t), intent(inout) :: status
-      integer :: i
-
-      if (count(gearbox%wheels%prescribed > 0) > 1) then
-         call fail(status, code_no_solution, "a steady start needs wheels that are free to find their positions, but the speeds" &
-                   //" of several are prescribed: start with given speeds", subject_initial, field="kind")
-         return
-      end if
-      do i = 1, size(gearbox%loads)
-         associate (load => gearbox%loads(i))
-            if (load%i_segment == 0) cycle
-            if (.not. abs(load_acceleration(load, integers(load%i_segment))) > 0 .or. &
-                gearbox%wheels(load%wheel)%prescribed /= i) cycle
-            call fail(status, code_no_solution, "the prescribed speed of a wheel changes at the start: that is no steady state", &
-                      subject_load, i, "time")
-            return
-         end associate
-      end do
-   end subroutine check_steady
-
-   !> Speed at which the loads balance without friction [rad/s].
-   pure real(wp) function free_speed(gearbox, t, integers) result(speed)
-      type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: t
-      integer, intent(in) :: integers(:)
-      real(wp) :: torque, damping
-      integer :: i, segment
-
-      torque = 0
-      damping = 0
-      do i = 1, size(gearbox%loads)
-         associate (load => gearbox%loads(i))
-            segment = 0
-            if (load%i_segment > 0) segment = integers(load%i_segment)
-            associate (g => gearbox%wheels(load%wheel)%ratio)
-               torque = torque + g*load_torque(load, t, 0.0_wp, segment)
-               damping = damping + g**2*load_damping(load)
-            end associate
-         end associate
-      end do
-      speed = gearbox_likely_speed(gearbox)
-      if (damping > 0) speed = torque/damping
-   end function free_speed
-
-   !> Every mesh loaded, every friction branch as the speeds say.
-   subroutine load_all(gearbox, y, integers, reals)
-      type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: y(:)
-      integer, intent(inout) :: integers(:)
-      real(wp), intent(inout) :: reals(:)
-      type(contact_point) :: point
-      type(mesh_mode) :: mode
-      integer :: m
-
-      do m = 1, size(gearbox%meshes)
-         call closed_form_point(gearbox, m, y, 0, 0, point)
-         mode = gearbox_mode(gearbox, m, integers, reals)
-         mode%contact = contact_loaded
-         mode%friction = mesh_settle_friction(gearbox%meshes(m), point)
-         call gearbox_store_mode(gearbox, m, mode, integers, reals)
-      end do
-   end subroutine load_all
-
-   !> Solve f(row) = 0 for y(unknown), halving corrections that leave the domain or do not reduce the scaled residual.
-   subroutine newton(gearbox, t, unknown, row, y, integers, reals, status)
-      type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: t
-      integer, intent(in) :: unknown(:), row(:), integers(:)
-      real(wp), intent(inout) :: y(gearbox%n_states)
-      real(wp), intent(in) :: reals(:)
-      type(status_t), intent(inout) :: status
-      real(wp), dimension(gearbox%n_states) :: f, trial, scale, row_scale, zero
-      real(wp) :: jacobian(gearbox%n_states, gearbox%n_states), matrix(size(row), size(row)), step(size(row), 1)
-      real(wp) :: size_now, size_trial, share, last
-      integer :: differential(gearbox%n_states), pivots(size(row)), info, turn
-      interface
-         subroutine dgesv(n, nrhs, a, lda, ipiv, b, ldb, info)
-            use evl_kinds, only: wp
-            implicit none (type, external)
-            integer, intent(in) :: n, nrhs, lda, ldb
-            real(wp), intent(inout) :: a(lda, *), b(ldb, *)
-            integer, intent(out) :: ipiv(*), info
-         end subroutine dgesv
-      end interface
-
-      call gearbox_state_scales(gearbox, [real(wp) ::], scale, row_scale, differential)
-      zero = 0
-      last = huge(last)
-      call gearbox_rates(gearbox, t, y, integers, reals, f, status)
-      do turn = 1, max_newton
-         if (has_failed(status)) return
-         size_now = norm2(f(row)/scale(row))
-         call gearbox_jacobian(gearbox, t, 0.0_wp, y, zero, integers, reals, jacobian, status)
-         matrix = jacobian(row, unknown)
-         matrix = matrix*spread(scale(unknown), 1, size(row))/spread(scale(row), 2, size(row))
-         step(:, 1) = f(row)/scale(row)
-         call dgesv(size(row), 1, matrix, size(row), pivots, step, size(row), info)
-         if (info /= 0 .or. .not. all(ieee_is_finite(step))) then
-            call fail(status, code_no_solution, "the steady speed is not determined: no load depends on the speed, and none is" &
-                      //" prescribed", subject_initial, field="kind")
-            return
-         end if
-         share = 1
-         do
-            trial = y
-            trial(unknown) = y(unknown) + share*step(:, 1)*scale(unknown)
-            call clear(status)
-            call gearbox_rates(gearbox, t, trial, integers, reals, f, status)
-            size_trial = norm2(f(row)/scale(row))
-            if (.not. has_failed(status) .and. (size_trial < size_now .or. norm2(step) < 1.0e-6_wp)) exit
-            share = share/2
-            if (share < 1.0e-6_wp) exit
-         end do
-         if (has_failed(status)) return
-         y = trial
-         if (norm2(step) < newton_tolerance .or. (norm2(step) < 1.0e-9_wp .and. norm2(step) >= last)) return
-         last = norm2(step)
-      end do
-      call fail(status, code_no_solution, "no steady state was found: start from rest or with given speeds", subject_initial, &
-                field="kind")
-   end subroutine newton
-
-   !> In the steady state every flank pushes.
-   subroutine check_pressed(gearbox, y, status)
-      type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: y(:)
-      type(status_t), intent(inout) :: status
-      type(contact_point) :: point
-      integer :: m
-
-      do m = 1, size(gearbox%meshes)
-         call closed_form_point(gearbox, m, y, 0, 0, point)
-         if (point%h > 0) cycle
-         call fail(status, code_no_solution, "there is no steady state: this flank would have to pull (penetration " &
-                   //quantity(point%h, "m")//"); the loads turn the wheels against driving_rotation", subject_mesh, m, &
-                   "driving_rotation")
-         return
-      end do
-   end subroutine check_pressed
 
 end module evl_gearbox_initial
