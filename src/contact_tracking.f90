@@ -17,7 +17,7 @@ module evl_contact_tracking
    implicit none (type, external)
    private
 
-   public :: track_points, gradient_points, tracked_positions, line_distance, points_from_closed_form
+   public :: track_points, gradient_points, tracked_positions, line_distance, points_from_closed_form, project_points
    public :: algebraic_residual, algebraic_jacobian, differential_residual, differential_jacobian, differential_rates
 
 contains
@@ -308,6 +308,28 @@ contains
       call dgesv(n_track, 1, matrix, n_track, pivots, rates, n_track, info)
       solved = info == 0
    end subroutine differential_rates
+
+   !> Put the tracked points back onto (1), where the wheels are: Newton's method, by LAPACK. What integration has left of (1) is
+   !> so small that two corrections end at rounding.
+   subroutine project_points(pair, rho_a0, q, solved)
+      type(tracked_pair), intent(in) :: pair
+      real(wp), intent(in) :: rho_a0
+      real(wp), intent(inout) :: q(n_local) !! local variables; the tracked ones are corrected
+      logical, intent(out) :: solved        !! false if the system is singular or a point lies inside a base circle
+      real(wp) :: jacobian(n_track, n_local), matrix(n_track, n_track), step(n_track)
+      integer :: pivots(n_track), info, turn
+
+      do turn = 1, 2
+         call algebraic_residual(pair, rho_a0, q, step, solved)
+         if (.not. solved) return
+         call algebraic_jacobian(pair, rho_a0, q, jacobian)
+         matrix = jacobian(:, at_track:)
+         call dgesv(n_track, 1, matrix, n_track, pivots, step, n_track, info)
+         solved = info == 0
+         if (.not. solved) return
+         q(at_track:) = q(at_track:) - step
+      end do
+   end subroutine project_points
 
    !> Tracked variables that belong to the wheels' positions, by Assertions 1 and 2: the points lie on the line of action.
    pure subroutine points_from_closed_form(pair, q, track)

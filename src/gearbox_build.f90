@@ -17,6 +17,7 @@ module evl_gearbox_build
 
    public :: gearbox_create
 
+   real(wp), parameter :: narrow = 0.1_wp       !! half width of the contact strip over a radius of curvature: warn above
    real(wp), parameter :: agreement = 1.0e-9_wp !! relative: base radii from two meshes that differ less are the same
 
 contains
@@ -51,6 +52,9 @@ contains
          if (has_failed(status)) return
       end do
       call gearbox_set_scales(gearbox)
+      do i = 1, size(meshes)
+         call check_contact_width(gearbox, i)
+      end do
       gearbox%n_values = count_values(gearbox)
    end subroutine gearbox_create
 
@@ -216,6 +220,23 @@ contains
       end associate
       call link_states(gearbox, gearbox%meshes(index))
    end subroutine take_mesh
+
+   !> The contact strip has to stay narrow beside the radii of curvature, which are smallest at the start of contact.
+   !>
+   !> Half width of two cylinders pressed together: sqrt(4 N rho_A rho_B/(pi E* (rho_A + rho_B))), Hertz.
+   subroutine check_contact_width(gearbox, index)
+      type(gearbox_t), intent(inout) :: gearbox
+      integer, intent(in) :: index
+      real(wp) :: half_width
+
+      associate (mesh => gearbox%meshes(index), a => gearbox%pairs(index)%rho_start_a, b => gearbox%pairs(index)%rho_start_b)
+         half_width = sqrt(4*mesh%force_scale/mesh%width*a*b/(pi*mesh%e_star*(a + b)))
+         if (half_width > narrow*min(a, b)) &
+            call warn(gearbox, index, "under its load of about "//quantity(mesh%force_scale, "N")//" the contact strip is " &
+                      //quantity(half_width, "m")//" wide to either side, more than a tenth of the smallest radius of curvature "// &
+                      quantity(min(a, b), "m")//": the force law is stretched")
+      end associate
+   end subroutine check_contact_width
 
    !> Whether the flank of a mesh fits the sense of rotation that the first mesh gives the wheels.
    subroutine check_senses(gearbox, layout, given, index)

@@ -1,12 +1,12 @@
 !> What can happen to a gearbox, and what changes when it does.
 module evl_gearbox_events
    use evl_contact_point, only: contact_point
-   use evl_contact_tracking, only: points_from_closed_form
+   use evl_contact_tracking, only: points_from_closed_form, project_points
    use evl_dae_residual, only: gearbox_derivative
    use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_store_mode, gearbox_t, i_theta, i_turns
    use evl_kinds, only: pi, wp
    use evl_load, only: load_next_knot
-   use evl_local_variables, only: n_local, n_track
+   use evl_local_variables, only: at_track, n_local, n_track
    use evl_mesh, only: contact_apart, contact_loaded, contact_open, contact_unloaded, mesh_contact, mesh_mode, &
                        mesh_nominal_rho, mesh_root_directions, mesh_roots, mesh_settle_friction, n_mesh_roots, root_apart, &
                        root_back, root_contact, root_force, root_forward, root_friction_high, root_friction_low
@@ -166,10 +166,33 @@ contains
          y(i_theta) = y(i_theta) - 2*pi*i
          call note(log, event_revolution)
       end if
+      call project_tracked(gearbox, y, integers, reals)
       events(:log%n) = log%events(:log%n)
       n_events = log%n
       call gearbox_derivative(gearbox, t, y, integers, reals, yp, status)
    end subroutine gearbox_apply_event
+
+   !> Restart with the tracked points exactly on their flanks; where they cannot be put, the derivative says why.
+   subroutine project_tracked(gearbox, y, integers, reals)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(inout) :: y(gearbox%n_states)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: reals(:)
+      type(mesh_mode) :: mode
+      real(wp) :: q(n_local)
+      logical :: solved
+      integer :: m
+
+      do m = 1, size(gearbox%meshes)
+         associate (mesh => gearbox%meshes(m))
+            mode = gearbox_mode(gearbox, m, integers, reals)
+            if (mesh%i_track == 0 .or. mode%contact == contact_apart) cycle
+            call gearbox_local(gearbox, mesh, y, q)
+            call project_points(mesh%pair, mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth), q, solved)
+            if (solved) y(mesh%i_track:mesh%i_track + n_track - 1) = q(at_track:)
+         end associate
+      end do
+   end subroutine project_tracked
 
    !> Write an event down.
    pure subroutine note(log, kind, mesh, tooth_pair)
