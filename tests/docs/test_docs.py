@@ -1,0 +1,151 @@
+"""What the documents say is so: links lead somewhere, commands run, snippets run."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+README = ROOT / "README.md"
+PAGES = sorted(
+    [README, ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *(ROOT / "docs").rglob("*.md")]
+)
+# Fenced blocks: the language, then everything up to the closing fence.
+FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+INDENTED = re.compile(r"^ {4}(.*)$", re.MULTILINE)
+LINK = re.compile(r"\]\(([^)\s]+)\)")
+NOT_RUN = "# not run:"  # at the start of a block, or after a command; the reason follows
+
+
+def blocks(page: Path, *languages: str) -> list[str]:
+    """Fenced blocks of these languages, in their order."""
+    text = page.read_text(encoding="utf-8")
+    return [body for language, body in FENCE.findall(text) if language in languages]
+
+
+def commands(page: Path) -> Iterator[str]:
+    """Command lines of evolvent and evolvent-post in a page's blocks, fenced or indented."""
+    text = page.read_text(encoding="utf-8")
+    indented = "\n".join(INDENTED.findall(FENCE.sub("", text)))
+    for block in [*blocks(page, "bash", "console"), indented]:
+        if block.startswith(NOT_RUN):
+            continue
+        for line in block.replace("\\\n", " ").splitlines():
+            command = line.strip().removeprefix("$ ")
+            if re.match(r"evolvent(-post)?\s", command) and NOT_RUN not in command:
+                yield command
+
+
+def anchors(page: Path) -> set[str]:
+    """Anchors that GitHub gives the headings of a page."""
+    text = FENCE.sub("", page.read_text(encoding="utf-8"))
+    headings = re.findall(r"^#+ +(.*)$", text, re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", h.strip().lower()).replace(" ", "-") for h in headings}
+
+
+@pytest.fixture(scope="session")
+def workplace(tmp_path_factory: pytest.TempPathFactory, executable: Path) -> Path:
+    """Give a folder with the examples, and both commands in its `bin`."""
+    folder = tmp_path_factory.mktemp("docs")
+    shutil.copytree(ROOT / "examples", folder / "examples")
+    (folder / "bin").mkdir()
+    (folder / "bin" / "evolvent").symlink_to(executable)
+    post = folder / "bin" / "evolvent-post"
+    post.write_text(f"#!{sys.executable}\nfrom evolvent.cli import main\n\nmain()\n")
+    post.chmod(0o755)
+    return folder
+
+
+def run(command: str, folder: Path) -> None:
+    """Run a command line as a user would; it has to succeed."""
+    path = os.pathsep.join([str(folder / "bin"), os.environ["PATH"]])
+    python_path = os.pathsep.join(
+        [str(ROOT / "postprocess"), os.environ.get("PYTHONPATH", "")]
+    ).rstrip(os.pathsep)
+    done = subprocess.run(
+        ["bash", "-c", command],
+        cwd=folder,
+        env={**os.environ, "PATH": path, "PYTHONPATH": python_path},
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert done.returncode == 0, f"{command}\n{done.stdout}{done.stderr}"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_links_lead_to_files_and_headings_that_exist(page: Path) -> None:
+    for target in LINK.findall(FENCE.sub("", page.read_text(encoding="utf-8"))):
+        if re.match(r"\w+:", target):  # https:, mailto:
+            continue
+        name, _, anchor = target.partition("#")
+        linked = (page.parent / name).resolve() if name else page
+        assert linked.is_relative_to(ROOT), f"{target} leads out of the repository"
+        assert linked.exists(), f"{target} does not exist"
+        if anchor:
+            assert anchor in anchors(linked), f"{target}: no such heading"
+
+
+@pytest.mark.parametrize(
+    "page",
+    [page for page in PAGES if next(commands(page), None)],
+    ids=lambda page: str(page.relative_to(ROOT)),
+)
+def test_commands_succeed_in_the_order_in_which_they_are_printed(
+    page: Path, workplace: Path
+) -> None:
+    for command in commands(page):
+        run(command, workplace)
+
+
+def test_readme_prints_commands_of_both_programs() -> None:
+    first_words = {command.split()[0] for command in commands(README)}
+    assert first_words == {"evolvent", "evolvent-post"}
+
+
+@pytest.mark.parametrize(
+    "page",
+    [page for page in PAGES if blocks(page, "python")],
+    ids=lambda page: str(page.relative_to(ROOT)),
+)
+def test_python_runs_on_the_histories_that_the_readme_and_the_program_make(
+    page: Path, workplace: Path
+) -> None:
+    run("evolvent run examples/paper.yaml", workplace)
+    for command in commands(README):
+        if command.startswith("evolvent run"):
+            run(command, workplace)
+    for snippet in blocks(page, "python"):
+        script = workplace / "snippet.py"
+        script.write_text(snippet, encoding="utf-8")
+        run(f"{sys.executable} {script.name}", workplace)
+
+
+def test_every_force_law_of_the_program_has_a_section(executable: Path) -> None:
+    printed = subprocess.run(
+        [executable, "show", "--laws"], capture_output=True, text=True, check=True, timeout=60
+    ).stdout
+    named = set()
+    family = ""
+    for line in printed.splitlines():
+        if match := re.match(r"(\w+):$", line):
+            family = match[1]
+        elif match := re.match(r"  \{law: (\w+)\}", line):
+            named.add(f"{family}: {match[1]}")
+    described = re.findall(r"^## (\w+: \w+)$", (ROOT / "docs/laws.md").read_text(), re.MULTILINE)
+    assert set(described) == named
+
+
+def test_the_figure_of_the_readme_is_small() -> None:
+    images = [target for target in LINK.findall(README.read_text()) if "images/" in target]
+    assert images
+    for image in images:
+        assert (ROOT / image).stat().st_size < 200_000  # a page opens at once
