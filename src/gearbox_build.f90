@@ -233,8 +233,8 @@ contains
          half_width = sqrt(4*mesh%force_scale/mesh%width*a*b/(pi*mesh%e_star*(a + b)))
          if (half_width > narrow*min(a, b)) &
             call warn(gearbox, index, "under its load of about "//quantity(mesh%force_scale, "N")//" the contact strip is " &
-                      //quantity(half_width, "m")//" wide to either side, more than a tenth of the smallest radius of curvature "// &
-                      quantity(min(a, b), "m")//": the force law is stretched")
+                      //quantity(half_width, "m")//" wide to either side, more than a tenth of the smallest radius of" &
+                      //" curvature "//quantity(min(a, b), "m")//": the force law is stretched")
       end associate
    end subroutine check_contact_width
 
