@@ -173,6 +173,11 @@ void case_refuse(const case_file *file, case_subject subject, int index, int loa
         free(label);
         label = xstrdup("simulation.initial.");
         break;
+    case CASE_ABOUT_HOUSING:
+        block = node_get(block, "housing");
+        free(label);
+        label = xstrdup("housing.");
+        break;
     }
     const case_node *node = deepest(block, field);
     char place[EVL_ERROR_PLACE_LENGTH];

@@ -33,7 +33,8 @@ typedef enum {
     CASE_ABOUT_WHEEL,
     CASE_ABOUT_MESH,
     CASE_ABOUT_LOAD,
-    CASE_ABOUT_INITIAL
+    CASE_ABOUT_INITIAL,
+    CASE_ABOUT_HOUSING
 } case_subject;
 
 /** Turn a refusal by the model into an error that names the place in the file or the option.

@@ -2,7 +2,7 @@
 
 #include "memory.h"
 
-static bool resolve_table(checker *checker, const case_node *block, const char *key, load_description *load)
+bool case_resolve_table(checker *checker, const case_node *block, const char *key, case_table *table)
 {
     const case_node *time = node_get(block, "time"), *values = node_get(block, key);
     if (time->n < 2) {
@@ -15,20 +15,30 @@ static bool resolve_table(checker *checker, const case_node *block, const char *
         return checker_refuse(checker, values->place, "has %d values, but time has %d; they need the same number",
                               values->n, time->n);
     }
-    load->time = xcalloc((size_t)time->n, sizeof *load->time);
-    load->values = xcalloc((size_t)time->n, sizeof *load->values);
-    load->n = time->n;
+    table->time = xcalloc((size_t)time->n, sizeof *table->time);
+    table->values = xcalloc((size_t)time->n, sizeof *table->values);
+    table->n = time->n;
     for (int i = 0; i < time->n; i++) {
         const case_node *knot = time->entries[i].value;
-        load->time[i] = node_number(knot);
-        load->values[i] = node_number(values->entries[i].value);
-        if (i > 0 && load->time[i] <= load->time[i - 1]) {
+        table->time[i] = node_number(knot);
+        table->values[i] = node_number(values->entries[i].value);
+        if (i > 0 && table->time[i] <= table->time[i - 1]) {
             (void)checker_enter(checker, "time");
             return checker_refuse(checker, knot->place, "the times of a table must increase: %s s follows %s s",
                                   knot->text, time->entries[i - 1].value->text);
         }
     }
     return true;
+}
+
+static bool resolve_table(checker *checker, const case_node *block, const char *key, load_description *load)
+{
+    case_table table = {0};
+    const bool good = case_resolve_table(checker, block, key, &table);
+    load->n = table.n;
+    load->time = table.time;
+    load->values = table.values;
+    return good;
 }
 
 /** A prescribed speed is one value, or a table of time and speed. */
@@ -50,6 +60,7 @@ static bool resolve_load(checker *checker, const case_node *block, load_descript
 {
     static const char *const kinds[] = {
         [LOAD_TORQUE] = "torque", [LOAD_VISCOUS] = "viscous", [LOAD_TABLE] = "table", [LOAD_SPEED] = "speed"};
+    load->against_housing = node_get_is(block, "against", "housing");
     load->kind = (load_kind)node_get_choice(block, "kind", 4, kinds);
     switch (load->kind) {
     case LOAD_TORQUE:

@@ -5,6 +5,14 @@
 #include "case_check.h"
 #include "description.h"
 
+typedef struct {
+    int n;
+    double *time, *values; /**< [n], the caller's to free, also after a refusal */
+} case_table;
+
+/** A table from its keys `time` and `key`. @return false with the reason in the checker's error */
+bool case_resolve_table(checker *checker, const case_node *block, const char *key, case_table *table);
+
 /** Fill the wheel's loads from its list of blocks. @return false with the reason in the checker's error */
 bool case_resolve_loads(checker *checker, const case_node *list, wheel_description *wheel);
 

@@ -12,6 +12,10 @@ static const char *type_text(const case_key *key)
         return "whole number";
     case KEY_PAIR:
         return "[x, y]";
+    case KEY_TRIPLE:
+        return "[x, y, z]";
+    case KEY_QUATERNION:
+        return "[w, x, y, z]";
     case KEY_SERIES:
         return "list of numbers";
     case KEY_NAMED:

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "case_check.h"
+#include "case_housing.h"
 #include "case_loads.h"
 #include "memory.h"
 #include "suggest.h"
@@ -132,6 +133,8 @@ static bool resolve_wheel(checker *checker, const case_node *block, const case_n
     }
     wheel->inertia = get_optional(block, "inertia");
     wheel->mass = get_optional(block, "mass");
+    wheel->transverse_inertia = get_optional(block, "transverse_inertia");
+    wheel->axial_position = node_get_number(block, "axial_position");
     wheel->support = resolve_support(node_get(block, "support"));
     return find_reference(checker, block, "material", "material", materials, &wheel->material) &&
            case_resolve_loads(checker, node_get(block, "loads"), wheel);
@@ -295,7 +298,8 @@ bool case_resolve(const char *path, case_node *root, const law_tables *laws, des
         }
         checker_leave(&checker, 0);
     }
-    return resolve_simulation(&checker, root, &description->simulation);
+    return case_resolve_housing(&checker, root, description) &&
+           resolve_simulation(&checker, root, &description->simulation);
 }
 
 static void clear_wheel(wheel_description *wheel)
@@ -319,6 +323,11 @@ void description_clear(description *description)
     for (int i = 0; i < description->n_meshes; i++) {
         free(description->meshes[i].name);
     }
+    for (int i = 0; i < description->housing.n_motions; i++) {
+        free(description->housing.motions[i].time);
+        free(description->housing.motions[i].values);
+    }
+    free(description->housing.motions);
     free(description->materials);
     free(description->wheels);
     free(description->meshes);

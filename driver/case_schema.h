@@ -9,6 +9,8 @@ typedef enum {
     KEY_NUMBER,    /**< a number in the range, or one of the words */
     KEY_INTEGER,   /**< a whole number in the range */
     KEY_PAIR,      /**< [x, y], both in the range */
+    KEY_TRIPLE,    /**< [x, y, z], all in the range */
+    KEY_QUATERNION, /**< [w, x, y, z], all in the range */
     KEY_SERIES,    /**< a list of numbers */
     KEY_NAMED,     /**< name: number, for each name */
     KEY_TEXT,      /**< any text */

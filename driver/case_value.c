@@ -105,17 +105,22 @@ static bool check_integer(const checker *checker, const case_key *key, const cas
                           range[0] == '\0' ? "" : " ", range);
 }
 
-static bool check_pair(checker *checker, const case_key *key, const case_node *node)
+/** A list of so many numbers, which `wanted` describes. */
+static bool check_components(checker *checker, const case_key *key, const case_node *node, int n, const char *wanted)
 {
     if (node->kind != NODE_SEQUENCE) {
-        return refuse_type(checker, node, "a pair [x, y]", key->unit);
+        return refuse_type(checker, node, wanted, key->unit);
     }
-    if (node->n != 2) {
-        return checker_refuse(checker, node->place, "has %d values, must be a pair [x, y]", node->n);
+    if (node->n != n) {
+        return checker_refuse(checker, node->place, "has %d %s, must be %s", node->n, node->n == 1 ? "value" : "values",
+                              wanted);
     }
     double value = 0;
-    return check_number(checker, key, node->entries[0].value, &value) &&
-           check_number(checker, key, node->entries[1].value, &value);
+    bool good = true;
+    for (int i = 0; i < n && good; i++) {
+        good = check_number(checker, key, node->entries[i].value, &value);
+    }
+    return good;
 }
 
 static bool check_numbers(checker *checker, const case_key *key, const case_node *node)
@@ -203,7 +208,11 @@ bool check_single_value(checker *checker, const case_key *key, case_node *node)
     case KEY_INTEGER:
         return check_integer(checker, key, node);
     case KEY_PAIR:
-        return check_pair(checker, key, node);
+        return check_components(checker, key, node, 2, "a pair [x, y]");
+    case KEY_TRIPLE:
+        return check_components(checker, key, node, 3, "a vector [x, y, z]");
+    case KEY_QUATERNION:
+        return check_components(checker, key, node, 4, "a quaternion [w, x, y, z]");
     case KEY_SERIES:
     case KEY_NAMED:
         return check_numbers(checker, key, node);

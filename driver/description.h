@@ -30,6 +30,7 @@ typedef enum { LOAD_TORQUE, LOAD_VISCOUS, LOAD_TABLE, LOAD_SPEED } load_kind;
 typedef struct {
     load_kind kind;
     double value;
+    bool against_housing; /**< otherwise against the ground */
     int n; /**< knots of a table, 0 if none (table: torque over time; speed: value, or a table if n > 0) */
     double *time, *values;
 } load_description;
@@ -42,7 +43,8 @@ typedef struct {
     int material; /**< index in description.materials */
     bool has_centre;
     double centre[2];
-    optional_double inertia, mass;
+    optional_double inertia, mass, transverse_inertia;
+    double axial_position;
     support_description support;
     int n_loads;
     load_description *loads;
@@ -67,6 +69,29 @@ typedef struct {
     tracking_kind tracking;
 } mesh_description;
 
+typedef enum { MOTION_CONSTANT, MOTION_RATE, MOTION_HARMONIC, MOTION_TABLE } motion_kind;
+
+typedef struct {
+    int coordinate; /**< 0..2: translation along x, y, z; 3..5: rotation vector */
+    motion_kind kind;
+    double value, frequency, phase; /**< constant, rate or amplitude [m or rad]; [Hz]; [rad] */
+    int n;                          /**< knots of a table, else 0 */
+    double *time, *values;
+} motion_description;
+
+typedef enum { HOUSING_FIXED, HOUSING_PRESCRIBED, HOUSING_MOUNTED } housing_kind;
+
+typedef struct {
+    housing_kind kind;
+    int n_motions;
+    motion_description *motions; /**< HOUSING_PRESCRIBED; all from here on HOUSING_MOUNTED */
+    double mass, centre_of_mass[3];
+    double inertia[3], products_of_inertia[3]; /**< xx, yy, zz; xy, yz, xz */
+    double mount_point[3], stiffness[3], damping[3], rotational_stiffness[3], rotational_damping[3];
+    double force[3], moment[3];
+    double position[3], orientation[4], velocity[3], angular_velocity[3];
+} housing_description;
+
 typedef enum { INITIAL_REST, INITIAL_STEADY, INITIAL_SPEEDS } initial_kind;
 
 typedef struct {
@@ -87,6 +112,8 @@ typedef struct {
     material_description *materials;
     wheel_description *wheels;
     mesh_description *meshes;
+    double gravity[3];
+    housing_description housing;
     simulation_description simulation;
 } description;
 

@@ -18,7 +18,7 @@ enum { EVENT_NUMBER, EVENT_TIME, EVENT_KIND, EVENT_MESH, EVENT_TOOTH_PAIR, EVENT
 struct history {
     output_file file;
     netcdf_file netcdf;
-    netcdf_dimension wheel, mesh, axis, side;
+    netcdf_dimension wheel, mesh, axis, space, quaternion, side;
     series times, events;
     int n_outputs, n_values, n_states;
     model_output *outputs;
@@ -59,11 +59,22 @@ static netcdf_variable describe(netcdf_type type, const char *name, const char *
 
 static void set_dimensions(history *history, const model_output *output, netcdf_variable *variable)
 {
-    netcdf_dimension *const first[] = {NULL, &history->wheel, &history->mesh, &history->wheel, &history->mesh};
-    const int ranks[] = {0, 1, 1, 2, 2};
-    variable->rank = ranks[output->dims];
-    variable->dimensions[0] = first[output->dims];
-    variable->dimensions[1] = &history->axis;
+    const struct {
+        int rank;
+        netcdf_dimension *first, *second;
+    } dims[] = {
+        [MODEL_DIMS_NONE] = {0, NULL, NULL},
+        [MODEL_DIMS_WHEEL] = {1, &history->wheel, NULL},
+        [MODEL_DIMS_MESH] = {1, &history->mesh, NULL},
+        [MODEL_DIMS_WHEEL_AXIS] = {2, &history->wheel, &history->axis},
+        [MODEL_DIMS_MESH_AXIS] = {2, &history->mesh, &history->axis},
+        [MODEL_DIMS_SPACE] = {1, &history->space, NULL},
+        [MODEL_DIMS_QUATERNION] = {1, &history->quaternion, NULL},
+        [MODEL_DIMS_WHEEL_SPACE] = {2, &history->wheel, &history->space},
+    };
+    variable->rank = dims[output->dims].rank;
+    variable->dimensions[0] = dims[output->dims].first;
+    variable->dimensions[1] = dims[output->dims].second;
 }
 
 static netcdf_variable describe_output(history *history, const model_output *output)
@@ -185,10 +196,21 @@ static void plan_events(history *history, hid_t group, const history_layout *lay
     series_start(events, EVENT_ROWS);
 }
 
+/** Whether there are outputs of these dimensions. */
+static bool has_dims(const history_layout *layout, model_dims dims)
+{
+    bool has = false;
+    for (int i = 0; i < layout->n_outputs; i++) {
+        has = has || (layout->outputs[i].dims == dims && layout->outputs[i].count > 0);
+    }
+    return has;
+}
+
 /** Everything whose size is known: attributes, names, the group of events. */
 static bool write_head(history *history, const history_layout *layout)
 {
     static const char *const axes[] = {"x", "y"}, *const sides[] = {"before", "after"};
+    static const char *const directions[] = {"x", "y", "z"}, *const components[] = {"w", "x", "y", "z"};
     netcdf_file *netcdf = &history->netcdf;
     if (!netcdf_create(netcdf, history->file.partial_path)) {
         return false;
@@ -200,7 +222,11 @@ static bool write_head(history *history, const history_layout *layout)
         put_attributes(history, layout->n_attributes, layout->attributes) &&
         define_names(history, root, &history->wheel, "wheel", "wheel", layout->n_wheels, layout->wheel_names) &&
         define_names(history, root, &history->mesh, "mesh", "mesh", layout->n_meshes, layout->mesh_names) &&
-        define_names(history, root, &history->axis, "axis", "axis of the housing frame", 2, axes);
+        define_names(history, root, &history->axis, "axis", "axis of the housing frame", 2, axes) &&
+        (!has_dims(layout, MODEL_DIMS_WHEEL_SPACE) ||
+         define_names(history, root, &history->space, "space", "component of a vector in space", 3, directions)) &&
+        (!has_dims(layout, MODEL_DIMS_QUATERNION) || define_names(history, root, &history->quaternion, "quaternion",
+                                                                  "component of a quaternion", 4, components));
     const hid_t group = good ? netcdf_create_group(netcdf, "events") : H5I_INVALID_HID;
     if (group < 0 || !define_names(history, group, &history->side, "side", "side of the event", 2, sides)) {
         return false;
@@ -217,6 +243,8 @@ static void free_history(history *history)
     scale_free(&history->wheel.scale);
     scale_free(&history->mesh.scale);
     scale_free(&history->axis.scale);
+    scale_free(&history->space.scale);
+    scale_free(&history->quaternion.scale);
     scale_free(&history->side.scale);
     free(history->outputs);
     free(history->event_kinds);

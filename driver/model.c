@@ -53,6 +53,9 @@ static void explain(const model *model, const evl_status *status, model_error *e
         error->subject = MODEL_ABOUT_INITIAL;
         error->index = status->index;
         break;
+    case EVL_SUBJECT_HOUSING:
+        error->subject = MODEL_ABOUT_HOUSING;
+        break;
     default:
         break;
     }
@@ -86,6 +89,9 @@ static evl_wheel translate_wheel(const description *description, const wheel_des
         .support_mass = support->mass,
         .support_stiffness = {support->stiffness[0], support->stiffness[1]},
         .support_damping = {support->damping[0], support->damping[1]},
+        .has_transverse_inertia = wheel->transverse_inertia.given,
+        .transverse_inertia = wheel->transverse_inertia.value,
+        .axial_position = wheel->axial_position,
     };
 }
 
@@ -102,7 +108,8 @@ static evl_load translate_load(int wheel, const load_description *load)
                       .value = load->value,
                       .n = load->n,
                       .time = load->time,
-                      .values = load->values};
+                      .values = load->values,
+                      .against_housing = load->against_housing};
 }
 
 static evl_law_choice translate_law(const law_choice *choice)
@@ -187,8 +194,11 @@ static evl_gearbox *create_gearbox(model *model, const description *description,
     for (int i = 0; i < description->n_meshes; i++) {
         meshes[i] = translate_mesh(&description->meshes[i]);
     }
-    evl_gearbox *gearbox =
-        evl_gearbox_create(description->n_wheels, wheels, n_loads, loads, description->n_meshes, meshes, status);
+    evl_motion_term *terms = model_translate_motion(&description->housing);
+    const evl_housing housing = model_translate_housing(description, terms);
+    evl_gearbox *gearbox = evl_gearbox_create(description->n_wheels, wheels, n_loads, loads, description->n_meshes,
+                                              meshes, &housing, status);
+    free(terms);
     free(meshes);
     free(loads);
     free(wheels);

@@ -10,7 +10,10 @@ typedef enum {
     MODEL_DIMS_WHEEL,
     MODEL_DIMS_MESH,
     MODEL_DIMS_WHEEL_AXIS,
-    MODEL_DIMS_MESH_AXIS
+    MODEL_DIMS_MESH_AXIS,
+    MODEL_DIMS_SPACE,
+    MODEL_DIMS_QUATERNION,
+    MODEL_DIMS_WHEEL_SPACE
 } model_dims;
 
 /** One variable of the history: constant over time (is_static) or one value, or array of values, a time. */
@@ -18,12 +21,12 @@ typedef struct {
     char name[32], units[32], symbol[32], long_name[96];
     model_dims dims;
     bool is_static, is_integer;
-    int offset, count; /**< place in the array that model_outputs fills */
+    int offset, count; /**< place in the array that model_outputs fills; count 0: the case has no such variable */
 } model_output;
 
 /** Why a description was refused: what it is about, so that the case file can be shown at the place. */
 typedef struct {
-    enum { MODEL_ABOUT_NOTHING, MODEL_ABOUT_WHEEL, MODEL_ABOUT_MESH, MODEL_ABOUT_LOAD, MODEL_ABOUT_INITIAL } subject;
+    enum { MODEL_ABOUT_NOTHING, MODEL_ABOUT_WHEEL, MODEL_ABOUT_MESH, MODEL_ABOUT_LOAD, MODEL_ABOUT_INITIAL, MODEL_ABOUT_HOUSING } subject;
     int index;      /**< wheel, mesh, or wheel of the load; -1 if none */
     int load;       /**< which load of that wheel, -1 if none */
     char field[48]; /**< key in the case file's block, "" if the whole block */

@@ -16,6 +16,10 @@ struct model {
     char (*state_names)[EVL_NAME_LENGTH], (*state_units)[EVL_NAME_LENGTH]; /**< [n_states] */
 };
 
+/** The terms of a prescribed motion for the kernel; the caller frees the array, whose tables are the description's. */
+evl_motion_term *model_translate_motion(const housing_description *housing);
+/** The housing for the kernel; `terms` as from model_translate_motion. */
+evl_housing model_translate_housing(const description *description, const evl_motion_term *terms);
 /** Fill model->dae; its arrays are owned by the model. */
 void model_describe_dae(model *model);
 /** Fill the tables of outputs and of states. */

@@ -5,7 +5,8 @@ module evl_capi
    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_char, c_null_ptr, c_ptr
    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
    use, intrinsic :: iso_fortran_env, only: compiler_version
-   use evl_capi_description, only: c_initial, c_load, c_mesh, c_wheel, initial_from_c, load_from_c, mesh_from_c, wheel_from_c
+   use evl_capi_description, only: c_housing, c_initial, c_load, c_mesh, c_wheel, housing_from_c, initial_from_c, load_from_c, &
+                                   mesh_from_c, wheel_from_c
    use evl_capi_types, only: c_message_length, c_name_length, c_status, c_text_length, status_to_c, to_c
    use evl_dae_jacobian, only: gearbox_jacobian
    use evl_dae_residual, only: gearbox_derivative, gearbox_residual
@@ -14,11 +15,13 @@ module evl_capi
    use evl_gearbox_events, only: event_name, event_t, gearbox_apply_event, gearbox_n_roots, gearbox_next_time_event, &
                                  gearbox_root_directions, gearbox_roots, n_event_kinds
    use evl_gearbox_initial, only: gearbox_initial_speeds, gearbox_start
-   use evl_output_table, only: gearbox_output_table, gearbox_outputs, n_outputs, output_t
+   use evl_output_table, only: gearbox_output_table, gearbox_outputs, n_outputs
    use evl_gearbox_scaling, only: gearbox_state_scales
    use evl_gearbox_states, only: gearbox_state_name
+   use evl_housing_description, only: housing_input
    use evl_kinds, only: pi
    use evl_load, only: load_t
+   use evl_output, only: output_t
    use evl_status, only: code_invalid_input, code_no_memory, code_ok, fail, has_failed, status_t
    implicit none (type, external)
    private
@@ -85,13 +88,16 @@ contains
       code = status%code
    end function answer
 
-   type(c_ptr) function evl_gearbox_create(n_wheels, wheels, n_loads, loads, n_meshes, meshes, status) result(handle) bind(c)
+   type(c_ptr) function evl_gearbox_create(n_wheels, wheels, n_loads, loads, n_meshes, meshes, housing, status) &
+      result(handle) bind(c)
       integer(c_int), intent(in), value :: n_wheels, n_loads, n_meshes
       type(c_wheel), intent(in) :: wheels(n_wheels)
       type(c_load), intent(in) :: loads(n_loads)
       type(c_mesh), intent(in) :: meshes(n_meshes)
+      type(c_housing), intent(in), optional :: housing
       type(c_status), intent(out), optional :: status
       type(gearbox_t), pointer :: gearbox
+      type(housing_input) :: kernel_housing
       type(load_t), allocatable :: kernel_loads(:)
       type(status_t) :: s
       integer :: i, stat
@@ -108,8 +114,9 @@ contains
          call load_from_c(loads(i), i, kernel_loads(i), s)
          if (has_failed(s)) exit
       end do
+      if (present(housing) .and. .not. has_failed(s)) call housing_from_c(housing, kernel_housing, s)
       if (.not. has_failed(s)) &
-         call gearbox_create(wheel_from_c(wheels), kernel_loads, mesh_from_c(meshes), gearbox, s)
+         call gearbox_create(wheel_from_c(wheels), kernel_loads, mesh_from_c(meshes), kernel_housing, gearbox, s)
       if (has_failed(s)) then
          deallocate (gearbox)
       else

@@ -4,13 +4,15 @@ module evl_capi_description
    use evl_capi_types, only: c_law_choice, choice_from_c
    use evl_gearbox_description, only: mesh_input, wheel_input
    use evl_gearbox_initial, only: initial_t
+   use evl_housing_description, only: housing_input
+   use evl_housing_motion, only: motion_term
    use evl_load, only: load_t
-   use evl_status, only: code_invalid_input, fail, status_t, subject_load
+   use evl_status, only: code_invalid_input, fail, status_t, subject_housing, subject_load
    implicit none (type, external)
    private
 
-   public :: c_wheel, c_load, c_mesh, c_initial
-   public :: wheel_from_c, load_from_c, mesh_from_c, initial_from_c
+   public :: c_wheel, c_load, c_mesh, c_initial, c_housing
+   public :: wheel_from_c, load_from_c, mesh_from_c, initial_from_c, housing_from_c
 
    !> evl_wheel
    type, bind(c) :: c_wheel
@@ -25,6 +27,8 @@ module evl_capi_description
       real(c_double) :: mass
       integer(c_int) :: support_kind
       real(c_double) :: support_direction, support_mass, support_stiffness(2), support_damping(2)
+      logical(c_bool) :: has_transverse_inertia
+      real(c_double) :: transverse_inertia, axial_position
    end type c_wheel
 
    !> evl_load
@@ -33,7 +37,29 @@ module evl_capi_description
       real(c_double) :: value
       integer(c_int) :: n
       type(c_ptr) :: time, values
+      logical(c_bool) :: against_housing
    end type c_load
+
+   !> evl_motion_term
+   type, bind(c) :: c_motion_term
+      integer(c_int) :: coordinate, kind
+      real(c_double) :: value, frequency, phase
+      integer(c_int) :: n
+      type(c_ptr) :: time, values
+   end type c_motion_term
+
+   !> evl_housing
+   type, bind(c) :: c_housing
+      integer(c_int) :: kind
+      real(c_double) :: gravity(3)
+      integer(c_int) :: n_terms
+      type(c_ptr) :: terms
+      real(c_double) :: mass
+      real(c_double), dimension(3) :: centre_of_mass, inertia, products_of_inertia
+      real(c_double), dimension(3) :: mount_point, stiffness, damping, rotational_stiffness, rotational_damping
+      real(c_double), dimension(3) :: force, moment
+      real(c_double) :: position(3), orientation(4), velocity(3), angular_velocity(3)
+   end type c_housing
 
    !> evl_mesh
    type, bind(c) :: c_mesh
@@ -62,7 +88,9 @@ contains
                           youngs_modulus=c%youngs_modulus, poisson_ratio=c%poisson_ratio, density=c%density, &
                           has_inertia=logical(c%has_inertia), inertia=c%inertia, has_mass=logical(c%has_mass), mass=c%mass, &
                           support_kind=c%support_kind, support_direction=c%support_direction, support_mass=c%support_mass, &
-                          support_stiffness=c%support_stiffness, support_damping=c%support_damping)
+                          support_stiffness=c%support_stiffness, support_damping=c%support_damping, &
+                          has_transverse_inertia=logical(c%has_transverse_inertia), transverse_inertia=c%transverse_inertia, &
+                          axial_position=c%axial_position)
    end function wheel_from_c
 
    !> A load with a copy of its table. Errors: code_invalid_input if the table is announced but not there.
@@ -76,6 +104,7 @@ contains
       load%wheel = c%wheel + 1
       load%kind = c%kind
       load%value = c%value
+      load%against_housing = logical(c%against_housing)
       if (c%n < 1) then
          allocate (load%time(0), load%values(0))
       else if (c_associated(c%time) .and. c_associated(c%values)) then
@@ -97,6 +126,67 @@ contains
                         contact=choice_from_c(c%contact), damping=choice_from_c(c%damping), &
                         friction=choice_from_c(c%friction), tracking=c%tracking)
    end function mesh_from_c
+
+   !> A housing with copies of its tables. Errors: code_invalid_input if terms or tables are announced but not there.
+   subroutine housing_from_c(c, housing, status)
+      type(c_housing), intent(in) :: c
+      type(housing_input), intent(out) :: housing
+      type(status_t), intent(inout) :: status
+      type(c_motion_term), pointer :: terms(:)
+      integer :: i
+
+      housing%kind = c%kind
+      housing%gravity = c%gravity
+      housing%mass = c%mass
+      housing%centre_of_mass = c%centre_of_mass
+      housing%inertia = c%inertia
+      housing%products = c%products_of_inertia
+      housing%mount_point = c%mount_point
+      housing%stiffness = c%stiffness
+      housing%damping = c%damping
+      housing%turn_stiffness = c%rotational_stiffness
+      housing%turn_damping = c%rotational_damping
+      housing%force = c%force
+      housing%moment = c%moment
+      housing%position = c%position
+      housing%orientation = c%orientation
+      housing%velocity = c%velocity
+      housing%angular_velocity = c%angular_velocity
+      allocate (housing%terms(max(c%n_terms, 0)))
+      if (c%n_terms < 1) return
+      if (.not. c_associated(c%terms)) then
+         call fail(status, code_invalid_input, "the terms of the housing's motion are missing", subject_housing)
+         return
+      end if
+      call c_f_pointer(c%terms, terms, [c%n_terms])
+      do i = 1, c%n_terms
+         call term_from_c(terms(i), housing%terms(i), status)
+      end do
+   end subroutine housing_from_c
+
+   !> A term of a prescribed motion.
+   subroutine term_from_c(c, term, status)
+      type(c_motion_term), intent(in) :: c
+      type(motion_term), intent(out) :: term
+      type(status_t), intent(inout) :: status
+      real(c_double), pointer :: time(:), values(:)
+
+      term%coordinate = c%coordinate + 1
+      term%kind = c%kind
+      term%value = c%value
+      term%frequency = c%frequency
+      term%phase = c%phase
+      if (c%n < 1) then
+         allocate (term%time(0), term%values(0))
+      else if (c_associated(c%time) .and. c_associated(c%values)) then
+         call c_f_pointer(c%time, time, [c%n])
+         call c_f_pointer(c%values, values, [c%n])
+         term%time = time
+         term%values = values
+      else
+         call fail(status, code_invalid_input, "the table of a term of the housing's motion is missing", subject_housing)
+      end if
+   end subroutine term_from_c
 
    type(initial_t) function initial_from_c(c, n_wheels, n_meshes) result(initial)
       type(c_initial), intent(in) :: c

@@ -3,7 +3,10 @@ module evl_dae_jacobian
    use evl_contact_point, only: contact_point
    use evl_contact_tracking, only: algebraic_jacobian, differential_jacobian
    use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_t, i_omega, i_theta, i_turns, support_t, wheel_acceleration, &
-                          wheel_load_torque, wheel_speed, wheel_t
+                          wheel_follows_ground, wheel_load_torque, wheel_speed, wheel_t
+   use evl_housing, only: at_omega, frame_t, housing_frame
+   use evl_housing_dynamics, only: housing_coupling
+   use evl_housing_jacobian, only: housing_gradient, ride_gradient
    use evl_kinds, only: wp
    use evl_load, only: load_damping
    use evl_local_variables, only: n_local, n_track
@@ -26,19 +29,28 @@ contains
       real(wp), intent(in) :: reals(:)
       real(wp), intent(out) :: jacobian(gearbox%n_states, gearbox%n_states)
       type(status_t), intent(inout) :: status
+      type(frame_t) :: frame
+      real(wp) :: spin
       integer :: i
 
+      spin = 0
+      if (gearbox%housing%acts) then
+         call housing_frame(gearbox%housing, t, y, frame, yp)
+         spin = frame%omega(3)
+      end if
       jacobian = 0
       do i = 1, size(gearbox%wheels)
          call add_wheel(gearbox, i, t, y, integers, jacobian)
+         if (gearbox%housing%acts) call ride_gradient(gearbox, i, t, y, integers, frame, jacobian)
       end do
       do i = 1, size(gearbox%meshes)
-         call add_mesh(gearbox, i, y, integers, reals, jacobian, status)
+         call add_mesh(gearbox, i, y, spin, integers, reals, jacobian, status)
          if (has_failed(status)) return
       end do
       do i = 1, size(gearbox%wheels)
          call couple_reference(gearbox%wheels(i), jacobian)
       end do
+      if (gearbox%housing%is_mounted) call add_housing(gearbox, cj, y, yp, frame, jacobian)
       do i = 1, gearbox%n_states
          jacobian(i, i) = jacobian(i, i) + cj
       end do
@@ -46,6 +58,19 @@ contains
          if (gearbox%meshes(i)%i_track > 0) call add_tracking(gearbox, i, cj, y, yp, integers, reals, jacobian)
       end do
    end subroutine gearbox_jacobian
+
+   !> The rows of a mounted housing, and what its accelerations are for the others.
+   subroutine add_housing(gearbox, cj, y, yp, frame, jacobian)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: cj, y(:), yp(:)
+      type(frame_t), intent(in) :: frame
+      real(wp), intent(inout) :: jacobian(:, :)
+      real(wp) :: coupling(gearbox%n_states, gearbox%n_states)
+
+      call housing_gradient(gearbox, y, yp, frame, jacobian)
+      call housing_coupling(gearbox, frame, y, coupling)
+      jacobian = jacobian + cj*coupling
+   end subroutine add_housing
 
    !> Rows of psi' and s', supports, and the loads' torque and power.
    pure subroutine add_wheel(gearbox, index, t, y, integers, jacobian)
@@ -98,10 +123,10 @@ contains
    end subroutine add_speed
 
    !> A mesh's derivatives in the rows of its wheels, their supports and the energies.
-   subroutine add_mesh(gearbox, index, y, integers, reals, jacobian, status)
+   subroutine add_mesh(gearbox, index, y, spin, integers, reals, jacobian, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
-      real(wp), intent(in) :: y(:), reals(:)
+      real(wp), intent(in) :: y(:), spin, reals(:)
       integer, intent(in) :: integers(:)
       real(wp), intent(inout) :: jacobian(:, :)
       type(status_t), intent(inout) :: status
@@ -119,8 +144,8 @@ contains
          call mesh_forces(mesh, index, mode, point, force, status)
          if (has_failed(status)) return
          call mesh_gradient(mesh, index, mode, rho_a0, q, point, force, gradient, status)
-         call add_torque(gearbox, mesh, gearbox%wheels(mesh%wheel_a), force%torque_a, gradient%torque_a, y, jacobian)
-         call add_torque(gearbox, mesh, gearbox%wheels(mesh%wheel_b), force%torque_b, gradient%torque_b, y, jacobian)
+         call add_torque(gearbox, mesh, mesh%wheel_a, force%torque_a, gradient%torque_a, y, spin, jacobian)
+         call add_torque(gearbox, mesh, mesh%wheel_b, force%torque_b, gradient%torque_b, y, spin, jacobian)
          call add_push(mesh, gearbox%wheels(mesh%wheel_a)%support, gradient%on_a, 1.0_wp, jacobian)
          call add_push(mesh, gearbox%wheels(mesh%wheel_b)%support, gradient%on_a, -1.0_wp, jacobian)
          call scatter(mesh, -gradient%dissipation, gearbox%i_dissipated, jacobian)
@@ -128,19 +153,28 @@ contains
    end subroutine add_mesh
 
    !> A mesh's torque on a wheel: it accelerates the wheel, or, if its speed is prescribed, is carried by the load.
-   pure subroutine add_torque(gearbox, mesh, wheel, torque, gradient, y, jacobian)
+   pure subroutine add_torque(gearbox, mesh, index, torque, gradient, y, spin, jacobian)
       type(gearbox_t), intent(in) :: gearbox
       type(mesh_t), intent(in) :: mesh
-      type(wheel_t), intent(in) :: wheel
-      real(wp), intent(in) :: torque, gradient(n_local), y(:)
+      integer, intent(in) :: index !! of the wheel
+      real(wp), intent(in) :: torque, gradient(n_local), y(:), spin
       real(wp), intent(inout) :: jacobian(:, :)
 
-      if (wheel%prescribed == 0) then
-         call scatter(mesh, -gradient/wheel%inertia, wheel%i_speed, jacobian)
-      else
+      associate (wheel => gearbox%wheels(index))
+         if (wheel%prescribed == 0) then
+            call scatter(mesh, -gradient/wheel%inertia, wheel%i_speed, jacobian)
+            return
+         end if
          call scatter(mesh, wheel_speed(wheel, y)*gradient, gearbox%i_work, jacobian)
          call add_speed(wheel, gearbox%i_work, torque, jacobian)
-      end if
+         if (.not. (gearbox%housing%is_mounted .and. wheel_follows_ground(gearbox, index))) return
+         ! the torque of a speed prescribed against the ground balances the meshes, and acts on the housing
+         associate (o => gearbox%housing%i_state + at_omega + 2)
+            call scatter(mesh, spin*gradient, gearbox%i_work, jacobian)
+            call scatter(mesh, gradient, o, jacobian)
+            jacobian(gearbox%i_work, o) = jacobian(gearbox%i_work, o) + torque
+         end associate
+      end associate
    end subroutine add_torque
 
    !> A mesh's force on a support.

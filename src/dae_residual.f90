@@ -2,6 +2,7 @@
 module evl_dae_residual
    use evl_contact_tracking, only: algebraic_residual, differential_rates, differential_residual
    use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_rates, gearbox_t, i_theta, i_turns
+   use evl_housing_dynamics, only: coupled_rates, housing_residual
    use evl_kinds, only: wp
    use evl_local_variables, only: n_local, n_track
    use evl_mesh, only: contact_apart, mesh_mode, mesh_nominal_rho, tracking_algebraic
@@ -27,9 +28,10 @@ contains
       logical :: exists
       integer :: i
 
-      call gearbox_rates(gearbox, t, y, integers, reals, residual, status)
+      call gearbox_rates(gearbox, t, y, integers, reals, residual, status, yp)
       if (has_failed(status)) return
       residual = yp - residual
+      if (gearbox%housing%is_mounted) call housing_residual(gearbox, t, y, yp, residual)
       do i = 1, size(gearbox%meshes)
          associate (mesh => gearbox%meshes(i))
             if (mesh%i_track == 0) cycle
@@ -75,7 +77,7 @@ contains
       logical :: solved
       integer :: i
 
-      call gearbox_rates(gearbox, t, y, integers, reals, yp, status)
+      call coupled_rates(gearbox, t, y, integers, reals, yp, status)
       if (has_failed(status)) return
       do i = 1, size(gearbox%meshes)
          associate (mesh => gearbox%meshes(i))

@@ -6,14 +6,16 @@
 !>    psi_i, psi_i'              of every other wheel: phi_i = g_i theta + psi_i, g_i the kinematic speed ratio
 !>    s_j, s_j'                  of every degree of freedom of a support, from its reference position
 !>    turn, zeta, dr, lambda, mu   of every mesh that tracks its contact points, see evl_contact_tracking
+!>    r, p, v, Omega             of a mounted housing, see evl_housing
 !>    dissipated energy, work of the loads
 !>
 !> Discrete integers: turns of the reference wheel beside theta; teeth, contact mode and friction branch of every mesh; knots
 !> passed of every table. Discrete reals: the approach speed at the last closing of every mesh.
 module evl_gearbox
    use evl_contact_point, only: contact_point
+   use evl_housing, only: apparent_acceleration, at_omega, frame_acceleration, frame_t, housing_frame, housing_rates, housing_t
    use evl_kinds, only: wp
-   use evl_load, only: load_acceleration, load_t, load_torque
+   use evl_load, only: load_acceleration, load_damping, load_t, load_torque
    use evl_local_variables, only: n_local
    use evl_mesh, only: mesh_contact, mesh_force, mesh_forces, mesh_mode, mesh_nominal_rho, mesh_t
    use evl_spur_geometry, only: spur_pair_t
@@ -24,6 +26,7 @@ module evl_gearbox
    public :: gearbox_t, wheel_t, support_t
    public :: gearbox_rates
    public :: gearbox_local, gearbox_mode, gearbox_store_mode, wheel_speed, wheel_load_torque, wheel_acceleration
+   public :: wheel_spin_torque, wheel_housing_torque, wheel_position, wheel_follows_ground
    public :: support_fixed, support_slider, support_bearing, i_theta, i_omega, i_turns
 
    integer, parameter :: support_fixed = 0   !! the axle does not move
@@ -51,6 +54,8 @@ module evl_gearbox
       real(wp) :: centre(2) = 0.0_wp         !! reference position of the axle [m]
       real(wp) :: mass = 0.0_wp              !! of the wheel alone [kg]
       real(wp) :: inertia = 0.0_wp           !! about the axle [kg m^2]
+      real(wp) :: transverse_inertia = 0.0_wp !! about a diameter [kg m^2]
+      real(wp) :: axial_position = 0.0_wp    !! z of its middle plane [m]
       real(wp) :: ratio = 0.0_wp             !! g: nominal speed over that of the reference wheel
       integer :: i_psi = 0                   !! place of psi in the state, psi' follows; 0 for the reference wheel
       integer :: i_speed = 0                 !! place of its speed's rate among the rows: i_omega or i_psi + 1
@@ -63,6 +68,7 @@ module evl_gearbox
       type(load_t), allocatable :: loads(:)
       type(mesh_t), allocatable :: meshes(:)
       type(spur_pair_t), allocatable :: pairs(:) !! geometry of each mesh
+      type(housing_t) :: housing
       character(len=message_length), allocatable :: warnings(:)
       integer :: reference = 1               !! wheel whose angle is theta
       integer :: n_states = 0, n_integers = 0, n_values = 0 !! lengths of the state, the discrete state and the outputs
@@ -140,6 +146,70 @@ contains
       end do
    end function wheel_load_torque
 
+   !> What the turning of the housing adds to it: torques against the ground follow the speed seen from there [N m].
+   pure real(wp) function wheel_spin_torque(gearbox, index, spin) result(torque)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      real(wp), intent(in) :: spin !! Omega_z of the housing [rad/s]
+      integer :: i
+
+      torque = 0
+      do i = 1, size(gearbox%loads)
+         associate (load => gearbox%loads(i))
+            if (load%wheel == index .and. .not. load%against_housing) torque = torque - load_damping(load)*spin
+         end associate
+      end do
+   end function wheel_spin_torque
+
+   !> The part of the torque of a wheel's loads whose reaction goes to the housing [N m].
+   pure real(wp) function wheel_housing_torque(gearbox, index, t, omega, spin, total, integers) result(torque)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      real(wp), intent(in) :: t, omega, spin
+      real(wp), intent(in) :: total !! of all loads, with that of a prescribed speed [N m]
+      integer, intent(in) :: integers(:)
+      logical :: follows
+      integer :: i
+
+      follows = wheel_follows_ground(gearbox, index)
+      torque = merge(0.0_wp, total, follows)
+      do i = 1, size(gearbox%loads)
+         associate (load => gearbox%loads(i))
+            if (load%wheel /= index .or. (load%against_housing .neqv. follows)) cycle
+            torque = torque + merge(1.0_wp, -1.0_wp, follows)*load_torque(load, t, omega, segment_of(load, integers))
+         end associate
+      end do
+      if (.not. follows) torque = torque - wheel_spin_torque(gearbox, index, spin)
+   end function wheel_housing_torque
+
+   !> Whether phi'' + Omega_z', not phi'', follows from torques or a prescribed speed: all but a speed against the housing.
+   pure logical function wheel_follows_ground(gearbox, index) result(follows)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+
+      follows = .true.
+      associate (driver => gearbox%wheels(index)%prescribed)
+         if (driver > 0) follows = .not. gearbox%loads(driver)%against_housing
+      end associate
+   end function wheel_follows_ground
+
+   !> Centre of a wheel in the housing frame and its velocity there [m], [m/s].
+   pure subroutine wheel_position(wheel, y, centre, velocity)
+      type(wheel_t), intent(in) :: wheel
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(out) :: centre(3), velocity(3)
+      integer :: j
+
+      centre = [wheel%centre, wheel%axial_position]
+      velocity = 0
+      do j = 1, wheel%support%n
+         associate (i => wheel%support%i_state(j), d => wheel%support%direction(:, j))
+            centre(1:2) = centre(1:2) + y(i)*d
+            velocity(1:2) = velocity(1:2) + y(i + 1)*d
+         end associate
+      end do
+   end subroutine wheel_position
+
    !> Knots that a load's table has passed; 0 without a table.
    pure integer function segment_of(load, integers) result(segment)
       type(load_t), intent(in) :: load
@@ -168,7 +238,10 @@ contains
    end function wheel_acceleration
 
    !> Rates of all states but the tracked ones, whose places are set to zero: y' = f(t, y).
-   subroutine gearbox_rates(gearbox, t, y, integers, reals, f, status)
+   !>
+   !> With a mounted housing f depends on v' and Omega' as well, and the places of these two hold the force and the moment that
+   !> act from the ground.
+   subroutine gearbox_rates(gearbox, t, y, integers, reals, f, status, yp)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t                     !! [s]
       real(wp), intent(in) :: y(gearbox%n_states)
@@ -176,9 +249,13 @@ contains
       real(wp), intent(in) :: reals(:)
       real(wp), intent(out) :: f(gearbox%n_states)
       type(status_t), intent(inout) :: status       !! code_out_of_domain if a law has no solution there
+      real(wp), intent(in), optional :: yp(gearbox%n_states) !! of a mounted housing; v' = Omega' = 0 if not given
       type(mesh_force) :: force
+      type(frame_t) :: frame
+      real(wp) :: torque, dissipation, power
       integer :: i
 
+      if (gearbox%housing%acts) call housing_frame(gearbox%housing, t, y, frame, yp)
       f = 0
       do i = 1, size(gearbox%meshes)
          call mesh_at(gearbox, i, y, integers, reals, force, status)
@@ -194,8 +271,14 @@ contains
          f(gearbox%i_dissipated) = f(gearbox%i_dissipated) + force%dissipation
       end do
       do i = 1, size(gearbox%wheels)
-         call finish_wheel(gearbox, i, t, y, integers, f)
+         call finish_wheel(gearbox, i, t, y, integers, f, torque)
+         if (gearbox%housing%acts) call ride_along(gearbox, i, t, torque, y, integers, frame, f)
       end do
+      if (gearbox%housing%is_mounted) then
+         call housing_rates(gearbox%housing, frame, f, dissipation, power)
+         f(gearbox%i_dissipated) = f(gearbox%i_dissipated) + dissipation
+         f(gearbox%i_work) = f(gearbox%i_work) + power
+      end if
       f(i_theta) = y(i_omega)
       do i = 1, size(gearbox%wheels)
          associate (wheel => gearbox%wheels(i))
@@ -244,13 +327,14 @@ contains
    end subroutine push_support
 
    !> From torques and forces of the meshes in f to accelerations; powers of loads and of support dampers.
-   pure subroutine finish_wheel(gearbox, index, t, y, integers, f)
+   pure subroutine finish_wheel(gearbox, index, t, y, integers, f, torque)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
       real(wp), intent(in) :: t, y(:)
       integer, intent(in) :: integers(:)
       real(wp), intent(inout) :: f(:)
-      real(wp) :: omega, mesh_torque, torque
+      real(wp), intent(out) :: torque !! of the loads [N m]
+      real(wp) :: omega, mesh_torque
       integer :: j
 
       associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support)
@@ -269,5 +353,48 @@ contains
          end do
       end associate
    end subroutine finish_wheel
+
+   !> What the motion of the housing and gravity add to the accelerations of a wheel and its support, and to the powers.
+   pure subroutine ride_along(gearbox, index, t, torque, y, integers, frame, f)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: torque !! of the loads, as if the housing were at rest [N m]
+      real(wp), intent(in) :: y(:)
+      integer, intent(in) :: integers(:)
+      type(frame_t), intent(in) :: frame
+      real(wp), intent(inout) :: f(:)
+      real(wp) :: omega, centre(3), velocity(3), apparent(3), drag, total
+      integer :: j
+
+      associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support, power => f(gearbox%i_work))
+         omega = wheel_speed(wheel, y)
+         call wheel_position(wheel, y, centre, velocity)
+         drag = 0
+         if (wheel%prescribed == 0) drag = wheel_spin_torque(gearbox, index, frame%omega(3))
+         f(wheel%i_speed) = f(wheel%i_speed) + drag/wheel%inertia
+         power = power + drag*omega
+         if (wheel_follows_ground(gearbox, index)) then
+            f(wheel%i_speed) = f(wheel%i_speed) - frame%alpha(3)
+         else
+            power = power + wheel%inertia*frame%alpha(3)*omega
+         end if
+         apparent = apparent_acceleration(frame, centre, velocity)
+         do j = 1, support%n
+            f(support%i_state(j) + 1) = f(support%i_state(j) + 1) - dot_product(support%direction(:, j), apparent(1:2))
+         end do
+         if (gearbox%housing%is_mounted) then
+            total = torque + drag
+            associate (moment => f(gearbox%housing%i_state + at_omega + 2), &
+                       ground => total - wheel_housing_torque(gearbox, index, t, omega, frame%omega(3), total, integers))
+               power = power + ground*frame%omega(3)
+               moment = moment + ground
+            end associate
+         else
+            power = power - wheel%inertia*frame%alpha(3)*omega &
+                    - support%mass*dot_product(velocity, frame_acceleration(frame, centre))
+         end if
+      end associate
+   end subroutine ride_along
 
 end module evl_gearbox

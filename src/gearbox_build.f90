@@ -3,6 +3,8 @@ module evl_gearbox_build
    use evl_gearbox, only: gearbox_t, i_omega, i_theta, support_bearing, support_slider, support_t
    use evl_gearbox_description, only: check_description, mesh_input, wheel_input
    use evl_gearbox_scaling, only: gearbox_set_scales
+   use evl_housing, only: n_housing_states
+   use evl_housing_description, only: housing_create, housing_input
    use evl_kinds, only: pi, wp
    use evl_layout, only: layout_resolve, layout_t
    use evl_load, only: load_prescribed_speed, load_t
@@ -11,7 +13,7 @@ module evl_gearbox_build
    use evl_mesh, only: mesh_link, mesh_t, tracking_closed_form
    use evl_output_table, only: count_values
    use evl_spur_geometry, only: spur_pair_derive
-   use evl_status, only: code_invalid_input, fail, has_failed, message_length, quantity, status_t, subject_mesh
+   use evl_status, only: code_invalid_input, fail, has_failed, message_length, quantity, status_t, subject_mesh, subject_wheel
    implicit none (type, external)
    private
 
@@ -24,16 +26,19 @@ contains
 
    !> Make a gearbox. Loads come with `wheel` from 1 and without `i_segment`.
    !> Errors: code_invalid_input with subject, index and field.
-   subroutine gearbox_create(wheels, loads, meshes, gearbox, status)
+   subroutine gearbox_create(wheels, loads, meshes, housing, gearbox, status)
       type(wheel_input), intent(in) :: wheels(:)
       type(load_t), intent(in) :: loads(:)
       type(mesh_input), intent(in) :: meshes(:)
+      type(housing_input), intent(in) :: housing
       type(gearbox_t), intent(out) :: gearbox
       type(status_t), intent(inout) :: status
       type(layout_t) :: layout
       integer :: i
 
       call check_description(wheels, loads, meshes, status)
+      if (has_failed(status)) return
+      call housing_create(housing, gearbox%housing, status)
       if (has_failed(status)) return
       allocate (gearbox%wheels(size(wheels)), gearbox%meshes(size(meshes)), gearbox%pairs(size(meshes)))
       allocate (gearbox%warnings(0))
@@ -45,7 +50,8 @@ contains
       call start_layout(wheels, meshes, layout)
       call layout_resolve(layout, gearbox%reference, status)
       if (has_failed(status)) return
-      call take_wheels(wheels, layout, gearbox)
+      call take_wheels(wheels, layout, gearbox, status)
+      if (has_failed(status)) return
       call number_states(meshes, gearbox)
       do i = 1, size(meshes)
          call take_mesh(gearbox, wheels, meshes(i), layout, i, status)
@@ -80,10 +86,11 @@ contains
    end subroutine start_layout
 
    !> Mass, inertia, support and speed ratio of every wheel. A solid disc of the pitch radius unless mass and inertia are given.
-   subroutine take_wheels(wheels, layout, gearbox)
+   subroutine take_wheels(wheels, layout, gearbox, status)
       type(wheel_input), intent(in) :: wheels(:)
       type(layout_t), intent(in) :: layout
       type(gearbox_t), intent(inout) :: gearbox
+      type(status_t), intent(inout) :: status
       integer :: i
 
       do i = 1, size(wheels)
@@ -96,10 +103,29 @@ contains
             if (given%has_mass) wheel%mass = given%mass
             wheel%inertia = wheel%mass*wheel%pitch_radius**2/2
             if (given%has_inertia) wheel%inertia = given%inertia
+            wheel%axial_position = given%axial_position
+            call take_transverse(given, i, wheel%mass, wheel%inertia, wheel%transverse_inertia, status)
             call take_support(given, wheel%mass, wheel%support)
          end associate
       end do
    end subroutine take_wheels
+
+   !> Inertia about a diameter: given, or that of any axisymmetric body that is alike over its width, as a disc or a ring is.
+   subroutine take_transverse(given, index, mass, inertia, transverse_inertia, status)
+      type(wheel_input), intent(in) :: given
+      integer, intent(in) :: index
+      real(wp), intent(in) :: mass, inertia         !! [kg], [kg m^2]
+      real(wp), intent(out) :: transverse_inertia   !! [kg m^2]
+      type(status_t), intent(inout) :: status
+
+      transverse_inertia = inertia/2 + mass*given%width**2/12
+      if (.not. given%has_transverse_inertia) return
+      transverse_inertia = given%transverse_inertia
+      if (transverse_inertia >= inertia/2*(1 - agreement)) return
+      call fail(status, code_invalid_input, "transverse_inertia "//quantity(transverse_inertia, "kg m^2")//" is less than half" &
+                //" the moment of inertia about the axle "//quantity(inertia, "kg m^2")//", which no body has", subject_wheel, &
+                index, "transverse_inertia")
+   end subroutine take_transverse
 
    !> A support's directions, springs and dampers.
    subroutine take_support(given, wheel_mass, support)
@@ -149,6 +175,10 @@ contains
          gearbox%meshes(i)%i_track = n + 1
          n = n + n_track
       end do
+      if (gearbox%housing%is_mounted) then
+         gearbox%housing%i_state = n + 1
+         n = n + n_housing_states
+      end if
       gearbox%i_dissipated = n + 1
       gearbox%i_work = n + 2
       gearbox%n_states = n + 2
@@ -197,7 +227,8 @@ contains
          compliance_a = (1 - wheels(a)%poisson_ratio**2)/wheels(a)%youngs_modulus
          compliance_b = (1 - wheels(b)%poisson_ratio**2)/wheels(b)%youngs_modulus
          mesh%e_star = 1/(compliance_a + compliance_b)
-         mesh%width = min(wheels(a)%width, wheels(b)%width)
+         call take_overlap(wheels, a, b, mesh, status)
+         if (has_failed(status)) return
          mesh%base_pitch = pair%base_pitch
          mesh%rho_start = pair%rho_start_a
          mesh%gap_apart = (pair%rho - pair%base_pitch)/4
@@ -220,6 +251,25 @@ contains
       end associate
       call link_states(gearbox, gearbox%meshes(index))
    end subroutine take_mesh
+
+   !> The common width of two wheels is the overlap of their faces.
+   subroutine take_overlap(wheels, a, b, mesh, status)
+      type(wheel_input), intent(in) :: wheels(:)
+      integer, intent(in) :: a, b
+      type(mesh_t), intent(inout) :: mesh
+      type(status_t), intent(inout) :: status
+      real(wp) :: low, high
+
+      low = max(wheels(a)%axial_position - wheels(a)%width/2, wheels(b)%axial_position - wheels(b)%width/2)
+      high = min(wheels(a)%axial_position + wheels(a)%width/2, wheels(b)%axial_position + wheels(b)%width/2)
+      mesh%width = high - low
+      mesh%axial_position = (low + high)/2
+      if (mesh%width > 0) return
+      call fail(status, code_invalid_input, "the faces of the two wheels of a mesh do not overlap: one is at z = " &
+                //quantity(wheels(a)%axial_position, "m")//" and "//quantity(wheels(a)%width, "m")//" wide, the other at z = " &
+                //quantity(wheels(b)%axial_position, "m")//" and "//quantity(wheels(b)%width, "m")//" wide", subject_wheel, b, &
+                "axial_position")
+   end subroutine take_overlap
 
    !> The contact strip has to stay narrow beside the radii of curvature, which are smallest at the start of contact.
    !>

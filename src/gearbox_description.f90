@@ -20,6 +20,8 @@ module evl_gearbox_description
       logical :: has_pitch_radius = .false., has_centre = .false., has_inertia = .false., has_mass = .false.
       real(wp) :: pitch_radius = 0.0_wp, width = 0.0_wp, centre(2) = 0.0_wp
       real(wp) :: youngs_modulus = 0.0_wp, poisson_ratio = 0.0_wp, density = 0.0_wp, inertia = 0.0_wp, mass = 0.0_wp
+      logical :: has_transverse_inertia = .false.
+      real(wp) :: transverse_inertia = 0.0_wp, axial_position = 0.0_wp
       integer :: support_kind = support_fixed
       real(wp) :: support_direction = 0.0_wp, support_mass = 0.0_wp
       real(wp) :: support_stiffness(2) = 0.0_wp, support_damping(2) = 0.0_wp
@@ -74,10 +76,13 @@ contains
       call check(wheel%density, "density", "kg/m^3", index, status)
       if (wheel%has_inertia) call check(wheel%inertia, "inertia", "kg m^2", index, status)
       if (wheel%has_mass) call check(wheel%mass, "mass", "kg", index, status)
+      if (wheel%has_transverse_inertia) call check(wheel%transverse_inertia, "transverse_inertia", "kg m^2", index, status)
       if (has_failed(status)) return
       if (.not. (wheel%poisson_ratio > -1 .and. wheel%poisson_ratio < 0.5_wp)) then
          call fail(status, code_invalid_input, "Poisson ratio "//quantity(wheel%poisson_ratio, "")//" must lie between -1 and" &
                    //" 0.5, ends excluded", subject_wheel, index, "poisson_ratio")
+      else if (.not. ieee_is_finite(wheel%axial_position)) then
+         call fail(status, code_invalid_input, "axial_position must be a finite number", subject_wheel, index, "axial_position")
       else if (wheel%has_centre .and. .not. all(ieee_is_finite(wheel%centre))) then
          call fail(status, code_invalid_input, "centre must be two finite numbers", subject_wheel, index, "centre")
       else if (all(wheel%support_kind /= [support_fixed, support_slider, support_bearing])) then

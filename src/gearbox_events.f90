@@ -4,6 +4,7 @@ module evl_gearbox_events
    use evl_contact_tracking, only: points_from_closed_form, project_points
    use evl_dae_residual, only: gearbox_derivative
    use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_store_mode, gearbox_t, i_theta, i_turns
+   use evl_housing, only: housing_renormalise
    use evl_kinds, only: pi, wp
    use evl_load, only: load_next_knot
    use evl_local_variables, only: at_track, n_local, n_track
@@ -167,6 +168,7 @@ contains
          call note(log, event_revolution)
       end if
       call project_tracked(gearbox, y, integers, reals)
+      call housing_renormalise(gearbox%housing, y)
       events(:log%n) = log%events(:log%n)
       n_events = log%n
       call gearbox_derivative(gearbox, t, y, integers, reals, yp, status)

@@ -4,7 +4,9 @@ module evl_gearbox_initial
    use evl_contact_point, only: contact_point
    use evl_contact_tracking, only: points_from_closed_form
    use evl_dae_residual, only: gearbox_derivative
-   use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_rates, gearbox_store_mode, gearbox_t, i_omega, i_turns
+   use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_store_mode, gearbox_t, i_omega, i_turns
+   use evl_housing, only: frame_t, housing_frame, housing_start
+   use evl_housing_dynamics, only: coupled_rates
    use evl_kinds, only: wp
    use evl_load, only: load_segment
    use evl_local_variables, only: at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, n_local, n_track
@@ -69,6 +71,7 @@ contains
             if (load%i_segment > 0) integers(load%i_segment) = load_segment(load, t)
          end associate
       end do
+      call housing_start(gearbox%housing, y)
       call check_initial(gearbox, initial, status)
       if (has_failed(status)) return
       if (initial%kind == initial_steady) then
@@ -114,16 +117,19 @@ contains
       real(wp), intent(inout) :: y(:)
       integer, intent(in) :: integers(:)
       type(status_t), intent(inout) :: status
-      real(wp) :: prescribed
+      real(wp) :: prescribed, spin
+      type(frame_t) :: frame
       integer :: i
 
+      call housing_frame(gearbox%housing, t, y, frame)
       y(i_omega) = speeds(gearbox%reference)
       do i = 1, size(gearbox%wheels)
          associate (wheel => gearbox%wheels(i))
             if (wheel%i_psi > 0) y(wheel%i_psi + 1) = speeds(i) - wheel%ratio*y(i_omega)
             if (wheel%prescribed == 0) cycle
-            prescribed = prescribed_speed(gearbox, wheel%prescribed, t, integers)
-            if (abs(prescribed - speeds(i)) <= speed_agreement*abs(prescribed)) cycle
+            spin = merge(0.0_wp, frame%omega(3), gearbox%loads(wheel%prescribed)%against_housing)
+            prescribed = prescribed_speed(gearbox, wheel%prescribed, t, integers) - spin
+            if (abs(prescribed - speeds(i)) <= speed_agreement*(abs(prescribed) + abs(spin))) cycle
             call fail(status, code_invalid_input, "the prescribed speed "//quantity(prescribed, "rad/s")//" does not agree" &
                       //" with the initial speed "//quantity(speeds(i), "rad/s")//" of its wheel: start with given speeds," &
                       //" or from a steady state", subject_load, wheel%prescribed, "value")
@@ -180,7 +186,7 @@ contains
       real(wp) :: free(gearbox%n_states), q(n_local), force, parting
       integer :: m
 
-      call gearbox_rates(gearbox, t, y, integers, reals, free, status)
+      call coupled_rates(gearbox, t, y, integers, reals, free, status)
       if (has_failed(status)) return
       do m = 1, size(gearbox%meshes)
          associate (mesh => gearbox%meshes(m))

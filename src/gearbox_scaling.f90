@@ -5,6 +5,8 @@
 module evl_gearbox_scaling
    use evl_contact_laws, only: contact_context, elastic_force, elastic_result, penetration_from_force
    use evl_gearbox, only: gearbox_t, i_omega, i_theta
+   use evl_housing, only: n_housing_states
+   use evl_housing_scaling, only: housing_scales
    use evl_kinds, only: pi, wp
    use evl_load, only: load_damping, load_largest, load_prescribed_speed, load_viscous
    use evl_local_variables, only: n_track
@@ -124,7 +126,8 @@ contains
       real(wp), intent(out) :: state(gearbox%n_states), row(gearbox%n_states)
       integer, intent(out) :: differential(gearbox%n_states)
       real(wp) :: speed, h(size(gearbox%meshes)), rate(size(gearbox%meshes)), frequency
-      real(wp) :: h_least, rate_least, energy
+      real(wp) :: h_least, rate_least, energy, housing_energy
+      real(wp), dimension(n_housing_states) :: housing_state, housing_row
       integer :: i, j
 
       speed = gearbox_likely_speed(gearbox)
@@ -146,9 +149,18 @@ contains
             end do
          end associate
       end do
+      if (gearbox%housing%is_mounted) then
+         call housing_scales(gearbox, housing_state, housing_row, housing_energy)
+         energy = max(energy, housing_energy)
+         associate (first => gearbox%housing%i_state, last => gearbox%housing%i_state + n_housing_states - 1)
+            state(first:last) = housing_state
+         end associate
+      end if
       state(gearbox%i_dissipated) = merge(energy, 1.0_wp, energy > 0)
       state(gearbox%i_work) = state(gearbox%i_dissipated)
       row = state
+      if (gearbox%housing%is_mounted) &
+         row(gearbox%housing%i_state:gearbox%housing%i_state + n_housing_states - 1) = housing_row
       do i = 1, size(gearbox%meshes)
          associate (mesh => gearbox%meshes(i), first => gearbox%meshes(i)%i_track)
             if (first == 0) cycle

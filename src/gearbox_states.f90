@@ -1,6 +1,7 @@
 !> What the states of a gearbox are called.
 module evl_gearbox_states
    use evl_gearbox, only: gearbox_t, i_omega, i_theta
+   use evl_housing, only: n_housing_states
    use evl_local_variables, only: n_track
    implicit none (type, external)
    private
@@ -10,6 +11,15 @@ module evl_gearbox_states
    character(len=14), parameter :: track_names(n_track) = ["turn          ", "zeta          ", "dr_t          ", &
                                                            "dr_e          ", "gradient_ratio", "mu            "]
    character(len=3), parameter :: track_units(n_track) = ["rad", "m  ", "m  ", "m  ", "1  ", "m2 "]
+   character(len=26), parameter :: housing_names(n_housing_states) = &
+                                   ["housing_x                 ", "housing_y                 ", "housing_z                 ", &
+                                    "housing_quaternion_w      ", "housing_quaternion_x      ", "housing_quaternion_y      ", &
+                                    "housing_quaternion_z      ", "housing_velocity_x        ", "housing_velocity_y        ", &
+                                    "housing_velocity_z        ", "housing_angular_velocity_x", "housing_angular_velocity_y", &
+                                    "housing_angular_velocity_z"]
+   character(len=7), parameter :: housing_units(n_housing_states) = &
+                                  ["m      ", "m      ", "m      ", "1      ", "1      ", "1      ", "1      ", "m s-1  ", &
+                                   "m s-1  ", "m s-1  ", "rad s-1", "rad s-1", "rad s-1"]
 
 contains
 
@@ -42,6 +52,9 @@ contains
          if (gearbox%meshes(i)%i_track > 0 .and. j >= 1 .and. j <= n_track) &
             call set(trim(track_names(j)), trim(track_units(j)), i)
       end do
+      j = index - gearbox%housing%i_state + 1
+      if (gearbox%housing%is_mounted .and. j >= 1 .and. j <= n_housing_states) &
+         call set(trim(housing_names(j)), trim(housing_units(j)))
 
    contains
 

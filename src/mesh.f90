@@ -60,6 +60,7 @@ module evl_mesh
       integer :: pitches_per_turn = 0     !! by how many pitches one turn of the reference wheel moves rho_A0
       real(wp) :: gap_apart = 0.0_wp      !! gap past which flanks are not tracked [m]
       real(wp) :: t_0(2) = 0.0_wp, e_0(2) = 0.0_wp !! nominal basis in the housing frame
+      real(wp) :: axial_position = 0.0_wp !! z of the middle of the common width [m]
       real(wp) :: k_a0(2) = 0.0_wp        !! K_A at the reference centre distance [m]
       real(wp) :: force_scale = 0.0_wp    !! normal force that the loads suggest [N]
       real(wp) :: h_scale = 0.0_wp        !! its penetration [m]

@@ -4,33 +4,27 @@ module evl_output_table
    use evl_closed_form, only: centre_line_turn, closed_form_gap, track_closed_form
    use evl_contact_point, only: contact_point
    use evl_contact_tracking, only: algebraic_residual, line_distance, points_from_closed_form, tracked_positions
-   use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_rates, gearbox_t, i_omega, i_theta, i_turns, wheel_load_torque, &
-                          wheel_speed
+   use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_t, i_omega, i_theta, i_turns, wheel_load_torque, wheel_speed, &
+                          wheel_spin_torque
+   use evl_housing, only: frame_t, housing_fixed, housing_frame
+   use evl_housing_dynamics, only: coupled_rates
+   use evl_housing_outputs, only: add_mesh_reaction, ground_energies, housing_outputs, n_housing_outputs, put_housing
    use evl_kinds, only: pi, wp
    use evl_local_variables, only: at_lambda, at_psi_a, at_psi_b, at_track, n_local, n_track
    use evl_mesh, only: contact_apart, mesh_contact, mesh_energy, mesh_force, mesh_forces, mesh_mode, mesh_nominal_rho, &
                        tracking_closed_form
+   use evl_output, only: dims_mesh, dims_mesh_axis, dims_none, dims_quaternion, dims_space, dims_wheel, dims_wheel_axis, &
+                         dims_wheel_space, output_t
    use evl_status, only: has_failed, status_t
    implicit none (type, external)
    private
 
-   public :: n_outputs, output_t, gearbox_output_table, gearbox_outputs, count_values
-   public :: dims_none, dims_wheel, dims_mesh, dims_wheel_axis, dims_mesh_axis
+   public :: n_outputs, gearbox_output_table, gearbox_outputs, count_values
 
    integer, parameter :: n_wheel_constants = 7, n_mesh_constants = 15, n_gearbox_histories = 6, n_wheel_histories = 7, &
                          n_mesh_histories = 19
    integer, parameter :: n_outputs = n_wheel_constants + n_mesh_constants + n_gearbox_histories + n_wheel_histories &
-                         + n_mesh_histories !! entries of the table
-   integer, parameter :: dims_none = 0, dims_wheel = 1, dims_mesh = 2, dims_wheel_axis = 3, dims_mesh_axis = 4
-
-   !> One output; see `evl_output` in the C header.
-   type :: output_t
-      character(len=31) :: name = "", units = "", symbol = ""
-      character(len=95) :: long_name = ""
-      integer :: dims = dims_none
-      logical :: is_static = .false., is_integer = .false.
-      integer :: offset = 0, count = 0 !! place among the values, offset from 0
-   end type output_t
+                         + n_mesh_histories + n_housing_outputs !! entries of the table
 
 contains
 
@@ -40,7 +34,7 @@ contains
       type(output_t), intent(out) :: table(n_outputs)
       integer :: i, offset
 
-      table = [wheel_constants(), mesh_constants(), gearbox_histories(), wheel_histories(), mesh_histories()]
+      table = [wheel_constants(), mesh_constants(), gearbox_histories(), wheel_histories(), mesh_histories(), housing_outputs()]
       offset = 0
       do i = 1, size(table)
          table(i)%offset = offset
@@ -63,6 +57,12 @@ contains
          n = size(gearbox%meshes)
       case (dims_mesh_axis)
          n = 2*size(gearbox%meshes)
+      case (dims_wheel_space)
+         n = 3*size(gearbox%wheels)
+      case (dims_space)
+         n = merge(0, 3, gearbox%housing%kind == housing_fixed)
+      case (dims_quaternion)
+         n = merge(0, 4, gearbox%housing%kind == housing_fixed)
       case default
          n = 1
       end select
@@ -176,11 +176,13 @@ contains
       integer, intent(in) :: integers(:)
       real(wp), intent(out) :: values(gearbox%n_values)
       type(status_t), intent(inout) :: status
-      real(wp) :: f(gearbox%n_states), torque(size(gearbox%wheels))
-      integer :: nw, nm, i, at_time, at_wheels, at_meshes
+      real(wp) :: f(gearbox%n_states), torque(size(gearbox%wheels)), reactions(6, size(gearbox%wheels))
+      type(frame_t) :: frame
+      integer :: nw, nm, i, at_time, at_wheels, at_meshes, at_housing
 
-      call gearbox_rates(gearbox, t, y, integers, reals, f, status)
+      call coupled_rates(gearbox, t, y, integers, reals, f, status)
       if (has_failed(status)) return
+      call housing_frame(gearbox%housing, t, y, frame, f)
       nw = size(gearbox%wheels)
       nm = size(gearbox%meshes)
       call put_wheel_constants(gearbox, nw, values)
@@ -188,19 +190,23 @@ contains
       at_time = nw*(n_wheel_constants + 1) + nm*n_mesh_constants
       at_wheels = at_time + n_gearbox_histories
       at_meshes = at_wheels + nw*(n_wheel_histories + 2)
+      at_housing = at_meshes + nm*(n_mesh_histories + 2)
       associate (kinetic => values(at_time + 3), potential => values(at_time + 4))
          kinetic = 0
          potential = 0
          torque = 0
+         reactions = 0
          do i = 1, nm
-            call put_mesh(gearbox, i, nm, y, integers, reals, torque, values(at_meshes + 1), &
+            call put_mesh(gearbox, i, nm, y, integers, reals, torque, reactions, values(at_meshes + 1), &
                           values(at_meshes + nm*(n_mesh_histories - 2) + 1), potential, status)
          end do
          do i = 1, nw
-            call put_wheel(gearbox, i, nw, t, y, f, torque(i), integers, values(at_wheels + 1), &
+            call put_wheel(gearbox, i, nw, t, y, f, frame, torque(i), integers, values(at_wheels + 1), &
                            values(at_wheels + nw*(n_wheel_histories - 2) + 1), kinetic, potential)
          end do
+         if (gearbox%housing%is_mounted) call ground_energies(gearbox, y, frame, kinetic, potential)
       end associate
+      call put_housing(gearbox, t, y, f, integers, frame, torque, reactions, values(at_housing + 1:))
       values(at_time + 1) = y(i_theta)
       values(at_time + 2) = integers(i_turns)
       values(at_time + 5) = y(gearbox%i_dissipated)
@@ -249,14 +255,15 @@ contains
    end subroutine put_mesh_constants
 
    !> A wheel at a state with its rates f.
-   pure subroutine put_wheel(gearbox, index, n, t, y, f, mesh_torque, integers, scalars, pairs, kinetic, potential)
+   pure subroutine put_wheel(gearbox, index, n, t, y, f, frame, torque, integers, scalars, pairs, kinetic, potential)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index, n, integers(:)
       real(wp), intent(in) :: t, y(:), f(:)
-      real(wp), intent(in) :: mesh_torque            !! of all its meshes [N m]
+      type(frame_t), intent(in) :: frame
+      real(wp), intent(inout) :: torque              !! of all its meshes, then of its loads [N m]
       real(wp), intent(inout) :: scalars(n, n_wheel_histories - 2), pairs(2, n, 2)
       real(wp), intent(inout) :: kinetic, potential  !! energies so far [J]
-      real(wp) :: deviation, speed, acceleration, torque
+      real(wp) :: deviation, speed, acceleration, mesh_torque
       integer :: j
 
       associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support)
@@ -265,8 +272,9 @@ contains
          speed = wheel_speed(wheel, y)
          acceleration = f(i_omega)
          if (wheel%i_psi > 0) acceleration = f(wheel%i_speed) + wheel%ratio*f(i_omega)
-         torque = wheel_load_torque(gearbox, index, t, speed, integers)
-         if (wheel%prescribed > 0) torque = wheel%inertia*acceleration - mesh_torque
+         mesh_torque = torque
+         torque = wheel_load_torque(gearbox, index, t, speed, integers) + wheel_spin_torque(gearbox, index, frame%omega(3))
+         if (wheel%prescribed > 0) torque = wheel%inertia*(acceleration + frame%alpha(3)) - mesh_torque
          scalars(index, :) = [wheel%ratio*(y(i_theta) + 2*pi*integers(i_turns)) + deviation, deviation, speed, acceleration, &
                               torque]
          kinetic = kinetic + wheel%inertia*speed**2/2
@@ -283,11 +291,12 @@ contains
    end subroutine put_wheel
 
    !> A mesh at a state.
-   subroutine put_mesh(gearbox, index, n, y, integers, reals, torque, scalars, pairs, potential, status)
+   subroutine put_mesh(gearbox, index, n, y, integers, reals, torque, reactions, scalars, pairs, potential, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index, n, integers(:)
       real(wp), intent(in) :: y(:), reals(:)
       real(wp), intent(inout) :: torque(:)  !! of the meshes on the wheels so far [N m]
+      real(wp), intent(inout) :: reactions(:, :) !! on the housing so far, (6, wheel): force [N], moment [N m]
       real(wp), intent(inout) :: scalars(n, n_mesh_histories - 2), pairs(2, n, 2)
       real(wp), intent(inout) :: potential  !! energy so far [J]
       type(status_t), intent(inout) :: status
@@ -309,6 +318,7 @@ contains
          call mesh_forces(mesh, index, mode, point, force, status)
          torque(mesh%wheel_a) = torque(mesh%wheel_a) + force%torque_a
          torque(mesh%wheel_b) = torque(mesh%wheel_b) + force%torque_b
+         call add_mesh_reaction(gearbox, mesh, force%on_a, reactions)
          potential = potential + mesh_energy(mesh, mode, point)
          associate (p => mesh%pair)
             transmission_error = -p%sigma*(p%r_ba*q(at_psi_a) + p%r_bb*q(at_psi_b) - (p%r_ba + p%r_bb)*centre_line_turn(p, q))

@@ -8,7 +8,7 @@ module evl_status
 
    public :: status_t, clear, fail, has_failed, quantity
    public :: code_ok, code_invalid_input, code_out_of_domain, code_singular, code_no_solution, code_no_memory
-   public :: subject_none, subject_wheel, subject_mesh, subject_load, subject_initial
+   public :: subject_none, subject_wheel, subject_mesh, subject_load, subject_initial, subject_housing
    public :: field_length, message_length
 
    integer, parameter :: code_ok = 0            !! nothing to say
@@ -23,6 +23,7 @@ module evl_status
    integer, parameter :: subject_mesh = 2    !! a mesh
    integer, parameter :: subject_load = 3    !! a load
    integer, parameter :: subject_initial = 4 !! the initial state
+   integer, parameter :: subject_housing = 5 !! the housing
 
    integer, parameter :: field_length = 47    !! characters of a field's name
    integer, parameter :: message_length = 319 !! characters of a message

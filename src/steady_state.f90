@@ -3,15 +3,17 @@ module evl_steady_state
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use evl_contact_point, only: contact_point
    use evl_dae_jacobian, only: gearbox_jacobian
+   use evl_dae_residual, only: gearbox_residual
    use evl_gearbox, only: gearbox_mode, gearbox_rates, gearbox_store_mode, gearbox_t, i_omega
    use evl_gearbox_scaling, only: gearbox_likely_speed, gearbox_state_scales
+   use evl_housing, only: at_omega, at_position, at_velocity, housing_prescribed, housing_turn_columns, housing_take_turn
    use evl_kinds, only: wp
    use evl_lapack, only: dgesv
    use evl_load, only: load_acceleration, load_damping, load_torque
    use evl_mesh, only: contact_loaded, mesh_mode, mesh_settle_friction, tracking_closed_form
    use evl_start_positions, only: closed_form_point, prescribed_speed, set_gaps
-   use evl_status, only: clear, code_no_solution, fail, has_failed, quantity, status_t, subject_initial, subject_load, &
-                         subject_mesh
+   use evl_status, only: clear, code_no_solution, fail, has_failed, quantity, status_t, subject_initial, subject_housing, &
+                         subject_load, subject_mesh
    implicit none (type, external)
    private
 
@@ -56,6 +58,11 @@ contains
             row = [row, support%i_state(:support%n) + 1]
          end associate
       end do
+      if (gearbox%housing%is_mounted) then
+         ! the turns of the pose stand in the places of Omega, which is 0
+         unknown = [unknown, (gearbox%housing%i_state + at_position + i, i=0, 2), (gearbox%housing%i_state + at_omega + i, i=0, 2)]
+         row = [row, (gearbox%housing%i_state + at_velocity + i, i=0, 5)]
+      end if
       call set_gaps(gearbox, gearbox%meshes%h_scale, y)
       do turn = 1, 3 ! friction branches depend on the speed, the speed on friction
          call load_all(closed, y, integers, reals)
@@ -72,6 +79,14 @@ contains
       type(status_t), intent(inout) :: status
       integer :: i
 
+      if (gearbox%housing%kind == housing_prescribed) then
+         call fail(status, code_no_solution, "a steady start needs a housing that is at rest or mounted, but its motion is" &
+                   //" prescribed: start from rest or with given speeds", subject_initial, field="kind")
+         return
+      else if (norm2([gearbox%housing%velocity, gearbox%housing%omega]) > 0) then
+         call fail(status, code_no_solution, "a steady start has a housing without velocity", subject_housing, field="velocity")
+         return
+      end if
       if (count(gearbox%wheels%prescribed > 0) > 1) then
          call fail(status, code_no_solution, "a steady start needs wheels that are free to find their positions, but the speeds" &
                    //" of several are prescribed: start with given speeds", subject_initial, field="kind")
@@ -148,27 +163,28 @@ contains
       call gearbox_state_scales(gearbox, [real(wp) ::], scale, row_scale, differential)
       zero = 0
       last = huge(last)
-      call gearbox_rates(gearbox, t, y, integers, reals, f, status)
+      call imbalance(gearbox, t, y, integers, reals, f, status)
       do turn = 1, max_newton
          if (has_failed(status)) return
-         size_now = norm2(f(row)/scale(row))
+         size_now = norm2(f(row)/row_scale(row))
          call gearbox_jacobian(gearbox, t, 0.0_wp, y, zero, integers, reals, jacobian, status)
+         if (gearbox%housing%is_mounted) call housing_turn_columns(gearbox%housing, y, jacobian)
          matrix = jacobian(row, unknown)
-         matrix = matrix*spread(scale(unknown), 1, size(row))/spread(scale(row), 2, size(row))
-         step(:, 1) = f(row)/scale(row)
+         matrix = matrix*spread(scale(unknown), 1, size(row))/spread(row_scale(row), 2, size(row))
+         step(:, 1) = f(row)/row_scale(row)
          call dgesv(size(row), 1, matrix, size(row), pivots, step, size(row), info)
          if (info /= 0 .or. .not. all(ieee_is_finite(step))) then
-            call fail(status, code_no_solution, "the steady speed is not determined: no load depends on the speed, and none is" &
-                      //" prescribed", subject_initial, field="kind")
+            call undetermined(gearbox, status)
             return
          end if
          share = 1
          do
             trial = y
             trial(unknown) = y(unknown) + share*step(:, 1)*scale(unknown)
+            if (gearbox%housing%is_mounted) call housing_take_turn(gearbox%housing, trial)
             call clear(status)
-            call gearbox_rates(gearbox, t, trial, integers, reals, f, status)
-            size_trial = norm2(f(row)/scale(row))
+            call imbalance(gearbox, t, trial, integers, reals, f, status)
+            size_trial = norm2(f(row)/row_scale(row))
             if (.not. has_failed(status) .and. (size_trial < size_now .or. norm2(step) < 1.0e-6_wp)) exit
             share = share/2
             if (share < 1.0e-6_wp) exit
@@ -181,6 +197,40 @@ contains
       call fail(status, code_no_solution, "no steady state was found: start from rest or with given speeds", subject_initial, &
                 field="kind")
    end subroutine newton
+
+   !> The linear system of Newton's method has no solution.
+   subroutine undetermined(gearbox, status)
+      type(gearbox_t), intent(in) :: gearbox
+      type(status_t), intent(inout) :: status
+
+      if (gearbox%housing%is_mounted) then
+         call fail(status, code_no_solution, "the steady state is not determined: no load depends on the speed, and none is" &
+                   //" prescribed; or the mount leaves the housing free to move", subject_initial, field="kind")
+      else
+         call fail(status, code_no_solution, "the steady speed is not determined: no load depends on the speed, and none is" &
+                   //" prescribed", subject_initial, field="kind")
+      end if
+   end subroutine undetermined
+
+   !> What accelerates at a state: rates of the speeds; of a mounted housing the force and the moment that are not balanced.
+   subroutine imbalance(gearbox, t, y, integers, reals, f, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(gearbox%n_states)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: reals(:)
+      real(wp), intent(out) :: f(gearbox%n_states)
+      type(status_t), intent(inout) :: status
+      real(wp) :: none(gearbox%n_states)
+
+      if (.not. gearbox%housing%is_mounted) then
+         call gearbox_rates(gearbox, t, y, integers, reals, f, status)
+         return
+      end if
+      none = 0
+      call gearbox_residual(gearbox, t, y, none, integers, reals, f, status)
+      f = -f
+   end subroutine imbalance
 
    !> In the steady state every flank pushes.
    subroutine check_pressed(gearbox, y, status)

@@ -42,7 +42,8 @@ typedef enum {
     EVL_SUBJECT_WHEEL = 1,
     EVL_SUBJECT_MESH = 2,
     EVL_SUBJECT_LOAD = 3,
-    EVL_SUBJECT_INITIAL = 4
+    EVL_SUBJECT_INITIAL = 4,
+    EVL_SUBJECT_HOUSING = 5
 } evl_subject;
 
 enum {
@@ -88,6 +89,9 @@ typedef struct {
     double support_mass;         /**< mass that moves with the axle, beside the wheel's own [kg] >= 0 */
     double support_stiffness[2]; /**< slider: [0]; bearing: x, y [N/m] >= 0 */
     double support_damping[2];   /**< slider: [0]; bearing: x, y [N s/m] >= 0 */
+    bool has_transverse_inertia; /**< otherwise J/2 + mass width^2/12, which is that of a disc or a ring */
+    double transverse_inertia;   /**< about a diameter [kg m^2] >= J/2 */
+    double axial_position;       /**< z of the middle of the face in the housing frame [m] */
 } evl_wheel;
 
 typedef enum {
@@ -104,6 +108,7 @@ typedef struct {
     int n;                /**< number of knots of the table, 0 if none */
     const double *time;   /**< [n] knots [s], strictly increasing; copied */
     const double *values; /**< [n] torque [N m] or speed [rad/s]; copied */
+    bool against_housing; /**< where its reaction goes, and to what its speed refers; otherwise the ground */
 } evl_load;
 
 typedef enum { EVL_TRACKING_CLOSED_FORM = 0, EVL_TRACKING_ALGEBRAIC = 1, EVL_TRACKING_DIFFERENTIAL = 2 } evl_tracking;
@@ -140,6 +145,52 @@ typedef struct {
         gaps; /**< [n_meshes] initial gap between the flanks [m], negative: penetration; NULL: all touch. Not for steady */
 } evl_initial;
 
+typedef enum {
+    EVL_MOTION_CONSTANT = 0, /**< value */
+    EVL_MOTION_RATE = 1,     /**< value * t */
+    EVL_MOTION_HARMONIC = 2, /**< value * sin(2 pi frequency t + phase) */
+    EVL_MOTION_TABLE = 3     /**< natural cubic spline through the knots, straight outside them */
+} evl_motion_kind;
+
+/** One term of a prescribed motion; the terms of a coordinate add up. */
+typedef struct {
+    int coordinate;          /**< 0..2: position x, y, z in the ground frame; 3..5: rotation vector */
+    int kind;                /**< evl_motion_kind */
+    double value;            /**< [m] or [rad]; a rate [m/s] or [rad/s] */
+    double frequency, phase; /**< [Hz] >= 0, [rad] */
+    int n;                   /**< knots of a table, at least 2; else 0 */
+    const double *time;      /**< [n] [s], strictly increasing; copied */
+    const double *values;    /**< [n] [m] or [rad]; copied */
+} evl_motion_term;
+
+typedef enum {
+    EVL_HOUSING_FIXED = 0,      /**< at rest, its frame that of the ground */
+    EVL_HOUSING_PRESCRIBED = 1, /**< moves as the terms say */
+    EVL_HOUSING_MOUNTED = 2     /**< a rigid body on a mount */
+} evl_housing_kind;
+
+/** The housing; all behind `terms` is for EVL_HOUSING_MOUNTED. docs/housing.md has the equations. */
+typedef struct {
+    int kind;                     /**< evl_housing_kind */
+    double gravity[3];            /**< ground frame [m/s^2] */
+    int n_terms;                  /**< */
+    const evl_motion_term *terms; /**< [n_terms] for EVL_HOUSING_PRESCRIBED; copied */
+    double mass;                  /**< [kg] > 0 */
+    double centre_of_mass[3];     /**< housing frame [m] */
+    double inertia[3];            /**< I_xx, I_yy, I_zz about the centre of mass [kg m^2] */
+    double products_of_inertia[3];  /**< elements I_xy, I_yz, I_xz of the tensor [kg m^2] */
+    double mount_point[3];          /**< where the mount holds the housing, housing frame [m] */
+    double stiffness[3];            /**< of the mount, ground axes [N/m] >= 0 */
+    double damping[3];              /**< [N s/m] >= 0 */
+    double rotational_stiffness[3]; /**< [N m/rad] >= 0 */
+    double rotational_damping[3];   /**< [N m s/rad] >= 0 */
+    double force[3], moment[3];     /**< constant, ground frame; the force at the centre of mass [N], [N m] */
+    double position[3];             /**< of the origin at the start, ground frame [m] */
+    double orientation[4];          /**< quaternion w, x, y, z at the start, of any length but 0 */
+    double velocity[3];             /**< of the origin at the start, ground frame [m/s] */
+    double angular_velocity[3];     /**< at the start, housing frame [rad/s] */
+} evl_housing;
+
 /* ---- law tables ------------------------------------------------------------------------------------------------------------ */
 
 typedef enum { EVL_LAWS_CONTACT = 0, EVL_LAWS_DAMPING = 1, EVL_LAWS_FRICTION = 2 } evl_law_family;
@@ -172,9 +223,10 @@ EVL_API int evl_law_describe(int family, int index, evl_law_info *info);
 typedef struct evl_gearbox evl_gearbox;
 
 /** Make a gearbox: validate the description, resolve radii and centres, derive all geometry.
- *  All wheels have to be connected by meshes. @return the gearbox, or NULL with the reason in `status`. */
+ *  All wheels have to be connected by meshes. housing: NULL for a fixed one without gravity. @return the gearbox, or NULL with the reason in `status`. */
 EVL_API evl_gearbox *evl_gearbox_create(int n_wheels, const evl_wheel *wheels, int n_loads, const evl_load *loads,
-                                        int n_meshes, const evl_mesh *meshes, evl_status *status);
+                                        int n_meshes, const evl_mesh *meshes, const evl_housing *housing,
+                                        evl_status *status);
 /** Free a gearbox and set the pointer to NULL. Nothing happens if it is NULL already. */
 EVL_API void evl_gearbox_delete(evl_gearbox **gearbox);
 
@@ -296,7 +348,10 @@ typedef enum {
     EVL_DIMS_WHEEL = 1,
     EVL_DIMS_MESH = 2,
     EVL_DIMS_WHEEL_AXIS = 3,
-    EVL_DIMS_MESH_AXIS = 4
+    EVL_DIMS_MESH_AXIS = 4,
+    EVL_DIMS_SPACE = 5,      /**< x, y, z */
+    EVL_DIMS_QUATERNION = 6, /**< w, x, y, z */
+    EVL_DIMS_WHEEL_SPACE = 7 /**< x, y, z of every wheel */
 } evl_dims;
 
 typedef struct {
@@ -307,7 +362,8 @@ typedef struct {
     int dims;       /**< evl_dims, axis being x, y */
     bool is_static; /**< has no time dimension */
     bool is_integer;
-    int offset, count; /**< its place in the array that evl_gearbox_outputs fills; C order */
+    int offset, count; /**< its place in the array that evl_gearbox_outputs fills; C order. count 0: not there, as the pose
+                            of a fixed housing */
 } evl_output;
 
 EVL_API int evl_gearbox_output(const evl_gearbox *gearbox, int index, evl_output *output);

@@ -1,0 +1,129 @@
+!> Prescribed motion of the housing: six coordinates, each a sum of terms that are twice continuously differentiable in time.
+module evl_housing_motion
+   use evl_kinds, only: pi, wp
+   use evl_rotation, only: turn_from_vector
+   implicit none (type, external)
+   private
+
+   public :: motion_term, motion_curve, n_coordinates
+   public :: term_constant, term_rate, term_harmonic, term_table, motion_prepare, motion_at
+
+   integer, parameter :: term_constant = 0 !! value
+   integer, parameter :: term_rate = 1     !! value t
+   integer, parameter :: term_harmonic = 2 !! value sin(2 pi frequency t + phase)
+   integer, parameter :: term_table = 3    !! natural cubic spline, straight outside the knots
+   integer, parameter :: n_coordinates = 6 !! position x, y, z in the ground frame, then the rotation vector
+
+   type :: motion_term
+      integer :: coordinate = 0          !! which of the coordinates
+      integer :: kind = term_constant    !! one of the kinds above
+      real(wp) :: value = 0.0_wp         !! constant or amplitude [m or rad], or rate [m/s or rad/s]
+      real(wp) :: frequency = 0.0_wp     !! [Hz]
+      real(wp) :: phase = 0.0_wp         !! [rad]
+      real(wp), allocatable :: time(:)   !! knots [s], strictly increasing; size 0 without a table
+      real(wp), allocatable :: values(:) !! [m or rad] there
+      real(wp), allocatable :: bend(:)   !! second derivatives there, from motion_prepare
+   end type motion_term
+
+   !> Where the housing is and how it moves.
+   type :: motion_curve
+      real(wp) :: position(3), velocity(3), acceleration(3) !! of the origin, in the ground frame [m], [m/s], [m/s^2]
+      real(wp) :: orientation(4)                            !! unit quaternion
+      real(wp) :: omega(3), alpha(3)                        !! in the housing frame [rad/s], [rad/s^2]
+   end type motion_curve
+
+contains
+
+   !> Find the second derivatives of a table's natural cubic spline: 0 at both ends.
+   !>
+   !> Source: continuity of the first derivative at the inner knots, a tridiagonal diagonally dominant system.
+   pure subroutine motion_prepare(term)
+      type(motion_term), intent(inout) :: term !! with at least two knots
+      real(wp) :: diagonal(size(term%time)), slope(size(term%time) - 1), step(size(term%time) - 1), share
+      integer :: i, n
+
+      n = size(term%time)
+      step = term%time(2:) - term%time(:n - 1)
+      slope = (term%values(2:) - term%values(:n - 1))/step
+      if (allocated(term%bend)) deallocate (term%bend)
+      allocate (term%bend(n), source=0.0_wp)
+      do i = 2, n - 1
+         diagonal(i) = 2*(step(i - 1) + step(i))
+         term%bend(i) = 6*(slope(i) - slope(i - 1))
+         if (i == 2) cycle
+         share = step(i - 1)/diagonal(i - 1)
+         diagonal(i) = diagonal(i) - share*step(i - 1)
+         term%bend(i) = term%bend(i) - share*term%bend(i - 1)
+      end do
+      do i = n - 1, 2, -1
+         term%bend(i) = (term%bend(i) - step(i)*term%bend(i + 1))/diagonal(i)
+      end do
+   end subroutine motion_prepare
+
+   !> The motion at time t.
+   pure subroutine motion_at(terms, t, curve)
+      type(motion_term), intent(in) :: terms(:) !! of all coordinates, in any order
+      real(wp), intent(in) :: t                 !! [s]
+      type(motion_curve), intent(out) :: curve
+      real(wp), dimension(n_coordinates) :: x, rate, second
+      real(wp) :: one(3)
+      integer :: i
+
+      x = 0
+      rate = 0
+      second = 0
+      do i = 1, size(terms)
+         one = term_at(terms(i), t)
+         associate (k => terms(i)%coordinate)
+            x(k) = x(k) + one(1)
+            rate(k) = rate(k) + one(2)
+            second(k) = second(k) + one(3)
+         end associate
+      end do
+      curve%position = x(1:3)
+      curve%velocity = rate(1:3)
+      curve%acceleration = second(1:3)
+      call turn_from_vector(x(4:6), rate(4:6), second(4:6), curve%orientation, curve%omega, curve%alpha)
+   end subroutine motion_at
+
+   !> A term with its first and second derivative.
+   pure function term_at(term, t) result(value)
+      type(motion_term), intent(in) :: term
+      real(wp), intent(in) :: t
+      real(wp) :: value(3), w, angle
+
+      select case (term%kind)
+      case (term_constant)
+         value = [term%value, 0.0_wp, 0.0_wp]
+      case (term_rate)
+         value = [term%value*t, term%value, 0.0_wp]
+      case (term_harmonic)
+         w = 2*pi*term%frequency
+         angle = w*t + term%phase
+         value = term%value*[sin(angle), w*cos(angle), -w**2*sin(angle)]
+      case default
+         value = table_at(term, t)
+      end select
+   end function term_at
+
+   !> A table's spline with its first and second derivative.
+   pure function table_at(term, t) result(value)
+      type(motion_term), intent(in) :: term
+      real(wp), intent(in) :: t
+      real(wp) :: value(3), h, a, b, inside
+      integer :: i
+
+      i = min(max(count(term%time <= t), 1), size(term%time) - 1)
+      h = term%time(i + 1) - term%time(i)
+      inside = min(max(t, term%time(1)), term%time(size(term%time)))
+      b = (inside - term%time(i))/h
+      a = 1 - b
+      associate (left => term%values(i), right => term%values(i + 1), bend_left => term%bend(i), bend_right => term%bend(i + 1))
+         value(1) = a*left + b*right - h**2/6*a*b*((1 + a)*bend_left + (1 + b)*bend_right)
+         value(2) = (right - left)/h + h/6*((1 - 3*a**2)*bend_left + (3*b**2 - 1)*bend_right)
+         value(3) = a*bend_left + b*bend_right
+      end associate
+      value(1) = value(1) + value(2)*(t - inside)
+   end function table_at
+
+end module evl_housing_motion

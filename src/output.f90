@@ -1,0 +1,23 @@
+!> What one output of a gearbox is.
+module evl_output
+   implicit none (type, external)
+   private
+
+   public :: output_t
+   public :: dims_none, dims_wheel, dims_mesh, dims_wheel_axis, dims_mesh_axis, dims_space, dims_quaternion, dims_wheel_space
+
+   integer, parameter :: dims_none = 0, dims_wheel = 1, dims_mesh = 2, dims_wheel_axis = 3, dims_mesh_axis = 4
+   integer, parameter :: dims_space = 5       !! x, y, z
+   integer, parameter :: dims_quaternion = 6  !! w, x, y, z
+   integer, parameter :: dims_wheel_space = 7 !! x, y, z of every wheel
+
+   !> One output; see `evl_output` in the C header.
+   type :: output_t
+      character(len=31) :: name = "", units = "", symbol = ""
+      character(len=95) :: long_name = ""
+      integer :: dims = dims_none
+      logical :: is_static = .false., is_integer = .false.
+      integer :: offset = 0, count = 0 !! place among the values, offset from 0
+   end type output_t
+
+end module evl_output
