@@ -155,28 +155,40 @@ contains
       call solve_accelerations(gearbox, t, y, f, status)
    end subroutine coupled_rates
 
-   !> Solve dF/dy' y' = -F(y, 0): the equations are linear in y'.
+   !> Solve dF/dy' y' = -F(y, 0): the equations are linear in y'. All rates but v' and Omega' depend on these two alone, which
+   !> leaves six equations.
    subroutine solve_accelerations(gearbox, t, y, f, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t, y(gearbox%n_states)
       real(wp), intent(inout) :: f(gearbox%n_states) !! rates at v' = Omega' = 0, then y'
       type(status_t), intent(inout) :: status
-      real(wp) :: matrix(gearbox%n_states, gearbox%n_states), solution(gearbox%n_states, 1), none(gearbox%n_states)
+      real(wp) :: coupling(gearbox%n_states, gearbox%n_states), others(6, gearbox%n_states), matrix(6, 6), solution(6, 1)
+      real(wp), dimension(gearbox%n_states) :: residual, none
       type(frame_t) :: frame
-      integer :: pivots(gearbox%n_states), info, i
+      integer :: pivots(6), info, i
 
       call housing_frame(gearbox%housing, t, y, frame)
-      call housing_coupling(gearbox, frame, y, matrix)
-      do i = 1, gearbox%n_states
-         matrix(i, i) = matrix(i, i) + 1
-      end do
-      none = 0
-      solution(:, 1) = -f
-      call housing_residual(gearbox, t, y, none, solution(:, 1))
-      solution = -solution
-      call dgesv(gearbox%n_states, 1, matrix, gearbox%n_states, pivots, solution, gearbox%n_states, info)
-      if (info /= 0) call fail(status, code_singular, "the accelerations of the housing are not determined at this state")
-      f = solution(:, 1)
+      call housing_coupling(gearbox, frame, y, coupling)
+      associate (first => gearbox%housing%i_state + at_velocity, last => gearbox%housing%i_state + at_omega + 2)
+         others = coupling(first:last, :)
+         matrix = others(:, first:last)
+         others(:, first:last) = 0
+         matrix = matrix - matmul(others, coupling(:, first:last))
+         do i = 1, 6
+            matrix(i, i) = matrix(i, i) + 1
+         end do
+         none = 0
+         residual = -f
+         call housing_residual(gearbox, t, y, none, residual)
+         solution(:, 1) = -residual(first:last) - matmul(others, f)
+         call dgesv(6, 1, matrix, 6, pivots, solution, 6, info)
+         if (info /= 0) then
+            call fail(status, code_singular, "the accelerations of the housing are not determined at this state")
+            return
+         end if
+         f = f - matmul(coupling(:, first:last), solution(:, 1))
+         f(first:last) = solution(:, 1)
+      end associate
    end subroutine solve_accelerations
 
 end module evl_housing_dynamics

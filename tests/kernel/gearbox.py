@@ -22,10 +22,11 @@ from kernel.gearbox_description import (
     _bool,
     initial,
 )
+from kernel.housing_description import HousingDescription
 from kernel.kernel import OK, Floats, Integers, Kernel, Status, _at, _double, _int, _pair
 
 OPEN, LOADED, UNLOADED, APART = range(4)
-NOTHING, WHEEL, MESH, LOAD, INITIAL = range(5)
+NOTHING, WHEEL, MESH, LOAD, INITIAL, HOUSING = range(6)
 # root functions of a mesh, in the order of evl_gearbox_roots; the turns of the reference wheel last
 ROOTS = ("contact", "force", "friction_high", "friction_low", "forward", "back", "apart")
 TRACKED = ("turn", "zeta", "dr_t", "dr_e", "gradient_ratio", "mu")
@@ -150,6 +151,7 @@ class Gearbox:
         wheels: Sequence[WheelDescription],
         loads: Sequence[LoadDescription],
         meshes: Sequence[MeshDescription],
+        housing: HousingDescription | None = None,
     ) -> None:
         self.kernel = kernel
         self.library = kernel.library
@@ -163,6 +165,7 @@ class Gearbox:
             (LoadDescription * len(loads))(*loads),
             len(meshes),
             (MeshDescription * len(meshes))(*meshes),
+            None if housing is None else ctypes.byref(housing),
             ctypes.byref(status),
         )
         self.handle = ctypes.c_void_p(handle)
@@ -359,12 +362,13 @@ class Gearbox:
         return result
 
     def outputs(self, state: State) -> dict[str, Floats]:
-        """All outputs by name; those with an axis are (n, 2)."""
+        """All outputs by name; those with an axis are (n, 2), vectors of wheels (n, 3)."""
         values = self.values(state)
         result = {}
         for entry in self.table:
             some = values[entry.offset : entry.offset + entry.count]
-            result[entry.name.decode()] = some.reshape(-1, 2) if entry.dims in (3, 4) else some
+            columns = {3: 2, 4: 2, 7: 3}.get(entry.dims)
+            result[entry.name.decode()] = some.reshape(-1, columns) if columns else some
         return result
 
 

@@ -43,6 +43,9 @@ class WheelDescription(ctypes.Structure):
         ("support_mass", _double),
         ("support_stiffness", _pair),
         ("support_damping", _pair),
+        ("has_transverse_inertia", _bool),
+        ("transverse_inertia", _double),
+        ("axial_position", _double),
     ]
 
 
@@ -56,6 +59,7 @@ class LoadDescription(ctypes.Structure):
         ("n", _int),
         ("time", ctypes.POINTER(_double)),
         ("values", ctypes.POINTER(_double)),
+        ("against_housing", _bool),
     ]
 
 
@@ -89,7 +93,8 @@ class InitialDescription(ctypes.Structure):
 
 def _filled(structure: Any, defaults: dict[str, Any], given: dict[str, Any]) -> Any:
     values = {**defaults, **given}
-    for name in ("pitch_radius", "centre", "inertia", "mass", "centre_line_angle"):
+    optional = ("pitch_radius", "centre", "inertia", "mass", "transverse_inertia")
+    for name in (*optional, "centre_line_angle"):
         if name in values and hasattr(structure, f"has_{name}"):
             values[f"has_{name}"] = values[name] is not None
             if values[name] is None:
@@ -111,10 +116,17 @@ def wheel(**fields: Any) -> WheelDescription:
 
 
 def load(
-    wheel: int, kind: int, value: float = 0.0, table: ArrayLike | None = None
+    wheel: int,
+    kind: int,
+    value: float = 0.0,
+    table: ArrayLike | None = None,
+    *,
+    against_housing: bool = False,
 ) -> LoadDescription:
     """Load of a wheel; table: (time, value) pairs."""
-    description = LoadDescription(wheel=wheel, kind=kind, value=value)
+    description = LoadDescription(
+        wheel=wheel, kind=kind, value=value, against_housing=against_housing
+    )
     if table is not None:
         knots = np.array(table, dtype=float).reshape(-1, 2)
         n = len(knots)
