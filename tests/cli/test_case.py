@@ -18,6 +18,8 @@ USAGE, CASE = 2, 3
 
 FRICTION = "friction: {law: coulomb, coefficient: 0,"
 NEW_LOAD = "wheels.pinion.loads.0="
+MOTION = "housing={kind: prescribed, rotation: ["
+BODY = "housing={kind: mounted, mass: 1, "
 
 BAD_OPTIONS = {
     "no teeth": ("wheels.pinion.teeth=0", "is 0, must be a whole number from 3 to 10000"),
@@ -45,7 +47,7 @@ BAD_OPTIONS = {
         NEW_LOAD + "{kind: table, time: [0, 1], torque: [1, .nan]}",
         "wheels.pinion.loads.0.torque.1: is .nan",
     ),
-    "half a centre": ("wheels.pinion.centre=[0]", "has 1 values, must be a pair [x, y]"),
+    "half a centre": ("wheels.pinion.centre=[0]", "has 1 value, must be a pair [x, y]"),
     "unknown key": ("wheels.pinion.colour=red", "unknown key 'colour'; known here: name, teeth"),
     "misspelt key": ("wheels.pinion.teth=20", "unknown key 'teth' (did you mean 'teeth'?)"),
     "misspelt wheel": ("wheels.piniom.teeth=20", "wheels has no 'piniom' (did you mean 'pinion'?)"),
@@ -114,6 +116,67 @@ BAD_OPTIONS = {
         "simulation.initial={kind: steady, gaps: {pinion-gear: 1e-6}}",
         "'gaps' does not go with 'kind: steady'",
     ),
+    "half a gravity": ("gravity=[0, 1]", "gravity: has 2 values, must be a vector [x, y, z]"),
+    "misspelt housing": ("housing.kind=mountd", "(did you mean 'mounted'?)"),
+    "a motion that is mounted": (
+        "housing={kind: mounted, mass: 1, inertia: [1, 1, 1], rotation: []}",
+        "'rotation' does not go with 'kind: mounted'",
+    ),
+    "a housing without mass": ("housing={kind: mounted, inertia: [1, 1, 1]}", "'mass' is missing"),
+    "a negative frequency": (
+        MOTION + "{kind: harmonic, axis: x, amplitude: 1, frequency: -1}]}",
+        "housing.rotation.0.frequency: is -1 Hz, must be at least 0 Hz",
+    ),
+    "a turn about no axis": (
+        MOTION + "{kind: rate, axis: w, value: 1}]}",
+        "housing.rotation.0.axis: must be one of x, y, z, not 'w'",
+    ),
+    "a motion whose times go back": (
+        MOTION + "{kind: table, axis: x, time: [0, 2, 1], value: [1, 2, 3]}]}",
+        "housing.rotation.0.time: the times of a table must increase: 1 s follows 2 s",
+    ),
+    "a motion whose times stand still": (
+        MOTION.replace("rotation", "translation")
+        + "{kind: table, axis: z, time: [0, 0], value: [1, 2]}]}",
+        "housing.translation.0.time: the times of a table must increase: 0 s follows 0 s",
+    ),
+    "a motion of one knot": (
+        MOTION + "{kind: table, axis: x, time: [0], value: [1]}]}",
+        "has 1 value, needs at least 2",
+    ),
+    "a quaternion of zero length": (
+        BODY + "inertia: [1, 1, 1], orientation: [0, 0, 0, 0]}",
+        "housing.orientation: a quaternion of zero length is no orientation",
+    ),
+    "a quaternion of three numbers": (
+        BODY + "inertia: [1, 1, 1], orientation: [1, 0, 0]}",
+        "housing.orientation: has 3 values, must be a quaternion [w, x, y, z]",
+    ),
+    "an indefinite inertia": (
+        BODY + "inertia: [1, 1, 1], products_of_inertia: [1.1, 0, 0]}",
+        "housing.inertia: the inertia tensor is not positive definite",
+    ),
+    "an inertia that no body has": (
+        BODY + "inertia: [1, 1, 2.1]}",
+        "housing.inertia: the inertia tensor breaks the triangle inequality",
+    ),
+    "an oblique inertia that no body has": (
+        # principal moments 2.4, 1.0 and 1.2
+        BODY + "inertia: [1.7, 1.7, 1.2], products_of_inertia: [0.7, 0, 0]}",
+        "breaks the triangle inequality",
+    ),
+    "a mount that pushes": (
+        BODY + "inertia: [1, 1, 1], mount: {stiffness: [1, -1, 1]}}",
+        "housing.mount.stiffness: is -1 N/m, must be at least 0 N/m",
+    ),
+    "faces that do not overlap": (
+        "wheels.gear.axial_position=0.1",
+        "wheels.gear.axial_position: the faces of the two wheels of a mesh do not overlap",
+    ),
+    "an impossible transverse inertia": (
+        "wheels.pinion.transverse_inertia=0.1",
+        "wheels.pinion.transverse_inertia: transverse_inertia 0.1 kg m^2 is less than half",
+    ),
     "another format": ("format=2", "is 2, but this evolvent reads format 1 only"),
     "half a list": ("wheels.pinion.centre=[0, 0", "not valid YAML"),
 }
@@ -178,6 +241,31 @@ def test_a_refused_value_is_shown_with_its_option(
     line = refused(result, CASE, tmp_path)
     assert line.startswith(f"--set {option}: ")
     assert reason in line
+
+
+@pytest.mark.parametrize(
+    ("housing", "reason"),
+    [
+        (
+            "housing.kind=prescribed",
+            "simulation.initial.kind: a steady start needs a housing that is at rest or mounted",
+        ),
+        (
+            BODY + "inertia: [1, 1, 1], velocity: [1, 0, 0]}",
+            "housing.velocity: a steady start has a housing without velocity",
+        ),
+        (
+            BODY + "inertia: [1, 1, 1]}",
+            "simulation.initial.kind: the steady state is not determined",
+        ),
+    ],
+)
+def test_a_steady_start_needs_a_housing_that_can_be_at_rest(
+    evolvent: Evolvent, examples: Path, tmp_path: Path, housing: str, reason: str
+) -> None:
+    start = "simulation.initial.kind=steady"
+    result = evolvent("run", examples / "paper.yaml", "--set", start, "--set", housing)
+    assert reason in refused(result, CASE, tmp_path)
 
 
 @pytest.mark.parametrize(("option", "reason"), BAD_GEOMETRY.values(), ids=BAD_GEOMETRY)

@@ -34,11 +34,12 @@ def test_xarray_opens_a_history_with_named_coordinates_and_units(
 ) -> None:
     evolvent("run", case, *SHORT)
     with xr.open_dataset(tmp_path / "paper.h5", engine=engine) as history:
-        assert set(history.sizes) == {"time", "wheel", "mesh", "axis"}
-        assert set(history.coords) == {"time", "wheel", "mesh", "axis"}
+        assert set(history.sizes) == {"time", "wheel", "mesh", "axis", "space"}
+        assert set(history.coords) == {"time", "wheel", "mesh", "axis", "space"}
         assert history.wheel.values.tolist() == ["pinion", "gear"]
         assert history.mesh.values.tolist() == ["pinion-gear"]
         assert history.axis.values.tolist() == ["x", "y"]
+        assert history.space.values.tolist() == ["x", "y", "z"]
         for variable in history.variables.values():
             assert {"units", "long_name", "symbol"} <= set(variable.attrs), variable
             missing = variable.encoding.get("_FillValue")
@@ -134,6 +135,20 @@ def test_the_documentation_lists_the_variables_that_a_history_has(
     with xr.open_dataset(tmp_path / "paper.h5", group="events") as group:
         plain = {str(n): v.dims for n, v in group.data_vars.items() if v.dims == ("event",)}
     assert documented(events.split("## Attributes")[0]) == plain
+
+
+def test_the_documentation_lists_what_a_moving_housing_adds(
+    evolvent: Evolvent, case: Path, tmp_path: Path, root: Path
+) -> None:
+    text = (root / "docs" / "result_format.md").read_text()
+    evolvent("run", case, *SHORT)
+    with xr.open_dataset(tmp_path / "paper.h5") as history:
+        fixed = set(history.data_vars)
+    evolvent("run", case, *SHORT, "--set", "housing={kind: prescribed}")
+    with xr.open_dataset(tmp_path / "paper.h5") as history:
+        assert history.quaternion.values.tolist() == ["w", "x", "y", "z"]
+        added = {str(n): v.dims for n, v in history.data_vars.items() if n not in fixed}
+    assert documented(text.split("## A housing that moves")[1]) == added
 
 
 def test_the_documentation_lists_the_attributes_that_a_history_has(

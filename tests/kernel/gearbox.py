@@ -362,10 +362,12 @@ class Gearbox:
         return result
 
     def outputs(self, state: State) -> dict[str, Floats]:
-        """All outputs by name; those with an axis are (n, 2), vectors of wheels (n, 3)."""
+        """Outputs that there are by name; those with an axis are (n, 2), in space (n, 3)."""
         values = self.values(state)
         result = {}
         for entry in self.table:
+            if entry.count == 0:
+                continue
             some = values[entry.offset : entry.offset + entry.count]
             columns = {3: 2, 4: 2, 7: 3}.get(entry.dims)
             result[entry.name.decode()] = some.reshape(-1, columns) if columns else some
