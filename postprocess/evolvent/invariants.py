@@ -147,10 +147,14 @@ def torque_balance(history: xr.Dataset) -> xr.DataArray:
     """J omega' - load - contact torques over the wheel's largest contact torque.
 
     Dims (time, wheel). With friction, on approach and recess alike; a wheel that is never touched
-    is left out.
+    is left out. A housing that turns adds its acceleration about the axles.
     """
     contact = contact_torque(history)
-    inertia_torque = require(history, "inertia") * require(history, "angular_acceleration")
+    acceleration = require(history, "angular_acceleration")
+    if "housing_angular_acceleration" in history:
+        of_housing = history["housing_angular_acceleration"].sel(space="z", drop=True)
+        acceleration = acceleration + of_housing
+    inertia_torque = require(history, "inertia") * acceleration
     largest = abs(contact).max("time")
     touched = largest.values > 0.0
     if not touched.any():
