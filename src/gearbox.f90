@@ -330,9 +330,9 @@ contains
    pure subroutine finish_wheel(gearbox, index, t, y, integers, f, torque)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
-      real(wp), intent(in) :: t, y(:)
-      integer, intent(in) :: integers(:)
-      real(wp), intent(inout) :: f(:)
+      real(wp), intent(in) :: t, y(gearbox%n_states)
+      integer, intent(in) :: integers(gearbox%n_integers)
+      real(wp), intent(inout) :: f(gearbox%n_states)
       real(wp), intent(out) :: torque !! of the loads [N m]
       real(wp) :: omega, mesh_torque
       integer :: j

@@ -95,13 +95,15 @@ contains
       real(wp) :: centre(3), velocity(3), acceleration(3), moment(3), turn, speed
 
       associate (wheel => gearbox%wheels(index))
-         call wheel_position(wheel, y, centre, velocity)
          call wheel_accelerations(wheel, f, turn, acceleration)
          speed = wheel_speed(wheel, y)
-         acceleration = acceleration + apparent_acceleration(frame, centre, velocity)
-         moment = wheel_moment(frame, wheel%inertia, wheel%transverse_inertia, speed, turn)
+         if (gearbox%housing%acts) then
+            call wheel_position(wheel, y, centre, velocity)
+            acceleration = acceleration + apparent_acceleration(frame, centre, velocity)
+            moment = wheel_moment(frame, wheel%inertia, wheel%transverse_inertia, speed, turn)
+            reaction(4:5) = reaction(4:5) - moment(1:2)
+         end if
          reaction(1:3) = reaction(1:3) - wheel%support%mass*acceleration
-         reaction(4:5) = reaction(4:5) - moment(1:2)
          reaction(6) = reaction(6) - wheel_housing_torque(gearbox, index, t, speed, frame%omega(3), load_torque, integers)
       end associate
    end subroutine finish_reaction

@@ -273,7 +273,8 @@ contains
          acceleration = f(i_omega)
          if (wheel%i_psi > 0) acceleration = f(wheel%i_speed) + wheel%ratio*f(i_omega)
          mesh_torque = torque
-         torque = wheel_load_torque(gearbox, index, t, speed, integers) + wheel_spin_torque(gearbox, index, frame%omega(3))
+         torque = wheel_load_torque(gearbox, index, t, speed, integers)
+         if (gearbox%housing%acts) torque = torque + wheel_spin_torque(gearbox, index, frame%omega(3))
          if (wheel%prescribed > 0) torque = wheel%inertia*(acceleration + frame%alpha(3)) - mesh_torque
          scalars(index, :) = [wheel%ratio*(y(i_theta) + 2*pi*integers(i_turns)) + deviation, deviation, speed, acceleration, &
                               torque]
