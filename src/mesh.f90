@@ -4,7 +4,7 @@
 module evl_mesh
    use evl_closed_form, only: centre_line_turn, closed_form_gap, gradient_closed_form, track_closed_form
    use evl_contact_laws, only: contact_context, elastic_force, elastic_limit_message, elastic_potential, elastic_result, &
-                               friction_factor, friction_knee, friction_mode, law_choice, viscous_force
+                               friction_factor, friction_knee, friction_mode, law_choice, viscous_force, viscous_result
    use evl_contact_point, only: contact_gradient, contact_point, tracked_pair
    use evl_contact_tracking, only: gradient_points, track_points
    use evl_kinds, only: wp
@@ -141,16 +141,18 @@ contains
       type(contact_point), intent(in) :: point
       type(mesh_force), intent(out) :: force
       type(status_t), intent(inout) :: status !! code_out_of_domain if a limit of the law or of the involutes is passed
-      real(wp) :: factor, d_v, d_h, d_h_dot
+      real(wp) :: factor, d_v
       type(elastic_result) :: elastic
+      type(viscous_result) :: viscous
 
       if (mode%contact == contact_open .or. mode%contact == contact_apart) return
       if (.not. (point%exists .and. point%rho_a > 0 .and. point%rho_b > 0)) then
          call left_involute(point, index, status)
          return
       end if
-      call contact_law(mesh, index, mode, point, elastic, force%viscous, d_h, d_h_dot, status)
+      call contact_law(mesh, index, mode, point, elastic, viscous, status)
       force%elastic = elastic%force
+      force%viscous = viscous%force
       if (mode%contact == contact_unloaded) then
          force%dissipation = -force%elastic*point%h_dot
          return
@@ -168,13 +170,13 @@ contains
    end subroutine mesh_forces
 
    !> Elastic and viscous force with derivatives.
-   subroutine contact_law(mesh, index, mode, point, elastic, viscous, d_h, d_h_dot, status)
+   subroutine contact_law(mesh, index, mode, point, elastic, viscous, status)
       type(mesh_t), intent(in) :: mesh
       integer, intent(in) :: index
       type(mesh_mode), intent(in) :: mode
       type(contact_point), intent(in) :: point
       type(elastic_result), intent(out) :: elastic
-      real(wp), intent(out) :: viscous, d_h, d_h_dot
+      type(viscous_result), intent(out) :: viscous
       type(status_t), intent(inout) :: status
       type(contact_context) :: ctx
       character(len=len(status%message)) :: message
@@ -186,7 +188,7 @@ contains
          call elastic_limit_message(mesh%contact, ctx, message)
          call fail(status, code, message, subject_mesh, index, "contact")
       end if
-      call viscous_force(mesh%damping, ctx, elastic, viscous, d_h, d_h_dot)
+      call viscous_force(mesh%damping, ctx, elastic, viscous)
    end subroutine contact_law
 
    !> The contact has left an involute: say which radius of curvature ran out.
@@ -215,8 +217,9 @@ contains
       type(status_t), intent(inout) :: status
       type(contact_gradient) :: d
       type(elastic_result) :: elastic
-      real(wp) :: viscous, d_h, d_h_dot, factor, d_v
-      real(wp), dimension(n_local) :: d_elastic, d_viscous, d_normal, d_friction
+      type(viscous_result) :: viscous
+      real(wp) :: factor, d_v
+      real(wp), dimension(n_local) :: d_rho_sum, d_elastic, d_viscous, d_normal, d_friction
 
       gradient%torque_a = 0
       gradient%torque_b = 0
@@ -228,13 +231,14 @@ contains
       else
          call gradient_points(mesh%pair, rho_a0, q, point, d)
       end if
-      call contact_law(mesh, index, mode, point, elastic, viscous, d_h, d_h_dot, status)
-      d_elastic = elastic%d_h*d%h + elastic%d_rho*(d%rho_a + d%rho_b)
+      call contact_law(mesh, index, mode, point, elastic, viscous, status)
+      d_rho_sum = d%rho_a + d%rho_b
+      d_elastic = elastic%d_h*d%h + elastic%d_rho*d_rho_sum
       if (mode%contact == contact_unloaded) then
          gradient%dissipation = -d_elastic*point%h_dot - elastic%force*d%h_dot
          return
       end if
-      d_viscous = d_h*d%h + d_h_dot*d%h_dot
+      d_viscous = viscous%d_h*d%h + viscous%d_rho*d_rho_sum + viscous%d_h_dot*d%h_dot
       d_normal = d_elastic + d_viscous
       call friction_factor(mesh%friction, mode%friction, point%v_t, factor, d_v)
       d_friction = -factor*d_normal - force%normal*d_v*d%v_t
@@ -244,7 +248,7 @@ contains
       end associate
       gradient%on_a(:, 1) = point%s*d_normal + point%c*d_friction - force%on_a(2)*d%angle
       gradient%on_a(:, 2) = -point%c*d_normal + point%s*d_friction + force%on_a(1)*d%angle
-      gradient%dissipation = d_viscous*point%h_dot + viscous*d%h_dot - d_friction*point%v_t - force%friction*d%v_t
+      gradient%dissipation = d_viscous*point%h_dot + viscous%force*d%h_dot - d_friction*point%v_t - force%friction*d%v_t
    end subroutine mesh_gradient
 
    !> Elastic energy stored in the contact [J]; 0 without penetration.
@@ -267,10 +271,10 @@ contains
       real(wp), intent(out) :: force
       type(status_t), intent(inout) :: status
       type(elastic_result) :: elastic
-      real(wp) :: viscous, d_h, d_h_dot
+      type(viscous_result) :: viscous
 
-      call contact_law(mesh, index, mode, point, elastic, viscous, d_h, d_h_dot, status)
-      force = elastic%force + viscous
+      call contact_law(mesh, index, mode, point, elastic, viscous, status)
+      force = elastic%force + viscous%force
    end subroutine mesh_unclipped_force
 
    !> By how much the driving wheel has moved on since the last switch, as an arc of its base circle [m].

@@ -419,11 +419,11 @@ EVL_API int evl_law_penetration(int n, const evl_law_choice *contact, const evl_
 /** Elastic energy [J] along rho_sum - h = constant. */
 EVL_API int evl_law_elastic_potential(int n, const evl_law_choice *contact, const evl_contact_context *contexts,
                                       double *potential, int *codes);
-/** Viscous normal force [N] with its derivatives to h [N/m] and to h_dot [N s/m]; the contact law's force enters some
- *  laws. */
+/** Viscous normal force [N] with its derivatives to h and to rho_sum [N/m] and to h_dot [N s/m]; the contact law's
+ *  force enters some laws. */
 EVL_API int evl_law_viscous_force(int n, const evl_law_choice *contact, const evl_law_choice *damping,
-                                  const evl_contact_context *contexts, double *force, double *d_h, double *d_h_dot,
-                                  int *codes);
+                                  const evl_contact_context *contexts, double *force, double *d_h, double *d_rho,
+                                  double *d_h_dot, int *codes);
 /** phi of F_t = -F_n phi(v_t) and dphi/dv_t [s/m], on the branch modes [n] (-1, 0, +1) of the law. */
 EVL_API void evl_law_friction_factor(int n, const evl_law_choice *friction, const int *modes, const double *v_t,
                                      double *factor, double *d_v);
