@@ -9,6 +9,7 @@ module evl_contact_laws
    use evl_kinds, only: wp
    use evl_law_info, only: law_info_t, law_name_length, law_parameter_t, law_text_length, max_law_parameters, &
                            parameter_range_error
+   use evl_rigid_contact, only: rigid_law
    use evl_status, only: code_invalid_input, code_ok, code_out_of_domain
    implicit none (type, external)
    private
@@ -16,6 +17,7 @@ module evl_contact_laws
    public :: contact_context, elastic_result, law_choice, law_info_t, law_parameter_t
    public :: elastic_force, elastic_limit_message, elastic_potential, penetration_from_force, viscous_force
    public :: friction_factor, friction_knee, friction_mode
+   public :: is_rigid, rigid_rest_velocity, rigid_restitution
    public :: law_count, law_describe, law_validate
    public :: law_name_length, law_text_length, laws_contact, laws_damping, laws_friction
 
@@ -23,7 +25,7 @@ module evl_contact_laws
    integer, parameter :: laws_damping = 1  !! family of the viscous laws
    integer, parameter :: laws_friction = 2 !! family of the friction laws
 
-   integer, parameter :: contact_johnson = 0
+   integer, parameter :: contact_johnson = 0, contact_rigid = 1
    integer, parameter :: damping_none = 0, damping_linear = 1, damping_one_sided = 2
    integer, parameter :: friction_none = 0, friction_coulomb = 1
 
@@ -70,6 +72,27 @@ contains
       result%d_h = ctx%width*result%d_h
       result%d_rho = ctx%width*result%d_rho
    end subroutine elastic_force
+
+   !> Whether a contact law is a constraint: it has no force law, its normal force is a multiplier.
+   pure logical function is_rigid(choice)
+      type(law_choice), intent(in) :: choice !! of family laws_contact
+
+      is_rigid = choice%law == contact_rigid
+   end function is_rigid
+
+   !> Newton's coefficient of restitution of a rigid contact.
+   pure real(wp) function rigid_restitution(choice)
+      type(law_choice), intent(in) :: choice !! a rigid contact
+
+      rigid_restitution = choice%parameters(1)
+   end function rigid_restitution
+
+   !> Approach speed below which an impact of a rigid contact does not rebound [m/s].
+   pure real(wp) function rigid_rest_velocity(choice)
+      type(law_choice), intent(in) :: choice !! a rigid contact
+
+      rigid_rest_velocity = choice%parameters(2)
+   end function rigid_rest_velocity
 
    !> Why elastic_force answered code_out_of_domain, as one sentence.
    pure subroutine elastic_limit_message(choice, ctx, message)
@@ -187,7 +210,7 @@ contains
 
       select case (family)
       case (laws_contact)
-         laws = [johnson_law()]
+         laws = [johnson_law(), rigid_law()]
       case (laws_damping)
          laws = [no_damping_law(), linear_damping_law(), one_sided_damping_law()]
       case (laws_friction)

@@ -1,12 +1,13 @@
 !> Makes a gearbox from its description: checks every number, finds the layout, derives the geometry, numbers the states.
 module evl_gearbox_build
+   use evl_contact_laws, only: is_rigid
    use evl_gearbox, only: gearbox_t, i_omega, i_theta, support_bearing, support_slider, support_t
    use evl_gearbox_description, only: check_description, mesh_input, wheel_input
    use evl_gearbox_scaling, only: gearbox_set_scales
    use evl_kinds, only: pi, wp
    use evl_layout, only: layout_resolve, layout_t
    use evl_load, only: load_prescribed_speed, load_t
-   use evl_local_variables, only: at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_theta, at_track, at_u_a, &
+   use evl_local_variables, only: at_normal, at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_theta, at_track, at_u_a, &
                                   at_u_b, at_v_a, at_v_b, n_track
    use evl_mesh, only: mesh_link, mesh_t, tracking_closed_form
    use evl_output_table, only: count_values
@@ -51,6 +52,8 @@ contains
          call take_mesh(gearbox, wheels, meshes(i), layout, i, status)
          if (has_failed(status)) return
       end do
+      call find_dependents(gearbox, status)
+      if (has_failed(status)) return
       call gearbox_set_scales(gearbox)
       do i = 1, size(meshes)
          call check_contact_width(gearbox, i)
@@ -149,6 +152,12 @@ contains
          gearbox%meshes(i)%i_track = n + 1
          n = n + n_track
       end do
+      do i = 1, size(meshes)
+         if (.not. is_rigid(meshes(i)%contact)) cycle
+         n = n + 1
+         gearbox%meshes(i)%i_normal = n
+         gearbox%n_multipliers = gearbox%n_multipliers + 1
+      end do
       gearbox%i_dissipated = n + 1
       gearbox%i_work = n + 2
       gearbox%n_states = n + 2
@@ -191,12 +200,14 @@ contains
          mesh%wheel_a = a
          mesh%wheel_b = b
          mesh%contact = given%contact
+         mesh%rigid = is_rigid(given%contact)
          mesh%damping = given%damping
          mesh%friction = given%friction
          mesh%tracking = given%tracking
          compliance_a = (1 - wheels(a)%poisson_ratio**2)/wheels(a)%youngs_modulus
          compliance_b = (1 - wheels(b)%poisson_ratio**2)/wheels(b)%youngs_modulus
          mesh%e_star = 1/(compliance_a + compliance_b)
+         mesh%mobility = pair%base_radius_a**2/gearbox%wheels(a)%inertia + pair%base_radius_b**2/gearbox%wheels(b)%inertia
          mesh%width = min(wheels(a)%width, wheels(b)%width)
          mesh%base_pitch = pair%base_pitch
          mesh%rho_start = pair%rho_start_a
@@ -221,6 +232,45 @@ contains
       call link_states(gearbox, gearbox%meshes(index))
    end subroutine take_mesh
 
+   !> The wheel that each rigid mesh determines when it is closed: the one that the meshes reach after its mate, from the
+   !> reference wheel on. A mesh that closes a ring of wheels has none.
+   subroutine find_dependents(gearbox, status)
+      type(gearbox_t), intent(inout) :: gearbox
+      type(status_t), intent(inout) :: status
+      logical :: reached(size(gearbox%wheels)), used(size(gearbox%meshes)), found
+      integer :: m
+
+      reached = .false.
+      reached(gearbox%reference) = .true.
+      used = .false.
+      found = .true.
+      do while (found)
+         found = .false.
+         do m = 1, size(gearbox%meshes)
+            associate (mesh => gearbox%meshes(m))
+               if (reached(mesh%wheel_a) .eqv. reached(mesh%wheel_b)) cycle
+               mesh%i_dependent = gearbox%wheels(merge(mesh%wheel_b, mesh%wheel_a, reached(mesh%wheel_a)))%i_psi
+               reached(mesh%wheel_a) = .true.
+               reached(mesh%wheel_b) = .true.
+               used(m) = .true.
+               found = .true.
+            end associate
+         end do
+      end do
+      do m = 1, size(gearbox%meshes)
+         associate (mesh => gearbox%meshes(m))
+            if (.not. mesh%rigid) cycle
+            if (.not. used(m)) then
+               call fail(status, code_invalid_input, "a rigid contact that closes a ring of wheels is overdetermined: give it an" &
+                         //" elastic law", subject_mesh, m, "contact.law")
+            else if (gearbox%wheels(mesh%wheel_a)%prescribed > 0 .and. gearbox%wheels(mesh%wheel_b)%prescribed > 0) then
+               call fail(status, code_invalid_input, "the speeds of both wheels of a rigid contact are prescribed", subject_mesh, &
+                         m, "contact.law")
+            end if
+         end associate
+      end do
+   end subroutine find_dependents
+
    !> The contact strip has to stay narrow beside the radii of curvature, which are smallest at the start of contact.
    !>
    !> Half width of two cylinders pressed together: sqrt(4 N rho_A rho_B/(pi E* (rho_A + rho_B))), Hertz.
@@ -230,6 +280,7 @@ contains
       real(wp) :: half_width
 
       associate (mesh => gearbox%meshes(index), a => gearbox%pairs(index)%rho_start_a, b => gearbox%pairs(index)%rho_start_b)
+         if (mesh%rigid) return
          half_width = sqrt(4*mesh%force_scale/mesh%width*a*b/(pi*mesh%e_star*(a + b)))
          if (half_width > narrow*min(a, b)) &
             call warn(gearbox, index, "under its load of about "//quantity(mesh%force_scale, "N")//" the contact strip is " &
@@ -288,6 +339,7 @@ contains
       mesh%links = [mesh_link(at_theta, i_theta, 1.0_wp), mesh_link(at_omega, i_omega, 1.0_wp)]
       call link_wheel(gearbox, mesh, mesh%wheel_a, at_psi_a, at_psi_dot_a, at_u_a, at_v_a)
       call link_wheel(gearbox, mesh, mesh%wheel_b, at_psi_b, at_psi_dot_b, at_u_b, at_v_b)
+      if (mesh%i_normal > 0) mesh%links = [mesh%links, mesh_link(at_normal, mesh%i_normal, 1.0_wp)]
       if (mesh%i_track > 0) &
          mesh%links = [mesh%links, (mesh_link(at_track + i, mesh%i_track + i, 1.0_wp), i=0, n_track - 1)]
    end subroutine link_states
