@@ -23,7 +23,7 @@
 static const double matrix_staleness = 0.01;
 static const double first_step = 1e-8;   /* [s] from touching flanks, where the force's stiffness starts from 0 */
 static const double restart_step = 1e-7; /* [s] after an event */
-/* Of the model time: towards a limit of the model the steps shrink for ever unless they may not pass rounding. */
+/* Of the present time: towards a limit of the model the steps shrink for ever unless they may not pass rounding. */
 static const double smallest_step = 64 * DBL_EPSILON;
 /* Only for what grows beyond all scales, such as the gap of flanks that never meet again: asks for no more than rounding allows. */
 static const double relative_tolerance = 16 * DBL_EPSILON;
@@ -238,7 +238,6 @@ static bool set_up(session *s)
     good = good && IDASetDeltaCjLSetup(s->ida, matrix_staleness) == IDA_SUCCESS;
     good = good && IDASetMaxNumSteps(s->ida, steps_between_looks) == IDA_SUCCESS;
     good = good && IDASetMaxStep(s->ida, s->options->max_step) == IDA_SUCCESS;
-    good = good && IDASetMinStep(s->ida, smallest_step * fmax(1, s->options->t_end)) == IDA_SUCCESS;
     good = good && IDASetInitStep(s->ida, first_step) == IDA_SUCCESS;
     if (good && m->n_roots > 0) {
         m->root_directions(m->self, s->state->integers, s->directions);
@@ -359,6 +358,9 @@ static integrate_code advance(session *s)
     int flag = IDA_TSTOP_RETURN;
     if (t_stop > s->state->t) {
         flag = IDASetStopTime(s->ida, t_stop);
+        if (flag == IDA_SUCCESS) {
+            flag = IDASetMinStep(s->ida, smallest_step * fmax(s->state->t, first_step));
+        }
         if (flag == IDA_SUCCESS) {
             flag = IDASolve(s->ida, output_time(s, s->next_output), &s->state->t, s->y, s->yp, IDA_NORMAL);
         }

@@ -222,9 +222,11 @@ static void summarise(const integrate_counts *counts, const char *path)
 static void conclude(run *run, integrate_code code, double t, const integrate_counts *counts, const char *path,
                      evl_error *error)
 {
-    char lost[DAE_MESSAGE_LENGTH], reason[2 * DAE_MESSAGE_LENGTH] = "";
+    char lost[DAE_MESSAGE_LENGTH] = "", reason[2 * DAE_MESSAGE_LENGTH] = "";
     const char *status = "done";
-    const bool has_lost = contact_watch_lost(&run->contact, run->mesh_names, lost, sizeof lost);
+    /* Only a run that came to its end tells whether contact was lost for good. */
+    const bool has_lost =
+        code == INTEGRATE_DONE && contact_watch_lost(&run->contact, run->mesh_names, lost, sizeof lost);
     char *partial = xstrdup(history_partial_path(run->history));
     char *place = xasprintf("%s: t = %.9g s", case_path(run->prepared.file), t);
     if (has_lost) {

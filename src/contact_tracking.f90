@@ -167,7 +167,7 @@ contains
    !> The differential form (2)-(3) as a residual in the tracked variables' rates.
    !>
    !> The terms of [w, grad g] + Hess g (u - v) that grow with the angular velocity cancel on paper: what remains is the rate
-   !> of turn of the normal, -t ((u - v_O).t)/(r_b rho). Rows as in `algebraic_residual`, per second.
+   !> of turn of the normal, t ((u - v_O).t)/(r_b rho). Rows as in `algebraic_residual`, per second.
    pure subroutine differential_residual(pair, rho_a0, q, rates, residual, exists)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: rho_a0

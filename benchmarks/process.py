@@ -1,0 +1,109 @@
+"""Cost of whole runs of the paper's case: CPU time, steps and peak memory of the process.
+
+Run it as ``python benchmarks/process.py [evolvent]`` after a build; the program is that of
+build/release unless given. Each line is the median of several runs of 5 s of model time with an
+output each millisecond. The budget, where there is one, stands beside what was measured. Then the
+peak memory of 500 s is compared with that of 5 s: it writes 180 MB to the temporary folder. The
+exit code is 1 if a budget is exceeded.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import statistics
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+MEMORY = 60.0  # budget of every run [MB]
+# Case, tracking, budget of CPU time [s] and of steps; the steps count in closed form only.
+BUDGETS = [
+    ("paper.yaml", "closed_form", 0.06, 15_000),
+    ("paper.yaml", "algebraic", 0.09, None),
+    ("paper.yaml", "differential", 0.09, None),
+    ("paper-friction.yaml", "closed_form", 0.12, 45_000),
+    ("paper-friction.yaml", "algebraic", 0.18, None),
+    ("paper-friction.yaml", "differential", 0.18, None),
+]
+LONG = "simulation.duration=500"
+MORE_MEMORY = 1.0  # that 500 s may take beyond 5 s: pages come and go [MB]
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What one run took."""
+
+    cpu: float  # user and system time of the process [s]
+    memory: float  # largest resident set [MB]
+    steps: int
+
+
+def cost(program: Path, case: str, *settings: str) -> Cost:
+    """Run the program once and ask the kernel of the machine what it took."""
+    with tempfile.TemporaryDirectory() as folder:
+        command = [str(program), "run", str(ROOT / "examples" / case), "-o", f"{folder}/x.h5"]
+        for setting in settings:
+            command += ["--set", setting]
+        with tempfile.TemporaryFile("w+") as messages:
+            process = subprocess.Popen(command, stderr=messages)
+            _, status, usage = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+            messages.seek(0)
+            said = messages.read()
+    summary = re.search(r"(\d+) steps", said)
+    if process.returncode != 0 or summary is None:
+        sys.exit(f"{' '.join(command)} ended with {process.returncode}: {said}")
+    kilobytes = usage.ru_maxrss  # in Linux
+    return Cost(usage.ru_utime + usage.ru_stime, kilobytes / 1000, int(summary[1]))
+
+
+def median_cost(runs: int, program: Path, case: str, *settings: str) -> Cost:
+    """Median of each cost."""
+    costs = [cost(program, case, *settings) for _ in range(runs)]
+    return Cost(
+        statistics.median(c.cpu for c in costs),
+        statistics.median(c.memory for c in costs),
+        costs[0].steps,  # the same in every run
+    )
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    default = ROOT / "build/release/evolvent"
+    parser.add_argument("program", nargs="?", type=Path, default=default)
+    parser.add_argument("--runs", type=int, default=11, help="of which the median is taken")
+    options = parser.parse_args()
+    program = options.program.resolve()
+
+    exceeded = 0
+    print(f"5 s of model time, an output each millisecond; median of {options.runs} runs")
+    print(f"{'case':20} {'tracking':12} {'CPU [s]':>14} {'steps':>15} {'memory [MB]':>12}")
+    memory = {}
+    for case, kind, most_cpu, most_steps in BUDGETS:
+        took = median_cost(options.runs, program, case, f"meshes.0.tracking={kind}")
+        memory[case, kind] = took.memory
+        over = took.cpu > most_cpu or took.memory > MEMORY
+        over = over or (most_steps is not None and took.steps > most_steps)
+        exceeded += over
+        cpu = f"{took.cpu:.3f} <= {most_cpu:.2f}"
+        steps = f"{took.steps}" + (f" <= {most_steps}" if most_steps else "")
+        size = f"{took.memory:.1f} <= {MEMORY:.0f}"
+        print(f"{case:20} {kind:12} {cpu:>14} {steps:>15} {size:>12}{'  EXCEEDED' if over else ''}")
+
+    print("peak memory of 500 s beside that of 5 s, an output each millisecond [MB]")
+    for case, kind in (("paper.yaml", kind) for kind in ("closed_form", "differential")):
+        long = cost(program, case, f"meshes.0.tracking={kind}", LONG).memory
+        over = long > memory[case, kind] + MORE_MEMORY
+        exceeded += over
+        pair = f"{long:.1f} beside {memory[case, kind]:.1f}"
+        print(f"{case:20} {kind:12} {pair:>18}{'  EXCEEDED' if over else ''}")
+    return 1 if exceeded else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
