@@ -27,7 +27,7 @@ module evl_gearbox_events
                                                                  "contact_opened    ", "force_vanished    ", "force_returned    ", &
                                                                  "sliding_began     ", "sliding_ended     ", "table_knot        ", &
                                                                  "revolution        ", "flanks_apart      ", "flanks_near       ", &
-                                                                      "impact            ", "impacts_ended     "]
+                                                                 "impact            ", "impacts_ended     "]
 
    real(wp), parameter :: grazing = 1.0e-6_wp !! penetration over its scale below which a vanishing force is an opening
    integer, parameter :: most_turns = 2       !! theta is reduced at events past one turn, and at this many at the latest

@@ -17,7 +17,7 @@ module evl_gearbox_scaling
 
    real(wp), parameter :: angle_share = 0.2_wp     !! scale of theta times the reference wheel's teeth: 1e-2 rad at 20 teeth
    real(wp), parameter :: track_factor = 3.0_wp    !! scale of zeta, and of turn times rho, over h_0
-   real(wp), parameter :: multiplier_factor = 100.0_wp !! scale of a multiplier over the force: it follows from the rest
+   real(wp), parameter :: multiplier_factor = 1.0e3_wp !! scale of a multiplier over the force: it follows from the rest
    real(wp), parameter :: smallest_load = 1.0e-9_wp !! force scale of an unloaded mesh over b pi E* rho
    real(wp), parameter :: spin_up = 1.0_wp         !! time in which torques alone would give the speed scale [s]
 
