@@ -26,6 +26,7 @@ typedef struct {
     const char *const *state_names, *const *state_units;
     int n_event_kinds;
     const char *const *event_kinds;
+    long max_rows; /**< the most that history_append will be called; 0 if that is not known */
     int n_attributes;
     const history_attribute *attributes; /**< of the root, known at the start */
 } history_layout;

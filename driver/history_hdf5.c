@@ -109,10 +109,10 @@ static bool put_attributes(history *history, int n, const history_attribute *att
     return good;
 }
 
-static void plan_times(history *history)
+static void plan_times(history *history, hsize_t max_rows)
 {
     series *times = &history->times;
-    series_init(times, &history->netcdf, history->netcdf.id, 1 + history->n_outputs);
+    series_init(times, &history->netcdf, history->netcdf.id, 1 + history->n_outputs, max_rows);
     const netcdf_variable time = describe(NETCDF_REAL, "time", "s", "t", "model time");
     series_add_column(times, &time, 0, 1);
     for (int i = 0; i < history->n_outputs; i++) {
@@ -157,7 +157,7 @@ static char *join_words(int n, const char *const *words)
 static void plan_events(history *history, hid_t group, const history_layout *layout)
 {
     series *events = &history->events;
-    series_init(events, &history->netcdf, group, EVENT_STATES + layout->n_states);
+    series_init(events, &history->netcdf, group, EVENT_STATES + layout->n_states, 0);
     netcdf_variable columns[EVENT_STATES] = {
         [EVENT_NUMBER] = describe(NETCDF_INTEGER, "event", "1", "event", "number of the event, from 0"),
         [EVENT_TIME] = describe(NETCDF_REAL, "time", "s", "t", "model time of the event"),
@@ -205,7 +205,7 @@ static bool write_head(history *history, const history_layout *layout)
     if (group < 0 || !define_names(history, group, &history->side, "side", "side of the event", 2, sides)) {
         return false;
     }
-    plan_times(history);
+    plan_times(history, (hsize_t)layout->max_rows);
     plan_events(history, group, layout);
     return true;
 }

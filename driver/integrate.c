@@ -442,6 +442,11 @@ integrate_code integrate(const dae *model, const integrate_options *options, con
     return code;
 }
 
+long integrate_n_outputs(const integrate_options *options, double t_start)
+{
+    return (long)((options->t_end - t_start) / options->output_interval - grid_slack) + 2;
+}
+
 const char *integrate_version(void)
 {
     return "SUNDIALS " SUNDIALS_VERSION;

@@ -34,6 +34,9 @@ typedef enum { INTEGRATE_DONE = 0, INTEGRATE_STOPPED = 1, INTEGRATE_FAILED = 2 }
 integrate_code integrate(const dae *model, const integrate_options *options, const integrate_observer *observer,
                          dae_state *state, integrate_counts *counts, char reason[DAE_MESSAGE_LENGTH]);
 
+/** Number of outputs of a whole integration from t_start. */
+long integrate_n_outputs(const integrate_options *options, double t_start);
+
 /** Version of the integrator's library, such as "SUNDIALS 6.4.1". */
 const char *integrate_version(void);
 

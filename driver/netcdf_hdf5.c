@@ -67,10 +67,25 @@ void netcdf_library_version(unsigned version[3])
     (void)H5get_libversion(&version[0], &version[1], &version[2]);
 }
 
+/* The indices of a long run's chunks would fill the library's cache: 32 megabytes for rows that are never looked at again. */
+static bool limit_metadata_cache(hid_t access)
+{
+    const size_t bytes = 512 * 1024;
+    H5AC_cache_config_t config = {.version = H5AC__CURR_CACHE_CONFIG_VERSION};
+    if (H5Pget_mdc_config(access, &config) < 0) {
+        return false;
+    }
+    config.set_initial_size = true;
+    config.initial_size = config.min_size = config.max_size = bytes;
+    return H5Pset_mdc_config(access, &config) >= 0;
+}
+
 bool netcdf_create(netcdf_file *file, const char *path)
 {
     prepare_library();
-    if (H5open() < 0 || H5Eset_auto2(H5E_DEFAULT, NULL, NULL) < 0) {
+    const int kept = 64 * 1024; /* bytes of a kind of memory that the library may hoard */
+    if (H5open() < 0 || H5Eset_auto2(H5E_DEFAULT, NULL, NULL) < 0 ||
+        H5set_free_list_limits(kept, kept, kept, kept, kept, kept) < 0) {
         return netcdf_fail(file);
     }
     const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
@@ -81,7 +96,8 @@ bool netcdf_create(netcdf_file *file, const char *path)
     const bool ready = access >= 0 && creation >= 0 && file->text >= 0 && file->scalar >= 0 &&
                        H5Tset_size(file->text, H5T_VARIABLE) >= 0 && H5Tset_cset(file->text, H5T_CSET_UTF8) >= 0 &&
                        H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18) >= 0 &&
-                       H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) >= 0 && set_group_properties(creation);
+                       H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) >= 0 && limit_metadata_cache(access) &&
+                       set_group_properties(creation);
     file->id = ready ? H5Fcreate(path, H5F_ACC_TRUNC, creation, access) : H5I_INVALID_HID;
     const bool good = checked(file, file->id < 0 ? -1 : 0);
     (void)H5Pclose(creation);
@@ -168,9 +184,9 @@ static hid_t element_type(const netcdf_file *file, netcdf_type type)
     return type == NETCDF_TEXT ? file->text : type == NETCDF_INTEGER ? H5T_NATIVE_INT : H5T_NATIVE_DOUBLE;
 }
 
-static bool is_unlimited(const netcdf_variable *variable)
+static bool grows(const netcdf_variable *variable)
 {
-    return variable->rank > 0 && variable->dimensions[0]->is_unlimited;
+    return variable->rank > 0 && variable->dimensions[0]->grows;
 }
 
 static hid_t create_space(const netcdf_variable *variable)
@@ -179,9 +195,10 @@ static hid_t create_space(const netcdf_variable *variable)
     for (int i = 0; i < variable->rank; i++) {
         extent[i] = limit[i] = variable->dimensions[i]->length;
     }
-    if (is_unlimited(variable)) {
+    if (grows(variable)) {
         extent[0] = 0;
-        limit[0] = H5S_UNLIMITED;
+        /* Readers take a limited dimension at its word; an unlimited one some of them look for in every variable. */
+        limit[0] = limit[0] == 0 ? H5S_UNLIMITED : limit[0];
     }
     return variable->rank == 0 ? H5Screate(H5S_SCALAR) : H5Screate_simple(variable->rank, extent, limit);
 }
@@ -192,7 +209,7 @@ static bool set_storage(const netcdf_variable *variable, hsize_t chunk_rows, hid
     if (variable->type == NETCDF_REAL && H5Pset_fill_value(creation, H5T_NATIVE_DOUBLE, &missing) < 0) {
         return false;
     }
-    if (!is_unlimited(variable)) {
+    if (!grows(variable)) {
         return true;
     }
     hsize_t chunk[NETCDF_MAX_RANK] = {chunk_rows};

@@ -24,8 +24,8 @@ typedef struct {
 /** A named dimension; its coordinate variable has the same name. */
 typedef struct {
     dimension_scale scale;
-    bool is_unlimited; /**< empty at first */
-    hsize_t length;    /**< of a limited one */
+    bool grows;     /**< empty at first */
+    hsize_t length; /**< the most it can have; 0 for a growing one without a limit */
 } netcdf_dimension;
 
 typedef enum { NETCDF_REAL, NETCDF_INTEGER, NETCDF_TEXT } netcdf_type;
@@ -34,7 +34,7 @@ typedef struct {
     char name[64], units[32], symbol[64], long_name[128];
     netcdf_type type;
     int rank;
-    netcdf_dimension *dimensions[NETCDF_MAX_RANK]; /**< only the first may be unlimited */
+    netcdf_dimension *dimensions[NETCDF_MAX_RANK]; /**< only the first may grow */
     int n_flags;               /**< the values 0..n_flags-1 have a meaning; 0 if they are plain numbers */
     const char *flag_meanings; /**< n_flags words */
 } netcdf_variable;
@@ -57,7 +57,7 @@ bool netcdf_put_integer(netcdf_file *file, hid_t object, const char *name, long 
 bool netcdf_put_real(netcdf_file *file, hid_t object, const char *name, double value);
 
 /** Create a variable with its attributes, its axes attached to their dimensions.
- *  @param chunk_rows  rows of a chunk if the first dimension is unlimited */
+ *  @param chunk_rows  rows of a chunk if the first dimension grows */
 hid_t netcdf_define(netcdf_file *file, hid_t group, const netcdf_variable *variable, hsize_t chunk_rows);
 /** Create a dimension, whose length is set, with its coordinate variable. */
 bool netcdf_define_dimension(netcdf_file *file, hid_t group, const netcdf_variable *coordinate,

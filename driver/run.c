@@ -101,10 +101,20 @@ static history_attribute count_attribute(const char *key, long count)
     return (history_attribute){.key = key, .kind = HISTORY_INTEGER, .integer = count};
 }
 
+static integrate_options options_of(const run *run)
+{
+    const simulation_description *simulation = &case_description(run->prepared.file)->simulation;
+    return (integrate_options){.t_end = simulation->duration,
+                               .output_interval = simulation->output_interval,
+                               .tolerance = simulation->tolerance,
+                               .max_step = simulation->max_step};
+}
+
 static bool create_history(run *run, const char *path)
 {
     const model *model = run->prepared.model;
     const description *description = case_description(run->prepared.file);
+    const integrate_options options = options_of(run);
     const int n_states = model_dae(model)->n, n_kinds = model_n_event_kinds(), n_warnings = model_n_warnings(model);
     const char **state_names = xcalloc((size_t)n_states, sizeof *state_names);
     const char **state_units = xcalloc((size_t)n_states, sizeof *state_units);
@@ -144,6 +154,7 @@ static bool create_history(run *run, const char *path)
         .state_units = state_units,
         .n_event_kinds = n_kinds,
         .event_kinds = kinds,
+        .max_rows = integrate_n_outputs(&options, 0),
         .n_attributes = sizeof attributes / sizeof *attributes,
         .attributes = attributes,
     };
@@ -257,11 +268,7 @@ static void conclude(run *run, integrate_code code, double t, const integrate_co
 
 static void integrate_case(run *run, const char *path, dae_state *state, evl_error *error)
 {
-    const simulation_description *simulation = &case_description(run->prepared.file)->simulation;
-    const integrate_options options = {.t_end = simulation->duration,
-                                       .output_interval = simulation->output_interval,
-                                       .tolerance = simulation->tolerance,
-                                       .max_step = simulation->max_step};
+    const integrate_options options = options_of(run);
     const integrate_observer observer = {.self = run, .output = on_output, .event = on_event, .step = on_step};
     integrate_counts counts = {0};
     const integrate_code code =

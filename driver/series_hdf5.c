@@ -15,9 +15,9 @@ static bool is_integer(const series_column *column)
     return column->variable.type == NETCDF_INTEGER;
 }
 
-void series_init(series *rows, netcdf_file *file, hid_t group, int n_columns)
+void series_init(series *rows, netcdf_file *file, hid_t group, int n_columns, hsize_t limit)
 {
-    *rows = (series){.file = file, .group = group, .dimension = {.is_unlimited = true}};
+    *rows = (series){.file = file, .group = group, .dimension = {.grows = true, .length = limit}};
     rows->columns = xcalloc((size_t)n_columns, sizeof *rows->columns);
 }
 
@@ -135,6 +135,9 @@ bool series_write(series *rows, bool is_last)
 {
     if (!rows->is_defined) {
         const size_t few = rows->filled > 0 ? rows->filled : 1;
+        if (is_last && rows->filled > 0) {
+            rows->dimension.length = rows->filled;
+        }
         if (!define(rows, is_last ? few : rows->capacity)) {
             return false;
         }

@@ -1,4 +1,4 @@
-/** Rows of numbers along one unlimited dimension, buffered in memory and written a chunk at a time.
+/** Rows of numbers along one growing dimension, buffered in memory and written a chunk at a time.
  *
  *  The variables are created with the first write, because only then is it known whether the rows are many: a short
  *  series gets chunks of its own length. */
@@ -19,7 +19,7 @@ typedef struct {
 typedef struct {
     netcdf_file *file;
     hid_t group;
-    netcdf_dimension dimension; /**< the unlimited one; column 0 is its coordinate */
+    netcdf_dimension dimension; /**< the growing one; column 0 is its coordinate */
     int n_columns;
     series_column *columns;
     size_t capacity; /**< rows of the block in memory, and of a chunk */
@@ -29,10 +29,11 @@ typedef struct {
     bool is_defined;
 } series;
 
-/** An empty series in a group, with room for n_columns. */
-void series_init(series *rows, netcdf_file *file, hid_t group, int n_columns);
+/** An empty series in a group, with room for n_columns.
+ *  @param limit  the most rows it can get; 0 if that is not known */
+void series_init(series *rows, netcdf_file *file, hid_t group, int n_columns, hsize_t limit);
 /** Add the next column; the first is the coordinate.
- *  @param variable  its dimensions are those besides the unlimited one
+ *  @param variable  its dimensions are those besides the growing one
  *  @param offset    of its `count` values in a row */
 void series_add_column(series *rows, const netcdf_variable *variable, int offset, int count);
 /** After the last column: take memory for at most max_rows rows, fewer if they need more than a few megabytes. */
