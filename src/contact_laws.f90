@@ -17,7 +17,7 @@ module evl_contact_laws
    public :: contact_context, elastic_result, law_choice, law_info_t, law_parameter_t
    public :: elastic_force, elastic_limit_message, elastic_potential, penetration_from_force, viscous_force
    public :: friction_factor, friction_knee, friction_mode
-   public :: is_rigid, rigid_rest_velocity, rigid_restitution
+   public :: is_rigid, is_undamped, rigid_rest_velocity, rigid_restitution
    public :: law_count, law_describe, law_validate
    public :: law_name_length, law_text_length, laws_contact, laws_damping, laws_friction
 
@@ -80,6 +80,13 @@ contains
       is_rigid = choice%law == contact_rigid
    end function is_rigid
 
+   !> Whether a damping law never gives a force.
+   pure logical function is_undamped(choice)
+      type(law_choice), intent(in) :: choice !! of family laws_damping
+
+      is_undamped = choice%law == damping_none
+   end function is_undamped
+
    !> Newton's coefficient of restitution of a rigid contact.
    pure real(wp) function rigid_restitution(choice)
       type(law_choice), intent(in) :: choice !! a rigid contact
@@ -104,6 +111,8 @@ contains
       select case (choice%law)
       case (contact_johnson)
          call johnson_limit_message(ctx%h, ctx%rho_sum, message)
+      case (contact_rigid)
+         message = "a rigid contact has no force law: its normal force is the multiplier of its constraint"
       end select
    end subroutine elastic_limit_message
 

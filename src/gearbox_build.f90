@@ -232,43 +232,61 @@ contains
       call link_states(gearbox, gearbox%meshes(index))
    end subroutine take_mesh
 
-   !> The wheel that each rigid mesh determines when it is closed: the one that the meshes reach after its mate, from the
-   !> reference wheel on. A mesh that closes a ring of wheels has none.
+   !> The wheel that each rigid mesh determines when it is closed. Wheels that rigid meshes join move as one: each such group is
+   !> reached from one of its wheels on, the one whose speed is prescribed or else the reference wheel, and every mesh determines
+   !> the wheel that it reaches. A mesh that closes a ring of them determines none.
    subroutine find_dependents(gearbox, status)
       type(gearbox_t), intent(inout) :: gearbox
       type(status_t), intent(inout) :: status
-      logical :: reached(size(gearbox%wheels)), used(size(gearbox%meshes)), found
-      integer :: m
+      logical :: reached(size(gearbox%wheels)), used(size(gearbox%meshes))
+      integer :: i, m
 
       reached = .false.
-      reached(gearbox%reference) = .true.
       used = .false.
-      found = .true.
-      do while (found)
-         found = .false.
-         do m = 1, size(gearbox%meshes)
-            associate (mesh => gearbox%meshes(m))
-               if (reached(mesh%wheel_a) .eqv. reached(mesh%wheel_b)) cycle
-               mesh%i_dependent = gearbox%wheels(merge(mesh%wheel_b, mesh%wheel_a, reached(mesh%wheel_a)))%i_psi
-               reached(mesh%wheel_a) = .true.
-               reached(mesh%wheel_b) = .true.
-               used(m) = .true.
-               found = .true.
-            end associate
-         end do
+      do i = 1, size(gearbox%wheels)
+         if (gearbox%wheels(i)%prescribed > 0) call reach(i)
+      end do
+      if (.not. reached(gearbox%reference)) call reach(gearbox%reference)
+      do i = 1, size(gearbox%wheels)
+         if (.not. reached(i)) call reach(i)
       end do
       do m = 1, size(gearbox%meshes)
-         associate (mesh => gearbox%meshes(m))
-            if (.not. mesh%rigid) cycle
-            if (.not. used(m)) then
-               call fail(status, code_invalid_input, "a rigid contact that closes a ring of wheels is overdetermined: give it an" &
-                         //" elastic law", subject_mesh, m, "contact.law")
-            else if (gearbox%wheels(mesh%wheel_a)%prescribed > 0 .and. gearbox%wheels(mesh%wheel_b)%prescribed > 0) then
-               call fail(status, code_invalid_input, "the speeds of both wheels of a rigid contact are prescribed", subject_mesh, &
-                         m, "contact.law")
-            end if
-         end associate
+         if (.not. gearbox%meshes(m)%rigid .or. used(m) .or. has_failed(status)) cycle
+         call fail(status, code_invalid_input, "a rigid contact that closes a ring of rigid contacts is overdetermined: give it" &
+                   //" an elastic law", subject_mesh, m, "contact.law")
       end do
+
+   contains
+
+      !> Reach all wheels that rigid meshes join to the first one.
+      subroutine reach(first)
+         integer, intent(in) :: first
+         logical :: group(size(gearbox%wheels)), found
+         integer :: k
+
+         group = .false.
+         group(first) = .true.
+         found = .true.
+         do while (found)
+            found = .false.
+            do k = 1, size(gearbox%meshes)
+               associate (mesh => gearbox%meshes(k), a => gearbox%meshes(k)%wheel_a, b => gearbox%meshes(k)%wheel_b)
+                  if (.not. mesh%rigid .or. (group(a) .eqv. group(b))) cycle
+                  associate (next => merge(b, a, group(a)))
+                     if (gearbox%wheels(next)%prescribed > 0 .and. .not. has_failed(status)) &
+                        call fail(status, code_invalid_input, "rigid contacts join two wheels whose speeds are prescribed: give" &
+                                  //" this one an elastic law", subject_mesh, k, "contact.law")
+                     mesh%i_dependent = gearbox%wheels(next)%i_psi
+                  end associate
+                  group([a, b]) = .true.
+                  used(k) = .true.
+                  found = .true.
+               end associate
+            end do
+         end do
+         reached = reached .or. group
+      end subroutine reach
+
    end subroutine find_dependents
 
    !> The contact strip has to stay narrow beside the radii of curvature, which are smallest at the start of contact.

@@ -9,8 +9,9 @@ module evl_gearbox_events
    use evl_load, only: load_next_knot
    use evl_local_variables, only: at_track, n_local, n_track
    use evl_mesh, only: contact_apart, contact_loaded, contact_open, contact_unloaded, mesh_contact, mesh_mode, &
-                       mesh_nominal_rho, mesh_root_directions, mesh_roots, mesh_settle_friction, n_mesh_roots, root_apart, &
-                       root_back, root_contact, root_force, root_forward, root_friction_high, root_friction_low
+                       mesh_nominal_rho, mesh_root_directions, mesh_roots, mesh_settle_friction, mesh_unclipped_force, &
+                       n_mesh_roots, root_apart, root_back, root_contact, root_force, root_forward, root_friction_high, &
+                       root_friction_low
    use evl_multipliers, only: impact, set_multipliers
    use evl_status, only: has_failed, status_t
    implicit none (type, external)
@@ -141,7 +142,7 @@ contains
       real(wp), intent(out) :: yp(gearbox%n_states)
       integer, intent(inout) :: integers(:)
       real(wp), intent(inout) :: reals(:)
-      type(event_t), intent(out) :: events(:) !! room for all roots and two more
+      type(event_t), intent(out) :: events(:) !! room for all roots and two more: a mesh notes fewer events than it has roots
       integer, intent(out) :: n_events
       type(status_t), intent(inout) :: status
       type(event_log) :: log
@@ -195,23 +196,60 @@ contains
 
       closing = was_open .and. gearbox%meshes%rigid .and. fired(root_contact:n_mesh_roots*size(gearbox%meshes):n_mesh_roots) /= 0
       if (any(closing)) then
-         call impact(gearbox, t, closing, y, integers, reals, rebounds, status)
+         call impact(gearbox, t, closing, y, integers, reals, rebounds, opened, status)
          if (has_failed(status)) return
          do m = 1, size(gearbox%meshes)
-            if (.not. closing(m)) cycle
             mode = gearbox_mode(gearbox, m, integers, reals)
+            if (opened(m) .and. was_open(m)) cycle
+            if (opened(m)) call note(log, event_opened, m, mode%teeth)
+            if (.not. closing(m)) cycle
             if (rebounds(m)) mode%contact = contact_open
             call gearbox_store_mode(gearbox, m, mode, integers, reals)
             call note(log, merge(event_impact, event_closed, rebounds(m)), m, mode%teeth)
             if (.not. rebounds(m) .and. rigid_restitution(gearbox%meshes(m)%contact) > 0) &
                call note(log, event_impacts_ended, m, mode%teeth)
          end do
+         do m = 1, size(gearbox%meshes)
+            call settle_speeds(gearbox, m, y, integers, reals, log, status)
+         end do
+         if (has_failed(status)) return
       end if
       call set_multipliers(gearbox, t, y, integers, reals, opened, status)
       do m = 1, size(gearbox%meshes)
          if (opened(m)) call note(log, event_opened, m, integers(gearbox%meshes(m)%i_mode))
       end do
    end subroutine settle_rigid
+
+   !> Speeds have jumped: the branches of friction, and the clip of an elastic contact's force, that belong to the new ones.
+   subroutine settle_speeds(gearbox, m, y, integers, reals, log, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: m
+      real(wp), intent(in) :: y(gearbox%n_states)
+      integer, intent(inout) :: integers(:)
+      real(wp), intent(inout) :: reals(:)
+      type(event_log), intent(inout) :: log
+      type(status_t), intent(inout) :: status
+      type(contact_point) :: point
+      type(mesh_mode) :: mode
+      real(wp) :: q(n_local), rho_a0, force
+
+      mode = gearbox_mode(gearbox, m, integers, reals)
+      if (mode%contact /= contact_loaded .and. mode%contact /= contact_unloaded) return
+      call mesh_point(gearbox, m, y, integers, mode, q, rho_a0, point)
+      if (.not. gearbox%meshes(m)%rigid) then
+         call mesh_unclipped_force(gearbox%meshes(m), m, mode, point, force, status)
+         if (has_failed(status)) return
+         if (force < 0 .and. mode%contact == contact_loaded) then
+            mode%contact = contact_unloaded
+            call note(log, event_vanished, m, mode%teeth)
+         else if (force > 0 .and. mode%contact == contact_unloaded) then
+            mode%contact = contact_loaded
+            call note(log, event_returned, m, mode%teeth)
+         end if
+      end if
+      if (mode%contact == contact_loaded) mode%friction = mesh_settle_friction(gearbox%meshes(m), point)
+      call gearbox_store_mode(gearbox, m, mode, integers, reals)
+   end subroutine settle_speeds
 
    !> Restart with the tracked points exactly on their flanks; where they cannot be put, the derivative says why.
    subroutine project_tracked(gearbox, y, integers, reals)

@@ -187,8 +187,8 @@ contains
           .and. abs(point%h) <= touching*mesh%h_scale) then
          mode%contact = contact_loaded
       else if (point%h > touching*mesh%h_scale) then
-         call fail(status, code_invalid_input, "a rigid contact cannot start with the penetration "//quantity(point%h, "m"), &
-                   subject_mesh, index, "gaps")
+         call fail(status, code_invalid_input, "a rigid contact cannot start with the penetration "//quantity(point%h, "m") &
+                   //": give a gap that is not negative", subject_mesh, index, "gaps")
       end if
    end subroutine settle_rigid
 

@@ -19,7 +19,9 @@ module evl_multipliers
    public :: multiplier_rates, set_multipliers, impact
 
    real(wp), parameter :: time_step = 1.0e-8_wp !! for the rates of the multipliers, which only start the next step [s]
-   real(wp), parameter :: pulling = 1.0e-9_wp   !! a multiplier this far below 0, over the force scale, is no rounding
+   !> A multiplier this far below 0, over the force scale, is no rounding. Less than how far past 0 the root of an opening lies
+   !> (`past` in evl_mesh): a contact that starts beyond that root would pull without end.
+   real(wp), parameter :: pulling = 1.0e-11_wp
 
 contains
 
@@ -187,17 +189,18 @@ contains
    end subroutine multiplier_rates
 
    !> Newton's impact in the contacts that close: kappa' becomes -e times what it was, that of the closed contacts stays 0. The
-   !> friction factors are those of this instant. A closed contact that would have to pull opens.
+   !> friction factors are those of this instant. A contact that would have to pull takes no part and is open afterwards.
    !>
    !> P solves G M^-1 D P = -(1 + e) kappa'; modes: the contacts that close count as closed already.
-   subroutine impact(gearbox, t, closing, y, integers, reals, rebounds, status)
+   subroutine impact(gearbox, t, closing, y, integers, reals, rebounds, opened, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t
       logical, intent(in) :: closing(:)     !! [meshes]
       real(wp), intent(inout) :: y(gearbox%n_states)
       integer, intent(inout) :: integers(:)
       real(wp), intent(inout) :: reals(:)
-      logical, intent(out) :: rebounds(:)   !! [meshes] those that part again at once
+      logical, intent(out) :: rebounds(:)   !! [meshes] contacts that close and part again at once
+      logical, intent(out) :: opened(:)     !! [meshes] contacts that would have to pull
       type(status_t), intent(inout) :: status
       real(wp) :: offset(gearbox%n_multipliers), response(gearbox%n_multipliers, gearbox%n_multipliers)
       real(wp) :: velocity(gearbox%n_states, gearbox%n_multipliers), impulse(gearbox%n_multipliers)
@@ -205,10 +208,11 @@ contains
       integer :: closed(gearbox%n_multipliers), n, k, worst
 
       rebounds = .false.
+      opened = .false.
       energy = kinetic_energy(gearbox, y)
       do
          call responses(gearbox, t, y, integers, reals, closed, n, offset, response, velocity, status)
-         if (has_failed(status)) return
+         if (has_failed(status) .or. n == 0) return
          do k = 1, n
             associate (mesh => gearbox%meshes(closed(k)))
                impulse(k) = 0
@@ -223,8 +227,10 @@ contains
          call solve(closed(:n), response(:n, :n), impulse(:n), status)
          if (has_failed(status)) return
          worst = minloc(impulse(:n), dim=1)
-         if (impulse(worst) >= 0 .or. closing(closed(worst))) exit
+         if (impulse(worst) >= 0) exit
          call open_contact(gearbox, closed(worst), y, integers, reals)
+         rebounds(closed(worst)) = .false.
+         opened(closed(worst)) = .true.
       end do
       do k = 1, n
          call add_impulse(gearbox, impulse(k), velocity(:, k), y)

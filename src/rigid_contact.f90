@@ -90,7 +90,7 @@ contains
       info%parameters(1) = law_parameter("restitution", "1", "rebound speed over approach speed of an impact", &
                                          default_value=0.0_wp, minimum=0.0_wp, maximum=1.0_wp)
       info%parameters(2) = law_parameter("rest_velocity", "m/s", "approach speed below which an impact does not rebound", &
-                                         default_value=1.0e-6_wp, minimum=0.0_wp)
+                                         default_value=1.0e-6_wp, minimum=0.0_wp, minimum_open=.true.)
    end function rigid_law
 
 end module evl_rigid_contact
