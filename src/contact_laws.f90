@@ -15,6 +15,7 @@ module evl_contact_laws
                            parameter_range_error
    use evl_radzimovsky, only: radzimovsky_force, radzimovsky_law, radzimovsky_limit_message, radzimovsky_penetration, &
                               radzimovsky_potential
+   use evl_rigid_contact, only: rigid_law
    use evl_springs, only: linear_spring, linear_spring_law, power_penetration, power_spring, power_spring_law, yang_lin_law, &
                           yang_lin_stiffness
    use evl_status, only: code_invalid_input, code_ok, code_out_of_domain, quantity
@@ -24,6 +25,7 @@ module evl_contact_laws
    public :: contact_context, elastic_result, law_choice, law_info_t, law_parameter_t, viscous_result
    public :: elastic_force, elastic_limit_message, elastic_potential, penetration_from_force, viscous_force
    public :: friction_factor, friction_knee, friction_mode
+   public :: is_rigid, is_undamped, rigid_rest_velocity, rigid_restitution
    public :: law_count, law_describe, law_validate
    public :: law_name_length, law_text_length, laws_contact, laws_damping, laws_friction
 
@@ -32,7 +34,7 @@ module evl_contact_laws
    integer, parameter :: laws_friction = 2 !! family of the friction laws
 
    integer, parameter :: contact_johnson = 0, contact_radzimovsky = 1, contact_linear = 2, contact_yang_lin = 3, &
-                         contact_power = 4
+                         contact_power = 4, contact_rigid = 5
    integer, parameter :: damping_none = 0, damping_linear = 1, damping_one_sided = 2, damping_hunt_crossley = 3, &
                          damping_lankarani_nikravesh = 4, damping_flores = 5, damping_gonthier = 6, damping_lee_wang = 7
    integer, parameter :: friction_none = 0, friction_coulomb = 1, friction_tanh = 2, friction_stribeck = 3
@@ -130,6 +132,34 @@ contains
       end if
    end function linear_stiffness
 
+   !> Whether a contact law is a constraint: it has no force law, its normal force is a multiplier.
+   pure logical function is_rigid(choice)
+      type(law_choice), intent(in) :: choice !! of family laws_contact
+
+      is_rigid = choice%law == contact_rigid
+   end function is_rigid
+
+   !> Whether a damping law never gives a force.
+   pure logical function is_undamped(choice)
+      type(law_choice), intent(in) :: choice !! of family laws_damping
+
+      is_undamped = choice%law == damping_none
+   end function is_undamped
+
+   !> Newton's coefficient of restitution of a rigid contact.
+   pure real(wp) function rigid_restitution(choice)
+      type(law_choice), intent(in) :: choice !! a rigid contact
+
+      rigid_restitution = choice%parameters(1)
+   end function rigid_restitution
+
+   !> Approach speed below which an impact of a rigid contact does not rebound [m/s].
+   pure real(wp) function rigid_rest_velocity(choice)
+      type(law_choice), intent(in) :: choice !! a rigid contact
+
+      rigid_rest_velocity = choice%parameters(2)
+   end function rigid_rest_velocity
+
    !> Why elastic_force answered code_out_of_domain, as one sentence; "" for a law that never does.
    pure subroutine elastic_limit_message(choice, ctx, message)
       type(law_choice), intent(in) :: choice    !! of family laws_contact
@@ -142,6 +172,8 @@ contains
          call johnson_limit_message(ctx%h, ctx%rho_sum, message)
       case (contact_radzimovsky)
          call radzimovsky_limit_message(ctx%h, ctx%rho_sum, message)
+      case (contact_rigid)
+         message = "a rigid contact has no force law: its normal force is the multiplier of its constraint"
       end select
    end subroutine elastic_limit_message
 
@@ -299,7 +331,7 @@ contains
 
       select case (family)
       case (laws_contact)
-         laws = [johnson_law(), radzimovsky_law(), linear_spring_law(), yang_lin_law(), power_spring_law()]
+         laws = [johnson_law(), radzimovsky_law(), linear_spring_law(), yang_lin_law(), power_spring_law(), rigid_law()]
       case (laws_damping)
          laws = [no_damping_law(), linear_damping_law(), one_sided_damping_law(), hunt_crossley_law(), &
                  lankarani_nikravesh_law(), flores_law(), gonthier_law(), lee_wang_law()]

@@ -1,7 +1,7 @@
 !> What the forces have to know of a contact, however it was tracked.
 module evl_contact_point
    use evl_kinds, only: wp
-   use evl_local_variables, only: at_omega, at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, n_local
+   use evl_local_variables, only: at_normal, at_omega, at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, n_local
    implicit none (type, external)
    private
 
@@ -29,6 +29,7 @@ module evl_contact_point
       real(wp) :: l_a, l_b     !! arms of the friction force [m]
       real(wp) :: v_t          !! sliding velocity along t [m/s]
       real(wp) :: omega_a, omega_b !! angular velocities [rad/s]
+      real(wp) :: multiplier   !! normal force of a rigid contact [N]
    end type contact_point
 
    !> Derivatives of a `contact_point` with respect to the local variables; `angle` is that of the normal.
@@ -48,6 +49,7 @@ contains
 
       v_t = q(at_v_b) - q(at_v_a)
       v_e = q(at_v_b + 1) - q(at_v_a + 1)
+      point%multiplier = q(at_normal)
       point%omega_a = pair%ratio_a*q(at_omega) + q(at_psi_dot_a)
       point%omega_b = pair%ratio_b*q(at_omega) + q(at_psi_dot_b)
       point%h_dot = -pair%sigma*(pair%r_ba*q(at_psi_dot_a) + pair%r_bb*q(at_psi_dot_b)) + v_t*point%s - v_e*point%c

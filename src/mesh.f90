@@ -4,11 +4,12 @@
 module evl_mesh
    use evl_closed_form, only: centre_line_turn, closed_form_gap, gradient_closed_form, track_closed_form
    use evl_contact_laws, only: contact_context, elastic_force, elastic_limit_message, elastic_potential, elastic_result, &
-                               friction_factor, friction_knee, friction_mode, law_choice, viscous_force, viscous_result
+                               friction_factor, friction_knee, friction_mode, is_rigid, law_choice, viscous_force, &
+                               viscous_result
    use evl_contact_point, only: contact_gradient, contact_point, tracked_pair
    use evl_contact_tracking, only: gradient_points, track_points
    use evl_kinds, only: wp
-   use evl_local_variables, only: at_psi_a, n_local
+   use evl_local_variables, only: at_normal, at_psi_a, n_local, unit
    use evl_status, only: code_ok, code_out_of_domain, fail, quantity, status_t, subject_mesh
    implicit none (type, external)
    private
@@ -52,6 +53,7 @@ module evl_mesh
       integer :: wheel_a = 0, wheel_b = 0 !! driving and driven wheel
       type(tracked_pair) :: pair          !! geometry for the tracking
       type(law_choice) :: contact, damping, friction
+      logical :: rigid = .false.          !! contact is a constraint
       integer :: tracking = tracking_closed_form
       real(wp) :: e_star = 0.0_wp         !! effective modulus [Pa]
       real(wp) :: width = 0.0_wp          !! common face width [m]
@@ -64,6 +66,9 @@ module evl_mesh
       real(wp) :: force_scale = 0.0_wp    !! normal force that the loads suggest [N]
       real(wp) :: h_scale = 0.0_wp        !! its penetration [m]
       type(mesh_link), allocatable :: links(:) !! local variables in terms of the state
+      integer :: i_normal = 0             !! multiplier of a rigid contact in the state; 0 if none
+      integer :: i_dependent = 0          !! deviation of the wheel that a closed rigid contact determines
+      real(wp) :: mobility = 0.0_wp       !! r_bA^2/J_A + r_bB^2/J_B [1/kg]
       integer :: i_track = 0              !! first tracked variable in the state; 0 if none
       integer :: i_mode = 0               !! place of its three integers in the discrete state
    end type mesh_t
@@ -182,6 +187,11 @@ contains
       character(len=len(status%message)) :: message
       integer :: code
 
+      if (mesh%rigid) then
+         elastic = elastic_result(force=point%multiplier)
+         viscous = viscous_result()
+         return
+      end if
       ctx = context_of(mesh, point, mode%v0)
       call elastic_force(mesh%contact, ctx, elastic, code)
       if (code /= code_ok) then
@@ -238,6 +248,7 @@ contains
          gradient%dissipation = -d_elastic*point%h_dot - elastic%force*d%h_dot
          return
       end if
+      if (mesh%rigid) d_elastic = unit(at_normal, 1.0_wp)
       d_viscous = viscous%d_h*d%h + viscous%d_rho*d_rho_sum + viscous%d_h_dot*d%h_dot
       d_normal = d_elastic + d_viscous
       call friction_factor(mesh%friction, mode%friction, point%v_t, factor, d_v)
@@ -258,6 +269,7 @@ contains
       type(contact_point), intent(in) :: point
 
       energy = 0
+      if (mesh%rigid) return
       if (mode%contact == contact_loaded .or. mode%contact == contact_unloaded) &
          call elastic_potential(mesh%contact, context_of(mesh, point, mode%v0), energy)
    end function mesh_energy
@@ -309,7 +321,7 @@ contains
       touching = mode%contact == contact_loaded .or. mode%contact == contact_unloaded
       if (mode%contact == contact_open) roots(root_contact) = point%h/mesh%h_scale - past
       if (touching) then
-         roots(root_contact) = point%h/mesh%h_scale + past
+         if (.not. mesh%rigid) roots(root_contact) = point%h/mesh%h_scale + past
          call mesh_unclipped_force(mesh, index, mode, point, force, status)
          roots(root_force) = force/mesh%force_scale + merge(past, -past, mode%contact == contact_loaded)
       end if

@@ -261,8 +261,10 @@ typedef enum {
     EVL_EVENT_TABLE_KNOT = 8,        /**< a table of a load has a knot here */
     EVL_EVENT_REVOLUTION = 9,        /**< the reference angle was reduced by whole turns */
     EVL_EVENT_FLANKS_APART =
-        10,                    /**< the gap became too wide for the tracked points to face each other: tracking rests */
-    EVL_EVENT_FLANKS_NEAR = 11 /**< and tracking begins anew */
+        10, /**< the gap became too wide for the tracked points to face each other: tracking rests */
+    EVL_EVENT_FLANKS_NEAR = 11,  /**< and tracking begins anew */
+    EVL_EVENT_IMPACT = 12,       /**< rigid flanks met and part again */
+    EVL_EVENT_IMPACTS_ENDED = 13 /**< the approach was too slow for another impact: the rigid contact stays closed */
 } evl_event_kind;
 
 typedef struct {
