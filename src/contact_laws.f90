@@ -10,7 +10,7 @@ module evl_contact_laws
                                 hunt_crossley_law, lankarani_nikravesh_factor, lankarani_nikravesh_law, lee_wang_factor, &
                                 lee_wang_law
    use evl_johnson, only: johnson_force, johnson_law, johnson_limit_message, johnson_penetration, johnson_potential
-   use evl_kinds, only: wp
+   use evl_kinds, only: pi, wp
    use evl_law_info, only: law_info_t, law_name_length, law_parameter_t, law_text_length, max_law_parameters, &
                            parameter_range_error
    use evl_radzimovsky, only: radzimovsky_force, radzimovsky_law, radzimovsky_limit_message, radzimovsky_penetration, &
@@ -62,6 +62,7 @@ module evl_contact_laws
       real(wp) :: force = 0.0_wp !! [N], over the whole width
       real(wp) :: d_h = 0.0_wp   !! dF/dh at constant rho_sum [N/m]
       real(wp) :: d_rho = 0.0_wp !! dF/d(rho_sum) at constant h [N/m]; the radii enter every law through their sum
+      real(wp) :: d_energy = 0.0_wp !! dV/d(rho_sum) of the elastic energy V at constant h [J/m]
    end type elastic_result
 
    !> A viscous force with its derivatives, through the elastic force too.
@@ -85,10 +86,10 @@ contains
       select case (choice%law)
       case (contact_johnson)
          call johnson_force(ctx%h, ctx%rho_sum, ctx%e_star, result%force, result%d_h, result%d_rho, code)
-         call spread_over_width(ctx%width, result)
+         call spread_over_width(ctx, result)
       case (contact_radzimovsky)
          call radzimovsky_force(ctx%h, ctx%rho_sum, ctx%e_star, result%force, result%d_h, result%d_rho, code)
-         call spread_over_width(ctx%width, result)
+         call spread_over_width(ctx, result)
       case default
          call spring_force(choice, ctx, result%force, result%d_h, potential)
          code = code_ok
@@ -110,14 +111,16 @@ contains
       end if
    end subroutine spring_force
 
-   !> From a force per unit width to that over the whole width.
-   pure subroutine spread_over_width(width, result)
-      real(wp), intent(in) :: width                 !! [m]
+   !> From a force per unit width to that over the whole width, for h = N/(pi E*) (ln(rho_sum/N) + constant), whose energy has
+   !> dV/drho_sum = -N^2/(2 pi E* rho_sum) at constant h.
+   pure subroutine spread_over_width(ctx, result)
+      type(contact_context), intent(in) :: ctx
       type(elastic_result), intent(inout) :: result !! per unit width; over the whole width
 
-      result%force = width*result%force
-      result%d_h = width*result%d_h
-      result%d_rho = width*result%d_rho
+      result%d_energy = -ctx%width*result%force**2/(2*pi*ctx%e_star*ctx%rho_sum)
+      result%force = ctx%width*result%force
+      result%d_h = ctx%width*result%d_h
+      result%d_rho = ctx%width*result%d_rho
    end subroutine spread_over_width
 
    !> Stiffness of the laws that are linear in h [N/m].

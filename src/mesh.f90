@@ -8,7 +8,7 @@ module evl_mesh
                                viscous_result
    use evl_contact_point, only: contact_gradient, contact_point, tracked_pair
    use evl_contact_tracking, only: gradient_points, track_points
-   use evl_kinds, only: wp
+   use evl_kinds, only: pi, wp
    use evl_local_variables, only: at_normal, at_psi_a, n_local, unit
    use evl_status, only: code_ok, code_out_of_domain, fail, quantity, status_t, subject_mesh
    implicit none (type, external)
@@ -89,7 +89,7 @@ module evl_mesh
       real(wp) :: friction = 0.0_wp !! F_t along t on A [N]
       real(wp) :: torque_a = 0.0_wp, torque_b = 0.0_wp !! on the wheels [N m]
       real(wp) :: on_a(2) = 0.0_wp  !! force on A in (t_0, e_0) [N]
-      real(wp) :: dissipation = 0.0_wp !! power lost to damping, clipping and friction [W]
+      real(wp) :: dissipation = 0.0_wp !! power lost to damping, clipping, friction and changing radii [W]
    end type mesh_force
 
    !> Derivatives of the forces with respect to the local variables.
@@ -159,7 +159,7 @@ contains
       force%elastic = elastic%force
       force%viscous = viscous%force
       if (mode%contact == contact_unloaded) then
-         force%dissipation = -force%elastic*point%h_dot
+         force%dissipation = -force%elastic*point%h_dot - elastic%d_energy*point%rho_dot
          return
       end if
       force%normal = force%elastic + force%viscous
@@ -171,7 +171,7 @@ contains
       end associate
       force%on_a(1) = force%normal*point%s + force%friction*point%c
       force%on_a(2) = -force%normal*point%c + force%friction*point%s
-      force%dissipation = force%viscous*point%h_dot - force%friction*point%v_t
+      force%dissipation = force%viscous*point%h_dot - force%friction*point%v_t - elastic%d_energy*point%rho_dot
    end subroutine mesh_forces
 
    !> Elastic and viscous force with derivatives.
@@ -229,7 +229,7 @@ contains
       type(elastic_result) :: elastic
       type(viscous_result) :: viscous
       real(wp) :: factor, d_v
-      real(wp), dimension(n_local) :: d_rho_sum, d_elastic, d_viscous, d_normal, d_friction
+      real(wp), dimension(n_local) :: d_rho_sum, d_energy, d_elastic, d_viscous, d_normal, d_friction
 
       gradient%torque_a = 0
       gradient%torque_b = 0
@@ -244,8 +244,14 @@ contains
       call contact_law(mesh, index, mode, point, elastic, viscous, status)
       d_rho_sum = d%rho_a + d%rho_b
       d_elastic = elastic%d_h*d%h + elastic%d_rho*d_rho_sum
+      ! dV/drho_sum changes with h as the force does with rho_sum
+      associate (rho_sum => point%rho_a + point%rho_b)
+         d_energy = elastic%d_rho*(d%h - elastic%force/(pi*mesh%e_star*mesh%width*rho_sum)*d_rho_sum) &
+                    - elastic%d_energy/rho_sum*d_rho_sum
+      end associate
+      gradient%dissipation = -d_energy*point%rho_dot - elastic%d_energy*d%rho_dot
       if (mode%contact == contact_unloaded) then
-         gradient%dissipation = -d_elastic*point%h_dot - elastic%force*d%h_dot
+         gradient%dissipation = gradient%dissipation - d_elastic*point%h_dot - elastic%force*d%h_dot
          return
       end if
       if (mesh%rigid) d_elastic = unit(at_normal, 1.0_wp)
@@ -259,7 +265,8 @@ contains
       end associate
       gradient%on_a(:, 1) = point%s*d_normal + point%c*d_friction - force%on_a(2)*d%angle
       gradient%on_a(:, 2) = -point%c*d_normal + point%s*d_friction + force%on_a(1)*d%angle
-      gradient%dissipation = d_viscous*point%h_dot + viscous%force*d%h_dot - d_friction*point%v_t - force%friction*d%v_t
+      gradient%dissipation = gradient%dissipation + d_viscous*point%h_dot + viscous%force*d%h_dot - d_friction*point%v_t &
+                             - force%friction*d%v_t
    end subroutine mesh_gradient
 
    !> Elastic energy stored in the contact [J]; 0 without penetration.

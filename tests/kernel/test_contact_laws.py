@@ -180,7 +180,7 @@ def test_the_table_lists_the_laws_of_each_family(kernel: Kernel):
     names = [[law.name.decode() for law in kernel.laws(family)] for family in range(3)]
     restitution = ["hunt_crossley", "lankarani_nikravesh", "flores", "gonthier", "lee_wang"]
     assert names == [
-        ["johnson", "radzimovsky", "linear", "yang_lin", "power"],
+        ["johnson", "radzimovsky", "linear", "yang_lin", "power", "rigid"],
         ["none", "linear", "one_sided", *restitution],
         ["none", "coulomb", "tanh", "stribeck"],
     ]
@@ -213,7 +213,7 @@ def test_parameters_are_described_with_unit_default_and_range(kernel: Kernel):
                 assert parameter.minimum < parameter.maximum
 
 
-@pytest.mark.parametrize(("family", "index"), [(0, 5), (0, -1), (1, 8), (2, 4), (3, 0), (-1, 0)])
+@pytest.mark.parametrize(("family", "index"), [(0, 6), (0, -1), (1, 8), (2, 4), (3, 0), (-1, 0)])
 def test_a_law_that_does_not_exist_is_not_described(kernel: Kernel, family: int, index: int):
     info = LawInfo()
     code = kernel.library.evl_law_describe(family, index, ctypes.byref(info))
