@@ -228,7 +228,7 @@ contains
             end if
             if (mode%contact == contact_loaded) then
                mode%friction = mesh_settle_friction(mesh, point)
-               if (.not. point%h > 0) mode%v0 = max(point%h_dot, 0.0_wp) ! flanks that overlap closed before the start
+               mode%v0 = max(point%h_dot, 0.0_wp)
             end if
             call gearbox_store_mode(gearbox, m, mode, integers, reals)
          end associate
