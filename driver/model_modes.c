@@ -3,6 +3,7 @@
 #include "memory.h"
 #include "model_kernel.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -23,17 +24,30 @@ static void shape_part(const model *model, const dae_state *state, const double 
     free(values);
 }
 
-static void normalise(const model *model, natural_mode *mode)
+/** The value that everything is divided by: that of the wheel or axle that moves most, with the phase of its larger coordinate. */
+static double complex largest_motion(const model *model, const natural_mode *mode)
 {
-    const int n_coordinates = 3 * model->sizes.n_wheels, n = n_coordinates + 2 * model->sizes.n_meshes;
-    double complex largest = 0.0;
-    for (int i = 0; i < n_coordinates; i++) {
-        if (cabs(mode->arcs[i]) > (1.0 + equal_amplitudes) * cabs(largest)) {
-            largest = mode->arcs[i];
+    double complex unit = 0.0;
+    for (int i = 0; i < model->sizes.n_wheels; i++) {
+        const double complex arc = mode->arcs[i], x = mode->displacements[i][0], y = mode->displacements[i][1];
+        const double complex larger = cabs(y) > (1.0 + equal_amplitudes) * cabs(x) ? y : x;
+        const double amplitude = hypot(cabs(x), cabs(y));
+        if (cabs(arc) > (1.0 + equal_amplitudes) * cabs(unit)) {
+            unit = arc;
+        }
+        if (amplitude > (1.0 + equal_amplitudes) * cabs(unit)) {
+            unit = larger * (amplitude / cabs(larger));
         }
     }
-    for (int i = 0; i < n && cabs(largest) > 0.0; i++) {
-        mode->arcs[i] = mode->arcs[i] == largest ? 1.0 : mode->arcs[i] / largest;
+    return unit;
+}
+
+static void normalise(const model *model, natural_mode *mode)
+{
+    const double complex unit = largest_motion(model, mode);
+    const int n = 3 * model->sizes.n_wheels + 2 * model->sizes.n_meshes;
+    for (int i = 0; i < n && cabs(unit) > 0.0; i++) {
+        mode->arcs[i] = mode->arcs[i] == unit ? 1.0 : mode->arcs[i] / unit;
     }
 }
 

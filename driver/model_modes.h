@@ -7,7 +7,7 @@
 #include <complex.h>
 
 /** One mode, standing for its conjugate too: each coordinate moves as the real part of its value times exp(eigenvalue t).
- *  All values are lengths, in units of the largest of the arcs and displacements, which is 1. */
+ *  All values are lengths. The wheel or axle that moves most moves by 1; an axle by the root of |x|^2 + |y|^2. */
 typedef struct {
     double complex eigenvalue;           /**< [1/s], imaginary part >= 0, never 0 */
     double complex *arcs;                /**< [n_wheels] r_b phi, counterclockwise */
