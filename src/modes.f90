@@ -56,9 +56,9 @@ contains
       call find_nullity(matrix(speeds, positions), n_rigid, status)
       if (has_failed(status)) return
       if (gearbox%wheels(gearbox%reference)%prescribed == 0) n_rigid = n_rigid + 1
-      moving = [speeds, positions]
-      n_modes = size(moving)
-      allocate (shapes(n_modes, n_modes))
+      n_modes = size(speeds) + size(positions)
+      allocate (moving(n_modes), shapes(n_modes, n_modes))
+      moving(:) = [speeds, positions]
       call decompose(matrix(moving, moving), eigenvalues(:n_modes), shapes, status)
       if (has_failed(status)) return
       call sort_by_size(eigenvalues(:n_modes), shapes)
