@@ -131,7 +131,8 @@ def test_a_motion_that_leaves_the_model_exits_with_4(evolvent: Evolvent, case: P
 
 
 def test_an_interrupt_while_integrating_exits_with_75(executable: Path, case: Path) -> None:
-    words = ["modes", str(case), "--at", "1e4", "--set", "simulation.duration=1e4"]
+    many_steps = ("--set", "simulation.duration=1e5", "--set", "simulation.max_step=1e-5")
+    words = ["modes", str(case), "--at", "1e5", *many_steps]
     with subprocess.Popen(
         [str(executable), *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as process:
