@@ -16,24 +16,13 @@ static int find_event(const char *name)
     return -1;
 }
 
-static int find_output(const model *model, const char *name)
-{
-    const model_output *outputs = model_outputs_table(model);
-    for (int i = 0; i < model_n_outputs(model); i++) {
-        if (strcmp(outputs[i].name, name) == 0) {
-            return outputs[i].offset;
-        }
-    }
-    return -1;
-}
-
 void contact_watch_init(contact_watch *watch, const model *model, int n_meshes)
 {
     *watch = (contact_watch){.n_meshes = n_meshes,
                              .opened = find_event("contact_opened"),
                              .closed = find_event("contact_closed"),
                              .impact = find_event("impact"),
-                             .offset = find_output(model, "in_contact"),
+                             .offset = model_output_offset(model, "in_contact"),
                              .meshes = xcalloc((size_t)n_meshes, sizeof *watch->meshes)};
 }
 

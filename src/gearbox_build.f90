@@ -345,7 +345,7 @@ contains
       character(len=message_length) :: warning
 
       write (warning, "(a, i0, a)") "mesh ", mesh - 1, ": "//text
-      gearbox%warnings = [gearbox%warnings, warning]
+      gearbox%warnings = [character(len=message_length) :: gearbox%warnings, warning]
    end subroutine warn
 
    !> Local variables of a mesh in terms of the state.

@@ -317,6 +317,50 @@ EVL_API int evl_gearbox_output(const evl_gearbox *gearbox, int index, evl_output
 EVL_API int evl_gearbox_outputs(const evl_gearbox *gearbox, double t, const double *y, const int *integers,
                                 const double *reals, double *values, evl_status *status);
 
+/* ---- natural modes --------------------------------------------------------------------------------------------------------- */
+
+typedef enum {
+    EVL_CONTACT_OPEN = 0,     /**< a gap */
+    EVL_CONTACT_LOADED = 1,   /**< penetration and force */
+    EVL_CONTACT_UNLOADED = 2, /**< penetration, but the damper would pull: no force */
+    EVL_CONTACT_APART = 3     /**< tracked flanks too far apart to be tracked */
+} evl_contact_mode;
+
+typedef struct {
+    int tooth_pair; /**< pitches since the start */
+    int contact;    /**< evl_contact_mode */
+    int friction;   /**< branch of the friction law */
+} evl_mesh_mode;
+
+/** Discrete state of a mesh. */
+EVL_API void evl_gearbox_mesh_mode(const evl_gearbox *gearbox, int mesh, const int *integers, const double *reals,
+                                   evl_mesh_mode *mode);
+
+/** Linearise the gearbox at a state: eigenvalues and eigenvectors of small motions x' = A x, from slow to fast.
+ *
+ *  x: speed of the reference wheel; deviation and its rate of every other wheel; displacements and velocities of the supports.
+ *  Speeds that are prescribed do not take part. The place in the mesh (theta), contact modes and friction branches are held.
+ *
+ *  @param[out] n_modes      number of eigenvalues, at most n_states
+ *  @param[out] n_rigid      number of independent motions that nothing restores; turning as a whole (theta) is one of them unless
+ *                           a speed is prescribed, though theta has no eigenvalue here
+ *  @param[out] eigenvalues  [2 * n_states] real and imaginary part [1/s] by turns, as C's double complex; the partner of a complex
+ *                           one stands beside it, positive imaginary part first; 0 if rounding leaves nothing else
+ *  @param[out] vectors      [2 * n_states * n_states] mode after mode, each a change of y, of any size; theta is omega/lambda
+ *  @return EVL_OK, EVL_OUT_OF_DOMAIN (the state is not one of the model's, or forces have no derivative there),
+ *          EVL_NO_SOLUTION (LAPACK found no eigenvalues) */
+EVL_API int evl_gearbox_modes(const evl_gearbox *gearbox, double t, const double *y, const int *integers,
+                              const double *reals, int *n_modes, int *n_rigid, double *eigenvalues, double *vectors,
+                              evl_status *status);
+
+/** What a small change dy of the state y moves, to first order and so linear in dy.
+ *  @param[out] arcs                 [n_wheels] r_b phi, counterclockwise [m]
+ *  @param[out] displacements        [n_wheels][2] of the axles, x and y [m]
+ *  @param[out] penetrations         [n_meshes] h [m]
+ *  @param[out] transmission_errors  [n_meshes] Delta [m] */
+EVL_API void evl_gearbox_shape(const evl_gearbox *gearbox, const double *y, const double *dy, double *arcs,
+                               double *displacements, double *penetrations, double *transmission_errors);
+
 EVL_API const char *evl_kernel_compiler(void);
 
 /* ---- parts: the formulas one by one, for tests and for other programs -------------------------------------------------------- */
