@@ -42,17 +42,17 @@ contains
       real(c_double), intent(in) :: y(*), reals(*)
       integer(c_int), intent(in) :: integers(*)
       integer(c_int), intent(out) :: n_modes, n_rigid
-      complex(c_double_complex), intent(inout) :: eigenvalues(*)
-      complex(c_double_complex), intent(inout), target :: vectors(*)
+      real(c_double), intent(inout), target :: eigenvalues(*), vectors(*) !! pairs of real and imaginary part
       type(c_status), intent(out), optional :: status
       type(gearbox_t), pointer :: g
-      complex(c_double_complex), pointer :: columns(:, :)
+      complex(c_double_complex), pointer :: values(:), columns(:, :)
       type(status_t) :: s
 
       call c_f_pointer(handle, g)
+      call c_f_pointer(c_loc(eigenvalues), values, [g%n_states])
       call c_f_pointer(c_loc(vectors), columns, [g%n_states, g%n_states])
       call gearbox_modes(g, t, y(:g%n_states), integers(:g%n_integers), reals(:size(g%meshes)), n_modes, n_rigid, &
-                         eigenvalues(:g%n_states), columns, s)
+                         values, columns, s)
       if (present(status)) call status_to_c(s, status)
       code = s%code
    end function evl_gearbox_modes
