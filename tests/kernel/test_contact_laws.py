@@ -176,7 +176,7 @@ def test_a_coefficient_of_zero_has_no_knee_and_no_branches(kernel: Kernel):
 
 def test_the_table_lists_the_laws_of_each_family(kernel: Kernel):
     names = [[law.name.decode() for law in kernel.laws(family)] for family in range(3)]
-    assert names == [["johnson"], ["none", "linear", "one_sided"], ["none", "coulomb"]]
+    assert names == [["johnson", "rigid"], ["none", "linear", "one_sided"], ["none", "coulomb"]]
     assert kernel.laws(3) == kernel.laws(-1) == []
 
 
@@ -206,7 +206,7 @@ def test_parameters_are_described_with_unit_default_and_range(kernel: Kernel):
                 assert parameter.minimum < parameter.maximum
 
 
-@pytest.mark.parametrize(("family", "index"), [(0, 1), (0, -1), (2, 2), (3, 0), (-1, 0)])
+@pytest.mark.parametrize(("family", "index"), [(0, 2), (0, -1), (2, 2), (3, 0), (-1, 0)])
 def test_a_law_that_does_not_exist_is_not_described(kernel: Kernel, family: int, index: int):
     info = LawInfo()
     code = kernel.library.evl_law_describe(family, index, ctypes.byref(info))
@@ -219,6 +219,8 @@ def test_a_law_that_does_not_exist_is_not_described(kernel: Kernel, family: int,
 
 ACCEPTED = [
     (CONTACT, "johnson", {}),
+    (CONTACT, "rigid", {"restitution": 0.0}),
+    (CONTACT, "rigid", {"restitution": 1.0, "rest_velocity": 1e-12}),
     (DAMPING, "none", {}),
     (DAMPING, "linear", {"coefficient": 0.0}),
     (DAMPING, "one_sided", {"coefficient": 1e12}),
@@ -265,3 +267,9 @@ def test_parameters_out_of_range_are_refused_by_name(
     assert error.value.field == field
     assert text in error.value.message
     assert name in error.value.message
+
+
+def test_a_rigid_contact_has_no_force_law(kernel: Kernel):
+    law = kernel.law(CONTACT, "rigid")
+    assert kernel.law_elastic_force(law, h=[1e-9], **PLACE).code == [OUT_OF_DOMAIN]
+    assert "multiplier" in kernel.law_elastic_limit(law, h=[1e-9], **PLACE)
