@@ -1,0 +1,389 @@
+"""A gearbox of the kernel from Python: a thin ctypes binding of `evolvent/kernel.h`.
+
+A `State` holds what the C caller holds; calls take states and give numpy arrays.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from copy import deepcopy
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kernel.gearbox_description import (
+    REST,
+    LoadDescription,
+    MeshDescription,
+    WheelDescription,
+    _bool,
+    initial,
+)
+from kernel.kernel import OK, Floats, Integers, Kernel, Status, _at, _double, _int, _pair
+
+OPEN, LOADED, UNLOADED, APART = range(4)
+NOTHING, WHEEL, MESH, LOAD, INITIAL = range(5)
+# root functions of a mesh, in the order of evl_gearbox_roots; the turns of the reference wheel last
+ROOTS = ("contact", "force", "friction_high", "friction_low", "forward", "back", "apart")
+TRACKED = ("turn", "zeta", "dr_t", "dr_e", "gradient_ratio", "mu")
+
+
+class Sizes(ctypes.Structure):
+    """`evl_sizes`."""
+
+    _fields_ = [
+        (name, _int)
+        for name in (
+            *("n_wheels", "n_meshes", "n_loads", "n_states", "n_integers", "n_reals"),
+            *("n_roots", "n_outputs", "n_values", "n_warnings"),
+        )
+    ]
+
+
+class WheelGeometry(ctypes.Structure):
+    """`evl_wheel_geometry`."""
+
+    _fields_ = [
+        *((name, _double) for name in ("pitch_radius", "base_radius", "tip_radius")),
+        *((name, _double) for name in ("angular_pitch", "mass", "inertia")),
+        ("centre", _pair),
+        ("speed_ratio", _double),
+        ("is_reference", _bool),
+    ]
+
+
+class MeshGeometry(ctypes.Structure):
+    """`evl_mesh_geometry`."""
+
+    _fields_ = [
+        ("sigma", _int),
+        *((name, _double) for name in ("transmission_ratio", "centre_distance")),
+        *((name, _double) for name in ("centre_line_angle", "minimum_pressure_angle")),
+        *((name, _double) for name in ("working_pressure_angle", "base_pitch")),
+        *((name, _double) for name in ("contact_ratio", "line_of_action_length")),
+        *((name, _pair) for name in ("point_k_a", "point_k_b", "point_a", "point_b")),
+        ("pitch_point", _pair),
+        *((name, _double) for name in ("tip_radius_driving", "tip_radius_driven")),
+        *((name, _double) for name in ("rho_start_driving", "rho_start_driven")),
+        *((name, _double) for name in ("common_width", "effective_modulus")),
+        *((name, _double) for name in ("elastic_share_driving", "reference_force")),
+        ("reference_penetration", _double),
+    ]
+
+
+class EventRecord(ctypes.Structure):
+    """`evl_event`."""
+
+    _fields_ = [("kind", _int), ("mesh", _int), ("tooth_pair", _int)]
+
+
+class Output(ctypes.Structure):
+    """`evl_output`."""
+
+    _fields_ = [
+        ("name", ctypes.c_char * 32),
+        ("units", ctypes.c_char * 32),
+        ("symbol", ctypes.c_char * 32),
+        ("long_name", ctypes.c_char * 96),
+        ("dims", _int),
+        ("is_static", _bool),
+        ("is_integer", _bool),
+        ("offset", _int),
+        ("count", _int),
+    ]
+
+
+@dataclass
+class GearboxError(Exception):
+    """A call was refused, or left the domain of the model."""
+
+    code: int
+    subject: int
+    index: int
+    field: str
+    message: str
+
+    def __str__(self) -> str:
+        """Return the kernel's sentence."""
+        return f"{self.field}: {self.message}"
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something that happened, by name."""
+
+    name: str
+    mesh: int
+    tooth_pair: int
+
+
+@dataclass
+class State:
+    """All that changes: time, continuous state with its derivative, discrete state."""
+
+    t: float
+    y: Floats
+    yp: Floats
+    integers: Integers
+    reals: Floats
+
+    def copy(self) -> State:
+        """Return a copy that shares nothing."""
+        return deepcopy(self)
+
+
+class Gearbox:
+    """A gearbox of the kernel.
+
+    Raises
+    ------
+    GearboxError
+        From the constructor and from every call that the kernel does not answer with EVL_OK.
+    """
+
+    def __init__(
+        self,
+        kernel: Kernel,
+        wheels: Sequence[WheelDescription],
+        loads: Sequence[LoadDescription],
+        meshes: Sequence[MeshDescription],
+    ) -> None:
+        self.kernel = kernel
+        self.library = kernel.library
+        self.library.evl_gearbox_create.restype = ctypes.c_void_p
+        self.library.evl_gearbox_next_time_event.restype = _double
+        status = Status()
+        handle = self.library.evl_gearbox_create(
+            len(wheels),
+            (WheelDescription * len(wheels))(*wheels),
+            len(loads),
+            (LoadDescription * len(loads))(*loads),
+            len(meshes),
+            (MeshDescription * len(meshes))(*meshes),
+            ctypes.byref(status),
+        )
+        self.handle = ctypes.c_void_p(handle)
+        if not handle:
+            raise _error(status)
+        assert status.code == OK
+        self.sizes = Sizes()
+        self.library.evl_gearbox_sizes(self.handle, ctypes.byref(self.sizes))
+        self.names = [self._name(i)[0] for i in range(self.sizes.n_states)]
+        self.units = [self._name(i)[1] for i in range(self.sizes.n_states)]
+        self.table = [self.output(i) for i in range(self.sizes.n_outputs)]
+        self.initial = initial()
+
+    def __del__(self) -> None:
+        if getattr(self, "handle", None):
+            self.library.evl_gearbox_delete(ctypes.byref(self.handle))
+
+    def _name(self, index: int) -> tuple[str, str]:
+        name, units = ctypes.create_string_buffer(32), ctypes.create_string_buffer(32)
+        self.library.evl_gearbox_state_name(self.handle, index, name, units)
+        return name.value.decode(), units.value.decode()
+
+    def output(self, index: int) -> Output:
+        """Entry of the table of outputs."""
+        entry = Output()
+        code = self.library.evl_gearbox_output(self.handle, index, ctypes.byref(entry))
+        if code != OK:
+            raise IndexError(index)
+        return entry
+
+    def place(self, name: str) -> int:
+        """Place of a state by its name."""
+        return self.names.index(name)
+
+    def tracked(self, mesh: int = 0) -> slice:
+        """Places of the tracked variables of a mesh."""
+        first = self.place(f"turn_{mesh}")
+        return slice(first, first + len(TRACKED))
+
+    def warnings(self) -> list[str]:
+        """What the creation found worth knowing."""
+        texts = []
+        for index in range(self.sizes.n_warnings):
+            text = ctypes.create_string_buffer(320)
+            length = self.library.evl_gearbox_warning(self.handle, index, text)
+            assert length == len(text.value)
+            texts.append(text.value.decode())
+        return texts
+
+    def wheel_geometry(self, index: int) -> WheelGeometry:
+        """Geometry of a wheel."""
+        geometry = WheelGeometry()
+        self.library.evl_gearbox_wheel_geometry(self.handle, index, ctypes.byref(geometry))
+        return geometry
+
+    def mesh_geometry(self, index: int = 0) -> MeshGeometry:
+        """Geometry of a mesh."""
+        geometry = MeshGeometry()
+        self.library.evl_gearbox_mesh_geometry(self.handle, index, ctypes.byref(geometry))
+        return geometry
+
+    # ---- states
+
+    def start(
+        self,
+        kind: int = REST,
+        speeds: ArrayLike | None = None,
+        gaps: ArrayLike | None = None,
+        t: float = 0.0,
+    ) -> State:
+        """State at the start."""
+        sizes = self.sizes
+        state = State(
+            t,
+            np.full(sizes.n_states, np.nan),
+            np.full(sizes.n_states, np.nan),
+            np.full(sizes.n_integers, -99, np.int32),
+            np.full(sizes.n_reals, np.nan),
+        )
+        self.initial = initial(kind, speeds, gaps)
+        status = Status()
+        arrays = (state.y, state.yp, state.integers, state.reals)
+        code = self.library.evl_gearbox_initial_state(
+            self.handle,
+            ctypes.byref(self.initial),
+            _double(t),
+            *map(_at, arrays),
+            ctypes.byref(status),
+        )
+        _check(code, status)
+        return state
+
+    def scales(self) -> tuple[Floats, Floats, Integers]:
+        """Scales of states and rows for the last start, and which states are differential."""
+        n = self.sizes.n_states
+        state, row, differential = np.empty(n), np.empty(n), np.empty(n, np.int32)
+        self.library.evl_gearbox_scales(
+            self.handle, ctypes.byref(self.initial), _at(state), _at(row), _at(differential)
+        )
+        return state, row, differential
+
+    def _call(self, name: str, *arguments: Any) -> None:
+        status = Status()
+        code = getattr(self.library, name)(self.handle, *arguments, ctypes.byref(status))
+        if code != OK:
+            _check(code, status)
+
+    def residual(self, state: State) -> Floats:
+        """F(t, y, y')."""
+        result = np.empty(self.sizes.n_states)
+        arrays = (state.y, state.yp, state.integers, state.reals, result)
+        self._call("evl_gearbox_residual", _double(state.t), *map(_at, arrays))
+        return result
+
+    def jacobian(self, state: State, cj: float) -> Floats:
+        """Matrix dF/dy + cj dF/dy'."""
+        n = self.sizes.n_states
+        result = np.empty((n, n), order="F")
+        arrays = (state.y, state.yp, state.integers, state.reals, result)
+        self._call("evl_gearbox_jacobian", _double(state.t), _double(cj), *map(_at, arrays))
+        return result
+
+    def derivative(self, state: State) -> Floats:
+        """The y' that belongs to y."""
+        result = np.empty(self.sizes.n_states)
+        arrays = (state.y, state.integers, state.reals, result)
+        self._call("evl_gearbox_derivative", _double(state.t), *map(_at, arrays))
+        return result
+
+    # ---- modes and events
+
+    def mode(self, state: State, mesh: int = 0) -> NDArray[np.int32]:
+        """View of a mesh's teeth, contact mode and friction branch."""
+        return state.integers[1 + 3 * mesh : 4 + 3 * mesh]
+
+    def roots(self, state: State) -> Floats:
+        """Root functions."""
+        result = np.empty(self.sizes.n_roots)
+        arrays = (state.y, state.integers, state.reals, result)
+        self._call("evl_gearbox_roots", *map(_at, arrays))
+        return result
+
+    def root(self, state: State, name: str, mesh: int = 0) -> float:
+        """One root function of a mesh."""
+        return float(self.roots(state)[len(ROOTS) * mesh + ROOTS.index(name)])
+
+    def root_directions(self, state: State) -> Integers:
+        """Directions that count in the present modes."""
+        result = np.empty(self.sizes.n_roots, np.int32)
+        self.library.evl_gearbox_root_directions(self.handle, _at(state.integers), _at(result))
+        return result
+
+    def root_direction(self, state: State, name: str, mesh: int = 0) -> int:
+        """Direction of one root function of a mesh."""
+        return int(self.root_directions(state)[len(ROOTS) * mesh + ROOTS.index(name)])
+
+    def next_time_event(self, state: State) -> float:
+        """Time of the next knot of a table."""
+        return float(self.library.evl_gearbox_next_time_event(self.handle, _at(state.integers)))
+
+    def apply(
+        self, state: State, *roots: str, mesh: int = 0, time_event: bool = False
+    ) -> tuple[State, list[Event]]:
+        """State after an event at which the named roots of a mesh, or "revolution", passed zero."""
+        fired = np.zeros(self.sizes.n_roots, np.int32)
+        for name in roots:
+            last = name == "revolution"
+            fired[-1 if last else len(ROOTS) * mesh + ROOTS.index(name)] = 1
+        after = state.copy()
+        events = (EventRecord * (self.sizes.n_roots + 2))()
+        n_events = _int(-1)
+        self._call(
+            "evl_gearbox_apply_event",
+            _double(state.t),
+            _at(fired),
+            _bool(time_event),
+            *map(_at, (after.y, after.yp, after.integers, after.reals)),
+            events,
+            ctypes.byref(n_events),
+        )
+        happened = [
+            Event(event_names(self.kernel)[e.kind], e.mesh, e.tooth_pair)
+            for e in events[: n_events.value]
+        ]
+        return after, happened
+
+    # ---- outputs
+
+    def values(self, state: State) -> Floats:
+        """All outputs in one array, as the kernel fills it."""
+        result = np.empty(self.sizes.n_values)
+        arrays = (state.y, state.integers, state.reals, result)
+        self._call("evl_gearbox_outputs", _double(state.t), *map(_at, arrays))
+        return result
+
+    def outputs(self, state: State) -> dict[str, Floats]:
+        """All outputs by name; those with an axis are (n, 2)."""
+        values = self.values(state)
+        result = {}
+        for entry in self.table:
+            some = values[entry.offset : entry.offset + entry.count]
+            result[entry.name.decode()] = some.reshape(-1, 2) if entry.dims in (3, 4) else some
+        return result
+
+
+def event_names(kernel: Kernel) -> list[str]:
+    """Names of the event kinds."""
+    names = []
+    for kind in range(kernel.library.evl_event_count()):
+        name = ctypes.create_string_buffer(32)
+        kernel.library.evl_event_name(kind, name)
+        names.append(name.value.decode())
+    return names
+
+
+def _error(status: Status) -> GearboxError:
+    field, message = status.field.decode(), status.message.decode()
+    return GearboxError(status.code, status.subject, status.index, field, message)
+
+
+def _check(code: int, status: Status) -> None:
+    assert code == status.code
+    if code != OK:
+        raise _error(status)

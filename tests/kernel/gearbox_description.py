@@ -1,0 +1,167 @@
+"""Descriptions of gearboxes as `evolvent/kernel.h` has them, with defaults for the tests.
+
+`wheel`, `load`, `mesh` and `initial` fill in every field that a test does not care about.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kernel.kernel import CONTACT, DAMPING, FRICTION, Kernel, LawChoice, _double, _int, _pair
+
+FIXED, SLIDER, BEARING = range(3)
+TORQUE, VISCOUS, TABLE, SPEED = range(4)
+CLOSED_FORM, ALGEBRAIC, DIFFERENTIAL = range(3)
+REST, STEADY, SPEEDS = range(3)
+
+_bool = ctypes.c_bool
+
+
+class WheelDescription(ctypes.Structure):
+    """`evl_wheel`."""
+
+    _fields_ = [
+        ("teeth", _int),
+        ("has_pitch_radius", _bool),
+        ("pitch_radius", _double),
+        ("width", _double),
+        ("has_centre", _bool),
+        ("centre", _pair),
+        ("youngs_modulus", _double),
+        ("poisson_ratio", _double),
+        ("density", _double),
+        ("has_inertia", _bool),
+        ("inertia", _double),
+        ("has_mass", _bool),
+        ("mass", _double),
+        ("support_kind", _int),
+        ("support_direction", _double),
+        ("support_mass", _double),
+        ("support_stiffness", _pair),
+        ("support_damping", _pair),
+    ]
+
+
+class LoadDescription(ctypes.Structure):
+    """`evl_load`."""
+
+    _fields_ = [
+        ("wheel", _int),
+        ("kind", _int),
+        ("value", _double),
+        ("n", _int),
+        ("time", ctypes.POINTER(_double)),
+        ("values", ctypes.POINTER(_double)),
+    ]
+
+
+class MeshDescription(ctypes.Structure):
+    """`evl_mesh`."""
+
+    _fields_ = [
+        ("driving", _int),
+        ("driven", _int),
+        ("driving_rotation", _int),
+        ("has_centre_line_angle", _bool),
+        ("centre_line_angle", _double),
+        ("paper_rule", _bool),
+        ("pressure_angle", _double),
+        ("contact", LawChoice),
+        ("damping", LawChoice),
+        ("friction", LawChoice),
+        ("tracking", _int),
+    ]
+
+
+class InitialDescription(ctypes.Structure):
+    """`evl_initial`."""
+
+    _fields_ = [
+        ("kind", _int),
+        ("speeds", ctypes.POINTER(_double)),
+        ("gaps", ctypes.POINTER(_double)),
+    ]
+
+
+def _filled(structure: Any, defaults: dict[str, Any], given: dict[str, Any]) -> Any:
+    values = {**defaults, **given}
+    for name in ("pitch_radius", "centre", "inertia", "mass", "centre_line_angle"):
+        if name in values and hasattr(structure, f"has_{name}"):
+            values[f"has_{name}"] = values[name] is not None
+            if values[name] is None:
+                del values[name]
+    for name, value in values.items():
+        pair = isinstance(getattr(structure, name), ctypes.Array)
+        setattr(structure, name, type(getattr(structure, name))(*value) if pair else value)
+    return structure
+
+
+def wheel(**fields: Any) -> WheelDescription:
+    """Steel wheel on a fixed axle; None for what shall follow from the mesh."""
+    defaults = {
+        **{"teeth": 20, "pitch_radius": None, "width": 0.1, "centre": None},
+        **{"youngs_modulus": 2e11, "poisson_ratio": 0.3, "density": 7800.0},
+        **{"inertia": None, "mass": None},
+    }
+    return _filled(WheelDescription(), defaults, fields)
+
+
+def load(
+    wheel: int, kind: int, value: float = 0.0, table: ArrayLike | None = None
+) -> LoadDescription:
+    """Load of a wheel; table: (time, value) pairs."""
+    description = LoadDescription(wheel=wheel, kind=kind, value=value)
+    if table is not None:
+        knots = np.array(table, dtype=float).reshape(-1, 2)
+        n = len(knots)
+        description.n = n
+        description.time = (_double * n)(*knots[:, 0])
+        description.values = (_double * n)(*knots[:, 1])
+    return description
+
+
+def mesh(
+    kernel: Kernel,
+    driving: int = 0,
+    driven: int = 1,
+    *,
+    damping: float | tuple[str, float] | None = 1e4,
+    friction: float | tuple[float, float] = 0.0,
+    pressure_angle: float | None = None,
+    **fields: Any,
+) -> MeshDescription:
+    """Mesh with Johnson's law; friction: coefficient, or that and the regularisation velocity.
+
+    `damping` is the coefficient of the linear law, or the name of another law with its coefficient,
+    or None for no damping; without a pressure angle the paper's rule gives it.
+    """
+    name, coefficient = damping if isinstance(damping, tuple) else ("linear", damping)
+    no_damping = kernel.law(DAMPING, "none")
+    f, delta = friction if isinstance(friction, tuple) else (friction, 1e-4)
+    defaults = {
+        **{"driving": driving, "driven": driven, "driving_rotation": -1, "centre_line_angle": 0.0},
+        **{"paper_rule": pressure_angle is None, "pressure_angle": pressure_angle or 0.0},
+        "contact": kernel.law(CONTACT, "johnson"),
+        "damping": no_damping
+        if damping is None
+        else kernel.law(DAMPING, name, coefficient=coefficient),
+        "friction": kernel.law(FRICTION, "coulomb", coefficient=f, regularisation_velocity=delta),
+        "tracking": CLOSED_FORM,
+    }
+    return _filled(MeshDescription(), defaults, fields)
+
+
+def initial(
+    kind: int = REST, speeds: ArrayLike | None = None, gaps: ArrayLike | None = None
+) -> InitialDescription:
+    """Start of a run."""
+    description = InitialDescription(kind=kind)
+    for name, given in (("speeds", speeds), ("gaps", gaps)):
+        if given is not None:
+            values = np.atleast_1d(np.asarray(given, dtype=float))
+            setattr(description, name, (_double * len(values))(*values))
+    return description

@@ -1,0 +1,397 @@
+"""Roots, directions and what an event changes."""
+
+from __future__ import annotations
+
+import ctypes
+
+import numpy as np
+import pytest
+
+from kernel.gearbox import APART, LOADED, OPEN, ROOTS, UNLOADED, Event, Gearbox, State, event_names
+from kernel.gearbox_cases import (
+    PAIRS,
+    chain,
+    draw,
+    face,
+    in_mode,
+    moved,
+    paper_gearbox,
+    press,
+    scatter,
+    set_gap,
+)
+from kernel.gearbox_description import (
+    ALGEBRAIC,
+    CLOSED_FORM,
+    DIFFERENTIAL,
+    SPEEDS,
+)
+from kernel.housing import Housing, Pair
+from kernel.kernel import Kernel
+
+EVERY_PAIR = pytest.mark.parametrize("pair", PAIRS.values(), ids=PAIRS.keys())
+TRACKINGS = pytest.mark.parametrize("tracking", [CLOSED_FORM, ALGEBRAIC, DIFFERENTIAL])
+KNEE = 1e-3
+FRICTION = (0.3, KNEE)
+
+
+def settle(gearbox: Gearbox, state: State) -> None:
+    """Put the first mesh on the branch of friction that belongs to its sliding velocity."""
+    v_t = gearbox.outputs(state)["sliding_velocity"][0]
+    gearbox.mode(state)[2] = 0 if abs(v_t) <= KNEE else np.sign(v_t)
+
+
+def is_consistent(gearbox: Gearbox, state: State) -> bool:
+    return bool((state.yp == gearbox.derivative(state)).all())
+
+
+def has_passed(gearbox: Gearbox, state: State, name: str) -> bool:
+    """Whether a root function is already beyond zero in the direction that counts."""
+    return gearbox.root(state, name) * gearbox.root_direction(state, name) >= 0
+
+
+# ---- teeth
+
+
+@EVERY_PAIR
+@TRACKINGS
+@pytest.mark.parametrize("name", ["forward", "back"])
+@pytest.mark.parametrize("seed", range(4))
+def test_a_tooth_switch_leaves_the_contact_alone_but_moves_it_by_a_base_pitch(
+    kernel: Kernel, pair: Pair, tracking: int, name: str, seed: int
+):
+    """h, F_n, lambda, mu and the invariants keep their value; the radii of curvature jump."""
+    random = np.random.default_rng(seed)
+    gearbox = pair.gearbox(kernel, tracking=tracking, friction=FRICTION)
+    sign = 1 if name == "forward" else -1
+    state = in_mode(gearbox, random, (LOADED, 0), share=(0.001, 0.02))
+    if name == "forward":  # the pair before is still in mesh
+        gearbox.mode(state)[0] -= 1
+    settle(gearbox, state)
+    state.yp = gearbox.derivative(state)
+    after, events = gearbox.apply(state, name)
+    teeth = int(state.integers[1]) + sign
+    kind = "tooth_switch" if sign > 0 else "tooth_switch_back"
+    assert events == [Event(kind, 0, teeth)]
+    assert moved(gearbox, after, state) <= 1
+    assert after.integers[1] == teeth
+    assert is_consistent(gearbox, after)
+    old, new = gearbox.outputs(state), gearbox.outputs(after)
+    kept = ("gap", "penetration", "gradient_ratio", "transmission_error", "separation_curvature")
+    for output in (*kept, "contact_mode", "kinetic_energy", "potential_energy"):
+        # rho_A + rho_B is the sum of two other numbers now; nothing else changes
+        np.testing.assert_allclose(new[output], old[output], rtol=1e-13, err_msg=output)
+    assert new["normal_force"] == pytest.approx(old["normal_force"], rel=1e-13)
+    pitch = gearbox.mesh_geometry().base_pitch
+    arms = [
+        new[f"friction_arm_{n}"][0] - old[f"friction_arm_{n}"][0] for n in ("driving", "driven")
+    ]
+    np.testing.assert_allclose(arms, [-sign * pitch, sign * pitch], rtol=0, atol=1e-15)
+    _, e = Housing(pair, gearbox, state).directions
+    jump = -sign * pitch * np.array(e, dtype=float)
+    # the tracked normal is that of the line of action to rounding of the displacements
+    for n in ("driving", "driven"):
+        change = new[f"contact_point_{n}"][0] - old[f"contact_point_{n}"][0]
+        np.testing.assert_allclose(change, jump, rtol=0, atol=1e-15)
+        if tracking != CLOSED_FORM:
+            for output in (f"tracking_residual_{n}", f"line_distance_{n}"):
+                assert abs(new[output][0]) <= 1e-17 + 1e-9 * abs(old["gap"][0])
+    other = "back" if name == "forward" else "forward"
+    again, events = gearbox.apply(after, other)
+    assert [event.tooth_pair for event in events] == [teeth - sign]
+    assert moved(gearbox, again, state) <= 1
+    np.testing.assert_array_equal(again.integers, state.integers)
+
+
+@EVERY_PAIR
+@TRACKINGS
+def test_the_switch_comes_when_the_driving_wheel_has_turned_by_a_pitch_from_the_centre_line(
+    kernel: Kernel, pair: Pair, tracking: int
+):
+    """sigma (phi_A - chi) has moved by one pitch: also when the axles have moved."""
+    random = np.random.default_rng(3)
+    gearbox = pair.gearbox(kernel, tracking=tracking)
+    for _ in range(20):
+        state = scatter(gearbox, random, displacement=2e-5, gap=1e-5)
+        at = Housing(pair, gearbox, state)
+        c = at.centre_line
+        chi = float(np.arctan2(float(c[1]), float(c[0]))) - pair.chi
+        turned = -pair.sigma * (float(at.turn(0)) - (chi + np.pi) % (2 * np.pi) + np.pi)
+        pitches = turned / (2 * np.pi / pair.teeth[0]) - state.integers[1]
+        # rounding of tens of pitches
+        assert gearbox.root(state, "forward") == pytest.approx(pitches - 1, abs=1e-13)
+        assert gearbox.root(state, "back") == pytest.approx(pitches + 1, abs=1e-13)
+    assert gearbox.root_direction(state, "forward") == 1
+    assert gearbox.root_direction(state, "back") == -1
+
+
+# ---- contact
+
+
+@EVERY_PAIR
+@TRACKINGS
+def test_closing_flanks_are_loaded_and_keep_their_approach_speed(
+    kernel: Kernel, pair: Pair, tracking: int
+):
+    random = np.random.default_rng(4)
+    gearbox = pair.gearbox(kernel, tracking=tracking, friction=FRICTION)
+    for _ in range(10):
+        state = scatter(gearbox, random)
+        set_gap(gearbox, state, 0, -1e-18)  # as a root is found: a little past it
+        press(gearbox, state, 0, OPEN)
+        h_dot = -approach(gearbox, state)
+        after, events = gearbox.apply(state, "contact")
+        assert events == [Event("contact_closed", 0, int(state.integers[1]))]
+        assert gearbox.mode(after)[1] == LOADED
+        assert after.reals[0] == pytest.approx(max(h_dot, 0.0), rel=1e-9)
+        settle(gearbox, state)
+        assert gearbox.mode(after)[2] == gearbox.mode(state)[2]
+        assert is_consistent(gearbox, after)
+
+
+def approach(gearbox: Gearbox, state: State) -> float:
+    """Return the rate of the gap, by differences of the closed form along the motion."""
+    gaps = []
+    for step in (1e-6, -1e-6):
+        moved = state.copy()
+        moved.y = state.y + step * gearbox.derivative(state)
+        face(gearbox, moved)
+        gaps.append(gearbox.outputs(moved)["gap"][0])
+    return (gaps[0] - gaps[1]) / 2e-6
+
+
+@TRACKINGS
+def test_contact_roots_are_zero_where_the_flanks_touch(kernel: Kernel, tracking: int):
+    gearbox = paper_gearbox(kernel, tracking=tracking)
+    h_0 = gearbox.mesh_geometry().reference_penetration
+    for gap in (1e-6, 1e-12, 0.0, -1e-12, -1e-6):
+        state = gearbox.start(0, gaps=[gap])
+        for mode in (OPEN, LOADED, UNLOADED):
+            press(gearbox, state, 0, mode)
+            # 1e-10 of h_0 past touching, so that no root starts at zero
+            past = -1e-10 if mode == OPEN else 1e-10
+            assert gearbox.root(state, "contact") == pytest.approx(past - gap / h_0, rel=1e-12)
+            assert gearbox.root_direction(state, "contact") == (1 if mode == OPEN else -1)
+
+
+def test_the_force_root_is_zero_where_elastic_and_viscous_force_cancel(kernel: Kernel):
+    gearbox = paper_gearbox(kernel, damping=1e4)
+    f_0 = gearbox.mesh_geometry().reference_force
+    state = gearbox.start(0, gaps=[-3e-9])
+    press(gearbox, state, 0, LOADED)
+    elastic = gearbox.outputs(state)["normal_force"][0]
+    rate = elastic / 1e4  # h' at which the damper pulls as hard as the flanks push
+    place = gearbox.place("speed_deviation_1")
+    for part in (0.0, 0.5, 1.0, 1.5, 4.0):
+        state.y[place] = part * rate / gearbox.wheel_geometry(1).base_radius
+        for mode, sign in ((LOADED, 1e-10), (UNLOADED, -1e-10)):
+            press(gearbox, state, 0, mode)
+            expected = (1 - part) * elastic / f_0 + sign
+            assert gearbox.root(state, "force") == pytest.approx(expected, abs=1e-14)
+            assert gearbox.root_direction(state, "force") == (-1 if mode == LOADED else 1)
+    press(gearbox, state, 0, OPEN)
+    assert gearbox.root(state, "force") == 1
+
+
+TRANSITIONS = {
+    "the flanks part": (LOADED, "contact", -1e-9, OPEN, "contact_opened"),
+    "the damper pulls": (LOADED, "force", -1e-9, UNLOADED, "force_vanished"),
+    "it stops pulling": (UNLOADED, "force", -1e-9, LOADED, "force_returned"),
+    "they part without force": (UNLOADED, "contact", 1e-18, OPEN, "contact_opened"),
+    "the force vanishes as they part": (LOADED, "force", -1e-16, OPEN, "contact_opened"),
+}
+
+
+@pytest.mark.parametrize(
+    ("before", "root", "gap", "mode", "event"), TRANSITIONS.values(), ids=TRANSITIONS.keys()
+)
+@TRACKINGS
+def test_contact_modes_follow_the_roots(
+    kernel: Kernel, tracking: int, before: int, root: str, gap: float, mode: int, event: str
+):
+    gearbox = paper_gearbox(kernel, tracking=tracking, friction=FRICTION)
+    state = gearbox.start(SPEEDS, speeds=[-0.3, 0.2], gaps=[gap])
+    press(gearbox, state, 0, before)
+    state.reals[0] = 0.125
+    after, events = gearbox.apply(state, root)
+    assert events == [Event(event, 0, 0)]
+    assert gearbox.mode(after)[1] == mode
+    assert moved(gearbox, after, state) <= 1
+    assert after.reals[0] == 0.125  # the approach speed is that of the last closing
+    assert is_consistent(gearbox, after)
+    if mode != LOADED:
+        assert gearbox.outputs(after)["normal_force"][0] == 0
+    else:
+        settle(gearbox, state)
+        assert gearbox.mode(after)[2] == gearbox.mode(state)[2] != 0
+
+
+# ---- friction
+
+
+@pytest.mark.parametrize(
+    ("branch", "root", "then", "event"),
+    [
+        (0, "friction_high", 1, "sliding_began"),
+        (0, "friction_low", -1, "sliding_began"),
+        (1, "friction_high", 0, "sliding_ended"),
+        (-1, "friction_low", 0, "sliding_ended"),
+    ],
+)
+@TRACKINGS
+def test_branches_of_friction_follow_the_sliding_velocity(
+    kernel: Kernel, tracking: int, branch: int, root: str, then: int, event: str
+):
+    """The root is zero where |v_t| is the knee, friction is the same on both sides of it, and the
+    new branch's root is not passed.
+    """
+    gearbox = paper_gearbox(kernel, tracking=tracking, friction=FRICTION)
+    state = gearbox.start(SPEEDS, speeds=[-0.3, 0.2], gaps=[-3e-9])
+    knee = KNEE if root == "friction_high" else -KNEE
+    place = gearbox.place("reference_speed")
+    press(gearbox, state, 0, LOADED, branch)
+    for _ in range(3):  # v_t is linear in the speed
+        v_t = gearbox.outputs(state)["sliding_velocity"][0]
+        state.y[place] *= knee / v_t
+    v_t = gearbox.outputs(state)["sliding_velocity"][0]
+    assert v_t == pytest.approx(knee, rel=1e-14)
+    assert abs(gearbox.root(state, root)) == pytest.approx(1e-10, rel=1e-4)
+    assert not has_passed(gearbox, state, root)
+    outward = gearbox.root_direction(state, root) * np.sign(knee)
+    assert outward == (1 if branch == 0 else -1)
+    after, events = gearbox.apply(state, root)
+    assert events == [Event(event, 0, 0)]
+    assert gearbox.mode(after)[1:].tolist() == [LOADED, then]
+    old, new = gearbox.outputs(state)["friction_force"], gearbox.outputs(after)["friction_force"]
+    assert new == pytest.approx(old, rel=1e-13)
+    assert not has_passed(gearbox, after, root)
+    assert is_consistent(gearbox, after)
+
+
+def test_roots_without_a_meaning_are_one(kernel: Kernel):
+    gearbox = paper_gearbox(kernel, tracking=CLOSED_FORM, friction=FRICTION)
+    state = gearbox.start(SPEEDS, speeds=[-0.3, 0.2], gaps=[-3e-9])
+    press(gearbox, state, 0, OPEN)
+    for name in ("force", "friction_high", "friction_low", "apart"):
+        assert gearbox.root(state, name) == 1
+    press(gearbox, state, 0, LOADED, 1)
+    assert gearbox.root(state, "friction_low") == 1
+    press(gearbox, state, 0, LOADED, -1)
+    assert gearbox.root(state, "friction_high") == 1
+    smooth = paper_gearbox(kernel, friction=0.0)
+    state = smooth.start(SPEEDS, speeds=[-0.3, 0.2], gaps=[-3e-9])
+    press(smooth, state, 0, LOADED)
+    assert smooth.root(state, "friction_high") == smooth.root(state, "friction_low") == 1
+
+
+# ---- flanks too far apart to track
+
+
+@EVERY_PAIR
+@pytest.mark.parametrize("tracking", [ALGEBRAIC, DIFFERENTIAL])
+def test_tracking_rests_while_the_flanks_are_far_apart_and_begins_anew(
+    kernel: Kernel, pair: Pair, tracking: int
+):
+    random = np.random.default_rng(6)
+    gearbox = pair.gearbox(kernel, tracking=tracking)
+    geometry = gearbox.mesh_geometry()
+    far = (geometry.line_of_action_length - geometry.base_pitch) / 4
+    state = scatter(gearbox, random, displacement=1e-7)
+    for share in (0.5, 1.0, 1.5):
+        set_gap(gearbox, state, 0, share * far)
+        press(gearbox, state, 0, OPEN)
+        assert gearbox.root(state, "apart") == pytest.approx(share - 1, abs=1e-6)
+        assert gearbox.root_direction(state, "apart") == 1
+    after, events = gearbox.apply(state, "apart")
+    assert events == [Event("flanks_apart", 0, int(state.integers[1]))]
+    assert gearbox.mode(after)[1] == APART
+    assert moved(gearbox, after, state) <= 1
+    assert is_consistent(gearbox, after)
+    outputs = gearbox.outputs(after)
+    assert outputs["normal_force"][0] == outputs["in_contact"][0] == 0
+    assert outputs["gap"][0] == pytest.approx(1.5 * far, rel=1e-6)
+    assert np.isnan(outputs["gradient_ratio"][0])
+    assert np.isfinite(outputs["contact_point_driven"]).all()
+    # meanwhile the wheels move, and the points do not
+    track = gearbox.tracked()
+    wheel = 1 - pair.reference
+    r_b = gearbox.wheel_geometry(wheel).base_radius
+    after.y[gearbox.place(f"angle_deviation_{wheel}")] -= pair.sigma * 0.6 * far / r_b
+    assert gearbox.root(after, "apart") == pytest.approx(-0.1, abs=1e-6)
+    assert gearbox.root_direction(after, "apart") == -1
+    np.testing.assert_array_equal(gearbox.derivative(after)[track], 0)
+    near, events = gearbox.apply(after, "apart")
+    assert events == [Event("flanks_near", 0, int(state.integers[1]))]
+    assert gearbox.mode(near)[1] == OPEN
+    at = Housing(pair, gearbox, near)
+    assert float(at.tracked["mu"] / pair.base_radii[1]) == pytest.approx(float(at.kappa), rel=1e-12)
+    assert is_consistent(gearbox, near)
+    others = np.delete(near.y, np.r_[track])
+    np.testing.assert_array_equal(others, np.delete(after.y, np.r_[track]))
+
+
+# ---- several at once
+
+
+@EVERY_PAIR
+@pytest.mark.parametrize("tracking", [ALGEBRAIC, DIFFERENTIAL])
+def test_an_event_puts_tracked_points_back_onto_the_equations(
+    kernel: Kernel, pair: Pair, tracking: int
+):
+    """What integration has left of (1) is gone afterwards; the wheels stay where they are."""
+    random = np.random.default_rng(10)
+    gearbox = pair.gearbox(kernel, tracking=tracking)
+    state = in_mode(gearbox, random, (LOADED, 0))
+    right = state.y.copy()
+    track = gearbox.tracked()
+    lost = 1e-12 * np.array([1, 1, 1, 1, 1e3, gearbox.wheel_geometry(1).base_radius])
+    state.y[track] += lost * random.uniform(0.5, 1, 6)
+    assert abs(gearbox.outputs(state)["tracking_residual_driving"][0]) > 1e-14
+    after, _ = gearbox.apply(state)
+    before = state.copy()
+    before.y = right
+    assert moved(gearbox, after, before) <= 1
+
+
+def test_events_of_several_meshes_at_one_time_are_all_applied(kernel: Kernel):
+    gearbox = chain(kernel, 3, DIFFERENTIAL)
+    state = in_mode(gearbox, np.random.default_rng(8), (LOADED, 0))
+    teeth = [int(gearbox.mode(state, m)[0]) for m in (0, 1)]
+    fired = ("forward", "force")
+    after, events = gearbox.apply(state, *fired, mesh=1)
+    assert {(e.name, e.mesh) for e in events} == {("tooth_switch", 1), ("force_vanished", 1)}
+    assert gearbox.mode(after, 0).tolist() == gearbox.mode(state, 0).tolist()
+    assert gearbox.mode(after, 1)[0] == teeth[1] + 1
+    assert gearbox.mode(after, 1)[1] == UNLOADED
+
+
+def test_every_kind_of_event_has_a_name_of_its_own(kernel: Kernel):
+    names = event_names(kernel)
+    assert len(names) == len(set(names)) == 12
+    assert all(name.isidentifier() and name.islower() for name in names)
+    for kind in (-1, len(names)):
+        name = ctypes.create_string_buffer(b"x" * 31, 32)
+        kernel.library.evl_event_name(kind, name)
+        assert name.value == b""
+
+
+def test_there_are_seven_roots_a_mesh_and_one_for_the_turns(kernel: Kernel):
+    for n in (2, 3, 4):
+        gearbox = chain(kernel, n, DIFFERENTIAL)
+        assert gearbox.sizes.n_roots == len(ROOTS) * (n - 1) + 1
+
+
+@TRACKINGS
+@pytest.mark.parametrize("mode", [(OPEN, 0), (LOADED, 0), (LOADED, 1), (UNLOADED, 0)])
+def test_an_event_that_did_not_happen_changes_nothing(
+    kernel: Kernel, tracking: int, mode: tuple[int, int]
+):
+    gearbox = paper_gearbox(kernel, tracking=tracking, friction=FRICTION)
+    state = gearbox.start(SPEEDS, speeds=[-0.3, 0.2], gaps=[draw(np.random.default_rng(9), 1e-8)])
+    press(gearbox, state, 0, *mode)
+    state.yp = gearbox.derivative(state)
+    after, events = gearbox.apply(state)
+    assert events == []
+    assert moved(gearbox, after, state) <= 1
+    np.testing.assert_array_equal(after.integers, state.integers)
+    np.testing.assert_array_equal(after.reals, state.reals)

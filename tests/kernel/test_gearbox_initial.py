@@ -1,0 +1,312 @@
+"""The state at the start: rest, speeds, gaps, steady; and starts that cannot be."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from kernel.gearbox import INITIAL, LOAD, LOADED, MESH, OPEN, UNLOADED, Gearbox, GearboxError, State
+from kernel.gearbox_cases import chain, paper_gearbox, prescribed
+from kernel.gearbox_description import (
+    ALGEBRAIC,
+    BEARING,
+    CLOSED_FORM,
+    DIFFERENTIAL,
+    REST,
+    SLIDER,
+    SPEED,
+    SPEEDS,
+    STEADY,
+    TABLE,
+    TORQUE,
+    VISCOUS,
+    LoadDescription,
+    load,
+    mesh,
+    wheel,
+)
+from kernel.kernel import CONTACT, INVALID_INPUT, NO_SOLUTION, Kernel
+
+TRACKINGS = pytest.mark.parametrize("tracking", [CLOSED_FORM, ALGEBRAIC, DIFFERENTIAL])
+FLANKS = pytest.mark.parametrize("sigma", [1, -1])
+
+
+def two_wheels(kernel: Kernel, *loads: LoadDescription, **fields) -> Gearbox:
+    """Pair on a slider whose loads are the test's."""
+    support = {"support_kind": SLIDER, "support_stiffness": (1e9, 0), "support_damping": (1e5, 0)}
+    wheels = [wheel(teeth=20, pitch_radius=0.2), wheel(teeth=30, **support)]
+    return Gearbox(kernel, wheels, loads, [mesh(kernel, **fields)])
+
+
+def accelerations(gearbox: Gearbox, state: State) -> np.ndarray:
+    """Rates of all speeds, beside those that the loads alone would give."""
+    places = [i for i, n in enumerate(gearbox.names) if "speed" in n or "rate" in n]
+    o = gearbox.outputs(state)
+    largest = abs(o["load_torque"]).max() / o["inertia"].min()
+    return state.yp[places] / largest
+
+
+# ---- rest
+
+
+@TRACKINGS
+@FLANKS
+def test_at_rest_nothing_moves_and_the_flanks_touch(kernel: Kernel, tracking: int, sigma: int):
+    gearbox = chain(kernel, 4, tracking, sigma)
+    state = gearbox.start()
+    moving = [n for n, y in zip(gearbox.names, state.y, strict=True) if y != 0]
+    assert all(n.startswith("gradient_ratio") for n in moving)
+    outputs = gearbox.outputs(state)
+    np.testing.assert_array_equal(outputs["gap"], 0)
+    np.testing.assert_array_equal(outputs["normal_force"], 0)
+    np.testing.assert_array_equal(state.yp, gearbox.derivative(state))
+    for m in range(3):
+        points = [outputs[f"contact_point_{n}"][m] for n in ("driving", "driven")]
+        np.testing.assert_array_equal(*points)
+        # the start of the path of contact
+        np.testing.assert_allclose(points[0], gearbox.mesh_geometry(m).point_a, rtol=0, atol=1e-15)
+
+
+@TRACKINGS
+def test_touching_flanks_are_loaded_if_the_loads_press_them_together(kernel: Kernel, tracking: int):
+    for torque, mode in ((-1.0, LOADED), (1.0, OPEN), (0.0, LOADED)):
+        gearbox = two_wheels(kernel, load(0, TORQUE, torque), tracking=tracking)
+        state = gearbox.start()
+        assert gearbox.mode(state).tolist() == [0, mode, 0]
+        assert state.yp[1] == torque / gearbox.wheel_geometry(0).inertia
+
+
+# ---- speeds and gaps
+
+
+@TRACKINGS
+@FLANKS
+def test_given_speeds_and_gaps_are_those_of_the_state(kernel: Kernel, tracking: int, sigma: int):
+    gearbox = chain(kernel, 4, tracking, sigma)
+    speeds = np.array([-3.0, 1.9, -2.2, 3.1]) * sigma
+    gaps = [2e-6, -3e-8, 0.0]
+    state = gearbox.start(SPEEDS, speeds, gaps)
+    outputs = gearbox.outputs(state)
+    np.testing.assert_allclose(outputs["angular_velocity"], speeds, rtol=4e-16)
+    np.testing.assert_allclose(outputs["gap"], gaps, rtol=1e-13, atol=1e-21)
+    r_b = outputs["base_radius"]
+    approach = [
+        -outputs["flank"][m] * (r_b[m] * speeds[m] + r_b[m + 1] * speeds[m + 1]) for m in range(3)
+    ]
+    for m, (gap, speed) in enumerate(zip(gaps, approach, strict=True)):
+        if gap > 0:
+            expected = OPEN
+        elif gap < 0:
+            assert abs(speed) > 1e-3
+            expected = LOADED if outputs["normal_force"][m] > 0 else UNLOADED
+        else:
+            expected = LOADED if speed > 0 else OPEN
+        assert gearbox.mode(state, m)[1] == expected
+        v_0 = max(speed, 0) if expected == LOADED else 0
+        assert state.reals[m] == pytest.approx(v_0, rel=1e-12)
+    np.testing.assert_array_equal(state.yp, gearbox.derivative(state))
+
+
+def test_a_penetration_gives_its_force_at_once(kernel: Kernel):
+    gearbox = paper_gearbox(kernel)
+    state = gearbox.start(REST, gaps=[-5e-9])
+    geometry = gearbox.mesh_geometry()
+    force = kernel.law_elastic_force(
+        kernel.law(CONTACT, "johnson"),
+        h=5e-9,
+        rho_sum=geometry.line_of_action_length + 5e-9,
+        e_star=geometry.effective_modulus,
+        width=geometry.common_width,
+    ).force[0]
+    assert gearbox.outputs(state)["normal_force"][0] == pytest.approx(force, rel=1e-13)
+
+
+def test_overlapping_flanks_that_part_fast_start_without_force(kernel: Kernel):
+    gearbox = paper_gearbox(kernel)
+    state = gearbox.start(SPEEDS, speeds=[0.1, 0.0], gaps=[-1e-9])
+    assert gearbox.mode(state)[1] == UNLOADED
+    assert gearbox.outputs(state)["normal_force"][0] == 0
+
+
+@TRACKINGS
+def test_gaps_in_a_ring_have_to_close(kernel: Kernel, tracking: int):
+    """On these flanks they add up to zero."""
+    gearbox = chain(kernel, 4, tracking, closed=True)
+    gaps = [1e-8, -1e-8, 3e-8, -3e-8]
+    outputs = gearbox.outputs(gearbox.start(REST, gaps=gaps))
+    np.testing.assert_allclose(outputs["gap"], gaps, rtol=1e-12)
+    with pytest.raises(GearboxError, match=r"gap 1E-08 m does not agree with -3E-08 m") as error:
+        gearbox.start(REST, gaps=[1e-8] * 4)
+    e = error.value
+    assert (e.code, e.subject, e.index, e.field) == (INVALID_INPUT, MESH, 3, "gaps")
+
+
+# ---- steady
+
+
+@TRACKINGS
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_the_paper_s_steady_state(kernel: Kernel, tracking: int, friction: float):
+    gearbox = paper_gearbox(kernel, tracking=tracking, friction=friction)
+    state = gearbox.start(STEADY)
+    o = gearbox.outputs(state)
+    assert worst_acceleration(gearbox, state) < 1e-9
+    assert gearbox.mode(state)[1] == LOADED
+    if friction == 0:
+        geometry = gearbox.mesh_geometry()
+        force = 1 / gearbox.wheel_geometry(0).base_radius
+        assert o["normal_force"][0] == pytest.approx(force, rel=1e-12)
+        assert o["angular_velocity"][1] == pytest.approx(0.15, rel=1e-12)
+        # the numbers of the paper's Figures, as far as its inputs are known
+        assert o["penetration"][0] == pytest.approx(2.96653e-9, rel=1e-5)
+        assert o["normal_force"][0] == pytest.approx(5.0434, rel=1e-5)
+        # the axle gives way along the centre line
+        pushed = force * np.sin(geometry.working_pressure_angle) / 1e9
+        assert o["centre_displacement"][1, 0] == pytest.approx(pushed, rel=1e-6)
+    else:
+        assert 0 < o["angular_velocity"][1] != pytest.approx(0.15, rel=1e-3)
+        factor = np.clip(o["sliding_velocity"][0] / 1e-4, -1, 1)
+        assert o["friction_force"][0] == pytest.approx(-0.3 * o["normal_force"][0] * factor)
+
+
+def worst_acceleration(gearbox: Gearbox, state: State) -> float:
+    return float(abs(accelerations(gearbox, state)).max())
+
+
+@TRACKINGS
+@FLANKS
+@pytest.mark.parametrize("n", [2, 3, 4])
+def test_in_the_steady_state_of_a_train_nothing_accelerates_and_every_flank_pushes(
+    kernel: Kernel, n: int, tracking: int, sigma: int
+):
+    wheels = [
+        wheel(
+            teeth=teeth,
+            pitch_radius=0.005 * teeth,
+            support_kind=BEARING if teeth > 20 else 0,
+            support_stiffness=(1e8, 3e8),
+            support_damping=(1e4, 1e4),
+        )
+        for teeth in (20, 33, 27, 41)[:n]
+    ]
+    meshes = [
+        mesh(
+            kernel,
+            m,
+            m + 1,
+            driving_rotation=-sigma * (-1) ** m,
+            centre_line_angle=0.5 - 1.1 * m,
+            pressure_angle=0.35,
+            friction=0.1,
+            tracking=tracking,
+        )
+        for m in range(n - 1)
+    ]
+    loads = [load(0, TORQUE, -7.0 * sigma), load(n - 1, VISCOUS, 5.0), load(0, VISCOUS, 0.1)]
+    gearbox = Gearbox(kernel, wheels, loads, meshes)
+    state = gearbox.start(STEADY)
+    assert worst_acceleration(gearbox, state) < 1e-9
+    o = gearbox.outputs(state)
+    assert (o["penetration"] > 0).all()
+    assert (o["normal_force"] > 0).all()
+    # what the loads bring in, friction and damping take
+    power = o["load_torque"] @ o["angular_velocity"]
+    lost = state.yp[gearbox.place("dissipated_energy")]
+    assert power == pytest.approx(lost, rel=1e-9, abs=1e-9 * 7 * abs(o["angular_velocity"][0]))
+
+
+def test_a_prescribed_speed_is_the_steady_speed_and_its_torque_is_reported(kernel: Kernel):
+    gearbox = two_wheels(kernel, load(0, TORQUE, -50.0), load(1, SPEED, 2.0))
+    o = gearbox.outputs(gearbox.start(STEADY))
+    assert o["angular_velocity"][1] == 2.0
+    assert o["angular_velocity"][0] == pytest.approx(-3.0, rel=1e-12)
+    assert o["normal_force"][0] == pytest.approx(50 / o["base_radius"][0], rel=1e-10)
+    assert o["load_torque"][1] == pytest.approx(-75.0, rel=1e-10)
+
+
+def test_a_table_enters_the_steady_state_with_its_torque_at_the_start(kernel: Kernel):
+    table = load(0, TABLE, table=[(0.0, -1.0), (2.0, -3.0)])
+    gearbox = two_wheels(kernel, table, load(1, VISCOUS, 10.0))
+    o = gearbox.outputs(gearbox.start(STEADY, t=1.0))
+    assert o["load_torque"][0] == pytest.approx(-2.0, rel=1e-15)
+    assert o["angular_velocity"][1] == pytest.approx(0.3, rel=1e-12)
+
+
+# ---- starts that cannot be
+
+Refusal = tuple[Callable[[Kernel], Gearbox], dict, int, int, int, str, str]
+BAD: dict[str, Refusal] = {
+    "no kind": (paper_gearbox, {"kind": 3}, INVALID_INPUT, INITIAL, -1, "kind", "no such kind"),
+    "no speeds": (paper_gearbox, {"kind": SPEEDS}, INVALID_INPUT, INITIAL, -1, "speeds", "one for"),
+    "nan speed": (
+        *(paper_gearbox, {"kind": SPEEDS, "speeds": [0, np.nan]}),
+        *(INVALID_INPUT, INITIAL, -1, "", "finite"),
+    ),
+    "infinite gap": (
+        *(paper_gearbox, {"kind": REST, "gaps": [np.inf]}),
+        *(INVALID_INPUT, INITIAL, -1, "", "finite"),
+    ),
+    "steady with a gap": (
+        *(paper_gearbox, {"kind": STEADY, "gaps": [1e-6]}),
+        *(INVALID_INPUT, INITIAL, -1, "gaps", "steady start has no gaps"),
+    ),
+    "rest against a prescribed speed": (
+        *(lambda k: two_wheels(k, load(0, TORQUE, -1.0), load(1, SPEED, 2.0)), {"kind": REST}),
+        *(INVALID_INPUT, LOAD, 1, "value", "prescribed speed 2 rad/s does not agree"),
+    ),
+    "speeds against a prescribed speed": (
+        *(lambda k: two_wheels(k, load(1, SPEED, 2.0)), {"kind": SPEEDS, "speeds": [-3, 2.001]}),
+        *(INVALID_INPUT, LOAD, 0, "value", "initial speed 2.001 rad/s"),
+    ),
+    "steady without a load that depends on the speed": (
+        *(lambda k: two_wheels(k, load(0, TORQUE, -1.0)), {"kind": STEADY}),
+        *(NO_SOLUTION, INITIAL, -1, "kind", "not determined"),
+    ),
+    "steady with a changing speed": (
+        *(lambda k: prescribed(k, CLOSED_FORM), {"kind": STEADY, "t": 0.1}),
+        *(NO_SOLUTION, LOAD, 1, "time", "changes at the start"),
+    ),
+    "steady with two prescribed speeds": (
+        *(lambda k: two_wheels(k, load(0, SPEED, -3.0), load(1, SPEED, 2.0)), {"kind": STEADY}),
+        *(NO_SOLUTION, INITIAL, -1, "kind", "several are prescribed"),
+    ),
+    "steady with a pulling flank": (
+        *(lambda k: two_wheels(k, load(0, TORQUE, 1.0), load(1, VISCOUS, 10)), {"kind": STEADY}),
+        *(NO_SOLUTION, MESH, 0, "driving_rotation", "would have to pull"),
+    ),
+}
+
+
+@pytest.mark.parametrize(
+    ("make", "start", "code", "subject", "index", "field", "words"), BAD.values(), ids=BAD.keys()
+)
+def test_a_start_that_cannot_be_is_refused_with_what_and_why(
+    kernel: Kernel,
+    make: Callable[[Kernel], Gearbox],
+    start: dict,
+    code: int,
+    subject: int,
+    index: int,
+    field: str,
+    words: str,
+):
+    with pytest.raises(GearboxError) as error:
+        make(kernel).start(**start)
+    e = error.value
+    assert (e.code, e.subject, e.index, e.field) == (code, subject, index, field), e.message
+    assert words in e.message
+
+
+def test_a_load_beyond_the_limit_of_the_contact_has_no_steady_state(kernel: Kernel):
+    gearbox = two_wheels(kernel, load(0, TORQUE, -1e10), load(1, VISCOUS, 1e10))
+    with pytest.raises(GearboxError) as error:
+        gearbox.start(STEADY)
+    assert error.value.code != INVALID_INPUT
+    assert error.value.message
+
+
+def test_a_penetration_beyond_the_limit_is_no_start(kernel: Kernel):
+    with pytest.raises(GearboxError, match="exceeds the limit"):
+        paper_gearbox(kernel).start(REST, gaps=[-0.09])
