@@ -17,7 +17,7 @@ module evl_output_table
    public :: n_outputs, output_t, gearbox_output_table, gearbox_outputs, count_values
    public :: dims_none, dims_wheel, dims_mesh, dims_wheel_axis, dims_mesh_axis
 
-   integer, parameter :: n_wheel_constants = 7, n_mesh_constants = 15, n_gearbox_histories = 6, n_wheel_histories = 7, &
+   integer, parameter :: n_wheel_constants = 7, n_mesh_constants = 16, n_gearbox_histories = 6, n_wheel_histories = 7, &
                          n_mesh_histories = 20
    integer, parameter :: n_outputs = n_wheel_constants + n_mesh_constants + n_gearbox_histories + n_wheel_histories &
                          + n_mesh_histories !! entries of the table
@@ -113,6 +113,8 @@ contains
                        .true.)
       t(14) = output_t("reference_force", "N", "F_0", "normal force that the loads suggest", dims_mesh, .true.)
       t(15) = output_t("reference_penetration", "m", "h_0", "penetration under the reference force", dims_mesh, .true.)
+      t(16) = output_t("rigid_contact", "1", "", "1 if the contact is rigid: a constraint without penetration", dims_mesh, &
+                       .true., .true.)
    end function mesh_constants
 
    pure function gearbox_histories() result(t)
@@ -244,7 +246,8 @@ contains
          associate (mesh => gearbox%meshes(i), pair => gearbox%pairs(i))
             values(i, :) = [real(mesh%wheel_a - 1, wp), real(mesh%wheel_b - 1, wp), mesh%pair%sigma, real(mesh%tracking, wp), &
                             pair%chi, pair%alpha_w, mesh%base_pitch, mesh%pair%rho_0, pair%rho_start_a, pair%rho_start_b, &
-                            mesh%width, mesh%e_star, mesh%pair%share_a, mesh%force_scale, mesh%h_scale]
+                            mesh%width, mesh%e_star, mesh%pair%share_a, mesh%force_scale, mesh%h_scale, &
+                            merge(1.0_wp, 0.0_wp, mesh%rigid)]
          end associate
       end do
    end subroutine put_mesh_constants

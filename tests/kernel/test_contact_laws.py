@@ -226,6 +226,8 @@ def test_a_law_that_does_not_exist_is_not_described(kernel: Kernel, family: int,
 
 ACCEPTED = [
     (CONTACT, "johnson", {}),
+    (CONTACT, "rigid", {"restitution": 0.0}),
+    (CONTACT, "rigid", {"restitution": 1.0, "rest_velocity": 1e-12}),
     (DAMPING, "none", {}),
     (DAMPING, "linear", {"coefficient": 0.0}),
     (DAMPING, "one_sided", {"coefficient": 1e12}),
@@ -306,3 +308,9 @@ def test_parameters_out_of_range_are_refused_by_name(
     assert error.value.field == field
     assert text in error.value.message
     assert name in error.value.message
+
+
+def test_a_rigid_contact_has_no_force_law(kernel: Kernel):
+    law = kernel.law(CONTACT, "rigid")
+    assert kernel.law_elastic_force(law, h=[1e-9], **PLACE).code == [OUT_OF_DOMAIN]
+    assert "multiplier" in kernel.law_elastic_limit(law, h=[1e-9], **PLACE)
