@@ -90,6 +90,8 @@ contains
       case (contact_radzimovsky)
          call radzimovsky_force(ctx%h, ctx%rho_sum, ctx%e_star, result%force, result%d_h, result%d_rho, code)
          call spread_over_width(ctx, result)
+      case (contact_rigid)
+         code = code_out_of_domain
       case default
          call spring_force(choice, ctx, result%force, result%d_h, potential)
          code = code_ok
@@ -195,6 +197,8 @@ contains
          call johnson_penetration(force/ctx%width, ctx%rho_sum, ctx%e_star, h, code)
       case (contact_radzimovsky)
          call radzimovsky_penetration(force/ctx%width, ctx%rho_sum, ctx%e_star, h, code)
+      case (contact_rigid)
+         code = code_out_of_domain
       case (contact_power)
          h = power_penetration(force, choice%parameters(1), choice%parameters(2))
       case default
@@ -220,6 +224,8 @@ contains
       case (contact_radzimovsky)
          call radzimovsky_potential(ctx%h, ctx%rho_sum, ctx%e_star, potential, answer)
          potential = ctx%width*potential
+      case (contact_rigid)
+         answer = code_out_of_domain
       case default
          call spring_force(choice, ctx, force, d_h, potential)
       end select
