@@ -87,7 +87,8 @@ def main() -> int:
 
     exceeded = 0
     print(f"5 s of model time, an output each millisecond; median of {options.runs} runs")
-    print(f"{'case':20} {'contact':8} {'tracking':12} {'CPU [s]':>14} {'steps':>15} {'memory [MB]':>12}")
+    head = f"{'case':20} {'contact':8} {'tracking':12}"
+    print(f"{head} {'CPU [s]':>14} {'steps':>15} {'memory [MB]':>12}")
     memory = {}
     for case, contact, kind, most_cpu, most_steps in BUDGETS:
         settings = [f"meshes.0.tracking={kind}", *SETTINGS[contact]]

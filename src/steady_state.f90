@@ -140,7 +140,8 @@ contains
       end do
    end subroutine load_all
 
-   !> Solve F(row) = 0 for y(unknown) where nothing but theta moves, halving corrections that leave the domain or do not reduce the scaled residual.
+   !> Solve F(row) = 0 for y(unknown) where nothing but theta moves, halving corrections that leave the domain or do not reduce the
+   !> scaled residual.
    subroutine newton(gearbox, t, unknown, row, y, integers, reals, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t

@@ -1,4 +1,4 @@
-"""Cases with rigid contact that are refused: exit code 3, one line with place, reason and remedy."""
+"""Cases with rigid contact that are refused: exit code 3, one line, place, reason and remedy."""
 
 from __future__ import annotations
 

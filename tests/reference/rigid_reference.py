@@ -1,8 +1,9 @@
 """The paper's gearbox with rigid contact, an independent program that evolvent is compared with.
 
-The constraint is eliminated: what is left are the pinion's angle and the slider, and the gear's
-angle follows from them. The normal force is what keeps the second derivative of the gap at zero.
-Geometry comes from `gearbox_reference`, integration from scipy's DOP853 between located transitions.
+The constraint is eliminated: the pinion's angle and the slider are left, and the gear's
+angle follows from them. The normal force is what keeps the second derivative of the gap at 0.
+Geometry comes from `gearbox_reference`; scipy's DOP853 integrates from one located transition to the
+next.
 
 Source: Kosenko & Gusev, 8th Modelica Conference 2011, section 7.3.
 """
@@ -28,7 +29,7 @@ class RigidGearbox(Gearbox):
     """Forces and right-hand side of a closed rigid contact."""
 
     def full(self, y: State) -> list[float]:
-        """State of `Gearbox` that belongs to the independent coordinates: the lag closes the gap."""
+        """State of `Gearbox` at the independent coordinates: the lag closes the gap."""
         phi_a, slider, omega_a, slider_rate = (float(v) for v in y)
         sine = math.sqrt(1 - ((self.base_a + self.base_b) / (self.distance_0 + slider)) ** 2)
         lag = self.separation_curvature(slider)
