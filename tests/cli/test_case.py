@@ -385,6 +385,7 @@ def test_all_laws_are_listed_with_their_parameters_and_units(evolvent: Evolvent)
             "linear": ["stiffness [N/m]"],
             "yang_lin": [],
             "power": ["coefficient [N/m^exponent]", "exponent"],
+            "rigid": ["restitution", "rest_velocity [m/s]"],
         },
         "damping": {
             "none": [],
