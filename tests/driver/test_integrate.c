@@ -198,7 +198,9 @@ static problem *make_oscillator(double amplitude)
 static void an_oscillation_is_followed_within_the_tolerance_between_the_steps_too(void **state)
 {
     (void)state;
-    for (double tolerance = 1e-6; tolerance > 1e-11; tolerance /= 100) {
+    static const double tolerances[] = {1e-6, 1e-8, 1e-10};
+    for (int k = 0; k < 3; k++) {
+        const double tolerance = tolerances[k];
         problem *p = make_oscillator(1);
         outcome result = solve(p, 5.0, 0.0013, tolerance);
         assert_int_equal(result.code, INTEGRATE_DONE);
