@@ -2,8 +2,7 @@
 
 The constraint is eliminated: the pinion's angle and the slider are left, and the gear's
 angle follows from them. The normal force is what keeps the second derivative of the gap at 0.
-Geometry comes from `gearbox_reference`; scipy's DOP853 integrates from one located transition to the
-next.
+Geometry comes from `gearbox_reference`; scipy's DOP853 integrates between located transitions.
 
 Source: Kosenko & Gusev, 8th Modelica Conference 2011, section 7.3.
 """
