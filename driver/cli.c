@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { OF_RUN = 1, OF_SHOW = 2, OF_PROGRAM = 4 };
+enum { OF_RUN = 1, OF_SHOW = 2, OF_PROGRAM = 4, OF_MODES = 8 };
 
 typedef struct {
     int mask;
@@ -46,6 +46,15 @@ static const command_row commands[] = {
      "  evolvent show examples/paper.yaml\n"
      "  evolvent show examples/paper.yaml --set wheels.gear.teeth=40 --json\n"
      "  evolvent show --laws\n"},
+    {OF_MODES, CLI_MODES, "modes", "CASE.yaml [--at TIME] [--set PATH=VALUE]... [--json]",
+     "print natural frequencies, damping and mode shapes",
+     "Linearises the gearbox and prints its natural frequencies, damping ratios and mode shapes: at its steady state "
+     "under\n"
+     "load, whatever the case's initial state, or, with --at, where the motion of the case is at a time.\n"
+     "\n"
+     "Examples:\n"
+     "  evolvent modes examples/paper.yaml\n"
+     "  evolvent modes examples/paper-friction.yaml --at 0.5 --json\n"},
 };
 enum { N_COMMANDS = sizeof commands / sizeof *commands };
 
@@ -61,13 +70,15 @@ typedef struct {
 static const option_row option_rows[] = {
     {OF_RUN, 'o', "output", "HISTORY.h5", offsetof(cli_options, output),
      "file to write; the case's name with .h5 in the current folder if not given"},
-    {OF_RUN | OF_SHOW, 0, "set", "PATH=VALUE", offsetof(cli_options, set),
+    {OF_MODES, 0, "at", "TIME", offsetof(cli_options, at),
+     "integrate the case from its initial state to this time [s] and linearise there"},
+    {OF_RUN | OF_SHOW | OF_MODES, 0, "set", "PATH=VALUE", offsetof(cli_options, set),
      "change the case, such as wheels.pinion.teeth=25; VALUE is YAML; may be repeated"},
     {OF_RUN, 'q', "quiet", NULL, offsetof(cli_options, quiet), "no progress and no summary; warnings and errors only"},
-    {OF_SHOW, 0, "json", NULL, offsetof(cli_options, json), "one JSON object, in SI units and radians"},
+    {OF_SHOW | OF_MODES, 0, "json", NULL, offsetof(cli_options, json), "one JSON object, in SI units and radians"},
     {OF_SHOW, 0, "laws", NULL, offsetof(cli_options, laws), "the laws of contact, damping and friction instead"},
     {OF_SHOW, 0, "keys", NULL, offsetof(cli_options, keys), "every key of a case file, as Markdown, instead"},
-    {OF_RUN | OF_SHOW | OF_PROGRAM, 'h', "help", NULL, offsetof(cli_options, help), "this text"},
+    {OF_RUN | OF_SHOW | OF_MODES | OF_PROGRAM, 'h', "help", NULL, offsetof(cli_options, help), "this text"},
     {OF_PROGRAM, 'V', "version", NULL, offsetof(cli_options, version), "versions of the program and of its libraries"},
 };
 enum { N_OPTIONS = sizeof option_rows / sizeof *option_rows };

@@ -16,23 +16,13 @@ static int find_event(const char *name)
     return -1;
 }
 
-static int find_output(const model *model, const char *name)
-{
-    const model_output *outputs = model_outputs_table(model);
-    for (int i = 0; i < model_n_outputs(model); i++) {
-        if (strcmp(outputs[i].name, name) == 0) {
-            return outputs[i].offset;
-        }
-    }
-    return -1;
-}
-
 void contact_watch_init(contact_watch *watch, const model *model, int n_meshes)
 {
     *watch = (contact_watch){.n_meshes = n_meshes,
                              .opened = find_event("contact_opened"),
                              .closed = find_event("contact_closed"),
-                             .offset = find_output(model, "in_contact"),
+                             .impact = find_event("impact"),
+                             .offset = model_output_offset(model, "in_contact"),
                              .meshes = xcalloc((size_t)n_meshes, sizeof *watch->meshes)};
 }
 
@@ -46,11 +36,12 @@ void contact_watch_outputs(contact_watch *watch, const double *values)
 void contact_watch_event(contact_watch *watch, const event_record *record)
 {
     const int mesh = record->what.subject, kind = record->what.kind;
-    if (mesh < 0 || mesh >= watch->n_meshes || (kind != watch->opened && kind != watch->closed)) {
+    if (mesh < 0 || mesh >= watch->n_meshes ||
+        (kind != watch->opened && kind != watch->closed && kind != watch->impact)) {
         return;
     }
     watch->meshes[mesh].had_contact = true;
-    watch->meshes[mesh].is_open = kind == watch->opened;
+    watch->meshes[mesh].is_open = kind != watch->closed;
     watch->meshes[mesh].t_opened = record->t;
 }
 

@@ -9,8 +9,8 @@
 
 typedef struct {
     int n_meshes;
-    int opened, closed; /**< event kinds, -1 if the model has none */
-    int offset;         /**< of in_contact among the outputs, -1 if the model has none */
+    int opened, closed, impact; /**< event kinds, -1 if the model has none; after an impact the flanks part again */
+    int offset;                 /**< of in_contact among the outputs, -1 if the model has none */
     struct contact_watch_mesh {
         bool had_contact, is_open; /**< is_open: the last contact event was an opening, at t_opened */
         double t_opened;

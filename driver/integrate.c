@@ -295,11 +295,17 @@ static double output_time(const session *s, long k)
     return t > s->options->t_end - grid_slack * s->options->output_interval ? s->options->t_end : t;
 }
 
+/* Whether there is room for a step from t to `later`: times that differ by rounding are the same, IDA refuses such a step. */
+static bool is_later(double later, double t)
+{
+    return later - t > smallest_step * fabs(t);
+}
+
 /* Hand over the present state if it lies on the grid; the end itself is handed over at the end. */
 static integrate_code give_output(session *s)
 {
     const double t_out = output_time(s, s->next_output);
-    if (s->state->t < t_out || t_out >= s->options->t_end) {
+    if (is_later(t_out, s->state->t) || t_out >= s->options->t_end) {
         return INTEGRATE_DONE;
     }
     s->next_output++;
@@ -356,7 +362,9 @@ static integrate_code advance(session *s)
     const double t_event = m->next_time_event(m->self, s->state);
     const double t_stop = fmin(s->options->t_end, t_event);
     int flag = IDA_TSTOP_RETURN;
-    if (t_stop > s->state->t) {
+    if (!is_later(t_stop, s->state->t)) {
+        s->state->t = t_stop;
+    } else {
         flag = IDASetStopTime(s->ida, t_stop);
         if (flag == IDA_SUCCESS) {
             flag = IDASetMinStep(s->ida, smallest_step * fmax(s->state->t, first_step));

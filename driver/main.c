@@ -3,6 +3,7 @@
 #include "integrate.h"
 #include "interrupt.h"
 #include "log.h"
+#include "modes.h"
 #include "prepare.h"
 #include "run.h"
 #include "show.h"
@@ -44,6 +45,17 @@ static evl_exit show_command(const cli_options *options, evl_error *error)
     return (evl_exit)code;
 }
 
+static evl_exit modes_command(const cli_options *options, evl_error *error)
+{
+    const modes_options settings = {.case_path = options->case_path,
+                                    .at = options->at,
+                                    .n_set = options->n_set,
+                                    .set = options->set,
+                                    .json = options->json};
+    interrupt_install();
+    return modes_case(&settings, stdout, error);
+}
+
 static void print_versions(void)
 {
     printf("evolvent %s\n%s\n%s\nC compiler %s\nFortran compiler %s\n", EVOLVENT_VERSION, integrate_version(),
@@ -57,6 +69,8 @@ static evl_exit execute(const cli_options *options, evl_error *error)
         return run_command(options, error);
     case CLI_SHOW:
         return show_command(options, error);
+    case CLI_MODES:
+        return modes_command(options, error);
     case CLI_VERSION:
         print_versions();
         return EVL_EXIT_OK;

@@ -248,7 +248,7 @@ const dae *model_dae(const model *model)
     return &model->dae;
 }
 
-bool model_initial_state(const model *model, dae_state *state, model_error *error)
+static bool start(const model *model, const evl_initial *initial, dae_state *state, model_error *error)
 {
     const evl_sizes *sizes = &model->sizes;
     *state = (dae_state){.y = xcalloc((size_t)sizes->n_states, sizeof *state->y),
@@ -256,8 +256,8 @@ bool model_initial_state(const model *model, dae_state *state, model_error *erro
                          .integers = xcalloc((size_t)sizes->n_integers, sizeof *state->integers),
                          .reals = xcalloc((size_t)sizes->n_reals, sizeof *state->reals)};
     evl_status status = {.index = -1};
-    const int code = evl_gearbox_initial_state(model->gearbox, &model->initial, state->t, state->y, state->yp,
-                                               state->integers, state->reals, &status);
+    const int code = evl_gearbox_initial_state(model->gearbox, initial, state->t, state->y, state->yp, state->integers,
+                                               state->reals, &status);
     if (code != EVL_OK) {
         explain(model, &status, error);
         if (error->subject == MODEL_ABOUT_NOTHING) {
@@ -266,6 +266,17 @@ bool model_initial_state(const model *model, dae_state *state, model_error *erro
         dae_state_free(state);
     }
     return code == EVL_OK;
+}
+
+bool model_initial_state(const model *model, dae_state *state, model_error *error)
+{
+    return start(model, &model->initial, state, error);
+}
+
+bool model_steady_state(const model *model, dae_state *state, model_error *error)
+{
+    const evl_initial steady = {.kind = EVL_INITIAL_STEADY};
+    return start(model, &steady, state, error);
 }
 
 void dae_state_free(dae_state *state)

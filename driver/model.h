@@ -46,6 +46,8 @@ const dae *model_dae(const model *model);
 
 /** State at t = 0; its arrays belong to the caller, who frees them with dae_state_free. @return false with the reason in `error`. */
 bool model_initial_state(const model *model, dae_state *state, model_error *error);
+/** The same for the steady state under the loads at t = 0, whatever initial state the description gives. */
+bool model_steady_state(const model *model, dae_state *state, model_error *error);
 void dae_state_free(dae_state *state);
 
 int model_n_warnings(const model *model);
@@ -53,6 +55,8 @@ void model_warning(const model *model, int index, char text[DAE_MESSAGE_LENGTH])
 
 int model_n_outputs(const model *model);
 const model_output *model_outputs_table(const model *model);
+/** Place of an output, by its name, in the array that model_outputs fills; -1 if there is none. */
+int model_output_offset(const model *model, const char *name);
 int model_n_values(const model *model);
 /** All outputs at a state [model_n_values]; integers as whole doubles. @return a dae_code */
 int model_outputs(const model *model, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH]);

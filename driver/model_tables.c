@@ -91,6 +91,16 @@ const model_output *model_outputs_table(const model *model)
     return model->outputs;
 }
 
+int model_output_offset(const model *model, const char *name)
+{
+    for (int i = 0; i < model->sizes.n_outputs; i++) {
+        if (strcmp(model->outputs[i].name, name) == 0) {
+            return model->outputs[i].offset;
+        }
+    }
+    return -1;
+}
+
 int model_n_values(const model *model)
 {
     return model->sizes.n_values;

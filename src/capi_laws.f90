@@ -7,7 +7,7 @@ module evl_capi_laws
                              c_status, choice_from_c, context_from_c, first_error, status_to_c, to_c
    use evl_contact_laws, only: contact_context, elastic_force, elastic_limit_message, elastic_potential, &
                                elastic_result, friction_factor, friction_knee, friction_mode, law_choice, law_count, &
-                               law_describe, law_info_t, law_validate, penetration_from_force, viscous_force
+                               law_describe, law_info_t, law_validate, penetration_from_force, viscous_force, viscous_result
    use evl_status, only: message_length, status_t
    implicit none (type, external)
    private
@@ -124,15 +124,16 @@ contains
       evl_law_elastic_potential = first_error(codes)
    end function evl_law_elastic_potential
 
-   integer(c_int) function evl_law_viscous_force(n, contact, damping, contexts, force, d_h, d_h_dot, codes) bind(c)
+   integer(c_int) function evl_law_viscous_force(n, contact, damping, contexts, force, d_h, d_rho, d_h_dot, codes) bind(c)
       integer(c_int), intent(in), value :: n
       type(c_law_choice), intent(in) :: contact, damping
       type(c_contact_context), intent(in) :: contexts(n)
-      real(c_double), intent(out) :: force(n), d_h(n), d_h_dot(n)
+      real(c_double), intent(out) :: force(n), d_h(n), d_rho(n), d_h_dot(n)
       integer(c_int), intent(out) :: codes(n)
       type(law_choice) :: contact_law, damping_law
       type(contact_context) :: ctx
       type(elastic_result) :: elastic
+      type(viscous_result) :: viscous
       integer :: i
 
       contact_law = choice_from_c(contact)
@@ -140,7 +141,11 @@ contains
       do i = 1, n
          ctx = context_from_c(contexts(i))
          call elastic_force(contact_law, ctx, elastic, codes(i))
-         call viscous_force(damping_law, ctx, elastic, force(i), d_h(i), d_h_dot(i))
+         call viscous_force(damping_law, ctx, elastic, viscous)
+         force(i) = viscous%force
+         d_h(i) = viscous%d_h
+         d_rho(i) = viscous%d_rho
+         d_h_dot(i) = viscous%d_h_dot
       end do
       evl_law_viscous_force = first_error(codes)
    end function evl_law_viscous_force

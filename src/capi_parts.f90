@@ -142,7 +142,7 @@ contains
       real(c_double), intent(out) :: potential(n), constant_radii(n)
       integer(c_int), intent(out) :: codes(n)
 
-      call johnson_potential(h, rho_sum, e_star, potential, constant_radii, codes)
+      call johnson_potential(h, rho_sum, e_star, 1.0_c_double, potential, constant_radii, codes)
       evl_johnson_potential = first_error(codes)
    end function evl_johnson_potential
 

@@ -9,7 +9,8 @@ module evl_closed_form
    implicit none (type, external)
    private
 
-   public :: track_closed_form, gradient_closed_form, closed_form_gap, closed_form_line, centre_line_turn
+   public :: track_closed_form, gradient_closed_form, closed_form_gap, closed_form_line
+   public :: centre_line_turn, centre_line_turn_gradient
 
 contains
 
@@ -90,5 +91,17 @@ contains
       w = q(at_u_b:at_u_b + 1) - q(at_u_a:at_u_a + 1)
       turn = atan2(-pair%sigma*(r*w(2) - pair%rho_0*w(1)), r*(r + w(1)) + pair%rho_0*(pair%rho_0 + w(2)))
    end function centre_line_turn
+
+   !> Derivatives of `centre_line_turn` with respect to the local variables.
+   pure function centre_line_turn_gradient(pair, q) result(gradient)
+      type(tracked_pair), intent(in) :: pair
+      real(wp), intent(in) :: q(n_local)
+      real(wp) :: gradient(n_local), c(2)
+
+      c = [pair%r_ba + pair%r_bb, pair%rho_0] + q(at_u_b:at_u_b + 1) - q(at_u_a:at_u_a + 1) ! O_B - O_A
+      gradient = 0
+      gradient(at_u_b:at_u_b + 1) = pair%sigma*[c(2), -c(1)]/dot_product(c, c)
+      gradient(at_u_a:at_u_a + 1) = -gradient(at_u_b:at_u_b + 1)
+   end function centre_line_turn_gradient
 
 end module evl_closed_form

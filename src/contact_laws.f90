@@ -4,18 +4,28 @@
 !> The index of a law is its place in the table, from 0; the constants below name those places.
 module evl_contact_laws
    use evl_damping, only: linear_damping, linear_damping_law, no_damping_law, one_sided_damping, one_sided_damping_law
-   use evl_friction, only: coulomb_factor, coulomb_friction_law, coulomb_knee, coulomb_mode, no_friction_law
+   use evl_friction, only: coulomb_factor, coulomb_friction_law, coulomb_knee, coulomb_mode, no_friction_law, stribeck_factor, &
+                           stribeck_friction_law, tanh_factor, tanh_friction_law
+   use evl_hunt_crossley, only: flores_factor, flores_law, gonthier_factor, gonthier_law, hunt_crossley_factor, &
+                                hunt_crossley_law, lankarani_nikravesh_factor, lankarani_nikravesh_law, lee_wang_factor, &
+                                lee_wang_law
    use evl_johnson, only: johnson_force, johnson_law, johnson_limit_message, johnson_penetration, johnson_potential
-   use evl_kinds, only: wp
+   use evl_kinds, only: pi, wp
    use evl_law_info, only: law_info_t, law_name_length, law_parameter_t, law_text_length, max_law_parameters, &
                            parameter_range_error
-   use evl_status, only: code_invalid_input, code_ok, code_out_of_domain
+   use evl_radzimovsky, only: radzimovsky_force, radzimovsky_law, radzimovsky_limit_message, radzimovsky_penetration, &
+                              radzimovsky_potential
+   use evl_rigid_contact, only: rigid_law
+   use evl_springs, only: linear_spring, linear_spring_law, power_penetration, power_spring, power_spring_law, yang_lin_law, &
+                          yang_lin_stiffness
+   use evl_status, only: code_invalid_input, code_ok, code_out_of_domain, quantity
    implicit none (type, external)
    private
 
-   public :: contact_context, elastic_result, law_choice, law_info_t, law_parameter_t
+   public :: contact_context, elastic_result, law_choice, law_info_t, law_parameter_t, viscous_result
    public :: elastic_force, elastic_limit_message, elastic_potential, penetration_from_force, viscous_force
    public :: friction_factor, friction_knee, friction_mode
+   public :: is_rigid, is_undamped, rigid_rest_velocity, rigid_restitution
    public :: law_count, law_describe, law_validate
    public :: law_name_length, law_text_length, laws_contact, laws_damping, laws_friction
 
@@ -23,9 +33,11 @@ module evl_contact_laws
    integer, parameter :: laws_damping = 1  !! family of the viscous laws
    integer, parameter :: laws_friction = 2 !! family of the friction laws
 
-   integer, parameter :: contact_johnson = 0
-   integer, parameter :: damping_none = 0, damping_linear = 1, damping_one_sided = 2
-   integer, parameter :: friction_none = 0, friction_coulomb = 1
+   integer, parameter :: contact_johnson = 0, contact_radzimovsky = 1, contact_linear = 2, contact_yang_lin = 3, &
+                         contact_power = 4, contact_rigid = 5
+   integer, parameter :: damping_none = 0, damping_linear = 1, damping_one_sided = 2, damping_hunt_crossley = 3, &
+                         damping_lankarani_nikravesh = 4, damping_flores = 5, damping_gonthier = 6, damping_lee_wang = 7
+   integer, parameter :: friction_none = 0, friction_coulomb = 1, friction_tanh = 2, friction_stribeck = 3
 
    !> One law of a family with its parameters, in the order of the table. Assumed valid below: see law_validate.
    type :: law_choice
@@ -49,8 +61,17 @@ module evl_contact_laws
    type :: elastic_result
       real(wp) :: force = 0.0_wp !! [N], over the whole width
       real(wp) :: d_h = 0.0_wp   !! dF/dh at constant rho_sum [N/m]
-      real(wp) :: d_rho = 0.0_wp !! dF/d(rho_sum) at constant h [N/m]
+      real(wp) :: d_rho = 0.0_wp !! dF/d(rho_sum) at constant h [N/m]; the radii enter every law through their sum
+      real(wp) :: d_energy = 0.0_wp !! dV/d(rho_sum) of the elastic energy V at constant h [J/m]
    end type elastic_result
+
+   !> A viscous force with its derivatives, through the elastic force too.
+   type :: viscous_result
+      real(wp) :: force = 0.0_wp   !! [N], over the whole width; positive when it pushes the flanks apart
+      real(wp) :: d_h = 0.0_wp     !! dF/dh at constant rho_sum [N/m]
+      real(wp) :: d_rho = 0.0_wp   !! dF/d(rho_sum) at constant h [N/m]
+      real(wp) :: d_h_dot = 0.0_wp !! dF/dh' [N s/m]
+   end type viscous_result
 
 contains
 
@@ -60,18 +81,91 @@ contains
       type(contact_context), intent(in) :: ctx    !! where
       type(elastic_result), intent(out) :: result !! zero on error
       integer, intent(out) :: code                !! code_ok or code_out_of_domain
+      real(wp) :: potential
 
-      code = code_out_of_domain
       select case (choice%law)
       case (contact_johnson)
          call johnson_force(ctx%h, ctx%rho_sum, ctx%e_star, result%force, result%d_h, result%d_rho, code)
+         call spread_over_width(ctx, result)
+      case (contact_radzimovsky)
+         call radzimovsky_force(ctx%h, ctx%rho_sum, ctx%e_star, result%force, result%d_h, result%d_rho, code)
+         call spread_over_width(ctx, result)
+      case (contact_rigid)
+         code = code_out_of_domain
+      case default
+         call spring_force(choice, ctx, result%force, result%d_h, potential)
+         code = code_ok
       end select
+   end subroutine elastic_force
+
+   !> The laws that depend on the penetration alone.
+   pure subroutine spring_force(choice, ctx, force, d_h, potential)
+      type(law_choice), intent(in) :: choice   !! contact_linear, contact_yang_lin or contact_power
+      type(contact_context), intent(in) :: ctx !! where
+      real(wp), intent(out) :: force           !! [N], over the whole width
+      real(wp), intent(out) :: d_h             !! dF/dh [N/m]
+      real(wp), intent(out) :: potential       !! elastic energy [J]
+
+      if (choice%law == contact_power) then
+         call power_spring(ctx%h, choice%parameters(1), choice%parameters(2), force, d_h, potential)
+      else
+         call linear_spring(ctx%h, linear_stiffness(choice, ctx), force, d_h, potential)
+      end if
+   end subroutine spring_force
+
+   !> From a force per unit width to that over the whole width, for h = N/(pi E*) (ln(rho_sum/N) + constant), whose energy has
+   !> dV/drho_sum = -N^2/(2 pi E* rho_sum) at constant h.
+   pure subroutine spread_over_width(ctx, result)
+      type(contact_context), intent(in) :: ctx
+      type(elastic_result), intent(inout) :: result !! per unit width; over the whole width
+
+      result%d_energy = -ctx%width*result%force**2/(2*pi*ctx%e_star*ctx%rho_sum)
       result%force = ctx%width*result%force
       result%d_h = ctx%width*result%d_h
       result%d_rho = ctx%width*result%d_rho
-   end subroutine elastic_force
+   end subroutine spread_over_width
 
-   !> Why elastic_force answered code_out_of_domain, as one sentence.
+   !> Stiffness of the laws that are linear in h [N/m].
+   pure real(wp) function linear_stiffness(choice, ctx) result(stiffness)
+      type(law_choice), intent(in) :: choice   !! contact_linear or contact_yang_lin
+      type(contact_context), intent(in) :: ctx !! where
+
+      if (choice%law == contact_linear) then
+         stiffness = choice%parameters(1)
+      else
+         stiffness = yang_lin_stiffness(ctx%e_star, ctx%width)
+      end if
+   end function linear_stiffness
+
+   !> Whether a contact law is a constraint: it has no force law, its normal force is a multiplier.
+   pure logical function is_rigid(choice)
+      type(law_choice), intent(in) :: choice !! of family laws_contact
+
+      is_rigid = choice%law == contact_rigid
+   end function is_rigid
+
+   !> Whether a damping law never gives a force.
+   pure logical function is_undamped(choice)
+      type(law_choice), intent(in) :: choice !! of family laws_damping
+
+      is_undamped = choice%law == damping_none
+   end function is_undamped
+
+   !> Newton's coefficient of restitution of a rigid contact.
+   pure real(wp) function rigid_restitution(choice)
+      type(law_choice), intent(in) :: choice !! a rigid contact
+
+      rigid_restitution = choice%parameters(1)
+   end function rigid_restitution
+
+   !> Approach speed below which an impact of a rigid contact does not rebound [m/s].
+   pure real(wp) function rigid_rest_velocity(choice)
+      type(law_choice), intent(in) :: choice !! a rigid contact
+
+      rigid_rest_velocity = choice%parameters(2)
+   end function rigid_rest_velocity
+
+   !> Why elastic_force answered code_out_of_domain, as one sentence; "" for a law that never does.
    pure subroutine elastic_limit_message(choice, ctx, message)
       type(law_choice), intent(in) :: choice    !! of family laws_contact
       type(contact_context), intent(in) :: ctx  !! where
@@ -81,6 +175,10 @@ contains
       select case (choice%law)
       case (contact_johnson)
          call johnson_limit_message(ctx%h, ctx%rho_sum, message)
+      case (contact_radzimovsky)
+         call radzimovsky_limit_message(ctx%h, ctx%rho_sum, message)
+      case (contact_rigid)
+         message = "a rigid contact has no force law: its normal force is the multiplier of its constraint"
       end select
    end subroutine elastic_limit_message
 
@@ -93,10 +191,18 @@ contains
       integer, intent(out) :: code             !! code_ok or code_out_of_domain
 
       h = 0.0_wp
-      code = code_out_of_domain
+      code = code_ok
       select case (choice%law)
       case (contact_johnson)
          call johnson_penetration(force/ctx%width, ctx%rho_sum, ctx%e_star, h, code)
+      case (contact_radzimovsky)
+         call radzimovsky_penetration(force/ctx%width, ctx%rho_sum, ctx%e_star, h, code)
+      case (contact_rigid)
+         code = code_out_of_domain
+      case (contact_power)
+         h = power_penetration(force, choice%parameters(1), choice%parameters(2))
+      case default
+         h = force/linear_stiffness(choice, ctx)
       end select
    end subroutine penetration_from_force
 
@@ -106,40 +212,69 @@ contains
       type(contact_context), intent(in) :: ctx !! where
       real(wp), intent(out) :: potential       !! [J]; 0 on error
       integer, intent(out), optional :: code   !! code_ok or code_out_of_domain
-      real(wp) :: constant_radii
+      real(wp) :: constant_radii, force, d_h
       integer :: answer
 
       potential = 0.0_wp
-      answer = code_out_of_domain
+      answer = code_ok
       select case (choice%law)
       case (contact_johnson)
-         call johnson_potential(ctx%h, ctx%rho_sum, ctx%e_star, potential, constant_radii, answer)
+         call johnson_potential(ctx%h, ctx%rho_sum, ctx%e_star, 1.0_wp, potential, constant_radii, answer)
+         potential = ctx%width*potential
+      case (contact_radzimovsky)
+         call radzimovsky_potential(ctx%h, ctx%rho_sum, ctx%e_star, potential, answer)
+         potential = ctx%width*potential
+      case (contact_rigid)
+         answer = code_out_of_domain
+      case default
+         call spring_force(choice, ctx, force, d_h, potential)
       end select
-      potential = ctx%width*potential
       if (present(code)) code = answer
    end subroutine elastic_potential
 
-   !> Viscous normal force; positive when it pushes the flanks apart.
-   pure subroutine viscous_force(choice, ctx, elastic, force, d_h, d_h_dot)
+   !> Viscous normal force.
+   pure subroutine viscous_force(choice, ctx, elastic, result)
       type(law_choice), intent(in) :: choice      !! of family laws_damping
       type(contact_context), intent(in) :: ctx    !! where
       type(elastic_result), intent(in) :: elastic !! elastic force there, for laws that multiply it
-      real(wp), intent(out) :: force              !! [N], over the whole width
-      real(wp), intent(out) :: d_h                !! dF/dh at constant rho_sum, through the elastic force too [N/m]
-      real(wp), intent(out) :: d_h_dot            !! dF/dh' [N s/m]
+      type(viscous_result), intent(out) :: result !! zero for the law none
+      real(wp) :: share
 
-      force = 0.0_wp
-      d_h = 0.0_wp
-      d_h_dot = 0.0_wp
-      associate (unused => elastic) ! no law of the table multiplies the elastic force
-      end associate
       select case (choice%law)
       case (damping_linear)
-         call linear_damping(ctx%h_dot, choice%parameters(1), force, d_h_dot)
+         call linear_damping(ctx%h_dot, choice%parameters(1), result%force, result%d_h_dot)
       case (damping_one_sided)
-         call one_sided_damping(ctx%h, ctx%h_dot, choice%parameters(1), force, d_h, d_h_dot)
+         call one_sided_damping(ctx%h, ctx%h_dot, choice%parameters(1), result%force, result%d_h, result%d_h_dot)
+      case (damping_hunt_crossley:damping_lee_wang)
+         share = impact_factor(choice)/max(ctx%v0, choice%parameters(2))
+         result%d_h_dot = share*elastic%force
+         share = share*ctx%h_dot
+         result%force = share*elastic%force
+         result%d_h = share*elastic%d_h
+         result%d_rho = share*elastic%d_rho
       end select
    end subroutine viscous_force
+
+   !> chi of the laws that multiply the elastic force by chi h'/v0.
+   pure real(wp) function impact_factor(choice) result(chi)
+      type(law_choice), intent(in) :: choice !! damping_hunt_crossley to damping_lee_wang
+
+      chi = 0.0_wp
+      associate (restitution => choice%parameters(1))
+         select case (choice%law)
+         case (damping_hunt_crossley)
+            chi = hunt_crossley_factor(restitution)
+         case (damping_lankarani_nikravesh)
+            chi = lankarani_nikravesh_factor(restitution)
+         case (damping_flores)
+            chi = flores_factor(restitution)
+         case (damping_gonthier)
+            chi = gonthier_factor(restitution)
+         case (damping_lee_wang)
+            chi = lee_wang_factor(restitution)
+         end select
+      end associate
+   end function impact_factor
 
    !> phi of F_t = -F_n phi(v_t) on the branch `mode`, also where v_t has left that branch.
    pure subroutine friction_factor(choice, mode, v_t, factor, d_v)
@@ -154,8 +289,26 @@ contains
       select case (choice%law)
       case (friction_coulomb)
          call coulomb_factor(mode, v_t, choice%parameters(1), choice%parameters(2), factor, d_v)
+      case (friction_tanh:friction_stribeck)
+         call smooth_friction_factor(choice, v_t, factor, d_v)
       end select
    end subroutine friction_factor
+
+   !> The laws without branches.
+   pure subroutine smooth_friction_factor(choice, v_t, factor, d_v)
+      type(law_choice), intent(in) :: choice !! friction_tanh or friction_stribeck
+      real(wp), intent(in) :: v_t            !! sliding velocity [m/s]
+      real(wp), intent(out) :: factor        !! phi
+      real(wp), intent(out) :: d_v           !! dphi/dv_t [s/m]
+
+      associate (p => choice%parameters)
+         if (choice%law == friction_tanh) then
+            call tanh_factor(v_t, p(1), p(2), factor, d_v)
+         else
+            call stribeck_factor(v_t, p(1), p(2), p(3), p(4), factor, d_v)
+         end if
+      end associate
+   end subroutine smooth_friction_factor
 
    !> The branch of the friction law that belongs to a sliding velocity: -1, 0 or +1.
    pure integer function friction_mode(choice, v_t)
@@ -187,11 +340,12 @@ contains
 
       select case (family)
       case (laws_contact)
-         laws = [johnson_law()]
+         laws = [johnson_law(), radzimovsky_law(), linear_spring_law(), yang_lin_law(), power_spring_law(), rigid_law()]
       case (laws_damping)
-         laws = [no_damping_law(), linear_damping_law(), one_sided_damping_law()]
+         laws = [no_damping_law(), linear_damping_law(), one_sided_damping_law(), hunt_crossley_law(), &
+                 lankarani_nikravesh_law(), flores_law(), gonthier_law(), lee_wang_law()]
       case (laws_friction)
-         laws = [no_friction_law(), coulomb_friction_law()]
+         laws = [no_friction_law(), coulomb_friction_law(), tanh_friction_law(), stribeck_friction_law()]
       case default
          allocate (laws(0))
       end select
@@ -248,6 +402,13 @@ contains
          message = reason//" (law "//trim(info%name)//")"
          return
       end do
+      if (family == laws_friction .and. choice%law == friction_stribeck) then
+         if (choice%parameters(1) >= choice%parameters(2)) return
+         code = code_invalid_input
+         field = info%parameters(1)%name
+         message = trim(field)//" = "//quantity(choice%parameters(1), "")//" must be at least the kinetic_coefficient = " &
+                   //quantity(choice%parameters(2), "")//" (law "//trim(info%name)//")"
+      end if
    end subroutine law_validate
 
 end module evl_contact_laws

@@ -1,7 +1,7 @@
 !> What the forces have to know of a contact, however it was tracked.
 module evl_contact_point
    use evl_kinds, only: wp
-   use evl_local_variables, only: at_omega, at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, n_local
+   use evl_local_variables, only: at_normal, at_omega, at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, n_local
    implicit none (type, external)
    private
 
@@ -28,13 +28,15 @@ module evl_contact_point
       real(wp) :: s, c         !! direction of the normal: e = (-s, c), t = (c, s) in (t_0, e_0)
       real(wp) :: l_a, l_b     !! arms of the friction force [m]
       real(wp) :: v_t          !! sliding velocity along t [m/s]
+      real(wp) :: rho_dot      !! rate of the length of the line of action, rho_a + rho_b - h [m/s]
       real(wp) :: omega_a, omega_b !! angular velocities [rad/s]
+      real(wp) :: multiplier   !! normal force of a rigid contact [N]
    end type contact_point
 
    !> Derivatives of a `contact_point` with respect to the local variables; `angle` is that of the normal.
    type :: contact_gradient
       real(wp) :: h(n_local), h_dot(n_local), rho_a(n_local), rho_b(n_local), angle(n_local)
-      real(wp) :: l_a(n_local), l_b(n_local), v_t(n_local)
+      real(wp) :: l_a(n_local), l_b(n_local), v_t(n_local), rho_dot(n_local)
    end type contact_gradient
 
 contains
@@ -48,11 +50,14 @@ contains
 
       v_t = q(at_v_b) - q(at_v_a)
       v_e = q(at_v_b + 1) - q(at_v_a + 1)
+      point%multiplier = q(at_normal)
       point%omega_a = pair%ratio_a*q(at_omega) + q(at_psi_dot_a)
       point%omega_b = pair%ratio_b*q(at_omega) + q(at_psi_dot_b)
       point%h_dot = -pair%sigma*(pair%r_ba*q(at_psi_dot_a) + pair%r_bb*q(at_psi_dot_b)) + v_t*point%s - v_e*point%c
       point%l_a = point%rho_a - pair%share_a*point%h
       point%l_b = point%rho_b - pair%share_b*point%h
+      point%rho_dot = -v_t*point%s + v_e*point%c &
+                      + (pair%r_ba + pair%r_bb)/(point%rho_a + point%rho_b - point%h)*(v_t*point%c + v_e*point%s)
       point%v_t = pair%sigma*(point%omega_a*point%l_a + point%omega_b*point%l_b) - v_t*point%c - v_e*point%s
    end subroutine complete_point
 
@@ -80,6 +85,13 @@ contains
       gradient%v_t(at_psi_dot_b) = pair%sigma*point%l_b
       gradient%v_t(at_v_b:at_v_b + 1) = -[point%c, point%s]
       gradient%v_t(at_v_a:at_v_a + 1) = [point%c, point%s]
+      associate (rho => point%rho_a + point%rho_b - point%h, r => pair%r_ba + pair%r_bb, along => v_t*point%c + v_e*point%s, &
+                 across => v_e*point%c - v_t*point%s)
+         gradient%rho_dot = (r/rho*across - along)*gradient%angle - r*along/rho**2*(gradient%rho_a + gradient%rho_b - gradient%h)
+         gradient%rho_dot(at_v_b) = -point%s + r/rho*point%c
+         gradient%rho_dot(at_v_b + 1) = point%c + r/rho*point%s
+         gradient%rho_dot(at_v_a:at_v_a + 1) = -gradient%rho_dot(at_v_b:at_v_b + 1)
+      end associate
    end subroutine complete_gradient
 
 end module evl_contact_point

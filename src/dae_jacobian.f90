@@ -1,17 +1,18 @@
 !> The analytic Jacobian dF/dy + cj dF/dy' of the gearbox.
 module evl_dae_jacobian
-   use evl_contact_point, only: contact_point
+   use evl_contact_point, only: contact_gradient, contact_point
    use evl_contact_tracking, only: algebraic_jacobian, differential_jacobian
-   use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_t, i_omega, i_theta, i_turns, support_t, wheel_acceleration, &
-                          wheel_follows_ground, wheel_load_torque, wheel_speed, wheel_t
+   use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_rates, gearbox_t, i_omega, i_theta, i_turns, is_closed, &
+                          support_t, wheel_acceleration, wheel_follows_ground, wheel_load_torque, wheel_speed, wheel_t
    use evl_housing, only: at_omega, frame_t, housing_frame
    use evl_housing_dynamics, only: housing_coupling
    use evl_housing_jacobian, only: housing_gradient, ride_gradient
    use evl_kinds, only: wp
    use evl_load, only: load_damping
-   use evl_local_variables, only: n_local, n_track
+   use evl_local_variables, only: at_psi_dot_a, at_v_b, n_local, n_track
    use evl_mesh, only: contact_apart, mesh_contact, mesh_force, mesh_force_gradient, mesh_forces, mesh_gradient, mesh_mode, &
                        mesh_nominal_rho, mesh_t, tracking_algebraic
+   use evl_rigid_contact, only: rigid_acceleration_gradient, rigid_gradient
    use evl_status, only: has_failed, status_t
    implicit none (type, external)
    private
@@ -51,8 +52,17 @@ contains
          call couple_reference(gearbox%wheels(i), jacobian)
       end do
       if (gearbox%housing%is_mounted) call add_housing(gearbox, cj, y, yp, frame, jacobian)
-      do i = 1, gearbox%n_states
-         jacobian(i, i) = jacobian(i, i) + cj
+      do i = 1, size(gearbox%meshes)
+         if (gearbox%meshes(i)%rigid) call add_multiplier(gearbox, i, t, y, yp, integers, reals, jacobian, &
+                                                             status)
+      end do
+      associate (before => gearbox%i_dissipated - gearbox%n_multipliers - 1, behind => gearbox%i_dissipated)
+         do i = 1, gearbox%n_states
+            if (i <= before .or. i >= behind) jacobian(i, i) = jacobian(i, i) + cj
+         end do
+      end associate
+      do i = 1, size(gearbox%meshes)
+         if (is_closed(gearbox, i, integers, reals)) call add_constraint(gearbox, gearbox%meshes(i), y, jacobian)
       end do
       do i = 1, size(gearbox%meshes)
          if (gearbox%meshes(i)%i_track > 0) call add_tracking(gearbox, i, cj, y, yp, integers, reals, jacobian)
@@ -215,6 +225,58 @@ contains
 
       if (wheel%i_psi > 0) jacobian(wheel%i_speed, :) = jacobian(wheel%i_speed, :) - wheel%ratio*jacobian(i_omega, :)
    end subroutine couple_reference
+
+   !> The row of a multiplier: kappa'' in terms of the rows of the velocities, which hold minus their derivatives.
+   subroutine add_multiplier(gearbox, index, t, y, yp, integers, reals, jacobian, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index, integers(:)
+      real(wp), intent(in) :: t, y(gearbox%n_states), yp(gearbox%n_states), reals(:)
+      real(wp), intent(inout) :: jacobian(:, :)
+      type(status_t), intent(inout) :: status
+      real(wp) :: f(gearbox%n_states), q(n_local), rates(n_local), direct(n_local)
+      type(contact_point) :: point
+      type(contact_gradient) :: gradient
+      integer :: i
+
+      associate (mesh => gearbox%meshes(index), row => gearbox%meshes(index)%i_normal)
+         jacobian(row, :) = 0
+         if (.not. is_closed(gearbox, index, integers, reals)) then
+            jacobian(row, row) = 1
+            return
+         end if
+         call gearbox_rates(gearbox, t, y, integers, reals, f, status, yp)
+         call gearbox_local(gearbox, mesh, y, q)
+         call gearbox_local(gearbox, mesh, f, rates)
+         call rigid_gradient(mesh%pair, q, point, gradient)
+         do i = 1, size(mesh%links)
+            associate (link => mesh%links(i))
+               if (link%local < at_psi_dot_a .or. link%local > at_v_b + 1) cycle
+               jacobian(row, :) = jacobian(row, :) + gradient%h_dot(link%local)*link%weight/mesh%mobility*jacobian(link%state, :)
+            end associate
+         end do
+         call rigid_acceleration_gradient(mesh%pair, q, rates, direct)
+         call scatter(mesh, direct/mesh%mobility, row, jacobian)
+      end associate
+   end subroutine add_multiplier
+
+   !> The rows of the wheel that a closed rigid contact determines: kappa and kappa'.
+   pure subroutine add_constraint(gearbox, mesh, y, jacobian)
+      type(gearbox_t), intent(in) :: gearbox
+      type(mesh_t), intent(in) :: mesh
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(inout) :: jacobian(:, :)
+      real(wp) :: q(n_local)
+      type(contact_point) :: point
+      type(contact_gradient) :: gradient
+
+      call gearbox_local(gearbox, mesh, y, q)
+      call rigid_gradient(mesh%pair, q, point, gradient)
+      associate (row => mesh%i_dependent)
+         jacobian(row:row + 1, :) = 0
+         call scatter(mesh, -gradient%h, row, jacobian)
+         call scatter(mesh, -gradient%h_dot, row + 1, jacobian)
+      end associate
+   end subroutine add_constraint
 
    !> The rows of a mesh's tracked variables.
    pure subroutine add_tracking(gearbox, index, cj, y, yp, integers, reals, jacobian)

@@ -1,11 +1,14 @@
 !> The gearbox as a differential-algebraic system F(t, y, y') = 0, and the y' that belongs to y.
 module evl_dae_residual
+   use evl_closed_form, only: closed_form_gap
    use evl_contact_tracking, only: algebraic_residual, differential_rates, differential_residual
-   use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_rates, gearbox_t, i_theta, i_turns
+   use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_rates, gearbox_t, i_theta, i_turns, is_closed
    use evl_housing_dynamics, only: coupled_rates, housing_residual
    use evl_kinds, only: wp
    use evl_local_variables, only: n_local, n_track
    use evl_mesh, only: contact_apart, mesh_mode, mesh_nominal_rho, tracking_algebraic
+   use evl_multipliers, only: multiplier_rates
+   use evl_rigid_contact, only: rigid_closing_rate
    use evl_status, only: code_out_of_domain, code_singular, fail, has_failed, status_t, subject_mesh
    implicit none (type, external)
    private
@@ -30,8 +33,21 @@ contains
 
       call gearbox_rates(gearbox, t, y, integers, reals, residual, status, yp)
       if (has_failed(status)) return
-      residual = yp - residual
+      ! the places of the multipliers, which stand together before the energies, hold their rows already
+      associate (before => gearbox%i_dissipated - gearbox%n_multipliers - 1, behind => gearbox%i_dissipated)
+         residual(:before) = yp(:before) - residual(:before)
+         residual(behind:) = yp(behind:) - residual(behind:)
+      end associate
       if (gearbox%housing%is_mounted) call housing_residual(gearbox, t, y, yp, residual)
+      do i = 1, size(gearbox%meshes)
+         if (gearbox%n_multipliers == 0) exit
+         associate (mesh => gearbox%meshes(i), row => gearbox%meshes(i)%i_dependent)
+            if (.not. is_closed(gearbox, i, integers, reals)) cycle
+            call gearbox_local(gearbox, mesh, y, q)
+            residual(row) = closed_form_gap(mesh%pair, q)
+            residual(row + 1) = -rigid_closing_rate(mesh%pair, q)
+         end associate
+      end do
       do i = 1, size(gearbox%meshes)
          associate (mesh => gearbox%meshes(i))
             if (mesh%i_track == 0) cycle
@@ -63,7 +79,7 @@ contains
                 //" turned back too far", subject_mesh, index, "tracking")
    end subroutine lost_points
 
-   !> The y' that belongs to y; tracked variables by the differential form, solved with LAPACK.
+   !> The y' that belongs to y; tracked variables by the differential form, solved with LAPACK. y has its multipliers already.
    subroutine gearbox_derivative(gearbox, t, y, integers, reals, yp, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t
@@ -78,6 +94,8 @@ contains
       integer :: i
 
       call coupled_rates(gearbox, t, y, integers, reals, yp, status)
+      if (has_failed(status)) return
+      if (gearbox%n_multipliers > 0) call multiplier_rates(gearbox, t, y, integers, reals, yp, status)
       if (has_failed(status)) return
       do i = 1, size(gearbox%meshes)
          associate (mesh => gearbox%meshes(i))

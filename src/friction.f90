@@ -1,14 +1,16 @@
 !> Friction between the flanks as a factor of the normal force: F_t = -F_n phi(v_t).
 !>
 !> A law with kinks is a set of smooth branches, told apart by a mode in {-1, 0, +1}. The mode is part of the discrete
-!> state: it changes at located events, and within a mode the law is smooth even where a trial step leaves the branch.
+!> state: it changes at located events, and within a mode the law is smooth even where a trial step leaves the branch. A
+!> law without kinks has the mode 0 alone, and no knee.
 module evl_friction
    use evl_kinds, only: wp
-   use evl_law_info, only: law_info_t, law_parameter
+   use evl_law_info, only: law_info_t, law_parameter, law_parameter_t
    implicit none (type, external)
    private
 
    public :: coulomb_factor, coulomb_friction_law, coulomb_knee, coulomb_mode, no_friction_law
+   public :: stribeck_factor, stribeck_friction_law, tanh_factor, tanh_friction_law
 
 contains
 
@@ -52,6 +54,44 @@ contains
       coulomb_knee = merge(delta, 0.0_wp, coefficient > 0.0_wp)
    end function coulomb_knee
 
+   !> phi = f tanh(v_t/delta): Coulomb's law, smooth everywhere.
+   !>
+   !> Source: S. Andersson, A. Soederberg, S. Bjoerklund, Friction models for sliding dry, boundary and mixed lubricated
+   !> contacts, Tribology International 40 (2007) 580.
+   elemental subroutine tanh_factor(v_t, coefficient, delta, factor, d_v)
+      real(wp), intent(in) :: v_t         !! sliding velocity [m/s]
+      real(wp), intent(in) :: coefficient !! f, >= 0
+      real(wp), intent(in) :: delta       !! regularisation velocity [m/s], > 0
+      real(wp), intent(out) :: factor     !! phi
+      real(wp), intent(out) :: d_v        !! dphi/dv_t [s/m]
+      real(wp) :: share
+
+      share = tanh(v_t/delta)
+      factor = coefficient*share
+      d_v = coefficient/delta*((1.0_wp - share)*(1.0_wp + share))
+   end subroutine tanh_factor
+
+   !> phi = [f_k + (f_s - f_k) exp(-(v_t/v_s)**2)] tanh(v_t/delta): friction falls from static to kinetic as sliding begins.
+   !>
+   !> Source: the Stribeck curve of B. Armstrong-Helouvry, P. Dupont, C. Canudas de Wit, A survey of models, analysis tools and
+   !> compensation methods for the control of machines with friction, Automatica 30 (1994) 1083, with exponent 2, without its
+   !> viscous term; tanh in place of the sign as Andersson, Soederberg and Bjoerklund 2007.
+   elemental subroutine stribeck_factor(v_t, static, kinetic, stribeck_velocity, delta, factor, d_v)
+      real(wp), intent(in) :: v_t               !! sliding velocity [m/s]
+      real(wp), intent(in) :: static            !! f_s, >= f_k
+      real(wp), intent(in) :: kinetic           !! f_k, >= 0
+      real(wp), intent(in) :: stribeck_velocity !! v_s [m/s], > 0
+      real(wp), intent(in) :: delta             !! regularisation velocity [m/s], > 0
+      real(wp), intent(out) :: factor           !! phi
+      real(wp), intent(out) :: d_v              !! dphi/dv_t [s/m]
+      real(wp) :: share, d_share, excess
+
+      call tanh_factor(v_t, 1.0_wp, delta, share, d_share)
+      excess = (static - kinetic)*exp(-(v_t/stribeck_velocity)**2)
+      factor = (kinetic + excess)*share
+      d_v = (kinetic + excess)*d_share - 2.0_wp*excess*(v_t/stribeck_velocity)/stribeck_velocity*share
+   end subroutine stribeck_factor
+
    !> The entries of the law table.
    pure type(law_info_t) function no_friction_law() result(info)
 
@@ -66,9 +106,41 @@ contains
       info%source = "Kosenko & Gusev 2011, section 7.2"
       info%n_parameters = 2
       info%parameters(1) = law_parameter("coefficient", "1", "coefficient of friction", minimum=0.0_wp)
-      info%parameters(2) = law_parameter("regularisation_velocity", "m/s", &
-                                         "sliding velocity at which friction is fully developed", &
-                                         default_value=1.0e-4_wp, minimum=0.0_wp, minimum_open=.true.)
+      info%parameters(2) = regularisation("sliding velocity at which friction is fully developed")
    end function coulomb_friction_law
+
+   pure type(law_info_t) function tanh_friction_law() result(info)
+
+      info%name = "tanh"
+      info%description = "Coulomb's law, smoothed by the hyperbolic tangent of the sliding velocity"
+      info%source = "Andersson, Soederberg & Bjoerklund 2007, Tribology International 40, 580"
+      info%n_parameters = 2
+      info%parameters(1) = law_parameter("coefficient", "1", "coefficient of friction", minimum=0.0_wp)
+      info%parameters(2) = regularisation("sliding velocity at which friction is developed to 76 %")
+   end function tanh_friction_law
+
+   pure type(law_info_t) function stribeck_friction_law() result(info)
+
+      info%name = "stribeck"
+      info%description = "falling from static to kinetic friction over the Stribeck velocity, smooth"
+      info%source = "Armstrong-Helouvry et al. 1994, Automatica 30, 1083; Andersson et al. 2007"
+      info%n_parameters = 4
+      info%parameters(1) = law_parameter("static_coefficient", "1", "coefficient of friction as sliding begins, >= kinetic", &
+                                         minimum=0.0_wp)
+      info%parameters(2) = law_parameter("kinetic_coefficient", "1", "coefficient of friction at high sliding velocity", &
+                                         minimum=0.0_wp)
+      info%parameters(3) = law_parameter("stribeck_velocity", "m/s", &
+                                         "sliding velocity at which 1/e of the excess of static friction is left", &
+                                         minimum=0.0_wp, minimum_open=.true.)
+      info%parameters(4) = regularisation("sliding velocity at which friction is developed to 76 %")
+   end function stribeck_friction_law
+
+   !> The parameter that keeps friction finite in slope at rest.
+   pure type(law_parameter_t) function regularisation(description) result(parameter)
+      character(len=*), intent(in) :: description !! what it means in the law
+
+      parameter = law_parameter("regularisation_velocity", "m/s", description, default_value=1.0e-4_wp, minimum=0.0_wp, &
+                                minimum_open=.true.)
+   end function regularisation
 
 end module evl_friction

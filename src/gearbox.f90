@@ -7,6 +7,7 @@
 !>    s_j, s_j'                  of every degree of freedom of a support, from its reference position
 !>    turn, zeta, dr, lambda, mu   of every mesh that tracks its contact points, see evl_contact_tracking
 !>    r, p, v, Omega             of a mounted housing, see evl_housing
+!>    multiplier                 of every mesh with rigid contact: its normal force
 !>    dissipated energy, work of the loads
 !>
 !> Discrete integers: turns of the reference wheel beside theta; teeth, contact mode and friction branch of every mesh; knots
@@ -17,14 +18,15 @@ module evl_gearbox
    use evl_kinds, only: wp
    use evl_load, only: load_acceleration, load_damping, load_t, load_torque
    use evl_local_variables, only: n_local
-   use evl_mesh, only: mesh_contact, mesh_force, mesh_forces, mesh_mode, mesh_nominal_rho, mesh_t
+   use evl_mesh, only: contact_loaded, mesh_contact, mesh_force, mesh_forces, mesh_mode, mesh_nominal_rho, mesh_t
+   use evl_rigid_contact, only: rigid_acceleration
    use evl_spur_geometry, only: spur_pair_t
    use evl_status, only: has_failed, message_length, status_t
    implicit none (type, external)
    private
 
    public :: gearbox_t, wheel_t, support_t
-   public :: gearbox_rates
+   public :: gearbox_rates, multiplier_row, is_closed
    public :: gearbox_local, gearbox_mode, gearbox_store_mode, wheel_speed, wheel_load_torque, wheel_acceleration
    public :: wheel_spin_torque, wheel_housing_torque, wheel_position, wheel_follows_ground
    public :: support_fixed, support_slider, support_bearing, i_theta, i_omega, i_turns
@@ -72,6 +74,7 @@ module evl_gearbox
       character(len=message_length), allocatable :: warnings(:)
       integer :: reference = 1               !! wheel whose angle is theta
       integer :: n_states = 0, n_integers = 0, n_values = 0 !! lengths of the state, the discrete state and the outputs
+      integer :: n_multipliers = 0            !! meshes with rigid contact
       integer :: i_dissipated = 0, i_work = 0 !! places of the two energies in the state
    end type gearbox_t
 
@@ -237,7 +240,8 @@ contains
       end associate
    end function wheel_acceleration
 
-   !> Rates of all states but the tracked ones, whose places are set to zero: y' = f(t, y).
+   !> Rates of all states but the tracked ones, whose places are set to zero: y' = f(t, y). In the place of a multiplier stands what
+   !> has to vanish: kappa'' times the mesh's inertia in a closed rigid contact, the multiplier itself in an open one [N].
    !>
    !> With a mounted housing f depends on v' and Omega' as well, and the places of these two hold the force and the moment that
    !> act from the ground.
@@ -287,7 +291,40 @@ contains
             f(wheel%i_speed) = f(wheel%i_speed) - wheel%ratio*f(i_omega)
          end associate
       end do
+      do i = 1, size(gearbox%meshes)
+         if (gearbox%meshes(i)%rigid) call multiplier_row(gearbox, i, y, integers, reals, f)
+      end do
    end subroutine gearbox_rates
+
+   !> What has to vanish in the place of a multiplier.
+   pure subroutine multiplier_row(gearbox, index, y, integers, reals, f)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      real(wp), intent(in) :: y(:), reals(:)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(inout) :: f(:)
+      real(wp) :: q(n_local), rates(n_local)
+
+      associate (mesh => gearbox%meshes(index))
+         f(mesh%i_normal) = y(mesh%i_normal)
+         if (.not. is_closed(gearbox, index, integers, reals)) return
+         call gearbox_local(gearbox, mesh, y, q)
+         call gearbox_local(gearbox, mesh, f, rates)
+         f(mesh%i_normal) = rigid_acceleration(mesh%pair, q, rates)/mesh%mobility
+      end associate
+   end subroutine multiplier_row
+
+   !> Whether a mesh has a rigid contact that is closed.
+   pure logical function is_closed(gearbox, index, integers, reals)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: reals(:)
+      type(mesh_mode) :: mode
+
+      mode = gearbox_mode(gearbox, index, integers, reals)
+      is_closed = gearbox%meshes(index)%rigid .and. mode%contact == contact_loaded
+   end function is_closed
 
    !> The force of a mesh at a state.
    subroutine mesh_at(gearbox, index, y, integers, reals, force, status)

@@ -1,5 +1,6 @@
 !> Makes a gearbox from its description: checks every number, finds the layout, derives the geometry, numbers the states.
 module evl_gearbox_build
+   use evl_contact_laws, only: is_rigid
    use evl_gearbox, only: gearbox_t, i_omega, i_theta, support_bearing, support_slider, support_t
    use evl_gearbox_description, only: check_description, mesh_input, wheel_input
    use evl_gearbox_scaling, only: gearbox_set_scales
@@ -8,7 +9,7 @@ module evl_gearbox_build
    use evl_kinds, only: pi, wp
    use evl_layout, only: layout_resolve, layout_t
    use evl_load, only: load_prescribed_speed, load_t
-   use evl_local_variables, only: at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_theta, at_track, at_u_a, &
+   use evl_local_variables, only: at_normal, at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_theta, at_track, at_u_a, &
                                   at_u_b, at_v_a, at_v_b, n_track
    use evl_mesh, only: mesh_link, mesh_t, tracking_closed_form
    use evl_output_table, only: count_values
@@ -57,6 +58,8 @@ contains
          call take_mesh(gearbox, wheels, meshes(i), layout, i, status)
          if (has_failed(status)) return
       end do
+      call find_dependents(gearbox, status)
+      if (has_failed(status)) return
       call gearbox_set_scales(gearbox)
       do i = 1, size(meshes)
          call check_contact_width(gearbox, i)
@@ -179,6 +182,12 @@ contains
          gearbox%housing%i_state = n + 1
          n = n + n_housing_states
       end if
+      do i = 1, size(meshes)
+         if (.not. is_rigid(meshes(i)%contact)) cycle
+         n = n + 1
+         gearbox%meshes(i)%i_normal = n
+         gearbox%n_multipliers = gearbox%n_multipliers + 1
+      end do
       gearbox%i_dissipated = n + 1
       gearbox%i_work = n + 2
       gearbox%n_states = n + 2
@@ -221,12 +230,14 @@ contains
          mesh%wheel_a = a
          mesh%wheel_b = b
          mesh%contact = given%contact
+         mesh%rigid = is_rigid(given%contact)
          mesh%damping = given%damping
          mesh%friction = given%friction
          mesh%tracking = given%tracking
          compliance_a = (1 - wheels(a)%poisson_ratio**2)/wheels(a)%youngs_modulus
          compliance_b = (1 - wheels(b)%poisson_ratio**2)/wheels(b)%youngs_modulus
          mesh%e_star = 1/(compliance_a + compliance_b)
+         mesh%mobility = pair%base_radius_a**2/gearbox%wheels(a)%inertia + pair%base_radius_b**2/gearbox%wheels(b)%inertia
          call take_overlap(wheels, a, b, mesh, status)
          if (has_failed(status)) return
          mesh%base_pitch = pair%base_pitch
@@ -271,6 +282,63 @@ contains
                 "axial_position")
    end subroutine take_overlap
 
+   !> The wheel that each rigid mesh determines when it is closed. Wheels that rigid meshes join move as one: each such group is
+   !> reached from one of its wheels on, the one whose speed is prescribed or else the reference wheel, and every mesh determines
+   !> the wheel that it reaches. A mesh that closes a ring of them determines none.
+   subroutine find_dependents(gearbox, status)
+      type(gearbox_t), intent(inout) :: gearbox
+      type(status_t), intent(inout) :: status
+      logical :: reached(size(gearbox%wheels)), used(size(gearbox%meshes))
+      integer :: i, m
+
+      reached = .false.
+      used = .false.
+      do i = 1, size(gearbox%wheels)
+         if (gearbox%wheels(i)%prescribed > 0) call reach(i)
+      end do
+      if (.not. reached(gearbox%reference)) call reach(gearbox%reference)
+      do i = 1, size(gearbox%wheels)
+         if (.not. reached(i)) call reach(i)
+      end do
+      do m = 1, size(gearbox%meshes)
+         if (.not. gearbox%meshes(m)%rigid .or. used(m) .or. has_failed(status)) cycle
+         call fail(status, code_invalid_input, "a rigid contact that closes a ring of rigid contacts is overdetermined: give it" &
+                   //" an elastic law", subject_mesh, m, "contact.law")
+      end do
+
+   contains
+
+      !> Reach all wheels that rigid meshes join to the first one.
+      subroutine reach(first)
+         integer, intent(in) :: first
+         logical :: group(size(gearbox%wheels)), found
+         integer :: k
+
+         group = .false.
+         group(first) = .true.
+         found = .true.
+         do while (found)
+            found = .false.
+            do k = 1, size(gearbox%meshes)
+               associate (mesh => gearbox%meshes(k), a => gearbox%meshes(k)%wheel_a, b => gearbox%meshes(k)%wheel_b)
+                  if (.not. mesh%rigid .or. (group(a) .eqv. group(b))) cycle
+                  associate (next => merge(b, a, group(a)))
+                     if (gearbox%wheels(next)%prescribed > 0 .and. .not. has_failed(status)) &
+                        call fail(status, code_invalid_input, "rigid contacts join two wheels whose speeds are prescribed: give" &
+                                  //" this one an elastic law", subject_mesh, k, "contact.law")
+                     mesh%i_dependent = gearbox%wheels(next)%i_psi
+                  end associate
+                  group([a, b]) = .true.
+                  used(k) = .true.
+                  found = .true.
+               end associate
+            end do
+         end do
+         reached = reached .or. group
+      end subroutine reach
+
+   end subroutine find_dependents
+
    !> The contact strip has to stay narrow beside the radii of curvature, which are smallest at the start of contact.
    !>
    !> Half width of two cylinders pressed together: sqrt(4 N rho_A rho_B/(pi E* (rho_A + rho_B))), Hertz.
@@ -280,6 +348,7 @@ contains
       real(wp) :: half_width
 
       associate (mesh => gearbox%meshes(index), a => gearbox%pairs(index)%rho_start_a, b => gearbox%pairs(index)%rho_start_b)
+         if (mesh%rigid) return
          half_width = sqrt(4*mesh%force_scale/mesh%width*a*b/(pi*mesh%e_star*(a + b)))
          if (half_width > narrow*min(a, b)) &
             call warn(gearbox, index, "under its load of about "//quantity(mesh%force_scale, "N")//" the contact strip is " &
@@ -326,7 +395,7 @@ contains
       character(len=message_length) :: warning
 
       write (warning, "(a, i0, a)") "mesh ", mesh - 1, ": "//text
-      gearbox%warnings = [gearbox%warnings, warning]
+      gearbox%warnings = [character(len=message_length) :: gearbox%warnings, warning]
    end subroutine warn
 
    !> Local variables of a mesh in terms of the state.
@@ -338,6 +407,7 @@ contains
       mesh%links = [mesh_link(at_theta, i_theta, 1.0_wp), mesh_link(at_omega, i_omega, 1.0_wp)]
       call link_wheel(gearbox, mesh, mesh%wheel_a, at_psi_a, at_psi_dot_a, at_u_a, at_v_a)
       call link_wheel(gearbox, mesh, mesh%wheel_b, at_psi_b, at_psi_dot_b, at_u_b, at_v_b)
+      if (mesh%i_normal > 0) mesh%links = [mesh%links, mesh_link(at_normal, mesh%i_normal, 1.0_wp)]
       if (mesh%i_track > 0) &
          mesh%links = [mesh%links, (mesh_link(at_track + i, mesh%i_track + i, 1.0_wp), i=0, n_track - 1)]
    end subroutine link_states

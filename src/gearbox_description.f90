@@ -1,7 +1,7 @@
 !> The description that a gearbox is made from, and whether its numbers are in range.
 module evl_gearbox_description
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use evl_contact_laws, only: law_choice, law_validate, laws_contact, laws_damping, laws_friction
+   use evl_contact_laws, only: is_rigid, is_undamped, law_choice, law_validate, laws_contact, laws_damping, laws_friction
    use evl_gearbox, only: support_bearing, support_fixed, support_slider
    use evl_kinds, only: wp
    use evl_load, only: load_constant, load_prescribed_speed, load_t, load_table, load_viscous
@@ -188,6 +188,9 @@ contains
       call check_law(laws_contact, mesh%contact, "contact", index, status)
       call check_law(laws_damping, mesh%damping, "damping", index, status)
       call check_law(laws_friction, mesh%friction, "friction", index, status)
+      if (has_failed(status) .or. .not. is_rigid(mesh%contact) .or. is_undamped(mesh%damping)) return
+      call fail(status, code_invalid_input, "a rigid contact has no penetration that could be damped: choose the damping law" &
+                //" none", subject_mesh, index, "damping.law")
    end subroutine check_mesh
 
    !> A law of a mesh; the field is named family.parameter.

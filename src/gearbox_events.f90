@@ -1,6 +1,7 @@
 !> What can happen to a gearbox, and what changes when it does.
 module evl_gearbox_events
    use evl_contact_point, only: contact_point
+   use evl_contact_laws, only: rigid_restitution
    use evl_contact_tracking, only: points_from_closed_form, project_points
    use evl_dae_residual, only: gearbox_derivative
    use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_store_mode, gearbox_t, i_theta, i_turns
@@ -9,8 +10,10 @@ module evl_gearbox_events
    use evl_load, only: load_next_knot
    use evl_local_variables, only: at_track, n_local, n_track
    use evl_mesh, only: contact_apart, contact_loaded, contact_open, contact_unloaded, mesh_contact, mesh_mode, &
-                       mesh_nominal_rho, mesh_root_directions, mesh_roots, mesh_settle_friction, n_mesh_roots, root_apart, &
-                       root_back, root_contact, root_force, root_forward, root_friction_high, root_friction_low
+                       mesh_nominal_rho, mesh_root_directions, mesh_roots, mesh_settle_friction, mesh_unclipped_force, &
+                       n_mesh_roots, root_apart, root_back, root_contact, root_force, root_forward, root_friction_high, &
+                       root_friction_low
+   use evl_multipliers, only: impact, set_multipliers
    use evl_status, only: has_failed, status_t
    implicit none (type, external)
    private
@@ -20,12 +23,13 @@ module evl_gearbox_events
 
    integer, parameter :: event_switch = 0, event_switch_back = 1, event_closed = 2, event_opened = 3, event_vanished = 4, &
                          event_returned = 5, event_sliding_began = 6, event_sliding_ended = 7, event_knot = 8, &
-                         event_revolution = 9, event_apart = 10, event_near = 11
-   integer, parameter :: n_event_kinds = 12 !! number of kinds
+                         event_revolution = 9, event_apart = 10, event_near = 11, event_impact = 12, event_impacts_ended = 13
+   integer, parameter :: n_event_kinds = 14 !! number of kinds
    character(len=18), parameter :: names(0:n_event_kinds - 1) = ["tooth_switch      ", "tooth_switch_back ", "contact_closed    ", &
                                                                  "contact_opened    ", "force_vanished    ", "force_returned    ", &
                                                                  "sliding_began     ", "sliding_ended     ", "table_knot        ", &
-                                                                 "revolution        ", "flanks_apart      ", "flanks_near       "]
+                                                                 "revolution        ", "flanks_apart      ", "flanks_near       ", &
+                                                                 "impact            ", "impacts_ended     "]
 
    real(wp), parameter :: grazing = 1.0e-6_wp !! penetration over its scale below which a vanishing force is an opening
    integer, parameter :: most_turns = 2       !! theta is reduced at events past one turn, and at this many at the latest
@@ -139,13 +143,15 @@ contains
       real(wp), intent(out) :: yp(gearbox%n_states)
       integer, intent(inout) :: integers(:)
       real(wp), intent(inout) :: reals(:)
-      type(event_t), intent(out) :: events(:) !! room for all roots and two more
+      type(event_t), intent(out) :: events(:) !! room for all roots and two more: a mesh notes fewer events than it has roots
       integer, intent(out) :: n_events
       type(status_t), intent(inout) :: status
       type(event_log) :: log
+      logical :: was_open(size(gearbox%meshes))
       integer :: i, m
 
       allocate (log%events(size(events)))
+      was_open = integers(gearbox%meshes%i_mode + 1) == contact_open
       if (time_event) then
          do i = 1, size(gearbox%loads)
             associate (load => gearbox%loads(i))
@@ -167,12 +173,85 @@ contains
          y(i_theta) = y(i_theta) - 2*pi*i
          call note(log, event_revolution)
       end if
+      if (gearbox%n_multipliers > 0) call settle_rigid(gearbox, t, fired, was_open, y, integers, reals, log, status)
       call project_tracked(gearbox, y, integers, reals)
       call housing_renormalise(gearbox%housing, y)
       events(:log%n) = log%events(:log%n)
       n_events = log%n
-      call gearbox_derivative(gearbox, t, y, integers, reals, yp, status)
+      if (.not. has_failed(status)) call gearbox_derivative(gearbox, t, y, integers, reals, yp, status)
    end subroutine gearbox_apply_event
+
+   !> Impacts of the rigid contacts that closed, then the normal forces of all; those that would have to pull open.
+   subroutine settle_rigid(gearbox, t, fired, was_open, y, integers, reals, log, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: t
+      integer, intent(in) :: fired(:)
+      logical, intent(in) :: was_open(:) !! [meshes] before the event
+      real(wp), intent(inout) :: y(gearbox%n_states)
+      integer, intent(inout) :: integers(:)
+      real(wp), intent(inout) :: reals(:)
+      type(event_log), intent(inout) :: log
+      type(status_t), intent(inout) :: status
+      logical, dimension(size(gearbox%meshes)) :: closing, rebounds, opened
+      type(mesh_mode) :: mode
+      integer :: m
+
+      closing = was_open .and. gearbox%meshes%rigid .and. fired(root_contact:n_mesh_roots*size(gearbox%meshes):n_mesh_roots) /= 0
+      if (any(closing)) then
+         call impact(gearbox, t, closing, y, integers, reals, rebounds, opened, status)
+         if (has_failed(status)) return
+         do m = 1, size(gearbox%meshes)
+            mode = gearbox_mode(gearbox, m, integers, reals)
+            if (opened(m) .and. was_open(m)) cycle
+            if (opened(m)) call note(log, event_opened, m, mode%teeth)
+            if (.not. closing(m)) cycle
+            if (rebounds(m)) mode%contact = contact_open
+            call gearbox_store_mode(gearbox, m, mode, integers, reals)
+            call note(log, merge(event_impact, event_closed, rebounds(m)), m, mode%teeth)
+            if (.not. rebounds(m) .and. rigid_restitution(gearbox%meshes(m)%contact) > 0) &
+               call note(log, event_impacts_ended, m, mode%teeth)
+         end do
+         do m = 1, size(gearbox%meshes)
+            call settle_speeds(gearbox, m, y, integers, reals, log, status)
+         end do
+         if (has_failed(status)) return
+      end if
+      call set_multipliers(gearbox, t, y, integers, reals, opened, status)
+      do m = 1, size(gearbox%meshes)
+         if (opened(m)) call note(log, event_opened, m, integers(gearbox%meshes(m)%i_mode))
+      end do
+   end subroutine settle_rigid
+
+   !> Speeds have jumped: the branches of friction, and the clip of an elastic contact's force, that belong to the new ones.
+   subroutine settle_speeds(gearbox, m, y, integers, reals, log, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: m
+      real(wp), intent(in) :: y(gearbox%n_states)
+      integer, intent(inout) :: integers(:)
+      real(wp), intent(inout) :: reals(:)
+      type(event_log), intent(inout) :: log
+      type(status_t), intent(inout) :: status
+      type(contact_point) :: point
+      type(mesh_mode) :: mode
+      real(wp) :: q(n_local), rho_a0, force
+
+      mode = gearbox_mode(gearbox, m, integers, reals)
+      if (mode%contact /= contact_loaded .and. mode%contact /= contact_unloaded) return
+      call mesh_point(gearbox, m, y, integers, mode, q, rho_a0, point)
+      if (.not. gearbox%meshes(m)%rigid) then
+         call mesh_unclipped_force(gearbox%meshes(m), m, mode, point, force, status)
+         if (has_failed(status)) return
+         if (force < 0 .and. mode%contact == contact_loaded) then
+            mode%contact = contact_unloaded
+            call note(log, event_vanished, m, mode%teeth)
+         else if (force > 0 .and. mode%contact == contact_unloaded) then
+            mode%contact = contact_loaded
+            call note(log, event_returned, m, mode%teeth)
+         end if
+      end if
+      if (mode%contact == contact_loaded) mode%friction = mesh_settle_friction(gearbox%meshes(m), point)
+      call gearbox_store_mode(gearbox, m, mode, integers, reals)
+   end subroutine settle_speeds
 
    !> Restart with the tracked points exactly on their flanks; where they cannot be put, the derivative says why.
    subroutine project_tracked(gearbox, y, integers, reals)
@@ -269,7 +348,7 @@ contains
          if (.not. fired(root_contact)) return
          mode%contact = contact_loaded
          mode%v0 = max(point%h_dot, 0.0_wp)
-         call note(log, event_closed, m, mode%teeth)
+         if (.not. gearbox%meshes(m)%rigid) call note(log, event_closed, m, mode%teeth) ! else an impact decides
       case (contact_loaded)
          if (fired(root_contact) .or. (fired(root_force) .and. point%h < grazing*gearbox%meshes(m)%h_scale)) then
             mode%contact = contact_open

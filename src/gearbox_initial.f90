@@ -10,7 +10,9 @@ module evl_gearbox_initial
    use evl_kinds, only: wp
    use evl_load, only: load_segment
    use evl_local_variables, only: at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, n_local, n_track
-   use evl_mesh, only: contact_loaded, contact_open, contact_unloaded, mesh_mode, mesh_settle_friction, mesh_unclipped_force
+   use evl_mesh, only: contact_loaded, contact_open, contact_unloaded, mesh_mode, mesh_settle_friction, mesh_t, &
+                       mesh_unclipped_force
+   use evl_multipliers, only: set_multipliers
    use evl_start_positions, only: closed_form_point, prescribed_speed, set_gaps
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_initial, subject_load, subject_mesh
    use evl_steady_state, only: find_steady_state
@@ -24,6 +26,8 @@ module evl_gearbox_initial
    integer, parameter :: initial_steady = 1 !! nothing accelerates
    integer, parameter :: initial_speeds = 2 !! given speeds
 
+   real(wp), parameter :: rounding = 1.0e-14_wp  !! relative: speeds that differ less are the same
+   real(wp), parameter :: touching = 1.0e-9_wp   !! gap over the penetration scale below which rigid flanks touch
    real(wp), parameter :: speed_agreement = 1.0e-12_wp !! relative: an initial and a prescribed speed that differ less agree
 
    type :: initial_t
@@ -60,6 +64,7 @@ contains
       integer, intent(out) :: integers(gearbox%n_integers)
       real(wp), intent(out) :: reals(size(gearbox%meshes))
       type(status_t), intent(inout) :: status
+      logical :: opened(size(gearbox%meshes))
       integer :: i
 
       y = 0
@@ -85,6 +90,8 @@ contains
       if (has_failed(status)) return
       call set_tracked(gearbox, y)
       call settle(gearbox, t, y, integers, reals, status)
+      if (has_failed(status)) return
+      call set_multipliers(gearbox, t, y, integers, reals, opened, status)
       if (has_failed(status)) return
       call gearbox_derivative(gearbox, t, y, integers, reals, yp, status)
    end subroutine gearbox_start
@@ -173,6 +180,24 @@ contains
       end do
    end subroutine set_tracked
 
+   !> A rigid contact is closed if the flanks touch and do not move relative to each other along the line of action. If they
+   !> approach it counts as open, and the first step finds the impact.
+   subroutine settle_rigid(mesh, index, point, mode, status)
+      type(mesh_t), intent(in) :: mesh
+      integer, intent(in) :: index
+      type(contact_point), intent(in) :: point
+      type(mesh_mode), intent(inout) :: mode
+      type(status_t), intent(inout) :: status
+
+      if (abs(point%h_dot) <= rounding*(abs(mesh%pair%r_ba*point%omega_a) + abs(mesh%pair%r_bb*point%omega_b)) &
+          .and. abs(point%h) <= touching*mesh%h_scale) then
+         mode%contact = contact_loaded
+      else if (point%h > touching*mesh%h_scale) then
+         call fail(status, code_invalid_input, "a rigid contact cannot start with the penetration "//quantity(point%h, "m") &
+                   //": give a gap that is not negative", subject_mesh, index, "gaps")
+      end if
+   end subroutine settle_rigid
+
    !> Contact modes and friction branches that belong to positions and speeds. Flanks that just touch count as loaded unless
    !> they move apart, or would be accelerated apart.
    subroutine settle(gearbox, t, y, integers, reals, status)
@@ -193,7 +218,10 @@ contains
             call closed_form_point(gearbox, m, y, integers(i_turns), 0, point)
             mode = gearbox_mode(gearbox, m, integers, reals)
             mode%contact = contact_open
-            if (point%h > 0) then
+            if (mesh%rigid) then
+               call settle_rigid(mesh, m, point, mode, status)
+               if (has_failed(status)) return
+            else if (point%h > 0) then
                mode%contact = contact_loaded
                call mesh_unclipped_force(mesh, m, mode, point, force, status)
                if (has_failed(status)) return

@@ -3,7 +3,7 @@
 !> Error control is absolute, each state against its own scale: the static penetration h_0 for lengths, h_0 times the contact's
 !> natural frequency for their rates, a small part of a pitch for the reference angle.
 module evl_gearbox_scaling
-   use evl_contact_laws, only: contact_context, elastic_force, elastic_result, penetration_from_force
+   use evl_contact_laws, only: contact_context, elastic_force, elastic_result, law_choice, penetration_from_force
    use evl_gearbox, only: gearbox_t, i_omega, i_theta
    use evl_housing, only: n_housing_states
    use evl_housing_scaling, only: housing_scales
@@ -19,6 +19,7 @@ module evl_gearbox_scaling
 
    real(wp), parameter :: angle_share = 0.2_wp     !! scale of theta times the reference wheel's teeth: 1e-2 rad at 20 teeth
    real(wp), parameter :: track_factor = 3.0_wp    !! scale of zeta, and of turn times rho, over h_0
+   real(wp), parameter :: multiplier_factor = 1.0e3_wp !! scale of a multiplier over the force: it follows from the rest
    real(wp), parameter :: smallest_load = 1.0e-9_wp !! force scale of an unloaded mesh over b pi E* rho
    real(wp), parameter :: spin_up = 1.0_wp         !! time in which torques alone would give the speed scale [s]
 
@@ -102,11 +103,18 @@ contains
 
       ctx = nominal_context(mesh)
       do
-         call penetration_from_force(mesh%contact, ctx, force, h, code)
+         call penetration_from_force(elastic_law(mesh), ctx, force, h, code)
          if (code == code_ok) exit
          force = force/2
       end do
    end subroutine static_penetration
+
+   !> The law that tells how large penetrations are: the mesh's own, or the first of the table for a rigid contact.
+   pure type(law_choice) function elastic_law(mesh) result(choice)
+      type(mesh_t), intent(in) :: mesh
+
+      if (.not. mesh%rigid) choice = mesh%contact
+   end function elastic_law
 
    !> A contact in the middle of the line of action.
    pure type(contact_context) function nominal_context(mesh) result(ctx)
@@ -162,6 +170,14 @@ contains
       if (gearbox%housing%is_mounted) &
          row(gearbox%housing%i_state:gearbox%housing%i_state + n_housing_states - 1) = housing_row
       do i = 1, size(gearbox%meshes)
+         associate (mesh => gearbox%meshes(i))
+            if (mesh%i_normal == 0) cycle
+            state(mesh%i_normal) = multiplier_factor*mesh%force_scale
+            row(mesh%i_normal) = mesh%force_scale
+            differential(mesh%i_normal) = 0
+         end associate
+      end do
+      do i = 1, size(gearbox%meshes)
          associate (mesh => gearbox%meshes(i), first => gearbox%meshes(i)%i_track)
             if (first == 0) cycle
             state(first:first + n_track - 1) = [track_factor*h(i)/mesh%pair%rho_0, track_factor*h(i), h(i), h(i), 1.0_wp, &
@@ -191,7 +207,7 @@ contains
       call static_penetration(mesh, force, h)
       ctx = nominal_context(mesh)
       ctx%h = h
-      call elastic_force(mesh%contact, ctx, elastic, code)
+      call elastic_force(elastic_law(mesh), ctx, elastic, code)
       associate (a => gearbox%wheels(mesh%wheel_a), b => gearbox%wheels(mesh%wheel_b))
          mobility = a%base_radius**2/a%inertia + b%base_radius**2/b%inertia
          frequency = sqrt(elastic%d_h*mobility)

@@ -48,6 +48,7 @@ contains
          end associate
       end do
       do i = 1, size(gearbox%meshes)
+         if (gearbox%meshes(i)%i_normal > 0 .and. index == gearbox%meshes(i)%i_normal) call set("multiplier", "N", i)
          j = index - gearbox%meshes(i)%i_track + 1
          if (gearbox%meshes(i)%i_track > 0 .and. j >= 1 .and. j <= n_track) &
             call set(trim(track_names(j)), trim(track_units(j)), i)

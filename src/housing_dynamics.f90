@@ -3,7 +3,8 @@
 !> Source: docs/housing.md, section 3. Both balances are about the origin of the housing frame and in its components; contact
 !> forces cancel in them.
 module evl_housing_dynamics
-   use evl_gearbox, only: gearbox_rates, gearbox_t, i_omega, wheel_follows_ground, wheel_position, wheel_speed, wheel_t
+   use evl_gearbox, only: gearbox_rates, gearbox_t, i_omega, multiplier_row, wheel_follows_ground, wheel_position, wheel_speed, &
+                          wheel_t
    use evl_housing, only: apparent_acceleration, at_omega, at_velocity, frame_acceleration, frame_t, housing_frame, wheel_moment
    use evl_kinds, only: wp
    use evl_lapack, only: dgesv
@@ -149,10 +150,14 @@ contains
       real(wp), intent(in) :: reals(:)
       real(wp), intent(out) :: f(gearbox%n_states)
       type(status_t), intent(inout) :: status !! code_out_of_domain or code_singular
+      integer :: i
 
       call gearbox_rates(gearbox, t, y, integers, reals, f, status)
       if (has_failed(status) .or. .not. gearbox%housing%is_mounted) return
       call solve_accelerations(gearbox, t, y, f, status)
+      do i = 1, size(gearbox%meshes)
+         if (gearbox%meshes(i)%rigid) call multiplier_row(gearbox, i, y, integers, reals, f)
+      end do
    end subroutine coupled_rates
 
    !> Solve dF/dy' y' = -F(y, 0): the equations are linear in y'. All rates but v' and Omega' depend on these two alone, which

@@ -81,24 +81,25 @@ contains
       h = force/(pi*e_star)*(-log(max(ratio, smallest_ratio)) - 1.0_wp)
    end subroutine johnson_penetration
 
-   !> Elastic energy per unit width at penetration h, reached with rho_sum growing by as much as h.
+   !> Elastic energy per unit width at penetration h, reached with rho_sum growing in proportion to h.
    !>
-   !> In a mesh rho_A + rho_B = rho + h, rho being the length of the line of action, so dV = N dh along that path. With
-   !> L = ln(4 pi E* rho_sum/N):
+   !> In a mesh rho_A + rho_B = rho + h, rho being the length of the line of action, so dV = N dh along that path, with
+   !> growth g = 1. With L = ln(4 pi E* rho_sum/N):
    !>
-   !>    V = N**2/(2 pi E*) (L - 3/2) + N**3 (L - 5/3)/(6 (pi E*)**2 rho_sum)
-   !>        + N**4 (24 L**2 - 28 L - 23)/(576 (pi E*)**3 rho_sum**2) + ...
+   !>    V = N**2/(2 pi E*) (L - 3/2) + g N**3 (L - 5/3)/(6 (pi E*)**2 rho_sum)
+   !>        + g**2 N**4 (24 L**2 - 28 L - 23)/(576 (pi E*)**3 rho_sum**2) + ...
    !>
    !> The first term is the energy at constant radii; each further one is minus the integral over h of the derivative of
    !> the one before it to rho_sum. What is left out is of the relative order (h/rho_sum)**3: below 1e-13 for
    !> h < 3e-4 rho_sum, past what steel bears.
    !>
    !> Source: integral of (13); the terms after the first are derived here.   Valid: as johnson_force; even in h
-   elemental subroutine johnson_potential(h, rho_sum, e_star, potential, constant_radii, code)
+   elemental subroutine johnson_potential(h, rho_sum, e_star, growth, potential, constant_radii, code)
       real(wp), intent(in) :: h               !! penetration [m]
       real(wp), intent(in) :: rho_sum         !! sum of the radii of curvature at h [m], > 0
       real(wp), intent(in) :: e_star          !! effective modulus [Pa], > 0
-      real(wp), intent(out) :: potential      !! V along rho_sum = rho + h [J/m]; 0 on error
+      real(wp), intent(in) :: growth          !! g = d(rho_sum)/dh along the path: 1 in a mesh, 0 at constant radii
+      real(wp), intent(out) :: potential      !! V along the path [J/m]; 0 on error
       real(wp), intent(out) :: constant_radii !! the first term alone [J/m]; 0 on error
       integer, intent(out) :: code            !! code_ok or code_out_of_domain
       real(wp) :: force, d_h, d_rho, log_ratio, share
@@ -108,7 +109,7 @@ contains
       call johnson_force(abs(h), rho_sum, e_star, force, d_h, d_rho, code)
       if (code /= code_ok .or. .not. force > 0.0_wp) return
       log_ratio = 1.0_wp + pi*e_star*abs(h)/force
-      share = force/(pi*e_star*rho_sum)
+      share = growth*force/(pi*e_star*rho_sum)
       constant_radii = force**2/(2.0_wp*pi*e_star)*(log_ratio - 1.5_wp)
       potential = constant_radii + force**2/(2.0_wp*pi*e_star)*share &
                   *((log_ratio - 5.0_wp/3.0_wp)/3.0_wp &

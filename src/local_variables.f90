@@ -9,9 +9,9 @@ module evl_local_variables
 
    public :: n_local, n_track, unit
    public :: at_theta, at_psi_a, at_psi_b, at_u_a, at_u_b, at_omega, at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b
-   public :: at_track, at_turn, at_zeta, at_dr, at_lambda, at_mu
+   public :: at_track, at_turn, at_zeta, at_dr, at_lambda, at_mu, at_normal
 
-   integer, parameter :: n_local = 20      !! variables that one mesh sees
+   integer, parameter :: n_local = 21      !! variables that one mesh sees
    integer, parameter :: n_track = 6       !! tracked variables of a mesh: turn, zeta, dr (2), lambda, mu
    integer, parameter :: at_theta = 1      !! reference angle theta [rad]
    integer, parameter :: at_psi_a = 2      !! angle deviation psi_A [rad]
@@ -23,11 +23,12 @@ module evl_local_variables
    integer, parameter :: at_psi_dot_b = 10 !! psi_B' [rad/s]
    integer, parameter :: at_v_a = 11       !! velocity of axle A (t_0, e_0) [m/s], two places
    integer, parameter :: at_v_b = 13       !! velocity of axle B (t_0, e_0) [m/s], two places
-   integer, parameter :: at_turn = 15      !! angle from e_0 to A's normal at P_A [rad]
-   integer, parameter :: at_zeta = 16      !! radius of curvature of A at P_A less rho_A0 [m]
-   integer, parameter :: at_dr = 17        !! dr = r_PB - r_PA [m], two places
-   integer, parameter :: at_lambda = 19    !! lambda of (1) [1]
-   integer, parameter :: at_mu = 20        !! mu of (1) [m^2]
+   integer, parameter :: at_normal = 15    !! normal force of a rigid contact, the multiplier of its constraint [N]
+   integer, parameter :: at_turn = 16      !! angle from e_0 to A's normal at P_A [rad]
+   integer, parameter :: at_zeta = 17      !! radius of curvature of A at P_A less rho_A0 [m]
+   integer, parameter :: at_dr = 18        !! dr = r_PB - r_PA [m], two places
+   integer, parameter :: at_lambda = 20    !! lambda of (1) [1]
+   integer, parameter :: at_mu = 21        !! mu of (1) [m^2]
    integer, parameter :: at_track = at_turn !! first tracked variable
 
 contains

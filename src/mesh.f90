@@ -4,11 +4,12 @@
 module evl_mesh
    use evl_closed_form, only: centre_line_turn, closed_form_gap, gradient_closed_form, track_closed_form
    use evl_contact_laws, only: contact_context, elastic_force, elastic_limit_message, elastic_potential, elastic_result, &
-                               friction_factor, friction_knee, friction_mode, law_choice, viscous_force
+                               friction_factor, friction_knee, friction_mode, is_rigid, law_choice, viscous_force, &
+                               viscous_result
    use evl_contact_point, only: contact_gradient, contact_point, tracked_pair
    use evl_contact_tracking, only: gradient_points, track_points
-   use evl_kinds, only: wp
-   use evl_local_variables, only: at_psi_a, n_local
+   use evl_kinds, only: pi, wp
+   use evl_local_variables, only: at_normal, at_psi_a, n_local, unit
    use evl_status, only: code_ok, code_out_of_domain, fail, quantity, status_t, subject_mesh
    implicit none (type, external)
    private
@@ -52,6 +53,7 @@ module evl_mesh
       integer :: wheel_a = 0, wheel_b = 0 !! driving and driven wheel
       type(tracked_pair) :: pair          !! geometry for the tracking
       type(law_choice) :: contact, damping, friction
+      logical :: rigid = .false.          !! contact is a constraint
       integer :: tracking = tracking_closed_form
       real(wp) :: e_star = 0.0_wp         !! effective modulus [Pa]
       real(wp) :: width = 0.0_wp          !! common face width [m]
@@ -65,6 +67,9 @@ module evl_mesh
       real(wp) :: force_scale = 0.0_wp    !! normal force that the loads suggest [N]
       real(wp) :: h_scale = 0.0_wp        !! its penetration [m]
       type(mesh_link), allocatable :: links(:) !! local variables in terms of the state
+      integer :: i_normal = 0             !! multiplier of a rigid contact in the state; 0 if none
+      integer :: i_dependent = 0          !! deviation of the wheel that a closed rigid contact determines
+      real(wp) :: mobility = 0.0_wp       !! r_bA^2/J_A + r_bB^2/J_B [1/kg]
       integer :: i_track = 0              !! first tracked variable in the state; 0 if none
       integer :: i_mode = 0               !! place of its three integers in the discrete state
    end type mesh_t
@@ -85,7 +90,7 @@ module evl_mesh
       real(wp) :: friction = 0.0_wp !! F_t along t on A [N]
       real(wp) :: torque_a = 0.0_wp, torque_b = 0.0_wp !! on the wheels [N m]
       real(wp) :: on_a(2) = 0.0_wp  !! force on A in (t_0, e_0) [N]
-      real(wp) :: dissipation = 0.0_wp !! power lost to damping, clipping and friction [W]
+      real(wp) :: dissipation = 0.0_wp !! power lost to damping, clipping, friction and changing radii [W]
    end type mesh_force
 
    !> Derivatives of the forces with respect to the local variables.
@@ -142,18 +147,20 @@ contains
       type(contact_point), intent(in) :: point
       type(mesh_force), intent(out) :: force
       type(status_t), intent(inout) :: status !! code_out_of_domain if a limit of the law or of the involutes is passed
-      real(wp) :: factor, d_v, d_h, d_h_dot
+      real(wp) :: factor, d_v
       type(elastic_result) :: elastic
+      type(viscous_result) :: viscous
 
       if (mode%contact == contact_open .or. mode%contact == contact_apart) return
       if (.not. (point%exists .and. point%rho_a > 0 .and. point%rho_b > 0)) then
          call left_involute(point, index, status)
          return
       end if
-      call contact_law(mesh, index, mode, point, elastic, force%viscous, d_h, d_h_dot, status)
+      call contact_law(mesh, index, mode, point, elastic, viscous, status)
       force%elastic = elastic%force
+      force%viscous = viscous%force
       if (mode%contact == contact_unloaded) then
-         force%dissipation = -force%elastic*point%h_dot
+         force%dissipation = -force%elastic*point%h_dot - elastic%d_energy*point%rho_dot
          return
       end if
       force%normal = force%elastic + force%viscous
@@ -165,29 +172,34 @@ contains
       end associate
       force%on_a(1) = force%normal*point%s + force%friction*point%c
       force%on_a(2) = -force%normal*point%c + force%friction*point%s
-      force%dissipation = force%viscous*point%h_dot - force%friction*point%v_t
+      force%dissipation = force%viscous*point%h_dot - force%friction*point%v_t - elastic%d_energy*point%rho_dot
    end subroutine mesh_forces
 
    !> Elastic and viscous force with derivatives.
-   subroutine contact_law(mesh, index, mode, point, elastic, viscous, d_h, d_h_dot, status)
+   subroutine contact_law(mesh, index, mode, point, elastic, viscous, status)
       type(mesh_t), intent(in) :: mesh
       integer, intent(in) :: index
       type(mesh_mode), intent(in) :: mode
       type(contact_point), intent(in) :: point
       type(elastic_result), intent(out) :: elastic
-      real(wp), intent(out) :: viscous, d_h, d_h_dot
+      type(viscous_result), intent(out) :: viscous
       type(status_t), intent(inout) :: status
       type(contact_context) :: ctx
       character(len=len(status%message)) :: message
       integer :: code
 
+      if (mesh%rigid) then
+         elastic = elastic_result(force=point%multiplier)
+         viscous = viscous_result()
+         return
+      end if
       ctx = context_of(mesh, point, mode%v0)
       call elastic_force(mesh%contact, ctx, elastic, code)
       if (code /= code_ok) then
          call elastic_limit_message(mesh%contact, ctx, message)
          call fail(status, code, message, subject_mesh, index, "contact")
       end if
-      call viscous_force(mesh%damping, ctx, elastic, viscous, d_h, d_h_dot)
+      call viscous_force(mesh%damping, ctx, elastic, viscous)
    end subroutine contact_law
 
    !> The contact has left an involute: say which radius of curvature ran out.
@@ -216,8 +228,9 @@ contains
       type(status_t), intent(inout) :: status
       type(contact_gradient) :: d
       type(elastic_result) :: elastic
-      real(wp) :: viscous, d_h, d_h_dot, factor, d_v
-      real(wp), dimension(n_local) :: d_elastic, d_viscous, d_normal, d_friction
+      type(viscous_result) :: viscous
+      real(wp) :: factor, d_v
+      real(wp), dimension(n_local) :: d_rho_sum, d_energy, d_elastic, d_viscous, d_normal, d_friction
 
       gradient%torque_a = 0
       gradient%torque_b = 0
@@ -229,13 +242,21 @@ contains
       else
          call gradient_points(mesh%pair, rho_a0, q, point, d)
       end if
-      call contact_law(mesh, index, mode, point, elastic, viscous, d_h, d_h_dot, status)
-      d_elastic = elastic%d_h*d%h + elastic%d_rho*(d%rho_a + d%rho_b)
+      call contact_law(mesh, index, mode, point, elastic, viscous, status)
+      d_rho_sum = d%rho_a + d%rho_b
+      d_elastic = elastic%d_h*d%h + elastic%d_rho*d_rho_sum
+      ! dV/drho_sum changes with h as the force does with rho_sum
+      associate (rho_sum => point%rho_a + point%rho_b)
+         d_energy = elastic%d_rho*(d%h - elastic%force/(pi*mesh%e_star*mesh%width*rho_sum)*d_rho_sum) &
+                    - elastic%d_energy/rho_sum*d_rho_sum
+      end associate
+      gradient%dissipation = -d_energy*point%rho_dot - elastic%d_energy*d%rho_dot
       if (mode%contact == contact_unloaded) then
-         gradient%dissipation = -d_elastic*point%h_dot - elastic%force*d%h_dot
+         gradient%dissipation = gradient%dissipation - d_elastic*point%h_dot - elastic%force*d%h_dot
          return
       end if
-      d_viscous = d_h*d%h + d_h_dot*d%h_dot
+      if (mesh%rigid) d_elastic = unit(at_normal, 1.0_wp)
+      d_viscous = viscous%d_h*d%h + viscous%d_rho*d_rho_sum + viscous%d_h_dot*d%h_dot
       d_normal = d_elastic + d_viscous
       call friction_factor(mesh%friction, mode%friction, point%v_t, factor, d_v)
       d_friction = -factor*d_normal - force%normal*d_v*d%v_t
@@ -245,7 +266,8 @@ contains
       end associate
       gradient%on_a(:, 1) = point%s*d_normal + point%c*d_friction - force%on_a(2)*d%angle
       gradient%on_a(:, 2) = -point%c*d_normal + point%s*d_friction + force%on_a(1)*d%angle
-      gradient%dissipation = d_viscous*point%h_dot + viscous*d%h_dot - d_friction*point%v_t - force%friction*d%v_t
+      gradient%dissipation = gradient%dissipation + d_viscous*point%h_dot + viscous%force*d%h_dot - d_friction*point%v_t &
+                             - force%friction*d%v_t
    end subroutine mesh_gradient
 
    !> Elastic energy stored in the contact [J]; 0 without penetration.
@@ -255,6 +277,7 @@ contains
       type(contact_point), intent(in) :: point
 
       energy = 0
+      if (mesh%rigid) return
       if (mode%contact == contact_loaded .or. mode%contact == contact_unloaded) &
          call elastic_potential(mesh%contact, context_of(mesh, point, mode%v0), energy)
    end function mesh_energy
@@ -268,10 +291,10 @@ contains
       real(wp), intent(out) :: force
       type(status_t), intent(inout) :: status
       type(elastic_result) :: elastic
-      real(wp) :: viscous, d_h, d_h_dot
+      type(viscous_result) :: viscous
 
-      call contact_law(mesh, index, mode, point, elastic, viscous, d_h, d_h_dot, status)
-      force = elastic%force + viscous
+      call contact_law(mesh, index, mode, point, elastic, viscous, status)
+      force = elastic%force + viscous%force
    end subroutine mesh_unclipped_force
 
    !> By how much the driving wheel has moved on since the last switch, as an arc of its base circle [m].
@@ -306,7 +329,7 @@ contains
       touching = mode%contact == contact_loaded .or. mode%contact == contact_unloaded
       if (mode%contact == contact_open) roots(root_contact) = point%h/mesh%h_scale - past
       if (touching) then
-         roots(root_contact) = point%h/mesh%h_scale + past
+         if (.not. mesh%rigid) roots(root_contact) = point%h/mesh%h_scale + past
          call mesh_unclipped_force(mesh, index, mode, point, force, status)
          roots(root_force) = force/mesh%force_scale + merge(past, -past, mode%contact == contact_loaded)
       end if

@@ -11,8 +11,8 @@ module evl_output_table
    use evl_housing_outputs, only: add_mesh_reaction, ground_energies, housing_outputs, n_housing_outputs, put_housing
    use evl_kinds, only: pi, wp
    use evl_local_variables, only: at_lambda, at_psi_a, at_psi_b, at_track, n_local, n_track
-   use evl_mesh, only: contact_apart, mesh_contact, mesh_energy, mesh_force, mesh_forces, mesh_mode, mesh_nominal_rho, &
-                       tracking_closed_form
+   use evl_mesh, only: contact_apart, contact_loaded, mesh_contact, mesh_energy, mesh_force, mesh_forces, mesh_mode, &
+                       mesh_nominal_rho, tracking_closed_form
    use evl_output, only: dims_mesh, dims_mesh_axis, dims_none, dims_quaternion, dims_space, dims_wheel, dims_wheel_axis, &
                          dims_wheel_space, output_t
    use evl_status, only: has_failed, status_t
@@ -21,8 +21,8 @@ module evl_output_table
 
    public :: n_outputs, gearbox_output_table, gearbox_outputs, count_values
 
-   integer, parameter :: n_wheel_constants = 7, n_mesh_constants = 15, n_gearbox_histories = 6, n_wheel_histories = 7, &
-                         n_mesh_histories = 19
+   integer, parameter :: n_wheel_constants = 7, n_mesh_constants = 16, n_gearbox_histories = 6, n_wheel_histories = 7, &
+                         n_mesh_histories = 20
    integer, parameter :: n_outputs = n_wheel_constants + n_mesh_constants + n_gearbox_histories + n_wheel_histories &
                          + n_mesh_histories + n_housing_outputs !! entries of the table
 
@@ -113,6 +113,8 @@ contains
                        .true.)
       t(14) = output_t("reference_force", "N", "F_0", "normal force that the loads suggest", dims_mesh, .true.)
       t(15) = output_t("reference_penetration", "m", "h_0", "penetration under the reference force", dims_mesh, .true.)
+      t(16) = output_t("rigid_contact", "1", "", "1 if the contact is rigid: a constraint without penetration", dims_mesh, &
+                       .true., .true.)
    end function mesh_constants
 
    pure function gearbox_histories() result(t)
@@ -165,8 +167,9 @@ contains
       t(16) = output_t("in_contact", "1", "", "1 if the flanks overlap", dims_mesh, is_integer=.true.)
       t(17) = output_t("contact_mode", "1", "", "0 open, 1 loaded, 2 overlapping without force, 3 too far apart to track", &
                        dims_mesh, is_integer=.true.)
-      t(18) = output_t("contact_point_driving", "m", "P_A", "contact point on the driving flank", dims_mesh_axis)
-      t(19) = output_t("contact_point_driven", "m", "P_B", "contact point on the driven flank", dims_mesh_axis)
+      t(18) = output_t("gap_rate", "m s-1", "kappa'", "rate of the gap", dims_mesh)
+      t(19) = output_t("contact_point_driving", "m", "P_A", "contact point on the driving flank", dims_mesh_axis)
+      t(20) = output_t("contact_point_driven", "m", "P_B", "contact point on the driven flank", dims_mesh_axis)
    end function mesh_histories
 
    !> All values at a state, in the order of the table.
@@ -249,7 +252,8 @@ contains
          associate (mesh => gearbox%meshes(i), pair => gearbox%pairs(i))
             values(i, :) = [real(mesh%wheel_a - 1, wp), real(mesh%wheel_b - 1, wp), mesh%pair%sigma, real(mesh%tracking, wp), &
                             pair%chi, pair%alpha_w, mesh%base_pitch, mesh%pair%rho_0, pair%rho_start_a, pair%rho_start_b, &
-                            mesh%width, mesh%e_star, mesh%pair%share_a, mesh%force_scale, mesh%h_scale]
+                            mesh%width, mesh%e_star, mesh%pair%share_a, mesh%force_scale, mesh%h_scale, &
+                            merge(1.0_wp, 0.0_wp, mesh%rigid)]
          end associate
       end do
    end subroutine put_mesh_constants
@@ -305,7 +309,7 @@ contains
       type(mesh_force) :: force
       type(mesh_mode) :: mode
       real(wp) :: q(n_local), rho_a0, transmission_error, tracked(5), residual(n_track), point_a(2), point_b(2)
-      logical :: exists
+      logical :: exists, in_contact
 
       associate (mesh => gearbox%meshes(index))
          mode = gearbox_mode(gearbox, index, integers, reals)
@@ -324,6 +328,8 @@ contains
          associate (p => mesh%pair)
             transmission_error = -p%sigma*(p%r_ba*q(at_psi_a) + p%r_bb*q(at_psi_b) - (p%r_ba + p%r_bb)*centre_line_turn(p, q))
          end associate
+         in_contact = point%h > 0
+         if (mesh%rigid) in_contact = mode%contact == contact_loaded
          tracked = ieee_value(tracked, ieee_quiet_nan)
          if (mesh%tracking == tracking_closed_form .or. mode%contact == contact_apart) then
             call points_from_closed_form(mesh%pair, q, q(at_track:))
@@ -334,8 +340,8 @@ contains
          end if
          scalars(index, :) = [transmission_error, max(point%h, 0.0_wp), -point%h, &
                               closed_form_gap(mesh%pair, q) + transmission_error, force%normal, force%friction, point%v_t, &
-                              point%l_a, point%l_b, tracked, real(mode%teeth, wp), merge(1.0_wp, 0.0_wp, point%h > 0), &
-                              real(mode%contact, wp)]
+                              point%l_a, point%l_b, tracked, real(mode%teeth, wp), merge(1.0_wp, 0.0_wp, in_contact), &
+                              real(mode%contact, wp), -point%h_dot]
          call tracked_positions(mesh%pair, rho_a0, q, point_a, point_b)
          pairs(:, index, 1) = mesh%k_a0 + point_a(1)*mesh%t_0 + point_a(2)*mesh%e_0
          pairs(:, index, 2) = mesh%k_a0 + point_b(1)*mesh%t_0 + point_b(2)*mesh%e_0

@@ -4,7 +4,7 @@ module evl_steady_state
    use evl_contact_point, only: contact_point
    use evl_dae_jacobian, only: gearbox_jacobian
    use evl_dae_residual, only: gearbox_residual
-   use evl_gearbox, only: gearbox_mode, gearbox_rates, gearbox_store_mode, gearbox_t, i_omega
+   use evl_gearbox, only: gearbox_mode, gearbox_store_mode, gearbox_t, i_omega, i_theta
    use evl_gearbox_scaling, only: gearbox_likely_speed, gearbox_state_scales
    use evl_housing, only: at_omega, at_position, at_velocity, housing_prescribed, housing_turn_columns, housing_take_turn
    use evl_kinds, only: wp
@@ -43,6 +43,10 @@ contains
       closed%meshes%i_track = 0
       unknown = [(gearbox%wheels(i)%i_psi, i=1, size(gearbox%wheels))]
       row = unknown + 1
+      do i = 1, size(gearbox%meshes)
+         ! a rigid contact determines a position by kappa = 0, and its multiplier is unknown instead
+         if (gearbox%meshes(i)%rigid) row = merge(unknown, row, unknown == gearbox%meshes(i)%i_dependent .and. unknown > 0)
+      end do
       unknown(gearbox%reference) = i_omega
       row(gearbox%reference) = i_omega
       if (gearbox%wheels(gearbox%reference)%prescribed > 0) then
@@ -63,7 +67,10 @@ contains
          unknown = [unknown, (gearbox%housing%i_state + at_position + i, i=0, 2), (gearbox%housing%i_state + at_omega + i, i=0, 2)]
          row = [row, (gearbox%housing%i_state + at_velocity + i, i=0, 5)]
       end if
-      call set_gaps(gearbox, gearbox%meshes%h_scale, y)
+      unknown = [unknown, pack(gearbox%meshes%i_normal, gearbox%meshes%rigid)]
+      row = [row, pack(gearbox%meshes%i_normal, gearbox%meshes%rigid)]
+      call set_gaps(gearbox, merge(0.0_wp, gearbox%meshes%h_scale, gearbox%meshes%rigid), y)
+      y(pack(gearbox%meshes%i_normal, gearbox%meshes%rigid)) = pack(gearbox%meshes%force_scale, gearbox%meshes%rigid)
       do turn = 1, 3 ! friction branches depend on the speed, the speed on friction
          call load_all(closed, y, integers, reals)
          call newton(closed, t, unknown, row, y, integers, reals, status)
@@ -147,7 +154,8 @@ contains
       end do
    end subroutine load_all
 
-   !> Solve f(row) = 0 for y(unknown), halving corrections that leave the domain or do not reduce the scaled residual.
+   !> Solve F(row) = 0 for y(unknown) where nothing but theta moves, halving corrections that leave the domain or do not reduce the
+   !> scaled residual.
    subroutine newton(gearbox, t, unknown, row, y, integers, reals, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t
@@ -163,7 +171,7 @@ contains
       call gearbox_state_scales(gearbox, [real(wp) ::], scale, row_scale, differential)
       zero = 0
       last = huge(last)
-      call imbalance(gearbox, t, y, integers, reals, f, status)
+      call steady_residual(gearbox, t, y, integers, reals, f, status)
       do turn = 1, max_newton
          if (has_failed(status)) return
          size_now = norm2(f(row)/row_scale(row))
@@ -171,7 +179,7 @@ contains
          if (gearbox%housing%is_mounted) call housing_turn_columns(gearbox%housing, y, jacobian)
          matrix = jacobian(row, unknown)
          matrix = matrix*spread(scale(unknown), 1, size(row))/spread(row_scale(row), 2, size(row))
-         step(:, 1) = f(row)/row_scale(row)
+         step(:, 1) = -f(row)/row_scale(row)
          call dgesv(size(row), 1, matrix, size(row), pivots, step, size(row), info)
          if (info /= 0 .or. .not. all(ieee_is_finite(step))) then
             call undetermined(gearbox, status)
@@ -183,7 +191,7 @@ contains
             trial(unknown) = y(unknown) + share*step(:, 1)*scale(unknown)
             if (gearbox%housing%is_mounted) call housing_take_turn(gearbox%housing, trial)
             call clear(status)
-            call imbalance(gearbox, t, trial, integers, reals, f, status)
+            call steady_residual(gearbox, t, trial, integers, reals, f, status)
             size_trial = norm2(f(row)/row_scale(row))
             if (.not. has_failed(status) .and. (size_trial < size_now .or. norm2(step) < 1.0e-6_wp)) exit
             share = share/2
@@ -212,25 +220,19 @@ contains
       end if
    end subroutine undetermined
 
-   !> What accelerates at a state: rates of the speeds; of a mounted housing the force and the moment that are not balanced.
-   subroutine imbalance(gearbox, t, y, integers, reals, f, status)
+   !> The residual where nothing but theta moves.
+   subroutine steady_residual(gearbox, t, y, integers, reals, residual, status)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(gearbox%n_states)
+      real(wp), intent(in) :: t, y(gearbox%n_states), reals(:)
       integer, intent(in) :: integers(:)
-      real(wp), intent(in) :: reals(:)
-      real(wp), intent(out) :: f(gearbox%n_states)
+      real(wp), intent(out) :: residual(gearbox%n_states)
       type(status_t), intent(inout) :: status
-      real(wp) :: none(gearbox%n_states)
+      real(wp) :: yp(gearbox%n_states)
 
-      if (.not. gearbox%housing%is_mounted) then
-         call gearbox_rates(gearbox, t, y, integers, reals, f, status)
-         return
-      end if
-      none = 0
-      call gearbox_residual(gearbox, t, y, none, integers, reals, f, status)
-      f = -f
-   end subroutine imbalance
+      yp = 0
+      yp(i_theta) = y(i_omega)
+      call gearbox_residual(gearbox, t, y, yp, integers, reals, residual, status)
+   end subroutine steady_residual
 
    !> In the steady state every flank pushes.
    subroutine check_pressed(gearbox, y, status)
@@ -242,7 +244,7 @@ contains
 
       do m = 1, size(gearbox%meshes)
          call closed_form_point(gearbox, m, y, 0, 0, point)
-         if (point%h > 0) cycle
+         if (point%h > 0 .or. (gearbox%meshes(m)%rigid .and. y(max(1, gearbox%meshes(m)%i_normal)) > 0)) cycle
          call fail(status, code_no_solution, "there is no steady state: this flank would have to pull (penetration " &
                    //quantity(point%h, "m")//"); the loads turn the wheels against driving_rotation", subject_mesh, m, &
                    "driving_rotation")

@@ -57,6 +57,18 @@ class Curve:
 
     label: str
     values: xr.DataArray  # dim (time)
+    style: int | None = None  # number in `LINES`; that of its place in the panel if None
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One pair of axes over time."""
+
+    ylabel: str
+    curves: list[Curve]
+    title: str = ""  # shown if there are several panels
+    events: xr.Dataset | None = None  # as from `open_events`; marked if given
+    window: tuple[float, float] | None = None  # the times that are shown [s]; all if None
 
 
 def figure_penetration(history: xr.Dataset, events: xr.Dataset | None = None) -> Figure:
@@ -70,8 +82,8 @@ def figure_penetration(history: xr.Dataset, events: xr.Dataset | None = None) ->
     Source: Kosenko & Gusev 2011, Figure 3.
     """
     panels = [
-        (
-            _panel_title(history, mesh),
+        Panel(
+            "length along the line of action",
             [
                 Curve(f"{label} ${symbol}$", require(history, name).isel(mesh=mesh))
                 for name, label, symbol in (
@@ -79,11 +91,12 @@ def figure_penetration(history: xr.Dataset, events: xr.Dataset | None = None) ->
                     ("penetration", "penetration", "h"),
                 )
             ],
+            _panel_title(history, mesh),
             _of_mesh(events, mesh),
         )
         for mesh in range(history.sizes["mesh"])
     ]
-    return _figure(panels, "length along the line of action")
+    return figure_over_time(panels)
 
 
 def figure_transmission_error(
@@ -100,24 +113,25 @@ def figure_transmission_error(
     Source: Kosenko & Gusev 2011, (19) and Figure 4.
     """
     panels = [
-        (
-            _panel_title(histories[0], mesh),
+        Panel(
+            r"transmission error $\Delta$",
             [
                 Curve(label, require(history, "transmission_error").isel(mesh=mesh))
                 for history, label in zip(histories, labels, strict=True)
             ],
+            _panel_title(histories[0], mesh),
             _of_mesh(events, mesh),
         )
         for mesh in range(histories[0].sizes["mesh"])
     ]
-    return _figure(panels, r"transmission error $\Delta$")
+    return figure_over_time(panels)
 
 
 def figure_normal_force(history: xr.Dataset, events: xr.Dataset | None = None) -> Figure:
     """Draw the normal force F_n [N] of every mesh over time, dims (time, mesh)."""
     force = require(history, "normal_force")
     curves = [Curve(_name(history, "mesh", m), force.isel(mesh=m)) for m in range(force.mesh.size)]
-    return _figure([("", curves, events)], "normal force $F_n$")
+    return figure_over_time([Panel("normal force $F_n$", curves, events=events)])
 
 
 def figure_speeds(history: xr.Dataset, events: xr.Dataset | None = None) -> Figure:
@@ -126,7 +140,29 @@ def figure_speeds(history: xr.Dataset, events: xr.Dataset | None = None) -> Figu
     curves = [
         Curve(_name(history, "wheel", w), speed.isel(wheel=w)) for w in range(speed.wheel.size)
     ]
-    return _figure([("", curves, events)], r"angular velocity $\omega$")
+    return figure_over_time([Panel(r"angular velocity $\omega$", curves, events=events)])
+
+
+def figure_over_time(panels: Sequence[Panel]) -> Figure:
+    """Draw panels below each other, their curves named above and their events below.
+
+    The panels share the time axis unless one of them shows a window of its own.
+    """
+    shared = all(panel.window is None for panel in panels)
+    with rc_context(STYLE):
+        figure = Figure(figsize=(7.5, 1.9 + 2.7 * len(panels)), layout="constrained")
+        axes = figure.subplots(len(panels), 1, sharex=shared, squeeze=False)[:, 0]
+        marks: set[str] = set()
+        for axis, panel in zip(axes, panels, strict=True):
+            _draw(axis, panel)
+            if panel.events is not None:
+                marks.update(_mark_events(axis, panel.events))
+            if panel.title and len(panels) > 1:
+                axis.set_title(panel.title, loc="left", fontsize=12)
+            if axis is axes[-1] or not shared:
+                axis.set_xlabel("time [s]")
+        _legends(figure, list(axes), marks)
+    return figure
 
 
 def save(figure: Figure, path: Path) -> None:
@@ -136,37 +172,27 @@ def save(figure: Figure, path: Path) -> None:
         figure.savefig(path, dpi=150, metadata=undated.get(path.suffix.lstrip(".").lower()))
 
 
-def _figure(panels: list[tuple[str, list[Curve], xr.Dataset | None]], ylabel: str) -> Figure:
-    with rc_context(STYLE):
-        figure = Figure(figsize=(7.5, 1.9 + 2.7 * len(panels)), layout="constrained")
-        axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
-        marks: set[str] = set()
-        for axis, (title, curves, events) in zip(axes, panels, strict=True):
-            _draw(axis, curves, ylabel)
-            if events is not None:
-                marks.update(_mark_events(axis, events))
-            if title and len(panels) > 1:
-                axis.set_title(title, loc="left", fontsize=12)
-        axes[-1].set_xlabel("time [s]")
-        _legends(figure, list(axes), marks)
-    return figure
-
-
-def _draw(axis: Axes, curves: list[Curve], ylabel: str) -> None:
-    units = str(curves[0].values.attrs.get("units", "1"))
-    largest = max(_largest(curve.values) for curve in curves)
-    factor, shown = prefixed(largest, units)
-    for number, curve in enumerate(curves):
-        time, values = _thinned(curve.values["time"].values, curve.values.values * factor)
-        axis.plot(time, values, label=curve.label, **LINES[number % len(LINES)])
-    axis.set_ylabel(f"{ylabel} [{shown}]" if shown else ylabel)
-    times = [curve.values["time"].values for curve in curves if curve.values.size]
+def _draw(axis: Axes, panel: Panel) -> None:
+    shown = [_within(curve.values, panel.window) for curve in panel.curves]
+    units = str(shown[0].attrs.get("units", "1"))
+    factor, unit = prefixed(max(_largest(values) for values in shown), units)
+    for number, (curve, values) in enumerate(zip(panel.curves, shown, strict=True)):
+        style = LINES[(number if curve.style is None else curve.style) % len(LINES)]
+        axis.plot(
+            *_thinned(values["time"].values, values.values * factor), label=curve.label, **style
+        )
+    axis.set_ylabel(f"{panel.ylabel} [{unit}]" if unit else panel.ylabel)
+    times = [values["time"].values for values in shown if values.size]
     if times:
         begin, end = min(t[0] for t in times), max(t[-1] for t in times)
         if begin < end:
             axis.set_xlim(begin, end)
     axis.margins(y=0.08)
     axis.ticklabel_format(useOffset=False)
+
+
+def _within(values: xr.DataArray, window: tuple[float, float] | None) -> xr.DataArray:
+    return values if window is None else values.sel(time=slice(*window))
 
 
 def _mark_events(axis: Axes, events: xr.Dataset) -> list[str]:

@@ -15,6 +15,7 @@ import xarray as xr
 from evolvent.history import require
 
 CLOSED_FORM = 0  # value of `tracking`
+LOADED = 1  # value of `contact_mode`: the flanks press on each other
 APART = 3  # value of `contact_mode`: the flanks are too far apart to track points on them
 
 
@@ -126,6 +127,31 @@ def distance_from_line_of_action(history: xr.Dataset) -> xr.DataArray:
     return _of_both_wheels(history, "line_distance")
 
 
+def rigid_gap(history: xr.Dataset) -> xr.DataArray:
+    """Gap of closed rigid contacts over the reference penetration, dims (time, mesh).
+
+    Source: Kosenko & Gusev 2011, section 7.3.
+    """
+    rigid, closed = _rigid(history)
+    gap = require(rigid, "gap") / require(rigid, "reference_penetration")
+    return gap.where(closed, 0.0).transpose("time", "mesh")
+
+
+def rigid_gap_rate(history: xr.Dataset) -> xr.DataArray:
+    """Rate of the gap of closed rigid contacts over that of a vibration, dims (time, mesh).
+
+    The scale is the reference penetration h_0 times the natural frequency of a contact of stiffness
+    F_0/h_0 between the two wheels.
+    """
+    rigid, closed = _rigid(history)
+    radii = _base_radii(rigid)
+    inertias = _of_wheels(rigid, "inertia")
+    mobility = sum(r**2 / inertia for r, inertia in zip(radii, inertias, strict=True))
+    force, depth = require(rigid, "reference_force"), require(rigid, "reference_penetration")
+    rate = require(rigid, "gap_rate") / np.sqrt(force * depth * mobility)
+    return rate.where(closed, 0.0).transpose("time", "mesh")
+
+
 def energy_balance(history: xr.Dataset) -> xr.DataArray:
     """Energy that appeared or got lost since the start over the energy put in, dim (time).
 
@@ -215,7 +241,7 @@ TRACKED_ONLY = frozenset(
     }
 )
 
-LARGEST_DEPTH = "largest penetration"
+LARGEST_DEPTH = "largest penetration"  # of a rigid contact, which has none: the reference one
 
 INVARIANTS = (
     Invariant("gradient ratio", "lambda = -r_bB/r_bA", "itself", 1e-12, gradient_ratio),
@@ -234,6 +260,8 @@ INVARIANTS = (
         1e-10,
         distance_from_line_of_action,
     ),
+    Invariant("rigid gap", "kappa = 0", "reference penetration", 1e-10, rigid_gap),
+    Invariant("rigid gap rate", "kappa' = 0", "vibration of h_0", 1e-10, rigid_gap_rate),
     Invariant(
         "energy balance",
         "T + V + dissipated - work of loads = constant",
@@ -271,12 +299,35 @@ def _tracked(history: xr.Dataset) -> tuple[xr.Dataset, xr.DataArray]:
 
 
 def _pressed(history: xr.Dataset) -> tuple[xr.Dataset, xr.DataArray]:
-    """Keep the meshes that ever touch, and give their largest penetration [m], dim (mesh)."""
+    """Keep the meshes that ever touch, and give their largest penetration [m], dim (mesh).
+
+    A rigid contact has no penetration; there it is the reference penetration.
+    """
     depth = require(history, "penetration").max("time")
+    if (rigid := _is_rigid(history)).any():
+        ever = (require(history, "contact_mode") == LOADED).any("time")
+        depth = depth.where(~rigid, require(history, "reference_penetration").where(ever, 0.0))
     touched = depth.values > 0.0
     if not touched.any():
         raise NotApplicableError("the teeth never touch")
     return history.isel(mesh=touched), depth.isel(mesh=touched)
+
+
+def _is_rigid(history: xr.Dataset) -> xr.DataArray:
+    """Tell which meshes have rigid contact, dim (mesh)."""
+    return require(history, "rigid_contact") == 1
+
+
+def _rigid(history: xr.Dataset) -> tuple[xr.Dataset, xr.DataArray]:
+    """Keep the meshes with rigid contact, and tell when they are closed, dims (time, mesh)."""
+    which = _is_rigid(history).values
+    if not which.any():
+        raise NotApplicableError("no contact is rigid")
+    rigid = history.isel(mesh=which)
+    closed = require(rigid, "contact_mode") == LOADED
+    if not closed.any():
+        raise NotApplicableError("no rigid contact is ever closed")
+    return rigid, closed
 
 
 def _of_both_wheels(history: xr.Dataset, name: str) -> xr.DataArray:
@@ -291,9 +342,14 @@ def _of_both_wheels(history: xr.Dataset, name: str) -> xr.DataArray:
 
 def _base_radii(history: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
     """Base radii of the driving and the driven wheel of each mesh [m], dims (mesh)."""
-    radius = require(history, "base_radius").values
+    return _of_wheels(history, "base_radius")
+
+
+def _of_wheels(history: xr.Dataset, name: str) -> tuple[xr.DataArray, xr.DataArray]:
+    """Constant of the driving and of the driven wheel of each mesh, dims (mesh)."""
+    values = require(history, name).values
     driving, driven = (
-        xr.DataArray(radius[require(history, f"{side}_wheel").values.astype(int)], dims="mesh")
+        xr.DataArray(values[require(history, f"{side}_wheel").values.astype(int)], dims="mesh")
         for side in ("driving", "driven")
     )
     return driving, driven

@@ -65,6 +65,39 @@ BAD_OPTIONS = {
     "misspelt rule": ("meshes.0.pressure_angle=paper-rule", "(did you mean 'paper_rule'?)"),
     "flat pressure angle": ("meshes.0.pressure_angle=90", "is 90 deg, must be greater than 0 and"),
     "negative friction": ("meshes.0.friction.coefficient=-0.1", "is -0.1, must be at least 0"),
+    "restitution past 1": (
+        "meshes.0.damping={law: hunt_crossley, restitution: 1.5}",
+        "meshes.pinion-gear.damping.restitution: is 1.5, must be from 0 to 1",
+    ),
+    "negative restitution": (
+        "meshes.0.damping={law: lee_wang, restitution: -0.1}",
+        "meshes.pinion-gear.damping.restitution: is -0.1, must be from 0 to 1",
+    ),
+    "a factor that divides by 0": (
+        "meshes.0.damping={law: gonthier, restitution: 0}",
+        "meshes.pinion-gear.damping.restitution: is 0, must be greater than 0 and at most 1",
+    ),
+    "no approach speed": (
+        "meshes.0.damping={law: flores, restitution: 0.5, v0_min: 0}",
+        "meshes.pinion-gear.damping.v0_min: is 0 m/s, must be greater than 0 m/s",
+    ),
+    "a restitution is missing": (
+        "meshes.0.damping={law: flores}",
+        "meshes.pinion-gear.damping: 'restitution' is missing",
+    ),
+    "no stiffness": (
+        "meshes.0.contact={law: linear, stiffness: 0}",
+        "meshes.pinion-gear.contact.stiffness: is 0 N/m, must be greater than 0 N/m",
+    ),
+    "a contact that softens": (
+        "meshes.0.contact={law: power, coefficient: 1e9, exponent: 0.5}",
+        "meshes.pinion-gear.contact.exponent: is 0.5, must be at least 1",
+    ),
+    "Stribeck upside down": (
+        "meshes.0.friction={law: stribeck, static_coefficient: 0.1, kinetic_coefficient: 0.2, "
+        "stribeck_velocity: 0.01}",
+        "static_coefficient = 0.1 must be at least the kinetic_coefficient = 0.2",
+    ),
     "unknown wheel in a mesh": (
         "meshes.0.driven=geer",
         "there is no wheel 'geer' (did you mean 'gear'?); the case has pinion, gear",
@@ -416,10 +449,50 @@ def test_every_example_is_a_good_case(evolvent: Evolvent, examples: Path, name: 
     assert result.returncode == 0, result.stderr
 
 
-def test_the_laws_are_listed_as_a_case_writes_them(evolvent: Evolvent) -> None:
+def test_all_laws_are_listed_with_their_parameters_and_units(evolvent: Evolvent) -> None:
     text = evolvent("show", "--laws").stdout
-    for family, law in [("contact", "johnson"), ("damping", "linear"), ("friction", "coulomb")]:
-        assert re.search(rf"^{family}:\n(  .*\n)*  {{law: {law}}}", text, re.MULTILINE)
+    families = re.split(r"^(\w+):\n", text, flags=re.MULTILINE)[1:]
+    listed = {
+        family: {
+            entry.group(1): re.findall(r"^ {6}(\w+(?: \[.*?\])?): ", entry.group(2), re.MULTILINE)
+            for entry in re.finditer(r"^  \{law: (\w+)\}.*\n((?: {6}.*\n)*)", laws, re.MULTILINE)
+        }
+        for family, laws in zip(families[::2], families[1::2], strict=True)
+    }
+    for laws in listed.values():
+        for parameters in laws.values():
+            if "source" in parameters:
+                parameters.remove("source")
+    impact = ["restitution", "v0_min [m/s]"]
+    named = ["hunt_crossley", "lankarani_nikravesh", "flores", "gonthier", "lee_wang"]
+    delta = "regularisation_velocity [m/s]"
+    assert listed == {
+        "contact": {
+            "johnson": [],
+            "radzimovsky": [],
+            "linear": ["stiffness [N/m]"],
+            "yang_lin": [],
+            "power": ["coefficient [N/m^exponent]", "exponent"],
+            "rigid": ["restitution", "rest_velocity [m/s]"],
+        },
+        "damping": {
+            "none": [],
+            "linear": ["coefficient [N s/m]"],
+            "one_sided": ["coefficient [N s/m2]"],
+            **dict.fromkeys(named, impact),
+        },
+        "friction": {
+            "none": [],
+            "coulomb": ["coefficient", delta],
+            "tanh": ["coefficient", delta],
+            "stribeck": [
+                "static_coefficient",
+                "kinetic_coefficient",
+                "stribeck_velocity [m/s]",
+                delta,
+            ],
+        },
+    }
 
 
 def test_the_documentation_has_every_key(evolvent: Evolvent, root: Path) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
-COMMANDS = ("run", "show")
+COMMANDS = ("run", "show", "modes")
 SHORT = ("--set", "simulation.duration=0.01")  # a run that takes no time
 
 
@@ -34,10 +34,15 @@ def test_without_arguments_a_short_help_goes_to_stderr(evolvent: Evolvent) -> No
     [
         (["rum"], "unknown command 'rum' (did you mean 'run'?)"),
         (["shwo", "x.yaml"], "unknown command 'shwo' (did you mean 'show'?)"),
+        (["mdoes", "x.yaml"], "unknown command 'mdoes' (did you mean 'modes'?)"),
         (["integrate"], "unknown command 'integrate'"),
         (["--versoin"], "unknown option '--versoin' (did you mean '--version'?)"),
         (["run"], "'run' needs a case file"),
         (["show"], "'show' needs a case file"),
+        (["modes"], "'modes' needs a case file"),
+        (["modes", "a.yaml", "--at"], "option '--at' needs a value"),
+        (["modes", "a.yaml", "--att=1"], "unknown option '--att' (did you mean '--at'?)"),
+        (["run", "--at=1", "a.yaml"], "unknown option '--at'"),
         (["run", "a.yaml", "b.yaml"], "one case at a time: what is 'b.yaml' after 'a.yaml'?"),
         (["run", "--ouput=x.h5"], "unknown option '--ouput' (did you mean '--output'?)"),
         (["run", "--json", "a.yaml"], "unknown option '--json'"),
@@ -144,7 +149,13 @@ def test_after_two_dashes_a_word_is_a_file(
     assert (tmp_path / "-q.h5").is_file()
 
 
-@pytest.mark.parametrize("words", [["--help"], ["--version"], ["show", "CASE"], ["show", "--laws"]])
+@pytest.mark.parametrize(
+    "words",
+    [
+        *(["--help"], ["--version"], ["show", "CASE"], ["show", "--laws"]),
+        *(["modes", "CASE"], ["modes", "CASE", "--json"]),
+    ],
+)
 def test_a_full_standard_output_exits_with_74(
     executable: Path, examples: Path, words: list[str]
 ) -> None:

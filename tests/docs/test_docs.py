@@ -149,3 +149,10 @@ def test_the_figure_of_the_readme_is_small() -> None:
     assert images
     for image in images:
         assert (ROOT / image).stat().st_size < 200_000  # a page opens at once
+
+
+def test_the_figures_of_the_paper_are_small() -> None:
+    images = sorted((ROOT / "docs/paper").glob("*.png"))
+    assert len(images) == 3
+    for image in images:
+        assert image.stat().st_size < 150_000

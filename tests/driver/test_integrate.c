@@ -489,9 +489,10 @@ static void an_observer_may_stop_at_an_event(void **state)
     finish(p, &result);
 }
 
-/* ---- a slope that changes at given times, where the value jumps: y' = integers[0] ---- */
+/* ---- a slope that changes at given times, where the value jumps: y' = integers[0]. Some of the times are within rounding
+ * of the grid, of each other or of the end. ---- */
 
-static const double knots[] = {0.1, 0.25, 0.25 + 1e-12, 0.5, 0.9999999};
+static const double knots[] = {0.1, 0.3, 0.3 + 1e-12, 0.5, 0.9999999999999999};
 enum { N_KNOTS = sizeof knots / sizeof *knots };
 
 static int slope_residual(const void *self, const dae_state *s, double *r, char *message)

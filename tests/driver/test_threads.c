@@ -88,7 +88,7 @@ static void integrate_alone(case_run *run)
     model_error refusal;
     run->code = INTEGRATE_FAILED;
     if (!prepare_case(&run->prepared, run->path, run->n_set, run->set, &error)) {
-        (void)snprintf(run->reason, sizeof run->reason, "%s", error.message);
+        (void)snprintf(run->reason, sizeof run->reason, "%.*s", (int)sizeof run->reason - 1, error.message);
         return;
     }
     run->values = xcalloc((size_t)model_n_values(run->prepared.model), sizeof *run->values);

@@ -120,6 +120,15 @@ class Force(NamedTuple):
     code: Integers
 
 
+class Viscous(NamedTuple):
+    """A viscous force with its derivatives."""
+
+    force: Floats
+    d_h: Floats
+    d_rho: Floats
+    d_h_dot: Floats
+
+
 @dataclass
 class KernelError(Exception):
     """A call that takes one case was refused."""
@@ -361,12 +370,11 @@ class Kernel:
 
     def law_viscous_force(
         self, contact: LawChoice, damping: LawChoice, **context: ArrayLike
-    ) -> tuple[Floats, Floats, Floats]:
-        """Viscous force over the width, and its derivatives to h and h_dot."""
+    ) -> Viscous:
+        """Viscous force over the width, and its derivatives."""
         n, contexts = _contexts(context)
-        force, d_h, d_h_dot = np.empty(n), np.empty(n), np.empty(n)
+        results = Viscous(np.empty(n), np.empty(n), np.empty(n), np.empty(n))
         codes = np.empty(n, np.int32)
-        results = (force, d_h, d_h_dot)
         self.library.evl_law_viscous_force(
             n,
             ctypes.byref(contact),

@@ -94,23 +94,24 @@ def test_no_damping_gives_no_force(kernel: Kernel):
 
 def test_linear_damping_is_proportional_to_the_rate(kernel: Kernel):
     h_dot = np.array([-0.2, 0.0, 1e-6, 3.0])
-    force, d_h, d_h_dot = kernel.law_viscous_force(
+    viscous = kernel.law_viscous_force(
         kernel.law(CONTACT, "johnson"),
         kernel.law(DAMPING, "linear", coefficient=1e4),
         h=1e-9,
         h_dot=h_dot,
         **PLACE,
     )
-    np.testing.assert_array_equal(force, 1e4 * h_dot)
-    np.testing.assert_array_equal(d_h, 0)
-    np.testing.assert_array_equal(d_h_dot, 1e4)
+    np.testing.assert_array_equal(viscous.force, 1e4 * h_dot)
+    np.testing.assert_array_equal(viscous.d_h, 0)
+    np.testing.assert_array_equal(viscous.d_rho, 0)
+    np.testing.assert_array_equal(viscous.d_h_dot, 1e4)
 
 
 def test_one_sided_damping_acts_on_approach_only(kernel: Kernel):
     """Force damp |kappa| |h'| on approach, 0 on separation, as the paper's group writes it."""
     h, h_dot = np.meshgrid([1e-9, 2e-6], [-0.2, 0.0, 1e-6, 3.0])
     h, h_dot = h.ravel(), h_dot.ravel()
-    force, d_h, d_h_dot = kernel.law_viscous_force(
+    viscous = kernel.law_viscous_force(
         kernel.law(CONTACT, "johnson"),
         kernel.law(DAMPING, "one_sided", coefficient=5e9),
         h=h,
@@ -118,9 +119,10 @@ def test_one_sided_damping_acts_on_approach_only(kernel: Kernel):
         **PLACE,
     )
     approach = h_dot > 0
-    np.testing.assert_allclose(force, np.where(approach, 5e9 * h * h_dot, 0), rtol=4e-16)
-    np.testing.assert_allclose(d_h, np.where(approach, 5e9 * h_dot, 0), rtol=4e-16)
-    np.testing.assert_allclose(d_h_dot, np.where(approach, 5e9 * h, 0), rtol=4e-16)
+    np.testing.assert_allclose(viscous.force, np.where(approach, 5e9 * h * h_dot, 0), rtol=4e-16)
+    np.testing.assert_allclose(viscous.d_h, np.where(approach, 5e9 * h_dot, 0), rtol=4e-16)
+    np.testing.assert_array_equal(viscous.d_rho, 0)
+    np.testing.assert_allclose(viscous.d_h_dot, np.where(approach, 5e9 * h, 0), rtol=4e-16)
 
 
 # ---- friction
@@ -176,7 +178,12 @@ def test_a_coefficient_of_zero_has_no_knee_and_no_branches(kernel: Kernel):
 
 def test_the_table_lists_the_laws_of_each_family(kernel: Kernel):
     names = [[law.name.decode() for law in kernel.laws(family)] for family in range(3)]
-    assert names == [["johnson"], ["none", "linear", "one_sided"], ["none", "coulomb"]]
+    restitution = ["hunt_crossley", "lankarani_nikravesh", "flores", "gonthier", "lee_wang"]
+    assert names == [
+        ["johnson", "radzimovsky", "linear", "yang_lin", "power", "rigid"],
+        ["none", "linear", "one_sided", *restitution],
+        ["none", "coulomb", "tanh", "stribeck"],
+    ]
     assert kernel.laws(3) == kernel.laws(-1) == []
 
 
@@ -194,7 +201,7 @@ def test_parameters_are_described_with_unit_default_and_range(kernel: Kernel):
     )
     assert (delta.name, delta.units, delta.required) == (b"regularisation_velocity", b"m/s", False)
     assert (delta.default_value, delta.minimum, delta.minimum_open) == (1e-4, 0, True)
-    linear, one_sided = kernel.laws(DAMPING)[1:]
+    linear, one_sided = kernel.laws(DAMPING)[1:3]
     assert linear.parameters[0].units == b"N s/m"
     assert one_sided.parameters[0].units == b"N s/m2"
     for family in range(3):
@@ -206,7 +213,7 @@ def test_parameters_are_described_with_unit_default_and_range(kernel: Kernel):
                 assert parameter.minimum < parameter.maximum
 
 
-@pytest.mark.parametrize(("family", "index"), [(0, 1), (0, -1), (2, 2), (3, 0), (-1, 0)])
+@pytest.mark.parametrize(("family", "index"), [(0, 6), (0, -1), (1, 8), (2, 4), (3, 0), (-1, 0)])
 def test_a_law_that_does_not_exist_is_not_described(kernel: Kernel, family: int, index: int):
     info = LawInfo()
     code = kernel.library.evl_law_describe(family, index, ctypes.byref(info))
@@ -219,11 +226,24 @@ def test_a_law_that_does_not_exist_is_not_described(kernel: Kernel, family: int,
 
 ACCEPTED = [
     (CONTACT, "johnson", {}),
+    (CONTACT, "rigid", {"restitution": 0.0}),
+    (CONTACT, "rigid", {"restitution": 1.0, "rest_velocity": 1e-12}),
     (DAMPING, "none", {}),
     (DAMPING, "linear", {"coefficient": 0.0}),
     (DAMPING, "one_sided", {"coefficient": 1e12}),
     (FRICTION, "coulomb", {"coefficient": 0.3}),
     (FRICTION, "coulomb", {"coefficient": 0.0, "regularisation_velocity": 1e-12}),
+    (CONTACT, "power", {"coefficient": 1e-3, "exponent": 1.0}),
+    (DAMPING, "hunt_crossley", {"restitution": 0.0}),
+    (DAMPING, "lankarani_nikravesh", {"restitution": 0.0}),
+    (DAMPING, "lee_wang", {"restitution": 0.0}),
+    (DAMPING, "flores", {"restitution": 1e-3}),
+    (DAMPING, "gonthier", {"restitution": 1.0, "v0_min": 1e-12}),
+    (
+        FRICTION,
+        "stribeck",
+        {"static_coefficient": 0.2, "kinetic_coefficient": 0.2, "stribeck_velocity": 1e-9},
+    ),
 ]
 
 
@@ -252,6 +272,29 @@ REFUSED = [
         "regularisation_velocity",
         "must be greater than 0",
     ),
+    (CONTACT, "linear", {"stiffness": 0.0}, "stiffness", "must be greater than 0"),
+    (CONTACT, "power", {"coefficient": 1e9, "exponent": 0.99}, "exponent", "must be at least 1"),
+    (DAMPING, "hunt_crossley", {"restitution": -0.1}, "restitution", "must be at least 0"),
+    (DAMPING, "lee_wang", {"restitution": 1.1}, "restitution", "must be at most 1"),
+    (DAMPING, "lankarani_nikravesh", {"restitution": np.nan}, "restitution", "finite"),
+    (DAMPING, "flores", {"restitution": 0.0}, "restitution", "must be greater than 0"),
+    (DAMPING, "gonthier", {"restitution": 0.0}, "restitution", "must be greater than 0"),
+    (DAMPING, "flores", {"restitution": 0.5, "v0_min": 0.0}, "v0_min", "must be greater than 0"),
+    (FRICTION, "tanh", {"coefficient": -0.1}, "coefficient", "must be at least 0"),
+    (
+        FRICTION,
+        "stribeck",
+        {"static_coefficient": 0.1, "kinetic_coefficient": 0.2, "stribeck_velocity": 0.01},
+        "static_coefficient",
+        "static_coefficient = 0.1 must be at least the kinetic_coefficient = 0.2",
+    ),
+    (
+        FRICTION,
+        "stribeck",
+        {"static_coefficient": 0.2, "kinetic_coefficient": 0.1, "stribeck_velocity": 0.0},
+        "stribeck_velocity",
+        "must be greater than 0",
+    ),
 ]
 
 
@@ -265,3 +308,9 @@ def test_parameters_out_of_range_are_refused_by_name(
     assert error.value.field == field
     assert text in error.value.message
     assert name in error.value.message
+
+
+def test_a_rigid_contact_has_no_force_law(kernel: Kernel):
+    law = kernel.law(CONTACT, "rigid")
+    assert kernel.law_elastic_force(law, h=[1e-9], **PLACE).code == [OUT_OF_DOMAIN]
+    assert "multiplier" in kernel.law_elastic_limit(law, h=[1e-9], **PLACE)

@@ -367,7 +367,7 @@ def test_events_of_several_meshes_at_one_time_are_all_applied(kernel: Kernel):
 
 def test_every_kind_of_event_has_a_name_of_its_own(kernel: Kernel):
     names = event_names(kernel)
-    assert len(names) == len(set(names)) == 12
+    assert len(names) == len(set(names)) == 14
     assert all(name.isidentifier() and name.islower() for name in names)
     for kind in (-1, len(names)):
         name = ctypes.create_string_buffer(b"x" * 31, 32)

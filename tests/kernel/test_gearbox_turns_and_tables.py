@@ -102,7 +102,8 @@ def test_knots_of_tables_come_in_their_order_and_leave_the_torque_continuous(
     state = gearbox.start(SPEEDS, speeds=[0.0, 0.0])
     assert state.integers[-2:].tolist() == [1, 1]  # that at the start has passed
     times = []
-    while (t := gearbox.next_time_event(state)) < np.inf:
+    for _ in range(3):
+        t = gearbox.next_time_event(state)
         times.append(t)
         state.t = t
         after, events = gearbox.apply(state, time_event=True)
@@ -113,6 +114,7 @@ def test_knots_of_tables_come_in_their_order_and_leave_the_torque_continuous(
         assert new["load_torque"][0] == pytest.approx(old["load_torque"][0], rel=1e-15)
         state = after
     assert times == [0.2, 1.0, 3.0]
+    assert gearbox.next_time_event(state) == np.inf
     assert state.integers[-2:].tolist() == [2, 3]
     assert gearbox.outputs(state)["load_torque"][0] == -10.0  # constant behind the last knot
     assert state.yp[gearbox.place("reference_speed")] == 0

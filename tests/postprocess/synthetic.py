@@ -137,6 +137,7 @@ def _statics(g: Gearbox) -> dict[str, tuple[tuple[str, ...], Any, str]]:
         "rho_start_driven": (mesh, [start_b], "m"),
         "reference_force": (mesh, [abs(g.setup.torque_a) / g.base_a], "N"),
         "reference_penetration": (mesh, [3e-9], "m"),
+        "rigid_contact": (mesh, np.array([0], dtype=np.int32), "1"),
         "centre_line_angle": (mesh, [0.0], "rad"),
         "tracking": (mesh, np.array([2], dtype=np.int32), "1"),
     }

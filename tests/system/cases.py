@@ -68,6 +68,14 @@ def unloaded_pair(tracking: str, **simulation: Any) -> dict[str, Any]:
     return case
 
 
+def rigid(case: dict[str, Any], restitution: float = 0.0) -> dict[str, Any]:
+    """Make every contact of a case rigid."""
+    for mesh in case["meshes"]:
+        mesh["contact"] = {"law": "rigid", "restitution": restitution}
+        mesh["damping"] = {"law": "none"}
+    return case
+
+
 def train(friction: float, tracking: str, **simulation: Any) -> dict[str, Any]:
     """Build an input wheel, an idler in bearings, an output wheel; standard teeth of 20 degrees."""
     coulomb = {"law": "coulomb", "coefficient": friction, "regularisation_velocity": 1e-3}

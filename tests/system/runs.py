@@ -15,6 +15,8 @@ TRACKINGS = ("closed_form", "algebraic", "differential")
 TRACKED = TRACKINGS[1:]  # those that track points instead of using their closed form
 FRICTIONLESS, FRICTION = "paper.yaml", "paper-friction.yaml"
 
+RIGID = ("meshes.0.contact={law: rigid}", "meshes.0.damping={law: none}")  # settings
+
 
 @dataclass(frozen=True)
 class Run:

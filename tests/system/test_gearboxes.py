@@ -229,3 +229,15 @@ def test_the_wheels_turn_in_the_ratio_of_their_teeth(runs, kind):
     lag = history["base_radius"].values @ history["angle"].values.T
     # The sum of two arcs of many metres: what is left is the transmission error, and rounding.
     np.testing.assert_allclose(-lag, history["transmission_error"][:, 0], rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize("knot", [1.4, 0.3 - 1e-16, 0.7 + 1e-16])
+def test_a_knot_within_rounding_of_an_output_is_at_the_same_time(runs, knot):
+    """1400 intervals of 1 ms are not exactly 1.4 s; IDA refuses a step that short."""
+    case = pair(0.0, duration=1.5)
+    table = {"time": [0.0, knot, knot + 0.01], "torque": [-1.0, -1.0, -1.0]}
+    case["wheels"][0]["loads"] = [{"kind": "table", **table}]
+    run = runs(case)
+    assert run.exit_code == 0, run.messages
+    assert run.history.sizes["time"] == 1501
+    np.testing.assert_allclose(run.times("table_knot"), [knot, knot + 0.01], rtol=1e-14)

@@ -144,12 +144,7 @@ def test_a_run_that_loses_contact_says_when(runs, kind):
     assert np.all(after["normal_force"] == 0)
 
 
-# With an axle that moves, the Johnson force is no gradient: rho_A + rho_B, on which it depends,
-# changes with the centre distance, and no force on the axle belongs to that.
-NOT_CONSERVATIVE = pytest.mark.xfail(reason="7e-8 of the gross work: the model is not conservative")
-
-
-@pytest.mark.parametrize("support", ["fixed", pytest.param("slider", marks=NOT_CONSERVATIVE)])
+@pytest.mark.parametrize("support", ["fixed", "slider"])
 def test_energy_balances_while_wheels_bounce(runs, kind, support):
     case = pair(0.0, kind, duration=2.5, output_interval=1e-4)
     if support == "fixed":

@@ -313,8 +313,10 @@ typedef enum {
     EVL_EVENT_TABLE_KNOT = 8,        /**< a table of a load has a knot here */
     EVL_EVENT_REVOLUTION = 9,        /**< the reference angle was reduced by whole turns */
     EVL_EVENT_FLANKS_APART =
-        10,                    /**< the gap became too wide for the tracked points to face each other: tracking rests */
-    EVL_EVENT_FLANKS_NEAR = 11 /**< and tracking begins anew */
+        10, /**< the gap became too wide for the tracked points to face each other: tracking rests */
+    EVL_EVENT_FLANKS_NEAR = 11,  /**< and tracking begins anew */
+    EVL_EVENT_IMPACT = 12,       /**< rigid flanks met and part again */
+    EVL_EVENT_IMPACTS_ENDED = 13 /**< the approach was too slow for another impact: the rigid contact stays closed */
 } evl_event_kind;
 
 typedef struct {
@@ -370,6 +372,50 @@ EVL_API int evl_gearbox_output(const evl_gearbox *gearbox, int index, evl_output
 /** All outputs at a state, [n_values]; integers as whole doubles, NaN where a quantity has no meaning. */
 EVL_API int evl_gearbox_outputs(const evl_gearbox *gearbox, double t, const double *y, const int *integers,
                                 const double *reals, double *values, evl_status *status);
+
+/* ---- natural modes --------------------------------------------------------------------------------------------------------- */
+
+typedef enum {
+    EVL_CONTACT_OPEN = 0,     /**< a gap */
+    EVL_CONTACT_LOADED = 1,   /**< penetration and force */
+    EVL_CONTACT_UNLOADED = 2, /**< penetration, but the damper would pull: no force */
+    EVL_CONTACT_APART = 3     /**< tracked flanks too far apart to be tracked */
+} evl_contact_mode;
+
+typedef struct {
+    int tooth_pair; /**< pitches since the start */
+    int contact;    /**< evl_contact_mode */
+    int friction;   /**< branch of the friction law */
+} evl_mesh_mode;
+
+/** Discrete state of a mesh. */
+EVL_API void evl_gearbox_mesh_mode(const evl_gearbox *gearbox, int mesh, const int *integers, const double *reals,
+                                   evl_mesh_mode *mode);
+
+/** Linearise the gearbox at a state: eigenvalues and eigenvectors of small motions x' = A x, from slow to fast.
+ *
+ *  x: speed of the reference wheel; deviation and its rate of every other wheel; displacements and velocities of the supports.
+ *  Speeds that are prescribed do not take part. The place in the mesh (theta), contact modes and friction branches are held.
+ *
+ *  @param[out] n_modes      number of eigenvalues, at most n_states
+ *  @param[out] n_rigid      number of independent motions that nothing restores; turning as a whole (theta) is one of them unless
+ *                           a speed is prescribed, though theta has no eigenvalue here
+ *  @param[out] eigenvalues  [2 * n_states] real and imaginary part [1/s] by turns, as C's double complex; the partner of a complex
+ *                           one stands beside it, positive imaginary part first; 0 if rounding leaves nothing else
+ *  @param[out] vectors      [2 * n_states * n_states] mode after mode, each a change of y, of any size; theta is omega/lambda
+ *  @return EVL_OK, EVL_OUT_OF_DOMAIN (the state is not one of the model's, or forces have no derivative there),
+ *          EVL_NO_SOLUTION (LAPACK found no eigenvalues) */
+EVL_API int evl_gearbox_modes(const evl_gearbox *gearbox, double t, const double *y, const int *integers,
+                              const double *reals, int *n_modes, int *n_rigid, double *eigenvalues, double *vectors,
+                              evl_status *status);
+
+/** What a small change dy of the state y moves, to first order and so linear in dy.
+ *  @param[out] arcs                 [n_wheels] r_b phi, counterclockwise [m]
+ *  @param[out] displacements        [n_wheels][2] of the axles, x and y [m]
+ *  @param[out] penetrations         [n_meshes] h [m]
+ *  @param[out] transmission_errors  [n_meshes] Delta [m] */
+EVL_API void evl_gearbox_shape(const evl_gearbox *gearbox, const double *y, const double *dy, double *arcs,
+                               double *displacements, double *penetrations, double *transmission_errors);
 
 EVL_API const char *evl_kernel_compiler(void);
 
@@ -475,11 +521,11 @@ EVL_API int evl_law_penetration(int n, const evl_law_choice *contact, const evl_
 /** Elastic energy [J] along rho_sum - h = constant. */
 EVL_API int evl_law_elastic_potential(int n, const evl_law_choice *contact, const evl_contact_context *contexts,
                                       double *potential, int *codes);
-/** Viscous normal force [N] with its derivatives to h [N/m] and to h_dot [N s/m]; the contact law's force enters some
- *  laws. */
+/** Viscous normal force [N] with its derivatives to h and to rho_sum [N/m] and to h_dot [N s/m]; the contact law's
+ *  force enters some laws. */
 EVL_API int evl_law_viscous_force(int n, const evl_law_choice *contact, const evl_law_choice *damping,
-                                  const evl_contact_context *contexts, double *force, double *d_h, double *d_h_dot,
-                                  int *codes);
+                                  const evl_contact_context *contexts, double *force, double *d_h, double *d_rho,
+                                  double *d_h_dot, int *codes);
 /** phi of F_t = -F_n phi(v_t) and dphi/dv_t [s/m], on the branch modes [n] (-1, 0, +1) of the law. */
 EVL_API void evl_law_friction_factor(int n, const evl_law_choice *friction, const int *modes, const double *v_t,
                                      double *factor, double *d_v);

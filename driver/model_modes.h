@@ -1,0 +1,36 @@
+/** Natural modes of the gearbox at a state. */
+#ifndef EVOLVENT_MODEL_MODES_H
+#define EVOLVENT_MODEL_MODES_H
+
+#include "model.h"
+
+#include <complex.h>
+
+/** One mode, standing for its conjugate too: each coordinate moves as the real part of its value times exp(eigenvalue t).
+ *  All values are lengths. The wheel or axle that moves most moves by 1; an axle by the root of |x|^2 + |y|^2. */
+typedef struct {
+    double complex eigenvalue;           /**< [1/s], imaginary part >= 0, never 0 */
+    double complex *arcs;                /**< [n_wheels] r_b phi, counterclockwise */
+    double complex (*displacements)[2];  /**< [n_wheels] of the axles, x and y */
+    double complex *penetrations;        /**< [n_meshes] h */
+    double complex *transmission_errors; /**< [n_meshes] Delta */
+} natural_mode;
+
+typedef struct {
+    int n_rigid; /**< independent motions that nothing restores, such as turning as a whole; not among the modes */
+    int n;
+    natural_mode *modes; /**< [n] from slow to fast */
+} natural_modes;
+
+/** The gearbox linearised at a state. @return false with the reason in `message`; then there is nothing to free */
+bool model_modes(const model *model, const dae_state *state, natural_modes *modes, char message[DAE_MESSAGE_LENGTH]);
+void natural_modes_free(natural_modes *modes);
+
+/** How a mesh stands at a state. */
+typedef struct {
+    const char *contact; /**< "open", "loaded", "unloaded", "apart" */
+    int friction_branch, tooth_pair;
+} mesh_standing;
+mesh_standing model_mesh_standing(const model *model, const dae_state *state, int mesh);
+
+#endif

@@ -1,0 +1,240 @@
+"""Elastic laws beside Johnson's: Radzimovsky's equation by mpmath, springs in closed form."""
+
+from __future__ import annotations
+
+import re
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from kernel.kernel import CONTACT, OUT_OF_DOMAIN, Kernel
+
+mp.mp.dps = 30
+EPS = float(np.finfo(float).eps)
+E_STAR, WIDTH = 1.1e11, 0.1
+RHO_A, RHO_B = 0.02, 0.045441
+RHO = RHO_A + RHO_B
+PLACE = {"rho_sum": RHO, "rho_a": RHO_A, "rho_b": RHO_B, "e_star": E_STAR, "width": WIDTH}
+H = np.array([1e-12, 3e-9, 1e-6, 1e-4])
+LAWS = {
+    "johnson": {},
+    "radzimovsky": {},
+    "linear": {"stiffness": 3.3e9},
+    "yang_lin": {},
+    "power": {"coefficient": 2e11, "exponent": 1.5},
+}
+SPRINGS = ("linear", "yang_lin", "power")
+
+
+def relative(value: float, exact: mp.mpf) -> float:
+    return float(abs(mp.mpf(float(value)) - exact) / abs(exact))
+
+
+@pytest.fixture(params=LAWS)
+def name(request):
+    return request.param
+
+
+@pytest.fixture
+def law(kernel: Kernel, name: str):
+    return kernel.law(CONTACT, name, **LAWS[name])
+
+
+# ---- Radzimovsky
+
+
+def radzimovsky_penetration(line_load: mp.mpf, rho_a: mp.mpf, rho_b: mp.mpf) -> mp.mpf:
+    """Penetration under N as Radzimovsky's equation is printed, with Hertz's width of the strip."""
+    modulus = mp.mpf(E_STAR)
+    strip = 2 * mp.sqrt(4 * line_load * rho_a * rho_b / (mp.pi * modulus * (rho_a + rho_b)))
+    logarithms = mp.log(4 * rho_a / strip) + mp.log(4 * rho_b / strip)
+    return line_load / (mp.pi * modulus) * (mp.mpf(2) / 3 + logarithms)
+
+
+def radzimovsky_force(h: mp.mpf, rho_a: mp.mpf, rho_b: mp.mpf) -> mp.mpf:
+    """Solve the equation for the force over the width."""
+    guess = mp.pi * mp.mpf(E_STAR) * h / (1 - mp.log(h / (4 * (rho_a + rho_b))))
+    share = mp.findroot(
+        lambda x: radzimovsky_penetration(abs(x) * guess, rho_a, rho_b) / h - 1, mp.mpf(1)
+    )
+    return mp.mpf(WIDTH) * share * guess
+
+
+@pytest.mark.parametrize("share", [0.02, 0.3, 0.5])
+@pytest.mark.parametrize("h", H)
+def test_radzimovskys_force_solves_his_equation_with_the_full_width_of_the_strip(
+    kernel: Kernel, share: float, h: float
+):
+    """For every share of the radii: they enter through their sum alone."""
+    rho_a, rho_b = mp.mpf(share) * mp.mpf(RHO), (1 - mp.mpf(share)) * mp.mpf(RHO)
+    result = kernel.law_elastic_force(kernel.law(CONTACT, "radzimovsky"), h=h, **PLACE)
+    # rounding of h/rho and of the logarithm, which the solution of the equation damps
+    assert relative(result.force[0], radzimovsky_force(mp.mpf(h), rho_a, rho_b)) < 8 * EPS
+
+
+@pytest.mark.parametrize("h", H)
+def test_radzimovskys_derivatives_are_those_of_his_equation(kernel: Kernel, h: float):
+    law = kernel.law(CONTACT, "radzimovsky")
+    result = kernel.law_elastic_force(law, h=h, **PLACE)
+    ratio = mp.mpf(RHO_A) / mp.mpf(RHO)
+
+    def force(h: mp.mpf, rho: mp.mpf) -> mp.mpf:
+        return radzimovsky_force(h, ratio * rho, (1 - ratio) * rho)
+
+    at, steps = (mp.mpf(h), mp.mpf(RHO)), (mp.mpf(h) * mp.mpf("1e-10"), mp.mpf("1e-12"))
+    for value, index in ((result.d_h[0], 0), (result.d_rho[0], 1)):
+        step = [steps[i] if i == index else 0 for i in range(2)]
+        above = force(at[0] + step[0], at[1] + step[1])
+        below = force(at[0] - step[0], at[1] - step[1])
+        # the difference quotient is good to the square of the relative step, 1e-20
+        assert relative(value, (above - below) / (2 * steps[index])) < 16 * EPS
+
+
+def test_radzimovskys_constant_in_johnsons_form_is_two_thirds_minus_ln_4(kernel: Kernel):
+    law = kernel.law(CONTACT, "radzimovsky")
+    force = np.array([1e-3, 5.0, 1e4])
+    h, codes = kernel.law_penetration(law, force, **PLACE)
+    assert not codes.any()
+    for hi, fi in zip(h, force, strict=True):
+        line_load, modulus = mp.mpf(float(fi)) / mp.mpf(WIDTH), mp.mpf(E_STAR)
+        form = mp.log(4 * mp.pi * modulus * mp.mpf(RHO) / line_load) + mp.mpf(2) / 3 - mp.log(4)
+        assert relative(hi, line_load / (mp.pi * modulus) * form) < 8 * EPS
+
+
+@pytest.mark.parametrize(
+    ("ratio", "tolerance"),
+    # the series leaves out (h/rho_sum)**3; 1e-13 is rounding, amplified by h/rho in the reference
+    [(1e-12, 1e-13), (1e-7, 1e-13), (1e-5, 1e-13), (3e-4, 2e-13), (1e-3, 1e-11)],
+)
+def test_radzimovskys_potential_is_the_work_along_the_path_of_a_mesh(
+    kernel: Kernel, ratio: float, tolerance: float
+):
+    """rho_A + rho_B = rho + h with rho constant: dV = F dh along that path."""
+    h = ratio * RHO
+    law = kernel.law(CONTACT, "radzimovsky")
+    potential, codes = kernel.law_elastic_potential(law, h=h, **PLACE)
+    assert not codes.any()
+    rho = mp.mpf(RHO) - mp.mpf(h)
+
+    def force(g: mp.mpf) -> mp.mpf:
+        return radzimovsky_force(g, (rho + g) / 3, 2 * (rho + g) / 3) if g else mp.mpf(0)
+
+    with mp.workdps(25):
+        exact = mp.quad(force, [0, h])
+    assert relative(potential[0], exact) < tolerance
+
+
+def test_leaving_radzimovskys_law_is_explained_with_value_and_limit(kernel: Kernel):
+    law = kernel.law(CONTACT, "radzimovsky")
+    limit = float(mp.exp(-mp.mpf(1) / 3) * mp.mpf(RHO))
+    inside = kernel.law_elastic_force(law, h=limit * (1 - 1e-6), **PLACE)
+    assert not inside.code.any()
+    assert inside.force[0] == pytest.approx(np.pi * E_STAR * WIDTH * limit, rel=2e-3)
+    beyond = kernel.law_elastic_force(law, h=limit * (1 + 1e-12), **PLACE)
+    assert list(beyond.code) == [OUT_OF_DOMAIN]
+    assert beyond.force[0] == beyond.d_h[0] == beyond.d_rho[0] == 0
+    _, codes = kernel.law_penetration(law, 1.001 * np.pi * E_STAR * WIDTH * limit, **PLACE)
+    assert list(codes) == [OUT_OF_DOMAIN]
+    message = kernel.law_elastic_limit(law, h=0.05, **PLACE)
+    sentence = (
+        r"penetration h = 0\.05 m exceeds the limit e\^\(-1/3\) \(rho_A \+ rho_B\) = (\S+) m "
+        r"of the Radzimovsky force"
+    )
+    found = re.fullmatch(sentence, message)
+    assert found, message
+    assert float(found[1]) == pytest.approx(limit, rel=1e-5)  # six digits are printed
+    no_radii = kernel.law_elastic_limit(law, h=1e-9, **{**PLACE, "rho_sum": -1.0})
+    assert "rho_A + rho_B = -1 m is not positive" in no_radii
+
+
+# ---- springs
+
+
+@pytest.mark.parametrize("h", [-1e-4, -2e-9, 3e-9, 1e-5])
+@pytest.mark.parametrize(
+    ("name", "parameters", "stiffness", "exponent"),
+    [
+        ("linear", {"stiffness": 3.3e9}, 3.3e9, 1),
+        ("yang_lin", {}, np.pi * E_STAR * WIDTH / 2, 1),
+        ("power", {"coefficient": 2e11, "exponent": 1.5}, 2e11, 1.5),
+        ("power", {"coefficient": 7e8, "exponent": 1.0}, 7e8, 1),
+        ("power", {"coefficient": 1e20, "exponent": 3.25}, 1e20, 3.25),
+    ],
+)
+def test_springs_have_force_stiffness_and_energy_of_their_power(
+    kernel: Kernel, name: str, parameters: dict, stiffness: float, exponent: float, h: float
+):
+    law = kernel.law(CONTACT, name, **parameters)
+    result = kernel.law_elastic_force(law, h=h, **PLACE)
+    potential, codes = kernel.law_elastic_potential(law, h=h, **PLACE)
+    assert not codes.any()
+    k, m, size = mp.mpf(stiffness), mp.mpf(exponent), abs(mp.mpf(h))
+    # rounding of the power, and of pi E* b/2 in the reference
+    assert relative(result.force[0], mp.sign(h) * k * size**m) < 8 * EPS
+    assert relative(result.d_h[0], m * k * size ** (m - 1)) < 8 * EPS
+    assert relative(potential[0], k * size ** (m + 1) / (m + 1)) < 8 * EPS
+    assert result.d_rho[0] == 0
+
+
+def test_yang_and_lins_stiffness_for_equal_materials_is_the_one_they_print(kernel: Kernel):
+    modulus, poisson = 2e11, 0.3
+    place = {**PLACE, "e_star": modulus / (2 * (1 - poisson**2))}
+    result = kernel.law_elastic_force(kernel.law(CONTACT, "yang_lin"), h=1e-9, **place)
+    expected = np.pi * modulus * WIDTH / (4 * (1 - poisson**2))
+    assert result.d_h[0] == pytest.approx(expected, rel=1e-15)
+
+
+@pytest.mark.parametrize("name", SPRINGS)
+def test_springs_have_no_limit(kernel: Kernel, name: str):
+    law = kernel.law(CONTACT, name, **LAWS[name])
+    far = {**PLACE, "h": 10.0, "rho_sum": -1.0}
+    assert not kernel.law_elastic_force(law, **far).code.any()
+    assert kernel.law_elastic_limit(law, **far) == ""
+
+
+# ---- what every elastic law does
+
+
+def test_the_force_is_odd_and_the_potential_even_in_the_penetration(kernel: Kernel, law):
+    plus, minus = (kernel.law_elastic_force(law, h=sign * H, **PLACE) for sign in (1, -1))
+    np.testing.assert_array_equal(minus.force, -plus.force)
+    np.testing.assert_array_equal(minus.d_h, plus.d_h)
+    np.testing.assert_array_equal(minus.d_rho, -plus.d_rho)
+    potentials = [kernel.law_elastic_potential(law, h=sign * H, **PLACE)[0] for sign in (1, -1)]
+    np.testing.assert_array_equal(*potentials)
+    zero = kernel.law_elastic_force(law, h=0.0, **PLACE)
+    assert zero.force[0] == zero.d_rho[0] == 0
+    assert not zero.code.any()
+    assert kernel.law_elastic_potential(law, h=0.0, **PLACE)[0][0] == 0
+
+
+def test_penetration_inverts_the_force(kernel: Kernel, law):
+    h = np.concatenate([-H, [0.0], H])
+    force = kernel.law_elastic_force(law, h=h, **PLACE).force
+    back, codes = kernel.law_penetration(law, force, **PLACE)
+    assert not codes.any()
+    np.testing.assert_allclose(back, h, rtol=8 * EPS)
+
+
+def test_the_stiffness_is_the_slope_of_the_force(kernel: Kernel, law):
+    """An independent look at d_h and d_rho: differences of the kernel's own force."""
+    step = 1e-5
+    at = kernel.law_elastic_force(law, h=H, **PLACE)
+    above, below = (
+        kernel.law_elastic_force(law, h=H * (1 + s * step), **PLACE).force for s in (1, -1)
+    )
+    # step**2 from the quotient, eps/step from rounding
+    np.testing.assert_allclose((above - below) / (2 * step * H), at.d_h, rtol=1e-9)
+    above, below = (
+        kernel.law_elastic_force(law, h=H, **{**PLACE, "rho_sum": RHO * (1 + s * step)}).force
+        for s in (1, -1)
+    )
+    np.testing.assert_allclose(
+        (above - below) / (2 * step * RHO), at.d_rho, rtol=1e-8, atol=1e-12 * at.force.max()
+    )
+
+
+def test_the_force_grows_with_the_penetration_through_the_end_of_contact(kernel: Kernel, law):
+    h = np.concatenate([-np.geomspace(1e-4, 1e-14, 200), [0.0], np.geomspace(1e-14, 1e-4, 200)])
+    assert (np.diff(kernel.law_elastic_force(law, h=h, **PLACE).force) > 0).all()

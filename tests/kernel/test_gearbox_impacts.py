@@ -1,0 +1,285 @@
+"""Impacts of rigid contacts: momentum, energy, several at once, what a jump of speeds entails."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from kernel.gearbox import LOADED, MESH, OPEN, ROOTS, Event, Gearbox
+from kernel.gearbox_cases import PAIRS
+from kernel.gearbox_description import (
+    ALGEBRAIC,
+    CLOSED_FORM,
+    DIFFERENTIAL,
+    SPEED,
+    SPEEDS,
+    load,
+    mesh,
+    wheel,
+)
+from kernel.housing import Pair
+from kernel.kernel import SINGULAR, Kernel
+from kernel.rigid_cases import (
+    FRICTION,
+    KNEE,
+    Bodies,
+    approaching,
+    close,
+    fire,
+    friction_of,
+    refusal,
+    rigid,
+    rigid_train,
+)
+
+TRACKINGS = pytest.mark.parametrize(
+    "tracking", [CLOSED_FORM, ALGEBRAIC, DIFFERENTIAL], ids=["closed", "algebraic", "differential"]
+)
+FLANKS = pytest.mark.parametrize("sigma", [1, -1])
+FREE = {name: pair for name, pair in PAIRS.items() if pair.reference == 0}  # no prescribed speed
+EVERY_PAIR = pytest.mark.parametrize("pair", FREE.values(), ids=FREE.keys())
+RESTITUTIONS = pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
+
+
+# ---- one impact
+
+
+@EVERY_PAIR
+@TRACKINGS
+@RESTITUTIONS
+def test_an_impact_is_newtons_with_the_friction_of_its_instant(
+    kernel: Kernel, pair: Pair, tracking: int, restitution: float
+):
+    """kappa' changes to -e times itself; wheels and axles get P times the force per unit F_n."""
+    random = np.random.default_rng(1)
+    fields = {"tracking": tracking, "friction": FRICTION, **rigid(kernel, restitution)}
+    gearbox = pair.gearbox(kernel, **fields)
+    bodies = Bodies(gearbox, [5.0, 5.0])
+    for size in (1e-5, 1e-3, 0.1):
+        state = approaching(gearbox, random, [size])
+        after, events = close(gearbox, state, 0)
+        if restitution > 0:
+            assert events == [Event("impact", 0, 0)]
+        else:
+            assert events[0] == Event("contact_closed", 0, 0)
+        before = bodies.speeds(state)
+        gap, force = bodies.directions(0, friction_of(gearbox, state), state)
+        assert gap @ before == pytest.approx(-size, rel=1e-10)
+        impulse = (1 + restitution) * size / (gap @ (force / bodies.masses))
+        expected = before + impulse * force / bodies.masses
+        changes = abs(impulse * force / bodies.masses)
+        # momentum of every body; rounding of the speeds themselves beside 1e-10 of their change
+        error = abs(bodies.speeds(after) - expected)
+        assert (error <= 1e-10 * changes + 1e-15 * abs(before)).all()
+        assert gearbox.outputs(after)["gap_rate"][0] == pytest.approx(
+            restitution * size, rel=1e-10, abs=1e-16
+        )
+
+
+@TRACKINGS
+@RESTITUTIONS
+def test_an_impact_without_friction_loses_what_its_restitution_says(
+    kernel: Kernel, tracking: int, restitution: float
+):
+    """(1 - e^2)/2 m v^2, m the mass that the gap feels; what is lost counts as dissipated."""
+    random = np.random.default_rng(2)
+    fields = {"tracking": tracking, "friction": 0.0, **rigid(kernel, restitution)}
+    gearbox = PAIRS["tilted"].gearbox(kernel, **fields)
+    bodies = Bodies(gearbox, [5.0, 5.0])
+    state = approaching(gearbox, random, [0.1])
+    after, _ = close(gearbox, state, 0)
+    gap, force = bodies.directions(0, 0.0, state)
+    np.testing.assert_allclose(force, gap, rtol=1e-15)
+    mass = 1 / (gap @ (gap / bodies.masses))
+    loss = (1 - restitution**2) / 2 * mass * 0.1**2
+    lost = bodies.energy(state) - bodies.energy(after)
+    rounding = 1e-14 * bodies.energy(state)
+    assert lost == pytest.approx(loss, rel=1e-10, abs=rounding)
+    dissipated = gearbox.outputs(after)["dissipated_energy"]
+    assert float(dissipated[0]) == pytest.approx(loss, rel=1e-10, abs=rounding)
+
+
+@FLANKS
+def test_an_impact_between_a_prescribed_and_a_free_wheel_moves_the_free_one(
+    kernel: Kernel, sigma: int
+):
+    wheels = [wheel(teeth=20, pitch_radius=0.2, centre=(0.0, 0.0)), wheel(teeth=30)]
+    description = mesh(kernel, driving_rotation=-sigma, friction=0.0, **rigid(kernel, 0.5))
+    gearbox = Gearbox(kernel, wheels, [load(1, SPEED, 2.0 * sigma)], [description])
+    radii = [gearbox.wheel_geometry(i).base_radius for i in (0, 1)]
+    approach = 1e-3
+    first = -sigma * (approach + radii[1] * 2.0) / radii[0]
+    state = gearbox.start(SPEEDS, [first, 2.0 * sigma])
+    after, events = close(gearbox, state, 0)
+    assert [event.name for event in events] == ["impact"]
+    speeds = gearbox.outputs(after)["angular_velocity"]
+    assert speeds[1] == pytest.approx(2.0 * sigma, rel=1e-15)
+    change = 1.5 * approach * sigma / radii[0]
+    assert speeds[0] - first == pytest.approx(change, rel=1e-9)  # 1e-3 of the speed
+
+
+# ---- several contacts
+
+
+@pytest.mark.parametrize("restitutions", [(0.5, 0.8), (0.0, 0.7), (1.0, 1.0), (0.0, 0.0)])
+@TRACKINGS
+@FLANKS
+def test_contacts_that_close_at_once_are_solved_together(
+    kernel: Kernel, restitutions: tuple[float, float], tracking: int, sigma: int
+):
+    random = np.random.default_rng(3)
+    gearbox = rigid_train(kernel, 3, tracking, sigma, restitutions)
+    bodies = Bodies(gearbox, [2.0, 3.0, 4.0])
+    sizes = [1e-3, 2e-3]
+    state = approaching(gearbox, random, sizes)
+    after, events = close(gearbox, state, 0, 1)
+    for m, e in enumerate(restitutions):
+        assert Event("impact" if e > 0 else "contact_closed", m, 0) in events
+    rates = gearbox.outputs(after)["gap_rate"]
+    expected = np.array(restitutions) * sizes
+    np.testing.assert_allclose(rates, expected, rtol=1e-10, atol=1e-16)
+    pairs = [bodies.directions(m, friction_of(gearbox, state, m), state) for m in (0, 1)]
+    response = [[gap @ (force / bodies.masses) for _, force in pairs] for gap, _ in pairs]
+    impulses = np.linalg.solve(response, (1 + np.array(restitutions)) * sizes)
+    change = sum(
+        impulse * force / bodies.masses for impulse, (_, force) in zip(impulses, pairs, strict=True)
+    )
+    moved = bodies.speeds(after) - bodies.speeds(state)
+    np.testing.assert_allclose(moved, change, rtol=0, atol=1e-10 * abs(change).max())
+
+
+@TRACKINGS
+def test_a_closed_contact_stays_closed_while_another_one_is_struck(kernel: Kernel, tracking: int):
+    """The momentum goes through it: its own impulse keeps kappa' = 0."""
+    random = np.random.default_rng(4)
+    gearbox = rigid_train(kernel, 3, tracking, 1, (0.0, 0.6))
+    bodies = Bodies(gearbox, [2.0, 3.0, 4.0])
+    state = approaching(gearbox, random, [0.0, 1e-3])
+    gearbox.mode(state, 0)[1] = LOADED
+    state.y[gearbox.place("multiplier_0")] = 1.0
+    sliding = gearbox.outputs(state)["sliding_velocity"][0]
+    gearbox.mode(state, 0)[2] = 0 if abs(sliding) <= KNEE else np.sign(sliding)
+    after, events = close(gearbox, state, 1)
+    assert Event("impact", 1, 0) in events
+    pairs = [bodies.directions(m, friction_of(gearbox, state, m), state) for m in (0, 1)]
+    response = [[gap @ (force / bodies.masses) for _, force in pairs] for gap, _ in pairs]
+    impulses = np.linalg.solve(response, [0.0, 1.6e-3])
+    assert impulses.min() > 0  # otherwise it would have opened
+    change = sum(
+        impulse * force / bodies.masses for impulse, (_, force) in zip(impulses, pairs, strict=True)
+    )
+    moved = bodies.speeds(after) - bodies.speeds(state)
+    np.testing.assert_allclose(moved, change, rtol=0, atol=1e-10 * abs(change).max())
+    rates = gearbox.outputs(after)["gap_rate"]
+    assert rates[1] == pytest.approx(0.6e-3, rel=1e-10)
+    assert abs(rates[0]) <= 1e-18
+
+
+def test_a_contact_that_would_have_to_pull_opens_with_an_event(kernel: Kernel):
+    """Two wheels drive the middle one: a blow from one carries it away from the other."""
+    random = np.random.default_rng(5)
+    gearbox = rigid_train(kernel, 3, restitutions=(0.0, 0.5), outer_drive=True, friction=0.0)
+    bodies = Bodies(gearbox, [2.0, 3.0, 4.0])
+    state = approaching(gearbox, random, [0.0, 1e-3])
+    gearbox.mode(state, 0)[1] = LOADED
+    state.y[gearbox.place("multiplier_0")] = 1.0
+    gap, force = bodies.directions(1, 0.0, state)
+    first, _ = bodies.directions(0, 0.0, state)
+    assert first @ (force / bodies.masses) > 0  # the blow parts the flanks of the first mesh
+    after, events = close(gearbox, state, 1)
+    assert [(event.name, event.mesh) for event in events] == [("contact_opened", 0), ("impact", 1)]
+    change = 1.5e-3 / (gap @ (force / bodies.masses)) * force / bodies.masses
+    moved = bodies.speeds(after) - bodies.speeds(state)
+    np.testing.assert_allclose(moved, change, rtol=0, atol=1e-10 * abs(change).max())
+    assert gearbox.mode(after, 0)[1] == OPEN
+    assert after.y[gearbox.place("multiplier_0")] == 0
+
+
+def test_of_two_contacts_that_close_at_once_none_pulls(kernel: Kernel):
+    """The stronger blow carries the middle wheel away from the weaker one: that takes no part."""
+    random = np.random.default_rng(6)
+    gearbox = rigid_train(kernel, 3, restitutions=(0.5, 0.5), outer_drive=True, friction=0.0)
+    bodies = Bodies(gearbox, [2.0, 3.0, 4.0])
+    state = approaching(gearbox, random, [1e-6, 1e-3])
+    after, events = close(gearbox, state, 0, 1)
+    assert [(event.name, event.mesh) for event in events] == [("impact", 1)]
+    gap, force = bodies.directions(1, 0.0, state)
+    change = 1.5e-3 / (gap @ (force / bodies.masses)) * force / bodies.masses
+    moved = bodies.speeds(after) - bodies.speeds(state)
+    np.testing.assert_allclose(moved, change, rtol=0, atol=1e-10 * abs(change).max())
+    assert gearbox.outputs(after)["gap_rate"][0] > 0
+    assert gearbox.mode(after, 0)[1] == OPEN
+
+
+# ---- what the jump of the speeds entails
+
+
+@pytest.mark.parametrize("elastic", [False, True], ids=["rigid neighbour", "elastic neighbour"])
+def test_an_impact_chooses_the_branches_of_friction_anew(kernel: Kernel, elastic: bool):
+    """In every loaded mesh: on the old branch friction could exceed f F_n."""
+    random = np.random.default_rng(7)
+    gearbox = rigid_train(kernel, 3, restitutions=(None if elastic else 0.0, 0.5))
+    state = approaching(gearbox, random, [0.0, 0.2])
+    gearbox.mode(state, 0)[1] = LOADED
+    before = gearbox.outputs(state)["sliding_velocity"][0]
+    gearbox.mode(state, 0)[2] = 0 if abs(before) <= KNEE else np.sign(before)
+    after, _ = close(gearbox, state, 1)
+    values = gearbox.outputs(after)
+    for m in (0, 1):
+        if gearbox.mode(after, m)[1] != LOADED:
+            continue
+        v_t = values["sliding_velocity"][m]
+        assert gearbox.mode(after, m)[2] == (0 if abs(v_t) <= KNEE else np.sign(v_t))
+    friction, normal = values["friction_force"][0], values["normal_force"][0]
+    assert abs(friction) <= FRICTION[0] * normal * (1 + 1e-12)
+    assert np.sign(before) != np.sign(values["sliding_velocity"][0]) or abs(before) < KNEE
+
+
+def test_an_impact_clips_the_force_of_an_elastic_neighbour_that_would_pull(kernel: Kernel):
+    """Its damper sees the jump of h'; without the clip its root would lie behind it already."""
+    random = np.random.default_rng(8)
+    gearbox = rigid_train(kernel, 3, restitutions=(None, 0.5), outer_drive=True, friction=0.0)
+    state = approaching(gearbox, random, [0.0, 0.2])
+    sigma = gearbox.mesh_geometry().sigma
+    state.y[gearbox.place("angle_deviation_1")] -= (
+        sigma * 1e-9 / gearbox.wheel_geometry(1).base_radius
+    )
+    gearbox.mode(state, 0)[1] = LOADED
+    assert gearbox.outputs(state)["normal_force"][0] > 0
+    after, events = close(gearbox, state, 1)
+    assert Event("force_vanished", 0, 0) in events
+    assert gearbox.outputs(after)["normal_force"][0] == 0
+    assert gearbox.root(after, "force") * gearbox.root_direction(after, "force") < 0
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.5])
+def test_no_event_overflows_its_room(kernel: Kernel, restitution: float):
+    """Also if every root fires at once."""
+    random = np.random.default_rng(9)
+    gearbox = rigid_train(kernel, 4, DIFFERENTIAL, 1, (restitution,) * 3)
+    for sizes in ([1e-3] * 3, [1e-9] * 3, [-1e-3] * 3):
+        state = approaching(gearbox, random, sizes)
+        roots = np.ones(gearbox.sizes.n_roots)
+        roots[ROOTS.index("forward") :: len(ROOTS)] = 0  # a mesh cannot switch both ways
+        _, events = fire(gearbox, state, roots)
+        assert 3 <= len(events) <= gearbox.sizes.n_roots
+
+
+# ---- no solution
+
+
+def test_friction_that_holds_the_flanks_fast_is_diagnosed(kernel: Kernel):
+    """f l_B > r_bB on approach with a light driven wheel: G M^-1 D < 0, no impulse parts them."""
+    wheels = [
+        wheel(teeth=20, pitch_radius=0.2, centre=(0.0, 0.0)),
+        wheel(teeth=30, inertia=1e-3),
+    ]
+    description = mesh(kernel, friction=(8.0, KNEE), **rigid(kernel, 0.5))
+    gearbox = Gearbox(kernel, wheels, [], [description])
+    bodies = Bodies(gearbox, [0.0, 0.0])
+    state = gearbox.start(SPEEDS, [-1.0, 0.5])
+    gap, force = bodies.directions(0, friction_of(gearbox, state, f=8.0), state)
+    assert gap @ (force / bodies.masses) < 0
+    error = refusal(lambda: gearbox.apply(state, "contact"))
+    assert (error.code, error.subject, error.index, error.field) == (SINGULAR, MESH, 0, "friction")
+    assert "friction holds the rigid contact fast" in error.message
