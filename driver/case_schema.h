@@ -6,20 +6,20 @@
 #include "description.h"
 
 typedef enum {
-    KEY_NUMBER,    /**< a number in the range, or one of the words */
-    KEY_INTEGER,   /**< a whole number in the range */
-    KEY_PAIR,      /**< [x, y], both in the range */
-    KEY_TRIPLE,    /**< [x, y, z], all in the range */
+    KEY_NUMBER,     /**< a number in the range, or one of the words */
+    KEY_INTEGER,    /**< a whole number in the range */
+    KEY_PAIR,       /**< [x, y], both in the range */
+    KEY_TRIPLE,     /**< [x, y, z], all in the range */
     KEY_QUATERNION, /**< [w, x, y, z], all in the range */
-    KEY_SERIES,    /**< a list of numbers */
-    KEY_NAMED,     /**< name: number, for each name */
-    KEY_TEXT,      /**< any text */
-    KEY_NAME,      /**< a word that names this block in paths and references */
-    KEY_REFERENCE, /**< the name of a material or wheel */
-    KEY_CHOICE,    /**< one of the words */
-    KEY_BLOCK,     /**< keys of the block `holds` */
-    KEY_LIST,      /**< a list of blocks `holds`, as many as the range says */
-    KEY_MAP        /**< name: block `holds`, as many as the range says */
+    KEY_SERIES,     /**< a list of numbers */
+    KEY_NAMED,      /**< name: number, for each name */
+    KEY_TEXT,       /**< any text */
+    KEY_NAME,       /**< a word that names this block in paths and references */
+    KEY_REFERENCE,  /**< the name of a material or wheel */
+    KEY_CHOICE,     /**< one of the words */
+    KEY_BLOCK,      /**< keys of the block `holds` */
+    KEY_LIST,       /**< a list of blocks `holds`, as many as the range says */
+    KEY_MAP         /**< name: block `holds`, as many as the range says */
 } key_type;
 
 /** One key. */

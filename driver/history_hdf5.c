@@ -225,8 +225,8 @@ static bool write_head(history *history, const history_layout *layout)
         define_names(history, root, &history->axis, "axis", "axis of the housing frame", 2, axes) &&
         (!has_dims(layout, MODEL_DIMS_WHEEL_SPACE) ||
          define_names(history, root, &history->space, "space", "component of a vector in space", 3, directions)) &&
-        (!has_dims(layout, MODEL_DIMS_QUATERNION) || define_names(history, root, &history->quaternion, "quaternion",
-                                                                  "component of a quaternion", 4, components));
+        (!has_dims(layout, MODEL_DIMS_QUATERNION) ||
+         define_names(history, root, &history->quaternion, "quaternion", "component of a quaternion", 4, components));
     const hid_t group = good ? netcdf_create_group(netcdf, "events") : H5I_INVALID_HID;
     if (group < 0 || !define_names(history, group, &history->side, "side", "side of the event", 2, sides)) {
         return false;

@@ -26,7 +26,14 @@ typedef struct {
 
 /** Why a description was refused: what it is about, so that the case file can be shown at the place. */
 typedef struct {
-    enum { MODEL_ABOUT_NOTHING, MODEL_ABOUT_WHEEL, MODEL_ABOUT_MESH, MODEL_ABOUT_LOAD, MODEL_ABOUT_INITIAL, MODEL_ABOUT_HOUSING } subject;
+    enum {
+        MODEL_ABOUT_NOTHING,
+        MODEL_ABOUT_WHEEL,
+        MODEL_ABOUT_MESH,
+        MODEL_ABOUT_LOAD,
+        MODEL_ABOUT_INITIAL,
+        MODEL_ABOUT_HOUSING
+    } subject;
     int index;      /**< wheel, mesh, or wheel of the load; -1 if none */
     int load;       /**< which load of that wheel, -1 if none */
     char field[48]; /**< key in the case file's block, "" if the whole block */

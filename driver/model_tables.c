@@ -53,10 +53,14 @@ const law_tables *model_laws(void)
 void model_describe_tables(model *model)
 {
     static const model_dims dims[] = {
-        [EVL_DIMS_NONE] = MODEL_DIMS_NONE,           [EVL_DIMS_WHEEL] = MODEL_DIMS_WHEEL,
-        [EVL_DIMS_MESH] = MODEL_DIMS_MESH,           [EVL_DIMS_WHEEL_AXIS] = MODEL_DIMS_WHEEL_AXIS,
-        [EVL_DIMS_MESH_AXIS] = MODEL_DIMS_MESH_AXIS, [EVL_DIMS_SPACE] = MODEL_DIMS_SPACE,
-        [EVL_DIMS_QUATERNION] = MODEL_DIMS_QUATERNION, [EVL_DIMS_WHEEL_SPACE] = MODEL_DIMS_WHEEL_SPACE,
+        [EVL_DIMS_NONE] = MODEL_DIMS_NONE,
+        [EVL_DIMS_WHEEL] = MODEL_DIMS_WHEEL,
+        [EVL_DIMS_MESH] = MODEL_DIMS_MESH,
+        [EVL_DIMS_WHEEL_AXIS] = MODEL_DIMS_WHEEL_AXIS,
+        [EVL_DIMS_MESH_AXIS] = MODEL_DIMS_MESH_AXIS,
+        [EVL_DIMS_SPACE] = MODEL_DIMS_SPACE,
+        [EVL_DIMS_QUATERNION] = MODEL_DIMS_QUATERNION,
+        [EVL_DIMS_WHEEL_SPACE] = MODEL_DIMS_WHEEL_SPACE,
     };
     const evl_sizes *sizes = &model->sizes;
     model->outputs = xcalloc((size_t)sizes->n_outputs, sizeof *model->outputs);

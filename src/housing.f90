@@ -193,7 +193,7 @@ contains
 
       if (.not. housing%is_mounted) return
       y(housing%i_state:housing%i_state + n_housing_states - 1) = [housing%position, housing%orientation, housing%velocity, &
-                                                                    housing%omega]
+                                                                   housing%omega]
    end subroutine housing_start
 
    !> Restart with a quaternion of norm 1.

@@ -12,6 +12,7 @@ module evl_housing_scaling
    public :: housing_scales
 
    real(wp), parameter :: duration = 1.0_wp !! in which a free housing moves [s]
+   real(wp), parameter :: share = 0.01_wp   !! of that motion: what the gears do to a housing is small beside its weight's sag
 
 contains
 
@@ -50,7 +51,7 @@ contains
 
       period = duration
       if (stiffness > 0) period = min(duration, sqrt(inertia/stiffness))
-      speed = max(load/inertia*period, start)
+      speed = share*max(load/inertia*period, start)
       distance = speed*period
    end subroutine response
 

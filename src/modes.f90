@@ -3,12 +3,15 @@
 !> The motion is x' = A x with x = (omega, psi_i, psi_i', s_j, s_j') and A = -dF/dy of the explicit system, analytic. What is not
 !> in x: the energies, which nothing depends on; the variables of tracked contact points, which the wheels carry along, so every
 !> mesh is taken in closed form; the angle theta, whose place in the mesh is held; speeds that are prescribed. Contact modes and
-!> friction branches stay as they are: no event takes part.
+!> friction branches stay as they are: no event takes part. A mounted housing adds its 12 states, see evl_housing_modes.
 module evl_modes
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use evl_dae_jacobian, only: gearbox_jacobian
+   use evl_dae_residual, only: gearbox_derivative
    use evl_gearbox, only: gearbox_t, i_omega, i_theta
    use evl_gearbox_scaling, only: gearbox_state_scales
+   use evl_housing, only: at_omega, at_orientation, at_position, at_velocity
+   use evl_housing_modes, only: explicit_matrix, quaternion_shape
    use evl_kinds, only: wp
    use evl_lapack, only: dgeevx, dgesvd
    use evl_mesh, only: tracking_closed_form
@@ -70,6 +73,7 @@ contains
       call sort_by_size(eigenvalues(:n_modes), shapes)
       do k = 1, n_modes
          vectors(moving, k) = shapes(:, k)*scale(moving)
+         if (gearbox%housing%is_mounted) call quaternion_shape(gearbox%housing, y, vectors(:, k))
          if (abs(eigenvalues(k)) > 0) vectors(i_theta, k) = vectors(i_omega, k)/eigenvalues(k)
       end do
    end subroutine gearbox_modes
@@ -91,6 +95,11 @@ contains
             speeds = [speeds, support%i_state(:support%n) + 1]
          end associate
       end do
+      if (.not. gearbox%housing%is_mounted) return
+      associate (first => gearbox%housing%i_state)
+         positions = [positions, (first + at_position + i, i=0, 2), (first + at_orientation + i, i=1, 3)]
+         speeds = [speeds, (first + at_velocity + i, i=0, 2), (first + at_omega + i, i=0, 2)]
+      end associate
    end subroutine free_states
 
    !> -dF/dy of the closed form, each state in units of its scale [1/s].
@@ -102,16 +111,20 @@ contains
       real(wp), allocatable, intent(out) :: matrix(:, :)
       type(status_t), intent(inout) :: status
       type(gearbox_t) :: closed
-      real(wp) :: at_rest(gearbox%n_states)
+      real(wp) :: yp(gearbox%n_states)
       integer :: n
 
       n = gearbox%n_states
       closed = gearbox
       closed%meshes%tracking = tracking_closed_form
       closed%meshes%i_track = 0
-      at_rest = 0 ! y' plays no part: the closed form is linear in it
+      yp = 0 ! y' plays no part: F is y' - f, but for a mounted housing
+      if (closed%housing%is_mounted) call gearbox_derivative(closed, t, y, integers, reals, yp, status)
+      if (has_failed(status)) return
       allocate (matrix(n, n))
-      call gearbox_jacobian(closed, t, 0.0_wp, y, at_rest, integers, reals, matrix, status)
+      call gearbox_jacobian(closed, t, 0.0_wp, y, yp, integers, reals, matrix, status)
+      if (has_failed(status)) return
+      if (closed%housing%is_mounted) call explicit_matrix(closed, t, y, yp, matrix, status)
       if (has_failed(status)) return
       matrix = -matrix*spread(scale, 1, n)/spread(scale, 2, n)
       if (.not. all(ieee_is_finite(matrix))) &

@@ -157,13 +157,13 @@ def energy_balance(history: xr.Dataset) -> xr.DataArray:
 
     T + V + dissipated - work of the loads is constant. What was put in is the gross work of the
     loads (the positive power on each wheel, integrated over the outputs) and the energy at the
-    start.
+    start, or the largest kinetic energy if gravity or a moving housing puts in more.
     """
     stored = require(history, "kinetic_energy") + require(history, "potential_energy")
     balance = stored + require(history, "dissipated_energy") - require(history, "load_work")
     power = require(history, "load_torque") * require(history, "angular_velocity")
     gross = float(power.clip(min=0.0).sum("wheel").integrate("time"))
-    scale = gross + abs(float(stored[0]))
+    scale = max(gross + abs(float(stored[0])), float(history["kinetic_energy"].max()))
     if scale == 0.0:
         raise NotApplicableError("no work is done and there is no energy")
     return (balance - balance[0]) / scale

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -154,7 +155,8 @@ def somewhere(kernel: Kernel, body: str, driven_by: str, tracking: int) -> tuple
             y[i] += 1e-5 * (name.endswith("rate") + 1e-2) * random.uniform(0.5, 1.0)
     yp = np.array(
         [
-            random.normal() * (1e-3 if name.startswith(("angle", "turn", "zeta", "dr", "mu")) else 1)
+            random.normal()
+            * (1e-3 if name.startswith(("angle", "turn", "zeta", "dr", "mu")) else 1)
             for name in names
         ]
     )
@@ -170,7 +172,7 @@ def steps(names: list[str]) -> Floats:
 def extrapolated(f: Callable[[float], Floats], step: float) -> Floats:
     """Return the derivative of f at 0 by central differences, extrapolated twice (Richardson)."""
     table = [(f(h) - f(-h)) / (2 * h) for h in (step, step / 2, step / 4)]
-    once = [(4 * b - a) / 3 for a, b in zip(table, table[1:], strict=False)]
+    once = [(4 * b - a) / 3 for a, b in pairwise(table)]
     return (16 * once[1] - once[0]) / 15
 
 

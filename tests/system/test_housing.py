@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import subprocess
 from typing import Any
 
 import numpy as np
@@ -256,6 +258,63 @@ def test_a_steady_start_finds_the_pose_in_which_weight_and_torques_balance(runs:
     point = np.array([MOUNT["point"]])
     deflection = (sagged.values[:1] + rotated(orientation, point) - point)[0]
     np.testing.assert_allclose(MOUNT["stiffness"] * deflection, weight, rtol=1e-10)
+
+
+def frequencies(evolvent_modes: dict[str, Any]) -> Any:
+    """Return the natural frequencies of the modes that vibrate [rad/s]."""
+    values = [complex(*mode["eigenvalue"]) for mode in evolvent_modes["modes"]]
+    return np.array([abs(value) for value in values if value.imag > 0])
+
+
+def modes(runs: Runs, case: dict[str, Any]) -> dict[str, Any]:
+    """Return what `evolvent modes` says of a case."""
+    file = runs.folder / "modes.yaml"
+    file.write_text(json.dumps(case))
+    command = [runs.executable, "modes", file, "--json"]
+    done = subprocess.run(command, check=True, capture_output=True, text=True, timeout=60)
+    return json.loads(done.stdout)
+
+
+def undamped(**mount: Any) -> dict[str, Any]:
+    """Build a balanced mounted housing: the mount holds the centre of mass of everything."""
+    case = mounted(centre_of_mass=[0.0, 0.0, 0.0], products_of_inertia=[0, 0, 0])
+    case["meshes"][0]["friction"] = {"law": "none"}
+    masses = 7800 * np.pi * 0.1 * np.array([0.2, 0.3]) ** 2 + SUPPORT_MASS
+    place = 0.5 * masses[1] / (BODY["mass"] + masses.sum())
+    case["housing"]["mount"] = {"point": [place, 0, 0], **mount}
+    return case
+
+
+def test_modes_of_a_mounted_housing_have_the_frequencies_of_closed_forms(runs: Runs) -> None:
+    stiffness = [1e5, 2e5, 3e5]
+    case = undamped(stiffness=stiffness, rotational_stiffness=[1e5, 1e5, 1e5])
+    found = frequencies(modes(runs, case))
+    masses = 7800 * np.pi * 0.1 * np.array([0.2, 0.3]) ** 2 + SUPPORT_MASS
+    mass = BODY["mass"] + masses.sum()
+    # Along z nothing but the whole mass moves; along x and y the slider gives by 1e-4.
+    assert np.abs(found / np.sqrt(stiffness[2] / mass) - 1).min() < 1e-9
+    # About x: every inertia about the axis through the centres, none of it off that axis.
+    discs = 7800 * np.pi * 0.1 * np.array([0.2, 0.3]) ** 2
+    across = (discs * (3 * np.array([0.2, 0.3]) ** 2 + 0.1**2) / 12).sum()
+    # The gyroscopic moments of the turning wheels change it by 1e-7.
+    assert np.abs(found / np.sqrt(1e5 / (BODY["inertia"][0] + across)) - 1).min() < 1e-6
+
+
+def test_a_mounted_housing_rings_at_the_frequency_of_its_mode(runs: Runs) -> None:
+    """About y: the turn couples with nothing else, and the history counts its periods."""
+    case = undamped(stiffness=[1e5, 2e5, 3e5], rotational_stiffness=[1e5, 4e5, 1e5])
+    case["housing"]["angular_velocity"] = [0.0, 1e-5, 0.0]
+    case["simulation"] = {"duration": 0.5, "output_interval": 1e-4, "tolerance": 1e-11}
+    h = runs(case).history
+    rate = h["housing_angular_velocity"].sel(space="y").values
+    del case["housing"]["angular_velocity"]
+    found = frequencies(modes(runs, case))
+    at = np.flatnonzero((rate[:-1] < 0) & (rate[1:] >= 0))
+    times = h["time"].values
+    crossings = times[at] - rate[at] * (times[at + 1] - times[at]) / (rate[at + 1] - rate[at])
+    assert len(crossings) > 4
+    rung = 2 * np.pi / np.diff(crossings).mean()
+    assert np.abs(found / rung - 1).min() < 1e-5
 
 
 def test_every_invariant_holds_on_a_shaken_and_on_a_mounted_housing(runs: Runs) -> None:

@@ -171,13 +171,13 @@ typedef enum {
 
 /** The housing; all behind `terms` is for EVL_HOUSING_MOUNTED. docs/housing.md has the equations. */
 typedef struct {
-    int kind;                     /**< evl_housing_kind */
-    double gravity[3];            /**< ground frame [m/s^2] */
-    int n_terms;                  /**< */
-    const evl_motion_term *terms; /**< [n_terms] for EVL_HOUSING_PRESCRIBED; copied */
-    double mass;                  /**< [kg] > 0 */
-    double centre_of_mass[3];     /**< housing frame [m] */
-    double inertia[3];            /**< I_xx, I_yy, I_zz about the centre of mass [kg m^2] */
+    int kind;                       /**< evl_housing_kind */
+    double gravity[3];              /**< ground frame [m/s^2] */
+    int n_terms;                    /**< */
+    const evl_motion_term *terms;   /**< [n_terms] for EVL_HOUSING_PRESCRIBED; copied */
+    double mass;                    /**< [kg] > 0 */
+    double centre_of_mass[3];       /**< housing frame [m] */
+    double inertia[3];              /**< I_xx, I_yy, I_zz about the centre of mass [kg m^2] */
     double products_of_inertia[3];  /**< elements I_xy, I_yz, I_xz of the tensor [kg m^2] */
     double mount_point[3];          /**< where the mount holds the housing, housing frame [m] */
     double stiffness[3];            /**< of the mount, ground axes [N/m] >= 0 */
@@ -364,7 +364,8 @@ typedef struct {
     int dims;       /**< evl_dims, axis being x, y */
     bool is_static; /**< has no time dimension */
     bool is_integer;
-    int offset, count; /**< its place in the array that evl_gearbox_outputs fills; C order. count 0: not there, as the pose
+    int offset,
+        count; /**< its place in the array that evl_gearbox_outputs fills; C order. count 0: not there, as the pose
                             of a fixed housing */
 } evl_output;
 
