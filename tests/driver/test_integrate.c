@@ -66,7 +66,7 @@ typedef struct {
     int differential[MOST_STATES];
     struct {
         long residuals, jacobians;
-    } * calls;
+    } *calls;
     double parameter;
     dae_state state;
     double y[MOST_STATES], yp[MOST_STATES], reals[1];
