@@ -336,7 +336,7 @@ static integrate_code handle_event(session *s, bool time_event)
     m->root_directions(m->self, s->state->integers, s->directions);
     if (IDAReInit(s->ida, s->state->t, s->y, s->yp) != IDA_SUCCESS ||
         IDASetInitStep(s->ida, restart_step) != IDA_SUCCESS ||
-        IDASetRootDirection(s->ida, s->directions) != IDA_SUCCESS) {
+        (m->n_roots > 0 && IDASetRootDirection(s->ida, s->directions) != IDA_SUCCESS)) {
         (void)snprintf(s->reason, DAE_MESSAGE_LENGTH, "the integrator could not be started anew after an event");
         return INTEGRATE_FAILED;
     }

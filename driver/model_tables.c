@@ -1,6 +1,7 @@
 #include "memory.h"
 #include "model_kernel.h"
 
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -35,18 +36,31 @@ static law_info *translate_laws(int family, int n)
     return laws;
 }
 
-const law_tables *model_laws(void)
+/* What is the same for all models is copied from the kernel once, whichever thread asks first. */
+static pthread_once_t once = PTHREAD_ONCE_INIT;
+static law_tables tables;
+enum { EVENT_ROOM = 32 };
+static char event_names[EVENT_ROOM][EVL_NAME_LENGTH];
+
+static void copy_tables(void)
 {
-    static law_tables tables;
     static const int families[LAWS_FAMILIES] = {
         [LAWS_CONTACT] = EVL_LAWS_CONTACT,
         [LAWS_DAMPING] = EVL_LAWS_DAMPING,
         [LAWS_FRICTION] = EVL_LAWS_FRICTION,
     };
-    for (int i = 0; i < LAWS_FAMILIES && tables.laws[i] == NULL; i++) {
+    for (int i = 0; i < LAWS_FAMILIES; i++) {
         tables.count[i] = evl_law_count(families[i]);
         tables.laws[i] = translate_laws(families[i], tables.count[i]);
     }
+    for (int kind = 0; kind < EVENT_ROOM; kind++) {
+        evl_event_name(kind, event_names[kind]);
+    }
+}
+
+const law_tables *model_laws(void)
+{
+    (void)pthread_once(&once, copy_tables);
     return &tables;
 }
 
@@ -117,15 +131,8 @@ int model_n_event_kinds(void)
 
 const char *model_event_kind(int kind)
 {
-    enum { ROOM = 32 };
-    static char names[ROOM][EVL_NAME_LENGTH];
-    if (kind < 0 || kind >= ROOM) {
-        return "";
-    }
-    if (names[kind][0] == '\0') {
-        evl_event_name(kind, names[kind]);
-    }
-    return names[kind];
+    (void)pthread_once(&once, copy_tables);
+    return kind < 0 || kind >= EVENT_ROOM ? "" : event_names[kind];
 }
 
 const char *model_state_name(const model *model, int index)

@@ -394,7 +394,7 @@ contains
       character(len=*), intent(in) :: text
       character(len=message_length) :: warning
 
-      write (warning, "(a, i0, a)") "mesh ", mesh - 1, ": "//text
+      write (warning, "(a, i0, a)") "meshes.", mesh - 1, ": "//text
       gearbox%warnings = [character(len=message_length) :: gearbox%warnings, warning]
    end subroutine warn
 

@@ -32,9 +32,9 @@ contains
 
       call resolve_radii(layout, status)
       if (has_failed(status)) return
-      call resolve_centres(layout, status)
-      if (has_failed(status)) return
       call resolve_turns(layout, reference, status)
+      if (has_failed(status)) return
+      call resolve_centres(layout, status)
    end subroutine layout_resolve
 
    !> Pitch radii from the ratios of teeth.

@@ -327,7 +327,7 @@ def test_a_path_of_contact_without_the_pitch_point_is_warned_of(kernel: Kernel):
     ]
     assert warnings[0] == []
     assert len(warnings[1]) == 1
-    assert warnings[1][0].startswith("mesh 0: ")
+    assert warnings[1][0].startswith("meshes.0: ")
     assert "pitch point" in warnings[1][0]
 
 
@@ -336,7 +336,7 @@ def test_a_flank_against_the_sense_of_the_first_mesh_is_warned_of(kernel: Kernel
     assert Gearbox(kernel, wheels, loads, meshes).warnings() == []
     meshes[1].driving_rotation = -1
     (warning,) = Gearbox(kernel, wheels, loads, meshes).warnings()
-    assert warning.startswith("mesh 1: ")
+    assert warning.startswith("meshes.1: ")
     assert "driving_rotation" in warning
 
 

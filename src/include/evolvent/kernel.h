@@ -284,7 +284,7 @@ EVL_API int evl_gearbox_initial_state(const evl_gearbox *gearbox, const evl_init
 EVL_API void evl_gearbox_scales(const evl_gearbox *gearbox, const evl_initial *initial, double *state, double *row,
                                 int *differential);
 
-/** The name of state `index` with its wheel or mesh, such as "angle_deviation[1]", and its unit. */
+/** The name of state `index` with its wheel or mesh, such as "angle_deviation_1", and its unit. */
 EVL_API void evl_gearbox_state_name(const evl_gearbox *gearbox, int index, char name[EVL_NAME_LENGTH],
                                     char units[EVL_NAME_LENGTH]);
 
