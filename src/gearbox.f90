@@ -253,7 +253,7 @@ contains
       real(wp), intent(in) :: reals(:)
       real(wp), intent(out) :: f(gearbox%n_states)
       type(status_t), intent(inout) :: status       !! code_out_of_domain if a law has no solution there
-      real(wp), intent(in), optional :: yp(gearbox%n_states) !! of a mounted housing; v' = Omega' = 0 if not given
+      real(wp), intent(in), optional :: yp(:)       !! of a mounted housing; v' = Omega' = 0 if not given
       type(mesh_force) :: force
       type(frame_t) :: frame
       real(wp) :: torque, dissipation, power
