@@ -77,7 +77,13 @@ bool series_append(series *rows, const double *row)
                 return false;
             }
         } else {
-            memcpy((double *)column->block + rows->filled * count, values, count * sizeof *values);
+            double *to = (double *)column->block + rows->filled * count;
+            to[0] = values[0]; /* most columns have a value or two: a call to copy them costs more than they do */
+            if (count == 2) {
+                to[1] = values[1];
+            } else if (count > 2) {
+                memcpy(to + 1, values + 1, (count - 1) * sizeof *values);
+            }
         }
     }
     rows->filled++;
