@@ -94,8 +94,9 @@ static bool define_names(history *history, hid_t group, netcdf_dimension *dimens
     if (!netcdf_define_dimension(&history->netcdf, group, &variable, dimension, 0)) {
         return false;
     }
-    const herr_t result =
-        n == 0 ? 0 : H5Dwrite(dimension->scale.dataset, history->netcdf.text, H5S_ALL, H5S_ALL, H5P_DEFAULT, names);
+    const herr_t result = n == 0 ? 0
+                                 : H5Dwrite(dimension->scale.dataset, history->netcdf.text, H5S_ALL, H5S_ALL,
+                                            history->netcdf.transfer, names);
     return result < 0 ? netcdf_fail(&history->netcdf) : true;
 }
 
@@ -310,7 +311,7 @@ static bool write_static(history *history, const model_output *output, const dou
         return false;
     }
     /* HDF5 turns whole doubles into integers. */
-    const herr_t written = H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values);
+    const herr_t written = H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, history->netcdf.transfer, values);
     return written < 0 || H5Dclose(dataset) < 0 ? netcdf_fail(&history->netcdf) : true;
 }
 

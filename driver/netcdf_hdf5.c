@@ -92,8 +92,10 @@ bool netcdf_create(netcdf_file *file, const char *path)
     const hid_t creation = H5Pcreate(H5P_FILE_CREATE);
     file->text = H5Tcopy(H5T_C_S1);
     file->scalar = H5Screate(H5S_SCALAR);
+    file->transfer = H5Pcreate(H5P_DATASET_XFER);
     /* Format 1.8: later ones mark a file as open for writing, and a killed run's flushed file could not be read. */
-    const bool ready = access >= 0 && creation >= 0 && file->text >= 0 && file->scalar >= 0 &&
+    const bool ready = access >= 0 && creation >= 0 && file->text >= 0 && file->scalar >= 0 && file->transfer >= 0 &&
+                       H5Pset_buffer(file->transfer, 16 * 1024, NULL, NULL) >= 0 &&
                        H5Tset_size(file->text, H5T_VARIABLE) >= 0 && H5Tset_cset(file->text, H5T_CSET_UTF8) >= 0 &&
                        H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18) >= 0 &&
                        H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) >= 0 && limit_metadata_cache(access) &&
@@ -115,6 +117,7 @@ bool netcdf_close(netcdf_file *file)
     const bool good = checked(file, H5Fclose(file->id));
     (void)H5Tclose(file->text);
     (void)H5Sclose(file->scalar);
+    (void)H5Pclose(file->transfer);
     return good;
 }
 
