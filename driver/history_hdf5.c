@@ -12,7 +12,7 @@
 #include <time.h>
 
 /* docs/result_format.md describes what this file writes. */
-enum { FORMAT = 1, ROWS = 1024, EVENT_ROWS = 256, FLUSH_SECONDS = 5 };
+enum { FORMAT = 1, ROWS = 8192, EVENT_ROWS = 256, FLUSH_SECONDS = 5 };
 enum { EVENT_NUMBER, EVENT_TIME, EVENT_KIND, EVENT_MESH, EVENT_TOOTH_PAIR, EVENT_STATES };
 
 struct history {
