@@ -2,7 +2,7 @@
 module evl_dae_jacobian
    use evl_contact_point, only: contact_gradient, contact_point
    use evl_contact_tracking, only: algebraic_jacobian, differential_jacobian
-   use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_rates, gearbox_t, i_omega, i_theta, i_turns, is_closed, &
+   use evl_gearbox, only: add_speed, gearbox_local, gearbox_mode, gearbox_rates, gearbox_t, i_omega, i_theta, i_turns, is_closed, &
                           support_t, wheel_acceleration, wheel_follows_ground, wheel_load_torque, wheel_speed, wheel_t
    use evl_housing, only: at_omega, frame_t, housing_frame
    use evl_housing_dynamics, only: housing_coupling
@@ -120,17 +120,6 @@ contains
          end do
       end associate
    end subroutine add_wheel
-
-   !> Add a multiple of a wheel's speed gradient to a row.
-   pure subroutine add_speed(wheel, row, factor, jacobian)
-      type(wheel_t), intent(in) :: wheel
-      integer, intent(in) :: row
-      real(wp), intent(in) :: factor
-      real(wp), intent(inout) :: jacobian(:, :)
-
-      jacobian(row, i_omega) = jacobian(row, i_omega) + wheel%ratio*factor
-      if (wheel%i_psi > 0) jacobian(row, wheel%i_psi + 1) = jacobian(row, wheel%i_psi + 1) + factor
-   end subroutine add_speed
 
    !> A mesh's derivatives in the rows of its wheels, their supports and the energies.
    subroutine add_mesh(gearbox, index, y, spin, integers, reals, jacobian, status)

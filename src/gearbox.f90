@@ -25,6 +25,7 @@ module evl_gearbox
    implicit none (type, external)
    private
 
+   public :: add_speed
    public :: gearbox_t, wheel_t, support_t
    public :: gearbox_rates, multiplier_row, is_closed
    public :: gearbox_local, gearbox_mode, gearbox_store_mode, wheel_speed, wheel_load_torque, wheel_acceleration
@@ -133,6 +134,17 @@ contains
       omega = wheel%ratio*y(i_omega)
       if (wheel%i_psi > 0) omega = omega + y(wheel%i_psi + 1)
    end function wheel_speed
+
+   !> Add a multiple of a wheel's speed gradient to a row.
+   pure subroutine add_speed(wheel, row, factor, jacobian)
+      type(wheel_t), intent(in) :: wheel
+      integer, intent(in) :: row
+      real(wp), intent(in) :: factor
+      real(wp), intent(inout) :: jacobian(:, :)
+
+      jacobian(row, i_omega) = jacobian(row, i_omega) + wheel%ratio*factor
+      if (wheel%i_psi > 0) jacobian(row, wheel%i_psi + 1) = jacobian(row, wheel%i_psi + 1) + factor
+   end subroutine add_speed
 
    !> Sum of the torques that the loads of a wheel know; that of a prescribed speed is not among them [N m].
    pure real(wp) function wheel_load_torque(gearbox, index, t, omega, integers) result(torque)

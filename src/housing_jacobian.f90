@@ -2,7 +2,7 @@
 !>
 !> Source: the derivatives of docs/housing.md, one by one. Those by y' are in evl_housing_dynamics.
 module evl_housing_jacobian
-   use evl_gearbox, only: gearbox_t, i_omega, wheel_acceleration, wheel_follows_ground, wheel_housing_torque, &
+   use evl_gearbox, only: add_speed, gearbox_t, i_omega, wheel_acceleration, wheel_follows_ground, wheel_housing_torque, &
                           wheel_load_torque, wheel_position, wheel_speed, wheel_spin_torque, wheel_t
    use evl_housing, only: apparent_acceleration, at_omega, at_orientation, at_position, at_velocity, frame_acceleration, frame_t, &
                           housing_t, mount_force, n_housing_states, norm_rate
@@ -114,17 +114,6 @@ contains
          jacobian(o, o) = jacobian(o, o) - by_spin
       end associate
    end subroutine ground_gradient
-
-   !> Add a multiple of a wheel's speed gradient to a row.
-   pure subroutine add_speed(wheel, row, factor, jacobian)
-      type(wheel_t), intent(in) :: wheel
-      integer, intent(in) :: row
-      real(wp), intent(in) :: factor
-      real(wp), intent(inout) :: jacobian(:, :)
-
-      jacobian(row, i_omega) = jacobian(row, i_omega) + wheel%ratio*factor
-      if (wheel%i_psi > 0) jacobian(row, wheel%i_psi + 1) = jacobian(row, wheel%i_psi + 1) + factor
-   end subroutine add_speed
 
    !> d b/d c of a point.
    pure function gradient_by_centre(frame) result(gradient)
