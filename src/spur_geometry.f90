@@ -57,6 +57,14 @@ module evl_spur_geometry
       real(wp) :: point_b(2) = 0.0_wp          !! end of contact [m]
       real(wp) :: pitch_point(2) = 0.0_wp      !! where the pitch circles touch [m]
       logical :: contains_pitch_point = .false. !! whether a-b does
+      logical :: handover = .true.             !! contact ratio exactly 1: a pair hands its load to the next one pitch on
+      real(wp) :: contact_ratio = 1.0_wp       !! path of contact over base pitch
+      real(wp) :: rho_tip_a = 0.0_wp           !! radius of curvature at A's tip, sqrt(r_aA^2 - r_bA^2) [m]
+      real(wp) :: rho_tip_b = 0.0_wp           !! the same of B [m]
+      logical :: has_coast = .false.           !! whether the flanks on the other side can touch
+      real(wp) :: backlash = 0.0_wp            !! normal backlash j_bn at the reference centre distance [m]
+      real(wp) :: tooth_angle_a = 0.0_wp       !! angle that a tooth of A fills on the base circle [rad]; 0 if not known
+      real(wp) :: tooth_angle_b = 0.0_wp       !! the same of B [rad]
    end type spur_pair_t
 
 contains
@@ -137,6 +145,8 @@ contains
       pair%base_pitch = pair%base_radius_a*pair%gamma_a
       pair%rho_start_a = 0.5_wp*(pair%rho - pair%base_pitch)
       pair%rho_start_b = 0.5_wp*(pair%rho + pair%base_pitch)
+      pair%rho_tip_a = pair%rho_start_b
+      pair%rho_tip_b = pair%rho_start_b
       ! at b the radii of curvature are those at a, exchanged
       pair%tip_radius_a = hypot(pair%base_radius_a, pair%rho_start_b)
       pair%tip_radius_b = hypot(pair%base_radius_b, pair%rho_start_b)
