@@ -29,7 +29,8 @@ void contact_watch_init(contact_watch *watch, const model *model, int n_meshes)
 void contact_watch_outputs(contact_watch *watch, const double *values)
 {
     for (int i = 0; i < watch->n_meshes && watch->offset >= 0; i++) {
-        watch->meshes[i].had_contact = watch->meshes[i].had_contact || values[watch->offset + i] > 0.0;
+        watch->meshes[i].is_open = !(values[watch->offset + i] > 0.0);
+        watch->meshes[i].had_contact = watch->meshes[i].had_contact || !watch->meshes[i].is_open;
     }
 }
 
@@ -41,8 +42,9 @@ void contact_watch_event(contact_watch *watch, const event_record *record)
         return;
     }
     watch->meshes[mesh].had_contact = true;
-    watch->meshes[mesh].is_open = kind != watch->closed;
-    watch->meshes[mesh].t_opened = record->t;
+    if (kind != watch->closed) {
+        watch->meshes[mesh].t_opened = record->t;
+    }
 }
 
 bool contact_watch_lost(const contact_watch *watch, const char *const *mesh_names, char *text, size_t size)

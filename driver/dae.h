@@ -18,10 +18,11 @@ typedef struct {
     double *reals;  /**< [n_reals] */
 } dae_state;
 
-/** One thing that happened at an event; `subject` and `count` mean something to the model only. */
+/** One thing that happened at an event; `subject`, `side` and `count` mean something to the model only. */
 typedef struct {
     int kind;    /**< index in the model's table of event kinds */
     int subject; /**< which part of the model; -1 if none */
+    int side;    /**< which side of that part; -1 if none */
     int count;   /**< the part's counter after the event; -1 if none */
 } dae_event;
 

@@ -20,6 +20,7 @@ typedef struct {
     const char *path; /**< final name */
     int n_wheels, n_meshes;
     const char *const *wheel_names, *const *mesh_names;
+    int n_pairs, n_drive_pairs; /**< places for tooth pairs of a mesh; the first are those of the drive flank */
     int n_outputs;
     const model_output *outputs;
     int n_states;

@@ -13,12 +13,12 @@
 
 /* docs/result_format.md describes what this file writes. */
 enum { FORMAT = 1, ROWS = 8192, EVENT_ROWS = 256, FLUSH_SECONDS = 5 };
-enum { EVENT_NUMBER, EVENT_TIME, EVENT_KIND, EVENT_MESH, EVENT_TOOTH_PAIR, EVENT_STATES };
+enum { EVENT_NUMBER, EVENT_TIME, EVENT_KIND, EVENT_MESH, EVENT_FLANK, EVENT_TOOTH_PAIR, EVENT_STATES };
 
 struct history {
     output_file file;
     netcdf_file netcdf;
-    netcdf_dimension wheel, mesh, axis, space, quaternion, side;
+    netcdf_dimension wheel, mesh, axis, space, quaternion, pair, side;
     series times, events;
     int n_outputs, n_values, n_states;
     model_output *outputs;
@@ -71,6 +71,7 @@ static void set_dimensions(history *history, const model_output *output, netcdf_
         [MODEL_DIMS_SPACE] = {1, &history->space, NULL},
         [MODEL_DIMS_QUATERNION] = {1, &history->quaternion, NULL},
         [MODEL_DIMS_WHEEL_SPACE] = {2, &history->wheel, &history->space},
+        [MODEL_DIMS_MESH_PAIR] = {2, &history->mesh, &history->pair},
     };
     variable->rank = dims[output->dims].rank;
     variable->dimensions[0] = dims[output->dims].first;
@@ -175,6 +176,7 @@ static void plan_events(history *history, hid_t group, const history_layout *lay
         [EVENT_TIME] = describe(NETCDF_REAL, "time", "s", "t", "model time of the event"),
         [EVENT_KIND] = describe(NETCDF_INTEGER, "kind", "1", "kind", "what happened"),
         [EVENT_MESH] = describe(NETCDF_INTEGER, "mesh", "1", "mesh", "index of the mesh, -1 if it concerns none"),
+        [EVENT_FLANK] = describe(NETCDF_INTEGER, "flank", "1", "flank", "0 drive, 1 coast, -1 if it concerns no mesh"),
         [EVENT_TOOTH_PAIR] = describe(NETCDF_INTEGER, "tooth_pair", "1", "tooth_pair",
                                       "pitches since the start, after the event; -1 if it concerns no mesh"),
     };
@@ -207,6 +209,24 @@ static bool has_dims(const history_layout *layout, model_dims dims)
     return has;
 }
 
+/** Places of tooth pairs: drive_0, drive_1, ..., coast_0, ... */
+static bool define_pairs(history *history, hid_t root, const history_layout *layout)
+{
+    char(*texts)[24] = xcalloc((size_t)layout->n_pairs, sizeof *texts);
+    const char **names = xcalloc((size_t)layout->n_pairs, sizeof *names);
+    for (int i = 0; i < layout->n_pairs; i++) {
+        const bool is_drive = i < layout->n_drive_pairs;
+        (void)snprintf(texts[i], sizeof texts[i], "%s_%d", is_drive ? "drive" : "coast",
+                       is_drive ? i : i - layout->n_drive_pairs);
+        names[i] = texts[i];
+    }
+    const bool good = define_names(history, root, &history->pair, "pair", "place of a tooth pair: flank and slot",
+                                   layout->n_pairs, names);
+    free(names);
+    free(texts);
+    return good;
+}
+
 /** Everything whose size is known: attributes, names, the group of events. */
 static bool write_head(history *history, const history_layout *layout)
 {
@@ -227,7 +247,8 @@ static bool write_head(history *history, const history_layout *layout)
         (!has_dims(layout, MODEL_DIMS_WHEEL_SPACE) ||
          define_names(history, root, &history->space, "space", "component of a vector in space", 3, directions)) &&
         (!has_dims(layout, MODEL_DIMS_QUATERNION) ||
-         define_names(history, root, &history->quaternion, "quaternion", "component of a quaternion", 4, components));
+         define_names(history, root, &history->quaternion, "quaternion", "component of a quaternion", 4, components)) &&
+        (!has_dims(layout, MODEL_DIMS_MESH_PAIR) || define_pairs(history, root, layout));
     const hid_t group = good ? netcdf_create_group(netcdf, "events") : H5I_INVALID_HID;
     if (group < 0 || !define_names(history, group, &history->side, "side", "side of the event", 2, sides)) {
         return false;
@@ -246,6 +267,7 @@ static void free_history(history *history)
     scale_free(&history->axis.scale);
     scale_free(&history->space.scale);
     scale_free(&history->quaternion.scale);
+    scale_free(&history->pair.scale);
     scale_free(&history->side.scale);
     free(history->outputs);
     free(history->event_kinds);
@@ -289,7 +311,9 @@ static bool write_all(history *history, bool is_last)
     netcdf_file *netcdf = &history->netcdf;
     return series_write(&history->times, is_last) && series_write(&history->events, is_last) &&
            netcdf_finish_dimension(netcdf, &history->wheel) && netcdf_finish_dimension(netcdf, &history->mesh) &&
-           netcdf_finish_dimension(netcdf, &history->axis) && netcdf_finish_dimension(netcdf, &history->side);
+           netcdf_finish_dimension(netcdf, &history->axis) && netcdf_finish_dimension(netcdf, &history->space) &&
+           netcdf_finish_dimension(netcdf, &history->quaternion) && netcdf_finish_dimension(netcdf, &history->pair) &&
+           netcdf_finish_dimension(netcdf, &history->side);
 }
 
 /** From time to time, so that most of a killed run can be read. */
@@ -342,6 +366,7 @@ bool history_add_event(history *history, const event_record *record)
     row[EVENT_TIME] = record->t;
     row[EVENT_KIND] = record->what.kind;
     row[EVENT_MESH] = record->what.subject;
+    row[EVENT_FLANK] = record->what.side;
     row[EVENT_TOOTH_PAIR] = record->what.count;
     for (int i = 0; i < history->n_states; i++) {
         row[EVENT_STATES + 2 * i] = record->before->y[i];

@@ -13,7 +13,8 @@ typedef enum {
     MODEL_DIMS_MESH_AXIS,
     MODEL_DIMS_SPACE,
     MODEL_DIMS_QUATERNION,
-    MODEL_DIMS_WHEEL_SPACE
+    MODEL_DIMS_WHEEL_SPACE,
+    MODEL_DIMS_MESH_PAIR
 } model_dims;
 
 /** One variable of the history: constant over time (is_static) or one value, or array of values, a time. */
@@ -67,6 +68,9 @@ int model_output_offset(const model *model, const char *name);
 int model_n_values(const model *model);
 /** All outputs at a state [model_n_values]; integers as whole doubles. @return a dae_code */
 int model_outputs(const model *model, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH]);
+
+/** Places that the outputs have for the tooth pairs of a mesh, and how many of them, the first, are for the drive flank. */
+void model_pair_places(const model *model, int *n, int *n_drive);
 
 int model_n_event_kinds(void);
 const char *model_event_kind(int kind);

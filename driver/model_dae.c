@@ -71,7 +71,7 @@ static int apply_event(const void *self, dae_state *state, const int *fired, boo
     const int code = evl_gearbox_apply_event(model->gearbox, state->t, fired, time_event, state->y, state->yp,
                                              state->integers, state->reals, happened, n_events, &status);
     for (int i = 0; i < *n_events; i++) {
-        events[i] = (dae_event){happened[i].kind, happened[i].mesh, happened[i].tooth_pair};
+        events[i] = (dae_event){happened[i].kind, happened[i].mesh, happened[i].flank, happened[i].tooth_pair};
     }
     free(happened);
     return dae_answer(code, &status, message);

@@ -75,6 +75,7 @@ void model_describe_tables(model *model)
         [EVL_DIMS_SPACE] = MODEL_DIMS_SPACE,
         [EVL_DIMS_QUATERNION] = MODEL_DIMS_QUATERNION,
         [EVL_DIMS_WHEEL_SPACE] = MODEL_DIMS_WHEEL_SPACE,
+        [EVL_DIMS_MESH_PAIR] = MODEL_DIMS_MESH_PAIR,
     };
     const evl_sizes *sizes = &model->sizes;
     model->outputs = xcalloc((size_t)sizes->n_outputs, sizeof *model->outputs);
@@ -97,6 +98,12 @@ void model_describe_tables(model *model)
     for (int i = 0; i < sizes->n_states; i++) {
         evl_gearbox_state_name(model->gearbox, i, model->state_names[i], model->state_units[i]);
     }
+}
+
+void model_pair_places(const model *model, int *n, int *n_drive)
+{
+    *n = model->sizes.n_pair_places;
+    *n_drive = model->sizes.n_drive_places;
 }
 
 int model_n_outputs(const model *model)

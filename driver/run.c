@@ -141,10 +141,14 @@ static bool create_history(run *run, const char *path)
         text_attribute("versions", versions),        text_attribute("warnings", warnings),
         text_attribute("status", "running"),         text_attribute("status_message", ""),
     };
+    int n_pairs, n_drive_pairs;
+    model_pair_places(model, &n_pairs, &n_drive_pairs);
     const history_layout layout = {
         .path = path,
         .n_wheels = description->n_wheels,
         .n_meshes = description->n_meshes,
+        .n_pairs = n_pairs,
+        .n_drive_pairs = n_drive_pairs,
         .wheel_names = run->wheel_names,
         .mesh_names = run->mesh_names,
         .n_outputs = model_n_outputs(model),

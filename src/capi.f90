@@ -12,9 +12,10 @@ module evl_capi
    use evl_dae_residual, only: gearbox_derivative, gearbox_residual
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_build, only: gearbox_create
-   use evl_gearbox_events, only: event_name, event_t, gearbox_apply_event, gearbox_n_roots, gearbox_next_time_event, &
-                                 gearbox_root_directions, gearbox_roots, n_event_kinds
+   use evl_event_log, only: event_name, event_t, n_event_kinds
+   use evl_gearbox_events, only: gearbox_apply_event, gearbox_next_time_event, gearbox_root_directions, gearbox_roots
    use evl_gearbox_initial, only: gearbox_initial_speeds, gearbox_start
+   use evl_mesh_outputs, only: pair_places
    use evl_output_table, only: gearbox_output_table, gearbox_outputs, n_outputs
    use evl_gearbox_scaling, only: gearbox_state_scales
    use evl_gearbox_states, only: gearbox_state_name
@@ -34,7 +35,8 @@ module evl_capi
 
    !> evl_sizes
    type, bind(c) :: c_sizes
-      integer(c_int) :: n_wheels, n_meshes, n_loads, n_states, n_integers, n_reals, n_roots, n_outputs, n_values, n_warnings
+      integer(c_int) :: n_wheels, n_meshes, n_loads, n_states, n_integers, n_reals, n_roots, n_outputs, n_values, n_warnings, &
+                        n_pair_places, n_drive_places
    end type c_sizes
 
    !> evl_wheel_geometry
@@ -55,7 +57,7 @@ module evl_capi
 
    !> evl_event
    type, bind(c) :: c_event
-      integer(c_int) :: kind, mesh, tooth_pair
+      integer(c_int) :: kind, mesh, tooth_pair, flank
    end type c_event
 
    !> evl_output
@@ -141,8 +143,8 @@ contains
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
-      sizes = c_sizes(size(g%wheels), size(g%meshes), size(g%loads), g%n_states, g%n_integers, size(g%meshes), &
-                      gearbox_n_roots(g), n_outputs, g%n_values, size(g%warnings))
+      sizes = c_sizes(size(g%wheels), size(g%pairs), size(g%loads), g%n_states, g%n_integers, size(g%contacts), &
+                      g%n_roots, n_outputs, g%n_values, size(g%warnings), pair_places(g), maxval(g%contacts%n_slots))
    end subroutine evl_gearbox_sizes
 
    integer(c_int) function evl_gearbox_warning(handle, index, text) result(length) bind(c)
@@ -179,7 +181,7 @@ contains
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
-      associate (mesh => g%meshes(index + 1), pair => g%pairs(index + 1))
+      associate (mesh => g%contacts(g%first(index + 1)), pair => g%pairs(index + 1))
          geometry = c_mesh_geometry( &
                     sigma=pair%sigma, transmission_ratio=pair%ratio, centre_distance=pair%centre_distance, &
                     centre_line_angle=pair%chi, minimum_pressure_angle=pair%alpha_inf, &
@@ -205,8 +207,8 @@ contains
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
-      call gearbox_start(g, initial_from_c(initial, size(g%wheels), size(g%meshes)), t, y(:g%n_states), yp(:g%n_states), &
-                         integers(:g%n_integers), reals(:size(g%meshes)), s)
+      call gearbox_start(g, initial_from_c(initial, size(g%wheels), size(g%pairs)), t, y(:g%n_states), yp(:g%n_states), &
+                         integers(:g%n_integers), reals(:size(g%contacts)), s)
       code = answer(s, status)
    end function evl_gearbox_initial_state
 
@@ -218,7 +220,7 @@ contains
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
-      call gearbox_state_scales(g, gearbox_initial_speeds(g, initial_from_c(initial, size(g%wheels), size(g%meshes))), &
+      call gearbox_state_scales(g, gearbox_initial_speeds(g, initial_from_c(initial, size(g%wheels), size(g%pairs))), &
                                 state(:g%n_states), row(:g%n_states), differential(:g%n_states))
    end subroutine evl_gearbox_scales
 
@@ -246,7 +248,7 @@ contains
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
-      call gearbox_residual(g, t, y(:g%n_states), yp(:g%n_states), integers(:g%n_integers), reals(:size(g%meshes)), &
+      call gearbox_residual(g, t, y(:g%n_states), yp(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), &
                             residual(:g%n_states), s)
       code = s%code
       if (code /= code_ok) code = answer(s, status)
@@ -265,7 +267,7 @@ contains
 
       g => gearbox_of(handle)
       call c_f_pointer(c_loc(jacobian), matrix, [g%n_states, g%n_states])
-      call gearbox_jacobian(g, t, cj, y(:g%n_states), yp(:g%n_states), integers(:g%n_integers), reals(:size(g%meshes)), &
+      call gearbox_jacobian(g, t, cj, y(:g%n_states), yp(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), &
                             matrix, s)
       code = s%code
       if (code /= code_ok) code = answer(s, status)
@@ -282,7 +284,7 @@ contains
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
-      call gearbox_derivative(g, t, y(:g%n_states), integers(:g%n_integers), reals(:size(g%meshes)), yp(:g%n_states), s)
+      call gearbox_derivative(g, t, y(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), yp(:g%n_states), s)
       code = answer(s, status)
    end function evl_gearbox_derivative
 
@@ -307,8 +309,8 @@ contains
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
-      call gearbox_roots(g, y(:g%n_states), integers(:g%n_integers), reals(:size(g%meshes)), &
-                         values(:gearbox_n_roots(g)), s)
+      call gearbox_roots(g, y(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), &
+                         values(:g%n_roots), s)
       code = s%code
       if (code /= code_ok) code = answer(s, status)
    end function evl_gearbox_roots
@@ -320,7 +322,7 @@ contains
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
-      call gearbox_root_directions(g, integers(:g%n_integers), directions(:gearbox_n_roots(g)))
+      call gearbox_root_directions(g, integers(:g%n_integers), directions(:g%n_roots))
    end subroutine evl_gearbox_root_directions
 
    real(c_double) function evl_gearbox_next_time_event(handle, integers) result(time) bind(c)
@@ -350,11 +352,11 @@ contains
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
-      allocate (log(gearbox_n_roots(g) + 2))
-      call gearbox_apply_event(g, t, fired(:gearbox_n_roots(g)), logical(time_event), y(:g%n_states), yp(:g%n_states), &
-                               integers(:g%n_integers), reals(:size(g%meshes)), log, n_events, s)
+      allocate (log(g%n_roots + 2))
+      call gearbox_apply_event(g, t, fired(:g%n_roots), logical(time_event), y(:g%n_states), yp(:g%n_states), &
+                               integers(:g%n_integers), reals(:size(g%contacts)), log, n_events, s)
       do i = 1, n_events
-         events(i) = c_event(log(i)%kind, log(i)%mesh - 1, log(i)%tooth_pair)
+         events(i) = c_event(log(i)%kind, log(i)%mesh - 1, log(i)%tooth_pair, log(i)%flank)
       end do
       code = answer(s, status)
    end function evl_gearbox_apply_event
@@ -396,7 +398,7 @@ contains
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
-      call gearbox_outputs(g, t, y(:g%n_states), integers(:g%n_integers), reals(:size(g%meshes)), &
+      call gearbox_outputs(g, t, y(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), &
                            values(:g%n_values), s)
       code = s%code
       if (code /= code_ok) code = answer(s, status)

@@ -4,7 +4,7 @@
 module evl_capi_modes
    use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_f_pointer, c_int, c_loc, c_ptr
    use evl_capi_types, only: c_status, status_to_c
-   use evl_gearbox, only: gearbox_mode, gearbox_t
+   use evl_gearbox, only: gearbox_mode, gearbox_t, leading_contact
    use evl_mesh, only: mesh_mode
    use evl_mode_shapes, only: gearbox_shape
    use evl_modes, only: gearbox_modes
@@ -31,7 +31,8 @@ contains
       type(mesh_mode) :: m
 
       call c_f_pointer(handle, g)
-      m = gearbox_mode(g, mesh + 1, integers(:g%n_integers), reals(:size(g%meshes)))
+      m = gearbox_mode(g, leading_contact(g, mesh + 1, integers(:g%n_integers)), integers(:g%n_integers), &
+                       reals(:size(g%contacts)))
       mode = c_mesh_mode(m%teeth, m%contact, m%friction)
    end subroutine evl_gearbox_mesh_mode
 
@@ -51,7 +52,7 @@ contains
       call c_f_pointer(handle, g)
       call c_f_pointer(c_loc(eigenvalues), values, [g%n_states])
       call c_f_pointer(c_loc(vectors), columns, [g%n_states, g%n_states])
-      call gearbox_modes(g, t, y(:g%n_states), integers(:g%n_integers), reals(:size(g%meshes)), n_modes, n_rigid, &
+      call gearbox_modes(g, t, y(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), n_modes, n_rigid, &
                          values, columns, s)
       if (present(status)) call status_to_c(s, status)
       code = s%code
@@ -65,7 +66,7 @@ contains
       type(gearbox_t), pointer :: g
 
       call c_f_pointer(handle, g)
-      associate (nw => size(g%wheels), nm => size(g%meshes))
+      associate (nw => size(g%wheels), nm => size(g%pairs))
          call gearbox_shape(g, y(:g%n_states), dy(:g%n_states), arcs(:nw), displacements(:, :nw), penetrations(:nm), &
                             transmission_errors(:nm))
       end associate

@@ -12,6 +12,7 @@ module evl_contact_point
       real(wp) :: sigma       !! +1: driving wheel nominally clockwise, -1: counterclockwise
       real(wp) :: r_ba, r_bb  !! base radii [m]
       real(wp) :: rho_0       !! |K_A K_B| at the reference centre distance [m]
+      real(wp) :: gap_0 = 0.0_wp !! gap of the flanks when the wheels are in their nominal positions [m]
       real(wp) :: ratio_a     !! g_A: nominal speed of A over that of the reference wheel
       real(wp) :: ratio_b     !! g_B
       real(wp) :: advance     !! d rho_A0/d theta = -sigma r_bA g_A [m]

@@ -2,16 +2,17 @@
 module evl_dae_jacobian
    use evl_contact_point, only: contact_gradient, contact_point
    use evl_contact_tracking, only: algebraic_jacobian, differential_jacobian
-   use evl_gearbox, only: add_speed, gearbox_local, gearbox_mode, gearbox_rates, gearbox_t, i_omega, i_theta, i_turns, is_closed, &
-                          support_t, wheel_acceleration, wheel_follows_ground, wheel_load_torque, wheel_speed, wheel_t
+   use evl_gearbox, only: add_speed, carries_points, gearbox_local, gearbox_mode, gearbox_rates, gearbox_t, i_omega, i_theta, &
+                          i_turns, is_closed, support_t, wheel_acceleration, wheel_follows_ground, wheel_load_torque, &
+                          wheel_speed, wheel_t
    use evl_housing, only: at_omega, frame_t, housing_frame
    use evl_housing_dynamics, only: housing_coupling
    use evl_housing_jacobian, only: housing_gradient, ride_gradient
    use evl_kinds, only: wp
    use evl_load, only: load_damping
    use evl_local_variables, only: at_psi_dot_a, at_v_b, n_local, n_track
-   use evl_mesh, only: contact_apart, mesh_contact, mesh_force, mesh_force_gradient, mesh_forces, mesh_gradient, mesh_mode, &
-                       mesh_nominal_rho, mesh_t, tracking_algebraic
+   use evl_mesh, only: contact_apart, contact_t, mesh_contact, mesh_force, mesh_force_gradient, mesh_forces, mesh_gradient, &
+                       mesh_mode, mesh_nominal_rho, touches, tracking_algebraic
    use evl_rigid_contact, only: rigid_acceleration_gradient, rigid_gradient
    use evl_status, only: has_failed, status_t
    implicit none (type, external)
@@ -44,7 +45,7 @@ contains
          call add_wheel(gearbox, i, t, y, integers, jacobian)
          if (gearbox%housing%acts) call ride_gradient(gearbox, i, t, y, integers, frame, jacobian)
       end do
-      do i = 1, size(gearbox%meshes)
+      do i = 1, size(gearbox%contacts)
          call add_mesh(gearbox, i, y, spin, integers, reals, jacobian, status)
          if (has_failed(status)) return
       end do
@@ -52,8 +53,8 @@ contains
          call couple_reference(gearbox%wheels(i), jacobian)
       end do
       if (gearbox%housing%is_mounted) call add_housing(gearbox, cj, y, yp, frame, jacobian)
-      do i = 1, size(gearbox%meshes)
-         if (gearbox%meshes(i)%rigid) call add_multiplier(gearbox, i, t, y, yp, integers, reals, jacobian, &
+      do i = 1, size(gearbox%contacts)
+         if (gearbox%contacts(i)%leads) call add_multiplier(gearbox, i, t, y, yp, integers, reals, jacobian, &
                                                           status)
       end do
       associate (before => gearbox%i_dissipated - gearbox%n_multipliers - 1, behind => gearbox%i_dissipated)
@@ -61,11 +62,11 @@ contains
             if (i <= before .or. i >= behind) jacobian(i, i) = jacobian(i, i) + cj
          end do
       end associate
-      do i = 1, size(gearbox%meshes)
-         if (is_closed(gearbox, i, integers, reals)) call add_constraint(gearbox, gearbox%meshes(i), y, jacobian)
+      do i = 1, size(gearbox%contacts)
+         if (is_closed(gearbox, i, integers)) call add_constraint(gearbox, gearbox%contacts(i), y, jacobian)
       end do
-      do i = 1, size(gearbox%meshes)
-         if (gearbox%meshes(i)%i_track > 0) call add_tracking(gearbox, i, cj, y, yp, integers, reals, jacobian)
+      do i = 1, size(gearbox%contacts)
+         if (carries_points(gearbox, i, integers)) call add_tracking(gearbox, i, cj, y, yp, integers, reals, jacobian)
       end do
    end subroutine gearbox_jacobian
 
@@ -136,13 +137,14 @@ contains
       type(mesh_mode) :: mode
 
       mode = gearbox_mode(gearbox, index, integers, reals)
-      associate (mesh => gearbox%meshes(index))
+      if (.not. touches(mode)) return
+      associate (mesh => gearbox%contacts(index))
          call gearbox_local(gearbox, mesh, y, q)
          rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
          call mesh_contact(mesh, rho_a0, q, point)
-         call mesh_forces(mesh, index, mode, point, force, status)
+         call mesh_forces(mesh, mode, point, force, status)
          if (has_failed(status)) return
-         call mesh_gradient(mesh, index, mode, rho_a0, q, point, force, gradient, status)
+         call mesh_gradient(mesh, mode, rho_a0, q, point, force, gradient, status)
          call add_torque(gearbox, mesh, mesh%wheel_a, force%torque_a, gradient%torque_a, y, spin, jacobian)
          call add_torque(gearbox, mesh, mesh%wheel_b, force%torque_b, gradient%torque_b, y, spin, jacobian)
          call add_push(mesh, gearbox%wheels(mesh%wheel_a)%support, gradient%on_a, 1.0_wp, jacobian)
@@ -154,7 +156,7 @@ contains
    !> A mesh's torque on a wheel: it accelerates the wheel, or, if its speed is prescribed, is carried by the load.
    pure subroutine add_torque(gearbox, mesh, index, torque, gradient, y, spin, jacobian)
       type(gearbox_t), intent(in) :: gearbox
-      type(mesh_t), intent(in) :: mesh
+      type(contact_t), intent(in) :: mesh
       integer, intent(in) :: index !! of the wheel
       real(wp), intent(in) :: torque, gradient(n_local), y(:), spin
       real(wp), intent(inout) :: jacobian(:, :)
@@ -178,7 +180,7 @@ contains
 
    !> A mesh's force on a support.
    pure subroutine add_push(mesh, support, gradient, sign, jacobian)
-      type(mesh_t), intent(in) :: mesh
+      type(contact_t), intent(in) :: mesh
       type(support_t), intent(in) :: support
       real(wp), intent(in) :: gradient(n_local, 2), sign
       real(wp), intent(inout) :: jacobian(:, :)
@@ -194,7 +196,7 @@ contains
 
    !> Add derivatives with respect to local variables to a row.
    pure subroutine scatter(mesh, gradient, row, jacobian)
-      type(mesh_t), intent(in) :: mesh
+      type(contact_t), intent(in) :: mesh
       real(wp), intent(in) :: gradient(n_local)
       integer, intent(in) :: row
       real(wp), intent(inout) :: jacobian(:, :)
@@ -227,9 +229,9 @@ contains
       type(contact_gradient) :: gradient
       integer :: i
 
-      associate (mesh => gearbox%meshes(index), row => gearbox%meshes(index)%i_normal)
+      associate (mesh => gearbox%contacts(index), row => gearbox%contacts(index)%i_normal)
          jacobian(row, :) = 0
-         if (.not. is_closed(gearbox, index, integers, reals)) then
+         if (.not. is_closed(gearbox, index, integers)) then
             jacobian(row, row) = 1
             return
          end if
@@ -251,7 +253,7 @@ contains
    !> The rows of the wheel that a closed rigid contact determines: kappa and kappa'.
    pure subroutine add_constraint(gearbox, mesh, y, jacobian)
       type(gearbox_t), intent(in) :: gearbox
-      type(mesh_t), intent(in) :: mesh
+      type(contact_t), intent(in) :: mesh
       real(wp), intent(in) :: y(:)
       real(wp), intent(inout) :: jacobian(:, :)
       real(wp) :: q(n_local)
@@ -280,7 +282,7 @@ contains
 
       mode = gearbox_mode(gearbox, index, integers, reals)
       if (mode%contact == contact_apart) return
-      associate (mesh => gearbox%meshes(index))
+      associate (mesh => gearbox%contacts(index))
          call gearbox_local(gearbox, mesh, y, q)
          rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
          if (mesh%tracking == tracking_algebraic) then

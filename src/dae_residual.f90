@@ -2,7 +2,7 @@
 module evl_dae_residual
    use evl_closed_form, only: closed_form_gap
    use evl_contact_tracking, only: algebraic_residual, differential_rates, differential_residual
-   use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_rates, gearbox_t, i_theta, i_turns, is_closed
+   use evl_gearbox, only: carries_points, gearbox_local, gearbox_mode, gearbox_rates, gearbox_t, i_theta, i_turns, is_closed
    use evl_housing_dynamics, only: coupled_rates, housing_residual
    use evl_kinds, only: wp
    use evl_local_variables, only: n_local, n_track
@@ -39,18 +39,18 @@ contains
          residual(behind:) = yp(behind:) - residual(behind:)
       end associate
       if (gearbox%housing%is_mounted) call housing_residual(gearbox, t, y, yp, residual)
-      do i = 1, size(gearbox%meshes)
+      do i = 1, size(gearbox%contacts)
          if (gearbox%n_multipliers == 0) exit
-         associate (mesh => gearbox%meshes(i), row => gearbox%meshes(i)%i_dependent)
-            if (.not. is_closed(gearbox, i, integers, reals)) cycle
+         associate (mesh => gearbox%contacts(i), row => gearbox%contacts(i)%i_dependent)
+            if (.not. is_closed(gearbox, i, integers)) cycle
             call gearbox_local(gearbox, mesh, y, q)
             residual(row) = closed_form_gap(mesh%pair, q)
             residual(row + 1) = -rigid_closing_rate(mesh%pair, q)
          end associate
       end do
-      do i = 1, size(gearbox%meshes)
-         associate (mesh => gearbox%meshes(i))
-            if (mesh%i_track == 0) cycle
+      do i = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(i))
+            if (.not. carries_points(gearbox, i, integers)) cycle
             mode = gearbox_mode(gearbox, i, integers, reals)
             if (mode%contact == contact_apart) cycle ! the tracked variables rest: their rows are y' = 0
             call gearbox_local(gearbox, mesh, y, q)
@@ -63,7 +63,7 @@ contains
                end if
             end associate
             if (.not. exists) then
-               call lost_points(i, status)
+               call lost_points(mesh%mesh, status)
                return
             end if
          end associate
@@ -97,9 +97,9 @@ contains
       if (has_failed(status)) return
       if (gearbox%n_multipliers > 0) call multiplier_rates(gearbox, t, y, integers, reals, yp, status)
       if (has_failed(status)) return
-      do i = 1, size(gearbox%meshes)
-         associate (mesh => gearbox%meshes(i))
-            if (mesh%i_track == 0) cycle
+      do i = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(i))
+            if (.not. carries_points(gearbox, i, integers)) cycle
             mode = gearbox_mode(gearbox, i, integers, reals)
             if (mode%contact == contact_apart) cycle
             call gearbox_local(gearbox, mesh, y, q)
@@ -107,7 +107,7 @@ contains
             call differential_rates(mesh%pair, rho_a0, q, yp(mesh%i_track:mesh%i_track + n_track - 1), solved)
             if (.not. solved) then
                call fail(status, code_singular, "the contact points' velocities are not determined at this state", &
-                         subject_mesh, i, "tracking")
+                         subject_mesh, mesh%mesh, "tracking")
                return
             end if
          end associate

@@ -7,18 +7,19 @@
 !>    s_j, s_j'                  of every degree of freedom of a support, from its reference position
 !>    turn, zeta, dr, lambda, mu   of every mesh that tracks its contact points, see evl_contact_tracking
 !>    r, p, v, Omega             of a mounted housing, see evl_housing
-!>    multiplier                 of every mesh with rigid contact: its normal force
+!>    multiplier                 of every flank with rigid contact: its normal force
 !>    dissipated energy, work of the loads
 !>
-!> Discrete integers: turns of the reference wheel beside theta; teeth, contact mode and friction branch of every mesh; knots
-!> passed of every table. Discrete reals: the approach speed at the last closing of every mesh.
+!> Discrete integers: turns of the reference wheel beside theta; tooth pair, contact mode and friction branch of every tooth
+!> contact; knots passed of every table. Discrete reals: the approach speed at the last closing of every tooth contact.
 module evl_gearbox
    use evl_contact_point, only: contact_point
    use evl_housing, only: apparent_acceleration, at_omega, frame_acceleration, frame_t, housing_frame, housing_rates, housing_t
    use evl_kinds, only: wp
    use evl_load, only: load_acceleration, load_damping, load_t, load_torque
    use evl_local_variables, only: n_local
-   use evl_mesh, only: contact_loaded, mesh_contact, mesh_force, mesh_forces, mesh_mode, mesh_nominal_rho, mesh_t
+   use evl_mesh, only: contact_loaded, contact_off, contact_t, mesh_contact, mesh_force, mesh_forces, mesh_mode, &
+                       mesh_nominal_rho, touches
    use evl_rigid_contact, only: rigid_acceleration
    use evl_spur_geometry, only: spur_pair_t
    use evl_status, only: has_failed, message_length, status_t
@@ -27,7 +28,7 @@ module evl_gearbox
 
    public :: add_speed
    public :: gearbox_t, wheel_t, support_t
-   public :: gearbox_rates, multiplier_row, is_closed
+   public :: gearbox_rates, multiplier_row, is_closed, pairs_loaded, carries_points, leading_contact
    public :: gearbox_local, gearbox_mode, gearbox_store_mode, wheel_speed, wheel_load_torque, wheel_acceleration
    public :: wheel_spin_torque, wheel_housing_torque, wheel_position, wheel_follows_ground
    public :: support_fixed, support_slider, support_bearing, i_theta, i_omega, i_turns
@@ -69,13 +70,15 @@ module evl_gearbox
    type :: gearbox_t
       type(wheel_t), allocatable :: wheels(:)
       type(load_t), allocatable :: loads(:)
-      type(mesh_t), allocatable :: meshes(:)
-      type(spur_pair_t), allocatable :: pairs(:) !! geometry of each mesh
+      type(contact_t), allocatable :: contacts(:) !! tooth contacts, mesh by mesh: slots of the drive flank, then of the coast flank
+      type(spur_pair_t), allocatable :: pairs(:)  !! geometry of each mesh
+      integer, allocatable :: first(:)            !! first tooth contact of each mesh; behind the last mesh, one more than all
       type(housing_t) :: housing
       character(len=message_length), allocatable :: warnings(:)
       integer :: reference = 1               !! wheel whose angle is theta
       integer :: n_states = 0, n_integers = 0, n_values = 0 !! lengths of the state, the discrete state and the outputs
-      integer :: n_multipliers = 0            !! meshes with rigid contact
+      integer :: n_multipliers = 0            !! flanks with rigid contact
+      integer :: n_roots = 0                  !! root functions
       integer :: i_dissipated = 0, i_work = 0 !! places of the two energies in the state
    end type gearbox_t
 
@@ -84,7 +87,7 @@ contains
    !> Local variables of a mesh from the state.
    pure subroutine gearbox_local(gearbox, mesh, y, q)
       type(gearbox_t), intent(in) :: gearbox
-      type(mesh_t), intent(in) :: mesh
+      type(contact_t), intent(in) :: mesh
       real(wp), intent(in) :: y(gearbox%n_states)
       real(wp), intent(out) :: q(n_local)
       integer :: i
@@ -97,22 +100,81 @@ contains
       end do
    end subroutine gearbox_local
 
-   !> Discrete state of a mesh.
+   !> Discrete state of a tooth contact.
    pure type(mesh_mode) function gearbox_mode(gearbox, index, integers, reals) result(mode)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index    !! of the mesh
+      integer, intent(in) :: index    !! of the tooth contact
       integer, intent(in) :: integers(:)
       real(wp), intent(in) :: reals(:)
+      integer :: n
 
-      associate (i => gearbox%meshes(index)%i_mode)
+      associate (i => gearbox%contacts(index)%i_mode)
          mode%teeth = integers(i)
          mode%contact = integers(i + 1)
          mode%friction = integers(i + 2)
       end associate
       mode%v0 = reals(index)
+      if (.not. gearbox%contacts(index)%rigid) return
+      n = pairs_loaded(gearbox, index, integers)
+      if (n > 1) mode%share = 1/real(n, wp)
    end function gearbox_mode
 
-   !> Put the discrete state of a mesh back.
+   !> How many tooth pairs of a contact's flank carry load.
+   pure integer function pairs_loaded(gearbox, index, integers) result(n)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index    !! of any tooth contact of the flank
+      integer, intent(in) :: integers(:)
+      integer :: m
+
+      n = 0
+      associate (first => index - gearbox%contacts(index)%slot)
+         do m = first, first + gearbox%contacts(index)%n_slots - 1
+            if (integers(gearbox%contacts(m)%i_mode + 1) == contact_loaded) n = n + 1
+         end do
+      end associate
+   end function pairs_loaded
+
+   !> Whether a flank's tracked points are those of this contact's tooth pair: the first one of the flank that is on the path.
+   pure logical function carries_points(gearbox, index, integers)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index    !! of the tooth contact
+      integer, intent(in) :: integers(:)
+      integer :: m
+
+      carries_points = .false.
+      if (gearbox%contacts(index)%i_track == 0) return
+      associate (first => index - gearbox%contacts(index)%slot, n => gearbox%contacts(index)%n_slots)
+         do m = first, first + n - 1
+            if (integers(gearbox%contacts(m)%i_mode + 1) == contact_off) cycle
+            carries_points = m == index
+            return
+         end do
+         carries_points = first == index
+      end associate
+   end function carries_points
+
+   !> The tooth contact that speaks for a mesh: the pair that has been longest on the path of the drive flank, or waits for it.
+   pure integer function leading_contact(gearbox, mesh, integers) result(index)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: mesh
+      integer, intent(in) :: integers(:)
+      logical :: on, best_on
+      integer :: m
+
+      index = gearbox%first(mesh)
+      best_on = integers(gearbox%contacts(index)%i_mode + 1) /= contact_off
+      do m = index + 1, gearbox%first(mesh) + gearbox%contacts(index)%n_slots - 1
+         associate (mine => gearbox%contacts(m)%i_mode, best => gearbox%contacts(index)%i_mode)
+            on = integers(mine + 1) /= contact_off
+            if (best_on .and. .not. on) cycle
+            if ((on .eqv. best_on) .and. integers(mine) > integers(best)) cycle
+         end associate
+         index = m
+         best_on = on
+      end do
+   end function leading_contact
+
+   !> Put the discrete state of a tooth contact back.
    pure subroutine gearbox_store_mode(gearbox, index, mode, integers, reals)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
@@ -120,7 +182,7 @@ contains
       integer, intent(inout) :: integers(:)
       real(wp), intent(inout) :: reals(:)
 
-      associate (i => gearbox%meshes(index)%i_mode)
+      associate (i => gearbox%contacts(index)%i_mode)
          integers(i:i + 2) = [mode%teeth, mode%contact, mode%friction]
       end associate
       reals(index) = mode%v0
@@ -273,10 +335,10 @@ contains
 
       if (gearbox%housing%acts) call housing_frame(gearbox%housing, t, y, frame, yp)
       f = 0
-      do i = 1, size(gearbox%meshes)
+      do i = 1, size(gearbox%contacts)
          call mesh_at(gearbox, i, y, integers, reals, force, status)
          if (has_failed(status)) return
-         associate (mesh => gearbox%meshes(i))
+         associate (mesh => gearbox%contacts(i))
             associate (a => gearbox%wheels(mesh%wheel_a), b => gearbox%wheels(mesh%wheel_b))
                f(a%i_speed) = f(a%i_speed) + force%torque_a
                f(b%i_speed) = f(b%i_speed) + force%torque_b
@@ -303,39 +365,37 @@ contains
             f(wheel%i_speed) = f(wheel%i_speed) - wheel%ratio*f(i_omega)
          end associate
       end do
-      do i = 1, size(gearbox%meshes)
-         if (gearbox%meshes(i)%rigid) call multiplier_row(gearbox, i, y, integers, reals, f)
+      do i = 1, size(gearbox%contacts)
+         if (gearbox%contacts(i)%leads) call multiplier_row(gearbox, i, y, integers, f)
       end do
    end subroutine gearbox_rates
 
    !> What has to vanish in the place of a multiplier.
-   pure subroutine multiplier_row(gearbox, index, y, integers, reals, f)
+   pure subroutine multiplier_row(gearbox, index, y, integers, f)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
-      real(wp), intent(in) :: y(:), reals(:)
+      real(wp), intent(in) :: y(:)
       integer, intent(in) :: integers(:)
       real(wp), intent(inout) :: f(:)
       real(wp) :: q(n_local), rates(n_local)
 
-      associate (mesh => gearbox%meshes(index))
+      associate (mesh => gearbox%contacts(index))
          f(mesh%i_normal) = y(mesh%i_normal)
-         if (.not. is_closed(gearbox, index, integers, reals)) return
+         if (.not. is_closed(gearbox, index, integers)) return
          call gearbox_local(gearbox, mesh, y, q)
          call gearbox_local(gearbox, mesh, f, rates)
          f(mesh%i_normal) = rigid_acceleration(mesh%pair, q, rates)/mesh%mobility
       end associate
    end subroutine multiplier_row
 
-   !> Whether a mesh has a rigid contact that is closed.
-   pure logical function is_closed(gearbox, index, integers, reals)
+   !> Whether a tooth contact leads a rigid flank that is closed.
+   pure logical function is_closed(gearbox, index, integers)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
       integer, intent(in) :: integers(:)
-      real(wp), intent(in) :: reals(:)
-      type(mesh_mode) :: mode
 
-      mode = gearbox_mode(gearbox, index, integers, reals)
-      is_closed = gearbox%meshes(index)%rigid .and. mode%contact == contact_loaded
+      is_closed = gearbox%contacts(index)%leads
+      if (is_closed) is_closed = pairs_loaded(gearbox, index, integers) > 0
    end function is_closed
 
    !> The force of a mesh at a state.
@@ -351,18 +411,19 @@ contains
       type(mesh_mode) :: mode
 
       mode = gearbox_mode(gearbox, index, integers, reals)
-      associate (mesh => gearbox%meshes(index))
+      if (.not. touches(mode)) return
+      associate (mesh => gearbox%contacts(index))
          call gearbox_local(gearbox, mesh, y, q)
          rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
          call mesh_contact(mesh, rho_a0, q, point)
-         call mesh_forces(mesh, index, mode, point, force, status)
+         call mesh_forces(mesh, mode, point, force, status)
       end associate
    end subroutine mesh_at
 
    !> Add a mesh's force to the rows of a support's degrees of freedom [N].
    pure subroutine push_support(support, mesh, force, f)
       type(support_t), intent(in) :: support
-      type(mesh_t), intent(in) :: mesh
+      type(contact_t), intent(in) :: mesh
       real(wp), intent(in) :: force(2) !! (t_0, e_0)
       real(wp), intent(inout) :: f(:)
       integer :: j

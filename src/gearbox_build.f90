@@ -1,6 +1,6 @@
 !> Makes a gearbox from its description: checks every number, finds the layout, derives the geometry, numbers the states.
 module evl_gearbox_build
-   use evl_contact_laws, only: is_rigid
+   use evl_contact_build, only: find_dependents, list_contacts, take_contact
    use evl_gearbox, only: gearbox_t, i_omega, i_theta, support_bearing, support_slider, support_t
    use evl_gearbox_description, only: check_description, mesh_input, wheel_input
    use evl_gearbox_scaling, only: gearbox_set_scales
@@ -9,9 +9,8 @@ module evl_gearbox_build
    use evl_kinds, only: pi, wp
    use evl_layout, only: layout_resolve, layout_t
    use evl_load, only: load_prescribed_speed, load_t
-   use evl_local_variables, only: at_normal, at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_theta, at_track, at_u_a, &
-                                  at_u_b, at_v_a, at_v_b, n_track
-   use evl_mesh, only: mesh_link, mesh_t, tracking_closed_form
+   use evl_local_variables, only: n_track
+   use evl_mesh, only: n_mesh_roots, tracking_closed_form
    use evl_output_table, only: count_values
    use evl_spur_geometry, only: spur_pair_derive
    use evl_status, only: code_invalid_input, fail, has_failed, message_length, quantity, status_t, subject_mesh, subject_wheel
@@ -41,7 +40,7 @@ contains
       if (has_failed(status)) return
       call housing_create(housing, gearbox%housing, status)
       if (has_failed(status)) return
-      allocate (gearbox%wheels(size(wheels)), gearbox%meshes(size(meshes)), gearbox%pairs(size(meshes)))
+      allocate (gearbox%wheels(size(wheels)), gearbox%pairs(size(meshes)))
       allocate (gearbox%warnings(0))
       gearbox%loads = loads
       do i = 1, size(loads)
@@ -53,9 +52,16 @@ contains
       if (has_failed(status)) return
       call take_wheels(wheels, layout, gearbox, status)
       if (has_failed(status)) return
-      call number_states(meshes, gearbox)
       do i = 1, size(meshes)
-         call take_mesh(gearbox, wheels, meshes(i), layout, i, status)
+         call take_pair(gearbox, wheels, meshes, layout, i, status)
+         if (has_failed(status)) return
+      end do
+      call list_contacts(gearbox, meshes)
+      call number_states(gearbox)
+      do i = 1, size(gearbox%contacts)
+         associate (given => meshes(gearbox%contacts(i)%mesh))
+            call take_contact(gearbox, wheels, given, layout%turn(given%driving)*wheels(gearbox%reference)%teeth, i, status)
+         end associate
          if (has_failed(status)) return
       end do
       call find_dependents(gearbox, status)
@@ -152,8 +158,7 @@ contains
    end subroutine take_support
 
    !> Give every quantity its place in the state and in the discrete state.
-   subroutine number_states(meshes, gearbox)
-      type(mesh_input), intent(in) :: meshes(:)
+   subroutine number_states(gearbox)
       type(gearbox_t), intent(inout) :: gearbox
       integer :: i, j, n
 
@@ -173,30 +178,37 @@ contains
             n = n + 2
          end do
       end do
-      do i = 1, size(meshes)
-         if (meshes(i)%tracking == tracking_closed_form) cycle
-         gearbox%meshes(i)%i_track = n + 1
-         n = n + n_track
+      do i = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(i))
+            if (mesh%tracking == tracking_closed_form) cycle
+            mesh%i_track = n + 1 - merge(n_track, 0, mesh%slot > 0)
+            if (mesh%slot == 0) n = n + n_track
+         end associate
       end do
       if (gearbox%housing%is_mounted) then
          gearbox%housing%i_state = n + 1
          n = n + n_housing_states
       end if
-      do i = 1, size(meshes)
-         if (.not. is_rigid(meshes(i)%contact)) cycle
-         n = n + 1
-         gearbox%meshes(i)%i_normal = n
-         gearbox%n_multipliers = gearbox%n_multipliers + 1
+      do i = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(i))
+            if (.not. mesh%rigid) cycle
+            mesh%leads = mesh%slot == 0
+            if (mesh%leads) n = n + 1
+            mesh%i_normal = n
+            if (mesh%leads) gearbox%n_multipliers = gearbox%n_multipliers + 1
+         end associate
       end do
       gearbox%i_dissipated = n + 1
       gearbox%i_work = n + 2
       gearbox%n_states = n + 2
 
       n = 1
-      do i = 1, size(meshes)
-         gearbox%meshes(i)%i_mode = n + 1
+      do i = 1, size(gearbox%contacts)
+         gearbox%contacts(i)%i_mode = n + 1
          n = n + 3
+         gearbox%contacts(i)%i_root = n_mesh_roots*(i - 1)
       end do
+      gearbox%n_roots = n_mesh_roots*size(gearbox%contacts) + 1 ! the last one: turns of the reference wheel
       do i = 1, size(gearbox%loads)
          if (size(gearbox%loads(i)%time) == 0) cycle
          gearbox%loads(i)%i_segment = n + 1
@@ -205,17 +217,16 @@ contains
       gearbox%n_integers = n
    end subroutine number_states
 
-   !> Geometry, laws and couplings of one mesh; base and tip radii of its wheels.
-   subroutine take_mesh(gearbox, wheels, given, layout, index, status)
+   !> Geometry of one mesh; base and tip radii of its wheels.
+   subroutine take_pair(gearbox, wheels, meshes, layout, index, status)
       type(gearbox_t), intent(inout) :: gearbox
       type(wheel_input), intent(in) :: wheels(:)
-      type(mesh_input), intent(in) :: given
+      type(mesh_input), intent(in) :: meshes(:)
       type(layout_t), intent(in) :: layout
       integer, intent(in) :: index
       type(status_t), intent(inout) :: status
-      real(wp) :: compliance_a, compliance_b
 
-      associate (mesh => gearbox%meshes(index), pair => gearbox%pairs(index), a => given%driving, b => given%driven)
+      associate (pair => gearbox%pairs(index), given => meshes(index), a => meshes(index)%driving, b => meshes(index)%driven)
          call spur_pair_derive(wheels(a)%teeth, wheels(b)%teeth, layout%pitch_radius(a), given%paper_rule, &
                                given%pressure_angle, layout%angle(index), -given%driving_rotation, layout%centre(:, a), pair, &
                                status)
@@ -227,117 +238,11 @@ contains
          call take_radii(gearbox, a, pair%base_radius_a, pair%tip_radius_a, index, status)
          call take_radii(gearbox, b, pair%base_radius_b, pair%tip_radius_b, index, status)
          if (has_failed(status)) return
-         mesh%wheel_a = a
-         mesh%wheel_b = b
-         mesh%contact = given%contact
-         mesh%rigid = is_rigid(given%contact)
-         mesh%damping = given%damping
-         mesh%friction = given%friction
-         mesh%tracking = given%tracking
-         compliance_a = (1 - wheels(a)%poisson_ratio**2)/wheels(a)%youngs_modulus
-         compliance_b = (1 - wheels(b)%poisson_ratio**2)/wheels(b)%youngs_modulus
-         mesh%e_star = 1/(compliance_a + compliance_b)
-         mesh%mobility = pair%base_radius_a**2/gearbox%wheels(a)%inertia + pair%base_radius_b**2/gearbox%wheels(b)%inertia
-         call take_overlap(wheels, a, b, mesh, status)
-         if (has_failed(status)) return
-         mesh%base_pitch = pair%base_pitch
-         mesh%rho_start = pair%rho_start_a
-         mesh%gap_apart = (pair%rho - pair%base_pitch)/4
-         mesh%t_0 = pair%t
-         mesh%e_0 = pair%e
-         mesh%k_a0 = pair%point_k_a
-         mesh%pair%sigma = real(pair%sigma, wp)
-         mesh%pair%r_ba = pair%base_radius_a
-         mesh%pair%r_bb = pair%base_radius_b
-         mesh%pair%rho_0 = pair%rho
-         mesh%pair%ratio_a = gearbox%wheels(a)%ratio
-         mesh%pair%ratio_b = gearbox%wheels(b)%ratio
-         mesh%pair%advance = -mesh%pair%sigma*mesh%pair%r_ba*mesh%pair%ratio_a
-         mesh%pair%share_a = compliance_a*mesh%e_star
-         mesh%pair%share_b = compliance_b*mesh%e_star
-         mesh%pitches_per_turn = -pair%sigma*layout%turn(a)*wheels(gearbox%reference)%teeth
          if (.not. pair%contains_pitch_point) call warn(gearbox, index, "its path of contact does not contain the pitch point:" &
                                                         //" the teeth slide in one sense only")
-         if (index > 1) call check_senses(gearbox, layout, given, index)
+         if (index > 1) call check_senses(gearbox, layout, meshes(1), given, index)
       end associate
-      call link_states(gearbox, gearbox%meshes(index))
-   end subroutine take_mesh
-
-   !> The common width of two wheels is the overlap of their faces.
-   subroutine take_overlap(wheels, a, b, mesh, status)
-      type(wheel_input), intent(in) :: wheels(:)
-      integer, intent(in) :: a, b
-      type(mesh_t), intent(inout) :: mesh
-      type(status_t), intent(inout) :: status
-      real(wp) :: low, high
-
-      low = max(wheels(a)%axial_position - wheels(a)%width/2, wheels(b)%axial_position - wheels(b)%width/2)
-      high = min(wheels(a)%axial_position + wheels(a)%width/2, wheels(b)%axial_position + wheels(b)%width/2)
-      mesh%width = high - low
-      mesh%axial_position = (low + high)/2
-      if (mesh%width > 0) return
-      call fail(status, code_invalid_input, "the faces of the two wheels of a mesh do not overlap: one is at z = " &
-                //quantity(wheels(a)%axial_position, "m")//" and "//quantity(wheels(a)%width, "m")//" wide, the other at z = " &
-                //quantity(wheels(b)%axial_position, "m")//" and "//quantity(wheels(b)%width, "m")//" wide", subject_wheel, b, &
-                "axial_position")
-   end subroutine take_overlap
-
-   !> The wheel that each rigid mesh determines when it is closed. Wheels that rigid meshes join move as one: each such group is
-   !> reached from one of its wheels on, the one whose speed is prescribed or else the reference wheel, and every mesh determines
-   !> the wheel that it reaches. A mesh that closes a ring of them determines none.
-   subroutine find_dependents(gearbox, status)
-      type(gearbox_t), intent(inout) :: gearbox
-      type(status_t), intent(inout) :: status
-      logical :: reached(size(gearbox%wheels)), used(size(gearbox%meshes))
-      integer :: i, m
-
-      reached = .false.
-      used = .false.
-      do i = 1, size(gearbox%wheels)
-         if (gearbox%wheels(i)%prescribed > 0) call reach(i)
-      end do
-      if (.not. reached(gearbox%reference)) call reach(gearbox%reference)
-      do i = 1, size(gearbox%wheels)
-         if (.not. reached(i)) call reach(i)
-      end do
-      do m = 1, size(gearbox%meshes)
-         if (.not. gearbox%meshes(m)%rigid .or. used(m) .or. has_failed(status)) cycle
-         call fail(status, code_invalid_input, "a rigid contact that closes a ring of rigid contacts is overdetermined: give it" &
-                   //" an elastic law", subject_mesh, m, "contact.law")
-      end do
-
-   contains
-
-      !> Reach all wheels that rigid meshes join to the first one.
-      subroutine reach(first)
-         integer, intent(in) :: first
-         logical :: group(size(gearbox%wheels)), found
-         integer :: k
-
-         group = .false.
-         group(first) = .true.
-         found = .true.
-         do while (found)
-            found = .false.
-            do k = 1, size(gearbox%meshes)
-               associate (mesh => gearbox%meshes(k), a => gearbox%meshes(k)%wheel_a, b => gearbox%meshes(k)%wheel_b)
-                  if (.not. mesh%rigid .or. (group(a) .eqv. group(b))) cycle
-                  associate (next => merge(b, a, group(a)))
-                     if (gearbox%wheels(next)%prescribed > 0 .and. .not. has_failed(status)) &
-                        call fail(status, code_invalid_input, "rigid contacts join two wheels whose speeds are prescribed: give" &
-                                  //" this one an elastic law", subject_mesh, k, "contact.law")
-                     mesh%i_dependent = gearbox%wheels(next)%i_psi
-                  end associate
-                  group([a, b]) = .true.
-                  used(k) = .true.
-                  found = .true.
-               end associate
-            end do
-         end do
-         reached = reached .or. group
-      end subroutine reach
-
-   end subroutine find_dependents
+   end subroutine take_pair
 
    !> The contact strip has to stay narrow beside the radii of curvature, which are smallest at the start of contact.
    !>
@@ -347,7 +252,8 @@ contains
       integer, intent(in) :: index
       real(wp) :: half_width
 
-      associate (mesh => gearbox%meshes(index), a => gearbox%pairs(index)%rho_start_a, b => gearbox%pairs(index)%rho_start_b)
+      associate (mesh => gearbox%contacts(gearbox%first(index)), a => gearbox%pairs(index)%rho_start_a, &
+                 b => gearbox%pairs(index)%rho_start_b)
          if (mesh%rigid) return
          half_width = sqrt(4*mesh%force_scale/mesh%width*a*b/(pi*mesh%e_star*(a + b)))
          if (half_width > narrow*min(a, b)) &
@@ -358,14 +264,14 @@ contains
    end subroutine check_contact_width
 
    !> Whether the flank of a mesh fits the sense of rotation that the first mesh gives the wheels.
-   subroutine check_senses(gearbox, layout, given, index)
+   subroutine check_senses(gearbox, layout, first_mesh, given, index)
       type(gearbox_t), intent(inout) :: gearbox
       type(layout_t), intent(in) :: layout
-      type(mesh_input), intent(in) :: given
+      type(mesh_input), intent(in) :: first_mesh, given
       integer, intent(in) :: index
       integer :: first
 
-      first = -gearbox%pairs(1)%sigma*layout%turn(gearbox%meshes(1)%wheel_a)
+      first = -gearbox%pairs(1)%sigma*layout%turn(first_mesh%driving)
       if (first*layout%turn(given%driving) /= given%driving_rotation) &
          call warn(gearbox, index, "its driving wheel turns against driving_rotation when the first mesh turns as it says")
    end subroutine check_senses
@@ -397,40 +303,5 @@ contains
       write (warning, "(a, i0, a)") "meshes.", mesh - 1, ": "//text
       gearbox%warnings = [character(len=message_length) :: gearbox%warnings, warning]
    end subroutine warn
-
-   !> Local variables of a mesh in terms of the state.
-   subroutine link_states(gearbox, mesh)
-      type(gearbox_t), intent(in) :: gearbox
-      type(mesh_t), intent(inout) :: mesh
-      integer :: i
-
-      mesh%links = [mesh_link(at_theta, i_theta, 1.0_wp), mesh_link(at_omega, i_omega, 1.0_wp)]
-      call link_wheel(gearbox, mesh, mesh%wheel_a, at_psi_a, at_psi_dot_a, at_u_a, at_v_a)
-      call link_wheel(gearbox, mesh, mesh%wheel_b, at_psi_b, at_psi_dot_b, at_u_b, at_v_b)
-      if (mesh%i_normal > 0) mesh%links = [mesh%links, mesh_link(at_normal, mesh%i_normal, 1.0_wp)]
-      if (mesh%i_track > 0) &
-         mesh%links = [mesh%links, (mesh_link(at_track + i, mesh%i_track + i, 1.0_wp), i=0, n_track - 1)]
-   end subroutine link_states
-
-   !> One wheel's part of them.
-   subroutine link_wheel(gearbox, mesh, index, at_psi, at_psi_dot, at_u, at_v)
-      type(gearbox_t), intent(in) :: gearbox
-      type(mesh_t), intent(inout) :: mesh
-      integer, intent(in) :: index, at_psi, at_psi_dot, at_u, at_v
-      real(wp) :: along(2)
-      integer :: j
-
-      associate (wheel => gearbox%wheels(index))
-         if (wheel%i_psi > 0) mesh%links = [mesh%links, mesh_link(at_psi, wheel%i_psi, 1.0_wp), &
-                                            mesh_link(at_psi_dot, wheel%i_psi + 1, 1.0_wp)]
-         do j = 1, wheel%support%n
-            along = [dot_product(wheel%support%direction(:, j), mesh%t_0), dot_product(wheel%support%direction(:, j), mesh%e_0)]
-            associate (i => wheel%support%i_state(j))
-               mesh%links = [mesh%links, mesh_link(at_u, i, along(1)), mesh_link(at_u + 1, i, along(2)), &
-                             mesh_link(at_v, i + 1, along(1)), mesh_link(at_v + 1, i + 1, along(2))]
-            end associate
-         end do
-      end associate
-   end subroutine link_wheel
 
 end module evl_gearbox_build

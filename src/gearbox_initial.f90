@@ -10,10 +10,10 @@ module evl_gearbox_initial
    use evl_kinds, only: wp
    use evl_load, only: load_segment
    use evl_local_variables, only: at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, n_local, n_track
-   use evl_mesh, only: contact_loaded, contact_open, contact_unloaded, mesh_mode, mesh_settle_friction, mesh_t, &
+   use evl_mesh, only: contact_loaded, contact_off, contact_open, contact_t, contact_unloaded, mesh_mode, mesh_settle_friction, &
                        mesh_unclipped_force
    use evl_multipliers, only: set_multipliers
-   use evl_start_positions, only: closed_form_point, prescribed_speed, set_gaps
+   use evl_start_positions, only: closed_form_point, place_pairs, prescribed_speed, set_gaps
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_initial, subject_load, subject_mesh
    use evl_steady_state, only: find_steady_state
    implicit none (type, external)
@@ -62,9 +62,9 @@ contains
       real(wp), intent(in) :: t
       real(wp), intent(out) :: y(gearbox%n_states), yp(gearbox%n_states)
       integer, intent(out) :: integers(gearbox%n_integers)
-      real(wp), intent(out) :: reals(size(gearbox%meshes))
+      real(wp), intent(out) :: reals(size(gearbox%contacts))
       type(status_t), intent(inout) :: status
-      logical :: opened(size(gearbox%meshes))
+      logical :: opened(size(gearbox%contacts))
       integer :: i
 
       y = 0
@@ -89,6 +89,7 @@ contains
       end if
       if (has_failed(status)) return
       call set_tracked(gearbox, y)
+      call place_pairs(gearbox, y, integers)
       call settle(gearbox, t, y, integers, reals, status)
       if (has_failed(status)) return
       call set_multipliers(gearbox, t, y, integers, reals, opened, status)
@@ -109,7 +110,7 @@ contains
                    field="speeds")
       else if (.not. (all(ieee_is_finite(initial%speeds)) .and. all(ieee_is_finite(initial%gaps)))) then
          call fail(status, code_invalid_input, "initial speeds and gaps must be finite numbers", subject_initial)
-      else if (size(initial%gaps) /= 0 .and. size(initial%gaps) /= size(gearbox%meshes)) then
+      else if (size(initial%gaps) /= 0 .and. size(initial%gaps) /= size(gearbox%pairs)) then
          call fail(status, code_invalid_input, "initial gaps need one for each mesh", subject_initial, field="gaps")
       else if (initial%kind == initial_steady .and. any(abs(initial%gaps) > 0)) then
          call fail(status, code_invalid_input, "a steady start has no gaps: its penetrations follow from the loads", &
@@ -155,8 +156,8 @@ contains
       integer :: m
 
       if (size(initial%gaps) == 0) return
-      do m = 1, size(gearbox%meshes)
-         call closed_form_point(gearbox, m, y, 0, 0, point)
+      do m = 1, size(gearbox%pairs)
+         call closed_form_point(gearbox, gearbox%first(m), y, 0, 0, point)
          if (abs(-point%h - initial%gaps(m)) <= 1.0e-9_wp*maxval(abs(initial%gaps))) cycle
          call fail(status, code_invalid_input, "its initial gap "//quantity(initial%gaps(m), "m")//" does not agree with " &
                    //quantity(-point%h, "m")//", which the gaps of the other meshes in its ring leave", subject_mesh, m, "gaps")
@@ -171,9 +172,9 @@ contains
       real(wp) :: q(n_local)
       integer :: m
 
-      do m = 1, size(gearbox%meshes)
-         associate (mesh => gearbox%meshes(m))
-            if (mesh%i_track == 0) cycle
+      do m = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(m))
+            if (mesh%i_track == 0 .or. mesh%slot > 0) cycle
             call gearbox_local(gearbox, mesh, y, q)
             call points_from_closed_form(mesh%pair, q, y(mesh%i_track:mesh%i_track + n_track - 1))
          end associate
@@ -182,9 +183,8 @@ contains
 
    !> A rigid contact is closed if the flanks touch and do not move relative to each other along the line of action. If they
    !> approach it counts as open, and the first step finds the impact.
-   subroutine settle_rigid(mesh, index, point, mode, status)
-      type(mesh_t), intent(in) :: mesh
-      integer, intent(in) :: index
+   subroutine settle_rigid(mesh, point, mode, status)
+      type(contact_t), intent(in) :: mesh
       type(contact_point), intent(in) :: point
       type(mesh_mode), intent(inout) :: mode
       type(status_t), intent(inout) :: status
@@ -194,7 +194,7 @@ contains
          mode%contact = contact_loaded
       else if (point%h > touching*mesh%h_scale) then
          call fail(status, code_invalid_input, "a rigid contact cannot start with the penetration "//quantity(point%h, "m") &
-                   //": give a gap that is not negative", subject_mesh, index, "gaps")
+                   //": give a gap that is not negative", subject_mesh, mesh%mesh, "gaps")
       end if
    end subroutine settle_rigid
 
@@ -213,17 +213,18 @@ contains
 
       call coupled_rates(gearbox, t, y, integers, reals, free, status)
       if (has_failed(status)) return
-      do m = 1, size(gearbox%meshes)
-         associate (mesh => gearbox%meshes(m))
-            call closed_form_point(gearbox, m, y, integers(i_turns), 0, point)
+      do m = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(m))
             mode = gearbox_mode(gearbox, m, integers, reals)
+            if (mode%contact == contact_off) cycle
+            call closed_form_point(gearbox, m, y, integers(i_turns), mode%teeth, point)
             mode%contact = contact_open
             if (mesh%rigid) then
-               call settle_rigid(mesh, m, point, mode, status)
+               call settle_rigid(mesh, point, mode, status)
                if (has_failed(status)) return
             else if (point%h > 0) then
                mode%contact = contact_loaded
-               call mesh_unclipped_force(mesh, m, mode, point, force, status)
+               call mesh_unclipped_force(mesh, mode, point, force, status)
                if (has_failed(status)) return
                if (force < 0) mode%contact = contact_unloaded
             else if (.not. point%h < 0) then

@@ -10,7 +10,7 @@ module evl_gearbox_scaling
    use evl_kinds, only: pi, wp
    use evl_load, only: load_damping, load_largest, load_prescribed_speed, load_viscous
    use evl_local_variables, only: n_track
-   use evl_mesh, only: mesh_t, tracking_algebraic
+   use evl_mesh, only: contact_t, tracking_algebraic
    use evl_status, only: code_ok
    implicit none (type, external)
    private
@@ -30,8 +30,8 @@ contains
       type(gearbox_t), intent(inout) :: gearbox
       integer :: i
 
-      do i = 1, size(gearbox%meshes)
-         associate (mesh => gearbox%meshes(i))
+      do i = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(i))
             mesh%force_scale = max(mesh_load(gearbox, mesh, gearbox_likely_speed(gearbox)), &
                                    smallest_load*pi*mesh%e_star*mesh%pair%rho_0*mesh%width)
             call static_penetration(mesh, mesh%force_scale, mesh%h_scale)
@@ -73,7 +73,7 @@ contains
    !> Largest normal force that the load of one wheel can put on a mesh when the reference wheel turns at `speed` [N].
    pure real(wp) function mesh_load(gearbox, mesh, speed) result(force)
       type(gearbox_t), intent(in) :: gearbox
-      type(mesh_t), intent(in) :: mesh
+      type(contact_t), intent(in) :: mesh
       real(wp), intent(in) :: speed !! [rad/s]
       real(wp) :: torque
       integer :: i, j
@@ -95,7 +95,7 @@ contains
 
    !> Penetration under a force; a force beyond the law is halved until the law carries it.
    subroutine static_penetration(mesh, force, h)
-      type(mesh_t), intent(in) :: mesh
+      type(contact_t), intent(in) :: mesh
       real(wp), intent(inout) :: force !! [N]
       real(wp), intent(out) :: h       !! [m]
       type(contact_context) :: ctx
@@ -111,14 +111,14 @@ contains
 
    !> The law that tells how large penetrations are: the mesh's own, or the first of the table for a rigid contact.
    pure type(law_choice) function elastic_law(mesh) result(choice)
-      type(mesh_t), intent(in) :: mesh
+      type(contact_t), intent(in) :: mesh
 
       if (.not. mesh%rigid) choice = mesh%contact
    end function elastic_law
 
    !> A contact in the middle of the line of action.
    pure type(contact_context) function nominal_context(mesh) result(ctx)
-      type(mesh_t), intent(in) :: mesh
+      type(contact_t), intent(in) :: mesh
 
       ctx%rho_sum = mesh%pair%rho_0
       ctx%rho_a = mesh%pair%rho_0/2
@@ -133,7 +133,7 @@ contains
       real(wp), intent(in) :: speeds(:)      !! initial angular velocities of the wheels; size 0 if not given [rad/s]
       real(wp), intent(out) :: state(gearbox%n_states), row(gearbox%n_states)
       integer, intent(out) :: differential(gearbox%n_states)
-      real(wp) :: speed, h(size(gearbox%meshes)), rate(size(gearbox%meshes)), frequency
+      real(wp) :: speed, h(size(gearbox%contacts)), rate(size(gearbox%contacts)), frequency
       real(wp) :: h_least, rate_least, energy, housing_energy
       real(wp), dimension(n_housing_states) :: housing_state, housing_row
       integer :: i, j
@@ -141,8 +141,8 @@ contains
       speed = gearbox_likely_speed(gearbox)
       if (size(speeds) > 0) speed = max(speed, maxval(abs(speeds/gearbox%wheels%ratio)))
       energy = 0
-      do i = 1, size(gearbox%meshes)
-         call mesh_scales(gearbox, gearbox%meshes(i), speed, speeds, h(i), frequency, energy)
+      do i = 1, size(gearbox%contacts)
+         call mesh_scales(gearbox, gearbox%contacts(i), speed, speeds, h(i), frequency, energy)
          rate(i) = h(i)*frequency
       end do
       differential = 1
@@ -169,16 +169,16 @@ contains
       row = state
       if (gearbox%housing%is_mounted) &
          row(gearbox%housing%i_state:gearbox%housing%i_state + n_housing_states - 1) = housing_row
-      do i = 1, size(gearbox%meshes)
-         associate (mesh => gearbox%meshes(i))
+      do i = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(i))
             if (mesh%i_normal == 0) cycle
             state(mesh%i_normal) = multiplier_factor*mesh%force_scale
             row(mesh%i_normal) = mesh%force_scale
             differential(mesh%i_normal) = 0
          end associate
       end do
-      do i = 1, size(gearbox%meshes)
-         associate (mesh => gearbox%meshes(i), first => gearbox%meshes(i)%i_track)
+      do i = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(i), first => gearbox%contacts(i)%i_track)
             if (first == 0) cycle
             state(first:first + n_track - 1) = [track_factor*h(i)/mesh%pair%rho_0, track_factor*h(i), h(i), h(i), 1.0_wp, &
                                                 mesh%pair%r_bb*h(i)]
@@ -191,7 +191,7 @@ contains
    !> Penetration, natural frequency and energy scale of a mesh under its loads, or under the impact of the initial speeds.
    subroutine mesh_scales(gearbox, mesh, speed, speeds, h, frequency, energy)
       type(gearbox_t), intent(in) :: gearbox
-      type(mesh_t), intent(in) :: mesh
+      type(contact_t), intent(in) :: mesh
       real(wp), intent(in) :: speed, speeds(:) !! of the reference wheel; of the wheels at the start [rad/s]
       real(wp), intent(out) :: h               !! [m]
       real(wp), intent(out) :: frequency       !! [rad/s]
@@ -226,7 +226,7 @@ contains
       real(wp), intent(out) :: h_least, rate_least
       logical :: mine(size(h))
 
-      mine = gearbox%meshes%wheel_a == wheel .or. gearbox%meshes%wheel_b == wheel
+      mine = gearbox%contacts%wheel_a == wheel .or. gearbox%contacts%wheel_b == wheel
       h_least = 1
       rate_least = 1
       if (.not. any(mine)) return

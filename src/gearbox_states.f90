@@ -3,6 +3,7 @@ module evl_gearbox_states
    use evl_gearbox, only: gearbox_t, i_omega, i_theta
    use evl_housing, only: n_housing_states
    use evl_local_variables, only: n_track
+   use evl_mesh, only: flank_coast
    implicit none (type, external)
    private
 
@@ -47,11 +48,14 @@ contains
             end do
          end associate
       end do
-      do i = 1, size(gearbox%meshes)
-         if (gearbox%meshes(i)%i_normal > 0 .and. index == gearbox%meshes(i)%i_normal) call set("multiplier", "N", i)
-         j = index - gearbox%meshes(i)%i_track + 1
-         if (gearbox%meshes(i)%i_track > 0 .and. j >= 1 .and. j <= n_track) &
-            call set(trim(track_names(j)), trim(track_units(j)), i)
+      do i = 1, size(gearbox%contacts)
+         if (gearbox%contacts(i)%slot > 0) cycle
+         if (gearbox%contacts(i)%leads .and. index == gearbox%contacts(i)%i_normal) &
+            call set(merge("coast_multiplier", "multiplier      ", gearbox%contacts(i)%flank == flank_coast), "N", &
+                     gearbox%contacts(i)%mesh)
+         j = index - gearbox%contacts(i)%i_track + 1
+         if (gearbox%contacts(i)%i_track > 0 .and. j >= 1 .and. j <= n_track) &
+            call set(track_names(j), trim(track_units(j)), gearbox%contacts(i)%mesh)
       end do
       j = index - gearbox%housing%i_state + 1
       if (gearbox%housing%is_mounted .and. j >= 1 .and. j <= n_housing_states) &
@@ -68,7 +72,7 @@ contains
          units = unit
          if (.not. present(number)) return
          write (suffix, "(a, i0)") "_", number - 1
-         name = text//suffix
+         name = trim(text)//suffix
       end subroutine set
 
    end subroutine gearbox_state_name

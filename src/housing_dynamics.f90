@@ -155,8 +155,8 @@ contains
       call gearbox_rates(gearbox, t, y, integers, reals, f, status)
       if (has_failed(status) .or. .not. gearbox%housing%is_mounted) return
       call solve_accelerations(gearbox, t, y, f, status)
-      do i = 1, size(gearbox%meshes)
-         if (gearbox%meshes(i)%rigid) call multiplier_row(gearbox, i, y, integers, reals, f)
+      do i = 1, size(gearbox%contacts)
+         if (gearbox%contacts(i)%leads) call multiplier_row(gearbox, i, y, integers, f)
       end do
    end subroutine coupled_rates
 

@@ -6,7 +6,7 @@ module evl_housing_outputs
    use evl_housing, only: apparent_acceleration, frame_t, housing_fixed, mount_deflection, wheel_moment
    use evl_housing_dynamics, only: wheel_accelerations
    use evl_kinds, only: wp
-   use evl_mesh, only: mesh_t
+   use evl_mesh, only: contact_t
    use evl_output, only: dims_mesh, dims_quaternion, dims_space, dims_wheel, dims_wheel_space, output_t
    use evl_rotation, only: cross, turned, turned_back
    implicit none (type, external)
@@ -41,7 +41,7 @@ contains
    !> Add a mesh's force to the reactions of its two wheels.
    pure subroutine add_mesh_reaction(gearbox, mesh, on_a, reactions)
       type(gearbox_t), intent(in) :: gearbox
-      type(mesh_t), intent(in) :: mesh
+      type(contact_t), intent(in) :: mesh
       real(wp), intent(in) :: on_a(2)               !! force on the driving wheel in (t_0, e_0) [N]
       real(wp), intent(inout) :: reactions(:, :)    !! (6, wheel): force [N], moment [N m]
       real(wp) :: force(3), arm_a(3), arm_b(3)
@@ -67,10 +67,10 @@ contains
       integer :: i, n, nm
 
       n = size(gearbox%wheels)
-      nm = size(gearbox%meshes)
+      nm = size(gearbox%pairs)
       values(:n) = gearbox%wheels%axial_position
       values(n + 1:2*n) = gearbox%wheels%transverse_inertia
-      values(2*n + 1:2*n + nm) = gearbox%meshes%axial_position
+      values(2*n + 1:2*n + nm) = gearbox%contacts(gearbox%first(:nm))%axial_position
       do i = 1, n
          call finish_reaction(gearbox, i, t, y, f, integers, frame, load_torque(i), reactions(:, i))
          associate (force => 2*n + nm + 3*(i - 1), moment => 5*n + nm + 3*(i - 1))

@@ -26,7 +26,7 @@ contains
       associate (housing => gearbox%housing)
          mass = housing%mass + sum(gearbox%wheels%support%mass)
          inertia = (housing%inertia(1, 1) + housing%inertia(2, 2) + housing%inertia(3, 3))/3
-         force = sum(gearbox%meshes%force_scale) + mass*norm2(housing%gravity) + norm2(housing%force)
+         force = sum(gearbox%contacts%force_scale) + mass*norm2(housing%gravity) + norm2(housing%force)
          moment = force*maxval(gearbox%wheels%pitch_radius) + norm2(housing%moment)
          call response(force, mass, minval(housing%stiffness), norm2(housing%velocity), place, speed)
          call response(moment, inertia, minval(housing%turn_stiffness), norm2(housing%omega), angle, turn)

@@ -1,4 +1,9 @@
-!> One mesh: the tooth pair that carries the load between two wheels, its forces on both, and what happens to it.
+!> One tooth contact of a mesh: a slot that tooth pairs pass through one after the other on one flank, the forces on both wheels,
+!> and what happens to it.
+!>
+!> A mesh has as many slots on each flank, drive and coast, as tooth pairs can be on the path of contact at once, and one more
+!> that waits: pair k takes slot k mod n_slots. A pair is on the path while both radii of curvature are below those of the tips.
+!> Where the contact ratio is exactly 1 there is one slot, and a pair hands over to the next one pitch on.
 !>
 !> Forces are counted on the driving wheel A, along t and against e; wheel B feels the opposite.
 module evl_mesh
@@ -14,12 +19,13 @@ module evl_mesh
    implicit none (type, external)
    private
 
-   public :: mesh_t, mesh_link, mesh_mode, mesh_force, mesh_force_gradient
+   public :: contact_t, mesh_link, mesh_mode, mesh_force, mesh_force_gradient
    public :: mesh_contact, mesh_forces, mesh_gradient, mesh_energy, mesh_roots, mesh_root_directions, mesh_teeth_moved
-   public :: mesh_nominal_rho, mesh_unclipped_force, mesh_settle_friction
+   public :: mesh_nominal_rho, mesh_unclipped_force, mesh_settle_friction, mesh_ends, touches
    public :: tracking_closed_form, tracking_algebraic, tracking_differential
-   public :: contact_open, contact_loaded, contact_unloaded, contact_apart
+   public :: contact_open, contact_loaded, contact_unloaded, contact_apart, contact_off
    public :: n_mesh_roots, root_contact, root_force, root_friction_high, root_friction_low, root_forward, root_back, root_apart
+   public :: flank_drive, flank_coast
 
    integer, parameter :: tracking_closed_form = 0  !! contact from the wheels' positions
    integer, parameter :: tracking_algebraic = 1    !! contact from (1)
@@ -29,14 +35,18 @@ module evl_mesh
    integer, parameter :: contact_loaded = 1   !! penetration and force
    integer, parameter :: contact_unloaded = 2 !! penetration, but the damper would pull: no force
    integer, parameter :: contact_apart = 3    !! tracked flanks so far apart that no two points face each other
+   integer, parameter :: contact_off = 4      !! no tooth pair of this slot is on the path of contact
 
-   integer, parameter :: n_mesh_roots = 7       !! root functions of a mesh
+   integer, parameter :: flank_drive = 0 !! the driving wheel pushes in its nominal sense of rotation
+   integer, parameter :: flank_coast = 1 !! the other side of the teeth
+
+   integer, parameter :: n_mesh_roots = 7       !! root functions of a tooth contact
    integer, parameter :: root_contact = 1       !! the gap closes or opens
    integer, parameter :: root_force = 2         !! the unclipped force passes zero
    integer, parameter :: root_friction_high = 3 !! v_t passes the upper end of the linear part
    integer, parameter :: root_friction_low = 4  !! v_t passes the lower end
-   integer, parameter :: root_forward = 5       !! one pitch on since the last switch
-   integer, parameter :: root_back = 6          !! one pitch back since the last switch
+   integer, parameter :: root_forward = 5       !! the far end of the path is passed, or one pitch since the last switch
+   integer, parameter :: root_back = 6          !! the near end of the path is passed, or one pitch back since the last switch
    integer, parameter :: root_apart = 7         !! the flanks part so far, or come so near, that tracking ends or begins
 
    !> Roots lie this far past the change of mode, relative to the size of the quantity: a root function never starts at zero.
@@ -49,7 +59,11 @@ module evl_mesh
       real(wp) :: weight = 0.0_wp    !! d local/d state
    end type mesh_link
 
-   type :: mesh_t
+   type :: contact_t
+      integer :: mesh = 0                 !! of the gearbox, to which the contact belongs
+      integer :: flank = flank_drive      !! drive or coast
+      integer :: slot = 0, n_slots = 1    !! which of the flank's slots, from 0, and how many
+      logical :: handover = .true.        !! one slot, and pairs change one pitch on; else at the ends of the path
       integer :: wheel_a = 0, wheel_b = 0 !! driving and driven wheel
       type(tracked_pair) :: pair          !! geometry for the tracking
       type(law_choice) :: contact, damping, friction
@@ -58,7 +72,10 @@ module evl_mesh
       real(wp) :: e_star = 0.0_wp         !! effective modulus [Pa]
       real(wp) :: width = 0.0_wp          !! common face width [m]
       real(wp) :: base_pitch = 0.0_wp     !! |ab| [m]
-      real(wp) :: rho_start = 0.0_wp      !! rho_A at a [m]
+      real(wp) :: step = 0.0_wp           !! by how much rho_A of a pair is less than that of the pair before; < 0 for coast [m]
+      real(wp) :: rho_start = 0.0_wp      !! rho_A of pair 0 at theta = 0 [m]
+      real(wp) :: rho_entry = 0.0_wp      !! rho_A where a pair that hands over begins [m]
+      real(wp) :: rho_tip_a = 0.0_wp, rho_tip_b = 0.0_wp !! radii of curvature at the tips, the ends of the path [m]
       integer :: pitches_per_turn = 0     !! by how many pitches one turn of the reference wheel moves rho_A0
       real(wp) :: gap_apart = 0.0_wp      !! gap past which flanks are not tracked [m]
       real(wp) :: t_0(2) = 0.0_wp, e_0(2) = 0.0_wp !! nominal basis in the housing frame
@@ -67,18 +84,22 @@ module evl_mesh
       real(wp) :: force_scale = 0.0_wp    !! normal force that the loads suggest [N]
       real(wp) :: h_scale = 0.0_wp        !! its penetration [m]
       type(mesh_link), allocatable :: links(:) !! local variables in terms of the state
-      integer :: i_normal = 0             !! multiplier of a rigid contact in the state; 0 if none
+      logical :: leads = .false.          !! the first slot of a rigid flank: the flank's constraint is its
+      integer :: i_normal = 0             !! multiplier of a rigid flank in the state; 0 if none
       integer :: i_dependent = 0          !! deviation of the wheel that a closed rigid contact determines
       real(wp) :: mobility = 0.0_wp       !! r_bA^2/J_A + r_bB^2/J_B [1/kg]
       integer :: i_track = 0              !! first tracked variable in the state; 0 if none
       integer :: i_mode = 0               !! place of its three integers in the discrete state
-   end type mesh_t
+      integer :: i_root = 0               !! place before its root functions
+   end type contact_t
 
    !> Discrete state of a mesh.
    type :: mesh_mode
       integer :: teeth = 0              !! pitches since the start
       integer :: contact = contact_open !! one of the contact modes
       integer :: friction = 0           !! branch of the friction law
+      integer :: zone_a = 0, zone_b = 0 !! parts of the modified flanks
+      real(wp) :: share = 1.0_wp        !! of a rigid flank's normal force that this pair carries
       real(wp) :: v0 = 0.0_wp           !! approach speed at the last closing [m/s]
    end type mesh_mode
 
@@ -102,17 +123,17 @@ contains
 
    !> Nominal radius of curvature rho_A0 of the tooth pair in mesh [m]; teeth and turns are whole numbers and stay exact.
    pure real(wp) function mesh_nominal_rho(mesh, theta, turns, teeth) result(rho_a0)
-      type(mesh_t), intent(in) :: mesh
+      type(contact_t), intent(in) :: mesh
       real(wp), intent(in) :: theta  !! reference angle [rad]
       integer, intent(in) :: turns   !! whole turns of the reference wheel beside theta
-      integer, intent(in) :: teeth   !! pitches since the start
+      integer, intent(in) :: teeth   !! tooth pair: pitches since the start
 
-      rho_a0 = mesh%rho_start + mesh%base_pitch*real(mesh%pitches_per_turn*turns - teeth, wp) + mesh%pair%advance*theta
+      rho_a0 = mesh%rho_start + mesh%step*real(mesh%pitches_per_turn*turns - teeth, wp) + mesh%pair%advance*theta
    end function mesh_nominal_rho
 
    !> The contact as the mesh's tracking sees it.
    pure subroutine mesh_contact(mesh, rho_a0, q, point)
-      type(mesh_t), intent(in) :: mesh
+      type(contact_t), intent(in) :: mesh
       real(wp), intent(in) :: rho_a0, q(n_local)
       type(contact_point), intent(out) :: point
 
@@ -125,7 +146,7 @@ contains
 
    !> What the laws may know.
    pure type(contact_context) function context_of(mesh, point, v0) result(ctx)
-      type(mesh_t), intent(in) :: mesh
+      type(contact_t), intent(in) :: mesh
       type(contact_point), intent(in) :: point
       real(wp), intent(in) :: v0
 
@@ -140,9 +161,8 @@ contains
    end function context_of
 
    !> Forces at a contact point. Nothing acts in the modes without contact.
-   subroutine mesh_forces(mesh, index, mode, point, force, status)
-      type(mesh_t), intent(in) :: mesh
-      integer, intent(in) :: index            !! of the mesh, for messages
+   subroutine mesh_forces(mesh, mode, point, force, status)
+      type(contact_t), intent(in) :: mesh
       type(mesh_mode), intent(in) :: mode
       type(contact_point), intent(in) :: point
       type(mesh_force), intent(out) :: force
@@ -151,12 +171,12 @@ contains
       type(elastic_result) :: elastic
       type(viscous_result) :: viscous
 
-      if (mode%contact == contact_open .or. mode%contact == contact_apart) return
+      if (.not. touches(mode)) return
       if (.not. (point%exists .and. point%rho_a > 0 .and. point%rho_b > 0)) then
-         call left_involute(point, index, status)
+         call left_involute(mesh, point, status)
          return
       end if
-      call contact_law(mesh, index, mode, point, elastic, viscous, status)
+      call contact_law(mesh, mode, point, elastic, viscous, status)
       force%elastic = elastic%force
       force%viscous = viscous%force
       if (mode%contact == contact_unloaded) then
@@ -176,9 +196,8 @@ contains
    end subroutine mesh_forces
 
    !> Elastic and viscous force with derivatives.
-   subroutine contact_law(mesh, index, mode, point, elastic, viscous, status)
-      type(mesh_t), intent(in) :: mesh
-      integer, intent(in) :: index
+   subroutine contact_law(mesh, mode, point, elastic, viscous, status)
+      type(contact_t), intent(in) :: mesh
       type(mesh_mode), intent(in) :: mode
       type(contact_point), intent(in) :: point
       type(elastic_result), intent(out) :: elastic
@@ -189,7 +208,7 @@ contains
       integer :: code
 
       if (mesh%rigid) then
-         elastic = elastic_result(force=point%multiplier)
+         elastic = elastic_result(force=mode%share*point%multiplier)
          viscous = viscous_result()
          return
       end if
@@ -197,15 +216,15 @@ contains
       call elastic_force(mesh%contact, ctx, elastic, code)
       if (code /= code_ok) then
          call elastic_limit_message(mesh%contact, ctx, message)
-         call fail(status, code, message, subject_mesh, index, "contact")
+         call fail(status, code, message, subject_mesh, mesh%mesh, "contact")
       end if
       call viscous_force(mesh%damping, ctx, elastic, viscous)
    end subroutine contact_law
 
    !> The contact has left an involute: say which radius of curvature ran out.
-   pure subroutine left_involute(point, index, status)
+   pure subroutine left_involute(mesh, point, status)
+      type(contact_t), intent(in) :: mesh
       type(contact_point), intent(in) :: point
-      integer, intent(in) :: index
       type(status_t), intent(inout) :: status
       character(len=:), allocatable :: which
 
@@ -213,13 +232,12 @@ contains
       if (point%rho_a <= 0 .or. .not. point%exists) which = "driving"
       call fail(status, code_out_of_domain, "the contact has left the involute of the "//which//" wheel below its base circle" &
                 //" (radii of curvature rho_A = "//quantity(point%rho_a, "m")//", rho_B = "//quantity(point%rho_b, "m") &
-                //"): the tooth pair has turned back too far, or the gap is too wide", subject_mesh, index, "tracking")
+                //"): the tooth pair has turned back too far, or the gap is too wide", subject_mesh, mesh%mesh, "tracking")
    end subroutine left_involute
 
    !> Derivatives of the forces with respect to the local variables; zero in the modes without contact.
-   subroutine mesh_gradient(mesh, index, mode, rho_a0, q, point, force, gradient, status)
-      type(mesh_t), intent(in) :: mesh
-      integer, intent(in) :: index
+   subroutine mesh_gradient(mesh, mode, rho_a0, q, point, force, gradient, status)
+      type(contact_t), intent(in) :: mesh
       type(mesh_mode), intent(in) :: mode
       real(wp), intent(in) :: rho_a0, q(n_local)
       type(contact_point), intent(in) :: point !! at q
@@ -236,13 +254,13 @@ contains
       gradient%torque_b = 0
       gradient%on_a = 0
       gradient%dissipation = 0
-      if (mode%contact == contact_open .or. mode%contact == contact_apart) return
+      if (.not. touches(mode)) return
       if (mesh%tracking == tracking_closed_form) then
          call gradient_closed_form(mesh%pair, q, point, d)
       else
          call gradient_points(mesh%pair, rho_a0, q, point, d)
       end if
-      call contact_law(mesh, index, mode, point, elastic, viscous, status)
+      call contact_law(mesh, mode, point, elastic, viscous, status)
       d_rho_sum = d%rho_a + d%rho_b
       d_elastic = elastic%d_h*d%h + elastic%d_rho*d_rho_sum
       ! dV/drho_sum changes with h as the force does with rho_sum
@@ -255,7 +273,7 @@ contains
          gradient%dissipation = gradient%dissipation - d_elastic*point%h_dot - elastic%force*d%h_dot
          return
       end if
-      if (mesh%rigid) d_elastic = unit(at_normal, 1.0_wp)
+      if (mesh%rigid) d_elastic = unit(at_normal, mode%share)
       d_viscous = viscous%d_h*d%h + viscous%d_rho*d_rho_sum + viscous%d_h_dot*d%h_dot
       d_normal = d_elastic + d_viscous
       call friction_factor(mesh%friction, mode%friction, point%v_t, factor, d_v)
@@ -272,20 +290,18 @@ contains
 
    !> Elastic energy stored in the contact [J]; 0 without penetration.
    pure real(wp) function mesh_energy(mesh, mode, point) result(energy)
-      type(mesh_t), intent(in) :: mesh
+      type(contact_t), intent(in) :: mesh
       type(mesh_mode), intent(in) :: mode
       type(contact_point), intent(in) :: point
 
       energy = 0
       if (mesh%rigid) return
-      if (mode%contact == contact_loaded .or. mode%contact == contact_unloaded) &
-         call elastic_potential(mesh%contact, context_of(mesh, point, mode%v0), energy)
+      if (touches(mode)) call elastic_potential(mesh%contact, context_of(mesh, point, mode%v0), energy)
    end function mesh_energy
 
    !> Elastic + viscous force as if nothing were clipped [N].
-   subroutine mesh_unclipped_force(mesh, index, mode, point, force, status)
-      type(mesh_t), intent(in) :: mesh
-      integer, intent(in) :: index
+   subroutine mesh_unclipped_force(mesh, mode, point, force, status)
+      type(contact_t), intent(in) :: mesh
       type(mesh_mode), intent(in) :: mode
       type(contact_point), intent(in) :: point
       real(wp), intent(out) :: force
@@ -293,44 +309,62 @@ contains
       type(elastic_result) :: elastic
       type(viscous_result) :: viscous
 
-      call contact_law(mesh, index, mode, point, elastic, viscous, status)
+      call contact_law(mesh, mode, point, elastic, viscous, status)
       force = elastic%force + viscous%force
    end subroutine mesh_unclipped_force
 
-   !> By how much the driving wheel has moved on since the last switch, as an arc of its base circle [m].
+   !> How many pitches the driving wheel has moved on since a pair that hands over began [1].
    pure real(wp) function mesh_teeth_moved(mesh, rho_a0, q) result(moved)
-      type(mesh_t), intent(in) :: mesh
+      type(contact_t), intent(in) :: mesh
       real(wp), intent(in) :: rho_a0, q(n_local)
 
-      moved = rho_a0 - mesh%rho_start - mesh%pair%sigma*mesh%pair%r_ba*(q(at_psi_a) - centre_line_turn(mesh%pair, q))
+      moved = (rho_a0 - mesh%rho_entry - mesh%pair%sigma*mesh%pair%r_ba*(q(at_psi_a) - centre_line_turn(mesh%pair, q)))/mesh%step
    end function mesh_teeth_moved
+
+   !> How far a tooth pair is from the ends of the path of contact, in pitches; not negative while it is on the path.
+   pure subroutine mesh_ends(mesh, point, pitches, near, far)
+      type(contact_t), intent(in) :: mesh
+      type(contact_point), intent(in) :: point
+      integer, intent(in) :: pitches     !! of the pair before that of the point: how many pitches ahead it is
+      real(wp), intent(out) :: near, far !! from the end where pairs enter in the nominal sense of rotation, and from the other
+      real(wp) :: from_tip_a, from_tip_b
+
+      from_tip_a = (mesh%rho_tip_a - point%rho_a - pitches*mesh%step)/mesh%base_pitch
+      from_tip_b = (mesh%rho_tip_b - point%rho_b + pitches*mesh%step)/mesh%base_pitch
+      near = merge(from_tip_b, from_tip_a, mesh%flank == flank_drive)
+      far = merge(from_tip_a, from_tip_b, mesh%flank == flank_drive)
+   end subroutine mesh_ends
+
+   !> Whether the flanks of a tooth pair overlap, so that the laws say what acts.
+   pure logical function touches(mode)
+      type(mesh_mode), intent(in) :: mode
+
+      touches = mode%contact == contact_loaded .or. mode%contact == contact_unloaded
+   end function touches
 
    !> The friction branch that belongs to a contact.
    pure integer function mesh_settle_friction(mesh, point) result(branch)
-      type(mesh_t), intent(in) :: mesh
+      type(contact_t), intent(in) :: mesh
       type(contact_point), intent(in) :: point
 
       branch = friction_mode(mesh%friction, point%v_t)
    end function mesh_settle_friction
 
    !> Root functions, of order 1; those without meaning in the mode are 1.
-   subroutine mesh_roots(mesh, index, mode, rho_a0, q, point, roots, status)
-      type(mesh_t), intent(in) :: mesh
-      integer, intent(in) :: index
+   subroutine mesh_roots(mesh, mode, rho_a0, q, point, roots, status)
+      type(contact_t), intent(in) :: mesh
       type(mesh_mode), intent(in) :: mode
       real(wp), intent(in) :: rho_a0, q(n_local)
       type(contact_point), intent(in) :: point
       real(wp), intent(out) :: roots(n_mesh_roots)
       type(status_t), intent(inout) :: status
-      real(wp) :: force, knee, moved
-      logical :: touching
+      real(wp) :: force, knee
 
       roots = 1
-      touching = mode%contact == contact_loaded .or. mode%contact == contact_unloaded
       if (mode%contact == contact_open) roots(root_contact) = point%h/mesh%h_scale - past
-      if (touching) then
+      if (touches(mode)) then
          if (.not. mesh%rigid) roots(root_contact) = point%h/mesh%h_scale + past
-         call mesh_unclipped_force(mesh, index, mode, point, force, status)
+         call mesh_unclipped_force(mesh, mode, point, force, status)
          roots(root_force) = force/mesh%force_scale + merge(past, -past, mode%contact == contact_loaded)
       end if
       knee = friction_knee(mesh%friction)
@@ -345,16 +379,41 @@ contains
             roots(root_friction_low) = point%v_t/knee + (1 - past)
          end select
       end if
-      moved = mesh_teeth_moved(mesh, rho_a0, q)/mesh%base_pitch
-      roots(root_forward) = moved - 1
-      roots(root_back) = moved + 1
+      call end_roots(mesh, mode, rho_a0, q, point, roots(root_forward), roots(root_back))
       if (mesh%tracking == tracking_closed_form) return
       if (mode%contact == contact_open) roots(root_apart) = -point%h/mesh%gap_apart - 1
       if (mode%contact == contact_apart) roots(root_apart) = closed_form_gap(mesh%pair, q)/mesh%gap_apart - 1
    end subroutine mesh_roots
 
+   !> Root functions of the ends of the path.
+   pure subroutine end_roots(mesh, mode, rho_a0, q, point, forward, back)
+      type(contact_t), intent(in) :: mesh
+      type(mesh_mode), intent(in) :: mode
+      real(wp), intent(in) :: rho_a0, q(n_local)
+      type(contact_point), intent(in) :: point
+      real(wp), intent(out) :: forward, back
+      real(wp) :: moved, none
+
+      if (mesh%handover) then
+         moved = mesh_teeth_moved(mesh, rho_a0, q)
+         forward = moved - 1
+         back = moved + 1
+      else if (mode%contact == contact_off) then
+         ! the pair that waits may enter where pairs begin, and the one before it, turning back, where they end
+         call mesh_ends(mesh, point, 0, back, none)
+         call mesh_ends(mesh, point, mesh%n_slots, none, forward)
+         back = back - past
+         forward = forward - past
+      else
+         call mesh_ends(mesh, point, 0, back, forward)
+         back = back + past
+         forward = forward + past
+      end if
+   end subroutine end_roots
+
    !> The direction in which each root counts.
-   pure subroutine mesh_root_directions(mode, directions)
+   pure subroutine mesh_root_directions(mesh, mode, directions)
+      type(contact_t), intent(in) :: mesh
       type(mesh_mode), intent(in) :: mode
       integer, intent(out) :: directions(n_mesh_roots)
 
@@ -362,8 +421,8 @@ contains
       directions(root_force) = merge(1, -1, mode%contact == contact_unloaded)
       directions(root_friction_high) = merge(-1, 1, mode%friction == 1)
       directions(root_friction_low) = merge(1, -1, mode%friction == -1)
-      directions(root_forward) = 1
-      directions(root_back) = -1
+      directions(root_forward) = merge(1, -1, mesh%handover .or. mode%contact == contact_off)
+      directions(root_back) = merge(1, -1, mode%contact == contact_off)
       directions(root_apart) = merge(-1, 1, mode%contact == contact_apart)
    end subroutine mesh_root_directions
 

@@ -5,7 +5,7 @@ module evl_mode_shapes
    use evl_gearbox, only: gearbox_local, gearbox_t, i_theta
    use evl_kinds, only: wp
    use evl_local_variables, only: at_psi_a, at_psi_b, n_local
-   use evl_mesh, only: mesh_t
+   use evl_mesh, only: contact_t
    implicit none (type, external)
    private
 
@@ -19,8 +19,8 @@ contains
       real(wp), intent(in) :: y(gearbox%n_states), dy(gearbox%n_states)
       real(wp), intent(out) :: arcs(size(gearbox%wheels))             !! r_b phi of each wheel, counterclockwise [m]
       real(wp), intent(out) :: displacements(2, size(gearbox%wheels)) !! x, y of each axle [m]
-      real(wp), intent(out) :: penetrations(size(gearbox%meshes))     !! h of each mesh [m]
-      real(wp), intent(out) :: transmission_errors(size(gearbox%meshes)) !! Delta of each mesh [m]
+      real(wp), intent(out) :: penetrations(size(gearbox%pairs))     !! h of each mesh [m]
+      real(wp), intent(out) :: transmission_errors(size(gearbox%pairs)) !! Delta of each mesh [m]
       integer :: i, j
 
       displacements = 0
@@ -34,15 +34,15 @@ contains
             end do
          end associate
       end do
-      do i = 1, size(gearbox%meshes)
-         call mesh_shape(gearbox, gearbox%meshes(i), y, dy, penetrations(i), transmission_errors(i))
+      do i = 1, size(gearbox%pairs)
+         call mesh_shape(gearbox, gearbox%contacts(gearbox%first(i)), y, dy, penetrations(i), transmission_errors(i))
       end do
    end subroutine gearbox_shape
 
    !> Changes of penetration and transmission error of one mesh.
    pure subroutine mesh_shape(gearbox, mesh, y, dy, penetration, transmission_error)
       type(gearbox_t), intent(in) :: gearbox
-      type(mesh_t), intent(in) :: mesh
+      type(contact_t), intent(in) :: mesh
       real(wp), intent(in) :: y(:), dy(:)
       real(wp), intent(out) :: penetration, transmission_error
       real(wp), dimension(n_local) :: q, dq

@@ -52,7 +52,7 @@ contains
       n_rigid = 0
       eigenvalues = 0
       vectors = 0
-      k = findloc(gearbox%meshes%rigid, .true., dim=1)
+      k = findloc(gearbox%contacts(gearbox%first(:size(gearbox%pairs)))%rigid, .true., dim=1)
       if (k > 0) then
          call fail(status, code_no_solution, "natural modes need a stiffness, but this contact is rigid: give it an elastic law", &
                    subject_mesh, k, "contact.law")
@@ -116,8 +116,8 @@ contains
 
       n = gearbox%n_states
       closed = gearbox
-      closed%meshes%tracking = tracking_closed_form
-      closed%meshes%i_track = 0
+      closed%contacts%tracking = tracking_closed_form
+      closed%contacts%i_track = 0
       yp = 0 ! y' plays no part: F is y' - f, but for a mounted housing
       if (closed%housing%is_mounted) call gearbox_derivative(closed, t, y, integers, reals, yp, status)
       if (has_failed(status)) return

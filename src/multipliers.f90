@@ -5,20 +5,20 @@
 module evl_multipliers
    use evl_contact_laws, only: rigid_rest_velocity, rigid_restitution
    use evl_contact_point, only: contact_gradient, contact_point
-   use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_store_mode, gearbox_t, i_omega, is_closed, wheel_speed
+   use evl_gearbox, only: gearbox_local, gearbox_t, i_omega, is_closed, wheel_speed
    use evl_housing, only: at_omega, at_velocity, frame_t, housing_frame
    use evl_housing_dynamics, only: coupled_rates
    use evl_housing_outputs, only: ground_energies
    use evl_kinds, only: wp
    use evl_lapack, only: dgesv
    use evl_local_variables, only: n_local
-   use evl_mesh, only: contact_open, mesh_mode
+   use evl_mesh, only: contact_loaded, contact_open
    use evl_rigid_contact, only: rigid_closing_rate, rigid_gradient
    use evl_status, only: code_singular, fail, has_failed, quantity, status_t, subject_mesh
    implicit none (type, external)
    private
 
-   public :: multiplier_rates, set_multipliers, impact
+   public :: multiplier_rates, set_multipliers, impact, open_flank
 
    real(wp), parameter :: time_step = 1.0e-8_wp !! for the rates of the multipliers, which only start the next step [s]
    !> A multiplier this far below 0, over the force scale, is no rounding. Less than how far past 0 the root of an opening lies
@@ -33,61 +33,62 @@ contains
       real(wp), intent(in) :: t
       real(wp), intent(inout) :: y(gearbox%n_states) !! its multipliers are replaced, and dependent wheels put in their places
       integer, intent(inout) :: integers(:)
-      real(wp), intent(inout) :: reals(:)
-      logical, intent(out) :: opened(:)              !! [meshes] contacts that had to open
+      real(wp), intent(in) :: reals(:)
+      logical, intent(out) :: opened(:)              !! [contacts] true for those that lead a flank that had to open
       type(status_t), intent(inout) :: status
       real(wp) :: offset(gearbox%n_multipliers), response(gearbox%n_multipliers, gearbox%n_multipliers)
       real(wp) :: velocity(gearbox%n_states, gearbox%n_multipliers), force(gearbox%n_multipliers)
       integer :: closed(gearbox%n_multipliers), n, k, worst
 
       opened = .false.
-      call close_gaps(gearbox, y, integers, reals)
+      call close_gaps(gearbox, y, integers)
       do
          call responses(gearbox, t, y, integers, reals, closed, n, offset, response, velocity, status)
          if (has_failed(status) .or. n == 0) exit
          force(:n) = -offset(:n)
-         call solve(closed(:n), response(:n, :n), force(:n), status)
+         call solve(gearbox, closed(:n), response(:n, :n), force(:n), status)
          if (has_failed(status)) return
          do k = 1, n
-            y(gearbox%meshes(closed(k))%i_normal) = force(k)
+            y(gearbox%contacts(closed(k))%i_normal) = force(k)
          end do
-         worst = minloc(force(:n)/gearbox%meshes(closed(:n))%force_scale, dim=1)
-         if (force(worst) > -pulling*gearbox%meshes(closed(worst))%force_scale) exit
-         call open_contact(gearbox, closed(worst), y, integers, reals)
+         worst = minloc(force(:n)/gearbox%contacts(closed(:n))%force_scale, dim=1)
+         if (force(worst) > -pulling*gearbox%contacts(closed(worst))%force_scale) exit
+         call open_flank(gearbox, closed(worst), y, integers)
          opened(closed(worst)) = .true.
       end do
    end subroutine set_multipliers
 
-   !> A contact opens: no force.
-   subroutine open_contact(gearbox, index, y, integers, reals)
+   !> A rigid flank opens: no tooth pair of it has a force.
+   subroutine open_flank(gearbox, index, y, integers)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index
-      real(wp), intent(inout) :: y(:), reals(:)
+      integer, intent(in) :: index !! of the tooth contact that leads it
+      real(wp), intent(inout) :: y(:)
       integer, intent(inout) :: integers(:)
-      type(mesh_mode) :: mode
+      integer :: m
 
-      mode = gearbox_mode(gearbox, index, integers, reals)
-      mode%contact = contact_open
-      call gearbox_store_mode(gearbox, index, mode, integers, reals)
-      y(gearbox%meshes(index)%i_normal) = 0
-   end subroutine open_contact
+      do m = index, index + gearbox%contacts(index)%n_slots - 1
+         associate (contact => integers(gearbox%contacts(m)%i_mode + 1))
+            if (contact == contact_loaded) contact = contact_open
+         end associate
+      end do
+      y(gearbox%contacts(index)%i_normal) = 0
+   end subroutine open_flank
 
    !> Put the dependent wheel of every closed contact where kappa = 0, and give it the speed at which kappa' = 0: what a located
    !> event leaves of both is rounding.
-   subroutine close_gaps(gearbox, y, integers, reals)
+   subroutine close_gaps(gearbox, y, integers)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(inout) :: y(gearbox%n_states)
       integer, intent(in) :: integers(:)
-      real(wp), intent(in) :: reals(:)
       type(contact_point) :: point
       type(contact_gradient) :: gradient
       real(wp) :: q(n_local)
       integer :: m, i, turn
 
-      do turn = 1, size(gearbox%meshes)
-         do m = 1, size(gearbox%meshes)
-            if (.not. is_closed(gearbox, m, integers, reals)) cycle
-            associate (mesh => gearbox%meshes(m))
+      do turn = 1, size(gearbox%contacts)
+         do m = 1, size(gearbox%contacts)
+            if (.not. is_closed(gearbox, m, integers)) cycle
+            associate (mesh => gearbox%contacts(m))
                call gearbox_local(gearbox, mesh, y, q)
                call rigid_gradient(mesh%pair, q, point, gradient)
                do i = 1, size(mesh%links)
@@ -118,10 +119,10 @@ contains
       integer :: m, k
 
       n = 0
-      do m = 1, size(gearbox%meshes)
-         if (.not. gearbox%meshes(m)%rigid) cycle
-         y(gearbox%meshes(m)%i_normal) = 0
-         if (.not. is_closed(gearbox, m, integers, reals)) cycle
+      do m = 1, size(gearbox%contacts)
+         if (.not. gearbox%contacts(m)%leads) cycle
+         y(gearbox%contacts(m)%i_normal) = 0
+         if (.not. is_closed(gearbox, m, integers)) cycle
          n = n + 1
          closed(n) = m
       end do
@@ -129,7 +130,7 @@ contains
       call coupled_rates(gearbox, t, y, integers, reals, f0, status)
       if (has_failed(status)) return
       do k = 1, n
-         associate (mesh => gearbox%meshes(closed(k)))
+         associate (mesh => gearbox%contacts(closed(k)))
             offset(k) = f0(mesh%i_normal)
             y(mesh%i_normal) = mesh%force_scale
             call coupled_rates(gearbox, t, y, integers, reals, f, status)
@@ -137,17 +138,19 @@ contains
             if (has_failed(status)) return
             velocity(:, k) = (f - f0)/mesh%force_scale
          end associate
-         response(:n, k) = velocity(gearbox%meshes(closed(:n))%i_normal, k)
+         response(:n, k) = velocity(gearbox%contacts(closed(:n))%i_normal, k)
          if (response(k, k) > 0) cycle
          call fail(status, code_singular, "friction holds the rigid contact fast: a normal force of 1 N would draw the flanks" &
-                   //" together by "//quantity(-response(k, k), "N")//"; this state has no solution", subject_mesh, closed(k), &
+                   //" together by "//quantity(-response(k, k), "N")//"; this state has no solution", subject_mesh, &
+                   gearbox%contacts(closed(k))%mesh, &
                    "friction")
          return
       end do
    end subroutine responses
 
    !> Solve response force = right-hand side.
-   subroutine solve(closed, response, force, status)
+   subroutine solve(gearbox, closed, response, force, status)
+      type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: closed(:)
       real(wp), intent(in) :: response(:, :)
       real(wp), intent(inout) :: force(:) !! right-hand side, then solution
@@ -160,7 +163,7 @@ contains
       call dgesv(size(force), 1, matrix, size(force), pivots, column, size(force), info)
       force = column(:, 1)
       if (info /= 0) call fail(status, code_singular, "the normal forces of the rigid contacts are not determined at this state", &
-                               subject_mesh, closed(1), "contact")
+                               subject_mesh, gearbox%contacts(closed(1))%mesh, "contact")
    end subroutine solve
 
    !> Rates of the multipliers, by a difference along the motion. In: all other rates.
@@ -175,16 +178,16 @@ contains
       real(wp) :: velocity(gearbox%n_states, gearbox%n_multipliers), force(gearbox%n_multipliers), later(gearbox%n_states)
       integer :: closed(gearbox%n_multipliers), n, m, k
 
-      do m = 1, size(gearbox%meshes)
-         if (gearbox%meshes(m)%rigid) yp(gearbox%meshes(m)%i_normal) = 0
+      do m = 1, size(gearbox%contacts)
+         if (gearbox%contacts(m)%leads) yp(gearbox%contacts(m)%i_normal) = 0
       end do
       later = y + time_step*yp
       call responses(gearbox, t + time_step, later, integers, reals, closed, n, offset, response, velocity, status)
       if (has_failed(status) .or. n == 0) return
       force(:n) = -offset(:n)
-      call solve(closed(:n), response(:n, :n), force(:n), status)
+      call solve(gearbox, closed(:n), response(:n, :n), force(:n), status)
       do k = 1, n
-         associate (i => gearbox%meshes(closed(k))%i_normal)
+         associate (i => gearbox%contacts(closed(k))%i_normal)
             yp(i) = (force(k) - y(i))/time_step
          end associate
       end do
@@ -197,12 +200,12 @@ contains
    subroutine impact(gearbox, t, closing, y, integers, reals, rebounds, opened, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t
-      logical, intent(in) :: closing(:)     !! [meshes]
+      logical, intent(in) :: closing(:)     !! [contacts] true for those that lead a flank that closes
       real(wp), intent(inout) :: y(gearbox%n_states)
       integer, intent(inout) :: integers(:)
-      real(wp), intent(inout) :: reals(:)
-      logical, intent(out) :: rebounds(:)   !! [meshes] contacts that close and part again at once
-      logical, intent(out) :: opened(:)     !! [meshes] contacts that would have to pull
+      real(wp), intent(in) :: reals(:)
+      logical, intent(out) :: rebounds(:)   !! [contacts] leaders of flanks that close and part again at once
+      logical, intent(out) :: opened(:)     !! [contacts] leaders of flanks that would have to pull
       type(status_t), intent(inout) :: status
       real(wp) :: offset(gearbox%n_multipliers), response(gearbox%n_multipliers, gearbox%n_multipliers)
       real(wp) :: velocity(gearbox%n_states, gearbox%n_multipliers), impulse(gearbox%n_multipliers)
@@ -216,7 +219,7 @@ contains
          call responses(gearbox, t, y, integers, reals, closed, n, offset, response, velocity, status)
          if (has_failed(status) .or. n == 0) return
          do k = 1, n
-            associate (mesh => gearbox%meshes(closed(k)))
+            associate (mesh => gearbox%contacts(closed(k)))
                impulse(k) = 0
                if (.not. closing(closed(k))) cycle
                call gearbox_local(gearbox, mesh, y, q)
@@ -226,11 +229,11 @@ contains
                if (rebounds(closed(k))) impulse(k) = (1 + rigid_restitution(mesh%contact))*impulse(k)
             end associate
          end do
-         call solve(closed(:n), response(:n, :n), impulse(:n), status)
+         call solve(gearbox, closed(:n), response(:n, :n), impulse(:n), status)
          if (has_failed(status)) return
          worst = minloc(impulse(:n), dim=1)
          if (impulse(worst) >= 0) exit
-         call open_contact(gearbox, closed(worst), y, integers, reals)
+         call open_flank(gearbox, closed(worst), y, integers)
          rebounds(closed(worst)) = .false.
          opened(closed(worst)) = .true.
       end do

@@ -1,30 +1,22 @@
 !> What a gearbox tells about itself: one table of outputs, and their values at a state.
 module evl_output_table
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use evl_closed_form, only: centre_line_turn, closed_form_gap, track_closed_form
-   use evl_contact_point, only: contact_point
-   use evl_contact_tracking, only: algebraic_residual, line_distance, points_from_closed_form, tracked_positions
-   use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_t, i_omega, i_theta, i_turns, wheel_load_torque, wheel_speed, &
-                          wheel_spin_torque
+   use evl_gearbox, only: gearbox_t, i_omega, i_theta, i_turns, wheel_load_torque, wheel_speed, wheel_spin_torque
    use evl_housing, only: frame_t, housing_fixed, housing_frame
    use evl_housing_dynamics, only: coupled_rates
-   use evl_housing_outputs, only: add_mesh_reaction, ground_energies, housing_outputs, n_housing_outputs, put_housing
+   use evl_housing_outputs, only: ground_energies, housing_outputs, n_housing_outputs, put_housing
    use evl_kinds, only: pi, wp
-   use evl_local_variables, only: at_lambda, at_psi_a, at_psi_b, at_track, n_local, n_track
-   use evl_mesh, only: contact_apart, contact_loaded, mesh_contact, mesh_energy, mesh_force, mesh_forces, mesh_mode, &
-                       mesh_nominal_rho, tracking_closed_form
-   use evl_output, only: dims_mesh, dims_mesh_axis, dims_none, dims_quaternion, dims_space, dims_wheel, dims_wheel_axis, &
-                         dims_wheel_space, output_t
+   use evl_mesh_outputs, only: mesh_histories, n_mesh_histories, n_pair_histories, pair_histories, pair_places, put_mesh
+   use evl_output, only: dims_mesh, dims_mesh_axis, dims_mesh_pair, dims_none, dims_quaternion, dims_space, dims_wheel, &
+                         dims_wheel_axis, dims_wheel_space, output_t
    use evl_status, only: has_failed, status_t
    implicit none (type, external)
    private
 
    public :: n_outputs, gearbox_output_table, gearbox_outputs, count_values
 
-   integer, parameter :: n_wheel_constants = 7, n_mesh_constants = 16, n_gearbox_histories = 6, n_wheel_histories = 7, &
-                         n_mesh_histories = 20
+   integer, parameter :: n_wheel_constants = 7, n_mesh_constants = 16, n_gearbox_histories = 6, n_wheel_histories = 7
    integer, parameter :: n_outputs = n_wheel_constants + n_mesh_constants + n_gearbox_histories + n_wheel_histories &
-                         + n_mesh_histories + n_housing_outputs !! entries of the table
+                         + n_mesh_histories + n_pair_histories + n_housing_outputs !! entries of the table
 
 contains
 
@@ -34,7 +26,8 @@ contains
       type(output_t), intent(out) :: table(n_outputs)
       integer :: i, offset
 
-      table = [wheel_constants(), mesh_constants(), gearbox_histories(), wheel_histories(), mesh_histories(), housing_outputs()]
+      table = [wheel_constants(), mesh_constants(), gearbox_histories(), wheel_histories(), mesh_histories(), pair_histories(), &
+               housing_outputs()]
       offset = 0
       do i = 1, size(table)
          table(i)%offset = offset
@@ -54,9 +47,11 @@ contains
       case (dims_wheel_axis)
          n = 2*size(gearbox%wheels)
       case (dims_mesh)
-         n = size(gearbox%meshes)
+         n = size(gearbox%pairs)
       case (dims_mesh_axis)
-         n = 2*size(gearbox%meshes)
+         n = 2*size(gearbox%pairs)
+      case (dims_mesh_pair)
+         n = size(gearbox%pairs)*pair_places(gearbox)
       case (dims_wheel_space)
          n = 3*size(gearbox%wheels)
       case (dims_space)
@@ -142,36 +137,6 @@ contains
       t(7) = output_t("centre_velocity", "m s-1", "u'", "velocity of the axle", dims_wheel_axis)
    end function wheel_histories
 
-   pure function mesh_histories() result(t)
-      type(output_t) :: t(n_mesh_histories)
-
-      t(1) = output_t("transmission_error", "m", "Delta", "dynamic transmission error along the line of action", dims_mesh)
-      t(2) = output_t("penetration", "m", "h", "mutual penetration of the flanks", dims_mesh)
-      t(3) = output_t("gap", "m", "kappa", "gap between the flanks, negative in contact", dims_mesh)
-      t(4) = output_t("separation_curvature", "m", "", "R (inv alpha - inv alpha_0)", dims_mesh)
-      t(5) = output_t("normal_force", "N", "F_n", "normal force", dims_mesh)
-      t(6) = output_t("friction_force", "N", "F_t", "friction force on the driving wheel along t", dims_mesh)
-      t(7) = output_t("sliding_velocity", "m s-1", "v_t", "sliding velocity along t", dims_mesh)
-      t(8) = output_t("friction_arm_driving", "m", "l_A", "arm of the friction force about the driving axle", dims_mesh)
-      t(9) = output_t("friction_arm_driven", "m", "l_B", "arm of the friction force about the driven axle", dims_mesh)
-      t(10) = output_t("gradient_ratio", "1", "lambda", "ratio of the flanks' gradients", dims_mesh)
-      t(11) = output_t("tracking_residual_driving", "m", "r_bA g_A", "distance of the tracked point from the driving flank", &
-                       dims_mesh)
-      t(12) = output_t("tracking_residual_driven", "m", "r_bB g_B", "distance of the tracked point from the driven flank", &
-                       dims_mesh)
-      t(13) = output_t("line_distance_driving", "m", "", "distance of the driving wheel's tracked point from the line of action", &
-                       dims_mesh)
-      t(14) = output_t("line_distance_driven", "m", "", "distance of the driven wheel's tracked point from the line of action", &
-                       dims_mesh)
-      t(15) = output_t("tooth_pair", "1", "k", "pitches since the start", dims_mesh, is_integer=.true.)
-      t(16) = output_t("in_contact", "1", "", "1 if the flanks overlap", dims_mesh, is_integer=.true.)
-      t(17) = output_t("contact_mode", "1", "", "0 open, 1 loaded, 2 overlapping without force, 3 too far apart to track", &
-                       dims_mesh, is_integer=.true.)
-      t(18) = output_t("gap_rate", "m s-1", "kappa'", "rate of the gap", dims_mesh)
-      t(19) = output_t("contact_point_driving", "m", "P_A", "contact point on the driving flank", dims_mesh_axis)
-      t(20) = output_t("contact_point_driven", "m", "P_B", "contact point on the driven flank", dims_mesh_axis)
-   end function mesh_histories
-
    !> All values at a state, in the order of the table.
    subroutine gearbox_outputs(gearbox, t, y, integers, reals, values, status)
       type(gearbox_t), intent(in) :: gearbox
@@ -181,27 +146,28 @@ contains
       type(status_t), intent(inout) :: status
       real(wp) :: f(gearbox%n_states), torque(size(gearbox%wheels)), reactions(6, size(gearbox%wheels))
       type(frame_t) :: frame
-      integer :: nw, nm, i, at_time, at_wheels, at_meshes, at_housing
+      integer :: nw, nm, i, at_time, at_wheels, at_meshes, at_pairs, at_housing
 
       call coupled_rates(gearbox, t, y, integers, reals, f, status)
       if (has_failed(status)) return
       call housing_frame(gearbox%housing, t, y, frame, f)
       nw = size(gearbox%wheels)
-      nm = size(gearbox%meshes)
+      nm = size(gearbox%pairs)
       call put_wheel_constants(gearbox, nw, values)
       call put_mesh_constants(gearbox, nm, values(nw*(n_wheel_constants + 1) + 1))
       at_time = nw*(n_wheel_constants + 1) + nm*n_mesh_constants
       at_wheels = at_time + n_gearbox_histories
       at_meshes = at_wheels + nw*(n_wheel_histories + 2)
-      at_housing = at_meshes + nm*(n_mesh_histories + 2)
+      at_pairs = at_meshes + nm*(n_mesh_histories + 2)
+      at_housing = at_pairs + nm*pair_places(gearbox)*n_pair_histories
       associate (kinetic => values(at_time + 3), potential => values(at_time + 4))
          kinetic = 0
          potential = 0
          torque = 0
          reactions = 0
          do i = 1, nm
-            call put_mesh(gearbox, i, nm, y, integers, reals, torque, reactions, values(at_meshes + 1), &
-                          values(at_meshes + nm*(n_mesh_histories - 2) + 1), potential, status)
+            call put_mesh(gearbox, i, nm, pair_places(gearbox), y, integers, reals, torque, reactions, values(at_meshes + 1), &
+                          values(at_meshes + nm*(n_mesh_histories - 2) + 1), values(at_pairs + 1), potential, status)
          end do
          do i = 1, nw
             call put_wheel(gearbox, i, nw, t, y, f, frame, torque(i), integers, values(at_wheels + 1), &
@@ -249,7 +215,7 @@ contains
       integer :: i
 
       do i = 1, n
-         associate (mesh => gearbox%meshes(i), pair => gearbox%pairs(i))
+         associate (mesh => gearbox%contacts(gearbox%first(i)), pair => gearbox%pairs(i))
             values(i, :) = [real(mesh%wheel_a - 1, wp), real(mesh%wheel_b - 1, wp), mesh%pair%sigma, real(mesh%tracking, wp), &
                             pair%chi, pair%alpha_w, mesh%base_pitch, mesh%pair%rho_0, pair%rho_start_a, pair%rho_start_b, &
                             mesh%width, mesh%e_star, mesh%pair%share_a, mesh%force_scale, mesh%h_scale, &
@@ -294,58 +260,5 @@ contains
          end do
       end associate
    end subroutine put_wheel
-
-   !> A mesh at a state.
-   subroutine put_mesh(gearbox, index, n, y, integers, reals, torque, reactions, scalars, pairs, potential, status)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index, n, integers(:)
-      real(wp), intent(in) :: y(:), reals(:)
-      real(wp), intent(inout) :: torque(:)  !! of the meshes on the wheels so far [N m]
-      real(wp), intent(inout) :: reactions(:, :) !! on the housing so far, (6, wheel): force [N], moment [N m]
-      real(wp), intent(inout) :: scalars(n, n_mesh_histories - 2), pairs(2, n, 2)
-      real(wp), intent(inout) :: potential  !! energy so far [J]
-      type(status_t), intent(inout) :: status
-      type(contact_point) :: point
-      type(mesh_force) :: force
-      type(mesh_mode) :: mode
-      real(wp) :: q(n_local), rho_a0, transmission_error, tracked(5), residual(n_track), point_a(2), point_b(2)
-      logical :: exists, in_contact
-
-      associate (mesh => gearbox%meshes(index))
-         mode = gearbox_mode(gearbox, index, integers, reals)
-         call gearbox_local(gearbox, mesh, y, q)
-         rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
-         if (mode%contact == contact_apart) then
-            call track_closed_form(mesh%pair, rho_a0, q, point)
-         else
-            call mesh_contact(mesh, rho_a0, q, point)
-         end if
-         call mesh_forces(mesh, index, mode, point, force, status)
-         torque(mesh%wheel_a) = torque(mesh%wheel_a) + force%torque_a
-         torque(mesh%wheel_b) = torque(mesh%wheel_b) + force%torque_b
-         call add_mesh_reaction(gearbox, mesh, force%on_a, reactions)
-         potential = potential + mesh_energy(mesh, mode, point)
-         associate (p => mesh%pair)
-            transmission_error = -p%sigma*(p%r_ba*q(at_psi_a) + p%r_bb*q(at_psi_b) - (p%r_ba + p%r_bb)*centre_line_turn(p, q))
-         end associate
-         in_contact = point%h > 0
-         if (mesh%rigid) in_contact = mode%contact == contact_loaded
-         tracked = ieee_value(tracked, ieee_quiet_nan)
-         if (mesh%tracking == tracking_closed_form .or. mode%contact == contact_apart) then
-            call points_from_closed_form(mesh%pair, q, q(at_track:))
-         else
-            call algebraic_residual(mesh%pair, rho_a0, q, residual, exists)
-            tracked(1:3) = [q(at_lambda), residual(5), residual(6)]
-            call line_distance(mesh%pair, rho_a0, q, tracked(4), tracked(5))
-         end if
-         scalars(index, :) = [transmission_error, max(point%h, 0.0_wp), -point%h, &
-                              closed_form_gap(mesh%pair, q) + transmission_error, force%normal, force%friction, point%v_t, &
-                              point%l_a, point%l_b, tracked, real(mode%teeth, wp), merge(1.0_wp, 0.0_wp, in_contact), &
-                              real(mode%contact, wp), -point%h_dot]
-         call tracked_positions(mesh%pair, rho_a0, q, point_a, point_b)
-         pairs(:, index, 1) = mesh%k_a0 + point_a(1)*mesh%t_0 + point_a(2)*mesh%e_0
-         pairs(:, index, 2) = mesh%k_a0 + point_b(1)*mesh%t_0 + point_b(2)*mesh%e_0
-      end associate
-   end subroutine put_mesh
 
 end module evl_output_table

@@ -2,15 +2,17 @@
 module evl_start_positions
    use evl_closed_form, only: track_closed_form
    use evl_contact_point, only: contact_point
-   use evl_gearbox, only: gearbox_local, gearbox_t, i_theta
+   use evl_gearbox, only: gearbox_local, gearbox_t, i_theta, i_turns
    use evl_kinds, only: wp
    use evl_load, only: load_speed
    use evl_local_variables, only: n_local
-   use evl_mesh, only: mesh_nominal_rho
+   use evl_mesh, only: contact_off, contact_open, mesh_ends, mesh_nominal_rho
    implicit none (type, external)
    private
 
-   public :: closed_form_point, prescribed_speed, set_gaps
+   public :: closed_form_point, place_pairs, prescribed_speed, set_gaps
+
+   real(wp), parameter :: at_the_end = 1.0e-10_wp !! in pitches: a pair that is no farther outside the path is on it
 
 contains
 
@@ -44,25 +46,55 @@ contains
       found = .true.
       do while (found)
          found = .false.
-         do m = 1, size(gearbox%meshes)
-            associate (mesh => gearbox%meshes(m), a => gearbox%meshes(m)%wheel_a, b => gearbox%meshes(m)%wheel_b)
-               if (placed(a) .eqv. placed(b)) cycle
-               arc = -mesh%pair%sigma*penetrations(m) ! r_bA psi_A + r_bB psi_B
-               if (placed(a)) then
-                  psi(b) = (arc - mesh%pair%r_ba*psi(a))/mesh%pair%r_bb
-               else
-                  psi(a) = (arc - mesh%pair%r_bb*psi(b))/mesh%pair%r_ba
-               end if
-               placed(a) = .true.
-               placed(b) = .true.
-               found = .true.
+         do m = 1, size(gearbox%pairs)
+            associate (mesh => gearbox%contacts(gearbox%first(m)))
+               associate (a => mesh%wheel_a, b => mesh%wheel_b)
+                  if (placed(a) .eqv. placed(b)) cycle
+                  arc = -mesh%pair%sigma*penetrations(m) ! r_bA psi_A + r_bB psi_B
+                  if (placed(a)) then
+                     psi(b) = (arc - mesh%pair%r_ba*psi(a))/mesh%pair%r_bb
+                  else
+                     psi(a) = (arc - mesh%pair%r_bb*psi(b))/mesh%pair%r_ba
+                  end if
+                  placed(a) = .true.
+                  placed(b) = .true.
+               end associate
             end associate
+            found = .true.
          end do
       end do
       do m = 1, size(gearbox%wheels)
          if (gearbox%wheels(m)%i_psi > 0) y(gearbox%wheels(m)%i_psi) = psi(m)
       end do
    end subroutine set_gaps
+
+   !> Put into every slot the tooth pair that is on the path of contact, or the next one that will be.
+   subroutine place_pairs(gearbox, y, integers)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: y(:)
+      integer, intent(inout) :: integers(:)
+      type(contact_point) :: point
+      real(wp) :: near, far
+      integer :: m
+
+      do m = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(m), teeth => integers(gearbox%contacts(m)%i_mode), &
+                    contact => integers(gearbox%contacts(m)%i_mode + 1))
+            contact = contact_open
+            teeth = mesh%slot
+            if (mesh%handover) cycle
+            call closed_form_point(gearbox, m, y, integers(i_turns), teeth, point)
+            ! a pair is this many pitches on from where pairs enter, and n_slots pitches later the next one is there
+            call mesh_ends(mesh, point, 0, near, far)
+            teeth = teeth + mesh%n_slots*floor((near + at_the_end)/mesh%n_slots)
+            call closed_form_point(gearbox, m, y, integers(i_turns), teeth, point)
+            call mesh_ends(mesh, point, 0, near, far)
+            if (far >= -at_the_end) cycle
+            contact = contact_off
+            teeth = teeth + mesh%n_slots
+         end associate
+      end do
+   end subroutine place_pairs
 
    !> The contact of a mesh by the closed form, whatever its tracking.
    subroutine closed_form_point(gearbox, index, y, turns, teeth, point)
@@ -72,7 +104,7 @@ contains
       type(contact_point), intent(out) :: point
       real(wp) :: q(n_local)
 
-      associate (mesh => gearbox%meshes(index))
+      associate (mesh => gearbox%contacts(index))
          call gearbox_local(gearbox, mesh, y, q)
          call track_closed_form(mesh%pair, mesh_nominal_rho(mesh, y(i_theta), turns, teeth), q, point)
       end associate

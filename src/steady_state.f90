@@ -10,8 +10,9 @@ module evl_steady_state
    use evl_kinds, only: wp
    use evl_lapack, only: dgesv
    use evl_load, only: load_acceleration, load_damping, load_torque
-   use evl_mesh, only: contact_loaded, mesh_mode, mesh_settle_friction, tracking_closed_form
-   use evl_start_positions, only: closed_form_point, prescribed_speed, set_gaps
+   use evl_mesh, only: contact_loaded, contact_off, flank_coast, flank_drive, mesh_mode, mesh_settle_friction, &
+                       tracking_closed_form
+   use evl_start_positions, only: closed_form_point, place_pairs, prescribed_speed, set_gaps
    use evl_status, only: clear, code_no_solution, fail, has_failed, quantity, status_t, subject_initial, subject_housing, &
                          subject_load, subject_mesh
    implicit none (type, external)
@@ -39,13 +40,13 @@ contains
       call check_steady(gearbox, integers, status)
       if (has_failed(status)) return
       closed = gearbox
-      closed%meshes%tracking = tracking_closed_form
-      closed%meshes%i_track = 0
+      closed%contacts%tracking = tracking_closed_form
+      closed%contacts%i_track = 0
       unknown = [(gearbox%wheels(i)%i_psi, i=1, size(gearbox%wheels))]
       row = unknown + 1
-      do i = 1, size(gearbox%meshes)
+      do i = 1, size(gearbox%contacts)
          ! a rigid contact determines a position by kappa = 0, and its multiplier is unknown instead
-         if (gearbox%meshes(i)%rigid) row = merge(unknown, row, unknown == gearbox%meshes(i)%i_dependent .and. unknown > 0)
+         if (gearbox%contacts(i)%leads) row = merge(unknown, row, unknown == gearbox%contacts(i)%i_dependent .and. unknown > 0)
       end do
       unknown(gearbox%reference) = i_omega
       row(gearbox%reference) = i_omega
@@ -67,10 +68,16 @@ contains
          unknown = [unknown, (gearbox%housing%i_state + at_position + i, i=0, 2), (gearbox%housing%i_state + at_omega + i, i=0, 2)]
          row = [row, (gearbox%housing%i_state + at_velocity + i, i=0, 5)]
       end if
-      unknown = [unknown, pack(gearbox%meshes%i_normal, gearbox%meshes%rigid)]
-      row = [row, pack(gearbox%meshes%i_normal, gearbox%meshes%rigid)]
-      call set_gaps(gearbox, merge(0.0_wp, gearbox%meshes%h_scale, gearbox%meshes%rigid), y)
-      y(pack(gearbox%meshes%i_normal, gearbox%meshes%rigid)) = pack(gearbox%meshes%force_scale, gearbox%meshes%rigid)
+      unknown = [unknown, pack(gearbox%contacts%i_normal, gearbox%contacts%leads)]
+      row = [row, pack(gearbox%contacts%i_normal, gearbox%contacts%leads)]
+      associate (drive => gearbox%contacts(gearbox%first(:size(gearbox%pairs))))
+         call set_gaps(gearbox, merge(0.0_wp, drive%h_scale, drive%rigid), y)
+      end associate
+      do i = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(i))
+            if (mesh%leads .and. mesh%flank == flank_drive) y(mesh%i_normal) = mesh%force_scale
+         end associate
+      end do
       do turn = 1, 3 ! friction branches depend on the speed, the speed on friction
          call load_all(closed, y, integers, reals)
          call newton(closed, t, unknown, row, y, integers, reals, status)
@@ -135,7 +142,7 @@ contains
       if (damping > 0) speed = torque/damping
    end function free_speed
 
-   !> Every mesh loaded, every friction branch as the speeds say.
+   !> Every tooth pair on the path of a drive flank loaded, every friction branch as the speeds say.
    subroutine load_all(gearbox, y, integers, reals)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: y(:)
@@ -145,11 +152,13 @@ contains
       type(mesh_mode) :: mode
       integer :: m
 
-      do m = 1, size(gearbox%meshes)
-         call closed_form_point(gearbox, m, y, 0, 0, point)
+      call place_pairs(gearbox, y, integers)
+      do m = 1, size(gearbox%contacts)
          mode = gearbox_mode(gearbox, m, integers, reals)
+         if (mode%contact == contact_off .or. gearbox%contacts(m)%flank == flank_coast) cycle
+         call closed_form_point(gearbox, m, y, 0, mode%teeth, point)
          mode%contact = contact_loaded
-         mode%friction = mesh_settle_friction(gearbox%meshes(m), point)
+         mode%friction = mesh_settle_friction(gearbox%contacts(m), point)
          call gearbox_store_mode(gearbox, m, mode, integers, reals)
       end do
    end subroutine load_all
@@ -242,9 +251,11 @@ contains
       type(contact_point) :: point
       integer :: m
 
-      do m = 1, size(gearbox%meshes)
-         call closed_form_point(gearbox, m, y, 0, 0, point)
-         if (point%h > 0 .or. (gearbox%meshes(m)%rigid .and. y(max(1, gearbox%meshes(m)%i_normal)) > 0)) cycle
+      do m = 1, size(gearbox%pairs)
+         associate (drive => gearbox%contacts(gearbox%first(m)))
+            call closed_form_point(gearbox, gearbox%first(m), y, 0, 0, point)
+            if (point%h > 0 .or. (drive%rigid .and. y(max(1, drive%i_normal)) > 0)) cycle
+         end associate
          call fail(status, code_no_solution, "there is no steady state: this flank would have to pull (penetration " &
                    //quantity(point%h, "m")//"); the loads turn the wheels against driving_rotation", subject_mesh, m, &
                    "driving_rotation")

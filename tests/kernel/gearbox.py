@@ -39,7 +39,7 @@ class Sizes(ctypes.Structure):
         (name, _int)
         for name in (
             *("n_wheels", "n_meshes", "n_loads", "n_states", "n_integers", "n_reals"),
-            *("n_roots", "n_outputs", "n_values", "n_warnings"),
+            *("n_roots", "n_outputs", "n_values", "n_warnings", "n_pair_places", "n_drive_places"),
         )
     ]
 
@@ -78,7 +78,7 @@ class MeshGeometry(ctypes.Structure):
 class EventRecord(ctypes.Structure):
     """`evl_event`."""
 
-    _fields_ = [("kind", _int), ("mesh", _int), ("tooth_pair", _int)]
+    _fields_ = [("kind", _int), ("mesh", _int), ("tooth_pair", _int), ("flank", _int)]
 
 
 class Output(ctypes.Structure):
@@ -369,7 +369,7 @@ class Gearbox:
             if entry.count == 0:
                 continue
             some = values[entry.offset : entry.offset + entry.count]
-            columns = {3: 2, 4: 2, 7: 3}.get(entry.dims)
+            columns = {3: 2, 4: 2, 7: 3, 8: self.sizes.n_pair_places}.get(entry.dims)
             result[entry.name.decode()] = some.reshape(-1, columns) if columns else some
         return result
 

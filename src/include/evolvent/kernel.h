@@ -232,6 +232,8 @@ EVL_API void evl_gearbox_delete(evl_gearbox **gearbox);
 
 typedef struct {
     int n_wheels, n_meshes, n_loads, n_states, n_integers, n_reals, n_roots, n_outputs, n_values, n_warnings;
+    int n_pair_places;  /**< places that the outputs have for the tooth pairs of a mesh */
+    int n_drive_places; /**< how many of them are for the drive flank; they come first */
 } evl_sizes;
 
 EVL_API void evl_gearbox_sizes(const evl_gearbox *gearbox, evl_sizes *sizes);
@@ -316,14 +318,24 @@ typedef enum {
         10, /**< the gap became too wide for the tracked points to face each other: tracking rests */
     EVL_EVENT_FLANKS_NEAR = 11,  /**< and tracking begins anew */
     EVL_EVENT_IMPACT = 12,       /**< rigid flanks met and part again */
-    EVL_EVENT_IMPACTS_ENDED = 13 /**< the approach was too slow for another impact: the rigid contact stays closed */
+    EVL_EVENT_IMPACTS_ENDED =
+        13, /**< the approach was too slow for another impact: the rigid contact stays closed */
+    EVL_EVENT_PAIR_ENTERED = 14,  /**< a tooth pair came onto the path of contact */
+    EVL_EVENT_PAIR_LEFT = 15,     /**< a tooth pair left the path of contact */
+    EVL_EVENT_PROFILE_BORDER = 16 /**< the contact passed the border of a relief */
 } evl_event_kind;
 
 typedef struct {
     int kind;       /**< evl_event_kind */
     int mesh;       /**< -1 if it concerns no mesh */
     int tooth_pair; /**< pitches since the start, after the event; -1 if it concerns no mesh */
+    int flank;      /**< evl_flank; -1 if it concerns no mesh */
 } evl_event;
+
+typedef enum {
+    EVL_FLANK_DRIVE = 0, /**< the driving wheel pushes in its nominal sense of rotation */
+    EVL_FLANK_COAST = 1  /**< the other side of the teeth */
+} evl_flank;
 
 /** Number of event kinds, and the name of one, such as "tooth_switch"; "" if there is none. */
 EVL_API int evl_event_count(void);
@@ -353,7 +365,8 @@ typedef enum {
     EVL_DIMS_MESH_AXIS = 4,
     EVL_DIMS_SPACE = 5,      /**< x, y, z */
     EVL_DIMS_QUATERNION = 6, /**< w, x, y, z */
-    EVL_DIMS_WHEEL_SPACE = 7 /**< x, y, z of every wheel */
+    EVL_DIMS_WHEEL_SPACE = 7, /**< x, y, z of every wheel */
+    EVL_DIMS_MESH_PAIR = 8    /**< every place for a tooth pair of every mesh */
 } evl_dims;
 
 typedef struct {
@@ -380,7 +393,8 @@ typedef enum {
     EVL_CONTACT_OPEN = 0,     /**< a gap */
     EVL_CONTACT_LOADED = 1,   /**< penetration and force */
     EVL_CONTACT_UNLOADED = 2, /**< penetration, but the damper would pull: no force */
-    EVL_CONTACT_APART = 3     /**< tracked flanks too far apart to be tracked */
+    EVL_CONTACT_APART = 3,    /**< tracked flanks too far apart to be tracked */
+    EVL_CONTACT_OFF = 4       /**< no tooth pair is on the path of contact */
 } evl_contact_mode;
 
 typedef struct {
@@ -389,7 +403,7 @@ typedef struct {
     int friction;   /**< branch of the friction law */
 } evl_mesh_mode;
 
-/** Discrete state of a mesh. */
+/** Discrete state of the tooth pair that has been longest on the path of a mesh's drive flank. */
 EVL_API void evl_gearbox_mesh_mode(const evl_gearbox *gearbox, int mesh, const int *integers, const double *reals,
                                    evl_mesh_mode *mode);
 

@@ -1,0 +1,270 @@
+!> Makes the tooth contacts of a gearbox from its meshes: how many there are, their constants, their links to the state.
+module evl_contact_build
+   use evl_contact_laws, only: is_rigid
+   use evl_gearbox, only: gearbox_t, i_omega, i_theta
+   use evl_gearbox_description, only: mesh_input, wheel_input
+   use evl_kinds, only: pi, wp
+   use evl_local_variables, only: at_normal, at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_theta, at_track, &
+                                  at_u_a, at_u_b, at_v_a, at_v_b, n_track
+   use evl_mesh, only: contact_t, flank_coast, flank_drive, mesh_link, tracking_closed_form
+   use evl_spur_geometry, only: spur_pair_t
+   use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel
+   implicit none (type, external)
+   private
+
+   public :: list_contacts, take_contact, find_dependents
+
+   real(wp), parameter :: exactly_one = 1.0e-9_wp !! contact ratios this near 1 hand over: both ends of the path are one event
+
+contains
+
+   !> As many slots as tooth pairs can be on the path at once, and one for the pair that waits, on each flank that can touch.
+   subroutine list_contacts(gearbox, meshes)
+      type(gearbox_t), intent(inout) :: gearbox
+      type(mesh_input), intent(in) :: meshes(:)
+      integer :: m, flank, slot, slots, n
+
+      allocate (gearbox%first(size(meshes) + 1))
+      n = 0
+      do m = 1, size(meshes)
+         gearbox%first(m) = n + 1
+         n = n + n_slots(gearbox%pairs(m))*merge(2, 1, gearbox%pairs(m)%has_coast)
+      end do
+      gearbox%first(size(meshes) + 1) = n + 1
+      allocate (gearbox%contacts(n))
+      do m = 1, size(meshes)
+         n = gearbox%first(m) - 1
+         slots = n_slots(gearbox%pairs(m))
+         do flank = flank_drive, merge(flank_coast, flank_drive, gearbox%pairs(m)%has_coast)
+            do slot = 0, slots - 1
+               n = n + 1
+               associate (contact => gearbox%contacts(n))
+                  contact%mesh = m
+                  contact%flank = flank
+                  contact%slot = slot
+                  contact%n_slots = slots
+                  contact%handover = slots == 1
+                  contact%rigid = is_rigid(meshes(m)%contact)
+                  ! the points of the coast flank follow from the wheels' positions, whatever tracks those of the drive flank
+                  contact%tracking = merge(meshes(m)%tracking, tracking_closed_form, flank == flank_drive)
+               end associate
+            end do
+         end do
+      end do
+   end subroutine list_contacts
+
+   !> Slots of a flank.
+   pure integer function n_slots(pair) result(n)
+      type(spur_pair_t), intent(in) :: pair
+
+      n = 1
+      if (.not. (pair%handover .or. abs(pair%contact_ratio - 1) < exactly_one)) n = ceiling(pair%contact_ratio) + 1
+   end function n_slots
+
+   !> Geometry, laws and links to the state of a tooth contact.
+   subroutine take_contact(gearbox, wheels, given, pitches, index, status)
+      type(gearbox_t), intent(inout) :: gearbox
+      type(wheel_input), intent(in) :: wheels(:)
+      type(mesh_input), intent(in) :: given
+      integer, intent(in) :: pitches !! by which a turn of the reference wheel moves the driving wheel, counterclockwise > 0
+      integer, intent(in) :: index
+      type(status_t), intent(inout) :: status
+      real(wp) :: compliance_a, compliance_b
+
+      associate (mesh => gearbox%contacts(index), pair => gearbox%pairs(gearbox%contacts(index)%mesh), a => given%driving, &
+                 b => given%driven)
+         mesh%wheel_a = a
+         mesh%wheel_b = b
+         mesh%contact = given%contact
+         mesh%damping = given%damping
+         mesh%friction = given%friction
+         compliance_a = (1 - wheels(a)%poisson_ratio**2)/wheels(a)%youngs_modulus
+         compliance_b = (1 - wheels(b)%poisson_ratio**2)/wheels(b)%youngs_modulus
+         mesh%e_star = 1/(compliance_a + compliance_b)
+         mesh%mobility = pair%base_radius_a**2/gearbox%wheels(a)%inertia + pair%base_radius_b**2/gearbox%wheels(b)%inertia
+         call take_overlap(wheels, a, b, mesh, status)
+         if (has_failed(status)) return
+         mesh%base_pitch = pair%base_pitch
+         mesh%rho_tip_a = pair%rho_tip_a
+         mesh%rho_tip_b = pair%rho_tip_b
+         mesh%gap_apart = (pair%rho - pair%base_pitch)/4
+         mesh%pair%r_ba = pair%base_radius_a
+         mesh%pair%r_bb = pair%base_radius_b
+         mesh%pair%rho_0 = pair%rho
+         mesh%pair%ratio_a = gearbox%wheels(a)%ratio
+         mesh%pair%ratio_b = gearbox%wheels(b)%ratio
+         mesh%pair%share_a = compliance_a*mesh%e_star
+         mesh%pair%share_b = compliance_b*mesh%e_star
+         mesh%pitches_per_turn = -pair%sigma*pitches
+         if (mesh%flank == flank_drive) then
+            mesh%pair%sigma = real(pair%sigma, wp)
+            mesh%step = pair%base_pitch
+            mesh%rho_start = pair%rho_start_a
+            mesh%rho_entry = pair%rho_start_a
+            mesh%t_0 = pair%t
+            mesh%e_0 = pair%e
+            mesh%k_a0 = pair%point_k_a
+         else
+            call take_coast(pair, mesh)
+         end if
+         mesh%pair%advance = -mesh%pair%sigma*mesh%pair%r_ba*mesh%pair%ratio_a
+         if (mesh%rigid .and. pair%has_coast .and. .not. pair%backlash > 0) then
+            call fail(status, code_invalid_input, "rigid contacts need backlash, but the normal backlash of this mesh is " &
+                      //quantity(pair%backlash, "m")//": both flanks would touch at once", subject_mesh, mesh%mesh, "contact.law")
+         else if (mesh%rigid .and. pair%contact_ratio < 1 - exactly_one) then
+            call fail(status, code_invalid_input, "a rigid contact needs a contact ratio of at least 1, but that of this mesh is " &
+                      //quantity(pair%contact_ratio, "")//": flanks would overlap when a tooth pair begins", subject_mesh, &
+                      mesh%mesh, "contact.law")
+         end if
+      end associate
+      call link_states(gearbox, gearbox%contacts(index))
+   end subroutine take_contact
+
+   !> The coast flank: the mirror image of the drive flank, on the other side of the same tooth of the driving wheel.
+   !>
+   !> With tau the angle that a tooth fills on the base circle, the involutes of both sides of a tooth are rooted tau apart:
+   !> rho_A + rho_A(coast) = r_bA (2 alpha_w + tau). Pair k is the flank of the driving wheel's tooth k and that of tooth k + 1
+   !> of the driven wheel.
+   pure subroutine take_coast(pair, mesh)
+      type(spur_pair_t), intent(in) :: pair
+      type(contact_t), intent(inout) :: mesh
+      real(wp) :: tau
+
+      mesh%pair%sigma = -real(pair%sigma, wp)
+      mesh%pair%gap_0 = pair%backlash
+      mesh%step = -pair%base_pitch
+      mesh%rho_entry = pair%rho_tip_a
+      associate (direction => pair%chi - pair%sigma*pair%alpha_w)
+         mesh%t_0 = [cos(direction), sin(direction)]
+         mesh%e_0 = -pair%sigma*[sin(direction), -cos(direction)]
+      end associate
+      mesh%k_a0 = pair%centre_a + pair%base_radius_a*mesh%t_0
+      tau = pair%tooth_angle_a
+      if (.not. tau > 0) tau = even_tooth_angle(pair)
+      mesh%rho_start = pair%base_radius_a*(2*pair%alpha_w + tau) - pair%rho_start_a
+      ! the pair between the ends of the path at the start is number 0
+      if (mesh%handover) mesh%rho_start = mesh%rho_entry - modulo(mesh%rho_entry - mesh%rho_start, pair%base_pitch)
+   end subroutine take_coast
+
+   !> Angle that a tooth of the driving wheel fills on its base circle if both wheels' teeth are equally thick on the pitch circles.
+   pure real(wp) function even_tooth_angle(pair) result(tau)
+      type(spur_pair_t), intent(in) :: pair
+
+      associate (thickness => (pair%pitch_radius_a*pair%gamma_a - pair%backlash/cos(pair%alpha_w))/2)
+         tau = thickness/pair%pitch_radius_a + 2*(tan(pair%alpha_w) - pair%alpha_w)
+      end associate
+   end function even_tooth_angle
+
+   !> The common width of two wheels is the overlap of their faces.
+   subroutine take_overlap(wheels, a, b, mesh, status)
+      type(wheel_input), intent(in) :: wheels(:)
+      integer, intent(in) :: a, b
+      type(contact_t), intent(inout) :: mesh
+      type(status_t), intent(inout) :: status
+      real(wp) :: low, high
+
+      low = max(wheels(a)%axial_position - wheels(a)%width/2, wheels(b)%axial_position - wheels(b)%width/2)
+      high = min(wheels(a)%axial_position + wheels(a)%width/2, wheels(b)%axial_position + wheels(b)%width/2)
+      mesh%width = high - low
+      mesh%axial_position = (low + high)/2
+      if (mesh%width > 0) return
+      call fail(status, code_invalid_input, "the faces of the two wheels of a mesh do not overlap: one is at z = " &
+                //quantity(wheels(a)%axial_position, "m")//" and "//quantity(wheels(a)%width, "m")//" wide, the other at z = " &
+                //quantity(wheels(b)%axial_position, "m")//" and "//quantity(wheels(b)%width, "m")//" wide", subject_wheel, b, &
+                "axial_position")
+   end subroutine take_overlap
+
+   !> The wheel that each rigid mesh determines when it is closed. Wheels that rigid meshes join move as one: each such group is
+   !> reached from one of its wheels on, the one whose speed is prescribed or else the reference wheel, and every mesh determines
+   !> the wheel that it reaches. A mesh that closes a ring of them determines none.
+   subroutine find_dependents(gearbox, status)
+      type(gearbox_t), intent(inout) :: gearbox
+      type(status_t), intent(inout) :: status
+      logical :: reached(size(gearbox%wheels)), used(size(gearbox%pairs))
+      integer :: i, m
+
+      reached = .false.
+      used = .false.
+      do i = 1, size(gearbox%wheels)
+         if (gearbox%wheels(i)%prescribed > 0) call reach(i)
+      end do
+      if (.not. reached(gearbox%reference)) call reach(gearbox%reference)
+      do i = 1, size(gearbox%wheels)
+         if (.not. reached(i)) call reach(i)
+      end do
+      do m = 1, size(gearbox%pairs)
+         if (.not. gearbox%contacts(gearbox%first(m))%rigid .or. used(m) .or. has_failed(status)) cycle
+         call fail(status, code_invalid_input, "a rigid contact that closes a ring of rigid contacts is overdetermined: give it" &
+                   //" an elastic law", subject_mesh, m, "contact.law")
+      end do
+
+   contains
+
+      !> Reach all wheels that rigid meshes join to the first one.
+      subroutine reach(first)
+         integer, intent(in) :: first
+         logical :: group(size(gearbox%wheels)), found
+         integer :: k
+
+         group = .false.
+         group(first) = .true.
+         found = .true.
+         do while (found)
+            found = .false.
+            do k = 1, size(gearbox%pairs)
+               associate (mesh => gearbox%contacts(gearbox%first(k)), a => gearbox%contacts(gearbox%first(k))%wheel_a, &
+                          b => gearbox%contacts(gearbox%first(k))%wheel_b)
+                  if (.not. mesh%rigid .or. (group(a) .eqv. group(b))) cycle
+                  associate (next => merge(b, a, group(a)))
+                     if (gearbox%wheels(next)%prescribed > 0 .and. .not. has_failed(status)) &
+                        call fail(status, code_invalid_input, "rigid contacts join two wheels whose speeds are prescribed: give" &
+                                  //" this one an elastic law", subject_mesh, k, "contact.law")
+                     gearbox%contacts(gearbox%first(k):gearbox%first(k + 1) - 1)%i_dependent = gearbox%wheels(next)%i_psi
+                  end associate
+                  group([a, b]) = .true.
+                  used(k) = .true.
+                  found = .true.
+               end associate
+            end do
+         end do
+         reached = reached .or. group
+      end subroutine reach
+
+   end subroutine find_dependents
+
+   !> Local variables of a tooth contact in terms of the state.
+   subroutine link_states(gearbox, mesh)
+      type(gearbox_t), intent(in) :: gearbox
+      type(contact_t), intent(inout) :: mesh
+      integer :: i
+
+      mesh%links = [mesh_link(at_theta, i_theta, 1.0_wp), mesh_link(at_omega, i_omega, 1.0_wp)]
+      call link_wheel(gearbox, mesh, mesh%wheel_a, at_psi_a, at_psi_dot_a, at_u_a, at_v_a)
+      call link_wheel(gearbox, mesh, mesh%wheel_b, at_psi_b, at_psi_dot_b, at_u_b, at_v_b)
+      if (mesh%i_normal > 0) mesh%links = [mesh%links, mesh_link(at_normal, mesh%i_normal, 1.0_wp)]
+      if (mesh%i_track > 0) &
+         mesh%links = [mesh%links, (mesh_link(at_track + i, mesh%i_track + i, 1.0_wp), i=0, n_track - 1)]
+   end subroutine link_states
+
+   !> One wheel's part of them.
+   subroutine link_wheel(gearbox, mesh, index, at_psi, at_psi_dot, at_u, at_v)
+      type(gearbox_t), intent(in) :: gearbox
+      type(contact_t), intent(inout) :: mesh
+      integer, intent(in) :: index, at_psi, at_psi_dot, at_u, at_v
+      real(wp) :: along(2)
+      integer :: j
+
+      associate (wheel => gearbox%wheels(index))
+         if (wheel%i_psi > 0) mesh%links = [mesh%links, mesh_link(at_psi, wheel%i_psi, 1.0_wp), &
+                                            mesh_link(at_psi_dot, wheel%i_psi + 1, 1.0_wp)]
+         do j = 1, wheel%support%n
+            along = [dot_product(wheel%support%direction(:, j), mesh%t_0), dot_product(wheel%support%direction(:, j), mesh%e_0)]
+            associate (i => wheel%support%i_state(j))
+               mesh%links = [mesh%links, mesh_link(at_u, i, along(1)), mesh_link(at_u + 1, i, along(2)), &
+                             mesh_link(at_v, i + 1, along(1)), mesh_link(at_v + 1, i + 1, along(2))]
+            end associate
+         end do
+      end associate
+   end subroutine link_wheel
+
+end module evl_contact_build

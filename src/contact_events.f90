@@ -1,0 +1,216 @@
+!> What changes in one tooth contact when something happens to it: its tooth pair, contact mode and friction branch.
+module evl_contact_events
+   use evl_contact_point, only: contact_point
+   use evl_contact_tracking, only: points_from_closed_form
+   use evl_event_log, only: event_apart, event_closed, event_entered, event_left, event_log, event_near, event_opened, &
+                            event_returned, event_sliding_began, event_sliding_ended, event_switch, event_switch_back, &
+                            event_vanished, note
+   use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_store_mode, gearbox_t, i_theta, i_turns, pairs_loaded
+   use evl_kinds, only: wp
+   use evl_local_variables, only: n_local, n_track
+   use evl_mesh, only: contact_apart, contact_loaded, contact_off, contact_open, contact_t, contact_unloaded, mesh_contact, &
+                       mesh_mode, mesh_nominal_rho, mesh_settle_friction, mesh_unclipped_force, n_mesh_roots, root_apart, &
+                       root_back, root_contact, root_force, root_forward, root_friction_high, root_friction_low
+   use evl_status, only: code_no_solution, fail, has_failed, quantity, status_t, subject_mesh
+   implicit none (type, external)
+   private
+
+   public :: contact_event, settle_clip, mesh_point
+
+   real(wp), parameter :: grazing = 1.0e-6_wp !! penetration over its scale below which a vanishing force is an opening
+
+contains
+
+   !> Local variables and contact point of a tooth contact.
+   pure subroutine mesh_point(gearbox, index, y, integers, mode, q, rho_a0, point)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index, integers(:)
+      real(wp), intent(in) :: y(:)
+      type(mesh_mode), intent(in) :: mode
+      real(wp), intent(out) :: q(n_local), rho_a0
+      type(contact_point), intent(out) :: point
+
+      associate (mesh => gearbox%contacts(index))
+         call gearbox_local(gearbox, mesh, y, q)
+         rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
+         call mesh_contact(mesh, rho_a0, q, point)
+      end associate
+   end subroutine mesh_point
+
+   !> What happened to one tooth contact.
+   subroutine contact_event(gearbox, m, fired, y, integers, reals, log, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: m
+      logical, intent(in) :: fired(n_mesh_roots)
+      real(wp), intent(inout) :: y(gearbox%n_states)
+      integer, intent(inout) :: integers(:)
+      real(wp), intent(inout) :: reals(:)
+      type(event_log), intent(inout) :: log
+      type(status_t), intent(inout) :: status
+      type(contact_point) :: point
+      type(mesh_mode) :: mode
+      real(wp) :: q(n_local), rho_a0
+      logical :: changed, entered
+
+      mode = gearbox_mode(gearbox, m, integers, reals)
+      associate (mesh => gearbox%contacts(m))
+         changed = fired(root_forward) .or. fired(root_back)
+         entered = changed .and. mode%contact == contact_off
+         if (changed) call change_pair(mesh, fired(root_forward), mode, log)
+         call mesh_point(gearbox, m, y, integers, mode, q, rho_a0, point)
+         if (entered) then
+            call enter(gearbox, m, integers, point, mode, status)
+         else if (mode%contact /= contact_off) then
+            if (fired(root_friction_high) .or. fired(root_friction_low)) call change_friction(mesh, fired, mode, log)
+            call change_contact(mesh, fired, point, mode, log)
+         end if
+         ! the radii of curvature jump at a switch, and friction starts anew with a contact
+         if (mode%contact == contact_loaded .and. (changed .or. fired(root_contact) .or. fired(root_force))) &
+            mode%friction = mesh_settle_friction(mesh, point)
+         if (fired(root_apart)) call change_distance(mesh, q, mode, y, log)
+      end associate
+      call gearbox_store_mode(gearbox, m, mode, integers, reals)
+   end subroutine contact_event
+
+   !> An end of the path, or a pitch, is passed: the next tooth pair takes the slot, or the one before.
+   pure subroutine change_pair(mesh, forward, mode, log)
+      type(contact_t), intent(in) :: mesh
+      logical, intent(in) :: forward !! at the end where pairs leave in the nominal sense of rotation
+      type(mesh_mode), intent(inout) :: mode
+      type(event_log), intent(inout) :: log
+
+      if (mesh%handover) then
+         ! both tracked points move by one base pitch along e, and so does rho_A0: turn, zeta, dr, lambda and mu stay
+         mode%teeth = mode%teeth + merge(1, -1, forward)
+         call note(log, merge(event_switch, event_switch_back, forward), mesh, mode%teeth)
+      else if (mode%contact == contact_off) then
+         if (forward) mode%teeth = mode%teeth - mesh%n_slots
+         call note(log, event_entered, mesh, mode%teeth)
+      else
+         call note(log, event_left, mesh, mode%teeth)
+         if (forward) mode%teeth = mode%teeth + mesh%n_slots
+         mode = mesh_mode(teeth=mode%teeth, contact=contact_off)
+      end if
+   end subroutine change_pair
+
+   !> The mode of a tooth pair that enters the path: flanks that overlap are loaded at once.
+   subroutine enter(gearbox, m, integers, point, mode, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: m, integers(:)
+      type(contact_point), intent(in) :: point
+      type(mesh_mode), intent(inout) :: mode
+      type(status_t), intent(inout) :: status
+
+      associate (mesh => gearbox%contacts(m))
+         mode%contact = contact_open
+         if (mesh%rigid) then
+            if (pairs_loaded(gearbox, m, integers) > 0) then
+               mode%contact = contact_loaded
+            else if (point%h > grazing*mesh%h_scale) then
+               call fail(status, code_no_solution, "a tooth pair enters a rigid contact with flanks that overlap by " &
+                         //quantity(point%h, "m")//": no other pair was on the path to keep them apart", subject_mesh, &
+                         mesh%mesh, "contact.law")
+            end if
+         else if (flank_rests(gearbox, m, integers)) then
+            mode%contact = contact_apart
+         else if (point%h > 0) then
+            mode%contact = contact_loaded
+            mode%v0 = max(point%h_dot, 0.0_wp)
+            call settle_clip(mesh, point, mode, status)
+         end if
+      end associate
+   end subroutine enter
+
+   !> Whether the tracking of a flank rests because its tooth pairs are too far apart.
+   pure logical function flank_rests(gearbox, m, integers)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: m, integers(:)
+
+      associate (first => m - gearbox%contacts(m)%slot, n => gearbox%contacts(m)%n_slots)
+         flank_rests = any(integers(gearbox%contacts(first:first + n - 1)%i_mode + 1) == contact_apart)
+      end associate
+   end function flank_rests
+
+   !> Where elastic and viscous force would pull, nothing acts.
+   subroutine settle_clip(mesh, point, mode, status)
+      type(contact_t), intent(in) :: mesh
+      type(contact_point), intent(in) :: point
+      type(mesh_mode), intent(inout) :: mode
+      type(status_t), intent(inout) :: status
+      real(wp) :: force
+
+      call mesh_unclipped_force(mesh, mode, point, force, status)
+      if (has_failed(status)) return
+      if (force < 0 .and. mode%contact == contact_loaded) mode%contact = contact_unloaded
+      if (force > 0 .and. mode%contact == contact_unloaded) mode%contact = contact_loaded
+   end subroutine settle_clip
+
+   !> The sliding velocity passed an end of the linear part of the friction law.
+   pure subroutine change_friction(mesh, fired, mode, log)
+      type(contact_t), intent(in) :: mesh
+      logical, intent(in) :: fired(n_mesh_roots)
+      type(mesh_mode), intent(inout) :: mode
+      type(event_log), intent(inout) :: log
+
+      if (mode%friction /= 0) then
+         mode%friction = 0
+         call note(log, event_sliding_ended, mesh, mode%teeth)
+      else
+         mode%friction = merge(1, -1, fired(root_friction_high))
+         call note(log, event_sliding_began, mesh, mode%teeth)
+      end if
+   end subroutine change_friction
+
+   !> Closing, opening, and the clip of the force.
+   pure subroutine change_contact(mesh, fired, point, mode, log)
+      type(contact_t), intent(in) :: mesh
+      logical, intent(in) :: fired(n_mesh_roots)
+      type(contact_point), intent(in) :: point
+      type(mesh_mode), intent(inout) :: mode
+      type(event_log), intent(inout) :: log
+
+      select case (mode%contact)
+      case (contact_open)
+         if (.not. fired(root_contact)) return
+         mode%contact = contact_loaded
+         mode%v0 = max(point%h_dot, 0.0_wp)
+         if (.not. mesh%rigid) call note(log, event_closed, mesh, mode%teeth) ! else an impact decides
+      case (contact_loaded)
+         if (fired(root_contact) .or. (fired(root_force) .and. point%h < grazing*mesh%h_scale)) then
+            mode%contact = contact_open
+            call note(log, event_opened, mesh, mode%teeth)
+         else if (fired(root_force)) then
+            mode%contact = contact_unloaded
+            call note(log, event_vanished, mesh, mode%teeth)
+         end if
+      case (contact_unloaded)
+         if (fired(root_contact)) then
+            mode%contact = contact_open
+            call note(log, event_opened, mesh, mode%teeth)
+         else if (fired(root_force)) then
+            mode%contact = contact_loaded
+            call note(log, event_returned, mesh, mode%teeth)
+         end if
+      end select
+   end subroutine change_contact
+
+   !> Tracking ends where the flanks are too far apart for two of their points to face each other, and begins anew when they
+   !> come near.
+   pure subroutine change_distance(mesh, q, mode, y, log)
+      type(contact_t), intent(in) :: mesh
+      real(wp), intent(in) :: q(n_local)
+      type(mesh_mode), intent(inout) :: mode
+      real(wp), intent(inout) :: y(:)
+      type(event_log), intent(inout) :: log
+
+      if (mode%contact == contact_apart) then
+         mode%contact = contact_open
+         call points_from_closed_form(mesh%pair, q, y(mesh%i_track:mesh%i_track + n_track - 1))
+         call note(log, event_near, mesh, mode%teeth)
+      else if (mode%contact == contact_open) then
+         mode%contact = contact_apart
+         call note(log, event_apart, mesh, mode%teeth)
+      end if
+   end subroutine change_distance
+
+end module evl_contact_events

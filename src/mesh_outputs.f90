@@ -1,0 +1,244 @@
+!> What the meshes of a gearbox tell: one table of outputs for meshes and one for their tooth pairs, and their values at a state.
+module evl_mesh_outputs
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use evl_closed_form, only: centre_line_turn, closed_form_gap, track_closed_form
+   use evl_contact_point, only: contact_point
+   use evl_contact_tracking, only: algebraic_residual, line_distance, points_from_closed_form, tracked_positions
+   use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_t, i_theta, i_turns, leading_contact
+   use evl_housing_outputs, only: add_mesh_reaction
+   use evl_kinds, only: pi, wp
+   use evl_local_variables, only: at_lambda, at_psi_a, at_psi_b, at_track, n_local, n_track
+   use evl_mesh, only: contact_apart, contact_loaded, contact_off, contact_t, flank_coast, flank_drive, mesh_contact, &
+                       mesh_energy, mesh_force, mesh_forces, mesh_mode, mesh_nominal_rho, tracking_closed_form
+   use evl_output, only: dims_mesh, dims_mesh_axis, dims_mesh_pair, output_t
+   use evl_status, only: status_t
+   implicit none (type, external)
+   private
+
+   public :: n_mesh_histories, n_pair_histories, mesh_histories, pair_histories, pair_places, put_mesh
+
+   integer, parameter :: n_mesh_histories = 27, n_pair_histories = 8
+   integer, parameter :: n_scalars = n_mesh_histories - 2 !! of a mesh; behind them two points
+
+   !> What the tooth contacts of a mesh add up to.
+   type :: mesh_sum
+      real(wp) :: normal = 0.0_wp, coast = 0.0_wp         !! F_n of all pairs, and of those on the coast flank [N]
+      real(wp) :: friction = 0.0_wp                       !! F_t of the drive flank [N]
+      real(wp) :: torque_a = 0.0_wp, torque_b = 0.0_wp    !! [N m]
+      real(wp) :: loss = 0.0_wp                           !! power lost to friction [W]
+      integer :: loaded = 0                               !! pairs that carry load
+      logical :: touching = .false.                       !! whether any flanks overlap
+   end type mesh_sum
+
+contains
+
+   pure function mesh_histories() result(t)
+      type(output_t) :: t(n_mesh_histories)
+
+      t(1) = output_t("transmission_error", "m", "Delta", "dynamic transmission error along the line of action", dims_mesh)
+      t(2) = output_t("penetration", "m", "h", "mutual penetration of the flanks", dims_mesh)
+      t(3) = output_t("gap", "m", "kappa", "gap between the flanks, negative in contact", dims_mesh)
+      t(4) = output_t("separation_curvature", "m", "", "R (inv alpha - inv alpha_0)", dims_mesh)
+      t(5) = output_t("normal_force", "N", "F_n", "normal force of all tooth pairs", dims_mesh)
+      t(6) = output_t("friction_force", "N", "F_t", "friction force on the driving wheel along t, all pairs of the drive flank", &
+                      dims_mesh)
+      t(7) = output_t("sliding_velocity", "m s-1", "v_t", "sliding velocity along t", dims_mesh)
+      t(8) = output_t("friction_arm_driving", "m", "l_A", "arm of the friction force about the driving axle", dims_mesh)
+      t(9) = output_t("friction_arm_driven", "m", "l_B", "arm of the friction force about the driven axle", dims_mesh)
+      t(10) = output_t("gradient_ratio", "1", "lambda", "ratio of the flanks' gradients", dims_mesh)
+      t(11) = output_t("tracking_residual_driving", "m", "r_bA g_A", "distance of the tracked point from the driving flank", &
+                       dims_mesh)
+      t(12) = output_t("tracking_residual_driven", "m", "r_bB g_B", "distance of the tracked point from the driven flank", &
+                       dims_mesh)
+      t(13) = output_t("line_distance_driving", "m", "", "distance of the driving wheel's tracked point from the line of action", &
+                       dims_mesh)
+      t(14) = output_t("line_distance_driven", "m", "", "distance of the driven wheel's tracked point from the line of action", &
+                       dims_mesh)
+      t(15) = output_t("tooth_pair", "1", "k", "the tooth pair longest on the path: pitches since the start", dims_mesh, &
+                       is_integer=.true.)
+      t(16) = output_t("in_contact", "1", "", "1 if the flanks of any tooth pair overlap", dims_mesh, is_integer=.true.)
+      t(17) = output_t("contact_mode", "1", "", &
+                       "0 open, 1 loaded, 2 overlapping without force, 3 too far apart to track, 4 off the path", dims_mesh, &
+                       is_integer=.true.)
+      t(18) = output_t("gap_rate", "m s-1", "kappa'", "rate of the gap", dims_mesh)
+      t(19) = output_t("coast_gap", "m", "kappa_c", "gap between the flanks on the coast side", dims_mesh)
+      t(20) = output_t("coast_force", "N", "F_nc", "normal force of the tooth pairs on the coast side", dims_mesh)
+      t(21) = output_t("pairs_in_contact", "1", "", "tooth pairs that carry load, on both flanks", dims_mesh, is_integer=.true.)
+      t(22) = output_t("mesh_torque_driving", "N m", "T_A", "torque of the mesh on the driving wheel", dims_mesh)
+      t(23) = output_t("mesh_torque_driven", "N m", "T_B", "torque of the mesh on the driven wheel", dims_mesh)
+      t(24) = output_t("friction_loss", "W", "P_f", "power lost to friction", dims_mesh)
+      t(25) = output_t("efficiency", "1", "eta", "1 - friction loss over the power that the driving wheel hands over", dims_mesh)
+      t(26) = output_t("contact_point_driving", "m", "P_A", "contact point on the driving flank", dims_mesh_axis)
+      t(27) = output_t("contact_point_driven", "m", "P_B", "contact point on the driven flank", dims_mesh_axis)
+   end function mesh_histories
+
+   pure function pair_histories() result(t)
+      type(output_t) :: t(n_pair_histories)
+
+      t(1) = output_t("pair_normal_force", "N", "F_nk", "normal force of a tooth pair", dims_mesh_pair)
+      t(2) = output_t("pair_friction_force", "N", "F_tk", "friction force of a tooth pair on the driving wheel along t", &
+                      dims_mesh_pair)
+      t(3) = output_t("pair_position", "m", "rho_Ak", "radius of curvature of the driving flank at the contact; NaN off the path", &
+                      dims_mesh_pair)
+      t(4) = output_t("pair_contact_pressure", "Pa", "p_k", "largest contact pressure", dims_mesh_pair)
+      t(5) = output_t("pair_on_path", "1", "", "1 if the tooth pair is on the path of contact", dims_mesh_pair, is_integer=.true.)
+      t(6) = output_t("pair_number", "1", "k", "the tooth pair: pitches since the start", dims_mesh_pair, is_integer=.true.)
+      t(7) = output_t("pair_tooth_driving", "1", "", "its tooth of the driving wheel, from 0", dims_mesh_pair, is_integer=.true.)
+      t(8) = output_t("pair_tooth_driven", "1", "", "its tooth of the driven wheel, from 0", dims_mesh_pair, is_integer=.true.)
+   end function pair_histories
+
+   !> Places for tooth pairs that every mesh has in the outputs: the slots of the drive flank, then those of the coast flank.
+   pure integer function pair_places(gearbox) result(n)
+      type(gearbox_t), intent(in) :: gearbox
+
+      n = maxval(gearbox%contacts%n_slots)*merge(2, 1, any(gearbox%contacts%flank == flank_coast))
+   end function pair_places
+
+   !> A mesh at a state.
+   subroutine put_mesh(gearbox, index, n, places, y, integers, reals, torque, reactions, scalars, points, pairs, potential, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index, n, places, integers(:)
+      real(wp), intent(in) :: y(:), reals(:)
+      real(wp), intent(inout) :: torque(:)  !! of the meshes on the wheels so far [N m]
+      real(wp), intent(inout) :: reactions(:, :) !! on the housing so far, (6, wheel): force [N], moment [N m]
+      real(wp), intent(inout) :: scalars(n, n_scalars), points(2, n, 2), pairs(places, n, n_pair_histories)
+      real(wp), intent(inout) :: potential  !! energy so far [J]
+      type(status_t), intent(inout) :: status
+      type(mesh_sum) :: total
+      type(contact_point) :: leading
+      real(wp) :: tracked(5), transmission_error, input, q(n_local)
+      integer :: m, place, leader, drive_slots
+
+      leader = leading_contact(gearbox, index, integers)
+      pairs(:, index, 1:2) = 0
+      pairs(:, index, 3) = ieee_value(0.0_wp, ieee_quiet_nan)
+      pairs(:, index, 4:) = 0
+      drive_slots = maxval(gearbox%contacts%n_slots)
+      do m = gearbox%first(index), gearbox%first(index + 1) - 1
+         place = 1 + gearbox%contacts(m)%slot + merge(drive_slots, 0, gearbox%contacts(m)%flank == flank_coast)
+         call put_pair(gearbox, m, y, integers, reals, reactions, pairs(place, index, :), potential, total, status)
+      end do
+      associate (mesh => gearbox%contacts(leader))
+         torque(mesh%wheel_a) = torque(mesh%wheel_a) + total%torque_a
+         torque(mesh%wheel_b) = torque(mesh%wheel_b) + total%torque_b
+         call put_leader(gearbox, leader, y, integers, reals, leading, q, tracked, points(:, index, 1), points(:, index, 2))
+         associate (p => mesh%pair)
+            transmission_error = -p%sigma*(p%r_ba*q(at_psi_a) + p%r_bb*q(at_psi_b) - (p%r_ba + p%r_bb)*centre_line_turn(p, q))
+         end associate
+         input = abs(total%torque_a*leading%omega_a)
+         scalars(index, 1:9) = [transmission_error, max(leading%h, 0.0_wp), -leading%h, &
+                                closed_form_gap(mesh%pair, q) + transmission_error, total%normal, total%friction, leading%v_t, &
+                                leading%l_a, leading%l_b]
+         scalars(index, 10:14) = tracked
+         scalars(index, 15:18) = [real(integers(mesh%i_mode), wp), merge(1.0_wp, 0.0_wp, total%touching), &
+                                  real(integers(mesh%i_mode + 1), wp), -leading%h_dot]
+      end associate
+      scalars(index, 19) = coast_gap(gearbox, index, y)
+      scalars(index, 20:24) = [total%coast, real(total%loaded, wp), total%torque_a, total%torque_b, total%loss]
+      scalars(index, 25) = ieee_value(0.0_wp, ieee_quiet_nan)
+      if (input > 0) scalars(index, 25) = 1 - total%loss/input
+   end subroutine put_mesh
+
+   !> One tooth pair: its values, and what it adds to its mesh.
+   subroutine put_pair(gearbox, m, y, integers, reals, reactions, values, potential, total, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: m !! tooth contact
+      real(wp), intent(in) :: y(:), reals(:)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(inout) :: reactions(:, :)
+      real(wp), intent(inout) :: values(n_pair_histories)
+      real(wp), intent(inout) :: potential
+      type(mesh_sum), intent(inout) :: total
+      type(status_t), intent(inout) :: status
+      type(contact_point) :: point
+      type(mesh_force) :: force
+      type(mesh_mode) :: mode
+      real(wp) :: q(n_local), rho_a0
+
+      mode = gearbox_mode(gearbox, m, integers, reals)
+      associate (mesh => gearbox%contacts(m))
+         values(6) = mode%teeth
+         values(7) = modulo(mode%teeth, gearbox%wheels(mesh%wheel_a)%teeth)
+         values(8) = modulo(mode%teeth + merge(1, 0, mesh%flank == flank_coast), gearbox%wheels(mesh%wheel_b)%teeth)
+         if (mode%contact == contact_off) return
+         call gearbox_local(gearbox, mesh, y, q)
+         rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
+         call pair_point(mesh, mode, rho_a0, q, point)
+         call mesh_forces(mesh, mode, point, force, status)
+         call add_mesh_reaction(gearbox, mesh, force%on_a, reactions)
+         potential = potential + mesh_energy(mesh, mode, point)
+         values(1:3) = [force%normal, force%friction, point%rho_a]
+         if (force%normal > 0) values(4) = sqrt(force%normal/mesh%width*mesh%e_star*(1/point%rho_a + 1/point%rho_b)/pi)
+         values(5) = 1
+         total%normal = total%normal + force%normal
+         if (mesh%flank == flank_coast) total%coast = total%coast + force%normal
+         if (mesh%flank == flank_drive) total%friction = total%friction + force%friction
+         total%torque_a = total%torque_a + force%torque_a
+         total%torque_b = total%torque_b + force%torque_b
+         total%loss = total%loss - force%friction*point%v_t
+         if (mode%contact == contact_loaded) total%loaded = total%loaded + 1
+         total%touching = total%touching .or. merge(mode%contact == contact_loaded, point%h > 0, mesh%rigid)
+      end associate
+   end subroutine put_pair
+
+   !> The contact of a tooth pair as its tracking sees it, or in closed form where tracking rests.
+   pure subroutine pair_point(mesh, mode, rho_a0, q, point)
+      type(contact_t), intent(in) :: mesh
+      type(mesh_mode), intent(in) :: mode
+      real(wp), intent(in) :: rho_a0, q(n_local)
+      type(contact_point), intent(out) :: point
+
+      if (mode%contact == contact_apart) then
+         call track_closed_form(mesh%pair, rho_a0, q, point)
+      else
+         call mesh_contact(mesh, rho_a0, q, point)
+      end if
+   end subroutine pair_point
+
+   !> The contact that speaks for its mesh, with its tracked points and how far they are from where they belong.
+   subroutine put_leader(gearbox, m, y, integers, reals, point, q, tracked, driving, driven)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: m !! tooth contact
+      real(wp), intent(in) :: y(:), reals(:)
+      integer, intent(in) :: integers(:)
+      type(contact_point), intent(out) :: point
+      real(wp), intent(out) :: q(n_local), tracked(5), driving(2), driven(2)
+      type(mesh_mode) :: mode
+      real(wp) :: rho_a0, residual(n_track), point_a(2), point_b(2)
+      logical :: exists
+
+      mode = gearbox_mode(gearbox, m, integers, reals)
+      associate (mesh => gearbox%contacts(m))
+         call gearbox_local(gearbox, mesh, y, q)
+         rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
+         call pair_point(mesh, mode, rho_a0, q, point)
+         tracked = ieee_value(tracked, ieee_quiet_nan)
+         if (mesh%tracking == tracking_closed_form .or. mode%contact == contact_apart) then
+            call points_from_closed_form(mesh%pair, q, q(at_track:))
+         else
+            call algebraic_residual(mesh%pair, rho_a0, q, residual, exists)
+            tracked(1:3) = [q(at_lambda), residual(5), residual(6)]
+            call line_distance(mesh%pair, rho_a0, q, tracked(4), tracked(5))
+         end if
+         call tracked_positions(mesh%pair, rho_a0, q, point_a, point_b)
+         driving = mesh%k_a0 + point_a(1)*mesh%t_0 + point_a(2)*mesh%e_0
+         driven = mesh%k_a0 + point_b(1)*mesh%t_0 + point_b(2)*mesh%e_0
+      end associate
+   end subroutine put_leader
+
+   !> Gap of the coast flank; NaN if there is none [m].
+   real(wp) function coast_gap(gearbox, mesh, y) result(gap)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: mesh
+      real(wp), intent(in) :: y(:)
+      real(wp) :: q(n_local)
+
+      gap = ieee_value(gap, ieee_quiet_nan)
+      associate (last => gearbox%contacts(gearbox%first(mesh + 1) - 1))
+         if (last%flank == flank_drive) return
+         call gearbox_local(gearbox, last, y, q)
+         gap = closed_form_gap(last%pair, q)
+      end associate
+   end function coast_gap
+
+end module evl_mesh_outputs
