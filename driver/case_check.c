@@ -126,7 +126,7 @@ static const case_key *selector(const case_schema *schema, const char *block)
         const case_key *row = &schema->keys[i];
         if (strcmp(row->block, block) == 0) {
             first = first == NULL ? row : first;
-            if (row->variants[0] != '\0') {
+            if (row->variants[0] != '\0' && key_needs(row) == NULL) {
                 return first;
             }
         }
@@ -207,13 +207,33 @@ static bool check_variant(checker *checker, const char *block, const case_node *
     return true;
 }
 
+/** Whether the key's condition on another key of the block is met. */
+static bool has_what_it_needs(const case_key *key, const case_node *node)
+{
+    return key_needs(key) == NULL || node_find(node, key_needs(key)) >= 0;
+}
+
+/** Refuse a key without the other key that gives it a meaning. */
+static bool check_needs(const checker *checker, const char *block, const char *variant, const case_node *node)
+{
+    for (int i = 0; i < node->n; i++) {
+        const case_entry *entry = &node->entries[i];
+        const case_key *row = schema_find(checker->schema, block, variant, entry->key);
+        if (row != NULL && !has_what_it_needs(row, node)) {
+            return checker_refuse(checker, entry->key_place, "'%s' needs '%s' beside it", entry->key, key_needs(row));
+        }
+    }
+    return true;
+}
+
 static bool check_block(checker *checker, const char *block, case_node *node)
 {
     const char *variant = "";
     if (node->kind != NODE_MAPPING) {
         return refuse_type(checker, node, "a block of keys", "");
     }
-    if (!check_key_names(checker, block, node) || !check_variant(checker, block, node, &variant)) {
+    if (!check_key_names(checker, block, node) || !check_variant(checker, block, node, &variant) ||
+        !check_needs(checker, block, variant, node)) {
         return false;
     }
     const case_schema *schema = checker->schema;
@@ -228,7 +248,7 @@ static bool check_block(checker *checker, const char *block, case_node *node)
     bool good = true;
     for (int i = 0; i < schema->n && good; i++) {
         const case_key *row = &schema->keys[i];
-        if (strcmp(row->block, block) != 0 || !key_in_variant(row, variant)) {
+        if (strcmp(row->block, block) != 0 || !key_in_variant(row, variant) || !has_what_it_needs(row, node)) {
             continue;
         }
         const int at = node_find(node, row->key);

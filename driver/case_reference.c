@@ -52,7 +52,7 @@ static void print_key(FILE *stream, const case_key *key)
     char range[128];
     key_range_text(key, range);
     fprintf(stream, "| `%s` |", key->key);
-    print_words(stream, key->variants, " ");
+    print_words(stream, key_needs(key) == NULL ? key->variants : key_needs(key), " ");
     fprintf(stream, " | %s", type_text(key));
     print_words(stream, key->words, key->type == KEY_NUMBER ? " or " : " ");
     print_words(stream, key->holds, " ");

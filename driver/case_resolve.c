@@ -120,12 +120,34 @@ static support_description resolve_support(const case_node *block)
     return support;
 }
 
+/** The keys that stand beside `module`. */
+static gear_description resolve_gear(const case_node *block)
+{
+    const case_node *rack = node_get(block, "rack");
+    return (gear_description){
+        .module = node_get_number(block, "module"),
+        .pressure_angle = node_get_number(block, "pressure_angle") * RADIANS_PER_DEGREE,
+        .profile_shift = node_get_number(block, "profile_shift"),
+        .rack_addendum = node_get_number(rack, "addendum"),
+        .rack_dedendum = node_get_number(rack, "dedendum"),
+        .rack_root_radius = node_get_number(rack, "root_radius"),
+        .tip_diameter = get_optional(block, "tip_diameter"),
+        .tip_alteration = get_optional(block, "tip_alteration"),
+        .thickness_allowance = node_get_number(block, "thickness_allowance"),
+        .bore = node_get_number(block, "bore"),
+    };
+}
+
 static bool resolve_wheel(checker *checker, const case_node *block, const case_node *materials,
                           wheel_description *wheel)
 {
     wheel->name = xstrdup(node_get_text(block, "name"));
     wheel->teeth = (int)node_get_number(block, "teeth");
     wheel->pitch_radius = get_optional(block, "pitch_radius");
+    wheel->has_gear = node_get(block, "module") != NULL;
+    if (wheel->has_gear) {
+        wheel->gear = resolve_gear(block);
+    }
     wheel->width = node_get_number(block, "width");
     wheel->has_centre = node_get(block, "centre") != NULL;
     if (wheel->has_centre) {
@@ -153,6 +175,23 @@ static law_choice resolve_law(const case_node *block, law_family family, const l
     return choice;
 }
 
+/** The pressure angle states a pair of wheels without module; real gears have it from their centre distance. */
+static bool resolve_pressure_angle(const checker *checker, const case_node *block, const case_node *wheels,
+                                   mesh_description *mesh)
+{
+    const case_node *angle = node_get(block, "pressure_angle");
+    const bool is_real = node_get(wheels->entries[mesh->driving].value, "module") != NULL &&
+                         node_get(wheels->entries[mesh->driven].value, "module") != NULL;
+    if (angle == NULL) {
+        return is_real || checker_refuse(checker, block->place,
+                                         "'pressure_angle' is missing (working pressure angle [deg] or paper_rule), or "
+                                         "else the 'module' of both wheels");
+    }
+    mesh->paper_rule = node_get_is(block, "pressure_angle", "paper_rule");
+    mesh->pressure_angle = mesh->paper_rule ? 0 : node_number(angle) * RADIANS_PER_DEGREE;
+    return true;
+}
+
 static bool resolve_mesh(checker *checker, const case_node *block, const case_node *wheels, const law_tables *laws,
                          mesh_description *mesh)
 {
@@ -163,8 +202,8 @@ static bool resolve_mesh(checker *checker, const case_node *block, const case_no
     mesh->driving_rotation = node_get_is(block, "driving_rotation", "clockwise") ? -1 : 1;
     mesh->centre_line_angle = get_optional(block, "centre_line_angle");
     mesh->centre_line_angle.value *= RADIANS_PER_DEGREE;
-    mesh->paper_rule = node_get_is(block, "pressure_angle", "paper_rule");
-    mesh->pressure_angle = mesh->paper_rule ? 0 : node_get_number(block, "pressure_angle") * RADIANS_PER_DEGREE;
+    mesh->centre_distance = get_optional(block, "centre_distance");
+    mesh->backlash = get_optional(block, "backlash");
     mesh->contact = resolve_law(node_get(block, "contact"), LAWS_CONTACT, laws);
     mesh->damping = resolve_law(node_get(block, "damping"), LAWS_DAMPING, laws);
     mesh->friction = resolve_law(node_get(block, "friction"), LAWS_FRICTION, laws);
@@ -173,9 +212,11 @@ static bool resolve_mesh(checker *checker, const case_node *block, const case_no
         !find_reference(checker, block, "driven", "wheel", wheels, &mesh->driven)) {
         return false;
     }
-    return mesh->driving != mesh->driven ||
-           checker_refuse(checker, node_get(block, "driven")->place, "the wheel '%s' cannot mesh with itself",
-                          node_get_text(block, "driven"));
+    if (mesh->driving == mesh->driven) {
+        return checker_refuse(checker, node_get(block, "driven")->place, "the wheel '%s' cannot mesh with itself",
+                              node_get_text(block, "driven"));
+    }
+    return resolve_pressure_angle(checker, block, wheels, mesh);
 }
 
 /** Numbers by name, into the order of `among`. */

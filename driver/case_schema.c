@@ -39,7 +39,21 @@ static const case_key fixed_keys[] = {
     {"wheel", "", "name", KEY_NAME, "", ANY, REQUIRED, "", "", "name in references, paths and the history"},
     {"wheel", "", "teeth", KEY_INTEGER, "", BETWEEN(3, 10000), REQUIRED, "", "", "number of teeth z"},
     {"wheel", "", "pitch_radius", KEY_NUMBER, "m", POSITIVE, OPTIONAL, "", "",
-     "pitch radius r; otherwise it follows from a mesh"},
+     "pitch radius r; otherwise it follows from a mesh, or is half the reference diameter of a real gear"},
+    {"wheel", "", "module", KEY_NUMBER, "m", POSITIVE, OPTIONAL, "", "",
+     "normal module m_n: makes the wheel a real gear, ISO 21771; otherwise its radii follow from pitch_radius"},
+    {"wheel", "+module", "pressure_angle", KEY_NUMBER, "deg", BETWEEN(5, 45), DEFAULT("20"), "", "",
+     "pressure angle alpha_n of the basic rack"},
+    {"wheel", "+module", "profile_shift", KEY_NUMBER, "", BETWEEN(-5, 5), DEFAULT("0"), "", "",
+     "profile shift coefficient x, in modules"},
+    {"wheel", "+module", "rack", KEY_BLOCK, "", ANY, DEFAULT("{}"), "", "rack", "basic rack, ISO 53"},
+    {"wheel", "+module", "tip_diameter", KEY_NUMBER, "m", POSITIVE, OPTIONAL, "", "",
+     "tip diameter d_a; otherwise from the rack, the profile shift and tip_alteration"},
+    {"wheel", "+module", "tip_alteration", KEY_NUMBER, "", BETWEEN(-5, 5), OPTIONAL, "", "",
+     "tip alteration coefficient k, in modules; 0 unless given"},
+    {"wheel", "+module", "thickness_allowance", KEY_NUMBER, "m", -HUGE_VAL, 0, false, false, DEFAULT("0"), "", "",
+     "change of the tooth thickness on the reference circle; negative: thinner teeth, backlash"},
+    {"wheel", "+module", "bore", KEY_NUMBER, "m", NOT_NEGATIVE, DEFAULT("0"), "", "", "diameter of the bore"},
     {"wheel", "", "width", KEY_NUMBER, "m", POSITIVE, REQUIRED, "", "", "face width"},
     {"wheel", "", "centre", KEY_PAIR, "m", ANY, OPTIONAL, "", "",
      "reference position of the axle; otherwise it follows from a mesh"},
@@ -55,6 +69,11 @@ static const case_key fixed_keys[] = {
     {"wheel", "", "support", KEY_BLOCK, "", ANY, DEFAULT("{kind: fixed}"), "", "support", "how the axle is held"},
     {"wheel", "", "loads", KEY_LIST, "", AT_LEAST(0), DEFAULT("[]"), "", "load",
      "what acts on the wheel; torques add up"},
+
+    {"rack", "", "addendum", KEY_NUMBER, "", POSITIVE, DEFAULT("1"), "", "", "addendum h_aP, in modules"},
+    {"rack", "", "dedendum", KEY_NUMBER, "", POSITIVE, DEFAULT("1.25"), "", "", "dedendum h_fP, in modules"},
+    {"rack", "", "root_radius", KEY_NUMBER, "", NOT_NEGATIVE, DEFAULT("0.38"), "", "",
+     "root fillet radius rho_fP, in modules"},
 
     {"support", "", "kind", KEY_CHOICE, "", ANY, DEFAULT("fixed"), "fixed slider bearing", "",
      "fixed axle; slider: moves in one direction; bearing: moves in x and y"},
@@ -93,8 +112,12 @@ static const case_key fixed_keys[] = {
      "nominal sense of the driving wheel; selects the flank"},
     {"mesh", "", "centre_line_angle", KEY_NUMBER, "deg", BETWEEN(-360, 360), OPTIONAL, "", "",
      "direction from the driving to the driven axle; otherwise it follows from the centres"},
-    {"mesh", "", "pressure_angle", KEY_NUMBER, "deg", 0, 90, true, true, REQUIRED, "paper_rule", "",
-     "working pressure angle; paper_rule: 1.05 times the smallest possible one"},
+    {"mesh", "", "pressure_angle", KEY_NUMBER, "deg", 0, 90, true, true, OPTIONAL, "paper_rule", "",
+     "working pressure angle between wheels without module; paper_rule: 1.05 times the smallest possible one"},
+    {"mesh", "", "centre_distance", KEY_NUMBER, "m", POSITIVE, OPTIONAL, "", "",
+     "centre distance a_w of two real gears; otherwise from backlash, or else from the profile shifts"},
+    {"mesh", "", "backlash", KEY_NUMBER, "m", NOT_NEGATIVE, OPTIONAL, "", "",
+     "normal backlash j_bn; gives two real gears their centre distance, other wheels a second flank"},
     {"mesh", "", "contact", KEY_BLOCK, "", ANY, DEFAULT("{law: johnson}"), "", "contact", "normal elastic force"},
     {"mesh", "", "damping", KEY_BLOCK, "", ANY, DEFAULT("{law: none}"), "", "damping", "normal viscous force"},
     {"mesh", "", "friction", KEY_BLOCK, "", ANY, DEFAULT("{law: none}"), "", "friction", "tangential force"},
@@ -329,9 +352,14 @@ char *words_list(int n, const char *const *words)
     return list;
 }
 
+const char *key_needs(const case_key *key)
+{
+    return key->variants[0] == '+' ? key->variants + 1 : NULL;
+}
+
 bool key_in_variant(const case_key *key, const char *variant)
 {
-    return key->variants[0] == '\0' || words_contain(key->variants, variant);
+    return key->variants[0] == '\0' || key_needs(key) != NULL || words_contain(key->variants, variant);
 }
 
 const case_key *schema_find(const case_schema *schema, const char *block, const char *variant, const char *key)

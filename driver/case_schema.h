@@ -24,9 +24,9 @@ typedef enum {
 
 /** One key. */
 typedef struct {
-    const char *block; /**< the block that has it; CASE_ROOT for the whole file */
-    const char
-        *variants; /**< values of the block's first key with which it may stand, separated by blanks; "" for all */
+    const char *block;    /**< the block that has it; CASE_ROOT for the whole file */
+    const char *variants; /**< values of the block's first key with which it may stand, separated by blanks; "" for all;
+                      "+KEY": it may stand beside that key only */
     const char *key;
     key_type type;
     const char *unit; /**< "" if none */
@@ -58,6 +58,8 @@ void schema_delete(case_schema **schema);
 const case_key *schema_find(const case_schema *schema, const char *block, const char *variant, const char *key);
 /** Whether the key may stand in this variant. */
 bool key_in_variant(const case_key *key, const char *variant);
+/** The other key of the block that this one needs beside it; NULL if it needs none. */
+const char *key_needs(const case_key *key);
 /** Whether `word` is one of the blank-separated words. */
 bool words_contain(const char *words, const char *word);
 /** The words as strings. @return their number; the caller frees the array and its first element */

@@ -35,6 +35,15 @@ typedef struct {
     double *time, *values;
 } load_description;
 
+/** A real gear; the rack in modules. */
+typedef struct {
+    double module, pressure_angle; /**< [m], [rad] */
+    double profile_shift;
+    double rack_addendum, rack_dedendum, rack_root_radius;
+    optional_double tip_diameter, tip_alteration; /**< [m], in modules */
+    double thickness_allowance, bore;
+} gear_description;
+
 typedef struct {
     char *name;
     int teeth;
@@ -48,6 +57,8 @@ typedef struct {
     support_description support;
     int n_loads;
     load_description *loads;
+    bool has_gear;
+    gear_description gear;
 } wheel_description;
 
 /** A law of a family's table with its parameters in the table's order. */
@@ -64,9 +75,10 @@ typedef struct {
     int driving_rotation;              /**< -1 clockwise, +1 counterclockwise */
     optional_double centre_line_angle; /**< [rad] */
     bool paper_rule;
-    double pressure_angle; /**< [rad] if not paper_rule */
+    double pressure_angle; /**< [rad] if not paper_rule; 0 between real gears */
     law_choice contact, damping, friction;
     tracking_kind tracking;
+    optional_double centre_distance, backlash; /**< of two real gears */
 } mesh_description;
 
 typedef enum { MOTION_CONSTANT, MOTION_RATE, MOTION_HARMONIC, MOTION_TABLE } motion_kind;

@@ -61,6 +61,24 @@ static void explain(const model *model, const evl_status *status, model_error *e
     }
 }
 
+static evl_gear translate_gear(const gear_description *gear)
+{
+    return (evl_gear){
+        .normal_module = gear->module,
+        .pressure_angle = gear->pressure_angle,
+        .profile_shift = gear->profile_shift,
+        .rack_addendum = gear->rack_addendum,
+        .rack_dedendum = gear->rack_dedendum,
+        .rack_root_radius = gear->rack_root_radius,
+        .has_tip_diameter = gear->tip_diameter.given,
+        .tip_diameter = gear->tip_diameter.value,
+        .has_tip_alteration = gear->tip_alteration.given,
+        .tip_alteration = gear->tip_alteration.value,
+        .thickness_allowance = gear->thickness_allowance,
+        .bore = gear->bore,
+    };
+}
+
 static evl_wheel translate_wheel(const description *description, const wheel_description *wheel)
 {
     const material_description *material = &description->materials[wheel->material];
@@ -92,6 +110,8 @@ static evl_wheel translate_wheel(const description *description, const wheel_des
         .has_transverse_inertia = wheel->transverse_inertia.given,
         .transverse_inertia = wheel->transverse_inertia.value,
         .axial_position = wheel->axial_position,
+        .has_gear = wheel->has_gear,
+        .gear = translate_gear(&wheel->gear),
     };
 }
 
@@ -138,6 +158,10 @@ static evl_mesh translate_mesh(const mesh_description *mesh)
         .damping = translate_law(&mesh->damping),
         .friction = translate_law(&mesh->friction),
         .tracking = trackings[mesh->tracking],
+        .has_centre_distance = mesh->centre_distance.given,
+        .centre_distance = mesh->centre_distance.value,
+        .has_backlash = mesh->backlash.given,
+        .backlash = mesh->backlash.value,
     };
 }
 

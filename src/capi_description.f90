@@ -2,6 +2,7 @@
 module evl_capi_description
    use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_double, c_f_pointer, c_int, c_ptr
    use evl_capi_types, only: c_law_choice, choice_from_c
+   use evl_gear_geometry, only: gear_input
    use evl_gearbox_description, only: mesh_input, wheel_input
    use evl_gearbox_initial, only: initial_t
    use evl_housing_description, only: housing_input
@@ -11,8 +12,17 @@ module evl_capi_description
    implicit none (type, external)
    private
 
-   public :: c_wheel, c_load, c_mesh, c_initial, c_housing
-   public :: wheel_from_c, load_from_c, mesh_from_c, initial_from_c, housing_from_c
+   public :: c_gear, c_wheel, c_load, c_mesh, c_initial, c_housing
+   public :: gear_from_c, wheel_from_c, load_from_c, mesh_from_c, initial_from_c, housing_from_c
+
+   !> evl_gear
+   type, bind(c) :: c_gear
+      real(c_double) :: normal_module, pressure_angle, profile_shift, rack_addendum, rack_dedendum, rack_root_radius
+      logical(c_bool) :: has_tip_diameter
+      real(c_double) :: tip_diameter
+      logical(c_bool) :: has_tip_alteration
+      real(c_double) :: tip_alteration, thickness_allowance, bore
+   end type c_gear
 
    !> evl_wheel
    type, bind(c) :: c_wheel
@@ -29,6 +39,8 @@ module evl_capi_description
       real(c_double) :: support_direction, support_mass, support_stiffness(2), support_damping(2)
       logical(c_bool) :: has_transverse_inertia
       real(c_double) :: transverse_inertia, axial_position
+      logical(c_bool) :: has_gear
+      type(c_gear) :: gear
    end type c_wheel
 
    !> evl_load
@@ -70,6 +82,10 @@ module evl_capi_description
       real(c_double) :: pressure_angle
       type(c_law_choice) :: contact, damping, friction
       integer(c_int) :: tracking
+      logical(c_bool) :: has_centre_distance
+      real(c_double) :: centre_distance
+      logical(c_bool) :: has_backlash
+      real(c_double) :: backlash
    end type c_mesh
 
    !> evl_initial
@@ -90,8 +106,18 @@ contains
                           support_kind=c%support_kind, support_direction=c%support_direction, support_mass=c%support_mass, &
                           support_stiffness=c%support_stiffness, support_damping=c%support_damping, &
                           has_transverse_inertia=logical(c%has_transverse_inertia), transverse_inertia=c%transverse_inertia, &
-                          axial_position=c%axial_position)
+                          axial_position=c%axial_position, has_gear=logical(c%has_gear), gear=gear_from_c(c%gear))
    end function wheel_from_c
+
+   elemental type(gear_input) function gear_from_c(c) result(gear)
+      type(c_gear), intent(in) :: c
+
+      gear = gear_input(normal_module=c%normal_module, pressure_angle=c%pressure_angle, profile_shift=c%profile_shift, &
+                        rack_addendum=c%rack_addendum, rack_dedendum=c%rack_dedendum, rack_root_radius=c%rack_root_radius, &
+                        has_tip_diameter=logical(c%has_tip_diameter), tip_diameter=c%tip_diameter, &
+                        has_tip_alteration=logical(c%has_tip_alteration), tip_alteration=c%tip_alteration, &
+                        thickness_allowance=c%thickness_allowance, bore=c%bore)
+   end function gear_from_c
 
    !> A load with a copy of its table. Errors: code_invalid_input if the table is announced but not there.
    subroutine load_from_c(c, index, load, status)
@@ -124,7 +150,9 @@ contains
                         has_centre_line_angle=logical(c%has_centre_line_angle), centre_line_angle=c%centre_line_angle, &
                         paper_rule=logical(c%paper_rule), pressure_angle=c%pressure_angle, &
                         contact=choice_from_c(c%contact), damping=choice_from_c(c%damping), &
-                        friction=choice_from_c(c%friction), tracking=c%tracking)
+                        friction=choice_from_c(c%friction), tracking=c%tracking, &
+                        has_centre_distance=logical(c%has_centre_distance), centre_distance=c%centre_distance, &
+                        has_backlash=logical(c%has_backlash), backlash=c%backlash)
    end function mesh_from_c
 
    !> A housing with copies of its tables. Errors: code_invalid_input if terms or tables are announced but not there.

@@ -14,6 +14,8 @@
 !> contact; knots passed of every table. Discrete reals: the approach speed at the last closing of every tooth contact.
 module evl_gearbox
    use evl_contact_point, only: contact_point
+   use evl_gear_geometry, only: gear_t
+   use evl_gear_mesh, only: gear_mesh_t
    use evl_housing, only: apparent_acceleration, at_omega, frame_acceleration, frame_t, housing_frame, housing_rates, housing_t
    use evl_kinds, only: wp
    use evl_load, only: load_acceleration, load_damping, load_t, load_torque
@@ -73,6 +75,8 @@ module evl_gearbox
       type(contact_t), allocatable :: contacts(:) !! tooth contacts, mesh by mesh: slots of the drive flank, then of the coast flank
       type(spur_pair_t), allocatable :: pairs(:)  !! geometry of each mesh
       integer, allocatable :: first(:)            !! first tooth contact of each mesh; behind the last mesh, one more than all
+      type(gear_t), allocatable :: gears(:)            !! of each wheel, initial values if it is no real gear
+      type(gear_mesh_t), allocatable :: gear_meshes(:) !! of each mesh, the same
       type(housing_t) :: housing
       character(len=message_length), allocatable :: warnings(:)
       integer :: reference = 1               !! wheel whose angle is theta

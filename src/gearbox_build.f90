@@ -1,6 +1,8 @@
 !> Makes a gearbox from its description: checks every number, finds the layout, derives the geometry, numbers the states.
 module evl_gearbox_build
    use evl_contact_build, only: find_dependents, list_contacts, take_contact
+   use evl_gear_build, only: gears_build
+   use evl_gear_pair, only: gear_pair_derive
    use evl_gearbox, only: gearbox_t, i_omega, i_theta, support_bearing, support_slider, support_t
    use evl_gearbox_description, only: check_description, mesh_input, wheel_input
    use evl_gearbox_scaling, only: gearbox_set_scales
@@ -47,7 +49,10 @@ contains
          if (loads(i)%kind == load_prescribed_speed) gearbox%wheels(loads(i)%wheel)%prescribed = i
       end do
       gearbox%reference = max(1, findloc(gearbox%wheels%prescribed > 0, .true., dim=1))
-      call start_layout(wheels, meshes, layout)
+      allocate (gearbox%gears(size(wheels)), gearbox%gear_meshes(size(meshes)))
+      call gears_build(wheels, meshes, gearbox%gears, gearbox%gear_meshes, gearbox%warnings, status)
+      if (has_failed(status)) return
+      call start_layout(wheels, meshes, gearbox, layout)
       call layout_resolve(layout, gearbox%reference, status)
       if (has_failed(status)) return
       call take_wheels(wheels, layout, gearbox, status)
@@ -74,15 +79,16 @@ contains
    end subroutine gearbox_create
 
    !> What the description says of the layout.
-   subroutine start_layout(wheels, meshes, layout)
+   subroutine start_layout(wheels, meshes, gearbox, layout)
       type(wheel_input), intent(in) :: wheels(:)
       type(mesh_input), intent(in) :: meshes(:)
+      type(gearbox_t), intent(in) :: gearbox !! its gears
       type(layout_t), intent(out) :: layout
       integer :: i
 
       layout%teeth = wheels%teeth
-      layout%has_radius = wheels%has_pitch_radius
-      layout%pitch_radius = wheels%pitch_radius
+      layout%has_radius = wheels%has_pitch_radius .or. wheels%has_gear
+      layout%pitch_radius = merge(gearbox%gears%reference_radius, wheels%pitch_radius, wheels%has_gear)
       layout%has_centre = wheels%has_centre
       allocate (layout%centre(2, size(wheels)))
       do i = 1, size(wheels)
@@ -92,9 +98,12 @@ contains
       layout%driven = meshes%driven
       layout%has_angle = meshes%has_centre_line_angle
       layout%angle = meshes%centre_line_angle
+      layout%has_distance = gearbox%gear_meshes%exists
+      layout%distance = gearbox%gear_meshes%centre_distance
    end subroutine start_layout
 
-   !> Mass, inertia, support and speed ratio of every wheel. A solid disc of the pitch radius unless mass and inertia are given.
+   !> Mass, inertia, support and speed ratio of every wheel. A solid disc of the pitch radius, less
+   !> the bore of a real gear, unless mass and inertia are given.
    subroutine take_wheels(wheels, layout, gearbox, status)
       type(wheel_input), intent(in) :: wheels(:)
       type(layout_t), intent(in) :: layout
@@ -108,9 +117,9 @@ contains
             wheel%pitch_radius = layout%pitch_radius(i)
             wheel%centre = layout%centre(:, i)
             wheel%ratio = layout%turn(i)*real(wheels(gearbox%reference)%teeth, wp)/given%teeth
-            wheel%mass = given%density*pi*wheel%pitch_radius**2*given%width
+            wheel%mass = given%density*pi*(wheel%pitch_radius**2 - gearbox%gears(i)%bore_radius**2)*given%width
             if (given%has_mass) wheel%mass = given%mass
-            wheel%inertia = wheel%mass*wheel%pitch_radius**2/2
+            wheel%inertia = wheel%mass*(wheel%pitch_radius**2 + gearbox%gears(i)%bore_radius**2)/2
             if (given%has_inertia) wheel%inertia = given%inertia
             wheel%axial_position = given%axial_position
             call take_transverse(given, i, wheel%mass, wheel%inertia, wheel%transverse_inertia, status)
@@ -227,9 +236,16 @@ contains
       type(status_t), intent(inout) :: status
 
       associate (pair => gearbox%pairs(index), given => meshes(index), a => meshes(index)%driving, b => meshes(index)%driven)
-         call spur_pair_derive(wheels(a)%teeth, wheels(b)%teeth, layout%pitch_radius(a), given%paper_rule, &
-                               given%pressure_angle, layout%angle(index), -given%driving_rotation, layout%centre(:, a), pair, &
-                               status)
+         if (gearbox%gear_meshes(index)%exists) then
+            call gear_pair_derive(gearbox%gears(a), gearbox%gears(b), gearbox%gear_meshes(index), layout%angle(index), &
+                                  -given%driving_rotation, layout%centre(:, a), pair)
+         else
+            call spur_pair_derive(wheels(a)%teeth, wheels(b)%teeth, layout%pitch_radius(a), given%paper_rule, &
+                                  given%pressure_angle, layout%angle(index), -given%driving_rotation, layout%centre(:, a), pair, &
+                                  status)
+            pair%has_coast = given%has_backlash
+            pair%backlash = given%backlash
+         end if
          if (has_failed(status)) then
             status%subject = subject_mesh
             status%index = index

@@ -3,6 +3,7 @@ module evl_gearbox_description
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use evl_contact_laws, only: is_rigid, is_undamped, law_choice, law_validate, laws_contact, laws_damping, laws_friction
    use evl_gearbox, only: support_bearing, support_fixed, support_slider
+   use evl_gear_geometry, only: gear_input
    use evl_kinds, only: wp
    use evl_load, only: load_constant, load_prescribed_speed, load_t, load_table, load_viscous
    use evl_mesh, only: tracking_closed_form, tracking_differential
@@ -25,6 +26,8 @@ module evl_gearbox_description
       integer :: support_kind = support_fixed
       real(wp) :: support_direction = 0.0_wp, support_mass = 0.0_wp
       real(wp) :: support_stiffness(2) = 0.0_wp, support_damping(2) = 0.0_wp
+      logical :: has_gear = .false. !! its radii follow from the next, not from a pitch radius
+      type(gear_input) :: gear
    end type wheel_input
 
    !> A mesh as described; wheels from 1. See `evl_mesh` in the C header.
@@ -34,6 +37,8 @@ module evl_gearbox_description
       real(wp) :: centre_line_angle = 0.0_wp, pressure_angle = 0.0_wp
       type(law_choice) :: contact, damping, friction
       integer :: tracking = tracking_closed_form
+      logical :: has_centre_distance = .false., has_backlash = .false.
+      real(wp) :: centre_distance = 0.0_wp, backlash = 0.0_wp
    end type mesh_input
 
 contains

@@ -1,4 +1,5 @@
 !> Where the wheels are and how fast they turn relative to each other: pitch radii, centres and speed ratios along the meshes.
+!> Real gears come with their reference radius as pitch radius, and with the centre distances of their meshes.
 module evl_layout
    use evl_kinds, only: pi, wp
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel
@@ -17,6 +18,8 @@ module evl_layout
       integer, allocatable :: driving(:), driven(:)           !! per mesh
       logical, allocatable :: has_angle(:)                    !! per mesh: whether the next is known
       real(wp), allocatable :: angle(:)                       !! per mesh: direction of the centre line [rad]
+      logical, allocatable :: has_distance(:)                 !! per mesh: its centre distance is not the sum of the pitch radii
+      real(wp), allocatable :: distance(:)                    !! per mesh: but this [m]
       integer, allocatable :: turn(:)                         !! per wheel: +1 turns like the reference wheel, -1 against it
    end type layout_t
 
@@ -50,7 +53,7 @@ contains
          do m = 1, size(layout%driving)
             a = layout%driving(m)
             b = layout%driven(m)
-            if (layout%has_radius(a) .eqv. layout%has_radius(b)) cycle
+            if (layout%has_distance(m) .or. (layout%has_radius(a) .eqv. layout%has_radius(b))) cycle
             if (layout%has_radius(b)) then
                a = layout%driven(m)
                b = layout%driving(m)
@@ -67,7 +70,7 @@ contains
          return
       end do
       do m = 1, size(layout%driving)
-         call check_ratio(layout, m, status)
+         if (.not. layout%has_distance(m)) call check_ratio(layout, m, status)
          if (has_failed(status)) return
       end do
    end subroutine resolve_radii
@@ -129,11 +132,19 @@ contains
       integer, intent(in) :: m
       real(wp) :: vector(2)
 
-      vector = (layout%pitch_radius(layout%driving(m)) + layout%pitch_radius(layout%driven(m))) &
-               *[cos(layout%angle(m)), sin(layout%angle(m))]
+      vector = centre_distance(layout, m)*[cos(layout%angle(m)), sin(layout%angle(m))]
    end function offset
 
-   !> The distance of two centres is the sum of the pitch radii, and the centre line points as given.
+   !> Distance of the two axles [m].
+   pure real(wp) function centre_distance(layout, m)
+      type(layout_t), intent(in) :: layout
+      integer, intent(in) :: m
+
+      centre_distance = layout%pitch_radius(layout%driving(m)) + layout%pitch_radius(layout%driven(m))
+      if (layout%has_distance(m)) centre_distance = layout%distance(m)
+   end function centre_distance
+
+   !> The distance of two centres is that of the mesh, and the centre line points as given.
    pure subroutine check_centres(layout, m, status)
       type(layout_t), intent(inout) :: layout
       integer, intent(in) :: m
@@ -148,8 +159,13 @@ contains
          end if
          c = layout%centre(:, b) - layout%centre(:, a)
          distance = norm2(c)
-         expected = layout%pitch_radius(a) + layout%pitch_radius(b)
-         if (abs(distance - expected) > agreement*expected) then
+         expected = centre_distance(layout, m)
+         if (abs(distance - expected) > agreement*expected .and. layout%has_distance(m)) then
+            call fail(status, code_invalid_input, "the centres of its wheels are "//quantity(distance, "m")//" apart, but its" &
+                      //" centre distance is "//quantity(expected, "m")//": give centre_distance or backlash, or other centres", &
+                      subject_mesh, m, "centre_distance")
+            return
+         else if (abs(distance - expected) > agreement*expected) then
             call fail(status, code_invalid_input, "its centre is "//quantity(distance, "m")//" from that of its mate, but their" &
                       //" pitch radii add up to "//quantity(expected, "m"), subject_wheel, b, "centre")
             return

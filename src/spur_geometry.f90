@@ -16,7 +16,7 @@ module evl_spur_geometry
    implicit none (type, external)
    private
 
-   public :: spur_pair_derive, spur_pair_t
+   public :: spur_pair_derive, spur_pair_place, spur_pair_t
    public :: maximum_teeth, minimum_teeth
 
    integer, parameter :: minimum_teeth = 3     !! fewer make no wheel
@@ -126,7 +126,7 @@ contains
       pair%alpha_w = angle
       pair%centre_a = centre_a
       call derive_lengths(pair)
-      call derive_points(pair)
+      call spur_pair_place(pair)
    end subroutine spur_pair_derive
 
    !> Lengths and angles that do not depend on where the pair lies.
@@ -155,9 +155,9 @@ contains
       end associate
    end subroutine derive_lengths
 
-   !> Points, directions and initial angles in the housing frame.
-   pure subroutine derive_points(pair)
-      type(spur_pair_t), intent(inout) :: pair !! all lengths given
+   !> Points, directions and initial angles in the housing frame, from the lengths.
+   pure subroutine spur_pair_place(pair)
+      type(spur_pair_t), intent(inout) :: pair !! all lengths, chi, sigma and centre_a given
 
       associate (direction => pair%chi + pair%sigma*pair%alpha_w)
          pair%t = [cos(direction), sin(direction)]
@@ -170,10 +170,10 @@ contains
       pair%point_k_a = pair%centre_a + pair%base_radius_a*pair%t
       pair%point_k_b = pair%centre_b - pair%base_radius_b*pair%t
       pair%point_a = pair%point_k_a + pair%rho_start_a*pair%e
-      pair%point_b = pair%point_k_a + pair%rho_start_b*pair%e
+      pair%point_b = pair%point_k_a + pair%rho_tip_a*pair%e
       pair%phi_a = pair%chi + pair%sigma*(pair%alpha_w - pair%rho_start_a/pair%base_radius_a)
       pair%phi_b = pair%chi + pair%sigma*(pi + pair%alpha_w - pair%rho_start_b/pair%base_radius_b)
-   end subroutine derive_points
+   end subroutine spur_pair_place
 
    !> Refuse a number of teeth out of range.
    pure subroutine check_teeth(teeth, wheel, status)

@@ -21,6 +21,25 @@ REST, STEADY, SPEEDS = range(3)
 _bool = ctypes.c_bool
 
 
+class GearDescription(ctypes.Structure):
+    """`evl_gear`."""
+
+    _fields_ = [
+        ("normal_module", _double),
+        ("pressure_angle", _double),
+        ("profile_shift", _double),
+        ("rack_addendum", _double),
+        ("rack_dedendum", _double),
+        ("rack_root_radius", _double),
+        ("has_tip_diameter", _bool),
+        ("tip_diameter", _double),
+        ("has_tip_alteration", _bool),
+        ("tip_alteration", _double),
+        ("thickness_allowance", _double),
+        ("bore", _double),
+    ]
+
+
 class WheelDescription(ctypes.Structure):
     """`evl_wheel`."""
 
@@ -46,6 +65,8 @@ class WheelDescription(ctypes.Structure):
         ("has_transverse_inertia", _bool),
         ("transverse_inertia", _double),
         ("axial_position", _double),
+        ("has_gear", _bool),
+        ("gear", GearDescription),
     ]
 
 
@@ -78,6 +99,10 @@ class MeshDescription(ctypes.Structure):
         ("damping", LawChoice),
         ("friction", LawChoice),
         ("tracking", _int),
+        ("has_centre_distance", _bool),
+        ("centre_distance", _double),
+        ("has_backlash", _bool),
+        ("backlash", _double),
     ]
 
 

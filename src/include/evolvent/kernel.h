@@ -70,6 +70,22 @@ typedef enum {
     EVL_SUPPORT_BEARING = 2 /**< the axle moves in x and y, each on a spring and a damper */
 } evl_support_kind;
 
+/** A real gear: ISO 21771, cut by the basic rack of ISO 53. docs/geometry.md has the formulas. */
+typedef struct {
+    double normal_module;    /**< m_n [m] > 0 */
+    double pressure_angle;   /**< of the rack, alpha_n [rad], 5 to 45 deg */
+    double profile_shift;    /**< x, in modules */
+    double rack_addendum;    /**< h_aP*, in modules > 0 */
+    double rack_dedendum;    /**< h_fP*, in modules > 0 */
+    double rack_root_radius; /**< rho_fP*, in modules >= 0: rounding of the rack's root, cut by the tip of the tool */
+    bool has_tip_diameter;   /**< otherwise it follows from the tip alteration */
+    double tip_diameter;     /**< d_a [m] */
+    bool has_tip_alteration; /**< otherwise 0, unless the tip diameter gives another */
+    double tip_alteration;   /**< k, in modules */
+    double thickness_allowance; /**< change of the tooth thickness on the reference circle [m] <= 0 */
+    double bore;                /**< diameter [m] >= 0 */
+} evl_gear;
+
 typedef struct {
     int teeth;             /**< z >= 3 */
     bool has_pitch_radius; /**< otherwise it follows from a mesh */
@@ -92,6 +108,8 @@ typedef struct {
     bool has_transverse_inertia; /**< otherwise J/2 + mass width^2/12, which is that of a disc or a ring */
     double transverse_inertia;   /**< about a diameter [kg m^2] >= J/2 */
     double axial_position;       /**< z of the middle of the face in the housing frame [m] */
+    bool has_gear;               /**< its radii follow from `gear`; otherwise from the pitch radius and its meshes */
+    evl_gear gear;               /**< */
 } evl_wheel;
 
 typedef enum {
@@ -125,11 +143,15 @@ typedef struct {
     bool has_centre_line_angle; /**< otherwise it follows from the two centres */
     double centre_line_angle;   /**< direction from the driving to the driven axle [rad] */
     bool paper_rule;            /**< alpha_w = 1.05 alpha_inf, Kosenko & Gusev 2011, section 7.1 */
-    double pressure_angle;   /**< working pressure angle alpha_w [rad] if not paper_rule, alpha_inf < alpha_w < pi/2 */
-    evl_law_choice contact;  /**< normal elastic force */
-    evl_law_choice damping;  /**< normal viscous force */
-    evl_law_choice friction; /**< tangential force */
-    int tracking;            /**< evl_tracking */
+    double pressure_angle;    /**< working pressure angle alpha_w [rad] if not paper_rule, alpha_inf < alpha_w < pi/2 */
+    evl_law_choice contact;   /**< normal elastic force */
+    evl_law_choice damping;   /**< normal viscous force */
+    evl_law_choice friction;  /**< tangential force */
+    int tracking;             /**< evl_tracking */
+    bool has_centre_distance; /**< for two real gears; otherwise from the backlash, or else from the profile shifts */
+    double centre_distance;   /**< a_w [m] */
+    bool has_backlash;        /**< otherwise it follows from the centre distance */
+    double backlash;          /**< normal backlash j_bn [m] >= 0 */
 } evl_mesh;
 
 typedef enum {
