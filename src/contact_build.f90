@@ -6,7 +6,7 @@ module evl_contact_build
    use evl_kinds, only: pi, wp
    use evl_local_variables, only: at_normal, at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_theta, at_track, &
                                   at_u_a, at_u_b, at_v_a, at_v_b, n_track
-   use evl_mesh, only: contact_t, flank_coast, flank_drive, mesh_link, tracking_closed_form
+   use evl_mesh, only: contact_t, flank_coast, flank_drive, mesh_link, n_border_roots, n_mesh_roots, tracking_closed_form
    use evl_spur_geometry, only: spur_pair_t
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel
    implicit none (type, external)
@@ -45,6 +45,8 @@ contains
                   contact%n_slots = slots
                   contact%handover = slots == 1
                   contact%rigid = is_rigid(meshes(m)%contact)
+                  contact%deviates = any(gearbox%wheels([meshes(m)%driving, meshes(m)%driven])%deviation%exists)
+                  contact%n_roots = n_mesh_roots + merge(n_border_roots, 0, contact%deviates)
                   ! the points of the coast flank follow from the wheels' positions, whatever tracks those of the drive flank
                   contact%tracking = merge(meshes(m)%tracking, tracking_closed_form, flank == flank_drive)
                end associate
@@ -96,6 +98,9 @@ contains
          mesh%pair%share_a = compliance_a*mesh%e_star
          mesh%pair%share_b = compliance_b*mesh%e_star
          mesh%pitches_per_turn = -pair%sigma*pitches
+         mesh%tooth_sign = pair%sigma
+         mesh%deviation_a = gearbox%wheels(a)%deviation
+         mesh%deviation_b = gearbox%wheels(b)%deviation
          if (mesh%flank == flank_drive) then
             mesh%pair%sigma = real(pair%sigma, wp)
             mesh%step = pair%base_pitch

@@ -2,15 +2,18 @@
 module evl_contact_events
    use evl_contact_point, only: contact_point
    use evl_contact_tracking, only: points_from_closed_form
-   use evl_event_log, only: event_apart, event_closed, event_entered, event_left, event_log, event_near, event_opened, &
-                            event_returned, event_sliding_began, event_sliding_ended, event_switch, event_switch_back, &
-                            event_vanished, note
+   use evl_event_log, only: event_apart, event_border, event_closed, event_entered, event_left, event_log, event_near, &
+                            event_opened, event_returned, event_sliding_began, event_sliding_ended, event_switch, &
+                            event_switch_back, event_vanished, note
    use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_store_mode, gearbox_t, i_theta, i_turns, pairs_loaded
+   use evl_flank_deviation, only: zone_none, zone_root, zone_tip
    use evl_kinds, only: wp
    use evl_local_variables, only: n_local, n_track
    use evl_mesh, only: contact_apart, contact_loaded, contact_off, contact_open, contact_t, contact_unloaded, mesh_contact, &
-                       mesh_mode, mesh_nominal_rho, mesh_settle_friction, mesh_unclipped_force, n_mesh_roots, root_apart, &
-                       root_back, root_contact, root_force, root_forward, root_friction_high, root_friction_low
+                       mesh_mode, mesh_nominal_rho, mesh_settle_friction, mesh_settle_zones, mesh_unclipped_force, &
+                       n_mesh_roots
+   use evl_mesh_roots, only: root_apart, root_borders_a, root_borders_b, root_back, root_contact, root_force, root_forward, &
+                             root_friction_high, root_friction_low
    use evl_status, only: code_no_solution, fail, has_failed, quantity, status_t, subject_mesh
    implicit none (type, external)
    private
@@ -33,7 +36,7 @@ contains
       associate (mesh => gearbox%contacts(index))
          call gearbox_local(gearbox, mesh, y, q)
          rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
-         call mesh_contact(mesh, rho_a0, q, point)
+         call mesh_contact(mesh, mode, rho_a0, q, point)
       end associate
    end subroutine mesh_point
 
@@ -41,7 +44,7 @@ contains
    subroutine contact_event(gearbox, m, fired, y, integers, reals, log, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m
-      logical, intent(in) :: fired(n_mesh_roots)
+      logical, intent(in) :: fired(:)
       real(wp), intent(inout) :: y(gearbox%n_states)
       integer, intent(inout) :: integers(:)
       real(wp), intent(inout) :: reals(:)
@@ -57,6 +60,7 @@ contains
          changed = fired(root_forward) .or. fired(root_back)
          entered = changed .and. mode%contact == contact_off
          if (changed) call change_pair(mesh, fired(root_forward), mode, log)
+         if (mesh%deviates) call change_zones(gearbox, m, changed, fired, y, integers, mode, log)
          call mesh_point(gearbox, m, y, integers, mode, q, rho_a0, point)
          if (entered) then
             call enter(gearbox, m, integers, point, mode, status)
@@ -145,10 +149,35 @@ contains
       if (force > 0 .and. mode%contact == contact_unloaded) mode%contact = contact_loaded
    end subroutine settle_clip
 
+   !> The contact passed the border of a relief, or lies on the flanks of another pair.
+   subroutine change_zones(gearbox, m, changed, fired, y, integers, mode, log)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: m, integers(:)
+      logical, intent(in) :: changed, fired(:)
+      real(wp), intent(in) :: y(:)
+      type(mesh_mode), intent(inout) :: mode
+      type(event_log), intent(inout) :: log
+      type(contact_point) :: point
+      real(wp) :: q(n_local), rho_a0
+
+      associate (mesh => gearbox%contacts(m))
+         if (changed) then
+            call mesh_point(gearbox, m, y, integers, mode, q, rho_a0, point)
+            call mesh_settle_zones(mesh, point, mode)
+         else if (any(fired(root_borders_a:root_borders_b + 1))) then
+            if (fired(root_borders_a)) mode%zone_a = merge(zone_none, zone_tip, mode%zone_a == zone_tip)
+            if (fired(root_borders_a + 1)) mode%zone_a = merge(zone_none, zone_root, mode%zone_a == zone_root)
+            if (fired(root_borders_b)) mode%zone_b = merge(zone_none, zone_tip, mode%zone_b == zone_tip)
+            if (fired(root_borders_b + 1)) mode%zone_b = merge(zone_none, zone_root, mode%zone_b == zone_root)
+            call note(log, event_border, mesh, mode%teeth)
+         end if
+      end associate
+   end subroutine change_zones
+
    !> The sliding velocity passed an end of the linear part of the friction law.
    pure subroutine change_friction(mesh, fired, mode, log)
       type(contact_t), intent(in) :: mesh
-      logical, intent(in) :: fired(n_mesh_roots)
+      logical, intent(in) :: fired(:)
       type(mesh_mode), intent(inout) :: mode
       type(event_log), intent(inout) :: log
 
@@ -164,7 +193,7 @@ contains
    !> Closing, opening, and the clip of the force.
    pure subroutine change_contact(mesh, fired, point, mode, log)
       type(contact_t), intent(in) :: mesh
-      logical, intent(in) :: fired(n_mesh_roots)
+      logical, intent(in) :: fired(:)
       type(contact_point), intent(in) :: point
       type(mesh_mode), intent(inout) :: mode
       type(event_log), intent(inout) :: log

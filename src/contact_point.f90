@@ -29,7 +29,9 @@ module evl_contact_point
       real(wp) :: s, c         !! direction of the normal: e = (-s, c), t = (c, s) in (t_0, e_0)
       real(wp) :: l_a, l_b     !! arms of the friction force [m]
       real(wp) :: v_t          !! sliding velocity along t [m/s]
-      real(wp) :: rho_dot      !! rate of the length of the line of action, rho_a + rho_b - h [m/s]
+      real(wp) :: arm_a, arm_b !! arms of the normal force: the base radii, where flanks do not deviate [m]
+      real(wp) :: tilt         !! slope of a deviating flank: the normal force has this part of itself along t on A
+      real(wp) :: rho_dot      !! rate of rho_a + rho_b - h, the length of the line of action unless flanks deviate [m/s]
       real(wp) :: omega_a, omega_b !! angular velocities [rad/s]
       real(wp) :: multiplier   !! normal force of a rigid contact [N]
    end type contact_point
@@ -38,6 +40,7 @@ module evl_contact_point
    type :: contact_gradient
       real(wp) :: h(n_local), h_dot(n_local), rho_a(n_local), rho_b(n_local), angle(n_local)
       real(wp) :: l_a(n_local), l_b(n_local), v_t(n_local), rho_dot(n_local)
+      real(wp) :: arm_a(n_local), arm_b(n_local), tilt(n_local) !! of deviating flanks only
    end type contact_gradient
 
 contains
@@ -52,6 +55,9 @@ contains
       v_t = q(at_v_b) - q(at_v_a)
       v_e = q(at_v_b + 1) - q(at_v_a + 1)
       point%multiplier = q(at_normal)
+      point%arm_a = pair%r_ba
+      point%arm_b = pair%r_bb
+      point%tilt = 0
       point%omega_a = pair%ratio_a*q(at_omega) + q(at_psi_dot_a)
       point%omega_b = pair%ratio_b*q(at_omega) + q(at_psi_dot_b)
       point%h_dot = -pair%sigma*(pair%r_ba*q(at_psi_dot_a) + pair%r_bb*q(at_psi_dot_b)) + v_t*point%s - v_e*point%c

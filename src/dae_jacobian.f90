@@ -141,7 +141,7 @@ contains
       associate (mesh => gearbox%contacts(index))
          call gearbox_local(gearbox, mesh, y, q)
          rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
-         call mesh_contact(mesh, rho_a0, q, point)
+         call mesh_contact(mesh, mode, rho_a0, q, point)
          call mesh_forces(mesh, mode, point, force, status)
          if (has_failed(status)) return
          call mesh_gradient(mesh, mode, rho_a0, q, point, force, gradient, status)

@@ -14,6 +14,7 @@
 !> contact; knots passed of every table. Discrete reals: the approach speed at the last closing of every tooth contact.
 module evl_gearbox
    use evl_contact_point, only: contact_point
+   use evl_flank_deviation, only: flank_deviation_t
    use evl_gear_geometry, only: gear_t
    use evl_gear_mesh, only: gear_mesh_t
    use evl_housing, only: apparent_acceleration, at_omega, frame_acceleration, frame_t, housing_frame, housing_rates, housing_t
@@ -67,6 +68,7 @@ module evl_gearbox
       integer :: i_speed = 0                 !! place of its speed's rate among the rows: i_omega or i_psi + 1
       integer :: prescribed = 0              !! load that prescribes its speed; 0: none
       type(support_t) :: support
+      type(flank_deviation_t) :: deviation   !! of its flanks from the involute
    end type wheel_t
 
    type :: gearbox_t
@@ -116,6 +118,10 @@ contains
          mode%teeth = integers(i)
          mode%contact = integers(i + 1)
          mode%friction = integers(i + 2)
+         if (gearbox%contacts(index)%deviates) then
+            mode%zone_a = integers(i + 3)
+            mode%zone_b = integers(i + 4)
+         end if
       end associate
       mode%v0 = reals(index)
       if (.not. gearbox%contacts(index)%rigid) return
@@ -188,6 +194,7 @@ contains
 
       associate (i => gearbox%contacts(index)%i_mode)
          integers(i:i + 2) = [mode%teeth, mode%contact, mode%friction]
+         if (gearbox%contacts(index)%deviates) integers(i + 3:i + 4) = [mode%zone_a, mode%zone_b]
       end associate
       reals(index) = mode%v0
    end subroutine gearbox_store_mode
@@ -419,7 +426,7 @@ contains
       associate (mesh => gearbox%contacts(index))
          call gearbox_local(gearbox, mesh, y, q)
          rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
-         call mesh_contact(mesh, rho_a0, q, point)
+         call mesh_contact(mesh, mode, rho_a0, q, point)
          call mesh_forces(mesh, mode, point, force, status)
       end associate
    end subroutine mesh_at

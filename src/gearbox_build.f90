@@ -4,6 +4,7 @@ module evl_gearbox_build
    use evl_gear_build, only: gears_build
    use evl_gear_pair, only: gear_pair_derive
    use evl_gearbox, only: gearbox_t, i_omega, i_theta, support_bearing, support_slider, support_t
+   use evl_gearbox_deviations, only: gearbox_set_deviations
    use evl_gearbox_description, only: check_description, mesh_input, wheel_input
    use evl_gearbox_scaling, only: gearbox_set_scales
    use evl_housing, only: n_housing_states
@@ -12,7 +13,7 @@ module evl_gearbox_build
    use evl_layout, only: layout_resolve, layout_t
    use evl_load, only: load_prescribed_speed, load_t
    use evl_local_variables, only: n_track
-   use evl_mesh, only: n_mesh_roots, tracking_closed_form
+   use evl_mesh, only: tracking_closed_form
    use evl_output_table, only: count_values
    use evl_spur_geometry, only: spur_pair_derive
    use evl_status, only: code_invalid_input, fail, has_failed, message_length, quantity, status_t, subject_mesh, subject_wheel
@@ -61,6 +62,8 @@ contains
          call take_pair(gearbox, wheels, meshes, layout, i, status)
          if (has_failed(status)) return
       end do
+      call gearbox_set_deviations(gearbox, wheels, meshes, status)
+      if (has_failed(status)) return
       call list_contacts(gearbox, meshes)
       call number_states(gearbox)
       do i = 1, size(gearbox%contacts)
@@ -213,11 +216,14 @@ contains
 
       n = 1
       do i = 1, size(gearbox%contacts)
-         gearbox%contacts(i)%i_mode = n + 1
-         n = n + 3
-         gearbox%contacts(i)%i_root = n_mesh_roots*(i - 1)
+         associate (mesh => gearbox%contacts(i))
+            mesh%i_mode = n + 1
+            n = n + merge(5, 3, mesh%deviates)
+            mesh%i_root = gearbox%n_roots
+            gearbox%n_roots = gearbox%n_roots + mesh%n_roots
+         end associate
       end do
-      gearbox%n_roots = n_mesh_roots*size(gearbox%contacts) + 1 ! the last one: turns of the reference wheel
+      gearbox%n_roots = gearbox%n_roots + 1 ! turns of the reference wheel
       do i = 1, size(gearbox%loads)
          if (size(gearbox%loads(i)%time) == 0) cycle
          gearbox%loads(i)%i_segment = n + 1

@@ -10,7 +10,8 @@ module evl_gearbox_events
    use evl_kinds, only: pi, wp
    use evl_load, only: load_next_knot
    use evl_local_variables, only: at_track, n_local, n_track
-   use evl_mesh, only: contact_apart, mesh_mode, mesh_nominal_rho, mesh_root_directions, mesh_roots, n_mesh_roots
+   use evl_mesh, only: contact_apart, mesh_mode, mesh_nominal_rho
+   use evl_mesh_roots, only: mesh_root_directions, mesh_roots
    use evl_rigid_events, only: closed_flanks, settle_rigid
    use evl_status, only: has_failed, status_t
    implicit none (type, external)
@@ -37,7 +38,7 @@ contains
       do m = 1, size(gearbox%contacts)
          mode = gearbox_mode(gearbox, m, integers, reals)
          call mesh_point(gearbox, m, y, integers, mode, q, rho_a0, point)
-         associate (first => gearbox%contacts(m)%i_root + 1, last => gearbox%contacts(m)%i_root + n_mesh_roots)
+         associate (first => gearbox%contacts(m)%i_root + 1, last => gearbox%contacts(m)%i_root + gearbox%contacts(m)%n_roots)
             call mesh_roots(gearbox%contacts(m), mode, rho_a0, q, point, roots(first:last), status)
          end associate
          if (has_failed(status)) return
@@ -57,7 +58,7 @@ contains
       do m = 1, size(gearbox%contacts)
          associate (mesh => gearbox%contacts(m))
             call mesh_root_directions(mesh, gearbox_mode(gearbox, m, integers, no_reals), &
-                                      directions(mesh%i_root + 1:mesh%i_root + n_mesh_roots))
+                                      directions(mesh%i_root + 1:mesh%i_root + mesh%n_roots))
          end associate
       end do
       directions(gearbox%n_roots) = -1
@@ -107,7 +108,7 @@ contains
          call note(log, event_knot)
       end if
       do m = 1, size(gearbox%contacts)
-         associate (mine => fired(gearbox%contacts(m)%i_root + 1:gearbox%contacts(m)%i_root + n_mesh_roots))
+         associate (mine => fired(gearbox%contacts(m)%i_root + 1:gearbox%contacts(m)%i_root + gearbox%contacts(m)%n_roots))
             if (any(mine /= 0)) call contact_event(gearbox, m, mine /= 0, y, integers, reals, log, status)
          end associate
       end do

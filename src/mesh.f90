@@ -7,25 +7,27 @@
 !>
 !> Forces are counted on the driving wheel A, along t and against e; wheel B feels the opposite.
 module evl_mesh
-   use evl_closed_form, only: centre_line_turn, closed_form_gap, gradient_closed_form, track_closed_form
+   use evl_closed_form, only: gradient_closed_form, track_closed_form
    use evl_contact_laws, only: contact_context, elastic_force, elastic_limit_message, elastic_potential, elastic_result, &
-                               friction_factor, friction_knee, friction_mode, is_rigid, law_choice, viscous_force, &
-                               viscous_result
+                               friction_factor, friction_mode, law_choice, viscous_force, viscous_result
    use evl_contact_point, only: contact_gradient, contact_point, tracked_pair
    use evl_contact_tracking, only: gradient_points, track_points
+   use evl_deviating_flanks, only: deviate, deviate_gradient, flank_value
+   use evl_flank_deviation, only: deviation_at, deviation_zone, flank_deviation_t
    use evl_kinds, only: pi, wp
-   use evl_local_variables, only: at_normal, at_psi_a, n_local, unit
+   use evl_local_variables, only: at_normal, n_local, unit
    use evl_status, only: code_ok, code_out_of_domain, fail, quantity, status_t, subject_mesh
    implicit none (type, external)
    private
 
    public :: contact_t, mesh_link, mesh_mode, mesh_force, mesh_force_gradient
-   public :: mesh_contact, mesh_forces, mesh_gradient, mesh_energy, mesh_roots, mesh_root_directions, mesh_teeth_moved
-   public :: mesh_nominal_rho, mesh_unclipped_force, mesh_settle_friction, mesh_ends, touches
+   public :: mesh_contact, mesh_forces, mesh_gradient, mesh_energy
+   public :: mesh_nominal_rho, mesh_unclipped_force, mesh_settle_friction, touches
    public :: tracking_closed_form, tracking_algebraic, tracking_differential
    public :: contact_open, contact_loaded, contact_unloaded, contact_apart, contact_off
-   public :: n_mesh_roots, root_contact, root_force, root_friction_high, root_friction_low, root_forward, root_back, root_apart
+   public :: n_mesh_roots, n_border_roots
    public :: flank_drive, flank_coast
+   public :: mesh_settle_zones, mesh_tooth_a, mesh_tooth_b
 
    integer, parameter :: tracking_closed_form = 0  !! contact from the wheels' positions
    integer, parameter :: tracking_algebraic = 1    !! contact from (1)
@@ -41,16 +43,7 @@ module evl_mesh
    integer, parameter :: flank_coast = 1 !! the other side of the teeth
 
    integer, parameter :: n_mesh_roots = 7       !! root functions of a tooth contact
-   integer, parameter :: root_contact = 1       !! the gap closes or opens
-   integer, parameter :: root_force = 2         !! the unclipped force passes zero
-   integer, parameter :: root_friction_high = 3 !! v_t passes the upper end of the linear part
-   integer, parameter :: root_friction_low = 4  !! v_t passes the lower end
-   integer, parameter :: root_forward = 5       !! the far end of the path is passed, or one pitch since the last switch
-   integer, parameter :: root_back = 6          !! the near end of the path is passed, or one pitch back since the last switch
-   integer, parameter :: root_apart = 7         !! the flanks part so far, or come so near, that tracking ends or begins
-
-   !> Roots lie this far past the change of mode, relative to the size of the quantity: a root function never starts at zero.
-   real(wp), parameter :: past = 1.0e-10_wp
+   integer, parameter :: n_border_roots = 4     !! more of them where a flank deviates: borders of tip and root relief of A, of B
 
    !> Couples a local variable of the mesh with a state of the gearbox.
    type :: mesh_link
@@ -83,14 +76,18 @@ module evl_mesh
       real(wp) :: k_a0(2) = 0.0_wp        !! K_A at the reference centre distance [m]
       real(wp) :: force_scale = 0.0_wp    !! normal force that the loads suggest [N]
       real(wp) :: h_scale = 0.0_wp        !! its penetration [m]
+      logical :: deviates = .false.       !! whether a flank deviates from the involute
+      type(flank_deviation_t) :: deviation_a, deviation_b !! and how
+      integer :: tooth_sign = 1           !! +1: tooth pairs come in the order of A's teeth, counted counterclockwise; -1: against
       type(mesh_link), allocatable :: links(:) !! local variables in terms of the state
       logical :: leads = .false.          !! the first slot of a rigid flank: the flank's constraint is its
       integer :: i_normal = 0             !! multiplier of a rigid flank in the state; 0 if none
       integer :: i_dependent = 0          !! deviation of the wheel that a closed rigid contact determines
       real(wp) :: mobility = 0.0_wp       !! r_bA^2/J_A + r_bB^2/J_B [1/kg]
       integer :: i_track = 0              !! first tracked variable in the state; 0 if none
-      integer :: i_mode = 0               !! place of its three integers in the discrete state
+      integer :: i_mode = 0               !! place of its integers in the discrete state: three, and two zones if it deviates
       integer :: i_root = 0               !! place before its root functions
+      integer :: n_roots = n_mesh_roots   !! how many there are
    end type contact_t
 
    !> Discrete state of a mesh.
@@ -132,17 +129,62 @@ contains
    end function mesh_nominal_rho
 
    !> The contact as the mesh's tracking sees it.
-   pure subroutine mesh_contact(mesh, rho_a0, q, point)
+   pure subroutine mesh_contact(mesh, mode, rho_a0, q, point)
       type(contact_t), intent(in) :: mesh
+      type(mesh_mode), intent(in) :: mode
       real(wp), intent(in) :: rho_a0, q(n_local)
       type(contact_point), intent(out) :: point
+      type(flank_value) :: a, b
 
       if (mesh%tracking == tracking_closed_form) then
          call track_closed_form(mesh%pair, rho_a0, q, point)
       else
          call track_points(mesh%pair, rho_a0, q, point)
       end if
+      if (.not. mesh%deviates) return
+      call flank_values(mesh, mode, point, a, b)
+      call deviate(mesh%pair, a, b, q, point)
    end subroutine mesh_contact
+
+   !> What the flanks of a tooth pair lack in material.
+   pure subroutine flank_values(mesh, mode, point, a, b)
+      type(contact_t), intent(in) :: mesh
+      type(mesh_mode), intent(in) :: mode
+      type(contact_point), intent(in) :: point
+      type(flank_value), intent(out) :: a, b
+
+      associate (side => nint(mesh%pair%sigma))
+         call deviation_at(mesh%deviation_a, mesh_tooth_a(mesh, mode%teeth), side, point%rho_a, mode%zone_a, a%e, a%de, a%d2e)
+         call deviation_at(mesh%deviation_b, mesh_tooth_b(mesh, mode%teeth), side, point%rho_b, mode%zone_b, b%e, b%de, b%d2e)
+      end associate
+   end subroutine flank_values
+
+   !> The driving wheel's tooth of a pair, counted counterclockwise; any whole turn may be added.
+   pure integer function mesh_tooth_a(mesh, pair) result(tooth)
+      type(contact_t), intent(in) :: mesh
+      integer, intent(in) :: pair
+
+      tooth = mesh%tooth_sign*pair
+   end function mesh_tooth_a
+
+   !> The driven wheel's tooth of a pair, counted counterclockwise: on the coast side the next one.
+   pure integer function mesh_tooth_b(mesh, pair) result(tooth)
+      type(contact_t), intent(in) :: mesh
+      integer, intent(in) :: pair
+
+      tooth = -mesh%tooth_sign*(pair + merge(1, 0, mesh%flank == flank_coast))
+   end function mesh_tooth_b
+
+   !> The parts of its modified flanks on which a contact lies.
+   pure subroutine mesh_settle_zones(mesh, point, mode)
+      type(contact_t), intent(in) :: mesh
+      type(contact_point), intent(in) :: point
+      type(mesh_mode), intent(inout) :: mode
+
+      if (.not. mesh%deviates) return
+      mode%zone_a = deviation_zone(mesh%deviation_a, point%rho_a)
+      mode%zone_b = deviation_zone(mesh%deviation_b, point%rho_b)
+   end subroutine mesh_settle_zones
 
    !> What the laws may know.
    pure type(contact_context) function context_of(mesh, point, v0) result(ctx)
@@ -187,11 +229,13 @@ contains
       call friction_factor(mesh%friction, mode%friction, point%v_t, factor, d_v)
       force%friction = -force%normal*factor
       associate (sigma => mesh%pair%sigma)
-         force%torque_a = sigma*(force%normal*mesh%pair%r_ba + force%friction*point%l_a)
-         force%torque_b = sigma*(force%normal*mesh%pair%r_bb + force%friction*point%l_b)
+         force%torque_a = sigma*(force%normal*point%arm_a + force%friction*point%l_a)
+         force%torque_b = sigma*(force%normal*point%arm_b + force%friction*point%l_b)
       end associate
-      force%on_a(1) = force%normal*point%s + force%friction*point%c
-      force%on_a(2) = -force%normal*point%c + force%friction*point%s
+      associate (tangential => force%friction + force%normal*point%tilt)
+         force%on_a(1) = force%normal*point%s + tangential*point%c
+         force%on_a(2) = -force%normal*point%c + tangential*point%s
+      end associate
       force%dissipation = force%viscous*point%h_dot - force%friction*point%v_t - elastic%d_energy*point%rho_dot
    end subroutine mesh_forces
 
@@ -247,8 +291,10 @@ contains
       type(contact_gradient) :: d
       type(elastic_result) :: elastic
       type(viscous_result) :: viscous
+      type(flank_value) :: a, b
+      type(contact_point) :: perfect
       real(wp) :: factor, d_v
-      real(wp), dimension(n_local) :: d_rho_sum, d_energy, d_elastic, d_viscous, d_normal, d_friction
+      real(wp), dimension(n_local) :: d_rho_sum, d_energy, d_elastic, d_viscous, d_normal, d_friction, d_tangential
 
       gradient%torque_a = 0
       gradient%torque_b = 0
@@ -259,6 +305,11 @@ contains
          call gradient_closed_form(mesh%pair, q, point, d)
       else
          call gradient_points(mesh%pair, rho_a0, q, point, d)
+      end if
+      if (mesh%deviates) then
+         call track_closed_form(mesh%pair, rho_a0, q, perfect)
+         call flank_values(mesh, mode, perfect, a, b)
+         call deviate_gradient(mesh%pair, a, b, q, perfect, point, d)
       end if
       call contact_law(mesh, mode, point, elastic, viscous, status)
       d_rho_sum = d%rho_a + d%rho_b
@@ -278,12 +329,18 @@ contains
       d_normal = d_elastic + d_viscous
       call friction_factor(mesh%friction, mode%friction, point%v_t, factor, d_v)
       d_friction = -factor*d_normal - force%normal*d_v*d%v_t
-      associate (sigma => mesh%pair%sigma, r_ba => mesh%pair%r_ba, r_bb => mesh%pair%r_bb)
-         gradient%torque_a = sigma*(r_ba*d_normal + point%l_a*d_friction + force%friction*d%l_a)
-         gradient%torque_b = sigma*(r_bb*d_normal + point%l_b*d_friction + force%friction*d%l_b)
+      associate (sigma => mesh%pair%sigma)
+         gradient%torque_a = sigma*(point%arm_a*d_normal + point%l_a*d_friction + force%friction*d%l_a)
+         gradient%torque_b = sigma*(point%arm_b*d_normal + point%l_b*d_friction + force%friction*d%l_b)
+         d_tangential = d_friction
+         if (mesh%deviates) then
+            gradient%torque_a = gradient%torque_a + sigma*force%normal*d%arm_a
+            gradient%torque_b = gradient%torque_b + sigma*force%normal*d%arm_b
+            d_tangential = d_friction + point%tilt*d_normal + force%normal*d%tilt
+         end if
       end associate
-      gradient%on_a(:, 1) = point%s*d_normal + point%c*d_friction - force%on_a(2)*d%angle
-      gradient%on_a(:, 2) = -point%c*d_normal + point%s*d_friction + force%on_a(1)*d%angle
+      gradient%on_a(:, 1) = point%s*d_normal + point%c*d_tangential - force%on_a(2)*d%angle
+      gradient%on_a(:, 2) = -point%c*d_normal + point%s*d_tangential + force%on_a(1)*d%angle
       gradient%dissipation = gradient%dissipation + d_viscous*point%h_dot + viscous%force*d%h_dot - d_friction*point%v_t &
                              - force%friction*d%v_t
    end subroutine mesh_gradient
@@ -313,28 +370,6 @@ contains
       force = elastic%force + viscous%force
    end subroutine mesh_unclipped_force
 
-   !> How many pitches the driving wheel has moved on since a pair that hands over began [1].
-   pure real(wp) function mesh_teeth_moved(mesh, rho_a0, q) result(moved)
-      type(contact_t), intent(in) :: mesh
-      real(wp), intent(in) :: rho_a0, q(n_local)
-
-      moved = (rho_a0 - mesh%rho_entry - mesh%pair%sigma*mesh%pair%r_ba*(q(at_psi_a) - centre_line_turn(mesh%pair, q)))/mesh%step
-   end function mesh_teeth_moved
-
-   !> How far a tooth pair is from the ends of the path of contact, in pitches; not negative while it is on the path.
-   pure subroutine mesh_ends(mesh, point, pitches, near, far)
-      type(contact_t), intent(in) :: mesh
-      type(contact_point), intent(in) :: point
-      integer, intent(in) :: pitches     !! of the pair before that of the point: how many pitches ahead it is
-      real(wp), intent(out) :: near, far !! from the end where pairs enter in the nominal sense of rotation, and from the other
-      real(wp) :: from_tip_a, from_tip_b
-
-      from_tip_a = (mesh%rho_tip_a - point%rho_a - pitches*mesh%step)/mesh%base_pitch
-      from_tip_b = (mesh%rho_tip_b - point%rho_b + pitches*mesh%step)/mesh%base_pitch
-      near = merge(from_tip_b, from_tip_a, mesh%flank == flank_drive)
-      far = merge(from_tip_a, from_tip_b, mesh%flank == flank_drive)
-   end subroutine mesh_ends
-
    !> Whether the flanks of a tooth pair overlap, so that the laws say what acts.
    pure logical function touches(mode)
       type(mesh_mode), intent(in) :: mode
@@ -349,81 +384,5 @@ contains
 
       branch = friction_mode(mesh%friction, point%v_t)
    end function mesh_settle_friction
-
-   !> Root functions, of order 1; those without meaning in the mode are 1.
-   subroutine mesh_roots(mesh, mode, rho_a0, q, point, roots, status)
-      type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
-      real(wp), intent(in) :: rho_a0, q(n_local)
-      type(contact_point), intent(in) :: point
-      real(wp), intent(out) :: roots(n_mesh_roots)
-      type(status_t), intent(inout) :: status
-      real(wp) :: force, knee
-
-      roots = 1
-      if (mode%contact == contact_open) roots(root_contact) = point%h/mesh%h_scale - past
-      if (touches(mode)) then
-         if (.not. mesh%rigid) roots(root_contact) = point%h/mesh%h_scale + past
-         call mesh_unclipped_force(mesh, mode, point, force, status)
-         roots(root_force) = force/mesh%force_scale + merge(past, -past, mode%contact == contact_loaded)
-      end if
-      knee = friction_knee(mesh%friction)
-      if (knee > 0 .and. mode%contact == contact_loaded) then
-         select case (mode%friction)
-         case (0)
-            roots(root_friction_high) = point%v_t/knee - (1 + past)
-            roots(root_friction_low) = point%v_t/knee + (1 + past)
-         case (1)
-            roots(root_friction_high) = point%v_t/knee - (1 - past)
-         case (-1)
-            roots(root_friction_low) = point%v_t/knee + (1 - past)
-         end select
-      end if
-      call end_roots(mesh, mode, rho_a0, q, point, roots(root_forward), roots(root_back))
-      if (mesh%tracking == tracking_closed_form) return
-      if (mode%contact == contact_open) roots(root_apart) = -point%h/mesh%gap_apart - 1
-      if (mode%contact == contact_apart) roots(root_apart) = closed_form_gap(mesh%pair, q)/mesh%gap_apart - 1
-   end subroutine mesh_roots
-
-   !> Root functions of the ends of the path.
-   pure subroutine end_roots(mesh, mode, rho_a0, q, point, forward, back)
-      type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
-      real(wp), intent(in) :: rho_a0, q(n_local)
-      type(contact_point), intent(in) :: point
-      real(wp), intent(out) :: forward, back
-      real(wp) :: moved, none
-
-      if (mesh%handover) then
-         moved = mesh_teeth_moved(mesh, rho_a0, q)
-         forward = moved - 1
-         back = moved + 1
-      else if (mode%contact == contact_off) then
-         ! the pair that waits may enter where pairs begin, and the one before it, turning back, where they end
-         call mesh_ends(mesh, point, 0, back, none)
-         call mesh_ends(mesh, point, mesh%n_slots, none, forward)
-         back = back - past
-         forward = forward - past
-      else
-         call mesh_ends(mesh, point, 0, back, forward)
-         back = back + past
-         forward = forward + past
-      end if
-   end subroutine end_roots
-
-   !> The direction in which each root counts.
-   pure subroutine mesh_root_directions(mesh, mode, directions)
-      type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
-      integer, intent(out) :: directions(n_mesh_roots)
-
-      directions(root_contact) = merge(1, -1, mode%contact == contact_open)
-      directions(root_force) = merge(1, -1, mode%contact == contact_unloaded)
-      directions(root_friction_high) = merge(-1, 1, mode%friction == 1)
-      directions(root_friction_low) = merge(1, -1, mode%friction == -1)
-      directions(root_forward) = merge(1, -1, mesh%handover .or. mode%contact == contact_off)
-      directions(root_back) = merge(1, -1, mode%contact == contact_off)
-      directions(root_apart) = merge(-1, 1, mode%contact == contact_apart)
-   end subroutine mesh_root_directions
 
 end module evl_mesh

@@ -9,7 +9,8 @@ module evl_mesh_outputs
    use evl_kinds, only: pi, wp
    use evl_local_variables, only: at_lambda, at_psi_a, at_psi_b, at_track, n_local, n_track
    use evl_mesh, only: contact_apart, contact_loaded, contact_off, contact_t, flank_coast, flank_drive, mesh_contact, &
-                       mesh_energy, mesh_force, mesh_forces, mesh_mode, mesh_nominal_rho, tracking_closed_form
+                       mesh_energy, mesh_force, mesh_forces, mesh_mode, mesh_nominal_rho, mesh_tooth_a, mesh_tooth_b, &
+                       tracking_closed_form
    use evl_output, only: dims_mesh, dims_mesh_axis, dims_mesh_pair, output_t
    use evl_status, only: status_t
    implicit none (type, external)
@@ -83,8 +84,10 @@ contains
       t(4) = output_t("pair_contact_pressure", "Pa", "p_k", "largest contact pressure", dims_mesh_pair)
       t(5) = output_t("pair_on_path", "1", "", "1 if the tooth pair is on the path of contact", dims_mesh_pair, is_integer=.true.)
       t(6) = output_t("pair_number", "1", "k", "the tooth pair: pitches since the start", dims_mesh_pair, is_integer=.true.)
-      t(7) = output_t("pair_tooth_driving", "1", "", "its tooth of the driving wheel, from 0", dims_mesh_pair, is_integer=.true.)
-      t(8) = output_t("pair_tooth_driven", "1", "", "its tooth of the driven wheel, from 0", dims_mesh_pair, is_integer=.true.)
+      t(7) = output_t("pair_tooth_driving", "1", "", "its tooth of the driving wheel, from 0, counterclockwise", dims_mesh_pair, &
+                      is_integer=.true.)
+      t(8) = output_t("pair_tooth_driven", "1", "", "its tooth of the driven wheel, from 0, counterclockwise", dims_mesh_pair, &
+                      is_integer=.true.)
    end function pair_histories
 
    !> Places for tooth pairs that every mesh has in the outputs: the slots of the drive flank, then those of the coast flank.
@@ -158,8 +161,8 @@ contains
       mode = gearbox_mode(gearbox, m, integers, reals)
       associate (mesh => gearbox%contacts(m))
          values(6) = mode%teeth
-         values(7) = modulo(mode%teeth, gearbox%wheels(mesh%wheel_a)%teeth)
-         values(8) = modulo(mode%teeth + merge(1, 0, mesh%flank == flank_coast), gearbox%wheels(mesh%wheel_b)%teeth)
+         values(7) = modulo(mesh_tooth_a(mesh, mode%teeth), gearbox%wheels(mesh%wheel_a)%teeth)
+         values(8) = modulo(mesh_tooth_b(mesh, mode%teeth), gearbox%wheels(mesh%wheel_b)%teeth)
          if (mode%contact == contact_off) return
          call gearbox_local(gearbox, mesh, y, q)
          rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
@@ -191,7 +194,7 @@ contains
       if (mode%contact == contact_apart) then
          call track_closed_form(mesh%pair, rho_a0, q, point)
       else
-         call mesh_contact(mesh, rho_a0, q, point)
+         call mesh_contact(mesh, mode, rho_a0, q, point)
       end if
    end subroutine pair_point
 

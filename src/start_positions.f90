@@ -6,7 +6,8 @@ module evl_start_positions
    use evl_kinds, only: wp
    use evl_load, only: load_speed
    use evl_local_variables, only: n_local
-   use evl_mesh, only: contact_off, contact_open, mesh_ends, mesh_nominal_rho
+   use evl_mesh, only: mesh_contact, mesh_mode, mesh_settle_zones, contact_off, contact_open, mesh_nominal_rho
+   use evl_mesh_roots, only: mesh_ends
    implicit none (type, external)
    private
 
@@ -102,11 +103,18 @@ contains
       integer, intent(in) :: index, turns, teeth
       real(wp), intent(in) :: y(:)
       type(contact_point), intent(out) :: point
+      type(mesh_mode) :: mode
       real(wp) :: q(n_local)
 
       associate (mesh => gearbox%contacts(index))
          call gearbox_local(gearbox, mesh, y, q)
-         call track_closed_form(mesh%pair, mesh_nominal_rho(mesh, y(i_theta), turns, teeth), q, point)
+         associate (rho_a0 => mesh_nominal_rho(mesh, y(i_theta), turns, teeth))
+            call track_closed_form(mesh%pair, rho_a0, q, point)
+            if (.not. mesh%deviates) return
+            mode%teeth = teeth
+            call mesh_settle_zones(mesh, point, mode)
+            call mesh_contact(mesh, mode, rho_a0, q, point)
+         end associate
       end associate
    end subroutine closed_form_point
 

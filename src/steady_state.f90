@@ -10,7 +10,7 @@ module evl_steady_state
    use evl_kinds, only: wp
    use evl_lapack, only: dgesv
    use evl_load, only: load_acceleration, load_damping, load_torque
-   use evl_mesh, only: contact_loaded, contact_off, flank_coast, flank_drive, mesh_mode, mesh_settle_friction, &
+   use evl_mesh, only: contact_loaded, contact_off, flank_coast, flank_drive, mesh_mode, mesh_settle_friction, mesh_settle_zones, &
                        tracking_closed_form
    use evl_start_positions, only: closed_form_point, place_pairs, prescribed_speed, set_gaps
    use evl_status, only: clear, code_no_solution, fail, has_failed, quantity, status_t, subject_initial, subject_housing, &
@@ -158,6 +158,7 @@ contains
          if (mode%contact == contact_off .or. gearbox%contacts(m)%flank == flank_coast) cycle
          call closed_form_point(gearbox, m, y, 0, mode%teeth, point)
          mode%contact = contact_loaded
+         call mesh_settle_zones(gearbox%contacts(m), point, mode)
          mode%friction = mesh_settle_friction(gearbox%contacts(m), point)
          call gearbox_store_mode(gearbox, m, mode, integers, reals)
       end do
