@@ -10,8 +10,8 @@ module evl_contact_events
    use evl_kinds, only: wp
    use evl_local_variables, only: n_local, n_track
    use evl_mesh, only: contact_apart, contact_loaded, contact_off, contact_open, contact_t, contact_unloaded, mesh_contact, &
-                       mesh_mode, mesh_nominal_rho, mesh_settle_friction, mesh_settle_zones, mesh_unclipped_force, &
-                       n_mesh_roots
+                       mesh_energy, mesh_mode, mesh_nominal_rho, mesh_settle_friction, mesh_settle_zones, &
+                       mesh_unclipped_force, n_mesh_roots
    use evl_mesh_roots, only: root_apart, root_borders_a, root_borders_b, root_back, root_contact, root_force, root_forward, &
                              root_friction_high, root_friction_low
    use evl_status, only: code_no_solution, fail, has_failed, quantity, status_t, subject_mesh
@@ -59,6 +59,7 @@ contains
       associate (mesh => gearbox%contacts(m))
          changed = fired(root_forward) .or. fired(root_back)
          entered = changed .and. mode%contact == contact_off
+         if (changed .and. mode%contact /= contact_off) call book_energy(gearbox, m, mode, integers, 1.0_wp, y)
          if (changed) call change_pair(mesh, fired(root_forward), mode, log)
          if (mesh%deviates) call change_zones(gearbox, m, changed, fired, y, integers, mode, log)
          call mesh_point(gearbox, m, y, integers, mode, q, rho_a0, point)
@@ -71,10 +72,29 @@ contains
          ! the radii of curvature jump at a switch, and friction starts anew with a contact
          if (mode%contact == contact_loaded .and. (changed .or. fired(root_contact) .or. fired(root_force))) &
             mode%friction = mesh_settle_friction(mesh, point)
+         if (changed .and. mode%contact /= contact_off) call book_energy(gearbox, m, mode, integers, -1.0_wp, y)
          if (fired(root_apart)) call change_distance(mesh, q, mode, y, log)
       end associate
       call gearbox_store_mode(gearbox, m, mode, integers, reals)
    end subroutine contact_event
+
+   !> Elastic energy that a tooth pair takes away from the path, or brings with it when its flanks overlap at once: in the balance
+   !> of energies it counts as lost, or as negative loss.
+   pure subroutine book_energy(gearbox, m, mode, integers, sign, y)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: m, integers(:)
+      type(mesh_mode), intent(in) :: mode
+      real(wp), intent(in) :: sign !! +1 before the change, -1 after it
+      real(wp), intent(inout) :: y(gearbox%n_states)
+      type(contact_point) :: point
+      real(wp) :: q(n_local), rho_a0
+
+      associate (mesh => gearbox%contacts(m))
+         if (mesh%handover .and. .not. mesh%deviates) return ! the next pair has the same energy
+         call mesh_point(gearbox, m, y, integers, mode, q, rho_a0, point)
+         y(gearbox%i_dissipated) = y(gearbox%i_dissipated) + sign*mesh_energy(mesh, mode, point)
+      end associate
+   end subroutine book_energy
 
    !> An end of the path, or a pitch, is passed: the next tooth pair takes the slot, or the one before.
    pure subroutine change_pair(mesh, forward, mode, log)

@@ -16,9 +16,10 @@ module evl_mesh_outputs
    implicit none (type, external)
    private
 
-   public :: n_mesh_histories, n_pair_histories, mesh_histories, pair_histories, pair_places, put_mesh
+   public :: n_mesh_histories, n_pair_histories, n_coast_histories, mesh_histories, pair_histories, coast_histories
+   public :: has_coast, pair_places, put_mesh
 
-   integer, parameter :: n_mesh_histories = 27, n_pair_histories = 8
+   integer, parameter :: n_mesh_histories = 26, n_pair_histories = 8, n_coast_histories = 2
    integer, parameter :: n_scalars = n_mesh_histories - 2 !! of a mesh; behind them two points
 
    !> What the tooth contacts of a mesh add up to.
@@ -29,6 +30,7 @@ module evl_mesh_outputs
       real(wp) :: loss = 0.0_wp                           !! power lost to friction [W]
       integer :: loaded = 0                               !! pairs that carry load
       logical :: touching = .false.                       !! whether any flanks overlap
+      real(wp) :: h(2) = -huge(1.0_wp)                    !! largest penetration on the drive flank, on the coast flank [m]
    end type mesh_sum
 
 contains
@@ -38,7 +40,7 @@ contains
 
       t(1) = output_t("transmission_error", "m", "Delta", "dynamic transmission error along the line of action", dims_mesh)
       t(2) = output_t("penetration", "m", "h", "mutual penetration of the flanks", dims_mesh)
-      t(3) = output_t("gap", "m", "kappa", "gap between the flanks, negative in contact", dims_mesh)
+      t(3) = output_t("gap", "m", "kappa", "smallest gap between the flanks, negative in contact", dims_mesh)
       t(4) = output_t("separation_curvature", "m", "", "R (inv alpha - inv alpha_0)", dims_mesh)
       t(5) = output_t("normal_force", "N", "F_n", "normal force of all tooth pairs", dims_mesh)
       t(6) = output_t("friction_force", "N", "F_t", "friction force on the driving wheel along t, all pairs of the drive flank", &
@@ -62,15 +64,14 @@ contains
                        "0 open, 1 loaded, 2 overlapping without force, 3 too far apart to track, 4 off the path", dims_mesh, &
                        is_integer=.true.)
       t(18) = output_t("gap_rate", "m s-1", "kappa'", "rate of the gap", dims_mesh)
-      t(19) = output_t("coast_gap", "m", "kappa_c", "gap between the flanks on the coast side", dims_mesh)
-      t(20) = output_t("coast_force", "N", "F_nc", "normal force of the tooth pairs on the coast side", dims_mesh)
-      t(21) = output_t("pairs_in_contact", "1", "", "tooth pairs that carry load, on both flanks", dims_mesh, is_integer=.true.)
-      t(22) = output_t("mesh_torque_driving", "N m", "T_A", "torque of the mesh on the driving wheel", dims_mesh)
-      t(23) = output_t("mesh_torque_driven", "N m", "T_B", "torque of the mesh on the driven wheel", dims_mesh)
-      t(24) = output_t("friction_loss", "W", "P_f", "power lost to friction", dims_mesh)
-      t(25) = output_t("efficiency", "1", "eta", "1 - friction loss over the power that the driving wheel hands over", dims_mesh)
-      t(26) = output_t("contact_point_driving", "m", "P_A", "contact point on the driving flank", dims_mesh_axis)
-      t(27) = output_t("contact_point_driven", "m", "P_B", "contact point on the driven flank", dims_mesh_axis)
+      t(19) = output_t("flank_deviation", "m", "e", "material that the flanks lack where they are nearest to each other", dims_mesh)
+      t(20) = output_t("pairs_in_contact", "1", "", "tooth pairs that carry load, on both flanks", dims_mesh, is_integer=.true.)
+      t(21) = output_t("mesh_torque_driving", "N m", "T_A", "torque of the mesh on the driving wheel", dims_mesh)
+      t(22) = output_t("mesh_torque_driven", "N m", "T_B", "torque of the mesh on the driven wheel", dims_mesh)
+      t(23) = output_t("friction_loss", "W", "P_f", "power lost to friction", dims_mesh)
+      t(24) = output_t("efficiency", "1", "eta", "1 - friction loss over the power that the driving wheel hands over", dims_mesh)
+      t(25) = output_t("contact_point_driving", "m", "P_A", "contact point on the driving flank", dims_mesh_axis)
+      t(26) = output_t("contact_point_driven", "m", "P_B", "contact point on the driven flank", dims_mesh_axis)
    end function mesh_histories
 
    pure function pair_histories() result(t)
@@ -90,26 +91,43 @@ contains
                       is_integer=.true.)
    end function pair_histories
 
+   !> Only where a mesh has coast flanks.
+   pure function coast_histories() result(t)
+      type(output_t) :: t(n_coast_histories)
+
+      t(1) = output_t("coast_gap", "m", "kappa_c", "smallest gap between the flanks on the coast side", dims_mesh)
+      t(2) = output_t("coast_force", "N", "F_nc", "normal force of the tooth pairs on the coast side", dims_mesh)
+   end function coast_histories
+
+   !> Whether a mesh has coast flanks.
+   pure logical function has_coast(gearbox)
+      type(gearbox_t), intent(in) :: gearbox
+
+      has_coast = any(gearbox%contacts%flank == flank_coast)
+   end function has_coast
+
    !> Places for tooth pairs that every mesh has in the outputs: the slots of the drive flank, then those of the coast flank.
    pure integer function pair_places(gearbox) result(n)
       type(gearbox_t), intent(in) :: gearbox
 
-      n = maxval(gearbox%contacts%n_slots)*merge(2, 1, any(gearbox%contacts%flank == flank_coast))
+      n = maxval(gearbox%contacts%n_slots)*merge(2, 1, has_coast(gearbox))
    end function pair_places
 
    !> A mesh at a state.
-   subroutine put_mesh(gearbox, index, n, places, y, integers, reals, torque, reactions, scalars, points, pairs, potential, status)
+   subroutine put_mesh(gearbox, index, n, places, y, integers, reals, torque, reactions, scalars, points, pairs, coast, potential, &
+                       status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index, n, places, integers(:)
       real(wp), intent(in) :: y(:), reals(:)
       real(wp), intent(inout) :: torque(:)  !! of the meshes on the wheels so far [N m]
       real(wp), intent(inout) :: reactions(:, :) !! on the housing so far, (6, wheel): force [N], moment [N m]
       real(wp), intent(inout) :: scalars(n, n_scalars), points(2, n, 2), pairs(places, n, n_pair_histories)
+      real(wp), intent(inout) :: coast(:)   !! (n, n_coast_histories) as a vector, or of size 0
       real(wp), intent(inout) :: potential  !! energy so far [J]
       type(status_t), intent(inout) :: status
       type(mesh_sum) :: total
       type(contact_point) :: leading
-      real(wp) :: tracked(5), transmission_error, input, q(n_local)
+      real(wp) :: tracked(5), transmission_error, curvature, input, q(n_local)
       integer :: m, place, leader, drive_slots
 
       leader = leading_contact(gearbox, index, integers)
@@ -128,18 +146,23 @@ contains
          associate (p => mesh%pair)
             transmission_error = -p%sigma*(p%r_ba*q(at_psi_a) + p%r_bb*q(at_psi_b) - (p%r_ba + p%r_bb)*centre_line_turn(p, q))
          end associate
+         curvature = closed_form_gap(mesh%pair, q) + transmission_error
+         if (.not. total%h(1) > -huge(1.0_wp)) total%h(1) = leading%h ! no pair is on the path
          input = abs(total%torque_a*leading%omega_a)
-         scalars(index, 1:9) = [transmission_error, max(leading%h, 0.0_wp), -leading%h, &
-                                closed_form_gap(mesh%pair, q) + transmission_error, total%normal, total%friction, leading%v_t, &
-                                leading%l_a, leading%l_b]
+         scalars(index, 1:9) = [transmission_error, max(total%h(1), 0.0_wp), -total%h(1), curvature, total%normal, &
+                                total%friction, leading%v_t, leading%l_a, leading%l_b]
          scalars(index, 10:14) = tracked
          scalars(index, 15:18) = [real(integers(mesh%i_mode), wp), merge(1.0_wp, 0.0_wp, total%touching), &
                                   real(integers(mesh%i_mode + 1), wp), -leading%h_dot]
+         scalars(index, 19) = merge(transmission_error - curvature - total%h(1), 0.0_wp, mesh%deviates)
       end associate
-      scalars(index, 19) = coast_gap(gearbox, index, y)
-      scalars(index, 20:24) = [total%coast, real(total%loaded, wp), total%torque_a, total%torque_b, total%loss]
-      scalars(index, 25) = ieee_value(0.0_wp, ieee_quiet_nan)
-      if (input > 0) scalars(index, 25) = 1 - total%loss/input
+      scalars(index, 20:23) = [real(total%loaded, wp), total%torque_a, total%torque_b, total%loss]
+      scalars(index, 24) = ieee_value(0.0_wp, ieee_quiet_nan)
+      if (input > 0) scalars(index, 24) = 1 - total%loss/input
+      if (size(coast) == 0) return
+      coast(index) = coast_gap(gearbox, index, y)
+      if (total%h(2) > -huge(1.0_wp)) coast(index) = -total%h(2)
+      coast(n + index) = total%coast
    end subroutine put_mesh
 
    !> One tooth pair: its values, and what it adds to its mesh.
@@ -180,6 +203,7 @@ contains
          total%torque_b = total%torque_b + force%torque_b
          total%loss = total%loss - force%friction*point%v_t
          if (mode%contact == contact_loaded) total%loaded = total%loaded + 1
+         total%h(1 + mesh%flank) = max(total%h(1 + mesh%flank), point%h)
          total%touching = total%touching .or. merge(mode%contact == contact_loaded, point%h > 0, mesh%rigid)
       end associate
    end subroutine put_pair
@@ -229,7 +253,7 @@ contains
       end associate
    end subroutine put_leader
 
-   !> Gap of the coast flank; NaN if there is none [m].
+   !> Gap of the coast flank between two perfect flanks; NaN if there is none [m].
    real(wp) function coast_gap(gearbox, mesh, y) result(gap)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh

@@ -5,7 +5,8 @@ module evl_output_table
    use evl_housing_dynamics, only: coupled_rates
    use evl_housing_outputs, only: ground_energies, housing_outputs, n_housing_outputs, put_housing
    use evl_kinds, only: pi, wp
-   use evl_mesh_outputs, only: mesh_histories, n_mesh_histories, n_pair_histories, pair_histories, pair_places, put_mesh
+   use evl_mesh_outputs, only: coast_histories, has_coast, mesh_histories, n_coast_histories, n_mesh_histories, &
+                               n_pair_histories, pair_histories, pair_places, put_mesh
    use evl_output, only: dims_mesh, dims_mesh_axis, dims_mesh_pair, dims_none, dims_quaternion, dims_space, dims_wheel, &
                          dims_wheel_axis, dims_wheel_space, output_t
    use evl_status, only: has_failed, status_t
@@ -16,7 +17,8 @@ module evl_output_table
 
    integer, parameter :: n_wheel_constants = 7, n_mesh_constants = 16, n_gearbox_histories = 6, n_wheel_histories = 7
    integer, parameter :: n_outputs = n_wheel_constants + n_mesh_constants + n_gearbox_histories + n_wheel_histories &
-                         + n_mesh_histories + n_pair_histories + n_housing_outputs !! entries of the table
+                         + n_mesh_histories + n_pair_histories + n_coast_histories &
+                         + n_housing_outputs !! entries of the table
 
 contains
 
@@ -24,14 +26,17 @@ contains
    pure subroutine gearbox_output_table(gearbox, table)
       type(gearbox_t), intent(in) :: gearbox
       type(output_t), intent(out) :: table(n_outputs)
+      type(output_t) :: coast(n_coast_histories)
       integer :: i, offset
 
+      coast = coast_histories()
       table = [wheel_constants(), mesh_constants(), gearbox_histories(), wheel_histories(), mesh_histories(), pair_histories(), &
-               housing_outputs()]
+               coast_histories(), housing_outputs()]
       offset = 0
       do i = 1, size(table)
          table(i)%offset = offset
          table(i)%count = count_of(gearbox, table(i)%dims)
+         if (.not. has_coast(gearbox) .and. any(table(i)%name == coast%name)) table(i)%count = 0
          offset = offset + table(i)%count
       end do
    end subroutine gearbox_output_table
@@ -146,7 +151,7 @@ contains
       type(status_t), intent(inout) :: status
       real(wp) :: f(gearbox%n_states), torque(size(gearbox%wheels)), reactions(6, size(gearbox%wheels))
       type(frame_t) :: frame
-      integer :: nw, nm, i, at_time, at_wheels, at_meshes, at_pairs, at_housing
+      integer :: nw, nm, i, at_time, at_wheels, at_meshes, at_pairs, at_coast, at_housing
 
       call coupled_rates(gearbox, t, y, integers, reals, f, status)
       if (has_failed(status)) return
@@ -159,7 +164,8 @@ contains
       at_wheels = at_time + n_gearbox_histories
       at_meshes = at_wheels + nw*(n_wheel_histories + 2)
       at_pairs = at_meshes + nm*(n_mesh_histories + 2)
-      at_housing = at_pairs + nm*pair_places(gearbox)*n_pair_histories
+      at_coast = at_pairs + nm*pair_places(gearbox)*n_pair_histories
+      at_housing = at_coast + merge(nm*n_coast_histories, 0, has_coast(gearbox))
       associate (kinetic => values(at_time + 3), potential => values(at_time + 4))
          kinetic = 0
          potential = 0
@@ -167,7 +173,8 @@ contains
          reactions = 0
          do i = 1, nm
             call put_mesh(gearbox, i, nm, pair_places(gearbox), y, integers, reals, torque, reactions, values(at_meshes + 1), &
-                          values(at_meshes + nm*(n_mesh_histories - 2) + 1), values(at_pairs + 1), potential, status)
+                          values(at_meshes + nm*(n_mesh_histories - 2) + 1), values(at_pairs + 1), &
+                          values(at_coast + 1:at_housing), potential, status)
          end do
          do i = 1, nw
             call put_wheel(gearbox, i, nw, t, y, f, frame, torque(i), integers, values(at_wheels + 1), &

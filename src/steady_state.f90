@@ -20,6 +20,7 @@ module evl_steady_state
 
    public :: find_steady_state
 
+   integer, parameter :: max_modes = 20                !! sets of pairs in contact and friction branches that are tried
    integer, parameter :: max_newton = 60               !! corrections; a start from rest needs about five
    real(wp), parameter :: newton_tolerance = 1.0e-13_wp !! last correction, relative to the scales of the states
 
@@ -35,6 +36,7 @@ contains
       type(status_t), intent(inout) :: status
       type(gearbox_t) :: closed
       integer, allocatable :: unknown(:), row(:)
+      integer :: before(gearbox%n_integers)
       integer :: i, turn
 
       call check_steady(gearbox, integers, status)
@@ -78,12 +80,14 @@ contains
             if (mesh%leads .and. mesh%flank == flank_drive) y(mesh%i_normal) = mesh%force_scale
          end associate
       end do
-      do turn = 1, 3 ! friction branches depend on the speed, the speed on friction
+      do turn = 1, max_modes ! modes depend on positions and speeds, these on the modes
+         before = integers
          call load_all(closed, y, integers, reals)
+         if (turn > 1 .and. all(integers == before)) exit
          call newton(closed, t, unknown, row, y, integers, reals, status)
          if (has_failed(status)) return
       end do
-      call check_pressed(closed, y, status)
+      call check_pressed(closed, y, integers, status)
    end subroutine find_steady_state
 
    !> A steady state can exist: no prescribed speed changes, and at most one is prescribed.
@@ -142,24 +146,37 @@ contains
       if (damping > 0) speed = torque/damping
    end function free_speed
 
-   !> Every tooth pair on the path of a drive flank loaded, every friction branch as the speeds say.
+   !> The tooth pairs that carry load at y: on every drive flank those that overlap, and at least the one that is nearest to it;
+   !> every friction branch as the speeds say.
    subroutine load_all(gearbox, y, integers, reals)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: y(:)
       integer, intent(inout) :: integers(:)
       real(wp), intent(inout) :: reals(:)
-      type(contact_point) :: point
+      type(contact_point) :: points(size(gearbox%contacts))
+      real(wp) :: largest(size(gearbox%pairs))
       type(mesh_mode) :: mode
       integer :: m
 
       call place_pairs(gearbox, y, integers)
+      largest = -huge(largest)
       do m = 1, size(gearbox%contacts)
-         mode = gearbox_mode(gearbox, m, integers, reals)
-         if (mode%contact == contact_off .or. gearbox%contacts(m)%flank == flank_coast) cycle
-         call closed_form_point(gearbox, m, y, 0, mode%teeth, point)
-         mode%contact = contact_loaded
-         call mesh_settle_zones(gearbox%contacts(m), point, mode)
-         mode%friction = mesh_settle_friction(gearbox%contacts(m), point)
+         associate (mesh => gearbox%contacts(m), at => gearbox%contacts(m)%i_mode)
+            if (integers(at + 1) == contact_off .or. mesh%flank == flank_coast) cycle
+            call closed_form_point(gearbox, m, y, 0, integers(at), points(m))
+            largest(mesh%mesh) = max(largest(mesh%mesh), points(m)%h)
+         end associate
+      end do
+      do m = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(m))
+            mode = gearbox_mode(gearbox, m, integers, reals)
+            if (mode%contact == contact_off .or. mesh%flank == flank_coast) cycle
+            call mesh_settle_zones(mesh, points(m), mode)
+            if (mesh%rigid .or. points(m)%h > 0 .or. points(m)%h >= largest(mesh%mesh)) then
+               mode%contact = contact_loaded
+               mode%friction = mesh_settle_friction(mesh, points(m))
+            end if
+         end associate
          call gearbox_store_mode(gearbox, m, mode, integers, reals)
       end do
    end subroutine load_all
@@ -244,22 +261,24 @@ contains
       call gearbox_residual(gearbox, t, y, yp, integers, reals, residual, status)
    end subroutine steady_residual
 
-   !> In the steady state every flank pushes.
-   subroutine check_pressed(gearbox, y, status)
+   !> In the steady state every tooth pair that carries load pushes.
+   subroutine check_pressed(gearbox, y, integers, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: y(:)
+      integer, intent(in) :: integers(:)
       type(status_t), intent(inout) :: status
       type(contact_point) :: point
       integer :: m
 
-      do m = 1, size(gearbox%pairs)
-         associate (drive => gearbox%contacts(gearbox%first(m)))
-            call closed_form_point(gearbox, gearbox%first(m), y, 0, 0, point)
-            if (point%h > 0 .or. (drive%rigid .and. y(max(1, drive%i_normal)) > 0)) cycle
+      do m = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(m), at => gearbox%contacts(m)%i_mode)
+            if (integers(at + 1) /= contact_loaded) cycle
+            call closed_form_point(gearbox, m, y, 0, integers(at), point)
+            if (point%h > 0 .or. (mesh%rigid .and. y(max(1, mesh%i_normal)) > 0)) cycle
+            call fail(status, code_no_solution, "there is no steady state: this flank would have to pull (penetration " &
+                      //quantity(point%h, "m")//"); the loads turn the wheels against driving_rotation", subject_mesh, mesh%mesh, &
+                      "driving_rotation")
          end associate
-         call fail(status, code_no_solution, "there is no steady state: this flank would have to pull (penetration " &
-                   //quantity(point%h, "m")//"); the loads turn the wheels against driving_rotation", subject_mesh, m, &
-                   "driving_rotation")
          return
       end do
    end subroutine check_pressed
