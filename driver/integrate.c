@@ -1,6 +1,8 @@
-/* The only file that includes SUNDIALS. States are handed to IDA in units of their scales, so that one absolute tolerance holds
- * for all of them. Differences between SUNDIALS 6 and 7 stay here. */
+/* The only file beside short_vectors that includes SUNDIALS. States are handed to IDA in units of their scales, so that one
+ * absolute tolerance holds for all of them. Differences between SUNDIALS 6 and 7 stay here. */
 #include "integrate.h"
+
+#include "short_vectors.h"
 
 #include <float.h>
 #include <ida/ida.h>
@@ -215,9 +217,13 @@ static bool create_solver(session *s)
     if (!s->y || !s->yp || !s->id || !s->matrix || !s->ida) {
         return false;
     }
-    N_VEnableFusedOps_Serial(s->y, SUNTRUE); /* fewer calls for vectors of ten */
+    short_vectors_use(s->y);
     s->solver = SUNLinSol_Dense(s->y, s->matrix, s->context);
-    return s->solver != NULL;
+    if (!s->solver) {
+        return false;
+    }
+    short_vectors_solve(s->solver);
+    return true;
 }
 
 static bool set_up(session *s)
