@@ -120,7 +120,7 @@ static int solve(SUNLinearSolver solver, SUNMatrix matrix, N_Vector x, N_Vector 
     SUNLinearSolverContent_Dense content = solver->content;
     const sunindextype n = content->N;
     sunrealtype *const *columns = SM_COLS_D(matrix);
-    sunrealtype *row = NV_DATA_S(x);
+    sunrealtype *restrict row = NV_DATA_S(x);
     scale(1, b, x);
     for (sunindextype k = 0; k < n; k++) {
         const sunindextype other = content->pivots[k];
@@ -129,15 +129,17 @@ static int solve(SUNLinearSolver solver, SUNMatrix matrix, N_Vector x, N_Vector 
         row[other] = kept;
     }
     for (sunindextype k = 0; k < n - 1; k++) {
-        const sunrealtype *column = columns[k], by = row[k];
+        const sunrealtype *restrict column = columns[k];
+        const sunrealtype by = row[k];
         for (sunindextype i = k + 1; i < n; i++)
             row[i] -= column[i] * by;
     }
     for (sunindextype k = n - 1; k >= 0; k--) {
-        const sunrealtype *column = columns[k];
-        row[k] /= column[k];
+        const sunrealtype *restrict column = columns[k];
+        const sunrealtype by = row[k] / column[k];
+        row[k] = by;
         for (sunindextype i = 0; i < k; i++)
-            row[i] -= column[i] * row[k];
+            row[i] -= column[i] * by;
     }
     content->last_flag = 0;
     return 0;
