@@ -1,6 +1,7 @@
 #include "short_vectors.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <sunmatrix/sunmatrix_dense.h>
 
 static sunindextype length(N_Vector x)
@@ -8,16 +9,17 @@ static sunindextype length(N_Vector x)
     return NV_LENGTH_S(x);
 }
 
-/* Equal factors multiply the sum once, as SUNDIALS does: the rounding is part of a recorded result. */
+/* Equal factors multiply the sum once, as SUNDIALS does it: its rounding, and with factors of one the sign of its zeros. */
 static void linear_sum(sunrealtype a, N_Vector x, sunrealtype b, N_Vector y, N_Vector z)
 {
     const sunindextype n = length(x);
     const sunrealtype *from_x = NV_DATA_S(x), *from_y = NV_DATA_S(y);
     sunrealtype *to = NV_DATA_S(z);
-    if (a == b) {
+    const bool is_one = fabs(b) == 1;
+    if (a == b && !is_one) {
         for (sunindextype i = 0; i < n; i++)
             to[i] = a * (from_x[i] + from_y[i]);
-    } else if (a == -b) {
+    } else if (a == -b && !is_one) {
         for (sunindextype i = 0; i < n; i++)
             to[i] = a * (from_x[i] - from_y[i]);
     } else {
