@@ -31,6 +31,7 @@ module evl_mesh_outputs
       integer :: loaded = 0                               !! pairs that carry load
       logical :: touching = .false.                       !! whether any flanks overlap
       real(wp) :: h(2) = -huge(1.0_wp)                    !! largest penetration on the drive flank, on the coast flank [m]
+      real(wp) :: deviation(2) = 0.0_wp                   !! of the flanks there [m]
    end type mesh_sum
 
 contains
@@ -154,7 +155,7 @@ contains
          scalars(index, 10:14) = tracked
          scalars(index, 15:18) = [real(integers(mesh%i_mode), wp), merge(1.0_wp, 0.0_wp, total%touching), &
                                   real(integers(mesh%i_mode + 1), wp), -leading%h_dot]
-         scalars(index, 19) = merge(transmission_error - curvature - total%h(1), 0.0_wp, mesh%deviates)
+         scalars(index, 19) = total%deviation(1)
       end associate
       scalars(index, 20:23) = [real(total%loaded, wp), total%torque_a, total%torque_b, total%loss]
       scalars(index, 24) = ieee_value(0.0_wp, ieee_quiet_nan)
@@ -203,7 +204,10 @@ contains
          total%torque_b = total%torque_b + force%torque_b
          total%loss = total%loss - force%friction*point%v_t
          if (mode%contact == contact_loaded) total%loaded = total%loaded + 1
-         total%h(1 + mesh%flank) = max(total%h(1 + mesh%flank), point%h)
+         if (point%h > total%h(1 + mesh%flank)) then
+            total%h(1 + mesh%flank) = point%h
+            if (mesh%deviates) total%deviation(1 + mesh%flank) = -closed_form_gap(mesh%pair, q) - point%h
+         end if
          total%touching = total%touching .or. merge(mode%contact == contact_loaded, point%h > 0, mesh%rigid)
       end associate
    end subroutine put_pair

@@ -102,12 +102,13 @@ def gradient_ratio(history: xr.Dataset) -> xr.DataArray:
 
 
 def transmission_error_identity(history: xr.Dataset) -> xr.DataArray:
-    """Delta - h - R (inv alpha - inv alpha_0) over the largest h, dims (time, mesh).
+    """Delta - h - e - R (inv alpha - inv alpha_0) over the largest h, dims (time, mesh).
 
     Source: Kosenko & Gusev 2011, (19), generalised to axles that move.
     """
     pressed, depth = _pressed(history)
     lag = require(pressed, "transmission_error") + require(pressed, "gap")
+    lag = lag - require(pressed, "flank_deviation")
     return (lag - require(pressed, "separation_curvature")) / depth
 
 
@@ -200,7 +201,8 @@ def order_of_times(history: xr.Dataset) -> xr.DataArray:
 def finiteness(history: xr.Dataset) -> xr.DataArray:
     """Share of the values that are no finite numbers, dim (variable).
 
-    What only tracked points have is missing on purpose where none are tracked.
+    What only tracked points have is missing on purpose where none are tracked, the position of a
+    tooth pair off the path of contact, and the efficiency of a mesh without power.
     """
     shares: dict[str, float] = {}
     for name, variable in history.variables.items():
@@ -209,6 +211,10 @@ def finiteness(history: xr.Dataset) -> xr.DataArray:
         values = history[name]
         if name in TRACKED_ONLY:
             values = values.where(_is_tracked(history), 0.0)
+        if name == "pair_position":
+            values = values.where(require(history, "pair_on_path") == 1, 0.0)
+        if name == "efficiency":
+            values = values.where(require(history, "mesh_torque_driving") != 0.0, 0.0)
         shares[str(name)] = float(np.mean(~np.isfinite(values.values))) if values.size else 0.0
     return xr.DataArray(list(shares.values()), dims="variable", coords={"variable": list(shares)})
 
@@ -216,8 +222,10 @@ def finiteness(history: xr.Dataset) -> xr.DataArray:
 def contact_torque(history: xr.Dataset) -> xr.DataArray:
     """Torque of all contacts on each wheel about its axle [N m], dims (time, wheel).
 
-    sigma (F_n r_b + F_t l), summed over the meshes of the wheel; counterclockwise positive.
+    sigma (F_n r_b + F_t l), summed over the meshes of the wheel; counterclockwise positive. Where
+    several tooth pairs share the load, what the model says of their torques.
     """
+    several = history.sizes.get("pair", 1) > 1
     total = xr.zeros_like(require(history, "load_torque"))
     base_radius = require(history, "base_radius").values
     for side in ("driving", "driven"):
@@ -227,7 +235,10 @@ def contact_torque(history: xr.Dataset) -> xr.DataArray:
             force = require(history, "normal_force").isel(mesh=mesh)
             friction = require(history, "friction_force").isel(mesh=mesh)
             torque = force * base_radius[wheel] + friction * arms.isel(mesh=mesh)
-            total[{"wheel": int(wheel)}] += torque.values * float(history["flank"][mesh])
+            torque = torque * float(history["flank"][mesh])
+            if several:
+                torque = require(history, f"mesh_torque_{side}").isel(mesh=mesh)
+            total[{"wheel": int(wheel)}] += torque.values
     return total.assign_attrs(units="N m", long_name="torque of the contacts")
 
 
@@ -247,7 +258,7 @@ INVARIANTS = (
     Invariant("gradient ratio", "lambda = -r_bB/r_bA", "itself", 1e-12, gradient_ratio),
     Invariant(
         "transmission error",
-        "Delta = h + R (inv alpha - inv alpha_0)",
+        "Delta = h + e + R (inv alpha - inv alpha_0)",
         LARGEST_DEPTH,
         1e-10,
         transmission_error_identity,
