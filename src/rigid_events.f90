@@ -46,6 +46,7 @@ contains
          call impact(gearbox, t, closing, y, integers, reals, rebounds, opened, status)
          if (has_failed(status)) return
          do m = 1, size(gearbox%contacts)
+            if (.not. gearbox%contacts(m)%leads) cycle
             associate (mesh => gearbox%contacts(m), pair => first_pair(gearbox, m, integers))
                if (opened(m) .and. .not. was_closed(m)) cycle
                if (opened(m)) call note(log, event_opened, mesh, pair)
