@@ -278,8 +278,8 @@ typedef struct {
     double centre_line_angle;                     /**< [rad] */
     double minimum_pressure_angle;                /**< alpha_inf [rad] */
     double working_pressure_angle;                /**< alpha_w [rad] */
-    double base_pitch;                            /**< |ab| [m], which is the path of contact too: contact ratio 1 */
-    double contact_ratio;                         /**< */
+    double base_pitch;                            /**< [m] */
+    double contact_ratio;                         /**< |ab| over it */
     double line_of_action_length;                 /**< |K_A K_B| [m] */
     double point_k_a[2], point_k_b[2];            /**< where the line of action touches the base circles [m] */
     double point_a[2], point_b[2];                /**< nominal start and end of contact [m] */
@@ -293,8 +293,57 @@ typedef struct {
     double reference_penetration; /**< its penetration h_0 [m] */
 } evl_mesh_geometry;
 
+/** What follows from an evl_gear and the number of teeth. Lengths [m], angles [rad]. docs/geometry.md has the formulas. */
+typedef struct {
+    int teeth;                  /**< z */
+    double normal_module;       /**< m_n */
+    double pressure_angle;      /**< alpha_n */
+    double profile_shift;       /**< x */
+    double generating_shift;    /**< x_E, with which the thickness allowance is cut */
+    double undercut_shift;      /**< x_E below which there is undercut */
+    double tip_alteration;      /**< k */
+    double pitch;               /**< p */
+    double base_pitch;          /**< p_b */
+    double reference_radius;    /**< r */
+    double base_radius;         /**< r_b */
+    double tip_radius;          /**< r_a */
+    double root_radius;         /**< r_f */
+    double form_radius;         /**< r_Ff, where the involute begins */
+    double bore_radius;         /**< */
+    double tooth_depth;         /**< h */
+    double thickness;           /**< s, arc of the reference circle */
+    double thickness_allowance; /**< A_s, contained in it */
+    double tip_thickness;       /**< s_a, arc of the tip circle */
+    double tooth_angle;         /**< psi, angle that the tooth fills on the base circle */
+    bool is_undercut;           /**< the rack's tip cuts away a part of the involute */
+} evl_gear_geometry;
+
+/** What follows from two gears, A driving B, and their centre distance. Lengths [m], angles [rad]. */
+typedef struct {
+    double centre_distance;                  /**< a_w */
+    double reference_distance;               /**< a, sum of the reference radii */
+    double tight_distance;                   /**< from the profile shifts, without backlash; 0 if there is none */
+    double working_pressure_angle;           /**< alpha_w */
+    double pitch_radius_a, pitch_radius_b;   /**< r_w, operating pitch radii */
+    double line_of_action;                   /**< T1T2 */
+    double base_pitch;                       /**< p_b */
+    double path_of_contact;                  /**< g_alpha */
+    double approach, recess;                 /**< g_f, g_a: path before and behind the pitch point */
+    double contact_ratio;                    /**< eps_alpha */
+    double rho_tip_a, rho_tip_b;             /**< radii of curvature at the tips */
+    double active_radius_a, active_radius_b; /**< r_Nf, where the active profiles begin */
+    double clearance_a, clearance_b;         /**< c, from the mate's tip to the root circle */
+    double backlash;                         /**< j_bn, normal */
+    double circumferential_backlash;         /**< j_wt, on the operating pitch circles */
+    double radial_backlash;                  /**< j_r */
+} evl_gear_mesh;
+
 EVL_API void evl_gearbox_wheel_geometry(const evl_gearbox *gearbox, int wheel, evl_wheel_geometry *geometry);
 EVL_API void evl_gearbox_mesh_geometry(const evl_gearbox *gearbox, int mesh, evl_mesh_geometry *geometry);
+/** Geometry of a wheel as a real gear. @return whether it is one; if not, geometry is zero. */
+EVL_API bool evl_gearbox_gear(const evl_gearbox *gearbox, int wheel, evl_gear_geometry *geometry);
+/** Geometry of a mesh of two real gears. @return whether it is one; if not, geometry is zero. */
+EVL_API bool evl_gearbox_gear_mesh(const evl_gearbox *gearbox, int mesh, evl_gear_mesh *geometry);
 
 /** Fill y, yp, integers and reals for time t. @return EVL_OK, EVL_INVALID_INPUT (initial values that contradict each other or the
  *  loads), EVL_NO_SOLUTION (steady state), EVL_OUT_OF_DOMAIN. */
@@ -493,6 +542,23 @@ typedef struct {
  *  driving_rotation or centre; index 0 for A, 1 for B. Kosenko & Gusev 2011, section 7.1. */
 EVL_API int evl_spur_pair_derive(int teeth_a, int teeth_b, double pitch_radius_a, bool paper_rule, double alpha_w,
                                  double chi, int sigma, const double centre_a[2], evl_spur_pair *pair,
+                                 evl_status *status);
+
+/** inv alpha = tan alpha - alpha of angles [n] [rad], 0 <= alpha < pi/2. */
+EVL_API void evl_involute_value(int n, const double *angles, double *involutes);
+/** Its inverse: angles [n] [rad] of involutes [n] >= 0. */
+EVL_API void evl_involute_inverse(int n, const double *involutes, double *angles);
+/** Geometry of one real gear. @return EVL_OK, or EVL_INVALID_INPUT with status->field as in the case file. ISO 21771,
+ *  ISO 53. */
+EVL_API int evl_gear_derive(int teeth, const evl_gear *gear, evl_gear_geometry *geometry, evl_status *status);
+/** Tooth thickness [m] at radii [n] [m]; EVL_OUT_OF_DOMAIN inside the base circle. */
+EVL_API int evl_gear_tooth_thickness(const evl_gear_geometry *geometry, int n, const double *radii, double *thickness,
+                                     int *codes);
+/** Geometry of two real gears in mesh, A driving B: at the given centre distance, else with the given backlash, else at the
+ *  distance that the profile shifts give without backlash. @return EVL_OK, or EVL_INVALID_INPUT with status->field
+ *  centre_distance, backlash or "". */
+EVL_API int evl_gear_mesh_derive(const evl_gear_geometry *a, const evl_gear_geometry *b, bool has_centre_distance,
+                                 double centre_distance, bool has_backlash, double backlash, evl_gear_mesh *mesh,
                                  evl_status *status);
 
 /** Johnson's force per unit width N [N/m] at penetrations h [m], odd in h, with dN/dh and dN/d(rho_sum) [N/m^2].
