@@ -87,20 +87,20 @@ typedef struct {
 } evl_gear;
 
 typedef struct {
-    int teeth;                   /**< z >= 3 */
-    bool has_pitch_radius;       /**< otherwise it follows from a mesh */
-    double pitch_radius;         /**< [m] > 0 */
-    double width;                /**< face width [m] > 0 */
-    bool has_centre;             /**< otherwise it follows from a mesh */
-    double centre[2];            /**< reference position of the axle in the housing frame [m] */
-    double youngs_modulus;       /**< E [Pa] > 0 */
-    double poisson_ratio;        /**< nu, -1 < nu < 0.5 */
-    double density;              /**< [kg/m^3] > 0: mass and inertia of a disc of the pitch radius unless given below */
-    bool has_inertia;            /**< */
-    double inertia;              /**< J about the axle [kg m^2] > 0 */
-    bool has_mass;               /**< */
-    double mass;                 /**< [kg] > 0 */
-    int support_kind;            /**< evl_support_kind */
+    int teeth;             /**< z >= 3 */
+    bool has_pitch_radius; /**< otherwise it follows from a mesh */
+    double pitch_radius;   /**< [m] > 0 */
+    double width;          /**< face width [m] > 0 */
+    bool has_centre;       /**< otherwise it follows from a mesh */
+    double centre[2];      /**< reference position of the axle in the housing frame [m] */
+    double youngs_modulus; /**< E [Pa] > 0 */
+    double poisson_ratio;  /**< nu, -1 < nu < 0.5 */
+    double density;        /**< [kg/m^3] > 0: mass and inertia of a solid disc of the pitch radius unless given below */
+    bool has_inertia;      /**< */
+    double inertia;        /**< J about the axle [kg m^2] > 0 */
+    bool has_mass;         /**< */
+    double mass;           /**< [kg] > 0 */
+    int support_kind;      /**< evl_support_kind */
     double support_direction;    /**< slider: angle of its direction to the x axis [rad] */
     double support_mass;         /**< mass that moves with the axle, beside the wheel's own [kg] >= 0 */
     double support_stiffness[2]; /**< slider: [0]; bearing: x, y [N/m] >= 0 */
@@ -263,8 +263,7 @@ EVL_API int evl_gearbox_warning(const evl_gearbox *gearbox, int index, char text
 
 typedef struct {
     double pitch_radius, base_radius,
-        tip_radius; /**< [m]; pitch_radius of a real gear is the reference radius; tip_radius is the largest over its
-                             meshes, 0 without a mesh */
+        tip_radius;       /**< [m]; tip_radius is the largest over its meshes, 0 without a mesh */
     double angular_pitch; /**< 2 pi/z [rad] */
     double mass, inertia; /**< of the wheel itself [kg], [kg m^2] */
     double centre[2];     /**< [m] */
