@@ -41,7 +41,16 @@ endif()
 
 set(HDF5_PREFER_PARALLEL OFF)
 find_package(HDF5 QUIET COMPONENTS C HL)
-if(NOT HDF5_FOUND)
+if(HDF5_FOUND)
+  # Debian keeps only links in its folder of HDF5: with them the program would look there for each of its libraries.
+  foreach(library hdf5::hdf5 hdf5::hdf5_hl)
+    get_target_property(location ${library} IMPORTED_LOCATION)
+    if(location)
+      file(REAL_PATH "${location}" location)
+      set_target_properties(${library} PROPERTIES IMPORTED_LOCATION "${location}")
+    endif()
+  endforeach()
+else()
   list(APPEND missing "HDF5 with its high-level C library: Debian libhdf5-dev, conda-forge hdf5")
 endif()
 

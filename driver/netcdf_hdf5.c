@@ -80,8 +80,26 @@ static bool limit_metadata_cache(hid_t access)
     return H5Pset_mdc_config(access, &config) >= 0;
 }
 
+/** How variables are stored; a growing one gets its chunks when it is created. */
+static bool prepare_storage(netcdf_file *file)
+{
+    const double missing = NAN;
+    /* Rows come in whole chunks: a cache would only cost memory, a megabyte a variable. */
+    file->access = H5Pcreate(H5P_DATASET_ACCESS);
+    bool good = file->access >= 0 && H5Pset_chunk_cache(file->access, 1, 0, 1.0) >= 0;
+    for (int grows = 0; grows < 2; grows++) {
+        for (int is_real = 0; is_real < 2; is_real++) {
+            const hid_t creation = file->creation[grows][is_real] = H5Pcreate(H5P_DATASET_CREATE);
+            good = good && creation >= 0 && H5Pset_obj_track_times(creation, 0) >= 0 &&
+                   (!is_real || H5Pset_fill_value(creation, H5T_NATIVE_DOUBLE, &missing) >= 0);
+        }
+    }
+    return good;
+}
+
 bool netcdf_create(netcdf_file *file, const char *path)
 {
+    const hsize_t one = 1;
     prepare_library();
     const int kept = 64 * 1024; /* bytes of a kind of memory that the library may hoard */
     if (H5open() < 0 || H5Eset_auto2(H5E_DEFAULT, NULL, NULL) < 0 ||
@@ -92,9 +110,11 @@ bool netcdf_create(netcdf_file *file, const char *path)
     const hid_t creation = H5Pcreate(H5P_FILE_CREATE);
     file->text = H5Tcopy(H5T_C_S1);
     file->scalar = H5Screate(H5S_SCALAR);
+    file->single = H5Screate_simple(1, &one, NULL);
     file->transfer = H5Pcreate(H5P_DATASET_XFER);
     /* Format 1.8: later ones mark a file as open for writing, and a killed run's flushed file could not be read. */
-    const bool ready = access >= 0 && creation >= 0 && file->text >= 0 && file->scalar >= 0 && file->transfer >= 0 &&
+    const bool ready = access >= 0 && creation >= 0 && file->text >= 0 && file->scalar >= 0 && file->single >= 0 &&
+                       file->transfer >= 0 && prepare_storage(file) &&
                        H5Pset_buffer(file->transfer, 16 * 1024, NULL, NULL) >= 0 &&
                        H5Tset_size(file->text, H5T_VARIABLE) >= 0 && H5Tset_cset(file->text, H5T_CSET_UTF8) >= 0 &&
                        H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18) >= 0 &&
@@ -117,7 +137,14 @@ bool netcdf_close(netcdf_file *file)
     const bool good = checked(file, H5Fclose(file->id));
     (void)H5Tclose(file->text);
     (void)H5Sclose(file->scalar);
+    (void)H5Sclose(file->single);
     (void)H5Pclose(file->transfer);
+    (void)H5Pclose(file->access);
+    for (int grows = 0; grows < 2; grows++) {
+        for (int is_real = 0; is_real < 2; is_real++) {
+            (void)H5Pclose(file->creation[grows][is_real]);
+        }
+    }
     return good;
 }
 
@@ -131,17 +158,23 @@ hid_t netcdf_create_group(netcdf_file *file, const char *name)
     return group;
 }
 
+/** Add an attribute that the object does not have yet. */
+static bool add(netcdf_file *file, hid_t object, const char *name, hid_t type, hid_t space, const void *value)
+{
+    const hid_t attribute = H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
+    const bool good = attribute >= 0 && H5Awrite(attribute, type, value) >= 0;
+    (void)checked(file, good ? 0 : -1);
+    (void)(attribute >= 0 && H5Aclose(attribute));
+    return good;
+}
+
 static bool put(netcdf_file *file, hid_t object, const char *name, hid_t type, hid_t space, const void *value)
 {
     const htri_t exists = H5Aexists(object, name);
     if (exists < 0 || (exists > 0 && H5Adelete(object, name) < 0)) {
         return netcdf_fail(file);
     }
-    const hid_t attribute = H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
-    const bool good = attribute >= 0 && H5Awrite(attribute, type, value) >= 0;
-    (void)checked(file, good ? 0 : -1);
-    (void)(attribute >= 0 && H5Aclose(attribute));
-    return good;
+    return add(file, object, name, type, space, value);
 }
 
 bool netcdf_put_text(netcdf_file *file, hid_t object, const char *name, const char *text)
@@ -159,25 +192,23 @@ bool netcdf_put_real(netcdf_file *file, hid_t object, const char *name, double v
     return put(file, object, name, H5T_NATIVE_DOUBLE, file->scalar, &value);
 }
 
-/** Attributes of a variable that are arrays, as CF and netCDF have them. */
-static bool put_array(netcdf_file *file, hid_t object, const char *name, hid_t type, int n, const void *values)
+static bool add_text(netcdf_file *file, hid_t dataset, const char *name, const char *text)
 {
-    const hsize_t length = (hsize_t)n;
-    const hid_t space = H5Screate_simple(1, &length, NULL);
-    const bool good = space >= 0 ? put(file, object, name, type, space, values) : netcdf_fail(file);
-    (void)(space >= 0 && H5Sclose(space));
-    return good;
+    return add(file, dataset, name, file->text, file->scalar, &text);
 }
 
 /** The CF attributes by which a reader turns numbers into words. */
-static bool put_flags(netcdf_file *file, hid_t dataset, const netcdf_variable *variable)
+static bool add_flags(netcdf_file *file, hid_t dataset, const netcdf_variable *variable)
 {
+    const hsize_t length = (hsize_t)variable->n_flags;
+    const hid_t space = H5Screate_simple(1, &length, NULL);
     int *values = xcalloc((size_t)variable->n_flags, sizeof *values);
     for (int i = 0; i < variable->n_flags; i++) {
         values[i] = i;
     }
-    const bool good = put_array(file, dataset, "flag_values", H5T_NATIVE_INT, variable->n_flags, values) &&
-                      netcdf_put_text(file, dataset, "flag_meanings", variable->flag_meanings);
+    bool good = space >= 0 ? add(file, dataset, "flag_values", H5T_NATIVE_INT, space, values) : netcdf_fail(file);
+    good = good && add_text(file, dataset, "flag_meanings", variable->flag_meanings);
+    (void)(space >= 0 && H5Sclose(space));
     free(values);
     return good;
 }
@@ -206,54 +237,45 @@ static hid_t create_space(const netcdf_variable *variable)
     return variable->rank == 0 ? H5Screate(H5S_SCALAR) : H5Screate_simple(variable->rank, extent, limit);
 }
 
-static bool set_storage(const netcdf_variable *variable, hsize_t chunk_rows, hid_t creation, hid_t access)
+static bool set_chunks(const netcdf_variable *variable, hsize_t chunk_rows, hid_t creation)
 {
-    const double missing = NAN;
-    if (variable->type == NETCDF_REAL && H5Pset_fill_value(creation, H5T_NATIVE_DOUBLE, &missing) < 0) {
-        return false;
-    }
-    if (!grows(variable)) {
-        return true;
-    }
     hsize_t chunk[NETCDF_MAX_RANK] = {chunk_rows};
     for (int i = 1; i < variable->rank; i++) {
         chunk[i] = variable->dimensions[i]->length;
     }
-    /* Rows come in whole chunks: a cache would only cost memory, a megabyte a variable. */
-    return H5Pset_chunk(creation, variable->rank, chunk) >= 0 && H5Pset_chunk_cache(access, 1, 0, 1.0) >= 0;
+    return H5Pset_chunk(creation, variable->rank, chunk) >= 0;
 }
 
 static hid_t create_dataset(netcdf_file *file, hid_t group, const netcdf_variable *variable, hsize_t chunk_rows)
 {
-    const hid_t creation = H5Pcreate(H5P_DATASET_CREATE);
-    const hid_t access = H5Pcreate(H5P_DATASET_ACCESS);
+    const bool is_growing = grows(variable);
+    const hid_t creation = file->creation[is_growing][variable->type == NETCDF_REAL];
+    const hid_t access = is_growing ? file->access : H5P_DEFAULT;
     const hid_t space = create_space(variable);
-    const bool ready = creation >= 0 && access >= 0 && space >= 0 && H5Pset_obj_track_times(creation, 0) >= 0 &&
-                       set_storage(variable, chunk_rows, creation, access);
+    const bool ready = space >= 0 && (!is_growing || set_chunks(variable, chunk_rows, creation));
     const hid_t dataset = ready ? H5Dcreate2(group, variable->name, element_type(file, variable->type), space,
                                              H5P_DEFAULT, creation, access)
                                 : H5I_INVALID_HID;
     (void)checked(file, dataset < 0 ? -1 : 0);
     (void)H5Sclose(space);
-    (void)H5Pclose(access);
-    (void)H5Pclose(creation);
     return dataset;
 }
 
-static bool put_variable_attributes(netcdf_file *file, hid_t dataset, const netcdf_variable *variable)
+static bool add_variable_attributes(netcdf_file *file, hid_t dataset, const netcdf_variable *variable)
 {
     const double missing = NAN;
-    return netcdf_put_text(file, dataset, "units", variable->units) &&
-           netcdf_put_text(file, dataset, "long_name", variable->long_name) &&
-           netcdf_put_text(file, dataset, "symbol", variable->symbol) &&
-           (variable->type != NETCDF_REAL || put_array(file, dataset, "_FillValue", H5T_NATIVE_DOUBLE, 1, &missing)) &&
-           (variable->n_flags == 0 || put_flags(file, dataset, variable));
+    return add_text(file, dataset, "units", variable->units) &&
+           add_text(file, dataset, "long_name", variable->long_name) &&
+           add_text(file, dataset, "symbol", variable->symbol) &&
+           (variable->type != NETCDF_REAL ||
+            add(file, dataset, "_FillValue", H5T_NATIVE_DOUBLE, file->single, &missing)) &&
+           (variable->n_flags == 0 || add_flags(file, dataset, variable));
 }
 
 hid_t netcdf_define(netcdf_file *file, hid_t group, const netcdf_variable *variable, hsize_t chunk_rows)
 {
     const hid_t dataset = create_dataset(file, group, variable, chunk_rows);
-    if (dataset < 0 || !put_variable_attributes(file, dataset, variable)) {
+    if (dataset < 0 || !add_variable_attributes(file, dataset, variable)) {
         return H5I_INVALID_HID;
     }
     dimension_scale *scales[NETCDF_MAX_RANK];
@@ -280,7 +302,7 @@ bool netcdf_define_dimension(netcdf_file *file, hid_t group, const netcdf_variab
     if (!scale_make(&dimension->scale, dataset, variable.name)) {
         return netcdf_fail(file);
     }
-    return put_variable_attributes(file, dataset, &variable);
+    return add_variable_attributes(file, dataset, &variable);
 }
 
 bool netcdf_finish_dimension(netcdf_file *file, netcdf_dimension *dimension)

@@ -15,10 +15,13 @@ enum { NETCDF_MAX_RANK = 3, NETCDF_REASON_LENGTH = 200 };
 
 typedef struct {
     hid_t id;
-    hid_t text;       /**< datatype: variable-length UTF-8 */
-    hid_t scalar;     /**< dataspace */
-    hid_t transfer;   /**< properties of a small transfer: the usual buffer is a megabyte, zeroed each time */
-    int system_error; /**< errno of the first failure, 0 if it was none of the system's */
+    hid_t text;           /**< datatype: variable-length UTF-8 */
+    hid_t scalar;         /**< dataspace */
+    hid_t single;         /**< dataspace of one element in one dimension */
+    hid_t access;         /**< properties of a growing variable */
+    hid_t creation[2][2]; /**< properties by whether a variable grows, and whether it is real: dear to make */
+    hid_t transfer;       /**< properties of a small transfer: the usual buffer is a megabyte, zeroed each time */
+    int system_error;     /**< errno of the first failure, 0 if it was none of the system's */
     char reason[NETCDF_REASON_LENGTH]; /**< of the first failure; "" if there was none */
 } netcdf_file;
 

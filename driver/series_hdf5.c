@@ -43,10 +43,12 @@ void series_start(series *rows, size_t max_rows)
     }
     const size_t fit = row_bytes == 0 ? max_rows : BLOCK_BYTES / row_bytes;
     rows->capacity = fit > max_rows ? max_rows : fit < MIN_ROWS ? MIN_ROWS : fit;
+    /* One piece for all columns: the system gives it zeroed, small ones would be zeroed by hand. */
+    rows->block = xcalloc(rows->capacity, row_bytes);
+    char *at = rows->block;
     for (int i = 0; i < rows->n_columns; i++) {
-        series_column *column = &rows->columns[i];
-        column->block =
-            xcalloc(rows->capacity * (size_t)column->count, is_integer(column) ? sizeof(int) : sizeof(double));
+        rows->columns[i].block = at;
+        at += rows->capacity * (size_t)rows->columns[i].count * sizeof(double);
     }
 }
 
@@ -163,11 +165,10 @@ bool series_write(series *rows, bool is_last)
 
 void series_free(series *rows)
 {
-    for (int i = 0; i < rows->n_columns; i++) {
-        free(rows->columns[i].block);
-    }
+    free(rows->block);
     free(rows->columns);
     scale_free(&rows->dimension.scale);
+    rows->block = NULL;
     rows->columns = NULL;
     rows->n_columns = 0;
 }

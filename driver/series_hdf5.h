@@ -13,7 +13,7 @@ typedef struct {
     netcdf_variable variable;
     int offset, count; /**< place in a row */
     hid_t dataset;
-    void *block; /**< [capacity * count] double or int */
+    void *block; /**< [capacity * count] double or int, part of the series' block */
 } series_column;
 
 typedef struct {
@@ -22,6 +22,7 @@ typedef struct {
     netcdf_dimension dimension; /**< the growing one; column 0 is its coordinate */
     int n_columns;
     series_column *columns;
+    void *block;     /**< of all columns */
     size_t capacity; /**< rows of the block in memory, and of a chunk */
     size_t filled;   /**< rows in the block */
     size_t written;  /**< those of them that are on file as well */

@@ -27,7 +27,7 @@ contains
 
       call closed_form_line(pair, q, line)
       point%exists = line%exists
-      point%h = -closed_form_gap(pair, q)
+      point%h = -gap_along(pair, q, line)
       point%rho_a = rho_a0 - pair%r_ba*(line%angle + pair%sigma*q(at_psi_a))
       point%rho_b = pair%rho_0 - rho_a0 - pair%r_bb*(line%angle + pair%sigma*q(at_psi_b))
       point%s = line%s
@@ -51,9 +51,18 @@ contains
       type(deviation) :: line
 
       call closed_form_line(pair, q, line)
+      kappa = gap_along(pair, q, line)
+   end function closed_form_gap
+
+   !> Gap along a line of action that is known [m].
+   pure real(wp) function gap_along(pair, q, line) result(kappa)
+      type(tracked_pair), intent(in) :: pair
+      real(wp), intent(in) :: q(n_local)
+      type(deviation), intent(in) :: line !! at q
+
       kappa = line%d_rho + (pair%r_ba + pair%r_bb)*line%angle &
               + pair%sigma*(pair%r_ba*q(at_psi_a) + pair%r_bb*q(at_psi_b))
-   end function closed_form_gap
+   end function gap_along
 
    !> Derivatives of `track_closed_form`.
    pure subroutine gradient_closed_form(pair, q, point, gradient)

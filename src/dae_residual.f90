@@ -1,6 +1,5 @@
 !> The gearbox as a differential-algebraic system F(t, y, y') = 0, and the y' that belongs to y.
 module evl_dae_residual
-   use evl_closed_form, only: closed_form_gap
    use evl_contact_tracking, only: algebraic_residual, differential_rates, differential_residual
    use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_rates, gearbox_t, i_theta, i_turns, is_closed
    use evl_housing_dynamics, only: coupled_rates, housing_residual
@@ -8,7 +7,7 @@ module evl_dae_residual
    use evl_local_variables, only: n_local, n_track
    use evl_mesh, only: contact_apart, mesh_mode, mesh_nominal_rho, tracking_algebraic
    use evl_multipliers, only: multiplier_rates
-   use evl_rigid_contact, only: rigid_closing_rate
+   use evl_rigid_contact, only: rigid_constraint
    use evl_status, only: code_out_of_domain, code_singular, fail, has_failed, status_t, subject_mesh
    implicit none (type, external)
    private
@@ -44,8 +43,7 @@ contains
          associate (mesh => gearbox%meshes(i), row => gearbox%meshes(i)%i_dependent)
             if (.not. is_closed(gearbox, i, integers, reals)) cycle
             call gearbox_local(gearbox, mesh, y, q)
-            residual(row) = closed_form_gap(mesh%pair, q)
-            residual(row + 1) = -rigid_closing_rate(mesh%pair, q)
+            residual(row:row + 1) = rigid_constraint(mesh%pair, q)
          end associate
       end do
       do i = 1, size(gearbox%meshes)
