@@ -14,6 +14,7 @@
 !> passed of every table. Discrete reals: the approach speed at the last closing of every mesh.
 module evl_gearbox
    use evl_contact_point, only: contact_point
+   use evl_flank_deviation, only: flank_deviation_t
    use evl_gear_geometry, only: gear_t
    use evl_gear_mesh, only: gear_mesh_t
    use evl_housing, only: apparent_acceleration, at_omega, frame_acceleration, frame_t, housing_frame, housing_rates, housing_t
@@ -66,6 +67,7 @@ module evl_gearbox
       integer :: i_speed = 0                 !! place of its speed's rate among the rows: i_omega or i_psi + 1
       integer :: prescribed = 0              !! load that prescribes its speed; 0: none
       type(support_t) :: support
+      type(flank_deviation_t) :: deviation   !! of its flanks from the involute
    end type wheel_t
 
    type :: gearbox_t

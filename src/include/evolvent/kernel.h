@@ -86,6 +86,34 @@ typedef struct {
     double bore;                /**< diameter [m] >= 0 */
 } evl_gear;
 
+typedef enum {
+    EVL_RELIEF_LINEAR = 0,   /**< constant slope over the length of roll */
+    EVL_RELIEF_PARABOLIC = 1 /**< slope 0 at its start */
+} evl_relief_shape;
+
+/** Material taken off towards one end of the profile; none if all is 0. */
+typedef struct {
+    double amount;      /**< at that end, along the normal [m] >= 0; 0: no relief */
+    bool by_roll_angle; /**< what `start` is */
+    double start;       /**< where it begins: diameter [m] or roll angle [rad], within the active profile */
+    int shape;          /**< evl_relief_shape */
+} evl_relief;
+
+/** What the flanks of a wheel lack in material; none if all is 0. docs/deviations.md has the formulas. Tooth 0 is the one in
+ *  contact at the start in the wheel's first mesh; teeth count counterclockwise. */
+typedef struct {
+    evl_relief tip_relief;      /**< reaches its amount at the tip */
+    evl_relief root_relief;     /**< reaches its amount at the start of the active profile */
+    double profile_crowning;    /**< C_alpha at both ends of the active profile, 0 in its middle [m] >= 0 */
+    int n_pitch_errors;         /**< number of teeth, or 0: none listed */
+    const double *pitch_errors; /**< [n_pitch_errors] cumulative position deviation of each tooth, arc on the reference
+                                     circle, counterclockwise positive [m]; copied */
+    int accuracy_class;         /**< flank tolerance class, ISO 1328-1:2013, 1 to 11: generates pitch errors; 0: none */
+    int seed;                   /**< of the generator */
+    double runout_amount;       /**< e_c, distance of the teeth's centre from the axle [m] >= 0 */
+    double runout_phase;        /**< its direction from the middle of tooth 0 [rad] */
+} evl_flank_deviation;
+
 typedef struct {
     int teeth;             /**< z >= 3 */
     bool has_pitch_radius; /**< otherwise it follows from a mesh */
@@ -345,6 +373,10 @@ EVL_API bool evl_gearbox_gear(const evl_gearbox *gearbox, int wheel, evl_gear_ge
 /** Geometry of a mesh of two real gears. @return whether it is one; if not, geometry is zero. */
 EVL_API bool evl_gearbox_gear_mesh(const evl_gearbox *gearbox, int mesh, evl_gear_mesh *geometry);
 
+/** Deviation e [n] [m] of flanks of a wheel from the involute with its derivatives, as evl_flank_deviation_at without zones. */
+EVL_API void evl_gearbox_flank_deviation(const evl_gearbox *gearbox, int wheel, int n, const int *teeth,
+                                         const int *sides, const double *rho, double *e, double *de, double *d2e);
+
 /** Fill y, yp, integers and reals for time t. @return EVL_OK, EVL_INVALID_INPUT (initial values that contradict each other or the
  *  loads), EVL_NO_SOLUTION (steady state), EVL_OUT_OF_DOMAIN. */
 EVL_API int evl_gearbox_initial_state(const evl_gearbox *gearbox, const evl_initial *initial, double t, double *y,
@@ -560,6 +592,31 @@ EVL_API int evl_gear_tooth_thickness(const evl_gear_geometry *geometry, int n, c
 EVL_API int evl_gear_mesh_derive(const evl_gear_geometry *a, const evl_gear_geometry *b, bool has_centre_distance,
                                  double centre_distance, bool has_backlash, double backlash, evl_gear_mesh *mesh,
                                  evl_status *status);
+
+/** The profile that deviates. */
+typedef struct {
+    int teeth;               /**< z >= 3 */
+    double base_radius;      /**< r_b [m] > 0 */
+    double reference_radius; /**< r = m z/2, on which pitches are arcs [m] >= r_b */
+    double rho_start;        /**< radius of curvature at the start of the active profile [m] > 0 */
+    double rho_tip;          /**< radius of curvature at the tip [m] > rho_start */
+    double tooth_angle;      /**< tau, that a tooth fills on the base circle [rad]; 0 if not known */
+} evl_profile;
+
+/** Deviation e [n] [m] of flanks from the involute, positive: too little material, with de/drho [n] and d2e/drho2 [n] [1/m],
+ *  at radii of curvature rho [n] [m] on `sides` [n] (+1: the flank that faces clockwise, -1) of `teeth` [n], any integer. zones [n]: -1 root
+ *  relief, 0 none, +1 tip relief, selects the branch of the formula; NULL: the one that holds at rho. borders [2]: radii of
+ *  curvature where root relief ends and tip relief begins [m], -/+DBL_MAX without.
+ *  @return EVL_OK, or EVL_INVALID_INPUT with status->field as in the case file */
+EVL_API int evl_flank_deviation_at(const evl_flank_deviation *deviation, const evl_profile *profile, int n,
+                                   const int *teeth, const int *sides, const double *rho, const int *zones, double *e,
+                                   double *de, double *d2e, double borders[2], evl_status *status);
+/** Tolerances of the single pitch f_pT and of the total cumulative pitch deviation F_pT [m], ISO 1328-1:2013, (5) and (6), rounded
+ *  as it says. 5 to 1000 teeth, modules of 0.0005 to 0.07 m, reference diameters of 0.005 to 15 m, classes 1 to 11. */
+EVL_API int evl_pitch_tolerances(int teeth, double module, int accuracy_class, double *single, double *total,
+                                 evl_status *status);
+/** Cumulative position deviations of all teeth [teeth] [m], arcs on the reference circle, that keep both tolerances [m] > 0. */
+EVL_API void evl_pitch_error_sequence(int teeth, double single, double total, int seed, double *errors);
 
 /** Johnson's force per unit width N [N/m] at penetrations h [m], odd in h, with dN/dh and dN/d(rho_sum) [N/m^2].
  *  rho_sum: sum of the radii of curvature [m], e_star: effective modulus [Pa]. EVL_OUT_OF_DOMAIN from |h| = 4

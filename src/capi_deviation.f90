@@ -1,0 +1,150 @@
+!> C interface of flank deviations and pitch errors. The header documents each procedure.
+module evl_capi_deviation
+   use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_double, c_f_pointer, c_int, c_ptr
+   use evl_capi_types, only: c_status, status_to_c
+   use evl_deviation_description, only: deviation_create, deviation_input, profile_t, relief_input
+   use evl_flank_deviation, only: deviation_at, deviation_borders, deviation_zone, flank_deviation_t
+   use evl_gearbox, only: gearbox_t
+   use evl_pitch_errors, only: pitch_errors_generate, pitch_tolerances
+   use evl_status, only: code_invalid_input, fail, has_failed, status_t, subject_wheel
+   implicit none (type, external)
+   private
+
+   public :: c_flank_deviation, deviation_from_c
+   public :: evl_flank_deviation_at, evl_gearbox_flank_deviation, evl_pitch_error_sequence, evl_pitch_tolerances
+
+   !> evl_relief
+   type, bind(c) :: c_relief
+      real(c_double) :: amount
+      logical(c_bool) :: by_roll_angle
+      real(c_double) :: start
+      integer(c_int) :: shape
+   end type c_relief
+
+   !> evl_flank_deviation
+   type, bind(c) :: c_flank_deviation
+      type(c_relief) :: tip_relief, root_relief
+      real(c_double) :: profile_crowning
+      integer(c_int) :: n_pitch_errors
+      type(c_ptr) :: pitch_errors
+      integer(c_int) :: accuracy_class, seed
+      real(c_double) :: runout_amount, runout_phase
+   end type c_flank_deviation
+
+   !> evl_profile
+   type, bind(c) :: c_profile
+      integer(c_int) :: teeth
+      real(c_double) :: base_radius, reference_radius, rho_start, rho_tip, tooth_angle
+   end type c_profile
+
+contains
+
+   !> Deviations with a copy of the pitch errors. Errors: code_invalid_input if these are announced but not there.
+   subroutine deviation_from_c(c, wheel, deviation, status)
+      type(c_flank_deviation), intent(in) :: c
+      integer, intent(in) :: wheel !! from 1, for the message
+      type(deviation_input), intent(out) :: deviation
+      type(status_t), intent(inout) :: status
+      real(c_double), pointer :: pitch(:)
+
+      deviation%tip = relief_from_c(c%tip_relief)
+      deviation%root = relief_from_c(c%root_relief)
+      deviation%crowning = c%profile_crowning
+      deviation%class = c%accuracy_class
+      deviation%seed = c%seed
+      deviation%eccentricity = c%runout_amount
+      deviation%phase = c%runout_phase
+      if (c%n_pitch_errors < 1) return
+      if (c_associated(c%pitch_errors)) then
+         call c_f_pointer(c%pitch_errors, pitch, [c%n_pitch_errors])
+         deviation%pitch = pitch
+      else
+         call fail(status, code_invalid_input, "the pitch errors of a wheel are missing", subject_wheel, wheel, "pitch_errors")
+      end if
+   end subroutine deviation_from_c
+
+   elemental type(relief_input) function relief_from_c(c) result(relief)
+      type(c_relief), intent(in) :: c
+
+      relief = relief_input(amount=c%amount, by_roll_angle=logical(c%by_roll_angle), start=c%start, shape=c%shape)
+   end function relief_from_c
+
+   integer(c_int) function evl_flank_deviation_at(given, profile, n, teeth, sides, rho, zones, e, de, d2e, borders, status) &
+      result(code) bind(c)
+      type(c_flank_deviation), intent(in) :: given
+      type(c_profile), intent(in) :: profile
+      integer(c_int), intent(in), value :: n
+      integer(c_int), intent(in) :: teeth(n), sides(n)
+      real(c_double), intent(in) :: rho(n)
+      integer(c_int), intent(in), optional :: zones(n)
+      real(c_double), intent(out) :: e(n), de(n), d2e(n), borders(2)
+      type(c_status), intent(out), optional :: status
+      type(deviation_input) :: description
+      type(flank_deviation_t) :: deviation
+      type(status_t) :: s
+
+      e = 0
+      de = 0
+      d2e = 0
+      borders = 0
+      call deviation_from_c(given, 1, description, s)
+      if (.not. has_failed(s)) &
+         call deviation_create(description, profile_t(profile%teeth, profile%base_radius, profile%reference_radius, &
+                                                      profile%rho_start, profile%rho_tip, profile%tooth_angle), deviation, s)
+      if (.not. has_failed(s)) then
+         call evaluate(deviation, teeth, sides, rho, zones, e, de, d2e)
+         call deviation_borders(deviation, borders(1), borders(2))
+      end if
+      if (present(status)) call status_to_c(s, status)
+      code = s%code
+   end function evl_flank_deviation_at
+
+   subroutine evl_gearbox_flank_deviation(handle, wheel, n, teeth, sides, rho, e, de, d2e) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: wheel, n
+      integer(c_int), intent(in) :: teeth(n), sides(n)
+      real(c_double), intent(in) :: rho(n)
+      real(c_double), intent(out) :: e(n), de(n), d2e(n)
+      type(gearbox_t), pointer :: g
+
+      call c_f_pointer(handle, g)
+      call evaluate(g%wheels(wheel + 1)%deviation, teeth, sides, rho, e=e, de=de, d2e=d2e)
+   end subroutine evl_gearbox_flank_deviation
+
+   !> Each flank in its zone, or in the zone in which rho lies.
+   pure subroutine evaluate(deviation, teeth, sides, rho, zones, e, de, d2e)
+      type(flank_deviation_t), intent(in) :: deviation
+      integer(c_int), intent(in) :: teeth(:), sides(:)
+      real(c_double), intent(in) :: rho(:)
+      integer(c_int), intent(in), optional :: zones(:)
+      real(c_double), intent(out) :: e(:), de(:), d2e(:)
+      integer :: i, zone
+
+      do i = 1, size(rho)
+         zone = deviation_zone(deviation, rho(i))
+         if (present(zones)) zone = zones(i)
+         call deviation_at(deviation, teeth(i), sides(i), rho(i), zone, e(i), de(i), d2e(i))
+      end do
+   end subroutine evaluate
+
+   integer(c_int) function evl_pitch_tolerances(teeth, module, class, single, total, status) result(code) bind(c)
+      integer(c_int), intent(in), value :: teeth, class
+      real(c_double), intent(in), value :: module
+      real(c_double), intent(out) :: single, total
+      type(c_status), intent(out), optional :: status
+      type(status_t) :: s
+
+      call pitch_tolerances(teeth, module, class, single, total, s)
+      if (present(status)) call status_to_c(s, status)
+      code = s%code
+   end function evl_pitch_tolerances
+
+   subroutine evl_pitch_error_sequence(teeth, single, total, seed, errors) bind(c)
+      integer(c_int), intent(in), value :: teeth, seed
+      real(c_double), intent(in), value :: single, total
+      real(c_double), intent(out) :: errors(teeth)
+
+      call pitch_errors_generate(single, total, seed, errors)
+   end subroutine evl_pitch_error_sequence
+
+end module evl_capi_deviation

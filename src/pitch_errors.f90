@@ -1,0 +1,151 @@
+!> Pitch errors of a wheel from a flank tolerance class.
+!>
+!> Tolerances in micrometres with the reference diameter d and the module m in millimetres, class A from 1 to 11:
+!>
+!>    f_pT = (0.001 d + 0.4 m + 5) sqrt(2)**(A-5)                        single pitch deviation
+!>    F_pT = (0.002 d + 0.55 sqrt(d) + 0.7 m + 12) sqrt(2)**(A-5)        total cumulative pitch (index) deviation
+!>
+!> rounded to 1 above 10, to 0.5 from 5 to 10, to 0.1 below 5. Source: ISO 1328-1:2013, 5.2 and 5.3, formulas (5) and (6).
+module evl_pitch_errors
+   use, intrinsic :: iso_fortran_env, only: int64
+   use evl_kinds, only: pi, wp
+   use evl_splitmix64, only: splitmix64_uniform
+   use evl_status, only: code_invalid_input, fail, quantity, status_t, subject_wheel
+   implicit none (type, external)
+   private
+
+   public :: pitch_errors_generate, pitch_tolerances
+
+   real(wp), parameter :: micrometre = 1.0e-6_wp
+   real(wp), parameter :: millimetre = 1.0e-3_wp
+   integer, parameter :: most_bisections = 100 !! more than a double has bits to halve
+
+contains
+
+   !> Tolerances of the single pitch and of the total cumulative pitch deviation, arcs on the reference circle [m].
+   !>
+   !> Valid: classes 1 to 11, 5 to 1000 teeth, modules of 0.5 to 70 mm, reference diameters of 5 to 15000 mm; the standard
+   !> forbids to go beyond. Errors: code_invalid_input with field accuracy.class, teeth or module.
+   subroutine pitch_tolerances(teeth, module, class, single, total, status)
+      integer, intent(in) :: teeth            !! z
+      real(wp), intent(in) :: module          !! m [m]
+      integer, intent(in) :: class            !! A
+      real(wp), intent(out) :: single         !! f_pT [m]
+      real(wp), intent(out) :: total          !! F_pT [m]
+      type(status_t), intent(inout) :: status
+      real(wp) :: d, m, step
+      character(len=16) :: text
+
+      single = 0
+      total = 0
+      m = module/millimetre
+      d = teeth*m
+      if (class < 1 .or. class > 11) then
+         write (text, "(i0)") class
+         call refuse("class "//trim(text)//" must be from 1 to 11", "accuracy.class")
+      else if (teeth < 5 .or. teeth > 1000) then
+         write (text, "(i0)") teeth
+         call refuse("ISO 1328-1:2013 has tolerances for 5 to 1000 teeth, not for "//trim(text)//"; list pitch_errors", "accuracy")
+      else if (.not. (m >= 0.5_wp .and. m <= 70)) then
+         call refuse("ISO 1328-1:2013 has tolerances for modules of 0.0005 to 0.07 m, not for "//quantity(module, "m") &
+                     //"; list pitch_errors", "accuracy")
+      else if (.not. (d >= 5 .and. d <= 15000)) then
+         call refuse("ISO 1328-1:2013 has tolerances for reference diameters of 0.005 to 15 m, not for " &
+                     //quantity(d*millimetre, "m")//"; list pitch_errors", "accuracy")
+      else
+         step = sqrt(2.0_wp)**(class - 5)
+         single = rounded((0.001_wp*d + 0.4_wp*m + 5)*step)*micrometre
+         total = rounded((0.002_wp*d + 0.55_wp*sqrt(d) + 0.7_wp*m + 12)*step)*micrometre
+      end if
+
+   contains
+
+      subroutine refuse(message, field)
+         character(len=*), intent(in) :: message, field
+
+         call fail(status, code_invalid_input, message, subject_wheel, field=field)
+      end subroutine refuse
+
+   end subroutine pitch_tolerances
+
+   !> A tolerance rounded as ISO 1328-1:2013, 5.2.3 says, in micrometres.
+   pure real(wp) function rounded(tolerance)
+      real(wp), intent(in) :: tolerance
+
+      if (tolerance > 10) then
+         rounded = anint(tolerance)
+      else if (tolerance >= 5) then
+         rounded = anint(2*tolerance)/2
+      else
+         rounded = anint(10*tolerance)/10
+      end if
+   end function rounded
+
+   !> Cumulative position deviations of teeth 0 to z-1 [m], their mean 0.
+   !>
+   !> A wave once a turn, as an eccentric blank leaves it, plus independent errors of the teeth, uniformly distributed:
+   !> F_k = A ((1 - q) sin(2 pi (k/z + u)) + q v_k), u and then v_0, v_1, ... from SplitMix64, 0 <= u < 1, -1 <= v < 1. q and A are
+   !> such that the largest single pitch deviation |F_k - F_k-1| is `single` and the range of the F_k is `total`. If no q gives
+   !> both, as for few teeth (the range of a wave is at most 1/sin(pi/z) times its largest step), A is the largest that keeps
+   !> both.
+   pure subroutine pitch_errors_generate(single, total, seed, errors)
+      real(wp), intent(in) :: single     !! > 0 [m]
+      real(wp), intent(in) :: total      !! > 0 [m]
+      integer, intent(in) :: seed
+      real(wp), intent(out) :: errors(:) !! one for each tooth
+      real(wp) :: wave(size(errors)), noise(size(errors)), phase, low, high, q
+      integer(int64) :: state
+      integer :: i
+
+      state = int(seed, int64)
+      call splitmix64_uniform(state, phase)
+      do i = 1, size(errors)
+         wave(i) = sin(2*pi*(real(i - 1, wp)/size(errors) + phase))
+         call splitmix64_uniform(state, noise(i))
+         noise(i) = 2*noise(i) - 1
+      end do
+      ! range over step falls from that of the wave to that of the noise
+      low = 0
+      high = 1
+      q = 0
+      if (excess(wave) > 0) then
+         do i = 1, most_bisections
+            q = (low + high)/2
+            if (.not. (q > low .and. q < high)) exit
+            if (excess((1 - q)*wave + q*noise) > 0) then
+               low = q
+            else
+               high = q
+            end if
+         end do
+      end if
+      errors = (1 - q)*wave + q*noise
+      errors = errors*min(single/largest_step(errors), total/range_of(errors))
+      errors = errors - sum(errors)/size(errors)
+
+   contains
+
+      !> Positive if the range is larger than it should be beside the largest step.
+      pure real(wp) function excess(shape)
+         real(wp), intent(in) :: shape(:)
+
+         excess = range_of(shape)*single - largest_step(shape)*total
+      end function excess
+
+   end subroutine pitch_errors_generate
+
+   !> Largest single pitch deviation of a sequence that closes.
+   pure real(wp) function largest_step(errors)
+      real(wp), intent(in) :: errors(:)
+
+      largest_step = maxval(abs(errors - cshift(errors, -1)))
+   end function largest_step
+
+   !> Total cumulative deviation.
+   pure real(wp) function range_of(errors)
+      real(wp), intent(in) :: errors(:)
+
+      range_of = maxval(errors) - minval(errors)
+   end function range_of
+
+end module evl_pitch_errors
