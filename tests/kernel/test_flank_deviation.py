@@ -194,7 +194,7 @@ def test_runout_is_the_displacement_of_the_flanks_of_an_eccentric_wheel(kernel: 
 
 
 def test_runout_passes_from_a_tooth_to_the_next_one_pitch_on_without_a_step(kernel: Kernel):
-    """It moves all flanks that touch one line of action alike, also the next, a base pitch lower."""
+    """It moves all flanks that touch one line of action alike: also the one a base pitch lower."""
     description = deviations(runout_amount=15e-6, runout_phase=0.7)
     pitch = 2 * np.pi * PROFILE.base_radius / PROFILE.teeth
     rho = 0.015
@@ -264,8 +264,8 @@ def refusal(kernel: Kernel, description: DeviationDescription) -> KernelError:
         (
             {"tip_relief": relief(1e-6, diameter=0.0661)},
             "tip_relief.diameter",
-            "a diameter of 0.0661 m does not start on the active profile, which goes from 0.057 m to "
-            "0.066 m",
+            "a diameter of 0.0661 m does not start on the active profile, which goes from 0.057 m "
+            "to 0.066 m",
         ),
         ({"tip_relief": relief(1e-6, diameter=0.05)}, "tip_relief.diameter", "active profile"),
         ({"tip_relief": relief(1e-6, diameter=-0.06)}, "tip_relief.diameter", "active profile"),
