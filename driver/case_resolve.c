@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "case_check.h"
+#include "case_deviation.h"
 #include "case_housing.h"
 #include "case_loads.h"
 #include "memory.h"
@@ -147,6 +148,9 @@ static bool resolve_wheel(checker *checker, const case_node *block, const case_n
     wheel->has_gear = node_get(block, "module") != NULL;
     if (wheel->has_gear) {
         wheel->gear = resolve_gear(block);
+    }
+    if (!case_resolve_deviation(checker, block, &wheel->deviation)) {
+        return false;
     }
     wheel->width = node_get_number(block, "width");
     wheel->has_centre = node_get(block, "centre") != NULL;
@@ -350,6 +354,7 @@ static void clear_wheel(wheel_description *wheel)
         free(wheel->loads[i].values);
     }
     free(wheel->loads);
+    free(wheel->deviation.pitch_errors);
     free(wheel->name);
 }
 

@@ -44,6 +44,24 @@ typedef struct {
     double thickness_allowance, bore;
 } gear_description;
 
+/** Material taken off towards an end of the profile. */
+typedef struct {
+    double amount;
+    bool by_roll_angle;
+    double start; /**< diameter [m] or roll angle [rad] */
+    bool is_parabolic;
+} relief_description;
+
+/** What the flanks of a real gear lack in material; all 0: nothing. */
+typedef struct {
+    relief_description tip_relief, root_relief;
+    double profile_crowning;
+    int n_pitch_errors; /**< 0 if none are listed */
+    double *pitch_errors;
+    int accuracy_class, seed;           /**< class 0: none */
+    double runout_amount, runout_phase; /**< [m], [rad] */
+} deviation_description;
+
 typedef struct {
     char *name;
     int teeth;
@@ -59,6 +77,7 @@ typedef struct {
     load_description *loads;
     bool has_gear;
     gear_description gear;
+    deviation_description deviation;
 } wheel_description;
 
 /** A law of a family's table with its parameters in the table's order. */

@@ -79,6 +79,29 @@ static evl_gear translate_gear(const gear_description *gear)
     };
 }
 
+static evl_relief translate_relief(const relief_description *relief)
+{
+    return (evl_relief){.amount = relief->amount,
+                        .by_roll_angle = relief->by_roll_angle,
+                        .start = relief->start,
+                        .shape = relief->is_parabolic ? EVL_RELIEF_PARABOLIC : EVL_RELIEF_LINEAR};
+}
+
+static evl_flank_deviation translate_deviation(const deviation_description *deviation)
+{
+    return (evl_flank_deviation){
+        .tip_relief = translate_relief(&deviation->tip_relief),
+        .root_relief = translate_relief(&deviation->root_relief),
+        .profile_crowning = deviation->profile_crowning,
+        .n_pitch_errors = deviation->n_pitch_errors,
+        .pitch_errors = deviation->pitch_errors,
+        .accuracy_class = deviation->accuracy_class,
+        .seed = deviation->seed,
+        .runout_amount = deviation->runout_amount,
+        .runout_phase = deviation->runout_phase,
+    };
+}
+
 static evl_wheel translate_wheel(const description *description, const wheel_description *wheel)
 {
     const material_description *material = &description->materials[wheel->material];
@@ -112,6 +135,7 @@ static evl_wheel translate_wheel(const description *description, const wheel_des
         .axial_position = wheel->axial_position,
         .has_gear = wheel->has_gear,
         .gear = translate_gear(&wheel->gear),
+        .deviation = translate_deviation(&wheel->deviation),
     };
 }
 

@@ -5,6 +5,7 @@ module evl_capi
    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_char, c_null_ptr, c_ptr
    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
    use, intrinsic :: iso_fortran_env, only: compiler_version
+   use evl_capi_deviation, only: deviation_from_c
    use evl_capi_description, only: c_housing, c_initial, c_load, c_mesh, c_wheel, housing_from_c, initial_from_c, load_from_c, &
                                    mesh_from_c, wheel_from_c
    use evl_capi_types, only: c_message_length, c_name_length, c_status, c_text_length, status_to_c, to_c
@@ -12,6 +13,7 @@ module evl_capi
    use evl_dae_residual, only: gearbox_derivative, gearbox_residual
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_build, only: gearbox_create
+   use evl_gearbox_description, only: wheel_input
    use evl_gearbox_events, only: event_name, event_t, gearbox_apply_event, gearbox_n_roots, gearbox_next_time_event, &
                                  gearbox_root_directions, gearbox_roots, n_event_kinds
    use evl_gearbox_initial, only: gearbox_initial_speeds, gearbox_start
@@ -99,6 +101,7 @@ contains
       type(gearbox_t), pointer :: gearbox
       type(housing_input) :: kernel_housing
       type(load_t), allocatable :: kernel_loads(:)
+      type(wheel_input), allocatable :: kernel_wheels(:)
       type(status_t) :: s
       integer :: i, stat
 
@@ -109,14 +112,19 @@ contains
          if (present(status)) call status_to_c(s, status)
          return
       end if
-      allocate (kernel_loads(n_loads))
-      do i = 1, n_loads
-         call load_from_c(loads(i), i, kernel_loads(i), s)
+      allocate (kernel_loads(n_loads), kernel_wheels(n_wheels))
+      do i = 1, n_wheels
+         kernel_wheels(i) = wheel_from_c(wheels(i))
+         call deviation_from_c(wheels(i)%deviation, i, kernel_wheels(i)%deviation, s)
          if (has_failed(s)) exit
+      end do
+      do i = 1, n_loads
+         if (has_failed(s)) exit
+         call load_from_c(loads(i), i, kernel_loads(i), s)
       end do
       if (present(housing) .and. .not. has_failed(s)) call housing_from_c(housing, kernel_housing, s)
       if (.not. has_failed(s)) &
-         call gearbox_create(wheel_from_c(wheels), kernel_loads, mesh_from_c(meshes), kernel_housing, gearbox, s)
+         call gearbox_create(kernel_wheels, kernel_loads, mesh_from_c(meshes), kernel_housing, gearbox, s)
       if (has_failed(s)) then
          deallocate (gearbox)
       else

@@ -1,6 +1,7 @@
 !> The description of a gearbox as C gives it, and its passage to the kernel. Indices count from 0 in C, from 1 here.
 module evl_capi_description
    use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_double, c_f_pointer, c_int, c_ptr
+   use evl_capi_deviation, only: c_flank_deviation
    use evl_capi_types, only: c_law_choice, choice_from_c
    use evl_gear_geometry, only: gear_input
    use evl_gearbox_description, only: mesh_input, wheel_input
@@ -41,6 +42,7 @@ module evl_capi_description
       real(c_double) :: transverse_inertia, axial_position
       logical(c_bool) :: has_gear
       type(c_gear) :: gear
+      type(c_flank_deviation) :: deviation
    end type c_wheel
 
    !> evl_load
@@ -96,6 +98,7 @@ module evl_capi_description
 
 contains
 
+   !> All but the deviations, which are not copied by value.
    elemental type(wheel_input) function wheel_from_c(c) result(wheel)
       type(c_wheel), intent(in) :: c
 

@@ -4,6 +4,7 @@ module evl_gearbox_build
    use evl_gear_build, only: gears_build
    use evl_gear_pair, only: gear_pair_derive
    use evl_gearbox, only: gearbox_t, i_omega, i_theta, support_bearing, support_slider, support_t
+   use evl_gearbox_deviations, only: gearbox_set_deviations
    use evl_gearbox_description, only: check_description, mesh_input, wheel_input
    use evl_gearbox_scaling, only: gearbox_set_scales
    use evl_housing, only: n_housing_states
@@ -63,6 +64,8 @@ contains
          call take_mesh(gearbox, wheels, meshes(i), layout, i, status)
          if (has_failed(status)) return
       end do
+      call gearbox_set_deviations(gearbox, wheels, meshes, status)
+      if (has_failed(status)) return
       call find_dependents(gearbox, status)
       if (has_failed(status)) return
       call gearbox_set_scales(gearbox)

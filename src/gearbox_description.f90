@@ -2,6 +2,7 @@
 module evl_gearbox_description
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use evl_contact_laws, only: is_rigid, is_undamped, law_choice, law_validate, laws_contact, laws_damping, laws_friction
+   use evl_deviation_description, only: deviation_input
    use evl_gearbox, only: support_bearing, support_fixed, support_slider
    use evl_gear_geometry, only: gear_input
    use evl_kinds, only: wp
@@ -28,6 +29,7 @@ module evl_gearbox_description
       real(wp) :: support_stiffness(2) = 0.0_wp, support_damping(2) = 0.0_wp
       logical :: has_gear = .false. !! its radii follow from the next, not from a pitch radius
       type(gear_input) :: gear
+      type(deviation_input) :: deviation
    end type wheel_input
 
    !> A mesh as described; wheels from 1. See `evl_mesh` in the C header.

@@ -1,12 +1,12 @@
 !> Gives the wheels of a gearbox the deviations of their flanks, and refuses meshes that cannot have any.
 module evl_gearbox_deviations
+   use evl_contact_laws, only: is_rigid
    use evl_deviation_description, only: deviation_create, has_deviation, profile_t
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_description, only: mesh_input, wheel_input
    use evl_kinds, only: wp
    use evl_mesh, only: tracking_closed_form
    use evl_status, only: code_invalid_input, fail, has_failed, status_t, subject_mesh, subject_wheel
-   use evl_contact_laws, only: is_rigid
    implicit none (type, external)
    private
 
@@ -57,20 +57,21 @@ contains
                    //" it a module", subject_wheel, index, "module")
          return
       end if
-      profile%teeth = wheels(index)%teeth
-      profile%base_radius = gearbox%wheels(index)%base_radius
-      profile%reference_radius = wheels(index)%teeth*wheels(index)%gear%normal_module/2
+      associate (gear => gearbox%gears(index))
+         profile%teeth = gear%teeth
+         profile%base_radius = gear%base_radius
+         profile%reference_radius = gear%reference_radius
+         profile%tooth_angle = gear%tooth_angle
+      end associate
       profile%rho_start = huge(1.0_wp)
       do i = 1, size(meshes)
          associate (pair => gearbox%pairs(i))
             if (meshes(i)%driving == index) then
                profile%rho_start = min(profile%rho_start, pair%rho - pair%rho_tip_b)
                profile%rho_tip = max(profile%rho_tip, pair%rho_tip_a)
-               profile%tooth_angle = pair%tooth_angle_a
             else if (meshes(i)%driven == index) then
                profile%rho_start = min(profile%rho_start, pair%rho - pair%rho_tip_a)
                profile%rho_tip = max(profile%rho_tip, pair%rho_tip_b)
-               profile%tooth_angle = pair%tooth_angle_b
             end if
          end associate
       end do
@@ -79,7 +80,7 @@ contains
                 subject_wheel, index, "teeth")
    end subroutine find_profile
 
-   !> Only the closed form of an elastic contact of real gears knows deviating flanks.
+   !> Only the closed form of an elastic contact knows deviating flanks.
    subroutine check_mesh(gearbox, mesh, index, status)
       type(gearbox_t), intent(in) :: gearbox
       type(mesh_input), intent(in) :: mesh
@@ -93,9 +94,6 @@ contains
       else if (is_rigid(mesh%contact)) then
          call fail(status, code_invalid_input, "flanks with deviations need an elastic contact: take another law, or leave the" &
                    //" deviations of its wheels out", subject_mesh, index, "contact.law")
-      else if (gearbox%pairs(index)%handover) then
-         call fail(status, code_invalid_input, "a pair that is stated by its pressure angle hands its load from tooth to tooth" &
-                   //" and knows no deviations of flanks: give both wheels a module", subject_mesh, index, "pressure_angle")
       end if
    end subroutine check_mesh
 

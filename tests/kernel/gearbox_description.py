@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kernel.deviations import DeviationDescription
 from kernel.kernel import CONTACT, DAMPING, FRICTION, Kernel, LawChoice, _double, _int, _pair
 
 FIXED, SLIDER, BEARING = range(3)
@@ -67,6 +68,7 @@ class WheelDescription(ctypes.Structure):
         ("axial_position", _double),
         ("has_gear", _bool),
         ("gear", GearDescription),
+        ("deviation", DeviationDescription),
     ]
 
 

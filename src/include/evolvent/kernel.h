@@ -129,15 +129,16 @@ typedef struct {
     bool has_mass;         /**< */
     double mass;           /**< [kg] > 0 */
     int support_kind;      /**< evl_support_kind */
-    double support_direction;    /**< slider: angle of its direction to the x axis [rad] */
-    double support_mass;         /**< mass that moves with the axle, beside the wheel's own [kg] >= 0 */
-    double support_stiffness[2]; /**< slider: [0]; bearing: x, y [N/m] >= 0 */
-    double support_damping[2];   /**< slider: [0]; bearing: x, y [N s/m] >= 0 */
-    bool has_transverse_inertia; /**< otherwise J/2 + mass width^2/12, which is that of a disc or a ring */
-    double transverse_inertia;   /**< about a diameter [kg m^2] >= J/2 */
-    double axial_position;       /**< z of the middle of the face in the housing frame [m] */
-    bool has_gear;               /**< its radii follow from `gear`; otherwise from the pitch radius and its meshes */
-    evl_gear gear;               /**< */
+    double support_direction;      /**< slider: angle of its direction to the x axis [rad] */
+    double support_mass;           /**< mass that moves with the axle, beside the wheel's own [kg] >= 0 */
+    double support_stiffness[2];   /**< slider: [0]; bearing: x, y [N/m] >= 0 */
+    double support_damping[2];     /**< slider: [0]; bearing: x, y [N s/m] >= 0 */
+    bool has_transverse_inertia;   /**< otherwise J/2 + mass width^2/12, which is that of a disc or a ring */
+    double transverse_inertia;     /**< about a diameter [kg m^2] >= J/2 */
+    double axial_position;         /**< z of the middle of the face in the housing frame [m] */
+    bool has_gear;                 /**< its radii follow from `gear`; otherwise from the pitch radius and its meshes */
+    evl_gear gear;                 /**< */
+    evl_flank_deviation deviation; /**< of its flanks from the involute; all 0 for a wheel without `gear` */
 } evl_wheel;
 
 typedef enum {
