@@ -96,7 +96,7 @@ static const case_key fixed_keys[] = {
 
     {"accuracy", "", "class", KEY_INTEGER, "", BETWEEN(1, 11), REQUIRED, "", "",
      "flank tolerance class, ISO 1328-1:2013"},
-    {"accuracy", "", "seed", KEY_INTEGER, "", BETWEEN(0, 2147483647), DEFAULT("0"), "", "",
+    {"accuracy", "", "seed", KEY_INTEGER, "", BETWEEN(0, 1000000000), DEFAULT("0"), "", "",
      "chooses the random numbers; the same for two wheels: the same numbers"},
 
     {"runout", "", "amount", KEY_NUMBER, "m", NOT_NEGATIVE, REQUIRED, "", "",

@@ -1,0 +1,216 @@
+"""Deviations of the flanks in a gearbox: each wheel gets those of its profile, or is refused."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from kernel.deviations import (
+    DeviationDescription,
+    Profile,
+    deviation_at,
+    deviations,
+    pitch_error_sequence,
+    pitch_tolerances,
+    relief,
+)
+from kernel.gearbox import MESH, WHEEL, Gearbox, GearboxError
+from kernel.gearbox_description import (
+    ALGEBRAIC,
+    DIFFERENTIAL,
+    TORQUE,
+    GearDescription,
+    MeshDescription,
+    WheelDescription,
+    load,
+    mesh,
+    wheel,
+)
+from kernel.kernel import CONTACT, INVALID_INPUT, Floats, Kernel, _at
+
+MODULE, ALPHA = 3e-3, np.radians(20)
+TEETH = (20, 35, 26)
+
+
+def gear(teeth: int, deviation: DeviationDescription | None = None, **fields: object):
+    """Gear of the standard rack without profile shift."""
+    form = GearDescription(
+        normal_module=MODULE,
+        pressure_angle=ALPHA,
+        rack_addendum=1.0,
+        rack_dedendum=1.25,
+        rack_root_radius=0.38,
+    )
+    return wheel(
+        teeth=teeth,
+        width=0.02,
+        has_gear=True,
+        gear=form,
+        deviation=deviation or deviations(),
+        **fields,
+    )
+
+
+def real_mesh(kernel: Kernel, driving: int, driven: int, **fields: object) -> MeshDescription:
+    """Mesh of two gears at the centre distance of their profile shifts."""
+    description = mesh(kernel, driving, driven, **fields)
+    description.paper_rule = False
+    return description
+
+
+def train(
+    kernel: Kernel, given: Sequence[DeviationDescription | None], **fields: object
+) -> Gearbox:
+    """Three gears in a row, the second one idle; fields of the first mesh."""
+    wheels = [gear(z, d) for z, d in zip(TEETH, given, strict=True)]
+    wheels[0].has_centre = True
+    meshes = [
+        real_mesh(kernel, 0, 1, **fields),
+        real_mesh(kernel, 1, 2, driving_rotation=1, centre_line_angle=0.5),
+    ]
+    return Gearbox(kernel, wheels, [load(0, TORQUE, -1.0)], meshes)
+
+
+def evaluate(
+    gearbox: Gearbox, wheel: int, rho: Floats, teeth: Sequence[int], side: int
+) -> tuple[Floats, ...]:
+    """e, de and d2e of a wheel of a gearbox."""
+    n = len(rho)
+    results = tuple(np.empty(n) for _ in range(3))
+    numbers = np.array(teeth, dtype=np.int32)
+    sides = np.full(n, side, dtype=np.int32)
+    gearbox.library.evl_gearbox_flank_deviation(
+        gearbox.handle, wheel, n, _at(numbers), _at(sides), _at(rho), *map(_at, results)
+    )
+    return results
+
+
+def profile(wheel: int) -> Profile:
+    """Profile of a wheel of the train, by hand: a_w = m (z1+z2)/2, no shift."""
+    z = TEETH[wheel]
+    radius = MODULE * z / 2
+    rho_tip = [
+        np.sqrt((MODULE * n / 2 + MODULE) ** 2 - (MODULE * n / 2 * np.cos(ALPHA)) ** 2)
+        for n in TEETH
+    ]
+    mates = [i for i in (wheel - 1, wheel + 1) if 0 <= i < len(TEETH)]
+    starts = [MODULE * (z + TEETH[i]) / 2 * np.sin(ALPHA) - rho_tip[i] for i in mates]
+    tooth = np.pi / z + 2 * (np.tan(ALPHA) - ALPHA)
+    return Profile(z, radius * np.cos(ALPHA), radius, min(starts), rho_tip[wheel], tooth)
+
+
+def test_each_wheel_has_the_deviations_of_its_own_profile(kernel: Kernel):
+    """The idler's active profile starts where its larger mate needs it."""
+    given = [
+        deviations(
+            tip_relief=relief(10e-6, diameter=0.063),
+            runout_amount=8e-6,
+            runout_phase=1.0,
+        ),
+        deviations(
+            root_relief=relief(7e-6, roll_angle=np.radians(16)),
+            profile_crowning=3e-6,
+            pitch_errors=[1e-6 * (k % 7) for k in range(35)],
+        ),
+        deviations(accuracy_class=6, seed=3),
+    ]
+    gearbox = train(kernel, given)
+    for index, (z, description) in enumerate(zip(TEETH, given, strict=True)):
+        ends = profile(index)
+        rho = np.linspace(ends.rho_start, ends.rho_tip, 41)
+        teeth = np.arange(41) % z
+        for side in (1, -1):
+            found = evaluate(gearbox, index, rho, teeth, side)
+            expected = deviation_at(kernel, description, ends, rho, teeth, side)
+            # the profiles agree to rounding, which slopes of 1e-2 and curvatures of 1 /m see
+            for one, other, scale in zip(found, expected, (1e-5, 1e-2, 1.0), strict=False):
+                np.testing.assert_allclose(one, other, rtol=1e-11, atol=1e-12 * scale)
+
+
+def test_an_accuracy_class_is_that_of_the_reference_diameter(kernel: Kernel):
+    gearbox = train(kernel, [None, None, deviations(accuracy_class=6, seed=3)])
+    tolerances = pitch_tolerances(kernel, 26, MODULE, 6)
+    arcs = pitch_error_sequence(kernel, 26, *tolerances, 3)
+    e, *_ = evaluate(gearbox, 2, np.full(26, 0.01), np.arange(26), 1)
+    np.testing.assert_allclose(e, arcs * np.cos(ALPHA), rtol=1e-12, atol=1e-18)
+
+
+def test_wheels_without_deviations_have_none(kernel: Kernel):
+    gearbox = train(kernel, [None, deviations(runout_amount=1e-6), None])
+    for index in (0, 2):
+        for values in evaluate(gearbox, index, np.linspace(0.005, 0.02, 5), range(5), 1):
+            np.testing.assert_array_equal(values, 0)
+
+
+def refusal(kernel: Kernel, given: Sequence[DeviationDescription | None], **fields: object):
+    with pytest.raises(GearboxError) as caught:
+        train(kernel, given, **fields)
+    assert caught.value.code == INVALID_INPUT
+    assert "\n" not in caught.value.message
+    return caught.value
+
+
+@pytest.mark.parametrize("index", range(3))
+def test_a_refused_deviation_names_its_wheel(kernel: Kernel, index: int):
+    given = [None] * 3
+    given[index] = deviations(profile_crowning=-1e-6)
+    error = refusal(kernel, given)
+    assert (error.subject, error.index, error.field) == (WHEEL, index, "profile_crowning")
+
+
+def test_an_amount_that_is_no_number_is_refused_too(kernel: Kernel):
+    error = refusal(kernel, [deviations(profile_crowning=np.nan), None, None])
+    assert (error.field, error.index) == ("profile_crowning", 0)
+
+
+@pytest.mark.parametrize("tracking", [ALGEBRAIC, DIFFERENTIAL])
+@pytest.mark.parametrize("index", [0, 1])
+def test_tracked_flanks_have_no_deviations(kernel: Kernel, tracking: int, index: int):
+    given = [None] * 3
+    given[index] = deviations(runout_amount=1e-6)
+    error = refusal(kernel, given, tracking=tracking)
+    assert (error.subject, error.index, error.field) == (MESH, 0, "tracking")
+    assert "closed_form" in error.message
+
+
+def test_rigid_contacts_have_no_deviations(kernel: Kernel):
+    rigid = kernel.law(CONTACT, "rigid")
+    given = [None, deviations(runout_amount=1e-6), None]
+    error = refusal(kernel, given, contact=rigid, damping=None)
+    assert (error.subject, error.index, error.field) == (MESH, 0, "contact.law")
+
+
+def test_meshes_whose_wheels_are_perfect_may_be_tracked(kernel: Kernel):
+    train(kernel, [None, None, deviations(runout_amount=1e-6)], tracking=DIFFERENTIAL)
+
+
+def test_a_wheel_without_module_has_no_deviations(kernel: Kernel):
+    wheels: list[WheelDescription] = [
+        wheel(teeth=20, pitch_radius=0.2, centre=(0, 0), deviation=deviations(runout_amount=1e-6)),
+        wheel(teeth=30),
+    ]
+    with pytest.raises(GearboxError) as caught:
+        Gearbox(kernel, wheels, [load(0, TORQUE, -1.0)], [mesh(kernel)])
+    assert (caught.value.subject, caught.value.index) == (WHEEL, 0)
+    assert caught.value.field == "module"
+
+
+def test_announced_pitch_errors_have_to_be_there(kernel: Kernel):
+    description = deviations()
+    description.n_pitch_errors = 35
+    error = refusal(kernel, [None, description, None])
+    assert (error.subject, error.index, error.field) == (WHEEL, 1, "pitch_errors")
+
+
+def test_pitch_errors_are_copied(kernel: Kernel):
+    numbers = (ctypes.c_double * 20)(*([2e-6] * 20))
+    description = deviations()
+    description.n_pitch_errors = 20
+    description.pitch_errors = numbers
+    gearbox = train(kernel, [description, None, None])
+    numbers[0] = 1.0
+    e, *_ = evaluate(gearbox, 0, np.full(1, 0.01), [0], 1)
+    assert e[0] == pytest.approx(2e-6 * np.cos(ALPHA), rel=1e-14)
