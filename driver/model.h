@@ -89,6 +89,11 @@ int model_gear(const model *model, int wheel, model_quantity rows[MODEL_MOST_ROW
 /** The same of two real gears in mesh. */
 int model_gear_mesh(const model *model, int mesh, model_quantity rows[MODEL_MOST_ROWS]);
 
+/** Where the deviations of a wheel's flanks begin and how large its pitch errors are; no rows if it has none. */
+int model_deviation(const model *model, int wheel, model_quantity rows[MODEL_MOST_ROWS]);
+/** Cumulative position deviations of its teeth [teeth] [m]. @return whether it has pitch errors */
+bool model_pitch_errors(const model *model, int wheel, double *errors);
+
 /** The compiler that built the kernel. */
 const char *model_compiler(void);
 

@@ -5,6 +5,7 @@
 #include "case_schema.h"
 #include "json.h"
 #include "number.h"
+#include "show_deviations.h"
 #include "show_gears.h"
 
 static const double DEGREES_PER_RADIAN = 57.295779513082320877;
@@ -76,6 +77,7 @@ int show_text(FILE *stream, const case_file *file, const model *model)
         print_rows(stream, model_mesh_geometry(model, i, rows), rows);
     }
     show_gears(stream, description, model);
+    show_deviations(stream, description, model);
     for (int i = 0; i < model_n_warnings(model); i++) {
         char text[DAE_MESSAGE_LENGTH];
         model_warning(model, i, text);
@@ -140,6 +142,7 @@ int show_json(FILE *stream, const case_file *file, const model *model)
         write_rows(&writer, description->meshes[i].name, n, rows, n_gear, gear_rows);
     }
     json_close(&writer, '}');
+    write_deviations(&writer, description, model);
     json_open(&writer, "warnings", '[');
     for (int i = 0; i < model_n_warnings(model); i++) {
         char text[DAE_MESSAGE_LENGTH];

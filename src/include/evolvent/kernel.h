@@ -374,6 +374,19 @@ EVL_API bool evl_gearbox_gear(const evl_gearbox *gearbox, int wheel, evl_gear_ge
 /** Geometry of a mesh of two real gears. @return whether it is one; if not, geometry is zero. */
 EVL_API bool evl_gearbox_gear_mesh(const evl_gearbox *gearbox, int mesh, evl_gear_mesh *geometry);
 
+/** What follows from an evl_flank_deviation. Lengths [m], angles [rad]; 0 for what a wheel has not. */
+typedef struct {
+    double tip_relief_radius, tip_relief_roll_angle;   /**< where tip relief starts */
+    double root_relief_radius, root_relief_roll_angle; /**< where root relief starts */
+    double profile_start_radius, profile_tip_radius;   /**< ends of the profile that they refer to */
+    double single_pitch;                               /**< f_p, largest single pitch deviation */
+    double total_pitch;                                /**< F_p, total cumulative pitch deviation */
+} evl_deviation_geometry;
+
+/** Deviations of a wheel; pitch_errors: [teeth] [m], arcs on the reference circle, or NULL.
+ *  @return whether it has any; if not, all is zero. */
+EVL_API bool evl_gearbox_deviation(const evl_gearbox *gearbox, int wheel, evl_deviation_geometry *geometry,
+                                   double *pitch_errors);
 /** Deviation e [n] [m] of flanks of a wheel from the involute with its derivatives, as evl_flank_deviation_at without zones. */
 EVL_API void evl_gearbox_flank_deviation(const evl_gearbox *gearbox, int wheel, int n, const int *teeth,
                                          const int *sides, const double *rho, double *e, double *de, double *d2e);
