@@ -614,7 +614,7 @@ typedef struct {
     double reference_radius; /**< r = m z/2, on which pitches are arcs [m] >= r_b */
     double rho_start;        /**< radius of curvature at the start of the active profile [m] > 0 */
     double rho_tip;          /**< radius of curvature at the tip [m] > rho_start */
-    double tooth_angle;      /**< tau, that a tooth fills on the base circle [rad]; 0 if not known */
+    double tooth_angle;      /**< psi_b, that a tooth fills on the base circle [rad]; 0 if not known */
 } evl_profile;
 
 /** Deviation e [n] [m] of flanks from the involute, positive: too little material, with de/drho [n] and d2e/drho2 [n] [1/m],
