@@ -84,9 +84,19 @@ typedef struct {
     double value[2];
     bool is_angle; /**< shown in degrees as well */
 } model_quantity;
-/** @return the number of rows written to rows (room for 40) */
-int model_wheel_geometry(const model *model, int wheel, model_quantity rows[40]);
-int model_mesh_geometry(const model *model, int mesh, model_quantity rows[40]);
+enum { MODEL_MOST_ROWS = 40 };
+/* Each returns the number of rows written. */
+int model_wheel_geometry(const model *model, int wheel, model_quantity rows[MODEL_MOST_ROWS]);
+int model_mesh_geometry(const model *model, int mesh, model_quantity rows[MODEL_MOST_ROWS]);
+/** What ISO 21771 says of a real gear; no rows if the wheel is none. */
+int model_gear(const model *model, int wheel, model_quantity rows[MODEL_MOST_ROWS]);
+/** The same of two real gears in mesh. */
+int model_gear_mesh(const model *model, int mesh, model_quantity rows[MODEL_MOST_ROWS]);
+
+/** Where the deviations of a wheel's flanks begin and how large its pitch errors are; no rows if it has none. */
+int model_deviation(const model *model, int wheel, model_quantity rows[MODEL_MOST_ROWS]);
+/** Cumulative position deviations of its teeth [teeth] [m]. @return whether it has pitch errors */
+bool model_pitch_errors(const model *model, int wheel, double *errors);
 
 /** The compiler that built the kernel. */
 const char *model_compiler(void);

@@ -169,7 +169,7 @@ static model_quantity point(const char *name, const char *symbol, const char *lo
     return (model_quantity){name, "m", symbol, long_name, 2, {value[0], value[1]}, false};
 }
 
-int model_wheel_geometry(const model *model, int wheel, model_quantity rows[40])
+int model_wheel_geometry(const model *model, int wheel, model_quantity rows[MODEL_MOST_ROWS])
 {
     evl_wheel_geometry g;
     evl_gearbox_wheel_geometry(model->gearbox, wheel, &g);
@@ -185,7 +185,7 @@ int model_wheel_geometry(const model *model, int wheel, model_quantity rows[40])
     return n;
 }
 
-int model_mesh_geometry(const model *model, int mesh, model_quantity rows[40])
+int model_mesh_geometry(const model *model, int mesh, model_quantity rows[MODEL_MOST_ROWS])
 {
     evl_mesh_geometry g;
     evl_gearbox_mesh_geometry(model->gearbox, mesh, &g);
@@ -199,7 +199,7 @@ int model_mesh_geometry(const model *model, int mesh, model_quantity rows[40])
     rows[n++] =
         number("minimum_pressure_angle", "rad", "alpha_inf", "least working pressure angle", g.minimum_pressure_angle);
     rows[n++] = number("working_pressure_angle", "rad", "alpha_w", "working pressure angle", g.working_pressure_angle);
-    rows[n++] = number("base_pitch", "m", "|ab|", "base pitch, the length of the path of contact", g.base_pitch);
+    rows[n++] = number("base_pitch", "m", "p_b", "base pitch", g.base_pitch);
     rows[n++] = number("contact_ratio", "1", "epsilon_alpha", "transverse contact ratio", g.contact_ratio);
     rows[n++] =
         number("line_of_action_length", "m", "rho", "length |K_A K_B| of the line of action", g.line_of_action_length);

@@ -5,8 +5,8 @@
 #include "case_schema.h"
 #include "json.h"
 #include "number.h"
-
-enum { MOST_ROWS = 40 };
+#include "show_deviations.h"
+#include "show_gears.h"
 
 static const double DEGREES_PER_RADIAN = 57.295779513082320877;
 
@@ -65,7 +65,7 @@ static void print_indented(FILE *stream, const char *text)
 int show_text(FILE *stream, const case_file *file, const model *model)
 {
     const description *description = case_description(file);
-    model_quantity rows[MOST_ROWS];
+    model_quantity rows[MODEL_MOST_ROWS];
     fprintf(stream, "Case %s, with all defaults (angles in degrees)\n\n", case_path(file));
     print_indented(stream, case_text(file));
     for (int i = 0; i < description->n_wheels; i++) {
@@ -76,6 +76,8 @@ int show_text(FILE *stream, const case_file *file, const model *model)
         fprintf(stream, "\nMesh %s\n", description->meshes[i].name);
         print_rows(stream, model_mesh_geometry(model, i, rows), rows);
     }
+    show_gears(stream, description, model);
+    show_deviations(stream, description, model);
     for (int i = 0; i < model_n_warnings(model); i++) {
         char text[DAE_MESSAGE_LENGTH];
         model_warning(model, i, text);
@@ -102,7 +104,9 @@ static void write_node(json_writer *writer, const char *key, const case_node *no
     }
 }
 
-static void write_rows(json_writer *writer, const char *key, int n, const model_quantity *rows)
+/** A wheel or mesh, and within it what it is as a gear, if it is a real one. */
+static void write_rows(json_writer *writer, const char *key, int n, const model_quantity *rows, int n_gear,
+                       const model_quantity *gear_rows)
 {
     json_open(writer, key, '{');
     for (int i = 0; i < n; i++) {
@@ -112,27 +116,33 @@ static void write_rows(json_writer *writer, const char *key, int n, const model_
             json_number(writer, rows[i].name, rows[i].value[0]);
         }
     }
+    if (n_gear > 0) {
+        write_rows(writer, "gear", n_gear, gear_rows, 0, NULL);
+    }
     json_close(writer, '}');
 }
 
 int show_json(FILE *stream, const case_file *file, const model *model)
 {
     const description *description = case_description(file);
-    model_quantity rows[MOST_ROWS];
+    model_quantity rows[MODEL_MOST_ROWS], gear_rows[MODEL_MOST_ROWS];
     json_writer writer = {.stream = stream};
     json_open(&writer, NULL, '{');
     json_text(&writer, "path", case_path(file));
     write_node(&writer, "case", case_root(file));
     json_open(&writer, "wheels", '{');
     for (int i = 0; i < description->n_wheels; i++) {
-        write_rows(&writer, description->wheels[i].name, model_wheel_geometry(model, i, rows), rows);
+        const int n = model_wheel_geometry(model, i, rows), n_gear = model_gear(model, i, gear_rows);
+        write_rows(&writer, description->wheels[i].name, n, rows, n_gear, gear_rows);
     }
     json_close(&writer, '}');
     json_open(&writer, "meshes", '{');
     for (int i = 0; i < description->n_meshes; i++) {
-        write_rows(&writer, description->meshes[i].name, model_mesh_geometry(model, i, rows), rows);
+        const int n = model_mesh_geometry(model, i, rows), n_gear = model_gear_mesh(model, i, gear_rows);
+        write_rows(&writer, description->meshes[i].name, n, rows, n_gear, gear_rows);
     }
     json_close(&writer, '}');
+    write_deviations(&writer, description, model);
     json_open(&writer, "warnings", '[');
     for (int i = 0; i < model_n_warnings(model); i++) {
         char text[DAE_MESSAGE_LENGTH];

@@ -41,7 +41,7 @@ module evl_deviation_description
       real(wp) :: reference_radius = 0.0_wp !! on which pitches are arcs [m]
       real(wp) :: rho_start = 0.0_wp        !! radius of curvature at the start of the active profile [m]
       real(wp) :: rho_tip = 0.0_wp          !! radius of curvature at the tip [m]
-      real(wp) :: tooth_angle = 0.0_wp      !! tau, that a tooth fills on the base circle [rad]; 0 if not known
+      real(wp) :: tooth_angle = 0.0_wp      !! psi_b, that a tooth fills on the base circle [rad]; 0 if not known
    end type profile_t
 
 contains

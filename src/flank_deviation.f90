@@ -7,7 +7,7 @@
 !>
 !>    e = C_a u_a**p_a [tip]  or  C_f u_f**p_f [root]  or  0     u = (rho - rho_s)/(rho_end - rho_s), p = 1 linear, 2 parabolic
 !>      + C_alpha ((rho - rho_m)/((rho_tip - rho_start)/2))**2
-!>      + s p_k - s e_c sin(k gamma - s tau/2 + s rho/r_b - psi)
+!>      + s p_k - s e_c sin(k gamma - s psi_b/2 + s rho/r_b - psi_c)
 !>
 !> docs/deviations.md derives the last line.
 module evl_flank_deviation
@@ -41,9 +41,9 @@ module evl_flank_deviation
       integer :: teeth = 1               !! z
       real(wp), allocatable :: pitch(:)  !! p_k of teeth 0 to z-1 along the normal [m], (0:teeth-1); not allocated: no errors
       real(wp) :: eccentricity = 0.0_wp  !! e_c of the teeth's centre to the axle [m]
-      real(wp) :: phase = 0.0_wp         !! psi, direction of the eccentricity from the middle of tooth 0 [rad]
+      real(wp) :: phase = 0.0_wp         !! psi_c, direction of the eccentricity from the middle of tooth 0 [rad]
       real(wp) :: base_radius = 1.0_wp   !! r_b [m]
-      real(wp) :: half_tooth = 0.0_wp    !! tau/2, half of the angle that a tooth fills on the base circle [rad]
+      real(wp) :: half_tooth = 0.0_wp    !! psi_b/2, half of the angle that a tooth fills on the base circle [rad]
    end type flank_deviation_t
 
 contains

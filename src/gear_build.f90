@@ -34,7 +34,7 @@ contains
          end if
          if (gears(i)%tip_thickness < thin_tip*gears(i)%normal_module) &
             call warn(warnings, "wheels", i, "the tooth is "//quantity(gears(i)%tip_thickness, "m")//" thick on the tip circle," &
-                      //" less than "//quantity(thin_tip, "")//" modules: such a tip breaks or hardens through")
+                      //" less than "//quantity(thin_tip, "")//" modules: such a tip breaks easily")
       end do
       do i = 1, size(meshes)
          call build_mesh(wheels, gears, meshes(i), gear_meshes(i), status)

@@ -186,8 +186,8 @@ contains
       type(status_t), intent(inout) :: status !! an earlier error stays
 
       if (has_failed(status) .or. (ieee_is_finite(value) .and. (value > 0 .or. (may_vanish .and. .not. value < 0)))) return
-      call refuse(status, field, field//" = "//quantity(value, unit)//" must be a finite number, " &
-                  //trim(merge("not negative  ", "greater than 0", may_vanish)))
+      call refuse(status, field, field//" = "//quantity(value, unit)//" must be a finite number" &
+                  //trim(merge(", not negative ", " greater than 0", may_vanish)))
    end subroutine check
 
    !> The tip of the cutting rack is as wide as its two roundings at least.

@@ -110,7 +110,7 @@ contains
       tangent = 0
       base_sum = a%base_radius + b%base_radius
       ! what the allowances take from the teeth, on the base circles; and 2 R inv alpha_w of full teeth without backlash
-      allowances = -(a%thickness_allowance*cos(a%pressure_angle) + b%thickness_allowance*cos(b%pressure_angle))
+      allowances = abs(a%thickness_allowance)*cos(a%pressure_angle) + abs(b%thickness_allowance)*cos(b%pressure_angle)
       tight = full_arc(a) + full_arc(b) - mesh%base_pitch
       if (tight > 0) mesh%tight_distance = base_sum*hypot(1.0_wp, tangent_of_involute(tight/(2*base_sum)))
       if (given%has_centre_distance) then

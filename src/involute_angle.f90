@@ -10,8 +10,8 @@ module evl_involute_angle
 
    public :: involute_of_tangent, tangent_of_involute
 
-   real(wp), parameter :: small = 0.25_wp !! the series converges fast below; u - atan u would cancel
-   integer, parameter :: n_terms = 14     !! small**(2 n_terms) is below the rounding of the first term
+   real(wp), parameter :: small = 0.5_wp !! u - atan u would cancel below, and the series converges
+   integer, parameter :: n_terms = 26    !! small**(2 n_terms) is the rounding of the first term
 
 contains
 

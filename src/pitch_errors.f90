@@ -14,7 +14,7 @@ module evl_pitch_errors
    implicit none (type, external)
    private
 
-   public :: pitch_errors_generate, pitch_tolerances
+   public :: pitch_errors_generate, pitch_tolerances, single_pitch_deviation, total_pitch_deviation
 
    real(wp), parameter :: micrometre = 1.0e-6_wp
    real(wp), parameter :: millimetre = 1.0e-3_wp
@@ -120,7 +120,7 @@ contains
          end do
       end if
       errors = (1 - q)*wave + q*noise
-      errors = errors*min(single/largest_step(errors), total/range_of(errors))
+      errors = errors*min(single/single_pitch_deviation(errors), total/total_pitch_deviation(errors))
       errors = errors - sum(errors)/size(errors)
 
    contains
@@ -129,23 +129,23 @@ contains
       pure real(wp) function excess(shape)
          real(wp), intent(in) :: shape(:)
 
-         excess = range_of(shape)*single - largest_step(shape)*total
+         excess = total_pitch_deviation(shape)*single - single_pitch_deviation(shape)*total
       end function excess
 
    end subroutine pitch_errors_generate
 
-   !> Largest single pitch deviation of a sequence that closes.
-   pure real(wp) function largest_step(errors)
+   !> f_p, the largest single pitch deviation of the teeth of a wheel.
+   pure real(wp) function single_pitch_deviation(errors)
       real(wp), intent(in) :: errors(:)
 
-      largest_step = maxval(abs(errors - cshift(errors, -1)))
-   end function largest_step
+      single_pitch_deviation = maxval(abs(errors - cshift(errors, -1)))
+   end function single_pitch_deviation
 
-   !> Total cumulative deviation.
-   pure real(wp) function range_of(errors)
+   !> F_p, the total cumulative pitch deviation of the teeth of a wheel.
+   pure real(wp) function total_pitch_deviation(errors)
       real(wp), intent(in) :: errors(:)
 
-      range_of = maxval(errors) - minval(errors)
-   end function range_of
+      total_pitch_deviation = maxval(errors) - minval(errors)
+   end function total_pitch_deviation
 
 end module evl_pitch_errors

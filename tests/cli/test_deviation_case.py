@@ -166,3 +166,30 @@ def test_the_resolved_case_shows_deviations_with_their_defaults(
     assert gear["accuracy"] == {"class": 7, "seed": 0}
     assert gear["profile_crowning"] == 0
     assert "runout" not in gear
+
+
+def test_show_tells_where_relief_begins_and_the_pitch_errors_of_a_class(
+    evolvent: Evolvent, examples: Path
+) -> None:
+    """For scripts in SI units; ISO 1328-1, class 5, d = 60 mm, m = 3 mm: 6.5 um and 18 um."""
+    case = examples / "tip-relief.yaml"
+    pinion = json.loads(evolvent("show", case, "--json").stdout)["deviations"]["pinion"]
+    errors = pinion["pitch_errors"]
+    assert len(errors) == 20
+    steps = [abs(a - b) for a, b in zip(errors, [errors[-1], *errors[:-1]], strict=True)]
+    assert max(steps) == pytest.approx(6.5e-6, rel=1e-12)
+    assert max(errors) - min(errors) == pytest.approx(18e-6, rel=1e-12)
+    assert pinion["single_pitch_deviation"] == pytest.approx(6.5e-6, rel=1e-12)
+    assert pinion["tip_relief_diameter"] == pytest.approx(0.0615, rel=1e-14)
+    text = evolvent("show", case).stdout
+    table = text[text.index("Deviations of the flanks of wheel pinion") :]
+    assert "pitch errors of teeth 0 to 19 [um]" in table
+    shown = table.split("[um]\n")[1].split()[:20]
+    assert [float(word) for word in shown] == pytest.approx([1e6 * e for e in errors], abs=6e-4)
+
+
+def test_show_has_no_deviations_of_perfect_wheels(evolvent: Evolvent, examples: Path) -> None:
+    assert (
+        json.loads(evolvent("show", examples / "paper.yaml", "--json").stdout)["deviations"] == {}
+    )
+    assert "Deviations" not in evolvent("show", examples / "paper.yaml").stdout

@@ -303,7 +303,7 @@ static void faults_are_shown_at_their_place(void **state)
         {"width: 0.1\n", "width: 1e999\n", "yaml:7:10: wheels.gear.width: is 1e999, which is not a finite number"},
         {"width: 0.1\n", "width: '0.1'\n", "must be a number [m], not '0.1', which is text because of its quotes"},
         {"width: 0.1\n", "widht: 0.1\n", "yaml:7:3: wheels.gear: unknown key 'widht' (did you mean 'width'?)"},
-        {"width: 0.1\n", "colour: 0.1\n", "unknown key 'colour'; known here: name, teeth, pitch_radius, width"},
+        {"width: 0.1\n", "colour: 0.1\n", "unknown key 'colour'; known here: name, teeth, pitch_radius"},
         {"  width: 0.1\n", "", "yaml:5:3: wheels.gear: 'width' is missing (face width [m])"},
         {"  width: 0.1\n", "  width: 0.1\n  teeth: 31\n", "yaml:8:3: the key 'teeth' is given twice, first in line 6"},
         {"name: gear", "name: pinion", "the name 'pinion' is given to two wheels"},

@@ -120,8 +120,8 @@ class InitialDescription(ctypes.Structure):
 
 def _filled(structure: Any, defaults: dict[str, Any], given: dict[str, Any]) -> Any:
     values = {**defaults, **given}
-    optional = ("pitch_radius", "centre", "inertia", "mass", "transverse_inertia")
-    for name in (*optional, "centre_line_angle"):
+    optional = ("pitch_radius", "centre", "inertia", "mass", "transverse_inertia", "gear")
+    for name in (*optional, "centre_line_angle", "centre_distance", "backlash"):
         if name in values and hasattr(structure, f"has_{name}"):
             values[f"has_{name}"] = values[name] is not None
             if values[name] is None:

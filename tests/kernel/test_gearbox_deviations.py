@@ -22,36 +22,25 @@ from kernel.gearbox_description import (
     ALGEBRAIC,
     DIFFERENTIAL,
     TORQUE,
-    GearDescription,
     MeshDescription,
     WheelDescription,
     load,
     mesh,
     wheel,
 )
+from kernel.gears import gear_description
 from kernel.kernel import CONTACT, INVALID_INPUT, Floats, Kernel, _at
 
 MODULE, ALPHA = 3e-3, np.radians(20)
 TEETH = (20, 35, 26)
 
 
-def gear(teeth: int, deviation: DeviationDescription | None = None, **fields: object):
+def gear(
+    teeth: int, deviation: DeviationDescription | None = None, **fields: object
+) -> WheelDescription:
     """Gear of the standard rack without profile shift."""
-    form = GearDescription(
-        normal_module=MODULE,
-        pressure_angle=ALPHA,
-        rack_addendum=1.0,
-        rack_dedendum=1.25,
-        rack_root_radius=0.38,
-    )
-    return wheel(
-        teeth=teeth,
-        width=0.02,
-        has_gear=True,
-        gear=form,
-        deviation=deviation or deviations(),
-        **fields,
-    )
+    form = gear_description(MODULE)
+    return wheel(teeth=teeth, width=0.02, gear=form, deviation=deviation or deviations(), **fields)
 
 
 def real_mesh(kernel: Kernel, driving: int, driven: int, **fields: object) -> MeshDescription:
@@ -138,6 +127,67 @@ def test_an_accuracy_class_is_that_of_the_reference_diameter(kernel: Kernel):
     np.testing.assert_allclose(e, arcs * np.cos(ALPHA), rtol=1e-12, atol=1e-18)
 
 
+class DeviationGeometry(ctypes.Structure):
+    """`evl_deviation_geometry`."""
+
+    _fields_ = [
+        (name, ctypes.c_double)
+        for name in (
+            *("tip_relief_radius", "tip_relief_roll_angle"),
+            *("root_relief_radius", "root_relief_roll_angle"),
+            *("profile_start_radius", "profile_tip_radius"),
+            *("single_pitch", "total_pitch"),
+        )
+    ]
+
+
+def geometry_of(gearbox: Gearbox, wheel: int) -> tuple[bool, DeviationGeometry, Floats]:
+    """Tell whether there are deviations, where they begin, and the pitch errors."""
+    geometry, errors = DeviationGeometry(), np.full(TEETH[wheel], np.nan)
+    call = gearbox.library.evl_gearbox_deviation
+    call.restype = ctypes.c_bool
+    exists = call(gearbox.handle, wheel, ctypes.byref(geometry), _at(errors))
+    again = DeviationGeometry()
+    assert call(gearbox.handle, wheel, ctypes.byref(again), None) == exists
+    assert bytes(again) == bytes(geometry)
+    return exists, geometry, errors
+
+
+def test_a_gearbox_tells_where_deviations_begin_and_how_large_pitch_errors_are(kernel: Kernel):
+    pitch = [1e-6 * (k % 7) for k in range(35)]
+    given = [
+        deviations(
+            tip_relief=relief(10e-6, diameter=0.063), root_relief=relief(1e-6, roll_angle=0.2)
+        ),
+        deviations(pitch_errors=pitch),
+        None,
+    ]
+    gearbox = train(kernel, given)
+    exists, geometry, errors = geometry_of(gearbox, 0)
+    r_b, ends = profile(0).base_radius, profile(0)
+    assert exists
+    np.testing.assert_array_equal(errors, 0)
+    assert geometry.tip_relief_radius == pytest.approx(0.0315, rel=1e-14)
+    assert geometry.tip_relief_roll_angle == pytest.approx(
+        np.sqrt(0.0315**2 - r_b**2) / r_b, rel=1e-13
+    )
+    assert geometry.root_relief_roll_angle == pytest.approx(0.2, rel=1e-14)
+    assert geometry.root_relief_radius == pytest.approx(r_b * np.hypot(1, 0.2), rel=1e-14)
+    assert geometry.profile_start_radius == pytest.approx(np.hypot(r_b, ends.rho_start), rel=1e-13)
+    assert geometry.profile_tip_radius == pytest.approx(0.033, rel=1e-14)
+    assert geometry.single_pitch == geometry.total_pitch == 0
+    exists, geometry, errors = geometry_of(gearbox, 1)
+    assert exists
+    np.testing.assert_allclose(errors, pitch, rtol=1e-14, atol=0)
+    assert geometry.single_pitch == pytest.approx(6e-6, rel=1e-13)
+    assert geometry.total_pitch == pytest.approx(6e-6, rel=1e-13)
+    assert geometry.tip_relief_radius == geometry.root_relief_roll_angle == 0
+    exists, geometry, errors = geometry_of(gearbox, 2)
+    assert not exists
+    assert not any(bytes(geometry))
+    np.testing.assert_array_equal(errors, 0)
+
+
 def test_wheels_without_deviations_have_none(kernel: Kernel):
     gearbox = train(kernel, [None, deviations(runout_amount=1e-6), None])
     for index in (0, 2):
@@ -145,7 +195,9 @@ def test_wheels_without_deviations_have_none(kernel: Kernel):
             np.testing.assert_array_equal(values, 0)
 
 
-def refusal(kernel: Kernel, given: Sequence[DeviationDescription | None], **fields: object):
+def refusal(
+    kernel: Kernel, given: Sequence[DeviationDescription | None], **fields: object
+) -> GearboxError:
     with pytest.raises(GearboxError) as caught:
         train(kernel, given, **fields)
     assert caught.value.code == INVALID_INPUT

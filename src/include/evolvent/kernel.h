@@ -309,8 +309,8 @@ typedef struct {
     double centre_line_angle;                     /**< [rad] */
     double minimum_pressure_angle;                /**< alpha_inf [rad] */
     double working_pressure_angle;                /**< alpha_w [rad] */
-    double base_pitch;                            /**< |ab| [m], which is the path of contact too: contact ratio 1 */
-    double contact_ratio;                         /**< */
+    double base_pitch;                            /**< [m] */
+    double contact_ratio;                         /**< |ab| over it */
     double line_of_action_length;                 /**< |K_A K_B| [m] */
     double point_k_a[2], point_k_b[2];            /**< where the line of action touches the base circles [m] */
     double point_a[2], point_b[2];                /**< nominal start and end of contact [m] */
@@ -324,8 +324,74 @@ typedef struct {
     double reference_penetration; /**< its penetration h_0 [m] */
 } evl_mesh_geometry;
 
+/** What follows from an evl_gear and the number of teeth. Lengths [m], angles [rad]. docs/geometry.md has the formulas. */
+typedef struct {
+    int teeth;                  /**< z */
+    double normal_module;       /**< m_n */
+    double pressure_angle;      /**< alpha_n */
+    double profile_shift;       /**< x */
+    double generating_shift;    /**< x_E, with which the thickness allowance is cut */
+    double undercut_shift;      /**< x_E below which there is undercut */
+    double tip_alteration;      /**< k */
+    double pitch;               /**< p */
+    double base_pitch;          /**< p_b */
+    double reference_radius;    /**< r */
+    double base_radius;         /**< r_b */
+    double tip_radius;          /**< r_a */
+    double root_radius;         /**< r_f */
+    double form_radius;         /**< r_Ff, where the involute begins */
+    double bore_radius;         /**< */
+    double tooth_depth;         /**< h */
+    double thickness;           /**< s, arc of the reference circle */
+    double thickness_allowance; /**< A_s, contained in it */
+    double tip_thickness;       /**< s_a, arc of the tip circle */
+    double tooth_angle;         /**< psi, angle that the tooth fills on the base circle */
+    bool is_undercut;           /**< the rack's tip cuts away a part of the involute */
+} evl_gear_geometry;
+
+/** What follows from two gears, A driving B, and their centre distance. Lengths [m], angles [rad]. */
+typedef struct {
+    double centre_distance;                  /**< a_w */
+    double reference_distance;               /**< a, sum of the reference radii */
+    double tight_distance;                   /**< from the profile shifts, without backlash; 0 if there is none */
+    double working_pressure_angle;           /**< alpha_w */
+    double pitch_radius_a, pitch_radius_b;   /**< r_w, operating pitch radii */
+    double line_of_action;                   /**< T1T2 */
+    double base_pitch;                       /**< p_b */
+    double path_of_contact;                  /**< g_alpha */
+    double approach, recess;                 /**< g_f, g_a: path before and behind the pitch point */
+    double contact_ratio;                    /**< eps_alpha */
+    double rho_tip_a, rho_tip_b;             /**< radii of curvature at the tips */
+    double active_radius_a, active_radius_b; /**< r_Nf, where the active profiles begin */
+    double clearance_a, clearance_b;         /**< c, from the mate's tip to the root circle */
+    double backlash;                         /**< j_bn, normal */
+    double circumferential_backlash;         /**< j_wt, on the operating pitch circles */
+    double radial_backlash;                  /**< j_r */
+} evl_gear_mesh;
+
 EVL_API void evl_gearbox_wheel_geometry(const evl_gearbox *gearbox, int wheel, evl_wheel_geometry *geometry);
 EVL_API void evl_gearbox_mesh_geometry(const evl_gearbox *gearbox, int mesh, evl_mesh_geometry *geometry);
+/** Geometry of a wheel as a real gear. @return whether it is one; if not, geometry is zero. */
+EVL_API bool evl_gearbox_gear(const evl_gearbox *gearbox, int wheel, evl_gear_geometry *geometry);
+/** Geometry of a mesh of two real gears. @return whether it is one; if not, geometry is zero. */
+EVL_API bool evl_gearbox_gear_mesh(const evl_gearbox *gearbox, int mesh, evl_gear_mesh *geometry);
+
+/** What follows from an evl_flank_deviation. Lengths [m], angles [rad]; 0 for what a wheel has not. */
+typedef struct {
+    double tip_relief_radius, tip_relief_roll_angle;   /**< where tip relief starts */
+    double root_relief_radius, root_relief_roll_angle; /**< where root relief starts */
+    double profile_start_radius, profile_tip_radius;   /**< ends of the profile that they refer to */
+    double single_pitch;                               /**< f_p, largest single pitch deviation */
+    double total_pitch;                                /**< F_p, total cumulative pitch deviation */
+} evl_deviation_geometry;
+
+/** Deviations of a wheel; pitch_errors: [teeth] [m], arcs on the reference circle, or NULL.
+ *  @return whether it has any; if not, all is zero. */
+EVL_API bool evl_gearbox_deviation(const evl_gearbox *gearbox, int wheel, evl_deviation_geometry *geometry,
+                                   double *pitch_errors);
+/** Deviation e [n] [m] of flanks of a wheel from the involute with its derivatives, as evl_flank_deviation_at without zones. */
+EVL_API void evl_gearbox_flank_deviation(const evl_gearbox *gearbox, int wheel, int n, const int *teeth,
+                                         const int *sides, const double *rho, double *e, double *de, double *d2e);
 
 /** Deviation e [n] [m] of flanks of a wheel from the involute with its derivatives, as evl_flank_deviation_at without zones. */
 EVL_API void evl_gearbox_flank_deviation(const evl_gearbox *gearbox, int wheel, int n, const int *teeth,
@@ -542,6 +608,23 @@ EVL_API int evl_spur_pair_derive(int teeth_a, int teeth_b, double pitch_radius_a
                                  double chi, int sigma, const double centre_a[2], evl_spur_pair *pair,
                                  evl_status *status);
 
+/** inv alpha = tan alpha - alpha of angles [n] [rad], 0 <= alpha < pi/2. */
+EVL_API void evl_involute_value(int n, const double *angles, double *involutes);
+/** Its inverse: angles [n] [rad] of involutes [n] >= 0. */
+EVL_API void evl_involute_inverse(int n, const double *involutes, double *angles);
+/** Geometry of one real gear. @return EVL_OK, or EVL_INVALID_INPUT with status->field as in the case file. ISO 21771,
+ *  ISO 53. */
+EVL_API int evl_gear_derive(int teeth, const evl_gear *gear, evl_gear_geometry *geometry, evl_status *status);
+/** Tooth thickness [m] at radii [n] [m]; EVL_OUT_OF_DOMAIN inside the base circle. */
+EVL_API int evl_gear_tooth_thickness(const evl_gear_geometry *geometry, int n, const double *radii, double *thickness,
+                                     int *codes);
+/** Geometry of two real gears in mesh, A driving B: at the given centre distance, else with the given backlash, else at the
+ *  distance that the profile shifts give without backlash. @return EVL_OK, or EVL_INVALID_INPUT with status->field
+ *  centre_distance, backlash or "". */
+EVL_API int evl_gear_mesh_derive(const evl_gear_geometry *a, const evl_gear_geometry *b, bool has_centre_distance,
+                                 double centre_distance, bool has_backlash, double backlash, evl_gear_mesh *mesh,
+                                 evl_status *status);
+
 /** The profile that deviates. */
 typedef struct {
     int teeth;               /**< z >= 3 */
@@ -549,7 +632,7 @@ typedef struct {
     double reference_radius; /**< r = m z/2, on which pitches are arcs [m] >= r_b */
     double rho_start;        /**< radius of curvature at the start of the active profile [m] > 0 */
     double rho_tip;          /**< radius of curvature at the tip [m] > rho_start */
-    double tooth_angle;      /**< tau, that a tooth fills on the base circle [rad]; 0 if not known */
+    double tooth_angle;      /**< psi_b, that a tooth fills on the base circle [rad]; 0 if not known */
 } evl_profile;
 
 /** Deviation e [n] [m] of flanks from the involute, positive: too little material, with de/drho [n] and d2e/drho2 [n] [1/m],

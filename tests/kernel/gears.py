@@ -1,0 +1,137 @@
+"""Real gears of the kernel from Python: a thin ctypes binding of `evolvent/kernel.h`."""
+
+from __future__ import annotations
+
+import ctypes
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kernel.gearbox import Gearbox
+from kernel.gearbox_description import GearDescription, _bool
+from kernel.kernel import OK, Floats, Integers, Kernel, Status, _at, _double, _error, _int
+
+
+class GearGeometry(ctypes.Structure):
+    """`evl_gear_geometry`."""
+
+    _fields_ = [
+        ("teeth", _int),
+        *((name, _double) for name in ("normal_module", "pressure_angle", "profile_shift")),
+        *((name, _double) for name in ("generating_shift", "undercut_shift", "tip_alteration")),
+        *((name, _double) for name in ("pitch", "base_pitch", "reference_radius", "base_radius")),
+        *((name, _double) for name in ("tip_radius", "root_radius", "form_radius", "bore_radius")),
+        *((name, _double) for name in ("tooth_depth", "thickness", "thickness_allowance")),
+        *((name, _double) for name in ("tip_thickness", "tooth_angle")),
+        ("is_undercut", _bool),
+    ]
+
+
+class GearMesh(ctypes.Structure):
+    """`evl_gear_mesh`."""
+
+    _fields_ = [
+        (name, _double)
+        for name in (
+            *("centre_distance", "reference_distance", "tight_distance", "working_pressure_angle"),
+            *("pitch_radius_a", "pitch_radius_b", "line_of_action", "base_pitch"),
+            *("path_of_contact", "approach", "recess", "contact_ratio"),
+            *("rho_tip_a", "rho_tip_b", "active_radius_a", "active_radius_b"),
+            *("clearance_a", "clearance_b"),
+            *("backlash", "circumferential_backlash", "radial_backlash"),
+        )
+    ]
+
+
+def gear_description(module: float = 0.002, **given: Any) -> GearDescription:
+    """Describe a gear; the rack of ISO 53, profile A, and what else `GearDescription` has."""
+    values = {
+        **{"normal_module": module, "pressure_angle": np.radians(20)},
+        **{"rack_addendum": 1.0, "rack_dedendum": 1.25, "rack_root_radius": 0.38},
+        **given,
+    }
+    for name in ("tip_diameter", "tip_alteration"):
+        values[f"has_{name}"] = name in given
+    return GearDescription(**values)
+
+
+def gear(kernel: Kernel, teeth: int, module: float = 0.002, **given: Any) -> GearGeometry:
+    """Geometry of a gear; raises KernelError if it is refused."""
+    geometry, status = GearGeometry(), Status()
+    description = gear_description(module, **given)
+    code = kernel.library.evl_gear_derive(
+        teeth, ctypes.byref(description), ctypes.byref(geometry), ctypes.byref(status)
+    )
+    if code != OK:
+        raise _error(status)
+    return geometry
+
+
+def gear_mesh(
+    kernel: Kernel,
+    a: GearGeometry,
+    b: GearGeometry,
+    *,
+    centre_distance: float | None = None,
+    backlash: float | None = None,
+) -> GearMesh:
+    """Geometry of two gears in mesh; raises KernelError if it is refused."""
+    mesh, status = GearMesh(), Status()
+    code = kernel.library.evl_gear_mesh_derive(
+        ctypes.byref(a),
+        ctypes.byref(b),
+        _bool(centre_distance is not None),
+        _double(centre_distance or 0.0),
+        _bool(backlash is not None),
+        _double(backlash or 0.0),
+        ctypes.byref(mesh),
+        ctypes.byref(status),
+    )
+    if code != OK:
+        raise _error(status)
+    return mesh
+
+
+def tooth_thickness(
+    kernel: Kernel, geometry: GearGeometry, radii: ArrayLike
+) -> tuple[Floats, Integers]:
+    """Tooth thickness at radii, and the codes."""
+    r = np.ascontiguousarray(np.atleast_1d(radii), dtype=float)
+    thickness, codes = np.empty(len(r)), np.empty(len(r), np.int32)
+    kernel.library.evl_gear_tooth_thickness(
+        ctypes.byref(geometry), len(r), _at(r), _at(thickness), _at(codes)
+    )
+    return thickness, codes
+
+
+def involute_value(kernel: Kernel, angles: ArrayLike) -> Floats:
+    """Return inv alpha of angles."""
+    alpha = np.ascontiguousarray(np.atleast_1d(angles), dtype=float)
+    values = np.empty(len(alpha))
+    kernel.library.evl_involute_value(len(alpha), _at(alpha), _at(values))
+    return values
+
+
+def involute_inverse(kernel: Kernel, involutes: ArrayLike) -> Floats:
+    """Return the angles whose involutes these are."""
+    values = np.ascontiguousarray(np.atleast_1d(involutes), dtype=float)
+    angles = np.empty(len(values))
+    kernel.library.evl_involute_inverse(len(values), _at(values), _at(angles))
+    return angles
+
+
+def gear_of(gearbox: Gearbox, wheel: int) -> GearGeometry | None:
+    """Geometry of a wheel of a gearbox as a real gear; None if it is none."""
+    geometry = GearGeometry()
+    ask = gearbox.library.evl_gearbox_gear
+    ask.restype = _bool
+    return geometry if ask(gearbox.handle, wheel, ctypes.byref(geometry)) else None
+
+
+def mesh_of(gearbox: Gearbox, mesh: int) -> GearMesh | None:
+    """Geometry of a mesh of a gearbox; None if it is not one of two real gears."""
+    geometry = GearMesh()
+    ask = gearbox.library.evl_gearbox_gear_mesh
+    ask.restype = _bool
+    return geometry if ask(gearbox.handle, mesh, ctypes.byref(geometry)) else None
