@@ -7,6 +7,7 @@ module evl_contact_build
    use evl_local_variables, only: at_normal, at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_theta, at_track, &
                                   at_u_a, at_u_b, at_v_a, at_v_b, n_track
    use evl_mesh, only: contact_t, flank_coast, flank_drive, mesh_link, n_border_roots, n_mesh_roots, tracking_closed_form
+   use evl_rational, only: rational_scaled
    use evl_spur_geometry, only: spur_pair_t
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel
    implicit none (type, external)
@@ -64,14 +65,14 @@ contains
    end function n_slots
 
    !> Geometry, laws and links to the state of a tooth contact.
-   subroutine take_contact(gearbox, wheels, given, pitches, index, status)
+   subroutine take_contact(gearbox, wheels, given, index, status)
       type(gearbox_t), intent(inout) :: gearbox
       type(wheel_input), intent(in) :: wheels(:)
       type(mesh_input), intent(in) :: given
-      integer, intent(in) :: pitches !! by which a turn of the reference wheel moves the driving wheel, counterclockwise > 0
       integer, intent(in) :: index
       type(status_t), intent(inout) :: status
       real(wp) :: compliance_a, compliance_b
+      logical :: fits
 
       associate (mesh => gearbox%contacts(index), pair => gearbox%pairs(gearbox%contacts(index)%mesh), a => given%driving, &
                  b => given%driven)
@@ -83,7 +84,8 @@ contains
          compliance_a = (1 - wheels(a)%poisson_ratio**2)/wheels(a)%youngs_modulus
          compliance_b = (1 - wheels(b)%poisson_ratio**2)/wheels(b)%youngs_modulus
          mesh%e_star = 1/(compliance_a + compliance_b)
-         mesh%mobility = pair%base_radius_a**2/gearbox%wheels(a)%inertia + pair%base_radius_b**2/gearbox%wheels(b)%inertia
+         mesh%mobility = pair%base_radius_a**2/gearbox%wheels(a)%rotor_inertia &
+                         + pair%base_radius_b**2/gearbox%wheels(b)%rotor_inertia
          call take_overlap(wheels, a, b, mesh, status)
          if (has_failed(status)) return
          mesh%base_pitch = pair%base_pitch
@@ -97,7 +99,12 @@ contains
          mesh%pair%ratio_b = gearbox%wheels(b)%ratio
          mesh%pair%share_a = compliance_a*mesh%e_star
          mesh%pair%share_b = compliance_b*mesh%e_star
-         mesh%pitches_per_turn = -pair%sigma*pitches
+         call rational_scaled(gearbox%wheels(a)%exact_ratio, -pair%sigma*wheels(a)%teeth, 1, mesh%pitches_per_turn, fits)
+         if (.not. fits) then
+            call fail(status, code_invalid_input, "its teeth pass too often in a turn of the reference wheel", subject_mesh, &
+                      mesh%mesh)
+            return
+         end if
          mesh%tooth_sign = pair%sigma
          mesh%deviation_a = gearbox%wheels(a)%deviation
          mesh%deviation_b = gearbox%wheels(b)%deviation
@@ -191,7 +198,7 @@ contains
       reached = .false.
       used = .false.
       do i = 1, size(gearbox%wheels)
-         if (gearbox%wheels(i)%prescribed > 0) call reach(i)
+         if (gearbox%wheels(i)%prescribed > 0 .and. .not. reached(i)) call reach(i)
       end do
       if (.not. reached(gearbox%reference)) call reach(gearbox%reference)
       do i = 1, size(gearbox%wheels)
@@ -211,8 +218,7 @@ contains
          logical :: group(size(gearbox%wheels)), found
          integer :: k
 
-         group = .false.
-         group(first) = .true.
+         group = gearbox%wheels%leader == gearbox%wheels(first)%leader
          found = .true.
          do while (found)
             found = .false.
@@ -226,7 +232,8 @@ contains
                                   //" this one an elastic law", subject_mesh, k, "contact.law")
                      gearbox%contacts(gearbox%first(k):gearbox%first(k + 1) - 1)%i_dependent = gearbox%wheels(next)%i_psi
                   end associate
-                  group([a, b]) = .true.
+                  group = group .or. gearbox%wheels%leader == gearbox%wheels(a)%leader &
+                          .or. gearbox%wheels%leader == gearbox%wheels(b)%leader
                   used(k) = .true.
                   found = .true.
                end associate
