@@ -35,16 +35,21 @@ contains
       integer, intent(in) :: divisor            !! > 0
       type(rational_t), intent(out) :: scaled   !! meaningless if it does not fit
       logical, intent(out) :: fits              !! its numbers are less than 2**61, and it is less than 2**31
-      integer(int64) :: common, numerator, denominator
+      integer(int64) :: common, above, below, multiplier, denominator
 
-      common = divisor_of(r%above, int(divisor, int64))
-      numerator = r%above/common
+      common = divisor_of(int(factor, int64), int(divisor, int64))
+      multiplier = factor/common
       denominator = divisor/common
-      common = divisor_of(int(factor, int64), r%below)
-      fits = abs(numerator) <= largest/abs(factor/common) .and. denominator <= largest/(r%below/common)
+      common = divisor_of(r%above, denominator)
+      above = r%above/common
+      denominator = denominator/common
+      common = divisor_of(multiplier, r%below)
+      multiplier = multiplier/common
+      below = r%below/common
+      fits = abs(above) <= largest/abs(multiplier) .and. below <= largest/denominator
       if (.not. fits) return
-      scaled%above = numerator*(factor/common)
-      scaled%below = denominator*(r%below/common)
+      scaled%above = above*multiplier
+      scaled%below = below*denominator
       fits = abs(scaled%above/scaled%below) < short
    end subroutine rational_scaled
 

@@ -33,7 +33,7 @@ UNITS = {
 @pytest.mark.parametrize("n", [2, 4])
 def test_the_table_covers_the_values_without_gap_or_overlap(kernel: Kernel, n: int):
     gearbox = chain(kernel, n, DIFFERENTIAL)
-    counts = {0: 1, 1: n, 2: n - 1, 3: 2 * n, 4: 2 * (n - 1), 5: 0, 6: 0, 7: 3 * n}
+    counts = {0: 1, 1: n, 2: n - 1, 3: 2 * n, 4: 2 * (n - 1), 5: 0, 6: 0, 7: 3 * n, 8: 0}
     offset = 0
     for entry in gearbox.table:
         assert entry.offset == offset, entry.name
