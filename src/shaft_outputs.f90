@@ -1,6 +1,5 @@
 !> What the history tells of the shafts.
 module evl_shaft_outputs
-   use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
    use evl_gearbox, only: gearbox_t
    use evl_housing, only: frame_t
    use evl_kinds, only: wp
@@ -12,7 +11,7 @@ module evl_shaft_outputs
 
    public :: n_shaft_outputs, shaft_outputs, put_shafts
 
-   integer, parameter :: n_shaft_outputs = 6
+   integer, parameter :: n_shaft_outputs = 7
 
 contains
 
@@ -22,10 +21,11 @@ contains
 
       t(1) = output_t("shaft_wheel_first", "1", "", "index of the first wheel, from 0", dims_shaft, .true., .true.)
       t(2) = output_t("shaft_wheel_second", "1", "", "index of the second wheel, from 0", dims_shaft, .true., .true.)
-      t(3) = output_t("shaft_stiffness", "N m rad-1", "c", "torsional stiffness; infinite of a rigid shaft", dims_shaft, .true.)
-      t(4) = output_t("shaft_damping", "N m s rad-1", "d", "torsional damping", dims_shaft, .true.)
-      t(5) = output_t("shaft_torque", "N m", "T", "torque on the second wheel; on the first one its opposite", dims_shaft)
-      t(6) = output_t("shaft_twist", "rad", "", "angle of the first wheel less that of the second", dims_shaft)
+      t(3) = output_t("rigid_shaft", "1", "", "1 if the shaft cannot twist", dims_shaft, .true., .true.)
+      t(4) = output_t("shaft_stiffness", "N m rad-1", "c", "torsional stiffness; 0 for a rigid shaft", dims_shaft, .true.)
+      t(5) = output_t("shaft_damping", "N m s rad-1", "d", "torsional damping; 0 for a rigid shaft", dims_shaft, .true.)
+      t(6) = output_t("shaft_torque", "N m", "T", "torque on the second wheel; on the first one its opposite", dims_shaft)
+      t(7) = output_t("shaft_twist", "rad", "", "angle of the first wheel less that of the second", dims_shaft)
    end function shaft_outputs
 
    !> All of these values, in the order of the table.
@@ -38,13 +38,13 @@ contains
       real(wp), intent(inout) :: values(n, n_shaft_outputs)
       integer :: i
 
-      call shaft_torques(gearbox, y, f, frame, torque, values(:, 5))
+      call shaft_torques(gearbox, y, f, frame, torque, values(:, 6))
       do i = 1, n
          associate (shaft => gearbox%shafts(i))
             values(i, 1:2) = [shaft%wheel_a - 1, shaft%wheel_b - 1]
-            values(i, 3:4) = [shaft%stiffness, shaft%damping]
-            if (shaft%rigid) values(i, 3:4) = [ieee_value(1.0_wp, ieee_positive_inf), 0.0_wp]
-            values(i, 6) = shaft_twist(shaft, y)
+            values(i, 3:5) = [0.0_wp, shaft%stiffness, shaft%damping]
+            if (shaft%rigid) values(i, 3:5) = [1.0_wp, 0.0_wp, 0.0_wp]
+            values(i, 7) = shaft_twist(shaft, y)
          end associate
       end do
    end subroutine put_shafts
