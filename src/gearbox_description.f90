@@ -126,7 +126,7 @@ contains
       if (wheel%has_gear) call fail(status, code_invalid_input, "a wheel without teeth has no module", subject_wheel, index, "module")
       if (has_failed(status) .or. wheel%has_pitch_radius .or. (wheel%has_inertia .and. wheel%has_mass)) return
       call fail(status, code_invalid_input, "a wheel without teeth is a disc: it needs a radius, or its inertia and its mass", &
-                subject_wheel, index, "pitch_radius")
+                subject_wheel, index)
    end subroutine check_disc
 
    !> A shaft joins two different wheels; an elastic one has a stiffness.
