@@ -373,9 +373,7 @@ def _of_wheels(history: xr.Dataset, name: str) -> tuple[xr.DataArray, xr.DataArr
     return _of_meshes(history, require(history, name))
 
 
-def _of_meshes(
-    history: xr.Dataset, constant: xr.DataArray
-) -> tuple[xr.DataArray, xr.DataArray]:
+def _of_meshes(history: xr.Dataset, constant: xr.DataArray) -> tuple[xr.DataArray, xr.DataArray]:
     """Values (wheel) of the driving and of the driven wheel of each mesh, dims (mesh)."""
     values = constant.values
     driving, driven = (
