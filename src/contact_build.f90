@@ -10,6 +10,7 @@ module evl_contact_build
    use evl_rational, only: rational_scaled
    use evl_spur_geometry, only: spur_pair_t
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel
+   use evl_tooth_phase, only: tooth_phase_t
    implicit none (type, external)
    private
 
@@ -111,13 +112,14 @@ contains
          if (mesh%flank == flank_drive) then
             mesh%pair%sigma = real(pair%sigma, wp)
             mesh%step = pair%base_pitch
-            mesh%rho_start = pair%rho_start_a
+            mesh%rho_start = gearbox%phases(mesh%mesh)%rho_start
+            mesh%pair%gap_0 = gearbox%phases(mesh%mesh)%gap
             mesh%rho_entry = pair%rho_start_a
             mesh%t_0 = pair%t
             mesh%e_0 = pair%e
             mesh%k_a0 = pair%point_k_a
          else
-            call take_coast(pair, mesh)
+            call take_coast(pair, gearbox%phases(mesh%mesh), mesh)
          end if
          mesh%pair%advance = -mesh%pair%sigma*mesh%pair%r_ba*mesh%pair%ratio_a
          if (mesh%rigid .and. pair%has_coast .and. .not. pair%backlash > 0) then
@@ -137,13 +139,14 @@ contains
    !> With tau the angle that a tooth fills on the base circle, the involutes of both sides of a tooth are rooted tau apart:
    !> rho_A + rho_A(coast) = r_bA (2 alpha_w + tau). Pair k is the flank of the driving wheel's tooth k and that of tooth k + 1
    !> of the driven wheel.
-   pure subroutine take_coast(pair, mesh)
+   pure subroutine take_coast(pair, phase, mesh)
       type(spur_pair_t), intent(in) :: pair
+      type(tooth_phase_t), intent(in) :: phase
       type(contact_t), intent(inout) :: mesh
       real(wp) :: tau
 
       mesh%pair%sigma = -real(pair%sigma, wp)
-      mesh%pair%gap_0 = pair%backlash
+      mesh%pair%gap_0 = pair%backlash - phase%gap
       mesh%step = -pair%base_pitch
       mesh%rho_entry = pair%rho_tip_a
       associate (direction => pair%chi - pair%sigma*pair%alpha_w)
@@ -153,7 +156,7 @@ contains
       mesh%k_a0 = pair%centre_a + pair%base_radius_a*mesh%t_0
       tau = pair%tooth_angle_a
       if (.not. tau > 0) tau = even_tooth_angle(pair)
-      mesh%rho_start = pair%base_radius_a*(2*pair%alpha_w + tau) - pair%rho_start_a
+      mesh%rho_start = pair%base_radius_a*(2*pair%alpha_w + tau) - phase%rho_start
       ! the pair between the ends of the path at the start is number 0
       if (mesh%handover) mesh%rho_start = mesh%rho_entry - modulo(mesh%rho_entry - mesh%rho_start, pair%base_pitch)
    end subroutine take_coast

@@ -32,6 +32,7 @@ module evl_gearbox
    use evl_shaft, only: shaft_loss, shaft_t, shaft_torque
    use evl_spur_geometry, only: spur_pair_t
    use evl_status, only: has_failed, message_length, status_t
+   use evl_tooth_phase, only: tooth_phase_t
    implicit none (type, external)
    private
 
@@ -86,6 +87,7 @@ module evl_gearbox
       type(shaft_t), allocatable :: shafts(:)
       type(contact_t), allocatable :: contacts(:) !! tooth contacts, mesh by mesh: slots of the drive flank, then of the coast flank
       type(spur_pair_t), allocatable :: pairs(:)  !! geometry of each mesh
+      type(tooth_phase_t), allocatable :: phases(:) !! first tooth pair of each mesh
       integer, allocatable :: first(:)            !! first tooth contact of each mesh; behind the last mesh, one more than all
       type(gear_t), allocatable :: gears(:)            !! of each wheel, initial values if it is no real gear
       type(gear_mesh_t), allocatable :: gear_meshes(:) !! of each mesh, the same

@@ -20,6 +20,7 @@ module evl_gearbox_build
    use evl_shaft, only: shaft_t
    use evl_spur_geometry, only: spur_pair_derive
    use evl_status, only: code_invalid_input, fail, has_failed, message_length, quantity, status_t, subject_mesh, subject_wheel
+   use evl_tooth_phase, only: find_tooth_phases, tooth_mesh_t
    implicit none (type, external)
    private
 
@@ -68,6 +69,8 @@ contains
          call take_pair(gearbox, wheels, meshes, layout, i, status)
          if (has_failed(status)) return
       end do
+      call place_teeth(meshes, gearbox, status)
+      if (has_failed(status)) return
       call gearbox_set_deviations(gearbox, wheels, meshes, status)
       if (has_failed(status)) return
       call list_contacts(gearbox, meshes)
@@ -295,6 +298,31 @@ contains
          if (index > 1) call check_senses(gearbox, layout, meshes(1), given, index)
       end associate
    end subroutine take_pair
+
+   !> Where the first tooth pair of each mesh is.
+   subroutine place_teeth(meshes, gearbox, status)
+      type(mesh_input), intent(in) :: meshes(:)
+      type(gearbox_t), intent(inout) :: gearbox
+      type(status_t), intent(inout) :: status
+      type(tooth_mesh_t) :: teeth(size(meshes))
+      real(wp) :: tooth_angle(size(gearbox%wheels))
+      integer :: m
+
+      tooth_angle = 0
+      do m = 1, size(meshes)
+         associate (pair => gearbox%pairs(m), a => meshes(m)%driving, b => meshes(m)%driven)
+            teeth(m) = tooth_mesh_t(a, b, pair%sigma, pair%chi, pair%alpha_w, pair%rho, pair%base_pitch, pair%rho_start_a, &
+                                    pair%backlash)
+            tooth_angle([a, b]) = [pair%tooth_angle_a, pair%tooth_angle_b]
+         end associate
+      end do
+      allocate (gearbox%phases(size(meshes)))
+      call find_tooth_phases(gearbox%wheels%base_radius, tooth_angle, gearbox%wheels%teeth, teeth, gearbox%phases, status)
+      if (has_failed(status)) return
+      m = findloc(gearbox%phases%gap > 0 .and. meshes%tracking /= tracking_closed_form, .true., dim=1)
+      if (m > 0) call fail(status, code_invalid_input, "its flanks start with a gap of "//quantity(gearbox%phases(m)%gap, "m") &
+                           //", which the teeth around the loop leave: only closed_form carries it", subject_mesh, m, "tracking")
+   end subroutine place_teeth
 
    !> The contact strip has to stay narrow beside the radii of curvature, which are smallest at the start of contact.
    !>

@@ -123,8 +123,11 @@ contains
       integer, intent(in) :: index
       type(status_t), intent(inout) :: status
 
-      if (wheel%has_gear) call fail(status, code_invalid_input, "a wheel without teeth has no module", subject_wheel, index, "module")
-      if (has_failed(status) .or. wheel%has_pitch_radius .or. (wheel%has_inertia .and. wheel%has_mass)) return
+      if (wheel%has_gear) then
+         call fail(status, code_invalid_input, "a wheel without teeth has no module", subject_wheel, index, "module")
+         return
+      end if
+      if (wheel%has_pitch_radius .or. (wheel%has_inertia .and. wheel%has_mass)) return
       call fail(status, code_invalid_input, "a wheel without teeth is a disc: it needs a radius, or its inertia and its mass", &
                 subject_wheel, index)
    end subroutine check_disc

@@ -162,7 +162,7 @@ contains
       type(contact_point) :: point
       integer :: m
 
-      if (size(initial%gaps) == 0) return
+      if (.not. any(abs(initial%gaps) > 0)) return ! all that can touch do
       do m = 1, size(gearbox%pairs)
          call closed_form_point(gearbox, gearbox%first(m), y, 0, 0, point)
          if (abs(-point%h - initial%gaps(m)) <= 1.0e-9_wp*maxval(abs(initial%gaps))) cycle

@@ -242,7 +242,7 @@ def shaft_torque(history: xr.Dataset) -> xr.DataArray:
 
 
 def rotor_inertia(history: xr.Dataset) -> xr.DataArray:
-    """Moment of inertia of all that rigid shafts make one body with a wheel [kg m2], dim (wheel)."""
+    """Moment of inertia of each wheel and all that rigid shafts join to it [kg m2], dim (wheel)."""
     inertia = require(history, "inertia")
     rotor = np.arange(inertia.size)
     for shaft in range(history.sizes.get("shaft", 0)):

@@ -643,6 +643,30 @@ EVL_API void evl_law_friction_mode(int n, const evl_law_choice *friction, const 
 /** The |v_t| at which the branch changes [m/s]; 0 if it never does, also for a coefficient of 0. */
 EVL_API double evl_law_friction_knee(const evl_law_choice *friction);
 
+/** What the places of teeth depend on in one mesh. */
+typedef struct {
+    int wheel_a, wheel_b; /**< driving and driven wheel, from 0 */
+    int sigma;            /**< flank, +1 or -1 */
+    double chi;           /**< direction of the centre line [rad] */
+    double alpha_w;       /**< working pressure angle [rad] */
+    double rho;           /**< length of the line of action [m] */
+    double base_pitch;    /**< [m] */
+    double rho_start;     /**< radius of curvature of the driving flank at the start of contact [m] */
+    double backlash;      /**< normal backlash [m] */
+} evl_tooth_mesh;
+
+/** Where the first tooth pair of a mesh is. */
+typedef struct {
+    double rho_start;     /**< radius of curvature of its driving flank, up to a base pitch from the start of contact [m] */
+    double gap;           /**< between its flanks, in a mesh that closes a loop [m] */
+    int tooth_a, tooth_b; /**< its teeth: how many counterclockwise from the first ones of the wheels, 0 to z - 1 */
+} evl_tooth_phase;
+
+/** Place the teeth of a train from its first mesh on; tooth_angles [n_wheels]: what a tooth fills on the base circle [rad], 0 if
+ *  not known. @return EVL_OK, or EVL_INVALID_INPUT for a loop of meshes whose teeth do not fit */
+EVL_API int evl_tooth_phases(int n_wheels, const double *base_radii, const double *tooth_angles, const int *teeth,
+                             int n_meshes, const evl_tooth_mesh *meshes, evl_tooth_phase *phases, evl_status *status);
+
 #ifdef __cplusplus
 }
 #endif
