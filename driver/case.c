@@ -168,6 +168,9 @@ void case_refuse(const case_file *file, case_subject subject, int index, int loa
     case CASE_ABOUT_MESH:
         block = list_element(block, "meshes", index, &label);
         break;
+    case CASE_ABOUT_SHAFT:
+        block = list_element(block, "shafts", index, &label);
+        break;
     case CASE_ABOUT_INITIAL:
         block = node_get(node_get(block, "simulation"), "initial");
         free(label);

@@ -34,11 +34,12 @@ typedef enum {
     CASE_ABOUT_MESH,
     CASE_ABOUT_LOAD,
     CASE_ABOUT_INITIAL,
-    CASE_ABOUT_HOUSING
+    CASE_ABOUT_HOUSING,
+    CASE_ABOUT_SHAFT
 } case_subject;
 
 /** Turn a refusal by the model into an error that names the place in the file or the option.
- *  @param index    wheel (also of a load) or mesh, from 0; -1 if none
+ *  @param index    wheel (also of a load), mesh or shaft, from 0; -1 if none
  *  @param load     which load of that wheel, from 0; -1 if none
  *  @param field    key in the block, may be a dotted path such as "support.stiffness"; "" for the whole block.
  *                  A key that the case does not give leads to the place of its block. */

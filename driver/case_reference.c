@@ -26,6 +26,8 @@ static const char *type_text(const case_key *key)
         return "name";
     case KEY_REFERENCE:
         return "name of a thing in the case";
+    case KEY_REFERENCES:
+        return "[name, name]";
     case KEY_CHOICE:
         return "one of";
     case KEY_BLOCK:

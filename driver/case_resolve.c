@@ -52,11 +52,10 @@ static int index_of(const char *name, int n, const char *const *names)
     return -1;
 }
 
-/** Index of what the value of `key` names in `among`; refused if there is no such thing. */
-static bool find_reference(checker *checker, const case_node *block, const char *key, const char *what,
-                           const case_node *among, int *index)
+/** Index of what `node`, the value of `key` or an element of it, names in `among`; refused if there is no such thing. */
+static bool find_name(checker *checker, const case_node *node, const char *key, const char *what,
+                      const case_node *among, int *index)
 {
-    const case_node *node = node_get(block, key);
     const char **names = names_of(among);
     *index = index_of(node->text, among->n, names);
     if (*index < 0) {
@@ -70,6 +69,12 @@ static bool find_reference(checker *checker, const case_node *block, const char 
     }
     free(names);
     return *index >= 0;
+}
+
+static bool find_reference(checker *checker, const case_node *block, const char *key, const char *what,
+                           const case_node *among, int *index)
+{
+    return find_name(checker, node_get(block, key), key, what, among, index);
 }
 
 static bool check_unique(checker *checker, const case_node *list, const char *what, const char *plural)
@@ -143,8 +148,19 @@ static bool resolve_wheel(checker *checker, const case_node *block, const case_n
                           wheel_description *wheel)
 {
     wheel->name = xstrdup(node_get_text(block, "name"));
-    wheel->teeth = (int)node_get_number(block, "teeth");
-    wheel->pitch_radius = get_optional(block, "pitch_radius");
+    const bool is_disc = node_get(block, "teeth") == NULL;
+    const case_node *other = node_get(block, is_disc ? "pitch_radius" : "radius");
+    if (is_disc && other == NULL) {
+        other = node_get(block, "module");
+    }
+    if (other != NULL) {
+        return is_disc ? checker_refuse(checker, other->place,
+                                        "a wheel without teeth has no pitch radius and no module; give 'radius', or 'teeth'")
+                       : checker_refuse(checker, other->place,
+                                        "'radius' is that of a disc without teeth; give 'pitch_radius'");
+    }
+    wheel->teeth = is_disc ? 0 : (int)node_get_number(block, "teeth");
+    wheel->pitch_radius = get_optional(block, is_disc ? "radius" : "pitch_radius");
     wheel->has_gear = node_get(block, "module") != NULL;
     if (wheel->has_gear) {
         wheel->gear = resolve_gear(block);
@@ -221,6 +237,24 @@ static bool resolve_mesh(checker *checker, const case_node *block, const case_no
                               node_get_text(block, "driven"));
     }
     return resolve_pressure_angle(checker, block, wheels, mesh);
+}
+
+static bool resolve_shaft(checker *checker, const case_node *block, const case_node *wheels, shaft_description *shaft)
+{
+    const case_node *names = node_get(block, "wheels");
+    shaft->name = xstrdup(node_get_text(block, "name"));
+    shaft->rigid = node_get_is(block, "kind", "rigid");
+    if (!shaft->rigid) {
+        shaft->stiffness = node_get_number(block, "stiffness");
+        shaft->damping = node_get_number(block, "damping");
+    }
+    for (int i = 0; i < 2; i++) {
+        if (!find_name(checker, names->entries[i].value, "wheels", "wheel", wheels, &shaft->wheels[i])) {
+            return false;
+        }
+    }
+    return shaft->wheels[0] != shaft->wheels[1] ||
+           checker_refuse(checker, names->place, "a shaft joins two different wheels");
 }
 
 /** Numbers by name, into the order of `among`. */
@@ -315,10 +349,11 @@ bool case_resolve(const char *path, case_node *root, const law_tables *laws, des
 {
     checker checker = {.path = path, .error = error};
     const case_node *materials = node_get(root, "materials"), *wheels = node_get(root, "wheels");
-    const case_node *meshes = node_get(root, "meshes");
+    const case_node *meshes = node_get(root, "meshes"), *shafts = node_get(root, "shafts");
     description->title = xstrdup(node_get_text(root, "title"));
     resolve_materials(materials, description);
-    if (!check_unique(&checker, wheels, "wheel", "wheels") || !check_unique(&checker, meshes, "mesh", "meshes")) {
+    if (!check_unique(&checker, wheels, "wheel", "wheels") || !check_unique(&checker, meshes, "mesh", "meshes") ||
+        !check_unique(&checker, shafts, "shaft", "shafts")) {
         return false;
     }
     description->wheels = xcalloc((size_t)wheels->n, sizeof *description->wheels);
@@ -339,6 +374,17 @@ bool case_resolve(const char *path, case_node *root, const law_tables *laws, des
         (void)checker_enter(&checker, "meshes");
         (void)checker_enter(&checker, node_get_text(block, "name"));
         if (!resolve_mesh(&checker, block, wheels, laws, &description->meshes[i])) {
+            return false;
+        }
+        checker_leave(&checker, 0);
+    }
+    description->shafts = xcalloc((size_t)shafts->n, sizeof *description->shafts);
+    description->n_shafts = shafts->n;
+    for (int i = 0; i < shafts->n; i++) {
+        const case_node *block = shafts->entries[i].value;
+        (void)checker_enter(&checker, "shafts");
+        (void)checker_enter(&checker, node_get_text(block, "name"));
+        if (!resolve_shaft(&checker, block, wheels, &description->shafts[i])) {
             return false;
         }
         checker_leave(&checker, 0);
@@ -369,6 +415,9 @@ void description_clear(description *description)
     for (int i = 0; i < description->n_meshes; i++) {
         free(description->meshes[i].name);
     }
+    for (int i = 0; i < description->n_shafts; i++) {
+        free(description->shafts[i].name);
+    }
     for (int i = 0; i < description->housing.n_motions; i++) {
         free(description->housing.motions[i].time);
         free(description->housing.motions[i].values);
@@ -377,6 +426,7 @@ void description_clear(description *description)
     free(description->materials);
     free(description->wheels);
     free(description->meshes);
+    free(description->shafts);
     free(description->simulation.initial.speeds);
     free(description->simulation.initial.gaps);
     free(description->title);

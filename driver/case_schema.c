@@ -27,6 +27,8 @@ static const case_key fixed_keys[] = {
     {CASE_ROOT, "", "wheels", KEY_LIST, "", AT_LEAST(2), REQUIRED, "", "wheel",
      "the wheels; the order is that of the history"},
     {CASE_ROOT, "", "meshes", KEY_LIST, "", AT_LEAST(1), REQUIRED, "", "mesh", "which wheels mesh, and how"},
+    {CASE_ROOT, "", "shafts", KEY_LIST, "", AT_LEAST(0), DEFAULT("[]"), "", "shaft",
+     "which wheels on one axis turn together"},
     {CASE_ROOT, "", "gravity", KEY_TRIPLE, "m/s2", ANY, DEFAULT("[0, 0, 0]"), "", "", "gravity in the ground frame"},
     {CASE_ROOT, "", "housing", KEY_BLOCK, "", ANY, DEFAULT("{kind: fixed}"), "", "housing", "how the housing moves"},
     {CASE_ROOT, "", "simulation", KEY_BLOCK, "", ANY, REQUIRED, "", "simulation", "what to compute"},
@@ -37,7 +39,8 @@ static const case_key fixed_keys[] = {
      "density, for mass and inertia where they are not given"},
 
     {"wheel", "", "name", KEY_NAME, "", ANY, REQUIRED, "", "", "name in references, paths and the history"},
-    {"wheel", "", "teeth", KEY_INTEGER, "", BETWEEN(3, 10000), REQUIRED, "", "", "number of teeth z"},
+    {"wheel", "", "teeth", KEY_INTEGER, "", BETWEEN(3, 10000), OPTIONAL, "", "",
+     "number of teeth z; a wheel without teeth is a disc on a shaft"},
     {"wheel", "", "pitch_radius", KEY_NUMBER, "m", POSITIVE, OPTIONAL, "", "",
      "pitch radius r; otherwise it follows from a mesh, or is half the reference diameter of a real gear"},
     {"wheel", "", "module", KEY_NUMBER, "m", POSITIVE, OPTIONAL, "", "",
@@ -80,6 +83,8 @@ static const case_key fixed_keys[] = {
     {"wheel", "", "support", KEY_BLOCK, "", ANY, DEFAULT("{kind: fixed}"), "", "support", "how the axle is held"},
     {"wheel", "", "loads", KEY_LIST, "", AT_LEAST(0), DEFAULT("[]"), "", "load",
      "what acts on the wheel; torques add up"},
+    {"wheel", "", "radius", KEY_NUMBER, "m", POSITIVE, OPTIONAL, "", "",
+     "radius of a disc, for mass and inertia where they are not given"},
 
     {"rack", "", "addendum", KEY_NUMBER, "", POSITIVE, DEFAULT("1"), "", "", "addendum h_aP, in modules"},
     {"rack", "", "dedendum", KEY_NUMBER, "", POSITIVE, DEFAULT("1.25"), "", "", "dedendum h_fP, in modules"},
@@ -152,6 +157,14 @@ static const case_key fixed_keys[] = {
     {"mesh", "", "friction", KEY_BLOCK, "", ANY, DEFAULT("{law: none}"), "", "friction", "tangential force"},
     {"mesh", "", "tracking", KEY_CHOICE, "", ANY, DEFAULT("closed_form"), "closed_form algebraic differential", "",
      "how the points of contact are found"},
+
+    {"shaft", "", "kind", KEY_CHOICE, "", ANY, DEFAULT("elastic"), "elastic rigid", "",
+     "a torsion spring and damper; the wheels turn as one body"},
+    {"shaft", "", "name", KEY_NAME, "", ANY, REQUIRED, "", "", "name in paths and the history"},
+    {"shaft", "", "wheels", KEY_REFERENCES, "", ANY, REQUIRED, "", "",
+     "names of the two wheels that it joins, on one axis"},
+    {"shaft", "elastic", "stiffness", KEY_NUMBER, "N m/rad", POSITIVE, REQUIRED, "", "", "torsional stiffness"},
+    {"shaft", "elastic", "damping", KEY_NUMBER, "N m s/rad", NOT_NEGATIVE, DEFAULT("0"), "", "", "torsional damping"},
 
     {"housing", "", "kind", KEY_CHOICE, "", ANY, DEFAULT("fixed"), "fixed prescribed mounted", "",
      "at rest; moves as given; a rigid body on a mount"},

@@ -16,6 +16,7 @@ typedef enum {
     KEY_TEXT,       /**< any text */
     KEY_NAME,       /**< a word that names this block in paths and references */
     KEY_REFERENCE,  /**< the name of a material or wheel */
+    KEY_REFERENCES, /**< [name, name] of two wheels */
     KEY_CHOICE,     /**< one of the words */
     KEY_BLOCK,      /**< keys of the block `holds` */
     KEY_LIST,       /**< a list of blocks `holds`, as many as the range says */

@@ -195,6 +195,14 @@ bool check_choice(const checker *checker, const case_key *key, const case_node *
     return words_contain(key->words, node->text) || refuse_word(checker, key, node);
 }
 
+static bool check_two_names(checker *checker, case_node *node)
+{
+    if (node->kind != NODE_SEQUENCE || node->n != 2) {
+        return refuse_type(checker, node, "two names [a, b]", "");
+    }
+    return check_text(checker, node->entries[0].value) && check_text(checker, node->entries[1].value);
+}
+
 bool check_single_value(checker *checker, const case_key *key, case_node *node)
 {
     double value = 0;
@@ -219,6 +227,8 @@ bool check_single_value(checker *checker, const case_key *key, case_node *node)
     case KEY_TEXT:
     case KEY_REFERENCE:
         return check_text(checker, node);
+    case KEY_REFERENCES:
+        return check_two_names(checker, node);
     case KEY_NAME:
         return check_text(checker, node) && check_name(checker, node->place, node->text);
     case KEY_CHOICE:

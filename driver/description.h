@@ -64,8 +64,8 @@ typedef struct {
 
 typedef struct {
     char *name;
-    int teeth;
-    optional_double pitch_radius;
+    int teeth;                    /**< 0: a disc */
+    optional_double pitch_radius; /**< of a disc its radius */
     double width;
     int material; /**< index in description.materials */
     bool has_centre;
@@ -99,6 +99,13 @@ typedef struct {
     tracking_kind tracking;
     optional_double centre_distance, backlash; /**< of two real gears */
 } mesh_description;
+
+typedef struct {
+    char *name;
+    int wheels[2]; /**< indices in description.wheels */
+    bool rigid;
+    double stiffness, damping; /**< unless rigid */
+} shaft_description;
 
 typedef enum { MOTION_CONSTANT, MOTION_RATE, MOTION_HARMONIC, MOTION_TABLE } motion_kind;
 
@@ -139,10 +146,11 @@ typedef struct {
 
 typedef struct {
     char *title; /**< "" if none */
-    int n_materials, n_wheels, n_meshes;
+    int n_materials, n_wheels, n_meshes, n_shafts;
     material_description *materials;
     wheel_description *wheels;
     mesh_description *meshes;
+    shaft_description *shafts;
     double gravity[3];
     housing_description housing;
     simulation_description simulation;

@@ -18,8 +18,8 @@ typedef struct {
 
 typedef struct {
     const char *path; /**< final name */
-    int n_wheels, n_meshes;
-    const char *const *wheel_names, *const *mesh_names;
+    int n_wheels, n_meshes, n_shafts;
+    const char *const *wheel_names, *const *mesh_names, *const *shaft_names;
     int n_pairs, n_drive_pairs; /**< places for tooth pairs of a mesh; the first are those of the drive flank */
     int n_outputs;
     const model_output *outputs;

@@ -18,7 +18,7 @@ enum { EVENT_NUMBER, EVENT_TIME, EVENT_KIND, EVENT_MESH, EVENT_FLANK, EVENT_TOOT
 struct history {
     output_file file;
     netcdf_file netcdf;
-    netcdf_dimension wheel, mesh, axis, space, quaternion, pair, side;
+    netcdf_dimension wheel, mesh, shaft, axis, space, quaternion, pair, side;
     series times, events;
     int n_outputs, n_values, n_states;
     model_output *outputs;
@@ -72,6 +72,7 @@ static void set_dimensions(history *history, const model_output *output, netcdf_
         [MODEL_DIMS_QUATERNION] = {1, &history->quaternion, NULL},
         [MODEL_DIMS_WHEEL_SPACE] = {2, &history->wheel, &history->space},
         [MODEL_DIMS_MESH_PAIR] = {2, &history->mesh, &history->pair},
+        [MODEL_DIMS_SHAFT] = {1, &history->shaft, NULL},
     };
     variable->rank = dims[output->dims].rank;
     variable->dimensions[0] = dims[output->dims].first;
@@ -243,6 +244,8 @@ static bool write_head(history *history, const history_layout *layout)
         put_attributes(history, layout->n_attributes, layout->attributes) &&
         define_names(history, root, &history->wheel, "wheel", "wheel", layout->n_wheels, layout->wheel_names) &&
         define_names(history, root, &history->mesh, "mesh", "mesh", layout->n_meshes, layout->mesh_names) &&
+        (layout->n_shafts == 0 ||
+         define_names(history, root, &history->shaft, "shaft", "shaft", layout->n_shafts, layout->shaft_names)) &&
         define_names(history, root, &history->axis, "axis", "axis of the housing frame", 2, axes) &&
         (!has_dims(layout, MODEL_DIMS_WHEEL_SPACE) ||
          define_names(history, root, &history->space, "space", "component of a vector in space", 3, directions)) &&
@@ -264,6 +267,7 @@ static void free_history(history *history)
     series_free(&history->events);
     scale_free(&history->wheel.scale);
     scale_free(&history->mesh.scale);
+    scale_free(&history->shaft.scale);
     scale_free(&history->axis.scale);
     scale_free(&history->space.scale);
     scale_free(&history->quaternion.scale);
@@ -311,8 +315,9 @@ static bool write_all(history *history, bool is_last)
     netcdf_file *netcdf = &history->netcdf;
     return series_write(&history->times, is_last) && series_write(&history->events, is_last) &&
            netcdf_finish_dimension(netcdf, &history->wheel) && netcdf_finish_dimension(netcdf, &history->mesh) &&
-           netcdf_finish_dimension(netcdf, &history->axis) && netcdf_finish_dimension(netcdf, &history->space) &&
-           netcdf_finish_dimension(netcdf, &history->quaternion) && netcdf_finish_dimension(netcdf, &history->pair) &&
+           netcdf_finish_dimension(netcdf, &history->shaft) && netcdf_finish_dimension(netcdf, &history->axis) &&
+           netcdf_finish_dimension(netcdf, &history->space) && netcdf_finish_dimension(netcdf, &history->quaternion) &&
+           netcdf_finish_dimension(netcdf, &history->pair) &&
            netcdf_finish_dimension(netcdf, &history->side);
 }
 

@@ -56,6 +56,10 @@ static void explain(const model *model, const evl_status *status, model_error *e
     case EVL_SUBJECT_HOUSING:
         error->subject = MODEL_ABOUT_HOUSING;
         break;
+    case EVL_SUBJECT_SHAFT:
+        error->subject = MODEL_ABOUT_SHAFT;
+        error->index = status->index;
+        break;
     default:
         break;
     }
@@ -189,6 +193,15 @@ static evl_mesh translate_mesh(const mesh_description *mesh)
     };
 }
 
+static evl_shaft translate_shaft(const shaft_description *shaft)
+{
+    return (evl_shaft){.wheel_a = shaft->wheels[0],
+                       .wheel_b = shaft->wheels[1],
+                       .rigid = shaft->rigid,
+                       .stiffness = shaft->stiffness,
+                       .damping = shaft->damping};
+}
+
 static double *copy_doubles(const double *from, int n)
 {
     if (from == NULL) {
@@ -227,6 +240,7 @@ static evl_gearbox *create_gearbox(model *model, const description *description,
     evl_wheel *wheels = xcalloc((size_t)description->n_wheels, sizeof *wheels);
     evl_load *loads = xcalloc((size_t)n_loads, sizeof *loads);
     evl_mesh *meshes = xcalloc((size_t)description->n_meshes, sizeof *meshes);
+    evl_shaft *shafts = xcalloc((size_t)description->n_shafts, sizeof *shafts);
     model->wheel_of_load = xcalloc((size_t)n_loads, sizeof *model->wheel_of_load);
     model->load_of_load = xcalloc((size_t)n_loads, sizeof *model->load_of_load);
     int k = 0;
@@ -242,11 +256,15 @@ static evl_gearbox *create_gearbox(model *model, const description *description,
     for (int i = 0; i < description->n_meshes; i++) {
         meshes[i] = translate_mesh(&description->meshes[i]);
     }
+    for (int i = 0; i < description->n_shafts; i++) {
+        shafts[i] = translate_shaft(&description->shafts[i]);
+    }
     evl_motion_term *terms = model_translate_motion(&description->housing);
     const evl_housing housing = model_translate_housing(description, terms);
     evl_gearbox *gearbox = evl_gearbox_create(description->n_wheels, wheels, n_loads, loads, description->n_meshes,
-                                              meshes, &housing, status);
+                                              meshes, description->n_shafts, shafts, &housing, status);
     free(terms);
+    free(shafts);
     free(meshes);
     free(loads);
     free(wheels);

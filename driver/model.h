@@ -14,7 +14,8 @@ typedef enum {
     MODEL_DIMS_SPACE,
     MODEL_DIMS_QUATERNION,
     MODEL_DIMS_WHEEL_SPACE,
-    MODEL_DIMS_MESH_PAIR
+    MODEL_DIMS_MESH_PAIR,
+    MODEL_DIMS_SHAFT
 } model_dims;
 
 /** One variable of the history: constant over time (is_static) or one value, or array of values, a time. */
@@ -33,9 +34,10 @@ typedef struct {
         MODEL_ABOUT_MESH,
         MODEL_ABOUT_LOAD,
         MODEL_ABOUT_INITIAL,
-        MODEL_ABOUT_HOUSING
+        MODEL_ABOUT_HOUSING,
+        MODEL_ABOUT_SHAFT
     } subject;
-    int index;      /**< wheel, mesh, or wheel of the load; -1 if none */
+    int index;      /**< wheel, mesh, shaft, or wheel of the load; -1 if none */
     int load;       /**< which load of that wheel, -1 if none */
     char field[48]; /**< key in the case file's block, "" if the whole block */
     char message[DAE_MESSAGE_LENGTH];

@@ -76,6 +76,7 @@ void model_describe_tables(model *model)
         [EVL_DIMS_QUATERNION] = MODEL_DIMS_QUATERNION,
         [EVL_DIMS_WHEEL_SPACE] = MODEL_DIMS_WHEEL_SPACE,
         [EVL_DIMS_MESH_PAIR] = MODEL_DIMS_MESH_PAIR,
+        [EVL_DIMS_SHAFT] = MODEL_DIMS_SHAFT,
     };
     const evl_sizes *sizes = &model->sizes;
     model->outputs = xcalloc((size_t)sizes->n_outputs, sizeof *model->outputs);

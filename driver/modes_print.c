@@ -150,7 +150,7 @@ static void print_coordinate(FILE *stream, int width, const char *name, const ch
 static void print_wheel(FILE *stream, int width, const wheel_description *wheel, double complex arc,
                         const double complex displacement[2])
 {
-    print_coordinate(stream, width, wheel->name, "rotation r_b phi", arc);
+    print_coordinate(stream, width, wheel->name, wheel->teeth > 0 ? "rotation r_b phi" : "rotation r phi", arc);
     if (wheel->support.kind == SUPPORT_SLIDER) {
         print_coordinate(stream, width, "", "displacement of the slider",
                          displacement[0] * cos(wheel->support.direction) +
@@ -168,7 +168,7 @@ static void print_shapes(FILE *stream, const modes_report *report)
     if (report->modes.n > 0) {
         fputs(
             "\nMode shapes, as lengths: the largest motion of a wheel or axle is 1; rotations count counterclockwise,\n"
-            "as arcs of the base circle.\n",
+            "as arcs of the base circle, or of the rim of a disc.\n",
             stream);
     }
     for (int k = 0; k < report->modes.n; k++) {

@@ -6,6 +6,7 @@ void prepare_refuse(const prepared_case *prepared, const model_error *refusal, e
         [MODEL_ABOUT_NOTHING] = CASE_ABOUT_NOTHING, [MODEL_ABOUT_WHEEL] = CASE_ABOUT_WHEEL,
         [MODEL_ABOUT_MESH] = CASE_ABOUT_MESH,       [MODEL_ABOUT_LOAD] = CASE_ABOUT_LOAD,
         [MODEL_ABOUT_INITIAL] = CASE_ABOUT_INITIAL, [MODEL_ABOUT_HOUSING] = CASE_ABOUT_HOUSING,
+        [MODEL_ABOUT_SHAFT] = CASE_ABOUT_SHAFT,
     };
     case_refuse(prepared->file, subjects[refusal->subject], refusal->index, refusal->load, refusal->field,
                 refusal->message, error);

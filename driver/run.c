@@ -22,7 +22,7 @@ typedef enum { STOP_NONE, STOP_INTERRUPTED, STOP_MODEL, STOP_HISTORY } stop_reas
 typedef struct {
     prepared_case prepared;
     history *history;
-    const char **wheel_names, **mesh_names;
+    const char **wheel_names, **mesh_names, **shaft_names;
     double *values;   /**< [model_n_values] */
     double t_written; /**< model time of the history's last row */
     contact_watch contact;
@@ -149,8 +149,10 @@ static bool create_history(run *run, const char *path)
         .n_meshes = description->n_meshes,
         .n_pairs = n_pairs,
         .n_drive_pairs = n_drive_pairs,
+        .n_shafts = description->n_shafts,
         .wheel_names = run->wheel_names,
         .mesh_names = run->mesh_names,
+        .shaft_names = run->shaft_names,
         .n_outputs = model_n_outputs(model),
         .outputs = model_outputs_table(model),
         .n_states = n_states,
@@ -210,11 +212,15 @@ static void take_names(run *run)
     const description *description = case_description(run->prepared.file);
     run->wheel_names = xcalloc((size_t)description->n_wheels, sizeof *run->wheel_names);
     run->mesh_names = xcalloc((size_t)description->n_meshes, sizeof *run->mesh_names);
+    run->shaft_names = xcalloc((size_t)description->n_shafts, sizeof *run->shaft_names);
     for (int i = 0; i < description->n_wheels; i++) {
         run->wheel_names[i] = description->wheels[i].name;
     }
     for (int i = 0; i < description->n_meshes; i++) {
         run->mesh_names[i] = description->meshes[i].name;
+    }
+    for (int i = 0; i < description->n_shafts; i++) {
+        run->shaft_names[i] = description->shafts[i].name;
     }
 }
 
@@ -310,6 +316,7 @@ static void run_prepared(run *run, const run_options *options, const char *path,
     }
     contact_watch_free(&run->contact);
     free(run->values);
+    free(run->shaft_names);
     free(run->mesh_names);
     free(run->wheel_names);
     dae_state_free(&state);

@@ -6,8 +6,8 @@ module evl_capi
    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
    use, intrinsic :: iso_fortran_env, only: compiler_version
    use evl_capi_deviation, only: deviation_from_c
-   use evl_capi_description, only: c_housing, c_initial, c_load, c_mesh, c_wheel, housing_from_c, initial_from_c, load_from_c, &
-                                   mesh_from_c, wheel_from_c
+   use evl_capi_description, only: c_housing, c_initial, c_load, c_mesh, c_shaft, c_wheel, housing_from_c, initial_from_c, &
+                                   load_from_c, mesh_from_c, shaft_from_c, wheel_from_c
    use evl_capi_types, only: c_message_length, c_name_length, c_status, c_text_length, status_to_c, to_c
    use evl_dae_jacobian, only: gearbox_jacobian
    use evl_dae_residual, only: gearbox_derivative, gearbox_residual
@@ -38,7 +38,7 @@ module evl_capi
    !> evl_sizes
    type, bind(c) :: c_sizes
       integer(c_int) :: n_wheels, n_meshes, n_loads, n_states, n_integers, n_reals, n_roots, n_outputs, n_values, n_warnings, &
-                        n_pair_places, n_drive_places
+                        n_pair_places, n_drive_places, n_shafts
    end type c_sizes
 
    !> evl_wheel_geometry
@@ -92,12 +92,13 @@ contains
       code = status%code
    end function answer
 
-   type(c_ptr) function evl_gearbox_create(n_wheels, wheels, n_loads, loads, n_meshes, meshes, housing, status) &
-      result(handle) bind(c)
-      integer(c_int), intent(in), value :: n_wheels, n_loads, n_meshes
+   type(c_ptr) function evl_gearbox_create(n_wheels, wheels, n_loads, loads, n_meshes, meshes, n_shafts, shafts, housing, &
+                                           status) result(handle) bind(c)
+      integer(c_int), intent(in), value :: n_wheels, n_loads, n_meshes, n_shafts
       type(c_wheel), intent(in) :: wheels(n_wheels)
       type(c_load), intent(in) :: loads(n_loads)
       type(c_mesh), intent(in) :: meshes(n_meshes)
+      type(c_shaft), intent(in) :: shafts(n_shafts)
       type(c_housing), intent(in), optional :: housing
       type(c_status), intent(out), optional :: status
       type(gearbox_t), pointer :: gearbox
@@ -126,7 +127,7 @@ contains
       end do
       if (present(housing) .and. .not. has_failed(s)) call housing_from_c(housing, kernel_housing, s)
       if (.not. has_failed(s)) &
-         call gearbox_create(kernel_wheels, kernel_loads, mesh_from_c(meshes), kernel_housing, gearbox, s)
+         call gearbox_create(kernel_wheels, kernel_loads, mesh_from_c(meshes), shaft_from_c(shafts), kernel_housing, gearbox, s)
       if (has_failed(s)) then
          deallocate (gearbox)
       else
@@ -152,7 +153,8 @@ contains
 
       g => gearbox_of(handle)
       sizes = c_sizes(size(g%wheels), size(g%pairs), size(g%loads), g%n_states, g%n_integers, size(g%contacts), &
-                      g%n_roots, n_outputs, g%n_values, size(g%warnings), pair_places(g), maxval(g%contacts%n_slots))
+                      g%n_roots, n_outputs, g%n_values, size(g%warnings), pair_places(g), maxval(g%contacts%n_slots), &
+                      size(g%shafts))
    end subroutine evl_gearbox_sizes
 
    integer(c_int) function evl_gearbox_warning(handle, index, text) result(length) bind(c)
@@ -174,11 +176,14 @@ contains
       integer(c_int), intent(in), value :: index
       type(c_wheel_geometry), intent(out) :: geometry
       type(gearbox_t), pointer :: g
+      real(c_double) :: pitch
 
       g => gearbox_of(handle)
       associate (wheel => g%wheels(index + 1))
-         geometry = c_wheel_geometry(wheel%pitch_radius, wheel%base_radius, wheel%tip_radius, 2*pi/wheel%teeth, wheel%mass, &
-                                     wheel%inertia, wheel%centre, wheel%ratio, logical(index + 1 == g%reference, c_bool))
+         pitch = 0
+         if (wheel%teeth > 0) pitch = 2*pi/wheel%teeth
+         geometry = c_wheel_geometry(wheel%pitch_radius, wheel%base_radius, wheel%tip_radius, pitch, wheel%mass, wheel%inertia, &
+                                     wheel%centre, wheel%ratio, logical(index + 1 == g%reference, c_bool))
       end associate
    end subroutine evl_gearbox_wheel_geometry
 

@@ -4,7 +4,7 @@ module evl_capi_description
    use evl_capi_deviation, only: c_flank_deviation
    use evl_capi_types, only: c_law_choice, choice_from_c
    use evl_gear_geometry, only: gear_input
-   use evl_gearbox_description, only: mesh_input, wheel_input
+   use evl_gearbox_description, only: mesh_input, shaft_input, wheel_input
    use evl_gearbox_initial, only: initial_t
    use evl_housing_description, only: housing_input
    use evl_housing_motion, only: motion_term
@@ -13,8 +13,8 @@ module evl_capi_description
    implicit none (type, external)
    private
 
-   public :: c_gear, c_wheel, c_load, c_mesh, c_initial, c_housing
-   public :: gear_from_c, wheel_from_c, load_from_c, mesh_from_c, initial_from_c, housing_from_c
+   public :: c_gear, c_wheel, c_load, c_mesh, c_shaft, c_initial, c_housing
+   public :: gear_from_c, wheel_from_c, load_from_c, mesh_from_c, shaft_from_c, initial_from_c, housing_from_c
 
    !> evl_gear
    type, bind(c) :: c_gear
@@ -90,6 +90,13 @@ module evl_capi_description
       real(c_double) :: backlash
    end type c_mesh
 
+   !> evl_shaft
+   type, bind(c) :: c_shaft
+      integer(c_int) :: wheel_a, wheel_b
+      logical(c_bool) :: rigid
+      real(c_double) :: stiffness, damping
+   end type c_shaft
+
    !> evl_initial
    type, bind(c) :: c_initial
       integer(c_int) :: kind
@@ -157,6 +164,13 @@ contains
                         has_centre_distance=logical(c%has_centre_distance), centre_distance=c%centre_distance, &
                         has_backlash=logical(c%has_backlash), backlash=c%backlash)
    end function mesh_from_c
+
+   elemental type(shaft_input) function shaft_from_c(c) result(shaft)
+      type(c_shaft), intent(in) :: c
+
+      shaft = shaft_input(wheel_a=c%wheel_a + 1, wheel_b=c%wheel_b + 1, rigid=logical(c%rigid), stiffness=c%stiffness, &
+                          damping=c%damping)
+   end function shaft_from_c
 
    !> A housing with copies of its tables. Errors: code_invalid_input if terms or tables are announced but not there.
    subroutine housing_from_c(c, housing, status)

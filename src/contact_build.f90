@@ -7,8 +7,10 @@ module evl_contact_build
    use evl_local_variables, only: at_normal, at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_theta, at_track, &
                                   at_u_a, at_u_b, at_v_a, at_v_b, n_track
    use evl_mesh, only: contact_t, flank_coast, flank_drive, mesh_link, n_border_roots, n_mesh_roots, tracking_closed_form
+   use evl_rational, only: rational_scaled
    use evl_spur_geometry, only: spur_pair_t
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel
+   use evl_tooth_phase, only: tooth_phase_t
    implicit none (type, external)
    private
 
@@ -64,14 +66,14 @@ contains
    end function n_slots
 
    !> Geometry, laws and links to the state of a tooth contact.
-   subroutine take_contact(gearbox, wheels, given, pitches, index, status)
+   subroutine take_contact(gearbox, wheels, given, index, status)
       type(gearbox_t), intent(inout) :: gearbox
       type(wheel_input), intent(in) :: wheels(:)
       type(mesh_input), intent(in) :: given
-      integer, intent(in) :: pitches !! by which a turn of the reference wheel moves the driving wheel, counterclockwise > 0
       integer, intent(in) :: index
       type(status_t), intent(inout) :: status
       real(wp) :: compliance_a, compliance_b
+      logical :: fits
 
       associate (mesh => gearbox%contacts(index), pair => gearbox%pairs(gearbox%contacts(index)%mesh), a => given%driving, &
                  b => given%driven)
@@ -83,7 +85,8 @@ contains
          compliance_a = (1 - wheels(a)%poisson_ratio**2)/wheels(a)%youngs_modulus
          compliance_b = (1 - wheels(b)%poisson_ratio**2)/wheels(b)%youngs_modulus
          mesh%e_star = 1/(compliance_a + compliance_b)
-         mesh%mobility = pair%base_radius_a**2/gearbox%wheels(a)%inertia + pair%base_radius_b**2/gearbox%wheels(b)%inertia
+         mesh%mobility = pair%base_radius_a**2/gearbox%wheels(a)%rotor_inertia &
+                         + pair%base_radius_b**2/gearbox%wheels(b)%rotor_inertia
          call take_overlap(wheels, a, b, mesh, status)
          if (has_failed(status)) return
          mesh%base_pitch = pair%base_pitch
@@ -97,20 +100,26 @@ contains
          mesh%pair%ratio_b = gearbox%wheels(b)%ratio
          mesh%pair%share_a = compliance_a*mesh%e_star
          mesh%pair%share_b = compliance_b*mesh%e_star
-         mesh%pitches_per_turn = -pair%sigma*pitches
+         call rational_scaled(gearbox%wheels(a)%exact_ratio, -pair%sigma*wheels(a)%teeth, 1, mesh%pitches_per_turn, fits)
+         if (.not. fits) then
+            call fail(status, code_invalid_input, "its teeth pass too often in a turn of the reference wheel", subject_mesh, &
+                      mesh%mesh)
+            return
+         end if
          mesh%tooth_sign = pair%sigma
          mesh%deviation_a = gearbox%wheels(a)%deviation
          mesh%deviation_b = gearbox%wheels(b)%deviation
          if (mesh%flank == flank_drive) then
             mesh%pair%sigma = real(pair%sigma, wp)
             mesh%step = pair%base_pitch
-            mesh%rho_start = pair%rho_start_a
+            mesh%rho_start = gearbox%phases(mesh%mesh)%rho_start
+            mesh%pair%gap_0 = gearbox%phases(mesh%mesh)%gap
             mesh%rho_entry = pair%rho_start_a
             mesh%t_0 = pair%t
             mesh%e_0 = pair%e
             mesh%k_a0 = pair%point_k_a
          else
-            call take_coast(pair, mesh)
+            call take_coast(pair, gearbox%phases(mesh%mesh), mesh)
          end if
          mesh%pair%advance = -mesh%pair%sigma*mesh%pair%r_ba*mesh%pair%ratio_a
          if (mesh%rigid .and. pair%has_coast .and. .not. pair%backlash > 0) then
@@ -130,13 +139,14 @@ contains
    !> With tau the angle that a tooth fills on the base circle, the involutes of both sides of a tooth are rooted tau apart:
    !> rho_A + rho_A(coast) = r_bA (2 alpha_w + tau). Pair k is the flank of the driving wheel's tooth k and that of tooth k + 1
    !> of the driven wheel.
-   pure subroutine take_coast(pair, mesh)
+   pure subroutine take_coast(pair, phase, mesh)
       type(spur_pair_t), intent(in) :: pair
+      type(tooth_phase_t), intent(in) :: phase
       type(contact_t), intent(inout) :: mesh
       real(wp) :: tau
 
       mesh%pair%sigma = -real(pair%sigma, wp)
-      mesh%pair%gap_0 = pair%backlash
+      mesh%pair%gap_0 = pair%backlash - phase%gap
       mesh%step = -pair%base_pitch
       mesh%rho_entry = pair%rho_tip_a
       associate (direction => pair%chi - pair%sigma*pair%alpha_w)
@@ -146,7 +156,7 @@ contains
       mesh%k_a0 = pair%centre_a + pair%base_radius_a*mesh%t_0
       tau = pair%tooth_angle_a
       if (.not. tau > 0) tau = even_tooth_angle(pair)
-      mesh%rho_start = pair%base_radius_a*(2*pair%alpha_w + tau) - pair%rho_start_a
+      mesh%rho_start = pair%base_radius_a*(2*pair%alpha_w + tau) - phase%rho_start
       ! the pair between the ends of the path at the start is number 0
       if (mesh%handover) mesh%rho_start = mesh%rho_entry - modulo(mesh%rho_entry - mesh%rho_start, pair%base_pitch)
    end subroutine take_coast
@@ -191,7 +201,7 @@ contains
       reached = .false.
       used = .false.
       do i = 1, size(gearbox%wheels)
-         if (gearbox%wheels(i)%prescribed > 0) call reach(i)
+         if (gearbox%wheels(i)%prescribed > 0 .and. .not. reached(i)) call reach(i)
       end do
       if (.not. reached(gearbox%reference)) call reach(gearbox%reference)
       do i = 1, size(gearbox%wheels)
@@ -211,8 +221,7 @@ contains
          logical :: group(size(gearbox%wheels)), found
          integer :: k
 
-         group = .false.
-         group(first) = .true.
+         group = gearbox%wheels%leader == gearbox%wheels(first)%leader
          found = .true.
          do while (found)
             found = .false.
@@ -226,7 +235,8 @@ contains
                                   //" this one an elastic law", subject_mesh, k, "contact.law")
                      gearbox%contacts(gearbox%first(k):gearbox%first(k + 1) - 1)%i_dependent = gearbox%wheels(next)%i_psi
                   end associate
-                  group([a, b]) = .true.
+                  group = group .or. gearbox%wheels%leader == gearbox%wheels(a)%leader &
+                          .or. gearbox%wheels%leader == gearbox%wheels(b)%leader
                   used(k) = .true.
                   found = .true.
                end associate

@@ -14,6 +14,7 @@ module evl_dae_jacobian
    use evl_mesh, only: contact_apart, contact_t, mesh_contact, mesh_force, mesh_force_gradient, mesh_forces, mesh_gradient, &
                        mesh_mode, mesh_nominal_rho, touches, tracking_algebraic
    use evl_rigid_contact, only: rigid_acceleration_gradient, rigid_gradient
+   use evl_shaft_jacobian, only: add_shaft
    use evl_status, only: has_failed, status_t
    implicit none (type, external)
    private
@@ -49,8 +50,11 @@ contains
          call add_mesh(gearbox, i, y, spin, integers, reals, jacobian, status)
          if (has_failed(status)) return
       end do
+      do i = 1, size(gearbox%shafts)
+         call add_shaft(gearbox, i, y, spin, jacobian)
+      end do
       do i = 1, size(gearbox%wheels)
-         call couple_reference(gearbox%wheels(i), jacobian)
+         if (gearbox%wheels(i)%leader == i) call couple_reference(gearbox%wheels(i), jacobian)
       end do
       if (gearbox%housing%is_mounted) call add_housing(gearbox, cj, y, yp, frame, jacobian)
       do i = 1, size(gearbox%contacts)
@@ -106,7 +110,7 @@ contains
          omega = wheel_speed(wheel, y)
          if (wheel%prescribed == 0) then
             torque = wheel_load_torque(gearbox, index, t, omega, integers)
-            call add_speed(wheel, wheel%i_speed, damping/wheel%inertia, jacobian)
+            call add_speed(wheel, wheel%i_speed, damping/wheel%rotor_inertia, jacobian)
             call add_speed(wheel, gearbox%i_work, damping*omega - torque, jacobian)
          else
             torque = wheel%inertia*wheel_acceleration(gearbox, index, 0.0_wp, integers)
@@ -163,7 +167,7 @@ contains
 
       associate (wheel => gearbox%wheels(index))
          if (wheel%prescribed == 0) then
-            call scatter(mesh, -gradient/wheel%inertia, wheel%i_speed, jacobian)
+            call scatter(mesh, -gradient/wheel%rotor_inertia, wheel%i_speed, jacobian)
             return
          end if
          call scatter(mesh, wheel_speed(wheel, y)*gradient, gearbox%i_work, jacobian)
@@ -209,7 +213,7 @@ contains
       end do
    end subroutine scatter
 
-   !> Complete the row of a wheel's speed: psi'' = phi'' - g theta''.
+   !> Complete the row of a rotor's speed: psi'' = phi'' - g theta''.
    pure subroutine couple_reference(wheel, jacobian)
       type(wheel_t), intent(in) :: wheel
       real(wp), intent(inout) :: jacobian(:, :)

@@ -1,9 +1,13 @@
-!> A gearbox: wheels on supports with loads, and the meshes between them, as one differential-algebraic system.
+!> A gearbox: wheels on supports with loads, the shafts and the meshes between them, as one differential-algebraic system.
+!>
+!> Wheels that rigid shafts join are one rotor: they share psi and psi', their inertias and torques add. The rotor's leader, one of
+!> its wheels, stands for it where something is done once a rotor.
 !>
 !> State, in this order:
 !>
 !>    theta, omega               angle and speed of the reference wheel
-!>    psi_i, psi_i'              of every other wheel: phi_i = g_i theta + psi_i, g_i the kinematic speed ratio
+!>    psi_i, psi_i'              of every rotor but that of the reference wheel: phi_i = g_i theta + psi_i, g_i the kinematic speed
+!>                               ratio
 !>    s_j, s_j'                  of every degree of freedom of a support, from its reference position
 !>    turn, zeta, dr, lambda, mu   of every mesh that tracks its contact points, see evl_contact_tracking
 !>    r, p, v, Omega             of a mounted housing, see evl_housing
@@ -23,9 +27,12 @@ module evl_gearbox
    use evl_local_variables, only: n_local
    use evl_mesh, only: contact_loaded, contact_off, contact_t, mesh_contact, mesh_force, mesh_forces, mesh_mode, &
                        mesh_nominal_rho, touches
+   use evl_rational, only: rational_t
    use evl_rigid_contact, only: rigid_acceleration
+   use evl_shaft, only: shaft_loss, shaft_t, shaft_torque
    use evl_spur_geometry, only: spur_pair_t
    use evl_status, only: has_failed, message_length, status_t
+   use evl_tooth_phase, only: tooth_phase_t
    implicit none (type, external)
    private
 
@@ -56,17 +63,20 @@ module evl_gearbox
    end type support_t
 
    type :: wheel_t
-      integer :: teeth = 0
+      integer :: teeth = 0                   !! 0: a disc
       real(wp) :: pitch_radius = 0.0_wp, base_radius = 0.0_wp, tip_radius = 0.0_wp !! [m]; base and tip 0 without a mesh
       real(wp) :: centre(2) = 0.0_wp         !! reference position of the axle [m]
       real(wp) :: mass = 0.0_wp              !! of the wheel alone [kg]
       real(wp) :: inertia = 0.0_wp           !! about the axle [kg m^2]
       real(wp) :: transverse_inertia = 0.0_wp !! about a diameter [kg m^2]
       real(wp) :: axial_position = 0.0_wp    !! z of its middle plane [m]
-      real(wp) :: ratio = 0.0_wp             !! g: nominal speed over that of the reference wheel
-      integer :: i_psi = 0                   !! place of psi in the state, psi' follows; 0 for the reference wheel
+      type(rational_t) :: exact_ratio        !! g: nominal speed over that of the reference wheel
+      real(wp) :: ratio = 0.0_wp             !! g as a real number
+      integer :: leader = 0                  !! wheel that stands for its rotor
+      real(wp) :: rotor_inertia = 0.0_wp     !! of all wheels of its rotor about the axle [kg m^2]
+      integer :: i_psi = 0                   !! place of psi in the state, psi' follows; 0 in the rotor of the reference wheel
       integer :: i_speed = 0                 !! place of its speed's rate among the rows: i_omega or i_psi + 1
-      integer :: prescribed = 0              !! load that prescribes its speed; 0: none
+      integer :: prescribed = 0              !! load that prescribes the speed of its rotor; 0: none
       type(support_t) :: support
       type(flank_deviation_t) :: deviation   !! of its flanks from the involute
    end type wheel_t
@@ -74,14 +84,16 @@ module evl_gearbox
    type :: gearbox_t
       type(wheel_t), allocatable :: wheels(:)
       type(load_t), allocatable :: loads(:)
+      type(shaft_t), allocatable :: shafts(:)
       type(contact_t), allocatable :: contacts(:) !! tooth contacts, mesh by mesh: slots of the drive flank, then of the coast flank
       type(spur_pair_t), allocatable :: pairs(:)  !! geometry of each mesh
+      type(tooth_phase_t), allocatable :: phases(:) !! first tooth pair of each mesh
       integer, allocatable :: first(:)            !! first tooth contact of each mesh; behind the last mesh, one more than all
       type(gear_t), allocatable :: gears(:)            !! of each wheel, initial values if it is no real gear
       type(gear_mesh_t), allocatable :: gear_meshes(:) !! of each mesh, the same
       type(housing_t) :: housing
       character(len=message_length), allocatable :: warnings(:)
-      integer :: reference = 1               !! wheel whose angle is theta
+      integer :: reference = 1               !! wheel whose angle is theta, the leader of its rotor
       integer :: n_states = 0, n_integers = 0, n_values = 0 !! lengths of the state, the discrete state and the outputs
       integer :: n_multipliers = 0            !! flanks with rigid contact
       integer :: n_roots = 0                  !! root functions
@@ -307,11 +319,11 @@ contains
       if (load%i_segment > 0) segment = integers(load%i_segment)
    end function segment_of
 
-   !> Angular acceleration of a wheel under the torque of its meshes and loads, or the prescribed one [rad/s^2].
+   !> Angular acceleration of a rotor under the torque of its meshes, shafts and loads, or the prescribed one [rad/s^2].
    pure real(wp) function wheel_acceleration(gearbox, index, torque, integers) result(acceleration)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index
-      real(wp), intent(in) :: torque     !! of meshes and loads [N m]
+      integer, intent(in) :: index       !! of one of its wheels
+      real(wp), intent(in) :: torque     !! on the rotor [N m]
       integer, intent(in) :: integers(:)
 
       associate (wheel => gearbox%wheels(index))
@@ -320,7 +332,7 @@ contains
                acceleration = load_acceleration(load, segment_of(load, integers))
             end associate
          else
-            acceleration = torque/wheel%inertia
+            acceleration = torque/wheel%rotor_inertia
          end if
       end associate
    end function wheel_acceleration
@@ -341,10 +353,16 @@ contains
       real(wp), intent(in), optional :: yp(:)       !! of a mounted housing; v' = Omega' = 0 if not given
       type(mesh_force) :: force
       type(frame_t) :: frame
-      real(wp) :: torque, dissipation, power
+      real(wp) :: torques(size(gearbox%wheels)), spin, alpha, dissipation, power
       integer :: i
 
-      if (gearbox%housing%acts) call housing_frame(gearbox%housing, t, y, frame, yp)
+      spin = 0
+      alpha = 0
+      if (gearbox%housing%acts) then
+         call housing_frame(gearbox%housing, t, y, frame, yp)
+         spin = frame%omega(3)
+         alpha = frame%alpha(3)
+      end if
       f = 0
       do i = 1, size(gearbox%contacts)
          call mesh_at(gearbox, i, y, integers, reals, force, status)
@@ -359,10 +377,20 @@ contains
          end associate
          f(gearbox%i_dissipated) = f(gearbox%i_dissipated) + force%dissipation
       end do
-      do i = 1, size(gearbox%wheels)
-         call finish_wheel(gearbox, i, t, y, integers, f, torque)
-         if (gearbox%housing%acts) call ride_along(gearbox, i, t, torque, y, integers, frame, f)
+      do i = 1, size(gearbox%shafts)
+         call twist_shaft(gearbox, i, y, f)
       end do
+      do i = 1, size(gearbox%wheels)
+         call load_wheel(gearbox, i, t, y, integers, spin, f, torques(i))
+      end do
+      do i = 1, size(gearbox%wheels)
+         if (gearbox%wheels(i)%leader == i) call accelerate_rotor(gearbox, i, y, integers, alpha, f, torques)
+      end do
+      if (gearbox%housing%acts) then
+         do i = 1, size(gearbox%wheels)
+            call ride_along(gearbox, i, t, torques(i), y, integers, frame, f)
+         end do
+      end if
       if (gearbox%housing%is_mounted) then
          call housing_rates(gearbox%housing, frame, f, dissipation, power)
          f(gearbox%i_dissipated) = f(gearbox%i_dissipated) + dissipation
@@ -371,7 +399,7 @@ contains
       f(i_theta) = y(i_omega)
       do i = 1, size(gearbox%wheels)
          associate (wheel => gearbox%wheels(i))
-            if (wheel%i_psi == 0) cycle
+            if (wheel%i_psi == 0 .or. wheel%leader /= i) cycle
             f(wheel%i_psi) = y(wheel%i_psi + 1)
             f(wheel%i_speed) = f(wheel%i_speed) - wheel%ratio*f(i_omega)
          end associate
@@ -447,23 +475,42 @@ contains
       end do
    end subroutine push_support
 
-   !> From torques and forces of the meshes in f to accelerations; powers of loads and of support dampers.
-   pure subroutine finish_wheel(gearbox, index, t, y, integers, f, torque)
+   !> Add an elastic shaft's torque to the rows of its two wheels, and what its damping takes.
+   pure subroutine twist_shaft(gearbox, index, y, f)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(inout) :: f(:)
+      real(wp) :: torque
+
+      associate (shaft => gearbox%shafts(index))
+         if (shaft%rigid) return
+         torque = shaft_torque(shaft, y)
+         associate (row_a => gearbox%wheels(shaft%wheel_a)%i_speed, row_b => gearbox%wheels(shaft%wheel_b)%i_speed)
+            f(row_a) = f(row_a) - torque
+            f(row_b) = f(row_b) + torque
+         end associate
+         f(gearbox%i_dissipated) = f(gearbox%i_dissipated) + shaft_loss(shaft, y)
+      end associate
+   end subroutine twist_shaft
+
+   !> Add the torque of a wheel's loads to the row of its rotor, and its power; accelerate its support by the forces of the meshes.
+   pure subroutine load_wheel(gearbox, index, t, y, integers, spin, f, torque)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
       real(wp), intent(in) :: t, y(gearbox%n_states)
       integer, intent(in) :: integers(gearbox%n_integers)
+      real(wp), intent(in) :: spin    !! Omega_z of the housing [rad/s]
       real(wp), intent(inout) :: f(gearbox%n_states)
-      real(wp), intent(out) :: torque !! of the loads [N m]
-      real(wp) :: omega, mesh_torque
+      real(wp), intent(out) :: torque !! of the loads; that of a prescribed speed is not among them [N m]
+      real(wp) :: omega
       integer :: j
 
       associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support)
          omega = wheel_speed(wheel, y)
-         mesh_torque = f(wheel%i_speed)
          torque = wheel_load_torque(gearbox, index, t, omega, integers)
-         f(wheel%i_speed) = wheel_acceleration(gearbox, index, mesh_torque + torque, integers)
-         if (wheel%prescribed > 0) torque = wheel%inertia*f(wheel%i_speed) - mesh_torque
+         if (gearbox%housing%acts) torque = torque + wheel_spin_torque(gearbox, index, spin)
+         f(wheel%i_speed) = f(wheel%i_speed) + torque
          f(gearbox%i_work) = f(gearbox%i_work) + torque*omega
          do j = 1, support%n
             associate (i => support%i_state(j))
@@ -473,41 +520,59 @@ contains
             end associate
          end do
       end associate
-   end subroutine finish_wheel
+   end subroutine load_wheel
 
-   !> What the motion of the housing and gravity add to the accelerations of a wheel and its support, and to the powers.
+   !> From the torque on a rotor to its acceleration relative to the housing; a load that prescribes its speed brings the torque
+   !> that is missing.
+   pure subroutine accelerate_rotor(gearbox, leader, y, integers, alpha, f, torques)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: leader
+      real(wp), intent(in) :: y(:)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: alpha         !! Omega_z' of the housing [rad/s^2]
+      real(wp), intent(inout) :: f(:)
+      real(wp), intent(inout) :: torques(:) !! of the loads of each wheel [N m]
+      real(wp) :: omega, missing
+
+      associate (wheel => gearbox%wheels(leader))
+         missing = -f(wheel%i_speed)
+         f(wheel%i_speed) = wheel_acceleration(gearbox, leader, f(wheel%i_speed), integers)
+         if (wheel%prescribed > 0) then
+            omega = wheel_speed(wheel, y)
+            missing = missing + wheel%rotor_inertia*f(wheel%i_speed)
+            if (.not. wheel_follows_ground(gearbox, leader)) missing = missing + wheel%rotor_inertia*alpha
+            associate (driver => gearbox%loads(wheel%prescribed)%wheel)
+               torques(driver) = torques(driver) + missing
+            end associate
+            f(gearbox%i_work) = f(gearbox%i_work) + missing*omega
+         end if
+         if (gearbox%housing%acts .and. wheel_follows_ground(gearbox, leader)) f(wheel%i_speed) = f(wheel%i_speed) - alpha
+      end associate
+   end subroutine accelerate_rotor
+
+   !> What the motion of the housing and gravity add to the acceleration of a wheel's support, and to the powers.
    pure subroutine ride_along(gearbox, index, t, torque, y, integers, frame, f)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: torque !! of the loads, as if the housing were at rest [N m]
+      real(wp), intent(in) :: torque !! of all loads of the wheel [N m]
       real(wp), intent(in) :: y(:)
       integer, intent(in) :: integers(:)
       type(frame_t), intent(in) :: frame
       real(wp), intent(inout) :: f(:)
-      real(wp) :: omega, centre(3), velocity(3), apparent(3), drag, total
+      real(wp) :: omega, centre(3), velocity(3), apparent(3)
       integer :: j
 
       associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support, power => f(gearbox%i_work))
          omega = wheel_speed(wheel, y)
          call wheel_position(wheel, y, centre, velocity)
-         drag = 0
-         if (wheel%prescribed == 0) drag = wheel_spin_torque(gearbox, index, frame%omega(3))
-         f(wheel%i_speed) = f(wheel%i_speed) + drag/wheel%inertia
-         power = power + drag*omega
-         if (wheel_follows_ground(gearbox, index)) then
-            f(wheel%i_speed) = f(wheel%i_speed) - frame%alpha(3)
-         else
-            power = power + wheel%inertia*frame%alpha(3)*omega
-         end if
          apparent = apparent_acceleration(frame, centre, velocity)
          do j = 1, support%n
             f(support%i_state(j) + 1) = f(support%i_state(j) + 1) - dot_product(support%direction(:, j), apparent(1:2))
          end do
          if (gearbox%housing%is_mounted) then
-            total = torque + drag
             associate (moment => f(gearbox%housing%i_state + at_omega + 2), &
-                       ground => total - wheel_housing_torque(gearbox, index, t, omega, frame%omega(3), total, integers))
+                       ground => torque - wheel_housing_torque(gearbox, index, t, omega, frame%omega(3), torque, integers))
                power = power + ground*frame%omega(3)
                moment = moment + ground
             end associate

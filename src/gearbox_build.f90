@@ -4,19 +4,23 @@ module evl_gearbox_build
    use evl_gear_build, only: gears_build
    use evl_gear_pair, only: gear_pair_derive
    use evl_gearbox, only: gearbox_t, i_omega, i_theta, support_bearing, support_slider, support_t
+   use evl_gearbox_description, only: check_description, mesh_input, shaft_input, wheel_input
    use evl_gearbox_deviations, only: gearbox_set_deviations
-   use evl_gearbox_description, only: check_description, mesh_input, wheel_input
    use evl_gearbox_scaling, only: gearbox_set_scales
    use evl_housing, only: n_housing_states
    use evl_housing_description, only: housing_create, housing_input
    use evl_kinds, only: pi, wp
    use evl_layout, only: layout_resolve, layout_t
-   use evl_load, only: load_prescribed_speed, load_t
+   use evl_load, only: load_t
    use evl_local_variables, only: n_track
    use evl_mesh, only: tracking_closed_form
    use evl_output_table, only: count_values
+   use evl_rational, only: rational_value
+   use evl_rotors, only: rotors_join
+   use evl_shaft, only: shaft_t
    use evl_spur_geometry, only: spur_pair_derive
    use evl_status, only: code_invalid_input, fail, has_failed, message_length, quantity, status_t, subject_mesh, subject_wheel
+   use evl_tooth_phase, only: find_tooth_phases, tooth_mesh_t
    implicit none (type, external)
    private
 
@@ -29,47 +33,50 @@ contains
 
    !> Make a gearbox. Loads come with `wheel` from 1 and without `i_segment`.
    !> Errors: code_invalid_input with subject, index and field.
-   subroutine gearbox_create(wheels, loads, meshes, housing, gearbox, status)
+   subroutine gearbox_create(wheels, loads, meshes, shafts, housing, gearbox, status)
       type(wheel_input), intent(in) :: wheels(:)
       type(load_t), intent(in) :: loads(:)
       type(mesh_input), intent(in) :: meshes(:)
+      type(shaft_input), intent(in) :: shafts(:)
       type(housing_input), intent(in) :: housing
       type(gearbox_t), intent(out) :: gearbox
       type(status_t), intent(inout) :: status
       type(layout_t) :: layout
       integer :: i
 
-      call check_description(wheels, loads, meshes, status)
+      call check_description(wheels, loads, meshes, shafts, status)
       if (has_failed(status)) return
       call housing_create(housing, gearbox%housing, status)
       if (has_failed(status)) return
       allocate (gearbox%wheels(size(wheels)), gearbox%pairs(size(meshes)))
       allocate (gearbox%warnings(0))
       gearbox%loads = loads
-      do i = 1, size(loads)
-         if (loads(i)%kind == load_prescribed_speed) gearbox%wheels(loads(i)%wheel)%prescribed = i
-      end do
-      gearbox%reference = max(1, findloc(gearbox%wheels%prescribed > 0, .true., dim=1))
+      call take_shafts(shafts, gearbox)
+      call rotors_join(gearbox, status)
+      if (has_failed(status)) return
       allocate (gearbox%gears(size(wheels)), gearbox%gear_meshes(size(meshes)))
       call gears_build(wheels, meshes, gearbox%gears, gearbox%gear_meshes, gearbox%warnings, status)
       if (has_failed(status)) return
-      call start_layout(wheels, meshes, gearbox, layout)
+      call start_layout(wheels, meshes, shafts, gearbox, layout)
       call layout_resolve(layout, gearbox%reference, status)
       if (has_failed(status)) return
       call take_wheels(wheels, layout, gearbox, status)
       if (has_failed(status)) return
+      do i = 1, size(wheels)
+         gearbox%wheels(i)%rotor_inertia = sum(gearbox%wheels%inertia, mask=gearbox%wheels%leader == gearbox%wheels(i)%leader)
+      end do
       do i = 1, size(meshes)
          call take_pair(gearbox, wheels, meshes, layout, i, status)
          if (has_failed(status)) return
       end do
+      call place_teeth(meshes, gearbox, status)
+      if (has_failed(status)) return
       call gearbox_set_deviations(gearbox, wheels, meshes, status)
       if (has_failed(status)) return
       call list_contacts(gearbox, meshes)
       call number_states(gearbox)
       do i = 1, size(gearbox%contacts)
-         associate (given => meshes(gearbox%contacts(i)%mesh))
-            call take_contact(gearbox, wheels, given, layout%turn(given%driving)*wheels(gearbox%reference)%teeth, i, status)
-         end associate
+         call take_contact(gearbox, wheels, meshes(gearbox%contacts(i)%mesh), i, status)
          if (has_failed(status)) return
       end do
       call find_dependents(gearbox, status)
@@ -81,10 +88,24 @@ contains
       gearbox%n_values = count_values(gearbox)
    end subroutine gearbox_create
 
+   !> The shafts; their places in the state are found later.
+   subroutine take_shafts(shafts, gearbox)
+      type(shaft_input), intent(in) :: shafts(:)
+      type(gearbox_t), intent(inout) :: gearbox
+      integer :: i
+
+      allocate (gearbox%shafts(size(shafts)))
+      do i = 1, size(shafts)
+         gearbox%shafts(i) = shaft_t(wheel_a=shafts(i)%wheel_a, wheel_b=shafts(i)%wheel_b, rigid=shafts(i)%rigid, &
+                                     stiffness=shafts(i)%stiffness, damping=shafts(i)%damping)
+      end do
+   end subroutine take_shafts
+
    !> What the description says of the layout.
-   subroutine start_layout(wheels, meshes, gearbox, layout)
+   subroutine start_layout(wheels, meshes, shafts, gearbox, layout)
       type(wheel_input), intent(in) :: wheels(:)
       type(mesh_input), intent(in) :: meshes(:)
+      type(shaft_input), intent(in) :: shafts(:)
       type(gearbox_t), intent(in) :: gearbox !! its gears
       type(layout_t), intent(out) :: layout
       integer :: i
@@ -103,6 +124,13 @@ contains
       layout%angle = meshes%centre_line_angle
       layout%has_distance = gearbox%gear_meshes%exists
       layout%distance = gearbox%gear_meshes%centre_distance
+      layout%shaft_a = shafts%wheel_a
+      layout%shaft_b = shafts%wheel_b
+      where (wheels%teeth == 0 .and. .not. wheels%has_pitch_radius)
+         ! a solid disc of this mass and inertia
+         layout%pitch_radius = sqrt(2*wheels%inertia/wheels%mass)
+         layout%has_radius = .true.
+      end where
    end subroutine start_layout
 
    !> Mass, inertia, support and speed ratio of every wheel. A solid disc of the pitch radius, less
@@ -119,7 +147,8 @@ contains
             wheel%teeth = given%teeth
             wheel%pitch_radius = layout%pitch_radius(i)
             wheel%centre = layout%centre(:, i)
-            wheel%ratio = layout%turn(i)*real(wheels(gearbox%reference)%teeth, wp)/given%teeth
+            wheel%exact_ratio = layout%ratio(i)
+            wheel%ratio = rational_value(layout%ratio(i))
             wheel%mass = given%density*pi*(wheel%pitch_radius**2 - gearbox%gears(i)%bore_radius**2)*given%width
             if (given%has_mass) wheel%mass = given%mass
             wheel%inertia = wheel%mass*(wheel%pitch_radius**2 + gearbox%gears(i)%bore_radius**2)/2
@@ -178,12 +207,16 @@ contains
       do i = 1, size(gearbox%wheels)
          associate (wheel => gearbox%wheels(i))
             wheel%i_speed = i_omega
-            if (i == gearbox%reference) cycle
+            if (i == gearbox%reference .or. wheel%leader /= i) cycle
             wheel%i_psi = n + 1
             wheel%i_speed = n + 2
             n = n + 2
          end associate
       end do
+      gearbox%wheels%i_psi = gearbox%wheels(gearbox%wheels%leader)%i_psi
+      gearbox%wheels%i_speed = gearbox%wheels(gearbox%wheels%leader)%i_speed
+      gearbox%shafts%i_psi_a = gearbox%wheels(gearbox%shafts%wheel_a)%i_psi
+      gearbox%shafts%i_psi_b = gearbox%wheels(gearbox%shafts%wheel_b)%i_psi
       do i = 1, size(gearbox%wheels)
          do j = 1, gearbox%wheels(i)%support%n
             gearbox%wheels(i)%support%i_state(j) = n + 1
@@ -266,6 +299,31 @@ contains
       end associate
    end subroutine take_pair
 
+   !> Where the first tooth pair of each mesh is.
+   subroutine place_teeth(meshes, gearbox, status)
+      type(mesh_input), intent(in) :: meshes(:)
+      type(gearbox_t), intent(inout) :: gearbox
+      type(status_t), intent(inout) :: status
+      type(tooth_mesh_t) :: teeth(size(meshes))
+      real(wp) :: tooth_angle(size(gearbox%wheels))
+      integer :: m
+
+      tooth_angle = 0
+      do m = 1, size(meshes)
+         associate (pair => gearbox%pairs(m), a => meshes(m)%driving, b => meshes(m)%driven)
+            teeth(m) = tooth_mesh_t(a, b, pair%sigma, pair%chi, pair%alpha_w, pair%rho, pair%base_pitch, pair%rho_start_a, &
+                                    pair%backlash)
+            tooth_angle([a, b]) = [pair%tooth_angle_a, pair%tooth_angle_b]
+         end associate
+      end do
+      allocate (gearbox%phases(size(meshes)))
+      call find_tooth_phases(gearbox%wheels%base_radius, tooth_angle, gearbox%wheels%teeth, teeth, gearbox%phases, status)
+      if (has_failed(status)) return
+      m = findloc(gearbox%phases%gap > 0 .and. meshes%tracking /= tracking_closed_form, .true., dim=1)
+      if (m > 0) call fail(status, code_invalid_input, "its flanks start with a gap of "//quantity(gearbox%phases(m)%gap, "m") &
+                           //", which the teeth around the loop leave: only closed_form carries it", subject_mesh, m, "tracking")
+   end subroutine place_teeth
+
    !> The contact strip has to stay narrow beside the radii of curvature, which are smallest at the start of contact.
    !>
    !> Half width of two cylinders pressed together: sqrt(4 N rho_A rho_B/(pi E* (rho_A + rho_B))), Hertz.
@@ -293,9 +351,19 @@ contains
       integer, intent(in) :: index
       integer :: first
 
-      first = -gearbox%pairs(1)%sigma*layout%turn(first_mesh%driving)
-      if (first*layout%turn(given%driving) /= given%driving_rotation) &
+      first = -gearbox%pairs(1)%sigma*turn(first_mesh%driving)
+      if (first*turn(given%driving) /= given%driving_rotation) &
          call warn(gearbox, index, "its driving wheel turns against driving_rotation when the first mesh turns as it says")
+
+   contains
+
+      !> +1 if a wheel turns like the reference wheel, -1 if against it.
+      pure integer function turn(wheel)
+         integer, intent(in) :: wheel
+
+         turn = merge(1, -1, layout%ratio(wheel)%above > 0)
+      end function turn
+
    end subroutine check_senses
 
    !> A wheel has one base circle, whatever it meshes with.

@@ -10,11 +10,11 @@ module evl_gearbox_description
    use evl_mesh, only: tracking_closed_form, tracking_differential
    use evl_spur_geometry, only: maximum_teeth, minimum_teeth
    use evl_status, only: code_invalid_input, fail, has_failed, message_length, quantity, status_t, subject_load, &
-                         subject_mesh, subject_none, subject_wheel
+                         subject_mesh, subject_none, subject_shaft, subject_wheel
    implicit none (type, external)
    private
 
-   public :: wheel_input, mesh_input, check_description
+   public :: wheel_input, mesh_input, shaft_input, check_description
 
    !> A wheel as described; see `evl_wheel` in the C header.
    type :: wheel_input
@@ -43,13 +43,21 @@ module evl_gearbox_description
       real(wp) :: centre_distance = 0.0_wp, backlash = 0.0_wp
    end type mesh_input
 
+   !> A shaft as described; wheels from 1. See `evl_shaft` in the C header.
+   type :: shaft_input
+      integer :: wheel_a = 0, wheel_b = 0
+      logical :: rigid = .false.
+      real(wp) :: stiffness = 0.0_wp, damping = 0.0_wp
+   end type shaft_input
+
 contains
 
    !> Every number is in its range, and every reference leads somewhere.
-   subroutine check_description(wheels, loads, meshes, status)
+   subroutine check_description(wheels, loads, meshes, shafts, status)
       type(wheel_input), intent(in) :: wheels(:)
       type(load_t), intent(in) :: loads(:)
       type(mesh_input), intent(in) :: meshes(:)
+      type(shaft_input), intent(in) :: shafts(:)
       type(status_t), intent(inout) :: status
       integer :: i
 
@@ -61,7 +69,10 @@ contains
          if (.not. has_failed(status)) call check_load(loads, i, size(wheels), status)
       end do
       do i = 1, size(meshes)
-         if (.not. has_failed(status)) call check_mesh(meshes(i), i, size(wheels), status)
+         if (.not. has_failed(status)) call check_mesh(meshes(i), i, wheels, status)
+      end do
+      do i = 1, size(shafts)
+         if (.not. has_failed(status)) call check_shaft(shafts(i), i, size(wheels), status)
       end do
    end subroutine check_description
 
@@ -72,7 +83,9 @@ contains
       type(status_t), intent(inout) :: status
       character(len=80) :: text
 
-      if (wheel%teeth < minimum_teeth .or. wheel%teeth > maximum_teeth) then
+      if (wheel%teeth == 0) then
+         call check_disc(wheel, index, status)
+      else if (wheel%teeth < minimum_teeth .or. wheel%teeth > maximum_teeth) then
          write (text, "(a, i0, a, i0, a, i0)") "number of teeth ", wheel%teeth, " must be from ", minimum_teeth, " to ", &
             maximum_teeth
          call fail(status, code_invalid_input, trim(text), subject_wheel, index, "teeth")
@@ -103,6 +116,42 @@ contains
       call check_not_negative(wheel%support_stiffness, "support_stiffness", "N/m", index, status)
       call check_not_negative(wheel%support_damping, "support_damping", "N s/m", index, status)
    end subroutine check_wheel
+
+   !> A wheel without teeth is a disc: it needs a size.
+   subroutine check_disc(wheel, index, status)
+      type(wheel_input), intent(in) :: wheel
+      integer, intent(in) :: index
+      type(status_t), intent(inout) :: status
+
+      if (wheel%has_gear) then
+         call fail(status, code_invalid_input, "a wheel without teeth has no module", subject_wheel, index, "module")
+         return
+      end if
+      if (wheel%has_pitch_radius .or. (wheel%has_inertia .and. wheel%has_mass)) return
+      call fail(status, code_invalid_input, "a wheel without teeth is a disc: it needs a radius, or its inertia and its mass", &
+                subject_wheel, index)
+   end subroutine check_disc
+
+   !> A shaft joins two different wheels; an elastic one has a stiffness.
+   subroutine check_shaft(shaft, index, n_wheels, status)
+      type(shaft_input), intent(in) :: shaft
+      integer, intent(in) :: index, n_wheels
+      type(status_t), intent(inout) :: status
+
+      if (min(shaft%wheel_a, shaft%wheel_b) < 1 .or. max(shaft%wheel_a, shaft%wheel_b) > n_wheels) then
+         call fail(status, code_invalid_input, "there is no such wheel", subject_shaft, index, "wheels")
+      else if (shaft%wheel_a == shaft%wheel_b) then
+         call fail(status, code_invalid_input, "a shaft joins two different wheels", subject_shaft, index, "wheels")
+      else if (shaft%rigid) then
+         return
+      else if (.not. (ieee_is_finite(shaft%stiffness) .and. shaft%stiffness > 0)) then
+         call fail(status, code_invalid_input, "stiffness = "//quantity(shaft%stiffness, "N m/rad")//" must be a finite number" &
+                   //" greater than 0", subject_shaft, index, "stiffness")
+      else if (.not. (ieee_is_finite(shaft%damping) .and. shaft%damping >= 0)) then
+         call fail(status, code_invalid_input, "damping = "//quantity(shaft%damping, "N m s/rad")//" must be a finite number, not" &
+                   //" negative", subject_shaft, index, "damping")
+      end if
+   end subroutine check_shaft
 
    !> A finite number greater than 0.
    subroutine check(value, field, unit, index, status)
@@ -178,17 +227,21 @@ contains
    end subroutine check_load
 
    !> A mesh joins two different wheels, and its laws exist and have valid parameters.
-   subroutine check_mesh(mesh, index, n_wheels, status)
+   subroutine check_mesh(mesh, index, wheels, status)
       type(mesh_input), intent(in) :: mesh
-      integer, intent(in) :: index, n_wheels
+      integer, intent(in) :: index
+      type(wheel_input), intent(in) :: wheels(:)
       type(status_t), intent(inout) :: status
 
-      if (mesh%driving < 1 .or. mesh%driving > n_wheels) then
+      if (mesh%driving < 1 .or. mesh%driving > size(wheels)) then
          call fail(status, code_invalid_input, "there is no such driving wheel", subject_mesh, index, "driving")
-      else if (mesh%driven < 1 .or. mesh%driven > n_wheels) then
+      else if (mesh%driven < 1 .or. mesh%driven > size(wheels)) then
          call fail(status, code_invalid_input, "there is no such driven wheel", subject_mesh, index, "driven")
       else if (mesh%driving == mesh%driven) then
          call fail(status, code_invalid_input, "a wheel cannot mesh with itself", subject_mesh, index, "driven")
+      else if (any(wheels([mesh%driving, mesh%driven])%teeth == 0)) then
+         call fail(status, code_invalid_input, "a wheel without teeth cannot mesh", subject_mesh, index, &
+                   merge("driving", "driven ", wheels(mesh%driving)%teeth == 0))
       else if (mesh%tracking < tracking_closed_form .or. mesh%tracking > tracking_differential) then
          call fail(status, code_invalid_input, "there is no such tracking", subject_mesh, index, "tracking")
       end if

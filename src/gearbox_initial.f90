@@ -14,7 +14,8 @@ module evl_gearbox_initial
                        mesh_settle_friction, mesh_settle_zones, mesh_unclipped_force
    use evl_multipliers, only: set_multipliers
    use evl_start_positions, only: closed_form_point, place_pairs, prescribed_speed, set_gaps
-   use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_initial, subject_load, subject_mesh
+   use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_initial, subject_load, subject_mesh, &
+                         subject_wheel
    use evl_steady_state, only: find_steady_state
    implicit none (type, external)
    private
@@ -134,6 +135,12 @@ contains
       do i = 1, size(gearbox%wheels)
          associate (wheel => gearbox%wheels(i))
             if (wheel%i_psi > 0) y(wheel%i_psi + 1) = speeds(i) - wheel%ratio*y(i_omega)
+            if (abs(speeds(i) - speeds(wheel%leader)) > speed_agreement*abs(speeds(i))) then
+               call fail(status, code_invalid_input, "its initial speed "//quantity(speeds(i), "rad/s")//" does not agree with " &
+                         //quantity(speeds(wheel%leader), "rad/s")//", that of another wheel on the same rigid shaft", &
+                         subject_wheel, i, "speeds")
+               return
+            end if
             if (wheel%prescribed == 0) cycle
             spin = merge(0.0_wp, frame%omega(3), gearbox%loads(wheel%prescribed)%against_housing)
             prescribed = prescribed_speed(gearbox, wheel%prescribed, t, integers) - spin
@@ -155,7 +162,7 @@ contains
       type(contact_point) :: point
       integer :: m
 
-      if (size(initial%gaps) == 0) return
+      if (.not. any(abs(initial%gaps) > 0)) return ! all that can touch do
       do m = 1, size(gearbox%pairs)
          call closed_form_point(gearbox, gearbox%first(m), y, 0, 0, point)
          if (abs(-point%h - initial%gaps(m)) <= 1.0e-9_wp*maxval(abs(initial%gaps))) cycle

@@ -1,7 +1,7 @@
 !> What counts as large in a gearbox: forces, penetrations, speeds and energies that the loads and the start suggest.
 !>
 !> Error control is absolute, each state against its own scale: the static penetration h_0 for lengths, h_0 times the contact's
-!> natural frequency for their rates, a small part of a pitch for the reference angle.
+!> natural frequency for their rates, the static twist of shafts likewise, a small part of a pitch for the reference angle.
 module evl_gearbox_scaling
    use evl_contact_laws, only: contact_context, elastic_force, elastic_result, law_choice, penetration_from_force
    use evl_gearbox, only: gearbox_t, i_omega, i_theta
@@ -11,16 +11,18 @@ module evl_gearbox_scaling
    use evl_load, only: load_damping, load_largest, load_prescribed_speed, load_viscous
    use evl_local_variables, only: n_track
    use evl_mesh, only: contact_t, tracking_algebraic
+   use evl_shaft, only: shaft_t
    use evl_status, only: code_ok
    implicit none (type, external)
    private
 
    public :: gearbox_set_scales, gearbox_state_scales, gearbox_likely_speed
 
-   real(wp), parameter :: angle_share = 0.2_wp     !! scale of theta times the reference wheel's teeth: 1e-2 rad at 20 teeth
+   real(wp), parameter :: angle_share = 0.2_wp     !! scale of theta times the pitches that a turn makes: 1e-2 rad at 20 teeth
    real(wp), parameter :: track_factor = 3.0_wp    !! scale of zeta, and of turn times rho, over h_0
    real(wp), parameter :: multiplier_factor = 1.0e3_wp !! scale of a multiplier over the force: it follows from the rest
    real(wp), parameter :: smallest_load = 1.0e-9_wp !! force scale of an unloaded mesh over b pi E* rho
+   real(wp), parameter :: smallest_twist = 1.0e-9_wp !! of an unloaded shaft [rad]
    real(wp), parameter :: spin_up = 1.0_wp         !! time in which torques alone would give the speed scale [s]
 
 contains
@@ -70,11 +72,37 @@ contains
       end if
    end function gearbox_likely_speed
 
+   !> Scale of theta: a share of the pitch of the mesh whose teeth pass fastest.
+   pure real(wp) function angle_scale(gearbox) result(scale)
+      type(gearbox_t), intent(in) :: gearbox
+      integer :: i
+
+      scale = angle_share
+      do i = 1, size(gearbox%wheels)
+         associate (wheel => gearbox%wheels(i))
+            if (wheel%teeth == 0) cycle
+            ! whole numbers before they are divided: alike for all wheels of a train without shafts
+            scale = min(scale, angle_share/(wheel%teeth*real(abs(wheel%exact_ratio%above), wp)/real(wheel%exact_ratio%below, wp)))
+         end associate
+      end do
+   end function angle_scale
+
    !> Largest normal force that the load of one wheel can put on a mesh when the reference wheel turns at `speed` [N].
    pure real(wp) function mesh_load(gearbox, mesh, speed) result(force)
       type(gearbox_t), intent(in) :: gearbox
       type(contact_t), intent(in) :: mesh
       real(wp), intent(in) :: speed !! [rad/s]
+
+      force = largest_torque(gearbox, abs(mesh%pair%ratio_a), speed, mesh%pair%r_ba)
+   end function mesh_load
+
+   !> Largest torque that the load of one wheel can put on what turns at `ratio` times the speed of the reference wheel, over an
+   !> arm [N m], or its force [N].
+   pure real(wp) function largest_torque(gearbox, ratio, speed, arm) result(force)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: ratio
+      real(wp), intent(in) :: speed !! of the reference wheel [rad/s]
+      real(wp), intent(in) :: arm   !! [m]; 1 for the torque itself
       real(wp) :: torque
       integer :: i, j
 
@@ -88,10 +116,10 @@ contains
                   torque = torque + merge(load_damping(load)*g*speed, load_largest(load), load%kind == load_viscous)
                end associate
             end do
-            force = max(force, torque*g/(abs(mesh%pair%ratio_a)*mesh%pair%r_ba))
+            force = max(force, torque*g/(ratio*arm))
          end associate
       end do
-   end function mesh_load
+   end function largest_torque
 
    !> Penetration under a force; a force beyond the law is halved until the law carries it.
    subroutine static_penetration(mesh, force, h)
@@ -134,7 +162,8 @@ contains
       real(wp), intent(out) :: state(gearbox%n_states), row(gearbox%n_states)
       integer, intent(out) :: differential(gearbox%n_states)
       real(wp) :: speed, h(size(gearbox%contacts)), rate(size(gearbox%contacts)), frequency
-      real(wp) :: h_least, rate_least, energy, housing_energy
+      real(wp), dimension(2, size(gearbox%wheels)) :: arc, turn
+      real(wp) :: energy, housing_energy
       real(wp), dimension(n_housing_states) :: housing_state, housing_row
       integer :: i, j
 
@@ -145,15 +174,15 @@ contains
          call mesh_scales(gearbox, gearbox%contacts(i), speed, speeds, h(i), frequency, energy)
          rate(i) = h(i)*frequency
       end do
+      call wheel_scales(gearbox, speed, speeds, h, rate, arc, turn, energy)
       differential = 1
-      state(i_theta) = angle_share/gearbox%wheels(gearbox%reference)%teeth
+      state(i_theta) = angle_scale(gearbox)
       state(i_omega) = merge(speed, 1.0_wp, speed > 0)
       do i = 1, size(gearbox%wheels)
          associate (wheel => gearbox%wheels(i))
-            call least_of(gearbox, i, h, rate, h_least, rate_least)
-            if (wheel%i_psi > 0) state(wheel%i_psi:wheel%i_psi + 1) = [h_least, rate_least]/wheel%base_radius
+            if (wheel%i_psi > 0 .and. wheel%leader == i) state(wheel%i_psi:wheel%i_psi + 1) = turn(:, i)
             do j = 1, wheel%support%n
-               state(wheel%support%i_state(j):wheel%support%i_state(j) + 1) = [h_least, rate_least]
+               state(wheel%support%i_state(j):wheel%support%i_state(j) + 1) = arc(:, i)
             end do
          end associate
       end do
@@ -202,14 +231,14 @@ contains
       integer :: code
 
       force = mesh_load(gearbox, mesh, speed)
-      energy = max(energy, angle_share/gearbox%wheels(gearbox%reference)%teeth*force*abs(mesh%pair%advance))
+      energy = max(energy, angle_scale(gearbox)*force*abs(mesh%pair%advance))
       force = max(force, mesh%force_scale)
       call static_penetration(mesh, force, h)
       ctx = nominal_context(mesh)
       ctx%h = h
       call elastic_force(elastic_law(mesh), ctx, elastic, code)
       associate (a => gearbox%wheels(mesh%wheel_a), b => gearbox%wheels(mesh%wheel_b))
-         mobility = a%base_radius**2/a%inertia + b%base_radius**2/b%inertia
+         mobility = a%base_radius**2/a%rotor_inertia + b%base_radius**2/b%rotor_inertia
          frequency = sqrt(elastic%d_h*mobility)
          if (size(speeds) == 0) return
          approach = abs(a%base_radius*speeds(mesh%wheel_a) + b%base_radius*speeds(mesh%wheel_b))
@@ -218,20 +247,63 @@ contains
       energy = max(energy, approach**2/mobility/2)
    end subroutine mesh_scales
 
-   !> The smallest scales among the meshes of a wheel; 1 for a wheel without a mesh.
-   pure subroutine least_of(gearbox, wheel, h, rate, h_least, rate_least)
+   !> Scales of what moves with a wheel, value and rate: arcs [m], [m/s], the smallest among its meshes; angles of its rotor [rad],
+   !> [rad/s], the smallest among the meshes and shafts of the rotor's wheels, in the place of the leader. 1 where there are none.
+   pure subroutine wheel_scales(gearbox, speed, speeds, h, rate, arc, turn, energy)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: wheel
-      real(wp), intent(in) :: h(:), rate(:)
-      real(wp), intent(out) :: h_least, rate_least
-      logical :: mine(size(h))
+      real(wp), intent(in) :: speed, speeds(:)   !! of the reference wheel; of the wheels at the start [rad/s]
+      real(wp), intent(in) :: h(:), rate(:)      !! of the meshes [m], [m/s]
+      real(wp), intent(out) :: arc(:, :), turn(:, :)
+      real(wp), intent(inout) :: energy          !! raised to those of the shafts, if they are larger [J]
+      real(wp) :: twist(2)
+      integer :: i, m
 
-      mine = gearbox%contacts%wheel_a == wheel .or. gearbox%contacts%wheel_b == wheel
-      h_least = 1
-      rate_least = 1
-      if (.not. any(mine)) return
-      h_least = minval(h, mask=mine)
-      rate_least = minval(rate, mask=mine)
-   end subroutine least_of
+      arc = huge(arc)
+      turn = huge(turn)
+      do m = 1, size(gearbox%contacts)
+         associate (a => gearbox%contacts(m)%wheel_a, b => gearbox%contacts(m)%wheel_b)
+            arc(:, a) = min(arc(:, a), [h(m), rate(m)])
+            arc(:, b) = min(arc(:, b), [h(m), rate(m)])
+         end associate
+      end do
+      do i = 1, size(gearbox%wheels)
+         associate (wheel => gearbox%wheels(i))
+            if (wheel%base_radius > 0) turn(:, wheel%leader) = min(turn(:, wheel%leader), arc(:, i)/wheel%base_radius)
+         end associate
+      end do
+      do i = 1, size(gearbox%shafts)
+         if (gearbox%shafts(i)%rigid) cycle
+         call shaft_scales(gearbox, gearbox%shafts(i), speed, speeds, twist, energy)
+         associate (a => gearbox%wheels(gearbox%shafts(i)%wheel_a)%leader, b => gearbox%wheels(gearbox%shafts(i)%wheel_b)%leader)
+            turn(:, a) = min(turn(:, a), twist)
+            turn(:, b) = min(turn(:, b), twist)
+         end associate
+      end do
+      where (arc >= huge(arc)) arc = 1
+      where (turn >= huge(turn)) turn = 1
+   end subroutine wheel_scales
+
+   !> Twist of an elastic shaft and its rate under the loads, or under the difference of the initial speeds of its wheels.
+   pure subroutine shaft_scales(gearbox, shaft, speed, speeds, twist, energy)
+      type(gearbox_t), intent(in) :: gearbox
+      type(shaft_t), intent(in) :: shaft
+      real(wp), intent(in) :: speed, speeds(:) !! as in wheel_scales
+      real(wp), intent(out) :: twist(2)        !! [rad], [rad/s]
+      real(wp), intent(inout) :: energy        !! raised to the shaft's own, if that is larger [J]
+      real(wp) :: angle, mobility, frequency, difference
+
+      associate (a => gearbox%wheels(shaft%wheel_a), b => gearbox%wheels(shaft%wheel_b))
+         angle = largest_torque(gearbox, abs(a%ratio), speed, 1.0_wp)/shaft%stiffness
+         mobility = 1/a%rotor_inertia + 1/b%rotor_inertia
+      end associate
+      if (.not. angle > 0) angle = smallest_twist
+      frequency = sqrt(shaft%stiffness*mobility)
+      if (size(speeds) > 0) then
+         difference = abs(speeds(shaft%wheel_a) - speeds(shaft%wheel_b))
+         angle = max(angle, difference/frequency)
+         energy = max(energy, difference**2/mobility/2)
+      end if
+      twist = angle*[1.0_wp, frequency]
+   end subroutine shaft_scales
 
 end module evl_gearbox_scaling

@@ -24,7 +24,8 @@ module evl_gearbox_states
 
 contains
 
-   !> Name of a state with the index, from 0, of its wheel or mesh, and its unit; blank if there is no such state.
+   !> Name of a state with the index, from 0, of its wheel or mesh, and its unit; blank if there is no such state. A rotor is named
+   !> by its leader.
    subroutine gearbox_state_name(gearbox, index, name, units)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index            !! place in the state
@@ -40,8 +41,10 @@ contains
       if (index == gearbox%i_work) call set("load_work", "J")
       do i = 1, size(gearbox%wheels)
          associate (wheel => gearbox%wheels(i))
-            if (wheel%i_psi > 0 .and. index == wheel%i_psi) call set("angle_deviation", "rad", i)
-            if (wheel%i_psi > 0 .and. index == wheel%i_psi + 1) call set("speed_deviation", "rad s-1", i)
+            if (wheel%i_psi > 0 .and. wheel%leader == i) then
+               if (index == wheel%i_psi) call set("angle_deviation", "rad", i)
+               if (index == wheel%i_psi + 1) call set("speed_deviation", "rad s-1", i)
+            end if
             do j = 1, wheel%support%n
                if (index == wheel%support%i_state(j)) call set(trim(displacement(wheel%support%n, j)), "m", i)
                if (index == wheel%support%i_state(j) + 1) call set(trim(displacement(wheel%support%n, j))//"_rate", "m s-1", i)

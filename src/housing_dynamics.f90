@@ -122,14 +122,14 @@ contains
          tensor(2, 2) = tensor(2, 2) + wheel%transverse_inertia
          tensor(3, 3) = tensor(3, 3) + wheel%inertia
          coupling(o + 2, i_omega) = coupling(o + 2, i_omega) + wheel%inertia*wheel%ratio
-         if (wheel%i_psi > 0) coupling(o + 2, wheel%i_speed) = wheel%inertia
-         if (wheel_follows_ground(gearbox, index)) then
-            coupling(wheel%i_speed, o + 2) = coupling(wheel%i_speed, o + 2) + 1
-         else
+         if (wheel%i_psi > 0) coupling(o + 2, wheel%i_speed) = coupling(o + 2, wheel%i_speed) + wheel%inertia
+         if (.not. wheel_follows_ground(gearbox, index)) &
             coupling(gearbox%i_work, o + 2) = coupling(gearbox%i_work, o + 2) - wheel%inertia*wheel_speed(wheel, y)
+         if (wheel%leader == index) then
+            if (wheel_follows_ground(gearbox, index)) coupling(wheel%i_speed, o + 2) = coupling(wheel%i_speed, o + 2) + 1
+            if (wheel%i_psi > 0 .and. wheel_follows_ground(gearbox, gearbox%reference)) &
+               coupling(wheel%i_speed, o + 2) = coupling(wheel%i_speed, o + 2) - wheel%ratio
          end if
-         if (wheel%i_psi > 0 .and. wheel_follows_ground(gearbox, gearbox%reference)) &
-            coupling(wheel%i_speed, o + 2) = coupling(wheel%i_speed, o + 2) - wheel%ratio
          do j = 1, support%n
             direction = [support%direction(:, j), 0.0_wp]
             associate (row => support%i_state(j) + 1)

@@ -103,7 +103,7 @@ contains
             by_speed = damping_housing
             by_spin = 0
          else if (wheel%prescribed == 0) then
-            jacobian(wheel%i_speed, o) = jacobian(wheel%i_speed, o) + damping/wheel%inertia
+            jacobian(wheel%i_speed, o) = jacobian(wheel%i_speed, o) + damping/wheel%rotor_inertia
             jacobian(work, o) = jacobian(work, o) + damping*omega
          else
             call add_speed(wheel, work, -wheel%inertia*frame%alpha(3), jacobian)

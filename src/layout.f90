@@ -1,8 +1,9 @@
-!> Where the wheels are and how fast they turn relative to each other: pitch radii, centres and speed ratios along the meshes.
-!> Real gears come with their reference radius as pitch radius, and with the centre distances of their meshes.
+!> Where the wheels are and how fast they turn relative to each other: pitch radii, centres and speed ratios along meshes and
+!> shafts. Real gears come with their reference radius as pitch radius, and with the centre distances of their meshes.
 module evl_layout
    use evl_kinds, only: pi, wp
-   use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel
+   use evl_rational, only: rational_scaled, rational_t, rational_value, operator(==)
+   use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_shaft, subject_wheel
    implicit none (type, external)
    private
 
@@ -10,9 +11,9 @@ module evl_layout
 
    real(wp), parameter :: agreement = 1.0e-9_wp !! relative: two given numbers that differ less are the same
 
-   !> What is known of the wheels and meshes before, and all of it after layout_resolve.
+   !> What is known of the wheels, meshes and shafts before, and all of it after layout_resolve.
    type :: layout_t
-      integer, allocatable :: teeth(:)                        !! per wheel
+      integer, allocatable :: teeth(:)                        !! per wheel; 0: a disc, whose radius has to be known
       logical, allocatable :: has_radius(:), has_centre(:)    !! per wheel: whether the next two are known
       real(wp), allocatable :: pitch_radius(:), centre(:, :)  !! per wheel [m]; centre(2, wheel)
       integer, allocatable :: driving(:), driven(:)           !! per mesh
@@ -20,22 +21,24 @@ module evl_layout
       real(wp), allocatable :: angle(:)                       !! per mesh: direction of the centre line [rad]
       logical, allocatable :: has_distance(:)                 !! per mesh: its centre distance is not the sum of the pitch radii
       real(wp), allocatable :: distance(:)                    !! per mesh: but this [m]
-      integer, allocatable :: turn(:)                         !! per wheel: +1 turns like the reference wheel, -1 against it
+      integer, allocatable :: shaft_a(:), shaft_b(:)          !! per shaft: its two wheels
+      type(rational_t), allocatable :: ratio(:)               !! per wheel: g, nominal speed over that of the reference wheel
    end type layout_t
 
 contains
 
-   !> Find every pitch radius, centre, centre line and sense of rotation; refuse what contradicts itself or cannot be found.
+   !> Find every pitch radius, centre, centre line and speed ratio; refuse what contradicts itself or cannot be found.
    !>
-   !> r_driven/r_driving = z_driven/z_driving; |O_B - O_A| = r_A + r_B. Wheels in mesh turn against each other.
-   pure subroutine layout_resolve(layout, reference, status)
+   !> r_driven/r_driving = z_driven/z_driving; |O_B - O_A| = r_A + r_B. Wheels in mesh turn against each other, as their teeth;
+   !> wheels on a shaft turn as one about one axis.
+   subroutine layout_resolve(layout, reference, status)
       type(layout_t), intent(inout) :: layout
-      integer, intent(in) :: reference        !! wheel that turn() counts from
+      integer, intent(in) :: reference        !! wheel whose ratio is 1
       type(status_t), intent(inout) :: status
 
       call resolve_radii(layout, status)
       if (has_failed(status)) return
-      call resolve_turns(layout, reference, status)
+      call resolve_ratios(layout, reference, status)
       if (has_failed(status)) return
       call resolve_centres(layout, status)
    end subroutine layout_resolve
@@ -119,12 +122,39 @@ contains
                found = .true.
             end associate
          end do
+         do m = 1, size(layout%shaft_a)
+            associate (a => layout%shaft_a(m), b => layout%shaft_b(m))
+               if (layout%has_centre(a) .eqv. layout%has_centre(b)) cycle
+               layout%centre(:, merge(b, a, layout%has_centre(a))) = layout%centre(:, merge(a, b, layout%has_centre(a)))
+               layout%has_centre([a, b]) = .true.
+               found = .true.
+            end associate
+         end do
       end do
       do m = 1, size(layout%driving)
          call check_centres(layout, m, status)
          if (has_failed(status)) return
       end do
+      do m = 1, size(layout%shaft_a)
+         call check_axis(layout, m, status)
+         if (has_failed(status)) return
+      end do
    end subroutine resolve_centres
+
+   !> The wheels of a shaft are on one axis.
+   pure subroutine check_axis(layout, m, status)
+      type(layout_t), intent(in) :: layout
+      integer, intent(in) :: m
+      type(status_t), intent(inout) :: status
+      real(wp) :: distance
+
+      associate (a => layout%shaft_a(m), b => layout%shaft_b(m))
+         distance = norm2(layout%centre(:, b) - layout%centre(:, a))
+         if (distance <= agreement*(layout%pitch_radius(a) + layout%pitch_radius(b))) return
+         call fail(status, code_invalid_input, "its wheels have to be on one axis, but their centres are " &
+                   //quantity(distance, "m")//" apart", subject_shaft, m, "wheels")
+      end associate
+   end subroutine check_axis
 
    !> From the driving to the driven axle [m].
    pure function offset(layout, m) result(vector)
@@ -184,38 +214,77 @@ contains
       end associate
    end subroutine check_centres
 
-   !> Senses of rotation from the reference wheel on.
-   pure subroutine resolve_turns(layout, reference, status)
+   !> Speed ratios from the reference wheel on, along meshes and shafts.
+   subroutine resolve_ratios(layout, reference, status)
       type(layout_t), intent(inout) :: layout
       integer, intent(in) :: reference
       type(status_t), intent(inout) :: status
-      integer :: m, i
-      logical :: found
+      logical :: known(size(layout%teeth)), found
+      integer :: i, m
 
-      allocate (layout%turn(size(layout%teeth)), source=0)
-      layout%turn(reference) = 1
+      allocate (layout%ratio(size(layout%teeth)))
+      layout%ratio(reference) = rational_t(1, 1)
+      known = .false.
+      known(reference) = .true.
       found = .true.
       do while (found)
          found = .false.
          do m = 1, size(layout%driving)
-            associate (a => layout%turn(layout%driving(m)), b => layout%turn(layout%driven(m)))
-               if (a /= 0 .and. a == b) then
-                  call fail(status, code_invalid_input, "it closes a ring of an odd number of wheels, which cannot turn", &
-                            subject_mesh, m)
-                  return
-               end if
-               found = found .or. (a == 0 .neqv. b == 0)
-               if (a == 0) a = -b
-               if (b == 0) b = -a
-            end associate
+            call pass_on(layout%driving(m), layout%driven(m), subject_mesh)
+            if (has_failed(status)) return
+         end do
+         do m = 1, size(layout%shaft_a)
+            call pass_on(layout%shaft_a(m), layout%shaft_b(m), subject_shaft)
+            if (has_failed(status)) return
          end do
       end do
-      do i = 1, size(layout%turn)
-         if (layout%turn(i) /= 0) cycle
-         call fail(status, code_invalid_input, "no mesh connects it with the other wheels: separate gear trains are separate" &
-                   //" cases", subject_wheel, i)
-         return
-      end do
-   end subroutine resolve_turns
+      i = findloc(known, .false., dim=1)
+      if (i > 0) call fail(status, code_invalid_input, "no mesh or shaft connects it with the other wheels: separate gear trains" &
+                           //" are separate cases", subject_wheel, i)
+
+   contains
+
+      !> From one wheel of mesh or shaft m to the other; if both are known they have to agree.
+      subroutine pass_on(a, b, subject)
+         integer, intent(in) :: a, b, subject
+         integer :: from, to
+         type(rational_t) :: ratio
+         logical :: fits
+
+         from = merge(a, b, known(a))
+         to = merge(b, a, known(a))
+         if (.not. known(from)) return
+         fits = .true.
+         ratio = layout%ratio(from)
+         if (subject == subject_mesh) &
+            call rational_scaled(layout%ratio(from), -layout%teeth(from), layout%teeth(to), ratio, fits)
+         if (.not. fits) then
+            call fail(status, code_invalid_input, "its speed ratio to the reference wheel is too fine a fraction: too many stages" &
+                      //" whose teeth have no common divisor", subject_wheel, to, "teeth")
+         else if (.not. known(to)) then
+            layout%ratio(to) = ratio
+            known(to) = .true.
+            found = .true.
+         else if (.not. layout%ratio(to) == ratio) then
+            call refuse_loop(layout%ratio(to), ratio, m, subject, status)
+         end if
+      end subroutine pass_on
+
+   end subroutine resolve_ratios
+
+   !> A mesh or shaft closes a loop that cannot turn.
+   pure subroutine refuse_loop(other, ratio, m, subject, status)
+      type(rational_t), intent(in) :: other, ratio
+      integer, intent(in) :: m, subject
+      type(status_t), intent(inout) :: status
+
+      if (other%above == -ratio%above .and. other%below == ratio%below .and. subject == subject_mesh) then
+         call fail(status, code_invalid_input, "it closes a ring of an odd number of wheels, which cannot turn", subject, m)
+      else
+         call fail(status, code_invalid_input, "it closes a loop that cannot turn: one of its wheels would have to turn " &
+                   //quantity(rational_value(ratio), "")//" times as fast as the reference wheel, and by the rest of the loop " &
+                   //quantity(rational_value(other), "")//" times", subject, m)
+      end if
+   end subroutine refuse_loop
 
 end module evl_layout

@@ -16,6 +16,7 @@ module evl_mesh
    use evl_flank_deviation, only: deviation_at, deviation_zone, flank_deviation_t
    use evl_kinds, only: pi, wp
    use evl_local_variables, only: at_normal, n_local, unit
+   use evl_rational, only: rational_pitches, rational_t
    use evl_status, only: code_ok, code_out_of_domain, fail, quantity, status_t, subject_mesh
    implicit none (type, external)
    private
@@ -69,7 +70,7 @@ module evl_mesh
       real(wp) :: rho_start = 0.0_wp      !! rho_A of pair 0 at theta = 0 [m]
       real(wp) :: rho_entry = 0.0_wp      !! rho_A where a pair that hands over begins [m]
       real(wp) :: rho_tip_a = 0.0_wp, rho_tip_b = 0.0_wp !! radii of curvature at the tips, the ends of the path [m]
-      integer :: pitches_per_turn = 0     !! by how many pitches one turn of the reference wheel moves rho_A0
+      type(rational_t) :: pitches_per_turn !! by how many pitches one turn of the reference wheel moves rho_A0
       real(wp) :: gap_apart = 0.0_wp      !! gap past which flanks are not tracked [m]
       real(wp) :: t_0(2) = 0.0_wp, e_0(2) = 0.0_wp !! nominal basis in the housing frame
       real(wp) :: axial_position = 0.0_wp !! z of the middle of the common width [m]
@@ -125,7 +126,7 @@ contains
       integer, intent(in) :: turns   !! whole turns of the reference wheel beside theta
       integer, intent(in) :: teeth   !! tooth pair: pitches since the start
 
-      rho_a0 = mesh%rho_start + mesh%step*real(mesh%pitches_per_turn*turns - teeth, wp) + mesh%pair%advance*theta
+      rho_a0 = mesh%rho_start + mesh%step*rational_pitches(mesh%pitches_per_turn, turns, teeth) + mesh%pair%advance*theta
    end function mesh_nominal_rho
 
    !> The contact as the mesh's tracking sees it.

@@ -17,7 +17,7 @@ contains
    pure subroutine gearbox_shape(gearbox, y, dy, arcs, displacements, penetrations, transmission_errors)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: y(gearbox%n_states), dy(gearbox%n_states)
-      real(wp), intent(out) :: arcs(size(gearbox%wheels))             !! r_b phi of each wheel, counterclockwise [m]
+      real(wp), intent(out) :: arcs(size(gearbox%wheels))             !! r_b phi, or r phi without a mesh, counterclockwise [m]
       real(wp), intent(out) :: displacements(2, size(gearbox%wheels)) !! x, y of each axle [m]
       real(wp), intent(out) :: penetrations(size(gearbox%pairs))     !! h of each mesh [m]
       real(wp), intent(out) :: transmission_errors(size(gearbox%pairs)) !! Delta of each mesh [m]
@@ -28,7 +28,7 @@ contains
          associate (wheel => gearbox%wheels(i), support => gearbox%wheels(i)%support)
             arcs(i) = wheel%ratio*dy(i_theta)
             if (wheel%i_psi > 0) arcs(i) = arcs(i) + dy(wheel%i_psi)
-            arcs(i) = wheel%base_radius*arcs(i)
+            arcs(i) = merge(wheel%base_radius, wheel%pitch_radius, wheel%base_radius > 0)*arcs(i)
             do j = 1, support%n
                displacements(:, i) = displacements(:, i) + support%direction(:, j)*dy(support%i_state(j))
             end do

@@ -87,7 +87,7 @@ contains
       allocate (speeds(0), positions(0))
       do i = 1, size(gearbox%wheels)
          associate (wheel => gearbox%wheels(i), support => gearbox%wheels(i)%support)
-            if (wheel%prescribed == 0) then
+            if (wheel%prescribed == 0 .and. wheel%leader == i) then
                speeds = [speeds, wheel%i_speed]
                if (wheel%i_psi > 0) positions = [positions, wheel%i_psi]
             end if

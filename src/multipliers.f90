@@ -253,7 +253,7 @@ contains
       y(i_omega) = y(i_omega) + impulse*velocity(i_omega)
       do i = 1, size(gearbox%wheels)
          associate (wheel => gearbox%wheels(i))
-            if (wheel%i_psi > 0) y(wheel%i_psi + 1) = y(wheel%i_psi + 1) + impulse*velocity(wheel%i_psi + 1)
+            if (wheel%i_psi > 0 .and. wheel%leader == i) y(wheel%i_psi + 1) = y(wheel%i_psi + 1) + impulse*velocity(wheel%i_psi + 1)
             do j = 1, wheel%support%n
                associate (row => wheel%support%i_state(j) + 1)
                   y(row) = y(row) + impulse*velocity(row)

@@ -1,15 +1,18 @@
 !> What a gearbox tells about itself: one table of outputs, and their values at a state.
 module evl_output_table
-   use evl_gearbox, only: gearbox_t, i_omega, i_theta, i_turns, wheel_load_torque, wheel_speed, wheel_spin_torque
+   use evl_gearbox, only: gearbox_t, i_theta, i_turns, wheel_speed
    use evl_housing, only: frame_t, housing_fixed, housing_frame
    use evl_housing_dynamics, only: coupled_rates
    use evl_housing_outputs, only: ground_energies, housing_outputs, n_housing_outputs, put_housing
    use evl_kinds, only: pi, wp
    use evl_mesh_outputs, only: coast_histories, has_coast, mesh_histories, n_coast_histories, n_mesh_histories, &
                                n_pair_histories, pair_histories, pair_places, put_mesh
-   use evl_output, only: dims_mesh, dims_mesh_axis, dims_mesh_pair, dims_none, dims_quaternion, dims_space, dims_wheel, &
-                         dims_wheel_axis, dims_wheel_space, output_t
+   use evl_output, only: dims_mesh, dims_mesh_axis, dims_mesh_pair, dims_none, dims_quaternion, dims_shaft, dims_space, &
+                         dims_wheel, dims_wheel_axis, dims_wheel_space, output_t
+   use evl_shaft, only: shaft_energy
+   use evl_shaft_outputs, only: n_shaft_outputs, put_shafts, shaft_outputs
    use evl_status, only: has_failed, status_t
+   use evl_torques, only: load_torques
    implicit none (type, external)
    private
 
@@ -17,8 +20,8 @@ module evl_output_table
 
    integer, parameter :: n_wheel_constants = 7, n_mesh_constants = 16, n_gearbox_histories = 6, n_wheel_histories = 7
    integer, parameter :: n_outputs = n_wheel_constants + n_mesh_constants + n_gearbox_histories + n_wheel_histories &
-                         + n_mesh_histories + n_pair_histories + n_coast_histories &
-                         + n_housing_outputs !! entries of the table
+                         + n_mesh_histories + n_pair_histories + n_coast_histories + n_housing_outputs &
+                         + n_shaft_outputs !! entries of the table
 
 contains
 
@@ -31,7 +34,7 @@ contains
 
       coast = coast_histories()
       table = [wheel_constants(), mesh_constants(), gearbox_histories(), wheel_histories(), mesh_histories(), pair_histories(), &
-               coast_histories(), housing_outputs()]
+               coast_histories(), housing_outputs(), shaft_outputs()]
       offset = 0
       do i = 1, size(table)
          table(i)%offset = offset
@@ -63,6 +66,8 @@ contains
          n = merge(0, 3, gearbox%housing%kind == housing_fixed)
       case (dims_quaternion)
          n = merge(0, 4, gearbox%housing%kind == housing_fixed)
+      case (dims_shaft)
+         n = size(gearbox%shafts)
       case default
          n = 1
       end select
@@ -124,7 +129,7 @@ contains
       t(2) = output_t("reference_turns", "1", "", "whole turns of the reference wheel beside reference_angle", &
                       is_integer=.true.)
       t(3) = output_t("kinetic_energy", "J", "T", "kinetic energy")
-      t(4) = output_t("potential_energy", "J", "V", "elastic energy of contacts and supports")
+      t(4) = output_t("potential_energy", "J", "V", "elastic energy of contacts, supports and shafts")
       t(5) = output_t("dissipated_energy", "J", "D", "energy lost to damping and friction since the start")
       t(6) = output_t("load_work", "J", "W", "work of the loads since the start")
    end function gearbox_histories
@@ -149,9 +154,10 @@ contains
       integer, intent(in) :: integers(:)
       real(wp), intent(out) :: values(gearbox%n_values)
       type(status_t), intent(inout) :: status
-      real(wp) :: f(gearbox%n_states), torque(size(gearbox%wheels)), reactions(6, size(gearbox%wheels))
+      real(wp) :: f(gearbox%n_states), reactions(6, size(gearbox%wheels))
+      real(wp), dimension(size(gearbox%wheels)) :: torque, load_torque
       type(frame_t) :: frame
-      integer :: nw, nm, i, at_time, at_wheels, at_meshes, at_pairs, at_coast, at_housing
+      integer :: nw, nm, i, at_time, at_wheels, at_meshes, at_pairs, at_coast, at_housing, at_shafts
 
       call coupled_rates(gearbox, t, y, integers, reals, f, status)
       if (has_failed(status)) return
@@ -166,6 +172,7 @@ contains
       at_pairs = at_meshes + nm*(n_mesh_histories + 2)
       at_coast = at_pairs + nm*pair_places(gearbox)*n_pair_histories
       at_housing = at_coast + merge(nm*n_coast_histories, 0, has_coast(gearbox))
+      at_shafts = gearbox%n_values - size(gearbox%shafts)*n_shaft_outputs
       associate (kinetic => values(at_time + 3), potential => values(at_time + 4))
          kinetic = 0
          potential = 0
@@ -176,13 +183,19 @@ contains
                           values(at_meshes + nm*(n_mesh_histories - 2) + 1), values(at_pairs + 1), &
                           values(at_coast + 1:at_housing), potential, status)
          end do
+         call load_torques(gearbox, t, y, f, frame, integers, torque, load_torque)
          do i = 1, nw
-            call put_wheel(gearbox, i, nw, t, y, f, frame, torque(i), integers, values(at_wheels + 1), &
+            call put_wheel(gearbox, i, nw, y, f, load_torque(i), integers, values(at_wheels + 1), &
                            values(at_wheels + nw*(n_wheel_histories - 2) + 1), kinetic, potential)
+         end do
+         do i = 1, size(gearbox%shafts)
+            potential = potential + shaft_energy(gearbox%shafts(i), y)
          end do
          if (gearbox%housing%is_mounted) call ground_energies(gearbox, y, frame, kinetic, potential)
       end associate
-      call put_housing(gearbox, t, y, f, integers, frame, torque, reactions, values(at_housing + 1:))
+      call put_housing(gearbox, t, y, f, integers, frame, load_torque, reactions, values(at_housing + 1:at_shafts))
+      if (size(gearbox%shafts) > 0) &
+         call put_shafts(gearbox, y, f, frame, torque + load_torque, size(gearbox%shafts), values(at_shafts + 1))
       values(at_time + 1) = y(i_theta)
       values(at_time + 2) = integers(i_turns)
       values(at_time + 5) = y(gearbox%i_dissipated)
@@ -232,29 +245,22 @@ contains
    end subroutine put_mesh_constants
 
    !> A wheel at a state with its rates f.
-   pure subroutine put_wheel(gearbox, index, n, t, y, f, frame, torque, integers, scalars, pairs, kinetic, potential)
+   pure subroutine put_wheel(gearbox, index, n, y, f, torque, integers, scalars, pairs, kinetic, potential)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index, n, integers(:)
-      real(wp), intent(in) :: t, y(:), f(:)
-      type(frame_t), intent(in) :: frame
-      real(wp), intent(inout) :: torque              !! of all its meshes, then of its loads [N m]
+      real(wp), intent(in) :: y(:), f(:)
+      real(wp), intent(in) :: torque                 !! of its loads [N m]
       real(wp), intent(inout) :: scalars(n, n_wheel_histories - 2), pairs(2, n, 2)
       real(wp), intent(inout) :: kinetic, potential  !! energies so far [J]
-      real(wp) :: deviation, speed, acceleration, mesh_torque
+      real(wp) :: deviation, speed
       integer :: j
 
       associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support)
          deviation = 0
          if (wheel%i_psi > 0) deviation = y(wheel%i_psi)
          speed = wheel_speed(wheel, y)
-         acceleration = f(i_omega)
-         if (wheel%i_psi > 0) acceleration = f(wheel%i_speed) + wheel%ratio*f(i_omega)
-         mesh_torque = torque
-         torque = wheel_load_torque(gearbox, index, t, speed, integers)
-         if (gearbox%housing%acts) torque = torque + wheel_spin_torque(gearbox, index, frame%omega(3))
-         if (wheel%prescribed > 0) torque = wheel%inertia*(acceleration + frame%alpha(3)) - mesh_torque
-         scalars(index, :) = [wheel%ratio*(y(i_theta) + 2*pi*integers(i_turns)) + deviation, deviation, speed, acceleration, &
-                              torque]
+         scalars(index, :) = [wheel%ratio*(y(i_theta) + 2*pi*integers(i_turns)) + deviation, deviation, speed, &
+                              wheel_speed(wheel, f), torque]
          kinetic = kinetic + wheel%inertia*speed**2/2
          pairs(:, index, :) = 0
          do j = 1, support%n

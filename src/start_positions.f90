@@ -32,7 +32,7 @@ contains
       end associate
    end function prescribed_speed
 
-   !> Turn the wheels, from the reference wheel on, until every mesh has the given penetration.
+   !> Turn the wheels, from the reference wheel on, until every mesh has the given penetration; no shaft is twisted.
    pure subroutine set_gaps(gearbox, penetrations, y)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: penetrations(:) !! of the meshes [m]
@@ -62,6 +62,14 @@ contains
                end associate
             end associate
             found = .true.
+         end do
+         do m = 1, size(gearbox%shafts)
+            associate (a => gearbox%shafts(m)%wheel_a, b => gearbox%shafts(m)%wheel_b)
+               if (placed(a) .eqv. placed(b)) cycle
+               psi(merge(b, a, placed(a))) = psi(merge(a, b, placed(a)))
+               placed([a, b]) = .true.
+               found = .true.
+            end associate
          end do
       end do
       do m = 1, size(gearbox%wheels)

@@ -8,7 +8,7 @@ module evl_status
 
    public :: status_t, clear, fail, has_failed, quantity
    public :: code_ok, code_invalid_input, code_out_of_domain, code_singular, code_no_solution, code_no_memory
-   public :: subject_none, subject_wheel, subject_mesh, subject_load, subject_initial, subject_housing
+   public :: subject_none, subject_wheel, subject_mesh, subject_load, subject_initial, subject_housing, subject_shaft
    public :: field_length, message_length
 
    integer, parameter :: code_ok = 0            !! nothing to say
@@ -24,6 +24,7 @@ module evl_status
    integer, parameter :: subject_load = 3    !! a load
    integer, parameter :: subject_initial = 4 !! the initial state
    integer, parameter :: subject_housing = 5 !! the housing
+   integer, parameter :: subject_shaft = 6   !! a shaft
 
    integer, parameter :: field_length = 47    !! characters of a field's name
    integer, parameter :: message_length = 319 !! characters of a message
@@ -32,7 +33,7 @@ module evl_status
    type :: status_t
       integer :: code = code_ok                    !! one of the codes above
       integer :: subject = subject_none            !! one of the subjects above
-      integer :: index = 0                         !! which wheel, mesh or load, from 1; 0 if none
+      integer :: index = 0                         !! which wheel, mesh, load or shaft, from 1; 0 if none
       character(len=field_length) :: field = ""    !! name of the offending parameter
       character(len=message_length) :: message = "" !! one sentence
    end type status_t

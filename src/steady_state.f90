@@ -9,7 +9,7 @@ module evl_steady_state
    use evl_housing, only: at_omega, at_position, at_velocity, housing_prescribed, housing_turn_columns, housing_take_turn
    use evl_kinds, only: wp
    use evl_lapack, only: dgesv
-   use evl_load, only: load_acceleration, load_damping, load_torque
+   use evl_load, only: load_acceleration, load_damping, load_prescribed_speed, load_torque
    use evl_mesh, only: contact_loaded, contact_off, flank_coast, flank_drive, mesh_mode, mesh_settle_friction, mesh_settle_zones, &
                        tracking_closed_form
    use evl_start_positions, only: closed_form_point, place_pairs, prescribed_speed, set_gaps
@@ -35,7 +35,7 @@ contains
       real(wp), intent(inout) :: reals(:)
       type(status_t), intent(inout) :: status
       type(gearbox_t) :: closed
-      integer, allocatable :: unknown(:), row(:)
+      integer, allocatable :: unknown(:), row(:), leaders(:)
       integer :: before(gearbox%n_integers)
       integer :: i, turn
 
@@ -44,14 +44,17 @@ contains
       closed = gearbox
       closed%contacts%tracking = tracking_closed_form
       closed%contacts%i_track = 0
-      unknown = [(gearbox%wheels(i)%i_psi, i=1, size(gearbox%wheels))]
+      leaders = pack([(i, i=1, size(gearbox%wheels))], gearbox%wheels%leader == [(i, i=1, size(gearbox%wheels))])
+      unknown = gearbox%wheels(leaders)%i_psi
       row = unknown + 1
       do i = 1, size(gearbox%contacts)
          ! a rigid contact determines a position by kappa = 0, and its multiplier is unknown instead
          if (gearbox%contacts(i)%leads) row = merge(unknown, row, unknown == gearbox%contacts(i)%i_dependent .and. unknown > 0)
       end do
-      unknown(gearbox%reference) = i_omega
-      row(gearbox%reference) = i_omega
+      where (leaders == gearbox%reference)
+         unknown = i_omega
+         row = i_omega
+      end where
       if (gearbox%wheels(gearbox%reference)%prescribed > 0) then
          y(i_omega) = prescribed_speed(gearbox, gearbox%wheels(gearbox%reference)%prescribed, t, integers)
          unknown = pack(unknown, unknown /= i_omega)
@@ -105,7 +108,7 @@ contains
          call fail(status, code_no_solution, "a steady start has a housing without velocity", subject_housing, field="velocity")
          return
       end if
-      if (count(gearbox%wheels%prescribed > 0) > 1) then
+      if (count(gearbox%loads%kind == load_prescribed_speed) > 1) then
          call fail(status, code_no_solution, "a steady start needs wheels that are free to find their positions, but the speeds" &
                    //" of several are prescribed: start with given speeds", subject_initial, field="kind")
          return

@@ -146,7 +146,7 @@ def rigid_gap_rate(history: xr.Dataset) -> xr.DataArray:
     """
     rigid, closed = _rigid(history)
     radii = _base_radii(rigid)
-    inertias = _of_wheels(rigid, "inertia")
+    inertias = _of_meshes(rigid, rotor_inertia(rigid))
     mobility = sum(r**2 / inertia for r, inertia in zip(radii, inertias, strict=True))
     force, depth = require(rigid, "reference_force"), require(rigid, "reference_penetration")
     rate = require(rigid, "gap_rate") / np.sqrt(force * depth * mobility)
@@ -171,22 +171,22 @@ def energy_balance(history: xr.Dataset) -> xr.DataArray:
 
 
 def torque_balance(history: xr.Dataset) -> xr.DataArray:
-    """J omega' - load - contact torques over the wheel's largest contact torque.
+    """J omega' - load - contact - shaft torques over the wheel's largest contact or shaft torque.
 
-    Dims (time, wheel). With friction, on approach and recess alike; a wheel that is never touched
-    is left out. A housing that turns adds its acceleration about the axles.
+    Dims (time, wheel). With friction, on approach and recess alike; a wheel that nothing turns but
+    its loads is left out. A housing that turns adds its acceleration about the axles.
     """
-    contact = contact_torque(history)
+    contact, shaft = contact_torque(history), shaft_torque(history)
     acceleration = require(history, "angular_acceleration")
     if "housing_angular_acceleration" in history:
         of_housing = history["housing_angular_acceleration"].sel(space="z", drop=True)
         acceleration = acceleration + of_housing
     inertia_torque = require(history, "inertia") * acceleration
-    largest = abs(contact).max("time")
+    largest = np.maximum(abs(contact).max("time"), abs(shaft).max("time"))
     touched = largest.values > 0.0
     if not touched.any():
         raise NotApplicableError("the teeth never touch")
-    deviation = inertia_torque - require(history, "load_torque") - contact
+    deviation = inertia_torque - require(history, "load_torque") - contact - shaft
     return (deviation / largest).isel(wheel=touched).transpose("time", "wheel")
 
 
@@ -242,6 +242,29 @@ def contact_torque(history: xr.Dataset) -> xr.DataArray:
     return total.assign_attrs(units="N m", long_name="torque of the contacts")
 
 
+def shaft_torque(history: xr.Dataset) -> xr.DataArray:
+    """Torque of all shafts on each wheel [N m], dims (time, wheel); 0 without shafts."""
+    total = xr.zeros_like(require(history, "load_torque"))
+    for shaft in range(history.sizes.get("shaft", 0)):
+        torque = require(history, "shaft_torque").isel(shaft=shaft).values
+        total[{"wheel": int(require(history, "shaft_wheel_first")[shaft])}] -= torque
+        total[{"wheel": int(require(history, "shaft_wheel_second")[shaft])}] += torque
+    return total.assign_attrs(units="N m", long_name="torque of the shafts")
+
+
+def rotor_inertia(history: xr.Dataset) -> xr.DataArray:
+    """Moment of inertia of each wheel and all that rigid shafts join to it [kg m2], dim (wheel)."""
+    inertia = require(history, "inertia")
+    rotor = np.arange(inertia.size)
+    for shaft in range(history.sizes.get("shaft", 0)):
+        if int(require(history, "rigid_shaft")[shaft]) == 1:
+            first = int(require(history, "shaft_wheel_first")[shaft])
+            second = int(require(history, "shaft_wheel_second")[shaft])
+            rotor[rotor == rotor[second]] = rotor[first]
+    totals = np.bincount(rotor, weights=inertia.values, minlength=inertia.size)
+    return inertia.copy(data=totals[rotor])
+
+
 TRACKED_ONLY = frozenset(
     {
         "gradient_ratio",
@@ -282,8 +305,8 @@ INVARIANTS = (
     ),
     Invariant(
         "torque balance",
-        "J omega' = load + sigma (F_n r_b + F_t l)",
-        "largest contact torque",
+        "J omega' = load + sigma (F_n r_b + F_t l) + shafts",
+        "largest contact or shaft torque",
         1e-6,
         torque_balance,
     ),
@@ -358,7 +381,12 @@ def _base_radii(history: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
 
 def _of_wheels(history: xr.Dataset, name: str) -> tuple[xr.DataArray, xr.DataArray]:
     """Constant of the driving and of the driven wheel of each mesh, dims (mesh)."""
-    values = require(history, name).values
+    return _of_meshes(history, require(history, name))
+
+
+def _of_meshes(history: xr.Dataset, constant: xr.DataArray) -> tuple[xr.DataArray, xr.DataArray]:
+    """Values (wheel) of the driving and of the driven wheel of each mesh, dims (mesh)."""
+    values = constant.values
     driving, driven = (
         xr.DataArray(values[require(history, f"{side}_wheel").values.astype(int)], dims="mesh")
         for side in ("driving", "driven")

@@ -18,6 +18,7 @@ from kernel.gearbox_description import (
     REST,
     LoadDescription,
     MeshDescription,
+    ShaftDescription,
     WheelDescription,
     _bool,
     initial,
@@ -26,7 +27,7 @@ from kernel.housing_description import HousingDescription
 from kernel.kernel import OK, Floats, Integers, Kernel, Status, _at, _double, _int, _pair
 
 OPEN, LOADED, UNLOADED, APART = range(4)
-NOTHING, WHEEL, MESH, LOAD, INITIAL, HOUSING = range(6)
+NOTHING, WHEEL, MESH, LOAD, INITIAL, HOUSING, SHAFT = range(7)
 # root functions of a mesh, in the order of evl_gearbox_roots; the turns of the reference wheel last
 ROOTS = ("contact", "force", "friction_high", "friction_low", "forward", "back", "apart")
 TRACKED = ("turn", "zeta", "dr_t", "dr_e", "gradient_ratio", "mu")
@@ -39,7 +40,8 @@ class Sizes(ctypes.Structure):
         (name, _int)
         for name in (
             *("n_wheels", "n_meshes", "n_loads", "n_states", "n_integers", "n_reals"),
-            *("n_roots", "n_outputs", "n_values", "n_warnings", "n_pair_places", "n_drive_places"),
+            *("n_roots", "n_outputs", "n_values", "n_warnings"),
+            *("n_pair_places", "n_drive_places", "n_shafts"),
         )
     ]
 
@@ -152,6 +154,7 @@ class Gearbox:
         loads: Sequence[LoadDescription],
         meshes: Sequence[MeshDescription],
         housing: HousingDescription | None = None,
+        shafts: Sequence[ShaftDescription] = (),
     ) -> None:
         self.kernel = kernel
         self.library = kernel.library
@@ -165,6 +168,8 @@ class Gearbox:
             (LoadDescription * len(loads))(*loads),
             len(meshes),
             (MeshDescription * len(meshes))(*meshes),
+            len(shafts),
+            (ShaftDescription * len(shafts))(*shafts),
             None if housing is None else ctypes.byref(housing),
             ctypes.byref(status),
         )

@@ -108,6 +108,16 @@ class MeshDescription(ctypes.Structure):
     ]
 
 
+class ShaftDescription(ctypes.Structure):
+    """`evl_shaft`."""
+
+    _fields_ = [
+        *((name, _int) for name in ("wheel_a", "wheel_b")),
+        ("rigid", _bool),
+        *((name, _double) for name in ("stiffness", "damping")),
+    ]
+
+
 class InitialDescription(ctypes.Structure):
     """`evl_initial`."""
 
@@ -161,6 +171,13 @@ def load(
         description.time = (_double * n)(*knots[:, 0])
         description.values = (_double * n)(*knots[:, 1])
     return description
+
+
+def shaft(
+    wheel_a: int, wheel_b: int, stiffness: float | None = None, damping: float = 0.0
+) -> ShaftDescription:
+    """Shaft between two wheels; rigid without a stiffness."""
+    return ShaftDescription(wheel_a, wheel_b, stiffness is None, stiffness or 0.0, damping)
 
 
 def mesh(

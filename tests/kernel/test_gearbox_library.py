@@ -115,7 +115,7 @@ library = ctypes.CDLL({str(kernel_library)!r})
 library.evl_gearbox_create.restype = ctypes.c_void_p
 status = ctypes.create_string_buffer(512)
 for _ in range(3):
-    assert library.evl_gearbox_create(0, None, 0, None, 0, None, None, status) is None
+    assert library.evl_gearbox_create(0, None, 0, None, 0, None, 0, None, None, status) is None
 """
     result = subprocess.run([sys.executable, "-c", program], capture_output=True, check=True)
     assert result.stdout == result.stderr == b""

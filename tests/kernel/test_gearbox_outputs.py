@@ -26,7 +26,7 @@ PROMISED = {
 }
 UNITS = {
     *("1", "rad", "rad s-1", "rad s-2", "m", "m s-1", "m s-2", "m2", "kg", "kg m2"),
-    *("N", "N m", "J", "Pa"),
+    *("N", "N m", "J", "Pa", "W", "N m rad-1", "N m s rad-1"),
 }
 
 
@@ -34,6 +34,7 @@ UNITS = {
 def test_the_table_covers_the_values_without_gap_or_overlap(kernel: Kernel, n: int):
     gearbox = chain(kernel, n, DIFFERENTIAL)
     counts = {0: 1, 1: n, 2: n - 1, 3: 2 * n, 4: 2 * (n - 1), 5: 0, 6: 0, 7: 3 * n}
+    counts |= {8: (n - 1) * gearbox.sizes.n_pair_places, 9: 0}
     offset = 0
     for entry in gearbox.table:
         assert entry.offset == offset, entry.name

@@ -43,7 +43,8 @@ typedef enum {
     EVL_SUBJECT_MESH = 2,
     EVL_SUBJECT_LOAD = 3,
     EVL_SUBJECT_INITIAL = 4,
-    EVL_SUBJECT_HOUSING = 5
+    EVL_SUBJECT_HOUSING = 5,
+    EVL_SUBJECT_SHAFT = 6
 } evl_subject;
 
 enum {
@@ -57,7 +58,7 @@ enum {
 typedef struct {
     int code;                         /**< evl_code */
     int subject;                      /**< evl_subject: what the message is about */
-    int index;                        /**< which wheel, mesh or load, from 0; -1 if none */
+    int index;                        /**< which wheel, mesh, load or shaft, from 0; -1 if none */
     char field[EVL_FIELD_LENGTH];     /**< name of the offending parameter as in the structs below; "" if none */
     char message[EVL_MESSAGE_LENGTH]; /**< one sentence without a final newline; "" if code is EVL_OK */
 } evl_status;
@@ -115,9 +116,9 @@ typedef struct {
 } evl_flank_deviation;
 
 typedef struct {
-    int teeth;             /**< z >= 3 */
-    bool has_pitch_radius; /**< otherwise it follows from a mesh */
-    double pitch_radius;   /**< [m] > 0 */
+    int teeth;             /**< z >= 3; 0: a disc without teeth, which cannot mesh */
+    bool has_pitch_radius; /**< otherwise it follows from a mesh; for a disc from its inertia and mass */
+    double pitch_radius;   /**< [m] > 0; of a disc its radius */
     double width;          /**< face width [m] > 0 */
     bool has_centre;       /**< otherwise it follows from a mesh */
     double centre[2];      /**< reference position of the axle in the housing frame [m] */
@@ -182,6 +183,15 @@ typedef struct {
     bool has_backlash;        /**< otherwise it follows from the centre distance */
     double backlash;          /**< normal backlash j_bn [m] >= 0 */
 } evl_mesh;
+
+/** A shaft between two wheels on one axis: both turn at one nominal speed. It carries torque and nothing else, so each wheel keeps
+ *  its own support. */
+typedef struct {
+    int wheel_a, wheel_b; /**< wheels, from 0, different; their centres are one */
+    bool rigid;           /**< the wheels turn as one body; stiffness and damping have no meaning */
+    double stiffness;     /**< torsional stiffness c [N m/rad] > 0: torque c (phi_a - phi_b) on wheel_b */
+    double damping;       /**< torsional damping d [N m s/rad] >= 0: d (phi_a' - phi_b') */
+} evl_shaft;
 
 typedef enum {
     EVL_INITIAL_REST = 0,   /**< every wheel and support at rest */
@@ -274,10 +284,11 @@ EVL_API int evl_law_describe(int family, int index, evl_law_info *info);
 typedef struct evl_gearbox evl_gearbox;
 
 /** Make a gearbox: validate the description, resolve radii and centres, derive all geometry.
- *  All wheels have to be connected by meshes. housing: NULL for a fixed one without gravity. @return the gearbox, or NULL with the reason in `status`. */
+ *  All wheels have to be connected by meshes and shafts. Arrays without entries may be NULL. housing: NULL for a fixed one without
+ *  gravity. @return the gearbox, or NULL with the reason in `status`. */
 EVL_API evl_gearbox *evl_gearbox_create(int n_wheels, const evl_wheel *wheels, int n_loads, const evl_load *loads,
-                                        int n_meshes, const evl_mesh *meshes, const evl_housing *housing,
-                                        evl_status *status);
+                                        int n_meshes, const evl_mesh *meshes, int n_shafts, const evl_shaft *shafts,
+                                        const evl_housing *housing, evl_status *status);
 /** Free a gearbox and set the pointer to NULL. Nothing happens if it is NULL already. */
 EVL_API void evl_gearbox_delete(evl_gearbox **gearbox);
 
@@ -285,6 +296,7 @@ typedef struct {
     int n_wheels, n_meshes, n_loads, n_states, n_integers, n_reals, n_roots, n_outputs, n_values, n_warnings;
     int n_pair_places;  /**< places that the outputs have for the tooth pairs of a mesh */
     int n_drive_places; /**< how many of them are for the drive flank; they come first */
+    int n_shafts;
 } evl_sizes;
 
 EVL_API void evl_gearbox_sizes(const evl_gearbox *gearbox, evl_sizes *sizes);
@@ -295,7 +307,7 @@ EVL_API int evl_gearbox_warning(const evl_gearbox *gearbox, int index, char text
 typedef struct {
     double pitch_radius, base_radius,
         tip_radius;       /**< [m]; tip_radius is the largest over its meshes, 0 without a mesh */
-    double angular_pitch; /**< 2 pi/z [rad] */
+    double angular_pitch; /**< 2 pi/z [rad]; 0 without teeth */
     double mass, inertia; /**< of the wheel itself [kg], [kg m^2] */
     double centre[2];     /**< [m] */
     double speed_ratio;   /**< g: nominal speed over that of the reference wheel */
@@ -407,7 +419,8 @@ EVL_API int evl_gearbox_initial_state(const evl_gearbox *gearbox, const evl_init
 EVL_API void evl_gearbox_scales(const evl_gearbox *gearbox, const evl_initial *initial, double *state, double *row,
                                 int *differential);
 
-/** The name of state `index` with its wheel or mesh, such as "angle_deviation_1", and its unit. */
+/** The name of state `index` with its wheel or mesh, such as "angle_deviation_1", and its unit. Wheels that rigid shafts join share
+ *  one deviation, named after the first of them. */
 EVL_API void evl_gearbox_state_name(const evl_gearbox *gearbox, int index, char name[EVL_NAME_LENGTH],
                                     char units[EVL_NAME_LENGTH]);
 
@@ -487,7 +500,8 @@ typedef enum {
     EVL_DIMS_SPACE = 5,      /**< x, y, z */
     EVL_DIMS_QUATERNION = 6, /**< w, x, y, z */
     EVL_DIMS_WHEEL_SPACE = 7, /**< x, y, z of every wheel */
-    EVL_DIMS_MESH_PAIR = 8    /**< every place for a tooth pair of every mesh */
+    EVL_DIMS_MESH_PAIR = 8,   /**< every place for a tooth pair of every mesh */
+    EVL_DIMS_SHAFT = 9
 } evl_dims;
 
 typedef struct {
@@ -530,7 +544,7 @@ EVL_API void evl_gearbox_mesh_mode(const evl_gearbox *gearbox, int mesh, const i
 
 /** Linearise the gearbox at a state: eigenvalues and eigenvectors of small motions x' = A x, from slow to fast.
  *
- *  x: speed of the reference wheel; deviation and its rate of every other wheel; displacements and velocities of the supports.
+ *  x: speed of the reference wheel; deviation and its rate of every other rotor; displacements and velocities of the supports.
  *  Speeds that are prescribed do not take part. The place in the mesh (theta), contact modes and friction branches are held.
  *
  *  @param[out] n_modes      number of eigenvalues, at most n_states
@@ -546,7 +560,7 @@ EVL_API int evl_gearbox_modes(const evl_gearbox *gearbox, double t, const double
                               evl_status *status);
 
 /** What a small change dy of the state y moves, to first order and so linear in dy.
- *  @param[out] arcs                 [n_wheels] r_b phi, counterclockwise [m]
+ *  @param[out] arcs                 [n_wheels] r_b phi, r phi of a wheel without a mesh, counterclockwise [m]
  *  @param[out] displacements        [n_wheels][2] of the axles, x and y [m]
  *  @param[out] penetrations         [n_meshes] h [m]
  *  @param[out] transmission_errors  [n_meshes] Delta [m] */
@@ -711,6 +725,30 @@ EVL_API void evl_law_friction_factor(int n, const evl_law_choice *friction, cons
 EVL_API void evl_law_friction_mode(int n, const evl_law_choice *friction, const double *v_t, int *modes);
 /** The |v_t| at which the branch changes [m/s]; 0 if it never does, also for a coefficient of 0. */
 EVL_API double evl_law_friction_knee(const evl_law_choice *friction);
+
+/** What the places of teeth depend on in one mesh. */
+typedef struct {
+    int wheel_a, wheel_b; /**< driving and driven wheel, from 0 */
+    int sigma;            /**< flank, +1 or -1 */
+    double chi;           /**< direction of the centre line [rad] */
+    double alpha_w;       /**< working pressure angle [rad] */
+    double rho;           /**< length of the line of action [m] */
+    double base_pitch;    /**< [m] */
+    double rho_start;     /**< radius of curvature of the driving flank at the start of contact [m] */
+    double backlash;      /**< normal backlash [m] */
+} evl_tooth_mesh;
+
+/** Where the first tooth pair of a mesh is. */
+typedef struct {
+    double rho_start;     /**< radius of curvature of its driving flank, up to a base pitch from the start of contact [m] */
+    double gap;           /**< between its flanks, in a mesh that closes a loop [m] */
+    int tooth_a, tooth_b; /**< its teeth: how many counterclockwise from the first ones of the wheels, 0 to z - 1 */
+} evl_tooth_phase;
+
+/** Place the teeth of a train from its first mesh on; tooth_angles [n_wheels]: what a tooth fills on the base circle [rad], 0 if
+ *  not known. @return EVL_OK, or EVL_INVALID_INPUT for a loop of meshes whose teeth do not fit */
+EVL_API int evl_tooth_phases(int n_wheels, const double *base_radii, const double *tooth_angles, const int *teeth,
+                             int n_meshes, const evl_tooth_mesh *meshes, evl_tooth_phase *phases, evl_status *status);
 
 #ifdef __cplusplus
 }

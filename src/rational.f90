@@ -1,0 +1,132 @@
+!> Exact fractions: the speed ratios of trains, and the pitches that one turn makes.
+module evl_rational
+   use, intrinsic :: iso_fortran_env, only: int32, int64
+   use evl_kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: rational_t, rational_pitches, rational_scaled, rational_value, operator(==)
+
+   integer(int64), parameter :: largest = 2_int64**61           !! numerator and denominator, so that twice of it fits
+   integer(int64), parameter :: short = int(huge(1_int32), int64) !! times any number of turns it still fits
+
+   !> above/below in lowest terms.
+   type :: rational_t
+      integer(int64) :: above = 0_int64
+      integer(int64) :: below = 1_int64 !! > 0
+   end type rational_t
+
+   interface operator(==)
+      module procedure are_equal
+   end interface operator(==)
+
+contains
+
+   pure logical function are_equal(a, b)
+      type(rational_t), intent(in) :: a, b
+
+      are_equal = a%above == b%above .and. a%below == b%below
+   end function are_equal
+
+   !> r factor/divisor in lowest terms.
+   pure subroutine rational_scaled(r, factor, divisor, scaled, fits)
+      type(rational_t), intent(in) :: r
+      integer, intent(in) :: factor             !! of either sign, not 0
+      integer, intent(in) :: divisor            !! > 0
+      type(rational_t), intent(out) :: scaled   !! meaningless if it does not fit
+      logical, intent(out) :: fits              !! its numbers are less than 2**61, and it is less than 2**31
+      integer(int64) :: common, above, below, multiplier, denominator
+
+      common = divisor_of(int(factor, int64), int(divisor, int64))
+      multiplier = factor/common
+      denominator = divisor/common
+      common = divisor_of(r%above, denominator)
+      above = r%above/common
+      denominator = denominator/common
+      common = divisor_of(multiplier, r%below)
+      multiplier = multiplier/common
+      below = r%below/common
+      fits = abs(above) <= largest/abs(multiplier) .and. below <= largest/denominator
+      if (.not. fits) return
+      scaled%above = above*multiplier
+      scaled%below = below*denominator
+      fits = abs(scaled%above/scaled%below) < short
+   end subroutine rational_scaled
+
+   !> Greatest common divisor, > 0.
+   pure integer(int64) function divisor_of(a, b) result(divisor)
+      integer(int64), intent(in) :: a, b !! not both 0
+      integer(int64) :: rest, next
+
+      divisor = abs(a)
+      rest = abs(b)
+      do while (rest /= 0)
+         next = mod(divisor, rest)
+         divisor = rest
+         rest = next
+      end do
+   end function divisor_of
+
+   pure real(wp) function rational_value(r) result(value)
+      type(rational_t), intent(in) :: r
+
+      value = real(r%above, wp)/real(r%below, wp)
+   end function rational_value
+
+   !> r turns - teeth: whole numbers cancel before they are rounded, so that it keeps its relative precision however large they are.
+   pure real(wp) function rational_pitches(r, turns, teeth) result(pitches)
+      type(rational_t), intent(in) :: r       !! pitches per turn
+      integer, intent(in) :: turns, teeth
+      integer(int64) :: whole, rest
+
+      if (turns == 0) then
+         pitches = -real(teeth, wp)
+         return
+      end if
+      if (abs(r%above) <= short) then
+         whole = r%above*turns/r%below
+         rest = r%above*turns - whole*r%below
+      else
+         call multiply(r, turns, whole, rest)
+      end if
+      pitches = real(whole - teeth, wp)
+      if (rest /= 0) pitches = pitches + real(rest, wp)/real(r%below, wp)
+   end function rational_pitches
+
+   !> r n = whole + rest/below where the product of the numerator and n does not fit: digit by digit in base 2.
+   pure subroutine multiply(r, n, whole, rest)
+      type(rational_t), intent(in) :: r
+      integer, intent(in) :: n
+      integer(int64), intent(out) :: whole, rest
+      integer(int64) :: unit
+      integer :: k
+
+      unit = mod(abs(r%above), r%below)
+      whole = 0
+      rest = 0
+      do k = bit_size(n) - 1, 0, -1
+         whole = 2*whole
+         rest = 2*rest
+         call carry(r%below, whole, rest)
+         if (.not. btest(abs(int(n, int64)), k)) cycle
+         rest = rest + unit
+         call carry(r%below, whole, rest)
+      end do
+      whole = whole + abs(r%above)/r%below*abs(int(n, int64))
+      if ((r%above < 0) .neqv. (n < 0)) then
+         whole = -whole
+         rest = -rest
+      end if
+   end subroutine multiply
+
+   !> Whole parts of the rest go to the whole.
+   pure subroutine carry(below, whole, rest)
+      integer(int64), intent(in) :: below
+      integer(int64), intent(inout) :: whole, rest
+
+      if (rest < below) return
+      rest = rest - below
+      whole = whole + 1
+   end subroutine carry
+
+end module evl_rational

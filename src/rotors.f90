@@ -1,0 +1,63 @@
+!> Which wheels rigid shafts join to one rotor.
+module evl_rotors
+   use evl_gearbox, only: gearbox_t
+   use evl_load, only: load_prescribed_speed
+   use evl_status, only: code_invalid_input, fail, has_failed, status_t, subject_load, subject_shaft
+   implicit none (type, external)
+   private
+
+   public :: rotors_join
+
+contains
+
+   !> Find the rotor of every wheel, the reference wheel, and the load that prescribes the speed of a rotor.
+   !>
+   !> The reference wheel is the leader of the first rotor whose speed is prescribed, or of the first of all; a rotor's leader is
+   !> its first wheel. Errors: code_invalid_input for a shaft whose wheels are one rotor already, and for a second prescribed speed.
+   subroutine rotors_join(gearbox, status)
+      type(gearbox_t), intent(inout) :: gearbox !! with wheels, loads and shafts
+      type(status_t), intent(inout) :: status
+      integer :: i, k, kept, lost
+
+      gearbox%wheels%leader = [(i, i=1, size(gearbox%wheels))]
+      do k = 1, 2 ! rigid shafts first: an elastic one must not lie between wheels of one rotor
+         do i = 1, size(gearbox%shafts)
+            associate (shaft => gearbox%shafts(i))
+               if (shaft%rigid .neqv. k == 1) cycle
+               kept = minval(gearbox%wheels([shaft%wheel_a, shaft%wheel_b])%leader)
+               lost = maxval(gearbox%wheels([shaft%wheel_a, shaft%wheel_b])%leader)
+               if (kept == lost) then
+                  call fail(status, code_invalid_input, "rigid shafts join its two wheels already: what it carries is not" &
+                            //" determined", subject_shaft, i, "wheels")
+                  return
+               end if
+               if (shaft%rigid) then
+                  where (gearbox%wheels%leader == lost) gearbox%wheels%leader = kept
+               end if
+            end associate
+         end do
+      end do
+      do i = 1, size(gearbox%loads)
+         if (gearbox%loads(i)%kind == load_prescribed_speed) call prescribe(i)
+         if (has_failed(status)) return
+      end do
+      gearbox%reference = max(1, findloc(gearbox%wheels%prescribed > 0, .true., dim=1))
+
+   contains
+
+      !> Give the load's rotor its speed.
+      subroutine prescribe(load)
+         integer, intent(in) :: load
+         integer :: leader
+
+         leader = gearbox%wheels(gearbox%loads(load)%wheel)%leader
+         if (gearbox%wheels(leader)%prescribed > 0) then
+            call fail(status, code_invalid_input, "a rigid shaft joins its wheel to another whose speed is prescribed as well", &
+                      subject_load, load, "kind")
+         end if
+         where (gearbox%wheels%leader == leader) gearbox%wheels%prescribed = load
+      end subroutine prescribe
+
+   end subroutine rotors_join
+
+end module evl_rotors

@@ -1,0 +1,69 @@
+!> One shaft between two wheels on one axis: what it carries is torque, and nothing else.
+!>
+!> Torque on the second wheel, T = c twist + d twist', twist = phi_a - phi_b; on the first -T. Both wheels have the same speed
+!> ratio, so the twist is formed from their deviations and the reference angle cancels on paper. A rigid shaft has no twist: its
+!> wheels are one rotor, and share one deviation.
+module evl_shaft
+   use evl_kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: shaft_t, shaft_energy, shaft_loss, shaft_torque, shaft_twist, shaft_twist_rate
+
+   type :: shaft_t
+      integer :: wheel_a = 0, wheel_b = 0    !! its wheels
+      logical :: rigid = .false.             !! whether it cannot twist
+      real(wp) :: stiffness = 0.0_wp         !! c [N m/rad]; of no meaning in a rigid one
+      real(wp) :: damping = 0.0_wp           !! d [N m s/rad]; the same
+      integer :: i_psi_a = 0, i_psi_b = 0    !! places of the wheels' deviations in the state, rates follow; 0: none
+   end type shaft_t
+
+contains
+
+   !> phi_a - phi_b [rad].
+   pure real(wp) function shaft_twist(shaft, y) result(twist)
+      type(shaft_t), intent(in) :: shaft
+      real(wp), intent(in) :: y(:)
+
+      twist = 0
+      if (shaft%rigid) return
+      if (shaft%i_psi_a > 0) twist = y(shaft%i_psi_a)
+      if (shaft%i_psi_b > 0) twist = twist - y(shaft%i_psi_b)
+   end function shaft_twist
+
+   !> Its rate [rad/s].
+   pure real(wp) function shaft_twist_rate(shaft, y) result(rate)
+      type(shaft_t), intent(in) :: shaft
+      real(wp), intent(in) :: y(:)
+
+      rate = 0
+      if (shaft%rigid) return
+      if (shaft%i_psi_a > 0) rate = y(shaft%i_psi_a + 1)
+      if (shaft%i_psi_b > 0) rate = rate - y(shaft%i_psi_b + 1)
+   end function shaft_twist_rate
+
+   !> Torque of an elastic shaft on its second wheel [N m].
+   pure real(wp) function shaft_torque(shaft, y) result(torque)
+      type(shaft_t), intent(in) :: shaft
+      real(wp), intent(in) :: y(:)
+
+      torque = shaft%stiffness*shaft_twist(shaft, y) + shaft%damping*shaft_twist_rate(shaft, y)
+   end function shaft_torque
+
+   !> Elastic energy [J].
+   pure real(wp) function shaft_energy(shaft, y) result(energy)
+      type(shaft_t), intent(in) :: shaft
+      real(wp), intent(in) :: y(:)
+
+      energy = shaft%stiffness*shaft_twist(shaft, y)**2/2
+   end function shaft_energy
+
+   !> Power that its damping takes [W].
+   pure real(wp) function shaft_loss(shaft, y) result(power)
+      type(shaft_t), intent(in) :: shaft
+      real(wp), intent(in) :: y(:)
+
+      power = shaft%damping*shaft_twist_rate(shaft, y)**2
+   end function shaft_loss
+
+end module evl_shaft
