@@ -18,13 +18,12 @@ module evl_capi
    use evl_gearbox_events, only: gearbox_apply_event, gearbox_next_time_event, gearbox_root_directions, gearbox_roots
    use evl_gearbox_initial, only: gearbox_initial_speeds, gearbox_start
    use evl_mesh_outputs, only: pair_places
-   use evl_output_table, only: gearbox_output_table, gearbox_outputs, n_outputs
+   use evl_output_table, only: gearbox_outputs
    use evl_gearbox_scaling, only: gearbox_state_scales
    use evl_gearbox_states, only: gearbox_state_name
    use evl_housing_description, only: housing_input
    use evl_kinds, only: pi
    use evl_load, only: load_t
-   use evl_output, only: output_t
    use evl_status, only: code_invalid_input, code_no_memory, code_ok, fail, has_failed, status_t
    implicit none (type, external)
    private
@@ -153,7 +152,7 @@ contains
 
       g => gearbox_of(handle)
       sizes = c_sizes(size(g%wheels), size(g%pairs), size(g%loads), g%n_states, g%n_integers, size(g%contacts), &
-                      g%n_roots, n_outputs, g%n_values, size(g%warnings), pair_places(g), maxval(g%contacts%n_slots), &
+                      g%n_roots, size(g%outputs), g%n_values, size(g%warnings), pair_places(g), maxval(g%contacts%n_slots), &
                       size(g%shafts))
    end subroutine evl_gearbox_sizes
 
@@ -380,13 +379,11 @@ contains
       type(c_output), intent(out) :: output
 
       type(gearbox_t), pointer :: g
-      type(output_t) :: table(n_outputs)
 
       code = code_invalid_input
       g => gearbox_of(handle)
-      call gearbox_output_table(g, table)
-      if (index < 0 .or. index >= size(table)) return
-      associate (entry => table(index + 1))
+      if (index < 0 .or. index >= size(g%outputs)) return
+      associate (entry => g%outputs(index + 1))
          call to_c(entry%name, output%name)
          call to_c(entry%units, output%units)
          call to_c(entry%symbol, output%symbol)

@@ -16,7 +16,7 @@ module evl_output_table
    implicit none (type, external)
    private
 
-   public :: n_outputs, gearbox_output_table, gearbox_outputs, count_values
+   public :: n_outputs, gearbox_output_table, gearbox_outputs
 
    integer, parameter :: n_wheel_constants = 7, n_mesh_constants = 16, n_gearbox_histories = 6, n_wheel_histories = 7
    integer, parameter :: n_outputs = n_wheel_constants + n_mesh_constants + n_gearbox_histories + n_wheel_histories &
@@ -72,15 +72,6 @@ contains
          n = 1
       end select
    end function count_of
-
-   !> Number of all values.
-   pure integer function count_values(gearbox) result(n)
-      type(gearbox_t), intent(in) :: gearbox
-      type(output_t) :: table(n_outputs)
-
-      call gearbox_output_table(gearbox, table)
-      n = sum(table%count)
-   end function count_values
 
    pure function wheel_constants() result(t)
       type(output_t) :: t(n_wheel_constants)
