@@ -107,6 +107,8 @@ contains
             return
          end if
          mesh%tooth_sign = pair%sigma
+         mesh%first_tooth_a = gearbox%phases(mesh%mesh)%tooth_a
+         mesh%first_tooth_b = gearbox%phases(mesh%mesh)%tooth_b
          mesh%deviation_a = gearbox%wheels(a)%deviation
          mesh%deviation_b = gearbox%wheels(b)%deviation
          if (mesh%flank == flank_drive) then

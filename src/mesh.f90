@@ -79,6 +79,7 @@ module evl_mesh
       real(wp) :: h_scale = 0.0_wp        !! its penetration [m]
       logical :: deviates = .false.       !! whether a flank deviates from the involute
       type(flank_deviation_t) :: deviation_a, deviation_b !! and how
+      integer :: first_tooth_a = 0, first_tooth_b = 0 !! teeth of pair 0 on the drive flank, counted counterclockwise
       integer :: tooth_sign = 1           !! +1: tooth pairs come in the order of A's teeth, counted counterclockwise; -1: against
       type(mesh_link), allocatable :: links(:) !! local variables in terms of the state
       logical :: leads = .false.          !! the first slot of a rigid flank: the flank's constraint is its
@@ -165,7 +166,7 @@ contains
       type(contact_t), intent(in) :: mesh
       integer, intent(in) :: pair
 
-      tooth = mesh%tooth_sign*pair
+      tooth = mesh%first_tooth_a + mesh%tooth_sign*pair
    end function mesh_tooth_a
 
    !> The driven wheel's tooth of a pair, counted counterclockwise: on the coast side the next one.
@@ -173,7 +174,7 @@ contains
       type(contact_t), intent(in) :: mesh
       integer, intent(in) :: pair
 
-      tooth = -mesh%tooth_sign*(pair + merge(1, 0, mesh%flank == flank_coast))
+      tooth = mesh%first_tooth_b - mesh%tooth_sign*(pair + merge(1, 0, mesh%flank == flank_coast))
    end function mesh_tooth_b
 
    !> The parts of its modified flanks on which a contact lies.
