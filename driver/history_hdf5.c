@@ -213,7 +213,7 @@ static bool has_dims(const history_layout *layout, model_dims dims)
 /** Places of tooth pairs: drive_0, drive_1, ..., coast_0, ... */
 static bool define_pairs(history *history, hid_t root, const history_layout *layout)
 {
-    char(*texts)[24] = xcalloc((size_t)layout->n_pairs, sizeof *texts);
+    char (*texts)[24] = xcalloc((size_t)layout->n_pairs, sizeof *texts);
     const char **names = xcalloc((size_t)layout->n_pairs, sizeof *names);
     for (int i = 0; i < layout->n_pairs; i++) {
         const bool is_drive = i < layout->n_drive_pairs;
@@ -317,8 +317,7 @@ static bool write_all(history *history, bool is_last)
            netcdf_finish_dimension(netcdf, &history->wheel) && netcdf_finish_dimension(netcdf, &history->mesh) &&
            netcdf_finish_dimension(netcdf, &history->shaft) && netcdf_finish_dimension(netcdf, &history->axis) &&
            netcdf_finish_dimension(netcdf, &history->space) && netcdf_finish_dimension(netcdf, &history->quaternion) &&
-           netcdf_finish_dimension(netcdf, &history->pair) &&
-           netcdf_finish_dimension(netcdf, &history->side);
+           netcdf_finish_dimension(netcdf, &history->pair) && netcdf_finish_dimension(netcdf, &history->side);
 }
 
 /** From time to time, so that most of a killed run can be read. */

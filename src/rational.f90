@@ -35,17 +35,17 @@ contains
       integer, intent(in) :: divisor            !! > 0
       type(rational_t), intent(out) :: scaled   !! meaningless if it does not fit
       logical, intent(out) :: fits              !! its numbers are less than 2**61, and it is less than 2**31
-      integer(int64) :: common, above, below, multiplier, denominator
+      integer(int64) :: shared, above, below, multiplier, denominator
 
-      common = divisor_of(int(factor, int64), int(divisor, int64))
-      multiplier = factor/common
-      denominator = divisor/common
-      common = divisor_of(r%above, denominator)
-      above = r%above/common
-      denominator = denominator/common
-      common = divisor_of(multiplier, r%below)
-      multiplier = multiplier/common
-      below = r%below/common
+      shared = divisor_of(int(factor, int64), int(divisor, int64))
+      multiplier = factor/shared
+      denominator = divisor/shared
+      shared = divisor_of(r%above, denominator)
+      above = r%above/shared
+      denominator = denominator/shared
+      shared = divisor_of(multiplier, r%below)
+      multiplier = multiplier/shared
+      below = r%below/shared
       fits = abs(above) <= largest/abs(multiplier) .and. below <= largest/denominator
       if (.not. fits) return
       scaled%above = above*multiplier

@@ -151,6 +151,22 @@ def test_the_documentation_lists_what_a_moving_housing_adds(
     assert documented(text.split("## A housing that moves")[1]) == added
 
 
+def test_the_documentation_lists_what_shafts_add(
+    evolvent: Evolvent, case: Path, examples: Path, tmp_path: Path, root: Path
+) -> None:
+    text = (root / "docs" / "result_format.md").read_text()
+    for file in (case, examples / "two-stage.yaml"):
+        assert evolvent("run", file, *SHORT).returncode == 0
+    with (
+        xr.open_dataset(tmp_path / "paper.h5") as without,
+        xr.open_dataset(tmp_path / "two-stage.h5") as history,
+    ):
+        names = set(history.data_vars) - set(without.data_vars)
+        added = {str(name): history[name].dims for name in names}
+        assert history.shaft.values.tolist() == ["input", "middle", "output"]
+    assert documented(text.split("## Shafts")[1].split("## A housing")[0]) == added
+
+
 def test_the_documentation_lists_the_attributes_that_a_history_has(
     evolvent: Evolvent, case: Path, tmp_path: Path, root: Path
 ) -> None:

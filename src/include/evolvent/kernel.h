@@ -497,8 +497,8 @@ typedef enum {
     EVL_DIMS_MESH = 2,
     EVL_DIMS_WHEEL_AXIS = 3,
     EVL_DIMS_MESH_AXIS = 4,
-    EVL_DIMS_SPACE = 5,      /**< x, y, z */
-    EVL_DIMS_QUATERNION = 6, /**< w, x, y, z */
+    EVL_DIMS_SPACE = 5,       /**< x, y, z */
+    EVL_DIMS_QUATERNION = 6,  /**< w, x, y, z */
     EVL_DIMS_WHEEL_SPACE = 7, /**< x, y, z of every wheel */
     EVL_DIMS_MESH_PAIR = 8,   /**< every place for a tooth pair of every mesh */
     EVL_DIMS_SHAFT = 9
@@ -740,8 +740,8 @@ typedef struct {
 
 /** Where the first tooth pair of a mesh is. */
 typedef struct {
-    double rho_start;     /**< radius of curvature of its driving flank, up to a base pitch from the start of contact [m] */
-    double gap;           /**< between its flanks, in a mesh that closes a loop [m] */
+    double rho_start; /**< radius of curvature of its driving flank, up to a base pitch from the start of contact [m] */
+    double gap;       /**< between its flanks, in a mesh that closes a loop [m] */
     int tooth_a, tooth_b; /**< its teeth: how many counterclockwise from the first ones of the wheels, 0 to z - 1 */
 } evl_tooth_phase;
 
