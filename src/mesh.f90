@@ -303,15 +303,15 @@ contains
       gradient%on_a = 0
       gradient%dissipation = 0
       if (.not. touches(mode)) return
-      if (mesh%tracking == tracking_closed_form) then
-         call gradient_closed_form(mesh%pair, q, point, d)
-      else
-         call gradient_points(mesh%pair, rho_a0, q, point, d)
-      end if
       if (mesh%deviates) then
          call track_closed_form(mesh%pair, rho_a0, q, perfect)
          call flank_values(mesh, mode, perfect, a, b)
+         call gradient_closed_form(mesh%pair, q, perfect, d)
          call deviate_gradient(mesh%pair, a, b, q, perfect, point, d)
+      else if (mesh%tracking == tracking_closed_form) then
+         call gradient_closed_form(mesh%pair, q, point, d)
+      else
+         call gradient_points(mesh%pair, rho_a0, q, point, d)
       end if
       call contact_law(mesh, mode, point, elastic, viscous, status)
       d_rho_sum = d%rho_a + d%rho_b

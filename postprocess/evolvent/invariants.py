@@ -215,7 +215,9 @@ def finiteness(history: xr.Dataset) -> xr.DataArray:
         if name == "pair_position":
             values = values.where(require(history, "pair_on_path") == 1, 0.0)
         if name == "efficiency":
-            values = values.where(require(history, "mesh_torque_driving") != 0.0, 0.0)
+            driving = require(history, "driving_wheel").values.astype(int)
+            speed = require(history, "angular_velocity").values[:, driving]
+            values = values.where(require(history, "mesh_torque_driving") * speed != 0.0, 0.0)
         if name == "coast_gap":
             values = values.where(values.notnull().any("time"), 0.0)
         shares[str(name)] = float(np.mean(~np.isfinite(values.values))) if values.size else 0.0

@@ -15,15 +15,13 @@ import mpmath as mp
 import numpy as np
 
 from kernel.deviations import NONE, ROOT, TIP, DeviationDescription, Formula, Profile, deviations
-from kernel.gearbox import LOADED, OPEN, Gearbox, State
+from kernel.gearbox import COAST, DRIVE, LOADED, OFF, OPEN, Gearbox, State
 from kernel.gearbox_description import BEARING, FIXED, SPEED, LoadDescription, load, mesh, wheel
 from kernel.gears import gear_description
 from kernel.housing import length, turned, vector, wrapped
 from kernel.kernel import Kernel
 
-DRIVE, COAST = 0, 1
-OFF = 4
-JOHNSON_WIDTH = 0.02  # [m], face width
+WIDTH = 0.02  # of both faces [m]
 
 
 @dataclass(frozen=True)
@@ -57,7 +55,7 @@ class RealPair:
         wheels = [
             wheel(
                 teeth=self.teeth[i],
-                width=JOHNSON_WIDTH,
+                width=WIDTH,
                 centre=self.centre if i == 0 else None,
                 poisson_ratio=self.poisson[i],
                 gear=gear_description(
@@ -359,7 +357,7 @@ class Teeth:
         compliance = [(1 - mp.mpf(nu) ** 2) / mp.mpf(2e11) for nu in p.poisson]
         modulus = 1 / sum(compliance)
         x = mp.e * h / (4 * sum(contact.rho))
-        elastic = -JOHNSON_WIDTH * mp.pi * modulus * h / mp.lambertw(-x, -1).real
+        elastic = -WIDTH * mp.pi * modulus * h / mp.lambertw(-x, -1).real
         viscous = -mp.mpf(damping) * mp.fdot(gradient, self.rates)
         normal = elastic + viscous
         chi, alpha, _ = self.line(self.q)

@@ -6,59 +6,20 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from kernel.deviations import LINEAR, PARABOLIC, deviations, relief
-from kernel.gearbox import LOADED, OPEN, Gearbox
-from kernel.gearbox_cases import worst
+from kernel.gearbox import APART, COAST, DRIVE, LOADED, OFF, UNLOADED, Gearbox, State
+from kernel.gearbox_description import ALGEBRAIC, DIFFERENTIAL, SPEEDS, TORQUE, load
+from kernel.jacobian import check_jacobian
 from kernel.kernel import Floats, Kernel
-from kernel.real_pairs import COAST, DRIVE, RealPair, Teeth, state_of
+from kernel.real_cases import DAMPING, FRICTION, GAPS, PAIRS, made
+from kernel.real_pairs import RealPair, Teeth
 
-FRICTION = (0.2, 1e-2)
-DAMPING = 3e3
-ALL_DEVIATIONS = (
-    deviations(
-        tip_relief=relief(12e-6, diameter=0.0592),
-        root_relief=relief(6e-6, roll_angle=np.radians(11), shape=PARABOLIC),
-        profile_crowning=3e-6,
-        runout_amount=7e-6,
-        runout_phase=2.0,
-    ),
-    deviations(
-        tip_relief=relief(9e-6, diameter=0.1043, shape=PARABOLIC),
-        pitch_errors=[1e-6 * ((5 * k * k + 3 * k) % 17) for k in range(34)],
-        runout_amount=11e-6,
-        runout_phase=-0.7,
-    ),
-)
-LINEAR_RELIEF = (
-    deviations(tip_relief=relief(15e-6, diameter=0.0595, shape=LINEAR)),
-    deviations(tip_relief=relief(15e-6, diameter=0.104, shape=LINEAR)),
-)
-PAIRS = {
-    "standard": RealPair(),
-    "mirrored": RealPair(sigma=-1, chi=0.7),
-    "shifted": RealPair(teeth=(14, 37), shift=(0.5, -0.1), allowance=(-3e-5, -4e-5), chi=2.9),
-    "high contact ratio": RealPair(
-        **{"teeth": (120, 131), "module": 2e-3, "pressure_angle": float(np.radians(14))},
-        **{"ratio": 3.3, "dedendum": 1.8, "sigma": -1, "chi": -2.4, "poisson": (0.2, 0.35)},
-    ),
-    "contact lost": RealPair(teeth=(25, 31), ratio=0.8),
-    "driven wheel is the reference": RealPair(reference=1, chi=-1.0, sigma=-1),
-    "linear tip relief": RealPair(deviations=LINEAR_RELIEF, chi=1.2),
-    "every deviation": RealPair(deviations=ALL_DEVIATIONS),
-    "every deviation, mirrored": RealPair(deviations=ALL_DEVIATIONS, sigma=-1, chi=-0.4),
-}
 EVERY_PAIR = pytest.mark.parametrize("pair", PAIRS.values(), ids=PAIRS.keys())
-# gap of the perfect drive flanks: pressed, in the middle of the backlash, the coast flanks pressed
-GAPS = {"drive": -2e-5, "between": 2.5e-5, "coast": 7e-5}
 EVERY_GAP = pytest.mark.parametrize("gap", GAPS.values(), ids=GAPS.keys())
-
-
-def made(kernel: Kernel, pair: RealPair, gap: float, seed: int) -> tuple[Gearbox, Teeth]:
-    gearbox = pair.gearbox(kernel, damping=DAMPING, friction=FRICTION)
-    teeth = state_of(gearbox, pair, np.random.default_rng(seed), gap=gap)
-    teeth.settle()
-    # friction branch from the sliding velocity, by the kernel
-    return gearbox, teeth
+PERFECT = pytest.mark.parametrize(
+    "pair",
+    [pair for pair in PAIRS.values() if not pair.deviates],
+    ids=[name for name, pair in PAIRS.items() if not pair.deviates],
+)
 
 
 def pair_values(gearbox: Gearbox, outputs: dict[str, Floats], name: str, flank: int) -> Floats:
@@ -69,7 +30,7 @@ def pair_values(gearbox: Gearbox, outputs: dict[str, Floats], name: str, flank: 
 
 @EVERY_PAIR
 @EVERY_GAP
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_the_pairs_on_the_path_are_the_teeth_that_stand_there(
     kernel: Kernel, pair: RealPair, gap: float, seed: int
 ):
@@ -99,12 +60,11 @@ def test_the_pairs_on_the_path_are_the_teeth_that_stand_there(
 
 @EVERY_PAIR
 @EVERY_GAP
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_forces_of_every_pair_follow_the_gradient_of_its_gap(
     kernel: Kernel, pair: RealPair, gap: float, seed: int
 ):
     gearbox, teeth = made(kernel, pair, gap, seed)
-    settle_friction(gearbox, pair, teeth)
     o = gearbox.outputs(teeth.state)
     loaded = [c for c in teeth.contacts if c.gap < 0]
     forces = [teeth.force(c, DAMPING, FRICTION) for c in loaded]
@@ -154,17 +114,6 @@ def test_forces_of_every_pair_follow_the_gradient_of_its_gap(
     assert rates[-2] == pytest.approx(lost, rel=1e-7, abs=1e-9 * largest)
 
 
-def settle_friction(gearbox: Gearbox, pair: RealPair, teeth: Teeth) -> None:
-    """Put every loaded pair on the branch of friction that belongs to its sliding velocity."""
-    width = 5 if pair.deviates else 3
-    for contact in teeth.contacts:
-        if contact.gap >= 0:
-            continue
-        at = 1 + width * (contact.flank * pair.slots + contact.number % pair.slots)
-        slip = -teeth.force(contact, 0.0, (1.0, 1e9)).friction / teeth.force(contact).normal * 1e9
-        teeth.state.integers[at + 2] = 0 if abs(slip) <= FRICTION[1] else int(mp.sign(slip))
-
-
 def radius_power(kernel: Kernel, gearbox: Gearbox, teeth: Teeth) -> float:
     """Power by which energies change because radii of curvature do, beside the penetrations'."""
     power = 0.0
@@ -188,3 +137,107 @@ def radius_power(kernel: Kernel, gearbox: Gearbox, teeth: Teeth) -> float:
         ]
         power += geometry.common_width * (values[0] - values[1]) / (2 * change) * excess
     return power
+
+
+@PERFECT
+@EVERY_GAP
+@pytest.mark.parametrize("seed", range(4))
+def test_both_gaps_add_up_to_the_backlash_at_the_present_centre_distance(
+    kernel: Kernel, pair: RealPair, gap: float, seed: int
+):
+    """kappa_drive + kappa_coast = j_bn + 2 R (inv alpha - inv alpha_0), the axles moved."""
+    gearbox, teeth = made(kernel, pair, gap, seed)
+    o = gearbox.outputs(teeth.state)
+    _, alpha, _ = teeth.line(teeth.q)
+    involute = mp.tan(alpha) - alpha - mp.tan(pair.alpha_0) + pair.alpha_0
+    expected = pair.backlash + float(2 * sum(pair.base_radii) * involute)
+    # the backlash that the kernel derives has the rounding of a pitch; the rest is 1e-14 of it
+    start = gearbox.start(SPEEDS, speeds=(0.0, 3.0 * pair.reference))
+    derived = gearbox.outputs(start)["coast_gap"][0]
+    assert derived == pytest.approx(pair.backlash, abs=1e-16)
+    found = o["gap"][0] + o["coast_gap"][0] - derived
+    assert found == pytest.approx(expected - pair.backlash, abs=1e-14 * pair.backlash)
+
+
+@PERFECT
+def test_tracked_pairs_have_the_forces_of_the_closed_form(kernel: Kernel, pair: RealPair):
+    """Several pairs share one set of tracked points; the coast flank stays in closed form."""
+    for gap in GAPS.values():
+        closed, teeth = made(kernel, pair, gap, 5)
+        expected = closed.outputs(teeth.state)
+        for tracking in (ALGEBRAIC, DIFFERENTIAL):
+            gearbox = pair.gearbox(
+                kernel,
+                (load(0, TORQUE, -50.0 * pair.sigma),),
+                **{"damping": DAMPING, "friction": FRICTION, "tracking": tracking},
+            )
+            state = tracked(closed, gearbox, teeth.state)
+            found = gearbox.outputs(state)
+            for name, values in expected.items():
+                if name in ("tracking", "gradient_ratio") or "distance" in name:
+                    continue
+                if "residual" in name or np.isnan(values).all():
+                    continue
+                # rounding of radii of 0.1 m beside penetrations of 1e-5 m
+                np.testing.assert_allclose(
+                    found[name],
+                    values,
+                    rtol=1e-9,
+                    atol=1e-10 * np.nanmax(abs(values)) + 1e-14,
+                    err_msg=name,
+                )
+
+
+def tracked(closed: Gearbox, gearbox: Gearbox, state: State) -> State:
+    """Give the state of the closed form the tracked points that belong to it."""
+    same = State(state.t, *np.zeros((2, gearbox.sizes.n_states)), state.integers, state.reals)
+    for i, name in enumerate(closed.names):
+        same.y[gearbox.place(name)] = state.y[i]
+    near = same.copy()
+    on_path = [
+        c for c in range(gearbox.sizes.n_drive_places) if gearbox.mode(near, c)[1] != OFF
+    ]
+    if on_path:
+        gearbox.mode(near, on_path[0])[1] = APART
+        near, _ = gearbox.apply(near, "apart", contact=on_path[0])
+        same.y[gearbox.tracked()] = near.y[gearbox.tracked()]
+    same.yp = gearbox.derivative(same)
+    return same
+
+
+@EVERY_PAIR
+@EVERY_GAP
+def test_jacobian_is_the_derivative_of_the_residual(kernel: Kernel, pair: RealPair, gap: float):
+    """Several pairs on the path, on either flank, all zones of deviating flanks, moving axles."""
+    for seed in range(2):
+        gearbox, teeth = made(kernel, pair, gap, 20 + seed)
+        teeth.state.yp = gearbox.derivative(teeth.state)
+        check_jacobian(gearbox, teeth.state)
+
+
+@EVERY_PAIR
+def test_jacobian_where_a_pair_overlaps_without_force(kernel: Kernel, pair: RealPair):
+    gearbox, teeth = made(kernel, pair, GAPS["drive"], 31)
+    for contact in range(gearbox.sizes.n_drive_places):
+        mode = gearbox.mode(teeth.state, contact)
+        if mode[1] == LOADED:
+            mode[1] = UNLOADED
+            break
+    teeth.state.yp = gearbox.derivative(teeth.state)
+    check_jacobian(gearbox, teeth.state)
+
+
+@PERFECT
+@pytest.mark.parametrize("tracking", [ALGEBRAIC, DIFFERENTIAL])
+def test_jacobian_of_tracked_pairs_is_the_derivative_of_the_residual(
+    kernel: Kernel, pair: RealPair, tracking: int
+):
+    for gap in (GAPS["drive"], GAPS["coast"]):
+        closed, teeth = made(kernel, pair, gap, 41)
+        gearbox = pair.gearbox(
+            kernel,
+            (load(0, TORQUE, -50.0 * pair.sigma),),
+            **{"damping": DAMPING, "friction": FRICTION, "tracking": tracking},
+        )
+        state = tracked(closed, gearbox, teeth.state)
+        check_jacobian(gearbox, state)
