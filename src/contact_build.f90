@@ -8,7 +8,7 @@ module evl_contact_build
                                   at_u_a, at_u_b, at_v_a, at_v_b, n_track
    use evl_mesh, only: contact_t, flank_coast, flank_drive, mesh_link, n_border_roots, n_mesh_roots, tracking_closed_form
    use evl_rational, only: rational_scaled
-   use evl_spur_geometry, only: spur_pair_t
+   use evl_spur_geometry, only: spur_pair_least_radius, spur_pair_t
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel
    use evl_tooth_phase, only: tooth_phase_t
    implicit none (type, external)
@@ -17,6 +17,7 @@ module evl_contact_build
    public :: list_contacts, take_contact, find_dependents
 
    real(wp), parameter :: exactly_one = 1.0e-9_wp !! contact ratios this near 1 hand over: both ends of the path are one event
+   real(wp), parameter :: least_apart = 1.0e-3_wp !! in base pitches: gap_apart where the path ends on a base circle
 
 contains
 
@@ -92,7 +93,7 @@ contains
          mesh%base_pitch = pair%base_pitch
          mesh%rho_tip_a = pair%rho_tip_a
          mesh%rho_tip_b = pair%rho_tip_b
-         mesh%gap_apart = (pair%rho - pair%base_pitch)/4
+         mesh%gap_apart = max(spur_pair_least_radius(pair)/2, least_apart*pair%base_pitch)
          mesh%pair%r_ba = pair%base_radius_a
          mesh%pair%r_bb = pair%base_radius_b
          mesh%pair%rho_0 = pair%rho
@@ -107,8 +108,8 @@ contains
             return
          end if
          mesh%tooth_sign = pair%sigma
-         mesh%first_tooth_a = gearbox%phases(mesh%mesh)%tooth_a
-         mesh%first_tooth_b = gearbox%phases(mesh%mesh)%tooth_b
+         mesh%tooth_a = gearbox%phases(mesh%mesh)%tooth_a
+         mesh%tooth_b = gearbox%phases(mesh%mesh)%tooth_b
          mesh%deviation_a = gearbox%wheels(a)%deviation
          mesh%deviation_b = gearbox%wheels(b)%deviation
          if (mesh%flank == flank_drive) then
@@ -139,13 +140,13 @@ contains
    !> The coast flank: the mirror image of the drive flank, on the other side of the same tooth of the driving wheel.
    !>
    !> With tau the angle that a tooth fills on the base circle, the involutes of both sides of a tooth are rooted tau apart:
-   !> rho_A + rho_A(coast) = r_bA (2 alpha_w + tau). Pair k is the flank of the driving wheel's tooth k and that of tooth k + 1
-   !> of the driven wheel.
+   !> rho_A + rho_A(coast) = r_bA (2 alpha_w + tau). On the driven wheel it is the tooth behind, in the order in which pairs come.
    pure subroutine take_coast(pair, phase, mesh)
       type(spur_pair_t), intent(in) :: pair
       type(tooth_phase_t), intent(in) :: phase
       type(contact_t), intent(inout) :: mesh
       real(wp) :: tau
+      integer :: passed
 
       mesh%pair%sigma = -real(pair%sigma, wp)
       mesh%pair%gap_0 = pair%backlash - phase%gap
@@ -159,8 +160,13 @@ contains
       tau = pair%tooth_angle_a
       if (.not. tau > 0) tau = even_tooth_angle(pair)
       mesh%rho_start = pair%base_radius_a*(2*pair%alpha_w + tau) - phase%rho_start
+      mesh%tooth_b = mesh%tooth_b - mesh%tooth_sign
+      if (.not. mesh%handover) return
       ! the pair between the ends of the path at the start is number 0
-      if (mesh%handover) mesh%rho_start = mesh%rho_entry - modulo(mesh%rho_entry - mesh%rho_start, pair%base_pitch)
+      passed = floor((mesh%rho_entry - mesh%rho_start)/pair%base_pitch)
+      mesh%rho_start = mesh%rho_start + passed*pair%base_pitch
+      mesh%tooth_a = mesh%tooth_a + passed*mesh%tooth_sign
+      mesh%tooth_b = mesh%tooth_b - passed*mesh%tooth_sign
    end subroutine take_coast
 
    !> Angle that a tooth of the driving wheel fills on its base circle if both wheels' teeth are equally thick on the pitch circles.

@@ -18,7 +18,7 @@ module evl_gearbox_build
    use evl_rational, only: rational_value
    use evl_rotors, only: rotors_join
    use evl_shaft, only: shaft_t
-   use evl_spur_geometry, only: spur_pair_derive
+   use evl_spur_geometry, only: spur_pair_derive, spur_pair_least_radius
    use evl_status, only: code_invalid_input, fail, has_failed, message_length, quantity, status_t, subject_mesh, subject_wheel
    use evl_tooth_phase, only: find_tooth_phases, tooth_mesh_t
    implicit none (type, external)
@@ -326,22 +326,23 @@ contains
                            //", which the teeth around the loop leave: only closed_form carries it", subject_mesh, m, "tracking")
    end subroutine place_teeth
 
-   !> The contact strip has to stay narrow beside the radii of curvature, which are smallest at the start of contact.
+   !> The contact strip has to stay narrow beside the radii of curvature, of which one is smallest at an end of the path.
    !>
    !> Half width of two cylinders pressed together: sqrt(4 N rho_A rho_B/(pi E* (rho_A + rho_B))), Hertz.
    subroutine check_contact_width(gearbox, index)
       type(gearbox_t), intent(inout) :: gearbox
       integer, intent(in) :: index
-      real(wp) :: half_width
+      real(wp) :: least, other, half_width
 
-      associate (mesh => gearbox%contacts(gearbox%first(index)), a => gearbox%pairs(index)%rho_start_a, &
-                 b => gearbox%pairs(index)%rho_start_b)
+      associate (mesh => gearbox%contacts(gearbox%first(index)))
          if (mesh%rigid) return
-         half_width = sqrt(4*mesh%force_scale/mesh%width*a*b/(pi*mesh%e_star*(a + b)))
-         if (half_width > narrow*min(a, b)) &
+         least = spur_pair_least_radius(gearbox%pairs(index))
+         other = gearbox%pairs(index)%rho - least
+         half_width = sqrt(4*mesh%force_scale/mesh%width*least*other/(pi*mesh%e_star*(least + other)))
+         if (half_width > narrow*least) &
             call warn(gearbox, index, "under its load of about "//quantity(mesh%force_scale, "N")//" the contact strip is " &
                       //quantity(half_width, "m")//" wide to either side, more than a tenth of the smallest radius of" &
-                      //" curvature "//quantity(min(a, b), "m")//": the force law is stretched")
+                      //" curvature "//quantity(least, "m")//": the force law is stretched")
       end associate
    end subroutine check_contact_width
 

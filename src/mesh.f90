@@ -79,8 +79,8 @@ module evl_mesh
       real(wp) :: h_scale = 0.0_wp        !! its penetration [m]
       logical :: deviates = .false.       !! whether a flank deviates from the involute
       type(flank_deviation_t) :: deviation_a, deviation_b !! and how
-      integer :: first_tooth_a = 0, first_tooth_b = 0 !! teeth of pair 0 on the drive flank, counted counterclockwise
       integer :: tooth_sign = 1           !! +1: tooth pairs come in the order of A's teeth, counted counterclockwise; -1: against
+      integer :: tooth_a = 0, tooth_b = 0 !! teeth of pair 0, counted counterclockwise from the first ones of the wheels
       type(mesh_link), allocatable :: links(:) !! local variables in terms of the state
       logical :: leads = .false.          !! the first slot of a rigid flank: the flank's constraint is its
       integer :: i_normal = 0             !! multiplier of a rigid flank in the state; 0 if none
@@ -166,15 +166,15 @@ contains
       type(contact_t), intent(in) :: mesh
       integer, intent(in) :: pair
 
-      tooth = mesh%first_tooth_a + mesh%tooth_sign*pair
+      tooth = mesh%tooth_a + mesh%tooth_sign*pair
    end function mesh_tooth_a
 
-   !> The driven wheel's tooth of a pair, counted counterclockwise: on the coast side the next one.
+   !> The driven wheel's tooth of a pair, counted counterclockwise.
    pure integer function mesh_tooth_b(mesh, pair) result(tooth)
       type(contact_t), intent(in) :: mesh
       integer, intent(in) :: pair
 
-      tooth = mesh%first_tooth_b - mesh%tooth_sign*(pair + merge(1, 0, mesh%flank == flank_coast))
+      tooth = mesh%tooth_b - mesh%tooth_sign*pair
    end function mesh_tooth_b
 
    !> The parts of its modified flanks on which a contact lies.
@@ -303,15 +303,15 @@ contains
       gradient%on_a = 0
       gradient%dissipation = 0
       if (.not. touches(mode)) return
-      if (mesh%tracking == tracking_closed_form) then
-         call gradient_closed_form(mesh%pair, q, point, d)
-      else
-         call gradient_points(mesh%pair, rho_a0, q, point, d)
-      end if
       if (mesh%deviates) then
          call track_closed_form(mesh%pair, rho_a0, q, perfect)
          call flank_values(mesh, mode, perfect, a, b)
+         call gradient_closed_form(mesh%pair, q, perfect, d)
          call deviate_gradient(mesh%pair, a, b, q, perfect, point, d)
+      else if (mesh%tracking == tracking_closed_form) then
+         call gradient_closed_form(mesh%pair, q, point, d)
+      else
+         call gradient_points(mesh%pair, rho_a0, q, point, d)
       end if
       call contact_law(mesh, mode, point, elastic, viscous, status)
       d_rho_sum = d%rho_a + d%rho_b

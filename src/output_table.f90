@@ -77,7 +77,7 @@ contains
       type(output_t) :: t(n_wheel_constants)
 
       t(1) = output_t("teeth", "1", "z", "number of teeth", dims_wheel, .true., .true.)
-      t(2) = output_t("pitch_radius", "m", "r", "operating pitch radius", dims_wheel, .true.)
+      t(2) = output_t("pitch_radius", "m", "r", "pitch radius; of a real gear its reference radius", dims_wheel, .true.)
       t(3) = output_t("base_radius", "m", "r_b", "base radius", dims_wheel, .true.)
       t(4) = output_t("tip_radius", "m", "r_a", "tip radius", dims_wheel, .true.)
       t(5) = output_t("mass", "kg", "m", "mass of the wheel", dims_wheel, .true.)

@@ -16,7 +16,7 @@ module evl_spur_geometry
    implicit none (type, external)
    private
 
-   public :: spur_pair_derive, spur_pair_place, spur_pair_t
+   public :: spur_pair_derive, spur_pair_least_radius, spur_pair_place, spur_pair_t
    public :: maximum_teeth, minimum_teeth
 
    integer, parameter :: minimum_teeth = 3     !! fewer make no wheel
@@ -174,6 +174,13 @@ contains
       pair%phi_a = pair%chi + pair%sigma*(pair%alpha_w - pair%rho_start_a/pair%base_radius_a)
       pair%phi_b = pair%chi + pair%sigma*(pi + pair%alpha_w - pair%rho_start_b/pair%base_radius_b)
    end subroutine spur_pair_place
+
+   !> The smallest radius of curvature of either flank on the path of contact [m]: that of A at its start, or of B at its end.
+   pure real(wp) function spur_pair_least_radius(pair) result(least)
+      type(spur_pair_t), intent(in) :: pair
+
+      least = min(pair%rho_start_a, pair%rho - pair%rho_tip_a)
+   end function spur_pair_least_radius
 
    !> Refuse a number of teeth out of range.
    pure subroutine check_teeth(teeth, wheel, status)

@@ -202,7 +202,8 @@ def finiteness(history: xr.Dataset) -> xr.DataArray:
     """Share of the values that are no finite numbers, dim (variable).
 
     What only tracked points have is missing on purpose where none are tracked, the position of a
-    tooth pair off the path of contact, and the efficiency of a mesh without power.
+    tooth pair off the path of contact, the efficiency of a mesh without power, and the gap of coast
+    flanks of a mesh that has none.
     """
     shares: dict[str, float] = {}
     for name, variable in history.variables.items():
@@ -214,7 +215,11 @@ def finiteness(history: xr.Dataset) -> xr.DataArray:
         if name == "pair_position":
             values = values.where(require(history, "pair_on_path") == 1, 0.0)
         if name == "efficiency":
-            values = values.where(require(history, "mesh_torque_driving") != 0.0, 0.0)
+            driving = require(history, "driving_wheel").values.astype(int)
+            speed = require(history, "angular_velocity").values[:, driving]
+            values = values.where(require(history, "mesh_torque_driving") * speed != 0.0, 0.0)
+        if name == "coast_gap":
+            values = values.where(values.notnull().any("time"), 0.0)
         shares[str(name)] = float(np.mean(~np.isfinite(values.values))) if values.size else 0.0
     return xr.DataArray(list(shares.values()), dims="variable", coords={"variable": list(shares)})
 

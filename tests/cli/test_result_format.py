@@ -34,10 +34,11 @@ def test_xarray_opens_a_history_with_named_coordinates_and_units(
 ) -> None:
     evolvent("run", case, *SHORT)
     with xr.open_dataset(tmp_path / "paper.h5", engine=engine) as history:
-        assert set(history.sizes) == {"time", "wheel", "mesh", "axis", "space"}
-        assert set(history.coords) == {"time", "wheel", "mesh", "axis", "space"}
+        assert set(history.sizes) == {"time", "wheel", "mesh", "pair", "axis", "space"}
+        assert set(history.coords) == {"time", "wheel", "mesh", "pair", "axis", "space"}
         assert history.wheel.values.tolist() == ["pinion", "gear"]
         assert history.mesh.values.tolist() == ["pinion-gear"]
+        assert history.pair.values.tolist() == ["drive_0"]
         assert history.axis.values.tolist() == ["x", "y"]
         assert history.space.values.tolist() == ["x", "y", "z"]
         for variable in history.variables.values():
@@ -127,7 +128,8 @@ def test_the_documentation_lists_the_variables_that_a_history_has(
     evolvent: Evolvent, case: Path, tmp_path: Path, root: Path
 ) -> None:
     text = (root / "docs" / "result_format.md").read_text()
-    variables, events = text.split("## Variables")[1].split("## Group `events`")
+    variables = text.split("## Variables")[1].split("## Tooth pairs")[0]
+    events = text.split("## Group `events`")[1]
     evolvent("run", case, *SHORT)
     with xr.open_dataset(tmp_path / "paper.h5") as history:
         found = {str(name): variable.dims for name, variable in history.data_vars.items()}
@@ -135,6 +137,21 @@ def test_the_documentation_lists_the_variables_that_a_history_has(
     with xr.open_dataset(tmp_path / "paper.h5", group="events") as group:
         plain = {str(n): v.dims for n, v in group.data_vars.items() if v.dims == ("event",)}
     assert documented(events.split("## Attributes")[0]) == plain
+
+
+def test_the_documentation_lists_what_coast_flanks_add(
+    evolvent: Evolvent, case: Path, examples: Path, tmp_path: Path, root: Path
+) -> None:
+    text = (root / "docs" / "result_format.md").read_text()
+    evolvent("run", case, *SHORT)
+    with xr.open_dataset(tmp_path / "paper.h5") as history:
+        without = set(history.data_vars)
+    evolvent("run", examples / "spur-pair.yaml", "--set", "simulation.duration=1e-3")
+    with xr.open_dataset(tmp_path / "spur-pair.h5") as history:
+        added = {str(n): v.dims for n, v in history.data_vars.items() if n not in without}
+        places = [f"{flank}_{slot}" for flank in ("drive", "coast") for slot in range(3)]
+        assert history.pair.values.tolist() == places
+    assert documented(text.split("## Tooth pairs")[1].split("## Group")[0]) == added
 
 
 def test_the_documentation_lists_what_a_moving_housing_adds(

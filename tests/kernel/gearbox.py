@@ -26,10 +26,12 @@ from kernel.gearbox_description import (
 from kernel.housing_description import HousingDescription
 from kernel.kernel import OK, Floats, Integers, Kernel, Status, _at, _double, _int, _pair
 
-OPEN, LOADED, UNLOADED, APART = range(4)
+OPEN, LOADED, UNLOADED, APART, OFF = range(5)
+DRIVE, COAST = range(2)
 NOTHING, WHEEL, MESH, LOAD, INITIAL, HOUSING, SHAFT = range(7)
-# root functions of a mesh, in the order of evl_gearbox_roots; the turns of the reference wheel last
+# root functions of a tooth contact, in the order of evl_gearbox_roots; the turns of the reference wheel last
 ROOTS = ("contact", "force", "friction_high", "friction_low", "forward", "back", "apart")
+BORDERS = ("tip_a", "root_a", "tip_b", "root_b")  # more of them where flanks deviate
 TRACKED = ("turn", "zeta", "dr_t", "dr_e", "gradient_ratio", "mu")
 
 
@@ -121,6 +123,7 @@ class Event:
     name: str
     mesh: int
     tooth_pair: int
+    flank: int = DRIVE  # -1 if it concerns no mesh
 
 
 @dataclass
@@ -302,9 +305,20 @@ class Gearbox:
 
     # ---- modes and events
 
-    def mode(self, state: State, mesh: int = 0) -> NDArray[np.int32]:
-        """View of a mesh's teeth, contact mode and friction branch."""
-        return state.integers[1 + 3 * mesh : 4 + 3 * mesh]
+    @property
+    def _roots(self) -> tuple[str, ...]:
+        """Root functions of each tooth contact, where all have the same."""
+        deviates = (self.sizes.n_roots - 1) // self.sizes.n_reals > len(ROOTS)
+        return (*ROOTS, *BORDERS) if deviates else ROOTS
+
+    def mode(self, state: State, contact: int = 0) -> NDArray[np.int32]:
+        """View of a tooth contact's pair, contact mode and friction branch, and zones if any.
+
+        A pair by the paper's rule is one tooth contact; a real pair has those of its drive flank,
+        then those of its coast flank.
+        """
+        n = 3 if self._roots == ROOTS else 5
+        return state.integers[1 + n * contact : 1 + n * (contact + 1)]
 
     def roots(self, state: State) -> Floats:
         """Root functions."""
@@ -313,9 +327,12 @@ class Gearbox:
         self._call("evl_gearbox_roots", *map(_at, arrays))
         return result
 
-    def root(self, state: State, name: str, mesh: int = 0) -> float:
-        """One root function of a mesh."""
-        return float(self.roots(state)[len(ROOTS) * mesh + ROOTS.index(name)])
+    def _root_place(self, name: str, contact: int) -> int:
+        return len(self._roots) * contact + self._roots.index(name)
+
+    def root(self, state: State, name: str, contact: int = 0) -> float:
+        """One root function of a tooth contact."""
+        return float(self.roots(state)[self._root_place(name, contact)])
 
     def root_directions(self, state: State) -> Integers:
         """Directions that count in the present modes."""
@@ -323,22 +340,21 @@ class Gearbox:
         self.library.evl_gearbox_root_directions(self.handle, _at(state.integers), _at(result))
         return result
 
-    def root_direction(self, state: State, name: str, mesh: int = 0) -> int:
-        """Direction of one root function of a mesh."""
-        return int(self.root_directions(state)[len(ROOTS) * mesh + ROOTS.index(name)])
+    def root_direction(self, state: State, name: str, contact: int = 0) -> int:
+        """Direction of one root function of a tooth contact."""
+        return int(self.root_directions(state)[self._root_place(name, contact)])
 
     def next_time_event(self, state: State) -> float:
         """Time of the next knot of a table."""
         return float(self.library.evl_gearbox_next_time_event(self.handle, _at(state.integers)))
 
     def apply(
-        self, state: State, *roots: str, mesh: int = 0, time_event: bool = False
+        self, state: State, *roots: str, contact: int = 0, time_event: bool = False
     ) -> tuple[State, list[Event]]:
-        """State after an event at which the named roots of a mesh, or "revolution", passed zero."""
+        """State after an event at which the named roots of a contact, or "revolution", passed 0."""
         fired = np.zeros(self.sizes.n_roots, np.int32)
         for name in roots:
-            last = name == "revolution"
-            fired[-1 if last else len(ROOTS) * mesh + ROOTS.index(name)] = 1
+            fired[-1 if name == "revolution" else self._root_place(name, contact)] = 1
         after = state.copy()
         events = (EventRecord * (self.sizes.n_roots + 2))()
         n_events = _int(-1)
@@ -352,7 +368,7 @@ class Gearbox:
             ctypes.byref(n_events),
         )
         happened = [
-            Event(event_names(self.kernel)[e.kind], e.mesh, e.tooth_pair)
+            Event(event_names(self.kernel)[e.kind], e.mesh, e.tooth_pair, e.flank)
             for e in events[: n_events.value]
         ]
         return after, happened

@@ -155,7 +155,7 @@ def face(gearbox: Gearbox, state: State) -> None:
             continue
         near = state.copy()
         gearbox.mode(near, m)[1] = APART
-        near, _ = gearbox.apply(near, "apart", mesh=m)
+        near, _ = gearbox.apply(near, "apart", contact=m)
         state.y[gearbox.tracked(m)] = near.y[gearbox.tracked(m)]
 
 

@@ -358,7 +358,7 @@ def test_events_of_several_meshes_at_one_time_are_all_applied(kernel: Kernel):
     state = in_mode(gearbox, np.random.default_rng(8), (LOADED, 0))
     teeth = [int(gearbox.mode(state, m)[0]) for m in (0, 1)]
     fired = ("forward", "force")
-    after, events = gearbox.apply(state, *fired, mesh=1)
+    after, events = gearbox.apply(state, *fired, contact=1)
     assert {(e.name, e.mesh) for e in events} == {("tooth_switch", 1), ("force_vanished", 1)}
     assert gearbox.mode(after, 0).tolist() == gearbox.mode(state, 0).tolist()
     assert gearbox.mode(after, 1)[0] == teeth[1] + 1
@@ -367,7 +367,7 @@ def test_events_of_several_meshes_at_one_time_are_all_applied(kernel: Kernel):
 
 def test_every_kind_of_event_has_a_name_of_its_own(kernel: Kernel):
     names = event_names(kernel)
-    assert len(names) == len(set(names)) == 14
+    assert len(names) == len(set(names)) == 17
     assert all(name.isidentifier() and name.islower() for name in names)
     for kind in (-1, len(names)):
         name = ctypes.create_string_buffer(b"x" * 31, 32)

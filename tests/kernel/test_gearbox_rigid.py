@@ -24,7 +24,8 @@ from kernel.gearbox_description import (
 from kernel.housing import Pair
 from kernel.kernel import CONTACT, INVALID_INPUT, Kernel
 from kernel.rigid_cases import FRICTION, KNEE, refusal, rigid, rigid_train
-from kernel.test_gearbox_jacobian import check_jacobian, put
+from kernel.jacobian import check_jacobian
+from kernel.test_gearbox_jacobian import put
 
 TRACKINGS = pytest.mark.parametrize(
     "tracking", [CLOSED_FORM, ALGEBRAIC, DIFFERENTIAL], ids=["closed", "algebraic", "differential"]

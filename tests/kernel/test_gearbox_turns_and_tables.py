@@ -54,7 +54,7 @@ def test_whole_turns_are_taken_off_the_reference_angle_and_nothing_else_changes(
     state.y[place] = theta + 2 * np.pi * turns
     state.integers[0] -= turns
     after, events = gearbox.apply(state, "revolution")
-    assert events == [Event("revolution", -1, -1)]
+    assert events == [Event("revolution", -1, -1, -1)]
     assert after.integers[0] == state.integers[0] + turns
     assert after.y[place] == pytest.approx(theta, abs=4e-15)
     old, new = gearbox.outputs(state), gearbox.outputs(after)
@@ -107,7 +107,7 @@ def test_knots_of_tables_come_in_their_order_and_leave_the_torque_continuous(
         times.append(t)
         state.t = t
         after, events = gearbox.apply(state, time_event=True)
-        assert events == [Event("table_knot", -1, -1)]
+        assert events == [Event("table_knot", -1, -1, -1)]
         assert moved(gearbox, after, state) <= 1
         assert is_consistent(gearbox, after)
         old, new = gearbox.outputs(state), gearbox.outputs(after)

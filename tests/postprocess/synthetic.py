@@ -216,6 +216,7 @@ def _of_meshes(g: Gearbox, s: dict[str, Any]) -> dict[str, tuple[tuple[str, ...]
         "line_distance_driving": (zero, "m"),
         "line_distance_driven": (zero, "m"),
         "separation_curvature": (separation, "m"),
+        "flank_deviation": (zero, "m"),
         "friction_arm_driving": (s["curvature_a"] - s["h"] / 2, "m"),
         "friction_arm_driven": (s["curvature_b"] - s["h"] / 2, "m"),
     }

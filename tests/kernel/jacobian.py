@@ -1,0 +1,69 @@
+"""The analytic Jacobian of a gearbox against extrapolated differences of its residual."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kernel.gearbox import Gearbox, GearboxError, State
+from kernel.gearbox_cases import worst
+
+
+def column(gearbox: Gearbox, state: State, j: int, unit: float) -> tuple[np.ndarray, np.ndarray]:
+    """dF/dy_j times unit, by central differences extrapolated to step 0, and how sure it is.
+
+    Over a wide range of steps, and of each entry the value that changes least from one step and one
+    order to the next, as far as the rounding of the residual lets one tell.
+    """
+    eps = np.finfo(float).eps
+
+    def difference(step: float) -> np.ndarray:
+        values = []
+        for sign in (1, -1):
+            moved = state.copy()
+            moved.y[j] += sign * step * unit
+            values.append((moved.y[j], gearbox.residual(moved)))
+        # the step as it was rounded
+        return (values[0][1] - values[1][1]) / (values[0][0] - values[1][0]) * unit
+
+    best = np.full(len(state.y), np.nan)
+    least = np.full(len(state.y), np.inf)
+    before: list[np.ndarray] = []
+    for step in 1e4 * 0.5 ** np.arange(30):
+        try:
+            row = [difference(step)]
+            rounding = eps * (abs(gearbox.residual(state)) + abs(state.yp)) / step
+        except GearboxError:  # so far from here the model has no answer
+            before = []
+            continue
+        for order in range(1, min(4, len(before) + 1)):
+            finer = row[-1] + (row[-1] - before[order - 1]) / (4.0**order - 1)
+            error = np.maximum(abs(finer - row[-1]), abs(finer - before[order - 1])) + rounding
+            better = error < least
+            best[better], least[better] = finer[better], error[better]
+            row.append(finer)
+        before = row
+    return best, least
+
+
+def check_jacobian(gearbox: Gearbox, state: State) -> None:
+    """Compare both parts, rows and columns in their units."""
+    scale, row, _ = gearbox.scales()
+    cj = 1e4
+    analytic = gearbox.jacobian(state, 0.0) * scale / row[:, None]
+    newton = gearbox.jacobian(state, cj) * scale / row[:, None]
+    columns = [column(gearbox, state, j, unit) for j, unit in enumerate(scale)]
+    numeric, doubt = (np.stack(part, axis=1) / row[:, None] for part in zip(*columns, strict=True))
+    # the matrix that matters: of a step of 0.1 ms
+    largest = abs(newton).max(axis=1, keepdims=True)
+    tolerance = 1e-7 * abs(analytic) + 2 * doubt + 1e-12 * largest
+    assert worst(analytic - numeric, tolerance) <= 1
+    assert worst(doubt, 1e-6 * largest) <= 1
+    # F is linear in y'
+    rates = (newton - analytic) / cj
+    for j, unit in enumerate(scale):
+        moved = state.copy()
+        moved.yp[j] += 1e6 * unit
+        change = (gearbox.residual(moved) - gearbox.residual(state)) / (moved.yp[j] - state.yp[j])
+        change *= unit / row
+        # rounding of the residual beside the change, and of the difference of two Jacobians
+        assert worst(rates[:, j] - change, 1e-9 * np.maximum(1, abs(change))) <= 1
