@@ -1,6 +1,7 @@
 #include "json.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 #include "number.h"
 
@@ -19,22 +20,45 @@ static void write_text(FILE *stream, const char *text)
     fputc('"', stream);
 }
 
-static void write_number(FILE *stream, double value)
+/** Few digits if they are enough; the shortest text of all is dear to find. */
+static void write_quickly(char text[NUMBER_TEXT_LENGTH], double value)
 {
-    char text[NUMBER_TEXT_LENGTH];
-    number_write(text, value);
-    fputs(isfinite(value) ? text : "null", stream);
+    for (int digits = 15; digits <= 17; digits += 2) {
+        (void)snprintf(text, NUMBER_TEXT_LENGTH, "%.*g", digits, value);
+        if (strtod(text, NULL) == value) {
+            return;
+        }
+    }
+}
+
+static void write_number(const json_writer *writer, double value)
+{
+    char text[NUMBER_TEXT_LENGTH] = "null";
+    if (isfinite(value) && writer->is_line) {
+        write_quickly(text, value);
+    } else if (isfinite(value)) {
+        number_write(text, value);
+    }
+    fputs(text, writer->stream);
+}
+
+static void break_line(const json_writer *writer)
+{
+    if (!writer->is_line) {
+        fprintf(writer->stream, "\n%*s", 2 * writer->level, "");
+    }
 }
 
 /** Comma, new line, indentation, key. */
 static void begin_value(json_writer *writer, const char *key)
 {
     if (writer->level > 0) {
-        fprintf(writer->stream, "%s\n%*s", writer->has_values ? "," : "", 2 * writer->level, "");
+        fputs(writer->has_values ? "," : "", writer->stream);
+        break_line(writer);
     }
     if (key != NULL) {
         write_text(writer->stream, key);
-        fputs(": ", writer->stream);
+        fputs(writer->is_line ? ":" : ": ", writer->stream);
     }
     writer->has_values = true;
 }
@@ -51,7 +75,7 @@ void json_close(json_writer *writer, char bracket)
 {
     writer->level--;
     if (writer->has_values) {
-        fprintf(writer->stream, "\n%*s", 2 * writer->level, "");
+        break_line(writer);
     }
     fputc(bracket, writer->stream);
     if (writer->level == 0) {
@@ -69,7 +93,7 @@ void json_text(json_writer *writer, const char *key, const char *text)
 void json_number(json_writer *writer, const char *key, double value)
 {
     begin_value(writer, key);
-    write_number(writer->stream, value);
+    write_number(writer, value);
 }
 
 void json_numbers(json_writer *writer, const char *key, int n, const double *values)
@@ -77,8 +101,14 @@ void json_numbers(json_writer *writer, const char *key, int n, const double *val
     begin_value(writer, key);
     fputc('[', writer->stream);
     for (int i = 0; i < n; i++) {
-        fputs(i == 0 ? "" : ", ", writer->stream);
-        write_number(writer->stream, values[i]);
+        fputs(i == 0 ? "" : writer->is_line ? "," : ", ", writer->stream);
+        write_number(writer, values[i]);
     }
     fputc(']', writer->stream);
+}
+
+void json_integer(json_writer *writer, const char *key, long value)
+{
+    begin_value(writer, key);
+    fprintf(writer->stream, "%ld", value);
 }
