@@ -5,11 +5,37 @@
 
 #include "number.h"
 
+/** Bytes of the UTF-8 character at the start of a text; 0 if there is none. */
+static int character_length(const char *text)
+{
+    const unsigned char first = (unsigned char)text[0], second = (unsigned char)text[1];
+    const int length = first < 0x80                     ? 1
+                       : first >= 0xc2 && first <= 0xdf ? 2
+                       : first >= 0xe0 && first <= 0xef ? 3
+                       : first >= 0xf0 && first <= 0xf4 ? 4
+                                                        : 0;
+    const bool is_odd = (first == 0xe0 && second < 0xa0) || (first == 0xed && second > 0x9f) ||
+                        (first == 0xf0 && second < 0x90) || (first == 0xf4 && second > 0x8f);
+    for (int i = 1; i < length; i++) {
+        if (((unsigned char)text[i] & 0xc0) != 0x80) {
+            return 0;
+        }
+    }
+    return is_odd ? 0 : length;
+}
+
+/** What is no UTF-8, such as a character that was cut, becomes the replacement character. */
 static void write_text(FILE *stream, const char *text)
 {
     fputc('"', stream);
     for (const char *c = text; *c != '\0'; c++) {
-        if (*c == '"' || *c == '\\') {
+        const int length = character_length(c);
+        if (length == 0) {
+            fputs("\xef\xbf\xbd", stream);
+        } else if (length > 1) {
+            fprintf(stream, "%.*s", length, c);
+            c += length - 1;
+        } else if (*c == '"' || *c == '\\') {
             fprintf(stream, "\\%c", *c);
         } else if ((unsigned char)*c < 0x20) {
             fprintf(stream, "\\u%04x", (unsigned)(unsigned char)*c);

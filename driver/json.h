@@ -16,7 +16,7 @@ typedef struct {
 void json_open(json_writer *writer, const char *key, char bracket);
 /** @param bracket  '}' or ']' */
 void json_close(json_writer *writer, char bracket);
-/** UTF-8 text. */
+/** UTF-8 text; what is none is replaced. */
 void json_text(json_writer *writer, const char *key, const char *text);
 /** In the shortest form that reads back exactly; null if it is not finite. */
 void json_number(json_writer *writer, const char *key, double value);
