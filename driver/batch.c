@@ -110,8 +110,9 @@ static bool claim_folder(const char *folder, const char *hash, evl_error *error)
     if (good && found == NULL) {
         good = fail_folder(mark, error);
     } else if (good && strcmp(found, hash) != 0) {
-        evl_error_set(error, EVL_EXIT_CASE, mark, "this folder holds the results of another design (%.16s..., not "
-                                                  "%.16s...); choose another folder",
+        evl_error_set(error, EVL_EXIT_CASE, mark,
+                      "this folder holds the results of another design (%.16s..., not "
+                      "%.16s...); choose another folder",
                       found, hash);
         good = false;
     }
@@ -128,7 +129,8 @@ typedef struct {
     design *design;
     batch_plan plan;
     batch_state state;
-    char *stem; /**< FOLDER/shard-I-of-N */
+    char *stem;      /**< FOLDER/shard-I-of-N */
+    long n_recorded; /**< cases, by runs before this one */
 } shard_run;
 
 static bool open_histories(shard_run *run, evl_error *error)
@@ -138,6 +140,9 @@ static bool open_histories(shard_run *run, evl_error *error)
         return true;
     }
     char *path = xasprintf("%s.h5", run->stem);
+    if (run->n_recorded > 0 && access(path, F_OK) != 0) {
+        log_warning("%s is gone, and with it the histories of the %ld cases recorded before", path, run->n_recorded);
+    }
     const stack_layout layout = {.path = path,
                                  .hash = run->design->hash,
                                  .first_case = run->plan.first_case,
@@ -161,12 +166,12 @@ static bool open_journal(shard_run *run, evl_error *error)
     batch_state *state = &run->state;
     char *path = xasprintf("%s.jsonl", run->stem);
     char *head = batch_plan_head(&run->plan, run->share.shard, run->share.n_shards);
-    long n_recorded = 0;
     state->status = xcalloc((size_t)run->design->n_cases, sizeof *state->status);
-    bool good = journal_open(&state->journal, path, head, run->design->n_cases, state->status, &n_recorded, error);
-    if (good && n_recorded > 0 && !run->options->resume && run->options->cases == NULL) {
+    bool good = journal_open(&state->journal, path, head, run->design->n_cases, state->status, &run->n_recorded, error);
+    if (good && run->n_recorded > 0 && !run->options->resume && run->options->cases == NULL) {
         evl_error_set(error, EVL_EXIT_CASE, path,
-                      "%ld cases are recorded here already; go on with --resume, or choose another folder", n_recorded);
+                      "%ld cases are recorded here already; go on with --resume, or choose another folder",
+                      run->n_recorded);
         good = false;
     }
     free(head);

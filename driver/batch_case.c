@@ -91,9 +91,10 @@ static bool check_case(const batch_plan *plan, const prepared_case *prepared, do
     const int n_meshes = case_description(prepared->file)->n_meshes;
     const char *place = case_path(prepared->file);
     if (n_meshes != plan->table.n_meshes) {
-        evl_error_set(refusal, EVL_EXIT_CASE, place,
-                      "the number of meshes is %d, that of the base case %d; all cases of a design have the same meshes",
-                      n_meshes, plan->table.n_meshes);
+        evl_error_set(
+            refusal, EVL_EXIT_CASE, place,
+            "the number of meshes is %d, that of the base case %d; all cases of a design have the same meshes",
+            n_meshes, plan->table.n_meshes);
         return false;
     }
     if (!find_window(plan, &options, from, to)) {
@@ -207,8 +208,8 @@ static bool simulate_prepared(const batch_plan *plan, long index, const prepared
     progress_start(&progress, false, 0, 1);
     simulate(prepared, &sink, &progress, &state, &result);
     conclude(&batch, index, &result, row);
-    const bool good = batch.history == NULL || stack_write(&plan->stack, (index - plan->first_case) / plan->stride,
-                                                           batch.history, error);
+    const bool good = batch.history == NULL ||
+                      stack_write(&plan->stack, (index - plan->first_case) / plan->stride, batch.history, error);
     statistics_delete(&batch.statistics);
     free(batch.history);
     free(batch.offsets);

@@ -1,5 +1,4 @@
-/* What all cases of a batch share. */
-#include "batch_case.h"
+#include "batch_plan.h"
 
 #include "json.h"
 #include "memory.h"
@@ -39,8 +38,6 @@ static void take_table(batch_plan *plan)
     free(names);
 }
 
-/* ---- histories ---- */
-
 bool batch_prepare(const batch_plan *plan, long index, prepared_case *prepared, evl_error *error)
 {
     const design *design = plan->design;
@@ -48,14 +45,15 @@ bool batch_prepare(const batch_plan *plan, long index, prepared_case *prepared, 
     for (int i = 0; i < design->n_columns; i++) {
         options[i] = design_option(design, i, index);
     }
-    const bool good =
-        prepare_edited(prepared, plan->base, design->n_columns, (const char *const *)options, error);
+    const bool good = prepare_edited(prepared, plan->base, design->n_columns, (const char *const *)options, error);
     for (int i = 0; i < design->n_columns; i++) {
         free(options[i]);
     }
     free(options);
     return good;
 }
+
+/* ---- histories ---- */
 
 static bool refuse_variable(const batch_plan *plan, const model *model, const char *name, evl_error *error)
 {

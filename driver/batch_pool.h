@@ -2,7 +2,8 @@
 #ifndef EVOLVENT_BATCH_POOL_H
 #define EVOLVENT_BATCH_POOL_H
 
-#include "batch_case.h"
+#include "batch_plan.h"
+#include "journal.h"
 
 typedef struct {
     journal journal;

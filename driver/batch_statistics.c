@@ -139,7 +139,7 @@ struct statistics {
     bool has_output; /**< any at all */
     double t_first;  /**< of the window */
     double t_last;
-    bool is_in_window; /**< the last output was */
+    bool is_in_window;    /**< the last output was */
     accumulator *of_mesh; /**< [n_meshes * N_OF_MESH] */
     energy_balance energy;
     long *events; /**< [kinds] */
@@ -287,8 +287,7 @@ static double reduce(int row, const accumulator *a, double span)
     }
 }
 
-void statistics_finish(const statistics *statistics, const integrate_counts *counts, bool is_complete,
-                       double *results)
+void statistics_finish(const statistics *statistics, const integrate_counts *counts, bool is_complete, double *results)
 {
     const double span = statistics->t_last - statistics->t_first;
     int n = 0;

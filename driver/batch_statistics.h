@@ -38,7 +38,6 @@ void statistics_event(statistics *statistics, const event_record *record);
 /** The numbers of the table; NaN where there was nothing to accumulate.
  *  @param is_complete  the case came to its end; otherwise the numbers of the meshes, whose window is not full, are NaN
  *  @param results      [table.n] */
-void statistics_finish(const statistics *statistics, const integrate_counts *counts, bool is_complete,
-                       double *results);
+void statistics_finish(const statistics *statistics, const integrate_counts *counts, bool is_complete, double *results);
 
 #endif

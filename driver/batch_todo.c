@@ -59,8 +59,8 @@ static bool read_cases(const batch_plan *plan, const char *path, bool *is_wanted
     return good;
 }
 
-bool batch_todo(const batch_plan *plan, const char *cases_path, const journal_status *status, long **todo,
-                long *n_todo, evl_error *error)
+bool batch_todo(const batch_plan *plan, const char *cases_path, const journal_status *status, long **todo, long *n_todo,
+                evl_error *error)
 {
     const long n = batch_shard_size(plan);
     bool *is_wanted = xcalloc((size_t)plan->design->n_cases, sizeof *is_wanted);

@@ -2,7 +2,8 @@
 #ifndef EVOLVENT_BATCH_TODO_H
 #define EVOLVENT_BATCH_TODO_H
 
-#include "batch_case.h"
+#include "batch_plan.h"
+#include "journal.h"
 
 /** Number of the shard's cases. */
 long batch_shard_size(const batch_plan *plan);
@@ -10,7 +11,7 @@ long batch_shard_size(const batch_plan *plan);
  *  @param cases_path  NULL: no such file
  *  @param todo        a new array
  *  @return false with the reason in `error` */
-bool batch_todo(const batch_plan *plan, const char *cases_path, const journal_status *status, long **todo,
-                long *n_todo, evl_error *error);
+bool batch_todo(const batch_plan *plan, const char *cases_path, const journal_status *status, long **todo, long *n_todo,
+                evl_error *error);
 
 #endif

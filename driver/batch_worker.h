@@ -17,9 +17,9 @@ typedef struct {
 
 /** What a worker has to say of the case in flight. */
 typedef struct {
-    bool is_lost;     /**< its row could not be stored on disk: `text` says why */
-    batch_row row;    /**< otherwise; its line belongs to the receiver */
-    evl_error error;  /**< of is_lost */
+    bool is_lost;    /**< its row could not be stored on disk: `text` says why */
+    batch_row row;   /**< otherwise; its line belongs to the receiver */
+    evl_error error; /**< of is_lost */
 } batch_answer;
 
 /** Fork a worker. It ends when its parent does, however that ends, and ignores the signals that ask a job to end.

@@ -64,7 +64,6 @@ static bool walk(const case_schema *schema, const char *block, const char *paren
 {
     const size_t length = strcspn(path, ".");
     char *segment = xasprintf("%.*s", (int)length, path);
-    char *here = xasprintf("%s%s%s", parent, parent[0] == '\0' ? "" : ".", segment);
     const char *rest = path[length] == '.' ? path + length + 1 : NULL;
     bool good = false, is_known = false;
     for (int i = 0; i < schema->n && !good; i++) {
@@ -78,12 +77,14 @@ static bool walk(const case_schema *schema, const char *block, const char *paren
             const char *dot = strchr(inner, '.');
             inner = dot == NULL ? NULL : dot + 1;
         }
+        const int walked = (int)(inner == NULL ? strlen(path) : (size_t)(inner - path) - 1);
+        char *here = xasprintf("%s%s%.*s", parent, parent[0] == '\0' ? "" : ".", walked, path);
         good = inner == NULL || key->holds[0] == '\0' || walk(schema, key->holds, here, inner, error);
+        free(here);
     }
     if (!is_known) {
         refuse_key(schema, block, parent, segment, error);
     }
-    free(here);
     free(segment);
     return good;
 }

@@ -62,9 +62,11 @@ static const command_row commands[] = {
      "case file"},
     {OF_BATCH, CLI_BATCH, "batch", "DESIGN.h5 -o DIR [--shard I/N] [--jobs J] [--resume] [--cases FILE] [-q]",
      "run the cases of a design, or a share of them",
-     "Runs the cases of a design, which 'evolvent-sweep plan' writes: a base case, and a table of the values that make\n"
+     "Runs the cases of a design, which 'evolvent-sweep plan' writes: a base case, and a table of the values that "
+     "make\n"
      "the cases. Each finished case is a line of DIR/shard-I-of-N.jsonl: what became of it, and its numbers over the\n"
-     "design's window of time. Histories, if the design asks for some, are in DIR/shard-I-of-N.h5. A case that fails is a\n"
+     "design's window of time. Histories, if the design asks for some, are in DIR/shard-I-of-N.h5. A case that fails "
+     "is a\n"
      "line with its reason. Whatever ends the program, nothing recorded is lost: the same command with --resume runs\n"
      "what is missing. SIGTERM, SIGUSR1 and SIGINT end it at once, with exit code 75.\n"
      "\n"
@@ -90,14 +92,16 @@ static const option_row option_rows[] = {
     {OF_MODES, 0, "at", "TIME", offsetof(cli_options, at),
      "integrate the case from its initial state to this time [s] and linearise there"},
     {OF_BATCH, 'o', "output", "DIR", offsetof(cli_options, output), "folder of the results, made if it is not there"},
-    {OF_BATCH, 0, "shard", "I/N", offsetof(cli_options, shard), "only the cases i with i mod N = I - 1; 1/1 if not given"},
+    {OF_BATCH, 0, "shard", "I/N", offsetof(cli_options, shard),
+     "only the cases i with i mod N = I - 1; 1/1 if not given"},
     {OF_BATCH, 'j', "jobs", "J", offsetof(cli_options, jobs), "number of processes that run cases; 1 if not given"},
     {OF_BATCH, 0, "resume", NULL, offsetof(cli_options, resume), "go on: run the cases that are not recorded yet"},
     {OF_BATCH, 0, "cases", "FILE", offsetof(cli_options, cases),
      "run these cases, one number a line, recorded or not; the later record counts"},
     {OF_RUN | OF_SHOW | OF_MODES, 0, "set", "PATH=VALUE", offsetof(cli_options, set),
      "change the case, such as wheels.pinion.teeth=25; VALUE is YAML; may be repeated"},
-    {OF_RUN | OF_BATCH, 'q', "quiet", NULL, offsetof(cli_options, quiet), "no progress and no summary; warnings and errors only"},
+    {OF_RUN | OF_BATCH, 'q', "quiet", NULL, offsetof(cli_options, quiet),
+     "no progress and no summary; warnings and errors only"},
     {OF_SHOW | OF_MODES, 0, "json", NULL, offsetof(cli_options, json), "one JSON object, in SI units and radians"},
     {OF_SHOW, 0, "laws", NULL, offsetof(cli_options, laws), "the laws of contact, damping and friction instead"},
     {OF_SHOW, 0, "keys", NULL, offsetof(cli_options, keys), "every key of a case file, as Markdown, instead"},

@@ -21,8 +21,8 @@ const char *journal_status_name(journal_status status)
 /** @return false */
 static bool fail(const journal *journal, evl_error *error)
 {
-    evl_error_set(error, EVL_EXIT_IO, journal->path, "cannot be written: %s; what is recorded stays, go on with --resume",
-                  strerror(errno));
+    evl_error_set(error, EVL_EXIT_IO, journal->path,
+                  "cannot be written: %s; what is recorded stays, go on with --resume", strerror(errno));
     return false;
 }
 
@@ -69,7 +69,8 @@ static bool write_all(const journal *journal, const char *text, size_t length, e
     const int reason = n < 0 ? errno : ENOSPC; /* what a short write of a file means */
     struct stat file;
     if (n > 0 && fstat(journal->descriptor, &file) == 0) {
-        (void)!ftruncate(journal->descriptor, file.st_size - n); /* if that fails, the line stays torn: it does not count */
+        (void)!ftruncate(journal->descriptor,
+                         file.st_size - n); /* if that fails, the line stays torn: it does not count */
     }
     errno = reason;
     return fail(journal, error);

@@ -33,8 +33,7 @@ bool prepare_case(prepared_case *prepared, const char *path, int n_set, const ch
     return make_model(prepared, error);
 }
 
-bool prepare_edited(prepared_case *prepared, const case_base *base, int n_set, const char *const *set,
-                    evl_error *error)
+bool prepare_edited(prepared_case *prepared, const case_base *base, int n_set, const char *const *set, evl_error *error)
 {
     *prepared = (prepared_case){.file = case_edit(base, n_set, set, error)};
     return make_model(prepared, error);

@@ -59,14 +59,13 @@ static bool define_dimensions(builder *b, const stack_layout *layout)
     for (long row = 0; row < layout->n_rows; row++) {
         numbers[row] = layout->first_case + row * layout->stride;
     }
-    const bool good =
-        define_coordinate(b, &b->cases, &cases, layout->n_rows, numbers) &&
-        define_coordinate(b, &b->time, &time, layout->n_times, layout->times) &&
-        define_names(b, &b->wheel, "wheel", "name of the wheel", layout->n_wheels, layout->wheel_names) &&
-        define_names(b, &b->mesh, "mesh", "name of the mesh", layout->n_meshes, layout->mesh_names) &&
-        define_names(b, &b->axis, "axis", "axis of the housing frame", 2, axes) &&
-        define_names(b, &b->space, "space", "axis of a frame", 3, axes) &&
-        define_names(b, &b->quaternion, "quaternion", "part of a quaternion", 4, parts);
+    const bool good = define_coordinate(b, &b->cases, &cases, layout->n_rows, numbers) &&
+                      define_coordinate(b, &b->time, &time, layout->n_times, layout->times) &&
+                      define_names(b, &b->wheel, "wheel", "name of the wheel", layout->n_wheels, layout->wheel_names) &&
+                      define_names(b, &b->mesh, "mesh", "name of the mesh", layout->n_meshes, layout->mesh_names) &&
+                      define_names(b, &b->axis, "axis", "axis of the housing frame", 2, axes) &&
+                      define_names(b, &b->space, "space", "axis of a frame", 3, axes) &&
+                      define_names(b, &b->quaternion, "quaternion", "part of a quaternion", 4, parts);
     free(numbers);
     return good;
 }
@@ -83,8 +82,7 @@ static bool define_variable(builder *b, const model_output *output)
         [MODEL_DIMS_QUATERNION] = {&b->quaternion, NULL},
         [MODEL_DIMS_WHEEL_SPACE] = {&b->wheel, &b->space},
     };
-    netcdf_variable variable =
-        describe(NETCDF_FLOAT, output->name, output->units, output->symbol, output->long_name);
+    netcdf_variable variable = describe(NETCDF_FLOAT, output->name, output->units, output->symbol, output->long_name);
     variable.rank = 2;
     variable.dimensions[0] = &b->cases;
     variable.dimensions[1] = &b->time;
@@ -164,8 +162,8 @@ static bool find_rows(stack *stack, hid_t file, const stack_layout *layout)
     for (int i = 0; i < layout->n_variables && good; i++) {
         const hid_t dataset = H5Dopen2(file, layout->variables[i].name, H5P_DEFAULT);
         const haddr_t offset = dataset < 0 ? HADDR_UNDEF : H5Dget_offset(dataset);
-        const hsize_t bytes = (hsize_t)layout->n_rows * (hsize_t)layout->n_times * (hsize_t)layout->variables[i].count *
-                              sizeof(float);
+        const hsize_t bytes =
+            (hsize_t)layout->n_rows * (hsize_t)layout->n_times * (hsize_t)layout->variables[i].count * sizeof(float);
         good = offset != HADDR_UNDEF && H5Dget_storage_size(dataset) == bytes;
         stack->offsets[i] = (long long)offset;
         stack->counts[i] = layout->variables[i].count;
