@@ -57,20 +57,26 @@ static void take_line(const char *line, size_t length, long n_cases, journal_sta
     }
 }
 
+/** With one write; the rest of one that came up short is tried for the reason's sake. */
 static bool write_all(const journal *journal, const char *text, size_t length, evl_error *error)
 {
-    ssize_t n = 0;
-    do {
-        n = write(journal->descriptor, text, length);
-    } while (n < 0 && errno == EINTR);
-    if (n == (ssize_t)length) {
+    size_t done = 0;
+    while (done < length) {
+        const ssize_t n = write(journal->descriptor, text + done, length - done);
+        if (n > 0) {
+            done += (size_t)n;
+        } else if (n == 0 || errno != EINTR) {
+            break;
+        }
+    }
+    if (done == length) {
         return true;
     }
-    const int reason = n < 0 ? errno : ENOSPC; /* what a short write of a file means */
+    const int reason = errno;
     struct stat file;
-    if (n > 0 && fstat(journal->descriptor, &file) == 0) {
-        (void)!ftruncate(journal->descriptor,
-                         file.st_size - n); /* if that fails, the line stays torn: it does not count */
+    if (done > 0 && fstat(journal->descriptor, &file) == 0) {
+        /* if that fails, the line stays torn: it does not count */
+        (void)!ftruncate(journal->descriptor, file.st_size - (off_t)done);
     }
     errno = reason;
     return fail(journal, error);
