@@ -50,7 +50,7 @@ def write_design(
     every: int = 1,
     **attributes: object,
 ) -> Path:
-    """Write a design as `evolvent-sweep plan` does; attributes replace its own, None leaves one out."""
+    """Write a design as `evolvent-sweep plan` does; `attributes` replace its own, None: none."""
     n = len(next(iter(columns.values())))
     case = paper_case() if case is None else case
     key = repr((case, dict(columns), window, histories, every))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import signal
 import socket
 import subprocess
 from collections.abc import Callable
@@ -33,9 +32,7 @@ def design(tmp_path: Path) -> Path:
 # ---- what is recorded ----------------------------------------------------------------------------
 
 
-def test_each_case_is_a_line_with_its_status_and_reason(
-    evolvent: Evolvent, tmp_path: Path
-) -> None:
+def test_each_case_is_a_line_with_its_status_and_reason(evolvent: Evolvent, tmp_path: Path) -> None:
     design = write_design(
         tmp_path / "design.h5",
         {TORQUE: [-1.0, OVERLOAD, -1.0, -1.0], "wheels.pinion.teeth": [20, 20, 2, 20.5]},
@@ -49,7 +46,9 @@ def test_each_case_is_a_line_with_its_status_and_reason(
     assert rows[0]["message"] == ""
     assert "eq. (15)" in rows[1]["message"]
     for case, value in ((2, "2"), (3, "20.5")):
-        assert f"--set wheels.pinion.teeth={value}: wheels.pinion.teeth: is" in rows[case]["message"]
+        assert (
+            f"--set wheels.pinion.teeth={value}: wheels.pinion.teeth: is" in rows[case]["message"]
+        )
 
 
 def test_a_value_is_refused_in_the_words_of_the_set_option(
@@ -127,7 +126,9 @@ def test_numbers_are_those_of_the_case_s_history(evolvent: Evolvent, tmp_path: P
         for code, meaning in enumerate(events.kind.attrs["flag_meanings"].split()):
             expected[f"events_{meaning}"] = float((events.kind == code).sum())
         # sums of a few hundred terms in another order
-        assert {name: row[name] for name in expected} == pytest.approx(expected, rel=1e-12, abs=1e-30)
+        assert {name: row[name] for name in expected} == pytest.approx(
+            expected, rel=1e-12, abs=1e-30
+        )
         assert set(row) - set(expected) == {"case", "status", "exit", "message", *TIMINGS}
 
 
@@ -165,9 +166,7 @@ def test_a_window_without_an_output_is_refused(evolvent: Evolvent, tmp_path: Pat
     assert "the window from 0.025 to 0.03 s holds no output" in rows[0]["message"]
 
 
-def test_with_several_meshes_each_has_its_own_numbers(
-    evolvent: Evolvent, tmp_path: Path
-) -> None:
+def test_with_several_meshes_each_has_its_own_numbers(evolvent: Evolvent, tmp_path: Path) -> None:
     base = """
 format: 1
 materials: {steel: {youngs_modulus: 2.0e11, poisson_ratio: 0.3, density: 7800}}
@@ -369,7 +368,11 @@ def test_numbers_of_no_case_are_refused(evolvent: Evolvent, design: Path, line: 
 @pytest.mark.parametrize(
     ("columns", "changes", "said"),
     [
-        ({"wheels.pinion.tooth": [20]}, {}, "wheels.pinion has no key 'tooth' (did you mean 'teeth'?)"),
+        (
+            {"wheels.pinion.tooth": [20]},
+            {},
+            "wheels.pinion has no key 'tooth' (did you mean 'teeth'?)",
+        ),
         ({"wheels.pinon.teeth": [20]}, {}, "wheels has no 'pinon' (did you mean 'pinion'?)"),
         ({"wheels.0.loads.3.value": [2]}, {}, "wheels.0.loads has no element '3'"),
         ({"title.x": ["a"]}, {}, "title is a single value and has no 'x'"),
@@ -457,9 +460,7 @@ def test_a_journal_of_another_version_is_refused(evolvent: Evolvent, design: Pat
         (["--jobs", "2.5"], "--jobs 2.5: write a number of processes"),
     ],
 )
-def test_misuse_is_told(
-    evolvent: Evolvent, design: Path, arguments: list[str], said: str
-) -> None:
+def test_misuse_is_told(evolvent: Evolvent, design: Path, arguments: list[str], said: str) -> None:
     result = evolvent("batch", design, "-o", "r", *arguments)
     assert result.returncode == 2
     assert said in result.stderr

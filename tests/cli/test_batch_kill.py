@@ -80,6 +80,11 @@ def n_lines(folder: Path) -> int:
     return journal.read_bytes().count(b"\n") if journal.is_file() else 0
 
 
+def wait_for_lines(folder: Path, number: int, process: subprocess.Popen[bytes]) -> None:
+    """Wait until the journal has so many lines, or the process has ended."""
+    wait_for(lambda: n_lines(folder) >= number or process.poll() is not None)
+
+
 def assert_undisturbed(
     folder: Path, undisturbed: tuple[Path, dict[int, dict[str, object]], np.ndarray]
 ) -> None:
@@ -111,7 +116,7 @@ def test_killed_workers_leave_no_trace(
                 # A case that was handed out again must be over, and is: neither does a worker die
                 # in its first case, nor before some other cases are over.
                 lines = n_lines(folder) + 4
-                wait_for(lambda n=lines: n_lines(folder) >= n or parent.poll() is not None)
+                wait_for_lines(folder, lines, parent)
                 time.sleep(when.uniform(0.0, 0.02))
                 workers = children(parent.pid)
                 victims = sorted(old.intersection(workers)) if old else workers
@@ -216,7 +221,8 @@ def test_a_journal_that_may_not_grow_ends_the_batch_and_keeps_what_it_has(
     )
     assert full.returncode == 74
     assert full.stderr == (
-        f"{JOURNAL}: cannot be written: File too large; what is recorded stays, go on with --resume\n"
+        f"{JOURNAL}: cannot be written: File too large; "
+        "what is recorded stays, go on with --resume\n"
     )
     kept = read_journal(tmp_path / JOURNAL)
     assert kept.torn == 0
@@ -260,7 +266,7 @@ def test_a_full_disk_ends_the_batch_and_room_lets_it_go_on(
     (tmp_path / "disk").mkdir()
     script = (
         'mount -t tmpfs -o size=24k none disk || exit 99; "$0" batch "$1" -o disk/r; echo "$?"; '
-        'cp disk/r/*.jsonl first; mount -o remount,size=10m disk; '
+        "cp disk/r/*.jsonl first; mount -o remount,size=10m disk; "
         '"$0" batch "$1" -o disk/r --resume -q; echo "$?"; cp disk/r/*.jsonl second'
     )
     own = ["unshare", "--mount"] if os.geteuid() == 0 else ["unshare", "--mount", "--map-root-user"]
