@@ -61,18 +61,25 @@ static bool read_share(const batch_options *options, batch_share *share, evl_err
 
 /* ---- the folder ---- */
 
-/** The text of a small file; NULL, with errno, if it cannot be read. */
-static char *read_small(const char *path)
+/** The first line of a file, without its newline; NULL, with errno, if it cannot be read. */
+static char *read_line(const char *path)
 {
     FILE *file = fopen(path, "rb");
     if (file == NULL) {
         return NULL;
     }
-    char *text = xcalloc(1024, 1);
-    (void)fread(text, 1, 1023, file);
+    char *line = NULL;
+    size_t room = 0;
+    ssize_t length = getline(&line, &room, file);
     (void)fclose(file);
-    text[strcspn(text, "\n")] = '\0';
-    return text;
+    if (length < 0) {
+        free(line);
+        return xstrdup("");
+    }
+    while (length > 0 && line[length - 1] == '\n') {
+        line[--length] = '\0';
+    }
+    return line;
 }
 
 static bool fail_folder(const char *path, evl_error *error)
@@ -102,10 +109,10 @@ static bool claim_folder(const char *folder, const char *hash, evl_error *error)
         return fail_folder(folder, error);
     }
     char *mark = xasprintf("%s/design.txt", folder);
-    char *found = read_small(mark);
+    char *found = read_line(mark);
     bool good = found != NULL || errno != ENOENT || mark_folder(mark, hash, error);
     if (good && found == NULL) {
-        found = read_small(mark);
+        found = read_line(mark);
     }
     if (good && found == NULL) {
         good = fail_folder(mark, error);

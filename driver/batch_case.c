@@ -37,7 +37,7 @@ static void write_row(const batch_plan *plan, long index, journal_status status,
     for (int i = 0; i < plan->table.n; i++) {
         json_number(&writer, plan->table.scalars[i].name, results == NULL ? NAN : results[i]);
     }
-    json_number(&writer, "at", (double)now.tv_sec + (double)(now.tv_nsec / 1000000) / 1000);
+    json_number(&writer, "at", (double)now.tv_sec + floor(1e-6 * (double)now.tv_nsec) / 1000);
     json_close(&writer, '}');
     (void)fclose(writer.stream);
 }

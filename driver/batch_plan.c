@@ -92,8 +92,9 @@ static bool choose_variables(batch_plan *plan, const model *model, evl_error *er
         for (int i = 0; i < histories->n_variables; i++) {
             is_new = is_new && strcmp(histories->variables[i].name, name) != 0;
         }
-        good = found != NULL || refuse_variable(plan, model, name, error);
-        if (good && is_new) {
+        if (found == NULL) {
+            good = refuse_variable(plan, model, name, error);
+        } else if (is_new) {
             histories->variables[histories->n_variables++] = *found;
         }
     }

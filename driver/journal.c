@@ -41,16 +41,25 @@ static bool is_complete(const char *line, size_t length)
     return (size_t)(end - line) > n && end[0] != '}' && memcmp(end - n, mark, n) == 0;
 }
 
+/** What comes after `start` in a text that begins with it; NULL if it does not. */
+static const char *after(const char *text, const char *start)
+{
+    const size_t length = strlen(start);
+    return strncmp(text, start, length) == 0 ? text + length : NULL;
+}
+
 static void take_line(const char *line, size_t length, long n_cases, journal_status *status, long *n_recorded)
 {
-    long index = -1;
-    char word[16] = "";
-    if (!is_complete(line, length) || sscanf(line, "{\"case\":%ld,\"status\":\"%15[a-z]\"", &index, word) != 2 ||
-        index < 0 || index >= n_cases) {
+    const char *number = after(line, "{\"case\":");
+    char *end = NULL;
+    if (number == NULL || !is_complete(line, length)) {
         return;
     }
-    for (int i = JOURNAL_DONE; i <= JOURNAL_REFUSED; i++) {
-        if (strcmp(word, status_names[i]) == 0) {
+    const long index = strtol(number, &end, 10);
+    const char *word = after(end, ",\"status\":\"");
+    for (int i = JOURNAL_DONE; word != NULL && index >= 0 && index < n_cases && i <= JOURNAL_REFUSED; i++) {
+        const char *rest = after(word, status_names[i]);
+        if (rest != NULL && rest[0] == '"') {
             *n_recorded += status[index] == JOURNAL_MISSING ? 1 : 0;
             status[index] = (journal_status)i;
         }
