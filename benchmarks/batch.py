@@ -2,10 +2,10 @@
 
     python benchmarks/batch.py [PROGRAM]             (build/release/evolvent unless given)
 
-Torque, friction and the stiffness of the slider vary. Prints three things: the processor time of the
-whole batch over the sum of its integrations; the memory of a worker while its cases go by; how busy two
-processes are, as sum of case CPU / (2 x wall), beside one. Exits with 1 if a limit is exceeded.
-On a machine that does something else as well the busyness says nothing.
+Torque, friction and the stiffness of the slider vary. Prints three things: the processor time of
+the whole batch over the sum of its integrations; the memory of a worker while its cases go by; how
+busy two processes are, as sum of case CPU / (2 x wall), beside one. Exits with 1 if a limit is
+exceeded. On a machine that does something else as well, neither time says much.
 """
 
 from __future__ import annotations
@@ -83,16 +83,15 @@ def workers(parent: int) -> list[int]:
     return sorted(found)
 
 
-def watch_memory(parent: int, samples: list[float]) -> None:
+def watch_memory(parent: int, has_ended: threading.Event, samples: list[float]) -> None:
     """Note the memory of the first worker until the batch has ended."""
     page = os.sysconf("SC_PAGE_SIZE") / 1e6
-    while True:
-        time.sleep(0.1)
+    while not has_ended.wait(0.1):
         try:
             first = workers(parent)[0]
             resident = int(Path(f"/proc/{first}/statm").read_text().split()[1])
         except (OSError, IndexError):
-            return
+            continue
         if resident > 0:
             samples.append(page * resident)
 
@@ -103,11 +102,13 @@ def run(program: Path, design: Path, folder: Path, jobs: int) -> Cost:
     memory: list[float] = []
     start = time.monotonic()
     process = subprocess.Popen(command, env={**os.environ, "OPENBLAS_NUM_THREADS": "1"})
-    watcher = threading.Thread(target=watch_memory, args=(process.pid, memory))
+    has_ended = threading.Event()
+    watcher = threading.Thread(target=watch_memory, args=(process.pid, has_ended, memory))
     watcher.start()
     _, status, usage = os.wait4(process.pid, 0)
     wall = time.monotonic() - start
     process.returncode = os.waitstatus_to_exitcode(status)
+    has_ended.set()
     watcher.join()
     if process.returncode != 0:
         sys.exit(f"{' '.join(command)} ended with {process.returncode}")
