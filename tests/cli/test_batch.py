@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import pty
+import re
 import socket
 import subprocess
 from collections.abc import Callable
@@ -466,6 +469,16 @@ def test_misuse_is_told(evolvent: Evolvent, design: Path, arguments: list[str], 
     assert said in result.stderr
 
 
+def test_the_examples_of_its_help_work(evolvent: Evolvent, design: Path) -> None:
+    text = evolvent("batch", "--help").stdout
+    assert text.startswith("Usage: evolvent batch DESIGN.h5 -o DIR ")
+    lines = re.findall(r"^  evolvent (batch .*?)(?:  .*)?$", text, re.MULTILINE)
+    assert len(lines) == 2
+    for line in lines:
+        assert evolvent(*line.split()).returncode == 0, line
+    assert design.name in lines[0]
+
+
 def test_a_folder_is_needed(evolvent: Evolvent, design: Path) -> None:
     result = evolvent("batch", design)
     assert result.returncode == 2
@@ -506,3 +519,27 @@ def test_a_second_run_of_a_shard_is_refused_and_told_who_is_first(
     ended.terminate()
     assert "interrupted by SIGTERM" in ended.communicate(timeout=60)[1]
     assert ended.returncode == 75
+
+
+# ---- progress ------------------------------------------------------------------------------------
+
+
+def test_a_terminal_shows_each_second_how_far_a_batch_is(executable: Path, tmp_path: Path) -> None:
+    columns = {"simulation.duration": [0.02, 1e6, 0.02], "wheels.pinion.teeth": [20, 20, 2]}
+    design = write_design(tmp_path / "design.h5", columns)
+    ours, theirs = pty.openpty()
+    command = [executable, "batch", design, "-o", "r", "--jobs", "2"]
+    with subprocess.Popen(command, cwd=tmp_path, stderr=theirs) as process:
+        os.close(theirs)
+        shown = os.read(ours, 4096).decode()
+        process.terminate()
+    end = os.read(ours, 4096).decode()
+    os.close(ours)
+    assert re.match(r"\r2 of 3 done, 1 of them failed or refused, \S+ a second, \S+ s left", shown)
+    assert end.startswith("\r\x1b[K")  # the line is wiped before the message
+    assert "interrupted by SIGTERM; 2 of 3 cases were finished, --resume runs the others" in end
+
+
+def test_quiet_says_nothing(evolvent: Evolvent, design: Path) -> None:
+    result = evolvent("batch", design, "-o", "r", "-q")
+    assert (result.returncode, result.stdout, result.stderr) == (0, "", "")
