@@ -40,7 +40,7 @@ def make_plan(path: Path, program: Path) -> tuple[Design, list[Refusal]]:
     Raises
     ------
     SweepError
-        A plan, table or window that cannot be used.
+        A plan, table or window that cannot be used, or no case that the program takes.
     """
     spec = read_spec(path)
     parameters, n_cases, sampling = columns(spec)
@@ -64,6 +64,8 @@ def make_plan(path: Path, program: Path) -> tuple[Design, list[Refusal]]:
         sampling=sampling,
     )
     durations, refusals = _ask(program, spec.case, draft)
+    if not durations:
+        raise SweepError(f"{path}: case {refusals[0].case}: {refusals[0].message}")
     window = _window(spec, durations)
     return Design(**{**draft.__dict__, "window": window}), refusals
 
@@ -100,14 +102,12 @@ def _telling_cases(design: Design) -> list[int]:
 
 def _window(spec: Spec, durations: list[float]) -> tuple[float, float]:
     if spec.window is not None:
-        if durations and spec.window[1] > min(durations):
+        if spec.window[1] > min(durations):
             raise SweepError(
                 f"{spec.source}: window.to: is {spec.window[1]:g} s, but a case ends at "
                 f"{min(durations):g} s"
             )
         return spec.window
-    if not durations:
-        return 0.0, 1.0  # every case that was tried is refused; the plan is not used
     if min(durations) != max(durations):
         raise SweepError(
             f"{spec.source}: window: the durations differ ({min(durations):g} to "
