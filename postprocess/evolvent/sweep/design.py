@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -21,6 +22,7 @@ from evolvent.sweep.errors import NOT_WRITTEN, SweepError
 from evolvent.sweep.yaml_text import yaml_text
 
 FORMAT = 1
+LAST_HALF = (math.nan, math.nan)  # the window that is the last half of each case's duration
 TEXT = h5py.string_dtype("utf-8")
 
 
@@ -29,7 +31,7 @@ class Parameter:
     """One column of the design."""
 
     name: str  # a netCDF identifier
-    path: str  # as for --set; "" if only derived from others
+    path: str  # as for --set; "" if only others are derived from it, or it from others
     units: str
     values: np.ndarray  # (case): float64, int64, or object holding YAML text
 
@@ -47,7 +49,7 @@ class Design:
     case: str  # the base case, YAML text
     parameters: tuple[Parameter, ...]
     n_cases: int
-    window: tuple[float, float]  # of the statistics [s]
+    window: tuple[float, float]  # of the statistics [s], or `LAST_HALF`
     history_variables: tuple[str, ...]
     history_every: int
     plan: str  # text of the plan that made the design
@@ -70,6 +72,11 @@ class Design:
             else:
                 digest.update(np.ascontiguousarray(p.values).astype(p.values.dtype.newbyteorder("<")))
         return digest.hexdigest()
+
+    @property
+    def sampling_text(self) -> str:
+        """`sampling` as JSON."""
+        return json.dumps(self.sampling)
 
     def settings(self, case: int) -> list[str]:
         """The texts PATH=VALUE that make a case of the base case."""
@@ -144,7 +151,7 @@ def _write(design: Design, file: h5py.File) -> None:
             "plan": design.plan,
             "method": design.method,
             "seed": np.int64(design.seed),
-            "sampling": json.dumps(design.sampling),
+            "sampling": design.sampling_text,
         }
     )
     group = file.create_group("parameters")

@@ -9,6 +9,7 @@ import fcntl
 import os
 import re
 import shutil
+import struct
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from evolvent.sweep.errors import NOT_WRITTEN, SweepError
 JOURNAL = re.compile(r"shard-(\d+)-of-(\d+)\.jsonl")
 HASH = "design.txt"
 COPY = "design.h5"
+FLOCK = "hhqqi4x"  # struct flock of Linux: type, whence, start, length, owner
 
 
 @dataclass(frozen=True, order=True)
@@ -100,14 +102,14 @@ def design_of(folder: Path, given: Path | None = None) -> Design:
 
 def is_locked(folder: Path, shard: Shard) -> bool:
     """Whether a run is working on the shard now. The lock of a dead run does not count."""
+    # The lock is asked about, not taken: taking it for a moment could refuse a run that begins.
+    question = struct.pack(FLOCK, fcntl.F_WRLCK, os.SEEK_SET, 0, 0, 0)
     try:
-        with (folder / f"{shard.stem}.lock").open("r+b") as lock:
-            fcntl.lockf(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            return False
-    except FileNotFoundError:
+        with (folder / f"{shard.stem}.lock").open("rb") as lock:
+            answer = fcntl.fcntl(lock, fcntl.F_GETLK, question)
+    except OSError:  # there is none, or this file system cannot lock
         return False
-    except OSError:  # held by another process, or the folder may only be read
-        return True
+    return bool(struct.unpack(FLOCK, answer)[0] != fcntl.F_UNLCK)
 
 
 def remaining_shards(recorded: np.ndarray, of: int) -> list[Shard]:

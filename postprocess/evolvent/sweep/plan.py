@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from evolvent.sweep.design import Design
+from evolvent.sweep.design import LAST_HALF, Design
 from evolvent.sweep.errors import SweepError
 from evolvent.sweep.program import program_version
 from evolvent.sweep.sampling import columns
@@ -49,12 +49,12 @@ def make_plan(path: Path, program: Path) -> tuple[Design, list[Refusal]]:
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "is not UTF-8 text"
         raise SweepError(f"{path}: case {spec.case}: cannot be read ({reason})") from error
-    draft = Design(
+    design = Design(
         title=spec.title,
         case=case,
         parameters=tuple(parameters),
         n_cases=n_cases,
-        window=spec.window or (0.0, 0.0),
+        window=spec.window or LAST_HALF,
         history_variables=spec.history_variables,
         history_every=spec.history_every,
         plan=spec.text,
@@ -63,11 +63,11 @@ def make_plan(path: Path, program: Path) -> tuple[Design, list[Refusal]]:
         version=program_version(program),
         sampling=sampling,
     )
-    durations, refusals = _ask(program, spec.case, draft)
+    durations, refusals = _ask(program, spec.case, design)
     if not durations:
         raise SweepError(f"{path}: case {refusals[0].case}: {refusals[0].message}")
-    window = _window(spec, durations)
-    return Design(**{**draft.__dict__, "window": window}), refusals
+    _check_window(spec, durations)
+    return design, refusals
 
 
 def _ask(program: Path, case_file: Path, design: Design) -> tuple[list[float], list[Refusal]]:
@@ -100,17 +100,9 @@ def _telling_cases(design: Design) -> list[int]:
     return sorted(cases)
 
 
-def _window(spec: Spec, durations: list[float]) -> tuple[float, float]:
-    if spec.window is not None:
-        if spec.window[1] > min(durations):
-            raise SweepError(
-                f"{spec.source}: window.to: is {spec.window[1]:g} s, but a case ends at "
-                f"{min(durations):g} s"
-            )
-        return spec.window
-    if min(durations) != max(durations):
+def _check_window(spec: Spec, durations: list[float]) -> None:
+    if spec.window is not None and spec.window[1] > min(durations):
         raise SweepError(
-            f"{spec.source}: window: the durations differ ({min(durations):g} to "
-            f"{max(durations):g} s); say from when to when the statistics go"
+            f"{spec.source}: window.to: is {spec.window[1]:g} s, but a case ends at "
+            f"{min(durations):g} s"
         )
-    return 0.5 * durations[0], durations[0]

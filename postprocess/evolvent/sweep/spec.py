@@ -153,7 +153,7 @@ def _entry(given: Any, place: str, method: str) -> Entry:
     keys = _mapping(given, place, PARAMETER_KEYS)
     path = _text(keys["path"], f"{place}.path") if "path" in keys else ""
     if not path and "name" not in keys:
-        raise SweepError(f"{place}: needs a path of the case, or a name if it is only derived")
+        raise SweepError(f"{place}: needs a path of the case, or a name to be used in expressions")
     name = _text(keys.get("name", identifier(path)), f"{place}.name")
     place = f"{place} ({name})"
     if not NAME.fullmatch(name):
@@ -167,8 +167,6 @@ def _entry(given: Any, place: str, method: str) -> Entry:
         found = " and ".join(sources) if sources else "none"
         raise SweepError(f"{place}: needs exactly one of {', '.join(SOURCES)}, not {found}")
     source = sources[0]
-    if not path and source not in ("expression", "column"):
-        raise SweepError(f"{place}: needs a path; only derived columns may be without")
     _refuse_idle_keys(keys, place, source, method)
     common = {
         "place": place, "name": name, "path": path, "source": source,
