@@ -150,8 +150,9 @@ def _write_cases(file: h5py.File, design: Design, records: Records) -> h5py.Data
 
     for p in design.parameters:
         name = p.name if p.name not in records.scalars else f"{p.name}_parameter"
-        attributes = {"units": p.units} if p.units else {}
-        add(name, p.values, TEXT if p.is_text else None, role="parameter", path=p.path, **attributes)
+        attributes: dict[str, Any] = {"units": p.units} if p.units else {}
+        attributes |= {"role": "parameter", "path": p.path, "derived": np.int8(p.derived)}
+        add(name, p.values, TEXT if p.is_text else None, **attributes)
     for scalar in records.scalars.values():
         attributes = {"units": scalar.units} if scalar.units else {}
         add(scalar.name, scalar.values, role="result", long_name=scalar.long_name, **attributes)

@@ -6,6 +6,7 @@ docs/sweeps.md describes it.
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 import json
 import math
@@ -34,6 +35,7 @@ class Parameter:
     path: str  # as for --set; "" if only others are derived from it, or it from others
     units: str
     values: np.ndarray  # (case): float64, int64, or object holding YAML text
+    derived: bool = False  # by an expression: follows from the other parameters
 
     @property
     def is_text(self) -> bool:
@@ -70,7 +72,7 @@ class Design:
             if p.is_text:
                 digest.update(json.dumps(p.values.tolist()).encode())
             else:
-                digest.update(np.ascontiguousarray(p.values).astype(p.values.dtype.newbyteorder("<")))
+                digest.update(p.values.astype(p.values.dtype.newbyteorder("<")).tobytes())
         return digest.hexdigest()
 
     @property
@@ -86,10 +88,8 @@ class Design:
 def take(design: Design, cases: Sequence[int]) -> Design:
     """Make a design of some cases of another."""
     chosen = np.asarray(cases, dtype=np.int64)
-    parameters = tuple(
-        Parameter(p.name, p.path, p.units, p.values[chosen]) for p in design.parameters
-    )
-    return Design(**{**design.__dict__, "parameters": parameters, "n_cases": chosen.size})
+    parameters = tuple(dataclasses.replace(p, values=p.values[chosen]) for p in design.parameters)
+    return dataclasses.replace(design, parameters=parameters, n_cases=chosen.size)
 
 
 def write_design(design: Design, path: Path) -> None:
@@ -159,6 +159,7 @@ def _write(design: Design, file: h5py.File) -> None:
         kind = TEXT if parameter.is_text else parameter.values.dtype
         column = group.create_dataset(f"p{number}", data=parameter.values, dtype=kind)
         column.attrs.update(path=parameter.path, name=parameter.name, units=parameter.units)
+        column.attrs["derived"] = np.int8(parameter.derived)
 
 
 def _read(file: h5py.File) -> Design:
@@ -168,7 +169,8 @@ def _read(file: h5py.File) -> Design:
         column = group[f"p{number}"]
         values = column.asstr()[:] if h5py.check_string_dtype(column.dtype) else column[:]
         texts = {key: str(column.attrs[key]) for key in ("name", "path", "units")}
-        parameters.append(Parameter(values=values, **texts))
+        derived = bool(column.attrs.get("derived", 0))
+        parameters.append(Parameter(values=values, derived=derived, **texts))
     attrs = file.attrs
     begin, end = (float(t) for t in attrs["window"])
     design = Design(

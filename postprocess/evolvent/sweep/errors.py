@@ -17,3 +17,10 @@ class SweepError(Exception):
     def __init__(self, message: str, code: int = BAD_INPUT) -> None:
         super().__init__(message)
         self.code = code
+
+    def at(self, place: str) -> SweepError:
+        """The same error with a place in front, unless it begins with that place."""
+        message = str(self)
+        return SweepError(
+            message if message.startswith(place) else f"{place}: {message}", self.code
+        )

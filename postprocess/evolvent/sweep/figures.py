@@ -23,7 +23,13 @@ from evolvent.units import displayed, prefixed
 MOST_LINES = 6  # of one figure; more cannot be told apart
 WIDE = 50.0  # ratio of the ends of a positive range that is drawn on a log axis
 BAD = "#b3202c"
-MARKED = {"linestyle": "none", "marker": "x", "color": BAD, "markersize": 6, "zorder": 4}
+MARKED: dict[str, Any] = {
+    "linestyle": "none",
+    "marker": "x",
+    "color": BAD,
+    "markersize": 6,
+    "zorder": 4,
+}
 MAP_COLOURS = "viridis"
 
 
@@ -119,10 +125,12 @@ def results(summary: xr.Dataset) -> list[str]:
 
 
 def varying_parameters(summary: xr.Dataset) -> list[str]:
-    """Parameters that were chosen freely: not constant, and no function of one before them."""
+    """Parameters that were chosen freely: not constant, not derived, not tied to one before."""
     chosen: list[str] = []
     numbers: list[np.ndarray] = []
     for name in parameters(summary):
+        if summary[name].attrs.get("derived", 0):
+            continue
         number = np.unique(summary[name].values, return_inverse=True)[1]
         if number.max(initial=0) == 0 or any(_follows(number, other) for other in numbers):
             continue
@@ -132,7 +140,7 @@ def varying_parameters(summary: xr.Dataset) -> list[str]:
 
 
 def _follows(number: np.ndarray, other: np.ndarray) -> bool:
-    """Whether `number` is known wherever `other` is, and the other way round."""
+    """Whether one is known wherever the other is, both ways."""
     pairs = np.unique(np.stack([number, other]), axis=1).shape[1]
     return bool(pairs == number.max() + 1 == other.max() + 1)
 
@@ -190,8 +198,8 @@ def _draw_lines(
         if text is None:
             axis.plot(x.values[kept], values[kept], ".", color=LINES[0]["color"], markersize=4)
         else:
-            style = LINES[number % len(LINES)]
-            dots = {"marker": ".", "markersize": 6} if members.size <= 60 else {}
+            style: dict[str, Any] = LINES[number % len(LINES)]
+            dots: dict[str, Any] = {"marker": ".", "markersize": 6} if members.size <= 60 else {}
             # A gap in the line where a case failed.
             shown = values[order]
             axis.plot(x.values[order], shown, label=text or None, **style, **dots)

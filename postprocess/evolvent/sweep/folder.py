@@ -68,7 +68,30 @@ def check_folder(folder: Path, design: Design) -> None:
         )
 
 
-def keep_design(design_path: Path, folder: Path) -> None:
+def open_for_run(design_path: Path, folder: Path, version: str) -> Design:
+    """Read a design and make its folder ready to be run in.
+
+    Parameters
+    ----------
+    version : of the program that is to run it.
+
+    Raises
+    ------
+    SweepError
+        A design of another version of evolvent, or a folder of another design.
+    """
+    design = read_design(design_path)
+    if design.version != version:
+        raise SweepError(
+            f"{design_path}: was made by evolvent {design.version}, but the program is {version}; "
+            "plan it anew, so that all results are of one version"
+        )
+    check_folder(folder, design)
+    _keep_design(design_path, folder)
+    return design
+
+
+def _keep_design(design_path: Path, folder: Path) -> None:
     """Put a copy of the design into the folder, so that the folder says what it is about."""
     copy = folder / COPY
     temporary = copy.with_name(f"{COPY}.{os.getpid()}.tmp")

@@ -6,6 +6,7 @@ passed over. If a case is recorded several times, the latest record counts.
 
 from __future__ import annotations
 
+import contextlib
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -54,7 +55,12 @@ class Records:
     @property
     def recorded(self) -> np.ndarray:
         """Of each case whether it is recorded."""
-        return self.status != MISSING
+        return np.asarray(self.status != MISSING)
+
+    @property
+    def failed(self) -> np.ndarray:
+        """Of each case whether it failed or was refused."""
+        return np.asarray(np.isin(self.status, (FAILED, REFUSED)))
 
     def holes(self) -> np.ndarray:
         """Numbers of the cases that are missing."""
@@ -137,10 +143,8 @@ class _Reader:
         for line in file:
             row = None
             if line.endswith(b"\n"):
-                try:
+                with contextlib.suppress(ValueError):
                     row = json.loads(line)
-                except ValueError:
-                    pass
             if isinstance(row, dict):
                 yield row
             elif line.strip():

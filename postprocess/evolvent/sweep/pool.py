@@ -136,5 +136,7 @@ def _outcome(future: Future[tuple[int, str]]) -> tuple[int, str, bool]:
 
 def _renewed(renew: Callable[[], Executor] | None) -> Executor:
     if renew is None:
-        raise SweepError("the executor broke: a worker died; run the same command again to go on", 75)
+        raise SweepError(
+            "the executor broke: a worker died; run the same command again to go on", 75
+        )
     return renew()

@@ -19,6 +19,7 @@ from rich.progress import BarColumn, Progress, TextColumn
 from evolvent.sweep.errors import FAILED_CASES, SweepError
 from evolvent.sweep.estimate import span
 from evolvent.sweep.folder import Shard
+from evolvent.sweep.journal import Records
 from evolvent.sweep.program import environment
 
 LOOKED = 0.25  # seconds between two looks at the journals
@@ -32,14 +33,14 @@ class Tally:
 
     folder: Path
     shards: Sequence[Shard]
-    total: int
-    recorded: int  # when the run began
-    failed: int
+    before: Records  # when the run began
+    failed: int = 0
     began: float = field(default_factory=time.monotonic)
     new: int = 0
     _read: dict[Path, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        self.failed = int(self.before.failed.sum())
         for shard in self.shards:
             path = self.folder / f"{shard.stem}.jsonl"
             self._read[path] = path.stat().st_size if path.exists() else 0
@@ -60,6 +61,16 @@ class Tally:
             self.failed += rows - whole.count(b'"status":"done"')
 
     @property
+    def total(self) -> int:
+        """Number of cases of the design."""
+        return self.before.status.size
+
+    @property
+    def recorded(self) -> int:
+        """Number of recorded cases."""
+        return min(int(self.before.recorded.sum()) + self.new, self.total)
+
+    @property
     def rate(self) -> float:
         """Cases a second since the run began."""
         return self.new / max(time.monotonic() - self.began, 1e-9)
@@ -67,7 +78,7 @@ class Tally:
     @property
     def remaining(self) -> str:
         """Time that is left, as people say it."""
-        missing = self.total - self.recorded - self.new
+        missing = self.total - self.recorded
         return span(missing / self.rate) if self.new else "?"
 
 
@@ -107,7 +118,7 @@ def run_shards(
         The batch refused, could not write, or was killed; with its message and exit code.
     """
     result = 0
-    with _shown(tally) as show:
+    with Display(tally) as show:
         for shard in shards:
             chosen = None if cases is None else cases[shard]
             code = _run(batch_command(program, design, folder, shard, jobs, chosen), show)
@@ -172,7 +183,7 @@ class _Forwarding:
         self.process.send_signal(number)
 
 
-class _shown:  # noqa: N801 - used as a function
+class Display:
     """Shows the progress: a bar on a terminal, else a line a minute."""
 
     def __init__(self, tally: Tally) -> None:
@@ -186,10 +197,12 @@ class _shown:  # noqa: N801 - used as a function
         self.bar = Progress(
             TextColumn("{task.completed:.0f} of {task.total:.0f} cases"),
             BarColumn(),
-            TextColumn("{task.fields[failed]} failed, {task.fields[rate]}, {task.fields[left]} left"),
+            TextColumn(
+                "{task.fields[failed]} failed, {task.fields[rate]}, {task.fields[left]} left"
+            ),
             console=Console(stderr=True),
         )
-        texts = {"failed": self.tally.failed, "rate": "?", "left": "?"}
+        texts: dict[str, Any] = {"failed": self.tally.failed, "rate": "?", "left": "?"}
         self.task = self.bar.add_task("", total=self.tally.total, **texts)
         self.bar.start()
         return self._bar
@@ -204,7 +217,7 @@ class _shown:  # noqa: N801 - used as a function
         assert self.bar is not None
         self.bar.update(
             self.task,
-            completed=min(tally.recorded + tally.new, tally.total),
+            completed=tally.recorded,
             failed=tally.failed,
             rate=f"{tally.rate:.3g} a second",
             left=tally.remaining,
@@ -220,6 +233,6 @@ class _shown:  # noqa: N801 - used as a function
 def progress_line(tally: Tally) -> str:
     """The progress in one line, for logs."""
     return (
-        f"evolvent-sweep: {tally.recorded + tally.new} of {tally.total} cases, {tally.failed} "
+        f"evolvent-sweep: {tally.recorded} of {tally.total} cases, {tally.failed} "
         f"failed, {tally.rate:.3g} a second, {tally.remaining} left"
     )

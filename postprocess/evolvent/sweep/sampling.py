@@ -34,6 +34,13 @@ def columns(spec: Spec) -> tuple[list[Parameter], int, dict[str, Any]]:
     SweepError
         Values of different lengths, an empty design, a formula or a table that cannot be used.
     """
+    try:
+        return _columns(spec)
+    except SweepError as error:
+        raise error.at(str(spec.source)) from None
+
+
+def _columns(spec: Spec) -> tuple[list[Parameter], int, dict[str, Any]]:
     entries = spec.entries
     sampling: dict[str, Any] = {}
     table: pd.DataFrame | None = None
@@ -44,13 +51,16 @@ def columns(spec: Spec) -> tuple[list[Parameter], int, dict[str, Any]]:
     else:
         length, sampling = _length(spec)
     if not 1 <= length <= MOST_CASES:
-        raise SweepError(f"{spec.source}: has {length} cases, must have 1 to {MOST_CASES}")
+        raise SweepError(f"has {length} cases, must have 1 to {MOST_CASES}")
 
     values = _given(spec, entries, length, sampling, table)
     for entry in entries:
         if entry.source == "expression":
             values[entry.name] = _derived(entry, values, length)
-    parameters = [Parameter(e.name, e.path, e.units, values[e.name]) for e in entries]
+    parameters = [
+        Parameter(e.name, e.path, e.units, values[e.name], e.source == "expression")
+        for e in entries
+    ]
     return parameters, length, sampling
 
 
@@ -88,14 +98,14 @@ def _given(
 def _length(spec: Spec) -> tuple[int, dict[str, Any]]:
     sized = [e for e in spec.entries if e.source in ("values", "from")]
     if not sized:
-        raise SweepError(f"{spec.source}: no parameter has values or a range; nothing varies")
+        raise SweepError("no parameter has values or a range; nothing varies")
     if spec.method == "factorial":
         return math.prod(_count(entry) for entry in sized), {}
     if spec.method == "list":
         for entry in sized[1:]:
             if _count(entry) != _count(sized[0]):
                 raise SweepError(
-                    f"{spec.source}: {entry.place}: has {_count(entry)} values, but "
+                    f"{entry.place}: has {_count(entry)} values, but "
                     f"{sized[0].place} has {_count(sized[0])}; with method list all have one length"
                 )
         return _count(sized[0]), {}
@@ -235,9 +245,9 @@ def _of_table(table: pd.DataFrame, entry: Entry, path: Path | None) -> np.ndarra
     if pd.api.types.is_bool_dtype(column.dtype):
         return np.where(column.to_numpy(dtype=bool), "true", "false").astype(object)
     if pd.api.types.is_integer_dtype(column.dtype):
-        return column.to_numpy(dtype=np.int64)
+        return np.asarray(column, dtype=np.int64)
     if pd.api.types.is_numeric_dtype(column.dtype):
-        values = column.to_numpy(dtype=np.float64)
+        values = np.asarray(column, dtype=np.float64)
         if not np.isfinite(values).all():
             bad = int(np.flatnonzero(~np.isfinite(values))[0])
             raise SweepError(f"{entry.place}: {path} has {values[bad]} for case {bad}")

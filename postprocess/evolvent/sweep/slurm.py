@@ -26,7 +26,7 @@ SHARDS = """\
 #SBATCH --open-mode=append
 #SBATCH --requeue
 #SBATCH --signal=B:USR1@120
-{site}# Written by evolvent-sweep. Each task runs what is missing of its shard, also after a requeue.
+{site}# Written by evolvent-sweep. Each task runs what is missing of its shard.
 {lines}export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
 {batch} --shard "$SLURM_ARRAY_TASK_ID/{of}" --jobs "${{SLURM_CPUS_PER_TASK:-1}}" &

@@ -88,8 +88,7 @@ def read_spec(path: Path) -> Spec:
     try:
         return _spec(path, text, _mapping(read_yaml(text, str(path)), "the plan", TOP_KEYS))
     except SweepError as error:
-        message = str(error)
-        raise SweepError(message if message.startswith(str(path)) else f"{path}: {message}") from None
+        raise error.at(str(path)) from None
 
 
 def _spec(path: Path, text: str, top: Mapping[str, Any]) -> Spec:
@@ -168,24 +167,23 @@ def _entry(given: Any, place: str, method: str) -> Entry:
         raise SweepError(f"{place}: needs exactly one of {', '.join(SOURCES)}, not {found}")
     source = sources[0]
     _refuse_idle_keys(keys, place, source, method)
-    common = {
-        "place": place, "name": name, "path": path, "source": source,
-        "units": _text(keys.get("units", ""), f"{place}.units"),
-    }  # fmt: skip
+    units = _text(keys.get("units", ""), f"{place}.units")
+    common: dict[str, Any] = {"place": place, "name": name, "path": path, "source": source}
+    whole = _truth(keys.get("whole", False), f"{place}.whole")
     match source:
         case "value":
-            return Entry(**common, value=keys["value"])
+            return Entry(**common, units=units, value=keys["value"])
         case "values":
             values = keys["values"]
             if not isinstance(values, list) or not values:
                 raise SweepError(f"{place}: values must be a list of at least one")
-            return Entry(**common, values=tuple(values))
+            return Entry(**common, units=units, values=tuple(values))
         case "from":
-            return Entry(**common, **_range(keys, place, method))
+            return Entry(**common, units=units, **_range(keys, place, method, whole))
         case "expression":
-            return Entry(**common, expression=_text(str(keys["expression"]), place))
+            return Entry(**common, units=units, expression=str(keys["expression"]), whole=whole)
         case _:
-            return Entry(**common, column=_text(keys["column"], f"{place}.column"))
+            return Entry(**common, units=units, column=_text(keys["column"], f"{place}.column"))
 
 
 def _refuse_idle_keys(keys: Mapping[str, Any], place: str, source: str, method: str) -> None:
@@ -200,7 +198,7 @@ def _refuse_idle_keys(keys: Mapping[str, Any], place: str, source: str, method: 
         raise SweepError(f"{place}: with method table, values come from the table's columns")
 
 
-def _range(keys: Mapping[str, Any], place: str, method: str) -> dict[str, Any]:
+def _range(keys: Mapping[str, Any], place: str, method: str, whole: bool) -> dict[str, Any]:
     begin = _number(keys["from"], f"{place}.from")
     end = _number(keys.get("to"), f"{place}.to")
     log = _one_of(keys.get("scale", "linear"), SCALES, f"{place}.scale") == "log"
@@ -208,7 +206,6 @@ def _range(keys: Mapping[str, Any], place: str, method: str) -> dict[str, Any]:
         raise SweepError(
             f"{place}: a log range must not touch 0, but goes from {begin:g} to {end:g}"
         )
-    whole = _truth(keys.get("whole", False), f"{place}.whole")
     if whole and (begin != round(begin) or end != round(end)):
         raise SweepError(f"{place}: a whole range must begin and end with whole numbers")
     number = None
