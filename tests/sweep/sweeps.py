@@ -45,7 +45,7 @@ def make_design(parameters: dict[str, Any] | int = 10, **changes: Any) -> Design
     return Design(**{**settings, **changes})
 
 
-def header(design: Design, shard: int = 1, of: int = 1, **changes: Any) -> dict[str, Any]:
+def header(design: Design, shard: int = 1, of: int = 1) -> dict[str, Any]:
     """First line of a journal."""
     return {
         "journal": 1,
@@ -55,7 +55,6 @@ def header(design: Design, shard: int = 1, of: int = 1, **changes: Any) -> dict[
         "n_cases": design.n_cases,
         "evolvent": "0.1.0",
         "scalars": SCALARS,
-        **changes,
     }
 
 
@@ -66,7 +65,7 @@ def row(case: int, **changes: Any) -> dict[str, Any]:
         "status": "done",
         "exit": 0,
         "message": "",
-        "penetration_max": 1e-9 * (case + 1),
+        "penetration_max": (case + 1) / 1e9,
         "steps": 100 + case,
         "cpu_time": 0.02,
         "at": BEGAN + case,
@@ -77,7 +76,7 @@ def row(case: int, **changes: Any) -> dict[str, Any]:
 def failed(case: int, message: str = "contact was lost", **changes: Any) -> dict[str, Any]:
     """Record of a case that failed."""
     nothing = {scalar["name"]: None for scalar in SCALARS}
-    return row(case, status="failed", exit=4, message=message, **{**nothing, **changes})
+    return row(case, **{"status": "failed", "exit": 4, "message": message, **nothing, **changes})
 
 
 def write_journal(

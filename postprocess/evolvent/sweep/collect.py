@@ -60,7 +60,7 @@ def collect(
     records = read_records(folder, design)
     temporary = output.with_name(f"{output.name}.{os.getpid()}.tmp")
     try:
-        with h5py.File(temporary, "w") as file:
+        with h5py.File(temporary, "w", track_order=True) as file:
             _write_attributes(file, design, records)
             cases = _write_cases(file, design, records)
             if design.history_variables:

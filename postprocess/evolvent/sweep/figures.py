@@ -57,11 +57,11 @@ def figure_response(summary: xr.Dataset, response: str, against: Sequence[str] =
     ----------
     summary : as from `open_summary`.
     response : name of a result.
-    against : one or two parameters; the first one that varies if none is named.
+    against : one or two parameters; the one of most values if none is named.
     """
     result = _result(summary, response)
     varying = varying_parameters(summary)
-    names = list(against) or _first_numeric(summary, varying)
+    names = list(against) or _most_varied(summary, varying)
     for name in names:
         if name not in parameters(summary):
             raise SweepError(
@@ -145,11 +145,11 @@ def _follows(number: np.ndarray, other: np.ndarray) -> bool:
     return bool(pairs == number.max() + 1 == other.max() + 1)
 
 
-def _first_numeric(summary: xr.Dataset, varying: list[str]) -> list[str]:
+def _most_varied(summary: xr.Dataset, varying: list[str]) -> list[str]:
     if not varying:
         raise SweepError("no parameter varies; there is nothing to draw against")
     numeric = [name for name in varying if summary[name].dtype.kind in "if"]
-    return (numeric or varying)[:1]
+    return [max(numeric or varying, key=lambda name: np.unique(summary[name].values).size)]
 
 
 def _result(summary: xr.Dataset, name: str) -> xr.DataArray:
@@ -167,9 +167,13 @@ def _axis(summary: xr.Dataset, name: str) -> _Axis:
         return _Axis(name, numbers.astype(float), [str(text) for text in texts], False)
     units = str(summary[name].attrs.get("units", ""))
     factor, shown = prefixed(float(np.abs(values).max(initial=0.0)), units)
-    log = values.min() > 0 and values.max() / values.min() > WIDE
     label = name.replace("_", " ") + (f" [{shown}]" if shown else "")
-    return _Axis(label, values * factor, [], bool(log))
+    return _Axis(label, values * factor, [], _is_wide(values))
+
+
+def _is_wide(values: np.ndarray) -> bool:
+    """Whether values want a log axis."""
+    return bool(values.size and values.min() > 0 and values.max() > WIDE * values.min())
 
 
 def _scaled(summary: xr.Dataset, result: xr.DataArray) -> tuple[np.ndarray, str]:
@@ -192,6 +196,8 @@ def _draw_lines(
     values, label = _scaled(summary, result)
     x.prepare(axis, "x")
     axis.set_ylabel(label)
+    if _is_wide(values[np.isfinite(values)]):
+        axis.set_yscale("log")
     for number, (text, members) in enumerate(_groups(summary, name, others)):
         order = members[np.argsort(x.values[members], kind="stable")]
         kept = order[np.isfinite(values[order])]
