@@ -11,6 +11,7 @@ import hashlib
 import json
 import math
 import os
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -24,6 +25,7 @@ from evolvent.sweep.yaml_text import yaml_text
 
 FORMAT = 1
 LAST_HALF = (math.nan, math.nan)  # the window that is the last half of each case's duration
+NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 TEXT = h5py.string_dtype("utf-8")
 
 
@@ -61,9 +63,16 @@ class Design:
     # What an analysis has to know of the samples: names of the sampled parameters and such.
     sampling: dict[str, Any] = field(default_factory=dict)
 
+    given_hash: str = ""  # of a design that another program made
+
     @property
     def hash(self) -> str:
-        """Identity of the results: the case, paths, values, window and histories, in SHA-256."""
+        """Identity of the results."""
+        return self.given_hash or self.recomputed_hash
+
+    @property
+    def recomputed_hash(self) -> str:
+        """SHA-256 over all that decides the results: case, paths, values, window, histories."""
         digest = hashlib.sha256()
         head = [self.case, list(self.window), list(self.history_variables), self.history_every]
         digest.update(json.dumps(head).encode())
@@ -85,11 +94,17 @@ class Design:
         return [f"{p.path}={_value_text(p.values[case])}" for p in self.parameters if p.path]
 
 
+def identifier(path: str) -> str:
+    """Make a name of a path: wheels.pinion.teeth becomes wheels_pinion_teeth."""
+    name = re.sub(r"\W+", "_", path, flags=re.ASCII).strip("_")
+    return name if NAME.fullmatch(name) else f"p_{name}"
+
+
 def take(design: Design, cases: Sequence[int]) -> Design:
     """Make a design of some cases of another."""
     chosen = np.asarray(cases, dtype=np.int64)
     parameters = tuple(dataclasses.replace(p, values=p.values[chosen]) for p in design.parameters)
-    return dataclasses.replace(design, parameters=parameters, n_cases=chosen.size)
+    return dataclasses.replace(design, parameters=parameters, n_cases=chosen.size, given_hash="")
 
 
 def write_design(design: Design, path: Path) -> None:
@@ -125,13 +140,12 @@ def read_design(path: Path) -> Design:
         with h5py.File(path, "r") as file:
             _check_format(path, file)
             design = _read(file)
-            written = str(file.attrs["hash"])
     except OSError as error:
         reason = " ".join(str(error).split())
         raise SweepError(f"{path}: is not a readable HDF5 file ({reason})") from error
     except (KeyError, TypeError, ValueError) as error:
         raise SweepError(f"{path}: is no complete design ({error}); plan it anew") from error
-    if written != design.hash:
+    if design.plan and design.given_hash != design.recomputed_hash:
         raise SweepError(f"{path}: its values do not fit its hash; it was changed: plan it anew")
     return design
 
@@ -168,9 +182,11 @@ def _read(file: h5py.File) -> Design:
     for number in range(len(group)):
         column = group[f"p{number}"]
         values = column.asstr()[:] if h5py.check_string_dtype(column.dtype) else column[:]
-        texts = {key: str(column.attrs[key]) for key in ("name", "path", "units")}
+        path = str(column.attrs["path"])
+        name = str(column.attrs.get("name", identifier(path)))
+        units = str(column.attrs.get("units", ""))
         derived = bool(column.attrs.get("derived", 0))
-        parameters.append(Parameter(values=values, derived=derived, **texts))
+        parameters.append(Parameter(name, path, units, values, derived))
     attrs = file.attrs
     begin, end = (float(t) for t in attrs["window"])
     design = Design(
@@ -181,11 +197,12 @@ def _read(file: h5py.File) -> Design:
         window=(begin, end),
         history_variables=tuple(str(attrs["history_variables"]).split()),
         history_every=int(attrs["history_every"]),
-        plan=str(attrs["plan"]),
-        method=str(attrs["method"]),
-        seed=int(attrs["seed"]),
+        plan=str(attrs.get("plan", "")),
+        method=str(attrs.get("method", "list")),
+        seed=int(attrs.get("seed", 0)),
         version=str(attrs["evolvent_version"]),
         sampling=json.loads(str(attrs.get("sampling", "{}"))),
+        given_hash=str(attrs["hash"]),
     )
     if design.n_cases < 1 or any(p.values.shape != (design.n_cases,) for p in parameters):
         raise ValueError("its columns have not the length n_cases")

@@ -186,8 +186,10 @@ class _Reader:
         at = np.array([row.get("at") for row in rows], dtype=float)
         known = records.recorded[cases]
         records.repeated.update(cases[known].tolist())
+        # In one journal the later line counts, whatever the clock said.
+        elsewhere = known & (records.shard[cases] != self.shard)
         with np.errstate(invalid="ignore"):
-            kept = ~(known & (at < records.recorded_at[cases]))
+            kept = ~(elsewhere & (at < records.recorded_at[cases]))
         cases, at = cases[kept], at[kept]
         rows = [row for row, k in zip(rows, kept.tolist(), strict=True) if k]
         records.status[cases] = [self._status(row) for row in rows]

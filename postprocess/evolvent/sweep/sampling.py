@@ -11,10 +11,10 @@ import numpy as np
 import pandas as pd
 from scipy.stats import qmc
 
-from evolvent.sweep.design import Parameter
+from evolvent.sweep.design import Parameter, identifier
 from evolvent.sweep.errors import SweepError
 from evolvent.sweep.expression import evaluate
-from evolvent.sweep.spec import SAMPLED, Entry, Spec, check_unique, identifier
+from evolvent.sweep.spec import SAMPLED, Entry, Spec, check_unique
 from evolvent.sweep.yaml_text import yaml_text
 
 MOST_CASES = 50_000_000  # more is a slip of the pen: a table of gigabytes

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import difflib
 import math
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from evolvent.sweep.design import NAME, identifier
 from evolvent.sweep.errors import SweepError
 from evolvent.sweep.yaml_text import read_yaml
 
@@ -18,7 +18,6 @@ GRIDS = ("factorial", "list")
 SAMPLED = ("latin_hypercube", "sobol", "saltelli")
 METHODS = (*GRIDS, *SAMPLED, "table")
 SCALES = ("linear", "log")
-NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 # Variables that a summary always has.
 TAKEN = ("case", "time", "status", "message", "exit_code", "recorded_at", "pi", "e")
 TOP_KEYS = (
@@ -140,12 +139,6 @@ def check_unique(entries: Sequence[Entry]) -> None:
                     f"each parameter needs its own"
                 )
             seen[value] = entry.place
-
-
-def identifier(path: str) -> str:
-    """Make a name of a path: wheels.pinion.teeth becomes wheels_pinion_teeth."""
-    name = re.sub(r"\W+", "_", path, flags=re.ASCII).strip("_")
-    return name if NAME.fullmatch(name) else f"p_{name}"
 
 
 def _entry(given: Any, place: str, method: str) -> Entry:
