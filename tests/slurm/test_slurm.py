@@ -84,7 +84,12 @@ def recorded(folder: Path) -> list[int]:
     return cases
 
 
-def write_plan(path: Path, loads: list[float], brakes: list[float], duration: float) -> None:
+TURNING_BACK = "{kind: speeds, speeds: {pinion: 2, gear: -1.333}}"
+
+
+def write_plan(
+    path: Path, loads: list[float], brakes: list[float], starts: list[str], duration: float
+) -> None:
     path.write_text(f"""
 format: 1
 case: {PAPER}
@@ -92,6 +97,7 @@ method: list
 parameters:
 - {{path: wheels.pinion.loads.0.value, name: load, values: {loads}}}
 - {{path: wheels.gear.loads.0.coefficient, name: brake, values: {brakes}}}
+- {{path: simulation.initial, name: start, values: [{", ".join(starts)}]}}
 - {{path: simulation.duration, name: duration, value: {duration}}}
 - {{path: simulation.output_interval, name: interval, value: 0.01}}
 """)
@@ -101,10 +107,10 @@ def test_an_array_with_failing_cases_is_collected_and_goes_on_with_what_is_missi
     slurm_sweep, tmp_path
 ):
     n, turned, braked = 40, (2, 9, 17, 31), (5, 6, 22)
-    # A pinion that is driven backwards leaves the involute: failed. No brake is negative: refused.
-    loads = [1.0 if i in turned else -1.0 for i in range(n)]
+    # A pinion that turns back leaves the involute: failed. No brake is negative: refused.
+    starts = [TURNING_BACK if i in turned else "{kind: rest}" for i in range(n)]
     brakes = [-5.0 if i in braked else 10.0 for i in range(n)]
-    write_plan(tmp_path / "sweep.yaml", loads, brakes, 0.2)
+    write_plan(tmp_path / "sweep.yaml", [-1.0] * n, brakes, starts, 0.2)
     assert slurm_sweep("plan", "sweep.yaml", "-o", "design.h5", "--keep-refused")[0] == 0
 
     command = ("slurm", "design.h5", "-o", "d", "--shards", "4", "--time", "00:05:00", "--submit")
@@ -156,7 +162,8 @@ def test_an_array_with_failing_cases_is_collected_and_goes_on_with_what_is_missi
 
 def long_design(slurm_sweep, tmp_path) -> int:
     n = 60
-    write_plan(tmp_path / "sweep.yaml", [-1.0 - 0.01 * i for i in range(n)], [10.0] * n, 5.0)
+    loads = [-1.0 - 0.01 * i for i in range(n)]
+    write_plan(tmp_path / "sweep.yaml", loads, [10.0] * n, ["{kind: rest}"] * n, 5.0)
     assert slurm_sweep("plan", "sweep.yaml", "-o", "design.h5")[0] == 0
     return n
 
@@ -209,7 +216,7 @@ def test_a_shard_that_runs_out_of_time_requeues_itself_and_continues(slurm_sweep
 
 
 def test_what_slurm_refuses_is_told_in_its_words(slurm_sweep, tmp_path):
-    write_plan(tmp_path / "sweep.yaml", [-1.0, -2.0], [10.0, 10.0], 0.1)
+    write_plan(tmp_path / "sweep.yaml", [-1.0, -2.0], [10.0, 10.0], ["{kind: rest}"] * 2, 0.1)
     assert slurm_sweep("plan", "sweep.yaml", "-o", "design.h5")[0] == 0
     command = ("slurm", "design.h5", "-o", "d", "--shards", "2", "--submit")
     code, _, err = slurm_sweep(*command, "--partition", "nowhere")

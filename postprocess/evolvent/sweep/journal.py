@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -101,6 +102,23 @@ def read_records(folder: Path, design: Design, scalars: bool = True) -> Records:
     return records
 
 
+# What a line begins and ends with, in the form that `evolvent batch` writes.
+HEAD = re.compile(rb'\{"case":\d+,"status":"\w+","exit":-?\d+,"message":"(?:[^"\\]|\\.)*",')
+AT = b'"at":'
+
+
+def _head(line: bytes) -> dict[str, Any] | None:
+    """Read a line without its results, several times faster; None if it is of another form."""
+    head = HEAD.match(line)
+    if head is None or not line.endswith(b"}\n"):
+        return None
+    try:
+        row = json.loads(head[0] + line[line.rindex(AT) :])
+    except ValueError:
+        return None
+    return row if isinstance(row, dict) else None
+
+
 class _Reader:
     """Reads one journal into the records."""
 
@@ -141,8 +159,8 @@ class _Reader:
 
     def _rows(self, file: BinaryIO) -> Iterator[dict[str, Any]]:
         for line in file:
-            row = None
-            if line.endswith(b"\n"):
+            row = None if self.scalars else _head(line)
+            if row is None and line.endswith(b"\n"):
                 with contextlib.suppress(ValueError):
                     row = json.loads(line)
             if isinstance(row, dict):
