@@ -127,22 +127,21 @@ def results(summary: xr.Dataset) -> list[str]:
 def varying_parameters(summary: xr.Dataset) -> list[str]:
     """Parameters that were chosen freely: not constant, not derived, not tied to one before."""
     chosen: list[str] = []
-    numbers: list[np.ndarray] = []
+    ranks: list[np.ndarray] = []
     for name in parameters(summary):
         if summary[name].attrs.get("derived", 0):
             continue
-        number = np.unique(summary[name].values, return_inverse=True)[1]
-        if number.max(initial=0) == 0 or any(_follows(number, other) for other in numbers):
+        rank = np.unique(summary[name].values, return_inverse=True)[1]
+        if rank.max(initial=0) == 0 or any(_follows(rank, other) for other in ranks):
             continue
         chosen.append(name)
-        numbers.append(number)
+        ranks.append(rank)
     return chosen
 
 
-def _follows(number: np.ndarray, other: np.ndarray) -> bool:
-    """Whether one is known wherever the other is, both ways."""
-    pairs = np.unique(np.stack([number, other]), axis=1).shape[1]
-    return bool(pairs == number.max() + 1 == other.max() + 1)
+def _follows(rank: np.ndarray, other: np.ndarray) -> bool:
+    """Whether one rises or falls with the other through all cases."""
+    return np.array_equal(rank, other) or np.array_equal(rank, other.max() - other)
 
 
 def _most_varied(summary: xr.Dataset, varying: list[str]) -> list[str]:
