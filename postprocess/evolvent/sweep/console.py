@@ -120,7 +120,7 @@ def show_indices(indices: xr.Dataset) -> None:
         )
     _console().print(table)
     if indices.attrs["left_out"]:
-        typer.echo(f"{indices.attrs['left_out']} cases are left out: they have no result")
+        typer.echo(f"{indices.attrs['left_out']} cases are left out: they, or cases of their group, have no result")
 
 
 def status_as_json(found: Status) -> dict[str, Any]:

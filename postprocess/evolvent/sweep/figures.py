@@ -106,6 +106,7 @@ def figure_indices(indices: xr.Dataset) -> Figure:
                 label=labels[kind],
             )
         axis.set_yticks(range(len(names)), names)
+        axis.set_axisbelow(True)
         axis.invert_yaxis()
         axis.set_xlabel(f"share of the variance of {indices.attrs['response']}")
         axis.set_xlim(left=min(0.0, axis.get_xlim()[0]))
@@ -171,8 +172,10 @@ def _axis(summary: xr.Dataset, name: str) -> _Axis:
 
 
 def _is_wide(values: np.ndarray) -> bool:
-    """Whether values want a log axis."""
-    return bool(values.size and values.min() > 0 and values.max() > WIDE * values.min())
+    """Whether values want a log axis: a wide range, most of it near its lower end."""
+    if values.size == 0 or values.min() <= 0.0 or values.max() <= WIDE * values.min():
+        return False
+    return bool(np.median(values) < 0.25 * values.max())
 
 
 def _scaled(summary: xr.Dataset, result: xr.DataArray) -> tuple[np.ndarray, str]:
