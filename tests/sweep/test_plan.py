@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import subprocess
 from pathlib import Path
 
 import h5py
@@ -328,6 +329,28 @@ def test_a_design_of_another_format_or_changed_by_hand_is_refused(sweep, tmp_pat
         assert (code, out) == (3, "")
         assert message in err
         assert err.count("\n") == 1
+
+
+def test_a_design_of_another_program_needs_no_more_than_the_batch_does(sweep, executable, tmp_path):
+    version = subprocess.run([executable, "--version"], capture_output=True, text=True, check=True)
+    with h5py.File(tmp_path / "d.h5", "w") as file:
+        file.attrs.update(
+            evolvent_design_format=1,
+            evolvent_version=version.stdout.split()[1],
+            title="",
+            case=PAPER.read_text(),
+            hash="of another kind",
+            window=[0.0, 0.01],
+            history_variables="",
+            history_every=1,
+            n_cases=2,
+        )
+        file["parameters/p0"] = [0.01, 0.02]
+        file["parameters/p0"].attrs["path"] = "simulation.duration"
+    assert sweep("run", "d.h5", "-o", "d")[:2] == (0, "d: 2 cases: 2 done, 0 failed\n")
+    assert sweep("collect", "d", "-o", "s.h5")[0] == 0
+    with h5py.File(tmp_path / "s.h5") as file:
+        assert file["simulation_duration"][:].tolist() == [0.01, 0.02]
 
 
 def test_the_plan_of_the_sampling_is_kept_for_its_analysis(sweep, tmp_path):

@@ -120,7 +120,8 @@ def show_indices(indices: xr.Dataset) -> None:
         )
     _console().print(table)
     if indices.attrs["left_out"]:
-        typer.echo(f"{indices.attrs['left_out']} cases are left out: they, or cases of their group, have no result")
+        left_out = indices.attrs["left_out"]
+        typer.echo(f"{left_out} cases are left out: they, or others of their group, have no result")
 
 
 def status_as_json(found: Status) -> dict[str, Any]:

@@ -10,8 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from evolvent.sweep.design import Design, take, write_design
+from evolvent.sweep.errors import BAD_INPUT, FAILED_CASES, INTERRUPTED, SweepError
 from evolvent.sweep.journal import read_records
-from evolvent.sweep.program import environment
+from evolvent.sweep.program import environment, last_message
 
 TRIED = 12  # cases, spread over the design
 LONGEST = 30.0  # of the trial [s]
@@ -23,6 +24,11 @@ def seconds_per_case(design: Design, program: Path) -> tuple[float, bool]:
     Returns
     -------
     The time, and whether it is only a lower bound because no case had ended.
+
+    Raises
+    ------
+    SweepError
+        The program does not take the design.
     """
     chosen = np.unique(np.linspace(0, design.n_cases - 1, min(TRIED, design.n_cases)).astype(int))
     with tempfile.TemporaryDirectory(prefix="evolvent-sweep-") as name:
@@ -31,18 +37,22 @@ def seconds_per_case(design: Design, program: Path) -> tuple[float, bool]:
         write_design(trial, folder / "design.h5")
         command = [str(program), "batch", str(folder / "design.h5"), "-o", str(folder / "trial")]
         start = time.monotonic()
-        process = subprocess.Popen(
-            [*command, "--jobs", "1"],
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            env=environment(),
-        )
-        try:
-            process.wait(LONGEST)
-        except subprocess.TimeoutExpired:
-            process.terminate()
-            process.wait()
-        elapsed = time.monotonic() - start
+        with (folder / "messages.txt").open("w+") as messages:
+            process = subprocess.Popen(
+                [*command, "--jobs", "1"],
+                stdout=subprocess.DEVNULL,
+                stderr=messages,
+                env=environment(),
+            )
+            try:
+                process.wait(LONGEST)
+            except subprocess.TimeoutExpired:
+                process.terminate()
+                process.wait()
+            elapsed = time.monotonic() - start
+            if process.returncode not in (0, FAILED_CASES, INTERRUPTED):
+                messages.seek(0)
+                raise SweepError(last_message(messages.read()), BAD_INPUT)
         done = int(np.count_nonzero(read_records(folder / "trial", trial, scalars=False).status))
     return elapsed / max(done, 1), done == 0
 

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from evolvent.sweep.errors import FAILED_CASES, SweepError
 from evolvent.sweep.folder import Shard, is_locked
-from evolvent.sweep.program import environment
+from evolvent.sweep.program import environment, last_message
 from evolvent.sweep.run import batch_command
 
 SHORTEST = 1.0  # duration of a task [s]
@@ -120,8 +120,7 @@ def run_task(
     done = subprocess.run(
         command, capture_output=True, text=True, errors="replace", env=environment(), check=False
     )
-    lines = [line for line in done.stderr.splitlines() if line.strip()]
-    return done.returncode, lines[-1].removeprefix("evolvent: ") if lines else ""
+    return done.returncode, last_message(done.stderr)
 
 
 def _outcome(future: Future[tuple[int, str]]) -> tuple[int, str, bool]:

@@ -46,6 +46,12 @@ def program_version(program: Path) -> str:
     return words[1]
 
 
+def last_message(messages: str) -> str:
+    """What the program said last, without its name."""
+    lines = [line for line in messages.splitlines() if line.strip()]
+    return lines[-1].removeprefix("evolvent: ") if lines else "it ended without a message"
+
+
 def environment() -> dict[str, str]:
     """Variables for the program: one thread a process, whatever libraries think of the cores."""
     return {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}

@@ -20,7 +20,7 @@ from evolvent.sweep.errors import FAILED_CASES, SweepError
 from evolvent.sweep.estimate import span
 from evolvent.sweep.folder import Shard
 from evolvent.sweep.journal import Records
-from evolvent.sweep.program import environment
+from evolvent.sweep.program import environment, last_message
 
 LOOKED = 0.25  # seconds between two looks at the journals
 LINE_EACH = 60.0  # seconds between two lines if nobody watches
@@ -151,8 +151,7 @@ def _run(command: list[str], show: Callable[[], None]) -> int:
         if process.returncode in (0, FAILED_CASES, 75):
             return process.returncode
         messages.seek(0)
-        lines = [line for line in messages.read().splitlines() if line.strip()]
-    reason = lines[-1].removeprefix("evolvent: ") if lines else "without a message"
+        reason = last_message(messages.read())
     if process.returncode < 0:
         name = signal.Signals(-process.returncode).name
         raise SweepError(

@@ -22,7 +22,7 @@ SHARDS = """\
 #SBATCH --job-name={name}
 #SBATCH --array={array}
 #SBATCH --cpus-per-task={cores}
-#SBATCH --output={logs}/shard-%a.log
+#SBATCH --output="{logs}/shard-%a.log"
 #SBATCH --open-mode=append
 #SBATCH --requeue
 #SBATCH --signal=B:USR1@120
@@ -48,7 +48,7 @@ exit "$code"
 COLLECTOR = """\
 #!/bin/bash
 #SBATCH --job-name={name}-collect
-#SBATCH --output={logs}/collect.log
+#SBATCH --output="{logs}/collect.log"
 #SBATCH --open-mode=append
 {site}# Written by evolvent-sweep.
 {lines}
