@@ -153,6 +153,43 @@ def test_a_batch_whose_worker_died_is_run_again(design, executable, reference, s
     xr.testing.assert_identical(summary("pool"), reference)
 
 
+def test_a_batch_whose_dask_worker_was_killed_is_run_again(sweep, executable, summary, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    (tmp_path / "long.yaml").write_text(PLAN.replace("value: 0.02", "value: 2"))
+    assert sweep("plan", "long.yaml", "-o", "long.h5")[0] == 0
+    todo = prepared(tmp_path / "long.h5", executable, "dask", 2)
+    killed = []
+
+    def kill() -> None:
+        started = any(path.read_bytes().count(b'"case":') for path in Path("dask").glob("*.jsonl"))
+        if started and not killed:
+            killed.append(next(iter(client.run(os.getpid).values())))
+            os.kill(killed[0], signal.SIGKILL)
+
+    options = {"threads_per_worker": 1, "dashboard_address": None}
+    with distributed.Client(n_workers=2, **options) as client:
+        executor = client.get_executor(pure=False)
+        arguments = (executable, tmp_path / "long.h5", Path("dask"), todo, executor)
+        assert run_with_executor(*arguments, show=kill) == 0
+    assert killed
+    rows = [path.read_bytes().count(b'"case":') for path in sorted(Path("dask").glob("*.jsonl"))]
+    assert rows == [12, 12]  # each case once
+    assert sweep("run", "long.h5", "-o", "embedded")[0] == 0
+    xr.testing.assert_identical(summary("dask"), summary("embedded"))
+
+
+def test_an_executor_does_not_run_where_another_run_is_at_work(design, executable):
+    todo = prepared(design, executable, "d", 1)
+    command = [sys.executable, "-c", HOLD, "d/shard-1-of-1.lock"]
+    holder = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    with holder, ThreadPoolExecutor(1) as executor:
+        assert holder.stdout is not None
+        holder.stdout.readline()
+        with pytest.raises(SweepError, match="another run is at work on shard 1/1"):
+            run_with_executor(executable, design, Path("d"), todo, executor)
+        holder.kill()
+
+
 def test_a_broken_executor_that_cannot_be_renewed_is_an_error(design, executable):
     todo = prepared(design, executable, "pool", 3)
     with DyingExecutor(1) as dying, pytest.raises(SweepError, match="worker died"):
@@ -289,7 +326,7 @@ def test_a_second_run_in_the_same_folder_is_refused_with_its_owner(sweep, design
 HOLD = """
 import fcntl, pathlib, sys
 path = pathlib.Path(sys.argv[1])
-path.parent.mkdir()
+path.parent.mkdir(exist_ok=True)
 with path.open("w") as file:
     fcntl.lockf(file, fcntl.LOCK_EX)
     print("pid 4242 on elsewhere since today", file=file, flush=True)

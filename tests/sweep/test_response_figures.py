@@ -92,7 +92,7 @@ def test_a_sample_gives_points_and_missing_cases_are_none(summarise):
 
 def test_texts_stand_at_the_axis_and_wide_ranges_are_logarithmic(summarise):
     laws = np.array(["none", "tanh", "none", "tanh"], dtype=object)
-    summary = summarise({"law": laws, "load": [1.0, 1.0, 100.0, 100.0]})
+    summary = summarise({"law": laws, "load": [1.0, 3.0, 30.0, 100.0]})
     axis = figure_response(summary, "steps", ["law"]).axes[0]
     assert [text.get_text() for text in axis.get_xticklabels()] == ["none", "tanh"]
     assert figure_response(summary, "steps", ["load"]).axes[0].get_xscale() == "log"

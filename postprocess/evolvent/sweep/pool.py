@@ -57,15 +57,22 @@ def run_with_executor(
     Raises
     ------
     SweepError
-        A task that failed whatever was tried, with the reason of the last attempt.
+        Another run is at work in the folder, or a task failed whatever was tried, with the reason
+        of the last attempt.
     """
+    for shard in shards:
+        if is_locked(folder, shard):
+            raise SweepError(
+                f"{folder}: another run is at work on shard {shard.index}/{shard.of}; "
+                "wait for it, or end it first"
+            )
     attempts = dict.fromkeys(shards, 0)
     result = 0
 
     def submit(shard: Shard) -> Future[tuple[int, str]]:
         attempts[shard] += 1
         paths = (str(program), str(design.absolute()), str(folder.absolute()))
-        return executor.submit(run_task, *paths, shard.index, shard.of, attempts[shard] > 1)
+        return executor.submit(run_task, *paths, shard.index, shard.of)
 
     waiting: list[Shard] = list(shards)
     running: dict[Future[tuple[int, str]], Shard] = {}
@@ -103,18 +110,14 @@ def run_with_executor(
     return result
 
 
-def run_task(
-    program: str, design: str, folder: str, index: int, of: int, again: bool
-) -> tuple[int, str]:
+def run_task(program: str, design: str, folder: str, index: int, of: int) -> tuple[int, str]:
     """Run one shard on a worker; return its exit code and last message.
 
-    Parameters
-    ----------
-    again : another attempt: the program of a worker that died may still be at work on the shard,
-        which is waited for.
+    The program of a worker that died may still be at work on the shard, which is waited for: what
+    it records need not be run again.
     """
     shard, place = Shard(of, index), Path(folder)
-    while again and is_locked(place, shard):
+    while is_locked(place, shard):
         time.sleep(ASKED)
     command = batch_command(Path(program), Path(design), place, shard, jobs=1)
     done = subprocess.run(
