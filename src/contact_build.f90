@@ -16,7 +16,7 @@ module evl_contact_build
 
    public :: list_contacts, take_contact, find_dependents
 
-   real(wp), parameter :: exactly_one = 1.0e-9_wp !! contact ratios this near 1 hand over: both ends of the path are one event
+   real(wp), parameter :: exactly_one = 1.0e-9_wp !! contact ratios this near a whole number are one: at 1 both ends of the path are one event
    real(wp), parameter :: least_apart = 1.0e-3_wp !! in base pitches: gap_apart where the path ends on a base circle
 
 contains
@@ -63,7 +63,7 @@ contains
       type(spur_pair_t), intent(in) :: pair
 
       n = 1
-      if (.not. (pair%handover .or. abs(pair%contact_ratio - 1) < exactly_one)) n = ceiling(pair%contact_ratio) + 1
+      if (.not. (pair%handover .or. abs(pair%contact_ratio - 1) < exactly_one)) n = ceiling(pair%contact_ratio - exactly_one) + 1
    end function n_slots
 
    !> Geometry, laws and links to the state of a tooth contact.

@@ -85,7 +85,8 @@ contains
       end do
       do turn = 1, max_modes ! modes depend on positions and speeds, these on the modes
          before = integers
-         call load_all(closed, y, integers, reals)
+         call load_all(closed, y, integers, reals, status)
+         if (has_failed(status)) return
          if (turn > 1 .and. all(integers == before)) exit
          call newton(closed, t, unknown, row, y, integers, reals, status)
          if (has_failed(status)) return
@@ -151,11 +152,12 @@ contains
 
    !> The tooth pairs that carry load at y: on every drive flank those that overlap, and at least the one that is nearest to it;
    !> every friction branch as the speeds say.
-   subroutine load_all(gearbox, y, integers, reals)
+   subroutine load_all(gearbox, y, integers, reals, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: y(:)
       integer, intent(inout) :: integers(:)
       real(wp), intent(inout) :: reals(:)
+      type(status_t), intent(inout) :: status
       type(contact_point) :: points(size(gearbox%contacts))
       real(wp) :: largest(size(gearbox%pairs))
       type(mesh_mode) :: mode
@@ -170,6 +172,13 @@ contains
             largest(mesh%mesh) = max(largest(mesh%mesh), points(m)%h)
          end associate
       end do
+      m = minloc(largest, dim=1)
+      if (.not. largest(m) > -huge(largest)) then
+         call fail(status, code_no_solution, "there is no steady state: under load no tooth pair of a mesh of contact ratio " &
+                   //quantity(gearbox%pairs(m)%contact_ratio, "")//" is on the path of contact at the start; start from rest or" &
+                   //" with given speeds", subject_initial, field="kind")
+         return
+      end if
       do m = 1, size(gearbox%contacts)
          associate (mesh => gearbox%contacts(m))
             mode = gearbox_mode(gearbox, m, integers, reals)
