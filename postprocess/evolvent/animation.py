@@ -13,7 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
 from evolvent.history import require
-from evolvent.scene import Scene
+from evolvent.scene import Scene, check_teeth
 from evolvent.teeth import pitches_passed
 
 MAX_FRAMES = 1500
@@ -111,6 +111,7 @@ def animate(
         Another ending, or MP4 without ffmpeg.
     """
     check_format(path)
+    check_teeth(history)
     force = require(history, "pair_normal_force").values[list(clip.rows)]
     if mesh is not None:
         force = force[:, mesh]

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
+from scipy.integrate import trapezoid
 
 from evolvent.history import require
 from evolvent.units import quantity
@@ -67,18 +68,18 @@ def mesh_summaries(history: xr.Dataset) -> list[MeshSummary]:
             for number in np.unique(numbers[loaded[:, place], place])
         }
         count = require(history, "pairs_in_contact").values[:, mesh].astype(float)
-        loss = float(np.trapezoid(require(history, "friction_loss").values[:, mesh], time))
+        loss = float(trapezoid(require(history, "friction_loss").values[:, mesh], time))
         wheel = int(require(history, "driving_wheel")[mesh])
         torque = require(history, "mesh_torque_driving").values[:, mesh]
-        handed = abs(float(np.trapezoid(torque * speed[:, wheel], time)))
+        handed = abs(float(trapezoid(torque * speed[:, wheel], time)))
         ratio = history["contact_ratio"].values[mesh] if "contact_ratio" in history else None
         found.append(
             MeshSummary(
                 name=str(name),
                 pairs=len(seen),
                 contact_ratio=None if ratio is None else float(ratio),
-                mean_pairs=float(np.trapezoid(count, time)) / span,
-                apart=float(np.trapezoid((count == 0).astype(float), time)) / span,
+                mean_pairs=float(trapezoid(count, time)) / span,
+                apart=float(trapezoid((count == 0).astype(float), time)) / span,
                 friction_loss=loss,
                 efficiency=1 - loss / handed if handed > abs(loss) else None,
             )

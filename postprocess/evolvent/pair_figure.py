@@ -25,7 +25,7 @@ MAX_NAMED = 4  # pairs of one style that the legend names
 def last_pitches(history: xr.Dataset, n: float = SHOWN_PITCHES) -> xr.Dataset:
     """Return the part of a history in which the fastest teeth pass their last `n` pitches."""
     passed = pitches_passed(history)
-    return history.isel(time=passed >= passed[-1] - n) if passed.size else history
+    return history.isel(time=passed >= passed[-1] - n - 1e-9) if passed.size else history
 
 
 def roll_angle(history: xr.Dataset, mesh: int) -> xr.DataArray:

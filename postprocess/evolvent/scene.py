@@ -50,11 +50,7 @@ class Scene:
         speed: float | None = None,
         exaggeration: float = 1.0,
     ) -> None:
-        if "flank_root_driving" not in history:
-            raise HistoryError(
-                f"{source_name(history)}: does not tell where the teeth are; run the case again "
-                "with this version of evolvent"
-            )
+        check_teeth(history)
         self.history, self.exaggeration, self.largest = history, exaggeration, largest
         self.wheels = drawn_wheels(history)
         self.meshes = drawn_meshes(history)
@@ -88,7 +84,7 @@ class Scene:
                 whole.set_data(*_xy(start + along * np.array([0.0, length])).T)
                 path.set_data(*_xy(start + along * np.array(mesh.path)).T)
             touching = loaded_pairs(history, mesh, number, row, self)
-            loads.append(sum(abs(force) for _, force in touching))
+            loads.append(float(require(history, "normal_force").values[row, number]))
             for point, force in touching:
                 points.append(point)
                 for on_wheel in (-force, force):
@@ -256,6 +252,15 @@ class Scene:
             columnspacing=1.2,
             bbox_to_anchor=(0.995, 0.5),
             borderaxespad=0.0,
+        )
+
+
+def check_teeth(history: xr.Dataset) -> None:
+    """Refuse a history from before the teeth were written down."""
+    if "flank_root_driving" not in history:
+        raise HistoryError(
+            f"{source_name(history)}: does not tell where the teeth are; run the case again with "
+            "this version of evolvent"
         )
 
 
