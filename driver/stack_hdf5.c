@@ -70,24 +70,51 @@ static bool define_dimensions(builder *b, const stack_layout *layout)
     return good;
 }
 
+/** The dimensions behind case and time; the compiler complains if the model has others. */
+static int inner_dimensions(builder *b, model_dims dims, netcdf_dimension *inner[2])
+{
+    inner[0] = inner[1] = NULL;
+    switch (dims) {
+    case MODEL_DIMS_NONE:
+        break;
+    case MODEL_DIMS_WHEEL:
+        inner[0] = &b->wheel;
+        break;
+    case MODEL_DIMS_MESH:
+        inner[0] = &b->mesh;
+        break;
+    case MODEL_DIMS_WHEEL_AXIS:
+        inner[0] = &b->wheel;
+        inner[1] = &b->axis;
+        break;
+    case MODEL_DIMS_MESH_AXIS:
+        inner[0] = &b->mesh;
+        inner[1] = &b->axis;
+        break;
+    case MODEL_DIMS_SPACE:
+        inner[0] = &b->space;
+        break;
+    case MODEL_DIMS_QUATERNION:
+        inner[0] = &b->quaternion;
+        break;
+    case MODEL_DIMS_WHEEL_SPACE:
+        inner[0] = &b->wheel;
+        inner[1] = &b->space;
+        break;
+    }
+    return (inner[0] != NULL) + (inner[1] != NULL);
+}
+
 static bool define_variable(builder *b, const model_output *output)
 {
-    netcdf_dimension *const dims[][2] = {
-        [MODEL_DIMS_NONE] = {NULL, NULL},
-        [MODEL_DIMS_WHEEL] = {&b->wheel, NULL},
-        [MODEL_DIMS_MESH] = {&b->mesh, NULL},
-        [MODEL_DIMS_WHEEL_AXIS] = {&b->wheel, &b->axis},
-        [MODEL_DIMS_MESH_AXIS] = {&b->mesh, &b->axis},
-        [MODEL_DIMS_SPACE] = {&b->space, NULL},
-        [MODEL_DIMS_QUATERNION] = {&b->quaternion, NULL},
-        [MODEL_DIMS_WHEEL_SPACE] = {&b->wheel, &b->space},
-    };
+    netcdf_dimension *inner[2];
+    const int n = inner_dimensions(b, output->dims, inner);
     netcdf_variable variable = describe(NETCDF_FLOAT, output->name, output->units, output->symbol, output->long_name);
-    variable.rank = 2;
+    variable.rank = 2 + n;
     variable.dimensions[0] = &b->cases;
     variable.dimensions[1] = &b->time;
-    for (int i = 0; i < 2 && dims[output->dims][i] != NULL; i++) {
-        variable.dimensions[variable.rank++] = dims[output->dims][i];
+    for (int i = 0; i < n; i++) {
+        variable.dimensions[2 + i] = inner[i];
     }
     const hid_t dataset = netcdf_define(&b->netcdf, b->netcdf.id, &variable, 0);
     return dataset >= 0 && H5Dclose(dataset) >= 0;
