@@ -161,6 +161,10 @@ static bool open_histories(shard_run *run, evl_error *error)
                                  .variables = histories->variables,
                                  .n_wheels = histories->n_wheels,
                                  .n_meshes = histories->n_meshes,
+                                 .n_shafts = histories->n_shafts,
+                                 .n_pairs = histories->n_pairs,
+                                 .n_drive_pairs = histories->n_drive_pairs,
+                                 .shaft_names = (const char *const *)histories->shaft_names,
                                  .wheel_names = (const char *const *)histories->wheel_names,
                                  .mesh_names = (const char *const *)histories->mesh_names};
     const bool good = stack_open(&run->plan.stack, &layout, error);

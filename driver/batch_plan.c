@@ -129,6 +129,11 @@ static void take_names(batch_histories *histories, const description *descriptio
     for (int i = 0; i < description->n_meshes; i++) {
         histories->mesh_names[i] = xstrdup(description->meshes[i].name);
     }
+    histories->n_shafts = description->n_shafts;
+    histories->shaft_names = xcalloc((size_t)description->n_shafts, sizeof *histories->shaft_names);
+    for (int i = 0; i < description->n_shafts; i++) {
+        histories->shaft_names[i] = xstrdup(description->shafts[i].name);
+    }
 }
 
 /** Every shard has to come to the same layout: the design's first case that is not refused decides. */
@@ -141,6 +146,7 @@ static bool plan_histories(batch_plan *plan, evl_error *error)
             const bool good = choose_variables(plan, prepared.model, error);
             take_times(plan, &prepared);
             take_names(&plan->histories, case_description(prepared.file));
+            model_pair_places(prepared.model, &plan->histories.n_pairs, &plan->histories.n_drive_pairs);
             prepared_case_free(&prepared);
             return good;
         }
@@ -176,6 +182,10 @@ void batch_plan_free(batch_plan *plan)
     for (int i = 0; i < histories->n_meshes; i++) {
         free(histories->mesh_names[i]);
     }
+    for (int i = 0; i < histories->n_shafts; i++) {
+        free(histories->shaft_names[i]);
+    }
+    free(histories->shaft_names);
     free(histories->wheel_names);
     free(histories->mesh_names);
     free(histories->variables);

@@ -15,8 +15,9 @@ typedef struct {
     int n_times;
     double *times;                    /**< [s] */
     double duration, output_interval; /**< [s] that a case needs to have such a history */
-    int n_wheels, n_meshes;
-    char **wheel_names, **mesh_names;
+    int n_wheels, n_meshes, n_shafts;
+    char **wheel_names, **mesh_names, **shaft_names;
+    int n_pairs, n_drive_pairs; /**< as in stack_layout */
 } batch_histories;
 
 typedef struct {

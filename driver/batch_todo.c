@@ -35,7 +35,7 @@ static bool take_line(const batch_plan *plan, const char *line, bool *is_wanted)
         return false;
     }
     if (index % plan->stride == plan->first_case) { /* else it is another shard's */
-        is_wanted[index] = true;
+        is_wanted[index] = true; /* NOLINT(clang-analyzer-security.ArrayBound): it is less than n_cases */
     }
     return true;
 }
@@ -43,6 +43,7 @@ static bool take_line(const batch_plan *plan, const char *line, bool *is_wanted)
 /** @param is_wanted  [n_cases] */
 static bool read_cases(const batch_plan *plan, const char *path, bool *is_wanted, evl_error *error)
 {
+    enum { SHOWN = 40 }; /* characters of a bad line */
     FILE *file = fopen(path, "rb");
     char *line = NULL;
     size_t room = 0;
@@ -56,9 +57,9 @@ static bool read_cases(const batch_plan *plan, const char *path, bool *is_wanted
         good = take_line(plan, line, is_wanted);
         if (!good) {
             char *place = xasprintf("%s:%ld", path, n_lines);
-            line[strcspn(line, "\r\n")] = '\0';
-            evl_error_set(error, EVL_EXIT_CASE, place, "'%.40s' is no case of the design; its numbers are 0 to %ld",
-                          line, plan->design->n_cases - 1);
+            const int length = (int)strcspn(line, "\r\n");
+            evl_error_set(error, EVL_EXIT_CASE, place, "'%.*s' is no case of the design; its numbers are 0 to %ld",
+                          length < SHOWN ? length : SHOWN, line, plan->design->n_cases - 1);
             free(place);
         }
     }

@@ -57,11 +57,15 @@ static void take_line(const char *line, size_t length, long n_cases, journal_sta
     }
     const long index = strtol(number, &end, 10);
     const char *word = after(end, ",\"status\":\"");
-    for (int i = JOURNAL_DONE; word != NULL && index >= 0 && index < n_cases && i <= JOURNAL_REFUSED; i++) {
+    if (word == NULL || index < 0 || index >= n_cases) {
+        return;
+    }
+    journal_status *known = &status[index]; /* NOLINT(clang-analyzer-security.ArrayBound): it is less than n_cases */
+    for (int i = JOURNAL_DONE; i <= JOURNAL_REFUSED; i++) {
         const char *rest = after(word, status_names[i]);
         if (rest != NULL && rest[0] == '"') {
-            *n_recorded += status[index] == JOURNAL_MISSING ? 1 : 0;
-            status[index] = (journal_status)i;
+            *n_recorded += *known == JOURNAL_MISSING ? 1 : 0;
+            *known = (journal_status)i;
         }
     }
 }

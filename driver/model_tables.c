@@ -87,22 +87,20 @@ void model_describe_tables(model *model)
     };
     const evl_sizes *sizes = &model->sizes;
     model->outputs = xcalloc((size_t)sizes->n_outputs, sizeof *model->outputs);
-    evl_output *table = xcalloc((size_t)sizes->n_outputs, sizeof *table);
-    evl_gearbox_output_table(model->gearbox, table);
     for (int i = 0; i < sizes->n_outputs; i++) {
-        const evl_output *from = &table[i];
+        evl_output from;
         model_output *to = &model->outputs[i];
-        *to = (model_output){.dims = dims[from->dims],
-                             .is_static = from->is_static,
-                             .is_integer = from->is_integer,
-                             .offset = from->offset,
-                             .count = from->count};
-        copy_text(to->name, sizeof to->name, from->name);
-        copy_text(to->units, sizeof to->units, from->units);
-        copy_text(to->symbol, sizeof to->symbol, from->symbol);
-        copy_text(to->long_name, sizeof to->long_name, from->long_name);
+        (void)evl_gearbox_output(model->gearbox, i, &from);
+        *to = (model_output){.dims = dims[from.dims],
+                             .is_static = from.is_static,
+                             .is_integer = from.is_integer,
+                             .offset = from.offset,
+                             .count = from.count};
+        copy_text(to->name, sizeof to->name, from.name);
+        copy_text(to->units, sizeof to->units, from.units);
+        copy_text(to->symbol, sizeof to->symbol, from.symbol);
+        copy_text(to->long_name, sizeof to->long_name, from.long_name);
     }
-    free(table);
     model->state_names = xcalloc((size_t)sizes->n_states, sizeof *model->state_names);
     model->state_units = xcalloc((size_t)sizes->n_states, sizeof *model->state_units);
     for (int i = 0; i < sizes->n_states; i++) {

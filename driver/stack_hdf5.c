@@ -12,7 +12,7 @@
 
 typedef struct {
     netcdf_file netcdf;
-    netcdf_dimension cases, time, wheel, mesh, axis, space, quaternion;
+    netcdf_dimension cases, time, wheel, mesh, shaft, axis, space, quaternion, pair;
 } builder;
 
 static netcdf_variable describe(netcdf_type type, const char *name, const char *units, const char *symbol,
@@ -50,6 +50,24 @@ static bool define_names(builder *b, netcdf_dimension *dimension, const char *na
     return define_coordinate(b, dimension, &variable, n, names);
 }
 
+/** Places of tooth pairs: drive_0, drive_1, ..., coast_0, ... */
+static bool define_pairs(builder *b, const stack_layout *layout)
+{
+    char (*texts)[24] = xcalloc((size_t)layout->n_pairs, sizeof *texts);
+    const char **names = xcalloc((size_t)layout->n_pairs, sizeof *names);
+    for (int i = 0; i < layout->n_pairs; i++) {
+        const bool is_drive = i < layout->n_drive_pairs;
+        (void)snprintf(texts[i], sizeof texts[i], "%s_%d", is_drive ? "drive" : "coast",
+                       is_drive ? i : i - layout->n_drive_pairs);
+        names[i] = texts[i];
+    }
+    const bool good =
+        define_names(b, &b->pair, "pair", "place of a tooth pair: flank and slot", layout->n_pairs, names);
+    free(names);
+    free(texts);
+    return good;
+}
+
 static bool define_dimensions(builder *b, const stack_layout *layout)
 {
     static const char *const axes[] = {"x", "y", "z"}, *const parts[] = {"w", "x", "y", "z"};
@@ -63,31 +81,67 @@ static bool define_dimensions(builder *b, const stack_layout *layout)
                       define_coordinate(b, &b->time, &time, layout->n_times, layout->times) &&
                       define_names(b, &b->wheel, "wheel", "name of the wheel", layout->n_wheels, layout->wheel_names) &&
                       define_names(b, &b->mesh, "mesh", "name of the mesh", layout->n_meshes, layout->mesh_names) &&
+                      define_names(b, &b->shaft, "shaft", "name of the shaft", layout->n_shafts, layout->shaft_names) &&
                       define_names(b, &b->axis, "axis", "axis of the housing frame", 2, axes) &&
                       define_names(b, &b->space, "space", "axis of a frame", 3, axes) &&
-                      define_names(b, &b->quaternion, "quaternion", "part of a quaternion", 4, parts);
+                      define_names(b, &b->quaternion, "quaternion", "part of a quaternion", 4, parts) &&
+                      define_pairs(b, layout);
     free(numbers);
     return good;
 }
 
+/** The dimensions behind case and time; the compiler complains if the model has others. */
+static int inner_dimensions(builder *b, model_dims dims, netcdf_dimension *inner[2])
+{
+    inner[0] = inner[1] = NULL;
+    switch (dims) {
+    case MODEL_DIMS_NONE:
+        break;
+    case MODEL_DIMS_WHEEL:
+        inner[0] = &b->wheel;
+        break;
+    case MODEL_DIMS_MESH:
+        inner[0] = &b->mesh;
+        break;
+    case MODEL_DIMS_WHEEL_AXIS:
+        inner[0] = &b->wheel;
+        inner[1] = &b->axis;
+        break;
+    case MODEL_DIMS_MESH_AXIS:
+        inner[0] = &b->mesh;
+        inner[1] = &b->axis;
+        break;
+    case MODEL_DIMS_SPACE:
+        inner[0] = &b->space;
+        break;
+    case MODEL_DIMS_QUATERNION:
+        inner[0] = &b->quaternion;
+        break;
+    case MODEL_DIMS_WHEEL_SPACE:
+        inner[0] = &b->wheel;
+        inner[1] = &b->space;
+        break;
+    case MODEL_DIMS_MESH_PAIR:
+        inner[0] = &b->mesh;
+        inner[1] = &b->pair;
+        break;
+    case MODEL_DIMS_SHAFT:
+        inner[0] = &b->shaft;
+        break;
+    }
+    return (inner[0] != NULL) + (inner[1] != NULL);
+}
+
 static bool define_variable(builder *b, const model_output *output)
 {
-    netcdf_dimension *const dims[][2] = {
-        [MODEL_DIMS_NONE] = {NULL, NULL},
-        [MODEL_DIMS_WHEEL] = {&b->wheel, NULL},
-        [MODEL_DIMS_MESH] = {&b->mesh, NULL},
-        [MODEL_DIMS_WHEEL_AXIS] = {&b->wheel, &b->axis},
-        [MODEL_DIMS_MESH_AXIS] = {&b->mesh, &b->axis},
-        [MODEL_DIMS_SPACE] = {&b->space, NULL},
-        [MODEL_DIMS_QUATERNION] = {&b->quaternion, NULL},
-        [MODEL_DIMS_WHEEL_SPACE] = {&b->wheel, &b->space},
-    };
+    netcdf_dimension *inner[2];
+    const int n = inner_dimensions(b, output->dims, inner);
     netcdf_variable variable = describe(NETCDF_FLOAT, output->name, output->units, output->symbol, output->long_name);
-    variable.rank = 2;
+    variable.rank = 2 + n;
     variable.dimensions[0] = &b->cases;
     variable.dimensions[1] = &b->time;
-    for (int i = 0; i < 2 && dims[output->dims][i] != NULL; i++) {
-        variable.dimensions[variable.rank++] = dims[output->dims][i];
+    for (int i = 0; i < n; i++) {
+        variable.dimensions[2 + i] = inner[i];
     }
     const hid_t dataset = netcdf_define(&b->netcdf, b->netcdf.id, &variable, 0);
     return dataset >= 0 && H5Dclose(dataset) >= 0;
@@ -95,7 +149,8 @@ static bool define_variable(builder *b, const model_output *output)
 
 static bool fill_file(builder *b, const stack_layout *layout)
 {
-    netcdf_dimension *const all[] = {&b->cases, &b->time, &b->wheel, &b->mesh, &b->axis, &b->space, &b->quaternion};
+    netcdf_dimension *const all[] = {&b->cases, &b->time,  &b->wheel,      &b->mesh, &b->shaft,
+                                     &b->axis,  &b->space, &b->quaternion, &b->pair};
     netcdf_file *netcdf = &b->netcdf;
     bool good = netcdf_put_text(netcdf, netcdf->id, "Conventions", "CF-1.8") &&
                 netcdf_put_text(netcdf, netcdf->id, "design", layout->hash) && define_dimensions(b, layout);

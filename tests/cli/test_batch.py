@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from designs import TIMINGS, paper_case, read_folder, read_journal, wait_for, write_design
+from designs import TIMINGS, paper_case, read_folder, read_journal, running, wait_for, write_design
 
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 TORQUE = "wheels.pinion.loads.0.value"
@@ -113,16 +113,17 @@ def test_numbers_are_those_of_the_case_s_history(evolvent: Evolvent, tmp_path: P
             return float(np.trapezoid(values, inside.time)) / span
 
         error, force = inside.transmission_error, inside.normal_force
+        pairs = inside.get("pairs_in_contact", inside.in_contact)
         expected = {
             "transmission_error_mean": mean(error),
             "transmission_error_peak_to_peak": float(error.max() - error.min()),
             "normal_force_mean": mean(force),
             "normal_force_max": float(force.max()),
             "penetration_max": float(inside.penetration.max()),
-            "share_no_contact": mean(1.0 - inside.in_contact),
-            "share_one_pair": mean(1.0 * inside.in_contact),
-            "share_two_pairs": 0.0,
-            "share_more_pairs": 0.0,
+            "share_no_contact": mean(1.0 * (pairs == 0)),
+            "share_one_pair": mean(1.0 * (pairs == 1)),
+            "share_two_pairs": mean(1.0 * (pairs == 2)),
+            "share_more_pairs": mean(1.0 * (pairs > 2)),
             "energy_residual": energy_residual(history),
             "steps": float(history.attrs["integrator_steps"]),
         }
@@ -509,15 +510,11 @@ def test_a_second_run_of_a_shard_is_refused_and_told_who_is_first(
         first.kill()
         first.wait()
     # its lock file is still there, but holds nobody off
-    ended = subprocess.Popen(
-        [executable, "batch", design, "-o", "r", "--resume"],
-        cwd=tmp_path,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    wait_for(lambda: f"pid {ended.pid} " in (tmp_path / "r/shard-1-of-1.lock").read_text())
-    ended.terminate()
-    assert "interrupted by SIGTERM" in ended.communicate(timeout=60)[1]
+    command = [executable, "batch", design, "-o", "r", "--resume"]
+    with running(command, tmp_path, stderr=subprocess.PIPE, text=True) as ended:
+        wait_for(lambda: f"pid {ended.pid} " in (tmp_path / "r/shard-1-of-1.lock").read_text())
+        ended.terminate()
+        assert "interrupted by SIGTERM" in ended.communicate(timeout=60)[1]
     assert ended.returncode == 75
 
 
@@ -529,7 +526,7 @@ def test_a_terminal_shows_each_second_how_far_a_batch_is(executable: Path, tmp_p
     design = write_design(tmp_path / "design.h5", columns)
     ours, theirs = pty.openpty()
     command = [executable, "batch", design, "-o", "r", "--jobs", "2"]
-    with subprocess.Popen(command, cwd=tmp_path, stderr=theirs) as process:
+    with running(command, tmp_path, stderr=theirs) as process:
         os.close(theirs)
         shown = os.read(ours, 4096).decode()
         process.terminate()

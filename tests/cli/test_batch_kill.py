@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from designs import paper_case, read_folder, read_journal, wait_for, write_design
+from designs import paper_case, read_folder, read_journal, running, wait_for, write_design
 
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 TORQUE = "wheels.pinion.loads.0.value"
@@ -110,7 +110,7 @@ def test_killed_workers_leave_no_trace(
         command = [executable, "batch", undisturbed[0], "-o", "r", "--jobs", "2", "-q"]
         folder = tmp_path / str(run)
         folder.mkdir()
-        with subprocess.Popen(command, cwd=folder) as parent:
+        with running(command, folder) as parent:
             old: set[int] = set()  # at the last kill
             while parent.poll() is None and killed < KILLS // 2:
                 # A case that was handed out again must be over, and is: neither does a worker die
@@ -137,7 +137,7 @@ def test_a_killed_parent_takes_its_workers_along_and_the_rest_is_run_by_resume(
     when = random.Random(SEED + 1)
     command = [executable, "batch", undisturbed[0], "-o", "r", "--jobs", "2", "--resume", "-q"]
     for _ in range(KILLS // 2):
-        with subprocess.Popen(command, cwd=tmp_path) as parent:
+        with running(command, tmp_path) as parent:
             time.sleep(when.uniform(0.0, 0.15))
             workers = children(parent.pid)
             parent.kill()
@@ -152,10 +152,13 @@ def test_a_killed_parent_takes_its_workers_along_and_the_rest_is_run_by_resume(
 def test_a_case_that_ends_its_process_twice_has_failed(
     executable: Path, tmp_path: Path, endless: Path
 ) -> None:
-    with subprocess.Popen([executable, "batch", endless, "-o", "r", "-q"], cwd=tmp_path) as parent:
+    with running([executable, "batch", endless, "-o", "r", "-q"], tmp_path) as parent:
+        killed: set[int] = set()
         for _ in range(2):
-            wait_for(lambda: len(children(parent.pid)) == 1)
-            os.kill(children(parent.pid)[0], signal.SIGKILL)
+            wait_for(lambda: not killed.issuperset(children(parent.pid)))
+            (worker,) = set(children(parent.pid)) - killed
+            os.kill(worker, signal.SIGKILL)
+            killed.add(worker)
     assert parent.returncode == 1
     row = read_journal(tmp_path / JOURNAL).cases[0]
     assert (row["status"], row["exit"]) == ("failed", 4)
@@ -174,7 +177,7 @@ def test_a_signal_ends_the_batch_and_resume_goes_on(
     number: signal.Signals,
 ) -> None:
     command = [executable, "batch", undisturbed[0], "-o", "r", "--jobs", "2"]
-    with subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as parent:
+    with running(command, tmp_path, stderr=subprocess.PIPE, text=True) as parent:
         wait_for(lambda: n_lines(tmp_path) > 4)
         workers = children(parent.pid)
         parent.send_signal(number)
@@ -192,7 +195,7 @@ def test_a_signal_ends_the_batch_and_resume_goes_on(
 def test_workers_leave_signals_to_their_parent(
     executable: Path, tmp_path: Path, endless: Path
 ) -> None:
-    with subprocess.Popen([executable, "batch", endless, "-o", "r", "-q"], cwd=tmp_path) as parent:
+    with running([executable, "batch", endless, "-o", "r", "-q"], tmp_path) as parent:
         wait_for(lambda: len(children(parent.pid)) == 1 and (tmp_path / JOURNAL).is_file())
         time.sleep(0.05)  # until the worker has set itself up
         (worker,) = children(parent.pid)
