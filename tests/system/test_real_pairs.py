@@ -64,7 +64,7 @@ def slow(runs, request) -> Run:
 
 def test_the_perfect_pair_has_two_pairs_in_contact_for_the_time_that_its_ratio_says(slow):
     """75.47 %: the penetration makes the path of contact shorter by itself, 2e-4 of a pitch."""
-    assert RATIO == pytest.approx(1.7547, abs=5e-5)
+    assert pytest.approx(1.7547, abs=5e-5) == RATIO
     assert slow.exit_code == 0
     assert broken_invariants(slow) == []
     flank, kind, time = (slow.events[name].values for name in ("flank", "kind", "time"))
@@ -195,7 +195,12 @@ def relieved(amount: float, duration: float, damped: bool, **simulation: Any) ->
             {**viscous(TORQUE / 20), **relief},
         ),
         mesh={"damping": {"law": "one_sided", "coefficient": 1e9}} if damped else {},
-        **{"duration": duration, "output_interval": 2e-6, "initial": {"kind": "steady"}, **simulation},
+        **{
+            "duration": duration,
+            "output_interval": 2e-6,
+            "initial": {"kind": "steady"},
+            **simulation,
+        },
     )
 
 
