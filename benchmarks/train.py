@@ -25,7 +25,7 @@ SLACK = 1.1  # for what is not proportional to a power, such as events
 
 
 def row(n: int, duration: float) -> dict[str, Any]:
-    """Row of n wheels, each of which turns the next one; supports and friction make it no sparse case."""
+    """Row of n wheels, each of which turns the next one; friction, and every axle in bearings."""
     teeth = [20 + 3 * (i % 5) for i in range(n)]
     bearing = {"kind": "bearing", "stiffness": [2e8, 3e8], "damping": [2e3, 3e3], "mass": 1}
     wheels: list[dict[str, Any]] = [
@@ -88,7 +88,8 @@ def main() -> int:
             if before is not None:
                 power = math.log(costs[n] / costs[before]) / math.log(n / before)
                 growth = f"{power:.2f}"
-            print(f"{n:6}  {6 * n + 2:6}  {many_steps - few_steps:9}  {costs[n]:19.0f}  {growth:>19}")
+            steps = many_steps - few_steps
+            print(f"{n:6}  {6 * n + 2:6}  {steps:9}  {costs[n]:19.0f}  {growth:>19}")
     first, last = NUMBERS[0], NUMBERS[-1]
     grows_too_fast = costs[last] / costs[first] > SLACK * (last / first) ** 2
     if grows_too_fast:

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "case_base.h"
 #include "case_resolve.h"
 #include "case_schema.h"
 #include "case_tree.h"
@@ -16,7 +17,7 @@ struct case_file {
     int n_options;
     char **options; /* the nodes of the tree point to them */
     case_node *root;
-    char *text;
+    char *text; /* NULL for an edited base */
     description description;
 };
 
@@ -36,31 +37,20 @@ static bool check_format(const case_file *file, evl_error *error)
     return false;
 }
 
-static bool read_and_resolve(case_file *file, const law_tables *laws, evl_error *error)
+/** Edit the tree that `file` has, check and resolve it. */
+static bool edit_and_resolve(case_file *file, const case_schema *schema, const law_tables *laws, evl_error *error)
 {
-    file->root = tree_load_file(file->path, error);
-    if (file->root == NULL) {
-        return false;
-    }
     for (int i = 0; i < file->n_options; i++) {
         if (!tree_set(file->root, file->options[i], error)) {
             return false;
         }
     }
-    if (!check_format(file, error)) {
-        return false;
-    }
-    case_schema *schema = schema_create(laws);
-    const bool good = schema_check(schema, file->path, file->root, error) &&
-                      case_resolve(file->path, file->root, laws, &file->description, error);
-    schema_delete(&schema);
-    return good;
+    return check_format(file, error) && schema_check(schema, file->path, file->root, error) &&
+           case_resolve(file->path, file->root, laws, &file->description, error);
 }
 
-case_file *case_read(const char *path, int n_set, const char *const *set_options, const law_tables *laws,
-                     evl_error *error)
+static case_file *file_create(const char *path, int n_set, const char *const *set_options)
 {
-    memset(error, 0, sizeof *error);
     case_file *file = xcalloc(1, sizeof *file);
     file->path = xstrdup(path);
     file->n_options = n_set;
@@ -68,9 +58,31 @@ case_file *case_read(const char *path, int n_set, const char *const *set_options
     for (int i = 0; i < n_set; i++) {
         file->options[i] = xstrdup(set_options[i]);
     }
-    if (read_and_resolve(file, laws, error)) {
+    return file;
+}
+
+case_file *case_read(const char *path, int n_set, const char *const *set_options, const law_tables *laws,
+                     evl_error *error)
+{
+    memset(error, 0, sizeof *error);
+    case_file *file = file_create(path, n_set, set_options);
+    case_schema *schema = schema_create(laws);
+    file->root = tree_load_file(path, error);
+    if (file->root != NULL && edit_and_resolve(file, schema, laws, error)) {
         file->text = tree_text(file->root);
     } else {
+        case_delete(&file);
+    }
+    schema_delete(&schema);
+    return file;
+}
+
+case_file *case_edit(const case_base *base, int n_set, const char *const *set_options, evl_error *error)
+{
+    memset(error, 0, sizeof *error);
+    case_file *file = file_create(base->name, n_set, set_options);
+    file->root = node_copy(base->root);
+    if (!edit_and_resolve(file, base->schema, base->laws, error)) {
         case_delete(&file);
     }
     return file;

@@ -5,7 +5,26 @@
 #include "description.h"
 #include "status.h"
 
+#include <stdbool.h>
+
 typedef struct case_file case_file;
+/** A case that was parsed once, to be edited and read any number of times. */
+typedef struct case_base case_base;
+
+/** Parse the text of a case; nothing is checked yet.
+ *  @param name  what errors call it, such as a path
+ *  @param laws  the laws that the model offers; they have to outlive the base
+ *  @return NULL with the reason in `error` */
+case_base *case_base_parse(const char *name, const char *text, const law_tables *laws, evl_error *error);
+void case_base_delete(case_base **base);
+/** The same as case_read with the base's text for a file. The base stays as it is and has to outlive the result. */
+case_file *case_edit(const case_base *base, int n_set, const char *const *set_options, evl_error *error);
+/** Names of the base's elements of a list such as "meshes", as paths call them, and as many as there are.
+ *  @param names  NULL, or room for all; each is a new string, the index where an element has no name */
+int case_base_elements(const case_base *base, const char *list, char **names);
+/** Whether a --set path leads to a key that a case may have, in whatever variant, and to elements that the base has.
+ *  @return false with what is wrong with the path in error->message */
+bool case_base_has_path(const case_base *base, const char *path, evl_error *error);
 
 /** Read the case at `path`, apply the options in their order, check and resolve.
  *  @param set_options  [n_set] each "PATH=VALUE"
@@ -22,7 +41,7 @@ const description *case_description(const case_file *file);
 /** The file as it was given to case_read. */
 const char *case_path(const case_file *file);
 /** The whole case as YAML text: options applied, every default filled in, nothing derived.
- *  Reading it gives the same description. */
+ *  Reading it gives the same description. NULL for a case of case_edit, which spares the time. */
 const char *case_text(const case_file *file);
 
 /** The checked tree itself, with the file's own keys and units. */

@@ -1,4 +1,5 @@
 /* A tree against the schema, block by block: unknown keys, missing keys; defaults filled in, the table's order. */
+#include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -143,7 +144,9 @@ static case_node *default_value(const checker *checker, const case_key *key, con
         free(name);
         return value;
     }
-    return tree_load_text(key->default_text, node->place, checker->error);
+    const bool is_plain = isalnum((unsigned char)key->default_text[0]) && strpbrk(key->default_text, ":#,[]{}") == NULL;
+    return is_plain ? node_create_scalar(key->default_text, true, node->place) /* the parser would say the same */
+                    : tree_load_text(key->default_text, node->place, checker->error);
 }
 
 static bool check_key_names(const checker *checker, const char *block, const case_node *node)

@@ -259,6 +259,21 @@ static char *read_bytes(FILE *file, const char *path, size_t *length, evl_error 
     return NULL;
 }
 
+static case_node *load_named(const char *name, const char *text, size_t length, evl_error *error)
+{
+    yaml_loader loader = {.path = name, .error = error};
+    case_node *root = load(&loader, text, length);
+    if (root == NULL && error->code == EVL_EXIT_OK) {
+        evl_error_set(error, EVL_EXIT_CASE, name, "is empty; a case begins with 'format: 1'");
+    }
+    return root;
+}
+
+case_node *tree_load_named(const char *name, const char *text, evl_error *error)
+{
+    return load_named(name, text, strlen(text), error);
+}
+
 case_node *tree_load_file(const char *path, evl_error *error)
 {
     FILE *file = fopen(path, "rb");
@@ -272,12 +287,8 @@ case_node *tree_load_file(const char *path, evl_error *error)
     if (text == NULL) {
         return NULL;
     }
-    yaml_loader loader = {.path = path, .error = error};
-    case_node *root = load(&loader, text, length);
+    case_node *root = load_named(path, text, length, error);
     free(text);
-    if (root == NULL && error->code == EVL_EXIT_OK) {
-        evl_error_set(error, EVL_EXIT_CASE, path, "is empty; a case begins with 'format: 1'");
-    }
     return root;
 }
 

@@ -37,6 +37,22 @@ void node_delete(case_node **node)
     *node = NULL;
 }
 
+case_node *node_copy(const case_node *node)
+{
+    case_node *copy = node_create(node->kind, node->place);
+    copy->text = node->text == NULL ? NULL : xstrdup(node->text);
+    copy->plain = node->plain;
+    copy->n = copy->capacity = node->n;
+    copy->entries = node->n == 0 ? NULL : xcalloc((size_t)node->n, sizeof *copy->entries);
+    for (int i = 0; i < node->n; i++) {
+        const case_entry *entry = &node->entries[i];
+        copy->entries[i] = (case_entry){.key = entry->key == NULL ? NULL : xstrdup(entry->key),
+                                        .key_place = entry->key_place,
+                                        .value = node_copy(entry->value)};
+    }
+    return copy;
+}
+
 void node_append(case_node *node, const char *key, case_place key_place, case_node *value)
 {
     if (node->n == node->capacity) {

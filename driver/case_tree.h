@@ -40,6 +40,8 @@ struct case_node {
 case_node *node_create(node_kind kind, case_place place);
 case_node *node_create_scalar(const char *text, bool plain, case_place place);
 void node_delete(case_node **node);
+/** The same tree once more, at the same places. */
+case_node *node_copy(const case_node *node);
 
 /** Append; takes `value` over, copies `key` (NULL in a sequence). */
 void node_append(case_node *node, const char *key, case_place key_place, case_node *value);
@@ -72,6 +74,8 @@ void place_text(const char *path, case_place place, char text[EVL_ERROR_PLACE_LE
 
 /** Read the one YAML document of a file. @return NULL with the reason in `error` */
 case_node *tree_load_file(const char *path, evl_error *error);
+/** Read the one YAML document of a text, whose lines count as those of a file called `name`. */
+case_node *tree_load_named(const char *name, const char *text, evl_error *error);
 /** Read a YAML text; all of its nodes get `place`, which errors name as well.
  *  @return NULL with the reason in `error`; empty text gives a null scalar */
 case_node *tree_load_text(const char *text, case_place place, evl_error *error);

@@ -10,12 +10,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { OF_RUN = 1, OF_SHOW = 2, OF_PROGRAM = 4, OF_MODES = 8 };
+enum { OF_RUN = 1, OF_SHOW = 2, OF_PROGRAM = 4, OF_MODES = 8, OF_BATCH = 16 };
 
 typedef struct {
     int mask;
     cli_command command;
     const char *name, *synopsis, *summary, *text;
+    const char *file; /**< what it works on */
 } command_row;
 
 static const command_row program = {OF_PROGRAM,
@@ -26,7 +27,8 @@ static const command_row program = {OF_PROGRAM,
                                     "Example:\n"
                                     "  evolvent run examples/paper.yaml        integrates the case, writes paper.h5\n"
                                     "\n"
-                                    "'evolvent COMMAND --help' tells more about a command.\n"};
+                                    "'evolvent COMMAND --help' tells more about a command.\n",
+                                    ""};
 
 static const command_row commands[] = {
     {OF_RUN, CLI_RUN, "run", "CASE.yaml [-o HISTORY.h5] [--set PATH=VALUE]... [-q]",
@@ -37,7 +39,8 @@ static const command_row commands[] = {
      "\n"
      "Examples:\n"
      "  evolvent run examples/paper.yaml\n"
-     "  evolvent run examples/paper.yaml -o f03.h5 --set meshes.0.friction.coefficient=0.3\n"},
+     "  evolvent run examples/paper.yaml -o f03.h5 --set meshes.0.friction.coefficient=0.3\n",
+     "case file"},
     {OF_SHOW, CLI_SHOW, "show", "CASE.yaml [--set PATH=VALUE]... [--json] | --laws | --keys",
      "print a case with its derived geometry",
      "Prints the case with every default filled in and the geometry that follows from it. Nothing is integrated.\n"
@@ -45,7 +48,8 @@ static const command_row commands[] = {
      "Examples:\n"
      "  evolvent show examples/paper.yaml\n"
      "  evolvent show examples/paper.yaml --set wheels.gear.teeth=40 --json\n"
-     "  evolvent show --laws\n"},
+     "  evolvent show --laws\n",
+     "case file"},
     {OF_MODES, CLI_MODES, "modes", "CASE.yaml [--at TIME] [--set PATH=VALUE]... [--json]",
      "print natural frequencies, damping and mode shapes",
      "Linearises the gearbox and prints its natural frequencies, damping ratios and mode shapes: at its steady state "
@@ -54,7 +58,22 @@ static const command_row commands[] = {
      "\n"
      "Examples:\n"
      "  evolvent modes examples/paper.yaml\n"
-     "  evolvent modes examples/paper-friction.yaml --at 0.5 --json\n"},
+     "  evolvent modes examples/paper-friction.yaml --at 0.5 --json\n",
+     "case file"},
+    {OF_BATCH, CLI_BATCH, "batch", "DESIGN.h5 -o DIR [--shard I/N] [--jobs J] [--resume] [--cases FILE] [-q]",
+     "run the cases of a design, or a share of them",
+     "Runs the cases of a design, which 'evolvent-sweep plan' writes: a base case, and a table of the values that "
+     "make\n"
+     "the cases. Each finished case is a line of DIR/shard-I-of-N.jsonl: what became of it, and its numbers over the\n"
+     "design's window of time. Histories, if the design asks for some, are in DIR/shard-I-of-N.h5. A case that fails "
+     "is a\n"
+     "line with its reason. Whatever ends the program, nothing recorded is lost: the same command with --resume runs\n"
+     "what is missing. SIGTERM, SIGUSR1 and SIGINT end it at once, with exit code 75.\n"
+     "\n"
+     "Examples:\n"
+     "  evolvent batch design.h5 -o results --jobs 2\n"
+     "  evolvent batch design.h5 -o results --shard 3/8 --resume      of 8 shares the third, as a job of an array\n",
+     "design"},
 };
 enum { N_COMMANDS = sizeof commands / sizeof *commands };
 
@@ -72,13 +91,21 @@ static const option_row option_rows[] = {
      "file to write; the case's name with .h5 in the current folder if not given"},
     {OF_MODES, 0, "at", "TIME", offsetof(cli_options, at),
      "integrate the case from its initial state to this time [s] and linearise there"},
+    {OF_BATCH, 'o', "output", "DIR", offsetof(cli_options, output), "folder of the results, made if it is not there"},
+    {OF_BATCH, 0, "shard", "I/N", offsetof(cli_options, shard),
+     "only the cases i with i mod N = I - 1; 1/1 if not given"},
+    {OF_BATCH, 'j', "jobs", "J", offsetof(cli_options, jobs), "number of processes that run cases; 1 if not given"},
+    {OF_BATCH, 0, "resume", NULL, offsetof(cli_options, resume), "go on: run the cases that are not recorded yet"},
+    {OF_BATCH, 0, "cases", "FILE", offsetof(cli_options, cases),
+     "run these cases, one number a line, recorded or not; the later record counts"},
     {OF_RUN | OF_SHOW | OF_MODES, 0, "set", "PATH=VALUE", offsetof(cli_options, set),
      "change the case, such as wheels.pinion.teeth=25; VALUE is YAML; may be repeated"},
-    {OF_RUN, 'q', "quiet", NULL, offsetof(cli_options, quiet), "no progress and no summary; warnings and errors only"},
+    {OF_RUN | OF_BATCH, 'q', "quiet", NULL, offsetof(cli_options, quiet),
+     "no progress and no summary; warnings and errors only"},
     {OF_SHOW | OF_MODES, 0, "json", NULL, offsetof(cli_options, json), "one JSON object, in SI units and radians"},
     {OF_SHOW, 0, "laws", NULL, offsetof(cli_options, laws), "the laws of contact, damping and friction instead"},
     {OF_SHOW, 0, "keys", NULL, offsetof(cli_options, keys), "every key of a case file, as Markdown, instead"},
-    {OF_RUN | OF_SHOW | OF_MODES | OF_PROGRAM, 'h', "help", NULL, offsetof(cli_options, help), "this text"},
+    {OF_RUN | OF_SHOW | OF_MODES | OF_BATCH | OF_PROGRAM, 'h', "help", NULL, offsetof(cli_options, help), "this text"},
     {OF_PROGRAM, 'V', "version", NULL, offsetof(cli_options, version), "versions of the program and of its libraries"},
 };
 enum { N_OPTIONS = sizeof option_rows / sizeof *option_rows };
@@ -279,7 +306,8 @@ static bool take_words(cli_options *options, const command_row *command, word_li
                 return false;
             }
         } else if (options->case_path != NULL) {
-            misuse(options, command, "one case at a time: what is '%s' after '%s'?", word, options->case_path);
+            misuse(options, command, "one %.*s at a time: what is '%s' after '%s'?", (int)strcspn(command->file, " "),
+                   command->file, word, options->case_path);
             return false;
         } else {
             options->case_path = word;
@@ -296,7 +324,11 @@ static bool check_words(cli_options *options, const command_row *command)
 {
     const bool is_reference = options->laws || options->keys;
     if (options->case_path == NULL && !is_reference) {
-        misuse(options, command, "'%s' needs a case file", command->name);
+        misuse(options, command, "'%s' needs a %s", command->name, command->file);
+        return false;
+    }
+    if (command->mask == OF_BATCH && options->output == NULL) {
+        misuse(options, command, "'%s' needs a folder: -o DIR", command->name);
         return false;
     }
     if (is_reference &&

@@ -4,17 +4,18 @@
 
 #include <stdbool.h>
 
-typedef enum { CLI_NOTHING, CLI_RUN, CLI_SHOW, CLI_MODES, CLI_VERSION } cli_command;
+typedef enum { CLI_NOTHING, CLI_RUN, CLI_SHOW, CLI_MODES, CLI_BATCH, CLI_VERSION } cli_command;
 
 typedef struct {
     cli_command command;   /**< what is to be done; CLI_NOTHING if that was to print a help text or a complaint */
     int exit_code;         /**< of CLI_NOTHING */
-    const char *case_path; /**< NULL if none was given */
+    const char *case_path; /**< of a case, or of a batch's design; NULL if none was given */
     const char *output;    /**< NULL if none was given */
-    const char *at;        /**< NULL if none was given */
+    const char *at;        /**< NULL if none was given, like the next three */
+    const char *shard, *jobs, *cases;
     int n_set;
     const char **set; /**< [n_set] "PATH=VALUE", in their order */
-    bool quiet, json, laws, keys;
+    bool quiet, json, laws, keys, resume;
     bool help, version;
 } cli_options;
 

@@ -27,9 +27,10 @@ void interrupt_install(void)
     (void)sigaction(SIGXFSZ, &ignoring, NULL);
     install(SIGINT);
     install(SIGTERM);
+    install(SIGUSR1);
 }
 
 const char *interrupt_name(int signal)
 {
-    return signal == SIGINT ? "SIGINT" : "SIGTERM";
+    return signal == SIGINT ? "SIGINT" : signal == SIGTERM ? "SIGTERM" : "SIGUSR1";
 }

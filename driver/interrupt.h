@@ -1,4 +1,4 @@
-/** SIGINT and SIGTERM as a question that a run asks after every step. A leaf. */
+/** SIGINT, SIGTERM and SIGUSR1, by which batch systems warn, as a question that a run asks now and then. A leaf. */
 #ifndef EVOLVENT_INTERRUPT_H
 #define EVOLVENT_INTERRUPT_H
 
@@ -9,7 +9,7 @@ extern volatile sig_atomic_t interrupt_signal;
 
 /** From now on these signals are only noted. A file that grows too large is an error of write, no signal. */
 void interrupt_install(void);
-/** "SIGINT" or "SIGTERM" */
+/** "SIGINT", "SIGTERM" or "SIGUSR1" */
 const char *interrupt_name(int signal);
 
 #endif

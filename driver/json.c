@@ -1,14 +1,41 @@
 #include "json.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 #include "number.h"
 
+/** Bytes of the UTF-8 character at the start of a text; 0 if there is none. */
+static int character_length(const char *text)
+{
+    const unsigned char first = (unsigned char)text[0], second = (unsigned char)text[1];
+    const int length = first < 0x80                     ? 1
+                       : first >= 0xc2 && first <= 0xdf ? 2
+                       : first >= 0xe0 && first <= 0xef ? 3
+                       : first >= 0xf0 && first <= 0xf4 ? 4
+                                                        : 0;
+    const bool is_odd = (first == 0xe0 && second < 0xa0) || (first == 0xed && second > 0x9f) ||
+                        (first == 0xf0 && second < 0x90) || (first == 0xf4 && second > 0x8f);
+    for (int i = 1; i < length; i++) {
+        if (((unsigned char)text[i] & 0xc0) != 0x80) {
+            return 0;
+        }
+    }
+    return is_odd ? 0 : length;
+}
+
+/** What is no UTF-8, such as a character that was cut, becomes the replacement character. */
 static void write_text(FILE *stream, const char *text)
 {
     fputc('"', stream);
     for (const char *c = text; *c != '\0'; c++) {
-        if (*c == '"' || *c == '\\') {
+        const int length = character_length(c);
+        if (length == 0) {
+            fputs("\xef\xbf\xbd", stream);
+        } else if (length > 1) {
+            fprintf(stream, "%.*s", length, c);
+            c += length - 1;
+        } else if (*c == '"' || *c == '\\') {
             fprintf(stream, "\\%c", *c);
         } else if ((unsigned char)*c < 0x20) {
             fprintf(stream, "\\u%04x", (unsigned)(unsigned char)*c);
@@ -19,22 +46,45 @@ static void write_text(FILE *stream, const char *text)
     fputc('"', stream);
 }
 
-static void write_number(FILE *stream, double value)
+/** Few digits if they are enough; the shortest text of all is dear to find. */
+static void write_quickly(char text[NUMBER_TEXT_LENGTH], double value)
 {
-    char text[NUMBER_TEXT_LENGTH];
-    number_write(text, value);
-    fputs(isfinite(value) ? text : "null", stream);
+    for (int digits = 15; digits <= 17; digits += 2) {
+        (void)snprintf(text, NUMBER_TEXT_LENGTH, "%.*g", digits, value);
+        if (strtod(text, NULL) == value) {
+            return;
+        }
+    }
+}
+
+static void write_number(const json_writer *writer, double value)
+{
+    char text[NUMBER_TEXT_LENGTH] = "null";
+    if (isfinite(value) && writer->is_line) {
+        write_quickly(text, value);
+    } else if (isfinite(value)) {
+        number_write(text, value);
+    }
+    fputs(text, writer->stream);
+}
+
+static void break_line(const json_writer *writer)
+{
+    if (!writer->is_line) {
+        fprintf(writer->stream, "\n%*s", 2 * writer->level, "");
+    }
 }
 
 /** Comma, new line, indentation, key. */
 static void begin_value(json_writer *writer, const char *key)
 {
     if (writer->level > 0) {
-        fprintf(writer->stream, "%s\n%*s", writer->has_values ? "," : "", 2 * writer->level, "");
+        fputs(writer->has_values ? "," : "", writer->stream);
+        break_line(writer);
     }
     if (key != NULL) {
         write_text(writer->stream, key);
-        fputs(": ", writer->stream);
+        fputs(writer->is_line ? ":" : ": ", writer->stream);
     }
     writer->has_values = true;
 }
@@ -51,7 +101,7 @@ void json_close(json_writer *writer, char bracket)
 {
     writer->level--;
     if (writer->has_values) {
-        fprintf(writer->stream, "\n%*s", 2 * writer->level, "");
+        break_line(writer);
     }
     fputc(bracket, writer->stream);
     if (writer->level == 0) {
@@ -69,7 +119,7 @@ void json_text(json_writer *writer, const char *key, const char *text)
 void json_number(json_writer *writer, const char *key, double value)
 {
     begin_value(writer, key);
-    write_number(writer->stream, value);
+    write_number(writer, value);
 }
 
 void json_numbers(json_writer *writer, const char *key, int n, const double *values)
@@ -77,8 +127,14 @@ void json_numbers(json_writer *writer, const char *key, int n, const double *val
     begin_value(writer, key);
     fputc('[', writer->stream);
     for (int i = 0; i < n; i++) {
-        fputs(i == 0 ? "" : ", ", writer->stream);
-        write_number(writer->stream, values[i]);
+        fputs(i == 0 ? "" : writer->is_line ? "," : ", ", writer->stream);
+        write_number(writer, values[i]);
     }
     fputc(']', writer->stream);
+}
+
+void json_integer(json_writer *writer, const char *key, long value)
+{
+    begin_value(writer, key);
+    fprintf(writer->stream, "%ld", value);
 }

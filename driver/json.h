@@ -1,4 +1,4 @@
-/** Writes JSON, one value after the other, indented. A leaf. */
+/** Writes JSON, one value after the other, indented or as one line. A leaf. */
 #ifndef EVOLVENT_JSON_H
 #define EVOLVENT_JSON_H
 
@@ -7,6 +7,7 @@
 
 typedef struct {
     FILE *stream;
+    bool is_line; /**< no new lines and no blanks, numbers with at most 17 digits as they come: for logs */
     int level;
     bool has_values; /**< the innermost object or array has one already */
 } json_writer;
@@ -15,10 +16,11 @@ typedef struct {
 void json_open(json_writer *writer, const char *key, char bracket);
 /** @param bracket  '}' or ']' */
 void json_close(json_writer *writer, char bracket);
-/** UTF-8 text. */
+/** UTF-8 text; what is none is replaced. */
 void json_text(json_writer *writer, const char *key, const char *text);
 /** In the shortest form that reads back exactly; null if it is not finite. */
 void json_number(json_writer *writer, const char *key, double value);
 void json_numbers(json_writer *writer, const char *key, int n, const double *values);
+void json_integer(json_writer *writer, const char *key, long value);
 
 #endif

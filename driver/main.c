@@ -1,3 +1,4 @@
+#include "batch.h"
 #include "cli.h"
 #include "history.h"
 #include "integrate.h"
@@ -56,6 +57,20 @@ static evl_exit modes_command(const cli_options *options, evl_error *error)
     return modes_case(&settings, stdout, error);
 }
 
+static evl_exit batch_command(const cli_options *options, evl_error *error)
+{
+    const batch_options settings = {.design = options->case_path,
+                                    .folder = options->output,
+                                    .shard = options->shard,
+                                    .jobs = options->jobs,
+                                    .cases = options->cases,
+                                    .resume = options->resume,
+                                    .show_progress = !options->quiet};
+    log_set_quiet(options->quiet);
+    interrupt_install();
+    return batch(&settings, error);
+}
+
 static void print_versions(void)
 {
     printf("evolvent %s\n%s\n%s\nC compiler %s\nFortran compiler %s\n", EVOLVENT_VERSION, integrate_version(),
@@ -71,6 +86,8 @@ static evl_exit execute(const cli_options *options, evl_error *error)
         return show_command(options, error);
     case CLI_MODES:
         return modes_command(options, error);
+    case CLI_BATCH:
+        return batch_command(options, error);
     case CLI_VERSION:
         print_versions();
         return EVL_EXIT_OK;

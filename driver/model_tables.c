@@ -2,9 +2,16 @@
 #include "model_kernel.h"
 
 #include <pthread.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/** Both have room for the kernel's texts. Formatting them would cost more than all the rest of a short case's set-up. */
+static void copy_text(char *to, size_t size, const char *from)
+{
+    const size_t length = strnlen(from, size - 1);
+    memcpy(to, from, length);
+    to[length] = '\0';
+}
 
 static law_info *translate_laws(int family, int n)
 {
@@ -15,9 +22,9 @@ static law_info *translate_laws(int family, int n)
         if (evl_law_describe(family, i, &from) != EVL_OK) {
             continue;
         }
-        (void)snprintf(to->name, sizeof to->name, "%s", from.name);
-        (void)snprintf(to->text, sizeof to->text, "%s", from.description);
-        (void)snprintf(to->source, sizeof to->source, "%s", from.source);
+        copy_text(to->name, sizeof to->name, from.name);
+        copy_text(to->text, sizeof to->text, from.description);
+        copy_text(to->source, sizeof to->source, from.source);
         to->n_parameters = from.n_parameters;
         for (int j = 0; j < from.n_parameters; j++) {
             const evl_law_parameter *parameter = &from.parameters[j];
@@ -28,9 +35,9 @@ static law_info *translate_laws(int family, int n)
                                     .maximum = parameter->maximum,
                                     .minimum_open = parameter->minimum_open,
                                     .maximum_open = parameter->maximum_open};
-            (void)snprintf(copy->name, sizeof copy->name, "%s", parameter->name);
-            (void)snprintf(copy->units, sizeof copy->units, "%s", parameter->units);
-            (void)snprintf(copy->text, sizeof copy->text, "%s", parameter->description);
+            copy_text(copy->name, sizeof copy->name, parameter->name);
+            copy_text(copy->units, sizeof copy->units, parameter->units);
+            copy_text(copy->text, sizeof copy->text, parameter->description);
         }
     }
     return laws;
@@ -80,20 +87,22 @@ void model_describe_tables(model *model)
     };
     const evl_sizes *sizes = &model->sizes;
     model->outputs = xcalloc((size_t)sizes->n_outputs, sizeof *model->outputs);
+    evl_output *table = xcalloc((size_t)sizes->n_outputs, sizeof *table);
+    evl_gearbox_output_table(model->gearbox, table);
     for (int i = 0; i < sizes->n_outputs; i++) {
-        evl_output from;
+        const evl_output *from = &table[i];
         model_output *to = &model->outputs[i];
-        (void)evl_gearbox_output(model->gearbox, i, &from);
-        *to = (model_output){.dims = dims[from.dims],
-                             .is_static = from.is_static,
-                             .is_integer = from.is_integer,
-                             .offset = from.offset,
-                             .count = from.count};
-        (void)snprintf(to->name, sizeof to->name, "%s", from.name);
-        (void)snprintf(to->units, sizeof to->units, "%s", from.units);
-        (void)snprintf(to->symbol, sizeof to->symbol, "%s", from.symbol);
-        (void)snprintf(to->long_name, sizeof to->long_name, "%s", from.long_name);
+        *to = (model_output){.dims = dims[from->dims],
+                             .is_static = from->is_static,
+                             .is_integer = from->is_integer,
+                             .offset = from->offset,
+                             .count = from->count};
+        copy_text(to->name, sizeof to->name, from->name);
+        copy_text(to->units, sizeof to->units, from->units);
+        copy_text(to->symbol, sizeof to->symbol, from->symbol);
+        copy_text(to->long_name, sizeof to->long_name, from->long_name);
     }
+    free(table);
     model->state_names = xcalloc((size_t)sizes->n_states, sizeof *model->state_names);
     model->state_units = xcalloc((size_t)sizes->n_states, sizeof *model->state_units);
     for (int i = 0; i < sizes->n_states; i++) {

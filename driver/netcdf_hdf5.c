@@ -215,7 +215,18 @@ static bool add_flags(netcdf_file *file, hid_t dataset, const netcdf_variable *v
 
 static hid_t element_type(const netcdf_file *file, netcdf_type type)
 {
-    return type == NETCDF_TEXT ? file->text : type == NETCDF_INTEGER ? H5T_NATIVE_INT : H5T_NATIVE_DOUBLE;
+    switch (type) {
+    case NETCDF_TEXT:
+        return file->text;
+    case NETCDF_INTEGER:
+        return H5T_NATIVE_INT;
+    case NETCDF_LONG:
+        return H5T_NATIVE_INT64;
+    case NETCDF_FLOAT:
+        return H5T_NATIVE_FLOAT;
+    default:
+        return H5T_NATIVE_DOUBLE;
+    }
 }
 
 static bool grows(const netcdf_variable *variable)
@@ -246,10 +257,19 @@ static bool set_chunks(const netcdf_variable *variable, hsize_t chunk_rows, hid_
     return H5Pset_chunk(creation, variable->rank, chunk) >= 0;
 }
 
+/** All of the place in the file, filled with NaN: for rows that are written past the library. */
+static hid_t take_place_early(const netcdf_file *file)
+{
+    const hid_t creation = H5Pcopy(file->creation[false][true]);
+    (void)H5Pset_alloc_time(creation, H5D_ALLOC_TIME_EARLY);
+    return creation;
+}
+
 static hid_t create_dataset(netcdf_file *file, hid_t group, const netcdf_variable *variable, hsize_t chunk_rows)
 {
-    const bool is_growing = grows(variable);
-    const hid_t creation = file->creation[is_growing][variable->type == NETCDF_REAL];
+    const bool is_growing = grows(variable), is_early = variable->type == NETCDF_FLOAT;
+    const hid_t creation =
+        is_early ? take_place_early(file) : file->creation[is_growing][variable->type == NETCDF_REAL];
     const hid_t access = is_growing ? file->access : H5P_DEFAULT;
     const hid_t space = create_space(variable);
     const bool ready = space >= 0 && (!is_growing || set_chunks(variable, chunk_rows, creation));
@@ -258,17 +278,21 @@ static hid_t create_dataset(netcdf_file *file, hid_t group, const netcdf_variabl
                                 : H5I_INVALID_HID;
     (void)checked(file, dataset < 0 ? -1 : 0);
     (void)H5Sclose(space);
+    (void)(is_early && H5Pclose(creation));
     return dataset;
 }
 
 static bool add_variable_attributes(netcdf_file *file, hid_t dataset, const netcdf_variable *variable)
 {
     const double missing = NAN;
+    const float missing_float = NAN;
     return add_text(file, dataset, "units", variable->units) &&
            add_text(file, dataset, "long_name", variable->long_name) &&
            add_text(file, dataset, "symbol", variable->symbol) &&
            (variable->type != NETCDF_REAL ||
             add(file, dataset, "_FillValue", H5T_NATIVE_DOUBLE, file->single, &missing)) &&
+           (variable->type != NETCDF_FLOAT ||
+            add(file, dataset, "_FillValue", H5T_NATIVE_FLOAT, file->single, &missing_float)) &&
            (variable->n_flags == 0 || add_flags(file, dataset, variable));
 }
 

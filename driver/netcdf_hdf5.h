@@ -11,7 +11,7 @@
 #include <hdf5.h>
 #include <stdbool.h>
 
-enum { NETCDF_MAX_RANK = 3, NETCDF_REASON_LENGTH = 200 };
+enum { NETCDF_MAX_RANK = 4, NETCDF_REASON_LENGTH = 200 };
 
 typedef struct {
     hid_t id;
@@ -32,7 +32,13 @@ typedef struct {
     hsize_t length; /**< the most it can have; 0 for a growing one without a limit */
 } netcdf_dimension;
 
-typedef enum { NETCDF_REAL, NETCDF_INTEGER, NETCDF_TEXT } netcdf_type;
+typedef enum {
+    NETCDF_REAL,
+    NETCDF_FLOAT, /**< 32 bits, all of its place in the file taken at once */
+    NETCDF_INTEGER,
+    NETCDF_LONG, /**< 64 bits */
+    NETCDF_TEXT
+} netcdf_type;
 
 typedef struct {
     char name[64], units[32], symbol[64], long_name[128];

@@ -12,10 +12,10 @@ void prepare_refuse(const prepared_case *prepared, const model_error *refusal, e
                 refusal->message, error);
 }
 
-bool prepare_case(prepared_case *prepared, const char *path, int n_set, const char *const *set, evl_error *error)
+/** The model of a case that was read, if it was. */
+static bool make_model(prepared_case *prepared, evl_error *error)
 {
     model_error refusal;
-    *prepared = (prepared_case){.file = case_read(path, n_set, set, model_laws(), error)};
     if (prepared->file == NULL) {
         return false;
     }
@@ -26,6 +26,18 @@ bool prepare_case(prepared_case *prepared, const char *path, int n_set, const ch
         return false;
     }
     return true;
+}
+
+bool prepare_case(prepared_case *prepared, const char *path, int n_set, const char *const *set, evl_error *error)
+{
+    *prepared = (prepared_case){.file = case_read(path, n_set, set, model_laws(), error)};
+    return make_model(prepared, error);
+}
+
+bool prepare_edited(prepared_case *prepared, const case_base *base, int n_set, const char *const *set, evl_error *error)
+{
+    *prepared = (prepared_case){.file = case_edit(base, n_set, set, error)};
+    return make_model(prepared, error);
 }
 
 void prepared_case_free(prepared_case *prepared)

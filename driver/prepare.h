@@ -12,6 +12,9 @@ typedef struct {
 
 /** Read and check the case and make its model. @return false with the reason in `error`; then there is nothing to free */
 bool prepare_case(prepared_case *prepared, const char *path, int n_set, const char *const *set, evl_error *error);
+/** The same from a base that was parsed before. */
+bool prepare_edited(prepared_case *prepared, const case_base *base, int n_set, const char *const *set,
+                    evl_error *error);
 /** Turn a refusal by the model into one of the case file. */
 void prepare_refuse(const prepared_case *prepared, const model_error *refusal, evl_error *error);
 void prepared_case_free(prepared_case *prepared);

@@ -1,13 +1,10 @@
 #include "run.h"
 
-#include "contact_watch.h"
 #include "history.h"
-#include "integrate.h"
 #include "interrupt.h"
 #include "log.h"
 #include "memory.h"
-#include "prepare.h"
-#include "progress.h"
+#include "simulate.h"
 
 #include <evolvent_version.h>
 #include <stdio.h>
@@ -16,59 +13,26 @@
 #include <sys/stat.h>
 #include <time.h>
 
-/** Why the observer ended an integration. */
-typedef enum { STOP_NONE, STOP_INTERRUPTED, STOP_MODEL, STOP_HISTORY } stop_reason;
-
 typedef struct {
     prepared_case prepared;
     history *history;
     const char **wheel_names, **mesh_names, **shaft_names;
-    double *values;   /**< [model_n_values] */
-    double t_written; /**< model time of the history's last row */
-    contact_watch contact;
     progress progress;
-    stop_reason stop;
     char message[DAE_MESSAGE_LENGTH]; /**< of a failure */
 } run;
 
-/* What the integrator tells. */
+/* What the simulation tells. */
 
-static int on_output(void *self, const dae_state *state)
+static bool on_outputs(void *self, double t, const double *values)
 {
-    run *run = self;
-    if (model_outputs(run->prepared.model, state, run->values, run->message) != DAE_OK) {
-        run->stop = STOP_MODEL;
-        return 1;
-    }
-    contact_watch_outputs(&run->contact, run->values);
-    if (!history_append(run->history, state->t, run->values)) {
-        run->stop = STOP_HISTORY;
-        return 1;
-    }
-    run->t_written = state->t;
-    return 0;
+    const run *run = self;
+    return history_append(run->history, t, values);
 }
 
-static int on_event(void *self, const event_record *record)
+static bool on_event(void *self, const event_record *record)
 {
-    run *run = self;
-    contact_watch_event(&run->contact, record);
-    if (!history_add_event(run->history, record)) {
-        run->stop = STOP_HISTORY;
-        return 1;
-    }
-    return 0;
-}
-
-static int on_step(void *self, double t)
-{
-    run *run = self;
-    progress_step(&run->progress, t);
-    if (interrupt_signal != 0) {
-        run->stop = STOP_INTERRUPTED;
-        return 1;
-    }
-    return 0;
+    const run *run = self;
+    return history_add_event(run->history, record);
 }
 
 /* Where the history goes. */
@@ -101,20 +65,11 @@ static history_attribute count_attribute(const char *key, long count)
     return (history_attribute){.key = key, .kind = HISTORY_INTEGER, .integer = count};
 }
 
-static integrate_options options_of(const run *run)
-{
-    const simulation_description *simulation = &case_description(run->prepared.file)->simulation;
-    return (integrate_options){.t_end = simulation->duration,
-                               .output_interval = simulation->output_interval,
-                               .tolerance = simulation->tolerance,
-                               .max_step = simulation->max_step};
-}
-
 static bool create_history(run *run, const char *path)
 {
     const model *model = run->prepared.model;
     const description *description = case_description(run->prepared.file);
-    const integrate_options options = options_of(run);
+    const integrate_options options = simulate_options(&run->prepared);
     const int n_states = model_dae(model)->n, n_kinds = model_n_event_kinds(), n_warnings = model_n_warnings(model);
     const char **state_names = xcalloc((size_t)n_states, sizeof *state_names);
     const char **state_units = xcalloc((size_t)n_states, sizeof *state_units);
@@ -173,18 +128,6 @@ static bool create_history(run *run, const char *path)
     return run->history != NULL;
 }
 
-/** A run that ends early ends with its last good state, if its outputs exist and are not on file yet. */
-static bool append_last(run *run, const dae_state *state)
-{
-    char message[DAE_MESSAGE_LENGTH];
-    if (run->stop == STOP_MODEL || !(state->t > run->t_written) ||
-        model_outputs(run->prepared.model, state, run->values, message) != DAE_OK) {
-        return true;
-    }
-    contact_watch_outputs(&run->contact, run->values);
-    return history_append(run->history, state->t, run->values);
-}
-
 /** @return false if the history could not be completed; the reason is in run->message */
 static bool close_history(run *run, bool commit, const char *status, const char *message,
                           const integrate_counts *counts)
@@ -239,59 +182,49 @@ static void summarise(const integrate_counts *counts, const char *path)
              (double)clock() / CLOCKS_PER_SEC, path);
 }
 
-/** The run ended at time t: complete the history, and say how it went. */
-static void conclude(run *run, integrate_code code, double t, const integrate_counts *counts, const char *path,
-                     evl_error *error)
+/** The run ended: complete the history, and say how it went. */
+static void conclude(run *run, const simulate_result *result, const char *path, evl_error *error)
 {
-    char lost[DAE_MESSAGE_LENGTH] = "", reason[2 * DAE_MESSAGE_LENGTH] = "";
-    const char *status = "done";
-    /* Only a run that came to its end tells whether contact was lost for good. */
-    const bool has_lost =
-        code == INTEGRATE_DONE && contact_watch_lost(&run->contact, run->mesh_names, lost, sizeof lost);
+    char reason[2 * DAE_MESSAGE_LENGTH] = "";
+    const char *status = "done", *remark = result->remark;
     char *partial = xstrdup(history_partial_path(run->history));
-    char *place = xasprintf("%s: t = %.9g s", case_path(run->prepared.file), t);
-    if (has_lost) {
-        log_warning("%s", lost);
+    char *place = xasprintf("%s: t = %.9g s", case_path(run->prepared.file), result->t);
+    if (remark[0] != '\0') {
+        log_warning("%s", remark);
     }
-    if (run->stop == STOP_INTERRUPTED) {
+    if (result->end == SIMULATE_INTERRUPTED) {
         status = "interrupted";
         (void)snprintf(reason, sizeof reason, "interrupted by %s at t = %.9g s", interrupt_name((int)interrupt_signal),
-                       t);
+                       result->t);
         evl_error_set(error, EVL_EXIT_INTERRUPTED, place, "interrupted by %s; the history up to there is in '%s'",
                       interrupt_name((int)interrupt_signal), partial);
-    } else if (code != INTEGRATE_DONE) {
+    } else if (result->end == SIMULATE_FAILED) {
         status = "failed";
-        (void)snprintf(reason, sizeof reason, "failed at t = %.9g s: %s", t, run->message);
-        evl_error_set(error, EVL_EXIT_INTEGRATION, place, "%s; the history up to there is in '%s'", run->message,
+        (void)snprintf(reason, sizeof reason, "failed at t = %.9g s: %s", result->t, result->message);
+        evl_error_set(error, EVL_EXIT_INTEGRATION, place, "%s; the history up to there is in '%s'", result->message,
                       partial);
     }
-    char *message = xasprintf("%s%s%s", reason, reason[0] != '\0' && has_lost ? "; " : "", lost);
-    if (!close_history(run, code == INTEGRATE_DONE, status, message, counts)) {
+    const bool is_done = result->end == SIMULATE_DONE;
+    if (!close_history(run, is_done, status, is_done ? remark : reason, &result->counts)) {
         evl_error_set(error, EVL_EXIT_IO, "", "%s", run->message);
-    } else if (code == INTEGRATE_DONE) {
-        summarise(counts, path);
+    } else if (is_done) {
+        summarise(&result->counts, path);
     }
-    free(message);
     free(place);
     free(partial);
 }
 
-static void integrate_case(run *run, const char *path, dae_state *state, evl_error *error)
+static void simulate_case(run *run, const char *path, dae_state *state, evl_error *error)
 {
-    const integrate_options options = options_of(run);
-    const integrate_observer observer = {.self = run, .output = on_output, .event = on_event, .step = on_step};
-    integrate_counts counts = {0};
-    const integrate_code code =
-        integrate(model_dae(run->prepared.model), &options, &observer, state, &counts, run->message);
+    const simulate_sink sink = {.self = run, .outputs = on_outputs, .event = on_event};
+    simulate_result result;
+    simulate(&run->prepared, &sink, &run->progress, state, &result);
     progress_end(&run->progress);
-    if (run->stop != STOP_HISTORY && code != INTEGRATE_DONE && !append_last(run, state)) {
-        run->stop = STOP_HISTORY;
-    }
-    if (run->stop == STOP_HISTORY) {
+    if (result.end == SIMULATE_SINK_FAILED) {
         evl_error_set(error, EVL_EXIT_IO, "", "%s", history_error(run->history));
         history_abandon(&run->history);
     } else {
-        conclude(run, code, state->t, &counts, path, error);
+        conclude(run, &result, path, error);
     }
 }
 
@@ -305,17 +238,13 @@ static void run_prepared(run *run, const run_options *options, const char *path,
     }
     warn(run);
     take_names(run);
-    run->values = xcalloc((size_t)model_n_values(run->prepared.model), sizeof *run->values);
-    contact_watch_init(&run->contact, run->prepared.model, case_description(run->prepared.file)->n_meshes);
     progress_start(&run->progress, options->show_progress, state.t,
                    case_description(run->prepared.file)->simulation.duration);
     if (create_history(run, path)) {
-        integrate_case(run, path, &state, error);
+        simulate_case(run, path, &state, error);
     } else {
         evl_error_set(error, EVL_EXIT_IO, "", "%s", run->message);
     }
-    contact_watch_free(&run->contact);
-    free(run->values);
     free(run->shaft_names);
     free(run->mesh_names);
     free(run->wheel_names);
@@ -324,7 +253,7 @@ static void run_prepared(run *run, const run_options *options, const char *path,
 
 evl_exit run_case(const run_options *options, evl_error *error)
 {
-    run run = {.stop = STOP_NONE, .t_written = -1.0};
+    run run = {0};
     *error = (evl_error){.code = EVL_EXIT_OK};
     if (!prepare_case(&run.prepared, options->case_path, options->n_set, options->set, error)) {
         return error->code;

@@ -8,7 +8,7 @@ module evl_capi
    use evl_capi_deviation, only: deviation_from_c
    use evl_capi_description, only: c_housing, c_initial, c_load, c_mesh, c_shaft, c_wheel, housing_from_c, initial_from_c, &
                                    load_from_c, mesh_from_c, shaft_from_c, wheel_from_c
-   use evl_capi_types, only: c_message_length, c_name_length, c_status, c_text_length, status_to_c, to_c
+   use evl_capi_types, only: c_message_length, c_name_length, c_status, status_to_c, to_c
    use evl_dae_jacobian, only: gearbox_jacobian
    use evl_dae_residual, only: gearbox_derivative, gearbox_residual
    use evl_gearbox, only: gearbox_t
@@ -18,13 +18,12 @@ module evl_capi
    use evl_gearbox_events, only: gearbox_apply_event, gearbox_next_time_event, gearbox_root_directions, gearbox_roots
    use evl_gearbox_initial, only: gearbox_initial_speeds, gearbox_start
    use evl_mesh_outputs, only: pair_places
-   use evl_output_table, only: gearbox_output_table, gearbox_outputs, n_outputs
+   use evl_output_table, only: gearbox_outputs
    use evl_gearbox_scaling, only: gearbox_state_scales
    use evl_gearbox_states, only: gearbox_state_name
    use evl_housing_description, only: housing_input
    use evl_kinds, only: pi
    use evl_load, only: load_t
-   use evl_output, only: output_t
    use evl_status, only: code_invalid_input, code_no_memory, code_ok, fail, has_failed, status_t
    implicit none (type, external)
    private
@@ -33,7 +32,7 @@ module evl_capi
    public :: evl_gearbox_wheel_geometry, evl_gearbox_mesh_geometry, evl_gearbox_initial_state, evl_gearbox_scales
    public :: evl_gearbox_state_name, evl_gearbox_residual, evl_gearbox_jacobian, evl_gearbox_derivative
    public :: evl_event_count, evl_event_name, evl_gearbox_roots, evl_gearbox_root_directions, evl_gearbox_next_time_event
-   public :: evl_gearbox_apply_event, evl_gearbox_output, evl_gearbox_outputs, evl_kernel_compiler
+   public :: evl_gearbox_apply_event, evl_gearbox_outputs, evl_kernel_compiler
 
    !> evl_sizes
    type, bind(c) :: c_sizes
@@ -61,14 +60,6 @@ module evl_capi
    type, bind(c) :: c_event
       integer(c_int) :: kind, mesh, tooth_pair, flank
    end type c_event
-
-   !> evl_output
-   type, bind(c) :: c_output
-      character(kind=c_char) :: name(c_name_length), units(c_name_length), symbol(c_name_length), long_name(c_text_length)
-      integer(c_int) :: dims
-      logical(c_bool) :: is_static, is_integer
-      integer(c_int) :: offset, count
-   end type c_output
 
    !> Written once, at compile time; C gets its address.
    character(len=len(compiler_version()) + 1), target, protected :: compiler = compiler_version()//c_null_char
@@ -153,7 +144,7 @@ contains
 
       g => gearbox_of(handle)
       sizes = c_sizes(size(g%wheels), size(g%pairs), size(g%loads), g%n_states, g%n_integers, size(g%contacts), &
-                      g%n_roots, n_outputs, g%n_values, size(g%warnings), pair_places(g), maxval(g%contacts%n_slots), &
+                      g%n_roots, size(g%outputs), g%n_values, size(g%warnings), pair_places(g), maxval(g%contacts%n_slots), &
                       size(g%shafts))
    end subroutine evl_gearbox_sizes
 
@@ -373,32 +364,6 @@ contains
       end do
       code = answer(s, status)
    end function evl_gearbox_apply_event
-
-   integer(c_int) function evl_gearbox_output(handle, index, output) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      integer(c_int), intent(in), value :: index
-      type(c_output), intent(out) :: output
-
-      type(gearbox_t), pointer :: g
-      type(output_t) :: table(n_outputs)
-
-      code = code_invalid_input
-      g => gearbox_of(handle)
-      call gearbox_output_table(g, table)
-      if (index < 0 .or. index >= size(table)) return
-      associate (entry => table(index + 1))
-         call to_c(entry%name, output%name)
-         call to_c(entry%units, output%units)
-         call to_c(entry%symbol, output%symbol)
-         call to_c(entry%long_name, output%long_name)
-         output%dims = entry%dims
-         output%is_static = logical(entry%is_static, c_bool)
-         output%is_integer = logical(entry%is_integer, c_bool)
-         output%offset = entry%offset
-         output%count = entry%count
-      end associate
-      code = code_ok
-   end function evl_gearbox_output
 
    integer(c_int) function evl_gearbox_outputs(handle, t, y, integers, reals, values, status) result(code) bind(c)
       type(c_ptr), intent(in), value :: handle

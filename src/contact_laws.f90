@@ -18,7 +18,7 @@ module evl_contact_laws
    use evl_rigid_contact, only: rigid_law
    use evl_springs, only: linear_spring, linear_spring_law, power_penetration, power_spring, power_spring_law, yang_lin_law, &
                           yang_lin_stiffness
-   use evl_status, only: code_invalid_input, code_ok, code_out_of_domain, quantity
+   use evl_status, only: code_invalid_input, code_ok, code_out_of_domain, message_length, quantity
    implicit none (type, external)
    private
 
@@ -381,7 +381,7 @@ contains
       character(len=*), intent(out) :: field   !! "law", or the parameter's name; "" if valid
       character(len=*), intent(out) :: message !! one sentence; "" if valid
       type(law_info_t) :: info
-      character(len=:), allocatable :: reason
+      character(len=message_length) :: reason
       character(len=12) :: number
       integer :: i
 
@@ -396,10 +396,10 @@ contains
       end if
       do i = 1, info%n_parameters
          reason = parameter_range_error(info%parameters(i), choice%parameters(i))
-         if (len(reason) == 0) cycle
+         if (reason == "") cycle
          code = code_invalid_input
          field = info%parameters(i)%name
-         message = reason//" (law "//trim(info%name)//")"
+         message = trim(reason)//" (law "//trim(info%name)//")"
          return
       end do
       if (family == laws_friction .and. choice%law == friction_stribeck) then

@@ -4,7 +4,7 @@ module evl_deviation_description
    use evl_flank_deviation, only: flank_deviation_t, relief_t
    use evl_kinds, only: pi, wp
    use evl_pitch_errors, only: pitch_errors_generate, pitch_tolerances
-   use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_wheel
+   use evl_status, only: code_invalid_input, degrees, fail, has_failed, quantity, status_t, subject_wheel
    implicit none (type, external)
    private
 
@@ -197,13 +197,5 @@ contains
 
       if (.not. has_failed(status)) call fail(status, code_invalid_input, message, subject_wheel, field=field)
    end subroutine refuse
-
-   !> An angle in degrees for a message.
-   pure function degrees(angle) result(text)
-      real(wp), intent(in) :: angle !! [rad]
-      character(len=:), allocatable :: text
-
-      text = quantity(angle*180/pi, "deg")
-   end function degrees
 
 end module evl_deviation_description

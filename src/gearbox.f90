@@ -28,6 +28,7 @@ module evl_gearbox
    use evl_mesh, only: contact_loaded, contact_off, contact_t, mesh_contact, mesh_force, mesh_forces, mesh_mode, &
                        mesh_nominal_rho, touches
    use evl_rational, only: rational_t
+   use evl_output, only: output_t
    use evl_rigid_contact, only: rigid_acceleration
    use evl_shaft, only: shaft_loss, shaft_t, shaft_torque
    use evl_spur_geometry, only: spur_pair_t
@@ -92,6 +93,7 @@ module evl_gearbox
       type(gear_t), allocatable :: gears(:)            !! of each wheel, initial values if it is no real gear
       type(gear_mesh_t), allocatable :: gear_meshes(:) !! of each mesh, the same
       type(housing_t) :: housing
+      type(output_t), allocatable :: outputs(:)         !! table of what it tells
       character(len=message_length), allocatable :: warnings(:)
       integer :: reference = 1               !! wheel whose angle is theta, the leader of its rotor
       integer :: n_states = 0, n_integers = 0, n_values = 0 !! lengths of the state, the discrete state and the outputs

@@ -14,7 +14,7 @@ module evl_gearbox_build
    use evl_load, only: load_t
    use evl_local_variables, only: n_track
    use evl_mesh, only: tracking_closed_form
-   use evl_output_table, only: count_values
+   use evl_output_table, only: gearbox_output_table, n_outputs
    use evl_rational, only: rational_value
    use evl_rotors, only: rotors_join
    use evl_shaft, only: shaft_t
@@ -85,7 +85,9 @@ contains
       do i = 1, size(meshes)
          call check_contact_width(gearbox, i)
       end do
-      gearbox%n_values = count_values(gearbox)
+      allocate (gearbox%outputs(n_outputs))
+      call gearbox_output_table(gearbox, gearbox%outputs)
+      gearbox%n_values = sum(gearbox%outputs%count)
    end subroutine gearbox_create
 
    !> The shafts; their places in the state are found later.

@@ -2,7 +2,7 @@
 module evl_law_info
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_negative_inf, ieee_positive_inf, ieee_value
    use evl_kinds, only: wp
-   use evl_status, only: quantity
+   use evl_status, only: message_length, quantity
    implicit none (type, external)
    private
 
@@ -68,25 +68,26 @@ contains
    pure function parameter_range_error(parameter, value) result(text)
       type(law_parameter_t), intent(in) :: parameter !! what is accepted
       real(wp), intent(in) :: value                  !! in parameter%units
-      character(len=:), allocatable :: text
-      character(len=:), allocatable :: unit, given
+      character(len=message_length) :: text
+      character(len=len_trim(parameter%units)) :: unit
+      character(len=message_length) :: given
 
-      unit = trim(parameter%units)
+      unit = parameter%units
       if (unit == "1") unit = ""
-      given = trim(parameter%name)//" = "//quantity(value, unit)
+      given = trim(parameter%name)//" = "//quantity(value, trim(unit))
       text = ""
       if (.not. ieee_is_finite(value)) then
-         text = given//" must be a finite number"
+         text = trim(given)//" must be a finite number"
       else if (value < parameter%minimum) then
-         text = given//" must be "//trim(merge("greater than", "at least    ", parameter%minimum_open)) &
-                //" "//quantity(parameter%minimum, unit)
+         text = trim(given)//" must be "//trim(merge("greater than", "at least    ", parameter%minimum_open)) &
+                //" "//quantity(parameter%minimum, trim(unit))
       else if (parameter%minimum_open .and. .not. value > parameter%minimum) then
-         text = given//" must be greater than "//quantity(parameter%minimum, unit)
+         text = trim(given)//" must be greater than "//quantity(parameter%minimum, trim(unit))
       else if (value > parameter%maximum) then
-         text = given//" must be "//trim(merge("less than", "at most  ", parameter%maximum_open)) &
-                //" "//quantity(parameter%maximum, unit)
+         text = trim(given)//" must be "//trim(merge("less than", "at most  ", parameter%maximum_open)) &
+                //" "//quantity(parameter%maximum, trim(unit))
       else if (parameter%maximum_open .and. .not. value < parameter%maximum) then
-         text = given//" must be less than "//quantity(parameter%maximum, unit)
+         text = trim(given)//" must be less than "//quantity(parameter%maximum, trim(unit))
       end if
    end function parameter_range_error
 

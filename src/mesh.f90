@@ -272,12 +272,12 @@ contains
       type(contact_t), intent(in) :: mesh
       type(contact_point), intent(in) :: point
       type(status_t), intent(inout) :: status
-      character(len=:), allocatable :: which
+      character(len=7) :: which
 
       which = "driven"
       if (point%rho_a <= 0 .or. .not. point%exists) which = "driving"
-      call fail(status, code_out_of_domain, "the contact has left the involute of the "//which//" wheel below its base circle" &
-                //" (radii of curvature rho_A = "//quantity(point%rho_a, "m")//", rho_B = "//quantity(point%rho_b, "m") &
+      call fail(status, code_out_of_domain, "the contact has left the involute of the "//trim(which)//" wheel below its base" &
+                //" circle (radii of curvature rho_A = "//quantity(point%rho_a, "m")//", rho_B = "//quantity(point%rho_b, "m") &
                 //"): the tooth pair has turned back too far, or the gap is too wide", subject_mesh, mesh%mesh, "tracking")
    end subroutine left_involute
 

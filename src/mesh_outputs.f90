@@ -127,8 +127,8 @@ contains
       real(wp), intent(inout) :: potential  !! energy so far [J]
       type(status_t), intent(inout) :: status
       type(mesh_sum) :: total
-      type(contact_point) :: leading
-      real(wp) :: tracked(5), transmission_error, curvature, input, q(n_local)
+      type(contact_point) :: point, leading
+      real(wp) :: tracked(5), transmission_error, curvature, input, q(n_local), q_leading(n_local)
       integer :: m, place, leader, drive_slots
 
       leader = leading_contact(gearbox, index, integers)
@@ -138,12 +138,17 @@ contains
       drive_slots = maxval(gearbox%contacts%n_slots)
       do m = gearbox%first(index), gearbox%first(index + 1) - 1
          place = 1 + gearbox%contacts(m)%slot + merge(drive_slots, 0, gearbox%contacts(m)%flank == flank_coast)
-         call put_pair(gearbox, m, y, integers, reals, reactions, pairs(place, index, :), potential, total, status)
+         call put_pair(gearbox, m, y, integers, reals, reactions, pairs(place, index, :), potential, total, point, q, status)
+         if (m == leader) then
+            leading = point
+            q_leading = q
+         end if
       end do
       associate (mesh => gearbox%contacts(leader))
          torque(mesh%wheel_a) = torque(mesh%wheel_a) + total%torque_a
          torque(mesh%wheel_b) = torque(mesh%wheel_b) + total%torque_b
-         call put_leader(gearbox, leader, y, integers, reals, leading, q, tracked, points(:, index, 1), points(:, index, 2))
+         q = q_leading
+         call put_points(gearbox, leader, y, integers, reals, q, tracked, points(:, index, 1), points(:, index, 2))
          associate (p => mesh%pair)
             transmission_error = -p%sigma*(p%r_ba*q(at_psi_a) + p%r_bb*q(at_psi_b) - (p%r_ba + p%r_bb)*centre_line_turn(p, q))
          end associate
@@ -167,7 +172,7 @@ contains
    end subroutine put_mesh
 
    !> One tooth pair: its values, and what it adds to its mesh.
-   subroutine put_pair(gearbox, m, y, integers, reals, reactions, values, potential, total, status)
+   subroutine put_pair(gearbox, m, y, integers, reals, reactions, values, potential, total, point, q, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m !! tooth contact
       real(wp), intent(in) :: y(:), reals(:)
@@ -176,21 +181,22 @@ contains
       real(wp), intent(inout) :: values(n_pair_histories)
       real(wp), intent(inout) :: potential
       type(mesh_sum), intent(inout) :: total
+      type(contact_point), intent(out) :: point
+      real(wp), intent(out) :: q(n_local)
       type(status_t), intent(inout) :: status
-      type(contact_point) :: point
       type(mesh_force) :: force
       type(mesh_mode) :: mode
-      real(wp) :: q(n_local), rho_a0
+      real(wp) :: rho_a0
 
       mode = gearbox_mode(gearbox, m, integers, reals)
       associate (mesh => gearbox%contacts(m))
          values(6) = mode%teeth
          values(7) = modulo(mesh_tooth_a(mesh, mode%teeth), gearbox%wheels(mesh%wheel_a)%teeth)
          values(8) = modulo(mesh_tooth_b(mesh, mode%teeth), gearbox%wheels(mesh%wheel_b)%teeth)
-         if (mode%contact == contact_off) return
          call gearbox_local(gearbox, mesh, y, q)
          rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
          call pair_point(mesh, mode, rho_a0, q, point)
+         if (mode%contact == contact_off) return
          call mesh_forces(mesh, mode, point, force, status)
          call add_mesh_reaction(gearbox, mesh, force%on_a, reactions)
          potential = potential + mesh_energy(mesh, mode, point)
@@ -226,23 +232,21 @@ contains
       end if
    end subroutine pair_point
 
-   !> The contact that speaks for its mesh, with its tracked points and how far they are from where they belong.
-   subroutine put_leader(gearbox, m, y, integers, reals, point, q, tracked, driving, driven)
+   !> The points of the contact that speaks for its mesh, and how far tracked ones are from where they belong.
+   subroutine put_points(gearbox, m, y, integers, reals, q, tracked, driving, driven)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m !! tooth contact
       real(wp), intent(in) :: y(:), reals(:)
       integer, intent(in) :: integers(:)
-      type(contact_point), intent(out) :: point
-      real(wp), intent(out) :: q(n_local), tracked(5), driving(2), driven(2)
+      real(wp), intent(inout) :: q(n_local) !! its local variables; those of the points are filled in where they are not tracked
+      real(wp), intent(out) :: tracked(5), driving(2), driven(2)
       type(mesh_mode) :: mode
       real(wp) :: rho_a0, residual(n_track), point_a(2), point_b(2)
       logical :: exists
 
       mode = gearbox_mode(gearbox, m, integers, reals)
       associate (mesh => gearbox%contacts(m))
-         call gearbox_local(gearbox, mesh, y, q)
          rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
-         call pair_point(mesh, mode, rho_a0, q, point)
          tracked = ieee_value(tracked, ieee_quiet_nan)
          if (mesh%tracking == tracking_closed_form .or. mode%contact == contact_apart) then
             call points_from_closed_form(mesh%pair, q, q(at_track:))
@@ -255,7 +259,7 @@ contains
          driving = mesh%k_a0 + point_a(1)*mesh%t_0 + point_a(2)*mesh%e_0
          driven = mesh%k_a0 + point_b(1)*mesh%t_0 + point_b(2)*mesh%e_0
       end associate
-   end subroutine put_leader
+   end subroutine put_points
 
    !> Gap of the coast flank between two perfect flanks; NaN if there is none [m].
    real(wp) function coast_gap(gearbox, mesh, y) result(gap)

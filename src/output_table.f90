@@ -12,16 +12,17 @@ module evl_output_table
    use evl_shaft, only: shaft_energy
    use evl_shaft_outputs, only: n_shaft_outputs, put_shafts, shaft_outputs
    use evl_status, only: has_failed, status_t
+   use evl_tooth_outputs, only: n_mesh_teeth, n_wheel_teeth, put_mesh_teeth, put_wheel_teeth, tooth_outputs
    use evl_torques, only: load_torques
    implicit none (type, external)
    private
 
-   public :: n_outputs, gearbox_output_table, gearbox_outputs, count_values
+   public :: n_outputs, gearbox_output_table, gearbox_outputs
 
    integer, parameter :: n_wheel_constants = 7, n_mesh_constants = 16, n_gearbox_histories = 6, n_wheel_histories = 7
-   integer, parameter :: n_outputs = n_wheel_constants + n_mesh_constants + n_gearbox_histories + n_wheel_histories &
-                         + n_mesh_histories + n_pair_histories + n_coast_histories + n_housing_outputs &
-                         + n_shaft_outputs !! entries of the table
+   integer, parameter :: n_outputs = n_wheel_constants + n_mesh_constants + n_wheel_teeth + n_mesh_teeth &
+                         + n_gearbox_histories + n_wheel_histories + n_mesh_histories + n_pair_histories &
+                         + n_coast_histories + n_housing_outputs + n_shaft_outputs !! entries of the table
 
 contains
 
@@ -33,8 +34,8 @@ contains
       integer :: i, offset
 
       coast = coast_histories()
-      table = [wheel_constants(), mesh_constants(), gearbox_histories(), wheel_histories(), mesh_histories(), pair_histories(), &
-               coast_histories(), housing_outputs(), shaft_outputs()]
+      table = [wheel_constants(), mesh_constants(), tooth_outputs(), gearbox_histories(), wheel_histories(), mesh_histories(), &
+               pair_histories(), coast_histories(), housing_outputs(), shaft_outputs()]
       offset = 0
       do i = 1, size(table)
          table(i)%offset = offset
@@ -72,15 +73,6 @@ contains
          n = 1
       end select
    end function count_of
-
-   !> Number of all values.
-   pure integer function count_values(gearbox) result(n)
-      type(gearbox_t), intent(in) :: gearbox
-      type(output_t) :: table(n_outputs)
-
-      call gearbox_output_table(gearbox, table)
-      n = sum(table%count)
-   end function count_values
 
    pure function wheel_constants() result(t)
       type(output_t) :: t(n_wheel_constants)
@@ -157,7 +149,7 @@ contains
       real(wp) :: f(gearbox%n_states), reactions(6, size(gearbox%wheels))
       real(wp), dimension(size(gearbox%wheels)) :: torque, load_torque
       type(frame_t) :: frame
-      integer :: nw, nm, i, at_time, at_wheels, at_meshes, at_pairs, at_coast, at_housing, at_shafts
+      integer :: nw, nm, i, at_teeth, at_time, at_wheels, at_meshes, at_pairs, at_coast, at_housing, at_shafts
 
       call coupled_rates(gearbox, t, y, integers, reals, f, status)
       if (has_failed(status)) return
@@ -166,7 +158,10 @@ contains
       nm = size(gearbox%pairs)
       call put_wheel_constants(gearbox, nw, values)
       call put_mesh_constants(gearbox, nm, values(nw*(n_wheel_constants + 1) + 1))
-      at_time = nw*(n_wheel_constants + 1) + nm*n_mesh_constants
+      at_teeth = nw*(n_wheel_constants + 1) + nm*n_mesh_constants
+      call put_wheel_teeth(gearbox, nw, values(at_teeth + 1))
+      call put_mesh_teeth(gearbox, nm, values(at_teeth + nw*n_wheel_teeth + 1))
+      at_time = at_teeth + nw*n_wheel_teeth + nm*n_mesh_teeth
       at_wheels = at_time + n_gearbox_histories
       at_meshes = at_wheels + nw*(n_wheel_histories + 2)
       at_pairs = at_meshes + nm*(n_mesh_histories + 2)

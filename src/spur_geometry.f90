@@ -12,7 +12,7 @@
 module evl_spur_geometry
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use evl_kinds, only: pi, wp
-   use evl_status, only: clear, code_invalid_input, fail, has_failed, quantity, status_t
+   use evl_status, only: clear, code_invalid_input, degrees, fail, has_failed, quantity, status_t
    implicit none (type, external)
    private
 
@@ -194,13 +194,5 @@ contains
          maximum_teeth
       call fail(status, code_invalid_input, trim(message), index=wheel, field="teeth")
    end subroutine check_teeth
-
-   !> An angle in degrees for a message.
-   pure function degrees(angle) result(text)
-      real(wp), intent(in) :: angle !! [rad]
-      character(len=:), allocatable :: text
-
-      text = quantity(angle*180.0_wp/pi, "deg")
-   end function degrees
 
 end module evl_spur_geometry

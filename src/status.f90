@@ -2,11 +2,12 @@
 !>
 !> The codes are those of `evl_code` and `evl_subject` in the C header.
 module evl_status
-   use evl_kinds, only: wp
+   use evl_kinds, only: pi, wp
+   use evl_number_text, only: number_length, quantity_length, write_number
    implicit none (type, external)
    private
 
-   public :: status_t, clear, fail, has_failed, quantity
+   public :: status_t, clear, fail, has_failed, quantity, degrees
    public :: code_ok, code_invalid_input, code_out_of_domain, code_singular, code_no_solution, code_no_memory
    public :: subject_none, subject_wheel, subject_mesh, subject_load, subject_initial, subject_housing, subject_shaft
    public :: field_length, message_length
@@ -28,6 +29,8 @@ module evl_status
 
    integer, parameter :: field_length = 47    !! characters of a field's name
    integer, parameter :: message_length = 319 !! characters of a message
+
+   real(wp), parameter :: degree = 180/pi
 
    !> An error exists if and only if `code /= code_ok`.
    type :: status_t
@@ -71,46 +74,27 @@ contains
    end function has_failed
 
    !> A number with its unit for a message, such as "0.04 m" or "1.25E-09 m": six significant digits, no trailing zeros.
+   !>
+   !> Its length follows from the arguments: gfortran keeps that of a deferred-length result in a static variable, and two threads
+   !> that write messages at once would race for it.
    pure function quantity(value, unit) result(text)
       real(wp), intent(in) :: value           !! in `unit`
       character(len=*), intent(in) :: unit    !! "" if without
-      character(len=:), allocatable :: text
-      character(len=32) :: buffer, form
-      integer :: decimals, e
+      character(len=quantity_length(value, unit)) :: text
+      character(len=number_length) :: number
+      integer :: n
 
-      decimals = 5
-      e = 0
-      if (abs(value) >= 1.0e-3_wp .and. abs(value) < 1.0e6_wp) then
-         decimals = max(0, 5 - floor(log10(abs(value))))
-         write (form, "(a, i0, a)") "(f32.", decimals, ")"
-         write (buffer, form) value
-      else if (abs(value) > 0) then
-         write (buffer, "(es32.5e2)") value
-         e = index(buffer, "E")
-      else
-         buffer = "0"
-         decimals = 0
-      end if
-      if (e > 0) then
-         text = trim_zeros(trim(adjustl(buffer(:e - 1))))//trim(buffer(e:))
-      else if (decimals > 0 .and. index(buffer, ".") > 0) then
-         text = trim_zeros(trim(adjustl(buffer)))
-      else
-         text = trim(adjustl(buffer))
-         if (text(len(text):) == ".") text = text(:len(text) - 1)
-      end if
-      if (len(unit) > 0) text = text//" "//unit
+      call write_number(value, number, n)
+      text = number(:n)
+      if (len(unit) > 0) text = number(:n)//" "//unit
    end function quantity
 
-   !> Without the zeros behind the last significant decimal, and without a decimal point that nothing follows.
-   pure function trim_zeros(number) result(text)
-      character(len=*), intent(in) :: number !! with a decimal point
-      character(len=:), allocatable :: text
-      integer :: last
+   !> The same for an angle, in degrees.
+   pure function degrees(angle) result(text)
+      real(wp), intent(in) :: angle !! [rad]
+      character(len=quantity_length(angle*degree, "deg")) :: text
 
-      last = verify(number, "0", back=.true.)
-      if (number(last:last) == ".") last = last - 1
-      text = number(:last)
-   end function trim_zeros
+      text = quantity(angle*degree, "deg")
+   end function degrees
 
 end module evl_status

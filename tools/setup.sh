@@ -85,6 +85,14 @@ setup_tools() {
   find_python >/dev/null || die "no Python 3.11 or newer with the modules venv and ensurepip found; name one with PYTHON=..."
 }
 
+# What the tests of job arrays need: a Slurm to be started for them. Without it they are skipped and say so.
+setup_test_tools() {
+  local missing=() PATH=$PATH:/usr/sbin
+  command -v slurmctld >/dev/null || missing+=(slurm-wlm)
+  command -v munged >/dev/null || missing+=(munge)
+  if [ ${#missing[@]} -gt 0 ] && can_install; then need "${missing[@]}"; fi
+}
+
 # configure PRESET: CMake finds the libraries, and it names the Debian packages of those that are missing.
 configure() {
   local dir=build/$1 home missing

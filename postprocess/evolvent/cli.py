@@ -17,12 +17,19 @@ from rich.markup import escape
 from rich.table import Table
 
 import evolvent
-from evolvent import figures
+from evolvent import figures, pair_figure
+from evolvent.cli_animate import animate
+from evolvent.cli_common import (
+    BROKEN,
+    UNREADABLE,
+    complain,
+    fail_to_write,
+    open_with_warning,
+    refuse,
+)
 from evolvent.history import HistoryError, file_label, open_events, open_history, run_warning
 from evolvent.invariants import Verdict, check_history
 from evolvent.units import displayed
-
-BROKEN, USAGE, UNREADABLE, NOT_WRITTEN = 1, 2, 3, 74
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -40,6 +47,8 @@ app = typer.Typer(
       74  output could not be written
     """,
 )
+
+app.command()(animate)
 
 Files = Annotated[list[Path], typer.Argument(metavar="FILE", help="Histories (.h5).")]
 File = Annotated[Path, typer.Argument(metavar="FILE", help="History (.h5).")]
@@ -75,7 +84,7 @@ def main() -> None:
     try:
         app(prog_name="evolvent-post")
     except HistoryError as error:
-        _complain(str(error))
+        complain(str(error))
         sys.exit(UNREADABLE)
 
 
@@ -104,14 +113,14 @@ def check(files: Files, as_json: AsJson = False) -> None:
             with open_history(path) as history:
                 checked.append((path, run_warning(history), check_history(history)))
         except HistoryError as error:
-            _complain(str(error))
+            complain(str(error))
             unreadable = True
     if as_json:
         typer.echo(json.dumps([_verdicts_as_json(*one) for one in checked], indent=2))
     else:
         for path, warning, verdicts in checked:
             if warning:
-                _complain(f"{path}: {warning}")
+                complain(f"{path}: {warning}")
             _print_verdicts(path, verdicts)
     if unreadable:
         raise typer.Exit(UNREADABLE)
@@ -145,6 +154,17 @@ def plot(
             "--to", metavar="TIME", show_default=False, help="Last time drawn [s]; else the last."
         ),
     ] = math.inf,
+    pairs: Annotated[
+        bool,
+        typer.Option(
+            "--pairs",
+            help="Draw the load of each tooth pair over the roll angle of the driving wheel: of "
+            "the last 6 pitches, unless --from or --to is given.",
+        ),
+    ] = False,
+    over_time: Annotated[
+        bool, typer.Option("--over-time", help="With --pairs: over time.")
+    ] = False,
 ) -> None:
     """Draw quantities over time; the transmission errors of all files come in one figure.
 
@@ -154,16 +174,18 @@ def plot(
       evolvent-post plot paper.h5 -o figures
       evolvent-post plot paper.h5 paper-friction.h5 --quantity transmission_error --format pdf
       evolvent-post plot paper.h5 --from 2.5 --to 2.7
+      evolvent-post plot spur-pair.h5 --pairs
     """  # noqa: D301 - \b keeps click from filling the lines
-    wanted = quantities or list(Quantity)
+    if over_time and not pairs:
+        raise typer.BadParameter("is for --pairs", param_hint="--over-time")
+    wanted = quantities or ([] if pairs else list(Quantity))
     labels = _labels(files)
     histories, events = [], []
     for path in files:
-        history = _open_with_warning(path)
+        history = open_with_warning(path)
         part = history.sel(time=(history["time"] >= begin) & (history["time"] <= end))
         if part.sizes["time"] == 0:
-            _complain(f"{path}: has no output between --from and --to")
-            raise typer.Exit(USAGE)
+            refuse(f"{path}: has no output between --from and --to")
         histories.append(part)
         events.append(open_events(path))
     drawn: dict[str, Figure] = {}
@@ -179,13 +201,17 @@ def plot(
         else:
             for history, marked, label in zip(histories, events, labels, strict=True):
                 drawn[f"{label}-{quantity}"] = DRAWN_ALONE[quantity](history, marked)
+    for history, marked, label in zip(histories, events, labels, strict=True) if pairs else []:
+        whole = begin == -math.inf and end == math.inf
+        part = pair_figure.last_pitches(history) if whole else history
+        drawn[f"{label}-pairs"] = pair_figure.figure_pairs(part, marked, over_time)
     for name, figure in drawn.items():
         path = output / f"{name.replace('/', '-')}.{file_format}"
         try:
             output.mkdir(parents=True, exist_ok=True)
             figures.save(figure, path)
         except OSError as error:
-            _fail_to_write(path, error)
+            fail_to_write(path, error)
         typer.echo(path)
 
 
@@ -209,12 +235,12 @@ def report(
     from evolvent.report import report as make_report
 
     path = output if output is not None else Path(f"{file_label(file)}.html")
-    with _open_with_warning(file) as history, open_events(file) as events:
+    with open_with_warning(file) as history, open_events(file) as events:
         page = make_report(history, events)
     try:
         path.write_text(page, encoding="utf-8")
     except OSError as error:
-        _fail_to_write(path, error)
+        fail_to_write(path, error)
     typer.echo(path)
 
 
@@ -236,7 +262,7 @@ def compare(
     Example:
       evolvent-post compare closed_form.h5 differential.h5 --tolerance 1e-6
     """  # noqa: D301 - \b keeps click from filling the lines
-    with _open_with_warning(first) as one, _open_with_warning(second) as two:
+    with open_with_warning(first) as one, open_with_warning(second) as two:
         result = evolvent.compare_histories(one, two)
     relative = result["relative"].values
     beyond = relative > tolerance if tolerance is not None else relative < 0.0
@@ -246,28 +272,11 @@ def compare(
         _print_differences(result, beyond.tolist())
     if beyond.any():
         worst = result.isel(variable=int(relative.argmax()))
-        _complain(
+        complain(
             f"{int(beyond.sum())} variables differ by more than {tolerance:g}, most of all "
             f"{worst['variable'].item()} by {worst['relative'].item():.3g} of its largest value"
         )
         raise typer.Exit(BROKEN)
-
-
-def _complain(message: str) -> None:
-    typer.echo(f"evolvent-post: {message}", err=True)
-
-
-def _fail_to_write(path: Path, error: OSError) -> None:
-    _complain(f"{path}: cannot be written ({error.strerror or error})")
-    raise typer.Exit(NOT_WRITTEN)
-
-
-def _open_with_warning(path: Path) -> xr.Dataset:
-    history = open_history(path)
-    warning = run_warning(history)
-    if warning:
-        _complain(f"{path}: {warning}")
-    return history
 
 
 def _labels(files: list[Path]) -> list[str]:

@@ -182,7 +182,7 @@ def torque_balance(history: xr.Dataset) -> xr.DataArray:
         of_housing = history["housing_angular_acceleration"].sel(space="z", drop=True)
         acceleration = acceleration + of_housing
     inertia_torque = require(history, "inertia") * acceleration
-    largest = np.maximum(abs(contact).max("time"), abs(shaft).max("time"))
+    largest = xr.concat([abs(contact), abs(shaft)], dim="part").max(["part", "time"])
     touched = largest.values > 0.0
     if not touched.any():
         raise NotApplicableError("the teeth never touch")

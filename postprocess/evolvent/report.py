@@ -16,6 +16,8 @@ from matplotlib.figure import Figure
 from evolvent import figures
 from evolvent.history import run_warning, source_name
 from evolvent.invariants import check_history
+from evolvent.mesh_summary import mesh_summaries
+from evolvent.pair_figure import figure_pairs, last_pitches
 from evolvent.scheme import figure_mesh_scheme
 from evolvent.units import quantity
 
@@ -66,6 +68,7 @@ def report(history: xr.Dataset, events: xr.Dataset) -> str:
         schemes=[_scheme(history, mesh) for mesh in range(history.sizes["mesh"])],
         tables={dim: static_table(history, dim) for dim in ("wheel", "mesh")},
         figures=_figures(history, events),
+        meshes=mesh_summaries(history),
         events=event_counts(history, events),
         counts={
             k: f"{v:,}" if isinstance(v, int | np.integer) else f"{v:.6g}"
@@ -149,7 +152,12 @@ def _figures(history: xr.Dataset, events: xr.Dataset) -> list[Picture]:
         "Normal force": figures.figure_normal_force(history, events),
         "Speeds": figures.figure_speeds(history, events),
     }
-    return [_picture(title, f"{title.lower()} over time", drawn[title]) for title in drawn]
+    pictures = [_picture(title, f"{title.lower()} over time", drawn[title]) for title in drawn]
+    if "pair_normal_force" in history:
+        text = "normal force and contact pressure of each tooth pair over the roll angle"
+        figure = figure_pairs(last_pitches(history), events)
+        pictures.append(_picture("Tooth pairs, the last pitches", text, figure))
+    return pictures
 
 
 def _picture(title: str, alternative: str, figure: Figure) -> Picture:

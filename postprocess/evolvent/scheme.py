@@ -38,7 +38,7 @@ class MeshGeometry:
     along: complex  # unit vector e: the driving wheel pushes this way
     length: float  # of the line of action [m]
     start: float  # distance of a from K_A [m]
-    base_pitch: float  # [m]
+    path: float  # length of the path of contact [m]
 
     @property
     def points(self) -> dict[str, complex]:
@@ -50,7 +50,7 @@ class MeshGeometry:
             "K_A": k_a,
             "K_B": k_a + self.length * self.along,
             "a": a,
-            "b": a + self.base_pitch * self.along,
+            "b": a + self.path * self.along,
             "P": self.centres[0] + axis / abs(axis) * self.pitch_radii[0],
         }
 
@@ -91,7 +91,8 @@ def mesh_geometry(history: xr.Dataset, mesh: int) -> MeshGeometry:
     distance = abs(centres[1] - centres[0])
     alpha = of_mesh("working_pressure_angle")
     across = (centres[1] - centres[0]) / distance * np.exp(1j * sigma * alpha)
-    pitch, start = of_mesh("base_pitch"), of_mesh("rho_start_driving")
+    ratio = of_mesh("contact_ratio") if "contact_ratio" in history else 1.0
+    path, start = ratio * of_mesh("base_pitch"), of_mesh("rho_start_driving")
     return MeshGeometry(
         names=(str(history["wheel"].values[wheels[0]]), str(history["wheel"].values[wheels[1]])),
         sigma=sigma,
@@ -99,14 +100,14 @@ def mesh_geometry(history: xr.Dataset, mesh: int) -> MeshGeometry:
         base_radii=(base[0], base[1]),
         pitch_radii=(base[0] / np.cos(alpha), base[1] / np.cos(alpha)),
         tip_radii=(
-            float(np.hypot(base[0], start + pitch)),
+            float(np.hypot(base[0], start + path)),
             float(np.hypot(base[1], of_mesh("rho_start_driven"))),
         ),
         across=complex(across),
         along=complex(-1j * sigma * across),
         length=of_mesh("line_of_action_length"),
         start=start,
-        base_pitch=pitch,
+        path=path,
     )
 
 
@@ -155,7 +156,7 @@ def _draw(axis: Axes, geometry: MeshGeometry) -> None:
     axis.plot(ends.real, ends.imag, color=ACTION_COLOR, linewidth=LINE_OF_ACTION)
     path = np.array([points["a"], points["b"]])
     axis.plot(path.real, path.imag, color=ACTION_COLOR, linewidth=PATH_OF_CONTACT)
-    contact = geometry.start + DRAWN_CONTACT * geometry.base_pitch
+    contact = geometry.start + DRAWN_CONTACT * geometry.path
     for wheel, color in enumerate((DRIVING_COLOR, DRIVEN_COLOR)):
         flank = geometry.flank(wheel, contact)
         axis.plot(flank.real, flank.imag, color=color, linewidth=FLANK)

@@ -195,7 +195,7 @@ def test_two_runs_do_not_write_the_same_file(
 # ---- what ends early stays readable under another name -------------------------------------------
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGUSR1])
 def test_an_interrupted_run_leaves_what_it_has_and_says_why(
     executable: Path, case: Path, tmp_path: Path, number: signal.Signals
 ) -> None:

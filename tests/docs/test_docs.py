@@ -31,7 +31,7 @@ def blocks(page: Path, *languages: str) -> list[str]:
 
 
 def commands(page: Path) -> Iterator[str]:
-    """Command lines of evolvent and evolvent-post in a page's blocks, fenced or indented."""
+    """Command lines of the three programs in a page's blocks, fenced or indented."""
     text = page.read_text(encoding="utf-8")
     indented = "\n".join(INDENTED.findall(FENCE.sub("", text)))
     for block in [*blocks(page, "bash", "console"), indented]:
@@ -39,7 +39,7 @@ def commands(page: Path) -> Iterator[str]:
             continue
         for line in block.replace("\\\n", " ").splitlines():
             command = line.strip().removeprefix("$ ")
-            if re.match(r"evolvent(-post)?\s", command) and NOT_RUN not in command:
+            if re.match(r"evolvent(-post|-sweep)?\s", command) and NOT_RUN not in command:
                 yield command
 
 
@@ -52,14 +52,15 @@ def anchors(page: Path) -> set[str]:
 
 @pytest.fixture(scope="session")
 def workplace(tmp_path_factory: pytest.TempPathFactory, executable: Path) -> Path:
-    """Give a folder with the examples, and both commands in its `bin`."""
+    """Give a folder with the examples, and all commands in its `bin`."""
     folder = tmp_path_factory.mktemp("docs")
     shutil.copytree(ROOT / "examples", folder / "examples")
     (folder / "bin").mkdir()
     (folder / "bin" / "evolvent").symlink_to(executable)
-    post = folder / "bin" / "evolvent-post"
-    post.write_text(f"#!{sys.executable}\nfrom evolvent.cli import main\n\nmain()\n")
-    post.chmod(0o755)
+    for name, module in (("evolvent-post", "cli"), ("evolvent-sweep", "sweep.cli")):
+        script = folder / "bin" / name
+        script.write_text(f"#!{sys.executable}\nfrom evolvent.{module} import main\n\nmain()\n")
+        script.chmod(0o755)
     return folder
 
 
@@ -106,9 +107,9 @@ def test_commands_succeed_in_the_order_in_which_they_are_printed(
         run(command, workplace)
 
 
-def test_readme_prints_commands_of_both_programs() -> None:
+def test_readme_prints_commands_of_all_programs() -> None:
     first_words = {command.split()[0] for command in commands(README)}
-    assert first_words == {"evolvent", "evolvent-post"}
+    assert first_words == {"evolvent", "evolvent-post", "evolvent-sweep"}
 
 
 @pytest.mark.parametrize(

@@ -409,6 +409,88 @@ static void a_refusal_by_the_model_finds_its_place(void **state)
     case_delete(&file);
 }
 
+/* ---- a base that is edited many times ---- */
+
+static const char base_text[] =
+    "format: 1\n"
+    "materials: {steel: {youngs_modulus: 2.0e11, poisson_ratio: 0.3, density: 7800}}\n"
+    "wheels:\n"
+    "- {name: pinion, teeth: 20, pitch_radius: 0.2, width: 0.1, material: steel, centre: [0, 0],\n"
+    "   loads: [{kind: torque, value: -1}]}\n"
+    "- {name: gear, teeth: 30, width: 0.1, material: steel,\n"
+    "   loads: [{kind: viscous, coefficient: 10}]}\n"
+    "meshes:\n"
+    "- {name: a-b, driving: pinion, driven: gear, driving_rotation: clockwise,\n"
+    "   centre_line_angle: 0, pressure_angle: paper_rule}\n"
+    "simulation: {duration: 5, output_interval: 1e-3}\n";
+
+static void an_edited_base_is_the_case_with_these_options_and_stays_as_it_was(void **state)
+{
+    (void)state;
+    static const char *const options[] = {"wheels.gear.teeth=40", "simulation.duration=2"};
+    evl_error error;
+    case_base *base = case_base_parse("base", base_text, &laws, &error);
+    assert_non_null(base);
+    for (int i = 0; i < 2; i++) {
+        case_file *edited = case_edit(base, 2, options, &error), *plain = case_edit(base, 0, NULL, &error);
+        case_file *single = read_text(base_text, strlen(base_text), 2, options, &error);
+        assert_non_null(edited);
+        assert_non_null(single);
+        assert_int_equal(case_description(edited)->wheels[1].teeth, 40);
+        assert_int_equal(case_description(single)->wheels[1].teeth, 40);
+        assert_true(case_description(edited)->simulation.duration == 2);
+        assert_int_equal(case_description(plain)->wheels[1].teeth, 30);
+        assert_true(case_description(plain)->simulation.duration == 5);
+        case_delete(&edited);
+        case_delete(&plain);
+        case_delete(&single);
+    }
+    assert_null(case_edit(base, 1, (const char *const[]){"wheels.gear.teeth=2"}, &error));
+    assert_string_equal(error.place, "--set wheels.gear.teeth=2");
+    assert_null(case_edit(base, 1, (const char *const[]){"simulation=3"}, &error));
+    case_base_delete(&base);
+}
+
+static void the_elements_of_a_base_are_called_as_paths_call_them(void **state)
+{
+    (void)state;
+    evl_error error;
+    char *names[2];
+    case_base *base = case_base_parse("base", base_text, &laws, &error);
+    assert_int_equal(case_base_elements(base, "wheels", names), 2);
+    assert_string_equal(names[0], "pinion");
+    assert_string_equal(names[1], "gear");
+    assert_int_equal(case_base_elements(base, "shafts_of_gold", NULL), 0);
+    free(names[0]);
+    free(names[1]);
+    case_base_delete(&base);
+}
+
+static void a_path_is_known_if_some_variant_of_its_block_has_the_key(void **state)
+{
+    (void)state;
+    static const char *const good[] = {"wheels.pinion.teeth",
+                                       "wheels.1.support.stiffness",
+                                       "wheels.gear.centre.0",
+                                       "wheels.gear.loads.1.time",
+                                       "materials.brass.density",
+                                       "meshes.a-b.friction",
+                                       "simulation.initial.speeds.gear",
+                                       "housing.mount.stiffness"};
+    static const char *const bad[] = {"wheels.pinion.tooth",   "wheels.2x.teeth",     "weels.0.teeth",
+                                      "wheels.gear.loads.0.x", "materials.steel.rho", "meshes.0.friction.law.x.y.z."};
+    evl_error error;
+    case_base *base = case_base_parse("base", base_text, &laws, &error);
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
+        assert_true(case_base_has_path(base, good[i], &error));
+    }
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        assert_false(case_base_has_path(base, bad[i], &error));
+        assert_true(error.message[0] != '\0');
+    }
+    case_base_delete(&base);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -425,6 +507,9 @@ int main(void)
         cmocka_unit_test(what_is_no_case_at_all_is_refused),
         cmocka_unit_test(aliases_that_multiply_are_refused),
         cmocka_unit_test(a_refusal_by_the_model_finds_its_place),
+        cmocka_unit_test(an_edited_base_is_the_case_with_these_options_and_stays_as_it_was),
+        cmocka_unit_test(the_elements_of_a_base_are_called_as_paths_call_them),
+        cmocka_unit_test(a_path_is_known_if_some_variant_of_its_block_has_the_key),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -205,6 +205,12 @@ class Gearbox:
             raise IndexError(index)
         return entry
 
+    def whole_table(self) -> list[Output]:
+        """All entries of the table of outputs, in one call."""
+        entries = (Output * self.sizes.n_outputs)()
+        self.library.evl_gearbox_output_table(self.handle, entries)
+        return list(entries)
+
     def place(self, name: str) -> int:
         """Place of a state by its name."""
         return self.names.index(name)

@@ -30,6 +30,12 @@ UNITS = {
 }
 
 
+def test_the_whole_table_is_its_entries(kernel: Kernel):
+    gearbox = chain(kernel, 3, CLOSED_FORM)
+    entries = [bytes(gearbox.output(index)) for index in range(gearbox.sizes.n_outputs)]
+    assert [bytes(entry) for entry in gearbox.whole_table()] == entries
+
+
 @pytest.mark.parametrize("n", [2, 4])
 def test_the_table_covers_the_values_without_gap_or_overlap(kernel: Kernel, n: int):
     gearbox = chain(kernel, n, DIFFERENTIAL)

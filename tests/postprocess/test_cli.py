@@ -6,7 +6,10 @@ import json
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+from PIL import Image
+from real_gears import RealPair, no_events
 from synthetic import write_history
 
 from evolvent.cli import main
@@ -40,7 +43,7 @@ def partial_file(smooth_run, tmp_path) -> Path:
     return write_history(tmp_path / "stopped.h5.partial", stopped, smooth_run.events)
 
 
-COMMANDS = ("check", "plot", "report", "compare")
+COMMANDS = ("animate", "check", "plot", "report", "compare")
 
 
 def test_help_names_every_command_and_exit_code(post):
@@ -71,6 +74,10 @@ def test_version_is_shown(post):
         ("compare", "a.h5"),
         ("plot", "a.h5", "--format", "gif"),
         ("plot", "a.h5", "--quantity", "colour"),
+        ("plot", "a.h5", "--over-time"),
+        ("animate", "a.h5", "--fps", "0"),
+        ("animate", "a.h5", "--speed", "-1"),
+        ("animate", "a.h5", "--speed", "nan"),
         ("compare", "a.h5", "b.h5", "--tolerance", "-1"),
         ("compare", "a.h5", "b.h5", "--tolerance", "nan"),
     ],
@@ -227,3 +234,73 @@ def test_compare_writes_json_for_scripts(post, smooth_run, broken_file):
     result = json.loads(out)
     assert result["variables"]["load_work"]["absolute"] == pytest.approx(1.0, rel=1e-12)
     assert result["variables"]["angle"]["relative"] == 0.0
+
+
+@pytest.fixture
+def gears_file(tmp_path) -> Path:
+    history = RealPair().history(np.linspace(0.0, 1.0, 31))
+    return write_history(tmp_path / "gears.h5", history, no_events())
+
+
+def test_animate_writes_a_gif_named_after_the_history(post, gears_file):
+    code, out, err = post("animate", gears_file, "--to", "0.2", "--dpi", "30")
+    assert (code, out, err) == (0, "gears.gif\n", "")
+    with Image.open("gears.gif") as gif:
+        assert gif.format == "GIF"
+
+
+def test_animate_warns_of_teeth_that_jump(post, gears_file):
+    arguments = ("animate", gears_file, "--speed", "100", "--fps", "10", "--dpi", "30")
+    code, out, err = post(*arguments, "--mesh", "pinion-gear", "-o", "fast.gif")
+    assert (code, out) == (0, "fast.gif\n")
+    assert "pitches from frame to frame" in err
+    assert err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("-o", "gears.avi"), "gears.avi: the file has to end in .gif or .mp4"),
+        (("--mesh", "gear"), "has no mesh `gear`; there is pinion-gear"),
+        (("--from", "40"), "there is no output between --from and --to"),
+        (("--speed", "1e-4"), "choose a shorter time by --from and --to, a --speed above 0.4 or"),
+    ],
+)
+def test_what_cannot_be_animated_is_one_line_and_code_2(post, gears_file, arguments, message):
+    code, out, err = post("animate", gears_file, *arguments)
+    assert (code, out) == (2, "")
+    assert message in err
+    assert err.count("\n") == 1
+
+
+def test_mp4_without_ffmpeg_names_the_remedy(post, gears_file, monkeypatch, tmp_path):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    code, _, err = post("animate", gears_file, "-o", "gears.mp4")
+    assert code == 2
+    assert "needs the program ffmpeg, which is not installed" in err
+    assert "write a .gif" in err
+    assert not Path("gears.mp4").exists()
+
+
+def test_a_history_that_does_not_know_its_teeth_cannot_be_animated(post, smooth_run):
+    code, _, err = post("animate", smooth_run.path)
+    assert code == 3
+    assert "does not tell where the teeth are; run the case again" in err
+
+
+def test_an_animation_that_cannot_be_written_is_code_74(post, gears_file):
+    code, _, err = post("animate", gears_file, "-o", "nowhere/gears.gif", "--to", "0.1")
+    assert code == 74
+    assert "nowhere/gears.gif: cannot be written" in err
+
+
+def test_plot_draws_the_tooth_pairs_alone(post, gears_file):
+    code, out, _ = post("plot", gears_file, "--pairs")
+    assert (code, out) == (0, "gears-pairs.png\n")
+    assert Path("gears-pairs.png").stat().st_size > 0
+
+
+def test_plot_of_pairs_needs_a_history_with_pairs(post, smooth_run):
+    code, _, err = post("plot", smooth_run.path, "--pairs")
+    assert code == 3
+    assert "has no variable `pair_" in err

@@ -7,6 +7,7 @@ import re
 from html.parser import HTMLParser
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 
 from evolvent import open_events, open_history
@@ -133,3 +134,35 @@ def test_events_are_counted_by_kind_and_mesh(friction_run):
     counted = event_counts(friction_run.history, events)
     assert ("tooth switch", "pinion-gear", 1) in counted
     assert sum(number for _, _, number in counted) == events.sizes["event"]
+
+
+def test_page_tells_what_the_tooth_pairs_did(smooth_run):
+    """A pair at a time, half of the time apart; 1 W lost of 4 W that the pinion hands over."""
+    history = smooth_run.history
+    size, one = history.sizes["time"], ("time", "mesh")
+    loaded = (np.arange(size) < size / 2).astype(np.int32)
+    speed = history["angular_velocity"].values[:, :1]
+    places = {
+        "pair_normal_force": 5.0 * loaded,
+        "pair_contact_pressure": 1e6 * loaded,
+        "pair_on_path": np.ones(size, np.int32),
+        "pair_number": np.zeros(size, np.int32),
+    }
+    with np.errstate(divide="ignore"):
+        torque = np.where(speed != 0, 4.0 / speed, 0.0)
+    with_pairs = history.assign(
+        {name: ((*one, "pair"), values[:, None, None]) for name, values in places.items()}
+        | {
+            "pairs_in_contact": (one, loaded[:, None]),
+            "friction_loss": (one, np.where(speed != 0, 1.0, 0.0)),
+            "mesh_torque_driving": (one, torque),
+            "contact_ratio": ("mesh", [1.0]),
+        }
+    ).assign_coords(pair=["drive_0"])
+    page = Page(report(with_pairs, open_events(smooth_run.path)))
+    text = " ".join(" ".join(page.text).split())
+    assert page.open == []
+    assert "tooth pairs that carried load 1 contact ratio of the geometry 1 " in text
+    assert "mean number of loaded pairs 0.5 share of time without contact 0.5 " in text
+    assert "efficiency 0.75 " in text
+    assert any("tooth pair" in str(image["alt"]) for image in page.images)

@@ -66,7 +66,7 @@ def test_flank_is_an_involute_of_its_base_circle(geometry, wheel):
 
 
 def test_flanks_touch_on_the_line_of_action(geometry):
-    contact = geometry.start + 0.3 * geometry.base_pitch
+    contact = geometry.start + 0.3 * geometry.path
     point = geometry.points["K_A"] + contact * geometry.along
     one, two = (geometry.flank(wheel, contact, n=20001) for wheel in (0, 1))
     for flank in (one, two):
@@ -79,7 +79,7 @@ def test_flanks_touch_on_the_line_of_action(geometry):
 
 def test_flanks_do_not_cut_each_other(geometry):
     """Each flank stays on its side of the common tangent: apart from the contact, on both sides."""
-    contact = geometry.start + 0.3 * geometry.base_pitch
+    contact = geometry.start + 0.3 * geometry.path
     point = geometry.points["K_A"] + contact * geometry.along
     for wheel, side in ((0, -1), (1, 1)):
         beyond = ((geometry.flank(wheel, contact) - point) * geometry.along.conjugate()).real

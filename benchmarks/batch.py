@@ -1,0 +1,162 @@
+"""What a sweep costs beside its integrations: cases of the paper's setup, 0.2 s of model time each.
+
+    python benchmarks/batch.py [PROGRAM]             (build/release/evolvent unless given)
+
+Torque, friction and the stiffness of the slider vary. Prints three things: the processor time of
+the whole batch over the sum of its integrations; the memory of a worker while its cases go by; how
+busy two processes are, as sum of case CPU / (2 x wall), beside one. Exits with 1 if a limit is
+exceeded. On a machine that does something else as well, neither time says much.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import os
+import re
+import statistics
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+OVERHEAD = 0.03  # of the sum of the integrations, at most
+EFFICIENCY = 0.95  # of two processes, at least
+GROWTH = 0.5  # of a worker's memory from its first cases to its last, at most [MB]
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What one batch took."""
+
+    wall: float  # [s]
+    cpu: float  # of all its processes [s]
+    integrations: float  # sum over the cases [s]
+    memory: list[float]  # of a worker over time [MB]
+
+
+def write_design(path: Path, program: Path, n: int) -> None:
+    """Write a design of n cases."""
+    version = subprocess.run([program, "--version"], capture_output=True, text=True, check=True)
+    text = (ROOT / "examples/paper-friction.yaml").read_text()
+    case = re.sub(r"duration: [\d.]+", "duration: 0.2", text)
+    random = np.random.default_rng(1)
+    columns = {
+        "wheels.pinion.loads.0.value": -random.uniform(0.5, 2.0, n),
+        "meshes.0.friction.coefficient": random.uniform(0.0, 0.3, n),
+        "wheels.gear.support.stiffness": 10 ** random.uniform(8.0, 9.5, n),
+    }
+    with h5py.File(path, "w") as design:
+        design.attrs.update(
+            evolvent_design_format=1,
+            evolvent_version=version.stdout.split()[1],
+            title="benchmark",
+            case=case,
+            hash=hashlib.sha256(str(n).encode()).hexdigest(),
+            window=[0.1, 0.2],
+            history_variables="",
+            history_every=1,
+            n_cases=n,
+        )
+        for i, (where, values) in enumerate(columns.items()):
+            column = design.create_dataset(f"parameters/p{i}", data=values)
+            column.attrs["path"] = where
+
+
+def workers(parent: int) -> list[int]:
+    """Processes that the parent has forked."""
+    found = []
+    for entry in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            if int(entry.read_text().rpartition(")")[2].split()[1]) == parent:
+                found.append(int(entry.parent.name))
+        except OSError:
+            continue
+    return sorted(found)
+
+
+def watch_memory(parent: int, has_ended: threading.Event, samples: list[float]) -> None:
+    """Note the memory of the first worker until the batch has ended."""
+    page = os.sysconf("SC_PAGE_SIZE") / 1e6
+    while not has_ended.wait(0.1):
+        try:
+            first = workers(parent)[0]
+            resident = int(Path(f"/proc/{first}/statm").read_text().split()[1])
+        except (OSError, IndexError):
+            continue
+        if resident > 0:
+            samples.append(page * resident)
+
+
+def run(program: Path, design: Path, folder: Path, jobs: int) -> Cost:
+    """Run a design in so many workers."""
+    command = [str(program), "batch", str(design), "-o", str(folder), "-j", str(jobs), "-q"]
+    memory: list[float] = []
+    start = time.monotonic()
+    process = subprocess.Popen(command, env={**os.environ, "OPENBLAS_NUM_THREADS": "1"})
+    has_ended = threading.Event()
+    watcher = threading.Thread(target=watch_memory, args=(process.pid, has_ended, memory))
+    watcher.start()
+    _, status, usage = os.wait4(process.pid, 0)
+    wall = time.monotonic() - start
+    process.returncode = os.waitstatus_to_exitcode(status)
+    has_ended.set()
+    watcher.join()
+    if process.returncode != 0:
+        sys.exit(f"{' '.join(command)} ended with {process.returncode}")
+    lines = (folder / "shard-1-of-1.jsonl").read_text().splitlines()[1:]
+    integrations = sum(json.loads(line)["cpu_time"] for line in lines)
+    # of a process and the children that it has waited for
+    return Cost(wall, usage.ru_utime + usage.ru_stime, integrations, memory)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    default = ROOT / "build/release/evolvent"
+    parser.add_argument("program", nargs="?", type=Path, default=default)
+    parser.add_argument("--cases", type=int, default=2000)
+    options = parser.parse_args()
+    program = options.program.resolve()
+    exceeded = 0
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        write_design(folder / "design.h5", program, options.cases)
+        print(f"{options.cases} cases of 0.2 s, {os.cpu_count()} cores")
+        head = ("processes", "wall [s]", "CPU [s]", "integrations [s]", "overhead", "busy")
+        print("".join(f"{word:>18}" for word in head))
+        costs = {}
+        for jobs in (1, 2):
+            cost = run(program, folder / "design.h5", folder / str(jobs), jobs)
+            costs[jobs] = cost
+            overhead = cost.cpu / cost.integrations - 1.0
+            busy = cost.integrations / (jobs * cost.wall)
+            over = overhead > OVERHEAD or (jobs == 2 and busy < EFFICIENCY)
+            exceeded += over
+            words = (f"{jobs}", f"{cost.wall:.1f}", f"{cost.cpu:.1f}", f"{cost.integrations:.1f}")
+            shares = (f"{100 * overhead:.1f} %", f"{100 * busy:.1f} %")
+            line = "".join(f"{word:>18}" for word in words + shares)
+            print(f"{line}{'  EXCEEDED' if over else ''}")
+        per_case = 1e3 * costs[1].integrations / options.cases
+        print(f"a case takes {per_case:.1f} ms; limits: overhead {100 * OVERHEAD:.0f} %, ", end="")
+        print(f"two processes busy {100 * EFFICIENCY:.0f} %")
+        memory = costs[1].memory
+        tenth = max(len(memory) // 10, 1)
+        early = statistics.median(memory[tenth : 2 * tenth])
+        late = statistics.median(memory[-tenth:])
+        over = late > early + GROWTH
+        exceeded += over
+        line = f"memory of a worker: {early:.1f} MB in its second tenth, {late:.1f} MB in its last"
+        print(f"{line}{'  EXCEEDED' if over else ''}")
+    return 1 if exceeded else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,20 @@
+/** One case of a batch: from its row in the design to its line in the journal. */
+#ifndef EVOLVENT_BATCH_CASE_H
+#define EVOLVENT_BATCH_CASE_H
+
+#include "batch_plan.h"
+#include "journal.h"
+
+typedef struct {
+    journal_status status;
+    char *line; /**< of the journal, with its newline; to be freed */
+    size_t length;
+} batch_row;
+
+/** Run a case. What is wrong with it is told in its row.
+ *  @return false with the reason in `error` if its history could not be written */
+bool batch_case_run(const batch_plan *plan, long index, batch_row *row, evl_error *error);
+/** The row of a case that ended the process that ran it. */
+void batch_case_lost(const batch_plan *plan, long index, const char *message, batch_row *row);
+
+#endif

@@ -1,0 +1,122 @@
+#include "simulate.h"
+
+#include "contact_watch.h"
+#include "interrupt.h"
+#include "memory.h"
+
+#include <stdlib.h>
+
+/** Why the observer ended an integration. */
+typedef enum { STOP_NONE, STOP_INTERRUPTED, STOP_MODEL, STOP_SINK } stop_reason;
+
+typedef struct {
+    const prepared_case *prepared;
+    const simulate_sink *sink;
+    progress *progress;
+    contact_watch contact;
+    double *values; /**< [model_n_values] */
+    double t_given; /**< model time of the last outputs that the sink got */
+    stop_reason stop;
+    char *message;
+} simulation;
+
+static int on_output(void *self, const dae_state *state)
+{
+    simulation *s = self;
+    if (model_outputs(s->prepared->model, state, s->values, s->message) != DAE_OK) {
+        s->stop = STOP_MODEL;
+        return 1;
+    }
+    contact_watch_outputs(&s->contact, s->values);
+    if (!s->sink->outputs(s->sink->self, state->t, s->values)) {
+        s->stop = STOP_SINK;
+        return 1;
+    }
+    s->t_given = state->t;
+    return 0;
+}
+
+static int on_event(void *self, const event_record *record)
+{
+    simulation *s = self;
+    contact_watch_event(&s->contact, record);
+    if (!s->sink->event(s->sink->self, record)) {
+        s->stop = STOP_SINK;
+        return 1;
+    }
+    return 0;
+}
+
+static int on_step(void *self, double t)
+{
+    simulation *s = self;
+    progress_step(s->progress, t);
+    if (interrupt_signal != 0) {
+        s->stop = STOP_INTERRUPTED;
+        return 1;
+    }
+    return 0;
+}
+
+/** A run that ends early ends with its last good state, if its outputs exist and were not given yet. */
+static void give_last(simulation *s, const dae_state *state)
+{
+    char message[DAE_MESSAGE_LENGTH];
+    if (s->stop == STOP_MODEL || s->stop == STOP_SINK || !(state->t > s->t_given) ||
+        model_outputs(s->prepared->model, state, s->values, message) != DAE_OK) {
+        return;
+    }
+    contact_watch_outputs(&s->contact, s->values);
+    if (!s->sink->outputs(s->sink->self, state->t, s->values)) {
+        s->stop = STOP_SINK;
+    }
+}
+
+/** Only a run that came to its end tells whether contact was lost for good. */
+static void remark_contact(const simulation *s, simulate_result *result)
+{
+    const description *description = case_description(s->prepared->file);
+    const char **names = xcalloc((size_t)description->n_meshes, sizeof *names);
+    for (int i = 0; i < description->n_meshes; i++) {
+        names[i] = description->meshes[i].name;
+    }
+    (void)contact_watch_lost(&s->contact, names, result->remark, sizeof result->remark);
+    free(names);
+}
+
+integrate_options simulate_options(const prepared_case *prepared)
+{
+    const simulation_description *simulation = &case_description(prepared->file)->simulation;
+    return (integrate_options){.t_end = simulation->duration,
+                               .output_interval = simulation->output_interval,
+                               .tolerance = simulation->tolerance,
+                               .max_step = simulation->max_step};
+}
+
+void simulate(const prepared_case *prepared, const simulate_sink *sink, progress *progress, dae_state *state,
+              simulate_result *result)
+{
+    *result = (simulate_result){.end = SIMULATE_DONE};
+    simulation s = {.prepared = prepared,
+                    .sink = sink,
+                    .progress = progress,
+                    .values = xcalloc((size_t)model_n_values(prepared->model), sizeof(double)),
+                    .t_given = -1.0,
+                    .message = result->message};
+    const integrate_options options = simulate_options(prepared);
+    const integrate_observer observer = {.self = &s, .output = on_output, .event = on_event, .step = on_step};
+    contact_watch_init(&s.contact, prepared->model, case_description(prepared->file)->n_meshes);
+    const integrate_code code =
+        integrate(model_dae(prepared->model), &options, &observer, state, &result->counts, result->message);
+    if (code == INTEGRATE_DONE) {
+        remark_contact(&s, result);
+    } else {
+        give_last(&s, state);
+        result->end = s.stop == STOP_SINK          ? SIMULATE_SINK_FAILED
+                      : s.stop == STOP_INTERRUPTED ? SIMULATE_INTERRUPTED
+                                                   : SIMULATE_FAILED;
+    }
+    result->t = state->t;
+    contact_watch_free(&s.contact);
+    free(s.values);
+}

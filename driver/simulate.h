@@ -1,0 +1,41 @@
+/** The integration of a prepared case, its outputs handed to whoever wants them: a history, statistics. */
+#ifndef EVOLVENT_SIMULATE_H
+#define EVOLVENT_SIMULATE_H
+
+#include "integrate.h"
+#include "prepare.h"
+#include "progress.h"
+
+/** Where the outputs of a simulation go. A procedure that returns false ends the simulation with SIMULATE_SINK_FAILED. */
+typedef struct {
+    void *self;
+    bool (*outputs)(void *self, double t, const double *values); /**< [model_n_values], in order of time */
+    bool (*event)(void *self, const event_record *record);
+} simulate_sink;
+
+typedef enum {
+    SIMULATE_DONE,
+    SIMULATE_FAILED,      /**< the integration or the model; the message says why */
+    SIMULATE_INTERRUPTED, /**< by a signal */
+    SIMULATE_SINK_FAILED
+} simulate_end;
+
+typedef struct {
+    simulate_end end;
+    double t; /**< where it ended [s] */
+    integrate_counts counts;
+    char message[DAE_MESSAGE_LENGTH]; /**< of SIMULATE_FAILED */
+    /** What deserves a word at the end: contact lost for good; "" if nothing does. */
+    char remark[DAE_MESSAGE_LENGTH];
+} simulate_result;
+
+/** The integrator's options that a case asks for. */
+integrate_options simulate_options(const prepared_case *prepared);
+
+/** Integrate from `state`, which is that of the end afterwards. A simulation that ends early hands over its last good state too,
+ *  if its outputs exist.
+ *  @param progress  started by the caller */
+void simulate(const prepared_case *prepared, const simulate_sink *sink, progress *progress, dae_state *state,
+              simulate_result *result);
+
+#endif

@@ -1,0 +1,176 @@
+"""Moving pictures of a history: which outputs they show, and how they become a file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from matplotlib.animation import FFMpegWriter
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from PIL import Image
+
+from evolvent.history import require
+from evolvent.scene import Scene, check_teeth
+from evolvent.teeth import pitches_passed
+
+MAX_FRAMES = 1500
+USUAL_FRAMES = 120
+USUAL_ADVANCE = 0.12  # pitches from frame to frame: teeth then are seen to move
+BLURRED_ADVANCE = 0.4  # pitches from frame to frame: from here on teeth seem to stand or go back
+COLOURS = 96  # of a GIF
+
+
+class AnimationError(Exception):
+    """A moving picture that cannot be made; the message says why and what to do."""
+
+
+@dataclass(frozen=True)
+class Clip:
+    """Which outputs are shown, and how fast."""
+
+    rows: tuple[int, ...]  # outputs of the history, one a frame
+    fps: float  # frames a second
+    speed: float  # seconds of the run that pass in a second of the clip
+    advance: float  # pitches that teeth pass from frame to frame, at most
+
+
+def choose_clip(
+    history: xr.Dataset,
+    begin: float | None = None,
+    end: float | None = None,
+    fps: float = 20.0,
+    speed: float | None = None,
+) -> Clip:
+    """Choose the outputs that are shown: each frame is the output nearest to its time.
+
+    Parameters
+    ----------
+    history : with angle (time, wheel).
+    begin, end : first and last time [s]; those of the history if None. Without end and speed the
+        clip ends after `USUAL_FRAMES` frames of `USUAL_ADVANCE` pitches.
+    fps : frames a second.
+    speed : seconds of the run a second of the clip; if None, one that fits `USUAL_FRAMES`.
+
+    Raises
+    ------
+    AnimationError
+        No output in the window, or more than `MAX_FRAMES` frames.
+    """
+    time = require(history, "time").values
+    first = time[0] if begin is None and time.size else begin
+    last = time[-1] if end is None and time.size else end
+    inside = np.flatnonzero((time >= first) & (time <= last)) if time.size else np.empty(0, int)
+    if inside.size == 0:
+        raise AnimationError("there is no output between --from and --to")
+    passed = pitches_passed(history)
+    if end is None and speed is None:
+        far = passed[inside] - passed[inside[0]] > USUAL_FRAMES * USUAL_ADVANCE
+        inside = inside[: max(int(np.argmax(far)), 2)] if far.any() else inside
+    span = float(time[inside[-1]] - time[inside[0]])
+    if speed is None:
+        speed = span * fps / USUAL_FRAMES if span > 0 else 1.0
+    n = 1 + int(np.floor(span / speed * fps + 1e-9))
+    if n > MAX_FRAMES:
+        raise AnimationError(
+            f"{n} frames are more than {MAX_FRAMES}: choose a shorter time by --from and --to, "
+            f"a --speed above {span * fps / MAX_FRAMES:.3g} or fewer --fps"
+        )
+    wanted = time[inside[0]] + np.arange(n) * speed / fps
+    right = np.clip(np.searchsorted(time, wanted), inside[0], inside[-1])
+    left = np.maximum(right - 1, inside[0])
+    rows = np.where(wanted - time[left] < time[right] - wanted, left, right)
+    steps = np.diff(passed[rows])
+    return Clip(tuple(int(r) for r in rows), fps, speed, float(steps.max(initial=0.0)))
+
+
+def animate(
+    history: xr.Dataset,
+    path: Path,
+    clip: Clip,
+    mesh: int | None = None,
+    dpi: int = 100,
+    exaggeration: float = 1.0,
+) -> None:
+    """Write a moving picture: a GIF, or an MP4 by ffmpeg, after the path's ending.
+
+    Parameters
+    ----------
+    history : as for `Scene`.
+    path : file that ends in .gif or .mp4.
+    clip : as from `choose_clip`.
+    mesh : number of the mesh to zoom on; the whole gearbox if None.
+    dpi : pixels an inch; the picture is 7.2 inches wide.
+    exaggeration : factor of the deviations of the flanks.
+
+    Raises
+    ------
+    AnimationError
+        Another ending, or MP4 without ffmpeg.
+    """
+    check_format(path)
+    check_teeth(history)
+    force = require(history, "pair_normal_force").values[list(clip.rows)]
+    if mesh is not None:
+        force = force[:, mesh]
+    largest = float(np.nanmax(force, initial=0.0))
+    scene = Scene(history, mesh, largest, clip.speed, exaggeration)
+    if path.suffix.lower() == ".mp4":
+        _write_mp4(scene, path, clip, dpi)
+    else:
+        _write_gif(scene, path, clip, dpi)
+
+
+def check_format(path: Path) -> None:
+    """Refuse a file that `animate` cannot write."""
+    if path.suffix.lower() not in (".gif", ".mp4"):
+        raise AnimationError(f"{path}: the file has to end in .gif or .mp4")
+    if path.suffix.lower() == ".mp4" and not FFMpegWriter.isAvailable():
+        raise AnimationError(
+            f"{path}: MP4 needs the program ffmpeg, which is not installed: install it (Debian: "
+            "apt install ffmpeg; conda: conda install ffmpeg) or write a .gif"
+        )
+
+
+def _write_gif(scene: Scene, path: Path, clip: Clip, dpi: int) -> None:
+    """All frames share one palette, so that still parts do not flicker."""
+    scene.figure.set_dpi(dpi)
+    middle = [clip.rows[i * (len(clip.rows) - 1) // 3] for i in range(4)]
+    samples = np.concatenate([_pixels(scene, row) for row in middle])
+    palette = Image.fromarray(samples).quantize(COLOURS, dither=Image.Dither.NONE)
+
+    def frames() -> Iterator[Image.Image]:
+        for row in clip.rows:
+            frame = Image.fromarray(_pixels(scene, row))
+            yield frame.quantize(palette=palette, dither=Image.Dither.NONE)
+
+    every = frames()
+    first = next(every)
+    first.save(
+        path,
+        format="GIF",
+        save_all=True,
+        append_images=every,
+        loop=0,
+        duration=round(1000 / clip.fps),
+        optimize=False,
+    )
+
+
+def _pixels(scene: Scene, row: int) -> np.ndarray:
+    canvas = scene.show(row).canvas
+    assert isinstance(canvas, FigureCanvasAgg)
+    canvas.draw()  # type: ignore[no-untyped-call]
+    return np.asarray(canvas.buffer_rgba())[..., :3].copy()  # type: ignore[no-untyped-call]
+
+
+def _write_mp4(scene: Scene, path: Path, clip: Clip, dpi: int) -> None:
+    # yuv420p and even sizes: what every player shows
+    even = ["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"]
+    writer = FFMpegWriter(fps=round(clip.fps), extra_args=even)
+    with writer.saving(scene.figure, str(path), dpi):
+        for row in clip.rows:
+            scene.show(row)
+            writer.grab_frame()

@@ -1,0 +1,94 @@
+"""The command evolvent-post animate."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from evolvent import animation
+from evolvent.cli_common import complain, fail_to_write, open_with_warning, refuse
+from evolvent.history import file_label
+
+
+def animate(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="History (.h5).")],
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="PATH",
+            help="File, .gif or .mp4; the history's name with .gif if not given.",
+        ),
+    ] = None,
+    mesh: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Zoom on this mesh; else the whole gearbox.")
+    ] = None,
+    begin: Annotated[
+        float | None, typer.Option("--from", metavar="TIME", help="First time shown [s].")
+    ] = None,
+    end: Annotated[
+        float | None,
+        typer.Option(
+            "--to",
+            metavar="TIME",
+            help="Last time shown [s]. Without --to and --speed: the last, or what 120 frames "
+            "can show of fast wheels.",
+        ),
+    ] = None,
+    fps: Annotated[float, typer.Option(min=1.0, max=50.0, help="Frames a second.")] = 20.0,
+    speed: Annotated[
+        float | None,
+        typer.Option(
+            metavar="X",
+            help="Seconds of the run in one second of the picture, 0.01 for a hundredfold slow "
+            "motion; one that makes 120 frames if not given.",
+        ),
+    ] = None,
+    dpi: Annotated[
+        int, typer.Option(min=30, max=400, help="Pixels an inch of a picture 7.2 inches wide.")
+    ] = 100,
+    exaggerate: Annotated[
+        float,
+        typer.Option(
+            metavar="X",
+            min=0.0,
+            help="Factor of tip and root relief and crowning, which are too small to be seen. "
+            "Pitch errors and runout are not drawn.",
+        ),
+    ] = 1.0,
+) -> None:
+    """Write a moving picture: the turning wheels and the forces on their teeth.
+
+    \b
+    Teeth are to scale, arrows as long as the forces. Each frame is an output of the history.
+    MP4 needs the program ffmpeg.
+    Example:
+      evolvent-post animate spur-pair.h5
+      evolvent-post animate rattle.h5 -o rattle.mp4 --mesh pinion-gear --from 0.1 --speed 0.002
+      evolvent-post animate tip-relief.h5 -o relief.gif --mesh pinion-gear --exaggerate 50
+    """  # noqa: D301 - \b keeps click from filling the lines
+    path = output if output is not None else Path(f"{file_label(file)}.gif")
+    if speed is not None and not 0.0 < speed < float("inf"):
+        raise typer.BadParameter(f"{speed} is not greater than 0", param_hint="--speed")
+    try:
+        animation.check_format(path)
+        with open_with_warning(file) as history:
+            names = [str(name) for name in history["mesh"].values]
+            if mesh is not None and mesh not in names:
+                refuse(f"{file}: has no mesh `{mesh}`; there is {', '.join(names)}")
+            clip = animation.choose_clip(history, begin, end, fps, speed)
+            if clip.advance > animation.BLURRED_ADVANCE:
+                complain(
+                    f"{file}: teeth move {clip.advance:.2g} pitches from frame to frame and will "
+                    "seem to jump; choose a smaller --speed, or write outputs more often"
+                )
+            number = None if mesh is None else names.index(mesh)
+            animation.animate(history, path, clip, number, dpi, exaggerate)
+    except animation.AnimationError as error:
+        refuse(str(error))
+    except OSError as error:
+        fail_to_write(path, error)
+    typer.echo(path)

@@ -1,0 +1,39 @@
+"""What the commands of evolvent-post share: exit codes, messages, opening and writing."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NoReturn
+
+import typer
+import xarray as xr
+
+from evolvent.history import open_history, run_warning
+
+BROKEN, USAGE, UNREADABLE, NOT_WRITTEN = 1, 2, 3, 74
+
+
+def complain(message: str) -> None:
+    """Write a message to stderr."""
+    typer.echo(f"evolvent-post: {message}", err=True)
+
+
+def fail_to_write(path: Path, error: OSError) -> NoReturn:
+    """End the command: a file could not be written."""
+    complain(f"{path}: cannot be written ({error.strerror or error})")
+    raise typer.Exit(NOT_WRITTEN)
+
+
+def refuse(message: str) -> NoReturn:
+    """End the command: what was asked for cannot be."""
+    complain(message)
+    raise typer.Exit(USAGE)
+
+
+def open_with_warning(path: Path) -> xr.Dataset:
+    """Open a history; say if its run did not end well."""
+    history = open_history(path)
+    warning = run_warning(history)
+    if warning:
+        complain(f"{path}: {warning}")
+    return history

@@ -1,0 +1,169 @@
+"""The load of each tooth pair over the roll angle of the driving wheel, or over time."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from evolvent.figures import ABOVE, BELOW, LINES, MAX_MARKS, STYLE
+from evolvent.history import require
+from evolvent.teeth import pitches_passed
+from evolvent.units import prefixed
+
+SHOWN_PITCHES = 6.0  # as many as can be told apart if no window is given
+SUM: dict[str, Any] = {"color": "#c4c4c4", "linewidth": 4.0, "zorder": 1.5}
+ENTRY, EXIT = ("a pair enters the path", "^"), ("a pair leaves it", "v")
+MARKS = {"pair_entered": (ENTRY,), "pair_left": (EXIT,), "tooth_switch": (ENTRY, EXIT)}
+MAX_NAMED = 4  # pairs of one style that the legend names
+
+
+def last_pitches(history: xr.Dataset, n: float = SHOWN_PITCHES) -> xr.Dataset:
+    """Return the part of a history in which the fastest teeth pass their last `n` pitches."""
+    passed = pitches_passed(history)
+    return history.isel(time=passed >= passed[-1] - n - 1e-9) if passed.size else history
+
+
+def roll_angle(history: xr.Dataset, mesh: int) -> xr.DataArray:
+    """Angle that a mesh's driving wheel has rolled since the start [rad], dim (time).
+
+    Positive in the sense in which it nominally drives.
+    """
+    wheel = int(require(history, "driving_wheel")[mesh])
+    sigma = int(require(history, "flank")[mesh])
+    return -sigma * require(history, "angle").isel(wheel=wheel)
+
+
+def figure_pairs(
+    history: xr.Dataset, events: xr.Dataset | None = None, over_time: bool = False
+) -> Figure:
+    """Draw normal force and contact pressure of every tooth pair, two panels a mesh.
+
+    Parameters
+    ----------
+    history : with pair_normal_force [N], pair_contact_pressure [Pa], pair_on_path and pair_number,
+        dims (time, mesh, pair).
+    events : as from `open_events`; where pairs enter and leave is marked if given.
+    over_time : draw over time, not over the roll angle of the driving wheel.
+    """
+    n = history.sizes["mesh"]
+    with rc_context(STYLE):
+        figure = Figure(figsize=(7.5, 1.5 + 4.1 * n), layout="constrained")
+        panels = figure.subplots(2 * n, 1, squeeze=False, height_ratios=[3, 2] * n)[:, 0]
+        marks: dict[str, Any] = {}
+        for mesh in range(n):
+            force, pressure = panels[2 * mesh : 2 * mesh + 2]
+            pressure.sharex(force)
+            force.tick_params(labelbottom=False)
+            name = str(history["mesh"].values[mesh])
+            driving = str(history["wheel"].values[int(require(history, "driving_wheel")[mesh])])
+            if over_time:
+                x = history["time"].values
+                pressure.set_xlabel("time [s]")
+            else:
+                x = np.degrees(roll_angle(history, mesh).values)
+                pressure.set_xlabel(f"roll angle of {driving} [°]")
+            _draw_pairs(force, pressure, history, mesh, x)
+            if events is not None:
+                marks.update(_mark_changes(force, history, events, mesh, x))
+            handles, labels = force.get_legend_handles_labels()
+            chosen = [i for i, label in enumerate(labels) if label not in marks]
+            if n > 1:
+                force.set_title(f"mesh {name}", loc="left", fontsize=12, fontweight="bold")
+                force.legend(
+                    [handles[i] for i in chosen], [labels[i] for i in chosen],
+                    loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.1,
+                )  # fmt: skip
+            else:
+                figure.legend(
+                    [handles[i] for i in chosen], [labels[i] for i in chosen], loc=ABOVE, ncols=3
+                )
+        if marks:
+            figure.legend(list(marks.values()), list(marks), loc=BELOW, ncols=2)
+    return figure
+
+
+def _draw_pairs(force: Axes, pressure: Axes, history: xr.Dataset, mesh: int, x: np.ndarray) -> None:
+    """One line a place for tooth pairs, broken where a pair leaves and the next one enters."""
+    total = require(history, "normal_force").values[:, mesh]
+    loads = require(history, "pair_normal_force").values[:, mesh]
+    pressures = require(history, "pair_contact_pressure").values[:, mesh]
+    on_path = require(history, "pair_on_path").values[:, mesh] > 0
+    numbers = require(history, "pair_number").values[:, mesh]
+    load_factor, load_unit = prefixed(_largest(total), "N")
+    pressure_factor, pressure_unit = prefixed(_largest(pressures), "Pa")
+    force.plot(x, total * load_factor, label="sum of all pairs", **SUM)
+    coast_shown = False
+    for place, name in enumerate(str(v) for v in history["pair"].values):
+        kind, slot = name.rsplit("_", 1)
+        coast = kind == "coast"
+        style: Any = LINES[int(slot) % len(LINES)]
+        seen = on_path[:, place]
+        if not seen.any() or (coast and not (loads[:, place] > 0).any()):
+            continue
+        if coast:
+            label = "_" if coast_shown else "pairs of the coast flanks"
+            style, coast_shown = {"color": "#9c2f6b", "linewidth": 0.9, "linestyle": "-"}, True
+        else:
+            label = _naming(np.unique(numbers[seen, place]))
+        breaks = 1 + np.flatnonzero(np.diff(numbers[:, place]))
+        for axis, values, factor in (
+            (force, loads, load_factor),
+            (pressure, pressures, pressure_factor),
+        ):
+            shown = np.where(seen, values[:, place] * factor, np.nan)
+            axis.plot(np.insert(x, breaks, np.nan), np.insert(shown, breaks, np.nan), label=label)
+            axis.lines[-1].set(**style)
+    force.set_ylabel(f"normal force [{load_unit}]")
+    pressure.set_ylabel(f"contact\npressure [{pressure_unit}]")
+    for axis in (force, pressure):
+        axis.set_ylim(bottom=0.0)
+        axis.ticklabel_format(useOffset=False)
+    # room for the marks of entry and exit above the curves
+    force.set_ylim(top=1.12 * force.get_ylim()[1])
+    if x.size > 1 and x.min() < x.max():
+        force.set_xlim(x.min(), x.max())
+
+
+def _mark_changes(
+    axis: Axes, history: xr.Dataset, events: xr.Dataset, mesh: int, x: np.ndarray
+) -> dict[str, Any]:
+    """Mark at the upper edge where pairs enter and leave the path; return the marks by label."""
+    time = history["time"].values
+    when, kinds = events["time"].values, events["kind"].values
+    here = (events["mesh"].values == mesh) & (when >= time[0]) & (when <= time[-1])
+    if "flank" in events:
+        here &= events["flank"].values == 0
+    marks: dict[str, Any] = {}
+    for label, marker in (ENTRY, EXIT):
+        wanted = [kind for kind, meant in MARKS.items() if (label, marker) in meant]
+        times = when[here & np.isin(kinds, wanted)]
+        if times.size == 0 or times.size > MAX_MARKS:
+            continue
+        (marks[label],) = axis.plot(
+            np.interp(times, time, x),
+            np.full(times.size, 0.95 if marker == "^" else 0.90),
+            marker,
+            transform=axis.get_xaxis_transform(),
+            color="#333333",
+            markerfacecolor="#ffffff" if marker == "^" else "#333333",
+            markersize=6,
+            label=label,
+        )
+    return marks
+
+
+def _naming(numbers: np.ndarray) -> str:
+    """Name the tooth pairs of one line, counted in pitches since the start."""
+    texts = [str(int(number)) for number in numbers[:MAX_NAMED]]
+    if numbers.size > MAX_NAMED:
+        texts.append("…")
+    return f"tooth pair{'s' if numbers.size > 1 else ''} {', '.join(texts)}"
+
+
+def _largest(values: np.ndarray) -> float:
+    return float(np.abs(values[np.isfinite(values)]).max(initial=0.0))

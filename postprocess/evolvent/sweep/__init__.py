@@ -1,0 +1,1 @@
+"""Parameter sweeps: plan, run here or on a cluster, collect, draw."""

@@ -1,0 +1,165 @@
+"""What evolvent-sweep prints."""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import typer
+import xarray as xr
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from evolvent.sweep.collect import Collected
+from evolvent.sweep.design import Design
+from evolvent.sweep.estimate import span
+from evolvent.sweep.status import Status, listed
+
+FIRST_ROWS = 8
+MOST_REASONS = 8
+
+
+def complain(message: str) -> None:
+    """Print an error or a warning."""
+    typer.echo(f"evolvent-sweep: {message}", err=True)
+
+
+def show_design(design: Design) -> None:
+    """Print the number of cases and the first of them."""
+    _console().print(
+        f"{design.n_cases} cases by {design.method}, seed {design.seed}", highlight=False
+    )
+    table = Table(box=None)
+    table.add_column("case", justify="right")
+    for p in design.parameters:
+        table.add_column(escape(f"{p.name} [{p.units}]" if p.units else p.name), justify="right")
+    for case in range(min(FIRST_ROWS, design.n_cases)):
+        values = [p.values[case] for p in design.parameters]
+        texts = [v if isinstance(v, str) else f"{v:.8g}" for v in values]
+        table.add_row(str(case), *map(escape, texts))
+    if design.n_cases > FIRST_ROWS:
+        table.add_row("...")
+    _console().print(table)
+
+
+def show_estimate(n_cases: int, seconds: float, is_bound: bool, n_cores: int) -> None:
+    """Print how long a design will take."""
+    least = "at least " if is_bound else "about "
+    typer.echo(
+        f"{least}{_duration(seconds)} a case: {least}{span(n_cases * seconds / n_cores)} on "
+        f"{n_cores} cores here"
+    )
+
+
+def show_counts(directory: Path, found: Status) -> None:
+    """Print what became of the cases, in one line."""
+    bad = found.failed + found.refused
+    text = f"{directory}: {found.n_cases} cases: {found.done} done, {bad} failed"
+    typer.echo(text + (f", {found.missing} missing" if found.missing else ""))
+    if bad:
+        typer.echo(f"why they failed: evolvent-sweep status {directory}")
+
+
+def show_status(directory: Path, found: Status) -> None:
+    """Print how far a sweep has come."""
+    table = Table(box=None, show_header=False)
+    table.add_column(justify="right")
+    table.add_column()
+    rows = [
+        (found.done, "done"),
+        (found.failed, "failed"),
+        (found.refused, "refused"),
+        (found.missing, "missing"),
+        (found.n_cases, "cases"),
+    ]
+    for count, word in rows:
+        table.add_row(str(count), word)
+    _console().print(table)
+    for reason in found.reasons[:MOST_REASONS]:
+        typer.echo(f"{reason.count} x {reason.example} (case {reason.case})")
+    if len(found.reasons) > MOST_REASONS:
+        rest = sum(reason.count for reason in found.reasons[MOST_REASONS:])
+        typer.echo(f"{rest} for {len(found.reasons) - MOST_REASONS} other reasons")
+    typer.echo(_pace(found))
+    if found.torn:
+        typer.echo(f"{found.torn} lines of the journals were cut off; they do not count")
+
+
+def show_collected(output: Path, collected: Collected) -> None:
+    """Print what a summary holds, and what it lacks."""
+    typer.echo(
+        f"{output}: {collected.n_cases} cases: {collected.done} done, {collected.failed} failed, "
+        f"{collected.holes.size} missing"
+    )
+    if collected.holes.size:
+        typer.echo(f"missing: {listed(collected.holes)}")
+    if collected.repeated.size:
+        typer.echo(f"recorded more than once, the latest counts: {listed(collected.repeated)}")
+    if collected.torn:
+        typer.echo(f"{collected.torn} lines of the journals were cut off; they do not count")
+    if len(collected.versions) > 1:
+        complain(f"the cases are of several versions of evolvent: {', '.join(collected.versions)}")
+
+
+def show_indices(indices: xr.Dataset) -> None:
+    """Print sensitivity indices."""
+    kinds = [kind for kind in ("first_order", "total") if kind in indices]
+    table = Table(box=None)
+    table.add_column("parameter")
+    for kind in kinds:
+        table.add_column(kind.replace("_", " "), justify="right")
+    for number, name in enumerate(indices["parameter"].values):
+        row = indices.isel(parameter=number)
+        table.add_row(
+            str(name),
+            *[f"{row[kind].item():.3f} ± {row[f'{kind}_confidence'].item():.3f}" for kind in kinds],
+        )
+    _console().print(table)
+    if indices.attrs["left_out"]:
+        left_out = indices.attrs["left_out"]
+        typer.echo(f"{left_out} cases are left out: they, or others of their group, have no result")
+
+
+def status_as_json(found: Status) -> dict[str, Any]:
+    """Status for scripts; what is not known is null."""
+    return {
+        "cases": found.n_cases,
+        "done": found.done,
+        "failed": found.failed,
+        "refused": found.refused,
+        "missing": found.missing,
+        "repeated": found.repeated,
+        "torn_lines": found.torn,
+        "reasons": [
+            {"count": r.count, "example": r.example, "case": r.case} for r in found.reasons
+        ],
+        "running_shards": [f"{shard.index}/{shard.of}" for shard in found.running],
+        "rate": found.rate if math.isfinite(found.rate) else None,
+        "finished_at": found.finished_at if math.isfinite(found.finished_at) else None,
+    }
+
+
+def _pace(found: Status) -> str:
+    rate = f"{found.rate:.3g} cases a second" if math.isfinite(found.rate) else "no rate yet"
+    if found.is_complete:
+        return f"finished, {rate}" if math.isfinite(found.rate) else "finished"
+    if not found.running:
+        return "no run is at work here; give its command again to go on"
+    shards = f"{len(found.running)} shards at work, {rate}"
+    if not math.isfinite(found.finished_at):
+        return shards
+    clock = time.strftime("%Y-%m-%d %H:%M", time.localtime(found.finished_at))
+    return f"{shards}, finished in {span(found.finished_at - time.time())}, at {clock}"
+
+
+def _duration(seconds: float) -> str:
+    return f"{1e3 * seconds:.3g} ms" if seconds < 1.0 else span(seconds)
+
+
+def _console() -> Console:
+    # Into a file or pipe lines are not broken: scripts read them.
+    return Console() if sys.stdout.isatty() else Console(width=160)

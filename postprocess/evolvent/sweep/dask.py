@@ -1,0 +1,61 @@
+"""Run a design on a Dask cluster, an optional extra. The only file that knows Dask."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from evolvent.sweep.design import Design
+from evolvent.sweep.errors import USAGE, SweepError
+from evolvent.sweep.estimate import seconds_per_case
+from evolvent.sweep.folder import Shard
+from evolvent.sweep.pool import run_with_executor, task_count
+from evolvent.sweep.run import Display, Tally
+
+
+def split(design: Design, program: Path, workers: int) -> int:
+    """Into how many shards a new folder is cut: tasks of at least a second."""
+    seconds, _ = seconds_per_case(design, program)
+    return task_count(design.n_cases, seconds, workers)
+
+
+def run(
+    program: Path,
+    design: Path,
+    folder: Path,
+    shards: list[Shard],
+    workers: int,
+    scheduler: str | None,
+    tally: Tally,
+) -> int:
+    """Run shards as tasks of a Dask cluster, or of workers on this machine.
+
+    Parameters
+    ----------
+    workers : how many to start here if no scheduler is named.
+    scheduler : address of a scheduler whose workers see `program`, `design` and `folder`.
+
+    Raises
+    ------
+    SweepError
+        Dask is not there, the scheduler does not answer, or as `run_with_executor`.
+    """
+    try:
+        import distributed
+    except ImportError as error:
+        raise SweepError(
+            "--executor dask needs Dask; install it with: pip install 'evolvent[dask]'", USAGE
+        ) from error
+    make_client: Any = distributed.Client
+    try:
+        if scheduler is not None:
+            client = make_client(scheduler, timeout="20s")
+        else:
+            client = make_client(n_workers=workers, threads_per_worker=1, dashboard_address=None)
+    except (OSError, ValueError) as error:
+        reason = " ".join(str(error).split())
+        raise SweepError(f"no Dask scheduler at {scheduler}: {reason}") from error
+    with client, Display(tally) as show:
+        # A task is the same command on any worker, but it must not be taken for a known result.
+        executor = client.get_executor(pure=False)
+        return run_with_executor(program, design, folder, shards, executor, show=show)

@@ -1,0 +1,226 @@
+"""The design of a sweep on file: a base case and a table case x parameter.
+
+The only module that knows how DESIGN.h5 lies on file; `evolvent batch` reads the same layout, and
+docs/sweeps.md describes it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+import math
+import os
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from evolvent.sweep.errors import NOT_WRITTEN, SweepError
+from evolvent.sweep.yaml_text import yaml_text
+
+FORMAT = 1
+LAST_HALF = (math.nan, math.nan)  # the window that is the last half of each case's duration
+NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+TEXT = h5py.string_dtype("utf-8")
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One column of the design."""
+
+    name: str  # a netCDF identifier
+    path: str  # as for --set; "" if only others are derived from it, or it from others
+    units: str
+    values: np.ndarray  # (case): float64, int64, or object holding YAML text
+    derived: bool = False  # by an expression: follows from the other parameters
+
+    @property
+    def is_text(self) -> bool:
+        """Whether the values are YAML text rather than numbers."""
+        return self.values.dtype == object
+
+
+@dataclass(frozen=True)
+class Design:
+    """All that a sweep computes."""
+
+    title: str
+    case: str  # the base case, YAML text
+    parameters: tuple[Parameter, ...]
+    n_cases: int
+    window: tuple[float, float]  # of the statistics [s], or `LAST_HALF`
+    history_variables: tuple[str, ...]
+    history_every: int
+    plan: str  # text of the plan that made the design
+    method: str
+    seed: int
+    version: str  # of the program evolvent that it was made for
+    # What an analysis has to know of the samples: names of the sampled parameters and such.
+    sampling: dict[str, Any] = field(default_factory=dict)
+
+    given_hash: str = ""  # of a design that another program made
+
+    @property
+    def hash(self) -> str:
+        """Identity of the results."""
+        return self.given_hash or self.recomputed_hash
+
+    @property
+    def recomputed_hash(self) -> str:
+        """SHA-256 over all that decides the results: case, paths, values, window, histories."""
+        digest = hashlib.sha256()
+        head = [self.case, list(self.window), list(self.history_variables), self.history_every]
+        digest.update(json.dumps(head).encode())
+        for p in self.parameters:
+            digest.update(json.dumps([p.path, p.name, str(p.values.dtype), p.values.size]).encode())
+            if p.is_text:
+                digest.update(json.dumps(p.values.tolist()).encode())
+            else:
+                digest.update(p.values.astype(p.values.dtype.newbyteorder("<")).tobytes())
+        return digest.hexdigest()
+
+    @property
+    def sampling_text(self) -> str:
+        """`sampling` as JSON."""
+        return json.dumps(self.sampling)
+
+    def settings(self, case: int) -> list[str]:
+        """The texts PATH=VALUE that make a case of the base case."""
+        return [f"{p.path}={_value_text(p.values[case])}" for p in self.parameters if p.path]
+
+
+def identifier(path: str) -> str:
+    """Make a name of a path: wheels.pinion.teeth becomes wheels_pinion_teeth."""
+    name = re.sub(r"\W+", "_", path, flags=re.ASCII).strip("_")
+    return name if NAME.fullmatch(name) else f"p_{name}"
+
+
+def take(design: Design, cases: Sequence[int]) -> Design:
+    """Make a design of some cases of another."""
+    chosen = np.asarray(cases, dtype=np.int64)
+    parameters = tuple(dataclasses.replace(p, values=p.values[chosen]) for p in design.parameters)
+    return dataclasses.replace(design, parameters=parameters, n_cases=chosen.size, given_hash="")
+
+
+def write_design(design: Design, path: Path) -> None:
+    """Write DESIGN.h5; an older one is replaced when the new one is whole.
+
+    Raises
+    ------
+    SweepError
+        It could not be written.
+    """
+    temporary = path.with_name(f"{path.name}.{os.getpid()}.tmp")
+    try:
+        with h5py.File(temporary, "w") as file:
+            _write(design, file)
+        temporary.replace(path)
+    except OSError as error:
+        temporary.unlink(missing_ok=True)
+        reason = error.strerror or " ".join(str(error).split())
+        raise SweepError(f"{path}: cannot be written ({reason})", NOT_WRITTEN) from error
+
+
+def read_design(path: Path) -> Design:
+    """Read DESIGN.h5.
+
+    Raises
+    ------
+    SweepError
+        No such file, no design, of a newer format, or damaged.
+    """
+    if not path.exists():
+        raise SweepError(f"{path}: no such file; make it with `evolvent-sweep plan`")
+    try:
+        with h5py.File(path, "r") as file:
+            _check_format(path, file)
+            design = _read(file)
+    except OSError as error:
+        reason = " ".join(str(error).split())
+        raise SweepError(f"{path}: is not a readable HDF5 file ({reason})") from error
+    except (KeyError, TypeError, ValueError) as error:
+        raise SweepError(f"{path}: is no complete design ({error}); plan it anew") from error
+    if design.plan and design.given_hash != design.recomputed_hash:
+        raise SweepError(f"{path}: its values do not fit its hash; it was changed: plan it anew")
+    return design
+
+
+def _write(design: Design, file: h5py.File) -> None:
+    file.attrs.update(
+        {
+            "evolvent_design_format": np.int64(FORMAT),
+            "evolvent_version": design.version,
+            "title": design.title,
+            "case": design.case,
+            "hash": design.hash,
+            "window": np.array(design.window),
+            "history_variables": " ".join(design.history_variables),
+            "history_every": np.int64(design.history_every),
+            "n_cases": np.int64(design.n_cases),
+            "plan": design.plan,
+            "method": design.method,
+            "seed": np.int64(design.seed),
+            "sampling": design.sampling_text,
+        }
+    )
+    group = file.create_group("parameters")
+    for number, parameter in enumerate(design.parameters):
+        kind = TEXT if parameter.is_text else parameter.values.dtype
+        column = group.create_dataset(f"p{number}", data=parameter.values, dtype=kind)
+        column.attrs.update(path=parameter.path, name=parameter.name, units=parameter.units)
+        column.attrs["derived"] = np.int8(parameter.derived)
+
+
+def _read(file: h5py.File) -> Design:
+    group = file["parameters"]
+    parameters = []
+    for number in range(len(group)):
+        column = group[f"p{number}"]
+        values = column.asstr()[:] if h5py.check_string_dtype(column.dtype) else column[:]
+        path = str(column.attrs["path"])
+        name = str(column.attrs.get("name", identifier(path)))
+        units = str(column.attrs.get("units", ""))
+        derived = bool(column.attrs.get("derived", 0))
+        parameters.append(Parameter(name, path, units, values, derived))
+    attrs = file.attrs
+    begin, end = (float(t) for t in attrs["window"])
+    design = Design(
+        title=str(attrs["title"]),
+        case=str(attrs["case"]),
+        parameters=tuple(parameters),
+        n_cases=int(attrs["n_cases"]),
+        window=(begin, end),
+        history_variables=tuple(str(attrs["history_variables"]).split()),
+        history_every=int(attrs["history_every"]),
+        plan=str(attrs.get("plan", "")),
+        method=str(attrs.get("method", "list")),
+        seed=int(attrs.get("seed", 0)),
+        version=str(attrs["evolvent_version"]),
+        sampling=json.loads(str(attrs.get("sampling", "{}"))),
+        given_hash=str(attrs["hash"]),
+    )
+    if design.n_cases < 1 or any(p.values.shape != (design.n_cases,) for p in parameters):
+        raise ValueError("its columns have not the length n_cases")
+    return design
+
+
+def _check_format(path: Path, file: h5py.File) -> None:
+    number = file.attrs.get("evolvent_design_format")
+    if number is None:
+        raise SweepError(f"{path}: is no design (no attribute `evolvent_design_format`)")
+    if number != FORMAT:
+        raise SweepError(
+            f"{path}: was made by evolvent {file.attrs.get('evolvent_version', '?')} in design "
+            f"format {number}, but this evolvent-sweep reads format {FORMAT}; plan it anew"
+        )
+
+
+def _value_text(value: Any) -> str:
+    if isinstance(value, str):
+        return value  # YAML text already
+    return yaml_text(value.item() if isinstance(value, np.generic) else value)

@@ -1,0 +1,162 @@
+"""The folder of a sweep: its shards, their journals and locks, its copy of the design.
+
+`evolvent batch` writes the shards; docs/sweeps.md describes the files.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import re
+import shutil
+import struct
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from evolvent.sweep.design import Design, read_design
+from evolvent.sweep.errors import NOT_WRITTEN, SweepError
+
+JOURNAL = re.compile(r"shard-(\d+)-of-(\d+)\.jsonl")
+HASH = "design.txt"
+COPY = "design.h5"
+FLOCK = "hhqqi4x"  # struct flock of Linux: type, whence, start, length, owner
+
+
+@dataclass(frozen=True, order=True)
+class Shard:
+    """Part `index` (from 1) of `of`: the cases i with i mod of == index - 1."""
+
+    of: int
+    index: int
+
+    @property
+    def stem(self) -> str:
+        """Name of its files, without the ending."""
+        return f"shard-{self.index}-of-{self.of}"
+
+    def cases(self, n_cases: int) -> np.ndarray:
+        """Numbers of its cases."""
+        return np.arange(self.index - 1, n_cases, self.of)
+
+
+def shards_of(folder: Path) -> list[Shard]:
+    """Shards that have a journal in the folder."""
+    found = (JOURNAL.fullmatch(path.name) for path in folder.glob("shard-*-of-*.jsonl"))
+    return sorted(Shard(of=int(m[2]), index=int(m[1])) for m in found if m)
+
+
+def check_folder(folder: Path, design: Design) -> None:
+    """Refuse a folder that holds the results of another design.
+
+    Raises
+    ------
+    SweepError
+        It is no folder, or of another design.
+    """
+    if folder.exists() and not folder.is_dir():
+        raise SweepError(f"{folder}: is no folder")
+    try:
+        found = (folder / HASH).read_text(encoding="utf-8").strip()
+    except FileNotFoundError:
+        return
+    if found != design.hash:
+        raise SweepError(
+            f"{folder}: holds results of another design (its hash is {found[:12]}, not "
+            f"{design.hash[:12]}); choose another folder"
+        )
+
+
+def open_for_run(design_path: Path, folder: Path, version: str) -> Design:
+    """Read a design and make its folder ready to be run in.
+
+    Parameters
+    ----------
+    version : of the program that is to run it.
+
+    Raises
+    ------
+    SweepError
+        A design of another version of evolvent, or a folder of another design.
+    """
+    design = read_design(design_path)
+    if design.version != version:
+        raise SweepError(
+            f"{design_path}: was made by evolvent {design.version}, but the program is {version}; "
+            "plan it anew, so that all results are of one version"
+        )
+    check_folder(folder, design)
+    _keep_design(design_path, folder)
+    return design
+
+
+def _keep_design(design_path: Path, folder: Path) -> None:
+    """Put a copy of the design into the folder, so that the folder says what it is about."""
+    copy = folder / COPY
+    temporary = copy.with_name(f"{COPY}.{os.getpid()}.tmp")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        if not copy.exists() or not copy.samefile(design_path):
+            shutil.copyfile(design_path, temporary)
+            temporary.replace(copy)
+    except OSError as error:
+        temporary.unlink(missing_ok=True)
+        raise SweepError(f"{copy}: cannot be written ({error.strerror})", NOT_WRITTEN) from error
+
+
+def design_of(folder: Path, given: Path | None = None) -> Design:
+    """Read the design of a folder: its copy, unless another place is given.
+
+    Raises
+    ------
+    SweepError
+        No such folder, no design in it, or the folder is of another one.
+    """
+    if not folder.is_dir():
+        raise SweepError(f"{folder}: no such folder")
+    path = given or folder / COPY
+    if not path.exists() and given is None:
+        raise SweepError(f"{folder}: has no {COPY}; name the design with --design")
+    design = read_design(path)
+    check_folder(folder, design)
+    return design
+
+
+def is_locked(folder: Path, shard: Shard) -> bool:
+    """Whether a run is working on the shard now. The lock of a dead run does not count."""
+    # The lock is asked about, not taken: taking it for a moment could refuse a run that begins.
+    question = struct.pack(FLOCK, fcntl.F_WRLCK, os.SEEK_SET, 0, 0, 0)
+    try:
+        with (folder / f"{shard.stem}.lock").open("rb") as lock:
+            answer = fcntl.fcntl(lock, fcntl.F_GETLK, question)
+    except OSError:  # there is none, or this file system cannot lock
+        return False
+    return bool(struct.unpack(FLOCK, answer)[0] != fcntl.F_UNLCK)
+
+
+def remaining_shards(recorded: np.ndarray, of: int) -> list[Shard]:
+    """Shards of which a case is not recorded.
+
+    Parameters
+    ----------
+    recorded : of each case whether it is.
+    """
+    return [Shard(of, i) for i in range(1, of + 1) if not recorded[i - 1 :: of].all()]
+
+
+def common_split(folder: Path) -> int | None:
+    """Into how many shards the folder is split; None if nothing was run in it.
+
+    Raises
+    ------
+    SweepError
+        Splits of several kinds, which would repeat cases.
+    """
+    splits = {shard.of for shard in shards_of(folder)}
+    if len(splits) > 1:
+        kinds = " and ".join(map(str, sorted(splits)))
+        raise SweepError(
+            f"{folder}: holds runs in {kinds} shards; name one with --shards to go on with it"
+        )
+    return splits.pop() if splits else None

@@ -1,0 +1,65 @@
+"""The program `evolvent`: where it is, its version, and how many cores this job owns."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+from evolvent.sweep.errors import USAGE, SweepError
+
+VARIABLE = "EVOLVENT_EXECUTABLE"
+
+
+def find_program() -> Path:
+    """Find `evolvent`: named by EVOLVENT_EXECUTABLE, beside this Python, or in PATH.
+
+    Raises
+    ------
+    SweepError
+        It is nowhere.
+    """
+    named = os.environ.get(VARIABLE)
+    if named:
+        if not os.access(named, os.X_OK):
+            raise SweepError(f"{VARIABLE}={named}: is no program that can be run", USAGE)
+        return Path(named).absolute()
+    beside = Path(sys.executable).with_name("evolvent")
+    found = str(beside) if os.access(beside, os.X_OK) else shutil.which("evolvent")
+    if not found:
+        raise SweepError(
+            "the program `evolvent` is not in PATH; activate its environment, or name it with "
+            f"{VARIABLE}",
+            USAGE,
+        )
+    return Path(found).absolute()
+
+
+def program_version(program: Path) -> str:
+    """Version of the program, such as "0.1.0"."""
+    done = subprocess.run([program, "--version"], capture_output=True, text=True, check=False)
+    words = done.stdout.split()
+    if done.returncode != 0 or len(words) < 2:
+        raise SweepError(f"{program}: does not tell its version; is it evolvent?")
+    return words[1]
+
+
+def last_message(messages: str) -> str:
+    """What the program said last, without its name."""
+    lines = [line for line in messages.splitlines() if line.strip()]
+    return lines[-1].removeprefix("evolvent: ") if lines else "it ended without a message"
+
+
+def environment() -> dict[str, str]:
+    """Variables for the program: one thread a process, whatever libraries think of the cores."""
+    return {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+
+
+def cores() -> int:
+    """Cores that this job owns: what Slurm says, else what the process may run on."""
+    given = os.environ.get("SLURM_CPUS_PER_TASK", "")
+    if given.isdigit() and int(given) > 0:
+        return int(given)
+    return len(os.sched_getaffinity(0))

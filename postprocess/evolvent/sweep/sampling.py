@@ -1,0 +1,257 @@
+"""From a plan to its columns: grids, lists, samples of the unit cube, tables, derived columns."""
+
+from __future__ import annotations
+
+import inspect
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.stats import qmc
+
+from evolvent.sweep.design import Parameter, identifier
+from evolvent.sweep.errors import SweepError
+from evolvent.sweep.expression import evaluate
+from evolvent.sweep.spec import SAMPLED, Entry, Spec, check_unique
+from evolvent.sweep.yaml_text import yaml_text
+
+MOST_CASES = 50_000_000  # more is a slip of the pen: a table of gigabytes
+LARGEST_WHOLE = 2**53  # doubles beyond are not all whole numbers
+
+
+def columns(spec: Spec) -> tuple[list[Parameter], int, dict[str, Any]]:
+    """Make all columns of a plan.
+
+    Returns
+    -------
+    The parameters in the order of the plan, the number of cases, and what an analysis has to know
+    of the samples (empty for grids).
+
+    Raises
+    ------
+    SweepError
+        Values of different lengths, an empty design, a formula or a table that cannot be used.
+    """
+    try:
+        return _columns(spec)
+    except SweepError as error:
+        raise error.at(str(spec.source)) from None
+
+
+def _columns(spec: Spec) -> tuple[list[Parameter], int, dict[str, Any]]:
+    entries = spec.entries
+    sampling: dict[str, Any] = {}
+    table: pd.DataFrame | None = None
+    if spec.method == "table":
+        table = _read_table(spec)
+        entries = entries or _entries_of(table)
+        length = len(table)
+    else:
+        length, sampling = _length(spec)
+    if not 1 <= length <= MOST_CASES:
+        raise SweepError(f"has {length} cases, must have 1 to {MOST_CASES}")
+
+    values = _given(spec, entries, length, sampling, table)
+    for entry in entries:
+        if entry.source == "expression":
+            values[entry.name] = _derived(entry, values, length)
+    parameters = [
+        Parameter(e.name, e.path, e.units, values[e.name], e.source == "expression")
+        for e in entries
+    ]
+    return parameters, length, sampling
+
+
+def _given(
+    spec: Spec,
+    entries: tuple[Entry, ...],
+    length: int,
+    sampling: dict[str, Any],
+    table: pd.DataFrame | None,
+) -> dict[str, np.ndarray]:
+    """Columns that are not derived, by name."""
+    cube = _unit_cube(spec, sampling) if sampling else None
+    values: dict[str, np.ndarray] = {}
+    repeat = length  # of the factorial: how often each value of a column stands in a row
+    for entry in entries:
+        if entry.source == "expression":
+            continue
+        if entry.source == "value":
+            values[entry.name] = np.repeat(_typed([entry.value]), length)
+        elif table is not None:
+            values[entry.name] = _of_table(table, entry, spec.file)
+        elif cube is not None:
+            drawn = cube[:, sampling["names"].index(entry.name)]
+            values[entry.name] = _scaled(entry, drawn)
+        else:
+            levels = _levels(entry)
+            if spec.method == "factorial":  # the last parameter runs fastest
+                repeat //= levels.size
+                block = np.repeat(levels, repeat)
+                levels = np.tile(block, length // block.size)
+            values[entry.name] = levels
+    return values
+
+
+def _length(spec: Spec) -> tuple[int, dict[str, Any]]:
+    sized = [e for e in spec.entries if e.source in ("values", "from")]
+    if not sized:
+        raise SweepError("no parameter has values or a range; nothing varies")
+    if spec.method == "factorial":
+        return math.prod(_count(entry) for entry in sized), {}
+    if spec.method == "list":
+        for entry in sized[1:]:
+            if _count(entry) != _count(sized[0]):
+                raise SweepError(
+                    f"{entry.place}: has {_count(entry)} values, but "
+                    f"{sized[0].place} has {_count(sized[0])}; with method list all have one length"
+                )
+        return _count(sized[0]), {}
+    sampling: dict[str, Any] = {"names": [e.name for e in sized], "samples": spec.samples}
+    blocks = 1
+    if spec.method == "saltelli":
+        sampling["second_order"] = spec.second_order
+        blocks = 2 * len(sized) + 2 if spec.second_order else len(sized) + 2
+    return spec.samples * blocks, sampling
+
+
+def _count(entry: Entry) -> int:
+    return len(entry.values) if entry.source == "values" else int(entry.number or 0)
+
+
+def _levels(entry: Entry) -> np.ndarray:
+    """Values of a parameter on a grid."""
+    if entry.source == "values":
+        return _typed(list(entry.values))
+    number = int(entry.number or 0)
+    if entry.log:
+        levels = np.geomspace(entry.begin, entry.end, number)
+    else:
+        levels = np.linspace(entry.begin, entry.end, number)
+    if not entry.whole:
+        return levels
+    whole = np.round(levels).astype(np.int64)
+    if np.unique(whole).size < whole.size:
+        raise SweepError(f"{entry.place}: rounded to whole numbers, some of its values are equal")
+    return whole
+
+
+def _scaled(entry: Entry, drawn: np.ndarray) -> np.ndarray:
+    """Values of a parameter from numbers in [0, 1)."""
+    if entry.source == "values":
+        levels = _typed(list(entry.values))
+        return levels[np.minimum((drawn * levels.size).astype(np.int64), levels.size - 1)]
+    begin, end = entry.begin, entry.end
+    if entry.whole:
+        begin, end = min(begin, end) - 0.5, max(begin, end) + 0.5
+        drawn = np.minimum(drawn, 1.0 - 1e-12)
+    if entry.log:
+        sign = math.copysign(1.0, begin)
+        low, high = math.log(abs(begin)), math.log(abs(end))
+        values = sign * np.exp(low + drawn * (high - low))
+    else:
+        values = begin + drawn * (end - begin)
+    return np.round(values).astype(np.int64) if entry.whole else values
+
+
+def _unit_cube(spec: Spec, sampling: dict[str, Any]) -> np.ndarray:
+    """Sample the unit cube, shape (case, sampled parameter)."""
+    assert spec.method in SAMPLED
+    names: list[str] = sampling["names"]
+    if spec.method == "saltelli":
+        try:
+            from SALib.sample import sobol
+        except ImportError as error:
+            raise SweepError(
+                "method saltelli needs SALib; install it with: pip install 'evolvent[sensitivity]'"
+            ) from error
+        problem = {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
+        order = spec.second_order
+        cube = sobol.sample(problem, spec.samples, calc_second_order=order, seed=spec.seed)
+        return np.asarray(cube)
+    engine = qmc.Sobol if spec.method == "sobol" else qmc.LatinHypercube
+    # SciPy renamed the argument.
+    keyword = "rng" if "rng" in inspect.signature(engine).parameters else "seed"
+    generator = np.random.default_rng(spec.seed)
+    return np.asarray(engine(len(names), **{keyword: generator}).random(spec.samples))
+
+
+def _derived(entry: Entry, values: dict[str, np.ndarray], length: int) -> np.ndarray:
+    try:
+        result = evaluate(entry.expression, values, length)
+    except SweepError as error:
+        raise SweepError(f"{entry.place}: {error}") from None
+    if not entry.whole:
+        return result
+    if np.abs(result).max() > LARGEST_WHOLE:
+        raise SweepError(f"{entry.place}: is too large for a whole number")
+    return np.round(result).astype(np.int64)
+
+
+def _typed(values: list[Any]) -> np.ndarray:
+    """Make an array: int64, float64, or YAML texts if a value is no number."""
+    if all(isinstance(v, int) and not isinstance(v, bool) and abs(v) < 2**63 for v in values):
+        return np.array(values, dtype=np.int64)
+    if all(isinstance(v, int | float) and not isinstance(v, bool) for v in values):
+        return np.array(values, dtype=np.float64)
+    texts = np.empty(len(values), dtype=object)
+    texts[:] = [yaml_text(v) for v in values]
+    return texts
+
+
+def _read_table(spec: Spec) -> pd.DataFrame:
+    path = spec.file
+    assert path is not None
+    try:
+        if path.suffix.lower() == ".parquet":
+            table = pd.read_parquet(path)
+        else:
+            # Texts such as "none" or "NA" are values of the case, not gaps.
+            table = pd.read_csv(path, keep_default_na=False, na_values=[""], skipinitialspace=True)
+    except ImportError as error:
+        raise SweepError(
+            f"{path}: Parquet needs pyarrow; install it with: pip install 'evolvent[parquet]'"
+        ) from error
+    except FileNotFoundError as error:
+        raise SweepError(f"{path}: no such file") from error
+    except (OSError, ValueError) as error:
+        reason = " ".join(str(error).split())
+        raise SweepError(f"{path}: is no readable table ({reason})") from error
+    return table.rename(columns=lambda name: str(name).strip())
+
+
+def _entries_of(table: pd.DataFrame) -> tuple[Entry, ...]:
+    """Parameters of a table whose column heads are paths."""
+    entries = tuple(
+        Entry(f"column '{head}'", identifier(head), head, "", "column", column=head)
+        for head in map(str, table.columns)
+    )
+    if not entries:
+        raise SweepError("the table has no columns")
+    check_unique(entries)
+    return entries
+
+
+def _of_table(table: pd.DataFrame, entry: Entry, path: Path | None) -> np.ndarray:
+    if entry.column not in table.columns:
+        known = ", ".join(map(str, table.columns))
+        raise SweepError(f"{entry.place}: {path} has no column '{entry.column}'; it has {known}")
+    column = table[entry.column]
+    empty = np.flatnonzero(column.isna().to_numpy())
+    if empty.size:
+        raise SweepError(f"{entry.place}: {path} has no value for case {empty[0]}")
+    if pd.api.types.is_bool_dtype(column.dtype):
+        return np.where(column.to_numpy(dtype=bool), "true", "false").astype(object)
+    if pd.api.types.is_integer_dtype(column.dtype):
+        return np.asarray(column, dtype=np.int64)
+    if pd.api.types.is_numeric_dtype(column.dtype):
+        values = np.asarray(column, dtype=np.float64)
+        if not np.isfinite(values).all():
+            bad = int(np.flatnonzero(~np.isfinite(values))[0])
+            raise SweepError(f"{entry.place}: {path} has {values[bad]} for case {bad}")
+        return values
+    texts = np.empty(len(column), dtype=object)
+    texts[:] = [str(text) for text in column]
+    return texts

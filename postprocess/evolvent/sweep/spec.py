@@ -1,0 +1,276 @@
+"""SWEEP.yaml: what a plan may say, and what is refused."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from evolvent.sweep.design import NAME, identifier
+from evolvent.sweep.errors import SweepError
+from evolvent.sweep.yaml_text import read_yaml
+
+FORMAT = 1
+GRIDS = ("factorial", "list")
+SAMPLED = ("latin_hypercube", "sobol", "saltelli")
+METHODS = (*GRIDS, *SAMPLED, "table")
+SCALES = ("linear", "log")
+# Variables that a summary always has.
+TAKEN = ("case", "time", "status", "message", "exit_code", "recorded_at", "pi", "e")
+TOP_KEYS = (
+    "format", "title", "case", "method", "samples", "seed", "second_order", "file",
+    "parameters", "window", "histories",
+)  # fmt: skip
+PARAMETER_KEYS = (
+    "path", "name", "units", "value", "values", "from", "to", "number", "scale", "whole",
+    "expression", "column",
+)  # fmt: skip
+# Ways to give the values of a parameter; exactly one.
+SOURCES = ("value", "values", "from", "expression", "column")
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One parameter as the plan gives it; what is not given is None."""
+
+    place: str  # for messages
+    name: str
+    path: str
+    units: str
+    source: str  # one of `SOURCES`
+    value: Any = None
+    values: tuple[Any, ...] = ()
+    begin: float = math.nan
+    end: float = math.nan
+    number: int | None = None
+    log: bool = False
+    whole: bool = False
+    expression: str = ""
+    column: str = ""
+
+
+@dataclass(frozen=True)
+class Spec:
+    """A plan, read and checked, but for what only the program knows."""
+
+    source: Path
+    text: str
+    title: str
+    case: Path
+    method: str
+    samples: int
+    seed: int
+    second_order: bool
+    file: Path | None
+    entries: tuple[Entry, ...]
+    window: tuple[float, float] | None
+    history_variables: tuple[str, ...]
+    history_every: int
+
+
+def read_spec(path: Path) -> Spec:
+    """Read SWEEP.yaml. Files that it names are relative to its folder.
+
+    Raises
+    ------
+    SweepError
+        Unreadable, or with a key or value that is not understood; the message names the place.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "is not UTF-8 text"
+        raise SweepError(f"{path}: cannot be read ({reason})") from error
+    try:
+        return _spec(path, text, _mapping(read_yaml(text, str(path)), "the plan", TOP_KEYS))
+    except SweepError as error:
+        raise error.at(str(path)) from None
+
+
+def _spec(path: Path, text: str, top: Mapping[str, Any]) -> Spec:
+    if top.get("format") != FORMAT:
+        raise SweepError(f"format: is {top.get('format', 'missing')}, must be {FORMAT}")
+    method = _one_of(top.get("method"), METHODS, "method")
+    for key, methods in (
+        ("samples", SAMPLED), ("second_order", ("saltelli",)), ("file", ("table",)),
+    ):  # fmt: skip
+        if key in top and method not in methods:
+            raise SweepError(f"{key}: has no meaning with method {method}")
+    samples = _whole(top.get("samples"), "samples", 1) if method in SAMPLED else 0
+    if method in ("sobol", "saltelli") and samples & (samples - 1):
+        better = 2 ** round(math.log2(samples))
+        raise SweepError(f"samples: is {samples}, must be a power of 2 with {method}, as {better}")
+    given = top.get("parameters", [] if method == "table" else None)
+    if not isinstance(given, list) or (not given and method != "table"):
+        raise SweepError("parameters: must be a list of at least one parameter")
+    entries = tuple(_entry(e, f"parameters.{i}", method) for i, e in enumerate(given))
+    check_unique(entries)
+    histories = _mapping(top.get("histories", {}), "histories", ("variables", "every"))
+    variables = _strings(histories.get("variables", []), "histories.variables")
+    return Spec(
+        source=path,
+        text=text,
+        title=str(top.get("title", "")),
+        case=path.parent / _text(top.get("case"), "case"),
+        method=method,
+        samples=samples,
+        seed=_whole(top.get("seed", 0), "seed", 0),
+        second_order=_truth(top.get("second_order", False), "second_order"),
+        file=path.parent / _text(top.get("file"), "file") if method == "table" else None,
+        entries=entries,
+        window=_window(top.get("window")),
+        history_variables=variables,
+        history_every=_whole(histories.get("every", 1), "histories.every", 1),
+    )
+
+
+def check_unique(entries: Sequence[Entry]) -> None:
+    """Refuse two parameters of one name or path."""
+    for attribute in ("name", "path"):
+        seen: dict[str, str] = {}
+        for entry in entries:
+            value = getattr(entry, attribute)
+            if value and value in seen:
+                raise SweepError(
+                    f"{entry.place}: has the {attribute} '{value}' of {seen[value]}; "
+                    f"each parameter needs its own"
+                )
+            seen[value] = entry.place
+
+
+def _entry(given: Any, place: str, method: str) -> Entry:
+    keys = _mapping(given, place, PARAMETER_KEYS)
+    path = _text(keys["path"], f"{place}.path") if "path" in keys else ""
+    if not path and "name" not in keys:
+        raise SweepError(f"{place}: needs a path of the case, or a name to be used in expressions")
+    name = _text(keys.get("name", identifier(path)), f"{place}.name")
+    place = f"{place} ({name})"
+    if not NAME.fullmatch(name):
+        raise SweepError(f"{place}: the name must be of letters, digits and _ and begin with none")
+    if name in TAKEN:
+        raise SweepError(f"{place}: this name is taken; choose another")
+    sources = [key for key in SOURCES if key in keys]
+    if method == "table" and not sources:
+        keys, sources = {**keys, "column": name}, ["column"]
+    if len(sources) != 1:
+        found = " and ".join(sources) if sources else "none"
+        raise SweepError(f"{place}: needs exactly one of {', '.join(SOURCES)}, not {found}")
+    source = sources[0]
+    _refuse_idle_keys(keys, place, source, method)
+    units = _text(keys.get("units", ""), f"{place}.units")
+    common: dict[str, Any] = {"place": place, "name": name, "path": path, "source": source}
+    whole = _truth(keys.get("whole", False), f"{place}.whole")
+    match source:
+        case "value":
+            return Entry(**common, units=units, value=keys["value"])
+        case "values":
+            values = keys["values"]
+            if not isinstance(values, list) or not values:
+                raise SweepError(f"{place}: values must be a list of at least one")
+            return Entry(**common, units=units, values=tuple(values))
+        case "from":
+            return Entry(**common, units=units, **_range(keys, place, method, whole))
+        case "expression":
+            return Entry(**common, units=units, expression=str(keys["expression"]), whole=whole)
+        case _:
+            return Entry(**common, units=units, column=_text(keys["column"], f"{place}.column"))
+
+
+def _refuse_idle_keys(keys: Mapping[str, Any], place: str, source: str, method: str) -> None:
+    for key in ("to", "number", "scale"):
+        if key in keys and source != "from":
+            raise SweepError(f"{place}: {key} has no meaning without from")
+    if "whole" in keys and source not in ("from", "expression"):
+        raise SweepError(f"{place}: whole has no meaning with {source}")
+    if source == "column" and method != "table":
+        raise SweepError(f"{place}: column has no meaning with method {method}")
+    if source in ("values", "from") and method == "table":
+        raise SweepError(f"{place}: with method table, values come from the table's columns")
+
+
+def _range(keys: Mapping[str, Any], place: str, method: str, whole: bool) -> dict[str, Any]:
+    begin = _number(keys["from"], f"{place}.from")
+    end = _number(keys.get("to"), f"{place}.to")
+    log = _one_of(keys.get("scale", "linear"), SCALES, f"{place}.scale") == "log"
+    if log and begin * end <= 0.0:
+        raise SweepError(
+            f"{place}: a log range must not touch 0, but goes from {begin:g} to {end:g}"
+        )
+    if whole and (begin != round(begin) or end != round(end)):
+        raise SweepError(f"{place}: a whole range must begin and end with whole numbers")
+    number = None
+    if method in GRIDS:
+        if "number" not in keys:
+            raise SweepError(f"{place}: a range needs `number`, how many values, with {method}")
+        number = _whole(keys["number"], f"{place}.number", 1)
+        if number == 1 and begin != end:
+            raise SweepError(f"{place}: number is 1, but the range has two ends; use `value`")
+    elif "number" in keys:
+        raise SweepError(f"{place}: number has no meaning with {method}; see `samples`")
+    return {"begin": begin, "end": end, "number": number, "log": log, "whole": whole}
+
+
+def _window(given: Any) -> tuple[float, float] | None:
+    if given is None:
+        return None
+    keys = _mapping(given, "window", ("from", "to"))
+    begin, end = (_number(keys.get(key), f"window.{key}") for key in ("from", "to"))
+    if not 0.0 <= begin < end:
+        raise SweepError(f"window: from {begin:g} to {end:g} must be 0 <= from < to")
+    return begin, end
+
+
+def _mapping(given: Any, place: str, known: Sequence[str]) -> dict[str, Any]:
+    if not isinstance(given, dict):
+        raise SweepError(f"{place}: must be a block of keys and values")
+    for key in given:
+        if key not in known:
+            near = difflib.get_close_matches(str(key), known, 1)
+            hint = f" (did you mean '{near[0]}'?)" if near else ""
+            raise SweepError(f"{place}: unknown key '{key}'{hint}; known here: {', '.join(known)}")
+    return given
+
+
+def _one_of(given: Any, known: Sequence[str], place: str) -> str:
+    if given not in known:
+        near = difflib.get_close_matches(str(given), known, 1)
+        hint = f" (did you mean '{near[0]}'?)" if near else ""
+        shown = "missing" if given is None else f"'{given}'"
+        raise SweepError(f"{place}: is {shown}, must be one of {', '.join(known)}{hint}")
+    return str(given)
+
+
+def _number(given: Any, place: str) -> float:
+    if isinstance(given, bool) or not isinstance(given, int | float) or not math.isfinite(given):
+        shown = "missing" if given is None else f"'{given}'"
+        raise SweepError(f"{place}: is {shown}, must be a finite number")
+    return float(given)
+
+
+def _whole(given: Any, place: str, least: int) -> int:
+    if isinstance(given, bool) or not isinstance(given, int) or not least <= given < 2**53:
+        shown = "missing" if given is None else f"'{given}'"
+        raise SweepError(f"{place}: is {shown}, must be a whole number of at least {least}")
+    return given
+
+
+def _truth(given: Any, place: str) -> bool:
+    if not isinstance(given, bool):
+        raise SweepError(f"{place}: is '{given}', must be true or false")
+    return given
+
+
+def _text(given: Any, place: str) -> str:
+    if not isinstance(given, str):
+        shown = "missing" if given is None else f"'{given}'"
+        raise SweepError(f"{place}: is {shown}, must be a text")
+    return given
+
+
+def _strings(given: Any, place: str) -> tuple[str, ...]:
+    if not isinstance(given, list):
+        raise SweepError(f"{place}: must be a list of names")
+    return tuple(_text(item, place) for item in given)

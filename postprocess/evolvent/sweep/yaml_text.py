@@ -1,0 +1,87 @@
+"""YAML 1.2 as the program `evolvent` reads it.
+
+PyYAML knows YAML 1.1, in which 1e9 is a text, `no` is false and 010 is eight. Here numbers are
+decimal, with or without a point, and only true and false are truth values.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import yaml
+
+from evolvent.sweep.errors import SweepError
+
+WIDEST = 2**31  # columns: one line, however long
+RESOLVED = (
+    ("tag:yaml.org,2002:null", r"(?:~|null|Null|NULL|)$", ["~", "n", "N", ""]),
+    ("tag:yaml.org,2002:bool", r"(?:true|True|TRUE|false|False|FALSE)$", list("tTfF")),
+    ("tag:yaml.org,2002:int", r"[-+]?[0-9]+$", list("-+0123456789")),
+    (
+        "tag:yaml.org,2002:float",
+        r"(?:[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?"
+        r"|[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN))$",
+        list("-+.0123456789"),
+    ),
+)
+
+
+class _Loader(yaml.SafeLoader):  # type: ignore[misc] # PyYAML has no types
+    yaml_implicit_resolvers: dict[str, Any] = {}  # noqa: RUF012 - PyYAML fills it a class
+
+    def construct_mapping(self, node: Any, deep: bool = False) -> dict[Any, Any]:
+        """Make a dict; a key that stands twice is refused."""
+        seen: set[Any] = set()
+        for key_node, _ in node.value:
+            key = self.construct_object(key_node, deep=True)
+            if not isinstance(key, str | int | float):
+                raise yaml.constructor.ConstructorError(
+                    None, None, "a key must be a text or a number", key_node.start_mark
+                )
+            if key in seen:
+                raise yaml.constructor.ConstructorError(
+                    None, None, f"the key '{key}' stands twice", key_node.start_mark
+                )
+            seen.add(key)
+        return dict(super().construct_mapping(node, deep))
+
+
+class _Dumper(yaml.SafeDumper):  # type: ignore[misc]
+    yaml_implicit_resolvers: dict[str, Any] = {}  # noqa: RUF012
+
+    def ignore_aliases(self, data: Any) -> bool:
+        """Write what stands twice twice: the text is one value on one line."""
+        return True
+
+
+for tag, pattern, first in RESOLVED:
+    for reader_or_writer in (_Loader, _Dumper):
+        reader_or_writer.add_implicit_resolver(tag, re.compile(pattern), first)
+_Loader.add_constructor("tag:yaml.org,2002:int", lambda _, node: int(node.value))
+
+
+def read_yaml(text: str, source: str) -> Any:
+    """Read one document.
+
+    Raises
+    ------
+    SweepError
+        No YAML; the message begins with `source`, line and column.
+    """
+    try:
+        return yaml.load(text, Loader=_Loader)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        place = f":{mark.line + 1}:{mark.column + 1}" if mark else ""
+        raise SweepError(f"{source}{place}: {error.problem or error.context}") from error
+    except yaml.YAMLError as error:
+        raise SweepError(f"{source}: {' '.join(str(error).split())}") from error
+
+
+def yaml_text(value: Any) -> str:
+    """Write a value as YAML on one line, as in `{law: linear, coefficient: 1.0e+4}`."""
+    text = yaml.dump(
+        value, Dumper=_Dumper, default_flow_style=True, width=WIDEST, allow_unicode=True
+    )
+    return str(text).removesuffix("\n").removesuffix("\n...").strip()

@@ -1,0 +1,323 @@
+"""Teeth as they are drawn: outlines of wheels and the points where they touch.
+
+Points are complex numbers x + iy [m] in the housing frame. A flank that drives is the one that
+faces clockwise where sigma = +1, the counterclockwise one where sigma = -1, on both wheels.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from evolvent.history import require
+
+Points = NDArray[np.complex128]
+Numbers = NDArray[np.float64]
+
+FLANK_POINTS = 48  # of an involute: a chord then leaves it by less than 1e-6 of the base radius
+ARC_POINTS = 7
+# What the history does not know of wheels that are stated by their pitch radius is drawn so:
+LOOSE = 0.06  # normal backlash over base pitch, so that the flanks behind are seen to be apart
+CLEARANCE = 0.25  # between a tip and the other wheel's root circle, over the tip's addendum
+
+
+@dataclass(frozen=True)
+class Relief:
+    """Material that a profile lacks from a radius on; see docs/deviations.md."""
+
+    amount: float  # at the end of the profile [m]
+    start: float  # radius of curvature where it begins [m]
+    end: float  # radius of curvature where the profile ends [m]
+    power: int  # 1 linear, 2 parabolic
+
+    def at(self, rho: Numbers) -> Numbers:
+        """Deviation [m] at radii of curvature [m]."""
+        share = np.clip((rho - self.start) / (self.end - self.start), 0.0, None)
+        return np.asarray(self.amount * share**self.power)
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Shape of the teeth of one wheel."""
+
+    teeth: int
+    base_radius: float  # [m]
+    start_radius: float  # where the involute begins [m]
+    active_radius: float  # where the mate begins to touch it [m]
+    tip_radius: float  # [m]
+    root_radius: float  # [m]
+    tooth_angle: float  # that a tooth fills on the base circle [rad]
+    reliefs: tuple[Relief, ...] = ()
+    crowning: float = 0.0  # at both ends of the active profile [m]
+
+    @property
+    def pitch(self) -> float:
+        """Angle from tooth to tooth [rad]."""
+        return 2 * np.pi / self.teeth
+
+    def rho(self, radius: float) -> float:
+        """Radius of curvature of the involute at a radius, 0 inside the base circle [m]."""
+        return float(np.sqrt(max(radius**2 - self.base_radius**2, 0.0)))
+
+    def deviation(self, rho: Numbers) -> Numbers:
+        """Material that a flank lacks for its reliefs and its crowning, at radii of curvature [m].
+
+        Source: docs/deviations.md; pitch errors and runout are not in it.
+        """
+        begin, end = self.rho(self.active_radius), self.rho(self.tip_radius)
+        crowned = self.crowning * ((2 * rho - begin - end) / (end - begin)) ** 2
+        return np.asarray(crowned + sum(relief.at(rho) for relief in self.reliefs))
+
+    def flank(self, exaggeration: float = 1.0, n: int = FLANK_POINTS) -> Points:
+        """Points of the flank that faces clockwise, shape (n,), about the axle.
+
+        It goes from the start of the involute to the tip, on a tooth whose middle is in the
+        direction 0, with its deviation times `exaggeration`.
+
+        Source: the involute by its radius of curvature, Kosenko & Gusev 2011, section 4.
+        """
+        rho = np.linspace(self.rho(self.start_radius), self.rho(self.tip_radius), n)
+        moved = rho - exaggeration * self.deviation(rho)
+        turned = np.exp(1j * (rho / self.base_radius - self.tooth_angle / 2))
+        return np.asarray((self.base_radius - 1j * moved) * turned)
+
+    def tooth(self, exaggeration: float = 1.0) -> Points:
+        """Outline of a tooth with its middle in the direction 0, counterclockwise.
+
+        It begins and ends on the root circle, in the middle of the tooth spaces.
+        """
+        flank = self.flank(exaggeration)
+        foot = np.concatenate([self._root(flank), flank])
+        tip = float(abs(flank[-1]))
+        land = np.linspace(np.angle(flank[-1]), -np.angle(flank[-1]), ARC_POINTS)[1:-1]
+        return np.concatenate([foot, tip * np.exp(1j * land), np.conj(foot[::-1])])
+
+    def _root(self, flank: Points) -> Points:
+        """From the middle of the space to the flank: root circle and a smooth fillet.
+
+        The fillet is no generated curve: only its ends are known. It is slender enough for the
+        tips of mates, which real roots clear as well.
+        """
+        height = abs(flank[0]) - self.root_radius
+        direction = float(np.angle(flank[0]))
+        width = min(0.9 * (direction + self.pitch / 2), 0.3 * height / self.root_radius)
+        end = direction - width
+        foot = self.root_radius * np.exp(1j * end)
+        along = flank[1] - flank[0]
+        pull = 0.85 * height * along / abs(along)
+        push = 0.8 * width * self.root_radius * 1j * np.exp(1j * end)
+        u = np.linspace(0.0, 1.0, 2 * ARC_POINTS)[:-1]
+        fillet = (
+            (1 - u) ** 3 * foot
+            + 3 * (1 - u) ** 2 * u * (foot + push)
+            + 3 * (1 - u) * u**2 * (flank[0] - pull)
+            + u**3 * flank[0]
+        )
+        bottom = np.linspace(-self.pitch / 2, end, ARC_POINTS)[:-1]
+        return np.concatenate([self.root_radius * np.exp(1j * bottom), fillet])
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Where a mesh puts the teeth of a wheel at the start."""
+
+    towards: float  # direction of the mate [rad]
+    middle: float  # direction of the middle of one of its teeth [rad]
+
+
+@dataclass(frozen=True)
+class DrawnWheel:
+    """One wheel; `profile` is None for a disc without teeth."""
+
+    name: str
+    centre: complex  # reference position [m]
+    radius: float  # outermost [m]
+    profile: Profile | None
+    placements: tuple[Placement, ...]
+
+    def directions(self, angle: float) -> Numbers:
+        """Directions of the middles of all teeth [rad] when the wheel has turned by `angle`.
+
+        Each mesh places the teeth that are nearer to it than to other meshes. Wheels whose
+        thickness of teeth is not known may so change their spaces between two meshes.
+        """
+        if self.profile is None:
+            return np.empty(0)
+        towards = np.array([placement.towards for placement in self.placements])
+        kept = []
+        for number, placement in enumerate(self.placements):
+            middle = placement.middle + angle + self.profile.pitch * np.arange(self.profile.teeth)
+            away = np.abs(_wrapped(middle[:, None] - towards))
+            kept.append(middle[np.argmin(away, axis=1) == number])
+        found = np.sort(np.concatenate(kept) % (2 * np.pi))
+        apart = np.diff(found, prepend=found[-1] - 2 * np.pi)
+        return np.asarray(found[apart > self.profile.pitch / 2])
+
+    def outline(self, angle: float, shift: complex = 0.0, exaggeration: float = 1.0) -> Points:
+        """Closed outline when the wheel has turned by `angle` [rad] and its axle moved [m]."""
+        if self.profile is None:
+            local = self.radius * np.exp(1j * np.linspace(0.0, 2 * np.pi, 181))
+        else:
+            tooth = self.profile.tooth(exaggeration)
+            local = np.concatenate([tooth * np.exp(1j * d) for d in self.directions(angle)])
+        return np.asarray(self.centre + shift + local)
+
+
+@dataclass(frozen=True)
+class DrawnMesh:
+    """One mesh: what the points where its flanks touch depend on."""
+
+    name: str
+    wheels: tuple[int, int]  # driving, driven
+    sigma: int
+    centres: tuple[complex, complex]
+    base_radii: tuple[float, float]  # [m]
+    path: tuple[float, float]  # radii of curvature of the driving flank at its ends [m]
+    has_coast: bool
+
+    def line(self, coast: bool, shifts: tuple[complex, complex]) -> tuple[complex, complex, float]:
+        """The line of action: K_A, its unit vector e, and its length [m].
+
+        Source: Kosenko & Gusev 2011, section 7.1; for the coast flank the mirror image.
+        """
+        sigma = -self.sigma if coast else self.sigma
+        centre = self.centres[0] + shifts[0]
+        axis = self.centres[1] + shifts[1] - centre
+        total = self.base_radii[0] + self.base_radii[1]
+        alpha = np.arccos(min(total / abs(axis), 1.0))
+        across = axis / abs(axis) * np.exp(1j * sigma * alpha)
+        length = float(np.sqrt(max(abs(axis) ** 2 - total**2, 0.0)))
+        return complex(centre + self.base_radii[0] * across), complex(-1j * sigma * across), length
+
+    def shifts(self, history: xr.Dataset, row: int) -> tuple[complex, complex]:
+        """Displacements of both axles at an output [m]."""
+        moved = require(history, "centre_displacement").values[row]
+        return complex(*moved[self.wheels[0]]), complex(*moved[self.wheels[1]])
+
+
+def drawn_meshes(history: xr.Dataset) -> list[DrawnMesh]:
+    """Collect all meshes from the static variables of a history."""
+    centres = [complex(*c) for c in require(history, "centre").values]
+    base = require(history, "base_radius").values
+    meshes = []
+    for number, name in enumerate(history["mesh"].values):
+        a = int(require(history, "driving_wheel")[number])
+        b = int(require(history, "driven_wheel")[number])
+        start = float(require(history, "rho_start_driving")[number])
+        length = float(require(history, "base_pitch")[number])
+        ratio = float(require(history, "contact_ratio")[number])
+        meshes.append(
+            DrawnMesh(
+                name=str(name),
+                wheels=(a, b),
+                sigma=int(require(history, "flank")[number]),
+                centres=(centres[a], centres[b]),
+                base_radii=(float(base[a]), float(base[b])),
+                path=(start, start + ratio * length),
+                has_coast=bool(np.isfinite(require(history, "backlash")[number])),
+            )
+        )
+    return meshes
+
+
+def drawn_wheels(history: xr.Dataset) -> list[DrawnWheel]:
+    """Collect all wheels from the static variables of a history."""
+    meshes = drawn_meshes(history)
+    wheels = []
+    for number, name in enumerate(history["wheel"].values):
+        own = [m for m, mesh in enumerate(meshes) if number in mesh.wheels]
+        profile = _profile(history, meshes, number, own) if own else None
+        placements = []
+        for m in own if profile else []:
+            mesh, side = meshes[m], meshes[m].wheels.index(number)
+            roots = require(history, ("flank_root_driving", "flank_root_driven")[side])
+            axis = (mesh.centres[1] - mesh.centres[0]) * (1, -1)[side]
+            assert profile is not None
+            middle = float(roots[m]) + mesh.sigma * profile.tooth_angle / 2
+            placements.append(Placement(float(np.angle(axis)), middle))
+        pitch_radius = float(require(history, "pitch_radius")[number])
+        wheels.append(
+            DrawnWheel(
+                name=str(name),
+                centre=complex(*require(history, "centre").values[number]),
+                radius=profile.tip_radius if profile else pitch_radius,
+                profile=profile,
+                placements=tuple(placements),
+            )
+        )
+    return wheels
+
+
+def pitches_passed(history: xr.Dataset) -> Numbers:
+    """Pitches that the fastest teeth have passed since the first output, whatever their sense."""
+    teeth = require(history, "teeth").values
+    turned = np.abs(np.diff(require(history, "angle").values, axis=0))
+    passed = np.cumsum((turned * teeth / (2 * np.pi)).max(axis=1))
+    return np.concatenate([[0.0], passed])[: history.sizes["time"]]
+
+
+def _profile(
+    history: xr.Dataset, meshes: list[DrawnMesh], wheel: int, own: list[int]
+) -> Profile | None:
+    """Shape of a wheel's teeth; what is not known is taken from its meshes."""
+
+    def known(name: str) -> float:
+        return float(require(history, name)[wheel])
+
+    base, tip, active = known("base_radius"), known("tip_radius"), known("active_radius")
+    teeth = int(known("teeth"))
+    tooth_angle, form, root = known("tooth_angle"), known("form_radius"), known("root_radius")
+    if not np.isfinite(tooth_angle):
+        tooth_angle = _even_tooth_angle(history, meshes[own[0]], own[0], wheel)
+        form = active
+        root = min(_root_below(history, meshes[m], wheel) for m in own)
+    rho_tip, rho_active = (float(np.sqrt(r**2 - base**2)) for r in (tip, active))
+    reliefs = []
+    for kind, end in (("tip", rho_tip), ("root", rho_active)):
+        amount = known(f"{kind}_relief")
+        if amount > 0:
+            start = float(np.sqrt(known(f"{kind}_relief_start") ** 2 - base**2))
+            reliefs.append(Relief(amount, start, end, int(known(f"{kind}_relief_power"))))
+    return Profile(
+        teeth=teeth,
+        base_radius=base,
+        start_radius=form,
+        active_radius=active,
+        tip_radius=tip,
+        root_radius=root,
+        tooth_angle=tooth_angle,
+        reliefs=tuple(reliefs),
+        crowning=known("profile_crowning"),
+    )
+
+
+def _even_tooth_angle(history: xr.Dataset, mesh: DrawnMesh, number: int, wheel: int) -> float:
+    """Angle of a tooth on the base circle if both wheels have equally thick teeth [rad].
+
+    Thick as a space on the operating pitch circle, less half of the backlash.
+    """
+    base = mesh.base_radii[mesh.wheels.index(wheel)]
+    alpha = float(require(history, "working_pressure_angle")[number])
+    pitch = float(require(history, "base_pitch")[number])
+    backlash = float(require(history, "backlash")[number])
+    if not np.isfinite(backlash):
+        backlash = LOOSE * pitch
+    return float((pitch - backlash) / (2 * base) + 2 * (np.tan(alpha) - alpha))
+
+
+def _root_below(history: xr.Dataset, mesh: DrawnMesh, wheel: int) -> float:
+    """Root radius that leaves the mate's tip some clearance [m]."""
+    side = mesh.wheels.index(wheel)
+    mate = mesh.wheels[1 - side]
+    distance = abs(mesh.centres[1] - mesh.centres[0])
+    share = mesh.base_radii[1 - side] / (mesh.base_radii[0] + mesh.base_radii[1])
+    tip = float(require(history, "tip_radius")[mate])
+    return distance - tip - CLEARANCE * abs(tip - share * distance)
+
+
+def _wrapped(angle: Numbers) -> Numbers:
+    """The same directions from -pi to pi."""
+    return np.asarray((angle + np.pi) % (2 * np.pi) - np.pi)

@@ -1,0 +1,129 @@
+"""Designs for `evolvent batch`, and what it leaves in a folder."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+TEXT = h5py.string_dtype()
+TIMINGS = ("cpu_time", "at")  # what differs between two runs of one case
+
+
+def paper_case(duration: float = 0.02, name: str = "paper-friction.yaml") -> str:
+    """The paper's case, made short."""
+    text = (ROOT / "examples" / name).read_text(encoding="utf-8")
+    return re.sub(r"duration: [\d.e+-]+", f"duration: {duration!r}", text)
+
+
+def version() -> str:
+    """Version of the program, as CMakeLists.txt has it."""
+    text = (ROOT / "CMakeLists.txt").read_text()
+    found = re.search(r"project\(\s*evolvent\s+VERSION\s+([\d.]+)", text)
+    assert found
+    return found[1]
+
+
+def wait_for(condition: Callable[[], bool], seconds: float = 60.0) -> None:
+    """Wait until something is the case; fail if it never is."""
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.002)
+
+
+def write_design(
+    path: Path,
+    columns: Mapping[str, Sequence[Any]],
+    case: str | None = None,
+    window: tuple[float, float] = (np.nan, np.nan),
+    histories: str = "",
+    every: int = 1,
+    **attributes: object,
+) -> Path:
+    """Write a design as `evolvent-sweep plan` does; `attributes` replace its own, None: none."""
+    n = len(next(iter(columns.values())))
+    case = paper_case() if case is None else case
+    key = repr((case, dict(columns), window, histories, every))
+    all_attributes: dict[str, object] = {
+        "evolvent_design_format": 1,
+        "evolvent_version": version(),
+        "title": "a test",
+        "case": case,
+        "hash": hashlib.sha256(key.encode()).hexdigest(),
+        "window": np.array(window),
+        "history_variables": histories,
+        "history_every": every,
+        "n_cases": np.int64(n),
+        "plan": "lists",
+        "method": "list",
+        "seed": 0,
+        **attributes,
+    }
+    with h5py.File(path, "w") as file:
+        for name, value in all_attributes.items():
+            if value is not None:
+                file.attrs[name] = value
+        group = file.create_group("parameters")
+        for i, (where, values) in enumerate(columns.items()):
+            is_text = n > 0 and isinstance(values[0], str)
+            column = group.create_dataset(
+                f"p{i}",
+                data=list(values) if is_text else np.array(values),
+                dtype=TEXT if is_text else None,
+            )
+            column.attrs.update({"path": where, "name": f"x{i}", "units": "1"})
+    return path
+
+
+@dataclass(frozen=True)
+class Journal:
+    """A journal, read as whoever collects it does."""
+
+    head: dict[str, Any]
+    rows: list[dict[str, Any]]  # complete lines, in their order
+    torn: int
+
+    @property
+    def cases(self) -> dict[int, dict[str, Any]]:
+        """The later row of each case."""
+        return {row["case"]: row for row in self.rows}
+
+    @property
+    def results(self) -> dict[int, dict[str, Any]]:
+        """The same without timings, which no two runs have in common."""
+        return {
+            case: {name: value for name, value in row.items() if name not in TIMINGS}
+            for case, row in self.cases.items()
+        }
+
+
+def read_journal(path: Path) -> Journal:
+    """Read the complete lines of a journal."""
+    objects, torn = [], 0
+    for line in path.read_bytes().splitlines(keepends=True):
+        try:
+            assert line.endswith(b"\n")
+            objects.append(json.loads(line))
+        except (AssertionError, ValueError):
+            torn += 1
+    return Journal(objects[0], objects[1:], torn)
+
+
+def read_folder(folder: Path) -> dict[int, dict[str, Any]]:
+    """Results of all shards of a folder; no case may be in two of them."""
+    together: dict[int, dict[str, Any]] = {}
+    for path in sorted(folder.glob("*.jsonl")):
+        results = read_journal(path).results
+        assert not together.keys() & results.keys()
+        together |= results
+    return together

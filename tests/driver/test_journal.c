@@ -1,0 +1,249 @@
+/* The journal and the lock of a batch: what counts as recorded, and who may record. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "journal.h"
+#include "lock.h"
+
+enum { N_CASES = 4 };
+static const char path[] = "test_journal.tmp.jsonl";
+static const char head[] = "{\"journal\":1}";
+#define ROW(index, status) "{\"case\":" #index ",\"status\":\"" status "\",\"message\":\"{a: 1}\",\"at\":1.5}"
+
+static journal_status status[N_CASES];
+static long n_recorded;
+
+static void write_file(const char *text)
+{
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_true(fputs(text, file) >= 0);
+    assert_int_equal(fclose(file), 0);
+}
+
+static void assert_file(const char *expected)
+{
+    char text[4096] = "";
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    (void)!fread(text, 1, sizeof text - 1, file);
+    assert_int_equal(fclose(file), 0);
+    assert_string_equal(text, expected);
+}
+
+static bool open_file(journal *journal, evl_error *error)
+{
+    return journal_open(journal, path, head, N_CASES, status, &n_recorded, error);
+}
+
+static int remove_file(void **state)
+{
+    (void)state;
+    return unlink(path) == 0 || access(path, F_OK) != 0 ? 0 : -1;
+}
+
+static void a_new_journal_has_its_head_only(void **state)
+{
+    (void)state;
+    journal journal;
+    evl_error error;
+    assert_true(open_file(&journal, &error));
+    assert_int_equal(n_recorded, 0);
+    for (int i = 0; i < N_CASES; i++) {
+        assert_int_equal(status[i], JOURNAL_MISSING);
+    }
+    assert_true(journal_sync(&journal, &error));
+    journal_close(&journal);
+    assert_file("{\"journal\":1}\n");
+}
+
+static void what_was_appended_is_read_and_the_later_line_counts(void **state)
+{
+    (void)state;
+    static const char *const rows[] = {ROW(2, "failed") "\n", ROW(0, "done") "\n", ROW(2, "done") "\n",
+                                       ROW(3, "refused") "\n"};
+    journal journal;
+    evl_error error;
+    assert_true(open_file(&journal, &error));
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        assert_true(journal_append(&journal, rows[i], strlen(rows[i]), &error));
+    }
+    journal_close(&journal);
+    assert_true(open_file(&journal, &error));
+    journal_close(&journal);
+    static const journal_status expected[] = {JOURNAL_DONE, JOURNAL_MISSING, JOURNAL_DONE, JOURNAL_REFUSED};
+    assert_memory_equal(status, expected, sizeof expected);
+    assert_int_equal(n_recorded, 3);
+}
+
+static void every_cut_of_the_last_line_leaves_the_others_and_is_closed(void **state)
+{
+    (void)state;
+    static const char whole[] = "{\"journal\":1}\n" ROW(1, "done") "\n" ROW(2, "failed") "\n";
+    const size_t start = strlen("{\"journal\":1}\n" ROW(1, "done") "\n"), length = sizeof whole - 1;
+    for (size_t cut = start; cut <= length; cut++) {
+        char text[sizeof whole], closed[sizeof whole + 1];
+        journal journal;
+        evl_error error;
+        (void)snprintf(text, sizeof text, "%.*s", (int)cut, whole);
+        write_file(text);
+        assert_true(open_file(&journal, &error));
+        journal_close(&journal);
+        const bool is_there = cut >= length - 1; /* only the newline is missing */
+        assert_int_equal(status[1], JOURNAL_DONE);
+        assert_int_equal(status[2], is_there ? JOURNAL_FAILED : JOURNAL_MISSING);
+        (void)snprintf(closed, sizeof closed, "%s%s", text, cut == start || cut == length ? "" : "\n");
+        assert_file(closed);
+        assert_true(open_file(&journal, &error)); /* a closed torn line does not count either */
+        journal_close(&journal);
+        assert_int_equal(status[2], is_there ? JOURNAL_FAILED : JOURNAL_MISSING);
+    }
+}
+
+static void lines_that_are_none_of_ours_do_not_count(void **state)
+{
+    (void)state;
+    write_file(
+        "{\"journal\":1}\n" ROW(4, "done") "\n" ROW(-1, "done") "\n" ROW(1, "lost") "\nhello\n\n" ROW(0, "done") " \n");
+    journal journal;
+    evl_error error;
+    assert_true(open_file(&journal, &error));
+    journal_close(&journal);
+    assert_int_equal(n_recorded, 0);
+}
+
+static void a_torn_head_is_written_anew(void **state)
+{
+    (void)state;
+    journal journal;
+    evl_error error;
+    write_file("{\"jour");
+    assert_true(open_file(&journal, &error));
+    journal_close(&journal);
+    assert_file("{\"journal\":1}\n");
+}
+
+static void a_journal_with_another_head_is_refused_and_left_alone(void **state)
+{
+    (void)state;
+    static const char text[] = "{\"journal\":2}\n" ROW(1, "done");
+    journal journal;
+    evl_error error;
+    write_file(text);
+    assert_false(open_file(&journal, &error));
+    assert_int_equal(error.code, EVL_EXIT_CASE);
+    assert_string_equal(error.place, path);
+    assert_file(text);
+}
+
+static void a_line_that_finds_no_room_leaves_nothing_behind(void **state)
+{
+    (void)state;
+    static const char row[] = ROW(1, "done") "\n";
+    const struct rlimit none = {RLIM_INFINITY, RLIM_INFINITY};
+    struct rlimit size = {sizeof head + sizeof row - 2 + 10, RLIM_INFINITY}; /* one row and ten bytes */
+    journal journal;
+    evl_error error;
+    (void)signal(SIGXFSZ, SIG_IGN);
+    assert_true(open_file(&journal, &error));
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &size), 0);
+    const bool first = journal_append(&journal, row, sizeof row - 1, &error);
+    const bool second = journal_append(&journal, row, sizeof row - 1, &error);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &none), 0);
+    journal_close(&journal);
+    assert_true(first);
+    assert_false(second);
+    assert_int_equal(error.code, EVL_EXIT_IO);
+    assert_non_null(strstr(error.message, "File too large"));
+    assert_file("{\"journal\":1}\n" ROW(1, "done") "\n");
+}
+
+/* ---- the lock ---- */
+
+static const char lock_path[] = "test_journal.tmp.lock";
+
+/** Try to take the lock in another process. @return what it got: 0 the lock, else the error's code */
+static int try_elsewhere(char *message, size_t size)
+{
+    int ends[2], result = 0;
+    assert_int_equal(pipe(ends), 0);
+    const pid_t pid = fork();
+    assert_true(pid >= 0);
+    if (pid == 0) {
+        file_lock lock;
+        evl_error error = {.code = EVL_EXIT_OK};
+        (void)file_lock_take(&lock, lock_path, &error);
+        (void)!write(ends[1], error.message, strlen(error.message) + 1);
+        _exit(error.code);
+    }
+    (void)close(ends[1]);
+    const ssize_t n = read(ends[0], message, size - 1);
+    message[n > 0 ? n : 0] = '\0';
+    (void)close(ends[0]);
+    assert_int_equal(waitpid(pid, &result, 0), pid);
+    return WEXITSTATUS(result);
+}
+
+static void a_lock_that_is_held_is_refused_naming_its_owner(void **state)
+{
+    (void)state;
+    file_lock lock;
+    evl_error error = {.code = EVL_EXIT_OK};
+    char message[EVL_ERROR_MESSAGE_LENGTH], owner[64];
+    assert_true(file_lock_take(&lock, lock_path, &error));
+    assert_int_equal(try_elsewhere(message, sizeof message), EVL_EXIT_CASE);
+    (void)snprintf(owner, sizeof owner, "pid %ld on ", (long)getpid());
+    assert_non_null(strstr(message, owner));
+    file_lock_release(&lock);
+    assert_int_equal(try_elsewhere(message, sizeof message), 0);
+    assert_int_equal(unlink(lock_path), 0);
+}
+
+static void a_lock_ends_with_its_owner(void **state)
+{
+    (void)state;
+    char message[EVL_ERROR_MESSAGE_LENGTH];
+    assert_int_equal(try_elsewhere(message, sizeof message), 0); /* took it, and ended without a word */
+    assert_int_equal(access(lock_path, F_OK), 0);
+    assert_int_equal(try_elsewhere(message, sizeof message), 0);
+    assert_int_equal(unlink(lock_path), 0);
+}
+
+static void a_lock_in_no_folder_is_an_error_of_output(void **state)
+{
+    (void)state;
+    file_lock lock;
+    evl_error error;
+    assert_false(file_lock_take(&lock, "no/such/folder/x.lock", &error));
+    assert_int_equal(error.code, EVL_EXIT_IO);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(a_new_journal_has_its_head_only, remove_file),
+        cmocka_unit_test_teardown(what_was_appended_is_read_and_the_later_line_counts, remove_file),
+        cmocka_unit_test_teardown(every_cut_of_the_last_line_leaves_the_others_and_is_closed, remove_file),
+        cmocka_unit_test_teardown(lines_that_are_none_of_ours_do_not_count, remove_file),
+        cmocka_unit_test_teardown(a_torn_head_is_written_anew, remove_file),
+        cmocka_unit_test_teardown(a_journal_with_another_head_is_refused_and_left_alone, remove_file),
+        cmocka_unit_test_teardown(a_line_that_finds_no_room_leaves_nothing_behind, remove_file),
+        cmocka_unit_test(a_lock_that_is_held_is_refused_naming_its_owner),
+        cmocka_unit_test(a_lock_ends_with_its_owner),
+        cmocka_unit_test(a_lock_in_no_folder_is_an_error_of_output),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,228 @@
+"""Sweeps on a real Slurm, which the tests start for themselves."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import h5py
+import pytest
+
+from evolvent.sweep.folder import is_locked, shards_of
+
+HERE = Path(__file__).resolve().parent
+PAPER = HERE.parents[1] / "examples" / "paper-friction.yaml"
+PATIENCE = 120.0  # until something that takes seconds is taken for stuck [s]
+NEEDED = ("munged", "slurmctld", "slurmd", "sbatch")
+
+
+@pytest.fixture(scope="module")
+def slurm(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """Folder of a Slurm that runs; with its configuration in the environment."""
+    path = os.pathsep.join([os.environ["PATH"], "/usr/sbin", "/usr/local/sbin"])
+    missing = [program for program in NEEDED if not shutil.which(program, path=path)]
+    if missing:
+        pytest.skip(f"no {', '.join(missing)} here; ./runtests installs slurm-wlm and munge")
+    folder = tmp_path_factory.mktemp("slurm")
+    with (folder / "start.log").open("w+") as log:  # daemons would hold a pipe open
+        started = subprocess.run(
+            [HERE / "private-slurm", "start", folder],
+            stdout=log,
+            stderr=log,
+            stdin=subprocess.DEVNULL,
+            timeout=PATIENCE,
+            check=False,
+        )
+        log.seek(0)
+        output = log.read()
+    try:
+        if started.returncode != 0 and os.getuid() != 0:
+            pytest.skip(f"Slurm does not start without root: {output.splitlines()[-1:]}")
+        assert started.returncode == 0, output
+        yield folder
+    finally:
+        subprocess.run([HERE / "private-slurm", "stop", folder], timeout=PATIENCE, check=False)
+
+
+@pytest.fixture
+def slurm_sweep(
+    slurm: Path, sweep: Callable[..., tuple[int, str, str]], monkeypatch: pytest.MonkeyPatch
+) -> Callable[..., tuple[int, str, str]]:
+    monkeypatch.setenv("SLURM_CONF", str(slurm / "slurm.conf"))
+    return sweep
+
+
+def ask(*command: str) -> str:
+    """Run a command of Slurm; each may hang."""
+    done = subprocess.run(command, capture_output=True, text=True, timeout=30, check=True)
+    return done.stdout
+
+
+def wait_until(condition: Callable[[], bool], what: str) -> None:
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < end, f"{what} did not come: {ask('squeue', '--long')}"
+        time.sleep(0.2)
+
+
+def wait_for_jobs() -> None:
+    wait_until(lambda: ask("squeue", "--noheader") == "", "the end of all jobs")
+
+
+def recorded(folder: Path) -> list[int]:
+    """Cases in the order of the journals, whatever became of them."""
+    cases = []
+    for path in sorted(folder.glob("*.jsonl")):
+        rows = [json.loads(line) for line in path.read_text().splitlines()]
+        cases += [row["case"] for row in rows if "case" in row]
+    return cases
+
+
+TURNING_BACK = "{kind: speeds, speeds: {pinion: 2, gear: -1.333}}"
+
+
+def write_plan(
+    path: Path, loads: list[float], brakes: list[float], starts: list[str], duration: float
+) -> None:
+    path.write_text(f"""
+format: 1
+case: {PAPER}
+method: list
+parameters:
+- {{path: wheels.pinion.loads.0.value, name: load, values: {loads}}}
+- {{path: wheels.gear.loads.0.coefficient, name: brake, values: {brakes}}}
+- {{path: simulation.initial, name: start, values: [{", ".join(starts)}]}}
+- {{path: simulation.duration, name: duration, value: {duration}}}
+- {{path: simulation.output_interval, name: interval, value: 0.01}}
+""")
+
+
+def test_an_array_with_failing_cases_is_collected_and_goes_on_with_what_is_missing(
+    slurm_sweep, tmp_path
+):
+    n, turned, braked = 40, (2, 9, 17, 31), (5, 6, 22)
+    # A pinion that turns back leaves the involute: failed. No brake is negative: refused.
+    starts = [TURNING_BACK if i in turned else "{kind: rest}" for i in range(n)]
+    brakes = [-5.0 if i in braked else 10.0 for i in range(n)]
+    write_plan(tmp_path / "sweep.yaml", [-1.0] * n, brakes, starts, 0.2)
+    assert slurm_sweep("plan", "sweep.yaml", "-o", "design.h5", "--keep-refused")[0] == 0
+
+    command = ("slurm", "design.h5", "-o", "d", "--shards", "4", "--time", "00:05:00", "--submit")
+    code, out, err = slurm_sweep(*command, "--partition", "low", "--line", "export SITE=here")
+    assert (code, err) == (0, "")
+    assert re.search(r"submitted: 4 shards as job \d+, the collector as \d+", out)
+    script = Path("d/slurm/shards.sh").read_text()
+    for line in (
+        "#SBATCH --array=1-4",
+        "#SBATCH --requeue",
+        "#SBATCH --open-mode=append",
+        "#SBATCH --signal=B:USR1@120",
+        "#SBATCH --partition=low",
+        "#SBATCH --time=00:05:00",
+        "export SITE=here",
+    ):
+        assert f"{line}\n" in script
+    wait_for_jobs()
+
+    assert sorted(recorded(Path("d"))) == list(range(n))
+    assert len(shards_of(Path("d"))) == 4
+    with h5py.File("d/summary.h5") as summary:  # the collector came after the array
+        status = summary["status"][:].tolist()
+    assert [i for i in range(n) if status[i] == 2] == sorted(turned)
+    assert [i for i in range(n) if status[i] == 3] == sorted(braked)
+    assert status.count(1) == n - 7
+    log = Path("d/slurm/collect.log").read_text()
+    assert "summary.h5: 40 cases: 33 done, 7 failed, 0 missing" in log
+
+    code, out, _ = slurm_sweep(*command)
+    assert (code, out) == (0, "d: all 40 cases are recorded; there is nothing to run\n")
+
+    # Two cases of one shard and the journal of another are lost.
+    third = Path("d/shard-3-of-4.jsonl")
+    third.write_text("".join(third.read_text().splitlines(keepends=True)[:-2]))
+    Path("d/shard-2-of-4.jsonl").unlink()
+    kept = recorded(Path("d"))
+    assert len(kept) == 28
+    code, out, _ = slurm_sweep(*command)
+    assert code == 0
+    assert "submitted: 2 shards" in out
+    assert "#SBATCH --array=2-3\n" in Path("d/slurm/shards.sh").read_text()
+    wait_for_jobs()
+    now = recorded(Path("d"))
+    assert sorted(now) == list(range(n))  # each once: what was recorded was not run again
+    log = Path("d/slurm/collect.log").read_text()
+    assert log.count("40 cases: 33 done, 7 failed, 0 missing") == 2  # appended
+
+
+def long_design(slurm_sweep, tmp_path) -> int:
+    n = 60
+    loads = [-1.0 - 0.01 * i for i in range(n)]
+    write_plan(tmp_path / "sweep.yaml", loads, [10.0] * n, ["{kind: rest}"] * n, 5.0)
+    assert slurm_sweep("plan", "sweep.yaml", "-o", "design.h5")[0] == 0
+    return n
+
+
+def submit_one_shard(slurm_sweep) -> str:
+    command = ("slurm", "design.h5", "-o", "d", "--shards", "1", "--partition", "low")
+    code, out, _ = slurm_sweep(*command, "--time", "00:10:00", "--submit")
+    assert code == 0
+    match = re.search(r"as job (\d+)", out)
+    assert match
+    wait_until(lambda: len(recorded_whole(Path("d"))) >= 3, "the first cases")
+    return match[1]
+
+
+def recorded_whole(folder: Path) -> list[str]:
+    """Lines of cases of journals that grow."""
+    texts = [path.read_text() for path in folder.glob("*.jsonl")]
+    return [line for text in texts for line in text.splitlines() if line.startswith('{"case":')]
+
+
+def test_a_preempted_shard_is_requeued_and_continues(slurm_sweep, tmp_path):
+    n = long_design(slurm_sweep, tmp_path)
+    job = submit_one_shard(slurm_sweep)
+    urgent = tmp_path / "urgent.sh"
+    urgent.write_text("#!/bin/bash\nsleep 1\n")
+    options = ["--partition=high", "--exclusive", f"--output={tmp_path}/urgent.log"]
+    ask("sbatch", "--wait", *options, str(urgent))  # takes the node from the shard
+    at_preemption = recorded(Path("d"))
+    assert 3 <= len(at_preemption) < n
+    assert "Restarts=1" in ask("scontrol", "show", "job", f"{job}_1")
+    wait_for_jobs()
+    assert recorded(Path("d"))[: len(at_preemption)] == at_preemption
+    assert sorted(recorded(Path("d"))) == list(range(n))
+    assert not is_locked(Path("d"), shards_of(Path("d"))[0])
+    assert f"{n} cases: {n} done, 0 failed, 0 missing" in Path("d/slurm/collect.log").read_text()
+
+
+def test_a_shard_that_runs_out_of_time_requeues_itself_and_continues(slurm_sweep, tmp_path):
+    n = long_design(slurm_sweep, tmp_path)
+    job = submit_one_shard(slurm_sweep)
+    # What Slurm sends 120 s before the limit.
+    ask("scancel", "--signal=USR1", "--batch", f"{job}_1")
+    wait_until(
+        lambda: "Restarts=1" in ask("scontrol", "show", "job", f"{job}_1"), "the second start"
+    )
+    assert len(recorded(Path("d"))) < n
+    wait_for_jobs()
+    assert sorted(recorded(Path("d"))) == list(range(n))
+    assert f"{n} cases: {n} done, 0 failed, 0 missing" in Path("d/slurm/collect.log").read_text()
+
+
+def test_what_slurm_refuses_is_told_in_its_words(slurm_sweep, tmp_path):
+    write_plan(tmp_path / "sweep.yaml", [-1.0, -2.0], [10.0, 10.0], ["{kind: rest}"] * 2, 0.1)
+    assert slurm_sweep("plan", "sweep.yaml", "-o", "design.h5")[0] == 0
+    command = ("slurm", "design.h5", "-o", "d", "--shards", "2", "--submit")
+    code, _, err = slurm_sweep(*command, "--partition", "nowhere")
+    assert code == 3
+    assert "sbatch refused" in err
+    assert "invalid partition specified: nowhere" in err
+    code, _, err = slurm_sweep("slurm", "design.h5", "-o", "d", "--shards", "3")
+    assert code == 2
+    assert "--shards 3: the design has only 2 cases" in err

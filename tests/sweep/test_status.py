@@ -1,0 +1,136 @@
+"""What is said of a sweep that goes on or has ended."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import textwrap
+
+import numpy as np
+import pytest
+from sweeps import BEGAN, failed, make_design, row, write_journal
+
+from evolvent.sweep.estimate import span
+from evolvent.sweep.folder import Shard, is_locked
+from evolvent.sweep.status import listed, read_status, recent_rate
+
+
+def test_cases_are_counted_by_what_became_of_them(tmp_path):
+    design = make_design(10)
+    refused = failed(4, "wheels.pinion.teeth: is 2", status="refused", exit=3)
+    write_journal(tmp_path, design, [row(0), row(1), failed(2), refused])
+    found = read_status(tmp_path, design)
+    counts = (found.n_cases, found.done, found.failed, found.refused, found.missing)
+    assert counts == (10, 2, 1, 1, 6)
+    assert not found.is_complete
+
+
+def test_reasons_that_differ_in_numbers_are_one_and_the_most_frequent_comes_first(tmp_path):
+    design = make_design(10)
+    rows = [failed(9, "no steady state")]
+    rows += [failed(i, f"contact was lost at t = {0.1 * i:g} s") for i in (5, 3, 7)]
+    write_journal(tmp_path, design, rows)
+    reasons = read_status(tmp_path, design).reasons
+    assert [(r.count, r.example, r.case) for r in reasons] == [
+        (3, "contact was lost at t = 0.3 s", 3),
+        (1, "no steady state", 9),
+    ]
+
+
+def test_the_rate_is_that_of_the_last_minutes():
+    early = np.linspace(0.0, 100.0, 1001)  # 10 a second
+    late = np.linspace(10_000.0, 10_500.0, 1001)  # 2 a second
+    times = np.concatenate([late, [np.nan], early])
+    assert recent_rate(times, None) == pytest.approx(2.0, rel=1e-12)
+    # 500 s later only the last 100 s of records are recent: 200 cases in 600 s.
+    assert recent_rate(times, 11_000.0) == pytest.approx(200 / 600, rel=0.01)
+    assert recent_rate(times, 20_000.0) == 0.0
+    assert np.isnan(recent_rate(np.array([5.0, np.nan]), None))
+
+
+HOLD = textwrap.dedent("""
+    import fcntl, sys
+    file = open(sys.argv[1], "w")
+    fcntl.lockf(file, fcntl.LOCK_EX)
+    print("held", flush=True)
+    sys.stdin.read()
+""")
+
+
+def test_a_lock_counts_as_long_as_its_owner_lives(tmp_path):
+    shard = Shard(of=1, index=1)
+    assert not is_locked(tmp_path, shard)
+    command = [sys.executable, "-c", HOLD, str(tmp_path / "shard-1-of-1.lock")]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as owner:
+        assert owner.stdout is not None
+        owner.stdout.readline()
+        assert is_locked(tmp_path, shard)
+        owner.kill()
+    assert (tmp_path / "shard-1-of-1.lock").exists()
+    assert not is_locked(tmp_path, shard)
+
+
+def test_a_running_sweep_says_when_it_will_be_finished(tmp_path):
+    design = make_design(100)
+    write_journal(tmp_path, design, [row(i) for i in range(41)])  # one a second
+    command = [sys.executable, "-c", HOLD, str(tmp_path / "shard-1-of-1.lock")]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as owner:
+        assert owner.stdout is not None
+        owner.stdout.readline()
+        found = read_status(tmp_path, design, now=BEGAN + 40)
+        owner.kill()
+    assert found.rate == pytest.approx(1.0, rel=1e-12)
+    assert found.finished_at == pytest.approx(BEGAN + 40 + 59, rel=1e-12)
+    assert found.running == [Shard(of=1, index=1)]
+    assert np.isnan(read_status(tmp_path, design, now=BEGAN + 40).finished_at)  # nobody works
+
+
+def test_status_is_shown_for_people_and_for_scripts(sweep, tmp_path):
+    design = make_design(10)
+    write_journal(tmp_path / "d", design, [row(0), row(1), failed(2), failed(3)])
+    code, out, err = sweep("status", "d")
+    assert (code, err) == (0, "")
+    lines = [line.strip() for line in out.splitlines()]
+    assert lines[:5] == ["2  done", "2  failed", "0  refused", "6  missing", "10  cases"]
+    assert "2 x contact was lost (case 2)" in lines
+    assert lines[-1] == "no run is at work here; give its command again to go on"
+    code, out, _ = sweep("status", "d", "--json")
+    found = json.loads(out)
+    assert code == 0
+    assert (found["done"], found["failed"], found["missing"]) == (2, 2, 6)
+    assert found["reasons"] == [{"count": 2, "example": "contact was lost", "case": 2}]
+    assert found["rate"] == pytest.approx(1.0, rel=1e-12)
+    assert found["finished_at"] is None
+
+
+def test_a_finished_sweep_is_called_finished(sweep, tmp_path):
+    write_journal(tmp_path / "d", make_design(3), [row(0), row(1), row(2)])
+    assert sweep("status", "d")[1].splitlines()[-1] == "finished, 1 cases a second"
+
+
+@pytest.mark.parametrize(
+    ("cases", "text"),
+    [
+        ([], "none"),
+        ([4], "4"),
+        ([1, 2, 3, 7, 9, 10], "1-3, 7, 9-10"),
+        (range(0, 100, 2), ", ".join(str(2 * i) for i in range(20)) + " and 30 more"),
+    ],
+)
+def test_case_numbers_are_listed_in_runs(cases, text):
+    assert listed(np.array(list(cases), dtype=np.int64)) == text
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [
+        (0.2, "less than 1 s"),
+        (59.4, "59 s"),
+        (200, "3 min 20 s"),
+        (18_420, "5 h 07 min"),
+        (273_600, "3 d 4 h"),
+    ],
+)
+def test_times_are_written_as_people_say_them(seconds, text):
+    assert span(seconds) == text

@@ -1,0 +1,64 @@
+"""Values of a plan are the values of a case file: YAML 1.2, not PyYAML's 1.1."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from evolvent.sweep.errors import SweepError
+from evolvent.sweep.yaml_text import read_yaml, yaml_text
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("1e9", 1e9),
+        ("1.0e+9", 1e9),
+        ("-2", -2),
+        ("010", 10),
+        ("no", "no"),
+        ("12:30", "12:30"),
+        ("2020-01-01", "2020-01-01"),
+        ("true", True),
+        ("~", None),
+        ("{law: none}", {"law": "none"}),
+    ],
+)
+def test_a_text_is_read_as_yaml_1_2_has_it(text, value):
+    assert read_yaml(text, "x") == value
+
+
+VALUES = st.recursive(
+    st.none()
+    | st.booleans()
+    | st.integers(-(2**60), 2**60)
+    | st.floats(allow_nan=False)
+    | st.text(st.characters(codec="utf-8", exclude_categories=["Cc", "Cs"])),
+    lambda inner: (
+        st.lists(inner, max_size=3) | st.dictionaries(st.text("abc", min_size=1), inner, max_size=3)
+    ),
+    max_leaves=8,
+)
+
+
+@given(VALUES)
+def test_a_value_survives_being_written_on_one_line_and_read(value):
+    text = yaml_text(value)
+    assert "\n" not in text
+    assert read_yaml(text, "x") == value
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("a: 1\na: 2", "x:2:1: the key 'a' stands twice"),
+        ("a: [1", "x:1:6: "),
+        ("{[1]: 2}", "x:1:2: a key must be a text or a number"),
+        ("!!python/object:os.system x", "x:1:1: could not determine a constructor"),
+    ],
+)
+def test_what_is_no_plain_yaml_is_refused_with_its_place(text, message):
+    with pytest.raises(SweepError) as caught:
+        read_yaml(text, "x")
+    assert str(caught.value).startswith(message)
