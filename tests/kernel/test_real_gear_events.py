@@ -28,13 +28,10 @@ from kernel.gearbox_description import (
     TORQUE,
     VISCOUS,
     load,
-    mesh,
-    wheel,
 )
-from kernel.gears import gear_description
 from kernel.kernel import CONTACT, INVALID_INPUT, Kernel
 from kernel.real_cases import GAPS, PAIRS, made, settle_friction
-from kernel.real_pairs import WIDTH, RealPair, Teeth
+from kernel.real_pairs import RealPair, Teeth
 
 EVERY_PAIR = pytest.mark.parametrize("pair", PAIRS.values(), ids=PAIRS.keys())
 PERFECT = pytest.mark.parametrize(
@@ -267,44 +264,6 @@ def test_a_pair_whose_contact_ratio_is_below_1_has_no_steady_start(kernel: Kerne
         gearbox.start(STEADY)
     assert "contact ratio 0.8 is on the path" in caught.value.message
     assert gearbox.start(SPEEDS, speeds=(0.0, 0.0))
-
-
-# ---- teeth of wheels with several meshes
-
-
-def test_the_teeth_of_an_idler_are_the_same_in_both_of_its_meshes(kernel: Kernel):
-    """Half a turn apart, or what the centre lines say: a tooth keeps its number."""
-    teeth = (20, 35, 26)
-    form = gear_description(3e-3)
-    errors = [1e-6 * ((k * k) % 11) for k in range(35)]
-    flawed = deviations(pitch_errors=errors)
-    wheels = [
-        wheel(
-            teeth=z,
-            width=WIDTH,
-            gear=form,
-            centre=(0, 0) if i == 0 else None,
-            deviation=flawed if i == 1 else deviations(),
-        )
-        for i, z in enumerate(teeth)
-    ]
-    for angle in (0.5, 2.0, -1.3):
-        meshes = [mesh(kernel, 0, 1), mesh(kernel, 1, 2, driving_rotation=1)]
-        for description, chi in zip(meshes, (0.0, angle), strict=True):
-            description.paper_rule = False
-            description.has_centre_line_angle, description.centre_line_angle = True, chi
-        gearbox = Gearbox(kernel, wheels, [load(0, TORQUE, -1.0)], meshes)
-        o = gearbox.outputs(gearbox.start())
-        # tooth 0 of the idler is the one that the first mesh starts with, near the direction pi
-        on_path = o["pair_on_path"] == 1
-        drive = gearbox.sizes.n_drive_places
-        first = o["pair_tooth_driven"][0, :drive][on_path[0, :drive]].astype(int)
-        assert 0 in first
-        second = o["pair_tooth_driving"][1, :drive][on_path[1, :drive]].astype(int)
-        # angle from the tooth of the first mesh to that of the second, counterclockwise
-        apart = (second * 2 * np.pi / 35) % (2 * np.pi)
-        away = (apart - (angle - np.pi) + np.pi) % (2 * np.pi) - np.pi
-        assert abs(away).min() < 1.5 * 2 * np.pi / 35  # both are within a pitch of the centre line
 
 
 # ---- refusals
