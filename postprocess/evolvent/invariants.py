@@ -202,8 +202,8 @@ def finiteness(history: xr.Dataset) -> xr.DataArray:
     """Share of the values that are no finite numbers, dim (variable).
 
     What only tracked points have is missing on purpose where none are tracked, the position of a
-    tooth pair off the path of contact, the efficiency of a mesh without power, and the gap of coast
-    flanks of a mesh that has none.
+    tooth pair off the path of contact, the efficiency of a mesh without power, the gap of coast
+    flanks of a mesh that has none, and where a relief starts that a wheel has not.
     """
     shares: dict[str, float] = {}
     for name, variable in history.variables.items():
@@ -220,6 +220,8 @@ def finiteness(history: xr.Dataset) -> xr.DataArray:
             values = values.where(require(history, "mesh_torque_driving") * speed != 0.0, 0.0)
         if name == "coast_gap":
             values = values.where(values.notnull().any("time"), 0.0)
+        if name in ("tip_relief_start", "root_relief_start"):
+            values = values.fillna(0.0)
         shares[str(name)] = float(np.mean(~np.isfinite(values.values))) if values.size else 0.0
     return xr.DataArray(list(shares.values()), dims="variable", coords={"variable": list(shares)})
 
