@@ -16,7 +16,7 @@ module evl_contact_build
 
    public :: list_contacts, take_contact, find_dependents
 
-   real(wp), parameter :: exactly_one = 1.0e-9_wp !! contact ratios this near a whole number are one: at 1 both ends of the path are one event
+   real(wp), parameter :: exactly_one = 1.0e-9_wp !! contact ratios this near a whole number are one; at 1 pairs hand over
    real(wp), parameter :: least_apart = 1.0e-3_wp !! in base pitches: gap_apart where the path ends on a base circle
 
 contains

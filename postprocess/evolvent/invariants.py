@@ -16,6 +16,10 @@ from evolvent.history import require
 
 CLOSED_FORM = 0  # value of `tracking`
 LOADED = 1  # value of `contact_mode`: the flanks press on each other
+OF_REAL_GEARS = {  # constants of wheels and meshes that other pairs do not have
+    *("root_radius", "form_radius", "tooth_angle", "backlash"),
+    *("tip_relief_start", "root_relief_start"),
+}
 APART = 3  # value of `contact_mode`: the flanks are too far apart to track points on them
 
 
@@ -202,8 +206,8 @@ def finiteness(history: xr.Dataset) -> xr.DataArray:
     """Share of the values that are no finite numbers, dim (variable).
 
     What only tracked points have is missing on purpose where none are tracked, the position of a
-    tooth pair off the path of contact, the efficiency of a mesh without power, and the gap of coast
-    flanks of a mesh that has none.
+    tooth pair off the path of contact, the efficiency of a mesh without power, the gap of coast
+    flanks of a mesh that has none, and what only real gears have.
     """
     shares: dict[str, float] = {}
     for name, variable in history.variables.items():
@@ -220,6 +224,8 @@ def finiteness(history: xr.Dataset) -> xr.DataArray:
             values = values.where(require(history, "mesh_torque_driving") * speed != 0.0, 0.0)
         if name == "coast_gap":
             values = values.where(values.notnull().any("time"), 0.0)
+        if name in OF_REAL_GEARS:
+            values = values.fillna(0.0)
         shares[str(name)] = float(np.mean(~np.isfinite(values.values))) if values.size else 0.0
     return xr.DataArray(list(shares.values()), dims="variable", coords={"variable": list(shares)})
 

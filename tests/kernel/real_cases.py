@@ -11,7 +11,6 @@ from kernel.gearbox_description import CLOSED_FORM, TORQUE, load
 from kernel.kernel import Kernel
 from kernel.real_pairs import RealPair, Teeth, state_of
 
-
 FRICTION = (0.2, 1e-2)
 DAMPING = 3e3
 ALL_DEVIATIONS = (

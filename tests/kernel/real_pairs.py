@@ -1,8 +1,8 @@
 """One pair of real gears at a state: every tooth pair on both flanks, in absolute coordinates.
 
-Written from docs/geometry.md and docs/deviations.md with fifty digits. Teeth are found by where they
-stand on their wheels, forces by differences of the gap: nothing here counts from the start, uses
-deviations from a nominal motion or knows the arms of the forces, as the kernel does.
+Written from docs/geometry.md and docs/deviations.md with fifty digits. Teeth are found by where
+they stand on their wheels, forces by differences of the gap: nothing here counts from the start,
+uses deviations from a nominal motion or knows the arms of the forces, as the kernel does.
 """
 
 from __future__ import annotations
@@ -141,7 +141,7 @@ class RealPair:
     @property
     def slots(self) -> int:
         """Places of each flank."""
-        return int(np.ceil(self.contact_ratio)) + 1
+        return int(np.ceil(self.contact_ratio - 1e-9)) + 1
 
     @cached_property
     def formulas(self) -> tuple[Formula, Formula]:
@@ -370,9 +370,7 @@ class Teeth:
         v_t = side * mp.fdot(arms, self.rates[:2]) + axles[0] * across[0] + axles[1] * across[1]
         f, knee = friction
         tangential = -f * normal * max(mp.mpf(-1), min(mp.mpf(1), v_t / knee))
-        torques = tuple(
-            normal * gradient[i] + side * tangential * arms[i] for i in (0, 1)
-        )
+        torques = tuple(normal * gradient[i] + side * tangential * arms[i] for i in (0, 1))
         on_a = normal * vector(gradient[2], gradient[3]) + tangential * across
         loss = -tangential * v_t
         damped = -viscous * mp.fdot(gradient, self.rates)

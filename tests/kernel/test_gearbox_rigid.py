@@ -22,9 +22,9 @@ from kernel.gearbox_description import (
     wheel,
 )
 from kernel.housing import Pair
+from kernel.jacobian import check_jacobian
 from kernel.kernel import CONTACT, INVALID_INPUT, Kernel
 from kernel.rigid_cases import FRICTION, KNEE, refusal, rigid, rigid_train
-from kernel.jacobian import check_jacobian
 from kernel.test_gearbox_jacobian import put
 
 TRACKINGS = pytest.mark.parametrize(

@@ -7,8 +7,8 @@ import pytest
 
 from kernel.gearbox import LOADED, UNLOADED, Gearbox
 from kernel.gearbox_description import BEARING, SLIDER, TORQUE, VISCOUS, load, mesh, wheel
-from kernel.kernel import CONTACT, DAMPING, FRICTION, Kernel
 from kernel.jacobian import check_jacobian
+from kernel.kernel import CONTACT, DAMPING, FRICTION, Kernel
 from kernel.test_gearbox_jacobian import TRACKINGS, put
 
 CONTACTS = {

@@ -1,4 +1,4 @@
-"""Real pairs: which teeth are on the path, what each tooth pair does, against absolute coordinates."""
+"""Real pairs: which teeth are on the path and what they do, against absolute coordinates."""
 
 from __future__ import annotations
 
@@ -89,8 +89,11 @@ def test_forces_of_every_pair_follow_the_gradient_of_its_gap(
         curvature = sum(1 / float(r) for r in contact.rho)
         geometry = gearbox.mesh_geometry()
         pressure = np.sqrt(
-            float(force.normal) / geometry.common_width * geometry.effective_modulus
-            * curvature / np.pi
+            float(force.normal)
+            / geometry.common_width
+            * geometry.effective_modulus
+            * curvature
+            / np.pi
         )
         values = pair_values(gearbox, o, "pair_contact_pressure", contact.flank)
         assert values[contact.number % pair.slots] == pytest.approx(pressure, rel=1e-9)
@@ -194,9 +197,7 @@ def tracked(closed: Gearbox, gearbox: Gearbox, state: State) -> State:
     for i, name in enumerate(closed.names):
         same.y[gearbox.place(name)] = state.y[i]
     near = same.copy()
-    on_path = [
-        c for c in range(gearbox.sizes.n_drive_places) if gearbox.mode(near, c)[1] != OFF
-    ]
+    on_path = [c for c in range(gearbox.sizes.n_drive_places) if gearbox.mode(near, c)[1] != OFF]
     if on_path:
         gearbox.mode(near, on_path[0])[1] = APART
         near, _ = gearbox.apply(near, "apart", contact=on_path[0])

@@ -8,6 +8,7 @@ Integrated piece by piece between the knots of p and the changes of contact, whi
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -45,56 +46,81 @@ class Solution:
     closed: list[float]
 
 
+@dataclass(frozen=True)
+class Piece:
+    """Motion between two changes, in units of the static penetration and natural frequency."""
+
+    damping: float  # twice the damping ratio
+    backlash: float
+    load: tuple[float, float]  # p at the ends of `span`
+    span: tuple[float, float]
+    mode: int
+    flank: int  # +1: x, -1: y
+
+    def depth(self, z: Floats) -> tuple[float, float]:
+        """Penetration of the flank in contact, and its rate."""
+        return (z[0], z[1]) if self.flank > 0 else (-z[0] - self.backlash, -z[1])
+
+    def rates(self, tau: float, z: Floats) -> Floats:
+        """Return x' and x''."""
+        (p_0, p_1), (start, end) = self.load, self.span
+        p = p_0 + (p_1 - p_0) * (tau - start) / (end - start)
+        push = self.force(tau, z) if self.mode == PUSHING else 0.0
+        return np.array([z[1], p - self.flank * push])
+
+    def force(self, _: float, z: Floats) -> float:
+        """Force without the clip."""
+        h, v = self.depth(z)
+        return h + self.damping * v
+
+    def events(self) -> dict[str, Any]:
+        """What can end it, and in which direction it passes zero."""
+        if self.mode == FREE:
+            found = {
+                "x": (lambda _, z: z[0], 1),
+                "y": (lambda _, z: -z[0] - self.backlash, 1),
+            }
+        else:
+            found = {
+                "apart": (lambda _, z: self.depth(z)[0], -1),
+                "clip": (lambda tau, z: self.force(tau, z), -1 if self.mode == PUSHING else 1),
+            }
+        for function, direction in found.values():
+            function.terminal, function.direction = True, direction  # type: ignore[attr-defined]
+        return {name: function for name, (function, _) in found.items()}
+
+
 def solve(o: Oscillator, periods: int, times: Floats) -> Solution:
     """From rest at x = mean/stiffness."""
-    # in units of the static penetration and of the natural frequency
     unit, frequency = o.mean / o.stiffness, np.sqrt(o.stiffness / o.mass)
-    zeta2, gap = o.damping / (o.mass * frequency), o.backlash / unit
     corners, forces = o.knots(periods)
     found = Solution(np.full(len(times), np.nan), [], [])
-    state, mode, t = np.array([1.0, 0.0]), PUSHING, 0.0
-    flank = 1  # +1: x, -1: y
+    state, mode, flank, t = np.array([1.0, 0.0]), PUSHING, 1, 0.0
     taus = times * frequency
-    for (t_0, t_1), (p_0, p_1) in zip(
-        zip(corners[:-1], corners[1:], strict=True),
-        zip(forces[:-1], forces[1:], strict=True),
-        strict=True,
-    ):
-        start, end = t_0 * frequency, t_1 * frequency
-        while t < end:
-
-            def depth(z: Floats, side: int = flank) -> tuple[float, float]:
-                return (z[0], z[1]) if side > 0 else (-z[0] - gap, -z[1])
-
-            def rates(tau: float, z: Floats, mode: int = mode, side: int = flank) -> Floats:
-                p = (p_0 + (p_1 - p_0) * (tau - start) / (end - start)) / o.mean
-                h, v = depth(z)
-                push = h + zeta2 * v if mode == PUSHING else 0.0
-                return np.array([z[1], p - side * push])
-
-            events: dict[str, Any] = {}
-            if mode == FREE:
-                events["x"] = (lambda tau, z: z[0], 1)
-                events["y"] = (lambda tau, z: -z[0] - gap, 1)
-            else:
-                events["apart"] = (lambda tau, z: depth(z)[0], -1)
-                direction = -1 if mode == PUSHING else 1
-                events["clip"] = (lambda tau, z: depth(z)[0] + zeta2 * depth(z)[1], direction)
-            functions = []
-            for function, direction in events.values():
-                function.terminal, function.direction = True, direction
-                functions.append(function)
-            piece = solve_ivp(
-                rates, (t, end), state, method="DOP853", events=functions, dense_output=True,
-                rtol=1e-11, atol=1e-13,
+    loads, spans = pairwise(forces / o.mean), pairwise(corners * frequency)
+    for load, span in zip(loads, spans, strict=True):
+        while t < span[1]:
+            piece = Piece(
+                o.damping / (o.mass * frequency), o.backlash / unit, load, span, mode, flank
             )
-            here = (taus >= t) & (taus <= piece.t[-1])
+            events = piece.events()
+            way = solve_ivp(
+                piece.rates,
+                (t, span[1]),
+                state,
+                method="DOP853",
+                events=list(events.values()),
+                dense_output=True,
+                rtol=1e-11,
+                atol=1e-13,
+            )
+            here = (taus >= t) & (taus <= way.t[-1])
             if here.any():
-                found.x[here] = unit * piece.sol(taus[here])[0]
-            t, state = piece.t[-1], piece.y[:, -1]
-            if piece.status != 1:
+                found.x[here] = unit * way.sol(taus[here])[0]
+            t, state = way.t[-1], way.y[:, -1]
+            if way.status != 1:
                 break
-            fired = [name for name, at in zip(events, piece.t_events, strict=True) if len(at)]
+            fired = [name for name, at in zip(events, way.t_events, strict=True) if len(at)]
             match fired[0]:
                 case "clip":
                     mode = CLIPPED if mode == PUSHING else PUSHING

@@ -242,7 +242,11 @@ def test_both_senses_of_rotation_are_mirror_images(runs, contact):
                 "runout": {"amount": 5e-6, "phase": sign * 40.0},
                 "tip_relief": {"amount": 1e-5, "diameter": 0.093},
             }
-        table = {"kind": "table", "time": [0, 6e-3, 8e-3], "torque": [-10 * sign, -10 * sign, 6 * sign]}
+        table = {
+            "kind": "table",
+            "time": [0, 6e-3, 8e-3],
+            "torque": [-10 * sign, -10 * sign, 6 * sign],
+        }
         law = {"law": contact, **({"restitution": 0.4} if contact == "rigid" else {})}
         damping = {"law": "linear", "coefficient": 500} if contact == "johnson" else {"law": "none"}
         friction = {"law": "coulomb", "coefficient": 0.1, "regularisation_velocity": 1e-2}

@@ -1,7 +1,7 @@
 """One degree of freedom with backlash, against a program that knows nothing of gears.
 
-Natural frequency 1586 Hz, damping ratio 0.05, excited at 0.9 times that by a triangle wave of 60 % of
-the mean: a stable motion of the period of the load, in which contact is lost once a period.
+Natural frequency 1586 Hz, damping ratio 0.05, excited at 0.9 times that by a triangle wave of 60 %
+of the mean: a stable motion of the period of the load, in which contact is lost once a period.
 """
 
 from __future__ import annotations

@@ -64,7 +64,7 @@ def slow(runs, request) -> Run:
 
 def test_the_perfect_pair_has_two_pairs_in_contact_for_the_time_that_its_ratio_says(slow):
     """75.47 %: the penetration makes the path of contact shorter by itself, 2e-4 of a pitch."""
-    assert RATIO == pytest.approx(1.7547, abs=5e-5)
+    assert pytest.approx(1.7547, abs=5e-5) == RATIO
     assert slow.exit_code == 0
     assert broken_invariants(slow) == []
     flank, kind, time = (slow.events[name].values for name in ("flank", "kind", "time"))
@@ -170,8 +170,13 @@ def drive(run: Run) -> list[str]:
     return [name for name in run.history["pair"].values if name.startswith("drive")]
 
 
-def test_at_a_contact_ratio_of_exactly_1_exit_and_entry_are_one_event(runs):
-    run = runs(with_ratio(1.0))
+@pytest.mark.parametrize("flawed", [False, True], ids=["perfect", "with pitch errors"])
+def test_at_a_contact_ratio_of_exactly_1_exit_and_entry_are_one_event(runs, flawed):
+    case = with_ratio(1.0)
+    if flawed:  # every pair takes over at another gap than that of the pair before
+        case["wheels"][0]["pitch_errors"] = [1e-6 * (7 * k % 5) for k in range(30)]
+        case["wheels"][1]["runout"] = {"amount": 5e-6}
+    run = runs(case)
     assert run.exit_code == 0
     assert broken_invariants(run) == []
     kinds = set(run.events["kind"].values)
@@ -179,6 +184,23 @@ def test_at_a_contact_ratio_of_exactly_1_exit_and_entry_are_one_event(runs):
     assert not kinds & {"pair_entered", "pair_left"}
     assert run.history["pair"].values.tolist() == ["drive_0", "coast_0"]
     assert np.all(run.history["pair_on_path"] == 1)
+
+
+@pytest.mark.parametrize(("ratio", "counts"), [(1.0, {1}), (1.3, {1, 2}), (4.0, {4})])
+def test_rigid_pairs_share_one_force(runs, ratio, counts):
+    friction = {"law": "coulomb", "coefficient": 0.1, "regularisation_velocity": 1e-2}
+    case = with_ratio(ratio, contact={"law": "rigid"}, damping={"law": "none"}, friction=friction)
+    case["wheels"][1]["thickness_allowance"] = -5e-5  # backlash at the same centre distance
+    run = runs(case)
+    assert run.exit_code == 0
+    assert broken_invariants(run) == []
+    history = run.history
+    pairs = history["pairs_in_contact"][1:, 0].values  # at the start both ends may be on the path
+    assert set(pairs) == counts
+    force = history["pair_normal_force"][1:, 0].values
+    share = history["normal_force"][1:].values / pairs[:, None]
+    np.testing.assert_allclose(np.where(force > 0, force, share), share * np.ones_like(force))
+    assert np.all((force > 0).sum(axis=1) == pairs)
 
 
 # ---- tip relief
@@ -195,7 +217,12 @@ def relieved(amount: float, duration: float, damped: bool, **simulation: Any) ->
             {**viscous(TORQUE / 20), **relief},
         ),
         mesh={"damping": {"law": "one_sided", "coefficient": 1e9}} if damped else {},
-        **{"duration": duration, "output_interval": 2e-6, "initial": {"kind": "steady"}, **simulation},
+        **{
+            "duration": duration,
+            "output_interval": 2e-6,
+            "initial": {"kind": "steady"},
+            **simulation,
+        },
     )
 
 
