@@ -27,7 +27,7 @@ contains
 
       t(1) = output_t("root_radius", "m", "r_f", "root radius; 0 if not known", dims_wheel, .true.)
       t(2) = output_t("form_radius", "m", "r_Ff", "radius where the involute begins; 0 if not known", dims_wheel, .true.)
-  t(3) = output_t("active_radius", "m", "r_Nf", "radius where the active profile begins, the smallest over its meshes; 0" &
+      t(3) = output_t("active_radius", "m", "r_Nf", "radius where the active profile begins, the smallest over its meshes; 0" &
                       //" without", dims_wheel, .true.)
       t(4) = output_t("tooth_angle", "rad", "psi", "angle that a tooth fills on the base circle; 0 if not known", dims_wheel, &
                       .true.)
