@@ -54,6 +54,7 @@ class Scene:
         self.history, self.exaggeration, self.largest = history, exaggeration, largest
         self.wheels = drawn_wheels(history)
         self.meshes = drawn_meshes(history)
+        self.zoomed = mesh is not None
         self.shown = range(len(self.meshes)) if mesh is None else range(mesh, mesh + 1)
         self.visible = range(len(self.wheels)) if mesh is None else self.meshes[mesh].wheels
         self.box = self._whole() if mesh is None else self._around(self.meshes[mesh])
@@ -219,7 +220,12 @@ class Scene:
         wide = self.box[1] - self.box[0]
         small = min(wide, self.box[3] - self.box[2])
         self.arrow_width = 0.011 * small
-        self.per_newton = LONGEST * small / self.largest if self.largest > 0 else 0.0
+        longest = LONGEST * small
+        if self.zoomed:
+            # arrows of neighbouring tooth pairs, a base pitch apart, do not overlap
+            pitch = require(self.history, "base_pitch").values[self.shown[0]]
+            longest = min(longest, 0.46 * float(pitch))
+        self.per_newton = longest / self.largest if self.largest > 0 else 0.0
         length = _round_below(wide / 5)
         keys: Axes = self.keys
         at = 0.03 * wide

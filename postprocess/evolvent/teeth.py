@@ -217,7 +217,7 @@ def drawn_meshes(history: xr.Dataset) -> list[DrawnMesh]:
                 centres=(centres[a], centres[b]),
                 base_radii=(float(base[a]), float(base[b])),
                 path=(start, start + ratio * length),
-                has_coast=bool(np.isfinite(require(history, "backlash")[number])),
+                has_coast=bool(require(history, "has_coast_flanks")[number]),
             )
         )
     return meshes
@@ -270,7 +270,7 @@ def _profile(
     base, tip, active = known("base_radius"), known("tip_radius"), known("active_radius")
     teeth = int(known("teeth"))
     tooth_angle, form, root = known("tooth_angle"), known("form_radius"), known("root_radius")
-    if not np.isfinite(tooth_angle):
+    if not tooth_angle > 0:
         tooth_angle = _even_tooth_angle(history, meshes[own[0]], own[0], wheel)
         form = active
         root = min(_root_below(history, meshes[m], wheel) for m in own)
@@ -303,7 +303,7 @@ def _even_tooth_angle(history: xr.Dataset, mesh: DrawnMesh, number: int, wheel: 
     alpha = float(require(history, "working_pressure_angle")[number])
     pitch = float(require(history, "base_pitch")[number])
     backlash = float(require(history, "backlash")[number])
-    if not np.isfinite(backlash):
+    if not mesh.has_coast:
         backlash = LOOSE * pitch
     return float((pitch - backlash) / (2 * base) + 2 * (np.tan(alpha) - alpha))
 

@@ -81,7 +81,7 @@ class RealPair:
         total = force.sum(axis=1)
         relief = list(self.relief)
         starts = [
-            self.module * z / 2 if amount > 0 else np.nan
+            self.module * z / 2 if amount > 0 else 0.0
             for z, amount in zip(self.teeth, relief, strict=True)
         ]
         integer = np.int32
@@ -108,7 +108,7 @@ class RealPair:
             "tip_relief_start": (wheel, starts, "m"),
             "tip_relief_power": (wheel, np.array([r > 0 for r in relief], dtype=integer), "1"),
             "root_relief": (wheel, [0.0, 0.0], "m"),
-            "root_relief_start": (wheel, [np.nan, np.nan], "m"),
+            "root_relief_start": (wheel, [0.0, 0.0], "m"),
             "root_relief_power": (wheel, np.zeros(2, dtype=integer), "1"),
             "profile_crowning": (wheel, [0.0, 0.0], "m"),
             "centre": (("wheel", "axis"), [[0.0, 0.0], [self.distance, 0.0]], "m"),
@@ -122,6 +122,7 @@ class RealPair:
             "rho_start_driven": (mesh, [self.length - self.path[0]], "m"),
             "contact_ratio": (mesh, [(self.path[1] - self.path[0]) / self.pitch], "1"),
             "backlash": (mesh, [self.backlash], "m"),
+            "has_coast_flanks": (mesh, np.array([1], dtype=integer), "1"),
             "flank_root_driving": (mesh, [self.alpha - self.path[0] / self.base[0]], "rad"),
             "flank_root_driven": (mesh, [root_b], "rad"),
             "angle": (("time", "wheel"), turned, "rad"),

@@ -139,8 +139,9 @@ def test_time_without_contact_is_counted(history):
     apart = history.copy(deep=True)
     apart["pairs_in_contact"][250:501] = 0
     (found,) = mesh_summaries(apart)
-    assert found.apart == pytest.approx(0.251)  # 250 intervals, and half of one on either side
-    assert dict(found.texts())["share of time without contact"] == "0.251"
+    # of 1004 intervals 250, and half of one on either side
+    assert found.apart == pytest.approx(251 / 1004)
+    assert dict(found.texts())["share of time without contact"] == "0.25"
 
 
 def test_a_history_without_tooth_pairs_has_no_summary(friction_run, history):

@@ -81,8 +81,9 @@ def test_wheels_without_known_teeth_touch_and_do_not_overlap():
     pair = RealPair()
     history = pair.history(ROLLED)
     for name in ("root_radius", "form_radius", "tooth_angle"):
-        history[name][:] = np.nan
-    history["backlash"][:] = np.nan
+        history[name][:] = 0.0
+    history["backlash"][:] = 0.0
+    history["has_coast_flanks"][:] = 0
     (mesh,) = drawn_meshes(history)
     assert not mesh.has_coast
     for row in range(ROLLED.size):
