@@ -10,7 +10,7 @@ module evl_capi_outputs
    implicit none (type, external)
    private
 
-   public :: evl_gearbox_output, evl_gearbox_output_table
+   public :: evl_gearbox_output
 
    !> evl_output
    type, bind(c) :: c_output
@@ -34,18 +34,6 @@ contains
       call output_to_c(g%outputs(index + 1), output)
       code = code_ok
    end function evl_gearbox_output
-
-   subroutine evl_gearbox_output_table(handle, outputs) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      type(c_output), intent(out) :: outputs(*)
-      type(gearbox_t), pointer :: g
-      integer :: i
-
-      call c_f_pointer(handle, g)
-      do i = 1, size(g%outputs)
-         call output_to_c(g%outputs(i), outputs(i))
-      end do
-   end subroutine evl_gearbox_output_table
 
    pure subroutine output_to_c(entry, output)
       type(output_t), intent(in) :: entry

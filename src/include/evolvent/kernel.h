@@ -518,8 +518,6 @@ typedef struct {
 } evl_output;
 
 EVL_API int evl_gearbox_output(const evl_gearbox *gearbox, int index, evl_output *output);
-/** The whole table at once.   @param[out] outputs  [n_outputs] */
-EVL_API void evl_gearbox_output_table(const evl_gearbox *gearbox, evl_output *outputs);
 /** All outputs at a state, [n_values]; integers as whole doubles, NaN where a quantity has no meaning. */
 EVL_API int evl_gearbox_outputs(const evl_gearbox *gearbox, double t, const double *y, const int *integers,
                                 const double *reals, double *values, evl_status *status);
