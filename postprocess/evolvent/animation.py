@@ -140,6 +140,10 @@ def _write_gif(scene: Scene, path: Path, clip: Clip, dpi: int) -> None:
     middle = [clip.rows[i * (len(clip.rows) - 1) // 3] for i in range(4)]
     samples = np.concatenate([_pixels(scene, row) for row in middle])
     palette = Image.fromarray(samples).quantize(COLOURS, dither=Image.Dither.NONE)
+    colours = np.reshape(palette.getpalette() or [], (-1, 3))
+    # Pillow takes a near colour, not always the nearest one: what is nearly white is made white
+    colours[(colours >= 248).all(axis=1)] = 255
+    palette.putpalette(colours.ravel().tolist())
 
     def frames() -> Iterator[Image.Image]:
         for row in clip.rows:

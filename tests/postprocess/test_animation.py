@@ -75,6 +75,7 @@ def test_a_gif_has_the_frames_the_size_and_the_pace_that_were_asked_for(history,
             gif.seek(number)
             frames.append(np.asarray(gif.convert("RGB")).astype(int))
     assert np.abs(frames[0] - frames[1]).max() > 100  # it moves
+    assert all((frame[-1, -1] == 255).all() for frame in frames)  # on white
 
 
 def test_the_same_history_gives_the_same_file(history, tmp_path):
