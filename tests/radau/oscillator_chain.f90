@@ -1,7 +1,7 @@
 !> Masses on a line with springs that harden and dampers, lane-wise: what the integrator costs, and whether it allocates.
 !>
 !> u_i'' = s(u_(i+1) - u_i) - s(u_i - u_(i-1)) + d (u_(i+1)' - 2 u_i' + u_(i-1)'),  s(e) = k (e + hardening e^3), ends fixed.
-!> States u, then u'; the root functions are the speeds, so that an event is a turning point.
+!> States u, then u'; the root functions are the speeds, so that an event is a turning point. At times the first mass is kicked.
 module oscillator_chain
    use evl_kinds, only: wp
    use evl_ode_model, only: lanes, ode_model
@@ -14,23 +14,27 @@ module oscillator_chain
    type, extends(ode_model) :: oscillator_chain_t
       integer :: masses = 0
       real(wp) :: stiffness = 1, hardening = 0, damping = 0
+      real(wp) :: kick_interval = 0 !! 0: no kicks
+      integer :: kicks = 0          !! so far; each adds 1 to the speed of the first mass
    contains
       procedure :: rhs
       procedure :: rhs_lanes
       procedure :: jacobian
       procedure :: roots
       procedure :: roots_lanes
+      procedure :: next_time_event
       procedure :: apply_event
    end type oscillator_chain_t
 
 contains
 
    !> Sizes and pattern.
-   subroutine oscillator_chain_create(model, masses, stiffness, hardening, damping, with_roots)
+   subroutine oscillator_chain_create(model, masses, stiffness, hardening, damping, with_roots, kick_interval)
       type(oscillator_chain_t), intent(out) :: model
       integer, intent(in) :: masses
       real(wp), intent(in) :: stiffness, hardening, damping
       logical, intent(in) :: with_roots
+      real(wp), intent(in) :: kick_interval
       integer :: i, j, p
 
       model%n = 2*masses
@@ -39,6 +43,7 @@ contains
       model%stiffness = stiffness
       model%hardening = hardening
       model%damping = damping
+      model%kick_interval = kick_interval
       allocate (model%scale(model%n), model%jacobian_row(7*masses - 4), model%jacobian_column(7*masses - 4))
       model%scale(:masses) = 1
       model%scale(masses + 1:) = sqrt(stiffness)
@@ -175,7 +180,16 @@ contains
       values = y(:, self%masses + 1:)
    end subroutine roots_lanes
 
-   !> A turning point changes nothing.
+   !> The next kick.
+   real(wp) function next_time_event(self, t) result(next)
+      class(oscillator_chain_t), intent(in) :: self
+      real(wp), intent(in) :: t
+
+      next = huge(t)
+      if (self%kick_interval > 0) next = (self%kicks + 1)*self%kick_interval
+   end function next_time_event
+
+   !> A turning point changes nothing; a kick adds speed.
    subroutine apply_event(self, t, y, fired, time_event, status)
       class(oscillator_chain_t), intent(inout) :: self
       real(wp), intent(in) :: t
@@ -183,6 +197,10 @@ contains
       integer, intent(in) :: fired(self%n_roots)
       logical, intent(in) :: time_event
       type(status_t), intent(inout) :: status
+
+      if (.not. time_event) return
+      self%kicks = self%kicks + 1
+      y(self%masses + 1) = y(self%masses + 1) + 1
    end subroutine apply_event
 
 end module oscillator_chain

@@ -117,14 +117,15 @@ contains
    end function rt_new
 
    !> A solver for a chain of oscillators.
-   type(c_ptr) function rt_new_chain(masses, stiffness, hardening, damping, with_roots, tolerance) result(handle) bind(c)
+   type(c_ptr) function rt_new_chain(masses, stiffness, hardening, damping, with_roots, kick_interval, &
+                                     tolerance) result(handle) bind(c)
       integer(c_int), value :: masses
-      real(c_double), value :: stiffness, hardening, damping, tolerance
+      real(c_double), value :: stiffness, hardening, damping, kick_interval, tolerance
       logical(c_bool), value :: with_roots
       type(session_t), pointer :: session
       type(oscillator_chain_t) :: model
 
-      call oscillator_chain_create(model, masses, stiffness, hardening, damping, logical(with_roots))
+      call oscillator_chain_create(model, masses, stiffness, hardening, damping, logical(with_roots), kick_interval)
       allocate (session)
       allocate (session%model, source=model)
       call radau_create(session%solver, session%model, radau_options(tolerance=tolerance), session%status)
