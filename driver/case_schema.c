@@ -231,14 +231,14 @@ static const case_key fixed_keys[] = {
     {"simulation", "", "duration", KEY_NUMBER, "s", POSITIVE, REQUIRED, "", "", "model time to compute, from 0"},
     {"simulation", "", "output_interval", KEY_NUMBER, "s", POSITIVE, REQUIRED, "", "",
      "step of the output grid, not longer than the duration"},
-    {"simulation", "", "integrator", KEY_CHOICE, "", ANY, OPTIONAL, "ida radau", "",
-     "SUNDIALS IDA for every case; radau for closed_form tracking without rigid contact in a housing that is not mounted, where"
-     " it is taken unless this says ida"},
     {"simulation", "", "tolerance", KEY_NUMBER, "", BETWEEN(1e-14, 1e-3), DEFAULT("1e-9"), "", "",
      "error allowed in a step, in units of each state's scale"},
     {"simulation", "", "max_step", KEY_NUMBER, "s", POSITIVE, DEFAULT("0.02"), "", "",
      "longest step of the integrator"},
     {"simulation", "", "initial", KEY_BLOCK, "", ANY, DEFAULT("{kind: rest}"), "", "initial", "state at time 0"},
+    {"simulation", "", "integrator", KEY_CHOICE, "", ANY, OPTIONAL, "ida radau", "",
+     "SUNDIALS IDA for every case; radau for closed_form tracking without rigid contact in a housing that is not mounted, where"
+     " it is taken unless this says ida"},
 
     {"initial", "", "kind", KEY_CHOICE, "", ANY, DEFAULT("rest"), "rest steady speeds", "",
      "at rest; in steady motion under the loads; with given speeds"},

@@ -543,6 +543,11 @@ EVL_API void evl_radau_interpolate(const evl_radau *radau, double t, double *y);
 EVL_API void evl_radau_restart(evl_radau *radau, double t, const double *y, const int *integers, const double *reals);
 EVL_API void evl_radau_get_counts(const evl_radau *radau, evl_radau_counts *counts);
 
+/** What its steps are made of, for a discrete state: f of eight states at once, t [8], y and f [n_states][8], and df/dy at the first of
+ *  them, column-major [n_states * n_states]. The next call has to be evl_radau_start. @return EVL_OK or EVL_OUT_OF_DOMAIN */
+EVL_API int evl_radau_model(evl_radau *radau, const double *t, const double *y, const int *integers,
+                            const double *reals, double *f, double *jacobian, evl_status *status);
+
 /* ---- outputs --------------------------------------------------------------------------------------------------------------- */
 
 typedef enum {
