@@ -18,6 +18,8 @@ module evl_gearbox_ode
    !> Small errors of theta and omega shift the time at which a tooth pair enters, and with it a motion of 1 kHz: they count
    !> more than what moves at that frequency.
    real(wp), parameter :: theta_weight = 1.0e4_wp, omega_weight = 300.0_wp
+   !> All count a little more: the mean over many states is small when the error of one is not.
+   real(wp), parameter :: weight = 2
 
    type, extends(ode_model) :: gearbox_ode
       type(gearbox_t), pointer, private :: gearbox => null()
@@ -66,9 +68,9 @@ contains
       self%gearbox => gearbox
       self%n = gearbox%n_states
       self%n_roots = gearbox%n_roots
-      self%scale = scale
-      self%scale(i_theta) = scale(i_theta)/theta_weight
-      self%scale(i_omega) = scale(i_omega)/omega_weight
+      self%scale = scale/weight
+      self%scale(i_theta) = self%scale(i_theta)/theta_weight
+      self%scale(i_omega) = self%scale(i_omega)/omega_weight
       allocate (self%integers(gearbox%n_integers), self%reals(size(gearbox%contacts)))
       self%integers = 0
       self%reals = 0
