@@ -120,7 +120,9 @@ contains
       real(wp), intent(out) :: values(self%n_roots)
       type(status_t), intent(inout) :: status !! touched on failure only
 
-      values = 1 + 0*(t + y(1))
+      associate (unused_t => t, unused_y => y)
+         values = 0
+      end associate
       if (self%n_roots > 0) call fail(status, code_invalid_input, "the model counts root functions but has none")
    end subroutine no_roots
 
@@ -132,7 +134,9 @@ contains
       real(wp), intent(out) :: values(lanes, self%n_roots)
       type(status_t), intent(inout) :: status !! touched on failure only
 
-      values = 1 + 0*(t(1) + y(1, 1))
+      associate (unused_t => t, unused_y => y)
+         values = 0
+      end associate
       if (self%n_roots > 0) call fail(status, code_invalid_input, "the model counts root functions but has none")
    end subroutine no_roots_lanes
 
@@ -149,7 +153,9 @@ contains
       class(ode_model), intent(in) :: self
       real(wp), intent(in) :: t !! now
 
-      next = merge(huge(t), t, self%n > 0)
+      associate (unused => self)
+         next = huge(t)
+      end associate
    end function no_time_event
 
    !> Change the discrete state, and y if it jumps.
@@ -161,9 +167,11 @@ contains
       logical, intent(in) :: time_event          !! whether the time of `next_time_event` has come
       type(status_t), intent(inout) :: status
 
-      if (time_event .or. any(fired /= 0)) then
-         call fail(status, code_invalid_input, "the model has no answer to its event at "//quantity(t, ""), index=size(y))
-      end if
+      associate (unused => y)
+         if (time_event .or. any(fired /= 0)) then
+            call fail(status, code_invalid_input, "the model has no answer to its event at time "//quantity(t, ""))
+         end if
+      end associate
    end subroutine no_event
 
 end module evl_ode_model
