@@ -10,8 +10,9 @@
 !> interleaved, or run in threads, and give the bits of single ones. Nothing is allocated after `radau_create`.
 !>
 !> Error control: a step is accepted if its error estimate, in units of the model's scales, is at most
-!> 0.003 tolerance^(4/7) in root mean square. The estimate has order 7 and the result order 13, which this translates; so the
-!> tolerance is the error of a step that the user sees (docs/radau.md).
+!> 0.003 tolerance^(4/7) in root mean square. The estimate has order 7 and the result order 13, which this translates; the
+!> dense output is held to 5 tolerance by an estimate of its own. So errors stay within 10 times the tolerance, at the steps
+!> and between them, unless the problem amplifies them (docs/radau.md).
 !>
 !> Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8 (step control, predictor).
 module evl_radau
