@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
+from scipy.special import lambertw
 
 from radau.radau import EVENT, Library, Problem, Solver
 
@@ -377,3 +378,48 @@ def test_a_rattling_mass_closes_and_opens_as_an_independent_program_says(library
     # impacts amplify the errors made before them; tolerance 1e-9
     assert events.times == pytest.approx(times, abs=1e-7)
     assert solution == pytest.approx(end, abs=1e-6 * np.sqrt(rattle.k) / 10 + 1e-6)
+
+
+def bounces_on_a_logarithmic_spring(library: Library, tolerance: float):
+    """Fall with 0.05 on a force h/ln(1/h) with damping ratio 0.02, as flanks of involutes do."""
+    mode, small, damping = {"contact": 0}, 1e-8, 0.04
+
+    def force(h: float) -> tuple[float, float]:
+        """Odd in h, so that it is smooth enough beyond the event."""
+        if h == 0:
+            return 0, 0
+        w = lambertw(-small * abs(h), -1).real
+        return -22 * h / w, -22 / (1 + w)
+
+    def f(t: float, y: Floats) -> list[float]:
+        return [y[1], 0.05 - mode["contact"] * (force(y[0])[0] + damping * y[1])]
+
+    def jacobian(t: float, y: Floats) -> list[float]:
+        return [1, -mode["contact"] * force(y[0])[1], -mode["contact"] * damping]
+
+    def switch(y: Floats, fired: NDArray[np.int32]) -> Floats:
+        mode["contact"] = 1 - mode["contact"]
+        return y
+
+    problem = Problem(
+        f,
+        jacobian,
+        [1, 1],
+        roots=lambda t, y: force(y[0])[0] + damping * y[1] if mode["contact"] else y[0],
+        n_roots=1,
+        directions=lambda: [-1] if mode["contact"] else [1],
+        entries=[(0, 1), (1, 0), (1, 1)],
+    )
+    return run(library, problem, [-1, 0], 100, switch, tolerance)
+
+
+def test_a_force_law_with_a_logarithmic_start_is_entered_in_a_few_attempts(library: Library):
+    # its slope begins at 0 and its curvature at infinity: the error falls with the second power
+    # of the step there, and steps chosen for the eighth failed eight times at every closing
+    events, solver, end = bounces_on_a_logarithmic_spring(library, 1e-8)
+    exact, _, exact_end = bounces_on_a_logarithmic_spring(library, 1e-12)
+    assert len(events.list) == len(exact.list) >= 10
+    assert solver.counts.rejections <= 4 * len(events.list)
+    # ten times the tolerance; a change d of the speed changes the next flight by 2 d/0.05
+    assert events.times == pytest.approx(exact.times, abs=40 * 10 * 1e-8)
+    assert end == pytest.approx(exact_end, abs=40 * 10 * 1e-8)
