@@ -132,6 +132,7 @@ static bool create_history(run *run, const char *path)
 static bool close_history(run *run, bool commit, const char *status, const char *message,
                           const integrate_counts *counts)
 {
+    const bool by_stepper = simulate_options(&run->prepared).by_stepper;
     const history_attribute attributes[] = {
         text_attribute("status", status),
         text_attribute("status_message", message),
@@ -140,12 +141,14 @@ static bool close_history(run *run, bool commit, const char *status, const char 
         count_attribute("integrator_jacobians", counts->jacobians),
         count_attribute("integrator_linear_setups", counts->linear_setups),
         count_attribute("integrator_newton_iterations", counts->newton_iterations),
-        count_attribute("integrator_error_test_failures", counts->error_test_failures),
-        count_attribute("integrator_convergence_failures", counts->convergence_failures),
         count_attribute("integrator_root_evaluations", counts->roots_evaluated),
         count_attribute("integrator_events", counts->events),
+        by_stepper ? count_attribute("integrator_rejections", counts->rejections)
+                   : count_attribute("integrator_error_test_failures", counts->error_test_failures),
+        count_attribute("integrator_convergence_failures", counts->convergence_failures),
     };
-    return history_close(&run->history, commit, sizeof attributes / sizeof *attributes, attributes, run->message);
+    const int n = (int)(sizeof attributes / sizeof *attributes) - (by_stepper ? 1 : 0);
+    return history_close(&run->history, commit, n, attributes, run->message);
 }
 
 /* The run itself. */

@@ -90,7 +90,8 @@ integrate_options simulate_options(const prepared_case *prepared)
     return (integrate_options){.t_end = simulation->duration,
                                .output_interval = simulation->output_interval,
                                .tolerance = simulation->tolerance,
-                               .max_step = simulation->max_step};
+                               .max_step = simulation->max_step,
+                               .by_stepper = simulation->integrator == INTEGRATOR_RADAU};
 }
 
 void simulate(const prepared_case *prepared, const simulate_sink *sink, progress *progress, dae_state *state,
