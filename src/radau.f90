@@ -1,0 +1,468 @@
+!> Integrator for y' = f(t, y) with located events: Radau IIA with seven stages, order 13, stages in lanes.
+!>
+!>     call radau_create(solver, model, options, status)
+!>     call radau_start(solver, model, t, y, status)
+!>     do: call radau_advance(solver, model, t_stop, outcome, status)
+!>         radau_interpolate gives the state anywhere in the step just made, in solver%t_before .. solver%t
+!>         outcome_event: change the model's discrete state and y as solver%fired says, then call radau_restart
+!>
+!> `evl_radau_run` does this loop with an output grid. All that changes is in `radau_t` and in the model: integrations may be
+!> interleaved, or run in threads, and give the bits of single ones. Nothing is allocated after `radau_create`.
+!>
+!> Error control: a step is accepted if its error estimate, in units of the model's scales, is at most
+!> 0.003 tolerance^(4/7) in root mean square. The estimate has order 7 and the result order 13, which this translates; so the
+!> tolerance is the error of a step that the user sees (docs/radau.md).
+!>
+!> Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8 (step control, predictor).
+module evl_radau
+   use evl_collocation, only: lagrange_at
+   use evl_kinds, only: wp
+   use evl_ode_model, only: check_model, lanes, ode_model
+   use evl_radau_coefficients, only: n_stages
+   use evl_root_finder, only: find_crossings, root_finder_create, root_finder_restart, root_finder_t, step_state, values_at
+   use evl_stage_solver, only: estimate_error, factor_systems, most_iterations, newton_converged, newton_refused, newton_slow, &
+                               predict_from, predict_nothing, set_weights, solve_stages, stage_solver_create, stage_solver_t
+   use evl_status, only: clear, code_invalid_input, code_no_solution, code_out_of_domain, fail, has_failed, message_length, &
+                         quantity, status_t
+   implicit none (type, external)
+   private
+
+   public :: radau_t, radau_options, radau_counts
+   public :: radau_create, radau_start, radau_advance, radau_restart, radau_interpolate, radau_get_counts
+   public :: outcome_step, outcome_event, outcome_stop
+
+   integer, parameter :: outcome_step = 0  !! a step was made
+   integer, parameter :: outcome_event = 1 !! a step was made that ends at an event
+   integer, parameter :: outcome_stop = 2  !! a step was made that ends at t_stop
+
+   real(wp), parameter :: eps = epsilon(1.0_wp)
+   real(wp), parameter :: share = 0.003_wp      !! internal tolerance over tolerance^(4/7)
+   real(wp), parameter :: safety = 0.9_wp       !! on the step that the estimate allows
+   real(wp), parameter :: largest_growth = 8, largest_cut = 5 !! of the step, at once
+   real(wp), parameter :: kept_growth = 1.2_wp  !! a step that may grow by less stays, and with it the factors
+   real(wp), parameter :: good_rate = 0.01_wp   !! Newton's rate at which Jacobian and factors stay
+   real(wp), parameter :: farthest = 5          !! steps ahead to which a polynomial may be continued as a prediction
+   integer, parameter :: most_rejections = 200  !! of one step
+   real(wp), parameter :: smallest_step = 16*eps !! over the present time
+
+   !> What the user chooses.
+   type :: radau_options
+      real(wp) :: tolerance = 1.0e-9_wp       !! error of a step in units of the scales, in 1e-13 .. 0.1
+      real(wp) :: max_step = huge(1.0_wp)     !! > 0
+      real(wp) :: first_step = 0              !! 0: chosen from f
+   end type radau_options
+
+   !> What it cost.
+   type :: radau_counts
+      integer :: steps = 0                    !! accepted
+      integer :: rejections = 0               !! steps repeated for their error, or because Newton failed
+      integer :: lane_evaluations = 0         !! of f, lane-wise: as many as Newton iterations
+      integer :: evaluations = 0              !! of f, scalar
+      integer :: jacobians = 0
+      integer :: factorisations = 0           !! of the four systems at once
+      integer :: dense_factorisations = 0     !! those of them that needed row exchanges
+      integer :: root_evaluations = 0         !! of the root functions, scalar; lane-wise: once a step
+      integer :: events = 0                   !! located
+   end type radau_counts
+
+   !> An integration in progress.
+   type :: radau_t
+      real(wp) :: t = 0                       !! present time
+      real(wp), allocatable :: y(:)           !! [n] present state
+      real(wp) :: t_before = 0                !! where the last step started
+      integer, allocatable :: fired(:)        !! [n_roots] at the event: +1 risen through zero, -1 fallen, 0 nothing
+      type(radau_options), private :: options
+      type(stage_solver_t), private :: stages
+      type(root_finder_t), private :: roots
+      real(wp), allocatable, private :: y_before(:) !! [n] where the last step started
+      real(wp), allocatable, private :: old_z(:, :) !! [8, n] increments of the last step
+      real(wp), private :: old_h = 0          !! step of its polynomial; 0: there is none
+      real(wp), private :: h = 0              !! step to try next
+      real(wp), private :: h_accepted = 0     !! for the predictive control
+      real(wp), private :: error_accepted = 1
+      logical, private :: jacobian_is_new = .false. !! evaluated at the present state
+      logical, private :: matrix_may_stay = .false.
+      logical, private :: rejected = .true.   !! the step is repeated, or is the first one
+      type(radau_counts), private :: counts
+   end type radau_t
+
+contains
+
+   !> Check model and options, allocate all arrays.
+   subroutine radau_create(self, model, options, status)
+      type(radau_t), intent(out) :: self
+      class(ode_model), intent(in) :: model
+      type(radau_options), intent(in) :: options
+      type(status_t), intent(inout) :: status
+
+      call check_model(model, status)
+      if (has_failed(status)) return
+      if (.not. (options%tolerance >= 1.0e-13_wp .and. options%tolerance <= 0.1_wp)) then
+         call fail(status, code_invalid_input, "tolerance "//quantity(options%tolerance, "")//" is not in 1e-13 .. 0.1", &
+                   field="tolerance")
+      else if (.not. options%max_step > 0) then
+         call fail(status, code_invalid_input, "largest step "//quantity(options%max_step, "")//" is not positive", &
+                   field="max_step")
+      else if (.not. (options%first_step >= 0 .and. options%first_step <= huge(1.0_wp))) then
+         call fail(status, code_invalid_input, "first step "//quantity(options%first_step, "")//" is negative", &
+                   field="first_step")
+      end if
+      if (has_failed(status)) return
+      self%options = options
+      allocate (self%y(model%n), self%y_before(model%n), self%old_z(lanes, model%n), self%fired(model%n_roots))
+      self%old_z = 0
+      call stage_solver_create(self%stages, model, share*options%tolerance**(4.0_wp/7))
+      call root_finder_create(self%roots, model)
+   end subroutine radau_create
+
+   !> Begin at (t, y).
+   subroutine radau_start(self, model, t, y, status)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:) !! [n]
+      type(status_t), intent(inout) :: status
+      real(wp) :: speed
+
+      self%fired = 1 ! a function that is zero at the start has not fired by that
+      call radau_restart(self, model, t, y)
+      self%counts = radau_counts()
+      self%h = self%options%first_step
+      if (self%h > 0) return
+      call model%rhs(t, y, self%stages%start, status)
+      if (has_failed(status)) return
+      speed = maxval(abs(self%stages%start)/model%scale)
+      self%h = min(self%options%max_step, 0.01_wp/max(speed, tiny(1.0_wp)*1.0e10_wp))
+   end subroutine radau_start
+
+   !> Go on from (t, y) after an event: f or y may have jumped there, so nothing is continued from before.
+   subroutine radau_restart(self, model, t, y)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:) !! [n]
+
+      self%t = t
+      self%y = y
+      self%t_before = t
+      self%y_before = y
+      self%old_z = 0
+      self%old_h = 0
+      self%h_accepted = 0
+      self%jacobian_is_new = .false.
+      self%matrix_may_stay = .false.
+      self%rejected = .true.
+      call root_finder_restart(self%roots, model, self%fired)
+      self%fired = 0
+   end subroutine radau_restart
+
+   !> Make one step, at most to t_stop and at most to the next event.
+   subroutine radau_advance(self, model, t_stop, outcome, status)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: t_stop          !! after the present time
+      integer, intent(out) :: outcome         !! one of the outcomes above; of no use on failure
+      type(status_t), intent(inout) :: status !! `code_no_solution`: the step became too small; else the model's
+      character(len=message_length) :: reason
+      real(wp) :: h, h_wanted, error
+      logical :: to_stop, done
+      integer :: try
+
+      outcome = outcome_step
+      reason = ""
+      self%fired = 0
+      call set_weights(self%stages, model%scale, self%y)
+      do try = 1, most_rejections
+         h_wanted = min(self%h, self%options%max_step)
+         if (.not. h_wanted > smallest_step*abs(self%t)) exit
+         call fit_step(t_stop - self%t, h_wanted, h, to_stop)
+         call attempt(self, model, h, error, status)
+         if (.not. has_failed(status) .and. error < 1) then
+            call finish(self, model, h, to_stop, t_stop, done, outcome, status)
+            if (done .and. .not. has_failed(status)) then
+               if (outcome /= outcome_event) call propose(self, h, h_wanted, error)
+               return
+            end if
+         else if (.not. has_failed(status) .and. error < huge(error)) then
+            self%h = h*min(0.9_wp, max(1/largest_cut, safety*error**(-1.0_wp/8)))
+         end if
+         if (has_failed(status)) then
+            if (status%code /= code_out_of_domain) return
+            self%h = h/4
+            reason = status%message
+            call clear(status)
+         end if
+         self%rejected = .true.
+         self%matrix_may_stay = .false.
+         self%counts%rejections = self%counts%rejections + 1
+      end do
+      if (reason == "") reason = "errors or iterations do not let it grow"
+      call fail(status, code_no_solution, "the step fell to "//quantity(self%h, "")//" at time "//quantity(self%t, "")// &
+                ": "//trim(reason))
+   end subroutine radau_advance
+
+   !> The step that is tried: not past the stop, and no tiny one left before it.
+   pure subroutine fit_step(room, wanted, h, to_stop)
+      real(wp), intent(in) :: room, wanted
+      real(wp), intent(out) :: h
+      logical, intent(out) :: to_stop
+
+      to_stop = wanted >= room*(1 - 1.0e-6_wp)
+      h = wanted
+      if (to_stop) then
+         h = room
+      else if (wanted > room/2) then
+         h = room/2
+      end if
+   end subroutine fit_step
+
+   !> Try a step of h; if it fails for Newton, error is huge and the step to try next is set.
+   subroutine attempt(self, model, h, error, status)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: h
+      real(wp), intent(out) :: error
+      type(status_t), intent(inout) :: status
+      integer :: outcome
+      logical :: good
+
+      error = huge(error)
+      do
+         if (.not. (self%matrix_may_stay .and. same(h, self%stages%h_factored))) then
+            if (.not. self%jacobian_is_new) then
+               call model%jacobian(self%t, self%y, self%stages%jacobian, status)
+               self%counts%jacobians = self%counts%jacobians + 1
+               if (has_failed(status)) return
+               self%jacobian_is_new = .true.
+               self%stages%rate_sum = 1
+            end if
+            call factor_systems(self%stages, model, h, good)
+            if (.not. good) then
+               self%h = h/2
+               return
+            end if
+         end if
+         if (self%old_h > 0 .and. h <= farthest*self%old_h) then
+            call predict_from(self%stages, self%old_z, 1.0_wp, h/self%old_h)
+         else
+            call predict_nothing(self%stages)
+         end if
+         call solve_stages(self%stages, model, self%t, self%y, h, outcome, status)
+         if (outcome == newton_refused) return
+         if (outcome == newton_converged) exit
+         if (self%jacobian_is_new) then
+            self%h = h*merge(self%stages%advice, 0.5_wp, outcome == newton_slow)
+            return
+         end if
+         self%matrix_may_stay = .false. ! once more with a new Jacobian
+      end do
+      call estimate_error(self%stages, model, self%t, self%y, h, self%rejected, error, status)
+      if (.not. error < huge(error)) self%h = h/4
+   end subroutine attempt
+
+   !> Choose the next step after one of h with this error.
+   subroutine propose(self, h, h_wanted, error)
+      type(radau_t), intent(inout) :: self
+      real(wp), intent(in) :: h, h_wanted, error
+      real(wp) :: slack, cut, cut_predicted
+      logical :: fast
+
+      slack = min(safety, safety*(1 + 2*most_iterations)/(self%stages%iterations + 2*most_iterations))
+      cut = max(1/largest_growth, min(largest_cut, error**0.125_wp/slack))
+      if (self%h_accepted > 0) then
+         cut_predicted = (self%h_accepted/h)*(error**2/self%error_accepted)**0.125_wp/safety
+         cut = max(cut, max(1/largest_growth, min(largest_cut, cut_predicted)))
+      end if
+      self%h_accepted = h
+      self%error_accepted = max(1.0e-2_wp, error)
+      fast = self%stages%rate <= good_rate
+      self%matrix_may_stay = fast .and. 1/cut >= 1 .and. 1/cut <= kept_growth
+      self%h = merge(h, h/cut, self%matrix_may_stay)
+      if (h < h_wanted) self%h = max(self%h, h_wanted) ! it was cut for the stop: what was proposed before still holds
+      self%rejected = .false.
+   end subroutine propose
+
+   !> Take the step just solved, or the part of it before the first event.
+   subroutine finish(self, model, h, to_stop, t_stop, done, outcome, status)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: h, t_stop
+      logical, intent(in) :: to_stop
+      logical, intent(out) :: done    !! false: the step has to be tried anew
+      integer, intent(out) :: outcome
+      type(status_t), intent(inout) :: status
+      integer :: first
+
+      done = .true.
+      outcome = merge(outcome_stop, outcome_step, to_stop)
+      if (self%roots%n > 0) then
+         call find_crossings(self%roots, model, step_state(self%t, h), self%y, self%stages%z, self%stages%y, status)
+         if (has_failed(status)) return
+         first = minloc(self%roots%place, 1)
+         if (self%roots%change(first) /= 0) then
+            outcome = outcome_event
+            call go_to_event(self, model, h, first, done, status)
+            return
+         end if
+         self%roots%sign_now = self%roots%sign_after
+         self%roots%fresh = .false.
+      end if
+      call take(self, h, merge(t_stop, self%t + h, to_stop), self%stages%y(n_stages, :))
+   end subroutine finish
+
+   !> Keep the polynomial of the step and move on.
+   subroutine take(self, h, t, y)
+      type(radau_t), intent(inout) :: self
+      real(wp), intent(in) :: h    !! step of the polynomial
+      real(wp), intent(in) :: t    !! new time
+      real(wp), intent(in) :: y(:) !! new state
+
+      self%t_before = self%t
+      self%y_before = self%y
+      self%old_z = self%stages%z
+      self%old_h = h
+      self%t = t
+      self%y = y
+      self%jacobian_is_new = .false.
+      self%counts%steps = self%counts%steps + 1
+   end subroutine take
+
+   !> Redo the step of h just to the crossing of function `first`, correct the time for what that changes, and stop there.
+   !>
+   !> The dense output inside a step has the accuracy of the internal tolerance; only at the end of a step the state has the
+   !> full order. So the step is made anew to the time found, where the function is zero but for the error of the dense output;
+   !> the rest is a correction along the new polynomial, or, if it is too large for that, one more step.
+   subroutine go_to_event(self, model, h, first, done, status)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: h
+      integer, intent(in) :: first
+      logical, intent(out) :: done
+      type(status_t), intent(inout) :: status
+      integer, parameter :: most_turns = 6
+      real(wp), parameter :: small = 1.0e-4_wp !! correction over the step up to which the polynomial is continued
+      real(wp) :: at, at_next, h_now, slope, shift, last_shift
+      integer :: outcome, turn
+      logical :: good
+
+      done = .false.
+      at = self%roots%place(first)*h
+      at_next = at
+      if (at <= smallest_step*abs(self%t)) then
+         self%roots%value = 0
+         call note_fired(self, first, h)
+         self%counts%events = self%counts%events + 1
+         done = .true.
+         return
+      end if
+      call slope_at(self%roots, first, slope)
+      slope = slope/h
+      self%old_z = self%stages%z
+      self%old_h = h
+      h_now = 0
+      last_shift = huge(last_shift)
+      do turn = 1, most_turns
+         at = at_next
+         if (abs(at - h_now) > small*at) then
+            h_now = at
+            call factor_systems(self%stages, model, h_now, good)
+            if (good) then
+               call predict_from(self%stages, self%old_z, 0.0_wp, h_now/self%old_h)
+               call solve_stages(self%stages, model, self%t, self%y, h_now, outcome, status)
+               if (has_failed(status)) exit
+               good = outcome == newton_converged
+            end if
+            if (.not. good) exit
+            self%old_z = self%stages%z
+            self%old_h = h_now
+         end if
+         call values_at(self%roots, model, step_state(self%t, h_now), self%y, self%stages%z, at/h_now, status)
+         if (has_failed(status)) exit
+         shift = -self%roots%value(first)/slope
+         shift = max(self%roots%left(first)*h - at, min(self%roots%right(first)*h - at, shift))
+         if (.not. abs(shift) < abs(last_shift)) exit
+         last_shift = shift
+         if (abs(shift) <= 4*eps*max(abs(self%t + at), at)) exit
+         at_next = at + shift
+      end do
+      self%matrix_may_stay = .false.
+      if (has_failed(status) .or. .not. good) then
+         ! the shorter step does not work: come nearer in ordinary ones
+         self%old_h = 0
+         self%h = at/2
+         return
+      end if
+      call note_fired(self, first, h)
+      call take(self, h_now, self%t + at, self%roots%y)
+      self%counts%events = self%counts%events + 1
+      done = .true.
+   end subroutine go_to_event
+
+   !> Slope of the interpolant of a root function where it crosses zero, per step.
+   pure subroutine slope_at(roots, i, slope)
+      type(root_finder_t), intent(in) :: roots
+      integer, intent(in) :: i
+      real(wp), intent(out) :: slope
+      real(wp) :: basis(lanes)
+
+      call lagrange_at(roots%place(i), basis)
+      slope = sum(basis*roots%slope(:, i))
+   end subroutine slope_at
+
+   !> All functions that cross zero at this event: the first, those at the same time, and those that the new step took across.
+   pure subroutine note_fired(self, first, h)
+      type(radau_t), intent(inout) :: self
+      integer, intent(in) :: first
+      real(wp), intent(in) :: h
+      real(wp), parameter :: accuracy = 1.0e-4_wp !! of a place on the first polynomial, in units of the step
+      real(wp) :: same_time, later
+      integer :: i
+
+      same_time = 1.0e-12_wp + smallest_step*abs(self%t)/h
+      do i = 1, self%roots%n
+         if (self%roots%change(i) == 0) cycle
+         later = self%roots%place(i) - self%roots%place(first)
+         if (later <= same_time .or. (later < accuracy .and. self%roots%value(i)*self%roots%change(i) > 0)) then
+            self%fired(i) = self%roots%change(i)
+         end if
+      end do
+   end subroutine note_fired
+
+   !> State at time t in the last step: the collocation polynomial, of order 8 inside the step.
+   pure subroutine radau_interpolate(self, t, y)
+      type(radau_t), intent(in) :: self
+      real(wp), intent(in) :: t   !! t_before <= t <= self%t
+      real(wp), intent(out) :: y(:) !! [n]
+      real(wp) :: basis(lanes)
+      integer :: i
+
+      if (.not. self%old_h > 0) then
+         y = self%y
+         return
+      end if
+      call lagrange_at((t - self%t_before)/self%old_h, basis)
+      do i = 1, size(y)
+         y(i) = self%y_before(i) + sum(basis*self%old_z(:, i))
+      end do
+   end subroutine radau_interpolate
+
+   !> What the integration has cost since `radau_start`.
+   pure type(radau_counts) function radau_get_counts(self) result(counts)
+      type(radau_t), intent(in) :: self
+
+      counts = self%counts
+      counts%lane_evaluations = self%stages%counts%iterations
+      counts%evaluations = self%stages%counts%evaluations
+      counts%factorisations = self%stages%counts%factorisations
+      counts%dense_factorisations = self%stages%counts%dense
+      counts%root_evaluations = self%roots%evaluations
+   end function radau_get_counts
+
+   !> Whether two steps are the same number.
+   pure logical function same(a, b)
+      real(wp), intent(in) :: a, b
+
+      same = .not. abs(a - b) > 0
+   end function same
+
+end module evl_radau

@@ -1,0 +1,281 @@
+!> The stages of one step of the seven-stage Radau IIA method: simplified Newton on the transformed systems, and the error
+!> estimate of the step.
+!>
+!> Unknown are the increments z of the stages over the state at the start of the step; lane 8 is the start itself, so its
+!> increment is 0 and lane 8 of f is f at the start. With w = T^-1 z an iteration solves, for each eigenvalue mu of A^-1,
+!>
+!>     (mu/h I - J) dw = T^-1 f(t + c h, y + z) - Lambda/h w
+!>
+!> Error estimate: err = (gamma/h I - J)^-1 (f(t, y) - p'(t)), p the collocation polynomial, gamma the real eigenvalue. This
+!> is the embedded formula of order 7, filtered: its weights are those of p'(t) (docs/radau.md).
+!>
+!> Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8.
+module evl_stage_solver
+   use evl_collocation, only: combine, lagrange_matrix
+   use evl_dense_lu, only: dense_lu_create, dense_lu_factor, dense_lu_solve, dense_lu_solve_first, dense_lu_t
+   use evl_kinds, only: wp
+   use evl_ode_model, only: lanes, ode_model
+   use evl_radau_coefficients, only: from_stage, n_stages, n_systems, node, shift_im, shift_re, slope_at_node, to_stage
+   use evl_sparse_lu, only: sparse_lu_analyse, sparse_lu_factor, sparse_lu_solve, sparse_lu_solve_first, sparse_lu_t
+   use evl_status, only: has_failed, status_t
+   implicit none (type, external)
+   private
+
+   public :: stage_solver_t, stage_solver_create, set_weights, predict_nothing, predict_from, factor_systems, solve_stages
+   public :: estimate_error, most_iterations
+   public :: newton_converged, newton_slow, newton_diverged, newton_refused
+
+   integer, parameter :: newton_converged = 0 !! the stages are found
+   integer, parameter :: newton_slow = 1      !! it would take too many iterations: `advice` says how much smaller a step
+   integer, parameter :: newton_diverged = 2  !! it does not converge
+   integer, parameter :: newton_refused = 3   !! the model has no answer at a stage: the status says why
+
+   integer, parameter :: most_iterations = 10
+   integer, parameter :: fourth = n_systems
+   real(wp), parameter :: eps = epsilon(1.0_wp)
+   real(wp), parameter :: rounding = 4*eps !! least error that may be asked for, relative to a state
+
+   type :: stage_counts
+      integer :: iterations = 0     !! of Newton: lane-wise evaluations of f
+      integer :: evaluations = 0    !! scalar ones
+      integer :: factorisations = 0 !! of the four systems at once
+      integer :: dense = 0          !! those of them with row exchanges
+   end type stage_counts
+
+   !> All arrays of a step; sizes never change.
+   type :: stage_solver_t
+      integer :: n = 0
+      real(wp) :: tolerance = 0  !! on the error estimate of a step, in units of the model's scales
+      real(wp) :: newton_stop = 0 !! share of it that may be left in the stages
+      real(wp), allocatable :: weight(:)    !! [n] inverse of the error that counts as 1
+      real(wp), allocatable :: z(:, :)      !! [8, n] increments of the stages
+      real(wp), allocatable :: w(:, :)      !! [8, n] the same, transformed
+      real(wp), allocatable :: y(:, :)      !! [8, n] states at the stages
+      real(wp), allocatable :: f(:, :)      !! [8, n] f there
+      real(wp), allocatable :: change(:, :) !! [8, n] of an iteration
+      real(wp), allocatable :: jacobian(:)  !! [nnz] entries of df/dy
+      real(wp), allocatable :: error(:)     !! [n] estimate
+      real(wp), allocatable :: start(:)     !! [n] f at the start
+      real(wp), allocatable :: moved(:)     !! [n] state at which the estimate is taken again
+      real(wp), allocatable :: moved_f(:)   !! [n] f there
+      type(sparse_lu_t) :: sparse
+      type(dense_lu_t) :: dense
+      logical :: is_dense = .false.
+      real(wp) :: h_factored = 0 !! step for which the factors hold; 0: none
+      real(wp) :: rate = 0       !! of convergence in the last solution
+      real(wp) :: rate_sum = 1   !! rate/(1 - rate), carried from step to step
+      real(wp) :: advice = 1     !! factor on the step after `newton_slow`
+      integer :: iterations = 0  !! of the last solution
+      type(stage_counts) :: counts
+   end type stage_solver_t
+
+contains
+
+   !> Allocate all arrays and analyse the pattern; the model has been checked.
+   subroutine stage_solver_create(self, model, tolerance)
+      type(stage_solver_t), intent(out) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: tolerance !! on the estimate
+
+      self%n = model%n
+      self%tolerance = tolerance
+      self%newton_stop = max(10*eps/tolerance, min(0.03_wp, sqrt(tolerance)))
+      allocate (self%weight(model%n), self%error(model%n), self%start(model%n), self%moved(model%n), &
+                self%moved_f(model%n))
+      allocate (self%z(lanes, model%n), self%w(lanes, model%n), self%y(lanes, model%n), self%f(lanes, model%n))
+      allocate (self%change(lanes, model%n), self%jacobian(size(model%jacobian_row)))
+      self%z = 0
+      self%w = 0
+      call sparse_lu_analyse(self%sparse, model%n, model%jacobian_row, model%jacobian_column)
+      call dense_lu_create(self%dense, model%n)
+   end subroutine stage_solver_create
+
+   !> Errors count in units of tolerance and scale, but never below rounding.
+   pure subroutine set_weights(self, scale, y)
+      type(stage_solver_t), intent(inout) :: self
+      real(wp), intent(in) :: scale(self%n)
+      real(wp), intent(in) :: y(self%n)
+
+      self%weight = 1/max(self%tolerance*scale, rounding*abs(y))
+   end subroutine set_weights
+
+   !> Start Newton without a guess.
+   pure subroutine predict_nothing(self)
+      type(stage_solver_t), intent(inout) :: self
+
+      self%z = 0
+      self%w = 0
+   end subroutine predict_nothing
+
+   !> Start Newton from the polynomial of a step, continued: `old_z` are its increments over its own start.
+   pure subroutine predict_from(self, old_z, start, ratio)
+      type(stage_solver_t), intent(inout) :: self
+      real(wp), intent(in) :: old_z(lanes, self%n)
+      real(wp), intent(in) :: start !! where in that step, in units of it, the new one starts: its node 0 or 1
+      real(wp), intent(in) :: ratio !! new step over that one
+      real(wp) :: matrix(lanes, lanes)
+      integer :: from
+
+      call lagrange_matrix(start + ratio*node, matrix)
+      from = merge(n_stages, lanes, start > 0)
+      matrix(:, from) = matrix(:, from) - 1
+      matrix(lanes, :) = 0
+      call combine(self%n, matrix, old_z, self%z)
+      call combine(self%n, from_stage, self%z, self%w)
+   end subroutine predict_from
+
+   !> Factor the four systems for a step of h; with row exchanges if diagonal pivots will not do.
+   subroutine factor_systems(self, model, h, good)
+      type(stage_solver_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: h
+      logical, intent(out) :: good !! false if a matrix is singular
+
+      self%counts%factorisations = self%counts%factorisations + 1
+      call sparse_lu_factor(self%sparse, shift_re/h, shift_im/h, self%jacobian, good)
+      self%is_dense = .not. good
+      if (self%is_dense) then
+         self%counts%dense = self%counts%dense + 1
+         call dense_lu_factor(self%dense, shift_re/h, shift_im/h, model%jacobian_row, model%jacobian_column, &
+                              self%jacobian, good)
+      end if
+      self%h_factored = merge(h, 0.0_wp, good)
+   end subroutine factor_systems
+
+   !> Find the stages of the step from (t, y) to t + h, from the prediction in z and w; the factors are those of h.
+   subroutine solve_stages(self, model, t, y, h, outcome, status)
+      type(stage_solver_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: t, h
+      real(wp), intent(in) :: y(self%n)
+      integer, intent(out) :: outcome         !! one of the codes newton_...
+      type(status_t), intent(inout) :: status
+      real(wp) :: times(lanes), size_now, size_before, ratio, ratio_before, left_over
+      integer :: i
+
+      times = t + node*h
+      self%rate_sum = max(self%rate_sum, eps)**0.8_wp
+      self%advice = 0.5_wp
+      size_before = 0
+      ratio_before = 1
+      do i = 1, self%n
+         self%y(:, i) = y(i) + self%z(:, i)
+      end do
+      do i = 1, most_iterations
+         self%iterations = i
+         self%counts%iterations = self%counts%iterations + 1
+         call model%rhs_lanes(times, self%y, self%f, status)
+         if (has_failed(status)) then
+            outcome = newton_refused
+            return
+         end if
+         if (i == 1) self%start = self%f(lanes, :)
+         call iterate(self, y, h, size_now)
+         if (i > 1) then
+            ratio = size_now/size_before
+            self%rate = merge(ratio, sqrt(ratio*ratio_before), i == 2)
+            ratio_before = ratio
+            if (.not. self%rate < 0.99_wp) then
+               outcome = merge(newton_converged, newton_diverged, is_rounding(self))
+               return
+            end if
+            self%rate_sum = self%rate/(1 - self%rate)
+            left_over = self%rate_sum*size_now*self%rate**(most_iterations - 1 - i)
+            if (left_over >= self%newton_stop .and. i < most_iterations) then
+               outcome = merge(newton_converged, newton_slow, is_rounding(self))
+               self%advice = 0.8_wp*max(1.0e-4_wp, min(20.0_wp, left_over/self%newton_stop)) &
+                             **(-1.0_wp/(4 + most_iterations - 1 - i))
+               return
+            end if
+         end if
+         size_before = max(size_now, eps)
+         if (self%rate_sum*size_now <= self%newton_stop) then
+            outcome = newton_converged
+            return
+         end if
+      end do
+      outcome = merge(newton_converged, newton_diverged, is_rounding(self))
+   end subroutine solve_stages
+
+   !> One iteration: change z, w and the states; its weighted size.
+   subroutine iterate(self, y, h, length)
+      type(stage_solver_t), intent(inout) :: self
+      real(wp), intent(in) :: y(self%n)
+      real(wp), intent(in) :: h
+      real(wp), intent(out) :: length !! root mean square over stages and components
+      real(wp) :: re(fourth), im(fourth), total(lanes)
+      integer :: i
+
+      call combine(self%n, from_stage, self%f, self%change)
+      re = shift_re/h
+      im = shift_im/h
+      do i = 1, self%n
+         self%change(:fourth, i) = self%change(:fourth, i) - (re*self%w(:fourth, i) - im*self%w(fourth + 1:, i))
+         self%change(fourth + 1:, i) = self%change(fourth + 1:, i) - (im*self%w(:fourth, i) + re*self%w(fourth + 1:, i))
+      end do
+      if (self%is_dense) then
+         call dense_lu_solve(self%dense, self%change)
+      else
+         call sparse_lu_solve(self%sparse, self%change)
+      end if
+      self%w = self%w + self%change
+      call combine(self%n, to_stage, self%change, self%f) ! f is spent: it takes the change of z
+      total = 0
+      do i = 1, self%n
+         self%z(:, i) = self%z(:, i) + self%f(:, i)
+         self%y(:, i) = y(i) + self%z(:, i)
+         total = total + (self%f(:, i)*self%weight(i))**2
+      end do
+      length = sqrt(sum(total)/(n_stages*self%n))
+   end subroutine iterate
+
+   !> Whether the last change was no larger than rounding makes it: no iteration can do better.
+   pure logical function is_rounding(self)
+      type(stage_solver_t), intent(in) :: self
+
+      is_rounding = all(abs(self%f) <= 8*rounding*(abs(self%y) + abs(self%z)))
+   end function is_rounding
+
+   !> Weighted size of the error estimate of the step just solved.
+   subroutine estimate_error(self, model, t, y, h, again, error, status)
+      type(stage_solver_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: t, h
+      real(wp), intent(in) :: y(self%n)
+      logical, intent(in) :: again   !! filter once more if the error is above 1: for a first step and after a rejection
+      real(wp), intent(out) :: error !! root mean square; a step is good below 1
+      type(status_t), intent(inout) :: status
+
+      call filter(self, self%start, h, error)
+      if (error < 1 .or. .not. again) return
+      self%moved = y + self%error
+      call model%rhs(t, self%moved, self%moved_f, status)
+      self%counts%evaluations = self%counts%evaluations + 1
+      if (has_failed(status)) then
+         error = huge(error)
+         return
+      end if
+      call filter(self, self%moved_f, h, error)
+   end subroutine estimate_error
+
+   !> (gamma/h I - J)^-1 (rate - p'(t)) and its weighted size.
+   pure subroutine filter(self, rate, h, error)
+      type(stage_solver_t), intent(inout) :: self
+      real(wp), intent(in) :: rate(self%n) !! f at the start
+      real(wp), intent(in) :: h
+      real(wp), intent(out) :: error
+      integer :: i
+
+      do i = 1, self%n
+         self%error(i) = rate(i) - sum(slope_at_node(lanes, :)*self%z(:, i))/h
+      end do
+      if (self%is_dense) then
+         call dense_lu_solve_first(self%dense, self%error)
+      else
+         call sparse_lu_solve_first(self%sparse, self%error)
+      end if
+      error = max(sqrt(sum((self%error*self%weight)**2)/self%n), 1.0e-10_wp)
+      if (.not. error <= huge(error)) error = huge(error)
+   end subroutine filter
+
+end module evl_stage_solver
