@@ -184,7 +184,7 @@ contains
                return
             end if
          else if (.not. has_failed(status) .and. error < huge(error)) then
-            self%h = h*min(0.9_wp, max(1/largest_cut, safety*error**(-1.0_wp/8)))
+            self%h = h*min(0.9_wp, max(1/largest_cut, safety/eighth_root(error)))
          end if
          if (has_failed(status)) then
             if (status%code /= code_out_of_domain) return
@@ -268,9 +268,9 @@ contains
       logical :: fast
 
       slack = min(safety, safety*(1 + 2*most_iterations)/(self%stages%iterations + 2*most_iterations))
-      cut = max(1/largest_growth, min(largest_cut, error**0.125_wp/slack))
+      cut = max(1/largest_growth, min(largest_cut, eighth_root(error)/slack))
       if (self%h_accepted > 0) then
-         cut_predicted = (self%h_accepted/h)*(error**2/self%error_accepted)**0.125_wp/safety
+         cut_predicted = (self%h_accepted/h)*eighth_root(error**2/self%error_accepted)/safety
          cut = max(cut, max(1/largest_growth, min(largest_cut, cut_predicted)))
       end if
       self%h_accepted = h
@@ -457,6 +457,13 @@ contains
       counts%dense_factorisations = self%stages%counts%dense
       counts%root_evaluations = self%roots%evaluations
    end function radau_get_counts
+
+   !> x^(1/8): the estimate has order 7.
+   pure real(wp) function eighth_root(x)
+      real(wp), intent(in) :: x
+
+      eighth_root = sqrt(sqrt(sqrt(x)))
+   end function eighth_root
 
    !> Whether two steps are the same number.
    pure logical function same(a, b)

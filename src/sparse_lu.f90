@@ -1,8 +1,8 @@
 !> LU factors of four complex matrices shift_k I - J at once, J real and sparse with a pattern that never changes.
 !>
 !> Order and fill are found once (Markowitz: the diagonal pivot with the least (row count - 1)(column count - 1), on the
-!> pattern alone, since J's values change); the elimination is then a list of places. An entry is a vector of 8 reals: the
-!> real parts of the four systems, then the imaginary ones.
+!> pattern alone, since J's values change); the elimination is then a list of places. An entry is two vectors of 4 reals:
+!> the real parts of the four systems, and the imaginary ones.
 !>
 !> Pivots stay on the diagonal. `factor` reports a pivot that is too small beside the rest of its row of U: the growth of
 !> rounding errors in one elimination step is at most the inverse of that ratio.
@@ -17,7 +17,6 @@ module evl_sparse_lu
 
    public :: sparse_lu_t, sparse_lu_analyse, sparse_lu_factor, sparse_lu_solve, sparse_lu_solve_first
 
-   integer, parameter :: width = 2*n_systems
    real(wp), parameter :: smallest_pivot = 1.0e-6_wp !! over the largest entry beside it in its row of U
 
    !> Places and values of the factors, in the order of elimination.
@@ -30,7 +29,7 @@ module evl_sparse_lu
       integer, allocatable :: unknown(:)   !! [nnz] its column in J
       integer, allocatable :: place(:)     !! [entries of J] where an entry of J goes
       integer, allocatable :: target(:)    !! places that elimination changes, in the order in which it does
-      real(wp), allocatable :: value(:, :) !! [8, nnz] L without its unit diagonal, inverse pivots, U
+      real(wp), allocatable :: value(:, :, :) !! [4, 2, nnz] L without its unit diagonal, inverse pivots, U
    end type sparse_lu_t
 
 contains
@@ -57,7 +56,7 @@ contains
       do i = 1, n
          position(lu%component(i)) = i
       end do
-      allocate (lu%column(count(filled)), lu%unknown(count(filled)), lu%value(width, count(filled)), lu%place(size(row)))
+      allocate (lu%column(count(filled)), lu%unknown(count(filled)), lu%value(n_systems, 2, count(filled)), lu%place(size(row)))
       lu%value = 0
       place_of = 0
       p = 0
@@ -134,68 +133,92 @@ contains
       real(wp), intent(in) :: shift_re(n_systems), shift_im(n_systems)
       real(wp), intent(in) :: jacobian(:) !! entries of J
       logical, intent(out) :: good        !! whether every pivot was large enough; if not, the factors are useless
-      real(wp) :: factor(width), pivot(n_systems), beside(n_systems)
-      integer :: i, m, p, q
+      integer :: i, p
 
       lu%value = 0
       do p = 1, size(lu%place)
-         lu%value(:n_systems, lu%place(p)) = -jacobian(p)
+         lu%value(:, 1, lu%place(p)) = -jacobian(p)
       end do
       do i = 1, lu%n
-         lu%value(:n_systems, lu%diagonal(i)) = lu%value(:n_systems, lu%diagonal(i)) + shift_re
-         lu%value(n_systems + 1:, lu%diagonal(i)) = shift_im
+         lu%value(:, 1, lu%diagonal(i)) = lu%value(:, 1, lu%diagonal(i)) + shift_re
+         lu%value(:, 2, lu%diagonal(i)) = shift_im
       end do
-      good = .true.
-      m = 0
-      do i = 1, lu%n
-         do p = lu%row_start(i), lu%diagonal(i) - 1
-            call multiply(lu%value(:, lu%diagonal(lu%column(p))), lu%value(:, p), factor)
-            lu%value(:, p) = factor
-            do q = lu%diagonal(lu%column(p)) + 1, lu%row_start(lu%column(p) + 1) - 1
-               m = m + 1
-               call subtract_product(factor, lu%value(:, q), lu%value(:, lu%target(m)))
-            end do
-         end do
-         associate (d => lu%value(:, lu%diagonal(i)))
-            pivot = d(:n_systems)**2 + d(n_systems + 1:)**2
-            beside = tiny(1.0_wp)/smallest_pivot**2
-            do q = lu%diagonal(i) + 1, lu%row_start(i + 1) - 1
-               beside = max(beside, lu%value(:n_systems, q)**2 + lu%value(n_systems + 1:, q)**2)
-            end do
-            if (.not. all(pivot > smallest_pivot**2*beside .and. pivot <= huge(1.0_wp))) then
-               good = .false.
-               return
-            end if
-            d(:n_systems) = d(:n_systems)/pivot
-            d(n_systems + 1:) = -d(n_systems + 1:)/pivot
-         end associate
-      end do
+      call eliminate(lu%n, lu%row_start, lu%diagonal, lu%column, lu%target, lu%value, good)
    end subroutine sparse_lu_factor
 
-   !> Solve the four systems; b(:, i) holds the real parts and the imaginary parts of component i, then of the solution.
+   !> Eliminate row by row; arrays of known shape, so that a row costs no look at a descriptor.
+   pure subroutine eliminate(n, row_start, diagonal, column, target, value, good)
+      integer, intent(in) :: n
+      integer, intent(in) :: row_start(n + 1), diagonal(n), column(*), target(*)
+      real(wp), intent(inout) :: value(n_systems, 2, *)
+      logical, intent(out) :: good
+      real(wp) :: re(n_systems), im(n_systems), pivot(n_systems), beside(n_systems)
+      integer :: d, i, m, p, q
+
+      good = .true.
+      m = 0
+      do i = 1, n
+         d = diagonal(i)
+         do p = row_start(i), d - 1
+            q = diagonal(column(p))
+            call multiply(value(:, 1, q), value(:, 2, q), value(:, 1, p), value(:, 2, p), re, im)
+            value(:, 1, p) = re
+            value(:, 2, p) = im
+            do q = diagonal(column(p)) + 1, row_start(column(p) + 1) - 1
+               m = m + 1
+               call subtract_product(re, im, value(:, 1, q), value(:, 2, q), value(:, 1, target(m)), value(:, 2, target(m)))
+            end do
+         end do
+         pivot = value(:, 1, d)**2 + value(:, 2, d)**2
+         beside = tiny(1.0_wp)/smallest_pivot**2
+         do q = d + 1, row_start(i + 1) - 1
+            beside = max(beside, value(:, 1, q)**2 + value(:, 2, q)**2)
+         end do
+         if (.not. all(pivot > smallest_pivot**2*beside .and. pivot <= huge(1.0_wp))) then
+            good = .false.
+            return
+         end if
+         value(:, 1, d) = value(:, 1, d)/pivot
+         value(:, 2, d) = -value(:, 2, d)/pivot
+      end do
+   end subroutine eliminate
+
+   !> Solve the four systems; b(:, 1, i) holds the real parts of component i, b(:, 2, i) the imaginary ones, then of x.
    pure subroutine sparse_lu_solve(lu, b)
       type(sparse_lu_t), intent(in) :: lu
-      real(wp), intent(inout) :: b(width, lu%n)
-      real(wp) :: x(width), y(width)
+      real(wp), intent(inout) :: b(n_systems, 2, lu%n)
+
+      call substitute(lu%n, lu%component, lu%row_start, lu%diagonal, lu%unknown, lu%value, b)
+   end subroutine sparse_lu_solve
+
+   !> Forward and backward substitution; arrays of known shape, so that a row costs no look at a descriptor.
+   pure subroutine substitute(n, component, row_start, diagonal, unknown, value, b)
+      integer, intent(in) :: n
+      integer, intent(in) :: component(n), row_start(n + 1), diagonal(n), unknown(*)
+      real(wp), intent(in) :: value(n_systems, 2, *)
+      real(wp), intent(inout) :: b(n_systems, 2, n)
+      real(wp) :: re(n_systems), im(n_systems)
       integer :: i, p
 
-      do i = 2, lu%n
-         if (lu%row_start(i) == lu%diagonal(i)) cycle
-         x = b(:, lu%component(i))
-         do p = lu%row_start(i), lu%diagonal(i) - 1
-            call subtract_product(lu%value(:, p), b(:, lu%unknown(p)), x)
+      do i = 2, n
+         if (row_start(i) == diagonal(i)) cycle
+         re = b(:, 1, component(i))
+         im = b(:, 2, component(i))
+         do p = row_start(i), diagonal(i) - 1
+            call subtract_product(value(:, 1, p), value(:, 2, p), b(:, 1, unknown(p)), b(:, 2, unknown(p)), re, im)
          end do
-         b(:, lu%component(i)) = x
+         b(:, 1, component(i)) = re
+         b(:, 2, component(i)) = im
       end do
-      do i = lu%n, 1, -1
-         x = b(:, lu%component(i))
-         do p = lu%diagonal(i) + 1, lu%row_start(i + 1) - 1
-            call subtract_product(lu%value(:, p), b(:, lu%unknown(p)), x)
+      do i = n, 1, -1
+         re = b(:, 1, component(i))
+         im = b(:, 2, component(i))
+         do p = diagonal(i) + 1, row_start(i + 1) - 1
+            call subtract_product(value(:, 1, p), value(:, 2, p), b(:, 1, unknown(p)), b(:, 2, unknown(p)), re, im)
          end do
-         call multiply(lu%value(:, lu%diagonal(i)), x, y)
-         b(:, lu%component(i)) = y
+         call multiply(value(:, 1, diagonal(i)), value(:, 2, diagonal(i)), re, im, b(:, 1, component(i)), b(:, 2, component(i)))
       end do
-   end subroutine sparse_lu_solve
+   end subroutine substitute
 
    !> Solve the first system, whose shift is real.
    pure subroutine sparse_lu_solve_first(lu, b)
@@ -207,42 +230,42 @@ contains
       do i = 2, lu%n
          x = b(lu%component(i))
          do p = lu%row_start(i), lu%diagonal(i) - 1
-            x = x - lu%value(1, p)*b(lu%unknown(p))
+            x = x - lu%value(1, 1, p)*b(lu%unknown(p))
          end do
          b(lu%component(i)) = x
       end do
       do i = lu%n, 1, -1
          x = b(lu%component(i))
          do p = lu%diagonal(i) + 1, lu%row_start(i + 1) - 1
-            x = x - lu%value(1, p)*b(lu%unknown(p))
+            x = x - lu%value(1, 1, p)*b(lu%unknown(p))
          end do
-         b(lu%component(i)) = x*lu%value(1, lu%diagonal(i))
+         b(lu%component(i)) = x*lu%value(1, 1, lu%diagonal(i))
       end do
    end subroutine sparse_lu_solve_first
 
    !> c = a b, four complex products.
-   pure subroutine multiply(a, b, c)
-      real(wp), intent(in) :: a(width), b(width)
-      real(wp), intent(out) :: c(width)
+   pure subroutine multiply(a_re, a_im, b_re, b_im, c_re, c_im)
+      real(wp), intent(in) :: a_re(n_systems), a_im(n_systems), b_re(n_systems), b_im(n_systems)
+      real(wp), intent(out) :: c_re(n_systems), c_im(n_systems)
       integer :: k
 
       !$omp simd
       do k = 1, n_systems
-         c(k) = a(k)*b(k) - a(k + n_systems)*b(k + n_systems)
-         c(k + n_systems) = a(k)*b(k + n_systems) + a(k + n_systems)*b(k)
+         c_re(k) = a_re(k)*b_re(k) - a_im(k)*b_im(k)
+         c_im(k) = a_re(k)*b_im(k) + a_im(k)*b_re(k)
       end do
    end subroutine multiply
 
    !> c = c - a b, four complex products.
-   pure subroutine subtract_product(a, b, c)
-      real(wp), intent(in) :: a(width), b(width)
-      real(wp), intent(inout) :: c(width)
+   pure subroutine subtract_product(a_re, a_im, b_re, b_im, c_re, c_im)
+      real(wp), intent(in) :: a_re(n_systems), a_im(n_systems), b_re(n_systems), b_im(n_systems)
+      real(wp), intent(inout) :: c_re(n_systems), c_im(n_systems)
       integer :: k
 
       !$omp simd
       do k = 1, n_systems
-         c(k) = c(k) - (a(k)*b(k) - a(k + n_systems)*b(k + n_systems))
-         c(k + n_systems) = c(k + n_systems) - (a(k)*b(k + n_systems) + a(k + n_systems)*b(k))
+         c_re(k) = c_re(k) - (a_re(k)*b_re(k) - a_im(k)*b_im(k))
+         c_im(k) = c_im(k) - (a_re(k)*b_im(k) + a_im(k)*b_re(k))
       end do
    end subroutine subtract_product
 

@@ -203,31 +203,59 @@ contains
       real(wp), intent(in) :: y(self%n)
       real(wp), intent(in) :: h
       real(wp), intent(out) :: length !! root mean square over stages and components
-      real(wp) :: re(fourth), im(fourth), total(lanes)
-      integer :: i
 
       call combine(self%n, from_stage, self%f, self%change)
-      re = shift_re/h
-      im = shift_im/h
-      do i = 1, self%n
-         self%change(:fourth, i) = self%change(:fourth, i) - (re*self%w(:fourth, i) - im*self%w(fourth + 1:, i))
-         self%change(fourth + 1:, i) = self%change(fourth + 1:, i) - (im*self%w(:fourth, i) + re*self%w(fourth + 1:, i))
-      end do
+      call subtract_shifted(self%n, shift_re/h, shift_im/h, self%w, self%change)
       if (self%is_dense) then
          call dense_lu_solve(self%dense, self%change)
       else
          call sparse_lu_solve(self%sparse, self%change)
       end if
-      self%w = self%w + self%change
       call combine(self%n, to_stage, self%change, self%f) ! f is spent: it takes the change of z
-      total = 0
-      do i = 1, self%n
-         self%z(:, i) = self%z(:, i) + self%f(:, i)
-         self%y(:, i) = y(i) + self%z(:, i)
-         total = total + (self%f(:, i)*self%weight(i))**2
-      end do
-      length = sqrt(sum(total)/(n_stages*self%n))
+      call add_change(self%n, y, self%weight, self%change, self%f, self%w, self%z, self%y, length)
+      length = sqrt(length/(n_stages*self%n))
    end subroutine iterate
+
+   !> The right-hand side of an iteration: r - Lambda/h w.
+   pure subroutine subtract_shifted(n, re, im, w, r)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: re(fourth), im(fourth) !! eigenvalues over h
+      real(wp), intent(in) :: w(fourth, 2, n)
+      real(wp), intent(inout) :: r(fourth, 2, n)
+      integer :: i, k
+
+      do i = 1, n
+         !$omp simd
+         do k = 1, fourth
+            r(k, 1, i) = r(k, 1, i) - (re(k)*w(k, 1, i) - im(k)*w(k, 2, i))
+            r(k, 2, i) = r(k, 2, i) - (im(k)*w(k, 1, i) + re(k)*w(k, 2, i))
+         end do
+      end do
+   end subroutine subtract_shifted
+
+   !> Add the change of an iteration; the sum of the weighted squares of dz.
+   pure subroutine add_change(n, y, weight, dw, dz, w, z, stage_y, square)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: y(n), weight(n)
+      real(wp), intent(in) :: dw(lanes, n), dz(lanes, n)
+      real(wp), intent(inout) :: w(lanes, n), z(lanes, n)
+      real(wp), intent(out) :: stage_y(lanes, n)
+      real(wp), intent(out) :: square
+      real(wp) :: total(lanes)
+      integer :: i, k
+
+      total = 0
+      do i = 1, n
+         !$omp simd
+         do k = 1, lanes
+            w(k, i) = w(k, i) + dw(k, i)
+            z(k, i) = z(k, i) + dz(k, i)
+            stage_y(k, i) = y(i) + z(k, i)
+            total(k) = total(k) + (dz(k, i)*weight(i))**2
+         end do
+      end do
+      square = sum(total)
+   end subroutine add_change
 
    !> Whether the last change was no larger than rounding makes it: no iteration can do better.
    pure logical function is_rounding(self)
