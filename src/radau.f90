@@ -37,6 +37,7 @@ module evl_radau
 
    real(wp), parameter :: eps = epsilon(1.0_wp)
    real(wp), parameter :: share = 0.003_wp      !! internal tolerance over tolerance^(4/7)
+   real(wp), parameter :: output_share = 5      !! error of the dense output over the tolerance, as it is estimated
    real(wp), parameter :: safety = 0.9_wp       !! on the step that the estimate allows
    real(wp), parameter :: largest_growth = 8, largest_cut = 5 !! of the step, at once
    real(wp), parameter :: kept_growth = 1.2_wp  !! a step that may grow by less stays, and with it the factors
@@ -111,7 +112,7 @@ contains
       self%options = options
       allocate (self%y(model%n), self%y_before(model%n), self%old_z(lanes, model%n), self%fired(model%n_roots))
       self%old_z = 0
-      call stage_solver_create(self%stages, model, share*options%tolerance**(4.0_wp/7))
+      call stage_solver_create(self%stages, model, share*options%tolerance**(4.0_wp/7), output_share*options%tolerance)
       call root_finder_create(self%roots, model)
    end subroutine radau_create
 
@@ -122,18 +123,41 @@ contains
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:) !! [n]
       type(status_t), intent(inout) :: status
-      real(wp) :: speed
 
       self%fired = 1 ! a function that is zero at the start has not fired by that
       call radau_restart(self, model, t, y)
       self%counts = radau_counts()
       self%h = self%options%first_step
       if (self%h > 0) return
-      call model%rhs(t, y, self%stages%start, status)
-      if (has_failed(status)) return
-      speed = maxval(abs(self%stages%start)/model%scale)
-      self%h = min(self%options%max_step, 0.01_wp/max(speed, tiny(1.0_wp)*1.0e10_wp))
+      call choose_first_step(self, model, status)
    end subroutine radau_start
+
+   !> A first step in which the state moves by about a hundredth of its scales, judged by f and, along an Euler step, by its
+   !> change: f may be 0 at the start.
+   subroutine choose_first_step(self, model, status)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      type(status_t), intent(inout) :: status
+      real(wp), parameter :: part = 0.01_wp, probe = 1.0e-6_wp
+      real(wp) :: speed, acceleration, h
+
+      associate (f => self%stages%start, moved => self%stages%moved, moved_f => self%stages%moved_f)
+         call model%rhs(self%t, self%y, f, status)
+         if (has_failed(status)) return
+         speed = maxval(abs(f)/model%scale)
+         h = min(self%options%max_step, probe/max(speed, part))
+         moved = self%y + h*f
+         call model%rhs(self%t + h, moved, moved_f, status)
+         if (has_failed(status)) then ! at the edge of the domain: nothing is known but that it has to be small
+            if (status%code /= code_out_of_domain) return
+            call clear(status)
+            self%h = h
+            return
+         end if
+         acceleration = maxval(abs(moved_f - f)/model%scale)/h
+         self%h = min(self%options%max_step, part/max(speed, sqrt(acceleration), part*probe))
+      end associate
+   end subroutine choose_first_step
 
    !> Go on from (t, y) after an event: f or y may have jumped there, so nothing is continued from before.
    subroutine radau_restart(self, model, t, y)

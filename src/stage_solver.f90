@@ -9,13 +9,17 @@
 !> Error estimate: err = (gamma/h I - J)^-1 (f(t, y) - p'(t)), p the collocation polynomial, gamma the real eigenvalue. This
 !> is the embedded formula of order 7, filtered: its weights are those of p'(t) (docs/radau.md).
 !>
-!> Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8.
+!> For very stiff components the filter lets any step pass: the stages are right, however far apart, and what lies between them
+!> is not. So the dense output has an estimate of its own: the Chebyshev coefficients of the polynomial, continued by one.
+!>
+!> Sources: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8.
 module evl_stage_solver
    use evl_collocation, only: combine, lagrange_matrix
    use evl_dense_lu, only: dense_lu_create, dense_lu_factor, dense_lu_solve, dense_lu_solve_first, dense_lu_t
    use evl_kinds, only: wp
    use evl_ode_model, only: lanes, ode_model
-   use evl_radau_coefficients, only: from_stage, n_stages, n_systems, node, shift_im, shift_re, slope_at_node, to_stage
+   use evl_radau_coefficients, only: barycentric, from_stage, n_stages, n_systems, node, shift_im, shift_re, slope_at_node, &
+                                     to_stage
    use evl_sparse_lu, only: sparse_lu_analyse, sparse_lu_factor, sparse_lu_solve, sparse_lu_solve_first, sparse_lu_t
    use evl_status, only: has_failed, status_t
    implicit none (type, external)
@@ -35,6 +39,12 @@ module evl_stage_solver
    real(wp), parameter :: eps = epsilon(1.0_wp)
    real(wp), parameter :: rounding = 4*eps !! least error that may be asked for, relative to a state
 
+   real(wp), parameter :: nodes_over_chebyshev = 2.3_wp !! largest prod|tau - node| over that of Chebyshev's points
+
+   ! Coefficients of the Chebyshev polynomials T_7 and T_6, shifted to the step, from the values at the nodes.
+   real(wp), parameter :: chebyshev_7(lanes) = barycentric/2**13
+   real(wp), parameter :: chebyshev_6(lanes) = barycentric*(node - sum(node) + 3.5_wp)/2**11
+
    type :: stage_counts
       integer :: iterations = 0     !! of Newton: lane-wise evaluations of f
       integer :: evaluations = 0    !! scalar ones
@@ -46,6 +56,7 @@ module evl_stage_solver
    type :: stage_solver_t
       integer :: n = 0
       real(wp) :: tolerance = 0  !! on the error estimate of a step, in units of the model's scales
+      real(wp) :: output_factor = 1 !! how much tighter the dense output is held
       real(wp) :: newton_stop = 0 !! share of it that may be left in the stages
       real(wp), allocatable :: weight(:)    !! [n] inverse of the error that counts as 1
       real(wp), allocatable :: z(:, :)      !! [8, n] increments of the stages
@@ -72,13 +83,15 @@ module evl_stage_solver
 contains
 
    !> Allocate all arrays and analyse the pattern; the model has been checked.
-   subroutine stage_solver_create(self, model, tolerance)
+   subroutine stage_solver_create(self, model, tolerance, output_tolerance)
       type(stage_solver_t), intent(out) :: self
       class(ode_model), intent(in) :: model
-      real(wp), intent(in) :: tolerance !! on the estimate
+      real(wp), intent(in) :: tolerance        !! on the estimate of a step
+      real(wp), intent(in) :: output_tolerance !! on the estimate of the dense output; it is not looser than the other
 
       self%n = model%n
       self%tolerance = tolerance
+      self%output_factor = max(1.0_wp, tolerance/output_tolerance)
       self%newton_stop = max(10*eps/tolerance, min(0.03_wp, sqrt(tolerance)))
       allocate (self%weight(model%n), self%error(model%n), self%start(model%n), self%moved(model%n), &
                 self%moved_f(model%n))
@@ -275,6 +288,7 @@ contains
       type(status_t), intent(inout) :: status
 
       call filter(self, self%start, h, error)
+      if (error < 1) error = max(error, self%output_factor*interpolation_error(self%n, self%z, self%weight))
       if (error < 1 .or. .not. again) return
       self%moved = y + self%error
       call model%rhs(t, self%moved, self%moved_f, status)
@@ -284,7 +298,25 @@ contains
          return
       end if
       call filter(self, self%moved_f, h, error)
+      error = max(error, self%output_factor*interpolation_error(self%n, self%z, self%weight))
    end subroutine estimate_error
+
+   !> Weighted size of the Chebyshev coefficient that would come next, if the last two go on as a geometric series.
+   pure real(wp) function interpolation_error(n, z, weight) result(error)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: z(lanes, n)
+      real(wp), intent(in) :: weight(n)
+      real(wp) :: last, before, total
+      integer :: i
+
+      total = 0
+      do i = 1, n
+         last = abs(sum(chebyshev_7*z(:, i)))
+         before = max(abs(sum(chebyshev_6*z(:, i))), tiny(1.0_wp))
+         total = total + (last*min(1.0_wp, last/before)*weight(i))**2
+      end do
+      error = nodes_over_chebyshev*sqrt(total/n)
+   end function interpolation_error
 
    !> (gamma/h I - J)^-1 (rate - p'(t)) and its weighted size.
    pure subroutine filter(self, rate, h, error)
