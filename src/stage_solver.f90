@@ -18,8 +18,8 @@ module evl_stage_solver
    use evl_dense_lu, only: dense_lu_create, dense_lu_factor, dense_lu_solve, dense_lu_solve_first, dense_lu_t
    use evl_kinds, only: wp
    use evl_ode_model, only: lanes, ode_model
-   use evl_radau_coefficients, only: barycentric, from_stage, n_stages, n_systems, node, shift_im, shift_re, slope_at_node, &
-                                     to_stage
+   use evl_radau_coefficients, only: from_stage, n_stages, n_systems, node, shift_im, shift_re, slope_at_node, &
+                                     to_chebyshev, to_stage
    use evl_sparse_lu, only: sparse_lu_analyse, sparse_lu_factor, sparse_lu_solve, sparse_lu_solve_first, sparse_lu_t
    use evl_status, only: has_failed, status_t
    implicit none (type, external)
@@ -40,10 +40,6 @@ module evl_stage_solver
    real(wp), parameter :: rounding = 4*eps !! least error that may be asked for, relative to a state
 
    real(wp), parameter :: nodes_over_chebyshev = 2.3_wp !! largest prod|tau - node| over that of Chebyshev's points
-
-   ! Coefficients of the Chebyshev polynomials T_7 and T_6, shifted to the step, from the values at the nodes.
-   real(wp), parameter :: chebyshev_7(lanes) = barycentric/2**13
-   real(wp), parameter :: chebyshev_6(lanes) = barycentric*(node - sum(node) + 3.5_wp)/2**11
 
    type :: stage_counts
       integer :: iterations = 0     !! of Newton: lane-wise evaluations of f
@@ -288,7 +284,7 @@ contains
       type(status_t), intent(inout) :: status
 
       call filter(self, self%start, h, error)
-      if (error < 1) error = max(error, self%output_factor*interpolation_error(self%n, self%z, self%weight))
+      if (error < 1) error = max(error, self%output_factor*interpolation_error(self))
       if (error < 1 .or. .not. again) return
       self%moved = y + self%error
       call model%rhs(t, self%moved, self%moved_f, status)
@@ -298,24 +294,24 @@ contains
          return
       end if
       call filter(self, self%moved_f, h, error)
-      error = max(error, self%output_factor*interpolation_error(self%n, self%z, self%weight))
+      error = max(error, self%output_factor*interpolation_error(self))
    end subroutine estimate_error
 
-   !> Weighted size of the Chebyshev coefficient that would come next, if the last two go on as a geometric series.
-   pure real(wp) function interpolation_error(n, z, weight) result(error)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: z(lanes, n)
-      real(wp), intent(in) :: weight(n)
+   !> Weighted size of the error of the dense output: the Chebyshev coefficients that would come next, if the last pairs go on
+   !> as a geometric series. Pairs, since every other coefficient of an even or odd solution is 0.
+   real(wp) function interpolation_error(self) result(error)
+      type(stage_solver_t), intent(inout) :: self !! its scratch changes
       real(wp) :: last, before, total
       integer :: i
 
+      call combine(self%n, to_chebyshev, self%z, self%change)
       total = 0
-      do i = 1, n
-         last = abs(sum(chebyshev_7*z(:, i)))
-         before = max(abs(sum(chebyshev_6*z(:, i))), tiny(1.0_wp))
-         total = total + (last*min(1.0_wp, last/before)*weight(i))**2
+      do i = 1, self%n
+         before = self%change(5, i)**2 + self%change(6, i)**2
+         last = self%change(7, i)**2 + self%change(8, i)**2
+         total = total + last*min(1.0_wp, last/max(before, tiny(1.0_wp)))*self%weight(i)**2
       end do
-      error = nodes_over_chebyshev*sqrt(total/n)
+      error = nodes_over_chebyshev*sqrt(total/self%n)
    end function interpolation_error
 
    !> (gamma/h I - J)^-1 (rate - p'(t)) and its weighted size.

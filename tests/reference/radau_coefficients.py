@@ -10,6 +10,8 @@ Equations II, 2nd ed., IV.5 and IV.8), computed with 60 digits:
 - error estimate (IV.8, eq. 8.17-8.19, for s stages): the embedded formula of order 7 with weight
   gamma_0 = 1/gamma at the start of the step; e = (b^ - b) A^-1, here divided by gamma_0.
 
+- the matrix from values at the nodes to the coefficients of the shifted Chebyshev polynomials.
+
 A lane is one of 8 reals: lanes 1 to 7 are the stages, lane 8 is the start of the step (node 0).
 The transformed lanes are gamma, Re 1, Re 2, Re 3, nothing, Im 1, Im 2, Im 3.
 
@@ -43,6 +45,7 @@ class Radau(NamedTuple):
     error: list[Any]
     barycentric: list[Any]
     slope: Any
+    chebyshev: Any
 
 
 def nodes() -> list[Any]:
@@ -123,6 +126,7 @@ def radau() -> Radau:
         slope = mp.matrix(
             [[derivative(full[k], node[i]) for k in range(LANES)] for i in range(LANES)]
         )
+        points = [[mp.chebyt(k, 2 * x - 1) for k in range(LANES)] for x in node]
         return Radau(
             node=node,
             a=a,
@@ -134,6 +138,7 @@ def radau() -> Radau:
             error=[*(e[k] / gamma_0 for k in range(s)), mp.mpf(0)],
             barycentric=[full[k][-1] for k in range(LANES)],
             slope=slope,
+            chebyshev=mp.matrix(points) ** -1,
         )
 
 
@@ -153,7 +158,7 @@ def main() -> None:
     tables = radau()
     by_columns = {
         name: [getattr(tables, name)[i, k] for k in range(LANES) for i in range(LANES)]
-        for name in ("to_stage", "from_stage", "slope")
+        for name in ("to_stage", "from_stage", "slope", "chebyshev")
     }
     print(fortran("node", tables.node, "lanes", "Nodes in units of the step."))
     print(fortran("to_stage", by_columns["to_stage"], "lanes, lanes", "T."))
@@ -163,6 +168,7 @@ def main() -> None:
     print(fortran("error_weight", tables.error, "lanes", "Error estimate."))
     print(fortran("barycentric", tables.barycentric, "lanes", "1/prod(node_k - node_m)."))
     print(fortran("slope_at_node", by_columns["slope"], "lanes, lanes", "Derivatives."))
+    print(fortran("to_chebyshev", by_columns["chebyshev"], "lanes, lanes", "Coefficients."))
 
 
 if __name__ == "__main__":
