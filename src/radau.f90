@@ -20,8 +20,9 @@ module evl_radau
    use evl_ode_model, only: check_model, lanes, ode_model
    use evl_radau_coefficients, only: n_stages
    use evl_root_finder, only: find_crossings, root_finder_create, root_finder_restart, root_finder_t, step_state, values_at
-   use evl_stage_solver, only: estimate_error, factor_systems, most_iterations, newton_converged, newton_refused, newton_slow, &
+   use evl_stage_solver, only: estimate_error, factor_systems, forget, newton_converged, newton_refused, newton_slow, &
                                predict_from, predict_nothing, set_weights, solve_stages, stage_solver_create, stage_solver_t
+   use evl_step_control, only: fit_step, next_step, step_control_t, step_after_error
    use evl_status, only: clear, code_invalid_input, code_no_solution, code_out_of_domain, fail, has_failed, message_length, &
                          quantity, status_t
    implicit none (type, external)
@@ -38,10 +39,6 @@ module evl_radau
    real(wp), parameter :: eps = epsilon(1.0_wp)
    real(wp), parameter :: share = 0.003_wp      !! internal tolerance over tolerance^(4/7)
    real(wp), parameter :: output_share = 5      !! error of the dense output over the tolerance, as it is estimated
-   real(wp), parameter :: safety = 0.9_wp       !! on the step that the estimate allows
-   real(wp), parameter :: largest_growth = 8, largest_cut = 5 !! of the step, at once
-   real(wp), parameter :: kept_growth = 1.2_wp  !! a step that may grow by less stays, and with it the factors
-   real(wp), parameter :: good_rate = 0.01_wp   !! Newton's rate at which Jacobian and factors stay
    real(wp), parameter :: farthest = 5          !! steps ahead to which a polynomial may be continued as a prediction
    integer, parameter :: most_rejections = 200  !! of one step
    real(wp), parameter :: smallest_step = 16*eps !! over the present time
@@ -79,8 +76,7 @@ module evl_radau
       real(wp), allocatable, private :: old_z(:, :) !! [8, n] increments of the last step
       real(wp), private :: old_h = 0          !! step of its polynomial; 0: there is none
       real(wp), private :: h = 0              !! step to try next
-      real(wp), private :: h_accepted = 0     !! for the predictive control
-      real(wp), private :: error_accepted = 1
+      type(step_control_t), private :: control
       logical, private :: jacobian_is_new = .false. !! evaluated at the present state
       logical, private :: matrix_may_stay = .false.
       logical, private :: rejected = .true.   !! the step is repeated, or is the first one
@@ -127,6 +123,8 @@ contains
       self%fired = 1 ! a function that is zero at the start has not fired by that
       call radau_restart(self, model, t, y)
       self%counts = radau_counts()
+      self%roots%evaluations = 0
+      call forget(self%stages)
       self%h = self%options%first_step
       if (self%h > 0) return
       call choose_first_step(self, model, status)
@@ -146,6 +144,7 @@ contains
          if (has_failed(status)) return
          speed = maxval(abs(f)/model%scale)
          h = min(self%options%max_step, probe/max(speed, part))
+         self%stages%counts%evaluations = 2
          moved = self%y + h*f
          call model%rhs(self%t + h, moved, moved_f, status)
          if (has_failed(status)) then ! at the edge of the domain: nothing is known but that it has to be small
@@ -172,7 +171,7 @@ contains
       self%y_before = y
       self%old_z = 0
       self%old_h = 0
-      self%h_accepted = 0
+      self%control = step_control_t()
       self%jacobian_is_new = .false.
       self%matrix_may_stay = .false.
       self%rejected = .true.
@@ -204,11 +203,13 @@ contains
          if (.not. has_failed(status) .and. error < 1) then
             call finish(self, model, h, to_stop, t_stop, done, outcome, status)
             if (done .and. .not. has_failed(status)) then
-               if (outcome /= outcome_event) call propose(self, h, h_wanted, error)
+               self%rejected = .false.
+               if (outcome /= outcome_event) call next_step(self%control, h, h_wanted, error, self%stages%rate, &
+                                                            self%stages%iterations, self%h, self%matrix_may_stay)
                return
             end if
          else if (.not. has_failed(status) .and. error < huge(error)) then
-            self%h = h*min(0.9_wp, max(1/largest_cut, safety/eighth_root(error)))
+            self%h = step_after_error(h, error)
          end if
          if (has_failed(status)) then
             if (status%code /= code_out_of_domain) return
@@ -224,21 +225,6 @@ contains
       call fail(status, code_no_solution, "the step fell to "//quantity(self%h, "")//" at time "//quantity(self%t, "")// &
                 ": "//trim(reason))
    end subroutine radau_advance
-
-   !> The step that is tried: not past the stop, and no tiny one left before it.
-   pure subroutine fit_step(room, wanted, h, to_stop)
-      real(wp), intent(in) :: room, wanted
-      real(wp), intent(out) :: h
-      logical, intent(out) :: to_stop
-
-      to_stop = wanted >= room*(1 - 1.0e-6_wp)
-      h = wanted
-      if (to_stop) then
-         h = room
-      else if (wanted > room/2) then
-         h = room/2
-      end if
-   end subroutine fit_step
 
    !> Try a step of h; if it fails for Newton, error is huge and the step to try next is set.
    subroutine attempt(self, model, h, error, status)
@@ -283,28 +269,6 @@ contains
       call estimate_error(self%stages, model, self%t, self%y, h, self%rejected, error, status)
       if (.not. error < huge(error)) self%h = h/4
    end subroutine attempt
-
-   !> Choose the next step after one of h with this error.
-   subroutine propose(self, h, h_wanted, error)
-      type(radau_t), intent(inout) :: self
-      real(wp), intent(in) :: h, h_wanted, error
-      real(wp) :: slack, cut, cut_predicted
-      logical :: fast
-
-      slack = min(safety, safety*(1 + 2*most_iterations)/(self%stages%iterations + 2*most_iterations))
-      cut = max(1/largest_growth, min(largest_cut, eighth_root(error)/slack))
-      if (self%h_accepted > 0) then
-         cut_predicted = (self%h_accepted/h)*eighth_root(error**2/self%error_accepted)/safety
-         cut = max(cut, max(1/largest_growth, min(largest_cut, cut_predicted)))
-      end if
-      self%h_accepted = h
-      self%error_accepted = max(1.0e-2_wp, error)
-      fast = self%stages%rate <= good_rate
-      self%matrix_may_stay = fast .and. 1/cut >= 1 .and. 1/cut <= kept_growth
-      self%h = merge(h, h/cut, self%matrix_may_stay)
-      if (h < h_wanted) self%h = max(self%h, h_wanted) ! it was cut for the stop: what was proposed before still holds
-      self%rejected = .false.
-   end subroutine propose
 
    !> Take the step just solved, or the part of it before the first event.
    subroutine finish(self, model, h, to_stop, t_stop, done, outcome, status)
@@ -481,13 +445,6 @@ contains
       counts%dense_factorisations = self%stages%counts%dense
       counts%root_evaluations = self%roots%evaluations
    end function radau_get_counts
-
-   !> x^(1/8): the estimate has order 7.
-   pure real(wp) function eighth_root(x)
-      real(wp), intent(in) :: x
-
-      eighth_root = sqrt(sqrt(sqrt(x)))
-   end function eighth_root
 
    !> Whether two steps are the same number.
    pure logical function same(a, b)

@@ -25,7 +25,7 @@ module evl_stage_solver
    implicit none (type, external)
    private
 
-   public :: stage_solver_t, stage_solver_create, set_weights, predict_nothing, predict_from, factor_systems, solve_stages
+   public :: stage_solver_t, stage_solver_create, forget, set_weights, predict_nothing, predict_from, factor_systems, solve_stages
    public :: estimate_error, most_iterations
    public :: newton_converged, newton_slow, newton_diverged, newton_refused
 
@@ -98,6 +98,16 @@ contains
       call sparse_lu_analyse(self%sparse, model%n, model%jacobian_row, model%jacobian_column)
       call dense_lu_create(self%dense, model%n)
    end subroutine stage_solver_create
+
+   !> Be as after creation: counts and the rate of convergence belong to one integration.
+   pure subroutine forget(self)
+      type(stage_solver_t), intent(inout) :: self
+
+      self%h_factored = 0
+      self%rate = 0
+      self%rate_sum = 1
+      self%counts = stage_counts()
+   end subroutine forget
 
    !> Errors count in units of tolerance and scale, but never below rounding.
    pure subroutine set_weights(self, scale, y)
