@@ -18,6 +18,7 @@ module evl_radau_coefficients
    integer, parameter :: n_stages = 7  !! of the method; the last of the 8 lanes is the start of the step
    integer, parameter :: n_systems = 4 !! linear systems after the transformation, one real and three complex
 
+   !&<
    !> Nodes c in units of the step; the last one is the start of the step, which is no stage.
    real(wp), parameter :: node(lanes) = [ &
       0.029316427159784891972_wp, 0.14807859966848429185_wp, 0.3369846902811542991_wp, 0.55867151877155013208_wp, &
@@ -111,5 +112,6 @@ module evl_radau_coefficients
       0.14815848214285714286_wp, 0.12660435267857142857_wp, 0.087472098214285714286_wp, 0.029924665178571428571_wp, &
       0.048828125_wp, -0.08544921875_wp, 0.1025390625_wp, -0.09228515625_wp, &
       0.123046875_wp, -0.11279296875_wp, 0.2255859375_wp, -0.20947265625_wp], [lanes, lanes])
+   !&>
 
 end module evl_radau_coefficients

@@ -117,9 +117,7 @@ def pendulum(amplitude: float = 2.5) -> Solved:
 
 def attracted(rate: float = 1e6) -> Solved:
     """Prothero and Robinson: y' = -rate (y - cos t) - sin t, stiff; the solution is cos t."""
-    problem = Problem(
-        lambda t, y: -rate * (y - np.cos(t)) - np.sin(t), lambda t, y: -rate, [1]
-    )
+    problem = Problem(lambda t, y: -rate * (y - np.cos(t)) - np.sin(t), lambda t, y: -rate, [1])
     return Solved(problem, 20, lambda t: [np.cos(t)])
 
 

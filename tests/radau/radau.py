@@ -111,7 +111,13 @@ class Library:
         """Return the tables of the method, matrices indexed [row, column]."""
         square = (LANES, LANES)
         shapes = {"node": LANES, "to_stage": square, "from_stage": square}
-        shapes |= {"shift_re": 4, "shift_im": 4, "barycentric": LANES, "slope": square, "chebyshev": square}
+        shapes |= {
+            "shift_re": 4,
+            "shift_im": 4,
+            "barycentric": LANES,
+            "slope": square,
+            "chebyshev": square,
+        }
         tables = {name: np.zeros(shape) for name, shape in shapes.items()}
         self.c.rt_tables(*(_pointer(table) for table in tables.values()))
         return {name: table.T if table.ndim == 2 else table for name, table in tables.items()}

@@ -88,7 +88,7 @@ def transformation(a: Any) -> tuple[Any, list[Any], list[Any]]:
     """Return T with a column for each transformed lane but the empty one, and the eigenvalues."""
     values, vectors = mp.eig(a**-1)
     order = sorted(range(STAGES), key=lambda i: mp.im(values[i]))
-    chosen = [i for i in order if mp.im(values[i]) > -mp.mpf(10) ** (-DIGITS // 2)]
+    chosen = [i for i in order if mp.im(values[i]) > -(mp.mpf(10) ** (-DIGITS // 2))]
     columns_re, columns_im, shift_re, shift_im = [], [], [], []
     for lane, i in enumerate(chosen):
         vector = [vectors[row, i] for row in range(STAGES)]

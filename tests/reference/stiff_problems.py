@@ -4,9 +4,10 @@ The problems are those of E. Hairer, G. Wanner, Solving Ordinary Differential Eq
 ed., IV.10: van der Pol with 1/epsilon = 1e6 in the scaled form, Robertson, and HIRES.
 
 The solutions were recorded from this script: scipy's Radau (order 5) with a relative tolerance of
-1e-13 (scipy 1.x, IEEE double). scipy's LSODA at 1e-12, an independent method, differs by 2e-11 of
-a component at most: the recorded digits are good to about that. The values for van der Pol and
-HIRES agree to that with F. Mazzia, C. Magherini, Test Set for Initial Value Problem Solvers (2008). Run it as ``python tests/reference/stiff_problems.py`` (a minute).
+1e-13 (scipy 1.17.1, IEEE double). scipy's LSODA at 1e-12, an independent method, differs by 2e-11
+of a component at most: the recorded digits are good to about that. The values for van der Pol
+and HIRES agree to that with F. Mazzia, C. Magherini, Test Set for Initial Value Problem Solvers
+(2008). Run it as ``python tests/reference/stiff_problems.py`` (a minute).
 """
 
 from __future__ import annotations
@@ -79,10 +80,20 @@ def hires_jacobian(t: float, y: NDArray[Any]) -> NDArray[np.float64]:
 
 PROBLEMS = {
     "van der Pol": StiffProblem(
-        van_der_pol, van_der_pol_jacobian, (2.0, 0.0), 2.0, (2.0, 1.0), (1.7061677321705, -0.89280970102479)
+        van_der_pol,
+        van_der_pol_jacobian,
+        (2.0, 0.0),
+        2.0,
+        (2.0, 1.0),
+        (1.7061677321705, -0.89280970102479),
     ),
     "Robertson": StiffProblem(
-        robertson, robertson_jacobian, (1.0, 0.0, 0.0), 40.0, (1.0, 1e-5, 1.0), (0.71582706871941, 9.1855347645578e-06, 0.28416374574583)
+        robertson,
+        robertson_jacobian,
+        (1.0, 0.0, 0.0),
+        40.0,
+        (1.0, 1e-5, 1.0),
+        (0.71582706871941, 9.1855347645578e-06, 0.28416374574583),
     ),
     "HIRES": StiffProblem(
         hires,
@@ -90,7 +101,16 @@ PROBLEMS = {
         (1.0, 0, 0, 0, 0, 0, 0, 0.0057),
         321.8122,
         (1e-3, 1e-3, 1e-4, 1e-3, 1e-3, 1e-2, 1e-3, 1e-3),
-        (0.00073713125733254, 0.00014424857263161, 5.8887297409671e-05, 0.0011756513432831, 0.0023863561988306, 0.0062389682527406, 0.0028499983951853, 0.0028500016048147),
+        (
+            0.00073713125733254,
+            0.00014424857263161,
+            5.8887297409671e-05,
+            0.0011756513432831,
+            0.0023863561988306,
+            0.0062389682527406,
+            0.0028499983951853,
+            0.0028500016048147,
+        ),
     ),
 }
 
