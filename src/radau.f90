@@ -37,7 +37,6 @@ module evl_radau
 
    real(wp), parameter :: eps = epsilon(1.0_wp)
    real(wp), parameter :: share = 0.003_wp      !! internal tolerance over tolerance^(4/7)
-   real(wp), parameter :: output_share = 5      !! error of the dense output over the tolerance, as it is estimated
    real(wp), parameter :: farthest = 5          !! steps ahead to which a polynomial may be continued as a prediction
    integer, parameter :: most_rejections = 200  !! of one step
    real(wp), parameter :: smallest_step = 16*eps !! over the present time
@@ -122,7 +121,7 @@ contains
       self%options = options
       allocate (self%y(model%n), self%y_before(model%n), self%old_z(lanes, model%n), self%fired(model%n_roots))
       self%old_z = 0
-      call stage_solver_create(self%stages, model, share*options%tolerance**(4.0_wp/7), output_share*options%tolerance)
+      call stage_solver_create(self%stages, model, share*options%tolerance**(4.0_wp/7), options%tolerance)
       call root_finder_create(self%roots, model)
    end subroutine radau_create
 
@@ -258,7 +257,6 @@ contains
                self%counts%jacobians = self%counts%jacobians + 1
                if (has_failed(status)) return
                self%jacobian_is_new = .true.
-               self%stages%rate_sum = 1
             end if
             call factor_systems(self%stages, model, h, good)
             if (.not. good) then

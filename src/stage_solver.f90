@@ -39,6 +39,7 @@ module evl_stage_solver
    real(wp), parameter :: eps = epsilon(1.0_wp)
    real(wp), parameter :: rounding = 4*eps !! least error that may be asked for, relative to a state
 
+   real(wp), parameter :: output_share = 5      !! error of the dense output over the user's tolerance, as it is estimated
    real(wp), parameter :: nodes_over_chebyshev = 2.3_wp !! largest prod|tau - node| over that of Chebyshev's points
 
    type :: stage_counts
@@ -79,15 +80,15 @@ module evl_stage_solver
 contains
 
    !> Allocate all arrays and analyse the pattern; the model has been checked.
-   subroutine stage_solver_create(self, model, tolerance, output_tolerance)
+   subroutine stage_solver_create(self, model, tolerance, user_tolerance)
       type(stage_solver_t), intent(out) :: self
       class(ode_model), intent(in) :: model
       real(wp), intent(in) :: tolerance        !! on the estimate of a step
-      real(wp), intent(in) :: output_tolerance !! on the estimate of the dense output; it is not looser than the other
+      real(wp), intent(in) :: user_tolerance   !! what the user asked for: measure of the dense output
 
       self%n = model%n
       self%tolerance = tolerance
-      self%output_factor = max(1.0_wp, tolerance/output_tolerance)
+      self%output_factor = max(1.0_wp, tolerance/(output_share*user_tolerance))
       self%newton_stop = max(10*eps/tolerance, min(0.03_wp, sqrt(tolerance)))
       allocate (self%weight(model%n), self%error(model%n), self%start(model%n), self%moved(model%n), &
                 self%moved_f(model%n))
