@@ -19,8 +19,9 @@ module evl_radau
    use evl_kinds, only: wp
    use evl_ode_model, only: check_model, lanes, ode_model
    use evl_root_finder, only: root_finder_create, root_finder_restart, root_finder_t
-   use evl_stage_solver, only: estimate_error, factor_systems, forget, newton_converged, newton_refused, newton_slow, &
-                               predict_from, predict_nothing, set_weights, solve_stages, stage_solver_create, stage_solver_t
+   use evl_stage_solver, only: estimate_error, factor_systems, foresee_step, forget, newton_converged, newton_refused, &
+                               newton_slow, predict_from, predict_nothing, set_weights, solve_stages, stage_solver_create, &
+                               stage_solver_t
    use evl_step_control, only: fit_step, next_step, step_control_t, step_after_error
    use evl_status, only: clear, code_invalid_input, code_no_solution, code_out_of_domain, fail, has_failed, message_length, &
                          quantity, status_t
@@ -77,6 +78,7 @@ module evl_radau
       type(step_control_t), private :: control
       logical, private :: jacobian_is_new = .false. !! evaluated at the present state
       logical, private :: matrix_may_stay = .false.
+      logical, private :: restarted = .true.  !! nothing is known of the step from here on
       logical, private :: rejected = .true.   !! the step is repeated, or is the first one
       type(radau_counts), private :: counts
    end type radau_t
@@ -139,6 +141,7 @@ contains
       self%roots%evaluations = 0
       call forget(self%stages)
       self%h = self%options%first_step
+      self%restarted = .not. self%h > 0
       if (self%h > 0) return
       call choose_first_step(self, model, status)
    end subroutine radau_start
@@ -188,6 +191,7 @@ contains
       self%jacobian_is_new = .false.
       self%matrix_may_stay = .false.
       self%rejected = .true.
+      self%restarted = .true.
       call root_finder_restart(self%roots, model, self%fired)
       self%fired = 0
    end subroutine radau_restart
@@ -208,6 +212,8 @@ contains
       reason = ""
       self%fired = 0
       call set_weights(self%stages, model%scale, self%y)
+      if (self%restarted) call choose_step(self, model, status)
+      if (has_failed(status)) return
       do try = 1, most_rejections
          h_wanted = min(self%h, self%options%max_step)
          if (.not. h_wanted > smallest_step*abs(self%t)) exit
@@ -239,6 +245,35 @@ contains
                 ": "//trim(reason))
    end subroutine radau_advance
 
+   !> The step to try after a start or an event, from f and J; the step before the event bounds it, for what J does not tell.
+   subroutine choose_step(self, model, status)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      type(status_t), intent(inout) :: status
+      real(wp), parameter :: most_down = 100, most_up = 8
+      real(wp) :: h
+
+      call model%rhs(self%t, self%y, self%stages%start, status)
+      if (has_failed(status)) return
+      self%stages%counts%evaluations = self%stages%counts%evaluations + 1
+      call refresh_jacobian(self, model, status)
+      if (has_failed(status)) return
+      call foresee_step(self%stages, model, h)
+      self%h = max(self%h/most_down, min(self%h*most_up, h))
+      self%restarted = .false.
+   end subroutine choose_step
+
+   !> df/dy at the present state.
+   subroutine refresh_jacobian(self, model, status)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      type(status_t), intent(inout) :: status
+
+      call model%jacobian(self%t, self%y, self%stages%jacobian, status)
+      self%counts%jacobians = self%counts%jacobians + 1
+      self%jacobian_is_new = .not. has_failed(status)
+   end subroutine refresh_jacobian
+
    !> Try a step of h; if it fails for Newton, error is huge and the step to try next is set.
    subroutine attempt(self, model, h, error, status)
       type(radau_t), intent(inout) :: self
@@ -252,12 +287,8 @@ contains
       error = huge(error)
       do
          if (.not. (self%matrix_may_stay .and. same(h, self%stages%h_factored))) then
-            if (.not. self%jacobian_is_new) then
-               call model%jacobian(self%t, self%y, self%stages%jacobian, status)
-               self%counts%jacobians = self%counts%jacobians + 1
-               if (has_failed(status)) return
-               self%jacobian_is_new = .true.
-            end if
+            if (.not. self%jacobian_is_new) call refresh_jacobian(self, model, status)
+            if (has_failed(status)) return
             call factor_systems(self%stages, model, h, good)
             if (.not. good) then
                self%h = h/2

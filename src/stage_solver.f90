@@ -18,7 +18,7 @@ module evl_stage_solver
    use evl_dense_lu, only: dense_lu_create, dense_lu_factor, dense_lu_solve, dense_lu_solve_first, dense_lu_t
    use evl_kinds, only: wp
    use evl_ode_model, only: lanes, ode_model
-   use evl_radau_coefficients, only: from_stage, n_stages, n_systems, node, shift_im, shift_re, slope_at_node, &
+   use evl_radau_coefficients, only: barycentric, from_stage, n_stages, n_systems, node, shift_im, shift_re, slope_at_node, &
                                      to_chebyshev, to_stage
    use evl_sparse_lu, only: sparse_lu_analyse, sparse_lu_factor, sparse_lu_solve, sparse_lu_solve_first, sparse_lu_t
    use evl_status, only: has_failed, status_t
@@ -26,7 +26,7 @@ module evl_stage_solver
    private
 
    public :: stage_solver_t, stage_solver_create, forget, set_weights, predict_nothing, predict_from, factor_systems, solve_stages
-   public :: estimate_error, most_iterations
+   public :: estimate_error, foresee_step, most_iterations
    public :: newton_converged, newton_slow, newton_diverged, newton_refused
 
    integer, parameter :: newton_converged = 0 !! the stages are found
@@ -324,6 +324,35 @@ contains
       end do
       error = nodes_over_chebyshev*sqrt(total/self%n)
    end function interpolation_error
+
+   !> A step whose error would be about 1, before any is made: the eighth derivative of y is J^7 f if J hardly changes.
+   !>
+   !> With it the polynomial of degree 7 through the nodes c differs from y by h^8 y''''''''/8! prod(tau - c), its slope at the
+   !> start by the product of the seven other nodes, and the estimate is that over the real eigenvalue. Stiff components that
+   !> the filter would forgive make the result too small, not too large.
+   pure subroutine foresee_step(self, model, h)
+      type(stage_solver_t), intent(inout) :: self !! f at the start in `start`, J in `jacobian`; its scratch changes
+      class(ode_model), intent(in) :: model
+      real(wp), intent(out) :: h
+      real(wp), parameter :: factorial_8 = 40320
+      real(wp), parameter :: at_start = 1/(shift_re(1)*abs(barycentric(lanes))*factorial_8)
+      real(wp), parameter :: inside = nodes_over_chebyshev/(2.0_wp**15*factorial_8)
+      real(wp) :: error
+      integer :: p, turn
+
+      self%moved = self%start
+      do turn = 1, n_stages
+         self%moved_f = 0
+         do p = 1, size(self%jacobian)
+            associate (i => model%jacobian_row(p), j => model%jacobian_column(p))
+               self%moved_f(i) = self%moved_f(i) + self%jacobian(p)*self%moved(j)
+            end associate
+         end do
+         self%moved = self%moved_f
+      end do
+      error = max(at_start, inside*self%output_factor)*sqrt(sum((self%moved*self%weight)**2)/self%n)
+      h = max(error, tiny(1.0_wp))**(-1.0_wp/8)
+   end subroutine foresee_step
 
    !> (gamma/h I - J)^-1 (rate - p'(t)) and its weighted size.
    pure subroutine filter(self, rate, h, error)

@@ -145,7 +145,7 @@ def test_a_stop_on_the_way_costs_at_most_a_step_or_two(library: Library):
 def test_steps_are_never_longer_than_the_largest_one(library: Library):
     solver = Solver(library, oscillator(), max_step=0.05)
     times = [0.0, *(t for t, _ in solver.steps(0, [1, 0], 3))]
-    assert np.diff(times).max() <= 0.05 * (1 + 1e-14)
+    assert np.diff(times).max() <= 0.05 * (1 + 1e-12)  # the times are rounded
 
 
 def test_weak_diagonal_pivots_are_answered_by_row_exchanges(library: Library):
@@ -278,8 +278,9 @@ def test_output_on_a_grid_is_the_dense_output_of_the_steps(library: Library):
         grid = [k * 0.25 for k in range(1, 12) if before < k * 0.25 <= t]
         expected += [solver.interpolate(at) for at in grid]
     expected.append(solver.state[2])
-    # two ways to write f, sparse and dense: errors of the tolerance, speeds in units of 10
-    assert np.abs(rows - expected).max() <= 1e-8
+    # two ways to write f, sparse and dense: other steps, each solution with its error
+    scale = [1] * masses + [10] * masses
+    assert np.abs((rows - expected) / scale).max() <= 2 * 10 * 1e-8
 
 
 def test_an_interval_that_does_not_divide_the_time_ends_with_the_end(library: Library):
