@@ -1,0 +1,169 @@
+!> What an integrator has to know of a model: y' = f(t, y) with discrete states, root functions and events.
+!>
+!> Nothing here knows what is being modelled. A model extends `ode_model`, keeps its discrete state in its own components, and
+!> overrides what it has: right-hand side and Jacobian always, root functions and time events if there are any.
+!>
+!> A procedure that has no answer for a trial state (outside a law's domain) reports `code_out_of_domain`: the integrator tries
+!> a smaller step. Any other code ends the integration with the model's message. Procedures should not allocate.
+module evl_ode_model
+   use evl_kinds, only: wp
+   use evl_status, only: code_ok, fail, code_invalid_input, has_failed, quantity, status_t
+   implicit none (type, external)
+   private
+
+   public :: lanes, ode_model, check_model
+
+   integer, parameter :: lanes = 8 !! states that the lane-wise procedures take at once
+
+   !> A model; the components are set before the integrator is created and stay.
+   type, abstract :: ode_model
+      integer :: n = 0                        !! states
+      integer :: n_roots = 0                  !! root functions
+      integer, allocatable :: jacobian_row(:) !! [nnz] row of each entry that df/dy may have, from 1; no entry twice
+      integer, allocatable :: jacobian_column(:) !! [nnz] its column
+      real(wp), allocatable :: scale(:)       !! [n] unit in which an error of y(i) counts, > 0
+   contains
+      procedure(rhs_interface), deferred :: rhs
+      procedure(rhs_lanes_interface), deferred :: rhs_lanes
+      procedure(jacobian_interface), deferred :: jacobian
+      procedure :: roots => no_roots
+      procedure :: roots_lanes => no_roots_lanes
+      procedure :: root_directions => no_directions
+      procedure :: next_time_event => no_time_event
+      procedure :: apply_event => no_event
+   end type ode_model
+
+   abstract interface
+      !> f(t, y)
+      subroutine rhs_interface(self, t, y, f, status)
+         import :: ode_model, status_t, wp
+         implicit none (type, external)
+         class(ode_model), intent(in) :: self
+         real(wp), intent(in) :: t
+         real(wp), intent(in) :: y(self%n)
+         real(wp), intent(out) :: f(self%n)
+         type(status_t), intent(inout) :: status !! touched on failure only
+      end subroutine rhs_interface
+
+      !> f of eight states at once: the lanes are independent of each other, and each gives what `rhs` gives.
+      subroutine rhs_lanes_interface(self, t, y, f, status)
+         import :: lanes, ode_model, status_t, wp
+         implicit none (type, external)
+         class(ode_model), intent(in) :: self
+         real(wp), intent(in) :: t(lanes)
+         real(wp), intent(in) :: y(lanes, self%n)
+         real(wp), intent(out) :: f(lanes, self%n)
+         type(status_t), intent(inout) :: status !! touched on failure only; no answer for one lane is a failure
+      end subroutine rhs_lanes_interface
+
+      !> df/dy, the entries in the order of `jacobian_row` and `jacobian_column`
+      subroutine jacobian_interface(self, t, y, values, status)
+         import :: ode_model, status_t, wp
+         implicit none (type, external)
+         class(ode_model), intent(in) :: self
+         real(wp), intent(in) :: t
+         real(wp), intent(in) :: y(self%n)
+         real(wp), intent(out) :: values(:) !! [nnz]
+         type(status_t), intent(inout) :: status !! touched on failure only
+      end subroutine jacobian_interface
+   end interface
+
+contains
+
+   !> Refuse a model that the integrator could not work with.
+   subroutine check_model(model, status)
+      class(ode_model), intent(in) :: model
+      type(status_t), intent(inout) :: status
+      integer :: i, p
+      logical :: taken(model%n, model%n)
+
+      if (model%n < 1) then
+         call fail(status, code_invalid_input, "the model has no states")
+         return
+      end if
+      if (.not. (allocated(model%scale) .and. allocated(model%jacobian_row) .and. allocated(model%jacobian_column))) then
+         call fail(status, code_invalid_input, "the model lacks its scales or the pattern of its Jacobian")
+         return
+      end if
+      if (size(model%scale) /= model%n .or. size(model%jacobian_row) /= size(model%jacobian_column)) then
+         call fail(status, code_invalid_input, "the model's scales or the pattern of its Jacobian have the wrong length")
+         return
+      end if
+      do i = 1, model%n
+         if (.not. (model%scale(i) > 0 .and. model%scale(i) <= huge(1.0_wp))) then
+            call fail(status, code_invalid_input, "scale "//quantity(model%scale(i), "")//" of a state is not positive", &
+                      index=i, field="scale")
+            return
+         end if
+      end do
+      taken = .false.
+      do p = 1, size(model%jacobian_row)
+         associate (i => model%jacobian_row(p), j => model%jacobian_column(p))
+            if (min(i, j) < 1 .or. max(i, j) > model%n) then
+               call fail(status, code_invalid_input, "an entry of the Jacobian lies outside the matrix", index=p, &
+                         field="jacobian_row")
+            else if (taken(i, j)) then
+               call fail(status, code_invalid_input, "an entry of the Jacobian is listed twice", index=p, field="jacobian_row")
+            else
+               taken(i, j) = .true.
+            end if
+         end associate
+         if (has_failed(status)) return
+      end do
+   end subroutine check_model
+
+   !> Values of the root functions: an event is where one of them passes through zero. Each must be smooth between events.
+   subroutine no_roots(self, t, y, values, status)
+      class(ode_model), intent(in) :: self
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(self%n)
+      real(wp), intent(out) :: values(self%n_roots)
+      type(status_t), intent(inout) :: status !! touched on failure only
+
+      values = 1 + 0*(t + y(1))
+      if (self%n_roots > 0) call fail(status, code_invalid_input, "the model counts root functions but has none")
+   end subroutine no_roots
+
+   !> Root functions of eight states at once.
+   subroutine no_roots_lanes(self, t, y, values, status)
+      class(ode_model), intent(in) :: self
+      real(wp), intent(in) :: t(lanes)
+      real(wp), intent(in) :: y(lanes, self%n)
+      real(wp), intent(out) :: values(lanes, self%n_roots)
+      type(status_t), intent(inout) :: status !! touched on failure only
+
+      values = 1 + 0*(t(1) + y(1, 1))
+      if (self%n_roots > 0) call fail(status, code_invalid_input, "the model counts root functions but has none")
+   end subroutine no_roots_lanes
+
+   !> Which crossings count in the present discrete state: +1 rising, -1 falling, 0 both.
+   subroutine no_directions(self, directions)
+      class(ode_model), intent(in) :: self
+      integer, intent(out) :: directions(self%n_roots)
+
+      directions = 0
+   end subroutine no_directions
+
+   !> Time of the next event that depends on time alone, after now; huge if there is none.
+   real(wp) function no_time_event(self, t) result(next)
+      class(ode_model), intent(in) :: self
+      real(wp), intent(in) :: t !! now
+
+      next = merge(huge(t), t, self%n > 0)
+   end function no_time_event
+
+   !> Change the discrete state, and y if it jumps.
+   subroutine no_event(self, t, y, fired, time_event, status)
+      class(ode_model), intent(inout) :: self
+      real(wp), intent(in) :: t
+      real(wp), intent(inout) :: y(self%n)
+      integer, intent(in) :: fired(self%n_roots) !! +1 risen through zero, -1 fallen, 0 nothing
+      logical, intent(in) :: time_event          !! whether the time of `next_time_event` has come
+      type(status_t), intent(inout) :: status
+
+      if (time_event .or. any(fired /= 0)) then
+         call fail(status, code_invalid_input, "the model has no answer to its event at "//quantity(t, ""), index=size(y))
+      end if
+   end subroutine no_event
+
+end module evl_ode_model

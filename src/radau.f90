@@ -1,0 +1,353 @@
+!> Integrator for y' = f(t, y) with located events: Radau IIA with seven stages, order 13, stages in lanes.
+!>
+!>     call radau_create(solver, model, options, status)
+!>     call radau_start(solver, model, t, y, status)
+!>     do: call radau_advance(solver, model, t_stop, outcome, status)
+!>         radau_interpolate gives the state anywhere in the step just made, in solver%t_before .. solver%t
+!>         outcome_event: change the model's discrete state and y as solver%fired says, then call radau_restart
+!>
+!> `evl_radau_run` does this loop with an output grid. All that changes is in `radau_t` and in the model: integrations may be
+!> interleaved, or run in threads, and give the bits of single ones. Nothing is allocated after `radau_create`.
+!>
+!> Error control: a step is accepted if its error estimate, in units of the model's scales, is at most
+!> 0.003 tolerance^(4/7) in root mean square. The estimate has order 7 and the result order 13, which this translates; so the
+!> tolerance is the error of a step that the user sees (docs/radau.md).
+!>
+!> Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8 (step control, predictor).
+module evl_radau
+   use evl_collocation, only: lagrange_at
+   use evl_kinds, only: wp
+   use evl_ode_model, only: check_model, lanes, ode_model
+   use evl_root_finder, only: root_finder_create, root_finder_restart, root_finder_t
+   use evl_stage_solver, only: estimate_error, factor_systems, foresee_step, forget, newton_converged, newton_refused, &
+                               newton_slow, predict_from, predict_nothing, set_weights, solve_stages, stage_solver_create, &
+                               stage_solver_t
+   use evl_step_control, only: fit_step, next_step, step_control_t, step_after_error
+   use evl_status, only: clear, code_invalid_input, code_no_solution, code_out_of_domain, fail, has_failed, message_length, &
+                         quantity, status_t
+   implicit none (type, external)
+   private
+
+   public :: radau_t, radau_options, radau_counts
+   public :: radau_create, radau_start, radau_advance, radau_restart, radau_interpolate, radau_get_counts
+   public :: outcome_step, outcome_event, outcome_stop
+
+   integer, parameter :: outcome_step = 0  !! a step was made
+   integer, parameter :: outcome_event = 1 !! a step was made that ends at an event
+   integer, parameter :: outcome_stop = 2  !! a step was made that ends at t_stop
+
+   real(wp), parameter :: eps = epsilon(1.0_wp)
+   real(wp), parameter :: share = 0.003_wp      !! internal tolerance over tolerance^(4/7)
+   real(wp), parameter :: farthest = 5          !! steps ahead to which a polynomial may be continued as a prediction
+   integer, parameter :: most_rejections = 200  !! of one step
+   real(wp), parameter :: smallest_step = 16*eps !! over the present time
+
+   !> What the user chooses.
+   type :: radau_options
+      real(wp) :: tolerance = 1.0e-9_wp       !! error of a step in units of the scales, in 1e-13 .. 0.1
+      real(wp) :: max_step = huge(1.0_wp)     !! > 0
+      real(wp) :: first_step = 0              !! 0: chosen from f
+   end type radau_options
+
+   !> What it cost.
+   type :: radau_counts
+      integer :: steps = 0                    !! accepted
+      integer :: rejections = 0               !! steps repeated for their error, or because Newton failed
+      integer :: lane_evaluations = 0         !! of f, lane-wise: as many as Newton iterations
+      integer :: evaluations = 0              !! of f, scalar
+      integer :: jacobians = 0
+      integer :: factorisations = 0           !! of the four systems at once
+      integer :: dense_factorisations = 0     !! those of them that needed row exchanges
+      integer :: root_evaluations = 0         !! of the root functions, scalar; lane-wise: once a step
+      integer :: events = 0                   !! located
+   end type radau_counts
+
+   !> An integration in progress.
+   type :: radau_t
+      real(wp) :: t = 0                       !! present time
+      real(wp), allocatable :: y(:)           !! [n] present state
+      real(wp) :: t_before = 0                !! where the last step started
+      integer, allocatable :: fired(:)        !! [n_roots] at the event: +1 risen through zero, -1 fallen, 0 nothing
+      type(radau_options), private :: options
+      type(stage_solver_t), private :: stages
+      type(root_finder_t), private :: roots
+      real(wp), allocatable, private :: y_before(:) !! [n] where the last step started
+      real(wp), allocatable, private :: old_z(:, :) !! [8, n] increments of the last step
+      real(wp), private :: old_h = 0          !! step of its polynomial; 0: there is none
+      real(wp), private :: h = 0              !! step to try next
+      type(step_control_t), private :: control
+      logical, private :: jacobian_is_new = .false. !! evaluated at the present state
+      logical, private :: matrix_may_stay = .false.
+      logical, private :: restarted = .true.  !! nothing is known of the step from here on
+      logical, private :: rejected = .true.   !! the step is repeated, or is the first one
+      type(radau_counts), private :: counts
+   end type radau_t
+
+   interface
+      !> Take the step just solved, or the part of it before the first event.
+      module subroutine finish(self, model, h, to_stop, t_stop, done, outcome, status)
+         implicit none (type, external)
+         type(radau_t), intent(inout) :: self
+         class(ode_model), intent(in) :: model
+         real(wp), intent(in) :: h       !! the step
+         logical, intent(in) :: to_stop  !! it ends at t_stop
+         real(wp), intent(in) :: t_stop
+         logical, intent(out) :: done    !! false: the step has to be tried anew
+         integer, intent(out) :: outcome !! one of the outcomes above
+         type(status_t), intent(inout) :: status
+      end subroutine finish
+   end interface
+
+contains
+
+   !> Check model and options, allocate all arrays.
+   subroutine radau_create(self, model, options, status)
+      type(radau_t), intent(out) :: self
+      class(ode_model), intent(in) :: model
+      type(radau_options), intent(in) :: options
+      type(status_t), intent(inout) :: status
+
+      call check_model(model, status)
+      if (has_failed(status)) return
+      if (.not. (options%tolerance >= 1.0e-13_wp .and. options%tolerance <= 0.1_wp)) then
+         call fail(status, code_invalid_input, "tolerance "//quantity(options%tolerance, "")//" is not in 1e-13 .. 0.1", &
+                   field="tolerance")
+      else if (.not. options%max_step > 0) then
+         call fail(status, code_invalid_input, "largest step "//quantity(options%max_step, "")//" is not positive", &
+                   field="max_step")
+      else if (.not. (options%first_step >= 0 .and. options%first_step <= huge(1.0_wp))) then
+         call fail(status, code_invalid_input, "first step "//quantity(options%first_step, "")//" is negative", &
+                   field="first_step")
+      end if
+      if (has_failed(status)) return
+      self%options = options
+      allocate (self%y(model%n), self%y_before(model%n), self%old_z(lanes, model%n), self%fired(model%n_roots))
+      self%old_z = 0
+      call stage_solver_create(self%stages, model, share*options%tolerance**(4.0_wp/7), options%tolerance)
+      call root_finder_create(self%roots, model)
+   end subroutine radau_create
+
+   !> Begin at (t, y).
+   subroutine radau_start(self, model, t, y, status)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:) !! [n]
+      type(status_t), intent(inout) :: status
+
+      self%fired = 1 ! a function that is zero at the start has not fired by that
+      call radau_restart(self, model, t, y)
+      self%counts = radau_counts()
+      self%roots%evaluations = 0
+      call forget(self%stages)
+      self%h = self%options%first_step
+      self%restarted = .not. self%h > 0
+      if (self%h > 0) return
+      call choose_first_step(self, model, status)
+   end subroutine radau_start
+
+   !> A first step in which the state moves by about a hundredth of its scales, judged by f and, along an Euler step, by its
+   !> change: f may be 0 at the start.
+   subroutine choose_first_step(self, model, status)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      type(status_t), intent(inout) :: status
+      real(wp), parameter :: part = 0.01_wp, probe = 1.0e-6_wp
+      real(wp) :: speed, acceleration, h
+
+      associate (f => self%stages%start, moved => self%stages%moved, moved_f => self%stages%moved_f)
+         call model%rhs(self%t, self%y, f, status)
+         if (has_failed(status)) return
+         speed = maxval(abs(f)/model%scale)
+         h = min(self%options%max_step, probe/max(speed, part))
+         self%stages%counts%evaluations = 2
+         moved = self%y + h*f
+         call model%rhs(self%t + h, moved, moved_f, status)
+         if (has_failed(status)) then ! at the edge of the domain: nothing is known but that it has to be small
+            if (status%code /= code_out_of_domain) return
+            call clear(status)
+            self%h = h
+            return
+         end if
+         acceleration = maxval(abs(moved_f - f)/model%scale)/h
+         self%h = min(self%options%max_step, part/max(speed, sqrt(acceleration), part*probe))
+      end associate
+   end subroutine choose_first_step
+
+   !> Go on from (t, y) after an event: f or y may have jumped there, so nothing is continued from before.
+   subroutine radau_restart(self, model, t, y)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:) !! [n]
+
+      self%t = t
+      self%y = y
+      self%t_before = t
+      self%y_before = y
+      self%old_z = 0
+      self%old_h = 0
+      self%control = step_control_t()
+      self%jacobian_is_new = .false.
+      self%matrix_may_stay = .false.
+      self%rejected = .true.
+      self%restarted = .true.
+      call root_finder_restart(self%roots, model, self%fired)
+      self%fired = 0
+   end subroutine radau_restart
+
+   !> Make one step, at most to t_stop and at most to the next event.
+   subroutine radau_advance(self, model, t_stop, outcome, status)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: t_stop          !! after the present time
+      integer, intent(out) :: outcome         !! one of the outcomes above; of no use on failure
+      type(status_t), intent(inout) :: status !! `code_no_solution`: the step became too small; else the model's
+      character(len=message_length) :: reason
+      real(wp) :: h, h_wanted, error
+      logical :: to_stop, done
+      integer :: try
+
+      outcome = outcome_step
+      reason = ""
+      self%fired = 0
+      call set_weights(self%stages, model%scale, self%y)
+      if (self%restarted) call choose_step(self, model, status)
+      if (has_failed(status)) return
+      do try = 1, most_rejections
+         h_wanted = min(self%h, self%options%max_step)
+         if (.not. h_wanted > smallest_step*abs(self%t)) exit
+         call fit_step(t_stop - self%t, h_wanted, h, to_stop)
+         call attempt(self, model, h, error, status)
+         if (.not. has_failed(status) .and. error < 1) then
+            call finish(self, model, h, to_stop, t_stop, done, outcome, status)
+            if (done .and. .not. has_failed(status)) then
+               self%rejected = .false.
+               if (outcome /= outcome_event) call next_step(self%control, h, h_wanted, error, self%stages%rate, &
+                                                            self%stages%iterations, self%h, self%matrix_may_stay)
+               return
+            end if
+         else if (.not. has_failed(status) .and. error < huge(error)) then
+            self%h = step_after_error(h, error)
+         end if
+         if (has_failed(status)) then
+            if (status%code /= code_out_of_domain) return
+            self%h = h/4
+            reason = status%message
+            call clear(status)
+         end if
+         self%rejected = .true.
+         self%matrix_may_stay = .false.
+         self%counts%rejections = self%counts%rejections + 1
+      end do
+      if (reason == "") reason = "errors or iterations do not let it grow"
+      call fail(status, code_no_solution, "the step fell to "//quantity(self%h, "")//" at time "//quantity(self%t, "")// &
+                ": "//trim(reason))
+   end subroutine radau_advance
+
+   !> The step to try after a start or an event, from f and J; the step before the event bounds it, for what J does not tell.
+   subroutine choose_step(self, model, status)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      type(status_t), intent(inout) :: status
+      real(wp), parameter :: most_down = 100, most_up = 8
+      real(wp) :: h
+
+      call model%rhs(self%t, self%y, self%stages%start, status)
+      if (has_failed(status)) return
+      self%stages%counts%evaluations = self%stages%counts%evaluations + 1
+      call refresh_jacobian(self, model, status)
+      if (has_failed(status)) return
+      call foresee_step(self%stages, model, h)
+      self%h = max(self%h/most_down, min(self%h*most_up, h))
+      self%restarted = .false.
+   end subroutine choose_step
+
+   !> df/dy at the present state.
+   subroutine refresh_jacobian(self, model, status)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      type(status_t), intent(inout) :: status
+
+      call model%jacobian(self%t, self%y, self%stages%jacobian, status)
+      self%counts%jacobians = self%counts%jacobians + 1
+      self%jacobian_is_new = .not. has_failed(status)
+   end subroutine refresh_jacobian
+
+   !> Try a step of h; if it fails for Newton, error is huge and the step to try next is set.
+   subroutine attempt(self, model, h, error, status)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: h
+      real(wp), intent(out) :: error
+      type(status_t), intent(inout) :: status
+      integer :: outcome
+      logical :: good
+
+      error = huge(error)
+      do
+         if (.not. (self%matrix_may_stay .and. same(h, self%stages%h_factored))) then
+            if (.not. self%jacobian_is_new) call refresh_jacobian(self, model, status)
+            if (has_failed(status)) return
+            call factor_systems(self%stages, model, h, good)
+            if (.not. good) then
+               self%h = h/2
+               return
+            end if
+         end if
+         if (self%old_h > 0 .and. h <= farthest*self%old_h) then
+            call predict_from(self%stages, self%old_z, 1.0_wp, h/self%old_h)
+         else
+            call predict_nothing(self%stages)
+         end if
+         call solve_stages(self%stages, model, self%t, self%y, h, outcome, status)
+         if (outcome == newton_refused) return
+         if (outcome == newton_converged) exit
+         if (self%jacobian_is_new) then
+            self%h = h*merge(self%stages%advice, 0.5_wp, outcome == newton_slow)
+            return
+         end if
+         self%matrix_may_stay = .false. ! once more with a new Jacobian
+      end do
+      call estimate_error(self%stages, model, self%t, self%y, h, self%rejected, error, status)
+      if (.not. error < huge(error)) self%h = h/4
+   end subroutine attempt
+
+   !> State at time t in the last step: the collocation polynomial, of order 8 inside the step.
+   pure subroutine radau_interpolate(self, t, y)
+      type(radau_t), intent(in) :: self
+      real(wp), intent(in) :: t   !! t_before <= t <= self%t
+      real(wp), intent(out) :: y(:) !! [n]
+      real(wp) :: basis(lanes)
+      integer :: i
+
+      if (.not. self%old_h > 0) then
+         y = self%y
+         return
+      end if
+      call lagrange_at((t - self%t_before)/self%old_h, basis)
+      do i = 1, size(y)
+         y(i) = self%y_before(i) + sum(basis*self%old_z(:, i))
+      end do
+   end subroutine radau_interpolate
+
+   !> What the integration has cost since `radau_start`.
+   pure type(radau_counts) function radau_get_counts(self) result(counts)
+      type(radau_t), intent(in) :: self
+
+      counts = self%counts
+      counts%lane_evaluations = self%stages%counts%iterations
+      counts%evaluations = self%stages%counts%evaluations
+      counts%factorisations = self%stages%counts%factorisations
+      counts%dense_factorisations = self%stages%counts%dense
+      counts%root_evaluations = self%roots%evaluations
+   end function radau_get_counts
+
+   !> Whether two steps are the same number.
+   pure logical function same(a, b)
+      real(wp), intent(in) :: a, b
+
+      same = .not. abs(a - b) > 0
+   end function same
+
+end module evl_radau

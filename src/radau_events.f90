@@ -1,0 +1,156 @@
+!> How a step of the integrator ends: where it was meant to, or at the first event in it.
+submodule(evl_radau) evl_radau_events
+   use evl_radau_coefficients, only: n_stages
+   use evl_root_finder, only: find_crossings, step_state, values_at
+   implicit none (type, external)
+
+contains
+
+   !> Take the step just solved, or the part of it before the first event.
+   module subroutine finish(self, model, h, to_stop, t_stop, done, outcome, status)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: h
+      logical, intent(in) :: to_stop
+      real(wp), intent(in) :: t_stop
+      logical, intent(out) :: done
+      integer, intent(out) :: outcome
+      type(status_t), intent(inout) :: status
+      integer :: first
+
+      done = .true.
+      outcome = merge(outcome_stop, outcome_step, to_stop)
+      if (self%roots%n > 0) then
+         call find_crossings(self%roots, model, step_state(self%t, h), self%y, self%stages%z, self%stages%y, status)
+         if (has_failed(status)) return
+         first = minloc(self%roots%place, 1)
+         if (self%roots%change(first) /= 0) then
+            outcome = outcome_event
+            call go_to_event(self, model, h, first, done, status)
+            return
+         end if
+         self%roots%sign_now = self%roots%sign_after
+         self%roots%fresh = .false.
+      end if
+      call take(self, h, merge(t_stop, self%t + h, to_stop), self%stages%y(n_stages, :))
+   end subroutine finish
+
+   !> Keep the polynomial of the step and move on.
+   subroutine take(self, h, t, y)
+      type(radau_t), intent(inout) :: self
+      real(wp), intent(in) :: h    !! step of the polynomial
+      real(wp), intent(in) :: t    !! new time
+      real(wp), intent(in) :: y(:) !! new state
+
+      self%t_before = self%t
+      self%y_before = self%y
+      self%old_z = self%stages%z
+      self%old_h = h
+      self%t = t
+      self%y = y
+      self%jacobian_is_new = .false.
+      self%counts%steps = self%counts%steps + 1
+   end subroutine take
+
+   !> Redo the step of h just to the crossing of function `first`, correct the time for what that changes, and stop there.
+   !>
+   !> The dense output inside a step has the accuracy of the internal tolerance; only at the end of a step the state has the
+   !> full order. So the step is made anew to the time found, where the function is zero but for the error of the dense output;
+   !> the rest is a correction along the new polynomial, or, if it is too large for that, one more step.
+   subroutine go_to_event(self, model, h, first, done, status)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: h
+      integer, intent(in) :: first
+      logical, intent(out) :: done
+      type(status_t), intent(inout) :: status
+      integer, parameter :: most_turns = 6
+      real(wp), parameter :: small = 1.0e-4_wp !! correction over the step up to which the polynomial is continued
+      real(wp) :: at, at_next, h_now, slope, shift, last_shift
+      integer :: outcome, turn
+      logical :: good
+
+      done = .false.
+      at = self%roots%place(first)*h
+      at_next = at
+      if (at <= smallest_step*abs(self%t)) then
+         self%roots%value = 0
+         call note_fired(self, first, h)
+         self%counts%events = self%counts%events + 1
+         done = .true.
+         return
+      end if
+      call slope_at(self%roots, first, slope)
+      slope = slope/h
+      self%old_z = self%stages%z
+      self%old_h = h
+      h_now = 0
+      last_shift = huge(last_shift)
+      do turn = 1, most_turns
+         at = at_next
+         if (abs(at - h_now) > small*at) then
+            h_now = at
+            call factor_systems(self%stages, model, h_now, good)
+            if (good) then
+               call predict_from(self%stages, self%old_z, 0.0_wp, h_now/self%old_h)
+               call solve_stages(self%stages, model, self%t, self%y, h_now, outcome, status)
+               if (has_failed(status)) exit
+               good = outcome == newton_converged
+            end if
+            if (.not. good) exit
+            self%old_z = self%stages%z
+            self%old_h = h_now
+         end if
+         call values_at(self%roots, model, step_state(self%t, h_now), self%y, self%stages%z, at/h_now, status)
+         if (has_failed(status)) exit
+         shift = -self%roots%value(first)/slope
+         shift = max(self%roots%left(first)*h - at, min(self%roots%right(first)*h - at, shift))
+         if (.not. abs(shift) < abs(last_shift)) exit
+         last_shift = shift
+         if (abs(shift) <= 4*eps*max(abs(self%t + at), at)) exit
+         at_next = at + shift
+      end do
+      self%matrix_may_stay = .false.
+      if (has_failed(status) .or. .not. good) then
+         ! the shorter step does not work: come nearer in ordinary ones
+         self%old_h = 0
+         self%h = at/2
+         return
+      end if
+      call note_fired(self, first, h)
+      call take(self, h_now, self%t + at, self%roots%y)
+      self%counts%events = self%counts%events + 1
+      done = .true.
+   end subroutine go_to_event
+
+   !> Slope of the interpolant of a root function where it crosses zero, per step.
+   pure subroutine slope_at(roots, i, slope)
+      type(root_finder_t), intent(in) :: roots
+      integer, intent(in) :: i
+      real(wp), intent(out) :: slope
+      real(wp) :: basis(lanes)
+
+      call lagrange_at(roots%place(i), basis)
+      slope = sum(basis*roots%slope(:, i))
+   end subroutine slope_at
+
+   !> All functions that cross zero at this event: the first, those at the same time, and those that the new step took across.
+   pure subroutine note_fired(self, first, h)
+      type(radau_t), intent(inout) :: self
+      integer, intent(in) :: first
+      real(wp), intent(in) :: h
+      real(wp), parameter :: accuracy = 1.0e-4_wp !! of a place on the first polynomial, in units of the step
+      real(wp) :: same_time, later
+      integer :: i
+
+      same_time = 1.0e-12_wp + smallest_step*abs(self%t)/h
+      do i = 1, self%roots%n
+         if (self%roots%change(i) == 0) cycle
+         later = self%roots%place(i) - self%roots%place(first)
+         if (later <= same_time .or. (later < accuracy .and. self%roots%value(i)*self%roots%change(i) > 0)) then
+            self%fired(i) = self%roots%change(i)
+         end if
+      end do
+   end subroutine note_fired
+
+end submodule evl_radau_events

@@ -1,0 +1,377 @@
+!> The stages of one step of the seven-stage Radau IIA method: simplified Newton on the transformed systems, and the error
+!> estimate of the step.
+!>
+!> Unknown are the increments z of the stages over the state at the start of the step; lane 8 is the start itself, so its
+!> increment is 0 and lane 8 of f is f at the start. With w = T^-1 z an iteration solves, for each eigenvalue mu of A^-1,
+!>
+!>     (mu/h I - J) dw = T^-1 f(t + c h, y + z) - Lambda/h w
+!>
+!> Error estimate: err = (gamma/h I - J)^-1 (f(t, y) - p'(t)), p the collocation polynomial, gamma the real eigenvalue. This
+!> is the embedded formula of order 7, filtered: its weights are those of p'(t) (docs/radau.md).
+!>
+!> For very stiff components the filter lets any step pass: the stages are right, however far apart, and what lies between them
+!> is not. So the dense output has an estimate of its own: the Chebyshev coefficients of the polynomial, continued by one.
+!>
+!> Sources: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8.
+module evl_stage_solver
+   use evl_collocation, only: combine, lagrange_matrix
+   use evl_dense_lu, only: dense_lu_create, dense_lu_factor, dense_lu_solve, dense_lu_solve_first, dense_lu_t
+   use evl_kinds, only: wp
+   use evl_ode_model, only: lanes, ode_model
+   use evl_radau_coefficients, only: barycentric, from_stage, n_stages, n_systems, node, shift_im, shift_re, slope_at_node, &
+                                     to_chebyshev, to_stage
+   use evl_sparse_lu, only: sparse_lu_analyse, sparse_lu_factor, sparse_lu_solve, sparse_lu_solve_first, sparse_lu_t
+   use evl_status, only: has_failed, status_t
+   implicit none (type, external)
+   private
+
+   public :: stage_solver_t, stage_solver_create, forget, set_weights, predict_nothing, predict_from, factor_systems, solve_stages
+   public :: estimate_error, foresee_step, most_iterations
+   public :: newton_converged, newton_slow, newton_diverged, newton_refused
+
+   integer, parameter :: newton_converged = 0 !! the stages are found
+   integer, parameter :: newton_slow = 1      !! it would take too many iterations: `advice` says how much smaller a step
+   integer, parameter :: newton_diverged = 2  !! it does not converge
+   integer, parameter :: newton_refused = 3   !! the model has no answer at a stage: the status says why
+
+   integer, parameter :: most_iterations = 10
+   integer, parameter :: fourth = n_systems
+   real(wp), parameter :: eps = epsilon(1.0_wp)
+   real(wp), parameter :: rounding = 4*eps !! least error that may be asked for, relative to a state
+
+   real(wp), parameter :: output_share = 5      !! error of the dense output over the user's tolerance, as it is estimated
+   real(wp), parameter :: nodes_over_chebyshev = 2.3_wp !! largest prod|tau - node| over that of Chebyshev's points
+
+   type :: stage_counts
+      integer :: iterations = 0     !! of Newton: lane-wise evaluations of f
+      integer :: evaluations = 0    !! scalar ones
+      integer :: factorisations = 0 !! of the four systems at once
+      integer :: dense = 0          !! those of them with row exchanges
+   end type stage_counts
+
+   !> All arrays of a step; sizes never change.
+   type :: stage_solver_t
+      integer :: n = 0
+      real(wp) :: tolerance = 0  !! on the error estimate of a step, in units of the model's scales
+      real(wp) :: output_factor = 1 !! how much tighter the dense output is held
+      real(wp) :: newton_stop = 0 !! share of it that may be left in the stages
+      real(wp), allocatable :: weight(:)    !! [n] inverse of the error that counts as 1
+      real(wp), allocatable :: z(:, :)      !! [8, n] increments of the stages
+      real(wp), allocatable :: w(:, :)      !! [8, n] the same, transformed
+      real(wp), allocatable :: y(:, :)      !! [8, n] states at the stages
+      real(wp), allocatable :: f(:, :)      !! [8, n] f there
+      real(wp), allocatable :: change(:, :) !! [8, n] of an iteration
+      real(wp), allocatable :: jacobian(:)  !! [nnz] entries of df/dy
+      real(wp), allocatable :: error(:)     !! [n] estimate
+      real(wp), allocatable :: start(:)     !! [n] f at the start
+      real(wp), allocatable :: moved(:)     !! [n] state at which the estimate is taken again
+      real(wp), allocatable :: moved_f(:)   !! [n] f there
+      type(sparse_lu_t) :: sparse
+      type(dense_lu_t) :: dense
+      logical :: is_dense = .false.
+      real(wp) :: h_factored = 0 !! step for which the factors hold; 0: none
+      real(wp) :: rate = 0       !! of convergence in the last solution
+      real(wp) :: rate_sum = 1   !! rate/(1 - rate), carried from step to step
+      real(wp) :: advice = 1     !! factor on the step after `newton_slow`
+      integer :: iterations = 0  !! of the last solution
+      type(stage_counts) :: counts
+   end type stage_solver_t
+
+contains
+
+   !> Allocate all arrays and analyse the pattern; the model has been checked.
+   subroutine stage_solver_create(self, model, tolerance, user_tolerance)
+      type(stage_solver_t), intent(out) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: tolerance        !! on the estimate of a step
+      real(wp), intent(in) :: user_tolerance   !! what the user asked for: measure of the dense output
+
+      self%n = model%n
+      self%tolerance = tolerance
+      self%output_factor = max(1.0_wp, tolerance/(output_share*user_tolerance))
+      self%newton_stop = max(10*eps/tolerance, min(0.03_wp, sqrt(tolerance)))
+      allocate (self%weight(model%n), self%error(model%n), self%start(model%n), self%moved(model%n), &
+                self%moved_f(model%n))
+      allocate (self%z(lanes, model%n), self%w(lanes, model%n), self%y(lanes, model%n), self%f(lanes, model%n))
+      allocate (self%change(lanes, model%n), self%jacobian(size(model%jacobian_row)))
+      self%z = 0
+      self%w = 0
+      call sparse_lu_analyse(self%sparse, model%n, model%jacobian_row, model%jacobian_column)
+      call dense_lu_create(self%dense, model%n)
+   end subroutine stage_solver_create
+
+   !> Be as after creation: counts and the rate of convergence belong to one integration.
+   pure subroutine forget(self)
+      type(stage_solver_t), intent(inout) :: self
+
+      self%h_factored = 0
+      self%rate = 0
+      self%rate_sum = 1
+      self%counts = stage_counts()
+   end subroutine forget
+
+   !> Errors count in units of tolerance and scale, but never below rounding.
+   pure subroutine set_weights(self, scale, y)
+      type(stage_solver_t), intent(inout) :: self
+      real(wp), intent(in) :: scale(self%n)
+      real(wp), intent(in) :: y(self%n)
+
+      self%weight = 1/max(self%tolerance*scale, rounding*abs(y))
+   end subroutine set_weights
+
+   !> Start Newton without a guess.
+   pure subroutine predict_nothing(self)
+      type(stage_solver_t), intent(inout) :: self
+
+      self%z = 0
+      self%w = 0
+   end subroutine predict_nothing
+
+   !> Start Newton from the polynomial of a step, continued: `old_z` are its increments over its own start.
+   pure subroutine predict_from(self, old_z, start, ratio)
+      type(stage_solver_t), intent(inout) :: self
+      real(wp), intent(in) :: old_z(lanes, self%n)
+      real(wp), intent(in) :: start !! where in that step, in units of it, the new one starts: its node 0 or 1
+      real(wp), intent(in) :: ratio !! new step over that one
+      real(wp) :: matrix(lanes, lanes)
+      integer :: from
+
+      call lagrange_matrix(start + ratio*node, matrix)
+      from = merge(n_stages, lanes, start > 0)
+      matrix(:, from) = matrix(:, from) - 1
+      matrix(lanes, :) = 0
+      call combine(self%n, matrix, old_z, self%z)
+      call combine(self%n, from_stage, self%z, self%w)
+   end subroutine predict_from
+
+   !> Factor the four systems for a step of h; with row exchanges if diagonal pivots will not do.
+   subroutine factor_systems(self, model, h, good)
+      type(stage_solver_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: h
+      logical, intent(out) :: good !! false if a matrix is singular
+
+      self%counts%factorisations = self%counts%factorisations + 1
+      call sparse_lu_factor(self%sparse, shift_re/h, shift_im/h, self%jacobian, good)
+      self%is_dense = .not. good
+      if (self%is_dense) then
+         self%counts%dense = self%counts%dense + 1
+         call dense_lu_factor(self%dense, shift_re/h, shift_im/h, model%jacobian_row, model%jacobian_column, &
+                              self%jacobian, good)
+      end if
+      self%h_factored = merge(h, 0.0_wp, good)
+   end subroutine factor_systems
+
+   !> Find the stages of the step from (t, y) to t + h, from the prediction in z and w; the factors are those of h.
+   subroutine solve_stages(self, model, t, y, h, outcome, status)
+      type(stage_solver_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: t, h
+      real(wp), intent(in) :: y(self%n)
+      integer, intent(out) :: outcome         !! one of the codes newton_...
+      type(status_t), intent(inout) :: status
+      real(wp) :: times(lanes), size_now, size_before, ratio, ratio_before, left_over
+      integer :: i
+
+      times = t + node*h
+      self%rate_sum = max(self%rate_sum, eps)**0.8_wp
+      self%advice = 0.5_wp
+      size_before = 0
+      ratio_before = 1
+      do i = 1, self%n
+         self%y(:, i) = y(i) + self%z(:, i)
+      end do
+      do i = 1, most_iterations
+         self%iterations = i
+         self%counts%iterations = self%counts%iterations + 1
+         call model%rhs_lanes(times, self%y, self%f, status)
+         if (has_failed(status)) then
+            outcome = newton_refused
+            return
+         end if
+         if (i == 1) self%start = self%f(lanes, :)
+         call iterate(self, y, h, size_now)
+         if (i > 1) then
+            ratio = size_now/size_before
+            self%rate = merge(ratio, sqrt(ratio*ratio_before), i == 2)
+            ratio_before = ratio
+            if (.not. self%rate < 0.99_wp) then
+               outcome = merge(newton_converged, newton_diverged, is_rounding(self))
+               return
+            end if
+            self%rate_sum = self%rate/(1 - self%rate)
+            left_over = self%rate_sum*size_now*self%rate**(most_iterations - 1 - i)
+            if (left_over >= self%newton_stop .and. i < most_iterations) then
+               outcome = merge(newton_converged, newton_slow, is_rounding(self))
+               self%advice = 0.8_wp*max(1.0e-4_wp, min(20.0_wp, left_over/self%newton_stop)) &
+                             **(-1.0_wp/(4 + most_iterations - 1 - i))
+               return
+            end if
+         end if
+         size_before = max(size_now, eps)
+         if (self%rate_sum*size_now <= self%newton_stop) then
+            outcome = newton_converged
+            return
+         end if
+      end do
+      outcome = merge(newton_converged, newton_diverged, is_rounding(self))
+   end subroutine solve_stages
+
+   !> One iteration: change z, w and the states; its weighted size.
+   subroutine iterate(self, y, h, length)
+      type(stage_solver_t), intent(inout) :: self
+      real(wp), intent(in) :: y(self%n)
+      real(wp), intent(in) :: h
+      real(wp), intent(out) :: length !! root mean square over stages and components
+
+      call combine(self%n, from_stage, self%f, self%change)
+      call subtract_shifted(self%n, shift_re/h, shift_im/h, self%w, self%change)
+      if (self%is_dense) then
+         call dense_lu_solve(self%dense, self%change)
+      else
+         call sparse_lu_solve(self%sparse, self%change)
+      end if
+      call combine(self%n, to_stage, self%change, self%f) ! f is spent: it takes the change of z
+      call add_change(self%n, y, self%weight, self%change, self%f, self%w, self%z, self%y, length)
+      length = sqrt(length/(n_stages*self%n))
+   end subroutine iterate
+
+   !> The right-hand side of an iteration: r - Lambda/h w.
+   pure subroutine subtract_shifted(n, re, im, w, r)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: re(fourth), im(fourth) !! eigenvalues over h
+      real(wp), intent(in) :: w(fourth, 2, n)
+      real(wp), intent(inout) :: r(fourth, 2, n)
+      integer :: i, k
+
+      do i = 1, n
+         !$omp simd
+         do k = 1, fourth
+            r(k, 1, i) = r(k, 1, i) - (re(k)*w(k, 1, i) - im(k)*w(k, 2, i))
+            r(k, 2, i) = r(k, 2, i) - (im(k)*w(k, 1, i) + re(k)*w(k, 2, i))
+         end do
+      end do
+   end subroutine subtract_shifted
+
+   !> Add the change of an iteration; the sum of the weighted squares of dz.
+   pure subroutine add_change(n, y, weight, dw, dz, w, z, stage_y, square)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: y(n), weight(n)
+      real(wp), intent(in) :: dw(lanes, n), dz(lanes, n)
+      real(wp), intent(inout) :: w(lanes, n), z(lanes, n)
+      real(wp), intent(out) :: stage_y(lanes, n)
+      real(wp), intent(out) :: square
+      real(wp) :: total(lanes)
+      integer :: i, k
+
+      total = 0
+      do i = 1, n
+         !$omp simd
+         do k = 1, lanes
+            w(k, i) = w(k, i) + dw(k, i)
+            z(k, i) = z(k, i) + dz(k, i)
+            stage_y(k, i) = y(i) + z(k, i)
+            total(k) = total(k) + (dz(k, i)*weight(i))**2
+         end do
+      end do
+      square = sum(total)
+   end subroutine add_change
+
+   !> Whether the last change was no larger than rounding makes it: no iteration can do better.
+   pure logical function is_rounding(self)
+      type(stage_solver_t), intent(in) :: self
+
+      is_rounding = all(abs(self%f) <= 8*rounding*(abs(self%y) + abs(self%z)))
+   end function is_rounding
+
+   !> Weighted size of the error estimate of the step just solved.
+   subroutine estimate_error(self, model, t, y, h, again, error, status)
+      type(stage_solver_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: t, h
+      real(wp), intent(in) :: y(self%n)
+      logical, intent(in) :: again   !! filter once more if the error is above 1: for a first step and after a rejection
+      real(wp), intent(out) :: error !! root mean square; a step is good below 1
+      type(status_t), intent(inout) :: status
+
+      call filter(self, self%start, h, error)
+      if (error < 1) error = max(error, self%output_factor*interpolation_error(self))
+      if (error < 1 .or. .not. again) return
+      self%moved = y + self%error
+      call model%rhs(t, self%moved, self%moved_f, status)
+      self%counts%evaluations = self%counts%evaluations + 1
+      if (has_failed(status)) then
+         error = huge(error)
+         return
+      end if
+      call filter(self, self%moved_f, h, error)
+      error = max(error, self%output_factor*interpolation_error(self))
+   end subroutine estimate_error
+
+   !> Weighted size of the error of the dense output: the Chebyshev coefficients that would come next, if the last pairs go on
+   !> as a geometric series. Pairs, since every other coefficient of an even or odd solution is 0.
+   real(wp) function interpolation_error(self) result(error)
+      type(stage_solver_t), intent(inout) :: self !! its scratch changes
+      real(wp) :: last, before, total
+      integer :: i
+
+      call combine(self%n, to_chebyshev, self%z, self%change)
+      total = 0
+      do i = 1, self%n
+         before = self%change(5, i)**2 + self%change(6, i)**2
+         last = self%change(7, i)**2 + self%change(8, i)**2
+         total = total + last*min(1.0_wp, last/max(before, tiny(1.0_wp)))*self%weight(i)**2
+      end do
+      error = nodes_over_chebyshev*sqrt(total/self%n)
+   end function interpolation_error
+
+   !> A step whose error would be about 1, before any is made: the eighth derivative of y is J^7 f if J hardly changes.
+   !>
+   !> With it the polynomial of degree 7 through the nodes c differs from y by h^8 y''''''''/8! prod(tau - c), its slope at the
+   !> start by the product of the seven other nodes, and the estimate is that over the real eigenvalue. Stiff components that
+   !> the filter would forgive make the result too small, not too large.
+   pure subroutine foresee_step(self, model, h)
+      type(stage_solver_t), intent(inout) :: self !! f at the start in `start`, J in `jacobian`; its scratch changes
+      class(ode_model), intent(in) :: model
+      real(wp), intent(out) :: h
+      real(wp), parameter :: factorial_8 = 40320
+      real(wp), parameter :: at_start = 1/(shift_re(1)*abs(barycentric(lanes))*factorial_8)
+      real(wp), parameter :: inside = nodes_over_chebyshev/(2.0_wp**15*factorial_8)
+      real(wp) :: error
+      integer :: p, turn
+
+      self%moved = self%start
+      do turn = 1, n_stages
+         self%moved_f = 0
+         do p = 1, size(self%jacobian)
+            associate (i => model%jacobian_row(p), j => model%jacobian_column(p))
+               self%moved_f(i) = self%moved_f(i) + self%jacobian(p)*self%moved(j)
+            end associate
+         end do
+         self%moved = self%moved_f
+      end do
+      error = max(at_start, inside*self%output_factor)*sqrt(sum((self%moved*self%weight)**2)/self%n)
+      h = max(error, tiny(1.0_wp))**(-1.0_wp/8)
+   end subroutine foresee_step
+
+   !> (gamma/h I - J)^-1 (rate - p'(t)) and its weighted size.
+   pure subroutine filter(self, rate, h, error)
+      type(stage_solver_t), intent(inout) :: self
+      real(wp), intent(in) :: rate(self%n) !! f at the start
+      real(wp), intent(in) :: h
+      real(wp), intent(out) :: error
+      integer :: i
+
+      do i = 1, self%n
+         self%error(i) = rate(i) - sum(slope_at_node(lanes, :)*self%z(:, i))/h
+      end do
+      if (self%is_dense) then
+         call dense_lu_solve_first(self%dense, self%error)
+      else
+         call sparse_lu_solve_first(self%sparse, self%error)
+      end if
+      error = max(sqrt(sum((self%error*self%weight)**2)/self%n), 1.0e-10_wp)
+      if (.not. error <= huge(error)) error = huge(error)
+   end subroutine filter
+
+end module evl_stage_solver

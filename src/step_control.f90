@@ -1,0 +1,81 @@
+!> How long the next step is: from the error estimate, of order 7, and from how well Newton's iteration went.
+!>
+!> Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8 (8.19-8.21), after K. Gustafsson.
+module evl_step_control
+   use evl_kinds, only: wp
+   use evl_stage_solver, only: most_iterations
+   implicit none (type, external)
+   private
+
+   public :: step_control_t, fit_step, next_step, step_after_error
+
+   real(wp), parameter :: safety = 0.9_wp       !! on the step that the estimate allows
+   real(wp), parameter :: largest_growth = 8, largest_cut = 5 !! of the step, at once
+   real(wp), parameter :: kept_growth = 1.2_wp  !! a step that may grow by less stays, and with it the factors
+   real(wp), parameter :: good_rate = 0.01_wp   !! Newton's rate at which Jacobian and factors stay
+
+   !> What the last accepted step tells about the next one.
+   type :: step_control_t
+      real(wp) :: h = 0     !! 0: there is none
+      real(wp) :: error = 1
+   end type step_control_t
+
+contains
+
+   !> The step that is tried: not past the stop, and no tiny one left before it.
+   pure subroutine fit_step(room, wanted, h, to_stop)
+      real(wp), intent(in) :: room     !! to the stop
+      real(wp), intent(in) :: wanted
+      real(wp), intent(out) :: h
+      logical, intent(out) :: to_stop !! the step ends at the stop
+
+      to_stop = wanted >= room*(1 - 1.0e-6_wp)
+      h = wanted
+      if (to_stop) then
+         h = room
+      else if (wanted > room/2) then
+         h = room/2
+      end if
+   end subroutine fit_step
+
+   !> The step to try after one of h whose error was too large.
+   pure real(wp) function step_after_error(h, error)
+      real(wp), intent(in) :: h
+      real(wp), intent(in) :: error !! >= 1
+
+      step_after_error = h*max(1/largest_cut, safety/eighth_root(error))
+   end function step_after_error
+
+   !> The step to try after an accepted one.
+   pure subroutine next_step(control, h, h_wanted, error, rate, iterations, h_next, matrix_may_stay)
+      type(step_control_t), intent(inout) :: control
+      real(wp), intent(in) :: h         !! the step made
+      real(wp), intent(in) :: h_wanted  !! what it would have been without a stop
+      real(wp), intent(in) :: error     !! its error, < 1
+      real(wp), intent(in) :: rate      !! of convergence of Newton's iteration
+      integer, intent(in) :: iterations !! of it
+      real(wp), intent(out) :: h_next
+      logical, intent(out) :: matrix_may_stay !! Jacobian and factors are good enough for a step of h_next
+      real(wp) :: slack, cut, cut_predicted
+
+      slack = safety*(1 + 2*most_iterations)/(iterations + 2*most_iterations)
+      cut = max(1/largest_growth, min(largest_cut, eighth_root(error)/slack))
+      if (control%h > 0) then
+         cut_predicted = (control%h/h)*eighth_root(error**2/control%error)/safety
+         cut = max(cut, max(1/largest_growth, min(largest_cut, cut_predicted)))
+      end if
+      control%h = h
+      control%error = max(1.0e-2_wp, error)
+      matrix_may_stay = rate <= good_rate .and. cut <= 1 .and. cut*kept_growth >= 1
+      h_next = merge(h, h/cut, matrix_may_stay)
+      if (h < h_wanted) h_next = max(h_next, h_wanted) ! it was cut for the stop: what was proposed before still holds
+   end subroutine next_step
+
+   !> x^(1/8)
+   pure real(wp) function eighth_root(x)
+      real(wp), intent(in) :: x
+
+      eighth_root = sqrt(sqrt(sqrt(x)))
+   end function eighth_root
+
+end module evl_step_control

@@ -1,0 +1,188 @@
+!> Masses on a line with springs that harden and dampers, lane-wise: what the integrator costs, and whether it allocates.
+!>
+!> u_i'' = s(u_(i+1) - u_i) - s(u_i - u_(i-1)) + d (u_(i+1)' - 2 u_i' + u_(i-1)'),  s(e) = k (e + hardening e^3), ends fixed.
+!> States u, then u'; the root functions are the speeds, so that an event is a turning point.
+module oscillator_chain
+   use evl_kinds, only: wp
+   use evl_ode_model, only: lanes, ode_model
+   use evl_status, only: status_t
+   implicit none (type, external)
+   private
+
+   public :: oscillator_chain_t, oscillator_chain_create
+
+   type, extends(ode_model) :: oscillator_chain_t
+      integer :: masses = 0
+      real(wp) :: stiffness = 1, hardening = 0, damping = 0
+   contains
+      procedure :: rhs
+      procedure :: rhs_lanes
+      procedure :: jacobian
+      procedure :: roots
+      procedure :: roots_lanes
+      procedure :: apply_event
+   end type oscillator_chain_t
+
+contains
+
+   !> Sizes and pattern.
+   subroutine oscillator_chain_create(model, masses, stiffness, hardening, damping, with_roots)
+      type(oscillator_chain_t), intent(out) :: model
+      integer, intent(in) :: masses
+      real(wp), intent(in) :: stiffness, hardening, damping
+      logical, intent(in) :: with_roots
+      integer :: i, j, p
+
+      model%n = 2*masses
+      model%masses = masses
+      model%n_roots = merge(masses, 0, with_roots)
+      model%stiffness = stiffness
+      model%hardening = hardening
+      model%damping = damping
+      allocate (model%scale(model%n), model%jacobian_row(7*masses - 4), model%jacobian_column(7*masses - 4))
+      model%scale(:masses) = 1
+      model%scale(masses + 1:) = sqrt(stiffness)
+      p = 0
+      do i = 1, masses
+         p = p + 1
+         model%jacobian_row(p) = i
+         model%jacobian_column(p) = masses + i
+         do j = max(1, i - 1), min(masses, i + 1)
+            model%jacobian_row(p + 1:p + 2) = masses + i
+            model%jacobian_column(p + 1:p + 2) = [j, masses + j]
+            p = p + 2
+         end do
+      end do
+   end subroutine oscillator_chain_create
+
+   !> Force of the spring and damper between two masses on the left one.
+   elemental real(wp) function force(self, u, v, u_next, v_next)
+      class(oscillator_chain_t), intent(in) :: self
+      real(wp), intent(in) :: u, v, u_next, v_next
+      real(wp) :: e
+
+      e = u_next - u
+      force = self%stiffness*(e + self%hardening*(e*e)*e) + self%damping*(v_next - v)
+   end function force
+
+   subroutine rhs(self, t, y, f, status)
+      class(oscillator_chain_t), intent(in) :: self
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(self%n)
+      real(wp), intent(out) :: f(self%n)
+      type(status_t), intent(inout) :: status
+      real(wp) :: left, right
+      integer :: i, m
+
+      m = self%masses
+      left = force(self, 0.0_wp, 0.0_wp, y(1), y(m + 1))
+      do i = 1, m
+         f(i) = y(m + i)
+         if (i < m) then
+            right = force(self, y(i), y(m + i), y(i + 1), y(m + i + 1))
+         else
+            right = force(self, y(m), y(2*m), 0.0_wp, 0.0_wp)
+         end if
+         f(m + i) = right - left
+         left = right
+      end do
+   end subroutine rhs
+
+   subroutine rhs_lanes(self, t, y, f, status)
+      class(oscillator_chain_t), intent(in) :: self
+      real(wp), intent(in) :: t(lanes)
+      real(wp), intent(in) :: y(lanes, self%n)
+      real(wp), intent(out) :: f(lanes, self%n)
+      type(status_t), intent(inout) :: status
+      real(wp) :: left(lanes), right(lanes)
+      integer :: i, m
+
+      m = self%masses
+      left = force(self, 0.0_wp, 0.0_wp, y(:, 1), y(:, m + 1))
+      do i = 1, m
+         f(:, i) = y(:, m + i)
+         if (i < m) then
+            right = force(self, y(:, i), y(:, m + i), y(:, i + 1), y(:, m + i + 1))
+         else
+            right = force(self, y(:, m), y(:, 2*m), 0.0_wp, 0.0_wp)
+         end if
+         f(:, m + i) = right - left
+         left = right
+      end do
+   end subroutine rhs_lanes
+
+   subroutine jacobian(self, t, y, values, status)
+      class(oscillator_chain_t), intent(in) :: self
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(self%n)
+      real(wp), intent(out) :: values(:)
+      type(status_t), intent(inout) :: status
+      real(wp) :: left, right
+      integer :: i, m, p
+
+      m = self%masses
+      p = 0
+      left = slope(y(1))
+      do i = 1, m
+         values(p + 1) = 1
+         p = p + 1
+         if (i < m) then
+            right = slope(y(i + 1) - y(i))
+         else
+            right = slope(y(m))
+         end if
+         if (i > 1) then
+            values(p + 1:p + 2) = [left, self%damping]
+            p = p + 2
+         end if
+         values(p + 1:p + 2) = [-left - right, -2*self%damping]
+         p = p + 2
+         if (i < m) then
+            values(p + 1:p + 2) = [right, self%damping]
+            p = p + 2
+         end if
+         left = right
+      end do
+
+   contains
+
+      !> Stiffness of a spring stretched by e.
+      pure real(wp) function slope(e)
+         real(wp), intent(in) :: e
+
+         slope = self%stiffness*(1 + 3*self%hardening*e**2)
+      end function slope
+
+   end subroutine jacobian
+
+   subroutine roots(self, t, y, values, status)
+      class(oscillator_chain_t), intent(in) :: self
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(self%n)
+      real(wp), intent(out) :: values(self%n_roots)
+      type(status_t), intent(inout) :: status
+
+      values = y(self%masses + 1:)
+   end subroutine roots
+
+   subroutine roots_lanes(self, t, y, values, status)
+      class(oscillator_chain_t), intent(in) :: self
+      real(wp), intent(in) :: t(lanes)
+      real(wp), intent(in) :: y(lanes, self%n)
+      real(wp), intent(out) :: values(lanes, self%n_roots)
+      type(status_t), intent(inout) :: status
+
+      values = y(:, self%masses + 1:)
+   end subroutine roots_lanes
+
+   !> A turning point changes nothing.
+   subroutine apply_event(self, t, y, fired, time_event, status)
+      class(oscillator_chain_t), intent(inout) :: self
+      real(wp), intent(in) :: t
+      real(wp), intent(inout) :: y(self%n)
+      integer, intent(in) :: fired(self%n_roots)
+      logical, intent(in) :: time_event
+      type(status_t), intent(inout) :: status
+   end subroutine apply_event
+
+end module oscillator_chain

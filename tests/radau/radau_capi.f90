@@ -1,0 +1,255 @@
+!> The integrator and its parts for tests, as C functions; no part of the kernel's interface.
+!>
+!> Indices count from 0 in C. Each function that can fail returns a code of `evl_status`; rt_message gives the words.
+module radau_capi
+   use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_funptr, c_int, c_loc, c_null_char, c_ptr
+   use callback_model, only: callback_model_create, callback_model_t
+   use evl_collocation, only: lagrange_at
+   use evl_dense_lu, only: dense_lu_create, dense_lu_factor, dense_lu_solve, dense_lu_solve_first, dense_lu_t
+   use evl_kinds, only: wp
+   use evl_ode_model, only: lanes, ode_model
+   use evl_radau, only: radau_advance, radau_counts, radau_create, radau_get_counts, radau_interpolate, radau_options, &
+                        radau_restart, radau_start, radau_t
+   use evl_radau_coefficients, only: barycentric, from_stage, n_systems, node, shift_im, shift_re, slope_at_node, &
+                                     to_chebyshev, to_stage
+   use evl_radau_run, only: radau_integrate, radau_observer
+   use evl_sparse_lu, only: sparse_lu_analyse, sparse_lu_factor, sparse_lu_solve, sparse_lu_solve_first, sparse_lu_t
+   use evl_status, only: clear, has_failed, status_t
+   use oscillator_chain, only: oscillator_chain_create, oscillator_chain_t
+   implicit none (type, external)
+   private
+
+   public :: rt_tables, rt_basis, rt_sparse_solve, rt_dense_solve
+   public :: rt_new, rt_new_chain, rt_delete, rt_start, rt_advance, rt_state, rt_interpolate, rt_restart, rt_counts, rt_message
+   public :: rt_integrate_chain
+
+   !> A model and its solver.
+   type :: session_t
+      class(ode_model), allocatable :: model
+      type(radau_t) :: solver
+      type(status_t) :: status
+   end type session_t
+
+   !> Keeps the output in the caller's array.
+   type, extends(radau_observer) :: recorder_t
+      real(wp), pointer :: rows(:, :) => null()
+      integer :: next = 0
+   contains
+      procedure :: output => record
+   end type recorder_t
+
+contains
+
+   !> The tables, matrices by columns.
+   subroutine rt_tables(c, t, t_inverse, re, im, weights, slopes, chebyshev) bind(c)
+      real(c_double), intent(out) :: c(lanes), t(lanes, lanes), t_inverse(lanes, lanes), re(n_systems), im(n_systems)
+      real(c_double), intent(out) :: weights(lanes), slopes(lanes, lanes), chebyshev(lanes, lanes)
+
+      c = node
+      t = to_stage
+      t_inverse = from_stage
+      re = shift_re
+      im = shift_im
+      weights = barycentric
+      slopes = slope_at_node
+      chebyshev = to_chebyshev
+   end subroutine rt_tables
+
+   !> Lagrange polynomials at tau.
+   subroutine rt_basis(tau, basis) bind(c)
+      real(c_double), value :: tau
+      real(c_double), intent(out) :: basis(lanes)
+
+      call lagrange_at(tau, basis)
+   end subroutine rt_basis
+
+   !> Solve the four systems, and the first of them alone for b_first; returns the entries of the factors, 0 if refused.
+   integer(c_int) function rt_sparse_solve(n, nnz, row, column, jacobian, re, im, b, b_first) result(entries) bind(c)
+      integer(c_int), value :: n, nnz
+      integer(c_int), intent(in) :: row(nnz), column(nnz)
+      real(c_double), intent(in) :: jacobian(nnz), re(n_systems), im(n_systems)
+      real(c_double), intent(inout) :: b(lanes, n), b_first(n)
+      type(sparse_lu_t) :: lu
+      logical :: good
+
+      call sparse_lu_analyse(lu, n, row + 1, column + 1)
+      call sparse_lu_factor(lu, re, im, jacobian, good)
+      entries = 0
+      if (.not. good) return
+      call sparse_lu_solve(lu, b)
+      call sparse_lu_solve_first(lu, b_first)
+      entries = size(lu%column)
+   end function rt_sparse_solve
+
+   !> The same with row exchanges; returns 0 if a matrix is singular.
+   integer(c_int) function rt_dense_solve(n, nnz, row, column, jacobian, re, im, b, b_first) result(good) bind(c)
+      integer(c_int), value :: n, nnz
+      integer(c_int), intent(in) :: row(nnz), column(nnz)
+      real(c_double), intent(in) :: jacobian(nnz), re(n_systems), im(n_systems)
+      real(c_double), intent(inout) :: b(lanes, n), b_first(n)
+      type(dense_lu_t) :: lu
+      logical :: regular
+
+      call dense_lu_create(lu, n)
+      call dense_lu_factor(lu, re, im, row + 1, column + 1, jacobian, regular)
+      good = merge(1, 0, regular)
+      if (.not. regular) return
+      call dense_lu_solve(lu, b)
+      call dense_lu_solve_first(lu, b_first)
+   end function rt_dense_solve
+
+   !> A solver for a model of C functions.
+   type(c_ptr) function rt_new(n, nnz, row, column, scale, n_roots, f, df_dy, g, directions, tolerance, max_step, &
+                               first_step) result(handle) bind(c)
+      integer(c_int), value :: n, nnz, n_roots
+      integer(c_int), intent(in) :: row(nnz), column(nnz)
+      real(c_double), intent(in) :: scale(n)
+      type(c_funptr), value :: f, df_dy, g, directions
+      real(c_double), value :: tolerance, max_step, first_step
+      type(session_t), pointer :: session
+      type(callback_model_t) :: model
+
+      call callback_model_create(model, row, column, scale, n_roots, f, df_dy, g, directions)
+      allocate (session)
+      allocate (session%model, source=model)
+      call radau_create(session%solver, session%model, radau_options(tolerance, max_step, first_step), session%status)
+      handle = c_loc(session)
+   end function rt_new
+
+   !> A solver for a chain of oscillators.
+   type(c_ptr) function rt_new_chain(masses, stiffness, hardening, damping, with_roots, tolerance) result(handle) bind(c)
+      integer(c_int), value :: masses
+      real(c_double), value :: stiffness, hardening, damping, tolerance
+      logical(c_bool), value :: with_roots
+      type(session_t), pointer :: session
+      type(oscillator_chain_t) :: model
+
+      call oscillator_chain_create(model, masses, stiffness, hardening, damping, logical(with_roots))
+      allocate (session)
+      allocate (session%model, source=model)
+      call radau_create(session%solver, session%model, radau_options(tolerance=tolerance), session%status)
+      handle = c_loc(session)
+   end function rt_new_chain
+
+   subroutine rt_delete(handle) bind(c)
+      type(c_ptr), value :: handle
+      type(session_t), pointer :: session
+
+      call c_f_pointer(handle, session)
+      deallocate (session)
+   end subroutine rt_delete
+
+   integer(c_int) function rt_start(handle, t, y) result(code) bind(c)
+      type(c_ptr), value :: handle
+      real(c_double), value :: t
+      real(c_double), intent(in) :: y(*)
+      type(session_t), pointer :: session
+
+      call c_f_pointer(handle, session)
+      call clear(session%status)
+      call radau_start(session%solver, session%model, t, y(:session%model%n), session%status)
+      code = session%status%code
+   end function rt_start
+
+   integer(c_int) function rt_advance(handle, t_stop, outcome) result(code) bind(c)
+      type(c_ptr), value :: handle
+      real(c_double), value :: t_stop
+      integer(c_int), intent(out) :: outcome
+      type(session_t), pointer :: session
+
+      call c_f_pointer(handle, session)
+      call radau_advance(session%solver, session%model, t_stop, outcome, session%status)
+      code = session%status%code
+   end function rt_advance
+
+   subroutine rt_state(handle, t_before, t, y, fired) bind(c)
+      type(c_ptr), value :: handle
+      real(c_double), intent(out) :: t_before, t
+      real(c_double), intent(out) :: y(*)
+      integer(c_int), intent(out) :: fired(*)
+      type(session_t), pointer :: session
+
+      call c_f_pointer(handle, session)
+      t_before = session%solver%t_before
+      t = session%solver%t
+      y(:session%model%n) = session%solver%y
+      fired(:session%model%n_roots) = session%solver%fired
+   end subroutine rt_state
+
+   subroutine rt_interpolate(handle, t, y) bind(c)
+      type(c_ptr), value :: handle
+      real(c_double), value :: t
+      real(c_double), intent(out) :: y(*)
+      type(session_t), pointer :: session
+
+      call c_f_pointer(handle, session)
+      call radau_interpolate(session%solver, t, y(:session%model%n))
+   end subroutine rt_interpolate
+
+   subroutine rt_restart(handle, t, y) bind(c)
+      type(c_ptr), value :: handle
+      real(c_double), value :: t
+      real(c_double), intent(in) :: y(*)
+      type(session_t), pointer :: session
+
+      call c_f_pointer(handle, session)
+      call radau_restart(session%solver, session%model, t, y(:session%model%n))
+   end subroutine rt_restart
+
+   !> Steps, rejections, evaluations lane-wise and scalar, Jacobians, factorisations, dense ones, root evaluations, events.
+   subroutine rt_counts(handle, numbers) bind(c)
+      type(c_ptr), value :: handle
+      integer(c_int), intent(out) :: numbers(9)
+      type(session_t), pointer :: session
+      type(radau_counts) :: counts
+
+      call c_f_pointer(handle, session)
+      counts = radau_get_counts(session%solver)
+      numbers = [counts%steps, counts%rejections, counts%lane_evaluations, counts%evaluations, counts%jacobians, &
+                 counts%factorisations, counts%dense_factorisations, counts%root_evaluations, counts%events]
+   end subroutine rt_counts
+
+   !> The last error, as a C string of at most 400 characters; empty if there is none.
+   subroutine rt_message(handle, message) bind(c)
+      type(c_ptr), value :: handle
+      character(kind=c_char), intent(out) :: message(401)
+      type(session_t), pointer :: session
+      integer :: i
+
+      call c_f_pointer(handle, session)
+      message = c_null_char
+      if (.not. has_failed(session%status)) return
+      do i = 1, min(400, len_trim(session%status%message))
+         message(i) = session%status%message(i:i)
+      end do
+   end subroutine rt_message
+
+   !> Integrate with output on a grid of n_rows points into rows[n_rows, n]; t and y are where it ended.
+   integer(c_int) function rt_integrate_chain(handle, t, y, t_end, interval, n_rows, rows) result(code) bind(c)
+      type(c_ptr), value :: handle
+      real(c_double), intent(inout) :: t
+      real(c_double), intent(inout) :: y(*)
+      real(c_double), value :: t_end, interval
+      integer(c_int), value :: n_rows
+      real(c_double), intent(out), target :: rows(*)
+      type(session_t), pointer :: session
+      type(recorder_t) :: recorder
+
+      call c_f_pointer(handle, session)
+      recorder%rows(1:session%model%n, 1:n_rows) => rows(1:session%model%n*n_rows)
+      call radau_integrate(session%solver, session%model, t, y(:session%model%n), t_end, interval, recorder, session%status)
+      code = session%status%code
+   end function rt_integrate_chain
+
+   subroutine record(self, model, t, y, go_on)
+      class(recorder_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      logical, intent(inout) :: go_on
+
+      self%next = self%next + 1
+      if (self%next <= size(self%rows, 2)) self%rows(:, self%next) = y
+   end subroutine record
+
+end module radau_capi

@@ -1,0 +1,341 @@
+"""Located events against closed forms: every one is found, in the order of time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+from radau.radau import EVENT, Library, Problem, Solver
+
+Floats = NDArray[np.float64]
+G = 9.81
+
+
+class Recorded:
+    """Events as they come: (time, state before, fired)."""
+
+    def __init__(self, change: Callable[[Floats, NDArray[np.int32]], Floats] | None = None) -> None:
+        self.change = change
+        self.list: list[tuple[float, Floats, list[int]]] = []
+
+    def __call__(self, t: float, y: Floats, fired: NDArray[np.int32]) -> Floats:
+        self.list.append((t, y.copy(), fired.tolist()))
+        return self.change(y, fired) if self.change else y
+
+    @property
+    def times(self) -> Floats:
+        return np.array([t for t, _, _ in self.list])
+
+    @property
+    def fired(self) -> list[list[int]]:
+        return [fired for _, _, fired in self.list]
+
+
+def run(library, problem, y, t_end, change=None, tolerance=1e-9) -> tuple[Recorded, Solver, Floats]:
+    events = Recorded(change)
+    solver = Solver(library, problem, tolerance)
+    end = solver.end(0, y, t_end, event=events)
+    return events, solver, end
+
+
+def oscillator(roots, n_roots, directions=None) -> Problem:
+    return Problem(
+        lambda t, y: [y[1], -y[0]],
+        lambda t, y: [1, -1],
+        [1, 1],
+        roots=roots,
+        n_roots=n_roots,
+        directions=directions,
+        entries=[(0, 1), (1, 0)],
+    )
+
+
+def clock(roots, n_roots, directions=None) -> Problem:
+    """y' = 1: events are functions of time, and no error control limits the steps."""
+    return Problem(
+        lambda t, y: 1, lambda t, y: 0, [1], roots=roots, n_roots=n_roots, directions=directions
+    )
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-9])
+def test_a_ball_bounces_40_times_at_the_times_of_the_closed_form(library: Library, tolerance):
+    restitution, bounces = 0.8, 40
+    problem = Problem(
+        lambda t, y: [y[1], -G],
+        lambda t, y: 1,
+        [1, 1],
+        roots=lambda t, y: y[0],
+        n_roots=1,
+        directions=lambda: [-1],
+        entries=[(0, 1)],
+    )
+    first = np.sqrt(2 / G)
+    k = np.arange(bounces)
+    exact = first * (1 + 2 * restitution * (1 - restitution**k) / (1 - restitution))
+    events, _, _ = run(
+        library, problem, [1, 0], exact[-1] + 1e-6, lambda y, _: [0, -restitution * y[1]], tolerance
+    )
+    assert len(events.list) == bounces
+    # a parabola has no error of integration: what remains is rounding of 40 starts
+    assert np.abs(events.times - exact).max() <= 1e-12
+    speeds = np.array([y[1] for _, y, _ in events.list])
+    assert speeds == pytest.approx(-np.sqrt(2 * G) * restitution**k, rel=1e-9)
+
+
+def test_crossings_of_an_oscillation_alternate_and_lie_at_half_turns(library: Library):
+    events, _, _ = run(library, oscillator(lambda t, y: y[0], 1), [0, 1], 40)
+    half_turns = np.pi * np.arange(1, 13)
+    assert events.times == pytest.approx(half_turns, abs=1e-9)  # the tolerance
+    assert events.fired == [[-1], [1]] * 6
+
+
+@pytest.mark.parametrize(("direction", "starts"), [(-1, np.pi), (1, 2 * np.pi)])
+def test_only_crossings_in_the_direction_asked_for_count(library: Library, direction, starts):
+    problem = oscillator(lambda t, y: y[0], 1, lambda: [direction])
+    events, _, _ = run(library, problem, [0, 1], 40)
+    assert events.times == pytest.approx(np.arange(starts, 40, 2 * np.pi), abs=1e-9)
+    assert all(fired == [direction] for fired in events.fired)
+
+
+def test_two_functions_in_one_step_fire_in_the_order_of_time(library: Library):
+    # the steps of this problem would be as long as the interval
+    times = (3.0, 2.0, 5.5, 2.25)
+    problem = clock(lambda t, y: [t - at for at in times], len(times))
+    events, solver, _ = run(library, problem, [0], 10)
+    assert events.times == pytest.approx(sorted(times), abs=1e-14)
+    assert [int(np.flatnonzero(fired)[0]) for fired in events.fired] == [1, 3, 0, 2]
+    assert solver.counts.events == 4
+
+
+def test_two_crossings_of_one_function_in_one_step_are_both_found(library: Library):
+    problem = clock(lambda t, y: (t - 4) * (t - 4.5), 1)
+    events, _, _ = run(library, problem, [0], 10)
+    assert events.times == pytest.approx([4, 4.5], abs=1e-14)
+    assert events.fired == [[-1], [1]]
+
+
+@pytest.mark.parametrize("depth", [1e-2, 1e-4, 1e-6, 1e-8])
+def test_a_touch_and_return_between_two_stages_is_found(library: Library, depth: float):
+    # y = sin t rises past 1 - depth for a time of 2 sqrt(2 depth): no stage may lie in it
+    events, _, _ = run(library, oscillator(lambda t, y: y[0] - (1 - depth), 1), [0, 1], 50)
+    half = np.arccos(1 - depth)
+    tops = np.pi / 2 + 2 * np.pi * np.arange(8)
+    exact = np.ravel([tops - half, tops + half], order="F")
+    assert events.fired == [[1], [-1]] * 8
+    # the slope of the function there is `half`: an error e of y moves the crossing by e/half
+    assert np.abs(events.times - exact).max() <= 1e-12 / half + 1e-12
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+def test_a_touch_and_return_counts_in_the_direction_asked_for(library: Library, direction: int):
+    problem = clock(lambda t, y: (t - 3.3) ** 2 - 1e-6, 1, lambda: [direction])
+    events, _, _ = run(library, problem, [0], 10)
+    assert events.times == pytest.approx([3.3 + 1e-3 * direction], abs=1e-11)
+
+
+def test_a_function_that_comes_near_zero_and_turns_does_not_fire(library: Library):
+    events, _, _ = run(library, oscillator(lambda t, y: y[0] - (1 + 1e-6), 1), [0, 1], 50)
+    assert not events.list
+
+
+def test_functions_that_cross_at_the_same_time_fire_together(library: Library):
+    problem = clock(lambda t, y: [t - 2, 2 - y[0], 5 * (y[0] - 2), t - 3], 4)
+    events, solver, _ = run(library, problem, [0], 10)
+    assert events.fired == [[1, -1, 1, 0], [0, 0, 0, 1]]
+    assert solver.counts.events == 2
+
+
+def test_functions_that_cross_almost_at_the_same_time_are_none_lost(library: Library):
+    times = 2 + np.array([0, 1e-15, 1e-14, 1e-13, 1e-12, 1e-10, 1e-8, 1e-6])
+    events, _, _ = run(library, clock(lambda t, y: y[0] - times, len(times)), [0], 10)
+    assert np.sum(events.fired, axis=0).tolist() == [1] * len(times)
+    for t, _, fired in events.list:
+        # t and y pass 2 in units of 4e-16, and the search ends within a few of them
+        assert np.abs(t - times[np.flatnonzero(fired)]).max() <= 1e-11
+    assert sorted(events.times) == events.times.tolist()
+
+
+def test_two_balls_that_land_at_once_are_both_reflected(library: Library):
+    # dropped from 1 m, and thrown up from 0.25 m so that it lands at the same time
+    fall = np.sqrt(2 / G)
+    throw = (G * fall**2 / 2 - 0.25) / fall
+
+    def bounce(y: Floats, fired: NDArray[np.int32]) -> Floats:
+        for ball in np.flatnonzero(fired):
+            y[2 * ball : 2 * ball + 2] = 0, -y[2 * ball + 1]
+        return y
+
+    problem = Problem(
+        lambda t, y: [y[1], -G, y[3], -G],
+        lambda t, y: [1, 1],
+        [1] * 4,
+        roots=lambda t, y: [y[0], y[2]],
+        n_roots=2,
+        directions=lambda: [-1, -1],
+        entries=[(0, 1), (2, 3)],
+    )
+    events, _, end = run(library, problem, [1, 0, 0.25, throw], 1.5 * fall, bounce)
+    assert np.sum(events.fired, axis=0).tolist() == [-1, -1]
+    t = 0.5 * fall
+    expected = [G * fall * t - G * t**2 / 2, (G * fall - throw) * t - G * t**2 / 2]
+    assert end[[0, 2]] == pytest.approx(expected, abs=1e-12)
+
+
+def test_a_function_that_is_zero_at_the_start_fires_when_it_comes_back(library: Library):
+    events, _, _ = run(library, oscillator(lambda t, y: y[0], 1), [0, 1], 4)
+    assert events.times == pytest.approx([np.pi], abs=1e-9)
+
+
+def test_a_function_that_fired_fires_again_however_soon_it_comes_back(library: Library):
+    # a hop of 1e-9 s within steps of up to 1e-3 s: up and down before the first stage
+    hops = 1e-9
+    problem = Problem(
+        lambda t, y: [y[1], -G],
+        lambda t, y: 1,
+        [1, 1],
+        roots=lambda t, y: y[0],
+        n_roots=1,
+        directions=lambda: [-1],
+        entries=[(0, 1)],
+    )
+    events = Recorded(lambda y, _: [0, G * hops / 2])
+    solver = Solver(library, problem, 1e-9)
+    solver.start(0, [G * 1e-6 / 2, 0])
+    while len(events.list) < 5:
+        if solver.advance(1) == EVENT:
+            _, t, y, fired = solver.state
+            solver.restart(t, events(t, y, fired))
+    assert np.diff(events.times) == pytest.approx(hops, rel=1e-6)  # t is 1e-3 in units of 2e-19
+
+
+def test_a_function_that_is_identically_zero_never_fires(library: Library):
+    events, _, _ = run(library, oscillator(lambda t, y: [0 * t, y[1]], 2), [0, 1], 10)
+    assert np.abs(np.sum(np.abs(events.fired), axis=0)).tolist() == [0, 3]
+
+
+def test_a_switch_of_the_right_hand_side_is_located_and_costs_no_accuracy(library: Library):
+    # |x|' chain: x'' = -k x with k = 1 for x > 0 and 4 for x < 0; half periods pi and pi/2
+    mode = {"k": 1.0}
+
+    def switch(y: Floats, fired: NDArray[np.int32]) -> Floats:
+        mode["k"] = 4.0 if fired[0] < 0 else 1.0
+        return y
+
+    problem = Problem(
+        lambda t, y: [y[1], -mode["k"] * y[0]],
+        lambda t, y: [1, -mode["k"]],
+        [1, 1],
+        roots=lambda t, y: y[0],
+        n_roots=1,
+        entries=[(0, 1), (1, 0)],
+    )
+    events, _, end = run(library, problem, [0, 1], 15 * np.pi, switch)
+    assert events.times[:-1] == pytest.approx(
+        np.pi * np.ravel([1 + 1.5 * np.arange(10), 1.5 * np.arange(1, 11)], order="F")[:-1],
+        abs=1e-9,
+    )
+    assert end == pytest.approx([0, 1], abs=1e-9)
+
+
+def test_an_event_ends_the_step_and_the_dense_output_ends_there(library: Library):
+    solver = Solver(library, oscillator(lambda t, y: y[0] - 0.5, 1), 1e-9)
+    solver.start(0, [0, 1])
+    while solver.advance(10) != EVENT:
+        pass
+    before, t, y, _ = solver.state
+    assert t == pytest.approx(np.pi / 6, abs=1e-12)
+    assert before < t
+    assert solver.interpolate(t) == pytest.approx(y, abs=1e-15)
+    inside = (before + t) / 2
+    assert solver.interpolate(inside)[0] == pytest.approx(np.sin(inside), abs=1e-8)
+
+
+class Rattle:
+    """A driven mass between two stops with springs and dampers; a contact never pulls.
+
+    Mode 0 is free flight, 1 and -1 contact with the upper and the lower stop. Opening is where the
+    force of the contact falls to zero, with the damper's part still at work.
+    """
+
+    def __init__(self, seed: int) -> None:
+        rng = np.random.default_rng(seed)
+        self.k = 10 ** rng.uniform(2, 6)
+        self.c = 2 * rng.uniform(0.01, 0.3) * np.sqrt(self.k)
+        self.gap, self.drive = rng.uniform(0.1, 1), rng.uniform(0.5, 3)
+        self.frequency = rng.uniform(0.7, 3)
+        self.spring = rng.uniform(0, 0.5)
+        self.mode = 0
+
+    def contact(self, y: Floats) -> float:
+        return self.k * (self.mode * y[0] - self.gap) + self.c * self.mode * y[1]
+
+    def f(self, t: float, y: Floats) -> list[float]:
+        free = self.drive * np.cos(self.frequency * t) - self.spring * y[0] - 0.02 * y[1]
+        return [y[1], free - self.mode * self.contact(y) * abs(self.mode)]
+
+    def jacobian(self, t: float, y: Floats) -> list[float]:
+        contact = abs(self.mode)
+        return [1, -self.spring - self.k * contact, -0.02 - self.c * contact]
+
+    def roots(self, t: float, y: Floats) -> list[float]:
+        return [y[0] - self.gap, -y[0] - self.gap] if self.mode == 0 else [self.contact(y), 1]
+
+    def directions(self) -> list[int]:
+        return [1, 1] if self.mode == 0 else [-1, -1]
+
+    def switch(self, fired: int) -> None:
+        self.mode = 0 if self.mode else (1, -1)[fired]
+
+    def reference(self, start: list[float], t_end: float) -> tuple[list[float], Floats]:
+        """Return the times of the events and the end, by scipy's DOP853 and its own events."""
+        t, y, times = 0.0, np.array(start), []
+        while t < t_end:
+            events = [lambda t, y, i=i: self.roots(t, y)[i] for i in range(2)]
+            for event, direction in zip(events, self.directions(), strict=True):
+                event.terminal, event.direction = True, direction
+            run = solve_ivp(
+                self.f,
+                (t, t_end),
+                y,
+                method="DOP853",
+                events=events,
+                rtol=1e-12,
+                atol=1e-14,
+                max_step=1 / np.sqrt(self.k if self.mode else 100),
+            )
+            t, y = run.t[-1], run.y[:, -1]
+            if run.status == 1:
+                times.append(t)
+                self.switch(0 if len(run.t_events[0]) else 1)
+        return times, y
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3, 5, 8, 13, 21, 34])
+def test_a_rattling_mass_closes_and_opens_as_an_independent_program_says(library, seed: int):
+    rattle, start, t_end = Rattle(seed), [0.0, 0.5], 8.0
+    times, end = rattle.reference(start, t_end)
+    rattle.mode = 0
+
+    def change(y: Floats, fired: NDArray[np.int32]) -> Floats:
+        rattle.switch(int(np.flatnonzero(fired)[0]))
+        return y
+
+    problem = Problem(
+        rattle.f,
+        rattle.jacobian,
+        [1, 1 + 0.1 * np.sqrt(rattle.k)],
+        roots=rattle.roots,
+        n_roots=2,
+        directions=rattle.directions,
+        entries=[(0, 1), (1, 0), (1, 1)],
+    )
+    events, _, solution = run(library, problem, start, t_end, change)
+    assert len(times) >= 4
+    assert len(events.list) == len(times)
+    # impacts amplify the errors made before them; tolerance 1e-9
+    assert events.times == pytest.approx(times, abs=1e-7)
+    assert solution == pytest.approx(end, abs=1e-6 * np.sqrt(rattle.k) / 10 + 1e-6)

@@ -1,0 +1,91 @@
+"""Sparse and dense factors of the four systems against numpy."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from radau.radau import Library
+
+RNG = np.random.default_rng(20110328)
+EPS = np.finfo(float).eps
+
+
+def random_system(n: int, density: float):
+    """Return pattern, values, shifts and right-hand sides; the diagonal dominates."""
+    filled = (RNG.random((n, n)) < density) | np.eye(n, dtype=bool)
+    entries = np.argwhere(filled)
+    values = RNG.standard_normal(len(entries))
+    shifts = n + 10 * (RNG.random(4) + 1j * RNG.standard_normal(4))
+    shifts[0] = shifts[0].real
+    right = RNG.standard_normal((4, n)) + 1j * RNG.standard_normal((4, n))
+    right[0] = right[0].real
+    return entries, values, shifts, right
+
+
+def matrices(n, entries, values, shifts):
+    jacobian = np.zeros((n, n))
+    jacobian[entries[:, 0], entries[:, 1]] = values
+    return [shift * np.eye(n) - jacobian for shift in shifts]
+
+
+@pytest.mark.parametrize("kind", ["sparse", "dense"])
+@pytest.mark.parametrize("n", [1, 2, 6, 20, 50])
+@pytest.mark.parametrize("density", [0.1, 1.0])
+def test_factors_solve_all_four_systems(library: Library, kind, n, density):
+    entries, values, shifts, right = random_system(n, density)
+    good, x, first = library.solve_systems(kind, entries, values, shifts, right)
+    assert good
+    for k, matrix in enumerate(matrices(n, entries, values, shifts)):
+        expected = np.linalg.solve(matrix, right[k])
+        # the matrices are well conditioned: backward stable to a small multiple of n eps
+        assert np.abs(x[k] - expected).max() <= 16 * n * EPS * np.abs(expected).max()
+    assert np.abs(first - x[0].real).max() <= 4 * n * EPS * np.abs(first).max()
+
+
+def test_an_arrow_is_factored_without_fill(library: Library):
+    # eliminated in the given order, an arrow with its head first fills completely
+    n = 30
+    entries = [(i, i) for i in range(n)]
+    entries += [(0, i) for i in range(1, n)] + [(i, 0) for i in range(1, n)]
+    values = RNG.standard_normal(len(entries))
+    places, _, _ = library.solve_systems("sparse", entries, values, [40] * 4, np.ones((4, n)))
+    assert places == len(entries)
+
+
+def test_a_missing_diagonal_is_added(library: Library):
+    _, x, _ = library.solve_systems("sparse", [(0, 1), (1, 0)], [1, 1], [2] * 4, np.ones((4, 2)))
+    assert x[0] == pytest.approx([1, 1], abs=4 * EPS)  # (2 I - J) x = 1
+
+
+@pytest.mark.parametrize("shift", [0, 1e-9])
+def test_a_small_pivot_is_refused_by_the_sparse_and_solved_by_the_dense_factors(library, shift):
+    entries, values, right = [(0, 1), (1, 0)], [-1, 1], np.ones((4, 2))
+    assert library.solve_systems("sparse", entries, values, [shift] * 4, right)[0] == 0
+    good, x, _ = library.solve_systems("dense", entries, values, [shift] * 4, right)
+    assert good
+    expected = np.linalg.solve([[shift, 1], [-1, shift]], [1, 1])
+    assert np.abs(x - expected).max() <= 8 * EPS
+
+
+def test_a_singular_matrix_is_refused_by_both(library: Library):
+    entries, values = [(0, 0), (0, 1), (1, 0), (1, 1)], [1, 1, 1, 1]
+    right = np.ones((4, 2))
+    assert library.solve_systems("sparse", entries, values, [2] * 4, right)[0] == 0
+    assert library.solve_systems("dense", entries, values, [2] * 4, right)[0] == 0
+
+
+def test_row_exchanges_in_every_column_are_undone(library: Library):
+    # a permutation with a weak diagonal: each pivot lies in another row
+    n = 6
+    order = np.array([3, 0, 5, 1, 2, 4])
+    entries = [*((i, int(order[i])) for i in range(n)), *((i, (i + 1) % n) for i in range(n))]
+    entries = list(dict.fromkeys(entries))
+    values = np.array([5.0 + i for i in range(len(entries))])
+    right = RNG.standard_normal((4, n)).astype(complex)
+    shifts = np.array([1e-3, 1e-3 + 1j, 2j, 3 - 1j])
+    good, x, _ = library.solve_systems("dense", entries, values, shifts, right)
+    assert good
+    for k, matrix in enumerate(matrices(n, np.array(entries), values, shifts)):
+        residual = np.abs(matrix @ x[k] - right[k]).max()
+        assert residual <= 64 * EPS * np.abs(matrix).sum(axis=1).max() * np.abs(x[k]).max()

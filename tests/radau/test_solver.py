@@ -1,0 +1,319 @@
+"""What a user of the solver relies on beside accuracy: refusals, re-entrancy, fallbacks, counts."""
+
+from __future__ import annotations
+
+import ctypes
+
+import numpy as np
+import pytest
+
+from radau.problems import SOLVED, whirl
+from radau.radau import (
+    EVENT,
+    INVALID_INPUT,
+    NO_SOLUTION,
+    STEP,
+    STOP,
+    BrokenModel,
+    IntegrationError,
+    Library,
+    Problem,
+    RefusedState,
+    Solver,
+)
+
+
+def oscillator(**more) -> Problem:
+    f, jacobian = (lambda t, y: [y[1], -y[0]]), (lambda t, y: [1, -1])
+    return Problem(f, jacobian, [1, 1], entries=[(0, 1), (1, 0)], **more)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"tolerance": 0.0}, "tolerance 0 is not in 1e-13 .. 0.1"),
+        ({"tolerance": 0.2}, "tolerance 0.2 is not in 1e-13 .. 0.1"),
+        ({"tolerance": np.nan}, "tolerance"),
+        ({"max_step": 0.0}, "largest step 0 is not positive"),
+        ({"max_step": -1.0}, "largest step -1 is not positive"),
+        ({"first_step": -1e-3}, "first step -0.001 is negative"),
+        ({"first_step": np.inf}, "first step"),
+    ],
+)
+def test_options_out_of_range_are_refused_with_their_value(library: Library, options, words):
+    with pytest.raises(IntegrationError, match=words) as error:
+        Solver(library, oscillator(), **options)
+    assert error.value.code == INVALID_INPUT
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"scale": [1, 0]}, "scale 0 of a state is not positive"),
+        ({"scale": [1, -2]}, "scale -2 of a state is not positive"),
+        ({"scale": []}, "no states"),
+        ({"entries": [(0, 1), (2, 0)]}, "outside the matrix"),
+        ({"entries": [(0, 1), (0, -1)]}, "outside the matrix"),
+        ({"entries": [(0, 1), (0, 1)]}, "listed twice"),
+    ],
+)
+def test_a_model_that_cannot_be_integrated_is_refused(library: Library, change, words):
+    problem = oscillator()
+    for name, value in change.items():
+        setattr(problem, name, value)
+    with pytest.raises(IntegrationError, match=words):
+        Solver(library, problem)
+
+
+def test_a_refused_state_makes_the_step_smaller(library: Library):
+    # sqrt is refused below zero; y = (1 - t/2)^2 comes near it, and steps reach beyond
+    def f(t: float, y: np.ndarray) -> np.ndarray:
+        if y[0] < 0:
+            raise RefusedState
+        return -np.sqrt(y)
+
+    solver = Solver(library, Problem(f, lambda t, y: -0.5 / np.sqrt(y), [1]), 1e-6)
+    end = solver.end(0, [1], 1.9)
+    assert end[0] == pytest.approx(0.0025, abs=1e-6)
+
+
+def test_a_limit_of_the_model_ends_the_integration_with_the_models_words(library: Library):
+    def f(t: float, y: np.ndarray) -> list[float]:
+        if t > 0.7:
+            raise RefusedState
+        return [1]
+
+    solver = Solver(library, Problem(f, lambda t, y: 0, [1]), 1e-6)
+    with pytest.raises(IntegrationError, match=r"time 0\.7: the test's model refuses") as error:
+        solver.end(0, [0], 1)
+    assert error.value.code == NO_SOLUTION
+    assert solver.state[1] == pytest.approx(0.7, abs=1e-12)
+
+
+def test_a_broken_model_ends_the_integration_at_once(library: Library):
+    def f(t: float, y: np.ndarray) -> list[float]:
+        if t > 0.7:
+            raise BrokenModel
+        return [1]
+
+    problem = Problem(f, lambda t, y: 0, [1])
+    solver = Solver(library, problem, 1e-6, first_step=1)
+    with pytest.raises(IntegrationError, match="the test's model refuses"):
+        solver.end(0, [0], 1)
+    assert problem.calls["f"] == 8  # one lane-wise evaluation
+
+
+def test_a_solution_that_ends_in_a_pole_stops_before_it(library: Library):
+    # y' = y^2, y = 1/(1 - t): in steps that shrink with the distance to 1
+    solver = Solver(library, Problem(lambda t, y: y**2, lambda t, y: 2 * y, [1]), 1e-6)
+    with pytest.raises(IntegrationError, match="the step fell to"):
+        solver.end(0, [1], 2)
+    assert solver.state[1] == pytest.approx(1, abs=1e-6)
+
+
+def test_not_a_number_is_not_taken_for_a_solution(library: Library):
+    solver = Solver(library, Problem(lambda t, y: np.nan * y, lambda t, y: 0, [1]), 1e-6)
+    with pytest.raises(IntegrationError, match="the step fell to"):
+        solver.end(0, [1], 2)
+
+
+def test_the_last_step_ends_exactly_at_the_stop(library: Library):
+    solver = Solver(library, oscillator())
+    solver.start(0, [1, 0])
+    outcomes = []
+    while not outcomes or outcomes[-1] == STEP:
+        outcomes.append(solver.advance(0.7))
+    assert outcomes[-1] == STOP
+    assert solver.state[1] == 0.7
+    while solver.advance(1.1) == STEP:
+        pass
+    assert solver.state[1] == 1.1
+
+
+def test_a_stop_on_the_way_costs_at_most_a_step_or_two(library: Library):
+    steps = []
+    for stops in ([20.0], [7.123, 20.0]):
+        solver = Solver(library, oscillator())
+        solver.start(0, [1, 0])
+        for stop in stops:
+            while solver.advance(stop) != STOP:
+                pass
+        steps.append(solver.counts.steps)
+    assert steps[1] <= steps[0] + 2
+
+
+def test_steps_are_never_longer_than_the_largest_one(library: Library):
+    solver = Solver(library, oscillator(), max_step=0.05)
+    times = [0.0, *(t for t, _ in solver.steps(0, [1, 0], 3))]
+    assert np.diff(times).max() <= 0.05 * (1 + 1e-12)  # the times are rounded
+
+
+def test_weak_diagonal_pivots_are_answered_by_row_exchanges(library: Library):
+    # an undamped rotation at 1e9 1/s about a slow path: gamma/h on the diagonal beside 1e9
+    solved = whirl(1e9)
+    solver = Solver(library, solved.problem, 1e-6)
+    end = solver.end(0, solved.solution(0), solved.end)
+    assert solver.counts.dense_factorisations > 0
+    assert end == pytest.approx(solved.solution(solved.end), abs=1e-6)
+
+
+def test_ordinary_problems_need_no_row_exchanges(library: Library):
+    for name, solved in SOLVED.items():
+        solver = Solver(library, solved.problem, 1e-6)
+        solver.end(0, solved.solution(0), solved.end)
+        assert solver.counts.dense_factorisations == 0, name
+
+
+def trace(solver: Solver, steps) -> list[bytes]:
+    return [y.tobytes() + np.float64(t).tobytes() for t, y in steps]
+
+
+def test_two_interleaved_integrations_give_the_bits_of_single_ones(library: Library):
+    def solvers():
+        a = Solver(library, SOLVED["D3"].problem, 1e-8)
+        b = Solver(library, oscillator(roots=lambda t, y: y[0], n_roots=1), 1e-6)
+        return (a, a.steps(0, SOLVED["D3"].solution(0), 20)), (b, b.steps(0, [0, 1], 50))
+
+    alone = [trace(*solver) for solver in solvers()]
+    (_, steps_a), (_, steps_b) = solvers()
+    together: list[list[bytes]] = [[], []]
+    rest = [(steps_a, together[0]), (steps_b, together[1])]
+    while rest:
+        for item in list(rest):
+            step = next(item[0], None)
+            if step is None:
+                rest.remove(item)
+            else:
+                item[1].append(step[1].tobytes() + np.float64(step[0]).tobytes())
+    assert together == alone
+
+
+def test_a_solver_that_starts_again_gives_the_same_bits(library: Library):
+    solver = Solver(library, SOLVED["D2"].problem, 1e-8)
+    first = trace(solver, solver.steps(0, SOLVED["D2"].solution(0), 20))
+    assert trace(solver, solver.steps(0, SOLVED["D2"].solution(0), 20)) == first
+
+
+def test_counts_are_those_of_the_models_calls(library: Library):
+    problem = oscillator(roots=lambda t, y: y[0], n_roots=1)
+    solver = Solver(library, problem)
+    solver.end(0, [0, 1], 20)
+    counts, calls = solver.counts, problem.calls
+    assert calls["jacobian"] == counts.jacobians
+    assert calls["f"] == 8 * counts.lane_evaluations + counts.evaluations
+    # once a step lane-wise, also for a step that is then cut at an event
+    assert calls["roots"] == 8 * counts.steps + counts.root_evaluations
+    assert counts.events == 6
+
+
+def test_an_unchanged_jacobian_is_evaluated_and_factored_rarely(library: Library):
+    solver = Solver(library, oscillator())
+    solver.end(0, [1, 0], 200)
+    assert solver.counts.jacobians < solver.counts.steps / 5
+    assert solver.counts.lane_evaluations < 2 * solver.counts.steps
+
+
+class Chain:
+    """The chain of oscillators, integrated on a grid by the library itself."""
+
+    def __init__(self, library: Library, masses: int, tolerance: float, roots: bool = False):
+        self.c, self.n = library.c, 2 * masses
+        self.handle = self.c.rt_new_chain(masses, 100.0, 5.0, 0.1, roots, tolerance)
+        self.start = np.zeros(self.n)
+        self.start[0], self.start[masses] = 0.3, 1.0
+
+    def __del__(self) -> None:
+        self.c.rt_delete(self.handle)
+
+    def grid(self, t_end: float, interval: float, rows: int) -> np.ndarray:
+        doubles = ctypes.POINTER(ctypes.c_double)
+        t, y, out = np.zeros(1), self.start.copy(), np.full((rows, self.n), np.nan)
+        pointers = [a.ctypes.data_as(doubles) for a in (t, y, out)]
+        code = self.c.rt_integrate_chain(
+            self.handle, pointers[0], pointers[1], t_end, interval, rows, pointers[2]
+        )
+        assert code == 0
+        assert t[0] == t_end
+        assert (out[-1] == y).all()
+        return out
+
+    def counts(self) -> list[int]:
+        numbers = np.zeros(9, np.int32)
+        self.c.rt_counts(self.handle, numbers.ctypes.data_as(ctypes.POINTER(ctypes.c_int)))
+        return numbers.tolist()
+
+
+def chain_problem(masses: int) -> Problem:
+    """Write the chain once more, in numpy, with a dense Jacobian by differences."""
+
+    def f(t: float, y: np.ndarray) -> np.ndarray:
+        u, v = np.zeros(masses + 2), np.zeros(masses + 2)
+        u[1:-1], v[1:-1] = y[:masses], y[masses:]
+        stretch = np.diff(u)
+        force = 100.0 * (stretch + 5.0 * stretch**3) + 0.1 * np.diff(v)
+        return np.concatenate([y[masses:], np.diff(force)])
+
+    def jacobian(t: float, y: np.ndarray) -> np.ndarray:
+        steps = 1e-30j * np.eye(2 * masses)
+        return np.array([complex_f(y + step).imag / 1e-30 for step in steps]).T
+
+    def complex_f(y: np.ndarray) -> np.ndarray:
+        u, v = np.zeros(masses + 2, complex), np.zeros(masses + 2, complex)
+        u[1:-1], v[1:-1] = y[:masses], y[masses:]
+        stretch = np.diff(u)
+        force = 100.0 * (stretch + 5.0 * stretch**3) + 0.1 * np.diff(v)
+        return np.concatenate([y[masses:], np.diff(force)])
+
+    return Problem(f, jacobian, [1] * masses + [10] * masses)
+
+
+def test_output_on_a_grid_is_the_dense_output_of_the_steps(library: Library):
+    masses, t_end = 4, 3.0
+    chain = Chain(library, masses, 1e-8)
+    rows = chain.grid(t_end, 0.25, 13)
+    solver = Solver(library, chain_problem(masses), 1e-8)
+    expected = [chain.start]
+    for t, _ in solver.steps(0, chain.start, t_end):
+        before = solver.state[0]
+        grid = [k * 0.25 for k in range(1, 12) if before < k * 0.25 <= t]
+        expected += [solver.interpolate(at) for at in grid]
+    expected.append(solver.state[2])
+    # two ways to write f, sparse and dense: other steps, each solution with its error
+    scale = [1] * masses + [10] * masses
+    assert np.abs((rows - expected) / scale).max() <= 2 * 10 * 1e-8
+
+
+def test_an_interval_that_does_not_divide_the_time_ends_with_the_end(library: Library):
+    rows = Chain(library, 2, 1e-8).grid(1.0, 0.3, 5)
+    fine = Chain(library, 2, 1e-8).grid(1.0, 0.1, 11)
+    # 3*0.1 is not 0.3: the times differ by rounding, at rates of up to 100
+    assert np.abs(rows - fine[[0, 3, 6, 9, 10]]).max() <= 1e-13
+
+
+def test_events_on_the_way_do_not_change_the_output_beyond_the_tolerance(library: Library):
+    plain, with_events = Chain(library, 3, 1e-8), Chain(library, 3, 1e-8, roots=True)
+    difference = plain.grid(3.0, 0.1, 31) - with_events.grid(3.0, 0.1, 31)
+    assert with_events.counts()[8] > 20
+    scale = [1, 1, 1, 10, 10, 10]
+    assert np.abs(difference / scale).max() <= 2 * 10 * 1e-8
+
+
+@pytest.mark.parametrize("masses", [3, 10, 25])
+def test_lanes_give_what_single_evaluations_give(library: Library, masses: int):
+    chain = Chain(library, masses, 1e-6)
+    rows = chain.grid(1.0, 1.0, 2)
+    solver = Solver(library, chain_problem(masses), 1e-6)
+    end = solver.end(0, chain.start, 1.0)
+    assert np.abs(rows[-1] - end).max() <= 1e-6
+
+
+def test_an_event_leaves_the_outcome_to_the_caller(library: Library):
+    solver = Solver(library, oscillator(roots=lambda t, y: y[0], n_roots=1))
+    solver.start(0, [0, 1])
+    while solver.advance(10) != EVENT:
+        pass
+    _, t, y, fired = solver.state
+    assert fired.tolist() == [-1]
+    solver.restart(t, [y[0] + 1, y[1]])  # the state jumps
+    solver.advance(t + 1e-3)
+    assert solver.state[2][0] == pytest.approx(1, abs=2e-3)
