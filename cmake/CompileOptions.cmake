@@ -22,6 +22,7 @@ target_compile_options(
   INTERFACE
     -ffp-contract=off
     $<$<BOOL:${EVOLVENT_NATIVE}>:-march=native>
+    $<$<BOOL:${EVOLVENT_MARCH}>:-march=${EVOLVENT_MARCH}>
     $<$<BOOL:${EVOLVENT_WERROR}>:-Werror>
     $<$<COMPILE_LANGUAGE:C>:-Wall$<SEMICOLON>-Wextra$<SEMICOLON>-Wpedantic$<SEMICOLON>-Wconversion>
     $<$<COMPILE_LANGUAGE:Fortran>:-Wall$<SEMICOLON>-Wextra$<SEMICOLON>-Wimplicit-interface>

@@ -267,59 +267,66 @@ contains
       logical, intent(out) :: answered
       type(contact_point) :: point
       type(elastic_result) :: elastic
-      integer :: codes(lanes), l
+      real(wp) :: answers(lanes)
+      integer :: code, l
       real(wp) :: e_star, width
 
-      codes = code_ok
+      answers = 1
       e_star = mesh%e_star
       width = mesh%width
       select case (mesh%contact%law)
       case (contact_johnson)
          !$omp simd
          do l = 1, lanes
-            call johnson_lane(at%h(l), at%rho_a(l) + at%rho_b(l), e_star, width, force%elastic(l), force%d_energy(l), codes(l))
+            call johnson_lane(at%h(l), at%rho_a(l) + at%rho_b(l), e_star, width, force%elastic(l), &
+                              force%d_energy(l), answers(l))
          end do
       case (contact_radzimovsky)
          !$omp simd
          do l = 1, lanes
             call radzimovsky_lane(at%h(l), at%rho_a(l) + at%rho_b(l), e_star, width, force%elastic(l), force%d_energy(l), &
-                                  codes(l))
+                                  answers(l))
          end do
       case default
          do l = 1, lanes
             call take_lane(at, l, point)
-            call elastic_force(mesh%contact, context_of(mesh, point, mode%v0), elastic, codes(l))
+            call elastic_force(mesh%contact, context_of(mesh, point, mode%v0), elastic, code)
+            if (code /= code_ok) answers(l) = 0
             force%elastic(l) = elastic%force
             force%d_energy(l) = elastic%d_energy
          end do
       end select
-      answered = all(codes == code_ok)
+      answered = minval(answers) > 0
    end subroutine elastic_in_lanes
 
    !> Johnson's force in one lane.
-   elemental subroutine johnson_lane(h, rho_sum, e_star, width, force, d_energy, code)
+   elemental subroutine johnson_lane(h, rho_sum, e_star, width, force, d_energy, answer)
       real(wp), intent(in) :: h, rho_sum, e_star, width
       real(wp), intent(out) :: force, d_energy
-      integer, intent(out) :: code
+      real(wp), intent(out) :: answer !! 1, or 0 outside the law's domain: integers are shorter, and vectors would be too
       type(elastic_result) :: elastic
+      integer :: code
 
       call johnson_force(h, rho_sum, e_star, elastic%force, elastic%d_h, elastic%d_rho, code)
       call spread_over_width(width, e_star, rho_sum, elastic)
       force = elastic%force
       d_energy = elastic%d_energy
+      answer = merge(1.0_wp, 0.0_wp, code == code_ok)
    end subroutine johnson_lane
 
    !> Radzimovsky's force in one lane.
-   elemental subroutine radzimovsky_lane(h, rho_sum, e_star, width, force, d_energy, code)
+   elemental subroutine radzimovsky_lane(h, rho_sum, e_star, width, force, d_energy, answer)
       real(wp), intent(in) :: h, rho_sum, e_star, width
       real(wp), intent(out) :: force, d_energy
-      integer, intent(out) :: code
+      real(wp), intent(out) :: answer !! 1, or 0 outside the law's domain: integers are shorter, and vectors would be too
       type(elastic_result) :: elastic
+      integer :: code
 
       call radzimovsky_force(h, rho_sum, e_star, elastic%force, elastic%d_h, elastic%d_rho, code)
       call spread_over_width(width, e_star, rho_sum, elastic)
       force = elastic%force
       d_energy = elastic%d_energy
+      answer = merge(1.0_wp, 0.0_wp, code == code_ok)
    end subroutine radzimovsky_lane
 
    !> Viscous force.
