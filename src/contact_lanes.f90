@@ -11,7 +11,7 @@ module evl_contact_lanes
                                viscous_force, viscous_result
    use evl_contact_point, only: contact_point, tracked_pair
    use evl_deviating_flanks, only: flank_value, radius_rates
-   use evl_deviation, only: deviation, series_limit
+   use evl_deviation, only: deviation, small_sine, tangent_angle
    use evl_flank_deviation, only: deviation_at
    use evl_johnson, only: exp_minus_2, smallest_ratio
    use evl_kinds, only: pi, wp
@@ -85,15 +85,23 @@ contains
                            at%margin(l), at%d_rho(l), at%rho(l), at%s(l), at%c(l))
          at%angle(l) = small_angle(at%s(l))
       end do
-      do l = 1, lanes
-         if (at%s(l)**2 >= series_limit) at%angle(l) = atan2(at%s(l), at%c(l))
-      end do
+      if (maxval(abs(at%s)) >= small_sine) call large_angles(at)
       !$omp simd
       do l = 1, lanes
          call place_lane(pair, l, at)
       end do
       if (mesh%deviates) call deviate_lanes(mesh, mode, at)
    end subroutine contact_in_lanes
+
+   !> The angles that are too large for a series.
+   subroutine large_angles(at)
+      type(lane_contact), intent(inout) :: at
+      integer :: l
+
+      do l = 1, lanes
+         at%angle(l) = tangent_angle(at%s(l), at%c(l))
+      end do
+   end subroutine large_angles
 
    !> One lane of a contact along its line of action.
    pure subroutine place_lane(pair, l, at)

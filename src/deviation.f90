@@ -9,9 +9,9 @@ module evl_deviation
    implicit none (type, external)
    private
 
-   public :: deviation, deviation_find, deviation_gradients, series_limit, versine
+   public :: deviation, deviation_find, deviation_gradients, small_sine, tangent_angle, versine
 
-   real(wp), parameter :: series_limit = 1.0e-4_wp !! sine squared below which the angle comes from a series
+   real(wp), parameter :: small_sine = 1.0e-2_wp !! below which an angle comes from a series
 
    !> Where a point lies relative to a circle's tangents, see `deviation_find`.
    type :: deviation
@@ -42,12 +42,21 @@ contains
          found%angle = 0
          found%s = 0
          found%c = 1
-      else if (found%s**2 < series_limit) then
-         found%angle = small_angle(found%s)
       else
-         found%angle = atan2(found%s, found%c)
+         found%angle = tangent_angle(found%s, found%c)
       end if
    end subroutine deviation_find
+
+   !> An angle from its sine and cosine [rad].
+   elemental real(wp) function tangent_angle(s, c) result(angle)
+      real(wp), intent(in) :: s, c
+
+      if (abs(s) < small_sine) then
+         angle = small_angle(s)
+      else
+         angle = atan2(s, c)
+      end if
+   end function tangent_angle
 
    !> 1 - cos of a deviation's angle, without cancellation.
    pure real(wp) function versine(found)
