@@ -7,7 +7,7 @@ module evl_gearbox_lanes
                           wheel_acceleration, wheel_t
    use evl_kinds, only: wp
    use evl_load, only: load_damping, load_table, load_torque
-   use evl_mesh, only: contact_t, mesh_mode, touches, tracking_closed_form
+   use evl_mesh, only: contact_loaded, contact_t, contact_unloaded, mesh_mode, tracking_closed_form
    use evl_ode_model, only: lanes
    use evl_shaft, only: shaft_t
    use evl_status, only: code_out_of_domain, fail, has_failed, status_t
@@ -98,8 +98,10 @@ contains
       type(lane_force) :: force
 
       answered = .true.
+      associate (contact => integers(gearbox%contacts(index)%i_mode + 1))
+         if (contact /= contact_loaded .and. contact /= contact_unloaded) return
+      end associate
       mode = gearbox_mode(gearbox, index, integers, reals)
-      if (.not. touches(mode)) return
       associate (mesh => gearbox%contacts(index))
          call contact_in_lanes(mesh, mode, integers(i_turns), y, at)
          call forces_in_lanes(mesh, mode, at, force, answered)
