@@ -3,7 +3,7 @@
 !> Source: Kosenko & Gusev 2011, Assertions 1 and 2.
 module evl_closed_form
    use evl_contact_point, only: complete_gradient, complete_point, contact_gradient, contact_point, tracked_pair
-   use evl_deviation, only: deviation, deviation_find
+   use evl_deviation, only: deviation, deviation_find, tangent_angle
    use evl_kinds, only: wp
    use evl_local_variables, only: at_psi_a, at_psi_b, at_theta, at_u_a, at_u_b, n_local
    implicit none (type, external)
@@ -73,15 +73,16 @@ contains
       call complete_gradient(pair, q, point, gradient)
    end subroutine gradient_closed_form
 
+   include "formulas/centre_line.inc"
+
    !> Dchi: how far the centre line has turned from its reference direction [rad], counterclockwise.
    pure real(wp) function centre_line_turn(pair, q) result(turn)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: q(n_local)
-      real(wp) :: w(2), r
+      real(wp) :: s, c
 
-      r = pair%r_ba + pair%r_bb
-      w = q(at_u_b:at_u_b + 1) - q(at_u_a:at_u_a + 1)
-      turn = atan2(-pair%sigma*(r*w(2) - pair%rho_0*w(1)), r*(r + w(1)) + pair%rho_0*(pair%rho_0 + w(2)))
+      call centre_line(pair, q(at_u_b) - q(at_u_a), q(at_u_b + 1) - q(at_u_a + 1), s, c)
+      turn = tangent_angle(s, c)
    end function centre_line_turn
 
    !> Derivatives of `centre_line_turn` with respect to the local variables.

@@ -25,7 +25,7 @@ module evl_contact_lanes
    implicit none (type, external)
    private
 
-   public :: lane_contact, lane_force, contact_in_lanes, forces_in_lanes
+   public :: lane_contact, lane_force, contact_in_lanes, forces_in_lanes, laws_in_lanes, centre_turn_in_lanes
 
    !> A tooth contact in eight states; the components mean what those of `contact_point` mean.
    type :: lane_contact
@@ -47,6 +47,7 @@ contains
    include "formulas/logarithm.inc"
    include "formulas/tangent_line.inc"
    include "formulas/contact_point.inc"
+   include "formulas/centre_line.inc"
    include "formulas/closed_form.inc"
    include "formulas/deviating_flanks.inc"
    include "formulas/johnson.inc"
@@ -85,7 +86,7 @@ contains
                            at%margin(l), at%d_rho(l), at%rho(l), at%s(l), at%c(l))
          at%angle(l) = small_angle(at%s(l))
       end do
-      if (maxval(abs(at%s)) >= small_sine) call large_angles(at)
+      if (maxval(abs(at%s)) >= small_sine) call large_angles(at%s, at%c, at%angle)
       !$omp simd
       do l = 1, lanes
          call place_lane(pair, l, at)
@@ -93,13 +94,14 @@ contains
       if (mesh%deviates) call deviate_lanes(mesh, mode, at)
    end subroutine contact_in_lanes
 
-   !> The angles that are too large for a series.
-   subroutine large_angles(at)
-      type(lane_contact), intent(inout) :: at
+   !> Angles of which one is too large for the series.
+   subroutine large_angles(s, c, angle)
+      real(wp), intent(in) :: s(lanes), c(lanes)
+      real(wp), intent(out) :: angle(lanes)
       integer :: l
 
       do l = 1, lanes
-         at%angle(l) = tangent_angle(at%s(l), at%c(l))
+         angle(l) = tangent_angle(s(l), c(l))
       end do
    end subroutine large_angles
 
@@ -225,6 +227,24 @@ contains
       call deviate(pair, flank_value(e_a, de_a, 0.0_wp), flank_value(e_b, de_b, 0.0_wp), q, point)
       call store_lane(point, l, at)
    end subroutine deviate_lane
+
+   !> How far the centre line has turned [rad].
+   subroutine centre_turn_in_lanes(mesh, at, turn)
+      type(contact_t), intent(in) :: mesh
+      type(lane_contact), intent(in) :: at
+      real(wp), intent(out) :: turn(lanes)
+      real(wp), dimension(lanes) :: s, c
+      type(tracked_pair) :: pair
+      integer :: l
+
+      pair = mesh%pair
+      !$omp simd
+      do l = 1, lanes
+         call centre_line(pair, at%q(l, at_u_b) - at%q(l, at_u_a), at%q(l, at_u_b + 1) - at%q(l, at_u_a + 1), s(l), c(l))
+         turn(l) = small_angle(s(l))
+      end do
+      if (maxval(abs(s)) >= small_sine) call large_angles(s, c, turn)
+   end subroutine centre_turn_in_lanes
 
    !> Forces of flanks that overlap.
    subroutine forces_in_lanes(mesh, mode, at, force, answered)

@@ -5,11 +5,12 @@ module lanes_capi
    use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
    use evl_logarithm, only: natural_logarithm
    use evl_ode_model, only: lanes
+   use evl_roots_lanes, only: roots_in_lanes
    use evl_status, only: status_t
    implicit none (type, external)
    private
 
-   public :: lanes_count, lanes_logarithm, lanes_rates, lanes_scalar, lanes_serves
+   public :: lanes_count, lanes_logarithm, lanes_rates, lanes_roots, lanes_scalar, lanes_serves
 
 contains
 
@@ -56,6 +57,23 @@ contains
       end associate
       code = status%code
    end function lanes_rates
+
+   !> Root functions of eight states; the code of the status.
+   integer(c_int) function lanes_roots(handle, y, integers, reals, roots) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in) :: y(*), reals(*)
+      integer(c_int), intent(in) :: integers(*)
+      real(c_double), intent(inout) :: roots(*)
+      type(gearbox_t), pointer :: gearbox
+      type(status_t) :: status
+
+      call c_f_pointer(handle, gearbox)
+      associate (n => gearbox%n_states, m => gearbox%n_roots)
+         call roots_in_lanes(gearbox, y(:lanes*n), integers(:gearbox%n_integers), reals(:size(gearbox%contacts)), &
+                             roots(:lanes*m), status)
+      end associate
+      code = status%code
+   end function lanes_roots
 
    !> f of one state, evaluated `turns` times; the code of the status.
    integer(c_int) function lanes_scalar(handle, turns, t, y, integers, reals, f) result(code) bind(c)
