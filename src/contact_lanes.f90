@@ -260,6 +260,10 @@ contains
       if (.not. answered) return
       sigma = mesh%pair%sigma
       if (mode%contact == contact_unloaded) then
+         force%torque_a = 0
+         force%torque_b = 0
+         force%on_a_t = 0
+         force%on_a_e = 0
          do l = 1, lanes
             call lose_lane(at, l, force)
          end do

@@ -59,10 +59,11 @@ contains
       type(lane_force) :: force
       real(wp), dimension(lanes) :: unclipped, moved, turn
 
-      answered = .true.
       mode = gearbox_mode(gearbox, index, integers, reals)
       associate (mesh => gearbox%contacts(index))
          call contact_in_lanes(mesh, mode, integers(i_turns), y, at)
+         answered = minval(at%margin) > 0
+         if (.not. answered) return
          unclipped = 0
          if (touches(mode)) then
             call laws_in_lanes(mesh, mode, at, force, answered)
@@ -91,7 +92,7 @@ contains
          call gearbox_roots(gearbox, y(l, :), integers, reals, roots, status)
          if (has_failed(status)) return
       end do
-      call fail(status, code_out_of_domain, "a contact law has no answer at one of the states")
+      call fail(status, code_out_of_domain, "the axles have come too near for a line of action")
    end subroutine say_why
 
 end module evl_roots_lanes
