@@ -223,7 +223,7 @@ def spoilt(kernel: Kernel, lane: int, name: str, change: float) -> tuple[Gearbox
 @pytest.mark.parametrize("lane", range(LANES))
 @pytest.mark.parametrize(
     ("name", "change"),
-    [("angle_deviation_1", -0.2), ("angle_deviation_1", np.nan), ("displacement_1", -0.2)],
+    [("angle_deviation_1", -0.6), ("angle_deviation_1", np.nan), ("displacement_1", -0.2)],
     ids=["past the law's limit", "not a number", "no line of action"],
 )
 def test_one_lane_without_an_answer_is_told(kernel: Kernel, lane: int, name: str, change: float):
@@ -241,7 +241,7 @@ def test_what_the_lanes_do_not_serve_is_said(kernel: Kernel):
     served = kernel.library.lanes_serves
     assert served(paper_gearbox(kernel, tracking=ALGEBRAIC).handle) == 0
     rigid = kernel.law(CONTACT, "rigid", restitution=0.5, rest_velocity=1e-3)
-    assert served(paper_gearbox(kernel, contact=rigid).handle) == 0
+    assert served(paper_gearbox(kernel, contact=rigid, damping=None).handle) == 0
 
 
 def test_logarithm_is_right_to_one_unit_in_the_last_place(kernel: Kernel):
