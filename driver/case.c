@@ -108,6 +108,19 @@ const char *case_text(const case_file *file)
     return file->text;
 }
 
+void case_settle_integrator(case_file *file, integrator_kind integrator)
+{
+    case_node *block = node_get(file->root, "simulation");
+    if (file->description.simulation.integrator != INTEGRATOR_OPEN) {
+        return;
+    }
+    file->description.simulation.integrator = integrator;
+    node_append(block, "integrator", block->place,
+                node_create_scalar(integrator == INTEGRATOR_RADAU ? "radau" : "ida", true, block->place));
+    free(file->text);
+    file->text = tree_text(file->root);
+}
+
 const case_node *case_root(const case_file *file)
 {
     return file->root;

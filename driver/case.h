@@ -21,9 +21,12 @@ void case_delete(case_file **file);
 const description *case_description(const case_file *file);
 /** The file as it was given to case_read. */
 const char *case_path(const case_file *file);
-/** The whole case as YAML text: options applied, every default filled in, nothing derived.
- *  Reading it gives the same description. */
+/** The whole case as YAML text: options applied, every default filled in (that of the integrator by case_settle_integrator),
+ *  nothing derived. Reading it gives the same description. */
 const char *case_text(const case_file *file);
+
+/** Fill in the integrator of a case that does not name one. */
+void case_settle_integrator(case_file *file, integrator_kind integrator);
 
 /** The checked tree itself, with the file's own keys and units. */
 const struct case_node *case_root(const case_file *file);

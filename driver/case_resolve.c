@@ -317,12 +317,21 @@ static bool resolve_initial(checker *checker, const case_node *root, case_node *
     return true;
 }
 
+static integrator_kind resolve_integrator(const case_node *block)
+{
+    if (node_get(block, "integrator") == NULL) {
+        return INTEGRATOR_OPEN;
+    }
+    return node_get_is(block, "integrator", "radau") ? INTEGRATOR_RADAU : INTEGRATOR_IDA;
+}
+
 static bool resolve_simulation(checker *checker, case_node *root, simulation_description *simulation)
 {
     const case_node *block = node_get(root, "simulation"), *interval = node_get(block, "output_interval");
     simulation->duration = node_get_number(block, "duration");
     simulation->output_interval = node_number(interval);
     simulation->tolerance = node_get_number(block, "tolerance");
+    simulation->integrator = resolve_integrator(block);
     simulation->max_step = node_get_number(block, "max_step");
     size_t above = checker_enter(checker, "simulation");
     const size_t block_label = above;
@@ -335,6 +344,12 @@ static bool resolve_simulation(checker *checker, case_node *root, simulation_des
                          : checker_refuse(checker, interval->place,
                                           "is %s s, which gives more than %g rows in %s s; take a longer one",
                                           interval->text, MOST_OUTPUTS, node_get_text(block, "duration"));
+    }
+    if (simulation->integrator == INTEGRATOR_RADAU && simulation->tolerance < RADAU_SMALLEST_TOLERANCE) {
+        (void)checker_enter(checker, "tolerance");
+        return checker_refuse(checker, node_get(block, "tolerance")->place,
+                              "is %s, but integrator radau takes %g or more; take integrator ida for less",
+                              node_get_text(block, "tolerance"), RADAU_SMALLEST_TOLERANCE);
     }
     above = checker_enter(checker, "initial");
     if (!resolve_initial(checker, root, node_get(block, "initial"), &simulation->initial)) {

@@ -236,6 +236,9 @@ static const case_key fixed_keys[] = {
     {"simulation", "", "max_step", KEY_NUMBER, "s", POSITIVE, DEFAULT("0.02"), "", "",
      "longest step of the integrator"},
     {"simulation", "", "initial", KEY_BLOCK, "", ANY, DEFAULT("{kind: rest}"), "", "initial", "state at time 0"},
+    {"simulation", "", "integrator", KEY_CHOICE, "", ANY, OPTIONAL, "ida radau", "",
+     "SUNDIALS IDA for every case; radau for closed_form tracking without rigid contact in a housing that is not mounted, where"
+     " it is taken unless this says ida"},
 
     {"initial", "", "kind", KEY_CHOICE, "", ANY, DEFAULT("rest"), "rest steady speeds", "",
      "at rest; in steady motion under the loads; with given speeds"},

@@ -26,6 +26,32 @@ typedef struct {
     int count;   /**< the part's counter after the event; -1 if none */
 } dae_event;
 
+/** How a step of a dae_stepper ended. */
+typedef enum { DAE_STEPPED, DAE_AT_EVENT, DAE_AT_STOP } dae_outcome;
+
+/** What the steps of a dae_stepper cost. */
+typedef struct {
+    long steps, rejections, evaluations, iterations, jacobians, factorisations, root_evaluations;
+} dae_stepper_counts;
+
+/** Steps of y' = f(t, y) with located events, which a model without algebraic states may bring along: any number of steppers of
+ *  one model may be at work. Where a dae_code is returned, a failure leaves one sentence in message. */
+typedef struct {
+    /** @return a stepper, or NULL with the reason in message */
+    void *(*create)(const void *self, double tolerance, double max_step, char message[DAE_MESSAGE_LENGTH]);
+    void (*destroy)(void *stepper);
+    int (*start)(void *stepper, const dae_state *state, char message[DAE_MESSAGE_LENGTH]);
+    /** One step from where the last one ended, at most to t_stop, which lies behind, and at most to the next event. Sets t and y
+     *  of the state; fired: [n_roots] */
+    int (*advance)(void *stepper, double t_stop, dae_state *state, int *fired, dae_outcome *outcome,
+                   char message[DAE_MESSAGE_LENGTH]);
+    /** y at t within the last step */
+    void (*interpolate)(const void *stepper, double t, double *y);
+    /** go on from the state that an event left */
+    void (*restart)(void *stepper, const dae_state *state);
+    void (*counts)(const void *stepper, dae_stepper_counts *counts);
+} dae_stepper;
+
 typedef struct dae {
     const void *self; /**< handed to every procedure; never changed by them */
     int n, n_integers, n_reals, n_roots;
@@ -46,6 +72,8 @@ typedef struct dae {
     /** events: room for n_roots + 2 */
     int (*apply_event)(const void *self, dae_state *state, const int *fired, bool time_event, dae_event *events,
                        int *n_events, char message[DAE_MESSAGE_LENGTH]);
+
+    const dae_stepper *stepper; /**< NULL: it brings none along */
 } dae;
 
 #endif

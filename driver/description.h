@@ -138,7 +138,14 @@ typedef struct {
     double *gaps;   /**< [n_meshes], zeros by default */
 } initial_description;
 
+/** INTEGRATOR_OPEN: the case does not say, and the model has not been asked yet what serves it. */
+typedef enum { INTEGRATOR_OPEN, INTEGRATOR_IDA, INTEGRATOR_RADAU } integrator_kind;
+
+/** Below it rounding spoils the step control of radau. */
+#define RADAU_SMALLEST_TOLERANCE 1e-13
+
 typedef struct {
+    integrator_kind integrator;
     double duration, output_interval, tolerance;
     double max_step; /**< [s] */
     initial_description initial;

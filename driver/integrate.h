@@ -1,4 +1,5 @@
-/** Integration of a dae with SUNDIALS IDA: located events, consistent restarts, output on a grid by dense output. */
+/** Integration of a dae with SUNDIALS IDA or with the model's own stepper: located events, consistent restarts, output on a grid by
+ *  dense output. */
 #ifndef EVOLVENT_INTEGRATE_H
 #define EVOLVENT_INTEGRATE_H
 
@@ -10,6 +11,7 @@ typedef struct {
     double output_interval; /**< [s] outputs at start + k * output_interval, and at t_end */
     double tolerance;       /**< relative to dae.scale */
     double max_step;        /**< [s] */
+    bool by_stepper;        /**< by dae.stepper, which there is, instead of IDA */
 } integrate_options;
 
 /** What the caller wants to hear. Each returns 0 to go on; anything else ends the integration with INTEGRATE_STOPPED. */
@@ -22,15 +24,16 @@ typedef struct {
 } integrate_observer;
 
 typedef struct {
-    long steps, residuals, jacobians, linear_setups, newton_iterations, error_test_failures, convergence_failures,
-        roots_evaluated, events;
+    long steps, residuals, jacobians, linear_setups, newton_iterations, roots_evaluated, events;
+    long error_test_failures, convergence_failures; /**< of IDA; a stepper counts both as rejections */
+    long rejections;
     double cpu_seconds; /**< of the integration with its observers */
 } integrate_counts;
 
 typedef enum { INTEGRATE_DONE = 0, INTEGRATE_STOPPED = 1, INTEGRATE_FAILED = 2 } integrate_code;
 
 /** Integrate from `state` to options->t_end. The state is that of the end, or the last good one. `reason` gets one sentence on failure.
- *  Re-entrant. */
+ *  With a stepper, y' of the states that the observer is given is that of the last event. Re-entrant. */
 integrate_code integrate(const dae *model, const integrate_options *options, const integrate_observer *observer,
                          dae_state *state, integrate_counts *counts, char reason[DAE_MESSAGE_LENGTH]);
 

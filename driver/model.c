@@ -314,6 +314,13 @@ const dae *model_dae(const model *model)
     return &model->dae;
 }
 
+void model_explain_no_stepper(const model *model, model_error *error)
+{
+    evl_status status;
+    (void)evl_radau_serves(model->gearbox, &status);
+    explain(model, &status, error);
+}
+
 static bool start(const model *model, const evl_initial *initial, dae_state *state, model_error *error)
 {
     const evl_sizes *sizes = &model->sizes;

@@ -52,7 +52,10 @@ const law_tables *model_laws(void);
 model *model_create(const description *description, model_error *error);
 void model_delete(model **model);
 
+/** dae.stepper is the kernel's integrator radau, if it serves the model. */
 const dae *model_dae(const model *model);
+/** Why it does not, if so. */
+void model_explain_no_stepper(const model *model, model_error *error);
 
 /** State at t = 0; its arrays belong to the caller, who frees them with dae_state_free. @return false with the reason in `error`. */
 bool model_initial_state(const model *model, dae_state *state, model_error *error);

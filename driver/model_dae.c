@@ -100,6 +100,7 @@ void model_describe_dae(model *model)
         .root_directions = root_directions,
         .next_time_event = next_time_event,
         .apply_event = apply_event,
+        .stepper = model_radau(model),
     };
 }
 

@@ -22,6 +22,8 @@ evl_motion_term *model_translate_motion(const housing_description *housing);
 evl_housing model_translate_housing(const description *description, const evl_motion_term *terms);
 /** Fill model->dae; its arrays are owned by the model. */
 void model_describe_dae(model *model);
+/** The kernel's integrator for the model's dae; NULL if it does not serve the gearbox. */
+const dae_stepper *model_radau(const model *model);
 /** Fill the tables of outputs and of states. */
 void model_describe_tables(model *model);
 

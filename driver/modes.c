@@ -34,8 +34,11 @@ static int on_step(void *self, double t)
 static bool move_to(const prepared_case *prepared, double time, dae_state *state, evl_error *error)
 {
     const simulation_description *simulation = &case_description(prepared->file)->simulation;
-    const integrate_options options = {
-        .t_end = time, .output_interval = time, .tolerance = simulation->tolerance, .max_step = simulation->max_step};
+    const integrate_options options = {.t_end = time,
+                                       .output_interval = time,
+                                       .tolerance = simulation->tolerance,
+                                       .max_step = simulation->max_step,
+                                       .by_stepper = simulation->integrator == INTEGRATOR_RADAU};
     progress progress;
     const integrate_observer observer = {.self = &progress, .output = on_output, .event = on_event, .step = on_step};
     integrate_counts counts;

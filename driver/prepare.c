@@ -12,6 +12,21 @@ void prepare_refuse(const prepared_case *prepared, const model_error *refusal, e
                 refusal->message, error);
 }
 
+/** The case's integrator, or the one that suits the model. @return false if it asks for one that does not serve */
+static bool settle_integrator(const prepared_case *prepared, model_error *refusal)
+{
+    const simulation_description *simulation = &case_description(prepared->file)->simulation;
+    const bool serves = model_dae(prepared->model)->stepper != NULL;
+    if (simulation->integrator == INTEGRATOR_RADAU && !serves) {
+        model_explain_no_stepper(prepared->model, refusal);
+        return false;
+    }
+    case_settle_integrator(prepared->file, serves && simulation->tolerance >= RADAU_SMALLEST_TOLERANCE
+                                               ? INTEGRATOR_RADAU
+                                               : INTEGRATOR_IDA);
+    return true;
+}
+
 bool prepare_case(prepared_case *prepared, const char *path, int n_set, const char *const *set, evl_error *error)
 {
     model_error refusal;
@@ -23,6 +38,11 @@ bool prepare_case(prepared_case *prepared, const char *path, int n_set, const ch
     if (prepared->model == NULL) {
         prepare_refuse(prepared, &refusal, error);
         case_delete(&prepared->file);
+        return false;
+    }
+    if (!settle_integrator(prepared, &refusal)) {
+        prepare_refuse(prepared, &refusal, error);
+        prepared_case_free(prepared);
         return false;
     }
     return true;

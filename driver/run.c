@@ -107,7 +107,8 @@ static integrate_options options_of(const run *run)
     return (integrate_options){.t_end = simulation->duration,
                                .output_interval = simulation->output_interval,
                                .tolerance = simulation->tolerance,
-                               .max_step = simulation->max_step};
+                               .max_step = simulation->max_step,
+                               .by_stepper = simulation->integrator == INTEGRATOR_RADAU};
 }
 
 static bool create_history(run *run, const char *path)
@@ -189,6 +190,7 @@ static bool append_last(run *run, const dae_state *state)
 static bool close_history(run *run, bool commit, const char *status, const char *message,
                           const integrate_counts *counts)
 {
+    const bool by_stepper = options_of(run).by_stepper;
     const history_attribute attributes[] = {
         text_attribute("status", status),
         text_attribute("status_message", message),
@@ -197,12 +199,14 @@ static bool close_history(run *run, bool commit, const char *status, const char 
         count_attribute("integrator_jacobians", counts->jacobians),
         count_attribute("integrator_linear_setups", counts->linear_setups),
         count_attribute("integrator_newton_iterations", counts->newton_iterations),
-        count_attribute("integrator_error_test_failures", counts->error_test_failures),
-        count_attribute("integrator_convergence_failures", counts->convergence_failures),
         count_attribute("integrator_root_evaluations", counts->roots_evaluated),
         count_attribute("integrator_events", counts->events),
+        by_stepper ? count_attribute("integrator_rejections", counts->rejections)
+                   : count_attribute("integrator_error_test_failures", counts->error_test_failures),
+        count_attribute("integrator_convergence_failures", counts->convergence_failures),
     };
-    return history_close(&run->history, commit, sizeof attributes / sizeof *attributes, attributes, run->message);
+    const int n = (int)(sizeof attributes / sizeof *attributes) - (by_stepper ? 1 : 0);
+    return history_close(&run->history, commit, n, attributes, run->message);
 }
 
 /* The run itself. */

@@ -3,8 +3,14 @@
 !> All root functions are known at the eight nodes of the step. A change of sign between two nodes is a crossing. A function
 !> that touches zero and returns between two nodes shows no change of sign: then its interpolant falls towards zero at the
 !> left node, rises at the right one, and the two tangents meet beyond zero. Only in that case the extremum of the interpolant
+<<<<<<< HEAD
 !> is sought, the model is asked there, and a change of sign found splits the interval. Missed is what two extrema between two
 !> neighbouring nodes hide, or a dip below the accuracy of the dense output.
+=======
+!> is sought, and if it comes near zero, the model is asked there and on the way to the extremum of its own function. A change
+!> of sign found splits the interval. Missed is what two extrema between two neighbouring nodes hide, or a dip below the
+!> accuracy of the dense output.
+>>>>>>> radaudriver
 !>
 !> A function that has just fired is zero at the start up to rounding: its sign there is that of its slope.
 module evl_root_finder
@@ -19,7 +25,11 @@ module evl_root_finder
    public :: root_finder_t, root_finder_create, root_finder_restart, find_crossings, step_state, values_at
 
    real(wp), parameter :: nearly_zero = 1.0e-8_wp !! of a function's largest value: where one that has fired is still zero
+<<<<<<< HEAD
    real(wp), parameter :: near_zero = 1.0e-3_wp   !! of its largest value: how near an extremum has to come to be looked at
+=======
+   real(wp), parameter :: near_zero = 0.05_wp     !! of its largest value: how near an extremum has to come to be looked at
+>>>>>>> radaudriver
    real(wp), parameter :: tie = 1.0e-13_wp        !! crossings that lie nearer together, in units of the step, are one
    integer, parameter :: in_time(0:n_stages) = [lanes, 1, 2, 3, 4, 5, 6, 7] !! nodes from left to right
 
@@ -141,9 +151,14 @@ contains
          else if (s /= 0 .and. may_dip()) then
             middle = extremum_between(node(l), node(r), self%slope(:, i))
             if (s*polynomial_at(middle, self%g(:, i)) < near_zero*maxval(abs(self%g(:, i)))) then
+<<<<<<< HEAD
                call values_at(self, model, step, y, z, middle, status)
                if (has_failed(status)) return
                at_middle = self%value(i)
+=======
+               call approach(self, model, step, y, z, i, s, l, r, middle, at_middle, status)
+               if (has_failed(status)) return
+>>>>>>> radaudriver
                if (s*at_middle < 0) then
                   if (counts(-s)) then
                      call bracket(last, middle, at_last, at_middle, -s)
@@ -206,6 +221,62 @@ contains
 
    end subroutine scan
 
+<<<<<<< HEAD
+=======
+   !> Follow function i from a place between two nodes towards its extremum, until it has crossed zero or is as near as it gets:
+   !> parabolas through three values of the model itself, since its interpolant may be too rough to tell.
+   subroutine approach(self, model, step, y, z, i, s, l, r, middle, at_middle, status)
+      type(root_finder_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      type(step_state), intent(in) :: step
+      real(wp), intent(in) :: y(:), z(:, :)
+      integer, intent(in) :: i, s, l, r       !! function, its sign at both nodes, the nodes
+      real(wp), intent(inout) :: middle       !! where to begin, where it ended
+      real(wp), intent(out) :: at_middle      !! the function there
+      type(status_t), intent(inout) :: status
+      integer, parameter :: most_turns = 5
+      real(wp), parameter :: near = 1.0e-3_wp !! of the interval: no use in coming nearer
+      real(wp) :: a, b, f_a, f_b, f_middle, f, place, slope_a, slope_b
+      integer :: turn
+
+      a = node(l)
+      b = node(r)
+      f_a = s*self%g(l, i)
+      f_b = s*self%g(r, i)
+      call values_at(self, model, step, y, z, middle, status)
+      if (has_failed(status)) return
+      at_middle = self%value(i)
+      do turn = 1, most_turns
+         f_middle = s*at_middle
+         if (f_middle < 0 .or. f_middle >= min(f_a, f_b)) return
+         slope_a = (f_middle - f_a)/(middle - a)
+         slope_b = (f_b - f_middle)/(b - middle)
+         place = (a + middle)/2 - slope_a*(b - a)/(2*(slope_b - slope_a))
+         if (abs(place - middle) < near*(node(r) - node(l))) return
+         call values_at(self, model, step, y, z, place, status)
+         if (has_failed(status)) return
+         f = s*self%value(i)
+         if (f < f_middle) then
+            if (place < middle) then
+               b = middle
+               f_b = f_middle
+            else
+               a = middle
+               f_a = f_middle
+            end if
+            middle = place
+            at_middle = self%value(i)
+         else if (place < middle) then
+            a = place
+            f_a = f
+         else
+            b = place
+            f_b = f
+         end if
+      end do
+   end subroutine approach
+
+>>>>>>> radaudriver
    !> Locate the crossing of function i in its bracket: false position with halving (Illinois), the model asked at each place.
    subroutine locate(self, model, step, y, z, i, status)
       type(root_finder_t), intent(inout) :: self

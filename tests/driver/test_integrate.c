@@ -136,7 +136,8 @@ static outcome solve_for(record *heard, problem *p, double t_end, double interva
 {
     outcome result = {.heard = heard};
     heard->n_states = p->model.n;
-    const integrate_options options = {t_end, interval, tolerance, 0.1};
+    const integrate_options options = {
+        .t_end = t_end, .output_interval = interval, .tolerance = tolerance, .max_step = 0.1};
     const integrate_observer observer = {heard, on_output, on_event, on_step};
     result.code = integrate(&p->model, &options, &observer, &p->state, &result.counts, result.reason);
     return result;
@@ -335,7 +336,7 @@ static int note_only(const void *self, dae_state *s, const int *fired, bool time
 {
     (void)self, (void)s, (void)message;
     assert_true(fired[0] != 0 || time_event);
-    events[0] = (dae_event){3, 1, 4};
+    events[0] = (dae_event){3, 1, -1, 4};
     *n = 1;
     return DAE_OK;
 }
@@ -404,7 +405,7 @@ static int bounce(const void *self, dae_state *s, const int *fired, bool time_ev
     s->yp[1] = -gravity;
     s->integers[0]++;
     s->reals[0] = s->y[1];
-    events[0] = (dae_event){0, -1, s->integers[0]};
+    events[0] = (dae_event){0, -1, -1, s->integers[0]};
     *n = 1;
     return DAE_OK;
 }
@@ -523,7 +524,7 @@ static int pass_knot(const void *self, dae_state *s, const int *fired, bool time
     s->integers[0]++;
     s->y[0] += 10;
     s->yp[0] = s->integers[0];
-    events[0] = (dae_event){8, -1, -1};
+    events[0] = (dae_event){8, -1, -1, -1};
     *n = 1;
     return DAE_OK;
 }

@@ -97,8 +97,11 @@ static void integrate_alone(case_run *run)
         return;
     }
     const simulation_description *simulation = &case_description(run->prepared.file)->simulation;
-    const integrate_options options = {simulation->duration, simulation->output_interval, simulation->tolerance,
-                                       simulation->max_step};
+    const integrate_options options = {.t_end = simulation->duration,
+                                       .output_interval = simulation->output_interval,
+                                       .tolerance = simulation->tolerance,
+                                       .max_step = simulation->max_step,
+                                       .by_stepper = simulation->integrator == INTEGRATOR_RADAU};
     const integrate_observer observer = {run, on_output, on_event, on_step};
     run->code = integrate(model_dae(run->prepared.model), &options, &observer, &run->state, &run->counts, run->reason);
     const double ends[] = {(double)run->counts.steps, (double)run->counts.residuals, run->state.t};
@@ -129,6 +132,12 @@ static case_run second(void)
                       .n_set = 2};
 }
 
+/* By radau, with pairs that enter and leave. */
+static case_run third(void)
+{
+    return (case_run){.path = "examples/spur-pair.yaml", .set = {"simulation.duration=0.1"}, .n_set = 1};
+}
+
 static void assert_same(const case_run *one, const case_run *other)
 {
     assert_string_equal(one->reason, "");
@@ -148,53 +157,60 @@ static void *in_thread(void *self)
 static void a_case_gives_the_same_bits_twice(void **state)
 {
     (void)state;
-    case_run one = first(), other = first();
-    integrate_alone(&one);
-    integrate_alone(&other);
-    assert_same(&one, &other);
-    forget(&one);
-    forget(&other);
+    case_run pairs[][2] = {{first(), first()}, {third(), third()}};
+    for (int i = 0; i < 2; i++) {
+        integrate_alone(&pairs[i][0]);
+        integrate_alone(&pairs[i][1]);
+        assert_same(&pairs[i][0], &pairs[i][1]);
+        forget(&pairs[i][0]);
+        forget(&pairs[i][1]);
+    }
 }
 
 static void two_cases_in_two_threads_give_the_bits_of_single_runs(void **state)
 {
     (void)state;
-    case_run alone[] = {first(), second()};
-    integrate_alone(&alone[0]);
-    integrate_alone(&alone[1]);
+    case_run alone[] = {first(), second(), third()};
+    for (int i = 0; i < 3; i++) {
+        integrate_alone(&alone[i]);
+    }
     for (int turn = 0; turn < 2; turn++) {
-        /* twice the first case and twice the second */
-        case_run together[] = {first(), second(), first(), second()};
-        pthread_t threads[4];
-        for (int i = 0; i < 4; i++) {
+        /* every case twice */
+        case_run together[] = {first(), second(), third(), first(), second(), third()};
+        pthread_t threads[6];
+        for (int i = 0; i < 6; i++) {
             assert_int_equal(pthread_create(&threads[i], NULL, in_thread, &together[i]), 0);
         }
-        for (int i = 0; i < 4; i++) {
+        for (int i = 0; i < 6; i++) {
             assert_int_equal(pthread_join(threads[i], NULL), 0);
         }
-        for (int i = 0; i < 4; i++) {
-            assert_same(&alone[i % 2], &together[i]);
+        for (int i = 0; i < 6; i++) {
+            assert_same(&alone[i % 3], &together[i]);
             forget(&together[i]);
         }
     }
-    forget(&alone[0]);
-    forget(&alone[1]);
+    for (int i = 0; i < 3; i++) {
+        forget(&alone[i]);
+    }
 }
 
 static void a_case_within_the_outputs_of_another_changes_neither(void **state)
 {
     (void)state;
-    case_run alone = first(), outer = first(), inner = second();
-    inner.set[0] = "simulation.duration=1e-2";
-    outer.set[1] = alone.set[1] = "simulation.output_interval=0.1";
-    outer.n_set = alone.n_set = 2;
-    outer.meanwhile = &inner;
-    integrate_alone(&alone);
-    integrate_alone(&outer);
-    assert_same(&alone, &outer);
-    assert_int_equal(inner.code, INTEGRATE_DONE);
-    forget(&alone);
-    forget(&outer);
+    case_run (*const cases[])(void) = {first, third};
+    for (int i = 0; i < 2; i++) {
+        case_run alone = cases[i](), outer = cases[i](), inner = cases[1 - i]();
+        inner.set[0] = "simulation.duration=1e-2";
+        outer.set[1] = alone.set[1] = i == 0 ? "simulation.output_interval=0.1" : "simulation.output_interval=0.01";
+        outer.n_set = alone.n_set = 2;
+        outer.meanwhile = &inner;
+        integrate_alone(&alone);
+        integrate_alone(&outer);
+        assert_same(&alone, &outer);
+        assert_int_equal(inner.code, INTEGRATE_DONE);
+        forget(&alone);
+        forget(&outer);
+    }
 }
 
 int main(void)

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+<<<<<<< HEAD
+=======
+import itertools
+>>>>>>> radaudriver
 from collections.abc import Callable
 
 import numpy as np
@@ -254,6 +258,46 @@ def test_an_event_ends_the_step_and_the_dense_output_ends_there(library: Library
     assert solver.interpolate(inside)[0] == pytest.approx(np.sin(inside), abs=1e-8)
 
 
+<<<<<<< HEAD
+=======
+def harmonic_crossings(level, order, phase, direction, w, t_end) -> list[tuple[float, int, int]]:
+    """Return (time, function, direction) where cos(order w t + phase) passes its level."""
+    found = []
+    for i in np.flatnonzero(np.abs(level) < 1):
+        angle = np.arccos(level[i])
+        for turn, side in itertools.product(range(-2, 40), (1, -1)):
+            t = (side * angle - phase[i] + 2 * np.pi * turn) / (order[i] * w)
+            if 0 < t < t_end and direction[i] in (0, -side):
+                found.append((t, int(i), -side))
+    return sorted(found)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_harmonics_of_a_rotation_cross_random_levels_as_often_as_the_closed_form(library, seed):
+    # levels up to 1.05: some are only touched, some never; orders up to 3 within one step
+    rng = np.random.default_rng(seed)
+    tolerance, w = 10.0 ** -rng.integers(4, 12), 10 ** rng.uniform(-1, 2)
+    n = int(rng.integers(1, 5))
+    level, phase = rng.uniform(-1.05, 1.05, n), rng.uniform(0, 2 * np.pi, n)
+    order, direction = rng.integers(1, 4, n), rng.integers(-1, 2, n)
+    problem = Problem(
+        lambda t, y: [-w * y[1], w * y[0]],
+        lambda t, y: [-w, w],
+        [1, 1],
+        roots=lambda t, y: ((y[0] + 1j * y[1]) ** order * np.exp(1j * phase)).real - level,
+        n_roots=n,
+        directions=lambda: direction,
+        entries=[(0, 1), (1, 0)],
+    )
+    events, _, _ = run(library, problem, [1, 0], 20 / w, tolerance=tolerance)
+    found = [(t, i, f) for t, _, fired in events.list for i, f in enumerate(fired) if f]
+    expected = harmonic_crossings(level, order, phase, direction, w, 20 / w)
+    assert [event[1:] for event in found] == [event[1:] for event in expected]
+    for (t, *_), (exact, *_) in zip(found, expected, strict=True):
+        assert abs(t - exact) * w <= 10 * tolerance
+
+
+>>>>>>> radaudriver
 class Rattle:
     """A driven mass between two stops with springs and dampers; a contact never pulls.
 

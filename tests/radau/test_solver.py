@@ -216,9 +216,16 @@ def test_an_unchanged_jacobian_is_evaluated_and_factored_rarely(library: Library
 class Chain:
     """The chain of oscillators, integrated on a grid by the library itself."""
 
-    def __init__(self, library: Library, masses: int, tolerance: float, roots: bool = False):
+    def __init__(
+        self,
+        library: Library,
+        masses: int,
+        tolerance: float,
+        roots: bool = False,
+        kick_interval: float = 0.0,
+    ) -> None:
         self.c, self.n = library.c, 2 * masses
-        self.handle = self.c.rt_new_chain(masses, 100.0, 5.0, 0.1, roots, tolerance)
+        self.handle = self.c.rt_new_chain(masses, 100.0, 5.0, 0.1, roots, kick_interval, tolerance)
         self.start = np.zeros(self.n)
         self.start[0], self.start[masses] = 0.3, 1.0
 
@@ -296,6 +303,20 @@ def test_events_on_the_way_do_not_change_the_output_beyond_the_tolerance(library
     assert with_events.counts()[8] > 20
     scale = [1, 1, 1, 10, 10, 10]
     assert np.abs(difference / scale).max() <= 2 * 10 * 1e-8
+
+
+@pytest.mark.parametrize("roots", [False, True])
+def test_events_at_given_times_are_met_exactly(library: Library, roots: bool):
+    masses, interval = 3, 0.4
+    rows = Chain(library, masses, 1e-8, roots, interval).grid(3.0, 0.1, 31)
+    solver = Solver(library, chain_problem(masses), 1e-8)
+    y, t = Chain(library, masses, 1e-8).start, 0.0
+    for kick in range(1, 8):
+        y = solver.end(t, y, kick * interval)
+        t = kick * interval
+        # the output at the time of a kick is that before it
+        assert np.abs(rows[4 * kick] - y).max() <= 1e-6
+        y[masses] += 1
 
 
 @pytest.mark.parametrize("masses", [3, 10, 25])

@@ -489,6 +489,65 @@ EVL_API int evl_gearbox_apply_event(const evl_gearbox *gearbox, double t, const 
                                     double *yp, int *integers, double *reals, evl_event *events, int *n_events,
                                     evl_status *status);
 
+/* ---- integration ----------------------------------------------------------------------------------------------------------- */
+
+/** An integration of a gearbox in closed form, y' = f(t, y), by Radau IIA of order 13 with located events. It holds all that
+ *  changes: any number of them may run at once, also of one gearbox, which has to outlive them. */
+typedef struct evl_radau evl_radau;
+
+/** What a call of evl_radau_advance came to. */
+typedef enum {
+    EVL_RADAU_STEP = 0,  /**< a step */
+    EVL_RADAU_EVENT = 1, /**< a step that ends where root functions pass zero */
+    EVL_RADAU_STOP = 2   /**< a step that ends at t_stop */
+} evl_radau_outcome;
+
+/** What it cost since evl_radau_start. */
+typedef struct {
+    int steps;            /**< accepted */
+    int rejections;       /**< steps repeated for their error, or because the iteration failed */
+    int evaluations;      /**< of f, those of the seven stages counted one by one */
+    int iterations;       /**< of Newton's method */
+    int jacobians;        /**< evaluated */
+    int factorisations;   /**< of the systems of all stages at once */
+    int root_evaluations; /**< of the root functions beyond once a step */
+} evl_radau_counts;
+
+/** Whether it can be integrated so. @return EVL_OK, or EVL_INVALID_INPUT with what stands in the way: a rigid contact,
+ *  tracked contact points, a mounted housing. */
+EVL_API int evl_radau_serves(const evl_gearbox *gearbox, evl_status *status);
+
+/** @param scale      [n_states] units in which errors count, as from evl_gearbox_scales; those of the reference angle and
+ *                    speed are tightened
+ *  @param tolerance  error of a step in these units, 1e-13 to 0.1
+ *  @param max_step   longest step [s] > 0
+ *  @return NULL with EVL_INVALID_INPUT or EVL_NO_MEMORY in status */
+EVL_API evl_radau *evl_radau_create(const evl_gearbox *gearbox, const double *scale, double tolerance, double max_step,
+                                    evl_status *status);
+/** Accepts NULL and a pointer to NULL; sets *radau to NULL. */
+EVL_API void evl_radau_delete(evl_radau **radau);
+
+/** Begin at (t, y) with counts of 0. @return EVL_OK or EVL_OUT_OF_DOMAIN. */
+EVL_API int evl_radau_start(evl_radau *radau, double t, const double *y, const int *integers, const double *reals,
+                            evl_status *status);
+/** Make one step, at most to t_stop > t and at most to the next event, from where the last one ended. Allocates nothing.
+ *  @param[out] t, y     where it ended
+ *  @param[out] fired    [n_roots] +1 risen through zero, -1 fallen, 0 nothing
+ *  @param[out] outcome  evl_radau_outcome
+ *  @return EVL_OK, EVL_OUT_OF_DOMAIN (the model has no answer for any step), EVL_NO_SOLUTION (the step became too small) */
+EVL_API int evl_radau_advance(evl_radau *radau, double t_stop, double *t, double *y, int *fired, int *outcome,
+                              evl_status *status);
+/** State at t within the last step. */
+EVL_API void evl_radau_interpolate(const evl_radau *radau, double t, double *y);
+/** Go on after an event from (t, y) with the discrete state that evl_gearbox_apply_event left. */
+EVL_API void evl_radau_restart(evl_radau *radau, double t, const double *y, const int *integers, const double *reals);
+EVL_API void evl_radau_get_counts(const evl_radau *radau, evl_radau_counts *counts);
+
+/** What its steps are made of, for a discrete state: f of eight states at once, t [8], y and f [n_states][8], and df/dy at the first of
+ *  them, column-major [n_states * n_states]. The next call has to be evl_radau_start. @return EVL_OK or EVL_OUT_OF_DOMAIN */
+EVL_API int evl_radau_model(evl_radau *radau, const double *t, const double *y, const int *integers,
+                            const double *reals, double *f, double *jacobian, evl_status *status);
+
 /* ---- outputs --------------------------------------------------------------------------------------------------------------- */
 
 typedef enum {

@@ -1,10 +1,9 @@
 /* The only file beside short_vectors that includes SUNDIALS. States are handed to IDA in units of their scales, so that one
  * absolute tolerance holds for all of them. Differences between SUNDIALS 6 and 7 stay here. */
-#include "integrate.h"
+#include "integration.h"
 
 #include "short_vectors.h"
 
-#include <float.h>
 #include <ida/ida.h>
 #include <math.h>
 #include <nvector/nvector_serial.h>
@@ -14,7 +13,6 @@
 #include <sundials/sundials_config.h>
 #include <sunlinsol/sunlinsol_dense.h>
 #include <sunmatrix/sunmatrix_dense.h>
-#include <time.h>
 
 #if SUNDIALS_VERSION_MAJOR < 7
 #define SUN_COMM_NULL NULL
@@ -25,92 +23,42 @@
 static const double matrix_staleness = 0.01;
 static const double first_step = 1e-8;   /* [s] from touching flanks, where the force's stiffness starts from 0 */
 static const double restart_step = 1e-7; /* [s] after an event */
-/* Of the present time: towards a limit of the model the steps shrink for ever unless they may not pass rounding. */
-static const double smallest_step = 64 * DBL_EPSILON;
 /* Only for what grows beyond all scales, such as the gap of flanks that never meet again: asks for no more than rounding allows. */
 static const double relative_tolerance = 16 * DBL_EPSILON;
 static const long steps_between_looks = 1000; /* after which the observer hears of it, however far the next output is */
-static const int most_events_at_once = 1000;  /* events without progress in time before giving up */
-static const double grid_slack = 1e-6;        /* of an output interval: a grid point this near the end is the end */
 
 typedef struct {
-    const dae *model;
-    const integrate_options *options;
-    const integrate_observer *observer;
-    dae_state *state; /* what the caller sees: physical units, at the last accepted time */
-    dae_state trial;  /* what IDA asks for: same discrete state */
-    integrate_counts *counts;
+    integration *run;        /* the states in it are in physical units */
     integrate_counts before; /* until the last restart: IDAReInit starts its counters anew */
-    char *reason;
-    double *row_units; /* 1/row_scale */
-    int *fired, *directions;
-    dae_event *events;
-    dae_state old; /* state before an event */
+    double *row_units;       /* 1/row_scale */
+    int *directions;
     SUNContext context;
     void *ida;
     N_Vector y, yp, id;
     SUNMatrix matrix;
     SUNLinearSolver solver;
     double t_refused; /* latest time at which the model had no answer */
-    long next_output; /* index of the next grid point */
-    double t_start;
-    double t_event;     /* of the last event */
-    int events_at_once; /* there */
 } session;
-
-static bool allocate_state(const dae *m, dae_state *state)
-{
-    state->y = calloc((size_t)m->n, sizeof(double));
-    state->yp = calloc((size_t)m->n, sizeof(double));
-    state->integers = calloc((size_t)m->n_integers + 1, sizeof(int));
-    state->reals = calloc((size_t)m->n_reals + 1, sizeof(double));
-    return state->y && state->yp && state->integers && state->reals;
-}
-
-static void free_state(dae_state *state)
-{
-    free(state->y);
-    free(state->yp);
-    free(state->integers);
-    free(state->reals);
-}
-
-static void copy_state(const dae *m, dae_state *to, const dae_state *from)
-{
-    to->t = from->t;
-    memcpy(to->y, from->y, (size_t)m->n * sizeof(double));
-    memcpy(to->yp, from->yp, (size_t)m->n * sizeof(double));
-    memcpy(to->integers, from->integers, (size_t)m->n_integers * sizeof(int));
-    memcpy(to->reals, from->reals, (size_t)m->n_reals * sizeof(double));
-}
 
 /* The discrete state cannot change while IDA steps: trial states borrow the caller's. */
 static void take_trial(session *s, double t, N_Vector y, N_Vector yp)
 {
-    const double *scale = s->model->scale;
+    const double *scale = s->run->model->scale;
     const double *from = N_VGetArrayPointer(y);
-    s->trial.t = t;
-    for (int i = 0; i < s->model->n; i++)
-        s->trial.y[i] = from[i] * scale[i];
+    s->run->trial.t = t;
+    for (int i = 0; i < s->run->model->n; i++)
+        s->run->trial.y[i] = from[i] * scale[i];
     if (!yp)
         return;
     const double *rates = N_VGetArrayPointer(yp);
-    for (int i = 0; i < s->model->n; i++)
-        s->trial.yp[i] = rates[i] * scale[i];
-}
-
-static dae_state borrowed(const session *s)
-{
-    dae_state state = s->trial;
-    state.integers = s->state->integers;
-    state.reals = s->state->reals;
-    return state;
+    for (int i = 0; i < s->run->model->n; i++)
+        s->run->trial.yp[i] = rates[i] * scale[i];
 }
 
 static void note_refusal(session *s, int code)
 {
     if (code != DAE_OK) {
-        s->t_refused = s->trial.t;
+        s->t_refused = s->run->trial.t;
     }
 }
 
@@ -118,11 +66,11 @@ static int residual(sunrealtype t, N_Vector y, N_Vector yp, N_Vector r, void *da
 {
     session *s = data;
     take_trial(s, t, y, yp);
-    const dae_state state = borrowed(s);
+    const dae_state state = integration_borrowed(s->run);
     double *rows = N_VGetArrayPointer(r);
-    const int code = s->model->residual(s->model->self, &state, rows, s->reason);
+    const int code = s->run->model->residual(s->run->model->self, &state, rows, s->run->reason);
     note_refusal(s, code);
-    for (int i = 0; i < s->model->n; i++)
+    for (int i = 0; i < s->run->model->n; i++)
         rows[i] *= s->row_units[i];
     return code;
 }
@@ -132,15 +80,15 @@ static int jacobian(sunrealtype t, sunrealtype cj, N_Vector y, N_Vector yp, N_Ve
 {
     (void)r, (void)a, (void)b, (void)c;
     session *s = data;
-    const int n = s->model->n;
+    const int n = s->run->model->n;
     take_trial(s, t, y, yp);
-    const dae_state state = borrowed(s);
+    const dae_state state = integration_borrowed(s->run);
     double *entries = SUNDenseMatrix_Data(matrix);
-    const int code = s->model->jacobian(s->model->self, &state, cj, entries, s->reason);
+    const int code = s->run->model->jacobian(s->run->model->self, &state, cj, entries, s->run->reason);
     note_refusal(s, code);
     for (int j = 0; j < n; j++)
         for (int i = 0; i < n; i++)
-            entries[j * n + i] *= s->row_units[i] * s->model->scale[j];
+            entries[j * n + i] *= s->row_units[i] * s->run->model->scale[j];
     return code;
 }
 
@@ -148,8 +96,8 @@ static int roots(sunrealtype t, N_Vector y, N_Vector yp, sunrealtype *values, vo
 {
     session *s = data;
     take_trial(s, t, y, yp);
-    const dae_state state = borrowed(s);
-    const int code = s->model->roots(s->model->self, &state, values, s->reason);
+    const dae_state state = integration_borrowed(s->run);
+    const int code = s->run->model->roots(s->run->model->self, &state, values, s->run->reason);
     note_refusal(s, code);
     return code;
 }
@@ -160,8 +108,8 @@ static int weights(N_Vector y, N_Vector weight, void *data)
     const session *s = data;
     const double *values = N_VGetArrayPointer(y);
     double *to = N_VGetArrayPointer(weight);
-    for (int i = 0; i < s->model->n; i++)
-        to[i] = 1 / (relative_tolerance * fabs(values[i]) + s->options->tolerance);
+    for (int i = 0; i < s->run->model->n; i++)
+        to[i] = 1 / (relative_tolerance * fabs(values[i]) + s->run->options->tolerance);
     return 0;
 }
 
@@ -185,38 +133,36 @@ static void silence(session *s)
 static void to_scaled(const session *s, const double *from, N_Vector to)
 {
     double *values = N_VGetArrayPointer(to);
-    for (int i = 0; i < s->model->n; i++) {
-        values[i] = from[i] / s->model->scale[i];
+    for (int i = 0; i < s->run->model->n; i++) {
+        values[i] = from[i] / s->run->model->scale[i];
     }
 }
 
 static void from_scaled(const session *s, N_Vector from, double *to)
 {
     const double *values = N_VGetArrayPointer(from);
-    for (int i = 0; i < s->model->n; i++) {
-        to[i] = values[i] * s->model->scale[i];
+    for (int i = 0; i < s->run->model->n; i++) {
+        to[i] = values[i] * s->run->model->scale[i];
     }
 }
 
 static bool allocate_arrays(session *s)
 {
-    const dae *m = s->model;
+    const dae *m = s->run->model;
     s->row_units = calloc((size_t)m->n, sizeof(double));
-    s->fired = calloc((size_t)m->n_roots + 1, sizeof(int));
     s->directions = calloc((size_t)m->n_roots + 1, sizeof(int));
-    s->events = calloc((size_t)m->n_roots + 2, sizeof(dae_event));
-    if (!s->row_units || !s->fired || !s->directions || !s->events) {
+    if (!s->row_units || !s->directions) {
         return false;
     }
     for (int i = 0; i < m->n; i++) {
         s->row_units[i] = 1 / m->row_scale[i];
     }
-    return allocate_state(m, &s->trial) && allocate_state(m, &s->old);
+    return true;
 }
 
 static bool create_solver(session *s)
 {
-    const dae *m = s->model;
+    const dae *m = s->run->model;
     if (SUNContext_Create(SUN_COMM_NULL, &s->context) != 0) {
         return false;
     }
@@ -242,25 +188,25 @@ static bool create_solver(session *s)
 
 static bool set_up(session *s)
 {
-    const dae *m = s->model;
+    const dae *m = s->run->model;
     double *id = N_VGetArrayPointer(s->id);
     for (int i = 0; i < m->n; i++) {
         id[i] = m->differential[i];
     }
-    to_scaled(s, s->state->y, s->y);
-    to_scaled(s, s->state->yp, s->yp);
+    to_scaled(s, s->run->state->y, s->y);
+    to_scaled(s, s->run->state->yp, s->yp);
     silence(s);
-    bool good = IDAInit(s->ida, residual, s->state->t, s->y, s->yp) == IDA_SUCCESS;
+    bool good = IDAInit(s->ida, residual, s->run->state->t, s->y, s->yp) == IDA_SUCCESS;
     good = good && IDAWFtolerances(s->ida, weights) == IDA_SUCCESS;
     good = good && IDASetUserData(s->ida, s) == IDA_SUCCESS && IDASetId(s->ida, s->id) == IDA_SUCCESS;
     good = good && IDASetLinearSolver(s->ida, s->solver, s->matrix) == IDA_SUCCESS;
     good = good && IDASetJacFn(s->ida, jacobian) == IDA_SUCCESS;
     good = good && IDASetDeltaCjLSetup(s->ida, matrix_staleness) == IDA_SUCCESS;
     good = good && IDASetMaxNumSteps(s->ida, steps_between_looks) == IDA_SUCCESS;
-    good = good && IDASetMaxStep(s->ida, s->options->max_step) == IDA_SUCCESS;
+    good = good && IDASetMaxStep(s->ida, s->run->options->max_step) == IDA_SUCCESS;
     good = good && IDASetInitStep(s->ida, first_step) == IDA_SUCCESS;
     if (good && m->n_roots > 0) {
-        m->root_directions(m->self, s->state->integers, s->directions);
+        m->root_directions(m->self, s->run->state->integers, s->directions);
         good = IDARootInit(s->ida, m->n_roots, roots) == IDA_SUCCESS &&
                IDASetRootDirection(s->ida, s->directions) == IDA_SUCCESS &&
                IDASetNoInactiveRootWarn(s->ida) == IDA_SUCCESS;
@@ -277,12 +223,8 @@ static void close_session(session *s)
     N_VDestroy(s->yp);
     N_VDestroy(s->id);
     SUNContext_Free(&s->context);
-    free_state(&s->trial);
-    free_state(&s->old);
     free(s->row_units);
-    free(s->fired);
     free(s->directions);
-    free(s->events);
 }
 
 static void count(session *s)
@@ -296,7 +238,7 @@ static void count(session *s)
     IDAGetNumErrTestFails(s->ida, &now.error_test_failures);
     IDAGetNumNonlinSolvConvFails(s->ida, &now.convergence_failures);
     IDAGetNumGEvals(s->ida, &now.roots_evaluated);
-    integrate_counts *total = s->counts;
+    integrate_counts *total = s->run->counts;
     const integrate_counts *before = &s->before;
     total->steps = before->steps + now.steps;
     total->residuals = before->residuals + now.residuals;
@@ -308,56 +250,34 @@ static void count(session *s)
     total->roots_evaluated = before->roots_evaluated + now.roots_evaluated;
 }
 
-/* The k-th output time; the last one is the end itself. */
-static double output_time(const session *s, long k)
-{
-    const double t = s->t_start + (double)k * s->options->output_interval;
-    return t > s->options->t_end - grid_slack * s->options->output_interval ? s->options->t_end : t;
-}
-
-/* Whether there is room for a step from t to `later`: times that differ by rounding are the same, IDA refuses such a step. */
-static bool is_later(double later, double t)
-{
-    return later - t > smallest_step * fabs(t);
-}
-
 /* Hand over the present state if it lies on the grid; the end itself is handed over at the end. */
 static integrate_code give_output(session *s)
 {
-    const double t_out = output_time(s, s->next_output);
-    if (is_later(t_out, s->state->t) || t_out >= s->options->t_end) {
+    const double t_out = integration_output_time(s->run);
+    if (integration_is_later(t_out, s->run->state->t) || t_out >= s->run->options->t_end) {
         return INTEGRATE_DONE;
     }
-    s->next_output++;
-    return s->observer->output(s->observer->self, s->state) == 0 ? INTEGRATE_DONE : INTEGRATE_STOPPED;
+    s->run->next_output++;
+    return s->run->observer->output(s->run->observer->self, s->run->state) == 0 ? INTEGRATE_DONE : INTEGRATE_STOPPED;
 }
 
 /* Apply what happened at the present state and start anew from there. */
 static integrate_code handle_event(session *s, bool time_event)
 {
-    const dae *m = s->model;
-    int n_events = 0;
-    copy_state(m, &s->old, s->state);
-    if (m->apply_event(m->self, s->state, s->fired, time_event, s->events, &n_events, s->reason) != DAE_OK) {
-        copy_state(m, s->state, &s->old);
-        return INTEGRATE_FAILED;
-    }
-    for (int i = 0; i < n_events; i++) {
-        const event_record record = {s->state->t, s->events[i], m->n, &s->old, s->state};
-        s->counts->events++;
-        if (s->observer->event(s->observer->self, &record) != 0) {
-            return INTEGRATE_STOPPED;
-        }
+    const dae *m = s->run->model;
+    const integrate_code code = integration_apply_event(s->run, time_event);
+    if (code != INTEGRATE_DONE) {
+        return code;
     }
     count(s);
-    s->before = *s->counts;
-    to_scaled(s, s->state->y, s->y);
-    to_scaled(s, s->state->yp, s->yp);
-    m->root_directions(m->self, s->state->integers, s->directions);
-    if (IDAReInit(s->ida, s->state->t, s->y, s->yp) != IDA_SUCCESS ||
+    s->before = *s->run->counts;
+    to_scaled(s, s->run->state->y, s->y);
+    to_scaled(s, s->run->state->yp, s->yp);
+    m->root_directions(m->self, s->run->state->integers, s->directions);
+    if (IDAReInit(s->ida, s->run->state->t, s->y, s->yp) != IDA_SUCCESS ||
         IDASetInitStep(s->ida, restart_step) != IDA_SUCCESS ||
         (m->n_roots > 0 && IDASetRootDirection(s->ida, s->directions) != IDA_SUCCESS)) {
-        (void)snprintf(s->reason, DAE_MESSAGE_LENGTH, "the integrator could not be started anew after an event");
+        (void)snprintf(s->run->reason, DAE_MESSAGE_LENGTH, "the integrator could not be started anew after an event");
         return INTEGRATE_FAILED;
     }
     return INTEGRATE_DONE;
@@ -366,9 +286,9 @@ static integrate_code handle_event(session *s, bool time_event)
 /* The model's own words if it refused states beyond the last accepted one, else the integrator's. */
 static integrate_code explain(session *s, int flag)
 {
-    if (!(s->t_refused > s->state->t)) {
+    if (!(s->t_refused > s->run->state->t)) {
         char *name = IDAGetReturnFlagName(flag);
-        (void)snprintf(s->reason, DAE_MESSAGE_LENGTH, "the integrator cannot go on (%s)",
+        (void)snprintf(s->run->reason, DAE_MESSAGE_LENGTH, "the integrator cannot go on (%s)",
                        name ? name : "unknown reason");
         free(name);
     }
@@ -378,22 +298,22 @@ static integrate_code explain(session *s, int flag)
 /* On to the next grid point, event or end, whichever comes first; IDA steps freely and interpolates. */
 static integrate_code advance(session *s)
 {
-    const dae *m = s->model;
-    const double t_event = m->next_time_event(m->self, s->state);
-    const double t_stop = fmin(s->options->t_end, t_event);
+    const dae *m = s->run->model;
+    const double t_event = m->next_time_event(m->self, s->run->state);
+    const double t_stop = fmin(s->run->options->t_end, t_event);
     int flag = IDA_TSTOP_RETURN;
-    if (!is_later(t_stop, s->state->t)) {
-        s->state->t = t_stop;
+    if (!integration_is_later(t_stop, s->run->state->t)) {
+        s->run->state->t = t_stop;
     } else {
         flag = IDASetStopTime(s->ida, t_stop);
         if (flag == IDA_SUCCESS) {
-            flag = IDASetMinStep(s->ida, smallest_step * fmax(s->state->t, first_step));
+            flag = IDASetMinStep(s->ida, integration_smallest_step(fmax(s->run->state->t, first_step)));
         }
         if (flag == IDA_SUCCESS) {
-            flag = IDASolve(s->ida, output_time(s, s->next_output), &s->state->t, s->y, s->yp, IDA_NORMAL);
+            flag = IDASolve(s->ida, integration_output_time(s->run), &s->run->state->t, s->y, s->yp, IDA_NORMAL);
         }
-        from_scaled(s, s->y, s->state->y);
-        from_scaled(s, s->yp, s->state->yp);
+        from_scaled(s, s->y, s->run->state->y);
+        from_scaled(s, s->yp, s->run->state->yp);
         if (flag < 0 && flag != IDA_TOO_MUCH_WORK) {
             return explain(s, flag);
         }
@@ -401,78 +321,52 @@ static integrate_code advance(session *s)
         if (code != INTEGRATE_DONE) {
             return code;
         }
-        if (s->observer->step(s->observer->self, s->state->t) != 0) {
+        if (s->run->observer->step(s->run->observer->self, s->run->state->t) != 0) {
             return INTEGRATE_STOPPED;
         }
     }
     const bool root = flag == IDA_ROOT_RETURN;
-    const bool time_event = s->state->t >= t_event;
+    const bool time_event = s->run->state->t >= t_event;
     if (!root && !time_event) {
         return INTEGRATE_DONE;
     }
-    memset(s->fired, 0, (size_t)m->n_roots * sizeof(int));
-    if (root && IDAGetRootInfo(s->ida, s->fired) != IDA_SUCCESS) {
+    memset(s->run->fired, 0, (size_t)m->n_roots * sizeof(int));
+    if (root && IDAGetRootInfo(s->ida, s->run->fired) != IDA_SUCCESS) {
         return explain(s, IDA_RTFUNC_FAIL);
-    }
-    s->events_at_once = s->state->t > s->t_event ? 1 : s->events_at_once + 1;
-    s->t_event = s->state->t;
-    if (s->events_at_once > most_events_at_once) {
-        (void)snprintf(s->reason, DAE_MESSAGE_LENGTH, "%d events at one time: the model chatters", most_events_at_once);
-        return INTEGRATE_FAILED;
     }
     return handle_event(s, time_event);
 }
 
-static integrate_code run(session *s)
+static integrate_code step_to_the_end(session *s)
 {
-    s->t_start = s->state->t;
-    s->t_event = -INFINITY;
     s->t_refused = -INFINITY;
-    s->next_output = 1;
     integrate_code code = INTEGRATE_DONE;
-    if (s->observer->output(s->observer->self, s->state) != 0) {
+    if (s->run->observer->output(s->run->observer->self, s->run->state) != 0) {
         return INTEGRATE_STOPPED;
     }
-    while (code == INTEGRATE_DONE && s->state->t < s->options->t_end) {
+    while (code == INTEGRATE_DONE && s->run->state->t < s->run->options->t_end) {
         code = advance(s);
     }
-    if (code == INTEGRATE_DONE && s->observer->output(s->observer->self, s->state) != 0) {
+    if (code == INTEGRATE_DONE && s->run->observer->output(s->run->observer->self, s->run->state) != 0) {
         code = INTEGRATE_STOPPED;
     }
     return code;
 }
 
-static double cpu_now(void)
+integrate_code integrate_by_ida(integration *run)
 {
-    struct timespec now;
-    return clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now) == 0 ? (double)now.tv_sec + 1e-9 * (double)now.tv_nsec : 0;
-}
-
-integrate_code integrate(const dae *model, const integrate_options *options, const integrate_observer *observer,
-                         dae_state *state, integrate_counts *counts, char reason[DAE_MESSAGE_LENGTH])
-{
-    session s = {.model = model, .options = options, .observer = observer, .state = state, .counts = counts};
-    s.reason = reason;
-    const double cpu_start = cpu_now();
+    session s = {.run = run};
     integrate_code code = INTEGRATE_FAILED;
-    reason[0] = '\0';
-    *counts = (integrate_counts){0};
     if (!allocate_arrays(&s) || !create_solver(&s)) {
-        (void)snprintf(reason, DAE_MESSAGE_LENGTH, "there is not enough memory for the integrator");
+        (void)snprintf(run->reason, DAE_MESSAGE_LENGTH, "there is not enough memory for the integrator");
     } else if (!set_up(&s)) {
-        (void)snprintf(reason, DAE_MESSAGE_LENGTH, "the integrator refused its options");
+        (void)snprintf(run->reason, DAE_MESSAGE_LENGTH, "the integrator refused its options");
     } else {
-        code = run(&s);
+        code = step_to_the_end(&s);
         count(&s);
     }
     close_session(&s);
-    counts->cpu_seconds = cpu_now() - cpu_start;
     return code;
-}
-
-long integrate_n_outputs(const integrate_options *options, double t_start)
-{
-    return (long)((options->t_end - t_start) / options->output_interval - grid_slack) + 2;
 }
 
 const char *integrate_version(void)

@@ -1,0 +1,101 @@
+/* Integration by the stepper that a model brings along: it steps as it likes, the grid is interpolated. */
+#include "integration.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double longest_step = 0.02; /* of the whole time: longer ones were seen to misjudge a slow start */
+
+/* The grid points that the last step passed; the end itself is handed over at the end. */
+static integrate_code give_outputs(integration *run, const void *stepper)
+{
+    const dae_stepper *with = run->model->stepper;
+    for (;;) {
+        const double t_out = integration_output_time(run);
+        if (integration_is_later(t_out, run->state->t) || t_out >= run->options->t_end) {
+            return INTEGRATE_DONE;
+        }
+        dae_state state = integration_borrowed(run);
+        state.t = t_out;
+        with->interpolate(stepper, fmin(t_out, run->state->t), state.y);
+        run->next_output++;
+        if (run->observer->output(run->observer->self, &state) != 0) {
+            run->state->t = t_out;
+            memcpy(run->state->y, state.y, (size_t)run->model->n * sizeof(double));
+            return INTEGRATE_STOPPED;
+        }
+    }
+}
+
+/* One step, and what happened at its end. */
+static integrate_code advance(integration *run, void *stepper)
+{
+    const dae *m = run->model;
+    const double t_event = m->next_time_event(m->self, run->state);
+    const double t_stop = fmin(run->options->t_end, t_event);
+    dae_outcome outcome = DAE_AT_STOP;
+    if (!integration_is_later(t_stop, run->state->t)) {
+        run->state->t = t_stop;
+        memset(run->fired, 0, (size_t)m->n_roots * sizeof *run->fired);
+    } else {
+        if (m->stepper->advance(stepper, t_stop, run->state, run->fired, &outcome, run->reason) != DAE_OK) {
+            return INTEGRATE_FAILED;
+        }
+        const integrate_code code = give_outputs(run, stepper);
+        if (code != INTEGRATE_DONE) {
+            return code;
+        }
+        if (run->observer->step(run->observer->self, run->state->t) != 0) {
+            return INTEGRATE_STOPPED;
+        }
+    }
+    const bool time_event = run->state->t >= t_event;
+    if (outcome != DAE_AT_EVENT && !time_event) {
+        return INTEGRATE_DONE;
+    }
+    const integrate_code code = integration_apply_event(run, time_event);
+    if (code == INTEGRATE_DONE) {
+        m->stepper->restart(stepper, run->state);
+    }
+    return code;
+}
+
+static void count(const integration *run, const void *stepper)
+{
+    dae_stepper_counts now;
+    run->model->stepper->counts(stepper, &now);
+    run->counts->steps = now.steps;
+    run->counts->rejections = now.rejections;
+    run->counts->residuals = now.evaluations;
+    run->counts->newton_iterations = now.iterations;
+    run->counts->jacobians = now.jacobians;
+    run->counts->linear_setups = now.factorisations;
+    run->counts->roots_evaluated = now.root_evaluations;
+}
+
+integrate_code integrate_by_stepper(integration *run)
+{
+    const dae *m = run->model;
+    const integrate_options *options = run->options;
+    const double max_step = fmin(options->max_step, longest_step * (options->t_end - run->t_start));
+    if (run->observer->output(run->observer->self, run->state) != 0) {
+        return INTEGRATE_STOPPED;
+    }
+    void *stepper = m->stepper->create(m->self, options->tolerance, max_step, run->reason);
+    if (!stepper) {
+        return INTEGRATE_FAILED;
+    }
+    integrate_code code = INTEGRATE_FAILED;
+    if (m->stepper->start(stepper, run->state, run->reason) == DAE_OK) {
+        code = INTEGRATE_DONE;
+        while (code == INTEGRATE_DONE && run->state->t < options->t_end) {
+            code = advance(run, stepper);
+        }
+        count(run, stepper);
+    }
+    m->stepper->destroy(stepper);
+    if (code == INTEGRATE_DONE && run->observer->output(run->observer->self, run->state) != 0) {
+        code = INTEGRATE_STOPPED;
+    }
+    return code;
+}

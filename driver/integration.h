@@ -1,0 +1,45 @@
+/** What every integration has, whatever makes its steps: the output grid, events and their observers. Private to integrate*.c. */
+#ifndef EVOLVENT_INTEGRATION_H
+#define EVOLVENT_INTEGRATION_H
+
+#include "integrate.h"
+
+typedef struct {
+    const dae *model;
+    const integrate_options *options;
+    const integrate_observer *observer;
+    dae_state *state; /**< what the caller sees: at the last accepted time */
+    integrate_counts *counts;
+    char *reason;
+    int *fired;        /**< [n_roots] */
+    dae_event *events; /**< [n_roots + 2] */
+    dae_state trial;   /**< what the model is asked at; its discrete state is not used */
+    dae_state old;     /**< state before an event */
+    double t_start;
+    long next_output;   /**< index of the next grid point */
+    double t_event;     /**< of the last event */
+    int events_at_once; /**< there */
+} integration;
+
+/** Whether there was memory; integration_end is due in any case. */
+bool integration_begin(integration *run);
+void integration_end(integration *run);
+
+/** The trial state with the discrete state of the present one. */
+dae_state integration_borrowed(const integration *run);
+
+/** The next output time; the last one is the end itself. */
+double integration_output_time(const integration *run);
+/** Whether there is room for a step from t to `later`: times that differ by rounding are the same. */
+bool integration_is_later(double later, double t);
+/** Of the present time: the smallest step. */
+double integration_smallest_step(double t);
+
+/** Apply what happened at the present state, and tell. */
+integrate_code integration_apply_event(integration *run, bool time_event);
+
+/** By IDA; the other by the model's stepper. `reason` is empty, counts are zero. */
+integrate_code integrate_by_ida(integration *run);
+integrate_code integrate_by_stepper(integration *run);
+
+#endif
