@@ -30,11 +30,8 @@ target_compile_options(
     $<$<COMPILE_LANGUAGE:Fortran>:-std=f2018$<SEMICOLON>-fimplicit-none$<SEMICOLON>-frecursive>
     # Honour `!$omp simd` before the short loops over lanes, which gfortran would unroll instead; no threads, no library.
     $<$<COMPILE_LANGUAGE:Fortran>:-fopenmp-simd>
-<<<<<<< HEAD
     # No signals on overflow and the like are counted on, so both sides of a merge() may be computed: values stay the same.
     $<$<COMPILE_LANGUAGE:Fortran>:-fno-trapping-math>
-=======
->>>>>>> radaudriver
     $<$<AND:$<COMPILE_LANGUAGE:Fortran>,$<CONFIG:Debug>>:-fcheck=all,no-array-temps$<SEMICOLON>-fbacktrace>
 )
 

@@ -202,12 +202,8 @@ contains
       class(ode_model), intent(in) :: model
       real(wp), intent(in) :: t_stop          !! after the present time
       integer, intent(out) :: outcome         !! one of the outcomes above; of no use on failure
-<<<<<<< HEAD
-      type(status_t), intent(inout) :: status !! `code_no_solution`: the step became too small; else the model's
-=======
       type(status_t), intent(inout) :: status !! `code_out_of_domain`: the model has no answer for any step, in its words;
                                               !! `code_no_solution`: the step became too small; else the model's
->>>>>>> radaudriver
       character(len=message_length) :: reason
       real(wp) :: h, h_wanted, error
       logical :: to_stop, done
@@ -245,18 +241,12 @@ contains
          self%matrix_may_stay = .false.
          self%counts%rejections = self%counts%rejections + 1
       end do
-<<<<<<< HEAD
-      if (reason == "") reason = "errors or iterations do not let it grow"
-      call fail(status, code_no_solution, "the step fell to "//quantity(self%h, "")//" at time "//quantity(self%t, "")// &
-                ": "//trim(reason))
-=======
       if (reason /= "") then
          call fail(status, code_out_of_domain, reason)
          return
       end if
       call fail(status, code_no_solution, "the step fell to "//quantity(self%h, "")//" at time "//quantity(self%t, "")// &
                 ": errors or iterations do not let it grow")
->>>>>>> radaudriver
    end subroutine radau_advance
 
    !> The step to try after a start or an event, from f and J; the step before the event bounds it, for what J does not tell.

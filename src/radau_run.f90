@@ -12,20 +12,14 @@ module evl_radau_run
    public :: radau_observer, radau_integrate
 
    integer, parameter :: most_events_at_once = 1000 !! events without progress in time before giving up
-<<<<<<< HEAD
-=======
    real(wp), parameter :: rounding = 64*epsilon(1.0_wp) !! times that differ by less, relatively, are the same
->>>>>>> radaudriver
    real(wp), parameter :: grid_slack = 1.0e-6_wp     !! of an output interval: a grid point this near the end is the end
 
    !> Who is told. Each procedure may stop the integration by `go_on = .false.`; the state at that moment stays in the solver.
    type, abstract :: radau_observer
    contains
       procedure(output_interface), deferred :: output
-<<<<<<< HEAD
-=======
       procedure :: step => ignore_step
->>>>>>> radaudriver
       procedure :: event => ignore_event
    end type radau_observer
 
@@ -44,8 +38,6 @@ module evl_radau_run
 
 contains
 
-<<<<<<< HEAD
-=======
    !> After every step: for progress, and to stop a long way between two outputs.
    subroutine ignore_step(self, t, go_on)
       class(radau_observer), intent(inout) :: self
@@ -57,7 +49,6 @@ contains
       end associate
    end subroutine ignore_step
 
->>>>>>> radaudriver
    !> What happened at an event, before and after; the model is in its discrete state after it.
    subroutine ignore_event(self, model, t, y_before, y_after, fired, time_event, go_on)
       class(radau_observer), intent(inout) :: self
@@ -100,10 +91,7 @@ contains
          outcome = outcome_event
          if (t_event > solver%t) call radau_advance(solver, model, min(t_end, t_event), outcome, status)
          if (has_failed(status)) exit
-<<<<<<< HEAD
-=======
          call observer%step(solver%t, go_on)
->>>>>>> radaudriver
          call give_output()
          time_event = solver%t >= t_event
          if (go_on .and. (time_event .or. outcome == outcome_event)) then
@@ -130,11 +118,7 @@ contains
 
          do while (go_on)
             t_out = t_start + next*interval
-<<<<<<< HEAD
-            if (t_out > solver%t .or. t_out > t_end - grid_slack*interval) exit
-=======
             if (t_out - solver%t > rounding*abs(solver%t) .or. t_out > t_end - grid_slack*interval) exit
->>>>>>> radaudriver
             call radau_interpolate(solver, t_out, y)
             call observer%output(model, t_out, y, go_on)
             next = next + 1

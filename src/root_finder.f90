@@ -3,14 +3,9 @@
 !> All root functions are known at the eight nodes of the step. A change of sign between two nodes is a crossing. A function
 !> that touches zero and returns between two nodes shows no change of sign: then its interpolant falls towards zero at the
 !> left node, rises at the right one, and the two tangents meet beyond zero. Only in that case the extremum of the interpolant
-<<<<<<< HEAD
-!> is sought, the model is asked there, and a change of sign found splits the interval. Missed is what two extrema between two
-!> neighbouring nodes hide, or a dip below the accuracy of the dense output.
-=======
 !> is sought, and if it comes near zero, the model is asked there and on the way to the extremum of its own function. A change
 !> of sign found splits the interval. Missed is what two extrema between two neighbouring nodes hide, or a dip below the
 !> accuracy of the dense output.
->>>>>>> radaudriver
 !>
 !> A function that has just fired is zero at the start up to rounding: its sign there is that of its slope.
 module evl_root_finder
@@ -25,11 +20,7 @@ module evl_root_finder
    public :: root_finder_t, root_finder_create, root_finder_restart, find_crossings, step_state, values_at
 
    real(wp), parameter :: nearly_zero = 1.0e-8_wp !! of a function's largest value: where one that has fired is still zero
-<<<<<<< HEAD
-   real(wp), parameter :: near_zero = 1.0e-3_wp   !! of its largest value: how near an extremum has to come to be looked at
-=======
    real(wp), parameter :: near_zero = 0.05_wp     !! of its largest value: how near an extremum has to come to be looked at
->>>>>>> radaudriver
    real(wp), parameter :: tie = 1.0e-13_wp        !! crossings that lie nearer together, in units of the step, are one
    integer, parameter :: in_time(0:n_stages) = [lanes, 1, 2, 3, 4, 5, 6, 7] !! nodes from left to right
 
@@ -151,14 +142,8 @@ contains
          else if (s /= 0 .and. may_dip()) then
             middle = extremum_between(node(l), node(r), self%slope(:, i))
             if (s*polynomial_at(middle, self%g(:, i)) < near_zero*maxval(abs(self%g(:, i)))) then
-<<<<<<< HEAD
-               call values_at(self, model, step, y, z, middle, status)
-               if (has_failed(status)) return
-               at_middle = self%value(i)
-=======
                call approach(self, model, step, y, z, i, s, l, r, middle, at_middle, status)
                if (has_failed(status)) return
->>>>>>> radaudriver
                if (s*at_middle < 0) then
                   if (counts(-s)) then
                      call bracket(last, middle, at_last, at_middle, -s)
@@ -221,8 +206,6 @@ contains
 
    end subroutine scan
 
-<<<<<<< HEAD
-=======
    !> Follow function i from a place between two nodes towards its extremum, until it has crossed zero or is as near as it gets:
    !> parabolas through three values of the model itself, since its interpolant may be too rough to tell.
    subroutine approach(self, model, step, y, z, i, s, l, r, middle, at_middle, status)
@@ -276,7 +259,6 @@ contains
       end do
    end subroutine approach
 
->>>>>>> radaudriver
    !> Locate the crossing of function i in its bracket: false position with halving (Illinois), the model asked at each place.
    subroutine locate(self, model, step, y, z, i, status)
       type(root_finder_t), intent(inout) :: self

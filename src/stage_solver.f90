@@ -39,11 +39,8 @@ module evl_stage_solver
    real(wp), parameter :: eps = epsilon(1.0_wp)
    real(wp), parameter :: rounding = 4*eps !! least error that may be asked for, relative to a state
 
-<<<<<<< HEAD
-=======
    !> Of the change of a first iteration: a rate that was measured on the error of another component promises too much.
    real(wp), parameter :: least_left_over = 1.0e-4_wp
->>>>>>> radaudriver
    real(wp), parameter :: output_share = 5      !! error of the dense output over the user's tolerance, as it is estimated
    real(wp), parameter :: nodes_over_chebyshev = 2.3_wp !! largest prod|tau - node| over that of Chebyshev's points
 
@@ -179,11 +176,7 @@ contains
       integer :: i
 
       times = t + node*h
-<<<<<<< HEAD
-      self%rate_sum = max(self%rate_sum, eps)**0.8_wp
-=======
       self%rate_sum = max(max(self%rate_sum, eps)**0.8_wp, least_left_over)
->>>>>>> radaudriver
       self%advice = 0.5_wp
       size_before = 0
       ratio_before = 1

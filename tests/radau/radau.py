@@ -89,11 +89,7 @@ class Library:
             *(_double, _double, _double),
         ]
         self.c.rt_new_chain.argtypes = [
-<<<<<<< HEAD
-            *(_int, _double, _double, _double, ctypes.c_bool, _double),
-=======
             *(_int, _double, _double, _double, ctypes.c_bool, _double, _double),
->>>>>>> radaudriver
         ]
         self.c.rt_delete.argtypes = [handle]
         self.c.rt_start.argtypes = [handle, _double, _doubles]

@@ -117,25 +117,15 @@ contains
    end function rt_new
 
    !> A solver for a chain of oscillators.
-<<<<<<< HEAD
-   type(c_ptr) function rt_new_chain(masses, stiffness, hardening, damping, with_roots, tolerance) result(handle) bind(c)
-      integer(c_int), value :: masses
-      real(c_double), value :: stiffness, hardening, damping, tolerance
-=======
    type(c_ptr) function rt_new_chain(masses, stiffness, hardening, damping, with_roots, kick_interval, &
                                      tolerance) result(handle) bind(c)
       integer(c_int), value :: masses
       real(c_double), value :: stiffness, hardening, damping, kick_interval, tolerance
->>>>>>> radaudriver
       logical(c_bool), value :: with_roots
       type(session_t), pointer :: session
       type(oscillator_chain_t) :: model
 
-<<<<<<< HEAD
-      call oscillator_chain_create(model, masses, stiffness, hardening, damping, logical(with_roots))
-=======
       call oscillator_chain_create(model, masses, stiffness, hardening, damping, logical(with_roots), kick_interval)
->>>>>>> radaudriver
       allocate (session)
       allocate (session%model, source=model)
       call radau_create(session%solver, session%model, radau_options(tolerance=tolerance), session%status)

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-<<<<<<< HEAD
-=======
 import itertools
->>>>>>> radaudriver
 from collections.abc import Callable
 
 import numpy as np
@@ -258,8 +255,6 @@ def test_an_event_ends_the_step_and_the_dense_output_ends_there(library: Library
     assert solver.interpolate(inside)[0] == pytest.approx(np.sin(inside), abs=1e-8)
 
 
-<<<<<<< HEAD
-=======
 def harmonic_crossings(level, order, phase, direction, w, t_end) -> list[tuple[float, int, int]]:
     """Return (time, function, direction) where cos(order w t + phase) passes its level."""
     found = []
@@ -297,7 +292,6 @@ def test_harmonics_of_a_rotation_cross_random_levels_as_often_as_the_closed_form
         assert abs(t - exact) * w <= 10 * tolerance
 
 
->>>>>>> radaudriver
 class Rattle:
     """A driven mass between two stops with springs and dampers; a contact never pulls.
 

@@ -9,12 +9,8 @@
 #include <cmocka.h>
 
 /* The test library's interface, see radau_capi.f90. */
-<<<<<<< HEAD
-void *rt_new_chain(int masses, double stiffness, double hardening, double damping, bool with_roots, double tolerance);
-=======
 void *rt_new_chain(int masses, double stiffness, double hardening, double damping, bool with_roots,
                    double kick_interval, double tolerance);
->>>>>>> radaudriver
 void rt_delete(void *handle);
 void rt_counts(void *handle, int numbers[9]);
 int rt_integrate_chain(void *handle, double *t, double *y, double t_end, double interval, int n_rows, double *rows);
@@ -50,11 +46,7 @@ static double rows[ROWS * N];
 
 static long calls_of_a_run(bool with_roots, int counts[9])
 {
-<<<<<<< HEAD
-    void *solver = rt_new_chain(MASSES, 1e4, 5, 0.5, with_roots, 1e-8);
-=======
     void *solver = rt_new_chain(MASSES, 1e4, 5, 0.5, with_roots, 0.3, 1e-8);
->>>>>>> radaudriver
     double t = 0, y[N] = {0.3, 0, 0, 0, 0, 0, 10};
     const long before = calls;
     assert_int_equal(rt_integrate_chain(solver, &t, y, 1, 0.01, ROWS, rows), 0);
@@ -84,11 +76,7 @@ static void test_the_count_sees_the_set_up(void **state)
 {
     (void)state;
     const long before = calls;
-<<<<<<< HEAD
-    rt_delete(rt_new_chain(MASSES, 1, 0, 0, true, 1e-8));
-=======
     rt_delete(rt_new_chain(MASSES, 1, 0, 0, true, 0, 1e-8));
->>>>>>> radaudriver
     assert_true(calls - before > 20);
 }
 
