@@ -21,7 +21,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 MEMORY = 60.0  # budget of every run [MB]
-# Case, contact, tracking, integrator, budget of CPU time [s] and of steps; the steps count in closed
+# Case, contact, tracking, integrator, budget of CPU time [s] and of steps, which count in closed
 # form only. Radau has no budget of its own: it has to stay within that of IDA.
 BUDGETS = [
     ("paper.yaml", "johnson", "closed_form", "ida", 0.06, 15_000),

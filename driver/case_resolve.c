@@ -154,8 +154,9 @@ static bool resolve_wheel(checker *checker, const case_node *block, const case_n
         other = node_get(block, "module");
     }
     if (other != NULL) {
-        return is_disc ? checker_refuse(checker, other->place,
-                                        "a wheel without teeth has no pitch radius and no module; give 'radius', or 'teeth'")
+        return is_disc ? checker_refuse(
+                             checker, other->place,
+                             "a wheel without teeth has no pitch radius and no module; give 'radius', or 'teeth'")
                        : checker_refuse(checker, other->place,
                                         "'radius' is that of a disc without teeth; give 'pitch_radius'");
     }

@@ -4,7 +4,8 @@
 !> overrides what it has: right-hand side and Jacobian always, root functions and time events if there are any.
 !>
 !> A procedure that has no answer for a trial state (outside a law's domain) reports `code_out_of_domain`: the integrator tries
-!> a smaller step. Any other code ends the integration with the model's message. Procedures should not allocate.
+!> a smaller step. But a step reaches beyond an event before that is located: in each discrete state f has to go on smoothly for
+!> some way past the event that ends it. Any other code ends the integration with the model's message. Procedures should not allocate.
 module evl_ode_model
    use evl_kinds, only: wp
    use evl_status, only: code_ok, fail, code_invalid_input, has_failed, quantity, status_t
@@ -120,7 +121,9 @@ contains
       real(wp), intent(out) :: values(self%n_roots)
       type(status_t), intent(inout) :: status !! touched on failure only
 
-      values = 1 + 0*(t + y(1))
+      associate (unused_t => t, unused_y => y)
+         values = 0
+      end associate
       if (self%n_roots > 0) call fail(status, code_invalid_input, "the model counts root functions but has none")
    end subroutine no_roots
 
@@ -132,7 +135,9 @@ contains
       real(wp), intent(out) :: values(lanes, self%n_roots)
       type(status_t), intent(inout) :: status !! touched on failure only
 
-      values = 1 + 0*(t(1) + y(1, 1))
+      associate (unused_t => t, unused_y => y)
+         values = 0
+      end associate
       if (self%n_roots > 0) call fail(status, code_invalid_input, "the model counts root functions but has none")
    end subroutine no_roots_lanes
 
@@ -149,7 +154,9 @@ contains
       class(ode_model), intent(in) :: self
       real(wp), intent(in) :: t !! now
 
-      next = merge(huge(t), t, self%n > 0)
+      associate (unused => self)
+         next = huge(t)
+      end associate
    end function no_time_event
 
    !> Change the discrete state, and y if it jumps.
@@ -161,9 +168,11 @@ contains
       logical, intent(in) :: time_event          !! whether the time of `next_time_event` has come
       type(status_t), intent(inout) :: status
 
-      if (time_event .or. any(fired /= 0)) then
-         call fail(status, code_invalid_input, "the model has no answer to its event at "//quantity(t, ""), index=size(y))
-      end if
+      associate (unused => y)
+         if (time_event .or. any(fired /= 0)) then
+            call fail(status, code_invalid_input, "the model has no answer to its event at time "//quantity(t, ""))
+         end if
+      end associate
    end subroutine no_event
 
 end module evl_ode_model

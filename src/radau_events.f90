@@ -49,6 +49,7 @@ contains
       self%t = t
       self%y = y
       self%jacobian_is_new = .false.
+      self%jacobian_is_ahead = .false.
       self%counts%steps = self%counts%steps + 1
    end subroutine take
 

@@ -44,8 +44,7 @@ contains
       real(wp), intent(in) :: t !! present time
       logical, intent(inout) :: go_on
 
-      associate (unused => self)
-         go_on = go_on .and. t <= huge(t)
+      associate (unused => self, unused_t => t, unused_go_on => go_on)
       end associate
    end subroutine ignore_step
 
@@ -59,8 +58,8 @@ contains
       logical, intent(in) :: time_event
       logical, intent(inout) :: go_on
 
-      associate (unused_self => self, unused_model => model, unused => size(y_before) + size(y_after) + size(fired))
-         go_on = go_on .and. (t <= huge(t) .or. time_event .or. unused > 0)
+      associate (unused_self => self, unused_model => model, unused_t => t, unused_before => y_before, &
+                 unused_after => y_after, unused_fired => fired, unused_kind => time_event, unused_go_on => go_on)
       end associate
    end subroutine ignore_event
 

@@ -38,13 +38,25 @@ contains
       end if
    end subroutine fit_step
 
-   !> The step to try after one of h whose error was too large.
-   pure real(wp) function step_after_error(h, error)
+   !> The step to try after one whose error was too large. Two such steps from the same state tell the order in which the error
+   !> falls: where f is not smooth it is far below 8, and a step chosen for 8 would fail many times.
+   pure subroutine step_after_error(failed, h, error, h_next)
+      type(step_control_t), intent(inout) :: failed !! the last such step from this state, or none; then this one
       real(wp), intent(in) :: h
-      real(wp), intent(in) :: error !! >= 1
+      real(wp), intent(in) :: error                 !! >= 1
+      real(wp), intent(out) :: h_next
+      real(wp), parameter :: largest_cut_again = 20
+      real(wp) :: order
 
-      step_after_error = h*max(1/largest_cut, safety/eighth_root(error))
-   end function step_after_error
+      if (failed%h > h .and. failed%error > error) then
+         order = max(1.0_wp, min(8.0_wp, log(failed%error/error)/log(failed%h/h)))
+         h_next = h*max(1/largest_cut_again, safety*error**(-1/order))
+      else
+         h_next = h*max(1/largest_cut, safety/eighth_root(error))
+      end if
+      failed%h = h
+      failed%error = error
+   end subroutine step_after_error
 
    !> The step to try after an accepted one.
    pure subroutine next_step(control, h, h_wanted, error, rate, iterations, h_next, matrix_may_stay)

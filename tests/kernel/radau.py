@@ -1,4 +1,4 @@
-"""The kernel's integrator of gearboxes from Python: a thin ctypes binding of `evolvent/kernel.h`."""
+"""The kernel's integrator of gearboxes from Python: a ctypes binding of `evolvent/kernel.h`."""
 
 from __future__ import annotations
 
@@ -42,9 +42,7 @@ class Radau:
         From the constructor and from every call that the kernel does not answer with EVL_OK.
     """
 
-    def __init__(
-        self, gearbox: Gearbox, tolerance: float = 1e-9, max_step: float = 1.0
-    ) -> None:
+    def __init__(self, gearbox: Gearbox, tolerance: float = 1e-9, max_step: float = 1.0) -> None:
         self.gearbox = gearbox
         library = gearbox.library
         library.evl_radau_create.restype = ctypes.c_void_p

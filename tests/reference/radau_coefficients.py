@@ -56,8 +56,13 @@ def nodes() -> list[Any]:
         power[s - 1 + k] = mp.binomial(s, k) * (-1) ** (s - k)
     for _ in range(s - 1):
         power = [i * power[i] for i in range(1, len(power))]
-    roots = mp.polyroots(power[::-1], maxsteps=500, extraprec=400)
-    return sorted(mp.re(root) for root in roots)
+
+    def value(x: Any) -> Any:
+        return mp.fsum(c * x**i for i, c in enumerate(power))
+
+    grid = [mp.mpf(i) / 200 for i in range(200)]  # the last node, 1, is a simple zero at the end
+    brackets = [pair for pair in itertools.pairwise(grid) if value(pair[0]) * value(pair[1]) < 0]
+    return [*(mp.findroot(value, pair, solver="anderson") for pair in brackets), mp.mpf(1)]
 
 
 def lagrange(points: list[Any], k: int) -> list[Any]:

@@ -450,10 +450,9 @@ typedef enum {
     EVL_EVENT_REVOLUTION = 9,        /**< the reference angle was reduced by whole turns */
     EVL_EVENT_FLANKS_APART =
         10, /**< the gap became too wide for the tracked points to face each other: tracking rests */
-    EVL_EVENT_FLANKS_NEAR = 11,  /**< and tracking begins anew */
-    EVL_EVENT_IMPACT = 12,       /**< rigid flanks met and part again */
-    EVL_EVENT_IMPACTS_ENDED =
-        13, /**< the approach was too slow for another impact: the rigid contact stays closed */
+    EVL_EVENT_FLANKS_NEAR = 11,   /**< and tracking begins anew */
+    EVL_EVENT_IMPACT = 12,        /**< rigid flanks met and part again */
+    EVL_EVENT_IMPACTS_ENDED = 13, /**< the approach was too slow for another impact: the rigid contact stays closed */
     EVL_EVENT_PAIR_ENTERED = 14,  /**< a tooth pair came onto the path of contact */
     EVL_EVENT_PAIR_LEFT = 15,     /**< a tooth pair left the path of contact */
     EVL_EVENT_PROFILE_BORDER = 16 /**< the contact passed the border of a relief */
@@ -556,8 +555,8 @@ typedef enum {
     EVL_DIMS_MESH = 2,
     EVL_DIMS_WHEEL_AXIS = 3,
     EVL_DIMS_MESH_AXIS = 4,
-    EVL_DIMS_SPACE = 5,      /**< x, y, z */
-    EVL_DIMS_QUATERNION = 6, /**< w, x, y, z */
+    EVL_DIMS_SPACE = 5,       /**< x, y, z */
+    EVL_DIMS_QUATERNION = 6,  /**< w, x, y, z */
     EVL_DIMS_WHEEL_SPACE = 7, /**< x, y, z of every wheel */
     EVL_DIMS_MESH_PAIR = 8,   /**< every place for a tooth pair of every mesh */
     EVL_DIMS_SHAFT = 9
@@ -799,8 +798,8 @@ typedef struct {
 
 /** Where the first tooth pair of a mesh is. */
 typedef struct {
-    double rho_start;     /**< radius of curvature of its driving flank, up to a base pitch from the start of contact [m] */
-    double gap;           /**< between its flanks, in a mesh that closes a loop [m] */
+    double rho_start; /**< radius of curvature of its driving flank, up to a base pitch from the start of contact [m] */
+    double gap;       /**< between its flanks, in a mesh that closes a loop [m] */
     int tooth_a, tooth_b; /**< its teeth: how many counterclockwise from the first ones of the wheels, 0 to z - 1 */
 } evl_tooth_phase;
 
