@@ -30,7 +30,15 @@ from kernel.kernel import Kernel, _at  # noqa: E402
 LANES, EVALUATIONS, RUNS = 8, 200_000, 60
 DURATION, OUTPUTS, PENETRATION = 5.0, 1001, 3e-9
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
-COUNTS = ("steps", "rejections", "evaluations", "iterations", "jacobians", "factorisations", "roots")
+COUNTS = (
+    "steps",
+    "rejections",
+    "evaluations",
+    "iterations",
+    "jacobians",
+    "factorisations",
+    "roots",
+)
 
 
 def fastest(call: Callable[[], object], runs: int) -> float:
@@ -94,7 +102,7 @@ def integrate(gearbox: Gearbox, tolerance: float, runs: int) -> tuple[np.ndarray
 
 
 def penetration(gearbox: Gearbox, outputs: np.ndarray) -> np.ndarray:
-    """How far the flanks overlap at every output [m]: it follows from psi and s whatever the pair."""
+    """How far the flanks overlap at every output [m], whatever the pair: from psi and s."""
     state = gearbox.start()
     gearbox.mode(state)[1] = OPEN
     values = np.empty(len(outputs))
@@ -110,7 +118,8 @@ def main() -> None:
     kernel = Kernel(Path(named))
     for friction in (0.0, 0.3):
         gearbox = paper_gearbox(kernel, friction=friction)
-        print(f"f = {friction}: {'%.0f ns for eight states, %.0f ns for one' % evaluation(gearbox)}")
+        lanes, scalar = evaluation(gearbox)
+        print(f"f = {friction}: {lanes:.0f} ns for eight states, {scalar:.0f} ns for one")
         exact = penetration(gearbox, integrate(gearbox, 1e-12, 1)[0])
         for tolerance in TOLERANCES:
             outputs, seconds, counts = integrate(gearbox, tolerance, RUNS)

@@ -30,7 +30,8 @@ int lanes_integrate(const evl_gearbox *gearbox, evl_radau *radau, const double *
                 evl_radau_interpolate(radau, duration * next / (n_outputs - 1), outputs + (size_t)next * n);
             }
             if (code == EVL_OK && outcome == EVL_RADAU_EVENT) {
-                code = evl_gearbox_apply_event(gearbox, t, fired, false, y, yp, integers, reals, events, &n_events, NULL);
+                code =
+                    evl_gearbox_apply_event(gearbox, t, fired, false, y, yp, integers, reals, events, &n_events, NULL);
                 evl_radau_restart(radau, t, y, integers, reals);
             }
         }

@@ -184,7 +184,9 @@ def test_real_gears_with_both_flanks_agree(kernel: Kernel, rough: bool):
     ]
     description = mesh(kernel, 0, 1, friction=(0.1, 1e-3), has_backlash=True, backlash=2e-5)
     description.paper_rule = False
-    gearbox = Gearbox(kernel, wheels, [load(0, TORQUE, -20.0), load(1, VISCOUS, 5.0)], [description])
+    gearbox = Gearbox(
+        kernel, wheels, [load(0, TORQUE, -20.0), load(1, VISCOUS, 5.0)], [description]
+    )
     random = np.random.default_rng(3)
     per_contact = 5 if rough else 3
     loaded = 0
