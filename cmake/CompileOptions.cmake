@@ -22,6 +22,7 @@ target_compile_options(
   INTERFACE
     -ffp-contract=off
     $<$<BOOL:${EVOLVENT_NATIVE}>:-march=native>
+    $<$<BOOL:${EVOLVENT_MARCH}>:-march=${EVOLVENT_MARCH}>
     $<$<BOOL:${EVOLVENT_WERROR}>:-Werror>
     $<$<COMPILE_LANGUAGE:C>:-Wall$<SEMICOLON>-Wextra$<SEMICOLON>-Wpedantic$<SEMICOLON>-Wconversion>
     $<$<COMPILE_LANGUAGE:Fortran>:-Wall$<SEMICOLON>-Wextra$<SEMICOLON>-Wimplicit-interface>
@@ -29,6 +30,8 @@ target_compile_options(
     $<$<COMPILE_LANGUAGE:Fortran>:-std=f2018$<SEMICOLON>-fimplicit-none$<SEMICOLON>-frecursive>
     # Honour `!$omp simd` before the short loops over lanes, which gfortran would unroll instead; no threads, no library.
     $<$<COMPILE_LANGUAGE:Fortran>:-fopenmp-simd>
+    # No signals on overflow and the like are counted on, so both sides of a merge() may be computed: values stay the same.
+    $<$<COMPILE_LANGUAGE:Fortran>:-fno-trapping-math>
     $<$<AND:$<COMPILE_LANGUAGE:Fortran>,$<CONFIG:Debug>>:-fcheck=all,no-array-temps$<SEMICOLON>-fbacktrace>
 )
 

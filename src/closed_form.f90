@@ -3,7 +3,7 @@
 !> Source: Kosenko & Gusev 2011, Assertions 1 and 2.
 module evl_closed_form
    use evl_contact_point, only: complete_gradient, complete_point, contact_gradient, contact_point, tracked_pair
-   use evl_deviation, only: deviation, deviation_find
+   use evl_deviation, only: deviation, deviation_find, tangent_angle
    use evl_kinds, only: wp
    use evl_local_variables, only: at_psi_a, at_psi_b, at_theta, at_u_a, at_u_b, n_local
    implicit none (type, external)
@@ -15,9 +15,6 @@ module evl_closed_form
 contains
 
    !> Closed form of the contact (Assertions 1 and 2): gap, normal and radii of curvature from the wheels' positions alone.
-   !>
-   !> kappa = rho - rho_A - rho_B = (rho - rho_0) + R angle + sigma (r_bA psi_A + r_bB psi_B), which is
-   !> R (inv alpha - inv alpha_0) + sigma (r_bA Dphi_A + r_bB Dphi_B - R Dchi), and the gap of the nominal positions.
    pure subroutine track_closed_form(pair, rho_a0, q, point)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: rho_a0      !! nominal radius of curvature on A at theta [m]
@@ -26,14 +23,10 @@ contains
       type(deviation) :: line
 
       call closed_form_line(pair, q, line)
-      point%exists = line%exists
-      point%h = -gap_along(pair, q, line)
-      point%rho_a = rho_a0 - pair%r_ba*(line%angle + pair%sigma*q(at_psi_a))
-      point%rho_b = pair%rho_0 - pair%gap_0 - rho_a0 - pair%r_bb*(line%angle + pair%sigma*q(at_psi_b))
-      point%s = line%s
-      point%c = line%c
-      call complete_point(pair, q, point)
+      call place_contact(pair, rho_a0, q, line, point)
    end subroutine track_closed_form
+
+   include "formulas/closed_form.inc"
 
    !> The line of action at the present centre distance.
    pure subroutine closed_form_line(pair, q, line)
@@ -53,16 +46,6 @@ contains
       call closed_form_line(pair, q, line)
       kappa = gap_along(pair, q, line)
    end function closed_form_gap
-
-   !> Gap along a line of action that is known [m].
-   pure real(wp) function gap_along(pair, q, line) result(kappa)
-      type(tracked_pair), intent(in) :: pair
-      real(wp), intent(in) :: q(n_local)
-      type(deviation), intent(in) :: line !! at q
-
-      kappa = line%d_rho + (pair%r_ba + pair%r_bb)*line%angle &
-              + pair%sigma*(pair%r_ba*q(at_psi_a) + pair%r_bb*q(at_psi_b)) + pair%gap_0
-   end function gap_along
 
    !> Derivatives of `track_closed_form`.
    pure subroutine gradient_closed_form(pair, q, point, gradient)
@@ -90,15 +73,16 @@ contains
       call complete_gradient(pair, q, point, gradient)
    end subroutine gradient_closed_form
 
+   include "formulas/centre_line.inc"
+
    !> Dchi: how far the centre line has turned from its reference direction [rad], counterclockwise.
    pure real(wp) function centre_line_turn(pair, q) result(turn)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: q(n_local)
-      real(wp) :: w(2), r
+      real(wp) :: s, c
 
-      r = pair%r_ba + pair%r_bb
-      w = q(at_u_b:at_u_b + 1) - q(at_u_a:at_u_a + 1)
-      turn = atan2(-pair%sigma*(r*w(2) - pair%rho_0*w(1)), r*(r + w(1)) + pair%rho_0*(pair%rho_0 + w(2)))
+      call centre_line(pair, q(at_u_b) - q(at_u_a), q(at_u_b + 1) - q(at_u_a + 1), s, c)
+      turn = tangent_angle(s, c)
    end function centre_line_turn
 
    !> Derivatives of `centre_line_turn` with respect to the local variables.

@@ -3,7 +3,8 @@
 !> A new law is a procedure in its own file, one entry in `law_table` and one case in the procedures of its family here.
 !> The index of a law is its place in the table, from 0; the constants below name those places.
 module evl_contact_laws
-   use evl_damping, only: linear_damping, linear_damping_law, no_damping_law, one_sided_damping, one_sided_damping_law
+   use evl_damping, only: impact_damping, linear_damping, linear_damping_law, no_damping_law, one_sided_damping, &
+                          one_sided_damping_law
    use evl_friction, only: coulomb_factor, coulomb_friction_law, coulomb_knee, coulomb_mode, no_friction_law, stribeck_factor, &
                            stribeck_friction_law, tanh_factor, tanh_friction_law
    use evl_hunt_crossley, only: flores_factor, flores_law, gonthier_factor, gonthier_law, hunt_crossley_factor, &
@@ -26,6 +27,9 @@ module evl_contact_laws
    public :: elastic_force, elastic_limit_message, elastic_potential, penetration_from_force, viscous_force
    public :: friction_factor, friction_knee, friction_mode
    public :: is_rigid, is_undamped, rigid_rest_velocity, rigid_restitution
+   public :: impact_share
+   public :: contact_johnson, contact_radzimovsky
+   public :: damping_hunt_crossley, damping_lee_wang, damping_linear, damping_none, friction_coulomb, friction_none
    public :: law_count, law_describe, law_validate
    public :: law_name_length, law_text_length, laws_contact, laws_damping, laws_friction
 
@@ -86,10 +90,10 @@ contains
       select case (choice%law)
       case (contact_johnson)
          call johnson_force(ctx%h, ctx%rho_sum, ctx%e_star, result%force, result%d_h, result%d_rho, code)
-         call spread_over_width(ctx, result)
+         call spread_over_width(ctx%width, ctx%e_star, ctx%rho_sum, result)
       case (contact_radzimovsky)
          call radzimovsky_force(ctx%h, ctx%rho_sum, ctx%e_star, result%force, result%d_h, result%d_rho, code)
-         call spread_over_width(ctx, result)
+         call spread_over_width(ctx%width, ctx%e_star, ctx%rho_sum, result)
       case (contact_rigid)
          code = code_out_of_domain
       case default
@@ -113,17 +117,7 @@ contains
       end if
    end subroutine spring_force
 
-   !> From a force per unit width to that over the whole width, for h = N/(pi E*) (ln(rho_sum/N) + constant), whose energy has
-   !> dV/drho_sum = -N^2/(2 pi E* rho_sum) at constant h.
-   pure subroutine spread_over_width(ctx, result)
-      type(contact_context), intent(in) :: ctx
-      type(elastic_result), intent(inout) :: result !! per unit width; over the whole width
-
-      result%d_energy = -ctx%width*result%force**2/(2*pi*ctx%e_star*ctx%rho_sum)
-      result%force = ctx%width*result%force
-      result%d_h = ctx%width*result%d_h
-      result%d_rho = ctx%width*result%d_rho
-   end subroutine spread_over_width
+   include "formulas/spread_over_width.inc"
 
    !> Stiffness of the laws that are linear in h [N/m].
    pure real(wp) function linear_stiffness(choice, ctx) result(stiffness)
@@ -246,16 +240,24 @@ contains
       case (damping_one_sided)
          call one_sided_damping(ctx%h, ctx%h_dot, choice%parameters(1), result%force, result%d_h, result%d_h_dot)
       case (damping_hunt_crossley:damping_lee_wang)
-         share = impact_factor(choice)/max(ctx%v0, choice%parameters(2))
+         share = impact_share(choice, ctx%v0)
          result%d_h_dot = share*elastic%force
+         result%force = impact_damping(share, elastic%force, ctx%h_dot)
          share = share*ctx%h_dot
-         result%force = share*elastic%force
          result%d_h = share*elastic%d_h
          result%d_rho = share*elastic%d_rho
       end select
    end subroutine viscous_force
 
-   !> chi of the laws that multiply the elastic force by chi h'/v0.
+   !> chi/v0 of the laws that multiply the elastic force by chi h'/v0 [s/m].
+   pure real(wp) function impact_share(choice, v0) result(share)
+      type(law_choice), intent(in) :: choice !! damping_hunt_crossley to damping_lee_wang
+      real(wp), intent(in) :: v0             !! approach speed at the last closing [m/s]
+
+      share = impact_factor(choice)/max(v0, choice%parameters(2))
+   end function impact_share
+
+   !> Their chi.
    pure real(wp) function impact_factor(choice) result(chi)
       type(law_choice), intent(in) :: choice !! damping_hunt_crossley to damping_lee_wang
 

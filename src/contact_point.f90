@@ -45,28 +45,7 @@ module evl_contact_point
 
 contains
 
-   !> Rates, arms and sliding velocity from penetration, normal and radii.
-   pure subroutine complete_point(pair, q, point)
-      type(tracked_pair), intent(in) :: pair
-      real(wp), intent(in) :: q(n_local)
-      type(contact_point), intent(inout) :: point
-      real(wp) :: v_t, v_e
-
-      v_t = q(at_v_b) - q(at_v_a)
-      v_e = q(at_v_b + 1) - q(at_v_a + 1)
-      point%multiplier = q(at_normal)
-      point%arm_a = pair%r_ba
-      point%arm_b = pair%r_bb
-      point%tilt = 0
-      point%omega_a = pair%ratio_a*q(at_omega) + q(at_psi_dot_a)
-      point%omega_b = pair%ratio_b*q(at_omega) + q(at_psi_dot_b)
-      point%h_dot = -pair%sigma*(pair%r_ba*q(at_psi_dot_a) + pair%r_bb*q(at_psi_dot_b)) + v_t*point%s - v_e*point%c
-      point%l_a = point%rho_a - pair%share_a*point%h
-      point%l_b = point%rho_b - pair%share_b*point%h
-      point%rho_dot = -v_t*point%s + v_e*point%c &
-                      + (pair%r_ba + pair%r_bb)/(point%rho_a + point%rho_b - point%h)*(v_t*point%c + v_e*point%s)
-      point%v_t = pair%sigma*(point%omega_a*point%l_a + point%omega_b*point%l_b) - v_t*point%c - v_e*point%s
-   end subroutine complete_point
+   include "formulas/contact_point.inc"
 
    !> Derivatives of `complete_point`; h, rho_a, rho_b and angle are there already.
    pure subroutine complete_gradient(pair, q, point, gradient)

@@ -7,20 +7,11 @@ module evl_damping
    implicit none (type, external)
    private
 
-   public :: linear_damping, linear_damping_law, no_damping_law, one_sided_damping, one_sided_damping_law
+   public :: impact_damping, linear_damping, linear_damping_law, no_damping_law, one_sided_damping, one_sided_damping_law
 
 contains
 
-   !> F = c h'. Source: Kosenko & Gusev 2011, section 4, "similar to [7]".
-   elemental subroutine linear_damping(h_dot, coefficient, force, d_h_dot)
-      real(wp), intent(in) :: h_dot       !! rate of penetration [m/s], positive on approach
-      real(wp), intent(in) :: coefficient !! c [N s/m], >= 0
-      real(wp), intent(out) :: force      !! [N]
-      real(wp), intent(out) :: d_h_dot    !! dF/dh' [N s/m]
-
-      force = coefficient*h_dot
-      d_h_dot = coefficient
-   end subroutine linear_damping
+   include "formulas/damping.inc"
 
    !> F = c h h' on approach (h' > 0), 0 on separation.
    !>

@@ -14,7 +14,7 @@ module evl_deviating_flanks
    implicit none (type, external)
    private
 
-   public :: flank_value, deviate, deviate_gradient
+   public :: flank_value, radius_rates, deviate, deviate_gradient
 
    !> Deviation of one flank at its contact point.
    type :: flank_value
@@ -32,27 +32,7 @@ module evl_deviating_flanks
 
 contains
 
-   !> From the contact of perfect involutes to that of deviating flanks.
-   pure subroutine deviate(pair, a, b, q, point)
-      type(tracked_pair), intent(in) :: pair
-      type(flank_value), intent(in) :: a, b !! at the radii of curvature of the point
-      real(wp), intent(in) :: q(n_local)
-      type(contact_point), intent(inout) :: point
-      type(radius_rates) :: rate
-      real(wp) :: e_dot
-
-      rate = rates_of(pair, q, point)
-      e_dot = a%de*rate%a + b%de*rate%b
-      point%h = point%h - a%e - b%e
-      point%h_dot = point%h_dot - e_dot
-      point%rho_dot = point%rho_dot + e_dot
-      point%l_a = point%rho_a - a%e - pair%share_a*point%h
-      point%l_b = point%rho_b - b%e - pair%share_b*point%h
-      point%v_t = pair%sigma*(point%omega_a*point%l_a + point%omega_b*point%l_b) - rate%along
-      point%arm_a = pair%r_ba*(1 - a%de)
-      point%arm_b = pair%r_bb*(1 - b%de)
-      point%tilt = -(a%de*pair%r_ba + b%de*pair%r_bb)/rate%line
-   end subroutine deviate
+   include "formulas/deviating_flanks.inc"
 
    !> Derivatives of `deviate`; in: those of the contact of perfect involutes.
    pure subroutine deviate_gradient(pair, a, b, q, perfect, point, gradient)
@@ -92,17 +72,5 @@ contains
       gradient%arm_b = -pair%r_bb*b%d2e*gradient%rho_b
       gradient%tilt = -(pair%r_ba*a%d2e*gradient%rho_a + pair%r_bb*b%d2e*gradient%rho_b)/rate%line - point%tilt/rate%line*line
    end subroutine deviate_gradient
-
-   !> How fast the contact of perfect involutes moves along both flanks.
-   pure type(radius_rates) function rates_of(pair, q, point) result(rate)
-      type(tracked_pair), intent(in) :: pair
-      real(wp), intent(in) :: q(n_local)
-      type(contact_point), intent(in) :: point !! of perfect involutes
-
-      rate%line = point%rho_a + point%rho_b - point%h
-      rate%along = (q(at_v_b) - q(at_v_a))*point%c + (q(at_v_b + 1) - q(at_v_a + 1))*point%s
-      rate%a = pair%advance*q(at_omega) - pair%r_ba*(pair%sigma*q(at_psi_dot_a) - rate%along/rate%line)
-      rate%b = -pair%advance*q(at_omega) - pair%r_bb*(pair%sigma*q(at_psi_dot_b) - rate%along/rate%line)
-   end function rates_of
 
 end module evl_deviating_flanks

@@ -9,7 +9,9 @@ module evl_deviation
    implicit none (type, external)
    private
 
-   public :: deviation, deviation_find, deviation_gradients, versine
+   public :: deviation, deviation_find, deviation_gradients, small_sine, tangent_angle, versine
+
+   real(wp), parameter :: small_sine = 1.0e-2_wp !! below which an angle comes from a series
 
    !> Where a point lies relative to a circle's tangents, see `deviation_find`.
    type :: deviation
@@ -22,42 +24,39 @@ module evl_deviation
 
 contains
 
-   !> Tangent to a circle of radius r_b through the point (r_b + a_t, rho_0 + a_e).
-   !>
-   !> Valid: rho_0 > 0 and the point outside the circle. Written without cancellation: rho - rho_0 and the angle keep full relative
-   !> precision in a. Derivatives: d angle = -(da.t + s drho_0)/rho, d rho = da.e + c drho_0 - r_b d angle, hence
-   !> d(rho - rho_0 + r_b angle) = da.e + (c-1) drho_0.
+   include "formulas/tangent_line.inc"
+
+   !> Tangent to a circle of radius r_b through the point (r_b + a_t, rho_0 + a_e), and its angle: see `tangent_line`.
    pure subroutine deviation_find(r_b, rho_0, a_t, a_e, found)
       real(wp), intent(in) :: r_b      !! radius of the circle [m]
       real(wp), intent(in) :: rho_0    !! nominal distance from the point of tangency [m]
       real(wp), intent(in) :: a_t, a_e !! deviation from the nominal point [m]
       type(deviation), intent(out) :: found
-      real(wp) :: change, radicand, y, radius2, s2
+      real(wp) :: margin
 
-      change = a_t*(2*r_b + a_t) + a_e*(2*rho_0 + a_e)
-      radicand = rho_0**2 + change
-      y = rho_0 + a_e
-      found%exists = radicand > 0 .and. rho_0 > 0 .and. y > 0
+      call tangent_line(r_b, rho_0, a_t, a_e, margin, found%d_rho, found%rho, found%s, found%c)
+      found%exists = margin > 0
       if (.not. found%exists) then
          found%d_rho = 0
          found%rho = rho_0
          found%angle = 0
          found%s = 0
          found%c = 1
-         return
-      end if
-      found%rho = sqrt(radicand)
-      found%d_rho = change/(found%rho + rho_0)
-      radius2 = r_b**2 + radicand
-      found%s = -a_t*(r_b*(2*r_b + a_t)/(found%rho + y) + found%rho)/radius2
-      found%c = (r_b*(r_b + a_t) + found%rho*y)/radius2
-      s2 = found%s**2
-      if (s2 < 1.0e-4_wp) then ! the series of asin: next term 2e-22 relative
-         found%angle = found%s*(1 + s2*(1/6.0_wp + s2*(3/40.0_wp + s2*(15/336.0_wp + s2*(105/3456.0_wp)))))
       else
-         found%angle = atan2(found%s, found%c)
+         found%angle = tangent_angle(found%s, found%c)
       end if
    end subroutine deviation_find
+
+   !> An angle from its sine and cosine [rad].
+   elemental real(wp) function tangent_angle(s, c) result(angle)
+      real(wp), intent(in) :: s, c
+
+      if (abs(s) < small_sine) then
+         angle = small_angle(s)
+      else
+         angle = atan2(s, c)
+      end if
+   end function tangent_angle
 
    !> 1 - cos of a deviation's angle, without cancellation.
    pure real(wp) function versine(found)

@@ -14,25 +14,7 @@ module evl_friction
 
 contains
 
-   !> phi = f v_t/delta in mode 0, -f or +f in mode -1 or +1.
-   !>
-   !> Source: Coulomb's law, regularised piecewise linearly as in Kosenko & Gusev 2011, section 7.2.
-   elemental subroutine coulomb_factor(mode, v_t, coefficient, delta, factor, d_v)
-      integer, intent(in) :: mode         !! -1, 0 or +1
-      real(wp), intent(in) :: v_t         !! sliding velocity [m/s]
-      real(wp), intent(in) :: coefficient !! f, >= 0
-      real(wp), intent(in) :: delta       !! regularisation velocity [m/s], > 0
-      real(wp), intent(out) :: factor     !! phi
-      real(wp), intent(out) :: d_v        !! dphi/dv_t [s/m]
-
-      if (mode == 0) then
-         d_v = coefficient/delta
-         factor = coefficient*(v_t/delta)
-      else
-         d_v = 0.0_wp
-         factor = sign(coefficient, real(mode, wp))
-      end if
-   end subroutine coulomb_factor
+   include "formulas/coulomb.inc"
 
    !> The mode that belongs to a sliding velocity: 0 if |v_t| <= knee or there is no knee, else the sign of v_t.
    elemental integer function coulomb_mode(v_t, coefficient, delta)

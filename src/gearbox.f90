@@ -31,13 +31,14 @@ module evl_gearbox
    use evl_output, only: output_t
    use evl_rigid_contact, only: rigid_acceleration
    use evl_shaft, only: shaft_loss, shaft_t, shaft_torque
+   use evl_springs_and_dampers, only: damper_power, support_acceleration
    use evl_spur_geometry, only: spur_pair_t
    use evl_status, only: has_failed, message_length, status_t
    use evl_tooth_phase, only: tooth_phase_t
    implicit none (type, external)
    private
 
-   public :: add_speed
+   public :: add_speed, segment_of
    public :: gearbox_t, wheel_t, support_t
    public :: gearbox_rates, multiplier_row, is_closed, pairs_loaded, carries_points, leading_contact
    public :: gearbox_local, gearbox_mode, gearbox_store_mode, wheel_speed, wheel_load_torque, wheel_acceleration
@@ -517,8 +518,8 @@ contains
          do j = 1, support%n
             associate (i => support%i_state(j))
                f(i) = y(i + 1)
-               f(gearbox%i_dissipated) = f(gearbox%i_dissipated) + support%damping(j)*y(i + 1)**2
-               f(i + 1) = (f(i + 1) - support%stiffness(j)*y(i) - support%damping(j)*y(i + 1))/support%mass
+               f(gearbox%i_dissipated) = f(gearbox%i_dissipated) + damper_power(support%damping(j), y(i + 1))
+               f(i + 1) = support_acceleration(f(i + 1), support%stiffness(j), support%damping(j), support%mass, y(i), y(i + 1))
             end associate
          end do
       end associate

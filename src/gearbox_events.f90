@@ -17,6 +17,7 @@ module evl_gearbox_events
    implicit none (type, external)
    private
 
+   public :: turns_root
    public :: gearbox_roots, gearbox_root_directions, gearbox_next_time_event, gearbox_apply_event
 
    integer, parameter :: most_turns = 2       !! theta is reduced at events past one turn, and at this many at the latest
@@ -43,8 +44,15 @@ contains
          end associate
          if (has_failed(status)) return
       end do
-      roots(gearbox%n_roots) = 1 - (y(i_theta)/(2*pi*most_turns))**2
+      roots(gearbox%n_roots) = turns_root(y(i_theta))
    end subroutine gearbox_roots
+
+   !> The root function of the turns of the reference wheel.
+   elemental real(wp) function turns_root(theta) result(root)
+      real(wp), intent(in) :: theta !! [rad]
+
+      root = 1 - (theta/(2*pi*most_turns))**2
+   end function turns_root
 
    !> Directions that count in the present modes.
    pure subroutine gearbox_root_directions(gearbox, integers, directions)

@@ -6,9 +6,11 @@ module evl_gearbox_ode
    use evl_dae_jacobian, only: gearbox_jacobian
    use evl_gearbox, only: gearbox_rates, gearbox_t, i_omega, i_theta, wheel_t
    use evl_gearbox_events, only: gearbox_root_directions, gearbox_roots
+   use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
    use evl_kinds, only: wp
    use evl_mesh, only: contact_t, tracking_closed_form
    use evl_ode_model, only: lanes, ode_model
+   use evl_roots_lanes, only: roots_in_lanes
    use evl_status, only: code_invalid_input, fail, has_failed, status_t, subject_housing, subject_mesh
    implicit none (type, external)
    private
@@ -25,6 +27,7 @@ module evl_gearbox_ode
       type(gearbox_t), pointer, private :: gearbox => null()
       integer, allocatable, private :: integers(:) !! discrete state
       real(wp), allocatable, private :: reals(:)   !! discrete state
+      logical, private :: in_lanes = .false.       !! whether eight states can be evaluated at once
    contains
       procedure :: rhs
       procedure :: rhs_lanes
@@ -66,6 +69,7 @@ contains
       real(wp), intent(in) :: scale(:) !! [n_states] of the states, as from gearbox_state_scales
 
       self%gearbox => gearbox
+      self%in_lanes = lanes_serve(gearbox)
       self%n = gearbox%n_states
       self%n_roots = gearbox%n_roots
       self%scale = scale/weight
@@ -108,6 +112,10 @@ contains
       real(wp) :: y_lane(self%n), f_lane(self%n)
       integer :: lane
 
+      if (self%in_lanes) then
+         call rates_in_lanes(self%gearbox, t, y, self%integers, self%reals, f, status)
+         return
+      end if
       do lane = 1, lanes
          y_lane = y(lane, :)
          call gearbox_rates(self%gearbox, t(lane), y_lane, self%integers, self%reals, f_lane, status)
@@ -157,6 +165,10 @@ contains
       real(wp) :: y_lane(self%n), lane_values(self%n_roots)
       integer :: lane
 
+      if (self%in_lanes) then
+         call roots_in_lanes(self%gearbox, y, self%integers, self%reals, values, status)
+         return
+      end if
       do lane = 1, lanes
          y_lane = y(lane, :)
          call self%roots(t(lane), y_lane, lane_values, status)

@@ -14,11 +14,13 @@
 module evl_johnson
    use evl_kinds, only: pi, wp
    use evl_law_info, only: law_info_t
+   use evl_logarithm, only: natural_logarithm
    use evl_status, only: code_no_solution, code_ok, code_out_of_domain, quantity
    implicit none (type, external)
    private
 
    public :: johnson_force, johnson_force_limit, johnson_iteration, johnson_iteration_force, johnson_law
+   public :: exp_minus_2, smallest_ratio
    public :: johnson_limit_message, johnson_penetration, johnson_penetration_limit, johnson_potential
 
    real(wp), parameter :: exp_minus_2 = 0.13533528323661269189399949497248_wp !! e**(-2)
@@ -29,37 +31,7 @@ module evl_johnson
 
 contains
 
-   !> Force per unit width from the penetration, with its derivatives.
-   !>
-   !> Source: Kosenko & Gusev 2011, (13)-(14) through W_{-1}.   Valid: |h| < 4 rho/e**2, rho > 0.
-   !> At h = 0 the derivative is 0, its (logarithmic) limit.
-   elemental subroutine johnson_force(h, rho_sum, e_star, force, d_h, d_rho, code)
-      real(wp), intent(in) :: h       !! penetration [m]; the force is odd in it
-      real(wp), intent(in) :: rho_sum !! sum of the radii of curvature [m], > 0
-      real(wp), intent(in) :: e_star  !! effective modulus [Pa], > 0
-      real(wp), intent(out) :: force  !! N [N/m]; 0 on error
-      real(wp), intent(out) :: d_h    !! dN/dh at constant rho_sum [N/m^2]; 0 on error
-      real(wp), intent(out) :: d_rho  !! dN/d(rho_sum) at constant h [N/m^2]; 0 on error
-      integer, intent(out) :: code    !! code_ok or code_out_of_domain
-      real(wp) :: ratio, excess, v, w_inverse
-
-      force = 0.0_wp
-      d_h = 0.0_wp
-      d_rho = 0.0_wp
-      code = code_out_of_domain
-      if (.not. rho_sum > 0.0_wp) return
-      ratio = abs(h)/(4.0_wp*rho_sum)
-      if (.not. ratio < exp_minus_2) return
-      excess = -log(max(ratio, smallest_ratio)) - 2.0_wp
-      if (.not. excess > 0.0_wp) return ! the last few numbers below the limit
-      code = code_ok
-      if (.not. abs(h) > 0.0_wp) return
-      v = w_minus_one(excess)
-      w_inverse = 1.0_wp/(1.0_wp + v)
-      force = pi*e_star*h*w_inverse
-      d_h = pi*e_star/v
-      d_rho = sign(4.0_wp*ratio, -h)*d_h*w_inverse
-   end subroutine johnson_force
+   include "formulas/johnson.inc"
 
    !> Penetration from the force per unit width.
    !>
@@ -196,30 +168,6 @@ contains
       code = code_ok
       force = 4.0_wp*pi*e_star*rho_sum*exp(-1.0_wp)*x*next
    end subroutine johnson_iteration_force
-
-   !> v = w - 1 > 0 of w - ln w = 1 + excess, that is v = -W_{-1}(-exp(-1 - excess)) - 1.
-   !>
-   !> A start value and one correction of 4th order. The start is v = p times a rational function of p = sqrt(2 excess),
-   !> fitted for the least largest relative error over 0 < p < 37.3 (tests/reference/johnson_start.py): that error is
-   !> 5.6e-5, and 7e-19 after the correction, so only rounding is left.
-   !>
-   !> Source: F. N. Fritsch, R. E. Shafer, W. P. Crowley, Algorithm 443, CACM 16 (1973) 123: the correction.
-   elemental real(wp) function w_minus_one(excess) result(v)
-      real(wp), intent(in) :: excess !! -ln(x) - 1, in (0, 696)
-      real(wp), parameter :: num(0:3) = [1.000047_wp, 1.583318_wp, 0.6421632_wp, 0.09953348_wp]
-      real(wp), parameter :: den(2) = [1.249795_wp, 0.1994_wp]
-      real(wp) :: p, z, q
-
-      p = sqrt(2.0_wp*excess)
-      if (p < 1.0e-5_wp) then ! z below would be rounding alone; the branch point series is exact here
-         v = p*(1.0_wp + p*(1.0_wp/3.0_wp + p/36.0_wp))
-         return
-      end if
-      v = p*(num(0) + p*(num(1) + p*(num(2) + p*num(3))))/(1.0_wp + p*(den(1) + p*den(2)))
-      z = v - log(1.0_wp + v) - excess
-      q = 2.0_wp*v*(v - 2.0_wp/3.0_wp*z)
-      v = v - (1.0_wp + v)*z*(q - z)/(v*(q - 2.0_wp*z))
-   end function w_minus_one
 
    !> The entry of the law table.
    pure type(law_info_t) function johnson_law() result(info)

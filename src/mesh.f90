@@ -22,8 +22,8 @@ module evl_mesh
    private
 
    public :: contact_t, mesh_link, mesh_mode, mesh_force, mesh_force_gradient
-   public :: mesh_contact, mesh_forces, mesh_gradient, mesh_energy
-   public :: mesh_nominal_rho, mesh_unclipped_force, mesh_settle_friction, touches
+   public :: context_of, mesh_contact, mesh_forces, mesh_gradient, mesh_energy
+   public :: mesh_nominal_rho, mesh_nominal_start, mesh_unclipped_force, mesh_settle_friction, touches
    public :: tracking_closed_form, tracking_algebraic, tracking_differential
    public :: contact_open, contact_loaded, contact_unloaded, contact_apart, contact_off
    public :: n_mesh_roots, n_border_roots
@@ -127,8 +127,16 @@ contains
       integer, intent(in) :: turns   !! whole turns of the reference wheel beside theta
       integer, intent(in) :: teeth   !! tooth pair: pitches since the start
 
-      rho_a0 = mesh%rho_start + mesh%step*rational_pitches(mesh%pitches_per_turn, turns, teeth) + mesh%pair%advance*theta
+      rho_a0 = mesh_nominal_start(mesh, turns, teeth) + mesh%pair%advance*theta
    end function mesh_nominal_rho
+
+   !> The same at theta = 0.
+   pure real(wp) function mesh_nominal_start(mesh, turns, teeth) result(rho_a0)
+      type(contact_t), intent(in) :: mesh
+      integer, intent(in) :: turns, teeth
+
+      rho_a0 = mesh%rho_start + mesh%step*rational_pitches(mesh%pitches_per_turn, turns, teeth)
+   end function mesh_nominal_start
 
    !> The contact as the mesh's tracking sees it.
    pure subroutine mesh_contact(mesh, mode, rho_a0, q, point)
@@ -221,25 +229,17 @@ contains
          return
       end if
       call contact_law(mesh, mode, point, elastic, viscous, status)
-      force%elastic = elastic%force
-      force%viscous = viscous%force
       if (mode%contact == contact_unloaded) then
-         force%dissipation = -force%elastic*point%h_dot - elastic%d_energy*point%rho_dot
+         force%elastic = elastic%force
+         force%viscous = viscous%force
+         force%dissipation = unloaded_loss(point, elastic)
          return
       end if
-      force%normal = force%elastic + force%viscous
       call friction_factor(mesh%friction, mode%friction, point%v_t, factor, d_v)
-      force%friction = -force%normal*factor
-      associate (sigma => mesh%pair%sigma)
-         force%torque_a = sigma*(force%normal*point%arm_a + force%friction*point%l_a)
-         force%torque_b = sigma*(force%normal*point%arm_b + force%friction*point%l_b)
-      end associate
-      associate (tangential => force%friction + force%normal*point%tilt)
-         force%on_a(1) = force%normal*point%s + tangential*point%c
-         force%on_a(2) = -force%normal*point%c + tangential*point%s
-      end associate
-      force%dissipation = force%viscous*point%h_dot - force%friction*point%v_t - elastic%d_energy*point%rho_dot
+      call resolve_forces(mesh%pair%sigma, point, elastic, viscous%force, factor, force)
    end subroutine mesh_forces
+
+   include "formulas/contact_forces.inc"
 
    !> Elastic and viscous force with derivatives.
    subroutine contact_law(mesh, mode, point, elastic, viscous, status)

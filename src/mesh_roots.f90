@@ -12,7 +12,7 @@ module evl_mesh_roots
    implicit none (type, external)
    private
 
-   public :: mesh_roots, mesh_root_directions, mesh_ends
+   public :: mesh_roots, mesh_root_directions, mesh_ends, past
    public :: root_contact, root_force, root_friction_high, root_friction_low, root_forward, root_back, root_apart, root_borders_a, &
              root_borders_b
 
@@ -29,6 +29,8 @@ module evl_mesh_roots
    !> Roots lie this far past the change of mode, relative to the size of the quantity: a root function never starts at zero.
    real(wp), parameter :: past = 1.0e-10_wp
 
+   integer, parameter :: width = 1 !! states that the included formulas take at once
+
 contains
 
    !> Root functions, of order 1; those without meaning in the mode are 1.
@@ -39,77 +41,20 @@ contains
       type(contact_point), intent(in) :: point
       real(wp), intent(out) :: roots(mesh%n_roots)
       type(status_t), intent(inout) :: status
-      real(wp) :: force, knee
+      real(wp) :: values(width, mesh%n_roots), force, moved(width)
 
-      roots = 1
-      if (mode%contact == contact_open) roots(root_contact) = point%h/mesh%h_scale - past
-      if (touches(mode)) then
-         if (.not. mesh%rigid) roots(root_contact) = point%h/mesh%h_scale + past
-         call mesh_unclipped_force(mesh, mode, point, force, status)
-         roots(root_force) = force/mesh%force_scale + merge(past, -past, mode%contact == contact_loaded)
-      end if
-      knee = friction_knee(mesh%friction)
-      if (knee > 0 .and. mode%contact == contact_loaded) then
-         select case (mode%friction)
-         case (0)
-            roots(root_friction_high) = point%v_t/knee - (1 + past)
-            roots(root_friction_low) = point%v_t/knee + (1 + past)
-         case (1)
-            roots(root_friction_high) = point%v_t/knee - (1 - past)
-         case (-1)
-            roots(root_friction_low) = point%v_t/knee + (1 - past)
-         end select
-      end if
-      call end_roots(mesh, mode, rho_a0, q, point, roots(root_forward), roots(root_back))
-      if (mesh%deviates .and. mode%contact /= contact_off) then
-         call border_roots(mesh%deviation_a, mode%zone_a, point%rho_a, mesh%base_pitch, roots(root_borders_a:root_borders_a + 1))
-         call border_roots(mesh%deviation_b, mode%zone_b, point%rho_b, mesh%base_pitch, roots(root_borders_b:root_borders_b + 1))
-      end if
+      force = 0
+      if (touches(mode)) call mesh_unclipped_force(mesh, mode, point, force, status)
+      moved = 0
+      if (mesh%handover) moved = pitches_moved(mesh, [rho_a0], [q(at_psi_a)], [centre_line_turn(mesh%pair, q)])
+      call contact_roots(mesh, mode, [point%h], [point%v_t], [point%rho_a], [point%rho_b], [force], moved, values)
+      roots = values(1, :)
       if (mesh%tracking == tracking_closed_form) return
       if (mode%contact == contact_open) roots(root_apart) = -point%h/mesh%gap_apart - 1
       if (mode%contact == contact_apart) roots(root_apart) = closed_form_gap(mesh%pair, q)/mesh%gap_apart - 1
    end subroutine mesh_roots
 
-   !> Root functions of the borders of tip and root relief on one flank.
-   pure subroutine border_roots(deviation, zone, rho, unit_length, roots)
-      type(flank_deviation_t), intent(in) :: deviation
-      integer, intent(in) :: zone
-      real(wp), intent(in) :: rho, unit_length !! [m]
-      real(wp), intent(inout) :: roots(2)      !! tip, root; stay as they are where they have no meaning
-      real(wp) :: rho_root, rho_tip
-
-      call deviation_borders(deviation, rho_root, rho_tip)
-      if (rho_tip < huge(rho_tip) .and. zone /= zone_root) &
-         roots(1) = (rho - rho_tip)/unit_length + merge(past, -past, zone == zone_tip)
-      if (rho_root > -huge(rho_root) .and. zone /= zone_tip) &
-         roots(2) = (rho - rho_root)/unit_length + merge(-past, past, zone == zone_root)
-   end subroutine border_roots
-
-   !> Root functions of the ends of the path.
-   pure subroutine end_roots(mesh, mode, rho_a0, q, point, forward, back)
-      type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
-      real(wp), intent(in) :: rho_a0, q(n_local)
-      type(contact_point), intent(in) :: point
-      real(wp), intent(out) :: forward, back
-      real(wp) :: moved, none
-
-      if (mesh%handover) then
-         moved = mesh_teeth_moved(mesh, rho_a0, q)
-         forward = moved - 1
-         back = moved + 1
-      else if (mode%contact == contact_off) then
-         ! the pair that waits may enter where pairs begin, and the one before it, turning back, where they end
-         call mesh_ends(mesh, point, 0, back, none)
-         call mesh_ends(mesh, point, mesh%n_slots, none, forward)
-         back = back - past
-         forward = forward - past
-      else
-         call mesh_ends(mesh, point, 0, back, forward)
-         back = back + past
-         forward = forward + past
-      end if
-   end subroutine end_roots
+   include "formulas/mesh_roots.inc"
 
    !> The direction in which each root counts.
    pure subroutine mesh_root_directions(mesh, mode, directions)
@@ -131,26 +76,16 @@ contains
       directions(root_borders_b + 1) = merge(1, -1, mode%zone_b == zone_root)
    end subroutine mesh_root_directions
 
-   !> How many pitches the driving wheel has moved on since a pair that hands over began [1].
-   pure real(wp) function mesh_teeth_moved(mesh, rho_a0, q) result(moved)
-      type(contact_t), intent(in) :: mesh
-      real(wp), intent(in) :: rho_a0, q(n_local)
-
-      moved = (rho_a0 - mesh%rho_entry - mesh%pair%sigma*mesh%pair%r_ba*(q(at_psi_a) - centre_line_turn(mesh%pair, q)))/mesh%step
-   end function mesh_teeth_moved
-
    !> How far a tooth pair is from the ends of the path of contact, in pitches; not negative while it is on the path.
-   pure subroutine mesh_ends(mesh, point, pitches, near, far)
+   pure subroutine mesh_ends(mesh, point, near, far)
       type(contact_t), intent(in) :: mesh
       type(contact_point), intent(in) :: point
-      integer, intent(in) :: pitches     !! of the pair before that of the point: how many pitches ahead it is
       real(wp), intent(out) :: near, far !! from the end where pairs enter in the nominal sense of rotation, and from the other
-      real(wp) :: from_tip_a, from_tip_b
+      real(wp), dimension(width) :: to_near, to_far
 
-      from_tip_a = (mesh%rho_tip_a - point%rho_a - pitches*mesh%step)/mesh%base_pitch
-      from_tip_b = (mesh%rho_tip_b - point%rho_b + pitches*mesh%step)/mesh%base_pitch
-      near = merge(from_tip_b, from_tip_a, mesh%flank == flank_drive)
-      far = merge(from_tip_a, from_tip_b, mesh%flank == flank_drive)
+      call path_ends(mesh, [point%rho_a], [point%rho_b], 0, to_near, to_far)
+      near = to_near(1)
+      far = to_far(1)
    end subroutine mesh_ends
 
 end module evl_mesh_roots

@@ -20,25 +20,14 @@ module evl_radzimovsky
    implicit none (type, external)
    private
 
+   public :: enlarged
    public :: radzimovsky_force, radzimovsky_law, radzimovsky_limit_message, radzimovsky_penetration, radzimovsky_potential
 
    real(wp), parameter :: enlarged = 1.323622512617507341706843001049_wp !! exp(5/3)/4
 
 contains
 
-   !> Force per unit width from the penetration, with its derivatives.   Valid: |h| < exp(-1/3) rho_sum, rho_sum > 0
-   elemental subroutine radzimovsky_force(h, rho_sum, e_star, force, d_h, d_rho, code)
-      real(wp), intent(in) :: h       !! penetration [m]; the force is odd in it
-      real(wp), intent(in) :: rho_sum !! sum of the radii of curvature [m], > 0
-      real(wp), intent(in) :: e_star  !! effective modulus [Pa], > 0
-      real(wp), intent(out) :: force  !! N [N/m]; 0 on error
-      real(wp), intent(out) :: d_h    !! dN/dh at constant rho_sum [N/m^2]; 0 on error
-      real(wp), intent(out) :: d_rho  !! dN/d(rho_sum) at constant h [N/m^2]; 0 on error
-      integer, intent(out) :: code    !! code_ok or code_out_of_domain
-
-      call johnson_force(h, enlarged*rho_sum, e_star, force, d_h, d_rho, code)
-      d_rho = enlarged*d_rho
-   end subroutine radzimovsky_force
+   include "formulas/radzimovsky.inc"
 
    !> Penetration from the force per unit width.   Valid: |N| < exp(-1/3) pi E* rho_sum, rho_sum > 0
    elemental subroutine radzimovsky_penetration(force, rho_sum, e_star, h, code)

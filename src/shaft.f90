@@ -5,6 +5,7 @@
 !> wheels are one rotor, and share one deviation.
 module evl_shaft
    use evl_kinds, only: wp
+   use evl_springs_and_dampers, only: damper_power, spring_damper
    implicit none (type, external)
    private
 
@@ -47,7 +48,7 @@ contains
       type(shaft_t), intent(in) :: shaft
       real(wp), intent(in) :: y(:)
 
-      torque = shaft%stiffness*shaft_twist(shaft, y) + shaft%damping*shaft_twist_rate(shaft, y)
+      torque = spring_damper(shaft%stiffness, shaft%damping, shaft_twist(shaft, y), shaft_twist_rate(shaft, y))
    end function shaft_torque
 
    !> Elastic energy [J].
@@ -63,7 +64,7 @@ contains
       type(shaft_t), intent(in) :: shaft
       real(wp), intent(in) :: y(:)
 
-      power = shaft%damping*shaft_twist_rate(shaft, y)**2
+      power = damper_power(shaft%damping, shaft_twist_rate(shaft, y))
    end function shaft_loss
 
 end module evl_shaft

@@ -94,10 +94,10 @@ contains
             if (mesh%handover) cycle
             call closed_form_point(gearbox, m, y, integers(i_turns), teeth, point)
             ! a pair is this many pitches on from where pairs enter, and n_slots pitches later the next one is there
-            call mesh_ends(mesh, point, 0, near, far)
+            call mesh_ends(mesh, point, near, far)
             teeth = teeth + mesh%n_slots*floor((near + at_the_end)/mesh%n_slots)
             call closed_form_point(gearbox, m, y, integers(i_turns), teeth, point)
-            call mesh_ends(mesh, point, 0, near, far)
+            call mesh_ends(mesh, point, near, far)
             if (far >= -at_the_end) cycle
             contact = contact_off
             teeth = teeth + mesh%n_slots

@@ -1,0 +1,132 @@
+"""Cost of the paper's case in lanes: of one evaluation of f, and of the integration alone.
+
+5 s with 1001 outputs, without and with friction, in closed form. Printed are, for eight states at
+once and for one, nanoseconds an evaluation; then for some tolerances the largest error of the
+penetration over all outputs (against a tolerance of 1e-12, relative to the 3e-9 m of the paper's
+figure 4), CPU time of the fastest of many runs, and the counts.
+
+Run it as ``python benchmarks/lanes.py [liblanes_test.so]`` after a build with -DEVOLVENT_TESTS=ON;
+the library is that of build/ci unless given. -DEVOLVENT_MARCH=x86-64-v3 or -v4 says how much wider
+vectors gain.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "tests"))
+
+from kernel.gearbox import OPEN, Gearbox  # noqa: E402
+from kernel.gearbox_cases import paper_gearbox  # noqa: E402
+from kernel.kernel import Kernel, _at  # noqa: E402
+
+LANES, EVALUATIONS, RUNS = 8, 200_000, 60
+DURATION, OUTPUTS, PENETRATION = 5.0, 1001, 3e-9
+TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
+COUNTS = (
+    "steps",
+    "rejections",
+    "evaluations",
+    "iterations",
+    "jacobians",
+    "factorisations",
+    "roots",
+)
+
+
+def fastest(call: Callable[[], object], runs: int) -> float:
+    """CPU time of the fastest of some calls [s]."""
+    best = np.inf
+    for _ in range(runs):
+        before = time.process_time()
+        call()
+        best = min(best, time.process_time() - before)
+    return float(best)
+
+
+def evaluation(gearbox: Gearbox) -> tuple[float, float]:
+    """Nanoseconds of f for eight states at once, and for one."""
+    state = gearbox.start()
+    state.y[gearbox.place("angle_deviation_1")] -= 1e-8
+    gearbox.mode(state)[:] = 0, 1, 1
+    y = np.repeat(state.y[:, None], LANES, axis=1).copy()
+    f, t = np.empty_like(y), np.zeros(LANES)
+    lanes, scalar = gearbox.library.lanes_rates, gearbox.library.lanes_scalar
+    rest = (_at(state.integers), _at(state.reals), _at(f))
+    one = (ctypes.c_double(0.0), _at(state.y))
+    times = (
+        fastest(lambda: lanes(gearbox.handle, EVALUATIONS, _at(t), _at(y), *rest), 5),
+        fastest(lambda: scalar(gearbox.handle, EVALUATIONS, *one, *rest), 5),
+    )
+    return 1e9 * times[0] / EVALUATIONS, 1e9 * times[1] / EVALUATIONS
+
+
+def integrate(gearbox: Gearbox, tolerance: float, runs: int) -> tuple[np.ndarray, float, list[int]]:
+    """States at the outputs, time of the fastest run [s] and counts."""
+    library = gearbox.library
+    state, scale = gearbox.start(), gearbox.scales()[0]
+    library.evl_radau_create.restype = ctypes.c_void_p
+    radau = ctypes.c_void_p(
+        library.evl_radau_create(
+            gearbox.handle,
+            _at(scale),
+            *map(ctypes.c_double, (tolerance, DURATION / 50)),
+            None,
+        )
+    )
+    outputs = np.empty((OUTPUTS, len(scale)))
+
+    def run() -> None:
+        code = library.lanes_integrate(
+            gearbox.handle,
+            radau,
+            *(_at(state.y), _at(state.integers), _at(state.reals)),
+            ctypes.c_double(DURATION),
+            OUTPUTS,
+            _at(outputs),
+        )
+        assert code == 0, code
+
+    seconds = fastest(run, runs)
+    counts = (ctypes.c_int * len(COUNTS))()
+    library.evl_radau_get_counts(radau, counts)
+    library.evl_radau_delete(ctypes.byref(radau))
+    return outputs, seconds, list(counts)
+
+
+def penetration(gearbox: Gearbox, outputs: np.ndarray) -> np.ndarray:
+    """How far the flanks overlap at every output [m], whatever the pair: from psi and s."""
+    state = gearbox.start()
+    gearbox.mode(state)[1] = OPEN
+    values = np.empty(len(outputs))
+    for i, y in enumerate(outputs):
+        state.y[1:] = y[1:]
+        values[i] = -gearbox.outputs(state)["gap"][0]
+    return values
+
+
+def main() -> None:
+    """Print both."""
+    named = sys.argv[1] if len(sys.argv) > 1 else ROOT / "build/ci/tests/lanes/liblanes_test.so"
+    kernel = Kernel(Path(named))
+    for friction in (0.0, 0.3):
+        gearbox = paper_gearbox(kernel, friction=friction)
+        lanes, scalar = evaluation(gearbox)
+        print(f"f = {friction}: {lanes:.0f} ns for eight states, {scalar:.0f} ns for one")
+        exact = penetration(gearbox, integrate(gearbox, 1e-12, 1)[0])
+        for tolerance in TOLERANCES:
+            outputs, seconds, counts = integrate(gearbox, tolerance, RUNS)
+            error = np.max(np.abs(penetration(gearbox, outputs) - exact)) / PENETRATION
+            numbers = ", ".join(f"{n} {name}" for n, name in zip(counts, COUNTS, strict=True))
+            print(f"  {tolerance:.0e}: error {error:.1e}, {1e3 * seconds:.2f} ms, {numbers}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,98 @@
+!> The root functions of a gearbox for eight states at once, as `gearbox_roots` gives them for one.
+module evl_roots_lanes
+   use evl_contact_laws, only: friction_knee
+   use evl_contact_lanes, only: centre_turn_in_lanes, contact_in_lanes, lane_contact, lane_force, laws_in_lanes
+   use evl_flank_deviation, only: deviation_borders, flank_deviation_t, zone_root, zone_tip
+   use evl_gearbox, only: gearbox_mode, gearbox_t, i_theta, i_turns
+   use evl_gearbox_events, only: gearbox_roots, turns_root
+   use evl_kinds, only: wp
+   use evl_local_variables, only: at_psi_a
+   use evl_mesh, only: contact_loaded, contact_off, contact_open, contact_t, flank_drive, mesh_mode, touches
+   use evl_mesh_roots, only: past, root_back, root_borders_a, root_borders_b, root_contact, root_force, root_forward, &
+                             root_friction_high, root_friction_low
+   use evl_ode_model, only: lanes
+   use evl_status, only: code_out_of_domain, fail, has_failed, status_t
+   implicit none (type, external)
+   private
+
+   public :: roots_in_lanes
+
+   integer, parameter :: width = lanes !! states that the included formulas take at once
+
+contains
+
+   include "formulas/mesh_roots.inc"
+
+   !> Root functions of all states.
+   subroutine roots_in_lanes(gearbox, y, integers, reals, roots, status)
+      type(gearbox_t), intent(in) :: gearbox     !! one that `lanes_serve` accepts
+      real(wp), intent(in) :: y(lanes, gearbox%n_states)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: reals(:)
+      real(wp), intent(out) :: roots(lanes, gearbox%n_roots)
+      type(status_t), intent(inout) :: status    !! code_out_of_domain if a law has no answer in one of the lanes
+      logical :: answered
+      integer :: m
+
+      do m = 1, size(gearbox%contacts)
+         associate (first => gearbox%contacts(m)%i_root + 1, last => gearbox%contacts(m)%i_root + gearbox%contacts(m)%n_roots)
+            call roots_of_contact(gearbox, m, y, integers, reals, roots(:, first:last), answered)
+         end associate
+         if (.not. answered) then
+            call say_why(gearbox, y, integers, reals, status)
+            return
+         end if
+      end do
+      roots(:, gearbox%n_roots) = turns_root(y(:, i_theta))
+   end subroutine roots_in_lanes
+
+   !> Those of one tooth contact.
+   subroutine roots_of_contact(gearbox, index, y, integers, reals, roots, answered)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      real(wp), intent(in) :: y(lanes, gearbox%n_states), reals(:)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(out) :: roots(lanes, gearbox%contacts(index)%n_roots)
+      logical, intent(out) :: answered
+      type(mesh_mode) :: mode
+      type(lane_contact) :: at
+      type(lane_force) :: force
+      real(wp), dimension(lanes) :: unclipped, moved, turn
+
+      mode = gearbox_mode(gearbox, index, integers, reals)
+      associate (mesh => gearbox%contacts(index))
+         call contact_in_lanes(mesh, mode, integers(i_turns), y, at)
+         answered = minval(at%margin) > 0
+         if (.not. answered) return
+         unclipped = 0
+         if (touches(mode)) then
+            call laws_in_lanes(mesh, mode, at, force, answered)
+            if (.not. answered) return
+            unclipped = force%elastic + force%viscous
+         end if
+         moved = 0
+         if (mesh%handover) then
+            call centre_turn_in_lanes(mesh, at, turn)
+            moved = pitches_moved(mesh, at%rho_a0, at%q(:, at_psi_a), turn)
+         end if
+         call contact_roots(mesh, mode, at%h, at%v_t, at%rho_a, at%rho_b, unclipped, moved, roots)
+      end associate
+   end subroutine roots_of_contact
+
+   !> The first lane without an answer says why, in the words of the scalar kernel.
+   subroutine say_why(gearbox, y, integers, reals, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: y(lanes, gearbox%n_states), reals(:)
+      integer, intent(in) :: integers(:)
+      type(status_t), intent(inout) :: status
+      real(wp) :: roots(gearbox%n_roots)
+      integer :: l
+
+      do l = 1, lanes
+         call gearbox_roots(gearbox, y(l, :), integers, reals, roots, status)
+         if (has_failed(status)) return
+      end do
+      call fail(status, code_out_of_domain, "the axles have come too near for a line of action")
+   end subroutine say_why
+
+end module evl_roots_lanes

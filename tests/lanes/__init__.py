@@ -1,0 +1,1 @@
+"""The rates and root functions of a gearbox in lanes, against those of one state."""

@@ -1,0 +1,99 @@
+!> The rates in lanes for their tests: a C interface that the kernel does not have.
+module lanes_capi
+   use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_ptr
+   use evl_gearbox, only: gearbox_rates, gearbox_t
+   use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
+   use evl_logarithm, only: natural_logarithm
+   use evl_ode_model, only: lanes
+   use evl_roots_lanes, only: roots_in_lanes
+   use evl_status, only: status_t
+   implicit none (type, external)
+   private
+
+   public :: lanes_count, lanes_logarithm, lanes_rates, lanes_roots, lanes_scalar, lanes_serves
+
+contains
+
+   !> How many lanes there are.
+   integer(c_int) function lanes_count() bind(c)
+      lanes_count = lanes
+   end function lanes_count
+
+   !> Whether a gearbox is served: 1 or 0.
+   integer(c_int) function lanes_serves(handle) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      type(gearbox_t), pointer :: gearbox
+
+      call c_f_pointer(handle, gearbox)
+      lanes_serves = merge(1, 0, lanes_serve(gearbox))
+   end function lanes_serves
+
+   !> ln x of n numbers.
+   subroutine lanes_logarithm(n, x, ln) bind(c)
+      integer(c_int), intent(in), value :: n
+      real(c_double), intent(in) :: x(n)
+      real(c_double), intent(inout) :: ln(n)
+
+      ln = natural_logarithm(x)
+   end subroutine lanes_logarithm
+
+   !> f of eight states, evaluated `turns` times; the code of the status.
+   integer(c_int) function lanes_rates(handle, turns, t, y, integers, reals, f) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: turns
+      real(c_double), intent(in) :: t(lanes), y(*), reals(*)
+      integer(c_int), intent(in) :: integers(*)
+      real(c_double), intent(inout) :: f(*)
+      type(gearbox_t), pointer :: gearbox
+      type(status_t) :: status
+      integer :: i
+
+      call c_f_pointer(handle, gearbox)
+      associate (n => gearbox%n_states)
+         do i = 1, turns
+            call rates_in_lanes(gearbox, t, y(:lanes*n), integers(:gearbox%n_integers), reals(:size(gearbox%contacts)), &
+                                f(:lanes*n), status)
+         end do
+      end associate
+      code = status%code
+   end function lanes_rates
+
+   !> Root functions of eight states; the code of the status.
+   integer(c_int) function lanes_roots(handle, y, integers, reals, roots) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in) :: y(*), reals(*)
+      integer(c_int), intent(in) :: integers(*)
+      real(c_double), intent(inout) :: roots(*)
+      type(gearbox_t), pointer :: gearbox
+      type(status_t) :: status
+
+      call c_f_pointer(handle, gearbox)
+      associate (n => gearbox%n_states, m => gearbox%n_roots)
+         call roots_in_lanes(gearbox, y(:lanes*n), integers(:gearbox%n_integers), reals(:size(gearbox%contacts)), &
+                             roots(:lanes*m), status)
+      end associate
+      code = status%code
+   end function lanes_roots
+
+   !> f of one state, evaluated `turns` times; the code of the status.
+   integer(c_int) function lanes_scalar(handle, turns, t, y, integers, reals, f) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: turns
+      real(c_double), intent(in), value :: t
+      real(c_double), intent(in) :: y(*), reals(*)
+      integer(c_int), intent(in) :: integers(*)
+      real(c_double), intent(inout) :: f(*)
+      type(gearbox_t), pointer :: gearbox
+      type(status_t) :: status
+      integer :: i
+
+      call c_f_pointer(handle, gearbox)
+      associate (n => gearbox%n_states)
+         do i = 1, turns
+            call gearbox_rates(gearbox, t, y(:n), integers(:gearbox%n_integers), reals(:size(gearbox%contacts)), f(:n), status)
+         end do
+      end associate
+      code = status%code
+   end function lanes_scalar
+
+end module lanes_capi
