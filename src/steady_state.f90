@@ -37,6 +37,7 @@ contains
       type(gearbox_t) :: closed
       integer, allocatable :: unknown(:), row(:), leaders(:)
       integer :: before(gearbox%n_integers)
+      real(wp) :: penetrations(size(gearbox%pairs))
       integer :: i, turn
 
       call check_steady(gearbox, integers, status)
@@ -75,9 +76,12 @@ contains
       end if
       unknown = [unknown, pack(gearbox%contacts%i_normal, gearbox%contacts%leads)]
       row = [row, pack(gearbox%contacts%i_normal, gearbox%contacts%leads)]
-      associate (drive => gearbox%contacts(gearbox%first(:size(gearbox%pairs))))
-         call set_gaps(gearbox, merge(0.0_wp, drive%h_scale, drive%rigid), y)
-      end associate
+      do i = 1, size(gearbox%pairs)
+         associate (drive => gearbox%contacts(gearbox%first(i)))
+            penetrations(i) = merge(0.0_wp, drive%h_scale, drive%rigid)
+         end associate
+      end do
+      call set_gaps(gearbox, penetrations, y)
       do i = 1, size(gearbox%contacts)
          associate (mesh => gearbox%contacts(i))
             if (mesh%leads .and. mesh%flank == flank_drive) y(mesh%i_normal) = mesh%force_scale
