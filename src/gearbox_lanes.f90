@@ -2,7 +2,8 @@
 !>
 !> It serves tooth contacts in closed form with a force law, in a fixed housing without gravity: see `lanes_serve`.
 module evl_gearbox_lanes
-   use evl_contact_lanes, only: contact_in_lanes, forces_in_lanes, lane_contact, lane_force
+   use evl_contact_lanes, only: contact_in_lanes, lane_contact
+   use evl_force_lanes, only: forces_in_lanes, lane_force
    use evl_gearbox, only: gearbox_mode, gearbox_rates, gearbox_t, i_omega, i_theta, i_turns, segment_of, support_t, &
                           wheel_acceleration, wheel_t
    use evl_kinds, only: wp

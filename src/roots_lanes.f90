@@ -1,8 +1,9 @@
 !> The root functions of a gearbox for eight states at once, as `gearbox_roots` gives them for one.
 module evl_roots_lanes
    use evl_contact_laws, only: friction_knee
-   use evl_contact_lanes, only: centre_turn_in_lanes, contact_in_lanes, lane_contact, lane_force, laws_in_lanes
+   use evl_contact_lanes, only: centre_turn_in_lanes, contact_in_lanes, lane_contact
    use evl_flank_deviation, only: deviation_borders, flank_deviation_t, zone_root, zone_tip
+   use evl_force_lanes, only: lane_force, laws_in_lanes
    use evl_gearbox, only: gearbox_mode, gearbox_t, i_theta, i_turns
    use evl_gearbox_events, only: gearbox_roots, turns_root
    use evl_kinds, only: wp

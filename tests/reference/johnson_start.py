@@ -1,4 +1,4 @@
-"""Fit the start value of the Johnson force: the coefficients in src/johnson.f90 come from here.
+"""Fit the start value of the Johnson force: the coefficients of src/formulas/johnson.inc.
 
 With p = sqrt(2 excess), solve v - ln(1 + v) = p**2/2 for v > 0. The start value is
 
@@ -87,8 +87,9 @@ def corrected_error(coefficients: np.ndarray, p: float) -> mp.mpf:
 
 
 def in_use() -> np.ndarray:
-    """Read the coefficients of src/johnson.f90."""
-    text = (Path(__file__).parents[2] / "src" / "johnson.f90").read_text(encoding="utf-8")
+    """Read the coefficients of src/formulas/johnson.inc."""
+    file = Path(__file__).parents[2] / "src" / "formulas" / "johnson.inc"
+    text = file.read_text(encoding="utf-8")
     lists = re.findall(r"parameter :: (?:num|den)\(.*\) = \[(.*)\]", text)
     return np.array([float(c) for c in re.findall(r"([\d.]+)_wp", " ".join(lists))])
 
