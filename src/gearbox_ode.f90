@@ -72,7 +72,7 @@ contains
       self%in_lanes = lanes_serve(gearbox)
       self%n = gearbox%n_states
       self%n_roots = gearbox%n_roots
-      self%scale = scale/weight
+      allocate (self%scale(gearbox%n_states), source=scale/weight)
       self%scale(i_theta) = self%scale(i_theta)/theta_weight
       self%scale(i_omega) = self%scale(i_omega)/omega_weight
       allocate (self%integers(gearbox%n_integers), self%reals(size(gearbox%contacts)))
