@@ -46,7 +46,9 @@ def run(program: Path, integrator: str, friction: float, tolerance: float) -> Ar
             return np.array(history["penetration"])[:, 0]
 
 
-def seconds(program: Path, integrator: str, friction: float, tolerance: float, n: int) -> list[float]:
+def seconds(
+    program: Path, integrator: str, friction: float, tolerance: float, n: int
+) -> list[float]:
     """Processor times of the integration of n equal cases [s]."""
     with tempfile.TemporaryDirectory() as folder:
         design = Path(folder) / "design.h5"
