@@ -10,15 +10,12 @@ processor time of the integration alone. docs/peers.md tells what is measured, a
 
 from __future__ import annotations
 
-import os
-
-for threads in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
-    os.environ[threads] = "1"  # before numpy is loaded
-
 import argparse
 import contextlib
 import importlib
+import importlib.metadata
 import json
+import os
 import platform
 import statistics
 import subprocess
@@ -26,7 +23,6 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, field
-from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -55,6 +51,7 @@ class Peer:
 
     @property
     def label(self) -> str:
+        """Name in the table."""
         return f"{self.name} {self.method}"
 
     @property
@@ -71,7 +68,7 @@ EVOLVENT = [
 OTHERS = [
     Peer("heyoka", "batch", "with_heyoka", -7, -12, cases=8),
     Peer("heyoka", "scalar", "with_heyoka", -7, -12),
-    Peer("numbalsoda", "LSODA", "with_numbalsoda", -6, -11, switches="within f"),
+    Peer("numbalsoda", "LSODA", "with_numbalsoda", -6, -10, switches="within f"),
     Peer("numbalsoda", "DOP853", "with_numbalsoda", -6, -10, switches="within f"),
     Peer("rumoca", "rk-like", "with_rumoca", -7, -10),
     Peer("rumoca", "bdf", "with_rumoca", -7, -10),
@@ -95,6 +92,7 @@ class Run:
 
     @property
     def seconds(self) -> float:
+        """Time per case."""
         return statistics.median(self.times)
 
 
@@ -126,10 +124,10 @@ def reference(friction: float, program: Path) -> tuple[Array, str]:
 
 
 def timed(solve: Callable[[], Array]) -> float:
-    """Processor time of this thread [s]."""
-    begin = time.thread_time()
+    """Processor time, of all threads if there are several [s]."""
+    begin = time.process_time()
     solve()
-    return time.thread_time() - begin
+    return time.process_time() - begin
 
 
 def measure_other(peer: Peer, run: Run, h: Array) -> Callable[[], list[float]]:
@@ -232,7 +230,7 @@ def machine(program: Path) -> str:
 def found(package: str) -> str:
     """Version of an installed package."""
     try:
-        return version(package)
+        return importlib.metadata.version(package)
     except importlib.metadata.PackageNotFoundError:
         return "not installed"
 

@@ -1,13 +1,13 @@
 """The paper's setup as y' = f(t, y), for programs that solve such systems.
 
-Six states, each divided by its scale: theta, the angle that the pinion has turned in its direction;
-omega, its rate; psi = r_bB times the gear's lag behind the kinematic ratio, which is the transmission
-error [m]; psi'; s, the slider's displacement [m]; s'. Contact is the closed form of docs/theory.md, the
-force Johnson's by the start value and the one correction of src/johnson.f90. The discrete state is
-the number of teeth passed and the piece of the friction law.
+Six states, each divided by its scale: theta, the angle that the pinion has turned in its
+direction; omega, its rate; psi = r_bB times the gear's lag behind the kinematic ratio, which is the
+transmission error [m]; psi'; s, the slider's displacement [m]; s'. Contact is the closed form of
+docs/theory.md, the force Johnson's by the start value and the one correction of src/johnson.f90.
+The discrete state is the number of teeth passed and the piece of the friction law.
 
-The formulas are those of the kernel, written once more and compiled with numba. Compare tests/reference,
-which gets the same motion in another way.
+The formulas are those of the kernel, written once more and compiled with numba.
+tests/reference/gearbox_reference.py gets the same motion in another way.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ H_REFERENCE = 2.967e-9  # penetration at rest under the load [m]
 # Of theta [rad], omega [rad/s], psi, psi' [m, m/s], s, s'. Theta decides when a tooth switches.
 SCALES = np.array([1e-4, 1e-3, 3e-9, 2e-5, 3e-9, 2e-5])
 
-# Pieces of the friction law: sliding forwards, backwards, linear in between, or clamped anew at each call.
+# Pieces of the friction law beside 1 and -1: linear in between, or clamped anew at each call.
 LINEAR, CLAMPED = 0, 2
 # Rows of the parameters.
 TORQUE_ROW, FRICTION_ROW, TEETH_ROW, PIECE_ROW = range(4)

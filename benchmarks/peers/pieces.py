@@ -1,4 +1,4 @@
-"""From one located event to the next, for programs that stop at an event and can be started anew."""
+"""From one located event to the next, with programs that stop at events and can start anew."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""evolvent itself: h from `evolvent run`, the processor time of the integration from `evolvent batch`.
+"""evolvent itself: h from `evolvent run`, the time of the integration from `evolvent batch`.
 
-A batch measures each of its cases alone, by the clock of its thread: from the initial state to the end,
-with all quantities that it derives at the outputs, without reading the case and without files.
+A batch measures each of its cases alone, by the clock of its thread: from the initial state to the
+end, with all quantities that it derives at the outputs, without reading the case, without files.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""scikit-sundae: CVODE (BDF) and IDA of SUNDIALS, f compiled by numba, events located by SUNDIALS."""
+"""scikit-sundae: CVODE (BDF) and IDA, f compiled by numba, events located by SUNDIALS."""
 
 from __future__ import annotations
 
