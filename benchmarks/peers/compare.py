@@ -193,6 +193,11 @@ def cheapest(runs: list[Run], label: str, friction: float, target: float) -> Run
     return min(good, key=lambda r: r.seconds, default=None)
 
 
+def short(number: float) -> str:
+    """Two digits, or all of a whole number."""
+    return f"{number:.0f}" if number >= 10 else f"{number:.2g}"
+
+
 def table(runs: list[Run], chosen: list[Peer], friction: float) -> str:
     """Markdown."""
     basis = chosen[0].label
@@ -209,8 +214,8 @@ def table(runs: list[Run], chosen: list[Peer], friction: float) -> str:
             if run is None:
                 cells += ["not reached", "-", "-"]
             else:
-                ratio = f"{run.seconds / base.seconds:.2g}" if base else "-"
-                cells += [f"{run.error:.1e}", f"{1e3 * run.seconds:.3g}", ratio]
+                ratio = short(run.seconds / base.seconds) if base else "-"
+                cells += [f"{run.error:.1e}", short(1e3 * run.seconds), ratio]
         name = peer.label + (f" {peer.cases}, a case" if peer.cases > 1 else "")
         lines.append(f"| {name} | {peer.switches} | {' | '.join(cells)} |")
     return "\n".join(lines)

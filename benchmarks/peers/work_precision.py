@@ -52,7 +52,7 @@ def draw(runs: Sequence[Any], labels: Sequence[str], path: Path) -> None:
         axis.set_title(f"f = {friction:g}")
         axis.set_xlabel("processor time of the integration [ms]")
         axis.grid(which="major", color="#d0d0d0", linewidth=0.8)
-        axis.set_ylim(1e-9, 1e-3)
+        axis.set_ylim(1e-9, 1e-4)
     axes[0].set_ylabel("largest error of h / 2.967e-9 m")
     handles, names = axes[0].get_legend_handles_labels()
     figure.legend(handles, names, loc="lower center", ncols=4, frameon=False)
