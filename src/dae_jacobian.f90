@@ -58,8 +58,7 @@ contains
       end do
       if (gearbox%housing%is_mounted) call add_housing(gearbox, cj, y, yp, frame, jacobian)
       do i = 1, size(gearbox%contacts)
-         if (gearbox%contacts(i)%leads) call add_multiplier(gearbox, i, t, y, yp, integers, reals, jacobian, &
-                                                          status)
+         if (gearbox%contacts(i)%leads) call add_multiplier(gearbox, i, t, y, yp, integers, reals, jacobian, status)
       end do
       associate (before => gearbox%i_dissipated - gearbox%n_multipliers - 1, behind => gearbox%i_dissipated)
          do i = 1, gearbox%n_states

@@ -5,7 +5,8 @@
 !>
 !> A procedure that has no answer for a trial state (outside a law's domain) reports `code_out_of_domain`: the integrator tries
 !> a smaller step. But a step reaches beyond an event before that is located: in each discrete state f has to go on smoothly for
-!> some way past the event that ends it. Any other code ends the integration with the model's message. Procedures should not allocate.
+!> some way past the event that ends it. Any other code ends the integration with the model's message. Procedures should not
+!> allocate.
 module evl_ode_model
    use evl_kinds, only: wp
    use evl_status, only: code_ok, fail, code_invalid_input, has_failed, quantity, status_t

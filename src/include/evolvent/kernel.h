@@ -405,9 +405,6 @@ EVL_API bool evl_gearbox_deviation(const evl_gearbox *gearbox, int wheel, evl_de
 EVL_API void evl_gearbox_flank_deviation(const evl_gearbox *gearbox, int wheel, int n, const int *teeth,
                                          const int *sides, const double *rho, double *e, double *de, double *d2e);
 
-/** Deviation e [n] [m] of flanks of a wheel from the involute with its derivatives, as evl_flank_deviation_at without zones. */
-EVL_API void evl_gearbox_flank_deviation(const evl_gearbox *gearbox, int wheel, int n, const int *teeth,
-                                         const int *sides, const double *rho, double *e, double *de, double *d2e);
 
 /** Fill y, yp, integers and reals for time t. @return EVL_OK, EVL_INVALID_INPUT (initial values that contradict each other or the
  *  loads), EVL_NO_SOLUTION (steady state), EVL_OUT_OF_DOMAIN. */
