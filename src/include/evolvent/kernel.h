@@ -405,7 +405,6 @@ EVL_API bool evl_gearbox_deviation(const evl_gearbox *gearbox, int wheel, evl_de
 EVL_API void evl_gearbox_flank_deviation(const evl_gearbox *gearbox, int wheel, int n, const int *teeth,
                                          const int *sides, const double *rho, double *e, double *de, double *d2e);
 
-
 /** Fill y, yp, integers and reals for time t. @return EVL_OK, EVL_INVALID_INPUT (initial values that contradict each other or the
  *  loads), EVL_NO_SOLUTION (steady state), EVL_OUT_OF_DOMAIN. */
 EVL_API int evl_gearbox_initial_state(const evl_gearbox *gearbox, const evl_initial *initial, double t, double *y,
