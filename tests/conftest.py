@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -11,6 +12,11 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 BUILDS = ("ci", "release", "debug")  # in order of preference, if the environment names none
+
+# A shell that starts the tests in the background has them ignore SIGINT, and all that they start
+# inherits that: the programs that tests interrupt would never end. What has a handler here is at its
+# default in them.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def _built(variable: str, name: str) -> Path:
