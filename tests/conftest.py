@@ -14,8 +14,8 @@ ROOT = Path(__file__).resolve().parents[1]
 BUILDS = ("ci", "release", "debug")  # in order of preference, if the environment names none
 
 # A shell that starts the tests in the background has them ignore SIGINT, and all that they start
-# inherits that: the programs that tests interrupt would never end. What has a handler here is at its
-# default in them.
+# inherits that: the programs that tests interrupt would never end. What has a handler here is at
+# its default in them.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
