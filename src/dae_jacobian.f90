@@ -2,9 +2,10 @@
 module evl_dae_jacobian
    use evl_contact_point, only: contact_gradient, contact_point
    use evl_contact_tracking, only: algebraic_jacobian, differential_jacobian
-   use evl_gearbox, only: add_speed, carries_points, gearbox_local, gearbox_mode, gearbox_rates, gearbox_t, i_omega, i_theta, &
-                          i_turns, is_closed, support_t, wheel_acceleration, wheel_follows_ground, wheel_load_torque, &
-                          wheel_speed, wheel_t
+   use evl_gearbox, only: add_speed, carries_points, gearbox_local, gearbox_mode, gearbox_t, i_omega, i_theta, i_turns, &
+                          is_closed, support_t, wheel_acceleration, wheel_follows_ground, wheel_load_torque, wheel_speed, &
+                          wheel_t
+   use evl_gearbox_rates, only: gearbox_rates
    use evl_housing, only: at_omega, frame_t, housing_frame
    use evl_housing_dynamics, only: housing_coupling
    use evl_housing_jacobian, only: housing_gradient, ride_gradient

@@ -4,8 +4,8 @@
 module evl_gearbox_lanes
    use evl_contact_lanes, only: contact_in_lanes, lane_contact
    use evl_force_lanes, only: forces_in_lanes, lane_force
-   use evl_gearbox, only: gearbox_mode, gearbox_rates, gearbox_t, i_omega, i_theta, i_turns, segment_of, support_t, &
-                          wheel_acceleration, wheel_t
+   use evl_gearbox, only: gearbox_mode, gearbox_t, i_omega, i_theta, i_turns, segment_of, support_t, wheel_acceleration, wheel_t
+   use evl_gearbox_rates, only: gearbox_rates
    use evl_kinds, only: wp
    use evl_load, only: load_damping, load_table, load_torque
    use evl_mesh, only: contact_loaded, contact_t, contact_unloaded, mesh_mode, tracking_closed_form

@@ -4,7 +4,8 @@
 !> steps by gearbox_ode_set.
 module evl_gearbox_ode
    use evl_dae_jacobian, only: gearbox_jacobian
-   use evl_gearbox, only: gearbox_rates, gearbox_t, i_omega, i_theta, wheel_t
+   use evl_gearbox, only: gearbox_t, i_omega, i_theta, wheel_t
+   use evl_gearbox_rates, only: gearbox_rates
    use evl_gearbox_events, only: gearbox_root_directions, gearbox_roots
    use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
    use evl_kinds, only: wp

@@ -3,8 +3,8 @@
 !> Source: docs/housing.md, section 3. Both balances are about the origin of the housing frame and in its components; contact
 !> forces cancel in them.
 module evl_housing_dynamics
-   use evl_gearbox, only: gearbox_rates, gearbox_t, i_omega, multiplier_row, wheel_follows_ground, wheel_position, wheel_speed, &
-                          wheel_t
+   use evl_gearbox, only: gearbox_t, i_omega, wheel_follows_ground, wheel_position, wheel_speed, wheel_t
+   use evl_gearbox_rates, only: gearbox_rates, multiplier_row
    use evl_housing, only: apparent_acceleration, at_omega, at_velocity, frame_acceleration, frame_t, housing_frame, wheel_moment
    use evl_kinds, only: wp
    use evl_lapack, only: dgesv
