@@ -2,6 +2,7 @@
 
 #include "memory.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -41,19 +42,29 @@ void contact_watch_event(contact_watch *watch, const event_record *record)
         (kind != watch->opened && kind != watch->closed && kind != watch->impact)) {
         return;
     }
-    watch->meshes[mesh].had_contact = true;
+    struct contact_watch_mesh *state = &watch->meshes[mesh];
+    if (kind != watch->opened && state->t_opened > 0.0) {
+        state->longest = fmax(state->longest, record->t - state->t_opened);
+    }
+    state->had_contact = true;
     if (kind != watch->closed) {
-        watch->meshes[mesh].t_opened = record->t;
+        state->t_opened = record->t;
     }
 }
 
-bool contact_watch_lost(const contact_watch *watch, const char *const *mesh_names, char *text, size_t size)
+static bool is_lost(const struct contact_watch_mesh *mesh, double t_end)
+{
+    return !mesh->had_contact || (mesh->is_open && t_end - mesh->t_opened > mesh->longest);
+}
+
+bool contact_watch_lost(const contact_watch *watch, double t_end, const char *const *mesh_names, char *text,
+                        size_t size)
 {
     int others = -1;
     text[0] = '\0';
     for (int i = 0; i < watch->n_meshes; i++) {
         const struct contact_watch_mesh *mesh = &watch->meshes[i];
-        if (mesh->had_contact && !mesh->is_open) {
+        if (!is_lost(mesh, t_end)) {
             continue;
         }
         others++;

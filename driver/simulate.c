@@ -80,7 +80,7 @@ static void remark_contact(const simulation *s, simulate_result *result)
     for (int i = 0; i < description->n_meshes; i++) {
         names[i] = description->meshes[i].name;
     }
-    (void)contact_watch_lost(&s->contact, names, result->remark, sizeof result->remark);
+    (void)contact_watch_lost(&s->contact, s->t_given, names, result->remark, sizeof result->remark);
     free(names);
 }
 

@@ -144,6 +144,13 @@ def test_a_run_that_loses_contact_says_when(runs, kind):
     assert np.all(after["normal_force"] == 0)
 
 
+def test_flanks_that_rattle_are_not_lost(runs):
+    run = runs("rattle.yaml")
+    assert not run.history["in_contact"].values[-1].any()  # the run ends in flight
+    assert len(run.times("contact_closed")) > 10
+    assert "warning" not in run.messages
+
+
 @pytest.mark.parametrize("support", ["fixed", "slider"])
 def test_energy_balances_while_wheels_bounce(runs, kind, support):
     case = pair(0.0, kind, duration=2.5, output_interval=1e-4)
