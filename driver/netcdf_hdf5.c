@@ -84,13 +84,15 @@ static bool limit_metadata_cache(hid_t access)
 static bool prepare_storage(netcdf_file *file)
 {
     const double missing = NAN;
-    /* Rows come in whole chunks: a cache would only cost memory, a megabyte a variable. */
+    /* Rows come in order and in whole chunks: a cache would only cost memory, a megabyte a variable, and to fill a chunk
+     * beforehand would only cost a copy of each. */
     file->access = H5Pcreate(H5P_DATASET_ACCESS);
     bool good = file->access >= 0 && H5Pset_chunk_cache(file->access, 1, 0, 1.0) >= 0;
     for (int grows = 0; grows < 2; grows++) {
         for (int is_real = 0; is_real < 2; is_real++) {
             const hid_t creation = file->creation[grows][is_real] = H5Pcreate(H5P_DATASET_CREATE);
             good = good && creation >= 0 && H5Pset_obj_track_times(creation, 0) >= 0 &&
+                   (!grows || H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER) >= 0) &&
                    (!is_real || H5Pset_fill_value(creation, H5T_NATIVE_DOUBLE, &missing) >= 0);
         }
     }

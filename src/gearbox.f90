@@ -91,6 +91,7 @@ module evl_gearbox
       type(gear_mesh_t), allocatable :: gear_meshes(:) !! of each mesh, the same
       type(housing_t) :: housing
       type(output_t), allocatable :: outputs(:)         !! table of what it tells
+      real(wp), allocatable :: constants(:)             !! values of the outputs at its beginning, which do not change
       character(len=message_length), allocatable :: warnings(:)
       integer :: reference = 1               !! wheel whose angle is theta, the leader of its rotor
       integer :: n_states = 0, n_integers = 0, n_values = 0 !! lengths of the state, the discrete state and the outputs

@@ -1,5 +1,6 @@
 !> Makes a gearbox from its description: checks every number, finds the layout, derives the geometry, numbers the states.
 module evl_gearbox_build
+   use evl_constant_outputs, only: n_constant_outputs, put_constants
    use evl_contact_build, only: find_dependents, list_contacts, take_contact
    use evl_gear_build, only: gears_build
    use evl_gear_pair, only: gear_pair_derive
@@ -88,6 +89,8 @@ contains
       allocate (gearbox%outputs(n_outputs))
       call gearbox_output_table(gearbox, gearbox%outputs)
       gearbox%n_values = sum(gearbox%outputs%count)
+      allocate (gearbox%constants(sum(gearbox%outputs(:n_constant_outputs)%count)))
+      call put_constants(gearbox, gearbox%constants)
    end subroutine gearbox_create
 
    !> The shafts; their places in the state are found later.

@@ -1,5 +1,6 @@
 !> What a gearbox tells about itself: one table of outputs, and their values at a state.
 module evl_output_table
+   use evl_constant_outputs, only: constant_outputs, n_constant_outputs
    use evl_gearbox, only: gearbox_t, i_theta, i_turns, wheel_speed
    use evl_housing, only: frame_t, housing_fixed, housing_frame
    use evl_housing_dynamics, only: coupled_rates
@@ -12,17 +13,15 @@ module evl_output_table
    use evl_shaft, only: shaft_energy
    use evl_shaft_outputs, only: n_shaft_outputs, put_shafts, shaft_outputs
    use evl_status, only: has_failed, status_t
-   use evl_tooth_outputs, only: n_mesh_teeth, n_wheel_teeth, put_mesh_teeth, put_wheel_teeth, tooth_outputs
    use evl_torques, only: load_torques
    implicit none (type, external)
    private
 
    public :: n_outputs, gearbox_output_table, gearbox_outputs
 
-   integer, parameter :: n_wheel_constants = 7, n_mesh_constants = 16, n_gearbox_histories = 6, n_wheel_histories = 7
-   integer, parameter :: n_outputs = n_wheel_constants + n_mesh_constants + n_wheel_teeth + n_mesh_teeth &
-                         + n_gearbox_histories + n_wheel_histories + n_mesh_histories + n_pair_histories &
-                         + n_coast_histories + n_housing_outputs + n_shaft_outputs !! entries of the table
+   integer, parameter :: n_gearbox_histories = 6, n_wheel_histories = 7
+   integer, parameter :: n_outputs = n_constant_outputs + n_gearbox_histories + n_wheel_histories + n_mesh_histories &
+                         + n_pair_histories + n_coast_histories + n_housing_outputs + n_shaft_outputs !! entries of the table
 
 contains
 
@@ -34,8 +33,8 @@ contains
       integer :: i, offset
 
       coast = coast_histories()
-      table = [wheel_constants(), mesh_constants(), tooth_outputs(), gearbox_histories(), wheel_histories(), mesh_histories(), &
-               pair_histories(), coast_histories(), housing_outputs(), shaft_outputs()]
+      table = [constant_outputs(), gearbox_histories(), wheel_histories(), mesh_histories(), pair_histories(), coast_histories(), &
+               housing_outputs(), shaft_outputs()]
       offset = 0
       do i = 1, size(table)
          table(i)%offset = offset
@@ -74,46 +73,6 @@ contains
       end select
    end function count_of
 
-   pure function wheel_constants() result(t)
-      type(output_t) :: t(n_wheel_constants)
-
-      t(1) = output_t("teeth", "1", "z", "number of teeth", dims_wheel, .true., .true.)
-      t(2) = output_t("pitch_radius", "m", "r", "pitch radius; of a real gear its reference radius", dims_wheel, .true.)
-      t(3) = output_t("base_radius", "m", "r_b", "base radius", dims_wheel, .true.)
-      t(4) = output_t("tip_radius", "m", "r_a", "tip radius", dims_wheel, .true.)
-      t(5) = output_t("mass", "kg", "m", "mass of the wheel", dims_wheel, .true.)
-      t(6) = output_t("inertia", "kg m2", "J", "moment of inertia about the axle", dims_wheel, .true.)
-      t(7) = output_t("centre", "m", "O", "reference position of the axle", dims_wheel_axis, .true.)
-   end function wheel_constants
-
-   pure function mesh_constants() result(t)
-      type(output_t) :: t(n_mesh_constants)
-
-      t(1) = output_t("driving_wheel", "1", "", "index of the driving wheel, from 0", dims_mesh, .true., .true.)
-      t(2) = output_t("driven_wheel", "1", "", "index of the driven wheel, from 0", dims_mesh, .true., .true.)
-      t(3) = output_t("flank", "1", "sigma", "+1: driving wheel nominally clockwise, -1: counterclockwise", dims_mesh, .true., &
-                      .true.)
-      t(4) = output_t("tracking", "1", "", "contact tracking: 0 closed form, 1 algebraic, 2 differential", dims_mesh, .true., &
-                      .true.)
-      t(5) = output_t("centre_line_angle", "rad", "chi", "direction from the driving to the driven axle", dims_mesh, .true.)
-      t(6) = output_t("working_pressure_angle", "rad", "alpha_w", "working pressure angle", dims_mesh, .true.)
-      t(7) = output_t("base_pitch", "m", "p_b", "base pitch", dims_mesh, .true.)
-      t(8) = output_t("line_of_action_length", "m", "rho", "length of the line of action between the base circles", dims_mesh, &
-                      .true.)
-      t(9) = output_t("rho_start_driving", "m", "rho_A", "radius of curvature of the driving flank at the start of contact", &
-                      dims_mesh, .true.)
-      t(10) = output_t("rho_start_driven", "m", "rho_B", "radius of curvature of the driven flank at the start of contact", &
-                       dims_mesh, .true.)
-      t(11) = output_t("common_width", "m", "b", "common face width", dims_mesh, .true.)
-      t(12) = output_t("effective_modulus", "Pa", "E_star", "effective modulus of elasticity", dims_mesh, .true.)
-      t(13) = output_t("elastic_share_driving", "1", "w_A", "share of the driving wheel in the elastic compliance", dims_mesh, &
-                       .true.)
-      t(14) = output_t("reference_force", "N", "F_0", "normal force that the loads suggest", dims_mesh, .true.)
-      t(15) = output_t("reference_penetration", "m", "h_0", "penetration under the reference force", dims_mesh, .true.)
-      t(16) = output_t("rigid_contact", "1", "", "1 if the contact is rigid: a constraint without penetration", dims_mesh, &
-                       .true., .true.)
-   end function mesh_constants
-
    pure function gearbox_histories() result(t)
       type(output_t) :: t(n_gearbox_histories)
 
@@ -149,19 +108,15 @@ contains
       real(wp) :: f(gearbox%n_states), reactions(6, size(gearbox%wheels))
       real(wp), dimension(size(gearbox%wheels)) :: torque, load_torque
       type(frame_t) :: frame
-      integer :: nw, nm, i, at_teeth, at_time, at_wheels, at_meshes, at_pairs, at_coast, at_housing, at_shafts
+      integer :: nw, nm, i, at_time, at_wheels, at_meshes, at_pairs, at_coast, at_housing, at_shafts
 
       call coupled_rates(gearbox, t, y, integers, reals, f, status)
       if (has_failed(status)) return
       call housing_frame(gearbox%housing, t, y, frame, f)
       nw = size(gearbox%wheels)
       nm = size(gearbox%pairs)
-      call put_wheel_constants(gearbox, nw, values)
-      call put_mesh_constants(gearbox, nm, values(nw*(n_wheel_constants + 1) + 1))
-      at_teeth = nw*(n_wheel_constants + 1) + nm*n_mesh_constants
-      call put_wheel_teeth(gearbox, nw, values(at_teeth + 1))
-      call put_mesh_teeth(gearbox, nm, values(at_teeth + nw*n_wheel_teeth + 1))
-      at_time = at_teeth + nw*n_wheel_teeth + nm*n_mesh_teeth
+      at_time = size(gearbox%constants)
+      values(:at_time) = gearbox%constants
       at_wheels = at_time + n_gearbox_histories
       at_meshes = at_wheels + nw*(n_wheel_histories + 2)
       at_pairs = at_meshes + nm*(n_mesh_histories + 2)
@@ -196,48 +151,6 @@ contains
       values(at_time + 5) = y(gearbox%i_dissipated)
       values(at_time + 6) = y(gearbox%i_work)
    end subroutine gearbox_outputs
-
-   !> What does not change of the wheels.
-   pure subroutine put_wheel_constants(gearbox, n, values)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: n !! wheels
-      real(wp), intent(inout) :: values(n, n_wheel_constants + 1)
-      integer :: i
-
-      do i = 1, n
-         associate (wheel => gearbox%wheels(i))
-            values(i, :6) = [real(wheel%teeth, wp), wheel%pitch_radius, wheel%base_radius, wheel%tip_radius, wheel%mass, &
-                             wheel%inertia]
-            call put_pair(wheel%centre, i, n, values(1, 7))
-         end associate
-      end do
-   end subroutine put_wheel_constants
-
-   !> Components x and y of wheel or mesh i.
-   pure subroutine put_pair(pair, i, n, values)
-      real(wp), intent(in) :: pair(2)
-      integer, intent(in) :: i, n
-      real(wp), intent(inout) :: values(2, n)
-
-      values(:, i) = pair
-   end subroutine put_pair
-
-   !> What does not change of the meshes.
-   pure subroutine put_mesh_constants(gearbox, n, values)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: n !! meshes
-      real(wp), intent(inout) :: values(n, n_mesh_constants)
-      integer :: i
-
-      do i = 1, n
-         associate (mesh => gearbox%contacts(gearbox%first(i)), pair => gearbox%pairs(i))
-            values(i, :) = [real(mesh%wheel_a - 1, wp), real(mesh%wheel_b - 1, wp), mesh%pair%sigma, real(mesh%tracking, wp), &
-                            pair%chi, pair%alpha_w, mesh%base_pitch, mesh%pair%rho_0, pair%rho_start_a, pair%rho_start_b, &
-                            mesh%width, mesh%e_star, mesh%pair%share_a, mesh%force_scale, mesh%h_scale, &
-                            merge(1.0_wp, 0.0_wp, mesh%rigid)]
-         end associate
-      end do
-   end subroutine put_mesh_constants
 
    !> A wheel at a state with its rates f.
    pure subroutine put_wheel(gearbox, index, n, y, f, torque, integers, scalars, pairs, kinetic, potential)
