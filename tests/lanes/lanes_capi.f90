@@ -1,8 +1,9 @@
 !> The rates in lanes for their tests: a C interface that the kernel does not have.
 module lanes_capi
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_ptr
-   use evl_gearbox, only: gearbox_rates, gearbox_t
+   use evl_gearbox, only: gearbox_t
    use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
+   use evl_gearbox_rates, only: gearbox_rates
    use evl_logarithm, only: natural_logarithm
    use evl_ode_model, only: lanes
    use evl_roots_lanes, only: roots_in_lanes
