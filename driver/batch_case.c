@@ -217,15 +217,12 @@ static bool simulate_prepared(const batch_plan *plan, long index, const prepared
     return good;
 }
 
-bool batch_case_run(const batch_plan *plan, long index, batch_row *row, evl_error *error)
+bool batch_case_run(const batch_plan *plan, long index, prepared_case *prepared, batch_row *row, evl_error *error)
 {
-    prepared_case prepared;
     evl_error refusal;
-    if (!batch_prepare(plan, index, &prepared, &refusal)) {
+    if (!batch_prepare(plan, index, prepared, &refusal)) {
         refuse(plan, index, &refusal, row);
         return true;
     }
-    const bool good = simulate_prepared(plan, index, &prepared, row, error);
-    prepared_case_free(&prepared);
-    return good;
+    return simulate_prepared(plan, index, prepared, row, error);
 }

@@ -139,19 +139,21 @@ static void take_names(batch_histories *histories, const description *descriptio
 /** Every shard has to come to the same layout: the design's first case that is not refused decides. */
 static bool plan_histories(batch_plan *plan, evl_error *error)
 {
-    prepared_case prepared;
+    prepared_case prepared = {0};
     evl_error refusal;
-    for (long i = 0; i < plan->design->n_cases; i++) {
-        if (batch_prepare(plan, i, &prepared, &refusal)) {
-            const bool good = choose_variables(plan, prepared.model, error);
-            take_times(plan, &prepared);
-            take_names(&plan->histories, case_description(prepared.file));
-            model_pair_places(prepared.model, &plan->histories.n_pairs, &plan->histories.n_drive_pairs);
-            prepared_case_free(&prepared);
-            return good;
-        }
+    long i = 0;
+    while (i < plan->design->n_cases && !batch_prepare(plan, i, &prepared, &refusal)) {
+        i++;
     }
-    return true; /* no case at all will have a history */
+    bool good = true;
+    if (i < plan->design->n_cases) { /* else no case at all will have a history */
+        good = choose_variables(plan, prepared.model, error);
+        take_times(plan, &prepared);
+        take_names(&plan->histories, case_description(prepared.file));
+        model_pair_places(prepared.model, &plan->histories.n_pairs, &plan->histories.n_drive_pairs);
+    }
+    prepared_case_free(&prepared);
+    return good;
 }
 
 /* ---- the whole plan ---- */

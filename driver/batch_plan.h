@@ -37,7 +37,7 @@ void batch_plan_free(batch_plan *plan);
 /** The journal's first line, without its newline, as a new string. */
 char *batch_plan_head(const batch_plan *plan, int shard, int n_shards);
 
-/** Make a case from its row. @return false with the reason in `error`; then there is nothing to free */
+/** Make a case from its row. `prepared` and the result are those of prepare_edited. */
 bool batch_prepare(const batch_plan *plan, long index, prepared_case *prepared, evl_error *error);
 
 #endif

@@ -83,12 +83,13 @@ static void leave_signals_to_parent(pid_t parent)
 
 static void work(int socket, const batch_plan *plan)
 {
+    prepared_case prepared = {0};
     long index = 0;
     bool good = true;
     while (good && receive_index(socket, &index)) {
         batch_row row = {0};
         evl_error error;
-        if (batch_case_run(plan, index, &row, &error)) {
+        if (batch_case_run(plan, index, &prepared, &row, &error)) {
             good = send_answer(socket, false, row.status, row.line, row.length);
         } else {
             char *text = xasprintf("%s: %s", error.place, error.message);
@@ -97,6 +98,7 @@ static void work(int socket, const batch_plan *plan)
         }
         free(row.line);
     }
+    prepared_case_free(&prepared);
 }
 
 /* ---- in the parent ---- */

@@ -3,23 +3,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "case_base.h"
+#include "case_file.h"
 #include "case_resolve.h"
-#include "case_schema.h"
-#include "case_tree.h"
 #include "memory.h"
 #include "number.h"
 
 enum { FORMAT = 1 };
-
-struct case_file {
-    char *path;
-    int n_options;
-    char **options; /* the nodes of the tree point to them */
-    case_node *root;
-    char *text; /* NULL for an edited base */
-    description description;
-};
 
 /** Before anything else: a case of another format has other keys. */
 static bool check_format(const case_file *file, evl_error *error)
@@ -37,8 +26,7 @@ static bool check_format(const case_file *file, evl_error *error)
     return false;
 }
 
-/** Edit the tree that `file` has, check and resolve it. */
-static bool edit_and_resolve(case_file *file, const case_schema *schema, const law_tables *laws, evl_error *error)
+bool case_file_resolve(case_file *file, const case_schema *schema, const law_tables *laws, evl_error *error)
 {
     for (int i = 0; i < file->n_options; i++) {
         if (!tree_set(file->root, file->options[i], error)) {
@@ -49,14 +37,16 @@ static bool edit_and_resolve(case_file *file, const case_schema *schema, const l
            case_resolve(file->path, file->root, laws, &file->description, error);
 }
 
-static case_file *file_create(const char *path, int n_set, const char *const *set_options)
+case_file *case_file_create(const char *path, int n_set, const char *const *set_options)
 {
     case_file *file = xcalloc(1, sizeof *file);
     file->path = xstrdup(path);
     file->n_options = n_set;
     file->options = xcalloc((size_t)n_set, sizeof *file->options);
     for (int i = 0; i < n_set; i++) {
-        file->options[i] = xstrdup(set_options[i]);
+        const size_t length = strlen(set_options[i]);
+        file->options[i] = xcalloc(length + NUMBER_TEXT_LENGTH, 1);
+        memcpy(file->options[i], set_options[i], length);
     }
     return file;
 }
@@ -65,26 +55,15 @@ case_file *case_read(const char *path, int n_set, const char *const *set_options
                      evl_error *error)
 {
     memset(error, 0, sizeof *error);
-    case_file *file = file_create(path, n_set, set_options);
+    case_file *file = case_file_create(path, n_set, set_options);
     case_schema *schema = schema_create(laws);
     file->root = tree_load_file(path, error);
-    if (file->root != NULL && edit_and_resolve(file, schema, laws, error)) {
+    if (file->root != NULL && case_file_resolve(file, schema, laws, error)) {
         file->text = tree_text(file->root);
     } else {
         case_delete(&file);
     }
     schema_delete(&schema);
-    return file;
-}
-
-case_file *case_edit(const case_base *base, int n_set, const char *const *set_options, evl_error *error)
-{
-    memset(error, 0, sizeof *error);
-    case_file *file = file_create(base->name, n_set, set_options);
-    file->root = node_copy(base->root);
-    if (!edit_and_resolve(file, base->schema, base->laws, error)) {
-        case_delete(&file);
-    }
     return file;
 }
 
@@ -99,6 +78,7 @@ void case_delete(case_file **file)
         free((*file)->options[i]);
     }
     free((*file)->options);
+    free((*file)->numbers);
     free((*file)->text);
     free((*file)->path);
     free(*file);
@@ -122,14 +102,14 @@ const char *case_text(const case_file *file)
 
 void case_settle_integrator(case_file *file, integrator_kind integrator)
 {
-    case_node *block = node_get(file->root, "simulation");
     if (file->description.simulation.integrator != INTEGRATOR_OPEN) {
         return;
     }
     file->description.simulation.integrator = integrator;
-    node_append(block, "integrator", block->place,
-                node_create_scalar(integrator == INTEGRATOR_RADAU ? "radau" : "ida", true, block->place));
     if (file->text != NULL) {
+        case_node *block = node_get(file->root, "simulation");
+        node_append(block, "integrator", block->place,
+                    node_create_scalar(integrator == INTEGRATOR_RADAU ? "radau" : "ida", true, block->place));
         free(file->text);
         file->text = tree_text(file->root);
     }

@@ -17,8 +17,11 @@ typedef struct case_base case_base;
  *  @return NULL with the reason in `error` */
 case_base *case_base_parse(const char *name, const char *text, const law_tables *laws, evl_error *error);
 void case_base_delete(case_base **base);
-/** The same as case_read with the base's text for a file. The base stays as it is and has to outlive the result. */
-case_file *case_edit(const case_base *base, int n_set, const char *const *set_options, evl_error *error);
+/** The same as case_read with the base's text for a file. The base stays as it is and has to outlive the result.
+ *  @param[in,out] file  a case of this base that is not needed any more, or NULL: becomes the new case. A case like it,
+ *                       with other numbers, is made in a small part of the time that a new one takes
+ *  @return false with the reason in `error`; then `file` serves for the next call and for nothing else */
+bool case_edit(const case_base *base, int n_set, const char *const *set_options, case_file **file, evl_error *error);
 /** Names of the base's elements of a list such as "meshes", as paths call them, and as many as there are.
  *  @param names  NULL, or room for all; each is a new string, the index where an element has no name */
 int case_base_elements(const case_base *base, const char *list, char **names);

@@ -180,6 +180,13 @@ static bool refuse_variant(const checker *checker, const case_key *selector, con
                           variant);
 }
 
+const char *schema_variant(const case_schema *schema, const char *block, const case_node *node)
+{
+    const case_key *key = selector(schema, block);
+    const char *word = key == NULL ? "" : node_get_text(node, key->key);
+    return word == NULL ? key->default_text : word;
+}
+
 /** Find the variant from the selector, and refuse keys of other variants. */
 static bool check_variant(checker *checker, const char *block, const case_node *node, const char **variant)
 {

@@ -1,5 +1,4 @@
 /* --set PATH=VALUE: one edit of the tree. */
-#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,17 +11,6 @@ typedef struct {
     char place[EVL_ERROR_PLACE_LENGTH];
     evl_error *error;
 } set_edit;
-
-/** Index that the first segment of a path means: digits only, else -1. */
-static int segment_index(const char *path)
-{
-    const size_t length = strcspn(path, ".");
-    if (length == 0 || strspn(path, "0123456789") != length) {
-        return -1;
-    }
-    const long index = strtol(path, NULL, 10);
-    return index > INT_MAX ? INT_MAX : (int)index;
-}
 
 static void refuse_element(const set_edit *edit, const case_node *sequence, const char *parent, const char *segment)
 {
@@ -48,22 +36,6 @@ static void refuse_element(const set_edit *edit, const case_node *sequence, cons
     free(names);
 }
 
-/** Index of the element that a segment names, by name or number; -1 if none.
- *  The number behind the last one stands for an element to be appended. */
-static int element_index(const case_node *sequence, const char *segment)
-{
-    for (int i = 0; i < sequence->n; i++) {
-        char *name = node_element_name(sequence->entries[i].value);
-        const bool found = name != NULL && strcmp(name, segment) == 0;
-        free(name);
-        if (found) {
-            return i;
-        }
-    }
-    const int index = segment_index(segment);
-    return index <= sequence->n ? index : -1;
-}
-
 /** The entry of `node` that `segment` names, made (with a NULL value) if it is not there yet. NULL if refused. */
 static case_entry *enter(const set_edit *edit, case_node *node, const char *parent, const char *segment)
 {
@@ -73,12 +45,13 @@ static case_entry *enter(const set_edit *edit, case_node *node, const char *pare
         return NULL;
     }
     const bool is_mapping = node->kind == NODE_MAPPING;
-    const int i = is_mapping ? node_find(node, segment) : element_index(node, segment);
-    if (i < 0 && !is_mapping) {
+    const int i = node_step(node, segment);
+    const bool is_next = !is_mapping && node_index(segment) == node->n; /* the element behind the last one */
+    if (i < 0 && !is_mapping && !is_next) {
         refuse_element(edit, node, parent, segment);
         return NULL;
     }
-    if (i < 0 || i == node->n) {
+    if (i < 0) {
         node_append(node, is_mapping ? segment : NULL, place, NULL);
         return &node->entries[node->n - 1];
     }
@@ -110,7 +83,7 @@ static bool put(const set_edit *edit, case_node *root, char *path, case_node *va
         } else {
             if (entry->value == NULL || node_is_null(entry->value)) {
                 /* a number cannot be a key: what follows is a list */
-                const bool is_list = segment_index(dot + 1) >= 0;
+                const bool is_list = node_index(dot + 1) >= 0;
                 node_delete(&entry->value);
                 entry->value = node_create(is_list ? NODE_SEQUENCE : NODE_MAPPING, value->place);
             }

@@ -1,5 +1,6 @@
 #include "case_tree.h"
 
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -151,6 +152,33 @@ char *node_element_name(const case_node *element)
     }
     const char *driving = node_get_text(element, "driving"), *driven = node_get_text(element, "driven");
     return driving == NULL || driven == NULL ? NULL : xasprintf("%s-%s", driving, driven);
+}
+
+int node_index(const char *path)
+{
+    const size_t length = strcspn(path, ".");
+    if (length == 0 || strspn(path, "0123456789") != length) {
+        return -1;
+    }
+    const long index = strtol(path, NULL, 10);
+    return index > INT_MAX ? INT_MAX : (int)index;
+}
+
+int node_step(const case_node *node, const char *segment)
+{
+    if (node->kind != NODE_SEQUENCE) {
+        return node_find(node, segment);
+    }
+    for (int i = 0; i < node->n; i++) {
+        char *name = node_element_name(node->entries[i].value);
+        const bool found = name != NULL && strcmp(name, segment) == 0;
+        free(name);
+        if (found) {
+            return i;
+        }
+    }
+    const int index = node_index(segment);
+    return index < node->n ? index : -1;
 }
 
 void place_text(const char *path, case_place place, char text[EVL_ERROR_PLACE_LENGTH])

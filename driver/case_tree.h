@@ -67,6 +67,11 @@ void node_describe(const case_node *node, char text[64]);
  *  @return a new string, or NULL if it has none */
 char *node_element_name(const case_node *element);
 
+/** Index that the first segment of a path means: digits only, else -1. */
+int node_index(const char *path);
+/** Index of the entry to which a segment of a path leads, an element of a list by its name or number; -1 if none. */
+int node_step(const case_node *node, const char *segment);
+
 /** "PATH:LINE:COLUMN" or "--set OPTION". */
 void place_text(const char *path, case_place place, char text[EVL_ERROR_PLACE_LENGTH]);
 

@@ -12,9 +12,15 @@
 
 size_t checker_enter(checker *checker, const char *step)
 {
-    const size_t length = strlen(checker->label);
-    (void)snprintf(checker->label + length, LABEL_LENGTH - length, "%s%s", length == 0 ? "" : ".", step);
-    return length;
+    const size_t above = strlen(checker->label);
+    size_t length = above;
+    if (length > 0 && length < LABEL_LENGTH - 1) {
+        checker->label[length++] = '.';
+    }
+    const size_t added = strnlen(step, LABEL_LENGTH - 1 - length);
+    memcpy(checker->label + length, step, added);
+    checker->label[length + added] = '\0';
+    return above;
 }
 
 void checker_leave(checker *checker, size_t length)
@@ -103,6 +109,12 @@ static bool check_integer(const checker *checker, const case_key *key, const cas
     key_range_text(key, range);
     return checker_refuse(checker, node->place, "is %s, must be a whole number%s%s", node->text,
                           range[0] == '\0' ? "" : " ", range);
+}
+
+bool check_number_of(const checker *checker, const case_key *key, const case_node *node)
+{
+    double value = 0;
+    return key->type == KEY_INTEGER ? check_integer(checker, key, node) : check_number(checker, key, node, &value);
 }
 
 /** A list of so many numbers, which `wanted` describes. */

@@ -291,22 +291,31 @@ void design_delete(design **pointer)
     free(design);
 }
 
+/** "PATH=VALUE" as a new string. */
+static char *make_option(const char *path, const char *value)
+{
+    const size_t length = strlen(path), size = strlen(value) + 1;
+    char *option = xcalloc(length + 1 + size, 1);
+    memcpy(option, path, length);
+    option[length] = '=';
+    memcpy(option + length + 1, value, size);
+    return option;
+}
+
 char *design_option(const design *design, int column, long index)
 {
     const design_column *from = &design->columns[column];
-    if (from->type == DESIGN_INTEGER) {
-        return xasprintf("%s=%lld", from->path, from->values.integers[index]);
-    }
     if (from->type == DESIGN_TEXT) {
         const char *text = from->values.texts[index];
-        return xasprintf("%s=%s", from->path, text == NULL ? "" : text);
+        return make_option(from->path, text == NULL ? "" : text);
     }
-    const double value = from->values.reals[index];
     char text[NUMBER_TEXT_LENGTH] = ".nan";
-    if (isinf(value)) {
-        (void)snprintf(text, sizeof text, value > 0 ? ".inf" : "-.inf");
-    } else if (!isnan(value)) {
-        number_write(text, value);
+    if (from->type == DESIGN_INTEGER) {
+        (void)snprintf(text, sizeof text, "%lld", from->values.integers[index]);
+    } else if (isinf(from->values.reals[index])) {
+        (void)snprintf(text, sizeof text, from->values.reals[index] > 0 ? ".inf" : "-.inf");
+    } else if (!isnan(from->values.reals[index])) {
+        number_write(text, from->values.reals[index]);
     }
-    return xasprintf("%s=%s", from->path, text);
+    return make_option(from->path, text);
 }

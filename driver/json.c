@@ -1,7 +1,6 @@
 #include "json.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 #include "number.h"
 
@@ -24,44 +23,47 @@ static int character_length(const char *text)
     return is_odd ? 0 : length;
 }
 
+/** Length of the start of a text that stands for itself between quotes. */
+static size_t ordinary_length(const char *text)
+{
+    size_t n = 0;
+    for (unsigned char c = (unsigned char)text[0]; c >= 0x20 && c < 0x80 && c != '"' && c != '\\';) {
+        c = (unsigned char)text[++n];
+    }
+    return n;
+}
+
 /** What is no UTF-8, such as a character that was cut, becomes the replacement character. */
 static void write_text(FILE *stream, const char *text)
 {
     fputc('"', stream);
-    for (const char *c = text; *c != '\0'; c++) {
+    for (const char *c = text; *c != '\0';) {
+        const size_t n = ordinary_length(c);
+        (void)fwrite(c, 1, n, stream);
+        c += n;
+        if (*c == '\0') {
+            break;
+        }
         const int length = character_length(c);
         if (length == 0) {
             fputs("\xef\xbf\xbd", stream);
         } else if (length > 1) {
-            fprintf(stream, "%.*s", length, c);
-            c += length - 1;
+            (void)fwrite(c, 1, (size_t)length, stream);
         } else if (*c == '"' || *c == '\\') {
             fprintf(stream, "\\%c", *c);
-        } else if ((unsigned char)*c < 0x20) {
-            fprintf(stream, "\\u%04x", (unsigned)(unsigned char)*c);
         } else {
-            fputc(*c, stream);
+            fprintf(stream, "\\u%04x", (unsigned)(unsigned char)*c);
         }
+        c += length > 1 ? length : 1;
     }
     fputc('"', stream);
-}
-
-/** Few digits if they are enough; the shortest text of all is dear to find. */
-static void write_quickly(char text[NUMBER_TEXT_LENGTH], double value)
-{
-    for (int digits = 15; digits <= 17; digits += 2) {
-        (void)snprintf(text, NUMBER_TEXT_LENGTH, "%.*g", digits, value);
-        if (strtod(text, NULL) == value) {
-            return;
-        }
-    }
 }
 
 static void write_number(const json_writer *writer, double value)
 {
     char text[NUMBER_TEXT_LENGTH] = "null";
     if (isfinite(value) && writer->is_line) {
-        write_quickly(text, value);
+        number_write_plain(text, value); /* the shortest text of all is dear to find */
     } else if (isfinite(value)) {
         number_write(text, value);
     }

@@ -14,8 +14,10 @@ typedef enum {
 number_kind number_read(const char *text, double *value);
 
 enum { NUMBER_TEXT_LENGTH = 40 };
-/** The shortest decimal text that reads back as `value`, with a point and a signed exponent where there is an exponent:
+/** The shortest decimal text that reads back as `value` (of a subnormal one: a text), with a point and a signed exponent where there is an exponent:
  *  YAML 1.1 readers take it for a number as well. */
 void number_write(char text[NUMBER_TEXT_LENGTH], double value);
+/** As %g writes it: with 15 digits if these read back as `value`, with 17 if not. */
+void number_write_plain(char text[NUMBER_TEXT_LENGTH], double value);
 
 #endif

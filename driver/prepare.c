@@ -27,37 +27,32 @@ static bool settle_integrator(const prepared_case *prepared, model_error *refusa
     return true;
 }
 
-/** The model of a case that was read, if it was. */
+/** The model of a case that was read. */
 static bool make_model(prepared_case *prepared, evl_error *error)
 {
     model_error refusal;
-    if (prepared->file == NULL) {
-        return false;
-    }
     prepared->model = model_create(case_description(prepared->file), &refusal);
-    if (prepared->model == NULL) {
+    const bool good = prepared->model != NULL && settle_integrator(prepared, &refusal);
+    if (!good) {
         prepare_refuse(prepared, &refusal, error);
-        case_delete(&prepared->file);
-        return false;
     }
-    if (!settle_integrator(prepared, &refusal)) {
-        prepare_refuse(prepared, &refusal, error);
-        prepared_case_free(prepared);
-        return false;
-    }
-    return true;
+    return good;
 }
 
 bool prepare_case(prepared_case *prepared, const char *path, int n_set, const char *const *set, evl_error *error)
 {
     *prepared = (prepared_case){.file = case_read(path, n_set, set, model_laws(), error)};
-    return make_model(prepared, error);
+    const bool good = prepared->file != NULL && make_model(prepared, error);
+    if (!good) {
+        prepared_case_free(prepared);
+    }
+    return good;
 }
 
 bool prepare_edited(prepared_case *prepared, const case_base *base, int n_set, const char *const *set, evl_error *error)
 {
-    *prepared = (prepared_case){.file = case_edit(base, n_set, set, error)};
-    return make_model(prepared, error);
+    model_delete(&prepared->model);
+    return case_edit(base, n_set, set, &prepared->file, error) && make_model(prepared, error);
 }
 
 void prepared_case_free(prepared_case *prepared)

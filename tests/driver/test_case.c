@@ -432,9 +432,10 @@ static void an_edited_base_is_the_case_with_these_options_and_stays_as_it_was(vo
     case_base *base = case_base_parse("base", base_text, &laws, &error);
     assert_non_null(base);
     for (int i = 0; i < 2; i++) {
-        case_file *edited = case_edit(base, 2, options, &error), *plain = case_edit(base, 0, NULL, &error);
+        case_file *edited = NULL, *plain = NULL;
         case_file *single = read_text(base_text, strlen(base_text), 2, options, &error);
-        assert_non_null(edited);
+        assert_true(case_edit(base, 2, options, &edited, &error));
+        assert_true(case_edit(base, 0, NULL, &plain, &error));
         assert_non_null(single);
         assert_int_equal(case_description(edited)->wheels[1].teeth, 40);
         assert_int_equal(case_description(single)->wheels[1].teeth, 40);
@@ -445,9 +446,11 @@ static void an_edited_base_is_the_case_with_these_options_and_stays_as_it_was(vo
         case_delete(&plain);
         case_delete(&single);
     }
-    assert_null(case_edit(base, 1, (const char *const[]){"wheels.gear.teeth=2"}, &error));
+    case_file *none = NULL;
+    assert_false(case_edit(base, 1, (const char *const[]){"wheels.gear.teeth=2"}, &none, &error));
     assert_string_equal(error.place, "--set wheels.gear.teeth=2");
-    assert_null(case_edit(base, 1, (const char *const[]){"simulation=3"}, &error));
+    assert_false(case_edit(base, 1, (const char *const[]){"simulation=3"}, &none, &error));
+    assert_null(none);
     case_base_delete(&base);
 }
 
