@@ -48,6 +48,35 @@ static pthread_once_t once = PTHREAD_ONCE_INIT;
 static law_tables tables;
 enum { EVENT_ROOM = 32 };
 static char event_names[EVENT_ROOM][EVL_NAME_LENGTH];
+static model_output *output_texts; /**< [evl_output_count()] without places */
+
+static void copy_outputs(void)
+{
+    static const model_dims dims[] = {
+        [EVL_DIMS_NONE] = MODEL_DIMS_NONE,
+        [EVL_DIMS_WHEEL] = MODEL_DIMS_WHEEL,
+        [EVL_DIMS_MESH] = MODEL_DIMS_MESH,
+        [EVL_DIMS_WHEEL_AXIS] = MODEL_DIMS_WHEEL_AXIS,
+        [EVL_DIMS_MESH_AXIS] = MODEL_DIMS_MESH_AXIS,
+        [EVL_DIMS_SPACE] = MODEL_DIMS_SPACE,
+        [EVL_DIMS_QUATERNION] = MODEL_DIMS_QUATERNION,
+        [EVL_DIMS_WHEEL_SPACE] = MODEL_DIMS_WHEEL_SPACE,
+        [EVL_DIMS_MESH_PAIR] = MODEL_DIMS_MESH_PAIR,
+        [EVL_DIMS_SHAFT] = MODEL_DIMS_SHAFT,
+    };
+    const int n = evl_output_count();
+    output_texts = xcalloc((size_t)n, sizeof *output_texts);
+    for (int i = 0; i < n; i++) {
+        evl_output from;
+        model_output *to = &output_texts[i];
+        (void)evl_output_describe(i, &from);
+        *to = (model_output){.dims = dims[from.dims], .is_static = from.is_static, .is_integer = from.is_integer};
+        copy_text(to->name, sizeof to->name, from.name);
+        copy_text(to->units, sizeof to->units, from.units);
+        copy_text(to->symbol, sizeof to->symbol, from.symbol);
+        copy_text(to->long_name, sizeof to->long_name, from.long_name);
+    }
+}
 
 static void copy_tables(void)
 {
@@ -63,6 +92,7 @@ static void copy_tables(void)
     for (int kind = 0; kind < EVENT_ROOM; kind++) {
         evl_event_name(kind, event_names[kind]);
     }
+    copy_outputs();
 }
 
 const law_tables *model_laws(void)
@@ -73,34 +103,18 @@ const law_tables *model_laws(void)
 
 void model_describe_tables(model *model)
 {
-    static const model_dims dims[] = {
-        [EVL_DIMS_NONE] = MODEL_DIMS_NONE,
-        [EVL_DIMS_WHEEL] = MODEL_DIMS_WHEEL,
-        [EVL_DIMS_MESH] = MODEL_DIMS_MESH,
-        [EVL_DIMS_WHEEL_AXIS] = MODEL_DIMS_WHEEL_AXIS,
-        [EVL_DIMS_MESH_AXIS] = MODEL_DIMS_MESH_AXIS,
-        [EVL_DIMS_SPACE] = MODEL_DIMS_SPACE,
-        [EVL_DIMS_QUATERNION] = MODEL_DIMS_QUATERNION,
-        [EVL_DIMS_WHEEL_SPACE] = MODEL_DIMS_WHEEL_SPACE,
-        [EVL_DIMS_MESH_PAIR] = MODEL_DIMS_MESH_PAIR,
-        [EVL_DIMS_SHAFT] = MODEL_DIMS_SHAFT,
-    };
     const evl_sizes *sizes = &model->sizes;
-    model->outputs = xcalloc((size_t)sizes->n_outputs, sizeof *model->outputs);
+    const size_t n = (size_t)sizes->n_outputs;
+    (void)pthread_once(&once, copy_tables);
+    model->outputs = memcpy(xcalloc(n, sizeof *model->outputs), output_texts, n * sizeof *model->outputs);
+    int *offsets = xcalloc(n, sizeof *offsets), *counts = xcalloc(n, sizeof *counts);
+    evl_gearbox_output_places(model->gearbox, offsets, counts);
     for (int i = 0; i < sizes->n_outputs; i++) {
-        evl_output from;
-        model_output *to = &model->outputs[i];
-        (void)evl_gearbox_output(model->gearbox, i, &from);
-        *to = (model_output){.dims = dims[from.dims],
-                             .is_static = from.is_static,
-                             .is_integer = from.is_integer,
-                             .offset = from.offset,
-                             .count = from.count};
-        copy_text(to->name, sizeof to->name, from.name);
-        copy_text(to->units, sizeof to->units, from.units);
-        copy_text(to->symbol, sizeof to->symbol, from.symbol);
-        copy_text(to->long_name, sizeof to->long_name, from.long_name);
+        model->outputs[i].offset = offsets[i];
+        model->outputs[i].count = counts[i];
     }
+    free(offsets);
+    free(counts);
     model->state_names = xcalloc((size_t)sizes->n_states, sizeof *model->state_names);
     model->state_units = xcalloc((size_t)sizes->n_states, sizeof *model->state_units);
     for (int i = 0; i < sizes->n_states; i++) {

@@ -144,7 +144,7 @@ contains
 
       g => gearbox_of(handle)
       sizes = c_sizes(size(g%wheels), size(g%pairs), size(g%loads), g%n_states, g%n_integers, size(g%contacts), &
-                      g%n_roots, size(g%outputs), g%n_values, size(g%warnings), pair_places(g), maxval(g%contacts%n_slots), &
+                      g%n_roots, size(g%output_counts), g%n_values, size(g%warnings), pair_places(g), maxval(g%contacts%n_slots), &
                       size(g%shafts))
    end subroutine evl_gearbox_sizes
 

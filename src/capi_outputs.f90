@@ -6,34 +6,47 @@ module evl_capi_outputs
    use evl_capi_types, only: c_name_length, c_text_length, to_c
    use evl_gearbox, only: gearbox_t
    use evl_output, only: output_t
+   use evl_output_table, only: n_outputs, output_table
    use evl_status, only: code_invalid_input, code_ok
    implicit none (type, external)
    private
 
-   public :: evl_gearbox_output
+   public :: evl_output_count, evl_output_describe, evl_gearbox_output_places
 
    !> evl_output
    type, bind(c) :: c_output
       character(kind=c_char) :: name(c_name_length), units(c_name_length), symbol(c_name_length), long_name(c_text_length)
       integer(c_int) :: dims
       logical(c_bool) :: is_static, is_integer
-      integer(c_int) :: offset, count
    end type c_output
 
 contains
 
-   integer(c_int) function evl_gearbox_output(handle, index, output) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
+   integer(c_int) function evl_output_count() result(count) bind(c)
+      count = n_outputs
+   end function evl_output_count
+
+   integer(c_int) function evl_output_describe(index, output) result(code) bind(c)
       integer(c_int), intent(in), value :: index
       type(c_output), intent(out) :: output
-      type(gearbox_t), pointer :: g
+      type(output_t) :: table(n_outputs)
 
       code = code_invalid_input
-      call c_f_pointer(handle, g)
-      if (index < 0 .or. index >= size(g%outputs)) return
-      call output_to_c(g%outputs(index + 1), output)
+      if (index < 0 .or. index >= n_outputs) return
+      table = output_table()
+      call output_to_c(table(index + 1), output)
       code = code_ok
-   end function evl_gearbox_output
+   end function evl_output_describe
+
+   subroutine evl_gearbox_output_places(handle, offsets, counts) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(out) :: offsets(n_outputs), counts(n_outputs)
+      type(gearbox_t), pointer :: g
+
+      call c_f_pointer(handle, g)
+      offsets = g%output_offsets
+      counts = g%output_counts
+   end subroutine evl_gearbox_output_places
 
    pure subroutine output_to_c(entry, output)
       type(output_t), intent(in) :: entry
@@ -46,8 +59,6 @@ contains
       output%dims = entry%dims
       output%is_static = logical(entry%is_static, c_bool)
       output%is_integer = logical(entry%is_integer, c_bool)
-      output%offset = entry%offset
-      output%count = entry%count
    end subroutine output_to_c
 
 end module evl_capi_outputs

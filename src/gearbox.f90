@@ -26,7 +26,6 @@ module evl_gearbox
    use evl_local_variables, only: n_local
    use evl_mesh, only: contact_loaded, contact_off, contact_t, mesh_mode
    use evl_rational, only: rational_t
-   use evl_output, only: output_t
    use evl_shaft, only: shaft_t
    use evl_spur_geometry, only: spur_pair_t
    use evl_status, only: message_length
@@ -90,7 +89,7 @@ module evl_gearbox
       type(gear_t), allocatable :: gears(:)            !! of each wheel, initial values if it is no real gear
       type(gear_mesh_t), allocatable :: gear_meshes(:) !! of each mesh, the same
       type(housing_t) :: housing
-      type(output_t), allocatable :: outputs(:)         !! table of what it tells
+      integer, allocatable :: output_offsets(:), output_counts(:) !! places of what it tells among the values, offsets from 0
       real(wp), allocatable :: constants(:)             !! values of the outputs at its beginning, which do not change
       character(len=message_length), allocatable :: warnings(:)
       integer :: reference = 1               !! wheel whose angle is theta, the leader of its rotor

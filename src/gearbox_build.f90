@@ -15,7 +15,7 @@ module evl_gearbox_build
    use evl_load, only: load_t
    use evl_local_variables, only: n_track
    use evl_mesh, only: tracking_closed_form
-   use evl_output_table, only: gearbox_output_table, n_outputs
+   use evl_output_table, only: gearbox_output_places, n_outputs
    use evl_rational, only: rational_value
    use evl_rotors, only: rotors_join
    use evl_shaft, only: shaft_t
@@ -86,10 +86,10 @@ contains
       do i = 1, size(meshes)
          call check_contact_width(gearbox, i)
       end do
-      allocate (gearbox%outputs(n_outputs))
-      call gearbox_output_table(gearbox, gearbox%outputs)
-      gearbox%n_values = sum(gearbox%outputs%count)
-      allocate (gearbox%constants(sum(gearbox%outputs(:n_constant_outputs)%count)))
+      allocate (gearbox%output_offsets(n_outputs), gearbox%output_counts(n_outputs))
+      call gearbox_output_places(gearbox, gearbox%output_offsets, gearbox%output_counts)
+      gearbox%n_values = sum(gearbox%output_counts)
+      allocate (gearbox%constants(sum(gearbox%output_counts(:n_constant_outputs))))
       call put_constants(gearbox, gearbox%constants)
    end subroutine gearbox_create
 

@@ -63,8 +63,17 @@ contains
       if (present(maximum_open)) parameter%maximum_open = maximum_open
    end function law_parameter
 
+   !> Whether a value lies in the range; NaN and infinity never do.
+   pure logical function accepts(parameter, value)
+      type(law_parameter_t), intent(in) :: parameter
+      real(wp), intent(in) :: value !! in parameter%units
+
+      accepts = ieee_is_finite(value) .and. value >= parameter%minimum .and. value <= parameter%maximum &
+                .and. (value > parameter%minimum .or. .not. parameter%minimum_open) &
+                .and. (value < parameter%maximum .or. .not. parameter%maximum_open)
+   end function accepts
+
    !> What is wrong with a value, such as "coefficient = -1.00000 N s/m must be at least 0"; "" if it is accepted.
-   !> NaN and infinity are never accepted.
    pure function parameter_range_error(parameter, value) result(text)
       type(law_parameter_t), intent(in) :: parameter !! what is accepted
       real(wp), intent(in) :: value                  !! in parameter%units
@@ -72,21 +81,22 @@ contains
       character(len=len_trim(parameter%units)) :: unit
       character(len=message_length) :: given
 
+      text = ""
+      if (accepts(parameter, value)) return
       unit = parameter%units
       if (unit == "1") unit = ""
       given = trim(parameter%name)//" = "//quantity(value, trim(unit))
-      text = ""
       if (.not. ieee_is_finite(value)) then
          text = trim(given)//" must be a finite number"
       else if (value < parameter%minimum) then
          text = trim(given)//" must be "//trim(merge("greater than", "at least    ", parameter%minimum_open)) &
                 //" "//quantity(parameter%minimum, trim(unit))
-      else if (parameter%minimum_open .and. .not. value > parameter%minimum) then
+      else if (value <= parameter%minimum) then
          text = trim(given)//" must be greater than "//quantity(parameter%minimum, trim(unit))
       else if (value > parameter%maximum) then
          text = trim(given)//" must be "//trim(merge("less than", "at most  ", parameter%maximum_open)) &
                 //" "//quantity(parameter%maximum, trim(unit))
-      else if (parameter%maximum_open .and. .not. value < parameter%maximum) then
+      else
          text = trim(given)//" must be less than "//quantity(parameter%maximum, trim(unit))
       end if
    end function parameter_range_error

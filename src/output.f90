@@ -20,7 +20,6 @@ module evl_output
       character(len=95) :: long_name = ""
       integer :: dims = dims_none
       logical :: is_static = .false., is_integer = .false.
-      integer :: offset = 0, count = 0 !! place among the values, offset from 0
    end type output_t
 
 end module evl_output

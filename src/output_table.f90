@@ -17,32 +17,41 @@ module evl_output_table
    implicit none (type, external)
    private
 
-   public :: n_outputs, gearbox_output_table, gearbox_outputs
+   public :: n_outputs, output_table, gearbox_output_places, gearbox_outputs
 
    integer, parameter :: n_gearbox_histories = 6, n_wheel_histories = 7
-   integer, parameter :: n_outputs = n_constant_outputs + n_gearbox_histories + n_wheel_histories + n_mesh_histories &
-                         + n_pair_histories + n_coast_histories + n_housing_outputs + n_shaft_outputs !! entries of the table
+   integer, parameter :: first_coast = n_constant_outputs + n_gearbox_histories + n_wheel_histories + n_mesh_histories &
+                         + n_pair_histories + 1
+   integer, parameter :: n_outputs = first_coast - 1 + n_coast_histories + n_housing_outputs + n_shaft_outputs !! of the table
 
 contains
 
    !> The table, in the order in which the values are filled.
-   pure subroutine gearbox_output_table(gearbox, table)
-      type(gearbox_t), intent(in) :: gearbox
-      type(output_t), intent(out) :: table(n_outputs)
-      type(output_t) :: coast(n_coast_histories)
-      integer :: i, offset
+   pure function output_table() result(table)
+      type(output_t) :: table(n_outputs)
 
-      coast = coast_histories()
       table = [constant_outputs(), gearbox_histories(), wheel_histories(), mesh_histories(), pair_histories(), coast_histories(), &
                housing_outputs(), shaft_outputs()]
-      offset = 0
-      do i = 1, size(table)
-         table(i)%offset = offset
-         table(i)%count = count_of(gearbox, table(i)%dims)
-         if (.not. has_coast(gearbox) .and. any(table(i)%name == coast%name)) table(i)%count = 0
-         offset = offset + table(i)%count
+   end function output_table
+
+   !> Where the outputs of a gearbox stand among the values.
+   pure subroutine gearbox_output_places(gearbox, offset, count)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(out) :: offset(n_outputs) !! from 0
+      integer, intent(out) :: count(n_outputs)  !! 0: it is not there
+      type(output_t) :: table(n_outputs)
+      integer :: i
+
+      table = output_table()
+      do i = 1, n_outputs
+         count(i) = count_of(gearbox, table(i)%dims)
       end do
-   end subroutine gearbox_output_table
+      if (.not. has_coast(gearbox)) count(first_coast:first_coast + n_coast_histories - 1) = 0
+      offset(1) = 0
+      do i = 2, n_outputs
+         offset(i) = offset(i - 1) + count(i - 1)
+      end do
+   end subroutine gearbox_output_places
 
    !> Number of values that outputs of these dimensions have.
    pure integer function count_of(gearbox, dims) result(n)

@@ -97,9 +97,9 @@ class Output(ctypes.Structure):
         ("dims", _int),
         ("is_static", _bool),
         ("is_integer", _bool),
-        ("offset", _int),
-        ("count", _int),
     ]
+    offset: int  # among the values of a gearbox
+    count: int
 
 
 @dataclass
@@ -198,11 +198,14 @@ class Gearbox:
         return name.value.decode(), units.value.decode()
 
     def output(self, index: int) -> Output:
-        """Entry of the table of outputs."""
+        """Entry of the table of outputs, with its place among the values of this gearbox."""
         entry = Output()
-        code = self.library.evl_gearbox_output(self.handle, index, ctypes.byref(entry))
-        if code != OK:
+        if self.library.evl_output_describe(index, ctypes.byref(entry)) != OK:
             raise IndexError(index)
+        offsets = np.empty(self.sizes.n_outputs, np.int32)
+        counts = np.empty(self.sizes.n_outputs, np.int32)
+        self.library.evl_gearbox_output_places(self.handle, _at(offsets), _at(counts))
+        entry.offset, entry.count = int(offsets[index]), int(counts[index])
         return entry
 
     def place(self, name: str) -> int:

@@ -558,6 +558,7 @@ typedef enum {
     EVL_DIMS_SHAFT = 9
 } evl_dims;
 
+/** What an output is, the same for all gearboxes. */
 typedef struct {
     char name[EVL_NAME_LENGTH];
     char units[EVL_NAME_LENGTH];  /**< UDUNITS; "1" if without */
@@ -566,12 +567,15 @@ typedef struct {
     int dims;       /**< evl_dims, axis being x, y */
     bool is_static; /**< has no time dimension */
     bool is_integer;
-    int offset,
-        count; /**< its place in the array that evl_gearbox_outputs fills; C order. count 0: not there, as the pose
-                            of a fixed housing */
 } evl_output;
 
-EVL_API int evl_gearbox_output(const evl_gearbox *gearbox, int index, evl_output *output);
+/** Entries of the table of outputs, n_outputs of every gearbox. */
+EVL_API int evl_output_count(void);
+/** index: from 0. */
+EVL_API int evl_output_describe(int index, evl_output *output);
+/** Where the outputs of a gearbox stand in the array that evl_gearbox_outputs fills, in C order; [n_outputs] each. A count of 0:
+ *  it is not there, as the pose of a fixed housing. */
+EVL_API void evl_gearbox_output_places(const evl_gearbox *gearbox, int *offsets, int *counts);
 /** All outputs at a state, [n_values]; integers as whole doubles, NaN where a quantity has no meaning. */
 EVL_API int evl_gearbox_outputs(const evl_gearbox *gearbox, double t, const double *y, const int *integers,
                                 const double *reals, double *values, evl_status *status);
