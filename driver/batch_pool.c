@@ -5,6 +5,7 @@
 #include "log.h"
 #include "memory.h"
 
+#include <errno.h>
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,17 +15,20 @@
 #include <unistd.h>
 
 enum { MOST_TRIES = 2, LOOK_MILLISECONDS = 200 };
+static const struct timespec rest = {.tv_nsec = 2000000}; /* between two looks at the answers: each costs a worker time */
 static const double sync_interval = 1.0;       /* [s] between two times that all is brought to the disk */
 static const double terminal_interval = 1.0;   /* [s] between two lines of progress on a terminal */
 static const double elsewhere_interval = 60.0; /* [s] and in a log */
 
 typedef struct {
-    const batch_plan *plan;
+    batch_work work; /**< its list is what is left of that of the state */
     batch_state *state;
     evl_error *error;
     int n_workers;
     batch_worker *workers;
-    long n_given; /**< of state->todo */
+    long n_left;  /**< length of the list */
+    long *left;   /**< the list of the work */
+    int *n_tries; /**< [n_left] how often the process died that ran it; -1: the case is recorded */
     long n_bad;   /**< failed or refused in this run */
     double started, synced, shown;
     bool show_progress, is_terminal;
@@ -71,7 +75,7 @@ static void wipe_progress(const pool *pool)
 /** Histories first: a row that is recorded has one. @return false if the disk does not take it */
 static bool sync_all(pool *pool)
 {
-    const stack *stack = &pool->plan->stack;
+    const stack *stack = &pool->work.plan->stack;
     journal *journal = &pool->state->journal;
     if (!journal->is_dirty) {
         return true;
@@ -93,129 +97,183 @@ static bool look_at_clock(pool *pool)
     return sync_all(pool);
 }
 
-/* ---- cases out, rows in ---- */
+/* ---- rows ---- */
 
-static void give_next(pool *pool, batch_worker *worker)
-{
-    if (pool->n_given < pool->state->n_todo) {
-        batch_worker_give(worker, pool->state->todo[pool->n_given++], 1);
-    }
-}
-
-static bool record(pool *pool, long index, batch_row *row)
+static bool record(pool *pool, long place, batch_row *row)
 {
     const bool good = journal_append(&pool->state->journal, row->line, row->length, pool->error);
     if (good) {
-        pool->state->status[index] = row->status;
+        pool->state->status[pool->left[place]] = row->status;
         pool->state->n_finished++;
         pool->n_bad += row->status == JOURNAL_DONE ? 0 : 1;
+        pool->n_tries[place] = -1;
     }
     free(row->line);
     return good;
 }
 
-static bool start_worker(pool *pool, batch_worker *worker)
+static bool record_lost(pool *pool, long place, int wait_status)
 {
-    return batch_worker_start(worker, pool->plan, pool->workers, pool->n_workers, pool->error);
+    char message[128];
+    batch_row row;
+    if (WIFSIGNALED(wait_status)) {
+        (void)snprintf(message, sizeof message, "the process that ran it was ended by signal %d (%s), twice",
+                       WTERMSIG(wait_status), strsignal(WTERMSIG(wait_status)));
+    } else {
+        (void)snprintf(message, sizeof message, "the process that ran it ended with exit code %d, twice",
+                       WEXITSTATUS(wait_status));
+    }
+    batch_case_lost(pool->work.plan, pool->left[place], message, &row);
+    return record(pool, place, &row);
 }
 
-/** A worker died in the middle of a case: once that may be anyone's fault, twice it is the case's. */
-static bool replace_worker(pool *pool, batch_worker *worker)
+/* ---- workers ---- */
+
+static bool start_worker(pool *pool, int number, long first)
 {
-    const long index = worker->index;
-    const int n_tries = worker->n_tries, status = batch_worker_end(worker, false);
-    if (!start_worker(pool, worker)) {
-        return false;
-    }
-    if (index >= 0 && n_tries < MOST_TRIES) {
-        batch_worker_give(worker, index, n_tries + 1);
+    return batch_worker_start(&pool->workers[number], &pool->work, number, first, pool->workers, pool->n_workers,
+                              pool->error);
+}
+
+/** A worker is gone: because there is nothing left to do, or in the middle of a case. Once that may be anyone's fault, twice it
+ *  is the case's. */
+static bool replace_worker(pool *pool, int number)
+{
+    const long place = batch_queue_last(pool->work.queue, number);
+    const int status = batch_worker_end(&pool->workers[number]);
+    const bool in_case = place >= 0 && pool->n_tries[place] >= 0;
+    if (!in_case && WIFEXITED(status) && WEXITSTATUS(status) == 0) {
         return true;
     }
-    bool good = true;
-    if (index >= 0) {
-        char message[128];
-        batch_row row;
-        if (WIFSIGNALED(status)) {
-            (void)snprintf(message, sizeof message, "the process that ran it was ended by signal %d (%s), twice",
-                           WTERMSIG(status), strsignal(WTERMSIG(status)));
-        } else {
-            (void)snprintf(message, sizeof message, "the process that ran it ended with exit code %d, twice",
-                           WEXITSTATUS(status));
-        }
-        batch_case_lost(pool->plan, index, message, &row);
-        good = record(pool, index, &row);
+    if (in_case && ++pool->n_tries[place] == MOST_TRIES) {
+        return record_lost(pool, place, status) && start_worker(pool, number, -1);
     }
-    give_next(pool, worker);
+    return start_worker(pool, number, in_case ? place : -1);
+}
+
+/** Record all that a worker has sent. @return false to end the batch, with the reason in pool->error */
+static bool attend(pool *pool, int number, batch_worker_news *news)
+{
+    batch_answer answer;
+    bool good = true;
+    while (good && (*news = batch_worker_hear(&pool->workers[number], &answer)) == WORKER_ANSWERED) {
+        if (answer.is_lost) {
+            *pool->error = answer.error;
+        }
+        good = !answer.is_lost && record(pool, answer.place, &answer.row);
+    }
     return good;
 }
 
-/** @return false to end the batch, with the reason in pool->error */
-static bool attend(pool *pool, batch_worker *worker)
-{
-    batch_answer answer;
-    const long index = worker->index;
-    switch (batch_worker_hear(worker, &answer)) {
-    case WORKER_SILENT:
-        return true;
-    case WORKER_GONE:
-        return replace_worker(pool, worker);
-    case WORKER_ANSWERED:
-        break;
-    }
-    if (answer.is_lost) {
-        *pool->error = answer.error;
-        return false;
-    }
-    give_next(pool, worker); /* first: it works while its row is written */
-    return record(pool, index, &answer.row);
-}
-
-static bool has_work(const pool *pool)
+static bool has_workers(const pool *pool)
 {
     for (int i = 0; i < pool->n_workers; i++) {
-        if (pool->workers[i].index >= 0) {
+        if (pool->workers[i].pid != 0) {
             return true;
         }
     }
     return false;
 }
 
-static bool work(pool *pool)
+/** Record what the workers say until they are all gone. */
+static bool listen_to_all(pool *pool)
 {
     struct pollfd *ends = xcalloc((size_t)pool->n_workers, sizeof *ends);
     bool good = true;
-    while (good && interrupt_signal == 0 && has_work(pool)) {
+    while (good && interrupt_signal == 0 && has_workers(pool)) {
         for (int i = 0; i < pool->n_workers; i++) {
             ends[i] = (struct pollfd){.fd = pool->workers[i].socket, .events = POLLIN};
         }
         const int n = poll(ends, (nfds_t)pool->n_workers, LOOK_MILLISECONDS);
         for (int i = 0; i < pool->n_workers && n > 0 && good; i++) {
-            good = ends[i].revents == 0 || attend(pool, &pool->workers[i]);
+            batch_worker_news news = WORKER_SILENT;
+            good = ends[i].revents == 0 || attend(pool, i, &news);
+            good = good && (news != WORKER_GONE || replace_worker(pool, i));
         }
         good = good && look_at_clock(pool);
+        if (good && n > 0) {
+            (void)nanosleep(&rest, NULL);
+        }
     }
     free(ends);
     return good;
 }
 
-static bool start_all(pool *pool, int jobs)
+static bool start_all(pool *pool)
 {
-    const int wanted = jobs < pool->state->n_todo ? jobs : (int)pool->state->n_todo;
-    pool->workers = xcalloc((size_t)wanted, sizeof *pool->workers);
-    for (pool->n_workers = 0; pool->n_workers < wanted; pool->n_workers++) {
-        batch_worker *worker = &pool->workers[pool->n_workers];
-        if (!start_worker(pool, worker)) {
-            return false;
-        }
-        give_next(pool, worker);
+    bool good = true;
+    batch_queue_restart(pool->work.queue, pool->n_left);
+    for (int i = 0; i < pool->n_workers && good; i++) {
+        good = start_worker(pool, i, -1);
     }
-    return true;
+    return good;
+}
+
+/** End the workers that are still there. `good`: the disk takes what they have sent. */
+static bool stop_all(pool *pool, bool good)
+{
+    for (int i = 0; i < pool->n_workers; i++) {
+        if (pool->workers[i].pid != 0) {
+            batch_worker_news news;
+            batch_worker_kill(&pool->workers[i]);
+            good = good && attend(pool, i, &news);
+            (void)batch_worker_end(&pool->workers[i]);
+        }
+    }
+    return good;
+}
+
+/* ---- the whole run ---- */
+
+static bool begin(pool *pool, int jobs)
+{
+    const long n = pool->state->n_todo;
+    pool->n_workers = jobs < n ? jobs : (int)n;
+    pool->workers = xcalloc((size_t)pool->n_workers, sizeof *pool->workers);
+    for (int i = 0; i < pool->n_workers; i++) {
+        pool->workers[i].socket = -1;
+    }
+    pool->n_left = n;
+    pool->left = xcalloc((size_t)n, sizeof *pool->left);
+    pool->n_tries = xcalloc((size_t)n, sizeof *pool->n_tries);
+    for (long i = 0; i < n; i++) {
+        pool->left[i] = pool->state->todo[i];
+    }
+    pool->work.todo = pool->left;
+    pool->work.queue = batch_queue_create(n, pool->n_workers);
+    if (pool->work.queue == NULL) {
+        evl_error_set(pool->error, EVL_EXIT_INTERRUPTED, "", "cannot share memory with the workers: %s",
+                      strerror(errno));
+    }
+    return pool->work.queue != NULL;
+}
+
+static void end(pool *pool)
+{
+    batch_queue_delete(&pool->work.queue);
+    free(pool->workers);
+    free(pool->left);
+    free(pool->n_tries);
+}
+
+/** Of the list only what is not recorded: all if the run was interrupted; else a case that a worker was just taking when it
+ *  died, if any. */
+static void keep_unrecorded(pool *pool)
+{
+    long n = 0;
+    for (long i = 0; i < pool->n_left; i++) {
+        if (pool->n_tries[i] >= 0) {
+            pool->left[n] = pool->left[i];
+            pool->n_tries[n++] = pool->n_tries[i];
+        }
+    }
+    pool->n_left = n;
 }
 
 void batch_pool_run(const batch_plan *plan, int jobs, bool show_progress, batch_state *state, evl_error *error)
 {
     const double now = batch_clock();
-    pool pool = {.plan = plan,
+    pool pool = {.work = {.plan = plan},
                  .state = state,
                  .error = error,
                  .started = now,
@@ -223,18 +281,19 @@ void batch_pool_run(const batch_plan *plan, int jobs, bool show_progress, batch_
                  .shown = now,
                  .show_progress = show_progress,
                  .is_terminal = isatty(STDERR_FILENO) == 1};
-    const bool good = start_all(&pool, jobs) && work(&pool);
-    const bool is_interrupted = good && has_work(&pool);
-    for (int i = 0; i < pool.n_workers; i++) {
-        (void)batch_worker_end(&pool.workers[i], !good || is_interrupted);
+    bool good = begin(&pool, jobs);
+    while (good && pool.n_left > 0 && interrupt_signal == 0) {
+        good = start_all(&pool) && listen_to_all(&pool);
+        good = stop_all(&pool, good);
+        keep_unrecorded(&pool);
     }
-    free(pool.workers);
     wipe_progress(&pool);
-    if (good && sync_all(&pool) && is_interrupted) {
+    if (good && sync_all(&pool) && pool.n_left > 0) {
         evl_error_set(error, EVL_EXIT_INTERRUPTED, state->journal.path,
                       "interrupted by %s; %ld of %ld cases were finished, --resume runs the others",
                       interrupt_name((int)interrupt_signal), state->n_finished, state->n_todo);
     } else if (!good) {
         (void)fsync(state->journal.descriptor); /* the reason that ended the batch is worth more than that of a sync */
     }
+    end(&pool);
 }

@@ -15,31 +15,13 @@
 
 /** What goes before the text of an answer. */
 typedef struct {
+    long place;
     bool is_lost;
     journal_status status;
     size_t length;
 } answer_head;
 
 /* ---- in the worker ---- */
-
-/** @return false at the end of the stream: the parent has no more work, or is gone */
-static bool receive_index(int socket, long *index)
-{
-    char *to = (char *)index;
-    size_t missing = sizeof *index;
-    while (missing > 0) {
-        const ssize_t n = recv(socket, to, missing, 0);
-        if (n < 0 && errno == EINTR) {
-            continue;
-        }
-        if (n <= 0) {
-            return false;
-        }
-        to += n;
-        missing -= (size_t)n;
-    }
-    return true;
-}
 
 static bool send_bytes(int socket, const void *bytes, size_t length)
 {
@@ -58,10 +40,15 @@ static bool send_bytes(int socket, const void *bytes, size_t length)
     return true;
 }
 
-static bool send_answer(int socket, bool is_lost, journal_status status, const char *text, size_t length)
+/** With one call: each wakes the parent. */
+static bool send_answer(int socket, answer_head head, const char *text)
 {
-    const answer_head head = {.is_lost = is_lost, .status = status, .length = length};
-    return send_bytes(socket, &head, sizeof head) && send_bytes(socket, text, length);
+    char *message = xcalloc(sizeof head + head.length, 1);
+    memcpy(message, &head, sizeof head);
+    memcpy(message + sizeof head, text, head.length);
+    const bool good = send_bytes(socket, message, sizeof head + head.length);
+    free(message);
+    return good;
 }
 
 /** Only the parent decides when a job ends: it is told as well. */
@@ -81,40 +68,57 @@ static void leave_signals_to_parent(pid_t parent)
     }
 }
 
-static void work(int socket, const batch_plan *plan)
+/** @return false if the parent is gone */
+static bool run_case(const batch_work *work, long place, int socket, prepared_case *prepared)
+{
+    batch_row row = {0};
+    evl_error error;
+    answer_head head = {.place = place};
+    char *text = NULL;
+    head.is_lost = !batch_case_run(work->plan, work->todo[place], prepared, &row, &error);
+    if (head.is_lost) {
+        text = xasprintf("%s: %s", error.place, error.message);
+        head.length = strlen(text);
+        free(row.line);
+    } else {
+        text = row.line;
+        head.length = row.length;
+    }
+    head.status = row.status;
+    const bool good = send_answer(socket, head, text);
+    free(text);
+    return good;
+}
+
+static void run_cases(const batch_work *work, int number, long first, int socket)
 {
     prepared_case prepared = {0};
-    long index = 0;
-    bool good = true;
-    while (good && receive_index(socket, &index)) {
-        batch_row row = {0};
-        evl_error error;
-        if (batch_case_run(plan, index, &prepared, &row, &error)) {
-            good = send_answer(socket, false, row.status, row.line, row.length);
-        } else {
-            char *text = xasprintf("%s: %s", error.place, error.message);
-            good = send_answer(socket, true, row.status, text, strlen(text));
-            free(text);
-        }
-        free(row.line);
+    long place = first >= 0 ? first : batch_queue_take(work->queue, number);
+    while (place >= 0 && run_case(work, place, socket, &prepared)) {
+        place = batch_queue_take(work->queue, number);
     }
     prepared_case_free(&prepared);
 }
 
 /* ---- in the parent ---- */
 
-bool batch_worker_start(batch_worker *worker, const batch_plan *plan, const batch_worker *all, int n_all,
-                        evl_error *error)
+static bool fail_start(evl_error *error)
+{
+    evl_error_set(error, EVL_EXIT_INTERRUPTED, "", "cannot start a worker: %s; use fewer --jobs", strerror(errno));
+    return false;
+}
+
+bool batch_worker_start(batch_worker *worker, const batch_work *work, int number, long first, const batch_worker *all,
+                        int n_all, evl_error *error)
 {
     int ends[2];
     const pid_t parent = getpid();
     if (socketpair(AF_UNIX, SOCK_STREAM, 0, ends) != 0) {
-        evl_error_set(error, EVL_EXIT_INTERRUPTED, "", "cannot start a worker: %s; use fewer --jobs", strerror(errno));
-        return false;
+        return fail_start(error);
     }
     const pid_t pid = fork();
     if (pid < 0) {
-        evl_error_set(error, EVL_EXIT_INTERRUPTED, "", "cannot start a worker: %s; use fewer --jobs", strerror(errno));
+        (void)fail_start(error);
         (void)close(ends[0]);
         (void)close(ends[1]);
         return false;
@@ -127,22 +131,23 @@ bool batch_worker_start(batch_worker *worker, const batch_plan *plan, const batc
             }
         }
         leave_signals_to_parent(parent);
-        work(ends[1], plan);
+        run_cases(work, number, first, ends[1]);
         _exit(0);
     }
     (void)close(ends[1]);
-    *worker = (batch_worker){.pid = pid, .socket = ends[0], .index = -1};
+    *worker = (batch_worker){.pid = pid, .socket = ends[0]};
     return true;
 }
 
-void batch_worker_give(batch_worker *worker, long index, int n_tries)
+static int wait_for(pid_t pid)
 {
-    worker->index = index;
-    worker->n_tries = n_tries;
-    (void)send_bytes(worker->socket, &index, sizeof index);
+    int status = 0;
+    while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+    }
+    return status;
 }
 
-/** A whole message in the buffer? Then hand its text over. */
+/** A whole message at the start of the buffer? Then hand its text over. */
 static bool take_answer(batch_worker *worker, batch_answer *answer)
 {
     answer_head head;
@@ -150,14 +155,15 @@ static bool take_answer(batch_worker *worker, batch_answer *answer)
         return false;
     }
     memcpy(&head, worker->buffer, sizeof head);
-    if (worker->n_bytes < sizeof head + head.length) {
+    const size_t length = sizeof head + head.length;
+    if (worker->n_bytes < length) {
         return false;
     }
     char *text = xcalloc(head.length + 1, 1);
     memcpy(text, worker->buffer + sizeof head, head.length);
-    worker->n_bytes = 0; /* one case at a time: nothing follows an answer */
-    worker->index = -1;
-    *answer = (batch_answer){.is_lost = head.is_lost};
+    worker->n_bytes -= length;
+    memmove(worker->buffer, worker->buffer + length, worker->n_bytes);
+    *answer = (batch_answer){.place = head.place, .is_lost = head.is_lost};
     if (head.is_lost) {
         evl_error_set(&answer->error, EVL_EXIT_IO, "", "%s", text);
         free(text);
@@ -170,7 +176,7 @@ static bool take_answer(batch_worker *worker, batch_answer *answer)
 batch_worker_news batch_worker_hear(batch_worker *worker, batch_answer *answer)
 {
     enum { PIECE = 64 * 1024 };
-    for (;;) {
+    while (!take_answer(worker, answer)) {
         if (worker->room - worker->n_bytes < PIECE) {
             worker->room += PIECE;
             worker->buffer = xrealloc(worker->buffer, worker->room, 1);
@@ -186,22 +192,22 @@ batch_worker_news batch_worker_hear(batch_worker *worker, batch_answer *answer)
             return WORKER_GONE;
         }
         worker->n_bytes += (size_t)n;
-        if (take_answer(worker, answer)) {
-            return WORKER_ANSWERED;
-        }
     }
+    return WORKER_ANSWERED;
 }
 
-int batch_worker_end(batch_worker *worker, bool kill_it)
+void batch_worker_kill(batch_worker *worker)
 {
-    int status = 0;
-    if (kill_it) {
-        (void)kill(worker->pid, SIGKILL);
-    }
+    (void)kill(worker->pid, SIGKILL);
+    worker->wait_status = wait_for(worker->pid);
+    worker->is_over = true;
+}
+
+int batch_worker_end(batch_worker *worker)
+{
+    const int status = worker->is_over ? worker->wait_status : wait_for(worker->pid);
     (void)close(worker->socket);
-    while (waitpid(worker->pid, &status, 0) < 0 && errno == EINTR) {
-    }
     free(worker->buffer);
-    *worker = (batch_worker){.socket = -1, .index = -1};
+    *worker = (batch_worker){.socket = -1};
     return status;
 }
