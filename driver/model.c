@@ -284,7 +284,7 @@ model *model_create(const description *description, model_error *error)
     }
     evl_gearbox_sizes(model->gearbox, &model->sizes);
     model_describe_dae(model);
-    model_describe_tables(model);
+    model_describe_outputs(model);
     return model;
 }
 
@@ -304,8 +304,6 @@ void model_delete(model **pointer)
     free(model->wheel_of_load);
     free(model->load_of_load);
     free(model->outputs);
-    free(model->state_names);
-    free(model->state_units);
     free(model);
 }
 

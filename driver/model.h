@@ -20,7 +20,7 @@ typedef enum {
 
 /** One variable of the history: constant over time (is_static) or one value, or array of values, a time. */
 typedef struct {
-    char name[32], units[32], symbol[32], long_name[96];
+    const char *name, *units, *symbol, *long_name; /**< live as long as the program */
     model_dims dims;
     bool is_static, is_integer;
     int offset, count; /**< place in the array that model_outputs fills; count 0: the case has no such variable */
@@ -79,8 +79,12 @@ void model_pair_places(const model *model, int *n, int *n_drive);
 
 int model_n_event_kinds(void);
 const char *model_event_kind(int kind);
-const char *model_state_name(const model *model, int index);
-const char *model_state_units(const model *model, int index);
+
+typedef struct {
+    char name[32], units[32];
+} model_state;
+/** What the states are, a new array of as many as its dae has. */
+model_state *model_states(const model *model);
 
 /** Derived geometry as (name, unit, symbol, long name, value) rows, for `evolvent show`. */
 typedef struct {

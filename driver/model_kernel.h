@@ -13,7 +13,6 @@ struct model {
     evl_initial initial;               /**< its arrays are owned */
     int *wheel_of_load, *load_of_load; /**< [n_loads] where a load of the kernel's list stands in the description */
     model_output *outputs;             /**< [n_outputs] */
-    char (*state_names)[EVL_NAME_LENGTH], (*state_units)[EVL_NAME_LENGTH]; /**< [n_states] */
 };
 
 /** The terms of a prescribed motion for the kernel; the caller frees the array, whose tables are the description's. */
@@ -24,7 +23,7 @@ evl_housing model_translate_housing(const description *description, const evl_mo
 void model_describe_dae(model *model);
 /** The kernel's integrator for the model's dae; NULL if it does not serve the gearbox. */
 const dae_stepper *model_radau(const model *model);
-/** Fill the tables of outputs and of states. */
-void model_describe_tables(model *model);
+/** Fill the table of outputs. */
+void model_describe_outputs(model *model);
 
 #endif

@@ -48,7 +48,9 @@ static pthread_once_t once = PTHREAD_ONCE_INIT;
 static law_tables tables;
 enum { EVENT_ROOM = 32 };
 static char event_names[EVENT_ROOM][EVL_NAME_LENGTH];
-static model_output *output_texts; /**< [evl_output_count()] without places */
+static evl_output *output_texts;   /**< [evl_output_count()] */
+static model_output *outputs;      /**< [evl_output_count()] without places */
+static int *outputs_by_name;       /**< [evl_output_count()] in the order of their names */
 
 static void copy_outputs(void)
 {
@@ -66,16 +68,38 @@ static void copy_outputs(void)
     };
     const int n = evl_output_count();
     output_texts = xcalloc((size_t)n, sizeof *output_texts);
+    outputs = xcalloc((size_t)n, sizeof *outputs);
     for (int i = 0; i < n; i++) {
-        evl_output from;
-        model_output *to = &output_texts[i];
-        (void)evl_output_describe(i, &from);
-        *to = (model_output){.dims = dims[from.dims], .is_static = from.is_static, .is_integer = from.is_integer};
-        copy_text(to->name, sizeof to->name, from.name);
-        copy_text(to->units, sizeof to->units, from.units);
-        copy_text(to->symbol, sizeof to->symbol, from.symbol);
-        copy_text(to->long_name, sizeof to->long_name, from.long_name);
+        const evl_output *from = &output_texts[i];
+        (void)evl_output_describe(i, &output_texts[i]);
+        outputs[i] = (model_output){.name = from->name,
+                                    .units = from->units,
+                                    .symbol = from->symbol,
+                                    .long_name = from->long_name,
+                                    .dims = dims[from->dims],
+                                    .is_static = from->is_static,
+                                    .is_integer = from->is_integer};
     }
+}
+
+static int compare_outputs(const void *a, const void *b)
+{
+    return strcmp(outputs[*(const int *)a].name, outputs[*(const int *)b].name);
+}
+
+static int compare_with_name(const void *name, const void *index)
+{
+    return strcmp(name, outputs[*(const int *)index].name);
+}
+
+static void sort_outputs(void)
+{
+    const int n = evl_output_count();
+    outputs_by_name = xcalloc((size_t)n, sizeof *outputs_by_name);
+    for (int i = 0; i < n; i++) {
+        outputs_by_name[i] = i;
+    }
+    qsort(outputs_by_name, (size_t)n, sizeof *outputs_by_name, compare_outputs);
 }
 
 static void copy_tables(void)
@@ -93,6 +117,7 @@ static void copy_tables(void)
         evl_event_name(kind, event_names[kind]);
     }
     copy_outputs();
+    sort_outputs();
 }
 
 const law_tables *model_laws(void)
@@ -101,12 +126,12 @@ const law_tables *model_laws(void)
     return &tables;
 }
 
-void model_describe_tables(model *model)
+void model_describe_outputs(model *model)
 {
     const evl_sizes *sizes = &model->sizes;
     const size_t n = (size_t)sizes->n_outputs;
     (void)pthread_once(&once, copy_tables);
-    model->outputs = memcpy(xcalloc(n, sizeof *model->outputs), output_texts, n * sizeof *model->outputs);
+    model->outputs = memcpy(xcalloc(n, sizeof *model->outputs), outputs, n * sizeof *model->outputs);
     int *offsets = xcalloc(n, sizeof *offsets), *counts = xcalloc(n, sizeof *counts);
     evl_gearbox_output_places(model->gearbox, offsets, counts);
     for (int i = 0; i < sizes->n_outputs; i++) {
@@ -115,11 +140,6 @@ void model_describe_tables(model *model)
     }
     free(offsets);
     free(counts);
-    model->state_names = xcalloc((size_t)sizes->n_states, sizeof *model->state_names);
-    model->state_units = xcalloc((size_t)sizes->n_states, sizeof *model->state_units);
-    for (int i = 0; i < sizes->n_states; i++) {
-        evl_gearbox_state_name(model->gearbox, i, model->state_names[i], model->state_units[i]);
-    }
 }
 
 void model_pair_places(const model *model, int *n, int *n_drive)
@@ -140,12 +160,9 @@ const model_output *model_outputs_table(const model *model)
 
 int model_output_offset(const model *model, const char *name)
 {
-    for (int i = 0; i < model->sizes.n_outputs; i++) {
-        if (strcmp(model->outputs[i].name, name) == 0) {
-            return model->outputs[i].offset;
-        }
-    }
-    return -1;
+    const int *found = bsearch(name, outputs_by_name, (size_t)model->sizes.n_outputs, sizeof *outputs_by_name,
+                               compare_with_name);
+    return found == NULL ? -1 : model->outputs[*found].offset;
 }
 
 int model_n_values(const model *model)
@@ -164,14 +181,16 @@ const char *model_event_kind(int kind)
     return kind < 0 || kind >= EVENT_ROOM ? "" : event_names[kind];
 }
 
-const char *model_state_name(const model *model, int index)
+model_state *model_states(const model *model)
 {
-    return model->state_names[index];
-}
-
-const char *model_state_units(const model *model, int index)
-{
-    return model->state_units[index];
+    model_state *states = xcalloc((size_t)model->sizes.n_states, sizeof *states);
+    for (int i = 0; i < model->sizes.n_states; i++) {
+        char name[EVL_NAME_LENGTH], units[EVL_NAME_LENGTH];
+        evl_gearbox_state_name(model->gearbox, i, name, units);
+        copy_text(states[i].name, sizeof states[i].name, name);
+        copy_text(states[i].units, sizeof states[i].units, units);
+    }
+    return states;
 }
 
 const char *model_compiler(void)

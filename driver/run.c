@@ -74,9 +74,10 @@ static bool create_history(run *run, const char *path)
     const char **state_names = xcalloc((size_t)n_states, sizeof *state_names);
     const char **state_units = xcalloc((size_t)n_states, sizeof *state_units);
     const char **kinds = xcalloc((size_t)n_kinds, sizeof *kinds);
+    model_state *states = model_states(model);
     for (int i = 0; i < n_states; i++) {
-        state_names[i] = model_state_name(model, i);
-        state_units[i] = model_state_units(model, i);
+        state_names[i] = states[i].name;
+        state_units[i] = states[i].units;
     }
     for (int i = 0; i < n_kinds; i++) {
         kinds[i] = model_event_kind(i);
@@ -125,6 +126,7 @@ static bool create_history(run *run, const char *path)
     free(kinds);
     free(state_units);
     free(state_names);
+    free(states);
     return run->history != NULL;
 }
 

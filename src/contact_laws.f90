@@ -1,6 +1,6 @@
 !> The force laws of a contact behind one interface: elastic, viscous and friction.
 !>
-!> A new law is a procedure in its own file, one entry in `law_table` and one case in the procedures of its family here.
+!> A new law is a procedure in its own file, a case in `law_describe` and one in the procedures of its family here.
 !> The index of a law is its place in the table, from 0; the constants below name those places.
 module evl_contact_laws
    use evl_damping, only: impact_damping, linear_damping, linear_damping_law, no_damping_law, one_sided_damping, &
@@ -335,44 +335,75 @@ contains
       end select
    end function friction_knee
 
-   !> The table: every law of a family, in the order of the constants above; empty if there is no such family.
-   pure function law_table(family) result(laws)
-      integer, intent(in) :: family !! laws_contact, laws_damping or laws_friction
-      type(law_info_t), allocatable :: laws(:)
-
-      select case (family)
-      case (laws_contact)
-         laws = [johnson_law(), radzimovsky_law(), linear_spring_law(), yang_lin_law(), power_spring_law(), rigid_law()]
-      case (laws_damping)
-         laws = [no_damping_law(), linear_damping_law(), one_sided_damping_law(), hunt_crossley_law(), &
-                 lankarani_nikravesh_law(), flores_law(), gonthier_law(), lee_wang_law()]
-      case (laws_friction)
-         laws = [no_friction_law(), coulomb_friction_law(), tanh_friction_law(), stribeck_friction_law()]
-      case default
-         allocate (laws(0))
-      end select
-   end function law_table
-
    !> Number of laws of a family; 0 if there is no such family.
-   pure integer function law_count(family)
+   pure integer function law_count(family) result(n)
       integer, intent(in) :: family !! laws_contact, laws_damping or laws_friction
+      type(law_info_t) :: info
+      integer :: code
 
-      law_count = size(law_table(family))
+      n = -1
+      code = code_ok
+      do while (code == code_ok)
+         n = n + 1
+         call law_describe(family, n, info, code)
+      end do
    end function law_count
 
-   !> Describe law `index` of a family.
+   !> Describe law `index` of a family: the table of all laws. Each is made alone, since a gearbox asks for those it has.
    pure subroutine law_describe(family, index, info, code)
       integer, intent(in) :: family           !! laws_contact, laws_damping or laws_friction
-      integer, intent(in) :: index            !! from 0
+      integer, intent(in) :: index            !! from 0; there is none after the last
       type(law_info_t), intent(out) :: info   !! empty if there is no such law
       integer, intent(out), optional :: code  !! code_ok, or code_invalid_input if there is no such law
 
-      if (present(code)) code = code_invalid_input
-      associate (laws => law_table(family))
-         if (index < 0 .or. index >= size(laws)) return
-         info = laws(index + 1)
-      end associate
-      if (present(code)) code = code_ok
+      select case (family)
+      case (laws_contact)
+         select case (index)
+         case (contact_johnson)
+            info = johnson_law()
+         case (contact_radzimovsky)
+            info = radzimovsky_law()
+         case (contact_linear)
+            info = linear_spring_law()
+         case (contact_yang_lin)
+            info = yang_lin_law()
+         case (contact_power)
+            info = power_spring_law()
+         case (contact_rigid)
+            info = rigid_law()
+         end select
+      case (laws_damping)
+         select case (index)
+         case (damping_none)
+            info = no_damping_law()
+         case (damping_linear)
+            info = linear_damping_law()
+         case (damping_one_sided)
+            info = one_sided_damping_law()
+         case (damping_hunt_crossley)
+            info = hunt_crossley_law()
+         case (damping_lankarani_nikravesh)
+            info = lankarani_nikravesh_law()
+         case (damping_flores)
+            info = flores_law()
+         case (damping_gonthier)
+            info = gonthier_law()
+         case (damping_lee_wang)
+            info = lee_wang_law()
+         end select
+      case (laws_friction)
+         select case (index)
+         case (friction_none)
+            info = no_friction_law()
+         case (friction_coulomb)
+            info = coulomb_friction_law()
+         case (friction_tanh)
+            info = tanh_friction_law()
+         case (friction_stribeck)
+            info = stribeck_friction_law()
+         end select
+      end select
+      if (present(code)) code = merge(code_ok, code_invalid_input, info%name /= "")
    end subroutine law_describe
 
    !> Check that a choice names a law of the family and that its parameters are in range.
