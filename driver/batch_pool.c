@@ -15,7 +15,7 @@
 #include <unistd.h>
 
 enum { MOST_TRIES = 2, LOOK_MILLISECONDS = 200 };
-static const struct timespec rest = {.tv_nsec = 2000000}; /* between two looks at the answers: each costs a worker time */
+static const struct timespec rest = {.tv_nsec = 10000000}; /* between two looks at the answers: each look costs the workers time */
 static const double sync_interval = 1.0;       /* [s] between two times that all is brought to the disk */
 static const double terminal_interval = 1.0;   /* [s] between two lines of progress on a terminal */
 static const double elsewhere_interval = 60.0; /* [s] and in a log */
@@ -191,7 +191,7 @@ static bool listen_to_all(pool *pool)
             good = good && (news != WORKER_GONE || replace_worker(pool, i));
         }
         good = good && look_at_clock(pool);
-        if (good && n > 0) {
+        if (good && n > 0 && has_workers(pool)) {
             (void)nanosleep(&rest, NULL);
         }
     }
