@@ -28,6 +28,7 @@ import h5py
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
+DURATION = 0.2  # [s]
 OVERHEAD = 0.03  # of the sum of the integrations, at most
 EFFICIENCY = 0.95  # of two processes, at least
 GROWTH = 0.5  # of a worker's memory from its first cases to its last, at most [MB]
@@ -43,11 +44,12 @@ class Cost:
     memory: list[float]  # of a worker over time [MB]
 
 
-def write_design(path: Path, program: Path, n: int) -> None:
-    """Write a design of n cases."""
+def write_design(path: Path, program: Path, n: int, duration: float, tracking: str) -> None:
+    """Write a design of n cases of the paper's setup, with a window over their second half."""
     version = subprocess.run([program, "--version"], capture_output=True, text=True, check=True)
     text = (ROOT / "examples/paper-friction.yaml").read_text()
-    case = re.sub(r"duration: [\d.]+", "duration: 0.2", text)
+    text = re.sub(r"tracking: \w+", f"tracking: {tracking}", text)
+    case = re.sub(r"duration: [\d.]+", f"duration: {duration}", text)
     random = np.random.default_rng(1)
     columns = {
         "wheels.pinion.loads.0.value": -random.uniform(0.5, 2.0, n),
@@ -60,8 +62,8 @@ def write_design(path: Path, program: Path, n: int) -> None:
             evolvent_version=version.stdout.split()[1],
             title="benchmark",
             case=case,
-            hash=hashlib.sha256(str(n).encode()).hexdigest(),
-            window=[0.1, 0.2],
+            hash=hashlib.sha256(f"{n} {case}".encode()).hexdigest(),
+            window=[duration / 2, duration],
             history_variables="",
             history_every=1,
             n_cases=n,
@@ -128,8 +130,8 @@ def main() -> int:
     exceeded = 0
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        write_design(folder / "design.h5", program, options.cases)
-        print(f"{options.cases} cases of 0.2 s, {os.cpu_count()} cores")
+        write_design(folder / "design.h5", program, options.cases, DURATION, "differential")
+        print(f"{options.cases} cases of {DURATION} s, {os.cpu_count()} cores")
         head = ("processes", "wall [s]", "CPU [s]", "integrations [s]", "overhead", "busy")
         print("".join(f"{word:>18}" for word in head))
         costs = {}

@@ -15,7 +15,8 @@
 #include <unistd.h>
 
 enum { MOST_TRIES = 2, LOOK_MILLISECONDS = 200 };
-static const struct timespec rest = {.tv_nsec = 10000000}; /* between two looks at the answers: each look costs the workers time */
+static const struct timespec rest = {
+    .tv_nsec = 10000000};                      /* between two looks at the answers: each look costs the workers time */
 static const double sync_interval = 1.0;       /* [s] between two times that all is brought to the disk */
 static const double terminal_interval = 1.0;   /* [s] between two lines of progress on a terminal */
 static const double elsewhere_interval = 60.0; /* [s] and in a log */

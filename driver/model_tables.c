@@ -48,9 +48,9 @@ static pthread_once_t once = PTHREAD_ONCE_INIT;
 static law_tables tables;
 enum { EVENT_ROOM = 32 };
 static char event_names[EVENT_ROOM][EVL_NAME_LENGTH];
-static evl_output *output_texts;   /**< [evl_output_count()] */
-static model_output *outputs;      /**< [evl_output_count()] without places */
-static int *outputs_by_name;       /**< [evl_output_count()] in the order of their names */
+static evl_output *output_texts; /**< [evl_output_count()] */
+static model_output *outputs;    /**< [evl_output_count()] without places */
+static int *outputs_by_name;     /**< [evl_output_count()] in the order of their names */
 
 static void copy_outputs(void)
 {
@@ -160,8 +160,8 @@ const model_output *model_outputs_table(const model *model)
 
 int model_output_offset(const model *model, const char *name)
 {
-    const int *found = bsearch(name, outputs_by_name, (size_t)model->sizes.n_outputs, sizeof *outputs_by_name,
-                               compare_with_name);
+    const int *found =
+        bsearch(name, outputs_by_name, (size_t)model->sizes.n_outputs, sizeof *outputs_by_name, compare_with_name);
     return found == NULL ? -1 : model->outputs[*found].offset;
 }
 

@@ -1,4 +1,5 @@
 /* Numbers and words: reading and writing a number, the nearest word, one-line errors. */
+#include <float.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -73,6 +74,49 @@ static void a_number_is_written_as_short_as_it_reads_well(void **state)
     }
 }
 
+static void a_plain_number_is_what_the_c_library_writes_with_15_digits_or_17(void **state)
+{
+    (void)state;
+    static const double some[] = {0,
+                                  -0.0,
+                                  1,
+                                  -20,
+                                  1e15,
+                                  123456789012345680.0,
+                                  0.1,
+                                  1e-4,
+                                  1e-5,
+                                  5e-324,
+                                  0.1 + 0.2,
+                                  99999999999999.9,
+                                  999999999999999.9,
+                                  9.9999999999999995e22,
+                                  2.5e-9,
+                                  DBL_MAX};
+    uint64_t bits = 88172645463325252u; /* xorshift64 */
+    for (size_t i = 0; i < 20000; i++) {
+        bits ^= bits << 13;
+        bits ^= bits >> 7;
+        bits ^= bits << 17;
+        double value = 0;
+        memcpy(&value, &bits, sizeof value);
+        if (i % 2 == 1) { /* of few digits */
+            value = (double)(bits % 1000000) * pow(10, (double)(bits >> 40 & 31) - 16);
+        }
+        value = i < sizeof some / sizeof *some ? some[i] : value;
+        if (!isfinite(value)) {
+            continue;
+        }
+        char text[NUMBER_TEXT_LENGTH], expected[NUMBER_TEXT_LENGTH];
+        number_write_plain(text, value);
+        (void)snprintf(expected, sizeof expected, "%.15g", value);
+        if (strtod(expected, NULL) != value) {
+            (void)snprintf(expected, sizeof expected, "%.17g", value);
+        }
+        assert_string_equal(text, expected);
+    }
+}
+
 static void the_nearest_word_is_suggested_and_a_far_one_is_not(void **state)
 {
     (void)state;
@@ -119,6 +163,7 @@ int main(void)
         cmocka_unit_test(numbers_are_those_of_yaml_1_2),
         cmocka_unit_test(a_written_number_reads_back_to_the_bit),
         cmocka_unit_test(a_number_is_written_as_short_as_it_reads_well),
+        cmocka_unit_test(a_plain_number_is_what_the_c_library_writes_with_15_digits_or_17),
         cmocka_unit_test(the_nearest_word_is_suggested_and_a_far_one_is_not),
         cmocka_unit_test(an_error_is_one_line),
         cmocka_unit_test(every_exit_code_has_a_meaning),
