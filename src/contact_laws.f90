@@ -1,24 +1,20 @@
 !> The force laws of a contact behind one interface: elastic, viscous and friction.
 !>
-!> A new law is a procedure in its own file, a case in `law_describe` and one in the procedures of its family here.
-!> The index of a law is its place in the table, from 0; the constants below name those places.
+!> A new law is a procedure in its own file, a place in the table of laws and a case in the procedures of its family here.
 module evl_contact_laws
-   use evl_damping, only: impact_damping, linear_damping, linear_damping_law, no_damping_law, one_sided_damping, &
-                          one_sided_damping_law
-   use evl_friction, only: coulomb_factor, coulomb_friction_law, coulomb_knee, coulomb_mode, no_friction_law, stribeck_factor, &
-                           stribeck_friction_law, tanh_factor, tanh_friction_law
-   use evl_hunt_crossley, only: flores_factor, flores_law, gonthier_factor, gonthier_law, hunt_crossley_factor, &
-                                hunt_crossley_law, lankarani_nikravesh_factor, lankarani_nikravesh_law, lee_wang_factor, &
-                                lee_wang_law
-   use evl_johnson, only: johnson_force, johnson_law, johnson_limit_message, johnson_penetration, johnson_potential
+   use evl_damping, only: impact_damping, linear_damping, one_sided_damping
+   use evl_friction, only: coulomb_factor, coulomb_knee, coulomb_mode, stribeck_factor, tanh_factor
+   use evl_hunt_crossley, only: flores_factor, gonthier_factor, hunt_crossley_factor, lankarani_nikravesh_factor, lee_wang_factor
+   use evl_johnson, only: johnson_force, johnson_limit_message, johnson_penetration, johnson_potential
    use evl_kinds, only: pi, wp
    use evl_law_info, only: law_info_t, law_name_length, law_parameter_t, law_text_length, max_law_parameters, &
                            parameter_range_error
-   use evl_radzimovsky, only: radzimovsky_force, radzimovsky_law, radzimovsky_limit_message, radzimovsky_penetration, &
-                              radzimovsky_potential
-   use evl_rigid_contact, only: rigid_law
-   use evl_springs, only: linear_spring, linear_spring_law, power_penetration, power_spring, power_spring_law, yang_lin_law, &
-                          yang_lin_stiffness
+   use evl_law_table, only: contact_johnson, contact_linear, contact_power, contact_radzimovsky, contact_rigid, damping_flores, &
+                            damping_gonthier, damping_hunt_crossley, damping_lankarani_nikravesh, damping_lee_wang, &
+                            damping_linear, damping_none, damping_one_sided, friction_coulomb, friction_none, friction_stribeck, &
+                            friction_tanh, law_count, law_describe, laws_contact, laws_damping, laws_friction
+   use evl_radzimovsky, only: radzimovsky_force, radzimovsky_limit_message, radzimovsky_penetration, radzimovsky_potential
+   use evl_springs, only: linear_spring, power_penetration, power_spring, yang_lin_stiffness
    use evl_status, only: code_invalid_input, code_ok, code_out_of_domain, message_length, quantity
    implicit none (type, external)
    private
@@ -32,16 +28,6 @@ module evl_contact_laws
    public :: damping_hunt_crossley, damping_lee_wang, damping_linear, damping_none, friction_coulomb, friction_none
    public :: law_count, law_describe, law_validate
    public :: law_name_length, law_text_length, laws_contact, laws_damping, laws_friction
-
-   integer, parameter :: laws_contact = 0  !! family of the elastic laws; evl_law_family of the C header
-   integer, parameter :: laws_damping = 1  !! family of the viscous laws
-   integer, parameter :: laws_friction = 2 !! family of the friction laws
-
-   integer, parameter :: contact_johnson = 0, contact_radzimovsky = 1, contact_linear = 2, contact_yang_lin = 3, &
-                         contact_power = 4, contact_rigid = 5
-   integer, parameter :: damping_none = 0, damping_linear = 1, damping_one_sided = 2, damping_hunt_crossley = 3, &
-                         damping_lankarani_nikravesh = 4, damping_flores = 5, damping_gonthier = 6, damping_lee_wang = 7
-   integer, parameter :: friction_none = 0, friction_coulomb = 1, friction_tanh = 2, friction_stribeck = 3
 
    !> One law of a family with its parameters, in the order of the table. Assumed valid below: see law_validate.
    type :: law_choice
@@ -334,77 +320,6 @@ contains
          friction_knee = coulomb_knee(choice%parameters(1), choice%parameters(2))
       end select
    end function friction_knee
-
-   !> Number of laws of a family; 0 if there is no such family.
-   pure integer function law_count(family) result(n)
-      integer, intent(in) :: family !! laws_contact, laws_damping or laws_friction
-      type(law_info_t) :: info
-      integer :: code
-
-      n = -1
-      code = code_ok
-      do while (code == code_ok)
-         n = n + 1
-         call law_describe(family, n, info, code)
-      end do
-   end function law_count
-
-   !> Describe law `index` of a family: the table of all laws. Each is made alone, since a gearbox asks for those it has.
-   pure subroutine law_describe(family, index, info, code)
-      integer, intent(in) :: family           !! laws_contact, laws_damping or laws_friction
-      integer, intent(in) :: index            !! from 0; there is none after the last
-      type(law_info_t), intent(out) :: info   !! empty if there is no such law
-      integer, intent(out), optional :: code  !! code_ok, or code_invalid_input if there is no such law
-
-      select case (family)
-      case (laws_contact)
-         select case (index)
-         case (contact_johnson)
-            info = johnson_law()
-         case (contact_radzimovsky)
-            info = radzimovsky_law()
-         case (contact_linear)
-            info = linear_spring_law()
-         case (contact_yang_lin)
-            info = yang_lin_law()
-         case (contact_power)
-            info = power_spring_law()
-         case (contact_rigid)
-            info = rigid_law()
-         end select
-      case (laws_damping)
-         select case (index)
-         case (damping_none)
-            info = no_damping_law()
-         case (damping_linear)
-            info = linear_damping_law()
-         case (damping_one_sided)
-            info = one_sided_damping_law()
-         case (damping_hunt_crossley)
-            info = hunt_crossley_law()
-         case (damping_lankarani_nikravesh)
-            info = lankarani_nikravesh_law()
-         case (damping_flores)
-            info = flores_law()
-         case (damping_gonthier)
-            info = gonthier_law()
-         case (damping_lee_wang)
-            info = lee_wang_law()
-         end select
-      case (laws_friction)
-         select case (index)
-         case (friction_none)
-            info = no_friction_law()
-         case (friction_coulomb)
-            info = coulomb_friction_law()
-         case (friction_tanh)
-            info = tanh_friction_law()
-         case (friction_stribeck)
-            info = stribeck_friction_law()
-         end select
-      end select
-      if (present(code)) code = merge(code_ok, code_invalid_input, info%name /= "")
-   end subroutine law_describe
 
    !> Check that a choice names a law of the family and that its parameters are in range.
    pure subroutine law_validate(family, choice, code, field, message)
