@@ -42,8 +42,9 @@ static case_number find_number(const case_schema *schema, case_node *root, const
         block = i < 0 ? NULL : block_below(number.key, !is_key);
     }
     free(path);
-    const bool is_set = number.node != NULL && number.node->kind == NODE_SCALAR && number.node->place.option == option;
-    return is_set && holds_numbers(number.key->type) ? number : (case_number){NULL, NULL};
+    const bool is_value = number.key != NULL && number.node != NULL && number.node->kind == NODE_SCALAR;
+    const bool is_number = is_value && number.node->place.option == option && holds_numbers(number.key->type);
+    return is_number ? number : (case_number){NULL, NULL};
 }
 
 /** Note where the options of a case have put numbers, and give these nodes room for others. */
