@@ -4,8 +4,10 @@
 
 Torque, friction and the stiffness of the slider vary. Prints three things: the processor time of
 the whole batch over the sum of its integrations; the memory of a worker while its cases go by; how
-busy two processes are, as sum of case CPU / (2 x wall), beside one. Exits with 1 if a limit is
-exceeded. On a machine that does something else as well, neither time says much.
+busy two processes are, as sum of case CPU / (2 x wall), beside one. Where other programs want the
+processor too, the time for which the workers were ready to run and did not is told by Linux: busy
+is shown with and without the part of it that is not due to the batch itself, and judged without.
+Exits with 1 if a limit is exceeded.
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ import sys
 import tempfile
 import threading
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import h5py
@@ -31,6 +33,7 @@ ROOT = Path(__file__).resolve().parents[1]
 DURATION = 0.2  # [s]
 OVERHEAD = 0.03  # of the sum of the integrations, at most
 EFFICIENCY = 0.95  # of two processes, at least
+PAGE = os.sysconf("SC_PAGE_SIZE") / 1e6  # [MB]
 GROWTH = 0.5  # of a worker's memory from its first cases to its last, at most [MB]
 
 
@@ -42,6 +45,11 @@ class Cost:
     cpu: float  # of all its processes [s]
     integrations: float  # sum over the cases [s]
     memory: list[float]  # of a worker over time [MB]
+    lost: float  # time that other programs took from the workers, summed over them [s]
+
+    def busy(self, jobs: int, *, alone: bool) -> float:
+        """Share of the wall time in which the workers integrate, or would if they were alone."""
+        return self.integrations / (jobs * self.wall - (self.lost if alone else 0.0))
 
 
 def write_design(path: Path, program: Path, n: int, duration: float, tracking: str) -> None:
@@ -85,27 +93,41 @@ def workers(parent: int) -> list[int]:
     return sorted(found)
 
 
-def watch_memory(parent: int, has_ended: threading.Event, samples: list[float]) -> None:
-    """Note the memory of the first worker until the batch has ended."""
-    page = os.sysconf("SC_PAGE_SIZE") / 1e6
+@dataclass
+class Watch:
+    """What is seen of the workers while they are there."""
+
+    memory: list[float] = field(default_factory=list)  # of the first one [MB]
+    ran: dict[int, float] = field(default_factory=dict)  # of each [s]
+    waited: dict[int, float] = field(default_factory=dict)  # ready to run [s]
+
+    def look(self, parent: int) -> None:
+        """Take a sample."""
+        for i, pid in enumerate(workers(parent)):
+            try:
+                pages = int(Path(f"/proc/{pid}/statm").read_text().split()[1])
+                times = Path(f"/proc/{pid}/schedstat").read_text().split()
+            except OSError:
+                continue
+            self.ran[pid], self.waited[pid] = (1e-9 * float(time) for time in times[:2])
+            if i == 0 and pages > 0:
+                self.memory.append(PAGE * pages)
+
+
+def watch(parent: int, has_ended: threading.Event, seen: Watch) -> None:
+    """Look at the workers until the batch has ended."""
     while not has_ended.wait(0.1):
-        try:
-            first = workers(parent)[0]
-            resident = int(Path(f"/proc/{first}/statm").read_text().split()[1])
-        except (OSError, IndexError):
-            continue
-        if resident > 0:
-            samples.append(page * resident)
+        seen.look(parent)
 
 
 def run(program: Path, design: Path, folder: Path, jobs: int) -> Cost:
     """Run a design in so many workers."""
     command = [str(program), "batch", str(design), "-o", str(folder), "-j", str(jobs), "-q"]
-    memory: list[float] = []
+    seen = Watch()
     start = time.monotonic()
     process = subprocess.Popen(command, env={**os.environ, "OPENBLAS_NUM_THREADS": "1"})
     has_ended = threading.Event()
-    watcher = threading.Thread(target=watch_memory, args=(process.pid, has_ended, memory))
+    watcher = threading.Thread(target=watch, args=(process.pid, has_ended, seen))
     watcher.start()
     _, status, usage = os.wait4(process.pid, 0)
     wall = time.monotonic() - start
@@ -116,8 +138,10 @@ def run(program: Path, design: Path, folder: Path, jobs: int) -> Cost:
         sys.exit(f"{' '.join(command)} ended with {process.returncode}")
     lines = (folder / "shard-1-of-1.jsonl").read_text().splitlines()[1:]
     integrations = sum(json.loads(line)["cpu_time"] for line in lines)
-    # of a process and the children that it has waited for
-    return Cost(wall, usage.ru_utime + usage.ru_stime, integrations, memory)
+    cpu = usage.ru_utime + usage.ru_stime  # of a process and the children that it has waited for
+    by_parent = cpu - sum(seen.ran.values())  # it may have kept the workers waiting
+    lost = max(sum(seen.waited.values()) - by_parent, 0.0)
+    return Cost(wall, cpu, integrations, seen.memory, lost)
 
 
 def main() -> int:
@@ -132,19 +156,19 @@ def main() -> int:
         folder = Path(name)
         write_design(folder / "design.h5", program, options.cases, DURATION, "differential")
         print(f"{options.cases} cases of {DURATION} s, {os.cpu_count()} cores")
-        head = ("processes", "wall [s]", "CPU [s]", "integrations [s]", "overhead", "busy")
+        head = ("processes", "wall [s]", "CPU [s]", "integrations [s]", "overhead", "busy", "alone")
         print("".join(f"{word:>18}" for word in head))
         costs = {}
         for jobs in (1, 2):
             cost = run(program, folder / "design.h5", folder / str(jobs), jobs)
             costs[jobs] = cost
             overhead = cost.cpu / cost.integrations - 1.0
-            busy = cost.integrations / (jobs * cost.wall)
-            over = overhead > OVERHEAD or (jobs == 2 and busy < EFFICIENCY)
+            busy, alone = (cost.busy(jobs, alone=alone) for alone in (False, True))
+            over = overhead > OVERHEAD or (jobs == 2 and alone < EFFICIENCY)
             exceeded += over
             words = (f"{jobs}", f"{cost.wall:.1f}", f"{cost.cpu:.1f}", f"{cost.integrations:.1f}")
-            shares = (f"{100 * overhead:.1f} %", f"{100 * busy:.1f} %")
-            line = "".join(f"{word:>18}" for word in words + shares)
+            shares = (f"{100 * share:.1f} %" for share in (overhead, busy, alone))
+            line = "".join(f"{word:>18}" for word in (*words, *shares))
             print(f"{line}{'  EXCEEDED' if over else ''}")
         per_case = 1e3 * costs[1].integrations / options.cases
         print(f"a case takes {per_case:.1f} ms; limits: overhead {100 * OVERHEAD:.0f} %, ", end="")
