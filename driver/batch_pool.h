@@ -1,4 +1,4 @@
-/** The parent of a batch's workers: hands the cases out, records what comes back. */
+/** The parent of a batch's workers: starts and replaces them, records what they send. */
 #ifndef EVOLVENT_BATCH_POOL_H
 #define EVOLVENT_BATCH_POOL_H
 
