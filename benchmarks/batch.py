@@ -4,9 +4,10 @@
 
 Torque, friction and the stiffness of the slider vary. Prints three things: the processor time of
 the whole batch over the sum of its integrations; the memory of a worker while its cases go by; how
-busy two processes are, as sum of case CPU / (2 x wall), beside one. Linux tells how long the workers
-were ready to run and were not let; what of that is not due to their own parent, other programs took:
-"alone" is busy without it, and is what is judged. Exits with 1 if a limit is exceeded.
+busy two processes are, as sum of case CPU / (2 x wall), beside one. Linux tells how long the
+workers were ready to run and were not let; what of that is not due to their own parent, other
+programs took: "alone" is busy without it, and is what is judged. Exits with 1 if a limit is
+exceeded.
 """
 
 from __future__ import annotations
