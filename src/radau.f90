@@ -326,7 +326,7 @@ contains
             if (.not. (self%jacobian_is_new .or. self%jacobian_is_ahead .or. self%jacobian_may_stay)) &
                call refresh_jacobian(self, model, status)
             if (has_failed(status)) return
-            call factor_systems(self%stages, model, h, good)
+            call factor_systems(self%stages, h, good)
             if (.not. good) then
                self%h = h/2
                return
