@@ -8,6 +8,11 @@ submodule(evl_stage_solver) evl_stage_errors
    use evl_sparse_lu, only: sparse_lu_solve_first
    implicit none (type, external)
 
+   integer, parameter :: slope_lane = 1 !! of what `estimates` gives: the slope of the polynomial at the start
+   integer :: row
+   !> From the increments at the nodes: that slope, per step, and in lanes 5 to 8 the last Chebyshev coefficients.
+   real(wp), parameter :: estimates(lanes, lanes) = &
+                          transpose(reshape([slope_at_node(lanes, :), (to_chebyshev(row, :), row=2, lanes)], [lanes, lanes]))
    real(wp), parameter :: nodes_over_chebyshev = 2.3_wp !! largest prod|tau - node| over that of Chebyshev's points
 
 contains
@@ -22,6 +27,7 @@ contains
       real(wp), intent(out) :: error !! root mean square; a step is good below 1
       type(status_t), intent(inout) :: status
 
+      call combine(self%n, estimates, self%z, self%change)
       call filter(self, self%start, h, error)
       if (error < 1) error = max(error, self%output_factor*interpolation_error(self))
       if (error < 1 .or. .not. again) return
@@ -38,12 +44,11 @@ contains
 
    !> Weighted size of the error of the dense output: the Chebyshev coefficients that would come next, if the last pairs go on
    !> as a geometric series. Pairs, since every other coefficient of an even or odd solution is 0.
-   real(wp) function interpolation_error(self) result(error)
-      type(stage_solver_t), intent(inout) :: self !! its scratch changes
+   pure real(wp) function interpolation_error(self) result(error)
+      type(stage_solver_t), intent(in) :: self !! `estimates` of the increments in `change`
       real(wp) :: last, before, total
       integer :: i
 
-      call combine(self%n, to_chebyshev, self%z, self%change)
       total = 0
       do i = 1, self%n
          before = self%change(5, i)**2 + self%change(6, i)**2
@@ -84,14 +89,14 @@ contains
 
    !> (gamma/h I - J)^-1 (rate - p'(t)) and its weighted size.
    pure subroutine filter(self, rate, h, error)
-      type(stage_solver_t), intent(inout) :: self
+      type(stage_solver_t), intent(inout) :: self  !! `estimates` of the increments in `change`
       real(wp), intent(in) :: rate(self%n) !! f at the start
       real(wp), intent(in) :: h
       real(wp), intent(out) :: error
       integer :: i
 
       do i = 1, self%n
-         self%error(i) = rate(i) - sum(slope_at_node(lanes, :)*self%z(:, i))/h
+         self%error(i) = rate(i) - self%change(slope_lane, i)/h
       end do
       if (self%is_dense) then
          call dense_lu_solve_first(self%dense, self%error)

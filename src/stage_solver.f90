@@ -224,7 +224,7 @@ contains
       integer :: i
 
       times = t + node*h
-      self%rate_sum = max(max(self%rate_sum, eps)**0.8_wp, least_left_over)
+      self%rate_sum = max(sqrt(self%rate_sum*sqrt(self%rate_sum)), least_left_over) ! to the power of 3/4
       self%advice = 0.5_wp
       size_before = 0
       ratio_before = 1
