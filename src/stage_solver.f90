@@ -183,9 +183,12 @@ contains
       type(stage_solver_t), intent(inout) :: self
       real(wp), intent(in) :: h
       logical, intent(out) :: good !! false if a matrix is singular
+      integer :: p
 
       self%counts%factorisations = self%counts%factorisations + 1
-      self%coupled(:) = self%jacobian(self%integrals%coupled)
+      do p = 1, size(self%coupled)
+         self%coupled(p) = self%jacobian(self%integrals%coupled(p))
+      end do
       call sparse_lu_factor(self%sparse, shift_re/h, shift_im/h, self%coupled, good)
       self%is_dense = .not. good
       if (self%is_dense) then
