@@ -212,11 +212,11 @@ contains
       character(len=message_length) :: reason
       type(step_control_t) :: failed
       real(wp) :: h, h_wanted, error
-      logical :: to_stop, done
+      logical :: to_stop, done, refused
       integer :: try
 
       outcome = outcome_step
-      reason = ""
+      refused = .false.
       self%fired = 0
       call set_weights(self%stages, model%scale, self%y)
       if (self%restarted) call choose_step(self, model, status)
@@ -241,6 +241,7 @@ contains
          if (has_failed(status)) then
             if (status%code /= code_out_of_domain) return
             self%h = h/4
+            refused = .true.
             reason = status%message
             call clear(status)
          end if
@@ -249,7 +250,7 @@ contains
          self%matrix_may_stay = .false.
          self%counts%rejections = self%counts%rejections + 1
       end do
-      if (reason /= "") then
+      if (refused) then
          call fail(status, code_out_of_domain, reason)
          return
       end if
