@@ -28,6 +28,7 @@ module evl_gearbox_ode
       type(gearbox_t), pointer, private :: gearbox => null()
       integer, allocatable, private :: integers(:) !! discrete state
       real(wp), allocatable, private :: reals(:)   !! discrete state
+      real(wp), allocatable, private :: at_rest(:) !! [n] zeros: y' enters with tracked points and mounted housings only
       logical, private :: in_lanes = .false.       !! whether eight states can be evaluated at once
    contains
       procedure :: rhs
@@ -76,6 +77,7 @@ contains
       allocate (self%scale(gearbox%n_states), source=scale/weight)
       self%scale(i_theta) = self%scale(i_theta)/theta_weight
       self%scale(i_omega) = self%scale(i_omega)/omega_weight
+      allocate (self%at_rest(gearbox%n_states), source=0.0_wp)
       allocate (self%integers(gearbox%n_integers), self%reals(size(gearbox%contacts)))
       self%integers = 0
       self%reals = 0
@@ -110,20 +112,31 @@ contains
       real(wp), intent(in) :: y(lanes, self%n)
       real(wp), intent(out) :: f(lanes, self%n)
       type(status_t), intent(inout) :: status
-      real(wp) :: y_lane(self%n), f_lane(self%n)
-      integer :: lane
 
       if (self%in_lanes) then
          call rates_in_lanes(self%gearbox, t, y, self%integers, self%reals, f, status)
-         return
+      else
+         call rhs_one_by_one(self, t, y, f, status)
       end if
+   end subroutine rhs_lanes
+
+   !> f of eight states, each by itself; the arrays of its own cost an allocation that `rhs_lanes` can do without.
+   subroutine rhs_one_by_one(self, t, y, f, status)
+      class(gearbox_ode), intent(in) :: self
+      real(wp), intent(in) :: t(lanes)
+      real(wp), intent(in) :: y(lanes, self%n)
+      real(wp), intent(out) :: f(lanes, self%n)
+      type(status_t), intent(inout) :: status
+      real(wp) :: y_lane(self%n), f_lane(self%n)
+      integer :: lane
+
       do lane = 1, lanes
          y_lane = y(lane, :)
          call gearbox_rates(self%gearbox, t(lane), y_lane, self%integers, self%reals, f_lane, status)
          if (has_failed(status)) return
          f(lane, :) = f_lane
       end do
-   end subroutine rhs_lanes
+   end subroutine rhs_one_by_one
 
    !> df/dy, from that of the residual y' - f.
    subroutine jacobian(self, t, y, values, status)
@@ -132,11 +145,10 @@ contains
       real(wp), intent(in) :: y(self%n)
       real(wp), intent(out) :: values(:)
       type(status_t), intent(inout) :: status
-      real(wp) :: matrix(self%n, self%n), at_rest(self%n)
+      real(wp) :: matrix(self%n, self%n)
       integer :: p
 
-      at_rest = 0 ! y' enters with tracked points and mounted housings only
-      call gearbox_jacobian(self%gearbox, t, 0.0_wp, y, at_rest, self%integers, self%reals, matrix, status)
+      call gearbox_jacobian(self%gearbox, t, 0.0_wp, y, self%at_rest, self%integers, self%reals, matrix, status)
       if (has_failed(status)) return
       do p = 1, size(values)
          values(p) = -matrix(self%jacobian_row(p), self%jacobian_column(p))
@@ -163,20 +175,31 @@ contains
       real(wp), intent(in) :: y(lanes, self%n)
       real(wp), intent(out) :: values(lanes, self%n_roots)
       type(status_t), intent(inout) :: status
-      real(wp) :: y_lane(self%n), lane_values(self%n_roots)
-      integer :: lane
 
       if (self%in_lanes) then
          call roots_in_lanes(self%gearbox, y, self%integers, self%reals, values, status)
-         return
+      else
+         call roots_one_by_one(self, t, y, values, status)
       end if
+   end subroutine roots_lanes
+
+   !> Root functions of eight states, each by itself.
+   subroutine roots_one_by_one(self, t, y, values, status)
+      class(gearbox_ode), intent(in) :: self
+      real(wp), intent(in) :: t(lanes)
+      real(wp), intent(in) :: y(lanes, self%n)
+      real(wp), intent(out) :: values(lanes, self%n_roots)
+      type(status_t), intent(inout) :: status
+      real(wp) :: y_lane(self%n), lane_values(self%n_roots)
+      integer :: lane
+
       do lane = 1, lanes
          y_lane = y(lane, :)
          call self%roots(t(lane), y_lane, lane_values, status)
          if (has_failed(status)) return
          values(lane, :) = lane_values
       end do
-   end subroutine roots_lanes
+   end subroutine roots_one_by_one
 
    !> Which crossings count in the present modes.
    subroutine root_directions(self, directions)

@@ -79,7 +79,8 @@ module evl_radau
       type(step_control_t), private :: control
       logical, private :: jacobian_is_new = .false. !! evaluated at the present state
       logical, private :: jacobian_is_ahead = .false. !! evaluated a little ahead of it, where the next step will be
-      logical, private :: matrix_may_stay = .false.
+      logical, private :: jacobian_may_stay = .false. !! that of an earlier step is good enough for the next one
+      logical, private :: matrix_may_stay = .false. !! and so are the factors, if the step is the same
       logical, private :: restarted = .true.  !! nothing is known of the step from here on
       logical, private :: rejected = .true.   !! the step is repeated, or is the first one
       type(radau_counts), private :: counts
@@ -192,6 +193,7 @@ contains
       self%control = step_control_t()
       self%jacobian_is_new = .false.
       self%jacobian_is_ahead = .false.
+      self%jacobian_may_stay = .false.
       self%matrix_may_stay = .false.
       self%rejected = .true.
       self%restarted = .true.
@@ -210,11 +212,11 @@ contains
       character(len=message_length) :: reason
       type(step_control_t) :: failed
       real(wp) :: h, h_wanted, error
-      logical :: to_stop, done
+      logical :: to_stop, done, refused
       integer :: try
 
       outcome = outcome_step
-      reason = ""
+      refused = .false.
       self%fired = 0
       call set_weights(self%stages, model%scale, self%y)
       if (self%restarted) call choose_step(self, model, status)
@@ -228,8 +230,9 @@ contains
             call finish(self, model, h, to_stop, t_stop, done, outcome, status)
             if (done .and. .not. has_failed(status)) then
                self%rejected = .false.
-               if (outcome /= outcome_event) call next_step(self%control, h, h_wanted, error, self%stages%rate, &
-                                                            self%stages%iterations, self%h, self%matrix_may_stay)
+               if (outcome /= outcome_event) &
+                  call next_step(self%control, h, h_wanted, error, self%stages%rate, self%stages%iterations, self%h, &
+                                 self%jacobian_may_stay, self%matrix_may_stay)
                return
             end if
          else if (.not. has_failed(status) .and. error < huge(error)) then
@@ -238,14 +241,16 @@ contains
          if (has_failed(status)) then
             if (status%code /= code_out_of_domain) return
             self%h = h/4
+            refused = .true.
             reason = status%message
             call clear(status)
          end if
          self%rejected = .true.
+         self%jacobian_may_stay = .false.
          self%matrix_may_stay = .false.
          self%counts%rejections = self%counts%rejections + 1
       end do
-      if (reason /= "") then
+      if (refused) then
          call fail(status, code_out_of_domain, reason)
          return
       end if
@@ -319,9 +324,10 @@ contains
       error = huge(error)
       do
          if (.not. (self%matrix_may_stay .and. same(h, self%stages%h_factored))) then
-            if (.not. (self%jacobian_is_new .or. self%jacobian_is_ahead)) call refresh_jacobian(self, model, status)
+            if (.not. (self%jacobian_is_new .or. self%jacobian_is_ahead .or. self%jacobian_may_stay)) &
+               call refresh_jacobian(self, model, status)
             if (has_failed(status)) return
-            call factor_systems(self%stages, model, h, good)
+            call factor_systems(self%stages, h, good)
             if (.not. good) then
                self%h = h/2
                return
@@ -339,6 +345,7 @@ contains
             self%h = h*merge(self%stages%advice, 0.5_wp, outcome == newton_slow)
             return
          end if
+         self%jacobian_may_stay = .false.
          self%matrix_may_stay = .false. ! once more with the Jacobian of this state
          self%jacobian_is_ahead = .false.
       end do

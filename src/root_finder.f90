@@ -7,6 +7,9 @@
 !> of sign found splits the interval. Missed is what two extrema between two neighbouring nodes hide, or a dip below the
 !> accuracy of the dense output.
 !>
+!> Most functions change little in a step: where the values at the nodes already say that no interpolant through them comes near
+!> zero, nothing else is looked at.
+!>
 !> A function that has just fired is zero at the start up to rounding: its sign there is that of its slope.
 module evl_root_finder
    use evl_collocation, only: extremum_between, lagrange_at, node_slopes, polynomial_at
@@ -21,6 +24,9 @@ module evl_root_finder
 
    real(wp), parameter :: nearly_zero = 1.0e-8_wp !! of a function's largest value: where one that has fired is still zero
    real(wp), parameter :: near_zero = 0.05_wp     !! of its largest value: how near an extremum has to come to be looked at
+   real(wp), parameter :: most_between = 2.33_wp  !! largest sum of |Lagrange polynomial k| on the step, k = 1 .. 7
+   !> Of the value at the start: if no other node differs by more, the interpolant keeps its distance from zero.
+   real(wp), parameter :: little = (1 - near_zero)/(most_between + near_zero)
    real(wp), parameter :: tie = 1.0e-13_wp        !! crossings that lie nearer together, in units of the step, are one
    integer, parameter :: in_time(0:n_stages) = [lanes, 1, 2, 3, 4, 5, 6, 7] !! nodes from left to right
 
@@ -90,8 +96,12 @@ contains
       self%place = huge(1.0_wp)
       call model%roots_lanes(step%t + step%h*node, stage_y, self%g, status)
       if (has_failed(status)) return
-      call node_slopes(self%n, self%g, self%slope)
       do i = 1, self%n
+         if (keeps_away(self%sign_now(i), self%g(:, i))) then
+            self%sign_after(i) = sign_of(self%g(lanes, i))
+            cycle
+         end if
+         call node_slopes(1, self%g(:, i), self%slope(:, i))
          call scan(self, model, step, y, z, i, status)
          if (has_failed(status)) return
          if (self%change(i) == 0) cycle
@@ -99,6 +109,22 @@ contains
          if (has_failed(status)) return
       end do
    end subroutine find_crossings
+
+   !> Whether a function has one sign at all nodes, that of the step before, and changes so little that its interpolant comes
+   !> nowhere near zero.
+   pure logical function keeps_away(sign_now, g)
+      integer, intent(in) :: sign_now !! at the end of the step before; 0: not known
+      real(wp), intent(in) :: g(lanes)
+      real(wp) :: near
+      integer :: k
+
+      near = 0
+      !$omp simd reduction(+:near)
+      do k = 1, lanes
+         near = near + merge(1.0_wp, 0.0_wp, abs(g(k) - g(lanes)) <= little*abs(g(lanes)))
+      end do
+      keeps_away = near > lanes - 0.5_wp .and. abs(g(lanes)) > 0 .and. sign_now*g(lanes) >= 0
+   end function keeps_away
 
    !> Bracket the first crossing of function i that counts.
    subroutine scan(self, model, step, y, z, i, status)

@@ -6,6 +6,8 @@
 !>
 !>     (mu/h I - J) dw = T^-1 f(t + c h, y + z) - Lambda/h w
 !>
+!> for the states that depend on each other; the integrals of them follow at the end (evl_pure_integrals).
+!>
 !> Error estimate: err = (gamma/h I - J)^-1 (f(t, y) - p'(t)), p the collocation polynomial, gamma the real eigenvalue. This
 !> is the embedded formula of order 7, filtered: its weights are those of p'(t) (docs/radau.md).
 !>
@@ -15,12 +17,12 @@
 !> Sources: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8.
 module evl_stage_solver
    use evl_collocation, only: combine, lagrange_matrix
-   use evl_dense_lu, only: dense_lu_create, dense_lu_factor, dense_lu_solve, dense_lu_solve_first, dense_lu_t
+   use evl_dense_lu, only: dense_lu_create, dense_lu_factor, dense_lu_solve, dense_lu_t
    use evl_kinds, only: wp
    use evl_ode_model, only: lanes, ode_model
-   use evl_radau_coefficients, only: barycentric, from_stage, n_stages, n_systems, node, shift_im, shift_re, slope_at_node, &
-                                     to_chebyshev, to_stage
-   use evl_sparse_lu, only: sparse_lu_analyse, sparse_lu_factor, sparse_lu_solve, sparse_lu_solve_first, sparse_lu_t
+   use evl_pure_integrals, only: find_pure_integrals, integrate_stages, pure_integrals_t
+   use evl_radau_coefficients, only: from_stage, n_stages, n_systems, node, shift_im, shift_re, to_stage
+   use evl_sparse_lu, only: sparse_lu_analyse, sparse_lu_factor, sparse_lu_solve, sparse_lu_t
    use evl_status, only: has_failed, status_t
    implicit none (type, external)
    private
@@ -42,7 +44,6 @@ module evl_stage_solver
    !> Of the change of a first iteration: a rate that was measured on the error of another component promises too much.
    real(wp), parameter :: least_left_over = 1.0e-4_wp
    real(wp), parameter :: output_share = 5      !! error of the dense output over the user's tolerance, as it is estimated
-   real(wp), parameter :: nodes_over_chebyshev = 2.3_wp !! largest prod|tau - node| over that of Chebyshev's points
 
    type :: stage_counts
       integer :: iterations = 0     !! of Newton: lane-wise evaluations of f
@@ -54,6 +55,9 @@ module evl_stage_solver
    !> All arrays of a step; sizes never change.
    type :: stage_solver_t
       integer :: n = 0
+      type(pure_integrals_t) :: integrals
+      integer, allocatable :: row(:), column(:) !! pattern of J in the coupled states
+      real(wp), allocatable :: coupled(:)   !! entries of J there
       real(wp) :: tolerance = 0  !! on the error estimate of a step, in units of the model's scales
       real(wp) :: output_factor = 1 !! how much tighter the dense output is held
       real(wp) :: newton_stop = 0 !! share of it that may be left in the stages
@@ -79,6 +83,28 @@ module evl_stage_solver
       type(stage_counts) :: counts
    end type stage_solver_t
 
+   interface
+      !> Weighted size of the error estimate of the step just solved.
+      module subroutine estimate_error(self, model, t, y, h, again, error, status)
+         implicit none (type, external)
+         type(stage_solver_t), intent(inout) :: self
+         class(ode_model), intent(in) :: model
+         real(wp), intent(in) :: t, h
+         real(wp), intent(in) :: y(self%n)
+         logical, intent(in) :: again   !! filter once more if the error is above 1: for a first step and after a rejection
+         real(wp), intent(out) :: error !! root mean square; a step is good below 1
+         type(status_t), intent(inout) :: status
+      end subroutine estimate_error
+
+      !> A step whose error would be about 1, before any is made.
+      pure module subroutine foresee_step(self, model, h)
+         implicit none (type, external)
+         type(stage_solver_t), intent(inout) :: self !! f at the start in `start`, J in `jacobian`; its scratch changes
+         class(ode_model), intent(in) :: model
+         real(wp), intent(out) :: h
+      end subroutine foresee_step
+   end interface
+
 contains
 
    !> Allocate all arrays and analyse the pattern; the model has been checked.
@@ -98,8 +124,14 @@ contains
       allocate (self%change(lanes, model%n), self%jacobian(size(model%jacobian_row)))
       self%z = 0
       self%w = 0
-      call sparse_lu_analyse(self%sparse, model%n, model%jacobian_row, model%jacobian_column)
-      call dense_lu_create(self%dense, model%n)
+      call find_pure_integrals(self%integrals, model%n, model%jacobian_row, model%jacobian_column)
+      associate (n => size(self%integrals%coupled))
+         allocate (self%row(n), self%column(n), self%coupled(n))
+      end associate
+      self%row(:) = model%jacobian_row(self%integrals%coupled)
+      self%column(:) = model%jacobian_column(self%integrals%coupled)
+      call sparse_lu_analyse(self%sparse, self%integrals%n_coupled, self%row, self%column)
+      call dense_lu_create(self%dense, self%integrals%n_coupled)
    end subroutine stage_solver_create
 
    !> Be as after creation: counts and the rate of convergence belong to one integration.
@@ -142,24 +174,26 @@ contains
       from = merge(n_stages, lanes, start > 0)
       matrix(:, from) = matrix(:, from) - 1
       matrix(lanes, :) = 0
-      call combine(self%n, matrix, old_z, self%z)
-      call combine(self%n, from_stage, self%z, self%w)
+      call combine(self%integrals%n_coupled, matrix, old_z, self%z)
+      call combine(self%integrals%n_coupled, from_stage, self%z, self%w)
    end subroutine predict_from
 
    !> Factor the four systems for a step of h; with row exchanges if diagonal pivots will not do.
-   subroutine factor_systems(self, model, h, good)
+   subroutine factor_systems(self, h, good)
       type(stage_solver_t), intent(inout) :: self
-      class(ode_model), intent(in) :: model
       real(wp), intent(in) :: h
       logical, intent(out) :: good !! false if a matrix is singular
+      integer :: p
 
       self%counts%factorisations = self%counts%factorisations + 1
-      call sparse_lu_factor(self%sparse, shift_re/h, shift_im/h, self%jacobian, good)
+      do p = 1, size(self%coupled)
+         self%coupled(p) = self%jacobian(self%integrals%coupled(p))
+      end do
+      call sparse_lu_factor(self%sparse, shift_re/h, shift_im/h, self%coupled, good)
       self%is_dense = .not. good
       if (self%is_dense) then
          self%counts%dense = self%counts%dense + 1
-         call dense_lu_factor(self%dense, shift_re/h, shift_im/h, model%jacobian_row, model%jacobian_column, &
-                              self%jacobian, good)
+         call dense_lu_factor(self%dense, shift_re/h, shift_im/h, self%row, self%column, self%coupled, good)
       end if
       self%h_factored = merge(h, 0.0_wp, good)
    end subroutine factor_systems
@@ -172,16 +206,36 @@ contains
       real(wp), intent(in) :: y(self%n)
       integer, intent(out) :: outcome         !! one of the codes newton_...
       type(status_t), intent(inout) :: status
+
+      call iterate_to_end(self, model, t, y, h, outcome, status)
+      if (outcome /= newton_converged) return
+      associate (first => self%integrals%n_coupled + 1)
+         call integrate_stages(self%integrals, h, self%jacobian, self%f, y(first:), self%f(:, first:), self%z(:, first:), &
+                               self%y(:, first:))
+      end associate
+   end subroutine solve_stages
+
+   !> Newton's iteration for the coupled states; the last change is left in f.
+   subroutine iterate_to_end(self, model, t, y, h, outcome, status)
+      type(stage_solver_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: t, h
+      real(wp), intent(in) :: y(self%n)
+      integer, intent(out) :: outcome
+      type(status_t), intent(inout) :: status
       real(wp) :: times(lanes), size_now, size_before, ratio, ratio_before, left_over
       integer :: i
 
       times = t + node*h
-      self%rate_sum = max(max(self%rate_sum, eps)**0.8_wp, least_left_over)
+      self%rate_sum = max(sqrt(self%rate_sum*sqrt(self%rate_sum)), least_left_over) ! to the power of 3/4
       self%advice = 0.5_wp
       size_before = 0
       ratio_before = 1
-      do i = 1, self%n
+      do i = 1, self%integrals%n_coupled
          self%y(:, i) = y(i) + self%z(:, i)
+      end do
+      do i = self%integrals%n_coupled + 1, self%n
+         self%y(:, i) = y(i)
       end do
       do i = 1, most_iterations
          self%iterations = i
@@ -217,7 +271,7 @@ contains
          end if
       end do
       outcome = merge(newton_converged, newton_diverged, is_rounding(self))
-   end subroutine solve_stages
+   end subroutine iterate_to_end
 
    !> One iteration: change z, w and the states; its weighted size.
    subroutine iterate(self, y, h, length)
@@ -226,21 +280,24 @@ contains
       real(wp), intent(in) :: h
       real(wp), intent(out) :: length !! root mean square over stages and components
 
-      call combine(self%n, from_stage, self%f, self%change)
-      call subtract_shifted(self%n, shift_re/h, shift_im/h, self%w, self%change)
+      integer :: n
+
+      n = self%integrals%n_coupled
+      call combine(n, from_stage, self%f, self%change)
+      call subtract_shifted(n, shift_re/h, shift_im/h, self%w, self%change)
       if (self%is_dense) then
          call dense_lu_solve(self%dense, self%change)
       else
          call sparse_lu_solve(self%sparse, self%change)
       end if
-      call combine(self%n, to_stage, self%change, self%f) ! f is spent: it takes the change of z
-      call add_change(self%n, y, self%weight, self%change, self%f, self%w, self%z, self%y, length)
-      length = sqrt(length/(n_stages*self%n))
+      call combine(n, to_stage, self%change, self%f) ! f is spent: it takes the change of z
+      call add_change(n, y, self%weight, self%change, self%f, self%w, self%z, self%y, length)
+      length = sqrt(length/(n_stages*n))
    end subroutine iterate
 
    !> The right-hand side of an iteration: r - Lambda/h w.
    pure subroutine subtract_shifted(n, re, im, w, r)
-      integer, intent(in) :: n
+      integer, intent(in) :: n !! coupled states
       real(wp), intent(in) :: re(fourth), im(fourth) !! eigenvalues over h
       real(wp), intent(in) :: w(fourth, 2, n)
       real(wp), intent(inout) :: r(fourth, 2, n)
@@ -283,97 +340,9 @@ contains
    pure logical function is_rounding(self)
       type(stage_solver_t), intent(in) :: self
 
-      is_rounding = all(abs(self%f) <= 8*rounding*(abs(self%y) + abs(self%z)))
+      associate (n => self%integrals%n_coupled)
+         is_rounding = all(abs(self%f(:, :n)) <= 8*rounding*(abs(self%y(:, :n)) + abs(self%z(:, :n))))
+      end associate
    end function is_rounding
-
-   !> Weighted size of the error estimate of the step just solved.
-   subroutine estimate_error(self, model, t, y, h, again, error, status)
-      type(stage_solver_t), intent(inout) :: self
-      class(ode_model), intent(in) :: model
-      real(wp), intent(in) :: t, h
-      real(wp), intent(in) :: y(self%n)
-      logical, intent(in) :: again   !! filter once more if the error is above 1: for a first step and after a rejection
-      real(wp), intent(out) :: error !! root mean square; a step is good below 1
-      type(status_t), intent(inout) :: status
-
-      call filter(self, self%start, h, error)
-      if (error < 1) error = max(error, self%output_factor*interpolation_error(self))
-      if (error < 1 .or. .not. again) return
-      self%moved = y + self%error
-      call model%rhs(t, self%moved, self%moved_f, status)
-      self%counts%evaluations = self%counts%evaluations + 1
-      if (has_failed(status)) then
-         error = huge(error)
-         return
-      end if
-      call filter(self, self%moved_f, h, error)
-      error = max(error, self%output_factor*interpolation_error(self))
-   end subroutine estimate_error
-
-   !> Weighted size of the error of the dense output: the Chebyshev coefficients that would come next, if the last pairs go on
-   !> as a geometric series. Pairs, since every other coefficient of an even or odd solution is 0.
-   real(wp) function interpolation_error(self) result(error)
-      type(stage_solver_t), intent(inout) :: self !! its scratch changes
-      real(wp) :: last, before, total
-      integer :: i
-
-      call combine(self%n, to_chebyshev, self%z, self%change)
-      total = 0
-      do i = 1, self%n
-         before = self%change(5, i)**2 + self%change(6, i)**2
-         last = self%change(7, i)**2 + self%change(8, i)**2
-         total = total + last*min(1.0_wp, last/max(before, tiny(1.0_wp)))*self%weight(i)**2
-      end do
-      error = nodes_over_chebyshev*sqrt(total/self%n)
-   end function interpolation_error
-
-   !> A step whose error would be about 1, before any is made: the eighth derivative of y is J^7 f if J hardly changes.
-   !>
-   !> With it the polynomial of degree 7 through the nodes c differs from y by h^8 y''''''''/8! prod(tau - c), its slope at the
-   !> start by the product of the seven other nodes, and the estimate is that over the real eigenvalue. Stiff components that
-   !> the filter would forgive make the result too small, not too large.
-   pure subroutine foresee_step(self, model, h)
-      type(stage_solver_t), intent(inout) :: self !! f at the start in `start`, J in `jacobian`; its scratch changes
-      class(ode_model), intent(in) :: model
-      real(wp), intent(out) :: h
-      real(wp), parameter :: factorial_8 = 40320
-      real(wp), parameter :: at_start = 1/(shift_re(1)*abs(barycentric(lanes))*factorial_8)
-      real(wp), parameter :: inside = nodes_over_chebyshev/(2.0_wp**15*factorial_8)
-      real(wp) :: error
-      integer :: p, turn
-
-      self%moved = self%start
-      do turn = 1, n_stages
-         self%moved_f = 0
-         do p = 1, size(self%jacobian)
-            associate (i => model%jacobian_row(p), j => model%jacobian_column(p))
-               self%moved_f(i) = self%moved_f(i) + self%jacobian(p)*self%moved(j)
-            end associate
-         end do
-         self%moved = self%moved_f
-      end do
-      error = max(at_start, inside*self%output_factor)*sqrt(sum((self%moved*self%weight)**2)/self%n)
-      h = max(error, tiny(1.0_wp))**(-1.0_wp/8)
-   end subroutine foresee_step
-
-   !> (gamma/h I - J)^-1 (rate - p'(t)) and its weighted size.
-   pure subroutine filter(self, rate, h, error)
-      type(stage_solver_t), intent(inout) :: self
-      real(wp), intent(in) :: rate(self%n) !! f at the start
-      real(wp), intent(in) :: h
-      real(wp), intent(out) :: error
-      integer :: i
-
-      do i = 1, self%n
-         self%error(i) = rate(i) - sum(slope_at_node(lanes, :)*self%z(:, i))/h
-      end do
-      if (self%is_dense) then
-         call dense_lu_solve_first(self%dense, self%error)
-      else
-         call sparse_lu_solve_first(self%sparse, self%error)
-      end if
-      error = max(sqrt(sum((self%error*self%weight)**2)/self%n), 1.0e-10_wp)
-      if (.not. error <= huge(error)) error = huge(error)
-   end subroutine filter
 
 end module evl_stage_solver

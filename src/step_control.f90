@@ -12,7 +12,8 @@ module evl_step_control
    real(wp), parameter :: safety = 0.9_wp       !! on the step that the estimate allows
    real(wp), parameter :: largest_growth = 8, largest_cut = 5 !! of the step, at once
    real(wp), parameter :: kept_growth = 1.2_wp  !! a step that may grow by less stays, and with it the factors
-   real(wp), parameter :: good_rate = 0.01_wp   !! Newton's rate at which Jacobian and factors stay
+   real(wp), parameter :: good_rate = 0.01_wp   !! Newton's rate at which Jacobian and factors stay, if the step does
+   real(wp), parameter :: best_rate = 5.0e-4_wp !! and at which the Jacobian stays when the step changes
 
    !> What the last accepted step tells about the next one.
    type :: step_control_t
@@ -59,7 +60,7 @@ contains
    end subroutine step_after_error
 
    !> The step to try after an accepted one.
-   pure subroutine next_step(control, h, h_wanted, error, rate, iterations, h_next, matrix_may_stay)
+   pure subroutine next_step(control, h, h_wanted, error, rate, iterations, h_next, jacobian_may_stay, matrix_may_stay)
       type(step_control_t), intent(inout) :: control
       real(wp), intent(in) :: h         !! the step made
       real(wp), intent(in) :: h_wanted  !! what it would have been without a stop
@@ -67,6 +68,7 @@ contains
       real(wp), intent(in) :: rate      !! of convergence of Newton's iteration
       integer, intent(in) :: iterations !! of it
       real(wp), intent(out) :: h_next
+      logical, intent(out) :: jacobian_may_stay !! the Jacobian is good enough for any step
       logical, intent(out) :: matrix_may_stay !! Jacobian and factors are good enough for a step of h_next
       real(wp) :: slack, cut, cut_predicted
 
@@ -78,6 +80,7 @@ contains
       end if
       control%h = h
       control%error = max(1.0e-2_wp, error)
+      jacobian_may_stay = rate <= best_rate
       matrix_may_stay = rate <= good_rate .and. cut <= 1 .and. cut*kept_growth >= 1
       h_next = merge(h, h/cut, matrix_may_stay)
       if (h < h_wanted) h_next = max(h_next, h_wanted) ! it was cut for the stop: what was proposed before still holds

@@ -117,6 +117,7 @@ class Library:
             "barycentric": LANES,
             "slope": square,
             "chebyshev": square,
+            "integral": square,
         }
         tables = {name: np.zeros(shape) for name, shape in shapes.items()}
         self.c.rt_tables(*(_pointer(table) for table in tables.values()))

@@ -10,8 +10,8 @@ module radau_capi
    use evl_ode_model, only: lanes, ode_model
    use evl_radau, only: radau_advance, radau_counts, radau_create, radau_get_counts, radau_interpolate, radau_options, &
                         radau_restart, radau_start, radau_t
-   use evl_radau_coefficients, only: barycentric, from_stage, n_systems, node, shift_im, shift_re, slope_at_node, &
-                                     to_chebyshev, to_stage
+   use evl_radau_coefficients, only: barycentric, from_stage, integral_to_node, n_systems, node, shift_im, shift_re, &
+                                     slope_at_node, to_chebyshev, to_stage
    use evl_radau_run, only: radau_integrate, radau_observer
    use evl_sparse_lu, only: sparse_lu_analyse, sparse_lu_factor, sparse_lu_solve, sparse_lu_solve_first, sparse_lu_t
    use evl_status, only: clear, has_failed, status_t
@@ -41,9 +41,10 @@ module radau_capi
 contains
 
    !> The tables, matrices by columns.
-   subroutine rt_tables(c, t, t_inverse, re, im, weights, slopes, chebyshev) bind(c)
+   subroutine rt_tables(c, t, t_inverse, re, im, weights, slopes, chebyshev, integral) bind(c)
       real(c_double), intent(out) :: c(lanes), t(lanes, lanes), t_inverse(lanes, lanes), re(n_systems), im(n_systems)
-      real(c_double), intent(out) :: weights(lanes), slopes(lanes, lanes), chebyshev(lanes, lanes)
+      real(c_double), intent(out) :: weights(lanes), slopes(lanes, lanes), chebyshev(lanes, lanes), &
+                                     integral(lanes, lanes)
 
       c = node
       t = to_stage
@@ -53,6 +54,7 @@ contains
       weights = barycentric
       slopes = slope_at_node
       chebyshev = to_chebyshev
+      integral = integral_to_node
    end subroutine rt_tables
 
    !> Lagrange polynomials at tau.

@@ -45,7 +45,7 @@ def test_tables_are_the_doubles_nearest_to_60_digits(tables):
     exact = radau()
     for name in ("node", "shift_re", "shift_im", "barycentric"):
         assert tables[name].tolist() == [float(x) for x in getattr(exact, name)], name
-    for name in ("to_stage", "from_stage", "slope", "chebyshev"):
+    for name in ("to_stage", "from_stage", "slope", "chebyshev", "integral"):
         matrix = getattr(exact, name)
         expected = [[float(matrix[i, k]) for k in range(LANES)] for i in range(LANES)]
         assert tables[name].tolist() == expected, name

@@ -338,3 +338,21 @@ def test_an_event_leaves_the_outcome_to_the_caller(library: Library):
     solver.restart(t, [y[0] + 1, y[1]])  # the state jumps
     solver.advance(t + 1e-3)
     assert solver.state[2][0] == pytest.approx(1, abs=2e-3)
+
+
+def test_states_on_which_nothing_depends_are_as_exact_as_the_others(library: Library):
+    # integrals of an oscillation: y_3 = sin t, y_4 = t/2 + sin(2 t)/4
+    problem = Problem(
+        lambda t, y: [y[1], -y[0], y[0], y[0] ** 2],
+        lambda t, y: [1, -1, 1, 2 * y[0]],
+        [1, 1, 1, 1],
+        entries=[(0, 1), (1, 0), (2, 0), (3, 0)],
+    )
+    solver = Solver(library, problem, tolerance=1e-9)
+    solver.start(0, [1, 0, 0, 0])
+    while solver.advance(10) != STOP:
+        before, now, y, _ = solver.state
+        for t, state in ((now, y), ((before + now) / 2, solver.interpolate((before + now) / 2))):
+            exact = [np.cos(t), -np.sin(t), np.sin(t), t / 2 + np.sin(2 * t) / 4]
+            # 10 times the tolerance, as promised in docs/radau.md
+            assert np.max(np.abs(state - exact)) < 1e-8

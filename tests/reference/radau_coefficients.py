@@ -10,7 +10,8 @@ Equations II, 2nd ed., IV.5 and IV.8), computed with 60 digits:
 - error estimate (IV.8, eq. 8.17-8.19, for s stages): the embedded formula of order 7 with weight
   gamma_0 = 1/gamma at the start of the step; e = (b^ - b) A^-1, here divided by gamma_0.
 
-- the matrix from values at the nodes to the coefficients of the shifted Chebyshev polynomials.
+- the matrix from values at the nodes to the coefficients of the shifted Chebyshev polynomials;
+- A in lanes: the integral of the polynomial through the values at the stages, up to each of them.
 
 A lane is one of 8 reals: lanes 1 to 7 are the stages, lane 8 is the start of the step (node 0).
 The transformed lanes are gamma, Re 1, Re 2, Re 3, nothing, Im 1, Im 2, Im 3.
@@ -46,6 +47,7 @@ class Radau(NamedTuple):
     barycentric: list[Any]
     slope: Any
     chebyshev: Any
+    integral: Any
 
 
 def nodes() -> list[Any]:
@@ -131,6 +133,9 @@ def radau() -> Radau:
         slope = mp.matrix(
             [[derivative(full[k], node[i]) for k in range(LANES)] for i in range(LANES)]
         )
+        integral_to = mp.zeros(LANES)
+        for i, k in itertools.product(range(s), range(s)):
+            integral_to[i, k] = a[i, k]
         points = [[mp.chebyt(k, 2 * x - 1) for k in range(LANES)] for x in node]
         return Radau(
             node=node,
@@ -144,6 +149,7 @@ def radau() -> Radau:
             barycentric=[full[k][-1] for k in range(LANES)],
             slope=slope,
             chebyshev=mp.matrix(points) ** -1,
+            integral=integral_to,
         )
 
 
@@ -163,7 +169,7 @@ def main() -> None:
     tables = radau()
     by_columns = {
         name: [getattr(tables, name)[i, k] for k in range(LANES) for i in range(LANES)]
-        for name in ("to_stage", "from_stage", "slope", "chebyshev")
+        for name in ("to_stage", "from_stage", "slope", "chebyshev", "integral")
     }
     print(fortran("node", tables.node, "lanes", "Nodes in units of the step."))
     print(fortran("to_stage", by_columns["to_stage"], "lanes, lanes", "T."))
@@ -174,6 +180,7 @@ def main() -> None:
     print(fortran("barycentric", tables.barycentric, "lanes", "1/prod(node_k - node_m)."))
     print(fortran("slope_at_node", by_columns["slope"], "lanes, lanes", "Derivatives."))
     print(fortran("to_chebyshev", by_columns["chebyshev"], "lanes, lanes", "Coefficients."))
+    print(fortran("integral_to_node", by_columns["integral"], "lanes, lanes", "A."))
 
 
 if __name__ == "__main__":

@@ -1,0 +1,111 @@
+!> Error estimates of a step of the stage solver, and the step they would allow.
+!>
+!> Sources: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8; docs/radau.md.
+submodule(evl_stage_solver) evl_stage_errors
+   use evl_dense_lu, only: dense_lu_solve_first
+   use evl_pure_integrals, only: integrate_error
+   use evl_radau_coefficients, only: barycentric, slope_at_node, to_chebyshev
+   use evl_sparse_lu, only: sparse_lu_solve_first
+   implicit none (type, external)
+
+   integer, parameter :: slope_lane = 1 !! of what `estimates` gives: the slope of the polynomial at the start
+   integer :: row
+   !> From the increments at the nodes: that slope, per step, and in lanes 5 to 8 the last Chebyshev coefficients.
+   real(wp), parameter :: estimates(lanes, lanes) = &
+                          transpose(reshape([slope_at_node(lanes, :), (to_chebyshev(row, :), row=2, lanes)], [lanes, lanes]))
+   real(wp), parameter :: nodes_over_chebyshev = 2.3_wp !! largest prod|tau - node| over that of Chebyshev's points
+
+contains
+
+   !> Weighted size of the error estimate of the step just solved.
+   module subroutine estimate_error(self, model, t, y, h, again, error, status)
+      type(stage_solver_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: t, h
+      real(wp), intent(in) :: y(self%n)
+      logical, intent(in) :: again   !! filter once more if the error is above 1: for a first step and after a rejection
+      real(wp), intent(out) :: error !! root mean square; a step is good below 1
+      type(status_t), intent(inout) :: status
+
+      call combine(self%n, estimates, self%z, self%change)
+      call filter(self, self%start, h, error)
+      if (error < 1) error = max(error, self%output_factor*interpolation_error(self))
+      if (error < 1 .or. .not. again) return
+      self%moved = y + self%error
+      call model%rhs(t, self%moved, self%moved_f, status)
+      self%counts%evaluations = self%counts%evaluations + 1
+      if (has_failed(status)) then
+         error = huge(error)
+         return
+      end if
+      call filter(self, self%moved_f, h, error)
+      error = max(error, self%output_factor*interpolation_error(self))
+   end subroutine estimate_error
+
+   !> Weighted size of the error of the dense output: the Chebyshev coefficients that would come next, if the last pairs go on
+   !> as a geometric series. Pairs, since every other coefficient of an even or odd solution is 0.
+   pure real(wp) function interpolation_error(self) result(error)
+      type(stage_solver_t), intent(in) :: self !! `estimates` of the increments in `change`
+      real(wp) :: last, before, total
+      integer :: i
+
+      total = 0
+      do i = 1, self%n
+         before = self%change(5, i)**2 + self%change(6, i)**2
+         last = self%change(7, i)**2 + self%change(8, i)**2
+         total = total + last*min(1.0_wp, last/max(before, tiny(1.0_wp)))*self%weight(i)**2
+      end do
+      error = nodes_over_chebyshev*sqrt(total/self%n)
+   end function interpolation_error
+
+   !> A step whose error would be about 1, before any is made: the eighth derivative of y is J^7 f if J hardly changes.
+   !>
+   !> With it the polynomial of degree 7 through the nodes c differs from y by h^8 y''''''''/8! prod(tau - c), its slope at the
+   !> start by the product of the seven other nodes, and the estimate is that over the real eigenvalue. Stiff components that
+   !> the filter would forgive make the result too small, not too large.
+   pure module subroutine foresee_step(self, model, h)
+      type(stage_solver_t), intent(inout) :: self !! f at the start in `start`, J in `jacobian`; its scratch changes
+      class(ode_model), intent(in) :: model
+      real(wp), intent(out) :: h
+      real(wp), parameter :: factorial_8 = 40320
+      real(wp), parameter :: at_start = 1/(shift_re(1)*abs(barycentric(lanes))*factorial_8)
+      real(wp), parameter :: inside = nodes_over_chebyshev/(2.0_wp**15*factorial_8)
+      real(wp) :: error
+      integer :: p, turn
+
+      self%moved = self%start
+      do turn = 1, n_stages
+         self%moved_f = 0
+         do p = 1, size(self%jacobian)
+            associate (i => model%jacobian_row(p), j => model%jacobian_column(p))
+               self%moved_f(i) = self%moved_f(i) + self%jacobian(p)*self%moved(j)
+            end associate
+         end do
+         self%moved = self%moved_f
+      end do
+      error = max(at_start, inside*self%output_factor)*sqrt(sum((self%moved*self%weight)**2)/self%n)
+      h = max(error, tiny(1.0_wp))**(-1.0_wp/8)
+   end subroutine foresee_step
+
+   !> (gamma/h I - J)^-1 (rate - p'(t)) and its weighted size.
+   pure subroutine filter(self, rate, h, error)
+      type(stage_solver_t), intent(inout) :: self  !! `estimates` of the increments in `change`
+      real(wp), intent(in) :: rate(self%n) !! f at the start
+      real(wp), intent(in) :: h
+      real(wp), intent(out) :: error
+      integer :: i
+
+      do i = 1, self%n
+         self%error(i) = rate(i) - self%change(slope_lane, i)/h
+      end do
+      if (self%is_dense) then
+         call dense_lu_solve_first(self%dense, self%error)
+      else
+         call sparse_lu_solve_first(self%sparse, self%error)
+      end if
+      call integrate_error(self%integrals, h, self%jacobian, self%error)
+      error = max(sqrt(sum((self%error*self%weight)**2)/self%n), 1.0e-10_wp)
+      if (.not. error <= huge(error)) error = huge(error)
+   end subroutine filter
+
+end submodule evl_stage_errors
