@@ -1,6 +1,7 @@
 !> The force laws of a contact behind one interface: elastic, viscous and friction.
 !>
-!> A new law is a procedure in its own file, one entry in `law_table` and one case in the procedures of its family here.
+!> A new law is a procedure in its own file, one entry in `law_table` and one case in the procedures of its family here; and, to be
+!> evaluated for eight states at once, a formula in src/formulas and a loop in evl_force_lanes.
 !> The index of a law is its place in the table, from 0; the constants below name those places.
 module evl_contact_laws
    use evl_damping, only: impact_damping, linear_damping, linear_damping_law, no_damping_law, one_sided_damping, &
