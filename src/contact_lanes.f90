@@ -4,22 +4,25 @@
 !> lanes: what it cannot see it cannot turn into vector instructions. Each loop calls a procedure with its own scalars and holds
 !> no branch.
 module evl_contact_lanes
+   use evl_closed_form, only: centre_line_turn
    use evl_contact_point, only: contact_point, tracked_pair
    use evl_deviating_flanks, only: flank_value, radius_rates
    use evl_deviation, only: deviation, small_sine, tangent_angle
-   use evl_flank_deviation, only: deviation_at
+   use evl_flank_deviation, only: deviation_branch, flank_branch
    use evl_kinds, only: wp
    use evl_local_variables, only: at_normal, at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_theta, at_u_a, at_u_b, &
-                                  at_v_a, at_v_b, n_local
-   use evl_mesh, only: contact_t, mesh_mode, mesh_nominal_start, mesh_tooth_a, mesh_tooth_b
+                                  at_v_a, at_v_b, n_local, unit
+   use evl_mesh, only: contact_off, contact_t, mesh_mode, mesh_nominal_start, mesh_tooth_a, mesh_tooth_b
    use evl_ode_model, only: lanes
    implicit none (type, external)
    private
 
    public :: lane_contact, contact_in_lanes, centre_turn_in_lanes
 
-   !> A tooth contact in eight states; the components mean what those of `contact_point` mean.
+   !> A tooth contact in eight states; the components mean what those of `contact_point` mean. The contacts of a flank share the
+   !> local variables and the line of action: those of the last one stay for the next.
    type :: lane_contact
+      integer :: mesh = 0, flank = 0              !! of the gearbox, whose line of action it is; 0: none yet
       real(wp) :: q(lanes, at_normal)             !! local variables
       real(wp), dimension(lanes) :: margin        !! positive if there is a line of action
       real(wp), dimension(lanes) :: d_rho, rho, angle !! of the line of action
@@ -29,49 +32,82 @@ module evl_contact_lanes
 
 contains
 
+   include "formulas/all_positive.inc"
    include "formulas/tangent_line.inc"
    include "formulas/contact_point.inc"
    include "formulas/centre_line.inc"
    include "formulas/closed_form.inc"
    include "formulas/deviating_flanks.inc"
+   include "formulas/flank_branch.inc"
+   include "formulas/sine_cosine.inc"
    include "formulas/lane_point.inc"
 
-   !> The contact from the wheels' positions.
+   !> The contact from the wheels' positions. Of a slot without a pair on the path nothing counts but the radii of curvature.
    subroutine contact_in_lanes(mesh, mode, turns, y, at)
       type(contact_t), intent(in) :: mesh
       type(mesh_mode), intent(in) :: mode
       integer, intent(in) :: turns                  !! whole turns of the reference wheel beside theta
       real(wp), intent(in), contiguous :: y(:, :)   !! (lanes, states)
-      type(lane_contact), intent(out) :: at
-      real(wp) :: r, rho_0, rho_start, advance
+      type(lane_contact), intent(inout) :: at       !! of no contact, or of one in the same states
+      real(wp) :: rho_start, advance
       type(tracked_pair) :: pair
+      integer :: l
+
+      if (at%mesh /= mesh%mesh .or. at%flank /= mesh%flank) call line_in_lanes(mesh, y, at)
+      pair = mesh%pair
+      advance = pair%advance
+      rho_start = mesh_nominal_start(mesh, turns, mode%teeth)
+      !$omp simd
+      do l = 1, lanes
+         at%rho_a0(l) = rho_start + advance*at%q(l, at_theta)
+         call place_lane(pair, l, at)
+      end do
+      if (mesh%deviates .and. mode%contact /= contact_off) call deviate_lanes(mesh, mode, at)
+   end subroutine contact_in_lanes
+
+   !> Local variables and line of action, for all contacts of a flank.
+   subroutine line_in_lanes(mesh, y, at)
+      type(contact_t), intent(in) :: mesh           !! one of them
+      real(wp), intent(in), contiguous :: y(:, :)   !! (lanes, states)
+      type(lane_contact), intent(inout) :: at
+      real(wp) :: r, rho_0
       integer :: i, l
 
+      at%mesh = mesh%mesh
+      at%flank = mesh%flank
       at%q = 0
       do i = 1, size(mesh%links)
          associate (link => mesh%links(i))
             at%q(:, link%local) = at%q(:, link%local) + link%weight*y(1:lanes, link%state)
          end associate
       end do
-      pair = mesh%pair
-      r = pair%r_ba + pair%r_bb
-      rho_0 = pair%rho_0
-      advance = pair%advance
-      rho_start = mesh_nominal_start(mesh, turns, mode%teeth)
+      if (mesh%axles_rest) then
+         call rest_in_lanes(mesh%rest_line, at)
+         return
+      end if
+      r = mesh%pair%r_ba + mesh%pair%r_bb
+      rho_0 = mesh%pair%rho_0
       !$omp simd
       do l = 1, lanes
-         at%rho_a0(l) = rho_start + advance*at%q(l, at_theta)
          call tangent_line(r, rho_0, at%q(l, at_u_b) - at%q(l, at_u_a), at%q(l, at_u_b + 1) - at%q(l, at_u_a + 1), &
                            at%margin(l), at%d_rho(l), at%rho(l), at%s(l), at%c(l))
          at%angle(l) = small_angle(at%s(l))
       end do
-      if (maxval(abs(at%s)) >= small_sine) call large_angles(at%s, at%c, at%angle)
-      !$omp simd
-      do l = 1, lanes
-         call place_lane(pair, l, at)
-      end do
-      if (mesh%deviates) call deviate_lanes(mesh, mode, at)
-   end subroutine contact_in_lanes
+      if (.not. all_positive(small_sine - abs(at%s))) call large_angles(at%s, at%c, at%angle)
+   end subroutine line_in_lanes
+
+   !> The line of action between fixed axles.
+   pure subroutine rest_in_lanes(line, at)
+      type(deviation), intent(in) :: line
+      type(lane_contact), intent(inout) :: at
+
+      at%margin = merge(1.0_wp, 0.0_wp, line%exists)
+      at%d_rho = line%d_rho
+      at%rho = line%rho
+      at%angle = line%angle
+      at%s = line%s
+      at%c = line%c
+   end subroutine rest_in_lanes
 
    !> Angles of which one is too large for the series.
    subroutine large_angles(s, c, angle)
@@ -149,23 +185,39 @@ contains
       type(mesh_mode), intent(in) :: mode
       type(lane_contact), intent(inout) :: at
       real(wp), dimension(lanes) :: e_a, de_a, e_b, de_b
-      real(wp) :: d2e
       type(tracked_pair) :: pair
-      integer :: l, side, tooth_a, tooth_b
+      integer :: l, side
 
       pair = mesh%pair
       side = nint(pair%sigma)
-      tooth_a = mesh_tooth_a(mesh, mode%teeth)
-      tooth_b = mesh_tooth_b(mesh, mode%teeth)
-      do l = 1, lanes
-         call deviation_at(mesh%deviation_a, tooth_a, side, at%rho_a(l), mode%zone_a, e_a(l), de_a(l), d2e)
-         call deviation_at(mesh%deviation_b, tooth_b, side, at%rho_b(l), mode%zone_b, e_b(l), de_b(l), d2e)
-      end do
+      call deviation_in_lanes(deviation_branch(mesh%deviation_a, mesh_tooth_a(mesh, mode%teeth), side, mode%zone_a), &
+                              at%rho_a, e_a, de_a)
+      call deviation_in_lanes(deviation_branch(mesh%deviation_b, mesh_tooth_b(mesh, mode%teeth), side, mode%zone_b), &
+                              at%rho_b, e_b, de_b)
       !$omp simd
       do l = 1, lanes
          call deviate_lane(pair, l, e_a(l), de_a(l), e_b(l), de_b(l), at)
       end do
    end subroutine deviate_lanes
+
+   !> What one flank lacks in material.
+   pure subroutine deviation_in_lanes(branch, rho, e, de)
+      type(flank_branch), intent(in) :: branch
+      real(wp), intent(in) :: rho(lanes)
+      real(wp), intent(out) :: e(lanes), de(lanes)
+      real(wp) :: d2e(lanes)
+      integer :: l
+
+      !$omp simd
+      do l = 1, lanes
+         call profile_deviation(branch, rho(l), e(l), de(l), d2e(l))
+      end do
+      if (.not. abs(branch%runout) > 0) return
+      !$omp simd
+      do l = 1, lanes
+         call add_runout(branch, rho(l), e(l), de(l), d2e(l))
+      end do
+   end subroutine deviation_in_lanes
 
    !> One lane of it.
    pure subroutine deviate_lane(pair, l, e_a, de_a, e_b, de_b, at)
@@ -192,12 +244,16 @@ contains
       integer :: l
 
       pair = mesh%pair
+      if (mesh%axles_rest) then
+         turn = centre_line_turn(pair, unit(at_theta, 0.0_wp))
+         return
+      end if
       !$omp simd
       do l = 1, lanes
          call centre_line(pair, at%q(l, at_u_b) - at%q(l, at_u_a), at%q(l, at_u_b + 1) - at%q(l, at_u_a + 1), s(l), c(l))
          turn(l) = small_angle(s(l))
       end do
-      if (maxval(abs(s)) >= small_sine) call large_angles(s, c, turn)
+      if (.not. all_positive(small_sine - abs(s))) call large_angles(s, c, turn)
    end subroutine centre_turn_in_lanes
 
 end module evl_contact_lanes

@@ -3,11 +3,11 @@
 !> It serves tooth contacts in closed form with a force law, in a fixed housing without gravity: see `lanes_serve`.
 module evl_gearbox_lanes
    use evl_contact_lanes, only: contact_in_lanes, lane_contact
-   use evl_force_lanes, only: forces_in_lanes, lane_force
+   use evl_force_lanes, only: forces_in_lanes, lane_force, laws_have_lanes
    use evl_gearbox, only: gearbox_mode, gearbox_t, i_omega, i_theta, i_turns, segment_of, support_t, wheel_acceleration, wheel_t
    use evl_gearbox_rates, only: gearbox_rates
    use evl_kinds, only: wp
-   use evl_load, only: load_damping, load_table, load_torque
+   use evl_load, only: load_damping, load_table, load_torque, load_varies
    use evl_mesh, only: contact_loaded, contact_t, contact_unloaded, mesh_mode, tracking_closed_form
    use evl_ode_model, only: lanes
    use evl_shaft, only: shaft_t
@@ -19,14 +19,20 @@ module evl_gearbox_lanes
 
 contains
 
+   include "formulas/between_knots.inc"
    include "formulas/springs_and_dampers.inc"
 
    !> Whether a gearbox can be evaluated here; if not, its states are asked one by one.
    pure logical function lanes_serve(gearbox) result(serve)
       type(gearbox_t), intent(in) :: gearbox
+      integer :: i
 
       serve = .not. gearbox%housing%acts
-      if (serve) serve = .not. any(gearbox%contacts%rigid .or. gearbox%contacts%tracking /= tracking_closed_form)
+      do i = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(i))
+            serve = serve .and. .not. mesh%rigid .and. mesh%tracking == tracking_closed_form .and. laws_have_lanes(mesh)
+         end associate
+      end do
    end function lanes_serve
 
    !> Rates of all states: y' = f(t, y).
@@ -38,12 +44,13 @@ contains
       real(wp), intent(in) :: reals(:)
       real(wp), intent(out) :: f(lanes, gearbox%n_states)
       type(status_t), intent(inout) :: status          !! code_out_of_domain if a law has no answer in one of the lanes
+      type(lane_contact) :: at
       logical :: answered
       integer :: i
 
       f = 0
       do i = 1, size(gearbox%contacts)
-         call add_contact(gearbox, i, y, integers, reals, f, answered)
+         call add_contact(gearbox, i, y, integers, reals, at, f, answered)
          if (.not. answered) then
             call say_why(gearbox, t, y, integers, reals, status)
             return
@@ -87,15 +94,15 @@ contains
    end subroutine say_why
 
    !> Forces of a tooth contact in the rows of its wheels, their supports and the dissipated energy.
-   subroutine add_contact(gearbox, index, y, integers, reals, f, answered)
+   subroutine add_contact(gearbox, index, y, integers, reals, at, f, answered)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
       real(wp), intent(in) :: y(lanes, gearbox%n_states), reals(:)
       integer, intent(in) :: integers(:)
+      type(lane_contact), intent(inout) :: at      !! of an earlier contact, or none
       real(wp), intent(inout) :: f(lanes, gearbox%n_states)
       logical, intent(out) :: answered
       type(mesh_mode) :: mode
-      type(lane_contact) :: at
       type(lane_force) :: force
 
       answered = .true.
@@ -171,13 +178,15 @@ contains
       integer :: j
 
       associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support)
-         omega = speed_of(wheel, y)
-         torque = 0
-         do j = 1, size(gearbox%loads)
-            if (gearbox%loads(j)%wheel == index) call add_load(gearbox, j, t, omega, integers, torque)
-         end do
-         f(:, wheel%i_speed) = f(:, wheel%i_speed) + torque
-         f(:, gearbox%i_work) = f(:, gearbox%i_work) + torque*omega
+         if (any(gearbox%loads%wheel == index)) then
+            omega = speed_of(wheel, y)
+            torque = 0
+            do j = 1, size(gearbox%loads)
+               if (gearbox%loads(j)%wheel == index) call add_load(gearbox, j, t, omega, integers, torque)
+            end do
+            f(:, wheel%i_speed) = f(:, wheel%i_speed) + torque
+            f(:, gearbox%i_work) = f(:, gearbox%i_work) + torque*omega
+         end if
          do j = 1, support%n
             associate (i => support%i_state(j))
                f(:, i) = y(:, i + 1)
@@ -189,22 +198,22 @@ contains
       end associate
    end subroutine load_wheel
 
-   !> Add the torque of a load: linear in the speed, so that only a table has to be asked for every lane.
+   !> Add the torque of a load: of a table by the time of each lane, else linear in the speed.
    subroutine add_load(gearbox, index, t, omega, integers, torque)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
       real(wp), intent(in) :: t(lanes), omega(lanes)
       integer, intent(in) :: integers(:)
       real(wp), intent(inout) :: torque(lanes)
-      integer :: l
+      integer :: segment
 
       associate (load => gearbox%loads(index))
-         if (load%kind == load_table) then
-            do l = 1, lanes
-               torque(l) = torque(l) + load_torque(load, t(l), omega(l), segment_of(load, integers))
-            end do
+         segment = segment_of(load, integers)
+         if (load%kind == load_table .and. load_varies(load, segment)) then
+            torque = torque + between_knots(t, load%time(segment), load%time(segment + 1), load%values(segment), &
+                                            load%values(segment + 1))
          else
-            torque = torque + (load_torque(load, t(1), 0.0_wp, 0) - load_damping(load)*omega)
+            torque = torque + (load_torque(load, t(1), 0.0_wp, segment) - load_damping(load)*omega)
          end if
       end associate
    end subroutine add_load
