@@ -25,9 +25,6 @@ module evl_contact_laws
    public :: friction_factor, friction_knee, friction_mode
    public :: is_rigid, is_undamped, rigid_rest_velocity, rigid_restitution
    public :: impact_share, linear_stiffness
-   public :: contact_johnson, contact_linear, contact_power, contact_radzimovsky, contact_yang_lin
-   public :: damping_hunt_crossley, damping_lee_wang, damping_linear, damping_none, damping_one_sided
-   public :: friction_coulomb, friction_none, friction_stribeck, friction_tanh
    public :: law_count, law_describe, law_validate
    public :: law_name_length, law_text_length, laws_contact, laws_damping, laws_friction
 
