@@ -189,7 +189,7 @@ def test_a_function_that_rounding_moves_across_zero_at_the_start_fires_there(lib
     mode = {"second": False}
 
     def roots(_, y: Floats) -> list[float]:
-        # the second one is below zero where it begins, and above it at once, for no slope of its own
+        # the second one is below zero where it begins, and above it 4e-15 s later
         second = y[0] - 5e-15 + (1e-14 if y[0] > 4e-15 else 0)
         return [y[0], second if mode["second"] else -1]
 
