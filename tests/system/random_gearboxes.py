@@ -3,7 +3,8 @@
 A gearbox is a tree: a first pair of wheels, to which further meshes are added at the teeth of a
 wheel that is there (an idler) or by a shaft with another pinion on it, and discs on shafts. Every
 second seed is made to lose contact. What could not run is left out: teeth that undercut or come to
-a point, initial speeds that do not agree along the train, a steady start where nothing is steady.
+a point, initial speeds that do not agree along the train, a steady start where nothing is steady
+or where flanks deviate, and pairs by the paper's rule that turn back below their base circle.
 """
 
 from __future__ import annotations
@@ -316,6 +317,8 @@ class _Gearbox:
     def add_losing_loads(self) -> Block:
         """Make the flanks part: by a fluctuating drive, a reversal of the torque, or a gap."""
         kind = self.choice("speed", "torque", "reversal", "gap")
+        if kind in ("torque", "reversal") and not self.can_turn_back():
+            kind = "gap"
         light = 1.0 if kind == "gap" else self.log_uniform(0.003, 0.3)
         for wheel in self.outputs():
             torque = light * self.torque / len(self.outputs()) / abs(self.ratio[wheel["name"]])
@@ -338,6 +341,20 @@ class _Gearbox:
         else:
             self.wheels[0]["loads"] = [self.torque_load(1.0)]
         return self.speeds(gap=kind == "gap")
+
+    def can_turn_back(self) -> bool:
+        """Whether no path of contact comes to an end when the wheels turn backwards.
+
+        A pair by the paper's rule turns back one pitch before the pair behind takes over: so its
+        path has to begin more than a pitch from the base circle.
+        """
+        teeth = {wheel["name"]: wheel.get("teeth", 0) for wheel in self.wheels}
+        for mesh in self.meshes:
+            angle = math.radians(mesh.get("pressure_angle", 90))
+            line = math.tan(angle) * (teeth[mesh["driving"]] + teeth[mesh["driven"]])
+            if line < 3.1 * 2 * math.pi:  # length of the line of action, 2 pi to a base pitch
+                return False
+        return True
 
     def fluctuation(self, period: float, value: Any) -> tuple[list[float], list[float]]:
         """Knots of a harmonic, from 0 past the end of the run."""
