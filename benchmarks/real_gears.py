@@ -3,7 +3,7 @@
 Run it as ``python benchmarks/real_gears.py [PROGRAM]`` after a build. Three cases in closed form,
 each by both integrators at a row of tolerances:
 
-- *pair*: 36 and 51 teeth, contact ratio 1.75, followed on both flanks, so four entries and exits
+- *pair*: 49 and 69 teeth, contact ratio 1.75, followed on both flanks, so four entries and exits
   of tooth pairs a pitch, under 50 N m at 1500 rpm, with friction;
 - *rattle*: examples/rattle.yaml, which loses contact some hundred times;
 - *train*: examples/two-stage-gears.yaml with bearings under the first pinion and the last gear: 20
@@ -64,7 +64,7 @@ def example(name: str) -> dict[str, Any]:
 def pair() -> dict[str, Any]:
     """Change examples/spur-pair.yaml to a contact ratio of 1.75."""
     case = example("spur-pair.yaml")
-    for wheel, teeth in zip(case["wheels"], (36, 51), strict=True):
+    for wheel, teeth in zip(case["wheels"], (49, 69), strict=True):
         wheel |= {"teeth": teeth, "profile_shift": 0, "thickness_allowance": 0}
     mesh = case["meshes"][0]
     del mesh["centre_distance"]
