@@ -1,6 +1,7 @@
 !> The state at the start: rest, given speeds, or the steady state.
 module evl_gearbox_initial
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use evl_closed_form, only: closed_form_gap
    use evl_contact_point, only: contact_point
    use evl_contact_tracking, only: points_from_closed_form
    use evl_dae_residual, only: gearbox_derivative
@@ -153,21 +154,24 @@ contains
       end do
    end subroutine set_speeds
 
-   !> In a ring of wheels the last gap follows from the others: it has to be the given one.
+   !> In a ring of wheels the last gap follows from the others: it has to be the given one. Gaps are those of perfect flanks.
    subroutine check_gaps(gearbox, initial, y, status)
       type(gearbox_t), intent(in) :: gearbox
       type(initial_t), intent(in) :: initial
       real(wp), intent(in) :: y(:)
       type(status_t), intent(inout) :: status
-      type(contact_point) :: point
+      real(wp) :: q(n_local), gap
       integer :: m
 
       if (.not. any(abs(initial%gaps) > 0)) return ! all that can touch do
       do m = 1, size(gearbox%pairs)
-         call closed_form_point(gearbox, gearbox%first(m), y, 0, 0, point)
-         if (abs(-point%h - initial%gaps(m)) <= 1.0e-9_wp*maxval(abs(initial%gaps))) cycle
+         associate (mesh => gearbox%contacts(gearbox%first(m)))
+            call gearbox_local(gearbox, mesh, y, q)
+            gap = closed_form_gap(mesh%pair, q)
+         end associate
+         if (abs(gap - initial%gaps(m)) <= 1.0e-9_wp*maxval(abs(initial%gaps))) cycle
          call fail(status, code_invalid_input, "its initial gap "//quantity(initial%gaps(m), "m")//" does not agree with " &
-                   //quantity(-point%h, "m")//", which the gaps of the other meshes in its ring leave", subject_mesh, m, "gaps")
+                   //quantity(gap, "m")//", which the gaps of the other meshes in its ring leave", subject_mesh, m, "gaps")
          return
       end do
    end subroutine check_gaps

@@ -75,9 +75,7 @@ contains
       at = self%roots%place(first)*h
       at_next = at
       if (at <= smallest_step*abs(self%t)) then
-         self%roots%value = 0
-         call note_fired(self, first, h)
-         self%counts%events = self%counts%events + 1
+         call fire_at_start(self, first, h)
          done = .true.
          return
       end if
@@ -110,6 +108,12 @@ contains
          last_shift = shift
          if (abs(shift) <= 4*eps*max(abs(self%t + at), at)) exit
          at_next = at + shift
+         if (at_next <= smallest_step*abs(self%t)) then ! as of a function that crosses just after another one
+            call fire_at_start(self, first, h)
+            self%old_h = 0
+            done = .true.
+            return
+         end if
       end do
       self%matrix_may_stay = .false.
       if (has_failed(status) .or. .not. good) then
@@ -123,6 +127,17 @@ contains
       self%counts%events = self%counts%events + 1
       done = .true.
    end subroutine go_to_event
+
+   !> The event is where the step begins: nothing moves.
+   pure subroutine fire_at_start(self, first, h)
+      type(radau_t), intent(inout) :: self
+      integer, intent(in) :: first
+      real(wp), intent(in) :: h
+
+      self%roots%value = 0
+      call note_fired(self, first, h)
+      self%counts%events = self%counts%events + 1
+   end subroutine fire_at_start
 
    !> Slope of the interpolant of a root function where it crosses zero, per step.
    pure subroutine slope_at(roots, i, slope)

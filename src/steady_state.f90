@@ -291,6 +291,12 @@ contains
             if (integers(at + 1) /= contact_loaded) cycle
             call closed_form_point(gearbox, m, y, 0, integers(at), point)
             if (point%h > 0 .or. (mesh%rigid .and. y(max(1, mesh%i_normal)) > 0)) cycle
+            if (mesh%deviates) then
+               call fail(status, code_no_solution, "there is no steady state: the slope of the deviating flanks moves them, and" &
+                         //" their damping would have to carry the load (penetration "//quantity(point%h, "m")//"); start from" &
+                         //" rest or with given speeds", subject_mesh, mesh%mesh, "damping")
+               return
+            end if
             call fail(status, code_no_solution, "there is no steady state: this flank would have to pull (penetration " &
                       //quantity(point%h, "m")//"); the loads turn the wheels against driving_rotation", subject_mesh, mesh%mesh, &
                       "driving_rotation")

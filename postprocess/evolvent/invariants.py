@@ -186,7 +186,9 @@ def torque_balance(history: xr.Dataset) -> xr.DataArray:
         of_housing = history["housing_angular_acceleration"].sel(space="z", drop=True)
         acceleration = acceleration + of_housing
     inertia_torque = require(history, "inertia") * acceleration
-    largest = xr.concat([abs(contact), abs(shaft)], dim="part").max(["part", "time"])
+    of_contacts = abs(contact).max("time")
+    of_shafts = _largest_shaft_torque(history)
+    largest = of_contacts.where(of_contacts > of_shafts, of_shafts)
     touched = largest.values > 0.0
     if not touched.any():
         raise NotApplicableError("the teeth never touch")
@@ -261,6 +263,17 @@ def shaft_torque(history: xr.Dataset) -> xr.DataArray:
         total[{"wheel": int(require(history, "shaft_wheel_first")[shaft])}] -= torque
         total[{"wheel": int(require(history, "shaft_wheel_second")[shaft])}] += torque
     return total.assign_attrs(units="N m", long_name="torque of the shafts")
+
+
+def _largest_shaft_torque(history: xr.Dataset) -> xr.DataArray:
+    """Largest torque of any shaft on each wheel [N m], dim (wheel); their sum may be rounding."""
+    largest = xr.zeros_like(require(history, "inertia"))
+    for shaft in range(history.sizes.get("shaft", 0)):
+        torque = float(abs(require(history, "shaft_torque").isel(shaft=shaft)).max())
+        for end in ("first", "second"):
+            wheel = {"wheel": int(require(history, f"shaft_wheel_{end}")[shaft])}
+            largest[wheel] = max(torque, float(largest[wheel]))
+    return largest
 
 
 def rotor_inertia(history: xr.Dataset) -> xr.DataArray:

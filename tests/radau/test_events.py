@@ -185,6 +185,24 @@ def test_a_function_that_fired_fires_again_however_soon_it_comes_back(library: L
     assert np.diff(events.times) == pytest.approx(hops, rel=1e-6)  # t is 1e-3 in units of 2e-19
 
 
+def test_a_function_that_rounding_moves_across_zero_at_the_start_fires_there(library: Library):
+    mode = {"second": False}
+
+    def roots(_, y: Floats) -> list[float]:
+        # the second one is below zero where it begins, and above it 4e-15 s later
+        second = y[0] - 5e-15 + (1e-14 if y[0] > 4e-15 else 0)
+        return [y[0], second if mode["second"] else -1]
+
+    def begin(y: Floats, _: NDArray[np.int32]) -> list[float]:
+        mode["second"] = True
+        return [0]
+
+    events = Recorded(begin)
+    Solver(library, clock(roots, 2), 1e-9).end(0, [-1], 2, event=events)
+    assert events.fired == [[1, 0], [0, 1]]
+    assert events.times == pytest.approx([1, 1], abs=1e-12)
+
+
 def test_a_function_that_is_identically_zero_never_fires(library: Library):
     events, _, _ = run(library, oscillator(lambda t, y: [0 * t, y[1]], 2), [0, 1], 10)
     assert np.abs(np.sum(np.abs(events.fired), axis=0)).tolist() == [0, 3]

@@ -202,3 +202,22 @@ def test_a_row_of_twenty_wheels_runs_and_no_invariant_is_broken(runs):
     assert run.history.sizes["wheel"] == 20
     assert float(run.history["normal_force"][-1].min()) > 0.0
     assert broken_invariants(run) == []
+
+
+def test_a_disc_that_only_hands_on_the_torque_of_two_rigid_shafts_balances(runs):
+    case = row(2, duration=0.01, initial={"kind": "steady"})
+    load = case["wheels"][-1].pop("loads")
+    case["wheels"] += [
+        {"name": "middle", "radius": 0.05, "width": 0.02, "material": "steel"},
+        {"name": "far", "radius": 0.05, "width": 0.02, "material": "steel", "loads": load},
+    ]
+    case["shafts"] = [
+        {"name": "near", "wheels": ["w1", "middle"], "kind": "rigid"},
+        {"name": "end", "wheels": ["middle", "far"], "kind": "rigid"},
+    ]
+    run = runs(case)
+    assert broken_invariants(run) == []
+    first, second = run.history["shaft_torque"].values.T
+    # nothing accelerates: what the disc gets from one shaft the other one takes
+    np.testing.assert_allclose(first, second, rtol=1e-9)
+    assert abs(first).min() > 1

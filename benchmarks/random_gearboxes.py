@@ -1,0 +1,193 @@
+"""Random gearboxes: whether any run fails, how large the errors are, whether energy gets lost.
+
+Run it as ``python benchmarks/random_gearboxes.py [PROGRAM]`` after a build; 300 gearboxes take some
+ten minutes on two cores. The gearboxes are those of tests/system/random_gearboxes.py: half of them
+are made to lose contact. Each is run with radau at the default tolerance, and three times at a
+10,000 times smaller one: as it is, and twice with every torque, damper and initial gap changed by
+at most 1e-10 of itself.
+
+- *error*: largest difference of a penetration, drive or coast flank, to that of the tight run, over
+  the largest penetration of all meshes;
+- *growth*: the same for the changed runs, over 1e-10. Where small changes grow more than 1000
+  times, ten times the tolerance, which is what the integrator promises for its own error, becomes
+  more than 1e-5: no error below that can be expected, and the gearbox counts as chaotic;
+- *energy*: the balance of evolvent-post check, of the run at the default tolerance.
+
+The exit code is 1 if a run fails, if an energy balance is worse than 1e-6, or if more than 1 % of
+the gearboxes that are not chaotic have an error above 1e-5.
+"""
+
+from __future__ import annotations
+
+import argparse
+import copy
+import json
+import random
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterable
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from accuracy import penetration_error
+from process import ROOT
+
+from evolvent.invariants import energy_balance
+
+sys.path.insert(0, str(ROOT / "tests"))
+from system.random_gearboxes import loses_contact, random_gearbox
+
+TIGHT = "simulation.tolerance=1e-13"
+CHANGE = 1e-10  # of loads and gaps, relative
+CHAOS = 1e3  # growth of that change from which a gearbox is chaotic
+LARGEST_ERROR, LARGEST_ENERGY = 1e-5, 1e-6
+SHARE = 0.99  # of the gearboxes without chaos that have to be as accurate
+QUANTILES = (0.5, 0.9, 0.99, 1.0)
+
+
+@dataclass(frozen=True)
+class Result:
+    """What became of one gearbox."""
+
+    seed: int
+    failure: str  # message of the run that failed; "" if none did
+    steps: int = 0
+    openings: int = 0  # how often contact was lost
+    error: float = 0.0
+    growth: float = 0.0
+    energy: float = 0.0
+
+    @property
+    def chaotic(self) -> bool:
+        """Whether no accuracy can be asked for."""
+        return self.growth > CHAOS
+
+
+class RunError(Exception):
+    """A run failed; the message is that of the program."""
+
+
+def changed(case: dict[str, Any], seed: int) -> dict[str, Any]:
+    """Change every torque, damper and initial gap by a random part of CHANGE."""
+    other = copy.deepcopy(case)
+    part = random.Random(seed)
+
+    def change(block: dict[str, Any], key: str) -> None:
+        factor = 1 + CHANGE * part.choice((-1, 1))
+        value = block[key]
+        block[key] = [v * factor for v in value] if isinstance(value, list) else value * factor
+
+    for wheel in other["wheels"]:
+        for load in wheel.get("loads", []):
+            for key in {"value", "coefficient", "torque"} & load.keys():
+                if load["kind"] != "speed":
+                    change(load, key)
+    gaps = other["simulation"]["initial"].get("gaps", {})
+    for mesh in gaps:
+        change(gaps, mesh)
+    return other
+
+
+def run(program: Path, case: dict[str, Any], *settings: str) -> tuple[xr.Dataset, int]:
+    """Run a case; its history, and how often a contact opened."""
+    with tempfile.TemporaryDirectory() as folder:
+        file, output = Path(folder) / "case.yaml", Path(folder) / "history.h5"
+        file.write_text(json.dumps(case), encoding="utf-8")  # JSON is YAML
+        command = [str(program), "run", str(file), "-o", str(output)]
+        command += [word for setting in settings for word in ("--set", setting)]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            raise RunError(f"exit code {done.returncode}: {done.stderr.strip()}")
+        with (
+            xr.open_dataset(output, engine="netcdf4") as history,
+            xr.open_dataset(output, engine="netcdf4", group="events") as events,
+        ):
+            kind = events["kind"]
+            names = kind.attrs["flag_meanings"].split()
+            opened = kind.attrs["flag_values"][names.index("contact_opened")]
+            return history.load(), int((kind == opened).sum())
+
+
+def judge(program: Path, seed: int) -> Result:
+    """Make the four runs of a seed."""
+    case = random_gearbox(seed)
+    try:
+        default, openings = run(program, case, "simulation.integrator=radau")
+        tight, _ = run(program, case, TIGHT)
+        others = [run(program, changed(case, i), TIGHT)[0] for i in (1, 2)]
+    except RunError as failure:
+        return Result(seed, str(failure))
+    return Result(
+        **{"seed": seed, "failure": "", "openings": openings},
+        steps=int(default.attrs["integrator_steps"]),
+        error=penetration_error(default, tight),
+        growth=max(penetration_error(other, tight) for other in others) / CHANGE,
+        energy=float(abs(energy_balance(default)).max()),
+    )
+
+
+def quantiles(values: Iterable[float]) -> str:
+    """Quantiles of a row of the table."""
+    numbers = list(values)
+    if not numbers:
+        return "  ".join("      -" for _ in QUANTILES)
+    return "  ".join(f"{np.quantile(numbers, q):7.1e}" for q in QUANTILES)
+
+
+def print_group(name: str, group: list[Result]) -> None:
+    """Print the distributions of a group of gearboxes."""
+    calm = [r for r in group if not r.chaotic]
+    opened = sum(r.openings > 0 for r in group)
+    chaotic = len(group) - len(calm)
+    print(f"{name}: {len(group)} gearboxes, {opened} lost contact, {chaotic} chaotic")
+    print(f"  {'':30}" + "  ".join(f"{f'{q:.0%}':>7}" for q in QUANTILES))
+    print(f"  {'steps':30}" + quantiles(r.steps for r in group))
+    print(f"  {'losses of contact':30}" + quantiles(r.openings for r in group))
+    print(f"  {'error of those without chaos':30}" + quantiles(r.error for r in calm))
+    print(f"  {'growth of a change of 1e-10':30}" + quantiles(r.growth for r in group))
+    print(f"  {'energy balance':30}" + quantiles(r.energy for r in group))
+
+
+def main() -> int:
+    """Run all seeds and print what became of them."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    default = ROOT / "build" / "release" / "evolvent"
+    parser.add_argument("program", nargs="?", type=Path, default=default)
+    parser.add_argument("--first", type=int, default=0, help="first seed")
+    parser.add_argument("--number", type=int, default=300, help="number of seeds")
+    parser.add_argument("--workers", type=int, default=2, help="runs at once")
+    options = parser.parse_args()
+
+    seeds = range(options.first, options.first + options.number)
+    with ProcessPoolExecutor(options.workers) as pool:
+        results = list(pool.map(partial(judge, options.program.resolve()), seeds, chunksize=4))
+    good = [r for r in results if not r.failure]
+    for name, losing in (("made to keep contact", False), ("made to lose contact", True)):
+        print_group(name, [r for r in good if loses_contact(r.seed) == losing])
+
+    calm = [r for r in good if not r.chaotic]
+    accurate = sum(r.error <= LARGEST_ERROR for r in calm)
+    leaking = [r for r in good if not r.energy <= LARGEST_ENERGY]
+    failed = [r for r in results if r.failure]
+    share = accurate / max(1, len(calm))
+    print(f"error <= {LARGEST_ERROR:.0e}: {accurate} of {len(calm)} without chaos ({share:.1%})")
+    for result in calm:
+        if result.error > LARGEST_ERROR:
+            print(f"  seed {result.seed}: error {result.error:.1e}, growth {result.growth:.0f}")
+    print(f"energy balance > {LARGEST_ENERGY:.0e}: {len(leaking)}")
+    for result in leaking:
+        print(f"  seed {result.seed}: {result.energy:.1e}")
+    print(f"failed: {len(failed)}")
+    for result in failed:
+        print(f"  seed {result.seed}: {result.failure}")
+    return 1 if failed or leaking or share < SHARE else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
