@@ -7,7 +7,7 @@ module evl_contact_lanes
    use evl_contact_point, only: contact_point, tracked_pair
    use evl_deviating_flanks, only: flank_value, radius_rates
    use evl_deviation, only: deviation, small_sine, tangent_angle
-   use evl_flank_deviation, only: deviation_at
+   use evl_flank_deviation, only: deviation_branch, flank_branch
    use evl_kinds, only: wp
    use evl_local_variables, only: at_normal, at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_theta, at_u_a, at_u_b, &
                                   at_v_a, at_v_b, n_local
@@ -34,6 +34,8 @@ contains
    include "formulas/centre_line.inc"
    include "formulas/closed_form.inc"
    include "formulas/deviating_flanks.inc"
+   include "formulas/flank_branch.inc"
+   include "formulas/sine_cosine.inc"
    include "formulas/lane_point.inc"
 
    !> The contact from the wheels' positions.
@@ -149,23 +151,39 @@ contains
       type(mesh_mode), intent(in) :: mode
       type(lane_contact), intent(inout) :: at
       real(wp), dimension(lanes) :: e_a, de_a, e_b, de_b
-      real(wp) :: d2e
       type(tracked_pair) :: pair
-      integer :: l, side, tooth_a, tooth_b
+      integer :: l, side
 
       pair = mesh%pair
       side = nint(pair%sigma)
-      tooth_a = mesh_tooth_a(mesh, mode%teeth)
-      tooth_b = mesh_tooth_b(mesh, mode%teeth)
-      do l = 1, lanes
-         call deviation_at(mesh%deviation_a, tooth_a, side, at%rho_a(l), mode%zone_a, e_a(l), de_a(l), d2e)
-         call deviation_at(mesh%deviation_b, tooth_b, side, at%rho_b(l), mode%zone_b, e_b(l), de_b(l), d2e)
-      end do
+      call deviation_in_lanes(deviation_branch(mesh%deviation_a, mesh_tooth_a(mesh, mode%teeth), side, mode%zone_a), &
+                              at%rho_a, e_a, de_a)
+      call deviation_in_lanes(deviation_branch(mesh%deviation_b, mesh_tooth_b(mesh, mode%teeth), side, mode%zone_b), &
+                              at%rho_b, e_b, de_b)
       !$omp simd
       do l = 1, lanes
          call deviate_lane(pair, l, e_a(l), de_a(l), e_b(l), de_b(l), at)
       end do
    end subroutine deviate_lanes
+
+   !> What one flank lacks in material.
+   pure subroutine deviation_in_lanes(branch, rho, e, de)
+      type(flank_branch), intent(in) :: branch
+      real(wp), intent(in) :: rho(lanes)
+      real(wp), intent(out) :: e(lanes), de(lanes)
+      real(wp) :: d2e(lanes)
+      integer :: l
+
+      !$omp simd
+      do l = 1, lanes
+         call profile_deviation(branch, rho(l), e(l), de(l), d2e(l))
+      end do
+      if (.not. abs(branch%runout) > 0) return
+      !$omp simd
+      do l = 1, lanes
+         call add_runout(branch, rho(l), e(l), de(l), d2e(l))
+      end do
+   end subroutine deviation_in_lanes
 
    !> One lane of it.
    pure subroutine deviate_lane(pair, l, e_a, de_a, e_b, de_b, at)

@@ -9,10 +9,11 @@ module evl_contact_laws
    use evl_kinds, only: pi, wp
    use evl_law_info, only: law_info_t, law_name_length, law_parameter_t, law_text_length, max_law_parameters, &
                            parameter_range_error
-   use evl_law_table, only: contact_johnson, contact_linear, contact_power, contact_radzimovsky, contact_rigid, damping_flores, &
-                            damping_gonthier, damping_hunt_crossley, damping_lankarani_nikravesh, damping_lee_wang, &
-                            damping_linear, damping_none, damping_one_sided, friction_coulomb, friction_none, friction_stribeck, &
-                            friction_tanh, law_count, law_describe, laws_contact, laws_damping, laws_friction
+   use evl_law_table, only: contact_johnson, contact_linear, contact_power, contact_radzimovsky, contact_rigid, &
+                            contact_yang_lin, damping_flores, damping_gonthier, damping_hunt_crossley, &
+                            damping_lankarani_nikravesh, damping_lee_wang, damping_linear, damping_none, damping_one_sided, &
+                            friction_coulomb, friction_none, friction_stribeck, friction_tanh, law_count, law_describe, &
+                            laws_contact, laws_damping, laws_friction
    use evl_radzimovsky, only: radzimovsky_force, radzimovsky_limit_message, radzimovsky_penetration, radzimovsky_potential
    use evl_springs, only: linear_spring, power_penetration, power_spring, yang_lin_stiffness
    use evl_status, only: code_invalid_input, code_ok, code_out_of_domain, message_length, quantity
@@ -23,9 +24,10 @@ module evl_contact_laws
    public :: elastic_force, elastic_limit_message, elastic_potential, penetration_from_force, viscous_force
    public :: friction_factor, friction_knee, friction_mode
    public :: is_rigid, is_undamped, rigid_rest_velocity, rigid_restitution
-   public :: impact_share
-   public :: contact_johnson, contact_radzimovsky
-   public :: damping_hunt_crossley, damping_lee_wang, damping_linear, damping_none, friction_coulomb, friction_none
+   public :: impact_share, linear_stiffness
+   public :: contact_johnson, contact_linear, contact_power, contact_radzimovsky, contact_yang_lin
+   public :: damping_hunt_crossley, damping_lee_wang, damping_linear, damping_none, damping_one_sided
+   public :: friction_coulomb, friction_none, friction_stribeck, friction_tanh
    public :: law_count, law_describe, law_validate
    public :: law_name_length, law_text_length, laws_contact, laws_damping, laws_friction
 
@@ -99,21 +101,22 @@ contains
       if (choice%law == contact_power) then
          call power_spring(ctx%h, choice%parameters(1), choice%parameters(2), force, d_h, potential)
       else
-         call linear_spring(ctx%h, linear_stiffness(choice, ctx), force, d_h, potential)
+         call linear_spring(ctx%h, linear_stiffness(choice, ctx%e_star, ctx%width), force, d_h, potential)
       end if
    end subroutine spring_force
 
    include "formulas/spread_over_width.inc"
 
    !> Stiffness of the laws that are linear in h [N/m].
-   pure real(wp) function linear_stiffness(choice, ctx) result(stiffness)
+   pure real(wp) function linear_stiffness(choice, e_star, width) result(stiffness)
       type(law_choice), intent(in) :: choice   !! contact_linear or contact_yang_lin
-      type(contact_context), intent(in) :: ctx !! where
+      real(wp), intent(in) :: e_star           !! effective modulus E* [Pa]
+      real(wp), intent(in) :: width            !! common face width [m]
 
       if (choice%law == contact_linear) then
          stiffness = choice%parameters(1)
       else
-         stiffness = yang_lin_stiffness(ctx%e_star, ctx%width)
+         stiffness = yang_lin_stiffness(e_star, width)
       end if
    end function linear_stiffness
 
@@ -182,7 +185,7 @@ contains
       case (contact_power)
          h = power_penetration(force, choice%parameters(1), choice%parameters(2))
       case default
-         h = force/linear_stiffness(choice, ctx)
+         h = force/linear_stiffness(choice, ctx%e_star, ctx%width)
       end select
    end subroutine penetration_from_force
 

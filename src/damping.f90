@@ -13,27 +13,6 @@ contains
 
    include "formulas/damping.inc"
 
-   !> F = c h h' on approach (h' > 0), 0 on separation.
-   !>
-   !> The paper's group writes it damp |kappa| |h'| with kappa = -h. Continued to h < 0 with its sign, so that it stays
-   !> smooth through the end of contact.
-   elemental subroutine one_sided_damping(h, h_dot, coefficient, force, d_h, d_h_dot)
-      real(wp), intent(in) :: h           !! penetration [m]
-      real(wp), intent(in) :: h_dot       !! rate of penetration [m/s], positive on approach
-      real(wp), intent(in) :: coefficient !! c [N s/m^2], >= 0
-      real(wp), intent(out) :: force      !! [N]
-      real(wp), intent(out) :: d_h        !! dF/dh [N/m]
-      real(wp), intent(out) :: d_h_dot    !! dF/dh' [N s/m]; that of separation at h' = 0
-
-      force = 0.0_wp
-      d_h = 0.0_wp
-      d_h_dot = 0.0_wp
-      if (h_dot <= 0.0_wp) return
-      force = coefficient*h*h_dot
-      d_h = coefficient*h_dot
-      d_h_dot = coefficient*h
-   end subroutine one_sided_damping
-
    !> The entries of the law table.
    pure type(law_info_t) function no_damping_law() result(info)
 

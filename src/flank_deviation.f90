@@ -11,12 +11,13 @@
 !>
 !> docs/deviations.md derives the last line.
 module evl_flank_deviation
+   use evl_elementary, only: sine_cosine
    use evl_kinds, only: pi, wp
    implicit none (type, external)
    private
 
-   public :: flank_deviation_t, relief_t
-   public :: deviation_at, deviation_borders, deviation_zone
+   public :: flank_branch, flank_deviation_t, relief_t
+   public :: deviation_at, deviation_borders, deviation_branch, deviation_zone
    public :: zone_none, zone_root, zone_tip
 
    integer, parameter :: zone_root = -1 !! below the border of the root relief
@@ -46,7 +47,24 @@ module evl_flank_deviation
       real(wp) :: half_tooth = 0.0_wp    !! psi_b/2, half of the angle that a tooth fills on the base circle [rad]
    end type flank_deviation_t
 
+   !> The flank of one tooth in one zone: all that does not depend on rho. The initial values are those of a perfect one.
+   type :: flank_branch
+      real(wp) :: border = 0.0_wp          !! rho_s of the relief [m]
+      real(wp) :: per_length = 0.0_wp      !! 1/(rho_end - rho_s) [1/m]
+      real(wp) :: linear = 0.0_wp          !! C of linear relief, else 0 [m]
+      real(wp) :: parabolic = 0.0_wp       !! C of parabolic relief, else 0 [m]
+      real(wp) :: crowning = 0.0_wp        !! C_alpha [m]
+      real(wp) :: middle = 0.0_wp          !! rho_m [m]
+      real(wp) :: per_half_length = 0.0_wp !! 2/(rho_tip - rho_start) [1/m]
+      real(wp) :: offset = 0.0_wp          !! s p_k [m]
+      real(wp) :: runout = 0.0_wp          !! s e_c [m]
+      real(wp) :: angle = 0.0_wp           !! k gamma - s psi_b/2 - psi_c [rad]
+      real(wp) :: turn = 0.0_wp            !! s/r_b [rad/m]
+   end type flank_branch
+
 contains
+
+   include "formulas/flank_branch.inc"
 
    !> Deviation e of a flank with its derivatives to rho. Every formula holds for all rho: a zone that is held continues its
    !> branch beyond the border.   Valid: rho near the profile of the wheel
@@ -59,50 +77,53 @@ contains
       real(wp), intent(out) :: e      !! [m]
       real(wp), intent(out) :: de     !! de/drho
       real(wp), intent(out) :: d2e    !! d2e/drho2 [1/m]
-      real(wp) :: u, angle
+      type(flank_branch) :: branch
+
+      branch = deviation_branch(deviation, tooth, side, zone)
+      call profile_deviation(branch, rho, e, de, d2e)
+      if (abs(branch%runout) > 0) call add_runout(branch, rho, e, de, d2e)
+   end subroutine deviation_at
+
+   !> The branch of one tooth's flank in a zone.
+   pure type(flank_branch) function deviation_branch(deviation, tooth, side, zone) result(branch)
+      type(flank_deviation_t), intent(in) :: deviation
+      integer, intent(in) :: tooth    !! k, any integer; taken modulo z
+      integer, intent(in) :: side     !! s, +1 or -1
+      integer, intent(in) :: zone     !! zone_root, zone_none or zone_tip
       integer :: k
 
-      e = 0
-      de = 0
-      d2e = 0
       if (.not. deviation%exists) return
       select case (zone)
       case (zone_tip)
-         call relieve(deviation%tip, rho, e, de, d2e)
+         call relieve(deviation%tip, branch)
       case (zone_root)
-         call relieve(deviation%root, rho, e, de, d2e)
+         call relieve(deviation%root, branch)
       end select
       if (deviation%crowning > 0) then
-         u = (rho - deviation%middle)/deviation%half_length
-         e = e + deviation%crowning*u**2
-         de = de + 2*deviation%crowning*u/deviation%half_length
-         d2e = d2e + 2*deviation%crowning/deviation%half_length**2
+         branch%crowning = deviation%crowning
+         branch%middle = deviation%middle
+         branch%per_half_length = 1/deviation%half_length
       end if
       k = modulo(tooth, deviation%teeth)
-      if (allocated(deviation%pitch)) e = e + side*deviation%pitch(k)
+      if (allocated(deviation%pitch)) branch%offset = side*deviation%pitch(k)
       if (deviation%eccentricity > 0) then
-         angle = 2*pi*k/deviation%teeth - deviation%phase + side*(rho/deviation%base_radius - deviation%half_tooth)
-         e = e - side*deviation%eccentricity*sin(angle)
-         de = de - deviation%eccentricity*cos(angle)/deviation%base_radius
-         d2e = d2e + side*deviation%eccentricity*sin(angle)/deviation%base_radius**2
+         branch%runout = side*deviation%eccentricity
+         branch%angle = 2*pi*k/deviation%teeth - deviation%phase - side*deviation%half_tooth
+         branch%turn = side/deviation%base_radius
       end if
-   end subroutine deviation_at
+   end function deviation_branch
 
-   !> Relief on its branch.
-   pure subroutine relieve(relief, rho, e, de, d2e)
+   !> Relief of a branch.
+   pure subroutine relieve(relief, branch)
       type(relief_t), intent(in) :: relief
-      real(wp), intent(in) :: rho
-      real(wp), intent(inout) :: e, de, d2e
-      real(wp) :: u
+      type(flank_branch), intent(inout) :: branch
 
-      u = (rho - relief%border)/relief%length
+      branch%border = relief%border
+      branch%per_length = 1/relief%length
       if (relief%parabolic) then
-         e = relief%amount*u**2
-         de = 2*relief%amount*u/relief%length
-         d2e = 2*relief%amount/relief%length**2
+         branch%parabolic = relief%amount
       else
-         e = relief%amount*u
-         de = relief%amount/relief%length
+         branch%linear = relief%amount
       end if
    end subroutine relieve
 

@@ -1,24 +1,25 @@
 !> The forces of a tooth contact for eight states at once.
 !>
-!> The formulas are included as in evl_contact_lanes. Which law acts is decided outside the loops; laws without a loop of their own
-!> are asked lane by lane.
+!> The formulas are included as in evl_contact_lanes. Which law acts is decided outside the loops. A law without a loop here is not
+!> among those of `laws_have_lanes`, and its gearboxes are asked state by state.
 module evl_force_lanes
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_contact_lanes, only: lane_contact
-   use evl_contact_laws, only: contact_johnson, contact_radzimovsky, damping_hunt_crossley, damping_lee_wang, damping_linear, &
-                               damping_none, elastic_force, elastic_result, friction_coulomb, friction_factor, friction_none, &
-                               impact_share, viscous_force, viscous_result
+   use evl_contact_laws, only: contact_johnson, contact_linear, contact_power, contact_radzimovsky, contact_yang_lin, &
+                               damping_hunt_crossley, damping_lee_wang, damping_linear, damping_none, damping_one_sided, &
+                               elastic_result, friction_coulomb, friction_none, friction_stribeck, friction_tanh, impact_share, &
+                               linear_stiffness
    use evl_contact_point, only: contact_point
    use evl_johnson, only: exp_minus_2, smallest_ratio
    use evl_kinds, only: pi, wp
-   use evl_mesh, only: contact_t, contact_unloaded, context_of, mesh_force, mesh_mode
+   use evl_mesh, only: contact_t, contact_unloaded, mesh_force, mesh_mode
    use evl_ode_model, only: lanes
    use evl_radzimovsky, only: enlarged
    use evl_status, only: code_ok, code_out_of_domain
    implicit none (type, external)
    private
 
-   public :: lane_force, forces_in_lanes, laws_in_lanes
+   public :: lane_force, forces_in_lanes, laws_have_lanes, laws_in_lanes
 
    !> Forces of a tooth contact in eight states; the components mean what those of `mesh_force` mean.
    type :: lane_force
@@ -32,10 +33,22 @@ contains
    include "formulas/logarithm.inc"
    include "formulas/johnson.inc"
    include "formulas/radzimovsky.inc"
+   include "formulas/exponential.inc"
+   include "formulas/power.inc"
+   include "formulas/springs.inc"
    include "formulas/spread_over_width.inc"
    include "formulas/damping.inc"
-   include "formulas/coulomb.inc"
+   include "formulas/friction.inc"
    include "formulas/contact_forces.inc"
+
+   !> Whether each law of a contact has its loop below.
+   pure logical function laws_have_lanes(mesh)
+      type(contact_t), intent(in) :: mesh
+
+      laws_have_lanes = mesh%contact%law >= contact_johnson .and. mesh%contact%law <= contact_power &
+                        .and. mesh%damping%law >= damping_none .and. mesh%damping%law <= damping_lee_wang &
+                        .and. mesh%friction%law >= friction_none .and. mesh%friction%law <= friction_stribeck
+   end function laws_have_lanes
 
    !> Forces of flanks that overlap.
    subroutine forces_in_lanes(mesh, mode, at, force, answered)
@@ -77,22 +90,19 @@ contains
 
       answered = minval(min(at%margin, at%rho_a, at%rho_b)) > 0
       if (.not. answered) return
-      call elastic_in_lanes(mesh, mode, at, force, answered)
+      call elastic_in_lanes(mesh, at, force, answered)
       call viscous_in_lanes(mesh, mode, at, force)
    end subroutine laws_in_lanes
 
    !> Elastic force.
-   subroutine elastic_in_lanes(mesh, mode, at, force, answered)
+   subroutine elastic_in_lanes(mesh, at, force, answered)
       type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
       type(lane_contact), intent(in) :: at
       type(lane_force), intent(inout) :: force
       logical, intent(out) :: answered
-      type(contact_point) :: point
-      type(elastic_result) :: elastic
       real(wp) :: answers(lanes)
-      integer :: code, l
-      real(wp) :: e_star, width
+      real(wp) :: e_star, width, exponent, stiffness
+      integer :: l
 
       answers = 1
       e_star = mesh%e_star
@@ -110,13 +120,20 @@ contains
             call radzimovsky_lane(at%h(l), at%rho_a(l) + at%rho_b(l), e_star, width, force%elastic(l), force%d_energy(l), &
                                   answers(l))
          end do
-      case default
+      case (contact_linear, contact_yang_lin)
+         stiffness = linear_stiffness(mesh%contact, e_star, width)
+         force%d_energy = 0
+         !$omp simd
          do l = 1, lanes
-            call take_lane(at, l, point)
-            call elastic_force(mesh%contact, context_of(mesh, point, mode%v0), elastic, code)
-            if (code /= code_ok) answers(l) = 0
-            force%elastic(l) = elastic%force
-            force%d_energy(l) = elastic%d_energy
+            force%elastic(l) = linear_spring_lane(at%h(l), stiffness)
+         end do
+      case (contact_power)
+         stiffness = mesh%contact%parameters(1)
+         exponent = mesh%contact%parameters(2)
+         force%d_energy = 0
+         !$omp simd
+         do l = 1, lanes
+            force%elastic(l) = power_spring_lane(at%h(l), stiffness, exponent)
          end do
       end select
       answered = minval(answers) > 0
@@ -152,15 +169,29 @@ contains
       answer = merge(1.0_wp, 0.0_wp, code == code_ok)
    end subroutine radzimovsky_lane
 
+   !> The force of a linear spring in one lane.
+   elemental real(wp) function linear_spring_lane(h, stiffness) result(force)
+      real(wp), intent(in) :: h, stiffness
+      real(wp) :: d_h, potential
+
+      call linear_spring(h, stiffness, force, d_h, potential)
+   end function linear_spring_lane
+
+   !> The force of a power spring in one lane.
+   elemental real(wp) function power_spring_lane(h, coefficient, exponent) result(force)
+      real(wp), intent(in) :: h, coefficient, exponent
+      real(wp) :: d_h, potential
+
+      call power_spring(h, coefficient, exponent, force, d_h, potential)
+   end function power_spring_lane
+
    !> Viscous force.
    subroutine viscous_in_lanes(mesh, mode, at, force)
       type(contact_t), intent(in) :: mesh
       type(mesh_mode), intent(in) :: mode
       type(lane_contact), intent(in) :: at
       type(lane_force), intent(inout) :: force
-      type(contact_point) :: point
-      type(viscous_result) :: viscous
-      real(wp) :: coefficient, slope
+      real(wp) :: coefficient, d_h, d_h_dot
       integer :: l
 
       select case (mesh%damping%law)
@@ -168,18 +199,19 @@ contains
          force%viscous = 0
       case (damping_linear)
          coefficient = mesh%damping%parameters(1)
+         !$omp simd private(d_h_dot)
          do l = 1, lanes
-            call linear_damping(at%h_dot(l), coefficient, force%viscous(l), slope)
+            call linear_damping(at%h_dot(l), coefficient, force%viscous(l), d_h_dot)
+         end do
+      case (damping_one_sided)
+         coefficient = mesh%damping%parameters(1)
+         !$omp simd private(d_h, d_h_dot)
+         do l = 1, lanes
+            call one_sided_damping(at%h(l), at%h_dot(l), coefficient, force%viscous(l), d_h, d_h_dot)
          end do
       case (damping_hunt_crossley:damping_lee_wang)
          coefficient = impact_share(mesh%damping, mode%v0)
          force%viscous = impact_damping(coefficient, force%elastic, at%h_dot)
-      case default
-         do l = 1, lanes
-            call take_lane(at, l, point)
-            call viscous_force(mesh%damping, context_of(mesh, point, mode%v0), elastic_result(force=force%elastic(l)), viscous)
-            force%viscous(l) = viscous%force
-         end do
       end select
    end subroutine viscous_in_lanes
 
@@ -189,22 +221,29 @@ contains
       type(mesh_mode), intent(in) :: mode
       type(lane_contact), intent(in) :: at
       type(lane_force), intent(inout) :: force
-      real(wp) :: coefficient, delta, slope
+      real(wp), dimension(size(mesh%friction%parameters)) :: p
+      real(wp) :: d_v
       integer :: branch, l
 
+      p = mesh%friction%parameters
       select case (mesh%friction%law)
       case (friction_none)
          force%factor = 0
       case (friction_coulomb)
          branch = mode%friction
-         coefficient = mesh%friction%parameters(1)
-         delta = mesh%friction%parameters(2)
+         !$omp simd private(d_v)
          do l = 1, lanes
-            call coulomb_factor(branch, at%v_t(l), coefficient, delta, force%factor(l), slope)
+            call coulomb_factor(branch, at%v_t(l), p(1), p(2), force%factor(l), d_v)
          end do
-      case default
+      case (friction_tanh)
+         !$omp simd private(d_v)
          do l = 1, lanes
-            call friction_factor(mesh%friction, mode%friction, at%v_t(l), force%factor(l), slope)
+            call tanh_factor(at%v_t(l), p(1), p(2), force%factor(l), d_v)
+         end do
+      case (friction_stribeck)
+         !$omp simd private(d_v)
+         do l = 1, lanes
+            call stribeck_factor(at%v_t(l), p(1), p(2), p(3), p(4), force%factor(l), d_v)
          end do
       end select
    end subroutine friction_in_lanes

@@ -4,6 +4,7 @@
 !> state: it changes at located events, and within a mode the law is smooth even where a trial step leaves the branch. A
 !> law without kinks has the mode 0 alone, and no knee.
 module evl_friction
+   use evl_elementary, only: exponential, hyperbolic_tangent
    use evl_kinds, only: wp
    use evl_law_info, only: law_info_t, law_parameter, law_parameter_t
    implicit none (type, external)
@@ -14,7 +15,7 @@ module evl_friction
 
 contains
 
-   include "formulas/coulomb.inc"
+   include "formulas/friction.inc"
 
    !> The mode that belongs to a sliding velocity: 0 if |v_t| <= knee or there is no knee, else the sign of v_t.
    elemental integer function coulomb_mode(v_t, coefficient, delta)
@@ -35,44 +36,6 @@ contains
 
       coulomb_knee = merge(delta, 0.0_wp, coefficient > 0.0_wp)
    end function coulomb_knee
-
-   !> phi = f tanh(v_t/delta): Coulomb's law, smooth everywhere.
-   !>
-   !> Source: S. Andersson, A. Soederberg, S. Bjoerklund, Friction models for sliding dry, boundary and mixed lubricated
-   !> contacts, Tribology International 40 (2007) 580.
-   elemental subroutine tanh_factor(v_t, coefficient, delta, factor, d_v)
-      real(wp), intent(in) :: v_t         !! sliding velocity [m/s]
-      real(wp), intent(in) :: coefficient !! f, >= 0
-      real(wp), intent(in) :: delta       !! regularisation velocity [m/s], > 0
-      real(wp), intent(out) :: factor     !! phi
-      real(wp), intent(out) :: d_v        !! dphi/dv_t [s/m]
-      real(wp) :: share
-
-      share = tanh(v_t/delta)
-      factor = coefficient*share
-      d_v = coefficient/delta*((1.0_wp - share)*(1.0_wp + share))
-   end subroutine tanh_factor
-
-   !> phi = [f_k + (f_s - f_k) exp(-(v_t/v_s)**2)] tanh(v_t/delta): friction falls from static to kinetic as sliding begins.
-   !>
-   !> Source: the Stribeck curve of B. Armstrong-Helouvry, P. Dupont, C. Canudas de Wit, A survey of models, analysis tools and
-   !> compensation methods for the control of machines with friction, Automatica 30 (1994) 1083, with exponent 2, without its
-   !> viscous term; tanh in place of the sign as Andersson, Soederberg and Bjoerklund 2007.
-   elemental subroutine stribeck_factor(v_t, static, kinetic, stribeck_velocity, delta, factor, d_v)
-      real(wp), intent(in) :: v_t               !! sliding velocity [m/s]
-      real(wp), intent(in) :: static            !! f_s, >= f_k
-      real(wp), intent(in) :: kinetic           !! f_k, >= 0
-      real(wp), intent(in) :: stribeck_velocity !! v_s [m/s], > 0
-      real(wp), intent(in) :: delta             !! regularisation velocity [m/s], > 0
-      real(wp), intent(out) :: factor           !! phi
-      real(wp), intent(out) :: d_v              !! dphi/dv_t [s/m]
-      real(wp) :: share, d_share, excess
-
-      call tanh_factor(v_t, 1.0_wp, delta, share, d_share)
-      excess = (static - kinetic)*exp(-(v_t/stribeck_velocity)**2)
-      factor = (kinetic + excess)*share
-      d_v = (kinetic + excess)*d_share - 2.0_wp*excess*(v_t/stribeck_velocity)/stribeck_velocity*share
-   end subroutine stribeck_factor
 
    !> The entries of the law table.
    pure type(law_info_t) function no_friction_law() result(info)

@@ -3,11 +3,11 @@
 !> It serves tooth contacts in closed form with a force law, in a fixed housing without gravity: see `lanes_serve`.
 module evl_gearbox_lanes
    use evl_contact_lanes, only: contact_in_lanes, lane_contact
-   use evl_force_lanes, only: forces_in_lanes, lane_force
+   use evl_force_lanes, only: forces_in_lanes, lane_force, laws_have_lanes
    use evl_gearbox, only: gearbox_mode, gearbox_t, i_omega, i_theta, i_turns, segment_of, support_t, wheel_acceleration, wheel_t
    use evl_gearbox_rates, only: gearbox_rates
    use evl_kinds, only: wp
-   use evl_load, only: load_damping, load_table, load_torque
+   use evl_load, only: load_damping, load_table, load_torque, load_varies
    use evl_mesh, only: contact_loaded, contact_t, contact_unloaded, mesh_mode, tracking_closed_form
    use evl_ode_model, only: lanes
    use evl_shaft, only: shaft_t
@@ -19,14 +19,20 @@ module evl_gearbox_lanes
 
 contains
 
+   include "formulas/between_knots.inc"
    include "formulas/springs_and_dampers.inc"
 
    !> Whether a gearbox can be evaluated here; if not, its states are asked one by one.
    pure logical function lanes_serve(gearbox) result(serve)
       type(gearbox_t), intent(in) :: gearbox
+      integer :: i
 
       serve = .not. gearbox%housing%acts
-      if (serve) serve = .not. any(gearbox%contacts%rigid .or. gearbox%contacts%tracking /= tracking_closed_form)
+      do i = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(i))
+            serve = serve .and. .not. mesh%rigid .and. mesh%tracking == tracking_closed_form .and. laws_have_lanes(mesh)
+         end associate
+      end do
    end function lanes_serve
 
    !> Rates of all states: y' = f(t, y).
@@ -189,22 +195,22 @@ contains
       end associate
    end subroutine load_wheel
 
-   !> Add the torque of a load: linear in the speed, so that only a table has to be asked for every lane.
+   !> Add the torque of a load: of a table by the time of each lane, else linear in the speed.
    subroutine add_load(gearbox, index, t, omega, integers, torque)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
       real(wp), intent(in) :: t(lanes), omega(lanes)
       integer, intent(in) :: integers(:)
       real(wp), intent(inout) :: torque(lanes)
-      integer :: l
+      integer :: segment
 
       associate (load => gearbox%loads(index))
-         if (load%kind == load_table) then
-            do l = 1, lanes
-               torque(l) = torque(l) + load_torque(load, t(l), omega(l), segment_of(load, integers))
-            end do
+         segment = segment_of(load, integers)
+         if (load%kind == load_table .and. load_varies(load, segment)) then
+            torque = torque + between_knots(t, load%time(segment), load%time(segment + 1), load%values(segment), &
+                                            load%values(segment + 1))
          else
-            torque = torque + (load_torque(load, t(1), 0.0_wp, 0) - load_damping(load)*omega)
+            torque = torque + (load_torque(load, t(1), 0.0_wp, segment) - load_damping(load)*omega)
          end if
       end associate
    end subroutine add_load

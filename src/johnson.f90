@@ -12,9 +12,9 @@
 !> Sources: K. L. Johnson, Contact Mechanics, 1985, section 5.6; I. Kosenko, I. Gusev, Implementation of the spur
 !> involute gear model on Modelica, 8th Modelica Conference, 2011, (13)-(18).
 module evl_johnson
+   use evl_elementary, only: natural_logarithm
    use evl_kinds, only: pi, wp
    use evl_law_info, only: law_info_t
-   use evl_logarithm, only: natural_logarithm
    use evl_status, only: code_no_solution, code_ok, code_out_of_domain, quantity
    implicit none (type, external)
    private

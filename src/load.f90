@@ -5,6 +5,7 @@ module evl_load
    private
 
    public :: load_t, load_torque, load_damping, load_speed, load_acceleration, load_segment, load_next_knot, load_largest
+   public :: load_varies
    public :: load_constant, load_viscous, load_table, load_prescribed_speed
 
    integer, parameter :: load_constant = 0         !! constant torque
@@ -69,7 +70,7 @@ contains
       integer, intent(in) :: segment
 
       acceleration = 0
-      if (segment < 1 .or. segment >= size(load%time)) return
+      if (.not. load_varies(load, segment)) return
       acceleration = (load%values(segment + 1) - load%values(segment))/(load%time(segment + 1) - load%time(segment))
    end function load_acceleration
 
@@ -78,17 +79,23 @@ contains
       type(load_t), intent(in) :: load
       real(wp), intent(in) :: t
       integer, intent(in) :: segment
-      real(wp) :: share
 
-      if (segment < 1) then
-         value = load%values(1)
-      else if (segment >= size(load%time)) then
-         value = load%values(size(load%time))
+      if (load_varies(load, segment)) then
+         value = between_knots(t, load%time(segment), load%time(segment + 1), load%values(segment), load%values(segment + 1))
       else
-         share = (t - load%time(segment))/(load%time(segment + 1) - load%time(segment))
-         value = (1 - share)*load%values(segment) + share*load%values(segment + 1)
+         value = load%values(merge(1, size(load%time), segment < 1))
       end if
    end function interpolate
+
+   include "formulas/between_knots.inc"
+
+   !> Whether a load has a table and is between two of its knots.
+   pure logical function load_varies(load, segment) result(varies)
+      type(load_t), intent(in) :: load
+      integer, intent(in) :: segment !! number of knots passed
+
+      varies = segment >= 1 .and. segment < size(load%time)
+   end function load_varies
 
    !> Number of knots at or before t.
    pure integer function load_segment(load, t) result(segment)

@@ -2,6 +2,7 @@
 !>
 !> All are odd in h, like every elastic force. None depends on the radii of curvature, and none has a limit of its own.
 module evl_springs
+   use evl_elementary, only: real_power
    use evl_kinds, only: pi, wp
    use evl_law_info, only: law_info_t, law_parameter
    implicit none (type, external)
@@ -13,18 +14,7 @@ module evl_springs
 
 contains
 
-   !> F = k h, with V = k h**2/2.
-   elemental subroutine linear_spring(h, stiffness, force, d_h, potential)
-      real(wp), intent(in) :: h          !! penetration [m]
-      real(wp), intent(in) :: stiffness  !! k [N/m], > 0
-      real(wp), intent(out) :: force     !! [N]
-      real(wp), intent(out) :: d_h       !! dF/dh [N/m]
-      real(wp), intent(out) :: potential !! V [J]
-
-      force = stiffness*h
-      d_h = stiffness
-      potential = 0.5_wp*stiffness*h**2
-   end subroutine linear_spring
+   include "formulas/springs.inc"
 
    !> k = pi E* b/2, the stiffness of two cylinders whose pressure is spread over the strip of contact.
    !>
@@ -36,22 +26,6 @@ contains
 
       stiffness = 0.5_wp*pi*e_star*width
    end function yang_lin_stiffness
-
-   !> F = K |h|**m sign(h), with V = K |h|**(m + 1)/(m + 1).
-   elemental subroutine power_spring(h, coefficient, exponent, force, d_h, potential)
-      real(wp), intent(in) :: h           !! penetration [m]
-      real(wp), intent(in) :: coefficient !! K [N/m^m], > 0
-      real(wp), intent(in) :: exponent    !! m >= 1
-      real(wp), intent(out) :: force      !! [N]
-      real(wp), intent(out) :: d_h        !! dF/dh [N/m]
-      real(wp), intent(out) :: potential  !! V [J]
-      real(wp) :: secant
-
-      secant = coefficient*abs(h)**(exponent - 1.0_wp) ! 0**0 is 1: m = 1 is the linear spring
-      force = secant*h
-      d_h = exponent*secant
-      potential = force*h/(exponent + 1.0_wp)
-   end subroutine power_spring
 
    !> The inverse: h = (|F|/K)**(1/m) sign(F).
    elemental real(wp) function power_penetration(force, coefficient, exponent) result(h)

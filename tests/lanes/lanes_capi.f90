@@ -1,17 +1,18 @@
 !> The rates in lanes for their tests: a C interface that the kernel does not have.
 module lanes_capi
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_ptr
+   use evl_elementary, only: exponential, hyperbolic_tangent, natural_logarithm, real_power, sine_cosine
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
    use evl_gearbox_rates, only: gearbox_rates
-   use evl_logarithm, only: natural_logarithm
    use evl_ode_model, only: lanes
    use evl_roots_lanes, only: roots_in_lanes
    use evl_status, only: status_t
    implicit none (type, external)
    private
 
-   public :: lanes_count, lanes_logarithm, lanes_rates, lanes_roots, lanes_scalar, lanes_serves
+   public :: lanes_count, lanes_rates, lanes_roots, lanes_scalar, lanes_serves
+   public :: lanes_exponential, lanes_hyperbolic_tangent, lanes_logarithm, lanes_power, lanes_sine_cosine
 
 contains
 
@@ -37,6 +38,43 @@ contains
 
       ln = natural_logarithm(x)
    end subroutine lanes_logarithm
+
+   !> exp x of n numbers.
+   subroutine lanes_exponential(n, x, y) bind(c)
+      integer(c_int), intent(in), value :: n
+      real(c_double), intent(in) :: x(n)
+      real(c_double), intent(inout) :: y(n)
+
+      y = exponential(x)
+   end subroutine lanes_exponential
+
+   !> tanh x of n numbers.
+   subroutine lanes_hyperbolic_tangent(n, x, y) bind(c)
+      integer(c_int), intent(in), value :: n
+      real(c_double), intent(in) :: x(n)
+      real(c_double), intent(inout) :: y(n)
+
+      y = hyperbolic_tangent(x)
+   end subroutine lanes_hyperbolic_tangent
+
+   !> x**exponent of n numbers.
+   subroutine lanes_power(n, x, exponent, y) bind(c)
+      integer(c_int), intent(in), value :: n
+      real(c_double), intent(in), value :: exponent
+      real(c_double), intent(in) :: x(n)
+      real(c_double), intent(inout) :: y(n)
+
+      y = real_power(x, exponent)
+   end subroutine lanes_power
+
+   !> Sine and cosine of n angles.
+   subroutine lanes_sine_cosine(n, x, s, c) bind(c)
+      integer(c_int), intent(in), value :: n
+      real(c_double), intent(in) :: x(n)
+      real(c_double), intent(inout) :: s(n), c(n)
+
+      call sine_cosine(x, s, c)
+   end subroutine lanes_sine_cosine
 
    !> f of eight states, evaluated `turns` times; the code of the status.
    integer(c_int) function lanes_rates(handle, turns, t, y, integers, reals, f) result(code) bind(c)

@@ -1,0 +1,130 @@
+"""Cost of one evaluation of f for eight states at once: for each law, load and deviation.
+
+For each are printed nanoseconds for eight states in lanes, for eight states one by one, and their
+ratio; for flanks the pairs that touch, of which there are several. Given a second library, of
+another build, the ratio of its time in lanes to that of the first follows: how much faster the
+first one is. The times are CPU times, the shortest of many turns that take the libraries in turn.
+
+Run it as ``python benchmarks/lane_laws.py [liblanes_test.so [another liblanes_test.so]]`` after a
+build with -DEVOLVENT_TESTS=ON; the library is that of build/ci unless given.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "tests"))
+
+from kernel.gearbox import LOADED, Gearbox, State  # noqa: E402
+from kernel.gearbox_cases import in_mode  # noqa: E402
+from kernel.kernel import Kernel, _at  # noqa: E402
+from lanes.lane_cases import (  # noqa: E402
+    CONTACTS,
+    DAMPINGS,
+    DEVIATIONS,
+    FRICTIONS,
+    LOADS,
+    loaded_pair,
+    pair_with_laws,
+    real_gears,
+    real_state,
+)
+
+LANES, EVALUATIONS, TURNS = 8, 5000, 15
+
+
+def cases(kernel: Kernel) -> Iterator[tuple[str, Gearbox, State]]:
+    """Name, gearbox and a state under load of each case."""
+
+    def paired(name: str, gearbox: Gearbox) -> tuple[str, Gearbox, State]:
+        state = in_mode(gearbox, np.random.default_rng(1), (LOADED, 0), displacement=1e-6)
+        return name, gearbox, state
+
+    for name in CONTACTS:
+        yield paired(f"contact {name}", pair_with_laws(kernel, name, "none", "none"))
+    for name in DAMPINGS:
+        yield paired(f"damping {name}", pair_with_laws(kernel, "johnson", name, "none"))
+    for name in FRICTIONS:
+        yield paired(f"friction {name}", pair_with_laws(kernel, "johnson", "none", name))
+    for name in LOADS:
+        yield paired(f"load {name}", loaded_pair(kernel, name))
+    for name in DEVIATIONS:
+        gearbox = real_gears(kernel, name)
+        state, loaded = real_state(gearbox, name, np.random.default_rng(1))
+        yield f"flanks {name} ({loaded} pairs)", gearbox, state
+
+
+class Worker:
+    """All cases of one library. Two libraries want two processes: they bring their own kernels."""
+
+    def __init__(self, library: str) -> None:
+        self.cases = list(cases(Kernel(Path(library))))
+
+    def names(self) -> list[str]:
+        """Names of the cases."""
+        return [name for name, *_ in self.cases]
+
+    def measure(self, case: int) -> tuple[float, float]:
+        """Nanoseconds of f for eight states in lanes, and for one."""
+        _, gearbox, state = self.cases[case]
+        y = np.repeat(state.y[:, None], LANES, axis=1).copy()
+        f, t = np.empty_like(y), np.full(LANES, state.t)
+        rest = (state.integers, state.reals, f)
+        lanes, scalar = gearbox.library.lanes_rates, gearbox.library.lanes_scalar
+        eight, one = tuple(map(_at, (t, y, *rest))), tuple(map(_at, (state.y, *rest)))
+        return (
+            nanoseconds(lambda: lanes(gearbox.handle, EVALUATIONS, *eight)),
+            nanoseconds(lambda: scalar(gearbox.handle, EVALUATIONS, ctypes.c_double(0.0), *one)),
+        )
+
+
+def nanoseconds(call: Callable[[], int]) -> float:
+    """CPU time of one evaluation."""
+    before = time.process_time_ns()
+    code = call()
+    assert code == 0, code
+    return (time.process_time_ns() - before) / EVALUATIONS
+
+
+def load_library(library: str) -> None:
+    """Make the worker of this process."""
+    global worker
+    worker = Worker(library)
+
+
+def names() -> list[str]:
+    """Names of the cases, asked in a process of its own."""
+    return worker.names()
+
+
+def measure(case: int) -> tuple[float, float]:
+    """Nanoseconds of a case, asked in a process of its own."""
+    return worker.measure(case)
+
+
+def main() -> None:
+    """Print the table."""
+    libraries = sys.argv[1:] or [str(ROOT / "build/ci/tests/lanes/liblanes_test.so")]
+    pools = [
+        ProcessPoolExecutor(1, get_context("spawn"), load_library, (library,))
+        for library in libraries
+    ]
+    print(f"{'':34} lanes   8 x 1   ratio" + "   other lanes   ratio" * (len(pools) - 1))
+    for case, name in enumerate(pools[0].submit(names).result()):
+        turns = [[p.submit(measure, case).result() for p in pools] for _ in range(TURNS)]
+        (lanes, one), *others = np.min(turns, axis=0)
+        line = f"{name:33} {lanes:6.0f} {8 * one:7.0f} {8 * one / lanes:7.1f}"
+        print(line + "".join(f" {other:13.0f} {other / lanes:7.2f}" for other, _ in others))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,156 @@
+"""Gearboxes for the lanes: one for each law, each deviation of a flank and each kind of load."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from kernel.deviations import LINEAR, PARABOLIC, DeviationDescription, deviations, relief
+from kernel.gearbox import LOADED, Gearbox, State
+from kernel.gearbox_cases import draw
+from kernel.gearbox_description import (
+    BEARING,
+    SLIDER,
+    SPEED,
+    TABLE,
+    TORQUE,
+    VISCOUS,
+    load,
+    mesh,
+    wheel,
+)
+from kernel.gears import gear_description
+from kernel.kernel import CONTACT, DAMPING, FRICTION, Kernel
+
+OFF = 4
+
+CONTACTS: dict[str, dict[str, float]] = {
+    "johnson": {},
+    "radzimovsky": {},
+    "linear": {"stiffness": 1e8},
+    "yang_lin": {},
+    "power": {"coefficient": 1e12, "exponent": 1.5},
+}
+RESTITUTION = {"restitution": 0.5, "v0_min": 1e-2}
+DAMPINGS: dict[str, dict[str, float]] = {
+    "none": {},
+    "linear": {"coefficient": 3e3},
+    "one_sided": {"coefficient": 1e10},
+    **dict.fromkeys(
+        ("hunt_crossley", "lankarani_nikravesh", "flores", "gonthier", "lee_wang"), RESTITUTION
+    ),
+}
+FRICTIONS: dict[str, dict[str, float]] = {
+    "none": {},
+    "coulomb": {"coefficient": 0.2, "regularisation_velocity": 2e-3},
+    "tanh": {"coefficient": 0.2, "regularisation_velocity": 2e-3},
+    "stribeck": {
+        "static_coefficient": 0.3,
+        "kinetic_coefficient": 0.1,
+        "stribeck_velocity": 0.02,
+        "regularisation_velocity": 2e-3,
+    },
+}
+LAWS = [
+    *((contact, "flores", "coulomb") for contact in CONTACTS),
+    *(("johnson", damping, "coulomb") for damping in DAMPINGS),
+    *(("radzimovsky", "linear", friction) for friction in FRICTIONS),
+]
+
+TEETH = (20, 35)
+TIP, ROOT = (0.0645, 0.1095), (0.0575, 0.1015)  # diameters at which relief begins [m]
+DEVIATIONS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
+    "perfect": ({}, {}),
+    "linear tip relief": tuple({"tip_relief": relief(2e-5, diameter=d)} for d in TIP),
+    "parabolic tip relief": tuple(
+        {"tip_relief": relief(2e-5, diameter=d, shape=PARABOLIC)} for d in TIP
+    ),
+    "linear root relief": tuple({"root_relief": relief(1e-5, diameter=d)} for d in ROOT),
+    "parabolic root relief": tuple(
+        {"root_relief": relief(1e-5, diameter=d, shape=PARABOLIC)} for d in ROOT
+    ),
+    "crowning": ({"profile_crowning": 3e-6}, {"profile_crowning": 4e-6}),
+    "pitch errors": tuple(
+        {"pitch_errors": list(1e-6 * np.random.default_rng(z).normal(size=z))} for z in TEETH
+    ),
+    "accuracy class": tuple({"accuracy_class": 6, "seed": z} for z in TEETH),
+    "runout": (
+        {"runout_amount": 1e-5},
+        {"runout_amount": 2e-5, "runout_phase": 1.0},
+    ),
+    "all of them": tuple(
+        {
+            "tip_relief": relief(2e-5, diameter=TIP[i], shape=(PARABOLIC, LINEAR)[i]),
+            "root_relief": relief(1e-5, diameter=ROOT[i], shape=(LINEAR, PARABOLIC)[i]),
+            "profile_crowning": 3e-6,
+            "accuracy_class": 5,
+            "seed": i,
+            "runout_amount": 1e-5,
+            "runout_phase": 0.5,
+        }
+        for i in range(2)
+    ),
+}
+
+LOADS = {
+    "torque": (1, TORQUE, {"value": 4.0}),
+    "viscous": (1, VISCOUS, {"value": 5.0}),
+    "table": (1, TABLE, {"table": [(0.0, 1.0), (0.5, -2.0), (2.0, 4.0)]}),
+    "speed": (0, SPEED, {"value": -3.0}),
+    "table of speeds": (0, SPEED, {"table": [(0.0, 0.0), (0.5, -2.0), (2.0, -3.0)]}),
+}
+
+
+def pair_with_laws(kernel: Kernel, contact: str, damping: str, friction: str) -> Gearbox:
+    """Two wheels on supports that move in all directions."""
+    spring = {"support_stiffness": (1e8, 3e8), "support_damping": (2e4, 1e4)}
+    wheels = [
+        wheel(teeth=20, pitch_radius=0.1, support_kind=SLIDER, support_mass=2.0, **spring),
+        wheel(teeth=33, support_kind=BEARING, support_mass=3.0, **spring),
+    ]
+    description = mesh(kernel, 0, 1, centre_line_angle=0.5, pressure_angle=0.35)
+    description.contact = kernel.law(CONTACT, contact, **CONTACTS[contact])
+    description.damping = kernel.law(DAMPING, damping, **DAMPINGS[damping])
+    description.friction = kernel.law(FRICTION, friction, **FRICTIONS[friction])
+    loads = [load(0, TORQUE, -7.0), load(1, VISCOUS, 5.0)]
+    return Gearbox(kernel, wheels, loads, [description])
+
+
+def loaded_pair(kernel: Kernel, name: str) -> Gearbox:
+    """Two fixed wheels with one of LOADS."""
+    index, kind, fields = LOADS[name]
+    wheels = [wheel(teeth=20, pitch_radius=0.1), wheel(teeth=33)]
+    return Gearbox(kernel, wheels, [load(index, kind, **fields)], [mesh(kernel, 0, 1)])
+
+
+def real_gears(kernel: Kernel, name: str) -> Gearbox:
+    """Cut gears with one of DEVIATIONS: tooth pairs on both flanks."""
+    form = gear_description(3e-3)
+    support = {"support_kind": BEARING, "support_stiffness": (1e8, 3e8), "support_mass": 3.0}
+    given: list[DeviationDescription] = [deviations(**fields) for fields in DEVIATIONS[name]]
+    wheels = [
+        wheel(teeth=z, width=0.02, gear=form, deviation=deviation, **support)
+        for z, deviation in zip(TEETH, given, strict=True)
+    ]
+    description = mesh(kernel, 0, 1, friction=(0.1, 1e-3), has_backlash=True, backlash=2e-5)
+    description.paper_rule = False
+    loads = [load(0, TORQUE, -20.0), load(1, VISCOUS, 5.0)]
+    return Gearbox(kernel, wheels, loads, [description])
+
+
+def real_state(gearbox: Gearbox, name: str, random: np.random.Generator) -> tuple[State, int]:
+    """State of `real_gears` whose pairs on the path all touch, in any zone; how many touch."""
+    state = gearbox.start()
+    state.y[gearbox.place("reference_angle")] = draw(random, 0.02)
+    state.y[gearbox.place("reference_speed")] = draw(random, 10.0)
+    per_contact = 3 if name == "perfect" else 5
+    loaded = 0
+    for contact in range(gearbox.sizes.n_reals):
+        mode = state.integers[1 + per_contact * contact :][:per_contact]
+        if mode[1] == OFF:
+            continue
+        mode[1:3] = LOADED, random.integers(-1, 2)
+        mode[3:] = random.integers(-1, 2, size=per_contact - 3)
+        loaded += 1
+    return state, loaded
