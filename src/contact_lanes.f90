@@ -11,15 +11,17 @@ module evl_contact_lanes
    use evl_kinds, only: wp
    use evl_local_variables, only: at_normal, at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_theta, at_u_a, at_u_b, &
                                   at_v_a, at_v_b, n_local
-   use evl_mesh, only: contact_t, mesh_mode, mesh_nominal_start, mesh_tooth_a, mesh_tooth_b
+   use evl_mesh, only: contact_off, contact_t, mesh_mode, mesh_nominal_start, mesh_tooth_a, mesh_tooth_b
    use evl_ode_model, only: lanes
    implicit none (type, external)
    private
 
    public :: lane_contact, contact_in_lanes, centre_turn_in_lanes
 
-   !> A tooth contact in eight states; the components mean what those of `contact_point` mean.
+   !> A tooth contact in eight states; the components mean what those of `contact_point` mean. The contacts of a flank share the
+   !> local variables and the line of action: those of the last one stay for the next.
    type :: lane_contact
+      integer :: mesh = 0, flank = 0              !! of the gearbox, whose line of action it is; 0: none yet
       real(wp) :: q(lanes, at_normal)             !! local variables
       real(wp), dimension(lanes) :: margin        !! positive if there is a line of action
       real(wp), dimension(lanes) :: d_rho, rho, angle !! of the line of action
@@ -38,42 +40,55 @@ contains
    include "formulas/sine_cosine.inc"
    include "formulas/lane_point.inc"
 
-   !> The contact from the wheels' positions.
+   !> The contact from the wheels' positions. Of a slot without a pair on the path nothing counts but the radii of curvature.
    subroutine contact_in_lanes(mesh, mode, turns, y, at)
       type(contact_t), intent(in) :: mesh
       type(mesh_mode), intent(in) :: mode
       integer, intent(in) :: turns                  !! whole turns of the reference wheel beside theta
       real(wp), intent(in), contiguous :: y(:, :)   !! (lanes, states)
-      type(lane_contact), intent(out) :: at
-      real(wp) :: r, rho_0, rho_start, advance
+      type(lane_contact), intent(inout) :: at       !! of no contact, or of one in the same states
+      real(wp) :: rho_start, advance
       type(tracked_pair) :: pair
+      integer :: l
+
+      if (at%mesh /= mesh%mesh .or. at%flank /= mesh%flank) call line_in_lanes(mesh, y, at)
+      pair = mesh%pair
+      advance = pair%advance
+      rho_start = mesh_nominal_start(mesh, turns, mode%teeth)
+      !$omp simd
+      do l = 1, lanes
+         at%rho_a0(l) = rho_start + advance*at%q(l, at_theta)
+         call place_lane(pair, l, at)
+      end do
+      if (mesh%deviates .and. mode%contact /= contact_off) call deviate_lanes(mesh, mode, at)
+   end subroutine contact_in_lanes
+
+   !> Local variables and line of action, for all contacts of a flank.
+   subroutine line_in_lanes(mesh, y, at)
+      type(contact_t), intent(in) :: mesh           !! one of them
+      real(wp), intent(in), contiguous :: y(:, :)   !! (lanes, states)
+      type(lane_contact), intent(inout) :: at
+      real(wp) :: r, rho_0
       integer :: i, l
 
+      at%mesh = mesh%mesh
+      at%flank = mesh%flank
       at%q = 0
       do i = 1, size(mesh%links)
          associate (link => mesh%links(i))
             at%q(:, link%local) = at%q(:, link%local) + link%weight*y(1:lanes, link%state)
          end associate
       end do
-      pair = mesh%pair
-      r = pair%r_ba + pair%r_bb
-      rho_0 = pair%rho_0
-      advance = pair%advance
-      rho_start = mesh_nominal_start(mesh, turns, mode%teeth)
+      r = mesh%pair%r_ba + mesh%pair%r_bb
+      rho_0 = mesh%pair%rho_0
       !$omp simd
       do l = 1, lanes
-         at%rho_a0(l) = rho_start + advance*at%q(l, at_theta)
          call tangent_line(r, rho_0, at%q(l, at_u_b) - at%q(l, at_u_a), at%q(l, at_u_b + 1) - at%q(l, at_u_a + 1), &
                            at%margin(l), at%d_rho(l), at%rho(l), at%s(l), at%c(l))
          at%angle(l) = small_angle(at%s(l))
       end do
       if (maxval(abs(at%s)) >= small_sine) call large_angles(at%s, at%c, at%angle)
-      !$omp simd
-      do l = 1, lanes
-         call place_lane(pair, l, at)
-      end do
-      if (mesh%deviates) call deviate_lanes(mesh, mode, at)
-   end subroutine contact_in_lanes
+   end subroutine line_in_lanes
 
    !> Angles of which one is too large for the series.
    subroutine large_angles(s, c, angle)

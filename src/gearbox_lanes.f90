@@ -44,12 +44,13 @@ contains
       real(wp), intent(in) :: reals(:)
       real(wp), intent(out) :: f(lanes, gearbox%n_states)
       type(status_t), intent(inout) :: status          !! code_out_of_domain if a law has no answer in one of the lanes
+      type(lane_contact) :: at
       logical :: answered
       integer :: i
 
       f = 0
       do i = 1, size(gearbox%contacts)
-         call add_contact(gearbox, i, y, integers, reals, f, answered)
+         call add_contact(gearbox, i, y, integers, reals, at, f, answered)
          if (.not. answered) then
             call say_why(gearbox, t, y, integers, reals, status)
             return
@@ -93,15 +94,15 @@ contains
    end subroutine say_why
 
    !> Forces of a tooth contact in the rows of its wheels, their supports and the dissipated energy.
-   subroutine add_contact(gearbox, index, y, integers, reals, f, answered)
+   subroutine add_contact(gearbox, index, y, integers, reals, at, f, answered)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
       real(wp), intent(in) :: y(lanes, gearbox%n_states), reals(:)
       integer, intent(in) :: integers(:)
+      type(lane_contact), intent(inout) :: at      !! of an earlier contact, or none
       real(wp), intent(inout) :: f(lanes, gearbox%n_states)
       logical, intent(out) :: answered
       type(mesh_mode) :: mode
-      type(lane_contact) :: at
       type(lane_force) :: force
 
       answered = .true.

@@ -32,12 +32,13 @@ contains
       real(wp), intent(in) :: reals(:)
       real(wp), intent(out) :: roots(lanes, gearbox%n_roots)
       type(status_t), intent(inout) :: status    !! code_out_of_domain if a law has no answer in one of the lanes
+      type(lane_contact) :: at
       logical :: answered
       integer :: m
 
       do m = 1, size(gearbox%contacts)
          associate (first => gearbox%contacts(m)%i_root + 1, last => gearbox%contacts(m)%i_root + gearbox%contacts(m)%n_roots)
-            call roots_of_contact(gearbox, m, y, integers, reals, roots(:, first:last), answered)
+            call roots_of_contact(gearbox, m, y, integers, reals, at, roots(:, first:last), answered)
          end associate
          if (.not. answered) then
             call say_why(gearbox, y, integers, reals, status)
@@ -48,15 +49,15 @@ contains
    end subroutine roots_in_lanes
 
    !> Those of one tooth contact.
-   subroutine roots_of_contact(gearbox, index, y, integers, reals, roots, answered)
+   subroutine roots_of_contact(gearbox, index, y, integers, reals, at, roots, answered)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
       real(wp), intent(in) :: y(lanes, gearbox%n_states), reals(:)
       integer, intent(in) :: integers(:)
+      type(lane_contact), intent(inout) :: at      !! of the contact before, or none
       real(wp), intent(out) :: roots(lanes, gearbox%contacts(index)%n_roots)
       logical, intent(out) :: answered
       type(mesh_mode) :: mode
-      type(lane_contact) :: at
       type(lane_force) :: force
       real(wp), dimension(lanes) :: unclipped, moved, turn
 
