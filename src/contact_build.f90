@@ -1,6 +1,7 @@
 !> Makes the tooth contacts of a gearbox from its meshes: how many there are, their constants, their links to the state.
 module evl_contact_build
    use evl_contact_laws, only: is_rigid
+   use evl_deviation, only: deviation_find
    use evl_gearbox, only: gearbox_t, i_omega, i_theta
    use evl_gearbox_description, only: mesh_input, wheel_input
    use evl_kinds, only: pi, wp
@@ -267,6 +268,9 @@ contains
       if (mesh%i_normal > 0) mesh%links = [mesh%links, mesh_link(at_normal, mesh%i_normal, 1.0_wp)]
       if (mesh%i_track > 0) &
          mesh%links = [mesh%links, (mesh_link(at_track + i, mesh%i_track + i, 1.0_wp), i=0, n_track - 1)]
+      mesh%axles_rest = gearbox%wheels(mesh%wheel_a)%support%n == 0 .and. gearbox%wheels(mesh%wheel_b)%support%n == 0
+      if (mesh%axles_rest) &
+         call deviation_find(mesh%pair%r_ba + mesh%pair%r_bb, mesh%pair%rho_0, 0.0_wp, 0.0_wp, mesh%rest_line)
    end subroutine link_states
 
    !> One wheel's part of them.

@@ -4,13 +4,14 @@
 !> lanes: what it cannot see it cannot turn into vector instructions. Each loop calls a procedure with its own scalars and holds
 !> no branch.
 module evl_contact_lanes
+   use evl_closed_form, only: centre_line_turn
    use evl_contact_point, only: contact_point, tracked_pair
    use evl_deviating_flanks, only: flank_value, radius_rates
    use evl_deviation, only: deviation, small_sine, tangent_angle
    use evl_flank_deviation, only: deviation_branch, flank_branch
    use evl_kinds, only: wp
    use evl_local_variables, only: at_normal, at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_theta, at_u_a, at_u_b, &
-                                  at_v_a, at_v_b, n_local
+                                  at_v_a, at_v_b, n_local, unit
    use evl_mesh, only: contact_off, contact_t, mesh_mode, mesh_nominal_start, mesh_tooth_a, mesh_tooth_b
    use evl_ode_model, only: lanes
    implicit none (type, external)
@@ -79,6 +80,10 @@ contains
             at%q(:, link%local) = at%q(:, link%local) + link%weight*y(1:lanes, link%state)
          end associate
       end do
+      if (mesh%axles_rest) then
+         call rest_in_lanes(mesh%rest_line, at)
+         return
+      end if
       r = mesh%pair%r_ba + mesh%pair%r_bb
       rho_0 = mesh%pair%rho_0
       !$omp simd
@@ -89,6 +94,19 @@ contains
       end do
       if (maxval(abs(at%s)) >= small_sine) call large_angles(at%s, at%c, at%angle)
    end subroutine line_in_lanes
+
+   !> The line of action between fixed axles.
+   pure subroutine rest_in_lanes(line, at)
+      type(deviation), intent(in) :: line
+      type(lane_contact), intent(inout) :: at
+
+      at%margin = merge(1.0_wp, 0.0_wp, line%exists)
+      at%d_rho = line%d_rho
+      at%rho = line%rho
+      at%angle = line%angle
+      at%s = line%s
+      at%c = line%c
+   end subroutine rest_in_lanes
 
    !> Angles of which one is too large for the series.
    subroutine large_angles(s, c, angle)
@@ -225,6 +243,10 @@ contains
       integer :: l
 
       pair = mesh%pair
+      if (mesh%axles_rest) then
+         turn = centre_line_turn(pair, unit(at_theta, 0.0_wp))
+         return
+      end if
       !$omp simd
       do l = 1, lanes
          call centre_line(pair, at%q(l, at_u_b) - at%q(l, at_u_a), at%q(l, at_u_b + 1) - at%q(l, at_u_a + 1), s(l), c(l))

@@ -178,13 +178,15 @@ contains
       integer :: j
 
       associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support)
-         omega = speed_of(wheel, y)
-         torque = 0
-         do j = 1, size(gearbox%loads)
-            if (gearbox%loads(j)%wheel == index) call add_load(gearbox, j, t, omega, integers, torque)
-         end do
-         f(:, wheel%i_speed) = f(:, wheel%i_speed) + torque
-         f(:, gearbox%i_work) = f(:, gearbox%i_work) + torque*omega
+         if (any(gearbox%loads%wheel == index)) then
+            omega = speed_of(wheel, y)
+            torque = 0
+            do j = 1, size(gearbox%loads)
+               if (gearbox%loads(j)%wheel == index) call add_load(gearbox, j, t, omega, integers, torque)
+            end do
+            f(:, wheel%i_speed) = f(:, wheel%i_speed) + torque
+            f(:, gearbox%i_work) = f(:, gearbox%i_work) + torque*omega
+         end if
          do j = 1, support%n
             associate (i => support%i_state(j))
                f(:, i) = y(:, i + 1)

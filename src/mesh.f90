@@ -13,6 +13,7 @@ module evl_mesh
    use evl_contact_point, only: contact_gradient, contact_point, tracked_pair
    use evl_contact_tracking, only: gradient_points, track_points
    use evl_deviating_flanks, only: deviate, deviate_gradient, flank_value
+   use evl_deviation, only: deviation
    use evl_flank_deviation, only: deviation_at, deviation_zone, flank_deviation_t
    use evl_kinds, only: pi, wp
    use evl_local_variables, only: at_normal, n_local, unit
@@ -82,6 +83,8 @@ module evl_mesh
       integer :: tooth_sign = 1           !! +1: tooth pairs come in the order of A's teeth, counted counterclockwise; -1: against
       integer :: tooth_a = 0, tooth_b = 0 !! teeth of pair 0, counted counterclockwise from the first ones of the wheels
       type(mesh_link), allocatable :: links(:) !! local variables in terms of the state
+      logical :: axles_rest = .false.     !! both axles are fixed, and the line of action with them
+      type(deviation) :: rest_line        !! where it is then
       logical :: leads = .false.          !! the first slot of a rigid flank: the flank's constraint is its
       integer :: i_normal = 0             !! multiplier of a rigid flank in the state; 0 if none
       integer :: i_dependent = 0          !! deviation of the wheel that a closed rigid contact determines

@@ -124,10 +124,12 @@ def loaded_pair(kernel: Kernel, name: str) -> Gearbox:
     return Gearbox(kernel, wheels, [load(index, kind, **fields)], [mesh(kernel, 0, 1)])
 
 
-def real_gears(kernel: Kernel, name: str) -> Gearbox:
-    """Cut gears with one of DEVIATIONS: tooth pairs on both flanks."""
+def real_gears(kernel: Kernel, name: str, *, fixed: bool = False) -> Gearbox:
+    """Cut gears with one of DEVIATIONS on axles that move or are fixed; pairs on both flanks."""
     form = gear_description(3e-3)
     support = {"support_kind": BEARING, "support_stiffness": (1e8, 3e8), "support_mass": 3.0}
+    if fixed:
+        support = {}
     given: list[DeviationDescription] = [deviations(**fields) for fields in DEVIATIONS[name]]
     wheels = [
         wheel(teeth=z, width=0.02, gear=form, deviation=deviation, **support)

@@ -137,10 +137,11 @@ def test_every_load_agrees(kernel: Kernel, name: str):
         check(gearbox, around(state, random))
 
 
+@pytest.mark.parametrize("fixed", [False, True], ids=["moving axles", "fixed axles"])
 @pytest.mark.parametrize("name", DEVIATIONS)
-def test_real_gears_with_both_flanks_agree(kernel: Kernel, name: str):
+def test_real_gears_with_both_flanks_agree(kernel: Kernel, name: str, fixed: bool):
     """Several tooth pairs on drive and coast flank, with each deviation in every zone."""
-    gearbox = real_gears(kernel, name)
+    gearbox = real_gears(kernel, name, fixed=fixed)
     random = np.random.default_rng(3)
     loaded = 0
     for _ in range(12):
