@@ -32,6 +32,7 @@ module evl_contact_lanes
 
 contains
 
+   include "formulas/all_positive.inc"
    include "formulas/tangent_line.inc"
    include "formulas/contact_point.inc"
    include "formulas/centre_line.inc"
@@ -92,7 +93,7 @@ contains
                            at%margin(l), at%d_rho(l), at%rho(l), at%s(l), at%c(l))
          at%angle(l) = small_angle(at%s(l))
       end do
-      if (maxval(abs(at%s)) >= small_sine) call large_angles(at%s, at%c, at%angle)
+      if (.not. all_positive(small_sine - abs(at%s))) call large_angles(at%s, at%c, at%angle)
    end subroutine line_in_lanes
 
    !> The line of action between fixed axles.
@@ -252,7 +253,7 @@ contains
          call centre_line(pair, at%q(l, at_u_b) - at%q(l, at_u_a), at%q(l, at_u_b + 1) - at%q(l, at_u_a + 1), s(l), c(l))
          turn(l) = small_angle(s(l))
       end do
-      if (maxval(abs(s)) >= small_sine) call large_angles(s, c, turn)
+      if (.not. all_positive(small_sine - abs(s))) call large_angles(s, c, turn)
    end subroutine centre_turn_in_lanes
 
 end module evl_contact_lanes

@@ -29,6 +29,7 @@ module evl_force_lanes
 
 contains
 
+   include "formulas/all_positive.inc"
    include "formulas/lane_point.inc"
    include "formulas/logarithm.inc"
    include "formulas/johnson.inc"
@@ -88,7 +89,7 @@ contains
       type(lane_force), intent(inout) :: force
       logical, intent(out) :: answered
 
-      answered = minval(min(at%margin, at%rho_a, at%rho_b)) > 0
+      answered = all_positive(at%margin) .and. all_positive(at%rho_a) .and. all_positive(at%rho_b)
       if (.not. answered) return
       call elastic_in_lanes(mesh, at, force, answered)
       call viscous_in_lanes(mesh, mode, at, force)
@@ -136,7 +137,7 @@ contains
             force%elastic(l) = power_spring_lane(at%h(l), stiffness, exponent)
          end do
       end select
-      answered = minval(answers) > 0
+      answered = all_positive(answers)
    end subroutine elastic_in_lanes
 
    !> Johnson's force in one lane.

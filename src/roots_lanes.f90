@@ -22,6 +22,7 @@ module evl_roots_lanes
 
 contains
 
+   include "formulas/all_positive.inc"
    include "formulas/mesh_roots.inc"
 
    !> Root functions of all states.
@@ -64,7 +65,7 @@ contains
       mode = gearbox_mode(gearbox, index, integers, reals)
       associate (mesh => gearbox%contacts(index))
          call contact_in_lanes(mesh, mode, integers(i_turns), y, at)
-         answered = minval(at%margin) > 0
+         answered = all_positive(at%margin)
          if (.not. answered) return
          unclipped = 0
          if (touches(mode)) then

@@ -166,9 +166,12 @@ def test_axles_that_move_far_agree(kernel: Kernel):
     check(gearbox, around(state, random))
 
 
-def spoilt(kernel: Kernel, lane: int, name: str, change: float) -> tuple[Gearbox, list[State]]:
+def spoilt(
+    kernel: Kernel, lane: int, name: str, change: float, law: str = "johnson"
+) -> tuple[Gearbox, list[State]]:
     """Eight good states of the paper's pair, one of them with a changed component."""
-    gearbox = paper_gearbox(kernel, friction=0.3)
+    contact = kernel.law(CONTACT, law, **CONTACTS[law])
+    gearbox = paper_gearbox(kernel, friction=0.3, contact=contact)
     random = np.random.default_rng(6)
     states = around(in_mode(gearbox, random, (LOADED, 0)), random)
     states[lane].y[gearbox.place(name)] += change
@@ -189,6 +192,13 @@ def test_one_lane_without_an_answer_is_told(kernel: Kernel, lane: int, name: str
         ("lanes_roots", gearbox.sizes.n_roots),
     ):
         assert in_lanes(gearbox, call, rows, states)[0] == OUT_OF_DOMAIN
+
+
+@pytest.mark.parametrize("law", CONTACTS)
+def test_no_law_hides_what_is_no_number(kernel: Kernel, law: str):
+    """A law without limits of its own, neither."""
+    gearbox, states = spoilt(kernel, 3, "angle_deviation_1", np.nan, law)
+    assert in_lanes(gearbox, "lanes_rates", gearbox.sizes.n_states, states)[0] == OUT_OF_DOMAIN
 
 
 def test_what_the_lanes_do_not_serve_is_said(kernel: Kernel):
