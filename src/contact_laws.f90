@@ -1,6 +1,7 @@
 !> The force laws of a contact behind one interface: elastic, viscous and friction.
 !>
-!> A new law is a procedure in its own file, a place in the table of laws and a case in the procedures of its family here.
+!> A new law is a procedure in its own file, a place in the table of laws and a case in the procedures of its family here; and, to
+!> be evaluated for eight states at once, a formula in src/formulas and a loop in evl_force_lanes.
 module evl_contact_laws
    use evl_damping, only: impact_damping, linear_damping, one_sided_damping
    use evl_friction, only: coulomb_factor, coulomb_knee, coulomb_mode, stribeck_factor, tanh_factor
