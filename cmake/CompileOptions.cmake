@@ -21,6 +21,8 @@ target_compile_options(
   evolvent_options
   INTERFACE
     -ffp-contract=off
+    # Nobody replaces a procedure of the shared kernel by another at load time, so it may be inlined as in the executable.
+    -fno-semantic-interposition
     $<$<BOOL:${EVOLVENT_NATIVE}>:-march=native>
     $<$<BOOL:${EVOLVENT_MARCH}>:-march=${EVOLVENT_MARCH}>
     $<$<BOOL:${EVOLVENT_WERROR}>:-Werror>
