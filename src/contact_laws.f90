@@ -1,7 +1,7 @@
 !> The force laws of a contact behind one interface: elastic, viscous and friction.
 !>
-!> A new law is a procedure in its own file, a place in the table of laws and a case in the procedures of its family here; and, to be
-!> evaluated for eight states at once, a formula in src/formulas and a loop in evl_force_lanes.
+!> A new law is a procedure in its own file, a place in the table of laws and a case in the procedures of its family here; and, to
+!> be evaluated for eight states at once, a formula in src/formulas and a loop in evl_force_lanes.
 module evl_contact_laws
    use evl_damping, only: impact_damping, linear_damping, one_sided_damping
    use evl_friction, only: coulomb_factor, coulomb_knee, coulomb_mode, stribeck_factor, tanh_factor
@@ -10,10 +10,11 @@ module evl_contact_laws
    use evl_kinds, only: pi, wp
    use evl_law_info, only: law_info_t, law_name_length, law_parameter_t, law_text_length, max_law_parameters, &
                            parameter_range_error
-   use evl_law_table, only: contact_johnson, contact_linear, contact_power, contact_radzimovsky, contact_rigid, damping_flores, &
-                            damping_gonthier, damping_hunt_crossley, damping_lankarani_nikravesh, damping_lee_wang, &
-                            damping_linear, damping_none, damping_one_sided, friction_coulomb, friction_none, friction_stribeck, &
-                            friction_tanh, law_count, law_describe, laws_contact, laws_damping, laws_friction
+   use evl_law_table, only: contact_johnson, contact_linear, contact_power, contact_radzimovsky, contact_rigid, &
+                            contact_yang_lin, damping_flores, damping_gonthier, damping_hunt_crossley, &
+                            damping_lankarani_nikravesh, damping_lee_wang, damping_linear, damping_none, damping_one_sided, &
+                            friction_coulomb, friction_none, friction_stribeck, friction_tanh, law_count, law_describe, &
+                            laws_contact, laws_damping, laws_friction
    use evl_radzimovsky, only: radzimovsky_force, radzimovsky_limit_message, radzimovsky_penetration, radzimovsky_potential
    use evl_springs, only: linear_spring, power_penetration, power_spring, yang_lin_stiffness
    use evl_status, only: code_invalid_input, code_ok, code_out_of_domain, message_length, quantity
@@ -25,6 +26,9 @@ module evl_contact_laws
    public :: friction_factor, friction_knee, friction_mode
    public :: is_rigid, is_undamped, rigid_rest_velocity, rigid_restitution
    public :: impact_share, linear_stiffness
+   public :: contact_johnson, contact_linear, contact_power, contact_radzimovsky, contact_yang_lin
+   public :: damping_hunt_crossley, damping_lee_wang, damping_linear, damping_none, damping_one_sided
+   public :: friction_coulomb, friction_none, friction_stribeck, friction_tanh
    public :: law_count, law_describe, law_validate
    public :: law_name_length, law_text_length, laws_contact, laws_damping, laws_friction
 

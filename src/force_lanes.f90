@@ -5,13 +5,13 @@
 module evl_force_lanes
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_contact_lanes, only: lane_contact
-   use evl_contact_laws, only: elastic_result, impact_share, linear_stiffness
+   use evl_contact_laws, only: contact_johnson, contact_linear, contact_power, contact_radzimovsky, contact_yang_lin, &
+                               damping_hunt_crossley, damping_lee_wang, damping_linear, damping_none, damping_one_sided, &
+                               elastic_result, friction_coulomb, friction_none, friction_stribeck, friction_tanh, impact_share, &
+                               linear_stiffness
    use evl_contact_point, only: contact_point
    use evl_johnson, only: exp_minus_2, smallest_ratio
    use evl_kinds, only: pi, wp
-   use evl_law_table, only: contact_johnson, contact_linear, contact_power, contact_radzimovsky, contact_yang_lin, &
-                            damping_hunt_crossley, damping_lee_wang, damping_linear, damping_none, damping_one_sided, &
-                            friction_coulomb, friction_none, friction_stribeck, friction_tanh
    use evl_mesh, only: contact_t, contact_unloaded, mesh_force, mesh_mode
    use evl_ode_model, only: lanes
    use evl_radzimovsky, only: enlarged
