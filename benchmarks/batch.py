@@ -6,7 +6,7 @@ Torque, friction and the stiffness of the slider vary. Prints three things: the 
 the whole batch over the sum of its integrations; the memory of a worker while its cases go by; how
 busy two processes are, as sum of case CPU / (2 x wall), beside one. Linux tells how long the
 workers were ready to run and were not let; what of that is not due to their own parent, other
-programs took: "alone" is busy without it, and is what is judged. Exits with 1 if a limit is
+programs took: "alone" is busy without it, for machines that are not. Exits with 1 if a limit is
 exceeded.
 """
 
@@ -164,7 +164,7 @@ def main() -> int:
             costs[jobs] = cost
             overhead = cost.cpu / cost.integrations - 1.0
             busy, alone = (cost.busy(jobs, alone=alone) for alone in (False, True))
-            over = overhead > OVERHEAD or (jobs == 2 and alone < EFFICIENCY)
+            over = overhead > OVERHEAD or (jobs == 2 and busy < EFFICIENCY)
             exceeded += over
             words = (f"{jobs}", f"{cost.wall:.1f}", f"{cost.cpu:.1f}", f"{cost.integrations:.1f}")
             shares = (f"{100 * share:.1f} %" for share in (overhead, busy, alone))
