@@ -1,10 +1,9 @@
 !> The equations of motion of a gearbox: accelerations of wheels and supports, and the powers, from forces and torques.
 module evl_gearbox_rates
-   use evl_contact_point, only: contact_point
    use evl_housing, only: apparent_acceleration, at_omega, frame_acceleration, frame_t, housing_frame, housing_rates
    use evl_kinds, only: wp
    use evl_local_variables, only: n_local
-   use evl_mesh, only: contact_t, mesh_contact, mesh_force, mesh_forces, mesh_mode, mesh_nominal_rho, touches
+   use evl_mesh, only: contact_state, contact_t, mesh_contact, mesh_forces, mesh_nominal_rho, touches
    use evl_rigid_contact, only: rigid_acceleration
    use evl_shaft, only: shaft_loss, shaft_torque
    use evl_springs_and_dampers, only: damper_power, support_acceleration
@@ -24,7 +23,7 @@ contains
    !>
    !> With a mounted housing f depends on v' and Omega' as well, and the places of these two hold the force and the moment that
    !> act from the ground.
-   subroutine gearbox_rates(gearbox, t, y, integers, reals, f, status, yp)
+   subroutine gearbox_rates(gearbox, t, y, integers, reals, f, status, yp, contacts)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t                     !! [s]
       real(wp), intent(in) :: y(gearbox%n_states)
@@ -33,7 +32,8 @@ contains
       real(wp), intent(out) :: f(gearbox%n_states)
       type(status_t), intent(inout) :: status       !! code_out_of_domain if a law has no solution there
       real(wp), intent(in), optional :: yp(:)       !! of a mounted housing; v' = Omega' = 0 if not given
-      type(mesh_force) :: force
+      type(contact_state), intent(inout), optional :: contacts(:) !! all tooth contacts; of those that do not touch only the mode
+      type(contact_state) :: contact
       type(frame_t) :: frame
       real(wp) :: torques(size(gearbox%wheels)), spin, alpha, dissipation, power
       integer :: i
@@ -47,17 +47,19 @@ contains
       end if
       f = 0
       do i = 1, size(gearbox%contacts)
-         call mesh_at(gearbox, i, y, integers, reals, force, status)
+         call contact_at(gearbox, i, y, integers, reals, contact, status)
          if (has_failed(status)) return
-         associate (mesh => gearbox%contacts(i))
+         if (present(contacts)) contacts(i) = contact
+         if (.not. touches(contact%mode)) cycle
+         associate (mesh => gearbox%contacts(i), force => contact%force)
             associate (a => gearbox%wheels(mesh%wheel_a), b => gearbox%wheels(mesh%wheel_b))
                f(a%i_speed) = f(a%i_speed) + force%torque_a
                f(b%i_speed) = f(b%i_speed) + force%torque_b
                call push_support(a%support, mesh, force%on_a, f)
                call push_support(b%support, mesh, -force%on_a, f)
             end associate
+            f(gearbox%i_dissipated) = f(gearbox%i_dissipated) + force%dissipation
          end associate
-         f(gearbox%i_dissipated) = f(gearbox%i_dissipated) + force%dissipation
       end do
       do i = 1, size(gearbox%shafts)
          call twist_shaft(gearbox, i, y, f)
@@ -109,27 +111,25 @@ contains
       end associate
    end subroutine multiplier_row
 
-   !> The force of a mesh at a state.
-   subroutine mesh_at(gearbox, index, y, integers, reals, force, status)
+   !> A tooth contact at a state; of one that does not touch only the mode.
+   subroutine contact_at(gearbox, index, y, integers, reals, contact, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
       real(wp), intent(in) :: y(:), reals(:)
       integer, intent(in) :: integers(:)
-      type(mesh_force), intent(out) :: force
+      type(contact_state), intent(inout) :: contact
       type(status_t), intent(inout) :: status
-      real(wp) :: q(n_local), rho_a0
-      type(contact_point) :: point
-      type(mesh_mode) :: mode
+      real(wp) :: rho_a0
 
-      mode = gearbox_mode(gearbox, index, integers, reals)
-      if (.not. touches(mode)) return
-      associate (mesh => gearbox%contacts(index))
-         call gearbox_local(gearbox, mesh, y, q)
+      contact%mode = gearbox_mode(gearbox, index, integers, reals)
+      if (.not. touches(contact%mode)) return
+      associate (mesh => gearbox%contacts(index), mode => contact%mode)
+         call gearbox_local(gearbox, mesh, y, contact%q)
          rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
-         call mesh_contact(mesh, mode, rho_a0, q, point)
-         call mesh_forces(mesh, mode, point, force, status)
+         call mesh_contact(mesh, mode, rho_a0, contact%q, contact%point)
+         call mesh_forces(mesh, mode, contact%point, contact%force, status)
       end associate
-   end subroutine mesh_at
+   end subroutine contact_at
 
    !> Add a mesh's force to the rows of a support's degrees of freedom [N].
    pure subroutine push_support(support, mesh, force, f)

@@ -8,6 +8,7 @@ module evl_housing_dynamics
    use evl_housing, only: apparent_acceleration, at_omega, at_velocity, frame_acceleration, frame_t, housing_frame, wheel_moment
    use evl_kinds, only: wp
    use evl_lapack, only: dgesv
+   use evl_mesh, only: contact_state
    use evl_rotation, only: cross, crossed, skew, turned
    use evl_status, only: code_singular, fail, has_failed, status_t
    implicit none (type, external)
@@ -143,16 +144,17 @@ contains
    end subroutine couple_wheel
 
    !> Rates of all states but the tracked ones, with the accelerations of a mounted housing.
-   subroutine coupled_rates(gearbox, t, y, integers, reals, f, status)
+   subroutine coupled_rates(gearbox, t, y, integers, reals, f, status, contacts)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t, y(gearbox%n_states)
       integer, intent(in) :: integers(:)
       real(wp), intent(in) :: reals(:)
       real(wp), intent(out) :: f(gearbox%n_states)
       type(status_t), intent(inout) :: status !! code_out_of_domain or code_singular
+      type(contact_state), intent(inout), optional :: contacts(:) !! as in `gearbox_rates`
       integer :: i
 
-      call gearbox_rates(gearbox, t, y, integers, reals, f, status)
+      call gearbox_rates(gearbox, t, y, integers, reals, f, status, contacts=contacts)
       if (has_failed(status) .or. .not. gearbox%housing%is_mounted) return
       call solve_accelerations(gearbox, t, y, f, status)
       do i = 1, size(gearbox%contacts)

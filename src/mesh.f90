@@ -22,7 +22,7 @@ module evl_mesh
    implicit none (type, external)
    private
 
-   public :: contact_t, mesh_link, mesh_mode, mesh_force, mesh_force_gradient
+   public :: contact_t, contact_state, mesh_link, mesh_mode, mesh_force, mesh_force_gradient
    public :: context_of, mesh_contact, mesh_forces, mesh_gradient, mesh_energy
    public :: mesh_nominal_rho, mesh_nominal_start, mesh_unclipped_force, mesh_settle_friction, touches
    public :: tracking_closed_form, tracking_algebraic, tracking_differential
@@ -115,6 +115,14 @@ module evl_mesh
       real(wp) :: on_a(2) = 0.0_wp  !! force on A in (t_0, e_0) [N]
       real(wp) :: dissipation = 0.0_wp !! power lost to damping, clipping, friction and changing radii [W]
    end type mesh_force
+
+   !> A tooth contact at a state of the gearbox.
+   type :: contact_state
+      type(mesh_mode) :: mode
+      real(wp) :: q(n_local)      !! local variables
+      type(contact_point) :: point
+      type(mesh_force) :: force
+   end type contact_state
 
    !> Derivatives of the forces with respect to the local variables.
    type :: mesh_force_gradient

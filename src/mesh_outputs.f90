@@ -2,17 +2,15 @@
 module evl_mesh_outputs
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use evl_closed_form, only: centre_line_turn, closed_form_gap, track_closed_form
-   use evl_contact_point, only: contact_point
    use evl_contact_tracking, only: algebraic_residual, line_distance, points_from_closed_form, tracked_positions
-   use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_t, i_theta, i_turns, leading_contact
+   use evl_gearbox, only: gearbox_local, gearbox_t, i_theta, i_turns, leading_contact
    use evl_housing_outputs, only: add_mesh_reaction
    use evl_kinds, only: pi, wp
    use evl_local_variables, only: at_lambda, at_psi_a, at_psi_b, at_track, n_local, n_track
-   use evl_mesh, only: contact_apart, contact_loaded, contact_off, contact_t, flank_coast, flank_drive, mesh_contact, &
-                       mesh_energy, mesh_force, mesh_forces, mesh_mode, mesh_nominal_rho, mesh_tooth_a, mesh_tooth_b, &
+   use evl_mesh, only: contact_apart, contact_loaded, contact_off, contact_state, contact_t, flank_coast, flank_drive, &
+                       mesh_contact, mesh_energy, mesh_force, mesh_mode, mesh_nominal_rho, mesh_tooth_a, mesh_tooth_b, touches, &
                        tracking_closed_form
    use evl_output, only: dims_mesh, dims_mesh_axis, dims_mesh_pair, output_t
-   use evl_status, only: status_t
    implicit none (type, external)
    private
 
@@ -115,20 +113,19 @@ contains
    end function pair_places
 
    !> A mesh at a state.
-   subroutine put_mesh(gearbox, index, n, places, y, integers, reals, torque, reactions, scalars, points, pairs, coast, potential, &
-                       status)
+   subroutine put_mesh(gearbox, index, n, places, y, integers, contacts, torque, reactions, scalars, points, pairs, coast, &
+                       potential)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index, n, places, integers(:)
-      real(wp), intent(in) :: y(:), reals(:)
+      real(wp), intent(in) :: y(:)
+      type(contact_state), intent(inout) :: contacts(:) !! as `gearbox_rates` leaves them; those of the mesh are completed
       real(wp), intent(inout) :: torque(:)  !! of the meshes on the wheels so far [N m]
       real(wp), intent(inout) :: reactions(:, :) !! on the housing so far, (6, wheel): force [N], moment [N m]
       real(wp), intent(inout) :: scalars(n, n_scalars), points(2, n, 2), pairs(places, n, n_pair_histories)
       real(wp), intent(inout) :: coast(:)   !! (n, n_coast_histories) as a vector, or of size 0
       real(wp), intent(inout) :: potential  !! energy so far [J]
-      type(status_t), intent(inout) :: status
       type(mesh_sum) :: total
-      type(contact_point) :: point, leading
-      real(wp) :: tracked(5), transmission_error, curvature, input, q(n_local), q_leading(n_local)
+      real(wp) :: tracked(5), transmission_error, curvature, input, q(n_local)
       integer :: m, place, leader, drive_slots
 
       leader = leading_contact(gearbox, index, integers)
@@ -138,17 +135,14 @@ contains
       drive_slots = maxval(gearbox%contacts%n_slots)
       do m = gearbox%first(index), gearbox%first(index + 1) - 1
          place = 1 + gearbox%contacts(m)%slot + merge(drive_slots, 0, gearbox%contacts(m)%flank == flank_coast)
-         call put_pair(gearbox, m, y, integers, reals, reactions, pairs(place, index, :), potential, total, point, q, status)
-         if (m == leader) then
-            leading = point
-            q_leading = q
-         end if
+         if (.not. touches(contacts(m)%mode)) call complete(gearbox, m, y, integers, contacts(m))
+         call put_pair(gearbox, m, contacts(m), reactions, pairs(place, index, :), potential, total)
       end do
-      associate (mesh => gearbox%contacts(leader))
+      associate (mesh => gearbox%contacts(leader), leading => contacts(leader)%point)
          torque(mesh%wheel_a) = torque(mesh%wheel_a) + total%torque_a
          torque(mesh%wheel_b) = torque(mesh%wheel_b) + total%torque_b
-         q = q_leading
-         call put_points(gearbox, leader, y, integers, reals, q, tracked, points(:, index, 1), points(:, index, 2))
+         q = contacts(leader)%q
+         call put_points(gearbox, leader, y, integers, contacts(leader)%mode, q, tracked, points(:, index, 1), points(:, index, 2))
          associate (p => mesh%pair)
             transmission_error = -p%sigma*(p%r_ba*q(at_psi_a) + p%r_bb*q(at_psi_b) - (p%r_ba + p%r_bb)*centre_line_turn(p, q))
          end associate
@@ -172,32 +166,20 @@ contains
    end subroutine put_mesh
 
    !> One tooth pair: its values, and what it adds to its mesh.
-   subroutine put_pair(gearbox, m, y, integers, reals, reactions, values, potential, total, point, q, status)
+   subroutine put_pair(gearbox, m, contact, reactions, values, potential, total)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m !! tooth contact
-      real(wp), intent(in) :: y(:), reals(:)
-      integer, intent(in) :: integers(:)
+      type(contact_state), intent(in) :: contact
       real(wp), intent(inout) :: reactions(:, :)
       real(wp), intent(inout) :: values(n_pair_histories)
       real(wp), intent(inout) :: potential
       type(mesh_sum), intent(inout) :: total
-      type(contact_point), intent(out) :: point
-      real(wp), intent(out) :: q(n_local)
-      type(status_t), intent(inout) :: status
-      type(mesh_force) :: force
-      type(mesh_mode) :: mode
-      real(wp) :: rho_a0
 
-      mode = gearbox_mode(gearbox, m, integers, reals)
-      associate (mesh => gearbox%contacts(m))
+      associate (mesh => gearbox%contacts(m), mode => contact%mode, point => contact%point, force => contact%force)
          values(6) = mode%teeth
          values(7) = modulo(mesh_tooth_a(mesh, mode%teeth), gearbox%wheels(mesh%wheel_a)%teeth)
          values(8) = modulo(mesh_tooth_b(mesh, mode%teeth), gearbox%wheels(mesh%wheel_b)%teeth)
-         call gearbox_local(gearbox, mesh, y, q)
-         rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
-         call pair_point(mesh, mode, rho_a0, q, point)
          if (mode%contact == contact_off) return
-         call mesh_forces(mesh, mode, point, force, status)
          call add_mesh_reaction(gearbox, mesh, force%on_a, reactions)
          potential = potential + mesh_energy(mesh, mode, point)
          values(1:3) = [force%normal, force%friction, point%rho_a]
@@ -212,39 +194,45 @@ contains
          if (mode%contact == contact_loaded) total%loaded = total%loaded + 1
          if (point%h > total%h(1 + mesh%flank)) then
             total%h(1 + mesh%flank) = point%h
-            if (mesh%deviates) total%deviation(1 + mesh%flank) = -closed_form_gap(mesh%pair, q) - point%h
+            if (mesh%deviates) total%deviation(1 + mesh%flank) = -closed_form_gap(mesh%pair, contact%q) - point%h
          end if
          total%touching = total%touching .or. merge(mode%contact == contact_loaded, point%h > 0, mesh%rigid)
       end associate
    end subroutine put_pair
 
-   !> The contact of a tooth pair as its tracking sees it, or in closed form where tracking rests.
-   pure subroutine pair_point(mesh, mode, rho_a0, q, point)
-      type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
-      real(wp), intent(in) :: rho_a0, q(n_local)
-      type(contact_point), intent(out) :: point
+   !> Fill in what the rates leave out of a contact that does not touch: the point as its tracking sees it, or in closed form where
+   !> tracking rests.
+   pure subroutine complete(gearbox, m, y, integers, contact)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: m, integers(:)
+      real(wp), intent(in) :: y(:)
+      type(contact_state), intent(inout) :: contact
+      real(wp) :: rho_a0
 
-      if (mode%contact == contact_apart) then
-         call track_closed_form(mesh%pair, rho_a0, q, point)
-      else
-         call mesh_contact(mesh, mode, rho_a0, q, point)
-      end if
-   end subroutine pair_point
+      associate (mesh => gearbox%contacts(m))
+         call gearbox_local(gearbox, mesh, y, contact%q)
+         rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), contact%mode%teeth)
+         if (contact%mode%contact == contact_apart) then
+            call track_closed_form(mesh%pair, rho_a0, contact%q, contact%point)
+         else
+            call mesh_contact(mesh, contact%mode, rho_a0, contact%q, contact%point)
+         end if
+         contact%force = mesh_force()
+      end associate
+   end subroutine complete
 
    !> The points of the contact that speaks for its mesh, and how far tracked ones are from where they belong.
-   subroutine put_points(gearbox, m, y, integers, reals, q, tracked, driving, driven)
+   subroutine put_points(gearbox, m, y, integers, mode, q, tracked, driving, driven)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m !! tooth contact
-      real(wp), intent(in) :: y(:), reals(:)
+      real(wp), intent(in) :: y(:)
       integer, intent(in) :: integers(:)
+      type(mesh_mode), intent(in) :: mode
       real(wp), intent(inout) :: q(n_local) !! its local variables; those of the points are filled in where they are not tracked
       real(wp), intent(out) :: tracked(5), driving(2), driven(2)
-      type(mesh_mode) :: mode
       real(wp) :: rho_a0, residual(n_track), point_a(2), point_b(2)
       logical :: exists
 
-      mode = gearbox_mode(gearbox, m, integers, reals)
       associate (mesh => gearbox%contacts(m))
          rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
          tracked = ieee_value(tracked, ieee_quiet_nan)

@@ -6,6 +6,7 @@ module evl_output_table
    use evl_housing_dynamics, only: coupled_rates
    use evl_housing_outputs, only: ground_energies, housing_outputs, n_housing_outputs, put_housing
    use evl_kinds, only: pi, wp
+   use evl_mesh, only: contact_state
    use evl_mesh_outputs, only: coast_histories, has_coast, mesh_histories, n_coast_histories, n_mesh_histories, &
                                n_pair_histories, pair_histories, pair_places, put_mesh
    use evl_output, only: dims_mesh, dims_mesh_axis, dims_mesh_pair, dims_none, dims_quaternion, dims_shaft, dims_space, &
@@ -117,9 +118,10 @@ contains
       real(wp) :: f(gearbox%n_states), reactions(6, size(gearbox%wheels))
       real(wp), dimension(size(gearbox%wheels)) :: torque, load_torque
       type(frame_t) :: frame
-      integer :: nw, nm, i, at_time, at_wheels, at_meshes, at_pairs, at_coast, at_housing, at_shafts
+      type(contact_state) :: contacts(size(gearbox%contacts))
+      integer :: nw, nm, places, i, at_time, at_wheels, at_meshes, at_pairs, at_coast, at_housing, at_shafts
 
-      call coupled_rates(gearbox, t, y, integers, reals, f, status)
+      call coupled_rates(gearbox, t, y, integers, reals, f, status, contacts)
       if (has_failed(status)) return
       call housing_frame(gearbox%housing, t, y, frame, f)
       nw = size(gearbox%wheels)
@@ -129,7 +131,8 @@ contains
       at_wheels = at_time + n_gearbox_histories
       at_meshes = at_wheels + nw*(n_wheel_histories + 2)
       at_pairs = at_meshes + nm*(n_mesh_histories + 2)
-      at_coast = at_pairs + nm*pair_places(gearbox)*n_pair_histories
+      places = pair_places(gearbox)
+      at_coast = at_pairs + nm*places*n_pair_histories
       at_housing = at_coast + merge(nm*n_coast_histories, 0, has_coast(gearbox))
       at_shafts = gearbox%n_values - size(gearbox%shafts)*n_shaft_outputs
       associate (kinetic => values(at_time + 3), potential => values(at_time + 4))
@@ -138,9 +141,9 @@ contains
          torque = 0
          reactions = 0
          do i = 1, nm
-            call put_mesh(gearbox, i, nm, pair_places(gearbox), y, integers, reals, torque, reactions, values(at_meshes + 1), &
+            call put_mesh(gearbox, i, nm, places, y, integers, contacts, torque, reactions, values(at_meshes + 1), &
                           values(at_meshes + nm*(n_mesh_histories - 2) + 1), values(at_pairs + 1), &
-                          values(at_coast + 1:at_housing), potential, status)
+                          values(at_coast + 1:at_housing), potential)
          end do
          call load_torques(gearbox, t, y, f, frame, integers, torque, load_torque)
          do i = 1, nw
