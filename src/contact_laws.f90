@@ -6,7 +6,7 @@ module evl_contact_laws
    use evl_damping, only: impact_damping, linear_damping, one_sided_damping
    use evl_friction, only: coulomb_factor, coulomb_knee, coulomb_mode, stribeck_factor, tanh_factor
    use evl_hunt_crossley, only: flores_factor, gonthier_factor, hunt_crossley_factor, lankarani_nikravesh_factor, lee_wang_factor
-   use evl_johnson, only: johnson_force, johnson_limit_message, johnson_penetration, johnson_potential
+   use evl_johnson, only: johnson_energy, johnson_force, johnson_limit_message, johnson_penetration, johnson_potential
    use evl_kinds, only: pi, wp
    use evl_law_info, only: law_info_t, law_name_length, law_parameter_t, law_text_length, max_law_parameters, &
                            parameter_range_error
@@ -191,11 +191,12 @@ contains
    end subroutine penetration_from_force
 
    !> Elastic energy of the contact: dV = F dh along rho_sum = rho + h, as a mesh moves. Even in h.
-   pure subroutine elastic_potential(choice, ctx, potential, code)
+   pure subroutine elastic_potential(choice, ctx, potential, code, elastic)
       type(law_choice), intent(in) :: choice   !! of family laws_contact
       type(contact_context), intent(in) :: ctx !! where
       real(wp), intent(out) :: potential       !! [J]; 0 on error
       integer, intent(out), optional :: code   !! code_ok or code_out_of_domain
+      real(wp), intent(in), optional :: elastic !! elastic force there, if it is known [N]
       real(wp) :: constant_radii, force, d_h
       integer :: answer
 
@@ -203,7 +204,11 @@ contains
       answer = code_ok
       select case (choice%law)
       case (contact_johnson)
-         call johnson_potential(ctx%h, ctx%rho_sum, ctx%e_star, 1.0_wp, potential, constant_radii, answer)
+         if (present(elastic)) then
+            call johnson_energy(ctx%h, abs(elastic)/ctx%width, ctx%rho_sum, ctx%e_star, 1.0_wp, potential, constant_radii)
+         else
+            call johnson_potential(ctx%h, ctx%rho_sum, ctx%e_star, 1.0_wp, potential, constant_radii, answer)
+         end if
          potential = ctx%width*potential
       case (contact_radzimovsky)
          call radzimovsky_potential(ctx%h, ctx%rho_sum, ctx%e_star, potential, answer)

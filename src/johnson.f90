@@ -21,7 +21,7 @@ module evl_johnson
 
    public :: johnson_force, johnson_force_limit, johnson_iteration, johnson_iteration_force, johnson_law
    public :: exp_minus_2, smallest_ratio
-   public :: johnson_limit_message, johnson_penetration, johnson_penetration_limit, johnson_potential
+   public :: johnson_limit_message, johnson_penetration, johnson_penetration_limit, johnson_potential, johnson_energy
 
    real(wp), parameter :: exp_minus_2 = 0.13533528323661269189399949497248_wp !! e**(-2)
 
@@ -74,19 +74,28 @@ contains
       real(wp), intent(out) :: potential      !! V along the path [J/m]; 0 on error
       real(wp), intent(out) :: constant_radii !! the first term alone [J/m]; 0 on error
       integer, intent(out) :: code            !! code_ok or code_out_of_domain
-      real(wp) :: force, d_h, d_rho, log_ratio, share
+      real(wp) :: force, d_h, d_rho
+
+      call johnson_force(abs(h), rho_sum, e_star, force, d_h, d_rho, code)
+      call johnson_energy(h, force, rho_sum, e_star, growth, potential, constant_radii)
+   end subroutine johnson_potential
+
+   !> The same where the force is known already.
+   elemental subroutine johnson_energy(h, force, rho_sum, e_star, growth, potential, constant_radii)
+      real(wp), intent(in) :: h, force, rho_sum, e_star, growth !! force: that of johnson_force at |h| [N/m]
+      real(wp), intent(out) :: potential, constant_radii
+      real(wp) :: log_ratio, share
 
       potential = 0.0_wp
       constant_radii = 0.0_wp
-      call johnson_force(abs(h), rho_sum, e_star, force, d_h, d_rho, code)
-      if (code /= code_ok .or. .not. force > 0.0_wp) return
+      if (.not. force > 0.0_wp) return
       log_ratio = 1.0_wp + pi*e_star*abs(h)/force
       share = growth*force/(pi*e_star*rho_sum)
       constant_radii = force**2/(2.0_wp*pi*e_star)*(log_ratio - 1.5_wp)
       potential = constant_radii + force**2/(2.0_wp*pi*e_star)*share &
                   *((log_ratio - 5.0_wp/3.0_wp)/3.0_wp &
                     + share*((24.0_wp*log_ratio - 28.0_wp)*log_ratio - 23.0_wp)/288.0_wp)
-   end subroutine johnson_potential
+   end subroutine johnson_energy
 
    !> Largest penetration of the model, 4 rho/e**2 [m]; itself outside. Source: Kosenko & Gusev 2011, (15).
    elemental real(wp) function johnson_penetration_limit(rho_sum)

@@ -359,14 +359,15 @@ contains
    end subroutine mesh_gradient
 
    !> Elastic energy stored in the contact [J]; 0 without penetration.
-   pure real(wp) function mesh_energy(mesh, mode, point) result(energy)
+   pure real(wp) function mesh_energy(mesh, mode, point, elastic) result(energy)
       type(contact_t), intent(in) :: mesh
       type(mesh_mode), intent(in) :: mode
       type(contact_point), intent(in) :: point
+      real(wp), intent(in), optional :: elastic !! elastic force there, if it is known [N]
 
       energy = 0
       if (mesh%rigid) return
-      if (touches(mode)) call elastic_potential(mesh%contact, context_of(mesh, point, mode%v0), energy)
+      if (touches(mode)) call elastic_potential(mesh%contact, context_of(mesh, point, mode%v0), energy, elastic=elastic)
    end function mesh_energy
 
    !> Elastic + viscous force as if nothing were clipped [N].

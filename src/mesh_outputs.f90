@@ -181,7 +181,7 @@ contains
          values(8) = modulo(mesh_tooth_b(mesh, mode%teeth), gearbox%wheels(mesh%wheel_b)%teeth)
          if (mode%contact == contact_off) return
          call add_mesh_reaction(gearbox, mesh, force%on_a, reactions)
-         potential = potential + mesh_energy(mesh, mode, point)
+         potential = potential + mesh_energy(mesh, mode, point, force%elastic)
          values(1:3) = [force%normal, force%friction, point%rho_a]
          if (force%normal > 0) values(4) = sqrt(force%normal/mesh%width*mesh%e_star*(1/point%rho_a + 1/point%rho_b)/pi)
          values(5) = 1
