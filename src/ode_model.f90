@@ -28,6 +28,7 @@ module evl_ode_model
       procedure(rhs_interface), deferred :: rhs
       procedure(rhs_lanes_interface), deferred :: rhs_lanes
       procedure(jacobian_interface), deferred :: jacobian
+      procedure :: root => root_of_all
       procedure :: roots => no_roots
       procedure :: roots_lanes => no_roots_lanes
       procedure :: root_directions => no_directions
@@ -127,6 +128,20 @@ contains
       end associate
       if (self%n_roots > 0) call fail(status, code_invalid_input, "the model counts root functions but has none")
    end subroutine no_roots
+
+   !> Value of one root function, in its place; the others may change to theirs. For a model that needs less for one than for all.
+   subroutine root_of_all(self, index, t, y, values, status)
+      class(ode_model), intent(in) :: self
+      integer, intent(in) :: index !! which one: 1 .. n_roots
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(self%n)
+      real(wp), intent(inout) :: values(self%n_roots)
+      type(status_t), intent(inout) :: status !! touched on failure only
+
+      associate (unused => index)
+         call self%roots(t, y, values, status)
+      end associate
+   end subroutine root_of_all
 
    !> Root functions of eight states at once.
    subroutine no_roots_lanes(self, t, y, values, status)

@@ -147,7 +147,7 @@ contains
             s = 0
             if (self%slope(lanes, i)*self%slope(1, i) < 0) then
                last = extremum_between(0.0_wp, node(1), self%slope(:, i))
-               call values_at(self, model, step, y, z, last, status)
+               call value_at(self, model, step, y, z, i, last, status)
                if (has_failed(status)) return
                at_last = self%value(i)
                if (at_last*self%slope(lanes, i) > 0) s = sign_of(at_last)
@@ -252,7 +252,7 @@ contains
       b = node(r)
       f_a = s*self%g(l, i)
       f_b = s*self%g(r, i)
-      call values_at(self, model, step, y, z, middle, status)
+      call value_at(self, model, step, y, z, i, middle, status)
       if (has_failed(status)) return
       at_middle = self%value(i)
       do turn = 1, most_turns
@@ -262,7 +262,7 @@ contains
          slope_b = (f_b - f_middle)/(b - middle)
          place = (a + middle)/2 - slope_a*(b - a)/(2*(slope_b - slope_a))
          if (abs(place - middle) < near*(node(r) - node(l))) return
-         call values_at(self, model, step, y, z, place, status)
+         call value_at(self, model, step, y, z, i, place, status)
          if (has_failed(status)) return
          f = s*self%value(i)
          if (f < f_middle) then
@@ -308,7 +308,7 @@ contains
          tau = b - at_b*((b - a)/(at_b - at_a))
          if (tau <= a + tie/4) tau = a + tie/2 ! a step past the end of the bracket closes it
          if (tau >= b - tie/4) tau = b - tie/2
-         call values_at(self, model, step, y, z, tau, status)
+         call value_at(self, model, step, y, z, i, tau, status)
          if (has_failed(status)) return
          if (self%value(i)*self%change(i) >= 0) then
             b = tau
@@ -326,6 +326,20 @@ contains
       self%place(i) = b
    end subroutine locate
 
+   !> Root function i at one place of a step, in `value(i)`.
+   subroutine value_at(self, model, step, y, z, i, tau, status)
+      type(root_finder_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      type(step_state), intent(in) :: step
+      real(wp), intent(in) :: y(:), z(:, :)
+      integer, intent(in) :: i
+      real(wp), intent(in) :: tau
+      type(status_t), intent(inout) :: status
+
+      call go_to(self, y, z, tau)
+      call model%root(i, step%t + tau*step%h, self%y, self%value, status)
+   end subroutine value_at
+
    !> All root functions at one place of a step.
    subroutine values_at(self, model, step, y, z, tau, status)
       type(root_finder_t), intent(inout) :: self
@@ -334,6 +348,16 @@ contains
       real(wp), intent(in) :: y(:), z(:, :)
       real(wp), intent(in) :: tau
       type(status_t), intent(inout) :: status
+
+      call go_to(self, y, z, tau)
+      call model%roots(step%t + tau*step%h, self%y, self%value, status)
+   end subroutine values_at
+
+   !> The state at one place of a step, where root functions are about to be evaluated.
+   pure subroutine go_to(self, y, z, tau)
+      type(root_finder_t), intent(inout) :: self
+      real(wp), intent(in) :: y(:), z(:, :)
+      real(wp), intent(in) :: tau
       real(wp) :: basis(lanes)
       integer :: i
 
@@ -341,9 +365,8 @@ contains
       do i = 1, size(y)
          self%y(i) = y(i) + sum(basis*z(:, i))
       end do
-      call model%roots(step%t + tau*step%h, self%y, self%value, status)
       self%evaluations = self%evaluations + 1
-   end subroutine values_at
+   end subroutine go_to
 
    !> -1, 0 or 1
    pure integer function sign_of(value)

@@ -53,6 +53,14 @@ def in_lanes(gearbox: Gearbox, name: str, rows: int, states: list[State]) -> tup
     return code, result.T
 
 
+def root_by_root(gearbox: Gearbox, state: State) -> Floats:
+    """Root functions of a state, each asked for by itself."""
+    result = np.full(gearbox.sizes.n_roots, np.nan)
+    arrays = (state.y, state.integers, state.reals, result)
+    assert gearbox.library.lanes_root_by_root(gearbox.handle, *map(_at, arrays)) == OK
+    return result
+
+
 def check(gearbox: Gearbox, states: list[State]) -> None:
     """Compare rates and root functions of all states with those of each, bit by bit.
 
@@ -71,6 +79,7 @@ def check(gearbox: Gearbox, states: list[State]) -> None:
         expected = np.array([alone(state) for state in states])
         assert np.all(np.isfinite(expected))
         np.testing.assert_array_equal(result, expected, err_msg=name)
+    np.testing.assert_array_equal(root_by_root(gearbox, states[0]), gearbox.roots(states[0]))
 
 
 @pytest.mark.parametrize(
