@@ -11,7 +11,7 @@ module evl_gearbox_events
    use evl_load, only: load_next_knot
    use evl_local_variables, only: at_track, n_local, n_track
    use evl_mesh, only: contact_apart, mesh_mode, mesh_nominal_rho
-   use evl_mesh_roots, only: mesh_root_directions, mesh_roots
+   use evl_mesh_roots, only: mark_idle_roots, mesh_root_directions, mesh_roots
    use evl_rigid_events, only: closed_flanks, settle_rigid
    use evl_status, only: has_failed, status_t
    implicit none (type, external)
@@ -85,18 +85,23 @@ contains
    end function turns_root
 
    !> Directions that count in the present modes.
-   pure subroutine gearbox_root_directions(gearbox, integers, directions)
+   pure subroutine gearbox_root_directions(gearbox, integers, directions, idle)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: integers(:)
       integer, intent(out) :: directions(gearbox%n_roots)
+      integer, intent(in), optional :: idle !! given to root functions without meaning in the present modes, which are 1
+      type(mesh_mode) :: mode
       real(wp) :: no_reals(size(gearbox%contacts))
       integer :: m
 
       no_reals = 0
       do m = 1, size(gearbox%contacts)
          associate (mesh => gearbox%contacts(m))
-            call mesh_root_directions(mesh, gearbox_mode(gearbox, m, integers, no_reals), &
-                                      directions(mesh%i_root + 1:mesh%i_root + mesh%n_roots))
+            associate (mine => directions(mesh%i_root + 1:mesh%i_root + mesh%n_roots))
+               mode = gearbox_mode(gearbox, m, integers, no_reals)
+               call mesh_root_directions(mesh, mode, mine)
+               if (present(idle)) call mark_idle_roots(mesh, mode, idle, mine)
+            end associate
          end associate
       end do
       directions(gearbox%n_roots) = -1

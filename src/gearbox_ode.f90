@@ -10,7 +10,7 @@ module evl_gearbox_ode
    use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
    use evl_kinds, only: wp
    use evl_mesh, only: contact_t, tracking_closed_form
-   use evl_ode_model, only: lanes, ode_model
+   use evl_ode_model, only: lanes, never, ode_model
    use evl_roots_lanes, only: roots_in_lanes
    use evl_status, only: code_invalid_input, fail, has_failed, status_t, subject_housing, subject_mesh
    implicit none (type, external)
@@ -221,7 +221,7 @@ contains
       class(gearbox_ode), intent(in) :: self
       integer, intent(out) :: directions(self%n_roots)
 
-      call gearbox_root_directions(self%gearbox, self%integers, directions)
+      call gearbox_root_directions(self%gearbox, self%integers, directions, idle=never)
    end subroutine root_directions
 
    !> Entries that df/dy may have in any discrete state.

@@ -13,9 +13,10 @@ module evl_ode_model
    implicit none (type, external)
    private
 
-   public :: lanes, ode_model, check_model
+   public :: lanes, never, ode_model, check_model
 
    integer, parameter :: lanes = 8 !! states that the lane-wise procedures take at once
+   integer, parameter :: never = 2 !! as a direction: the root function has no zero in this discrete state and is not looked at
 
    !> A model; the components are set before the integrator is created and stay.
    type, abstract :: ode_model
@@ -157,7 +158,7 @@ contains
       if (self%n_roots > 0) call fail(status, code_invalid_input, "the model counts root functions but has none")
    end subroutine no_roots_lanes
 
-   !> Which crossings count in the present discrete state: +1 rising, -1 falling, 0 both.
+   !> Which crossings count in the present discrete state: +1 rising, -1 falling, 0 both, or `never`.
    subroutine no_directions(self, directions)
       class(ode_model), intent(in) :: self
       integer, intent(out) :: directions(self%n_roots)
