@@ -117,12 +117,13 @@ contains
       at%c = line%c
    end subroutine rest_in_lanes
 
-   !> Angles of which one is too large for the series.
+   !> Angles of which one is too large for the series. The vector library's arc tangent gives other bits than the scalar one.
    subroutine large_angles(s, c, angle)
       real(wp), intent(in) :: s(lanes), c(lanes)
       real(wp), intent(out) :: angle(lanes)
       integer :: l
 
+      !GCC$ novector
       do l = 1, lanes
          angle(l) = tangent_angle(s(l), c(l))
       end do
