@@ -42,7 +42,7 @@ contains
    include "formulas/sine_cosine.inc"
    include "formulas/lane_point.inc"
 
-   !> The contact from the wheels' positions. Of a slot without a pair on the path nothing counts but the radii of curvature.
+   !> The contact from the wheels' positions. Of a slot without a pair on the path the radii of curvature are all that is set.
    subroutine contact_in_lanes(mesh, mode, turns, y, at)
       type(contact_t), intent(in) :: mesh
       type(mesh_mode), intent(in) :: mode
@@ -57,12 +57,20 @@ contains
       pair = mesh%pair
       advance = pair%advance
       rho_start = mesh_nominal_start(mesh, turns, mode%teeth)
+      if (mode%contact == contact_off) then
+         !$omp simd
+         do l = 1, lanes
+            at%rho_a0(l) = rho_start + advance*at%q(l, at_theta)
+            call place_radii_lane(pair, l, at)
+         end do
+         return
+      end if
       !$omp simd
       do l = 1, lanes
          at%rho_a0(l) = rho_start + advance*at%q(l, at_theta)
          call place_lane(pair, l, at)
       end do
-      if (mesh%deviates .and. mode%contact /= contact_off) call deviate_lanes(mesh, mode, at)
+      if (mesh%deviates) call deviate_lanes(mesh, mode, at)
    end subroutine contact_in_lanes
 
    !> Local variables and line of action, for all contacts of a flank.
@@ -109,12 +117,13 @@ contains
       at%c = line%c
    end subroutine rest_in_lanes
 
-   !> Angles of which one is too large for the series.
+   !> Angles of which one is too large for the series. The vector library's arc tangent gives other bits than the scalar one.
    subroutine large_angles(s, c, angle)
       real(wp), intent(in) :: s(lanes), c(lanes)
       real(wp), intent(out) :: angle(lanes)
       integer :: l
 
+      !GCC$ novector
       do l = 1, lanes
          angle(l) = tangent_angle(s(l), c(l))
       end do
@@ -125,8 +134,31 @@ contains
       type(tracked_pair), intent(in) :: pair
       integer, intent(in) :: l
       type(lane_contact), intent(inout) :: at
-      type(deviation) :: line
       type(contact_point) :: point
+
+      call lane_point(pair, l, at, point)
+      call store_lane(point, l, at)
+   end subroutine place_lane
+
+   !> The radii of curvature alone: the rest of the point is computed for nobody, which the compiler sees.
+   pure subroutine place_radii_lane(pair, l, at)
+      type(tracked_pair), intent(in) :: pair
+      integer, intent(in) :: l
+      type(lane_contact), intent(inout) :: at
+      type(contact_point) :: point
+
+      call lane_point(pair, l, at, point)
+      at%rho_a(l) = point%rho_a
+      at%rho_b(l) = point%rho_b
+   end subroutine place_radii_lane
+
+   !> The contact of one lane.
+   pure subroutine lane_point(pair, l, at, point)
+      type(tracked_pair), intent(in) :: pair
+      integer, intent(in) :: l
+      type(lane_contact), intent(in) :: at
+      type(contact_point), intent(out) :: point
+      type(deviation) :: line
       real(wp) :: q(n_local)
 
       call lane_local(at, l, q)
@@ -137,8 +169,7 @@ contains
       line%s = at%s(l)
       line%c = at%c(l)
       call place_contact(pair, at%rho_a0(l), q, line, point)
-      call store_lane(point, l, at)
-   end subroutine place_lane
+   end subroutine lane_point
 
    !> Local variables of one lane.
    pure subroutine lane_local(at, l, q)

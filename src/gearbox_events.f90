@@ -11,14 +11,14 @@ module evl_gearbox_events
    use evl_load, only: load_next_knot
    use evl_local_variables, only: at_track, n_local, n_track
    use evl_mesh, only: contact_apart, mesh_mode, mesh_nominal_rho
-   use evl_mesh_roots, only: mesh_root_directions, mesh_roots
+   use evl_mesh_roots, only: mark_idle_roots, mesh_root_directions, mesh_roots
    use evl_rigid_events, only: closed_flanks, settle_rigid
    use evl_status, only: has_failed, status_t
    implicit none (type, external)
    private
 
    public :: turns_root
-   public :: gearbox_roots, gearbox_root_directions, gearbox_next_time_event, gearbox_apply_event
+   public :: gearbox_root, gearbox_roots, gearbox_root_directions, gearbox_next_time_event, gearbox_apply_event
 
    integer, parameter :: most_turns = 2       !! theta is reduced at events past one turn, and at this many at the latest
 
@@ -31,21 +31,51 @@ contains
       integer, intent(in) :: integers(:)
       real(wp), intent(out) :: roots(gearbox%n_roots)
       type(status_t), intent(inout) :: status
-      type(contact_point) :: point
-      type(mesh_mode) :: mode
-      real(wp) :: q(n_local), rho_a0
       integer :: m
 
       do m = 1, size(gearbox%contacts)
-         mode = gearbox_mode(gearbox, m, integers, reals)
-         call mesh_point(gearbox, m, y, integers, mode, q, rho_a0, point)
-         associate (first => gearbox%contacts(m)%i_root + 1, last => gearbox%contacts(m)%i_root + gearbox%contacts(m)%n_roots)
-            call mesh_roots(gearbox%contacts(m), mode, rho_a0, q, point, roots(first:last), status)
-         end associate
+         call roots_of_contact(gearbox, m, y, integers, reals, roots, status)
          if (has_failed(status)) return
       end do
       roots(gearbox%n_roots) = turns_root(y(i_theta))
    end subroutine gearbox_roots
+
+   !> One root function at a state, as `gearbox_roots` gives it; the other places of `roots` may change to theirs.
+   subroutine gearbox_root(gearbox, index, y, integers, reals, roots, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index               !! which one: 1 .. n_roots
+      real(wp), intent(in) :: y(gearbox%n_states), reals(:)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(inout) :: roots(gearbox%n_roots)
+      type(status_t), intent(inout) :: status
+      integer :: m
+
+      do m = 1, size(gearbox%contacts)
+         if (index > gearbox%contacts(m)%i_root + gearbox%contacts(m)%n_roots) cycle
+         call roots_of_contact(gearbox, m, y, integers, reals, roots, status)
+         return
+      end do
+      roots(gearbox%n_roots) = turns_root(y(i_theta))
+   end subroutine gearbox_root
+
+   !> The root functions of one tooth contact.
+   subroutine roots_of_contact(gearbox, m, y, integers, reals, roots, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: m
+      real(wp), intent(in) :: y(gearbox%n_states), reals(:)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(inout) :: roots(gearbox%n_roots)
+      type(status_t), intent(inout) :: status
+      type(contact_point) :: point
+      type(mesh_mode) :: mode
+      real(wp) :: q(n_local), rho_a0
+
+      mode = gearbox_mode(gearbox, m, integers, reals)
+      call mesh_point(gearbox, m, y, integers, mode, q, rho_a0, point)
+      associate (first => gearbox%contacts(m)%i_root + 1, last => gearbox%contacts(m)%i_root + gearbox%contacts(m)%n_roots)
+         call mesh_roots(gearbox%contacts(m), mode, rho_a0, q, point, roots(first:last), status)
+      end associate
+   end subroutine roots_of_contact
 
    !> The root function of the turns of the reference wheel.
    elemental real(wp) function turns_root(theta) result(root)
@@ -55,18 +85,23 @@ contains
    end function turns_root
 
    !> Directions that count in the present modes.
-   pure subroutine gearbox_root_directions(gearbox, integers, directions)
+   pure subroutine gearbox_root_directions(gearbox, integers, directions, idle)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: integers(:)
       integer, intent(out) :: directions(gearbox%n_roots)
+      integer, intent(in), optional :: idle !! given to root functions without meaning in the present modes, which are 1
+      type(mesh_mode) :: mode
       real(wp) :: no_reals(size(gearbox%contacts))
       integer :: m
 
       no_reals = 0
       do m = 1, size(gearbox%contacts)
          associate (mesh => gearbox%contacts(m))
-            call mesh_root_directions(mesh, gearbox_mode(gearbox, m, integers, no_reals), &
-                                      directions(mesh%i_root + 1:mesh%i_root + mesh%n_roots))
+            associate (mine => directions(mesh%i_root + 1:mesh%i_root + mesh%n_roots))
+               mode = gearbox_mode(gearbox, m, integers, no_reals)
+               call mesh_root_directions(mesh, mode, mine)
+               if (present(idle)) call mark_idle_roots(mesh, mode, idle, mine)
+            end associate
          end associate
       end do
       directions(gearbox%n_roots) = -1

@@ -6,11 +6,11 @@ module evl_gearbox_ode
    use evl_dae_jacobian, only: gearbox_jacobian
    use evl_gearbox, only: gearbox_t, i_omega, i_theta, wheel_t
    use evl_gearbox_rates, only: gearbox_rates
-   use evl_gearbox_events, only: gearbox_root_directions, gearbox_roots
+   use evl_gearbox_events, only: gearbox_root, gearbox_root_directions, gearbox_roots
    use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
    use evl_kinds, only: wp
    use evl_mesh, only: contact_t, tracking_closed_form
-   use evl_ode_model, only: lanes, ode_model
+   use evl_ode_model, only: lanes, never, ode_model
    use evl_roots_lanes, only: roots_in_lanes
    use evl_status, only: code_invalid_input, fail, has_failed, status_t, subject_housing, subject_mesh
    implicit none (type, external)
@@ -34,6 +34,7 @@ module evl_gearbox_ode
       procedure :: rhs
       procedure :: rhs_lanes
       procedure :: jacobian
+      procedure :: root
       procedure :: roots
       procedure :: roots_lanes
       procedure :: root_directions
@@ -168,6 +169,20 @@ contains
       end associate
    end subroutine roots
 
+   !> One root function at a state.
+   subroutine root(self, index, t, y, values, status)
+      class(gearbox_ode), intent(in) :: self
+      integer, intent(in) :: index
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(self%n)
+      real(wp), intent(inout) :: values(self%n_roots)
+      type(status_t), intent(inout) :: status
+
+      associate (unused => t)
+         call gearbox_root(self%gearbox, index, y, self%integers, self%reals, values, status)
+      end associate
+   end subroutine root
+
    !> Root functions of eight states.
    subroutine roots_lanes(self, t, y, values, status)
       class(gearbox_ode), intent(in) :: self
@@ -206,7 +221,7 @@ contains
       class(gearbox_ode), intent(in) :: self
       integer, intent(out) :: directions(self%n_roots)
 
-      call gearbox_root_directions(self%gearbox, self%integers, directions)
+      call gearbox_root_directions(self%gearbox, self%integers, directions, idle=never)
    end subroutine root_directions
 
    !> Entries that df/dy may have in any discrete state.

@@ -12,7 +12,7 @@ module evl_mesh_roots
    implicit none (type, external)
    private
 
-   public :: mesh_roots, mesh_root_directions, mesh_ends, past
+   public :: mesh_roots, mesh_root_directions, mesh_ends, mark_idle_roots, past
    public :: root_contact, root_force, root_friction_high, root_friction_low, root_forward, root_back, root_apart, root_borders_a, &
              root_borders_b
 
@@ -75,6 +75,41 @@ contains
       directions(root_borders_b) = merge(-1, 1, mode%zone_b == zone_tip)
       directions(root_borders_b + 1) = merge(1, -1, mode%zone_b == zone_root)
    end subroutine mesh_root_directions
+
+   !> Mark the root functions without meaning in the mode, which are 1 at any state.
+   pure subroutine mark_idle_roots(mesh, mode, mark, directions)
+      type(contact_t), intent(in) :: mesh
+      type(mesh_mode), intent(in) :: mode
+      integer, intent(in) :: mark                        !! put in place of their direction
+      integer, intent(inout) :: directions(mesh%n_roots)
+      logical :: slides
+
+      if (.not. (mode%contact == contact_open .or. (touches(mode) .and. .not. mesh%rigid))) directions(root_contact) = mark
+      if (.not. touches(mode)) directions(root_force) = mark
+      slides = friction_knee(mesh%friction) > 0 .and. mode%contact == contact_loaded
+      if (.not. slides .or. mode%friction == -1) directions(root_friction_high) = mark
+      if (.not. slides .or. mode%friction == 1) directions(root_friction_low) = mark
+      if (mesh%tracking == tracking_closed_form .or. touches(mode) .or. mode%contact == contact_off) directions(root_apart) = mark
+      if (.not. mesh%deviates) return
+      if (mode%contact == contact_off) then
+         directions(root_borders_a:root_borders_b + 1) = mark
+         return
+      end if
+      call mark_idle_borders(mesh%deviation_a, mode%zone_a, mark, directions(root_borders_a:root_borders_a + 1))
+      call mark_idle_borders(mesh%deviation_b, mode%zone_b, mark, directions(root_borders_b:root_borders_b + 1))
+   end subroutine mark_idle_roots
+
+   !> The same for the borders of tip and root relief on one flank.
+   pure subroutine mark_idle_borders(deviation, zone, mark, directions)
+      type(flank_deviation_t), intent(in) :: deviation
+      integer, intent(in) :: zone, mark
+      integer, intent(inout) :: directions(2) !! tip, root
+      real(wp) :: rho_root, rho_tip
+
+      call deviation_borders(deviation, rho_root, rho_tip)
+      if (.not. rho_tip < huge(rho_tip) .or. zone == zone_root) directions(1) = mark
+      if (.not. rho_root > -huge(rho_root) .or. zone == zone_tip) directions(2) = mark
+   end subroutine mark_idle_borders
 
    !> How far a tooth pair is from the ends of the path of contact, in pitches; not negative while it is on the path.
    pure subroutine mesh_ends(mesh, point, near, far)

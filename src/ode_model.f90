@@ -13,9 +13,10 @@ module evl_ode_model
    implicit none (type, external)
    private
 
-   public :: lanes, ode_model, check_model
+   public :: lanes, never, ode_model, check_model
 
    integer, parameter :: lanes = 8 !! states that the lane-wise procedures take at once
+   integer, parameter :: never = 2 !! as a direction: the root function has no zero in this discrete state and is not looked at
 
    !> A model; the components are set before the integrator is created and stay.
    type, abstract :: ode_model
@@ -28,6 +29,7 @@ module evl_ode_model
       procedure(rhs_interface), deferred :: rhs
       procedure(rhs_lanes_interface), deferred :: rhs_lanes
       procedure(jacobian_interface), deferred :: jacobian
+      procedure :: root => root_of_all
       procedure :: roots => no_roots
       procedure :: roots_lanes => no_roots_lanes
       procedure :: root_directions => no_directions
@@ -128,6 +130,20 @@ contains
       if (self%n_roots > 0) call fail(status, code_invalid_input, "the model counts root functions but has none")
    end subroutine no_roots
 
+   !> Value of one root function, in its place; the others may change to theirs. For a model that needs less for one than for all.
+   subroutine root_of_all(self, index, t, y, values, status)
+      class(ode_model), intent(in) :: self
+      integer, intent(in) :: index !! which one: 1 .. n_roots
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(self%n)
+      real(wp), intent(inout) :: values(self%n_roots)
+      type(status_t), intent(inout) :: status !! touched on failure only
+
+      associate (unused => index)
+         call self%roots(t, y, values, status)
+      end associate
+   end subroutine root_of_all
+
    !> Root functions of eight states at once.
    subroutine no_roots_lanes(self, t, y, values, status)
       class(ode_model), intent(in) :: self
@@ -142,7 +158,7 @@ contains
       if (self%n_roots > 0) call fail(status, code_invalid_input, "the model counts root functions but has none")
    end subroutine no_roots_lanes
 
-   !> Which crossings count in the present discrete state: +1 rising, -1 falling, 0 both.
+   !> Which crossings count in the present discrete state: +1 rising, -1 falling, 0 both, or `never`.
    subroutine no_directions(self, directions)
       class(ode_model), intent(in) :: self
       integer, intent(out) :: directions(self%n_roots)

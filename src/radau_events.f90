@@ -21,10 +21,10 @@ contains
       done = .true.
       outcome = merge(outcome_stop, outcome_step, to_stop)
       if (self%roots%n > 0) then
-         call find_crossings(self%roots, model, step_state(self%t, h), self%y, self%stages%z, self%stages%y, status)
+         call find_crossings(self%roots, model, step_state(self%t, h), self%y, self%stages%z, self%stages%y, first, &
+                             status)
          if (has_failed(status)) return
-         first = minloc(self%roots%place, 1)
-         if (self%roots%change(first) /= 0) then
+         if (first /= 0) then
             outcome = outcome_event
             call go_to_event(self, model, h, first, done, status)
             return

@@ -8,13 +8,13 @@
 !> accuracy of the dense output.
 !>
 !> Most functions change little in a step: where the values at the nodes already say that no interpolant through them comes near
-!> zero, nothing else is looked at.
+!> zero, nothing else is looked at. Those that the model says are `never` zero in its discrete state cost nothing.
 !>
 !> A function that has just fired is zero at the start up to rounding: its sign there is that of its slope.
 module evl_root_finder
    use evl_collocation, only: extremum_between, lagrange_at, node_slopes, polynomial_at
    use evl_kinds, only: wp
-   use evl_ode_model, only: lanes, ode_model
+   use evl_ode_model, only: lanes, never, ode_model
    use evl_radau_coefficients, only: n_stages, node
    use evl_status, only: has_failed, status_t
    implicit none (type, external)
@@ -40,11 +40,13 @@ module evl_root_finder
       integer, allocatable :: sign_now(:)   !! [n] at the end of the last step; 0: not known yet
       integer, allocatable :: sign_after(:) !! [n] at the end of the step last searched
       integer, allocatable :: direction(:)  !! [n] of the crossings that count, 0: both
+      integer :: n_live = 0                 !! functions that may become zero before the next event
+      integer, allocatable :: live(:)       !! [n] the first n_live of these: which ones
       logical, allocatable :: fresh(:)      !! [n] has fired where the step starts
       integer, allocatable :: change(:)     !! [n] first crossing that counts: +1 rising, -1 falling, 0 none
       real(wp), allocatable :: left(:), right(:) !! [n] bracket of that crossing, in units of the step
       real(wp), allocatable :: at_left(:), at_right(:) !! [n] values there, of different sign
-      real(wp), allocatable :: place(:)     !! [n] the crossing; huge if there is none
+      real(wp), allocatable :: place(:)     !! [n] the crossing, of a function with a `change`
       integer :: evaluations = 0            !! of the root functions, scalar ones
    end type root_finder_t
 
@@ -63,9 +65,9 @@ contains
 
       n = model%n_roots
       self%n = n
-      allocate (self%g(lanes, n), self%slope(lanes, n), self%value(n), self%y(model%n), self%sign_now(n), self%sign_after(n))
-      allocate (self%direction(n), self%fresh(n), self%change(n), self%left(n), self%right(n), self%at_left(n))
-      allocate (self%at_right(n), self%place(n))
+      allocate (self%g(lanes, n), self%slope(lanes, n), self%value(n), self%y(model%n), self%sign_now(n), self%sign_after(n), &
+                self%direction(n), self%live(n), self%fresh(n), self%change(n), self%left(n), self%right(n), self%at_left(n), &
+                self%at_right(n), self%place(n))
       self%fresh = .false.
       self%sign_now = 0
    end subroutine root_finder_create
@@ -75,30 +77,44 @@ contains
       type(root_finder_t), intent(inout) :: self
       class(ode_model), intent(in) :: model
       integer, intent(in) :: fired(:)
+      integer :: i
 
       self%fresh = fired /= 0
       self%sign_now = 0
+      self%sign_after = 0
+      self%change = 0
       call model%root_directions(self%direction)
+      self%n_live = 0
+      do i = 1, self%n
+         if (self%direction(i) == never) cycle
+         self%n_live = self%n_live + 1
+         self%live(self%n_live) = i
+      end do
    end subroutine root_finder_restart
 
    !> Find the first crossing of each function in a step and locate it on the collocation polynomial.
-   subroutine find_crossings(self, model, step, y, z, stage_y, status)
+   subroutine find_crossings(self, model, step, y, z, stage_y, first, status)
       type(root_finder_t), intent(inout) :: self
       class(ode_model), intent(in) :: model
       type(step_state), intent(in) :: step
       real(wp), intent(in) :: y(:)              !! [n] at the start
       real(wp), intent(in) :: z(:, :)           !! [8, n] increments
       real(wp), intent(in) :: stage_y(:, :)     !! [8, n] states at the nodes
+      integer, intent(out) :: first             !! function that crosses zero first, 0: none does
       type(status_t), intent(inout) :: status
-      integer :: i
+      real(wp) :: earliest
+      integer :: i, k
 
-      self%change = 0
-      self%place = huge(1.0_wp)
+      first = 0
+      earliest = huge(earliest)
       call model%roots_lanes(step%t + step%h*node, stage_y, self%g, status)
       if (has_failed(status)) return
-      do i = 1, self%n
+      do k = 1, self%n_live
+         i = self%live(k)
+         self%change(i) = 0
          if (keeps_away(self%sign_now(i), self%g(:, i))) then
-            self%sign_after(i) = sign_of(self%g(lanes, i))
+            self%sign_after(i) = self%sign_now(i)
+            if (self%sign_now(i) == 0) self%sign_after(i) = sign_of(self%g(lanes, i))
             cycle
          end if
          call node_slopes(1, self%g(:, i), self%slope(:, i))
@@ -107,6 +123,10 @@ contains
          if (self%change(i) == 0) cycle
          call locate(self, model, step, y, z, i, status)
          if (has_failed(status)) return
+         if (self%place(i) < earliest) then
+            first = i
+            earliest = self%place(i)
+         end if
       end do
    end subroutine find_crossings
 
@@ -147,7 +167,7 @@ contains
             s = 0
             if (self%slope(lanes, i)*self%slope(1, i) < 0) then
                last = extremum_between(0.0_wp, node(1), self%slope(:, i))
-               call values_at(self, model, step, y, z, last, status)
+               call value_at(self, model, step, y, z, i, last, status)
                if (has_failed(status)) return
                at_last = self%value(i)
                if (at_last*self%slope(lanes, i) > 0) s = sign_of(at_last)
@@ -252,7 +272,7 @@ contains
       b = node(r)
       f_a = s*self%g(l, i)
       f_b = s*self%g(r, i)
-      call values_at(self, model, step, y, z, middle, status)
+      call value_at(self, model, step, y, z, i, middle, status)
       if (has_failed(status)) return
       at_middle = self%value(i)
       do turn = 1, most_turns
@@ -262,7 +282,7 @@ contains
          slope_b = (f_b - f_middle)/(b - middle)
          place = (a + middle)/2 - slope_a*(b - a)/(2*(slope_b - slope_a))
          if (abs(place - middle) < near*(node(r) - node(l))) return
-         call values_at(self, model, step, y, z, place, status)
+         call value_at(self, model, step, y, z, i, place, status)
          if (has_failed(status)) return
          f = s*self%value(i)
          if (f < f_middle) then
@@ -308,7 +328,7 @@ contains
          tau = b - at_b*((b - a)/(at_b - at_a))
          if (tau <= a + tie/4) tau = a + tie/2 ! a step past the end of the bracket closes it
          if (tau >= b - tie/4) tau = b - tie/2
-         call values_at(self, model, step, y, z, tau, status)
+         call value_at(self, model, step, y, z, i, tau, status)
          if (has_failed(status)) return
          if (self%value(i)*self%change(i) >= 0) then
             b = tau
@@ -326,6 +346,20 @@ contains
       self%place(i) = b
    end subroutine locate
 
+   !> Root function i at one place of a step, in `value(i)`.
+   subroutine value_at(self, model, step, y, z, i, tau, status)
+      type(root_finder_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      type(step_state), intent(in) :: step
+      real(wp), intent(in) :: y(:), z(:, :)
+      integer, intent(in) :: i
+      real(wp), intent(in) :: tau
+      type(status_t), intent(inout) :: status
+
+      call go_to(self, y, z, tau)
+      call model%root(i, step%t + tau*step%h, self%y, self%value, status)
+   end subroutine value_at
+
    !> All root functions at one place of a step.
    subroutine values_at(self, model, step, y, z, tau, status)
       type(root_finder_t), intent(inout) :: self
@@ -334,6 +368,16 @@ contains
       real(wp), intent(in) :: y(:), z(:, :)
       real(wp), intent(in) :: tau
       type(status_t), intent(inout) :: status
+
+      call go_to(self, y, z, tau)
+      call model%roots(step%t + tau*step%h, self%y, self%value, status)
+   end subroutine values_at
+
+   !> The state at one place of a step, where root functions are about to be evaluated.
+   pure subroutine go_to(self, y, z, tau)
+      type(root_finder_t), intent(inout) :: self
+      real(wp), intent(in) :: y(:), z(:, :)
+      real(wp), intent(in) :: tau
       real(wp) :: basis(lanes)
       integer :: i
 
@@ -341,9 +385,8 @@ contains
       do i = 1, size(y)
          self%y(i) = y(i) + sum(basis*z(:, i))
       end do
-      call model%roots(step%t + tau*step%h, self%y, self%value, status)
       self%evaluations = self%evaluations + 1
-   end subroutine values_at
+   end subroutine go_to
 
    !> -1, 0 or 1
    pure integer function sign_of(value)

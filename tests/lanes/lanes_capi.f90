@@ -3,15 +3,16 @@ module lanes_capi
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_ptr
    use evl_elementary, only: exponential, hyperbolic_tangent, natural_logarithm, real_power, sine_cosine
    use evl_gearbox, only: gearbox_t
+   use evl_gearbox_events, only: gearbox_root, gearbox_root_directions
    use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
    use evl_gearbox_rates, only: gearbox_rates
-   use evl_ode_model, only: lanes
+   use evl_ode_model, only: lanes, never
    use evl_roots_lanes, only: roots_in_lanes
    use evl_status, only: status_t
    implicit none (type, external)
    private
 
-   public :: lanes_count, lanes_rates, lanes_roots, lanes_scalar, lanes_serves
+   public :: lanes_count, lanes_rates, lanes_roots, lanes_root_by_root, lanes_roots_live, lanes_scalar, lanes_serves
    public :: lanes_exponential, lanes_hyperbolic_tangent, lanes_logarithm, lanes_power, lanes_sine_cosine
 
 contains
@@ -113,6 +114,42 @@ contains
       end associate
       code = status%code
    end function lanes_roots
+
+   !> Root functions of a state, each by itself; the code of the status.
+   integer(c_int) function lanes_root_by_root(handle, y, integers, reals, roots) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in) :: y(*), reals(*)
+      integer(c_int), intent(in) :: integers(*)
+      real(c_double), intent(inout) :: roots(*)
+      type(gearbox_t), pointer :: gearbox
+      type(status_t) :: status
+
+      call c_f_pointer(handle, gearbox)
+      block
+         real(c_double) :: values(gearbox%n_roots)
+         integer :: i
+
+         do i = 1, gearbox%n_roots
+            values = 0
+            call gearbox_root(gearbox, i, y(:gearbox%n_states), integers(:gearbox%n_integers), &
+                              reals(:size(gearbox%contacts)), values, status)
+            roots(i) = values(i)
+         end do
+      end block
+      code = status%code
+   end function lanes_root_by_root
+
+   !> Whether each root function can become zero in the discrete state: 1 or 0.
+   subroutine lanes_roots_live(handle, integers, live) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in) :: integers(*)
+      integer(c_int), intent(inout) :: live(*)
+      type(gearbox_t), pointer :: gearbox
+
+      call c_f_pointer(handle, gearbox)
+      call gearbox_root_directions(gearbox, integers(:gearbox%n_integers), live(:gearbox%n_roots), idle=never)
+      live(:gearbox%n_roots) = merge(0, 1, live(:gearbox%n_roots) == never)
+   end subroutine lanes_roots_live
 
    !> f of one state, evaluated `turns` times; the code of the status.
    integer(c_int) function lanes_scalar(handle, turns, t, y, integers, reals, f) result(code) bind(c)

@@ -53,6 +53,25 @@ def in_lanes(gearbox: Gearbox, name: str, rows: int, states: list[State]) -> tup
     return code, result.T
 
 
+def root_by_root(gearbox: Gearbox, state: State) -> Floats:
+    """Root functions of a state, each asked for by itself."""
+    result = np.full(gearbox.sizes.n_roots, np.nan)
+    arrays = (state.y, state.integers, state.reals, result)
+    assert gearbox.library.lanes_root_by_root(gearbox.handle, *map(_at, arrays)) == OK
+    return result
+
+
+def check_idle(gearbox: Gearbox, state: State, roots: Floats) -> None:
+    """Root functions that the search leaves out are 1, and the others change with the state.
+
+    Roots are (lane, root). The last one, of the turns, is 1 but for rounding where theta is small.
+    """
+    live = np.empty(gearbox.sizes.n_roots, np.int32)
+    gearbox.library.lanes_roots_live(gearbox.handle, _at(state.integers), _at(live))
+    assert live[-1] == 1
+    np.testing.assert_array_equal(live[:-1] == 0, np.all(roots[:, :-1] == 1, axis=0))
+
+
 def check(gearbox: Gearbox, states: list[State]) -> None:
     """Compare rates and root functions of all states with those of each, bit by bit.
 
@@ -71,6 +90,8 @@ def check(gearbox: Gearbox, states: list[State]) -> None:
         expected = np.array([alone(state) for state in states])
         assert np.all(np.isfinite(expected))
         np.testing.assert_array_equal(result, expected, err_msg=name)
+    check_idle(gearbox, states[0], result)
+    np.testing.assert_array_equal(root_by_root(gearbox, states[0]), gearbox.roots(states[0]))
 
 
 @pytest.mark.parametrize(
