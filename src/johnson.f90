@@ -50,7 +50,7 @@ contains
       ratio = abs(force)/(4.0_wp*pi*e_star*rho_sum)
       if (.not. ratio < exp_minus_2) return
       code = code_ok
-      h = force/(pi*e_star)*(-log(max(ratio, smallest_ratio)) - 1.0_wp)
+      h = force/(pi*e_star)*(-natural_logarithm(max(ratio, smallest_ratio)) - 1.0_wp)
    end subroutine johnson_penetration
 
    !> Elastic energy per unit width at penetration h, reached with rho_sum growing in proportion to h.
@@ -133,7 +133,7 @@ contains
       real(wp), intent(in) :: eta !! the present value
       real(wp), intent(in) :: nu  !! -1/ln x
 
-      johnson_iteration = nu*(1.0_wp + eta*log(eta))
+      johnson_iteration = nu*(1.0_wp + eta*natural_logarithm(eta))
    end function johnson_iteration
 
    !> Force per unit width by the paper's iteration (18), the slow way and independent of johnson_force.
@@ -161,7 +161,7 @@ contains
       if (.not. (start > 0.0_wp .and. start < exp(-1.0_wp))) return
       x = exp(1.0_wp)*h/(4.0_wp*rho_sum)
       if (.not. x > 0.0_wp) return
-      nu = -1.0_wp/log(x)
+      nu = -1.0_wp/natural_logarithm(x)
       eta = start
       next = start
       code = code_no_solution

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import ctypes
+import shutil
+import subprocess
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import mpmath
@@ -105,6 +108,16 @@ def test_sine_and_cosine_are_right_to_rounding_in_all_quadrants(kernel: Kernel):
     assert np.max(np.abs(errors(c, x, mpmath.cos))) < 1.5e-16
     small = draw_magnitudes(random, -20, -1)
     assert units(values(kernel, "lanes_sine_cosine", small, results=2)[0], small, mpmath.sin) < 1
+
+
+def test_the_kernel_leaves_the_vector_functions_of_the_c_library_alone(kernel_library: Path):
+    """gfortran puts them into loops unasked; they give other bits than the scalar ones."""
+    if not shutil.which("nm"):
+        pytest.skip("no nm here")
+    words = [shutil.which("nm"), "--dynamic", "--undefined-only", kernel_library]
+    listed = subprocess.run(words, capture_output=True, text=True, check=True).stdout
+    assert "dgesv" in listed  # the list is there
+    assert "_ZGV" not in listed
 
 
 @pytest.mark.parametrize("name", ["lanes_exponential", "lanes_hyperbolic_tangent"])
