@@ -73,8 +73,10 @@ static evl_exit batch_command(const cli_options *options, evl_error *error)
 
 static void print_versions(void)
 {
+    const char *processor = model_processor();
     printf("evolvent %s\n%s\n%s\nC compiler %s\nFortran compiler %s\n", EVOLVENT_VERSION, integrate_version(),
            history_version(), EVOLVENT_C_COMPILER, model_compiler());
+    printf("kernel compiled for %s\n", *processor ? processor : "the compiler's usual processor");
 }
 
 static evl_exit execute(const cli_options *options, evl_error *error)

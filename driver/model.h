@@ -110,4 +110,7 @@ bool model_pitch_errors(const model *model, int wheel, double *errors);
 /** The compiler that built the kernel. */
 const char *model_compiler(void);
 
+/** The processor the kernel was compiled for, as -march names it; "" if none was named. */
+const char *model_processor(void);
+
 #endif

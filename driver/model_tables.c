@@ -198,6 +198,11 @@ const char *model_compiler(void)
     return evl_kernel_compiler();
 }
 
+const char *model_processor(void)
+{
+    return evl_kernel_processor();
+}
+
 static model_quantity number(const char *name, const char *units, const char *symbol, const char *long_name,
                              double value)
 {

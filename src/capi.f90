@@ -4,7 +4,6 @@
 module evl_capi
    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_char, c_null_ptr, c_ptr
    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
-   use, intrinsic :: iso_fortran_env, only: compiler_version
    use evl_capi_deviation, only: deviation_from_c
    use evl_capi_description, only: c_housing, c_initial, c_load, c_mesh, c_shaft, c_wheel, housing_from_c, initial_from_c, &
                                    load_from_c, mesh_from_c, shaft_from_c, wheel_from_c
@@ -32,7 +31,7 @@ module evl_capi
    public :: evl_gearbox_wheel_geometry, evl_gearbox_mesh_geometry, evl_gearbox_initial_state, evl_gearbox_scales
    public :: evl_gearbox_state_name, evl_gearbox_residual, evl_gearbox_jacobian, evl_gearbox_derivative
    public :: evl_event_count, evl_event_name, evl_gearbox_roots, evl_gearbox_root_directions, evl_gearbox_next_time_event
-   public :: evl_gearbox_apply_event, evl_gearbox_outputs, evl_kernel_compiler
+   public :: evl_gearbox_apply_event, evl_gearbox_outputs
 
    !> evl_sizes
    type, bind(c) :: c_sizes
@@ -60,9 +59,6 @@ module evl_capi
    type, bind(c) :: c_event
       integer(c_int) :: kind, mesh, tooth_pair, flank
    end type c_event
-
-   !> Written once, at compile time; C gets its address.
-   character(len=len(compiler_version()) + 1), target, protected :: compiler = compiler_version()//c_null_char
 
 contains
 
@@ -381,9 +377,5 @@ contains
       code = s%code
       if (code /= code_ok) code = answer(s, status)
    end function evl_gearbox_outputs
-
-   type(c_ptr) function evl_kernel_compiler() bind(c)
-      evl_kernel_compiler = c_loc(compiler)
-   end function evl_kernel_compiler
 
 end module evl_capi

@@ -625,7 +625,14 @@ EVL_API int evl_gearbox_modes(const evl_gearbox *gearbox, double t, const double
 EVL_API void evl_gearbox_shape(const evl_gearbox *gearbox, const double *y, const double *dy, double *arcs,
                                double *displacements, double *penetrations, double *transmission_errors);
 
+/* ---- how this kernel was built --------------------------------------------------------------------------------------------- */
+
+/** Name and version of the compiler. */
 EVL_API const char *evl_kernel_compiler(void);
+
+/** The processor compiled for, as -march names it, such as "x86-64" or "x86-64-v4"; "" where the compiler was not told.
+ *  Which one it is changes the speed, never a result. */
+EVL_API const char *evl_kernel_processor(void);
 
 /* ---- parts: the formulas one by one, for tests and for other programs -------------------------------------------------------- */
 

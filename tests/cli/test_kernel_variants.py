@@ -1,0 +1,105 @@
+"""The kernels for newer processors: the loader takes one of them, and none changes a result."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+Evolvent = Callable[..., subprocess.CompletedProcess[str]]
+LIBRARY = "libevolvent_kernel.so.0"
+BASELINE = "x86-64"
+PROCESSORS = {"x86-64-v3": "avx2", "x86-64-v4": "avx512vl"}  # and a flag that tells them
+CASES = [
+    ["paper.yaml"],
+    ["paper-friction.yaml", "--set", "meshes.0.tracking=closed_form"],
+    ["rattle.yaml"],
+]
+
+
+def has_flag(flag: str) -> bool:
+    """Whether the processor, as Linux tells, has this feature."""
+    cpuinfo = Path("/proc/cpuinfo")
+    return (
+        cpuinfo.is_file()
+        and re.search(rf"^flags.*\b{flag}\b", cpuinfo.read_text(), re.M) is not None
+    )
+
+
+@pytest.fixture
+def with_kernel(executable: Path, tmp_path: Path) -> Callable[[str], dict[str, str]]:
+    """Environment in which the program finds the kernel of one processor, and no other."""
+    folder = executable.resolve().parent
+    if not (folder / "glibc-hwcaps").is_dir():
+        pytest.skip("this build has one kernel only (EVOLVENT_VARIANTS=OFF)")
+
+    def environment(processor: str) -> dict[str, str]:
+        if processor != BASELINE and not has_flag(PROCESSORS[processor]):
+            pytest.skip(f"this processor is no {processor}")
+        place = folder if processor == BASELINE else folder / "glibc-hwcaps" / processor
+        alone = tmp_path / processor  # without folders of variants beside it
+        alone.mkdir()
+        (alone / LIBRARY).symlink_to(place / LIBRARY)
+        return {**os.environ, "LD_LIBRARY_PATH": str(alone)}
+
+    return environment
+
+
+def kernel_processor(evolvent: Evolvent, **options: object) -> str:
+    """The processor for which the kernel that starts was compiled."""
+    result = evolvent("--version", **options)
+    assert result.returncode == 0, result.stderr
+    return result.stdout.splitlines()[-1].removeprefix("kernel compiled for ")
+
+
+@pytest.mark.parametrize("processor", [BASELINE, *PROCESSORS])
+def test_each_kernel_is_compiled_for_the_processor_of_its_folder(
+    evolvent: Evolvent, with_kernel: Callable[[str], dict[str, str]], processor: str
+) -> None:
+    assert kernel_processor(evolvent, env=with_kernel(processor)) == processor
+
+
+@pytest.mark.parametrize("processor", PROCESSORS)
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case[0])
+def test_the_kernel_of_a_newer_processor_writes_the_same_history_byte_by_byte(
+    evolvent: Evolvent,
+    with_kernel: Callable[[str], dict[str, str]],
+    examples: Path,
+    tmp_path: Path,
+    case: list[str],
+    processor: str,
+) -> None:
+    histories = []
+    for name in (BASELINE, processor):
+        history = tmp_path / f"{name}.h5"
+        words = [examples / case[0], *case[1:], "--set", "simulation.duration=0.2"]
+        result = evolvent("run", *words, "-q", "-o", history, env=with_kernel(name))
+        assert result.returncode == 0, result.stderr
+        histories.append(history.read_bytes())
+    assert histories[0] == histories[1]
+
+
+def test_a_processor_with_avx512_gets_its_kernel_unasked_also_through_a_link(
+    executable: Path, with_kernel: Callable[[str], dict[str, str]], tmp_path: Path
+) -> None:
+    with_kernel("x86-64-v4")  # skips where it cannot run
+    link = tmp_path / "evolvent"
+    link.symlink_to(executable.resolve())
+    for program in (executable, link):
+        text = subprocess.run([program, "--version"], capture_output=True, text=True, check=True)
+        assert text.stdout.splitlines()[-1] == "kernel compiled for x86-64-v4"
+
+
+def test_a_program_moved_with_its_baseline_kernel_alone_runs_with_that(
+    executable: Path, with_kernel: Callable[[str], dict[str, str]], tmp_path: Path
+) -> None:
+    with_kernel(BASELINE)  # skips where there is one kernel only
+    program = Path(shutil.copy2(executable, tmp_path / "evolvent"))
+    shutil.copy2(executable.resolve().parent / LIBRARY, tmp_path)
+    text = subprocess.run([program, "--version"], capture_output=True, text=True, check=True)
+    assert text.stdout.splitlines()[-1] == f"kernel compiled for {BASELINE}"
