@@ -12,7 +12,7 @@
 
 size_t checker_enter(checker *checker, const char *step)
 {
-    const size_t above = strlen(checker->label);
+    const size_t above = strnlen(checker->label, LABEL_LENGTH - 1);
     size_t length = above;
     if (length > 0 && length < LABEL_LENGTH - 1) {
         checker->label[length++] = '.';

@@ -296,7 +296,7 @@ static char *make_option(const char *path, const char *value)
 {
     const size_t length = strlen(path), size = strlen(value) + 1;
     char *option = xcalloc(length + 1 + size, 1);
-    memcpy(option, path, length);
+    memcpy(option, path, length + 1);
     option[length] = '=';
     memcpy(option + length + 1, value, size);
     return option;

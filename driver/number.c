@@ -114,7 +114,7 @@ static decimal take_apart(double value, int precision)
     (void)snprintf(text, sizeof text, "%.*e", precision - 1, fabs(value));
     d.digits[0] = text[0];
     memcpy(d.digits + 1, text + 2, (size_t)precision - 1);
-    d.exponent = atoi(text + precision + 2);
+    d.exponent = (int)strtol(text + precision + 2, NULL, 10);
     count_digits(&d);
     return d;
 }
