@@ -46,17 +46,6 @@ static bool fail(history *history)
     return false;
 }
 
-static netcdf_variable describe(netcdf_type type, const char *name, const char *units, const char *symbol,
-                                const char *long_name)
-{
-    netcdf_variable variable = {.type = type};
-    (void)snprintf(variable.name, sizeof variable.name, "%s", name);
-    (void)snprintf(variable.units, sizeof variable.units, "%s", units);
-    (void)snprintf(variable.symbol, sizeof variable.symbol, "%s", symbol);
-    (void)snprintf(variable.long_name, sizeof variable.long_name, "%s", long_name);
-    return variable;
-}
-
 static void set_dimensions(history *history, const model_output *output, netcdf_variable *variable)
 {
     const struct {
@@ -81,8 +70,8 @@ static void set_dimensions(history *history, const model_output *output, netcdf_
 
 static netcdf_variable describe_output(history *history, const model_output *output)
 {
-    netcdf_variable variable = describe(output->is_integer ? NETCDF_INTEGER : NETCDF_REAL, output->name, output->units,
-                                        output->symbol, output->long_name);
+    netcdf_variable variable = netcdf_describe(output->is_integer ? NETCDF_INTEGER : NETCDF_REAL, output->name,
+                                               output->units, output->symbol, output->long_name);
     set_dimensions(history, output, &variable);
     return variable;
 }
@@ -91,7 +80,7 @@ static netcdf_variable describe_output(history *history, const model_output *out
 static bool define_names(history *history, hid_t group, netcdf_dimension *dimension, const char *name,
                          const char *long_name, int n, const char *const *names)
 {
-    const netcdf_variable variable = describe(NETCDF_TEXT, name, "1", name, long_name);
+    const netcdf_variable variable = netcdf_describe(NETCDF_TEXT, name, "1", name, long_name);
     *dimension = (netcdf_dimension){.length = (hsize_t)n};
     if (!netcdf_define_dimension(&history->netcdf, group, &variable, dimension, 0)) {
         return false;
@@ -127,7 +116,7 @@ static void plan_times(history *history, hsize_t max_rows)
 {
     series *times = &history->times;
     series_init(times, &history->netcdf, history->netcdf.id, 1 + history->n_outputs, max_rows);
-    const netcdf_variable time = describe(NETCDF_REAL, "time", "s", "t", "model time");
+    const netcdf_variable time = netcdf_describe(NETCDF_REAL, "time", "s", "t", "model time");
     series_add_column(times, &time, 0, 1);
     for (int i = 0; i < history->n_outputs; i++) {
         const model_output *output = &history->outputs[i];
@@ -173,13 +162,15 @@ static void plan_events(history *history, hid_t group, const history_layout *lay
     series *events = &history->events;
     series_init(events, &history->netcdf, group, EVENT_STATES + layout->n_states, 0);
     netcdf_variable columns[EVENT_STATES] = {
-        [EVENT_NUMBER] = describe(NETCDF_INTEGER, "event", "1", "event", "number of the event, from 0"),
-        [EVENT_TIME] = describe(NETCDF_REAL, "time", "s", "t", "model time of the event"),
-        [EVENT_KIND] = describe(NETCDF_INTEGER, "kind", "1", "kind", "what happened"),
-        [EVENT_MESH] = describe(NETCDF_INTEGER, "mesh", "1", "mesh", "index of the mesh, -1 if it concerns none"),
-        [EVENT_FLANK] = describe(NETCDF_INTEGER, "flank", "1", "flank", "0 drive, 1 coast, -1 if it concerns no mesh"),
-        [EVENT_TOOTH_PAIR] = describe(NETCDF_INTEGER, "tooth_pair", "1", "tooth_pair",
-                                      "pitches since the start, after the event; -1 if it concerns no mesh"),
+        [EVENT_NUMBER] = netcdf_describe(NETCDF_INTEGER, "event", "1", "event", "number of the event, from 0"),
+        [EVENT_TIME] = netcdf_describe(NETCDF_REAL, "time", "s", "t", "model time of the event"),
+        [EVENT_KIND] = netcdf_describe(NETCDF_INTEGER, "kind", "1", "kind", "what happened"),
+        [EVENT_MESH] =
+            netcdf_describe(NETCDF_INTEGER, "mesh", "1", "mesh", "index of the mesh, -1 if it concerns none"),
+        [EVENT_FLANK] =
+            netcdf_describe(NETCDF_INTEGER, "flank", "1", "flank", "0 drive, 1 coast, -1 if it concerns no mesh"),
+        [EVENT_TOOTH_PAIR] = netcdf_describe(NETCDF_INTEGER, "tooth_pair", "1", "tooth_pair",
+                                             "pitches since the start, after the event; -1 if it concerns no mesh"),
     };
     history->event_kinds = join_words(layout->n_event_kinds, layout->event_kinds);
     columns[EVENT_KIND].n_flags = layout->n_event_kinds;
@@ -192,7 +183,7 @@ static void plan_events(history *history, hid_t group, const history_layout *lay
         char name[64], long_name[128];
         make_name(state, name, sizeof name);
         (void)snprintf(long_name, sizeof long_name, "state %s on both sides of the event", state);
-        netcdf_variable variable = describe(NETCDF_REAL, name, layout->state_units[i], state, long_name);
+        netcdf_variable variable = netcdf_describe(NETCDF_REAL, name, layout->state_units[i], state, long_name);
         variable.rank = 1;
         variable.dimensions[0] = &history->side;
         series_add_column(events, &variable, EVENT_STATES + 2 * i, 2);

@@ -298,6 +298,17 @@ static bool add_variable_attributes(netcdf_file *file, hid_t dataset, const netc
            (variable->n_flags == 0 || add_flags(file, dataset, variable));
 }
 
+netcdf_variable netcdf_describe(netcdf_type type, const char *name, const char *units, const char *symbol,
+                                const char *long_name)
+{
+    netcdf_variable variable = {.type = type};
+    (void)snprintf(variable.name, sizeof variable.name, "%s", name);
+    (void)snprintf(variable.units, sizeof variable.units, "%s", units);
+    (void)snprintf(variable.symbol, sizeof variable.symbol, "%s", symbol);
+    (void)snprintf(variable.long_name, sizeof variable.long_name, "%s", long_name);
+    return variable;
+}
+
 hid_t netcdf_define(netcdf_file *file, hid_t group, const netcdf_variable *variable, hsize_t chunk_rows)
 {
     const hid_t dataset = create_dataset(file, group, variable, chunk_rows);

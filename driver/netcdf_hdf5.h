@@ -66,6 +66,9 @@ bool netcdf_put_text(netcdf_file *file, hid_t object, const char *name, const ch
 bool netcdf_put_integer(netcdf_file *file, hid_t object, const char *name, long long value);
 bool netcdf_put_real(netcdf_file *file, hid_t object, const char *name, double value);
 
+/** A variable without dimensions yet; texts that are too long are cut. */
+netcdf_variable netcdf_describe(netcdf_type type, const char *name, const char *units, const char *symbol,
+                                const char *long_name);
 /** Create a variable with its attributes, its axes attached to their dimensions.
  *  @param chunk_rows  rows of a chunk if the first dimension grows */
 hid_t netcdf_define(netcdf_file *file, hid_t group, const netcdf_variable *variable, hsize_t chunk_rows);

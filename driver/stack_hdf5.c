@@ -15,17 +15,6 @@ typedef struct {
     netcdf_dimension cases, time, wheel, mesh, shaft, axis, space, quaternion, pair;
 } builder;
 
-static netcdf_variable describe(netcdf_type type, const char *name, const char *units, const char *symbol,
-                                const char *long_name)
-{
-    netcdf_variable variable = {.type = type};
-    (void)snprintf(variable.name, sizeof variable.name, "%s", name);
-    (void)snprintf(variable.units, sizeof variable.units, "%s", units);
-    (void)snprintf(variable.symbol, sizeof variable.symbol, "%s", symbol);
-    (void)snprintf(variable.long_name, sizeof variable.long_name, "%s", long_name);
-    return variable;
-}
-
 /* ---- making the file ---- */
 
 /** A dimension with its coordinate variable and the values of that. */
@@ -46,7 +35,7 @@ static bool define_coordinate(builder *b, netcdf_dimension *dimension, const net
 static bool define_names(builder *b, netcdf_dimension *dimension, const char *name, const char *long_name, int n,
                          const char *const *names)
 {
-    const netcdf_variable variable = describe(NETCDF_TEXT, name, "1", name, long_name);
+    const netcdf_variable variable = netcdf_describe(NETCDF_TEXT, name, "1", name, long_name);
     return define_coordinate(b, dimension, &variable, n, names);
 }
 
@@ -71,8 +60,8 @@ static bool define_pairs(builder *b, const stack_layout *layout)
 static bool define_dimensions(builder *b, const stack_layout *layout)
 {
     static const char *const axes[] = {"x", "y", "z"}, *const parts[] = {"w", "x", "y", "z"};
-    const netcdf_variable cases = describe(NETCDF_LONG, "case", "1", "", "number of the case in its design");
-    const netcdf_variable time = describe(NETCDF_REAL, "time", "s", "t", "model time");
+    const netcdf_variable cases = netcdf_describe(NETCDF_LONG, "case", "1", "", "number of the case in its design");
+    const netcdf_variable time = netcdf_describe(NETCDF_REAL, "time", "s", "t", "model time");
     long *numbers = xcalloc((size_t)layout->n_rows, sizeof *numbers);
     for (long row = 0; row < layout->n_rows; row++) {
         numbers[row] = layout->first_case + row * layout->stride;
@@ -136,7 +125,8 @@ static bool define_variable(builder *b, const model_output *output)
 {
     netcdf_dimension *inner[2];
     const int n = inner_dimensions(b, output->dims, inner);
-    netcdf_variable variable = describe(NETCDF_FLOAT, output->name, output->units, output->symbol, output->long_name);
+    netcdf_variable variable =
+        netcdf_describe(NETCDF_FLOAT, output->name, output->units, output->symbol, output->long_name);
     variable.rank = 2 + n;
     variable.dimensions[0] = &b->cases;
     variable.dimensions[1] = &b->time;
