@@ -2,12 +2,12 @@
 module evl_contact_build
    use evl_contact_laws, only: is_rigid
    use evl_deviation, only: deviation_find
-   use evl_gearbox, only: gearbox_t, i_omega, i_theta
+   use evl_gearbox, only: gearbox_t, i_omega, i_theta, wheel_t
    use evl_gearbox_description, only: mesh_input, wheel_input
    use evl_kinds, only: pi, wp
    use evl_local_variables, only: at_normal, at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_theta, at_track, &
-                                  at_u_a, at_u_b, at_v_a, at_v_b, n_track
-   use evl_mesh, only: contact_t, flank_coast, flank_drive, mesh_link, n_border_roots, n_mesh_roots, tracking_closed_form
+                                  at_u_a, at_u_b, at_v_a, at_v_b, mesh_link, n_track, wheel_link
+   use evl_mesh, only: contact_t, flank_coast, flank_drive, n_border_roots, n_mesh_roots, tracking_closed_form
    use evl_rational, only: rational_scaled
    use evl_spur_geometry, only: spur_pair_least_radius, spur_pair_t
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel
@@ -263,8 +263,10 @@ contains
       integer :: i
 
       mesh%links = [mesh_link(at_theta, i_theta, 1.0_wp), mesh_link(at_omega, i_omega, 1.0_wp)]
-      call link_wheel(gearbox, mesh, mesh%wheel_a, at_psi_a, at_psi_dot_a, at_u_a, at_v_a)
-      call link_wheel(gearbox, mesh, mesh%wheel_b, at_psi_b, at_psi_dot_b, at_u_b, at_v_b)
+      mesh%link_a = link_of(gearbox%wheels(mesh%wheel_a), mesh)
+      mesh%link_b = link_of(gearbox%wheels(mesh%wheel_b), mesh)
+      call link_wheel(mesh, mesh%link_a, at_psi_a, at_psi_dot_a, at_u_a, at_v_a)
+      call link_wheel(mesh, mesh%link_b, at_psi_b, at_psi_dot_b, at_u_b, at_v_b)
       if (mesh%i_normal > 0) mesh%links = [mesh%links, mesh_link(at_normal, mesh%i_normal, 1.0_wp)]
       if (mesh%i_track > 0) &
          mesh%links = [mesh%links, (mesh_link(at_track + i, mesh%i_track + i, 1.0_wp), i=0, n_track - 1)]
@@ -273,25 +275,36 @@ contains
          call deviation_find(mesh%pair%r_ba + mesh%pair%r_bb, mesh%pair%rho_0, 0.0_wp, 0.0_wp, mesh%rest_line)
    end subroutine link_states
 
-   !> One wheel's part of them.
-   subroutine link_wheel(gearbox, mesh, index, at_psi, at_psi_dot, at_u, at_v)
-      type(gearbox_t), intent(in) :: gearbox
-      type(contact_t), intent(inout) :: mesh
-      integer, intent(in) :: index, at_psi, at_psi_dot, at_u, at_v
-      real(wp) :: along(2)
+   !> What a tooth contact has to know of a wheel's motion.
+   pure type(wheel_link) function link_of(wheel, mesh) result(link)
+      type(wheel_t), intent(in) :: wheel
+      type(contact_t), intent(in) :: mesh
       integer :: j
 
-      associate (wheel => gearbox%wheels(index))
-         if (wheel%i_psi > 0) mesh%links = [mesh%links, mesh_link(at_psi, wheel%i_psi, 1.0_wp), &
-                                            mesh_link(at_psi_dot, wheel%i_psi + 1, 1.0_wp)]
-         do j = 1, wheel%support%n
-            along = [dot_product(wheel%support%direction(:, j), mesh%t_0), dot_product(wheel%support%direction(:, j), mesh%e_0)]
-            associate (i => wheel%support%i_state(j))
-               mesh%links = [mesh%links, mesh_link(at_u, i, along(1)), mesh_link(at_u + 1, i, along(2)), &
-                             mesh_link(at_v, i + 1, along(1)), mesh_link(at_v + 1, i + 1, along(2))]
-            end associate
-         end do
-      end associate
+      link%i_psi = wheel%i_psi
+      link%n = wheel%support%n
+      link%i_state = wheel%support%i_state
+      do j = 1, link%n
+         link%along_t(j) = dot_product(wheel%support%direction(:, j), mesh%t_0)
+         link%along_e(j) = dot_product(wheel%support%direction(:, j), mesh%e_0)
+      end do
+   end function link_of
+
+   !> One wheel's local variables in terms of the state.
+   subroutine link_wheel(mesh, link, at_psi, at_psi_dot, at_u, at_v)
+      type(contact_t), intent(inout) :: mesh
+      type(wheel_link), intent(in) :: link
+      integer, intent(in) :: at_psi, at_psi_dot, at_u, at_v
+      integer :: j
+
+      if (link%i_psi > 0) mesh%links = [mesh%links, mesh_link(at_psi, link%i_psi, 1.0_wp), &
+                                        mesh_link(at_psi_dot, link%i_psi + 1, 1.0_wp)]
+      do j = 1, link%n
+         associate (i => link%i_state(j), along_t => link%along_t(j), along_e => link%along_e(j))
+            mesh%links = [mesh%links, mesh_link(at_u, i, along_t), mesh_link(at_u + 1, i, along_e), &
+                          mesh_link(at_v, i + 1, along_t), mesh_link(at_v + 1, i + 1, along_e)]
+         end associate
+      end do
    end subroutine link_wheel
 
 end module evl_contact_build

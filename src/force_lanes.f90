@@ -52,16 +52,17 @@ contains
    end function laws_have_lanes
 
    !> Forces of flanks that overlap.
-   subroutine forces_in_lanes(mesh, mode, at, force, answered)
+   subroutine forces_in_lanes(mesh, mode, margin, at, force, answered)
       type(contact_t), intent(in) :: mesh
       type(mesh_mode), intent(in) :: mode
+      real(wp), intent(in) :: margin(lanes) !! of the line of action
       type(lane_contact), intent(in) :: at
       type(lane_force), intent(out) :: force
       logical, intent(out) :: answered !! false if the laws or the involutes have no answer in one of the lanes
       real(wp) :: sigma
       integer :: l
 
-      call laws_in_lanes(mesh, mode, at, force, answered)
+      call laws_in_lanes(mesh, mode, margin, at, force, answered)
       if (.not. answered) return
       sigma = mesh%pair%sigma
       if (mode%contact == contact_unloaded) then
@@ -82,14 +83,15 @@ contains
    end subroutine forces_in_lanes
 
    !> Elastic and viscous force.
-   subroutine laws_in_lanes(mesh, mode, at, force, answered)
+   subroutine laws_in_lanes(mesh, mode, margin, at, force, answered)
       type(contact_t), intent(in) :: mesh
       type(mesh_mode), intent(in) :: mode
+      real(wp), intent(in) :: margin(lanes) !! of the line of action
       type(lane_contact), intent(in) :: at
       type(lane_force), intent(inout) :: force
       logical, intent(out) :: answered
 
-      answered = all_positive(at%margin) .and. all_positive(at%rho_a) .and. all_positive(at%rho_b)
+      answered = all_positive(min(margin, at%rho_a, at%rho_b))
       if (.not. answered) return
       call elastic_in_lanes(mesh, at, force, answered)
       call viscous_in_lanes(mesh, mode, at, force)

@@ -4,11 +4,13 @@
 module evl_gearbox_lanes
    use evl_contact_lanes, only: contact_in_lanes, lane_contact
    use evl_force_lanes, only: forces_in_lanes, lane_force, laws_have_lanes
-   use evl_gearbox, only: gearbox_mode, gearbox_t, i_omega, i_theta, i_turns, segment_of, support_t, wheel_acceleration, wheel_t
+   use evl_gearbox, only: gearbox_mode, gearbox_t, i_omega, i_theta, i_turns, segment_of, wheel_acceleration, wheel_t
    use evl_gearbox_rates, only: gearbox_rates
    use evl_kinds, only: wp
+   use evl_line_lanes, only: lane_line, line_in_lanes
    use evl_load, only: load_damping, load_table, load_torque, load_varies
-   use evl_mesh, only: contact_loaded, contact_t, contact_unloaded, mesh_mode, tracking_closed_form
+   use evl_local_variables, only: wheel_link
+   use evl_mesh, only: contact_loaded, contact_unloaded, mesh_mode, tracking_closed_form
    use evl_ode_model, only: lanes
    use evl_shaft, only: shaft_t
    use evl_status, only: code_out_of_domain, fail, has_failed, status_t
@@ -44,13 +46,13 @@ contains
       real(wp), intent(in) :: reals(:)
       real(wp), intent(out) :: f(lanes, gearbox%n_states)
       type(status_t), intent(inout) :: status          !! code_out_of_domain if a law has no answer in one of the lanes
-      type(lane_contact) :: at
+      type(lane_line) :: line
       logical :: answered
       integer :: i
 
       f = 0
       do i = 1, size(gearbox%contacts)
-         call add_contact(gearbox, i, y, integers, reals, at, f, answered)
+         call add_contact(gearbox, i, y, integers, reals, line, f, answered)
          if (.not. answered) then
             call say_why(gearbox, t, y, integers, reals, status)
             return
@@ -94,15 +96,16 @@ contains
    end subroutine say_why
 
    !> Forces of a tooth contact in the rows of its wheels, their supports and the dissipated energy.
-   subroutine add_contact(gearbox, index, y, integers, reals, at, f, answered)
+   subroutine add_contact(gearbox, index, y, integers, reals, line, f, answered)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
       real(wp), intent(in) :: y(lanes, gearbox%n_states), reals(:)
       integer, intent(in) :: integers(:)
-      type(lane_contact), intent(inout) :: at      !! of an earlier contact, or none
+      type(lane_line), intent(inout) :: line    !! of an earlier contact, or nobody's
       real(wp), intent(inout) :: f(lanes, gearbox%n_states)
       logical, intent(out) :: answered
       type(mesh_mode) :: mode
+      type(lane_contact) :: at
       type(lane_force) :: force
 
       answered = .true.
@@ -111,37 +114,33 @@ contains
       end associate
       mode = gearbox_mode(gearbox, index, integers, reals)
       associate (mesh => gearbox%contacts(index))
-         call contact_in_lanes(mesh, mode, integers(i_turns), y, at)
-         call forces_in_lanes(mesh, mode, at, force, answered)
+         call line_in_lanes(mesh, y, line)
+         call contact_in_lanes(mesh, mode, integers(i_turns), line, at)
+         call forces_in_lanes(mesh, mode, line%margin, at, force, answered)
          if (.not. answered) return
          associate (a => gearbox%wheels(mesh%wheel_a), b => gearbox%wheels(mesh%wheel_b))
             f(:, a%i_speed) = f(:, a%i_speed) + force%torque_a
             f(:, b%i_speed) = f(:, b%i_speed) + force%torque_b
-            call push_support(a%support, mesh, 1.0_wp, force, f)
-            call push_support(b%support, mesh, -1.0_wp, force, f)
+            call push_axle(mesh%link_a, force%on_a_t, force%on_a_e, f)
+            call push_axle(mesh%link_b, -force%on_a_t, -force%on_a_e, f)
          end associate
       end associate
       f(:, gearbox%i_dissipated) = f(:, gearbox%i_dissipated) + force%dissipation
    end subroutine add_contact
 
-   !> Force of a tooth contact on a support.
-   pure subroutine push_support(support, mesh, sign, force, f)
-      type(support_t), intent(in) :: support
-      type(contact_t), intent(in) :: mesh
-      real(wp), intent(in) :: sign !! +1 on A, -1 on B
-      type(lane_force), intent(in) :: force
-      real(wp), intent(inout), contiguous :: f(:, :)
-      real(wp) :: along_t, along_e
+   !> Force of a tooth contact on an axle.
+   pure subroutine push_axle(link, force_t, force_e, f)
+      type(wheel_link), intent(in) :: link
+      real(wp), intent(in) :: force_t(lanes), force_e(lanes)
+      real(wp), intent(inout) :: f(lanes, *)
       integer :: j
 
-      do j = 1, support%n
-         along_t = sign*dot_product(support%direction(:, j), mesh%t_0)
-         along_e = sign*dot_product(support%direction(:, j), mesh%e_0)
-         associate (row => support%i_state(j) + 1)
-            f(1:lanes, row) = f(1:lanes, row) + force%on_a_t*along_t + force%on_a_e*along_e
+      do j = 1, link%n
+         associate (row => link%i_state(j) + 1)
+            f(:, row) = f(:, row) + force_t*link%along_t(j) + force_e*link%along_e(j)
          end associate
       end do
-   end subroutine push_support
+   end subroutine push_axle
 
    !> Torque of an elastic shaft on its two wheels, and what its damping takes.
    pure subroutine twist_shaft(shaft, row_a, row_b, row_dissipated, y, f)

@@ -7,7 +7,7 @@ module evl_local_variables
    implicit none (type, external)
    private
 
-   public :: n_local, n_track, unit
+   public :: n_local, n_track, unit, mesh_link, wheel_link
    public :: at_theta, at_psi_a, at_psi_b, at_u_a, at_u_b, at_omega, at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b
    public :: at_track, at_turn, at_zeta, at_dr, at_lambda, at_mu, at_normal
 
@@ -30,6 +30,21 @@ module evl_local_variables
    integer, parameter :: at_lambda = 20    !! lambda of (1) [1]
    integer, parameter :: at_mu = 21        !! mu of (1) [m^2]
    integer, parameter :: at_track = at_turn !! first tracked variable
+
+   !> Couples a local variable of the mesh with a state of the gearbox.
+   type :: mesh_link
+      integer :: local = 0           !! place in the local variables
+      integer :: state = 0           !! place in the state
+      real(wp) :: weight = 0.0_wp    !! d local/d state
+   end type mesh_link
+
+   !> The same for one of its wheels, all at once.
+   type :: wheel_link
+      integer :: i_psi = 0               !! place of psi in the state, psi' follows; 0 if there is none
+      integer :: n = 0                   !! degrees of freedom of the axle
+      integer :: i_state(2) = 0          !! place of s_j in the state; s_j' follows
+      real(wp) :: along_t(2) = 0.0_wp, along_e(2) = 0.0_wp !! direction of s_j in (t_0, e_0)
+   end type wheel_link
 
 contains
 

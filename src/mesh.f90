@@ -16,13 +16,13 @@ module evl_mesh
    use evl_deviation, only: deviation
    use evl_flank_deviation, only: deviation_at, deviation_zone, flank_deviation_t
    use evl_kinds, only: pi, wp
-   use evl_local_variables, only: at_normal, n_local, unit
+   use evl_local_variables, only: at_normal, mesh_link, n_local, unit, wheel_link
    use evl_rational, only: rational_pitches, rational_t
    use evl_status, only: code_ok, code_out_of_domain, fail, quantity, status_t, subject_mesh
    implicit none (type, external)
    private
 
-   public :: contact_t, contact_state, mesh_link, mesh_mode, mesh_force, mesh_force_gradient
+   public :: contact_t, contact_state, mesh_mode, mesh_force, mesh_force_gradient
    public :: context_of, mesh_contact, mesh_forces, mesh_gradient, mesh_energy
    public :: mesh_nominal_rho, mesh_nominal_start, mesh_unclipped_force, mesh_settle_friction, touches
    public :: tracking_closed_form, tracking_algebraic, tracking_differential
@@ -46,13 +46,6 @@ module evl_mesh
 
    integer, parameter :: n_mesh_roots = 7       !! root functions of a tooth contact
    integer, parameter :: n_border_roots = 4     !! more of them where a flank deviates: borders of tip and root relief of A, of B
-
-   !> Couples a local variable of the mesh with a state of the gearbox.
-   type :: mesh_link
-      integer :: local = 0           !! place in the local variables
-      integer :: state = 0           !! place in the state
-      real(wp) :: weight = 0.0_wp    !! d local/d state
-   end type mesh_link
 
    type :: contact_t
       integer :: mesh = 0                 !! of the gearbox, to which the contact belongs
@@ -83,6 +76,7 @@ module evl_mesh
       integer :: tooth_sign = 1           !! +1: tooth pairs come in the order of A's teeth, counted counterclockwise; -1: against
       integer :: tooth_a = 0, tooth_b = 0 !! teeth of pair 0, counted counterclockwise from the first ones of the wheels
       type(mesh_link), allocatable :: links(:) !! local variables in terms of the state
+      type(wheel_link) :: link_a, link_b  !! the same, wheel by wheel
       logical :: axles_rest = .false.     !! both axles are fixed, and the line of action with them
       type(deviation) :: rest_line        !! where it is then
       logical :: leads = .false.          !! the first slot of a rigid flank: the flank's constraint is its

@@ -1,13 +1,13 @@
 !> The root functions of a gearbox for eight states at once, as `gearbox_roots` gives them for one.
 module evl_roots_lanes
    use evl_contact_laws, only: friction_knee
-   use evl_contact_lanes, only: centre_turn_in_lanes, contact_in_lanes, lane_contact
+   use evl_contact_lanes, only: contact_in_lanes, lane_contact
    use evl_flank_deviation, only: deviation_borders, flank_deviation_t, zone_root, zone_tip
    use evl_force_lanes, only: lane_force, laws_in_lanes
    use evl_gearbox, only: gearbox_mode, gearbox_t, i_theta, i_turns
    use evl_gearbox_events, only: gearbox_roots, turns_root
    use evl_kinds, only: wp
-   use evl_local_variables, only: at_psi_a
+   use evl_line_lanes, only: centre_turn_in_lanes, lane_line, line_in_lanes
    use evl_mesh, only: contact_loaded, contact_off, contact_open, contact_t, flank_drive, mesh_mode, touches
    use evl_mesh_roots, only: past, root_back, root_borders_a, root_borders_b, root_contact, root_force, root_forward, &
                              root_friction_high, root_friction_low
@@ -33,13 +33,13 @@ contains
       real(wp), intent(in) :: reals(:)
       real(wp), intent(out) :: roots(lanes, gearbox%n_roots)
       type(status_t), intent(inout) :: status    !! code_out_of_domain if a law has no answer in one of the lanes
-      type(lane_contact) :: at
+      type(lane_line) :: line
       logical :: answered
       integer :: m
 
       do m = 1, size(gearbox%contacts)
          associate (first => gearbox%contacts(m)%i_root + 1, last => gearbox%contacts(m)%i_root + gearbox%contacts(m)%n_roots)
-            call roots_of_contact(gearbox, m, y, integers, reals, at, roots(:, first:last), answered)
+            call roots_of_contact(gearbox, m, y, integers, reals, line, roots(:, first:last), answered)
          end associate
          if (.not. answered) then
             call say_why(gearbox, y, integers, reals, status)
@@ -50,33 +50,35 @@ contains
    end subroutine roots_in_lanes
 
    !> Those of one tooth contact.
-   subroutine roots_of_contact(gearbox, index, y, integers, reals, at, roots, answered)
+   subroutine roots_of_contact(gearbox, index, y, integers, reals, line, roots, answered)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
       real(wp), intent(in) :: y(lanes, gearbox%n_states), reals(:)
       integer, intent(in) :: integers(:)
-      type(lane_contact), intent(inout) :: at      !! of the contact before, or none
+      type(lane_line), intent(inout) :: line       !! of the contact before, or nobody's
       real(wp), intent(out) :: roots(lanes, gearbox%contacts(index)%n_roots)
       logical, intent(out) :: answered
       type(mesh_mode) :: mode
+      type(lane_contact) :: at
       type(lane_force) :: force
       real(wp), dimension(lanes) :: unclipped, moved, turn
 
       mode = gearbox_mode(gearbox, index, integers, reals)
       associate (mesh => gearbox%contacts(index))
-         call contact_in_lanes(mesh, mode, integers(i_turns), y, at)
-         answered = all_positive(at%margin)
+         call line_in_lanes(mesh, y, line)
+         answered = all_positive(line%margin)
          if (.not. answered) return
+         call contact_in_lanes(mesh, mode, integers(i_turns), line, at)
          unclipped = 0
          if (touches(mode)) then
-            call laws_in_lanes(mesh, mode, at, force, answered)
+            call laws_in_lanes(mesh, mode, line%margin, at, force, answered)
             if (.not. answered) return
             unclipped = force%elastic + force%viscous
          end if
          moved = 0
          if (mesh%handover) then
-            call centre_turn_in_lanes(mesh, at, turn)
-            moved = pitches_moved(mesh, at%rho_a0, at%q(:, at_psi_a), turn)
+            call centre_turn_in_lanes(mesh, line, turn)
+            moved = pitches_moved(mesh, at%rho_a0, line%psi_a, turn)
          end if
          call contact_roots(mesh, mode, at%h, at%v_t, at%rho_a, at%rho_b, unclipped, moved, roots)
       end associate
