@@ -54,6 +54,7 @@ module evl_gearbox
       integer :: n = 0                       !! degrees of freedom
       real(wp) :: direction(2, 2) = 0.0_wp   !! column j: unit vector of degree of freedom j in the housing frame
       real(wp) :: mass = 0.0_wp              !! that moves: wheel and support [kg]
+      real(wp) :: per_mass = 0.0_wp          !! its inverse
       real(wp) :: stiffness(2) = 0.0_wp      !! [N/m]
       real(wp) :: damping(2) = 0.0_wp        !! [N s/m]
       integer :: i_state(2) = 0              !! place of s_j in the state; s_j' follows
@@ -71,6 +72,8 @@ module evl_gearbox
       real(wp) :: ratio = 0.0_wp             !! g as a real number
       integer :: leader = 0                  !! wheel that stands for its rotor
       real(wp) :: rotor_inertia = 0.0_wp     !! of all wheels of its rotor about the axle [kg m^2]
+      real(wp) :: per_inertia = 0.0_wp       !! its inverse
+      logical :: is_loaded = .false.         !! whether there is a load on it
       integer :: i_psi = 0                   !! place of psi in the state, psi' follows; 0 in the rotor of the reference wheel
       integer :: i_speed = 0                 !! place of its speed's rate among the rows: i_omega or i_psi + 1
       integer :: prescribed = 0              !! load that prescribes the speed of its rotor; 0: none
@@ -331,7 +334,7 @@ contains
                acceleration = load_acceleration(load, segment_of(load, integers))
             end associate
          else
-            acceleration = torque/wheel%rotor_inertia
+            acceleration = torque*wheel%per_inertia
          end if
       end associate
    end function wheel_acceleration

@@ -65,6 +65,8 @@ contains
       if (has_failed(status)) return
       do i = 1, size(wheels)
          gearbox%wheels(i)%rotor_inertia = sum(gearbox%wheels%inertia, mask=gearbox%wheels%leader == gearbox%wheels(i)%leader)
+         gearbox%wheels(i)%per_inertia = 1/gearbox%wheels(i)%rotor_inertia
+         gearbox%wheels(i)%is_loaded = any(gearbox%loads%wheel == i)
       end do
       do i = 1, size(meshes)
          call take_pair(gearbox, wheels, meshes, layout, i, status)
@@ -190,6 +192,7 @@ contains
 
       support%kind = given%support_kind
       support%mass = wheel_mass + given%support_mass
+      support%per_mass = 1/support%mass
       support%stiffness = given%support_stiffness
       support%damping = given%support_damping
       select case (support%kind)

@@ -177,7 +177,7 @@ contains
       integer :: j
 
       associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support)
-         if (any(gearbox%loads%wheel == index)) then
+         if (wheel%is_loaded) then
             omega = speed_of(wheel, y)
             torque = 0
             do j = 1, size(gearbox%loads)
@@ -190,7 +190,7 @@ contains
             associate (i => support%i_state(j))
                f(:, i) = y(:, i + 1)
                f(:, gearbox%i_dissipated) = f(:, gearbox%i_dissipated) + damper_power(support%damping(j), y(:, i + 1))
-               f(:, i + 1) = support_acceleration(f(:, i + 1), support%stiffness(j), support%damping(j), support%mass, &
+               f(:, i + 1) = support_acceleration(f(:, i + 1), support%stiffness(j), support%damping(j), support%per_mass, &
                                                   y(:, i), y(:, i + 1))
             end associate
          end do
@@ -228,7 +228,7 @@ contains
 
       associate (wheel => gearbox%wheels(leader))
          if (wheel%prescribed == 0) then
-            f(:, wheel%i_speed) = f(:, wheel%i_speed)/wheel%rotor_inertia
+            f(:, wheel%i_speed) = f(:, wheel%i_speed)*wheel%per_inertia
             return
          end if
          acceleration = wheel_acceleration(gearbox, leader, 0.0_wp, integers)

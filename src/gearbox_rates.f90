@@ -188,7 +188,7 @@ contains
             associate (i => support%i_state(j))
                f(i) = y(i + 1)
                f(gearbox%i_dissipated) = f(gearbox%i_dissipated) + damper_power(support%damping(j), y(i + 1))
-               f(i + 1) = support_acceleration(f(i + 1), support%stiffness(j), support%damping(j), support%mass, y(i), y(i + 1))
+               f(i + 1) = support_acceleration(f(i + 1), support%stiffness(j), support%damping(j), support%per_mass, y(i), y(i + 1))
             end associate
          end do
       end associate
