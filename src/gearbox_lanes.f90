@@ -7,7 +7,7 @@ module evl_gearbox_lanes
    use evl_gearbox, only: gearbox_mode, gearbox_t, i_omega, i_theta, i_turns, segment_of, wheel_acceleration, wheel_t
    use evl_gearbox_rates, only: gearbox_rates
    use evl_kinds, only: wp
-   use evl_line_lanes, only: lane_line, line_in_lanes
+   use evl_line_lanes, only: lane_line, line_in_lanes, turn_wheel
    use evl_load, only: load_damping, load_table, load_torque, load_varies
    use evl_local_variables, only: wheel_link
    use evl_mesh, only: contact_loaded, contact_unloaded, mesh_mode, tracking_closed_form
@@ -73,8 +73,7 @@ contains
       do i = 1, size(gearbox%wheels)
          associate (psi => gearbox%wheels(i)%i_psi, speed => gearbox%wheels(i)%i_speed)
             if (psi == 0 .or. gearbox%wheels(i)%leader /= i) cycle
-            f(:, psi) = y(:, psi + 1)
-            f(:, speed) = f(:, speed) - gearbox%wheels(i)%ratio*f(:, i_omega)
+            call deviate(gearbox%wheels(i)%ratio, y(:, psi + 1), f(:, i_omega), f(:, psi), f(:, speed))
          end associate
       end do
    end subroutine rates_in_lanes
@@ -119,51 +118,86 @@ contains
          call forces_in_lanes(mesh, mode, line%margin, at, force, answered)
          if (.not. answered) return
          associate (a => gearbox%wheels(mesh%wheel_a), b => gearbox%wheels(mesh%wheel_b))
-            f(:, a%i_speed) = f(:, a%i_speed) + force%torque_a
-            f(:, b%i_speed) = f(:, b%i_speed) + force%torque_b
-            call push_axle(mesh%link_a, force%on_a_t, force%on_a_e, f)
-            call push_axle(mesh%link_b, -force%on_a_t, -force%on_a_e, f)
+            call add(force%torque_a, f(:, a%i_speed))
+            call add(force%torque_b, f(:, b%i_speed))
+            call push_axle(mesh%link_a, 1.0_wp, force, f)
+            call push_axle(mesh%link_b, -1.0_wp, force, f)
          end associate
       end associate
-      f(:, gearbox%i_dissipated) = f(:, gearbox%i_dissipated) + force%dissipation
+      call add(force%dissipation, f(:, gearbox%i_dissipated))
    end subroutine add_contact
 
+   !> Add to a row of the rates.
+   pure subroutine add(x, row)
+      real(wp), intent(in) :: x(lanes)
+      real(wp), intent(inout) :: row(lanes)
+      integer :: l
+
+      !$omp simd
+      do l = 1, lanes
+         row(l) = row(l) + x(l)
+      end do
+   end subroutine add
+
+   !> Add to a row of the rates what is multiplied.
+   pure subroutine add_product(a, b, row)
+      real(wp), intent(in) :: a(lanes), b(lanes)
+      real(wp), intent(inout) :: row(lanes)
+      integer :: l
+
+      !$omp simd
+      do l = 1, lanes
+         row(l) = row(l) + a(l)*b(l)
+      end do
+   end subroutine add_product
+
    !> Force of a tooth contact on an axle.
-   pure subroutine push_axle(link, force_t, force_e, f)
+   pure subroutine push_axle(link, sign, force, f)
       type(wheel_link), intent(in) :: link
-      real(wp), intent(in) :: force_t(lanes), force_e(lanes)
+      real(wp), intent(in) :: sign !! +1 on A, -1 on B
+      type(lane_force), intent(in) :: force
       real(wp), intent(inout) :: f(lanes, *)
       integer :: j
 
       do j = 1, link%n
-         associate (row => link%i_state(j) + 1)
-            f(:, row) = f(:, row) + force_t*link%along_t(j) + force_e*link%along_e(j)
-         end associate
+         call push(sign*link%along_t(j), sign*link%along_e(j), force%on_a_t, force%on_a_e, f(:, link%i_state(j) + 1))
       end do
    end subroutine push_axle
+
+   !> Force in one direction.
+   pure subroutine push(along_t, along_e, force_t, force_e, row)
+      real(wp), intent(in) :: along_t, along_e, force_t(lanes), force_e(lanes)
+      real(wp), intent(inout) :: row(lanes)
+      integer :: l
+
+      !$omp simd
+      do l = 1, lanes
+         row(l) = row(l) + force_t(l)*along_t + force_e(l)*along_e
+      end do
+   end subroutine push
 
    !> Torque of an elastic shaft on its two wheels, and what its damping takes.
    pure subroutine twist_shaft(shaft, row_a, row_b, row_dissipated, y, f)
       type(shaft_t), intent(in) :: shaft
       integer, intent(in) :: row_a, row_b, row_dissipated
-      real(wp), intent(in), contiguous :: y(:, :)
-      real(wp), intent(inout), contiguous :: f(:, :)
-      real(wp), dimension(lanes) :: twist, rate, torque
+      real(wp), intent(in) :: y(lanes, *)
+      real(wp), intent(inout) :: f(lanes, *)
+      real(wp), dimension(lanes) :: psi_a, psi_b, rate_a, rate_b, torque, power
+      real(wp) :: stiffness, damping
+      integer :: l
 
-      twist = 0
-      rate = 0
-      if (shaft%i_psi_a > 0) then
-         twist = y(1:lanes, shaft%i_psi_a)
-         rate = y(1:lanes, shaft%i_psi_a + 1)
-      end if
-      if (shaft%i_psi_b > 0) then
-         twist = twist - y(1:lanes, shaft%i_psi_b)
-         rate = rate - y(1:lanes, shaft%i_psi_b + 1)
-      end if
-      torque = spring_damper(shaft%stiffness, shaft%damping, twist, rate)
-      f(1:lanes, row_a) = f(1:lanes, row_a) - torque
-      f(1:lanes, row_b) = f(1:lanes, row_b) + torque
-      f(1:lanes, row_dissipated) = f(1:lanes, row_dissipated) + damper_power(shaft%damping, rate)
+      call turn_wheel(shaft%i_psi_a, y, psi_a, rate_a)
+      call turn_wheel(shaft%i_psi_b, y, psi_b, rate_b)
+      stiffness = shaft%stiffness
+      damping = shaft%damping
+      !$omp simd
+      do l = 1, lanes
+         torque(l) = spring_damper(stiffness, damping, psi_a(l) - psi_b(l), rate_a(l) - rate_b(l))
+         power(l) = damper_power(damping, rate_a(l) - rate_b(l))
+      end do
+      call add(-torque, f(:, row_a))
+      call add(torque, f(:, row_b))
+      call add(power, f(:, row_dissipated))
    end subroutine twist_shaft
 
    !> Torque and power of a wheel's loads; acceleration of its support.
@@ -178,24 +212,39 @@ contains
 
       associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support)
          if (wheel%is_loaded) then
-            omega = speed_of(wheel, y)
+            call speed_of(wheel, y, omega)
             torque = 0
             do j = 1, size(gearbox%loads)
                if (gearbox%loads(j)%wheel == index) call add_load(gearbox, j, t, omega, integers, torque)
             end do
-            f(:, wheel%i_speed) = f(:, wheel%i_speed) + torque
-            f(:, gearbox%i_work) = f(:, gearbox%i_work) + torque*omega
+            call add(torque, f(:, wheel%i_speed))
+            call add_product(torque, omega, f(:, gearbox%i_work))
          end if
          do j = 1, support%n
             associate (i => support%i_state(j))
-               f(:, i) = y(:, i + 1)
-               f(:, gearbox%i_dissipated) = f(:, gearbox%i_dissipated) + damper_power(support%damping(j), y(:, i + 1))
-               f(:, i + 1) = support_acceleration(f(:, i + 1), support%stiffness(j), support%damping(j), support%per_mass, &
-                                                  y(:, i), y(:, i + 1))
+               call move_support(support%stiffness(j), support%damping(j), support%per_mass, y(:, i), y(:, i + 1), &
+                                 f(:, i), f(:, i + 1), f(:, gearbox%i_dissipated))
             end associate
          end do
       end associate
    end subroutine load_wheel
+
+   !> One degree of freedom of a support.
+   pure subroutine move_support(stiffness, damping, per_mass, s, s_dot, rate, acceleration, power)
+      real(wp), intent(in) :: stiffness, damping, per_mass
+      real(wp), intent(in) :: s(lanes), s_dot(lanes)
+      real(wp), intent(out) :: rate(lanes)
+      real(wp), intent(inout) :: acceleration(lanes) !! the force; the acceleration
+      real(wp), intent(inout) :: power(lanes)        !! dissipated
+      integer :: l
+
+      !$omp simd
+      do l = 1, lanes
+         rate(l) = s_dot(l)
+         acceleration(l) = support_acceleration(acceleration(l), stiffness, damping, per_mass, s(l), s_dot(l))
+         power(l) = power(l) + damper_power(damping, s_dot(l))
+      end do
+   end subroutine move_support
 
    !> Add the torque of a load: of a table by the time of each lane, else linear in the speed.
    subroutine add_load(gearbox, index, t, omega, integers, torque)
@@ -204,15 +253,27 @@ contains
       real(wp), intent(in) :: t(lanes), omega(lanes)
       integer, intent(in) :: integers(:)
       real(wp), intent(inout) :: torque(lanes)
-      integer :: segment
+      real(wp) :: constant, damping, t_1, t_2, value_1, value_2
+      integer :: l, segment
 
       associate (load => gearbox%loads(index))
          segment = segment_of(load, integers)
          if (load%kind == load_table .and. load_varies(load, segment)) then
-            torque = torque + between_knots(t, load%time(segment), load%time(segment + 1), load%values(segment), &
-                                            load%values(segment + 1))
+            t_1 = load%time(segment)
+            t_2 = load%time(segment + 1)
+            value_1 = load%values(segment)
+            value_2 = load%values(segment + 1)
+            !$omp simd
+            do l = 1, lanes
+               torque(l) = torque(l) + between_knots(t(l), t_1, t_2, value_1, value_2)
+            end do
          else
-            torque = torque + (load_torque(load, t(1), 0.0_wp, segment) - load_damping(load)*omega)
+            constant = load_torque(load, t(1), 0.0_wp, segment)
+            damping = load_damping(load)
+            !$omp simd
+            do l = 1, lanes
+               torque(l) = torque(l) + (constant - damping*omega(l))
+            end do
          end if
       end associate
    end subroutine add_load
@@ -224,28 +285,62 @@ contains
       real(wp), intent(in) :: y(lanes, gearbox%n_states)
       integer, intent(in) :: integers(:)
       real(wp), intent(inout) :: f(lanes, gearbox%n_states)
-      real(wp) :: missing(lanes), acceleration
+      real(wp) :: missing(lanes), omega(lanes), acceleration
 
       associate (wheel => gearbox%wheels(leader))
          if (wheel%prescribed == 0) then
-            f(:, wheel%i_speed) = f(:, wheel%i_speed)*wheel%per_inertia
+            call scale(wheel%per_inertia, f(:, wheel%i_speed))
             return
          end if
          acceleration = wheel_acceleration(gearbox, leader, 0.0_wp, integers)
          missing = -f(:, wheel%i_speed) + wheel%rotor_inertia*acceleration
          f(:, wheel%i_speed) = acceleration
-         f(:, gearbox%i_work) = f(:, gearbox%i_work) + missing*speed_of(wheel, y)
+         call speed_of(wheel, y, omega)
+         call add_product(missing, omega, f(:, gearbox%i_work))
       end associate
    end subroutine accelerate_rotor
 
-   !> Angular velocity of a wheel [rad/s].
-   pure function speed_of(wheel, y) result(omega)
-      type(wheel_t), intent(in) :: wheel
-      real(wp), intent(in), contiguous :: y(:, :)
-      real(wp) :: omega(lanes)
+   !> Multiply a row of the rates.
+   pure subroutine scale(factor, row)
+      real(wp), intent(in) :: factor
+      real(wp), intent(inout) :: row(lanes)
+      integer :: l
 
-      omega = wheel%ratio*y(1:lanes, i_omega)
-      if (wheel%i_psi > 0) omega = omega + y(1:lanes, wheel%i_psi + 1)
-   end function speed_of
+      !$omp simd
+      do l = 1, lanes
+         row(l) = factor*row(l)
+      end do
+   end subroutine scale
+
+   !> From the accelerations to those of the deviations: psi'' = phi'' - g theta''; and the rate of psi.
+   pure subroutine deviate(ratio, psi_dot, reference, rate, acceleration)
+      real(wp), intent(in) :: ratio
+      real(wp), intent(in) :: psi_dot(lanes), reference(lanes)
+      real(wp), intent(out) :: rate(lanes)
+      real(wp), intent(inout) :: acceleration(lanes)
+      integer :: l
+
+      !$omp simd
+      do l = 1, lanes
+         rate(l) = psi_dot(l)
+         acceleration(l) = acceleration(l) - ratio*reference(l)
+      end do
+   end subroutine deviate
+
+   !> Angular velocity of a wheel [rad/s].
+   pure subroutine speed_of(wheel, y, omega)
+      type(wheel_t), intent(in) :: wheel
+      real(wp), intent(in) :: y(lanes, *)
+      real(wp), intent(out) :: omega(lanes)
+      real(wp) :: psi(lanes), psi_dot(lanes), ratio
+      integer :: l
+
+      call turn_wheel(wheel%i_psi, y, psi, psi_dot)
+      ratio = wheel%ratio
+      !$omp simd
+      do l = 1, lanes
+         omega(l) = ratio*y(l, i_omega) + psi_dot(l)
+      end do
+   end subroutine speed_of
 
 end module evl_gearbox_lanes

@@ -1,5 +1,6 @@
 !> The line of action of a flank for eight states at once, and what moves it: all its tooth contacts share them.
 module evl_line_lanes
+   use, intrinsic :: iso_fortran_env, only: int64
    use evl_closed_form, only: centre_line_turn
    use evl_contact_point, only: tracked_pair
    use evl_deviation, only: deviation, small_sine, tangent_angle
@@ -11,7 +12,7 @@ module evl_line_lanes
    implicit none (type, external)
    private
 
-   public :: lane_line, line_in_lanes, centre_turn_in_lanes
+   public :: lane_line, line_in_lanes, centre_turn_in_lanes, turn_wheel
 
    !> Motion of the wheels and line of action in eight states.
    type :: lane_line
@@ -41,8 +42,8 @@ contains
       line%flank = mesh%flank
       line%theta = y(:, i_theta)
       line%omega = y(:, i_omega)
-      call turn_wheel(mesh%link_a, y, line%psi_a, line%psi_dot_a)
-      call turn_wheel(mesh%link_b, y, line%psi_b, line%psi_dot_b)
+      call turn_wheel(mesh%link_a%i_psi, y, line%psi_a, line%psi_dot_a)
+      call turn_wheel(mesh%link_b%i_psi, y, line%psi_b, line%psi_dot_b)
       call move_axles(mesh%link_a, mesh%link_b, y, line)
       if (mesh%axles_rest) then
          call rest_line(mesh%rest_line, line)
@@ -60,17 +61,17 @@ contains
    end subroutine line_in_lanes
 
    !> Deviation of a wheel from its nominal rotation, and its rate.
-   pure subroutine turn_wheel(link, y, psi, psi_dot)
-      type(wheel_link), intent(in) :: link
+   pure subroutine turn_wheel(i_psi, y, psi, psi_dot)
+      integer, intent(in) :: i_psi         !! place of psi in the state, psi' follows; 0: there is none, as in the reference rotor
       real(wp), intent(in) :: y(lanes, *)
       real(wp), intent(out) :: psi(lanes), psi_dot(lanes)
 
-      if (link%i_psi == 0) then
+      if (i_psi == 0) then
          psi = 0
          psi_dot = 0
       else
-         psi = y(:, link%i_psi)
-         psi_dot = y(:, link%i_psi + 1)
+         psi = y(:, i_psi)
+         psi_dot = y(:, i_psi + 1)
       end if
    end subroutine turn_wheel
 

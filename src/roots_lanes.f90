@@ -1,5 +1,6 @@
 !> The root functions of a gearbox for eight states at once, as `gearbox_roots` gives them for one.
 module evl_roots_lanes
+   use, intrinsic :: iso_fortran_env, only: int64
    use evl_contact_laws, only: friction_knee
    use evl_contact_lanes, only: contact_in_lanes, lane_contact
    use evl_flank_deviation, only: deviation_borders, flank_deviation_t, zone_root, zone_tip
