@@ -5,7 +5,7 @@ module evl_far_roots
    implicit none (type, external)
    private
 
-   public :: keep_away, near_zero, sign_of
+   public :: list_near, near_zero, sign_of
 
    !> Of a function's largest value: how near an extremum has to come to be looked at.
    real(wp), parameter :: near_zero = 0.05_wp
@@ -15,34 +15,37 @@ module evl_far_roots
 
 contains
 
-   !> Whether some functions have one sign each at all nodes, that of the step before, and change so little that none of
-   !> their interpolants comes anywhere near zero; then their signs are put down. Asked of all at once, since most often it
-   !> is so.
-   pure subroutine keep_away(n, n_some, some, g, sign_now, sign_after, away)
+   !> List the functions that may come near zero. The others have one sign at all nodes, that of the step before, which is
+   !> put down, and change so little that their interpolants come nowhere near zero.
+   pure subroutine list_near(n, n_live, live, g, sign_now, sign_after, n_near, near)
       integer, intent(in) :: n                    !! functions
-      integer, intent(in) :: n_some, some(n_some) !! those looked at
-      real(wp), intent(in) :: g(lanes, n)
+      integer, intent(in) :: n_live, live(n_live) !! those looked at
+      real(wp), intent(in) :: g(lanes, n)         !! values at the nodes, the last one the start
       integer, intent(in) :: sign_now(n)          !! at the end of the step before; 0: not known
       integer, intent(inout) :: sign_after(n)
-      logical, intent(out) :: away
-      real(wp) :: near(lanes), at_start, most
+      integer, intent(out) :: n_near
+      integer, intent(inout) :: near(n)           !! the first n_near of these: which ones
+      integer, parameter :: half = lanes/2
+      real(wp) :: stay(half), at_start, most
       integer :: i, k, l
 
-      near = 0
-      away = .true.
-      do k = 1, n_some
-         i = some(k)
+      n_near = 0
+      do k = 1, n_live
+         i = live(k)
          at_start = g(lanes, i)
          most = little*abs(at_start)
          !$omp simd
-         do l = 1, lanes
-            near(l) = near(l) + merge(1.0_wp, 0.0_wp, abs(g(l, i) - at_start) <= most)
+         do l = 1, half
+            stay(l) = merge(1.0_wp, 0.0_wp, abs(g(l, i) - at_start) <= most) &
+                      + merge(1.0_wp, 0.0_wp, abs(g(l + half, i) - at_start) <= most)
          end do
-         away = away .and. abs(at_start) > 0 .and. sign_now(i)*at_start >= 0
          sign_after(i) = sign_of(at_start)
+         if ((stay(1) + stay(3)) + (stay(2) + stay(4)) > lanes - 0.5_wp .and. abs(at_start) > 0 &
+             .and. sign_now(i)*at_start >= 0) cycle
+         n_near = n_near + 1
+         near(n_near) = i
       end do
-      away = away .and. sum(near) > lanes*n_some - 0.5_wp
-   end subroutine keep_away
+   end subroutine list_near
 
    !> -1, 0 or 1
    pure integer function sign_of(value)

@@ -230,7 +230,7 @@ contains
 
    !> Add a multiple of derivatives with respect to local variables to a row.
    pure subroutine scatter(links, row, factor, gradient, places, values)
-      type(mesh_link), intent(in) :: links(:)
+      type(mesh_link), intent(in), contiguous :: links(:)
       integer, intent(in) :: row
       real(wp), intent(in) :: factor, gradient(n_local)
       type(jacobian_places), intent(in) :: places

@@ -13,7 +13,7 @@
 !> A function that has just fired is zero at the start up to rounding: its sign there is that of its slope.
 module evl_root_finder
    use evl_collocation, only: extremum_between, lagrange_at, node_slopes, polynomial_at, weighted_sum
-   use evl_far_roots, only: keep_away, near_zero, sign_of
+   use evl_far_roots, only: list_near, near_zero, sign_of
    use evl_kinds, only: wp
    use evl_ode_model, only: lanes, never, ode_model
    use evl_radau_coefficients, only: n_stages, node
@@ -39,6 +39,7 @@ module evl_root_finder
       integer, allocatable :: direction(:)  !! [n] of the crossings that count, 0: both
       integer :: n_live = 0                 !! functions that may become zero before the next event
       integer, allocatable :: live(:)       !! [n] the first n_live of these: which ones
+      integer, allocatable :: near(:)       !! [n] room for a list of those that may come near zero in a step
       logical, allocatable :: fresh(:)      !! [n] has fired where the step starts
       integer, allocatable :: change(:)     !! [n] first crossing that counts: +1 rising, -1 falling, 0 none
       real(wp), allocatable :: left(:), right(:) !! [n] bracket of that crossing, in units of the step
@@ -63,8 +64,8 @@ contains
       n = model%n_roots
       self%n = n
       allocate (self%g(lanes, n), self%slope(lanes, n), self%value(n), self%y(model%n), self%sign_now(n), self%sign_after(n), &
-                self%direction(n), self%live(n), self%fresh(n), self%change(n), self%left(n), self%right(n), self%at_left(n), &
-                self%at_right(n), self%place(n))
+                self%direction(n), self%live(n), self%near(n), self%fresh(n), self%change(n), self%left(n), self%right(n), &
+                self%at_left(n), self%at_right(n), self%place(n))
       self%fresh = .false.
       self%sign_now = 0
    end subroutine root_finder_create
@@ -100,21 +101,17 @@ contains
       integer, intent(out) :: first             !! function that crosses zero first, 0: none does
       type(status_t), intent(inout) :: status
       real(wp) :: earliest, time(lanes)
-      integer :: i, k
-      logical :: away
+      integer :: i, k, n_near
 
       first = 0
       time = step%t + step%h*node
       call model%roots_lanes(time, stage_y, self%g, status)
       if (has_failed(status)) return
-      call keep_away(self%n, self%n_live, self%live, self%g, self%sign_now, self%sign_after, away)
-      if (away) return
+      self%change = 0
+      call list_near(self%n, self%n_live, self%live, self%g, self%sign_now, self%sign_after, n_near, self%near)
       earliest = huge(earliest)
-      do k = 1, self%n_live
-         i = self%live(k)
-         self%change(i) = 0
-         call keep_away(self%n, 1, self%live(k:k), self%g, self%sign_now, self%sign_after, away)
-         if (away) cycle
+      do k = 1, n_near
+         i = self%near(k)
          call node_slopes(1, self%g(:, i), self%slope(:, i))
          call scan(self, model, step, y, z, i, status)
          if (has_failed(status)) return
