@@ -18,12 +18,13 @@ module evl_mesh
    use evl_kinds, only: wp
    use evl_local_variables, only: n_local
    use evl_rational, only: rational_pitches, rational_t
-   use evl_status, only: code_ok, code_out_of_domain, fail, has_failed, quantity, status_t, subject_mesh
+   use evl_status, only: code_ok, code_out_of_domain, fail, quantity, status_t, subject_mesh
    implicit none (type, external)
    private
 
-   public :: contact_t, contact_state, law_results, mesh_link, mesh_mode, mesh_force
-   public :: context_of, flank_values, forces_of_laws, mesh_contact, mesh_forces, mesh_laws, mesh_energy
+   public :: contact_t, contact_state, mesh_link, mesh_mode, mesh_force
+   public :: contact_law, context_of, flank_values, forces_of_laws, left_involute, mesh_contact, mesh_forces, mesh_energy
+   public :: on_involutes
    public :: mesh_nominal_rho, mesh_nominal_start, mesh_unclipped_force, mesh_settle_friction, touches
    public :: tracking_closed_form, tracking_algebraic, tracking_differential
    public :: contact_open, contact_loaded, contact_unloaded, contact_apart, contact_off
@@ -123,14 +124,6 @@ module evl_mesh
       type(contact_point) :: point
       type(mesh_force) :: force
    end type contact_state
-
-   !> What the laws say of a contact.
-   type :: law_results
-      type(elastic_result) :: elastic
-      type(viscous_result) :: viscous
-      real(wp) :: factor = 0.0_wp !! phi of the friction law
-      real(wp) :: d_v = 0.0_wp    !! dphi/dv_t [s/m]
-   end type law_results
 
 contains
 
@@ -233,44 +226,44 @@ contains
       type(contact_point), intent(in) :: point
       type(mesh_force), intent(out) :: force
       type(status_t), intent(inout) :: status !! code_out_of_domain if a limit of the law or of the involutes is passed
-      type(law_results) :: laws
+      type(elastic_result) :: elastic
+      type(viscous_result) :: viscous
+      real(wp) :: factor, d_v
 
       if (.not. touches(mode)) return
-      call mesh_laws(mesh, mode, point, laws, status)
-      if (.not. has_failed(status)) call forces_of_laws(mesh, mode, point, laws, force)
-   end subroutine mesh_forces
-
-   !> What the laws say where flanks overlap.
-   subroutine mesh_laws(mesh, mode, point, laws, status)
-      type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
-      type(contact_point), intent(in) :: point
-      type(law_results), intent(out) :: laws
-      type(status_t), intent(inout) :: status !! as of mesh_forces
-
-      if (.not. (point%exists .and. point%rho_a > 0 .and. point%rho_b > 0)) then
+      if (.not. on_involutes(point)) then
          call left_involute(mesh, point, status)
          return
       end if
-      call contact_law(mesh, mode, point, laws%elastic, laws%viscous, status)
-      if (mode%contact == contact_loaded) &
-         call friction_factor(mesh%friction, mode%friction, point%v_t, laws%factor, laws%d_v)
-   end subroutine mesh_laws
+      call contact_law(mesh, mode, point, elastic, viscous, status)
+      factor = 0
+      if (mode%contact == contact_loaded) call friction_factor(mesh%friction, mode%friction, point%v_t, factor, d_v)
+      call forces_of_laws(mesh, mode, point, elastic, viscous%force, factor, force)
+   end subroutine mesh_forces
 
-   !> Forces from what the laws say.
-   pure subroutine forces_of_laws(mesh, mode, point, laws, force)
+   !> Whether a contact lies on both involutes.
+   pure logical function on_involutes(point)
+      type(contact_point), intent(in) :: point
+
+      on_involutes = point%exists .and. point%rho_a > 0 .and. point%rho_b > 0
+   end function on_involutes
+
+   !> Forces from what the laws say where flanks overlap.
+   pure subroutine forces_of_laws(mesh, mode, point, elastic, viscous, factor, force)
       type(contact_t), intent(in) :: mesh
       type(mesh_mode), intent(in) :: mode
       type(contact_point), intent(in) :: point
-      type(law_results), intent(in) :: laws
+      type(elastic_result), intent(in) :: elastic
+      real(wp), intent(in) :: viscous !! [N]
+      real(wp), intent(in) :: factor  !! phi of the friction law
       type(mesh_force), intent(out) :: force
 
       if (mode%contact == contact_unloaded) then
-         force%elastic = laws%elastic%force
-         force%viscous = laws%viscous%force
-         force%dissipation = unloaded_loss(point, laws%elastic)
+         force%elastic = elastic%force
+         force%viscous = viscous
+         force%dissipation = unloaded_loss(point, elastic)
       else
-         call resolve_forces(mesh%pair%sigma, point, laws%elastic, laws%viscous%force, laws%factor, force)
+         call resolve_forces(mesh%pair%sigma, point, elastic, viscous, factor, force)
       end if
    end subroutine forces_of_laws
 

@@ -1,14 +1,15 @@
 !> The forces of a tooth contact with their derivatives.
 module evl_mesh_gradient
    use evl_closed_form, only: gradient_along, place_contact
+   use evl_contact_laws, only: elastic_result, friction_factor, viscous_result
    use evl_contact_point, only: contact_gradient, contact_point
    use evl_contact_tracking, only: gradient_points, track_points
    use evl_deviating_flanks, only: deviate, deviate_gradient, flank_value
    use evl_deviation, only: deviation
    use evl_kinds, only: pi, wp
    use evl_local_variables, only: at_normal, n_local, unit
-   use evl_mesh, only: contact_t, contact_unloaded, flank_values, forces_of_laws, law_results, mesh_force, mesh_laws, &
-                       mesh_mode, tracking_closed_form
+   use evl_mesh, only: contact_law, contact_loaded, contact_t, contact_unloaded, flank_values, forces_of_laws, left_involute, &
+                       mesh_force, mesh_mode, on_involutes, tracking_closed_form
    use evl_status, only: has_failed, status_t
    implicit none (type, external)
    private
@@ -33,15 +34,24 @@ contains
       type(status_t), intent(inout) :: status !! as of mesh_forces; on failure the results are of no use
       type(contact_point) :: point
       type(contact_gradient) :: d
-      type(law_results) :: laws
+      type(elastic_result) :: elastic
+      type(viscous_result) :: viscous
+      real(wp) :: factor, d_v
       real(wp), dimension(n_local) :: d_rho_sum, d_energy, d_elastic, d_viscous, d_normal, d_friction, d_tangential
 
       call contact_with_gradient(mesh, mode, rho_a0, q, line, point, d)
-      call mesh_laws(mesh, mode, point, laws, status)
+      if (.not. on_involutes(point)) then
+         call left_involute(mesh, point, status)
+         return
+      end if
+      call contact_law(mesh, mode, point, elastic, viscous, status)
       if (has_failed(status)) return
-      call forces_of_laws(mesh, mode, point, laws, force)
+      factor = 0
+      d_v = 0
+      if (mode%contact == contact_loaded) call friction_factor(mesh%friction, mode%friction, point%v_t, factor, d_v)
+      call forces_of_laws(mesh, mode, point, elastic, viscous%force, factor, force)
       d_rho_sum = d%rho_a + d%rho_b
-      associate (elastic => laws%elastic, viscous => laws%viscous, rho_sum => point%rho_a + point%rho_b)
+      associate (rho_sum => point%rho_a + point%rho_b)
          d_elastic = elastic%d_h*d%h + elastic%d_rho*d_rho_sum
          ! dV/drho_sum changes with h as the force does with rho_sum
          d_energy = elastic%d_rho*d%h - (elastic%d_rho*elastic%force/(pi*mesh%e_star*mesh%width*rho_sum) &
@@ -57,7 +67,7 @@ contains
          if (mesh%rigid) d_elastic = unit(at_normal, mode%share)
          d_viscous = viscous%d_h*d%h + viscous%d_rho*d_rho_sum + viscous%d_h_dot*d%h_dot
          d_normal = d_elastic + d_viscous
-         d_friction = -laws%factor*d_normal - (force%normal*laws%d_v)*d%v_t
+         d_friction = -factor*d_normal - (force%normal*d_v)*d%v_t
          gradient%dissipation = gradient%dissipation + point%h_dot*d_viscous + viscous%force*d%h_dot - point%v_t*d_friction &
                                 - force%friction*d%v_t
       end associate
