@@ -1,9 +1,10 @@
-"""Cost of the paper's case in lanes: of one evaluation of f, and of the integration alone.
+"""Cost of the paper's case in lanes: of f and its Jacobian, and of the integration alone.
 
-5 s with 1001 outputs, without and with friction, in closed form. Printed are, for eight states at
-once and for one, nanoseconds an evaluation; then for some tolerances the largest error of the
-penetration over all outputs (against a tolerance of 1e-12, relative to the 3e-9 m of the paper's
-figure 4), CPU time of the fastest of many runs, and the counts.
+5 s with 1001 outputs, without and with friction, in closed form. Printed are nanoseconds an
+evaluation, of f for eight states at once and for one, and of the Jacobian for one; then for some
+tolerances the largest error of the penetration over all outputs (against a tolerance of 1e-12,
+relative to the 3e-9 m of the paper's figure 4), CPU time of the fastest of many runs, and the
+counts.
 
 Run it as ``python benchmarks/lanes.py [liblanes_test.so]`` after a build with -DEVOLVENT_TESTS=ON;
 the library is that of build/ci unless given. -DEVOLVENT_MARCH=x86-64-v3 or -v4 says how much wider
@@ -51,21 +52,24 @@ def fastest(call: Callable[[], object], runs: int) -> float:
     return float(best)
 
 
-def evaluation(gearbox: Gearbox) -> tuple[float, float]:
-    """Nanoseconds of f for eight states at once, and for one."""
+def evaluation(gearbox: Gearbox) -> tuple[float, float, float]:
+    """Nanoseconds of f for eight states at once, for one, and of the Jacobian of one."""
     state = gearbox.start()
     state.y[gearbox.place("angle_deviation_1")] -= 1e-8
     gearbox.mode(state)[:] = 0, 1, 1
     y = np.repeat(state.y[:, None], LANES, axis=1).copy()
     f, t = np.empty_like(y), np.zeros(LANES)
     lanes, scalar = gearbox.library.lanes_rates, gearbox.library.lanes_scalar
-    rest = (_at(state.integers), _at(state.reals), _at(f))
+    jacobian = gearbox.library.lanes_jacobian
+    modes = (_at(state.integers), _at(state.reals))
     one = (ctypes.c_double(0.0), _at(state.y))
-    times = (
-        fastest(lambda: lanes(gearbox.handle, EVALUATIONS, _at(t), _at(y), *rest), 5),
-        fastest(lambda: scalar(gearbox.handle, EVALUATIONS, *one, *rest), 5),
+    calls = (
+        lambda: lanes(gearbox.handle, EVALUATIONS, _at(t), _at(y), *modes, _at(f)),
+        lambda: scalar(gearbox.handle, EVALUATIONS, *one, *modes, _at(f)),
+        lambda: jacobian(gearbox.handle, EVALUATIONS, *one, *modes),
     )
-    return 1e9 * times[0] / EVALUATIONS, 1e9 * times[1] / EVALUATIONS
+    several, single, derivatives = (1e9 * fastest(call, 5) / EVALUATIONS for call in calls)
+    return several, single, derivatives
 
 
 def integrate(gearbox: Gearbox, tolerance: float, runs: int) -> tuple[np.ndarray, float, list[int]]:
@@ -118,8 +122,9 @@ def main() -> None:
     kernel = Kernel(Path(named))
     for friction in (0.0, 0.3):
         gearbox = paper_gearbox(kernel, friction=friction)
-        lanes, scalar = evaluation(gearbox)
-        print(f"f = {friction}: {lanes:.0f} ns for eight states, {scalar:.0f} ns for one")
+        lanes, scalar, jacobian = evaluation(gearbox)
+        print(f"f = {friction}: {lanes:.0f} ns for eight states, {scalar:.0f} ns for one,", end="")
+        print(f" {jacobian:.0f} ns for the Jacobian")
         exact = penetration(gearbox, integrate(gearbox, 1e-12, 1)[0])
         for tolerance in TOLERANCES:
             outputs, seconds, counts = integrate(gearbox, tolerance, RUNS)

@@ -9,7 +9,7 @@ module evl_closed_form
    implicit none (type, external)
    private
 
-   public :: track_closed_form, gradient_closed_form, closed_form_gap, closed_form_line
+   public :: track_closed_form, place_contact, gradient_closed_form, gradient_along, closed_form_gap, closed_form_line
    public :: centre_line_turn, centre_line_turn_gradient
 
 contains
@@ -56,6 +56,17 @@ contains
       type(deviation) :: line
 
       call closed_form_line(pair, q, line)
+      call gradient_along(pair, q, line, point, gradient)
+   end subroutine gradient_closed_form
+
+   !> The same along a line of action that is known.
+   pure subroutine gradient_along(pair, q, line, point, gradient)
+      type(tracked_pair), intent(in) :: pair
+      real(wp), intent(in) :: q(n_local)
+      type(deviation), intent(in) :: line      !! at q
+      type(contact_point), intent(in) :: point !! at q
+      type(contact_gradient), intent(out) :: gradient
+
       gradient%angle = 0
       gradient%angle(at_u_b:at_u_b + 1) = -[line%c, line%s]/line%rho
       gradient%angle(at_u_a:at_u_a + 1) = -gradient%angle(at_u_b:at_u_b + 1)
@@ -71,7 +82,7 @@ contains
       gradient%rho_b(at_theta) = -pair%advance
       gradient%rho_b(at_psi_b) = -pair%r_bb*pair%sigma
       call complete_gradient(pair, q, point, gradient)
-   end subroutine gradient_closed_form
+   end subroutine gradient_along
 
    include "formulas/centre_line.inc"
 

@@ -9,7 +9,7 @@ module evl_collocation
    implicit none (type, external)
    private
 
-   public :: combine, lagrange_at, lagrange_matrix, node_slopes, polynomial_at, extremum_between
+   public :: combine, lagrange_at, lagrange_matrix, node_slopes, polynomial_at, extremum_between, weighted_sum
 
    real(wp), parameter :: slopes_of(lanes, lanes) = slope_at_node !! columns are added up lane by lane
 
@@ -83,8 +83,22 @@ contains
       real(wp) :: basis(lanes)
 
       call lagrange_at(tau, basis)
-      value = sum(basis*values)
+      value = weighted_sum(basis, values)
    end function polynomial_at
+
+   !> Sum of weights times values, added up by halves: a chain of seven additions would have each wait for the one before.
+   pure real(wp) function weighted_sum(weights, values) result(total)
+      real(wp), intent(in) :: weights(lanes), values(lanes)
+      integer, parameter :: half = lanes/2
+      real(wp) :: part(half)
+      integer :: k
+
+      !$omp simd
+      do k = 1, half
+         part(k) = weights(k)*values(k) + weights(k + half)*values(k + half)
+      end do
+      total = (part(1) + part(3)) + (part(2) + part(4))
+   end function weighted_sum
 
    !> Derivatives with respect to tau at the nodes, for each of n polynomials.
    pure subroutine node_slopes(n, values, slopes)

@@ -21,6 +21,7 @@ module evl_gearbox
    use evl_gear_geometry, only: gear_t
    use evl_gear_mesh, only: gear_mesh_t
    use evl_housing, only: housing_t
+   use evl_jacobian_places, only: add_entry, jacobian_places
    use evl_kinds, only: wp
    use evl_load, only: load_acceleration, load_damping, load_t, load_torque
    use evl_local_variables, only: n_local
@@ -223,14 +224,15 @@ contains
    end function wheel_speed
 
    !> Add a multiple of a wheel's speed gradient to a row.
-   pure subroutine add_speed(wheel, row, factor, jacobian)
+   pure subroutine add_speed(wheel, row, factor, places, values)
       type(wheel_t), intent(in) :: wheel
-      integer, intent(in) :: row
+      integer, intent(in) :: row !! of a Jacobian
       real(wp), intent(in) :: factor
-      real(wp), intent(inout) :: jacobian(:, :)
+      type(jacobian_places), intent(in) :: places
+      real(wp), intent(inout) :: values(places%n_entries)
 
-      jacobian(row, i_omega) = jacobian(row, i_omega) + wheel%ratio*factor
-      if (wheel%i_psi > 0) jacobian(row, wheel%i_psi + 1) = jacobian(row, wheel%i_psi + 1) + factor
+      call add_entry(places, row, i_omega, wheel%ratio*factor, values)
+      if (wheel%i_psi > 0) call add_entry(places, row, wheel%i_psi + 1, factor, values)
    end subroutine add_speed
 
    !> Sum of the torques that the loads of a wheel know; that of a prescribed speed is not among them [N m].

@@ -3,11 +3,13 @@
 !> The gearbox itself does not change, and several models may share it: the discrete state is the model's own, put there between
 !> steps by gearbox_ode_set.
 module evl_gearbox_ode
-   use evl_dae_jacobian, only: gearbox_jacobian
+   use evl_force_jacobian, only: add_constants, add_forces, couple_reference
    use evl_gearbox, only: gearbox_t, i_omega, i_theta, wheel_t
    use evl_gearbox_rates, only: gearbox_rates
    use evl_gearbox_events, only: gearbox_root, gearbox_root_directions, gearbox_roots
    use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
+   use evl_housing, only: frame_t, housing_frame
+   use evl_jacobian_places, only: jacobian_places, listed_entries
    use evl_kinds, only: wp
    use evl_mesh, only: contact_t, tracking_closed_form
    use evl_ode_model, only: lanes, never, ode_model
@@ -28,7 +30,8 @@ module evl_gearbox_ode
       type(gearbox_t), pointer, private :: gearbox => null()
       integer, allocatable, private :: integers(:) !! discrete state
       real(wp), allocatable, private :: reals(:)   !! discrete state
-      real(wp), allocatable, private :: at_rest(:) !! [n] zeros: y' enters with tracked points and mounted housings only
+      type(jacobian_places), private :: places     !! of the entries of the Jacobian
+      real(wp), allocatable, private :: constants(:) !! [nnz] what never changes in dF/dy, psi'' not yet coupled with theta''
       logical, private :: in_lanes = .false.       !! whether eight states can be evaluated at once
    contains
       procedure :: rhs
@@ -78,11 +81,13 @@ contains
       allocate (self%scale(gearbox%n_states), source=scale/weight)
       self%scale(i_theta) = self%scale(i_theta)/theta_weight
       self%scale(i_omega) = self%scale(i_omega)/omega_weight
-      allocate (self%at_rest(gearbox%n_states), source=0.0_wp)
       allocate (self%integers(gearbox%n_integers), self%reals(size(gearbox%contacts)))
       self%integers = 0
       self%reals = 0
       call find_pattern(gearbox, self%jacobian_row, self%jacobian_column)
+      call listed_entries(gearbox%n_states, self%jacobian_row, self%jacobian_column, self%places)
+      allocate (self%constants(self%places%n_entries), source=0.0_wp)
+      call add_constants(gearbox, self%places, self%constants)
    end subroutine gearbox_ode_create
 
    !> Give the model its discrete state.
@@ -146,14 +151,14 @@ contains
       real(wp), intent(in) :: y(self%n)
       real(wp), intent(out) :: values(:)
       type(status_t), intent(inout) :: status
-      real(wp) :: matrix(self%n, self%n)
-      integer :: p
+      type(frame_t) :: frame
 
-      call gearbox_jacobian(self%gearbox, t, 0.0_wp, y, self%at_rest, self%integers, self%reals, matrix, status)
+      if (self%gearbox%housing%acts) call housing_frame(self%gearbox%housing, t, y, frame)
+      values = self%constants
+      call add_forces(self%gearbox, t, y, self%integers, self%reals, frame, self%places, values, status)
       if (has_failed(status)) return
-      do p = 1, size(values)
-         values(p) = -matrix(self%jacobian_row(p), self%jacobian_column(p))
-      end do
+      call couple_reference(self%gearbox, self%places, values)
+      values = -values
    end subroutine jacobian
 
    !> Root functions at a state.

@@ -7,65 +7,80 @@ module evl_housing_jacobian
    use evl_housing, only: apparent_acceleration, at_omega, at_orientation, at_position, at_velocity, frame_acceleration, frame_t, &
                           housing_t, mount_force, n_housing_states, norm_rate
    use evl_housing_dynamics, only: wheel_accelerations
+   use evl_jacobian_places, only: add_entry, full_matrix, jacobian_places
    use evl_kinds, only: wp
    use evl_load, only: load_damping
    use evl_rotation, only: cross, crossed, identity, rotated_back_gradient, rotated_gradient, skew, turned, turned_back
    implicit none (type, external)
    private
 
-   public :: ride_gradient, housing_gradient
+   public :: ride_gradient, mounted_gradient, housing_gradient
 
 contains
 
    !> Add what one wheel and its support feel, before the rows of psi' are coupled with that of the reference wheel.
-   pure subroutine ride_gradient(gearbox, index, t, y, integers, frame, jacobian)
+   pure subroutine ride_gradient(gearbox, index, y, frame, places, values)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      real(wp), intent(in) :: y(:)
+      type(frame_t), intent(in) :: frame !! at y, y'
+      type(jacobian_places), intent(in) :: places
+      real(wp), intent(inout) :: values(places%n_entries)
+      real(wp) :: centre(3), velocity(3), by_centre(3, 3), row(3), d(3)
+      integer :: j, k
+
+      associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support, work => gearbox%i_work)
+         call wheel_position(wheel, y, centre, velocity)
+         if (wheel%prescribed == 0) &
+            call add_speed(wheel, work, -wheel_spin_torque(gearbox, index, frame%omega(3)), places, values)
+         by_centre = gradient_by_centre(frame)
+         do j = 1, support%n
+            row = [support%direction(:, j), 0.0_wp]
+            do k = 1, support%n
+               d = [support%direction(:, k), 0.0_wp]
+               associate (i => support%i_state(j) + 1, s => support%i_state(k))
+                  call add_entry(places, i, s, dot_product(row, turned(by_centre, d)), values)
+                  call add_entry(places, i, s + 1, 2*dot_product(row, cross(frame%omega, d)), values)
+               end associate
+            end do
+         end do
+         if (gearbox%housing%is_mounted) return
+         if (wheel_follows_ground(gearbox, index)) call add_speed(wheel, work, wheel%inertia*frame%alpha(3), places, values)
+         do k = 1, support%n
+            d = [support%direction(:, k), 0.0_wp]
+            associate (s => support%i_state(k))
+               call add_entry(places, work, s, support%mass*dot_product(velocity, turned(by_centre, d)), values)
+               call add_entry(places, work, s + 1, support%mass*dot_product(d, frame_acceleration(frame, centre)), values)
+            end associate
+         end do
+      end associate
+   end subroutine ride_gradient
+
+   !> Add how the motion of a mounted housing acts on one wheel and its support, and what the loads of the wheel do to it, before
+   !> the rows of psi' are coupled.
+   pure subroutine mounted_gradient(gearbox, index, t, y, integers, frame, jacobian)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
       real(wp), intent(in) :: t, y(:)
       integer, intent(in) :: integers(:)
       type(frame_t), intent(in) :: frame !! at y, y'
-      real(wp), intent(inout) :: jacobian(:, :)
-      real(wp) :: centre(3), velocity(3), by_centre(3, 3), by_omega(3, 3), by_orientation(3, 4), row(3), d(3)
-      integer :: j, k, i
+      real(wp), intent(inout) :: jacobian(gearbox%n_states, gearbox%n_states)
+      real(wp) :: centre(3), velocity(3), row(3)
+      integer :: j
 
-      associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support, housing => gearbox%housing)
-         call wheel_position(wheel, y, centre, velocity)
-         if (wheel%prescribed == 0) &
-            call add_speed(wheel, gearbox%i_work, -wheel_spin_torque(gearbox, index, frame%omega(3)), jacobian)
-         by_centre = gradient_by_centre(frame)
+      call wheel_position(gearbox%wheels(index), y, centre, velocity)
+      associate (support => gearbox%wheels(index)%support, p => gearbox%housing%i_state + at_orientation, &
+                 o => gearbox%housing%i_state + at_omega)
          do j = 1, support%n
-            i = support%i_state(j) + 1
             row = [support%direction(:, j), 0.0_wp]
-            do k = 1, support%n
-               d = [support%direction(:, k), 0.0_wp]
-               associate (s => support%i_state(k))
-                  jacobian(i, s) = jacobian(i, s) + dot_product(row, turned(by_centre, d))
-                  jacobian(i, s + 1) = jacobian(i, s + 1) + 2*dot_product(row, cross(frame%omega, d))
-               end associate
-            end do
-            if (.not. housing%is_mounted) cycle
-            by_omega = gradient_by_omega(frame, centre, velocity)
-            by_orientation = gradient_by_orientation(frame)
-            associate (p => housing%i_state + at_orientation, o => housing%i_state + at_omega)
-               jacobian(i, p:p + 3) = jacobian(i, p:p + 3) + matmul(row, by_orientation)
-               jacobian(i, o:o + 2) = jacobian(i, o:o + 2) + turned_back(by_omega, row)
+            associate (i => support%i_state(j) + 1)
+               jacobian(i, p:p + 3) = jacobian(i, p:p + 3) + matmul(row, gradient_by_orientation(frame))
+               jacobian(i, o:o + 2) = jacobian(i, o:o + 2) + turned_back(gradient_by_omega(frame, centre, velocity), row)
             end associate
          end do
-         if (housing%is_mounted) then
-            call ground_gradient(gearbox, index, t, y, integers, frame, jacobian)
-         else
-            if (wheel_follows_ground(gearbox, index)) &
-               call add_speed(wheel, gearbox%i_work, wheel%inertia*frame%alpha(3), jacobian)
-            do k = 1, support%n
-               d = [support%direction(:, k), 0.0_wp]
-               associate (s => support%i_state(k), work => gearbox%i_work)
-                  jacobian(work, s) = jacobian(work, s) + support%mass*dot_product(velocity, turned(by_centre, d))
-                  jacobian(work, s + 1) = jacobian(work, s + 1) + support%mass*dot_product(d, frame_acceleration(frame, centre))
-               end associate
-            end do
-         end if
       end associate
-   end subroutine ride_gradient
+      call ground_gradient(gearbox, index, t, y, integers, frame, jacobian)
+   end subroutine mounted_gradient
 
    !> The loads of a wheel in a mounted housing: their torques depend on its Omega_z, and some act on it from the ground.
    !> What depends on the meshes through a prescribed speed is not among it.
@@ -75,10 +90,12 @@ contains
       real(wp), intent(in) :: t, y(:)
       integer, intent(in) :: integers(:)
       type(frame_t), intent(in) :: frame
-      real(wp), intent(inout) :: jacobian(:, :)
+      real(wp), intent(inout) :: jacobian(gearbox%n_states, gearbox%n_states)
+      type(jacobian_places) :: places
       real(wp) :: damping, damping_housing, omega, total, ground, by_speed, by_spin
       integer :: i
 
+      call full_matrix(gearbox%n_states, places)
       damping = 0
       damping_housing = 0
       do i = 1, size(gearbox%loads)
@@ -106,11 +123,11 @@ contains
             jacobian(wheel%i_speed, o) = jacobian(wheel%i_speed, o) + damping/wheel%rotor_inertia
             jacobian(work, o) = jacobian(work, o) + damping*omega
          else
-            call add_speed(wheel, work, -wheel%inertia*frame%alpha(3), jacobian)
+            call add_speed(wheel, work, -wheel%inertia*frame%alpha(3), places, jacobian)
          end if
-         call add_speed(wheel, work, -spin*by_speed, jacobian)
+         call add_speed(wheel, work, -spin*by_speed, places, jacobian)
          jacobian(work, o) = jacobian(work, o) - ground - spin*by_spin
-         call add_speed(wheel, o, -by_speed, jacobian)
+         call add_speed(wheel, o, -by_speed, places, jacobian)
          jacobian(o, o) = jacobian(o, o) - by_spin
       end associate
    end subroutine ground_gradient
@@ -148,7 +165,7 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: y(:), yp(:)
       type(frame_t), intent(in) :: frame !! at y, y'
-      real(wp), intent(inout) :: jacobian(:, :)
+      real(wp), intent(inout) :: jacobian(gearbox%n_states, gearbox%n_states)
       real(wp) :: wrench(6, n_housing_states)
       integer :: i
 
@@ -281,13 +298,16 @@ contains
       integer, intent(in) :: index
       type(frame_t), intent(in) :: frame
       real(wp), intent(in) :: y(:), yp(:)
-      real(wp), intent(inout) :: wrench(6, n_housing_states), jacobian(:, :)
+      real(wp), intent(inout) :: wrench(6, n_housing_states)
+      real(wp), intent(inout) :: jacobian(gearbox%n_states, gearbox%n_states)
+      type(jacobian_places) :: places
       real(wp) :: centre(3), velocity(3), acceleration(3), total(3), turn, spin, d(3), by_place(3), by_rate(3)
       integer, parameter :: o = at_omega + 1
       integer :: j
 
       associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support, omega => frame%omega, &
                  row => gearbox%housing%i_state + at_velocity)
+         call full_matrix(gearbox%n_states, places)
          call wheel_position(wheel, y, centre, velocity)
          call wheel_accelerations(wheel, yp, turn, acceleration)
          total = apparent_acceleration(frame, centre, velocity) + acceleration
@@ -298,8 +318,8 @@ contains
             wrench(5, o) = wrench(5, o) - spin
             wrench(5, o + 2) = wrench(5, o + 2) - omega(1)*difference
          end associate
-         call add_speed(wheel, row + 3, wheel%inertia*omega(2), jacobian)
-         call add_speed(wheel, row + 4, -wheel%inertia*omega(1), jacobian)
+         call add_speed(wheel, row + 3, wheel%inertia*omega(2), places, jacobian)
+         call add_speed(wheel, row + 4, -wheel%inertia*omega(1), places, jacobian)
          do j = 1, support%n
             d = [support%direction(:, j), 0.0_wp]
             by_place = turned(gradient_by_centre(frame), d)

@@ -7,23 +7,24 @@
 !>
 !> Forces are counted on the driving wheel A, along t and against e; wheel B feels the opposite.
 module evl_mesh
-   use evl_closed_form, only: gradient_closed_form, track_closed_form
+   use evl_closed_form, only: track_closed_form
    use evl_contact_laws, only: contact_context, elastic_force, elastic_limit_message, elastic_potential, elastic_result, &
                                friction_factor, friction_mode, law_choice, viscous_force, viscous_result
-   use evl_contact_point, only: contact_gradient, contact_point, tracked_pair
-   use evl_contact_tracking, only: gradient_points, track_points
-   use evl_deviating_flanks, only: deviate, deviate_gradient, flank_value
+   use evl_contact_point, only: contact_point, tracked_pair
+   use evl_contact_tracking, only: track_points
+   use evl_deviating_flanks, only: deviate, flank_value
    use evl_deviation, only: deviation
    use evl_flank_deviation, only: deviation_at, deviation_zone, flank_deviation_t
-   use evl_kinds, only: pi, wp
-   use evl_local_variables, only: at_normal, mesh_link, n_local, unit, wheel_link
+   use evl_kinds, only: wp
+   use evl_local_variables, only: mesh_link, n_local, wheel_link
    use evl_rational, only: rational_pitches, rational_t
    use evl_status, only: code_ok, code_out_of_domain, fail, quantity, status_t, subject_mesh
    implicit none (type, external)
    private
 
-   public :: contact_t, contact_state, mesh_mode, mesh_force, mesh_force_gradient
-   public :: context_of, mesh_contact, mesh_forces, mesh_gradient, mesh_energy
+   public :: contact_t, contact_state, mesh_mode, mesh_force
+   public :: contact_law, context_of, flank_values, forces_of_laws, left_involute, mesh_contact, mesh_forces, mesh_energy
+   public :: on_involutes
    public :: mesh_nominal_rho, mesh_nominal_start, mesh_unclipped_force, mesh_settle_friction, touches
    public :: tracking_closed_form, tracking_algebraic, tracking_differential
    public :: contact_open, contact_loaded, contact_unloaded, contact_apart, contact_off
@@ -117,11 +118,6 @@ module evl_mesh
       type(contact_point) :: point
       type(mesh_force) :: force
    end type contact_state
-
-   !> Derivatives of the forces with respect to the local variables.
-   type :: mesh_force_gradient
-      real(wp) :: torque_a(n_local), torque_b(n_local), on_a(n_local, 2), dissipation(n_local)
-   end type mesh_force_gradient
 
 contains
 
@@ -224,25 +220,46 @@ contains
       type(contact_point), intent(in) :: point
       type(mesh_force), intent(out) :: force
       type(status_t), intent(inout) :: status !! code_out_of_domain if a limit of the law or of the involutes is passed
-      real(wp) :: factor, d_v
       type(elastic_result) :: elastic
       type(viscous_result) :: viscous
+      real(wp) :: factor, d_v
 
       if (.not. touches(mode)) return
-      if (.not. (point%exists .and. point%rho_a > 0 .and. point%rho_b > 0)) then
+      if (.not. on_involutes(point)) then
          call left_involute(mesh, point, status)
          return
       end if
       call contact_law(mesh, mode, point, elastic, viscous, status)
+      factor = 0
+      if (mode%contact == contact_loaded) call friction_factor(mesh%friction, mode%friction, point%v_t, factor, d_v)
+      call forces_of_laws(mesh, mode, point, elastic, viscous%force, factor, force)
+   end subroutine mesh_forces
+
+   !> Whether a contact lies on both involutes.
+   pure logical function on_involutes(point)
+      type(contact_point), intent(in) :: point
+
+      on_involutes = point%exists .and. point%rho_a > 0 .and. point%rho_b > 0
+   end function on_involutes
+
+   !> Forces from what the laws say where flanks overlap.
+   pure subroutine forces_of_laws(mesh, mode, point, elastic, viscous, factor, force)
+      type(contact_t), intent(in) :: mesh
+      type(mesh_mode), intent(in) :: mode
+      type(contact_point), intent(in) :: point
+      type(elastic_result), intent(in) :: elastic
+      real(wp), intent(in) :: viscous !! [N]
+      real(wp), intent(in) :: factor  !! phi of the friction law
+      type(mesh_force), intent(out) :: force
+
       if (mode%contact == contact_unloaded) then
          force%elastic = elastic%force
-         force%viscous = viscous%force
+         force%viscous = viscous
          force%dissipation = unloaded_loss(point, elastic)
-         return
+      else
+         call resolve_forces(mesh%pair%sigma, point, elastic, viscous, factor, force)
       end if
-      call friction_factor(mesh%friction, mode%friction, point%v_t, factor, d_v)
-      call resolve_forces(mesh%pair%sigma, point, elastic, viscous%force, factor, force)
-   end subroutine mesh_forces
+   end subroutine forces_of_laws
 
    include "formulas/contact_forces.inc"
 
@@ -285,72 +302,6 @@ contains
                 //" circle (radii of curvature rho_A = "//quantity(point%rho_a, "m")//", rho_B = "//quantity(point%rho_b, "m") &
                 //"): the tooth pair has turned back too far, or the gap is too wide", subject_mesh, mesh%mesh, "tracking")
    end subroutine left_involute
-
-   !> Derivatives of the forces with respect to the local variables; zero in the modes without contact.
-   subroutine mesh_gradient(mesh, mode, rho_a0, q, point, force, gradient, status)
-      type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
-      real(wp), intent(in) :: rho_a0, q(n_local)
-      type(contact_point), intent(in) :: point !! at q
-      type(mesh_force), intent(in) :: force    !! there
-      type(mesh_force_gradient), intent(out) :: gradient
-      type(status_t), intent(inout) :: status
-      type(contact_gradient) :: d
-      type(elastic_result) :: elastic
-      type(viscous_result) :: viscous
-      type(flank_value) :: a, b
-      type(contact_point) :: perfect
-      real(wp) :: factor, d_v
-      real(wp), dimension(n_local) :: d_rho_sum, d_energy, d_elastic, d_viscous, d_normal, d_friction, d_tangential
-
-      gradient%torque_a = 0
-      gradient%torque_b = 0
-      gradient%on_a = 0
-      gradient%dissipation = 0
-      if (.not. touches(mode)) return
-      if (mesh%deviates) then
-         call track_closed_form(mesh%pair, rho_a0, q, perfect)
-         call flank_values(mesh, mode, perfect, a, b)
-         call gradient_closed_form(mesh%pair, q, perfect, d)
-         call deviate_gradient(mesh%pair, a, b, q, perfect, point, d)
-      else if (mesh%tracking == tracking_closed_form) then
-         call gradient_closed_form(mesh%pair, q, point, d)
-      else
-         call gradient_points(mesh%pair, rho_a0, q, point, d)
-      end if
-      call contact_law(mesh, mode, point, elastic, viscous, status)
-      d_rho_sum = d%rho_a + d%rho_b
-      d_elastic = elastic%d_h*d%h + elastic%d_rho*d_rho_sum
-      ! dV/drho_sum changes with h as the force does with rho_sum
-      associate (rho_sum => point%rho_a + point%rho_b)
-         d_energy = elastic%d_rho*(d%h - elastic%force/(pi*mesh%e_star*mesh%width*rho_sum)*d_rho_sum) &
-                    - elastic%d_energy/rho_sum*d_rho_sum
-      end associate
-      gradient%dissipation = -d_energy*point%rho_dot - elastic%d_energy*d%rho_dot
-      if (mode%contact == contact_unloaded) then
-         gradient%dissipation = gradient%dissipation - d_elastic*point%h_dot - elastic%force*d%h_dot
-         return
-      end if
-      if (mesh%rigid) d_elastic = unit(at_normal, mode%share)
-      d_viscous = viscous%d_h*d%h + viscous%d_rho*d_rho_sum + viscous%d_h_dot*d%h_dot
-      d_normal = d_elastic + d_viscous
-      call friction_factor(mesh%friction, mode%friction, point%v_t, factor, d_v)
-      d_friction = -factor*d_normal - force%normal*d_v*d%v_t
-      associate (sigma => mesh%pair%sigma)
-         gradient%torque_a = sigma*(point%arm_a*d_normal + point%l_a*d_friction + force%friction*d%l_a)
-         gradient%torque_b = sigma*(point%arm_b*d_normal + point%l_b*d_friction + force%friction*d%l_b)
-         d_tangential = d_friction
-         if (mesh%deviates) then
-            gradient%torque_a = gradient%torque_a + sigma*force%normal*d%arm_a
-            gradient%torque_b = gradient%torque_b + sigma*force%normal*d%arm_b
-            d_tangential = d_friction + point%tilt*d_normal + force%normal*d%tilt
-         end if
-      end associate
-      gradient%on_a(:, 1) = point%s*d_normal + point%c*d_tangential - force%on_a(2)*d%angle
-      gradient%on_a(:, 2) = -point%c*d_normal + point%s*d_tangential + force%on_a(1)*d%angle
-      gradient%dissipation = gradient%dissipation + d_viscous*point%h_dot + viscous%force*d%h_dot - d_friction*point%v_t &
-                             - force%friction*d%v_t
-   end subroutine mesh_gradient
 
    !> Elastic energy stored in the contact [J]; 0 without penetration.
    pure real(wp) function mesh_energy(mesh, mode, point, elastic) result(energy)

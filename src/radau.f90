@@ -16,7 +16,7 @@
 !>
 !> Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8 (step control, predictor).
 module evl_radau
-   use evl_collocation, only: lagrange_at
+   use evl_collocation, only: lagrange_at, weighted_sum
    use evl_kinds, only: wp
    use evl_ode_model, only: check_model, lanes, ode_model
    use evl_root_finder, only: root_finder_create, root_finder_restart, root_finder_t
@@ -367,7 +367,7 @@ contains
       end if
       call lagrange_at((t - self%t_before)/self%old_h, basis)
       do i = 1, size(y)
-         y(i) = self%y_before(i) + sum(basis*self%old_z(:, i))
+         y(i) = self%y_before(i) + weighted_sum(basis, self%old_z(:, i))
       end do
    end subroutine radau_interpolate
 

@@ -12,7 +12,8 @@
 !>
 !> A function that has just fired is zero at the start up to rounding: its sign there is that of its slope.
 module evl_root_finder
-   use evl_collocation, only: extremum_between, lagrange_at, node_slopes, polynomial_at
+   use evl_collocation, only: extremum_between, lagrange_at, node_slopes, polynomial_at, weighted_sum
+   use evl_far_roots, only: list_near, near_zero, sign_of
    use evl_kinds, only: wp
    use evl_ode_model, only: lanes, never, ode_model
    use evl_radau_coefficients, only: n_stages, node
@@ -23,10 +24,6 @@ module evl_root_finder
    public :: root_finder_t, root_finder_create, root_finder_restart, find_crossings, step_state, values_at
 
    real(wp), parameter :: nearly_zero = 1.0e-8_wp !! of a function's largest value: where one that has fired is still zero
-   real(wp), parameter :: near_zero = 0.05_wp     !! of its largest value: how near an extremum has to come to be looked at
-   real(wp), parameter :: most_between = 2.33_wp  !! largest sum of |Lagrange polynomial k| on the step, k = 1 .. 7
-   !> Of the value at the start: if no other node differs by more, the interpolant keeps its distance from zero.
-   real(wp), parameter :: little = (1 - near_zero)/(most_between + near_zero)
    real(wp), parameter :: tie = 1.0e-13_wp        !! crossings that lie nearer together, in units of the step, are one
    integer, parameter :: in_time(0:n_stages) = [lanes, 1, 2, 3, 4, 5, 6, 7] !! nodes from left to right
 
@@ -42,6 +39,7 @@ module evl_root_finder
       integer, allocatable :: direction(:)  !! [n] of the crossings that count, 0: both
       integer :: n_live = 0                 !! functions that may become zero before the next event
       integer, allocatable :: live(:)       !! [n] the first n_live of these: which ones
+      integer, allocatable :: near(:)       !! [n] room for a list of those that may come near zero in a step
       logical, allocatable :: fresh(:)      !! [n] has fired where the step starts
       integer, allocatable :: change(:)     !! [n] first crossing that counts: +1 rising, -1 falling, 0 none
       real(wp), allocatable :: left(:), right(:) !! [n] bracket of that crossing, in units of the step
@@ -66,8 +64,8 @@ contains
       n = model%n_roots
       self%n = n
       allocate (self%g(lanes, n), self%slope(lanes, n), self%value(n), self%y(model%n), self%sign_now(n), self%sign_after(n), &
-                self%direction(n), self%live(n), self%fresh(n), self%change(n), self%left(n), self%right(n), self%at_left(n), &
-                self%at_right(n), self%place(n))
+                self%direction(n), self%live(n), self%near(n), self%fresh(n), self%change(n), self%left(n), self%right(n), &
+                self%at_left(n), self%at_right(n), self%place(n))
       self%fresh = .false.
       self%sign_now = 0
    end subroutine root_finder_create
@@ -97,26 +95,23 @@ contains
       type(root_finder_t), intent(inout) :: self
       class(ode_model), intent(in) :: model
       type(step_state), intent(in) :: step
-      real(wp), intent(in) :: y(:)              !! [n] at the start
-      real(wp), intent(in) :: z(:, :)           !! [8, n] increments
-      real(wp), intent(in) :: stage_y(:, :)     !! [8, n] states at the nodes
+      real(wp), intent(in) :: y(model%n)        !! at the start
+      real(wp), intent(in) :: z(lanes, model%n) !! increments
+      real(wp), intent(in) :: stage_y(lanes, model%n) !! states at the nodes
       integer, intent(out) :: first             !! function that crosses zero first, 0: none does
       type(status_t), intent(inout) :: status
-      real(wp) :: earliest
-      integer :: i, k
+      real(wp) :: earliest, time(lanes)
+      integer :: i, k, n_near
 
       first = 0
-      earliest = huge(earliest)
-      call model%roots_lanes(step%t + step%h*node, stage_y, self%g, status)
+      time = step%t + step%h*node
+      call model%roots_lanes(time, stage_y, self%g, status)
       if (has_failed(status)) return
-      do k = 1, self%n_live
-         i = self%live(k)
-         self%change(i) = 0
-         if (keeps_away(self%sign_now(i), self%g(:, i))) then
-            self%sign_after(i) = self%sign_now(i)
-            if (self%sign_now(i) == 0) self%sign_after(i) = sign_of(self%g(lanes, i))
-            cycle
-         end if
+      self%change = 0
+      call list_near(self%n, self%n_live, self%live, self%g, self%sign_now, self%sign_after, n_near, self%near)
+      earliest = huge(earliest)
+      do k = 1, n_near
+         i = self%near(k)
          call node_slopes(1, self%g(:, i), self%slope(:, i))
          call scan(self, model, step, y, z, i, status)
          if (has_failed(status)) return
@@ -129,22 +124,6 @@ contains
          end if
       end do
    end subroutine find_crossings
-
-   !> Whether a function has one sign at all nodes, that of the step before, and changes so little that its interpolant comes
-   !> nowhere near zero.
-   pure logical function keeps_away(sign_now, g)
-      integer, intent(in) :: sign_now !! at the end of the step before; 0: not known
-      real(wp), intent(in) :: g(lanes)
-      real(wp) :: near
-      integer :: k
-
-      near = 0
-      !$omp simd reduction(+:near)
-      do k = 1, lanes
-         near = near + merge(1.0_wp, 0.0_wp, abs(g(k) - g(lanes)) <= little*abs(g(lanes)))
-      end do
-      keeps_away = near > lanes - 0.5_wp .and. abs(g(lanes)) > 0 .and. sign_now*g(lanes) >= 0
-   end function keeps_away
 
    !> Bracket the first crossing of function i that counts.
    subroutine scan(self, model, step, y, z, i, status)
@@ -383,16 +362,9 @@ contains
 
       call lagrange_at(tau, basis)
       do i = 1, size(y)
-         self%y(i) = y(i) + sum(basis*z(:, i))
+         self%y(i) = y(i) + weighted_sum(basis, z(:, i))
       end do
       self%evaluations = self%evaluations + 1
    end subroutine go_to
-
-   !> -1, 0 or 1
-   pure integer function sign_of(value)
-      real(wp), intent(in) :: value
-
-      sign_of = merge(1, 0, value > 0) - merge(1, 0, value < 0)
-   end function sign_of
 
 end module evl_root_finder

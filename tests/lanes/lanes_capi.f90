@@ -5,6 +5,7 @@ module lanes_capi
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_events, only: gearbox_root, gearbox_root_directions
    use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
+   use evl_gearbox_ode, only: gearbox_ode, gearbox_ode_create, gearbox_ode_set
    use evl_gearbox_rates, only: gearbox_rates
    use evl_ode_model, only: lanes, never
    use evl_roots_lanes, only: roots_in_lanes
@@ -13,6 +14,7 @@ module lanes_capi
    private
 
    public :: lanes_count, lanes_rates, lanes_roots, lanes_root_by_root, lanes_roots_live, lanes_scalar, lanes_serves
+   public :: lanes_jacobian
    public :: lanes_exponential, lanes_hyperbolic_tangent, lanes_logarithm, lanes_power, lanes_sine_cosine
 
 contains
@@ -171,5 +173,29 @@ contains
       end associate
       code = status%code
    end function lanes_scalar
+
+   !> Jacobian of one state in closed form, evaluated `turns` times; the code of the status.
+   integer(c_int) function lanes_jacobian(handle, turns, t, y, integers, reals) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: turns
+      real(c_double), intent(in), value :: t
+      real(c_double), intent(in) :: y(*), reals(*)
+      integer(c_int), intent(in) :: integers(*)
+      type(gearbox_t), pointer :: gearbox
+      type(gearbox_ode) :: model
+      type(status_t) :: status
+      real(c_double), allocatable :: scale(:), values(:)
+      integer :: i
+
+      call c_f_pointer(handle, gearbox)
+      allocate (scale(gearbox%n_states), source=1.0_c_double)
+      call gearbox_ode_create(model, gearbox, scale)
+      call gearbox_ode_set(model, integers, reals)
+      allocate (values(size(model%jacobian_row)))
+      do i = 1, turns
+         call model%jacobian(t, y(:gearbox%n_states), values, status)
+      end do
+      code = status%code
+   end function lanes_jacobian
 
 end module lanes_capi
