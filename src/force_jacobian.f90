@@ -12,8 +12,8 @@ module evl_force_jacobian
    use evl_jacobian_places, only: add_entry, entry_place, jacobian_places
    use evl_kinds, only: wp
    use evl_load, only: load_damping, load_torque
-   use evl_local_variables, only: n_local
-   use evl_mesh, only: contact_loaded, contact_t, contact_unloaded, mesh_force, mesh_link, mesh_mode, mesh_nominal_rho, &
+   use evl_local_variables, only: mesh_link, n_local
+   use evl_mesh, only: contact_loaded, contact_t, contact_unloaded, mesh_force, mesh_mode, mesh_nominal_rho, &
                        tracking_closed_form
    use evl_mesh_gradient, only: mesh_force_gradient, mesh_gradient
    use evl_shaft_jacobian, only: add_shaft, add_shaft_torque
@@ -45,8 +45,8 @@ contains
             do j = 1, support%n
                associate (s => support%i_state(j))
                   call add_entry(places, s, s + 1, -1.0_wp, values)
-                  call add_entry(places, s + 1, s, support%stiffness(j)/support%mass, values)
-                  call add_entry(places, s + 1, s + 1, support%damping(j)/support%mass, values)
+                  call add_entry(places, s + 1, s, support%stiffness(j)*support%per_mass, values)
+                  call add_entry(places, s + 1, s + 1, support%damping(j)*support%per_mass, values)
                end associate
             end do
          end associate
@@ -55,7 +55,7 @@ contains
       do i = 1, size(gearbox%loads)
          associate (wheel => gearbox%wheels(gearbox%loads(i)%wheel))
             if (wheel%prescribed == 0) &
-               call add_speed(wheel, wheel%i_speed, load_damping(gearbox%loads(i))/wheel%rotor_inertia, places, values)
+               call add_speed(wheel, wheel%i_speed, load_damping(gearbox%loads(i))*wheel%per_inertia, places, values)
          end associate
       end do
       do i = 1, size(gearbox%shafts)
@@ -195,7 +195,7 @@ contains
 
       associate (wheel => gearbox%wheels(index), work => gearbox%i_work)
          if (wheel%prescribed == 0) then
-            call scatter(mesh%links, wheel%i_speed, -1/wheel%rotor_inertia, gradient, places, values)
+            call scatter(mesh%links, wheel%i_speed, -wheel%per_inertia, gradient, places, values)
             return
          end if
          call scatter(mesh%links, work, wheel_speed(wheel, y), gradient, places, values)
@@ -224,7 +224,7 @@ contains
          associate (d => support%direction(:, j))
             along = dot_product(d, mesh%t_0)*gradient(:, 1) + dot_product(d, mesh%e_0)*gradient(:, 2)
          end associate
-         call scatter(mesh%links, support%i_state(j) + 1, -sign/support%mass, along, places, values)
+         call scatter(mesh%links, support%i_state(j) + 1, -sign*support%per_mass, along, places, values)
       end do
    end subroutine add_push
 
