@@ -83,21 +83,32 @@ contains
       real(wp), parameter :: at_start = 1/(shift_re(1)*abs(barycentric(lanes))*factorial_8)
       real(wp), parameter :: inside = nodes_over_chebyshev/(2.0_wp**15*factorial_8)
       real(wp) :: error
-      integer :: p, turn
+      integer :: turn
 
-      self%moved = self%start
+      self%moved_f = self%start
       do turn = 1, n_stages
-         self%moved_f = 0
-         do p = 1, size(self%jacobian)
-            associate (i => model%jacobian_row(p), j => model%jacobian_column(p))
-               self%moved_f(i) = self%moved_f(i) + self%jacobian(p)*self%moved(j)
-            end associate
-         end do
          self%moved = self%moved_f
+         call apply_jacobian(self%n, size(self%jacobian), model%jacobian_row, model%jacobian_column, self%jacobian, self%moved, &
+                             self%moved_f)
       end do
-      error = max(at_start, inside*self%output_factor)*sqrt(sum((self%moved*self%weight)**2)/self%n)
+      error = max(at_start, inside*self%output_factor)*sqrt(weighted_square(self%n, self%moved_f, self%weight)/self%n)
       h = max(error, tiny(1.0_wp))**(-1.0_wp/8)
    end subroutine foresee_step
+
+   !> y = J x
+   pure subroutine apply_jacobian(n, entries, row, column, jacobian, x, y)
+      integer, intent(in) :: n, entries
+      integer, intent(in) :: row(entries), column(entries)
+      real(wp), intent(in) :: jacobian(entries)
+      real(wp), intent(in) :: x(n)
+      real(wp), intent(out) :: y(n)
+      integer :: p
+
+      y = 0
+      do p = 1, entries
+         y(row(p)) = y(row(p)) + jacobian(p)*x(column(p))
+      end do
+   end subroutine apply_jacobian
 
    !> (gamma/h I - J)^-1 (rate - p'(t)) and its weighted size.
    pure subroutine filter(self, rate, h, error)
