@@ -89,7 +89,7 @@ contains
       integer :: k
 
       do k = 1, n_systems
-         lu%x = cmplx(b(k, :), b(k + n_systems, :), wp)
+         lu%x(:) = cmplx(b(k, :), b(k + n_systems, :), wp)
          call solve_one(lu, k)
          b(k, :) = real(lu%x, wp)
          b(k + n_systems, :) = aimag(lu%x)
@@ -101,7 +101,7 @@ contains
       type(dense_lu_t), intent(inout) :: lu !! its scratch changes
       real(wp), intent(inout) :: b(lu%n)
 
-      lu%x = b
+      lu%x(:) = b
       call solve_one(lu, 1)
       b = real(lu%x, wp)
    end subroutine dense_lu_solve_first

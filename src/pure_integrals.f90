@@ -7,10 +7,10 @@
 !>
 !> where they are put at once: as exactly as if they had been iterated with the others.
 module evl_pure_integrals
-   use evl_collocation, only: combine
    use evl_kinds, only: wp
    use evl_ode_model, only: lanes
-   use evl_radau_coefficients, only: integral_to_node, shift_re
+   use evl_radau_coefficients, only: shift_re
+   use evl_stage_transforms, only: change_of_stages, integrate
    implicit none (type, external)
    private
 
@@ -21,9 +21,10 @@ module evl_pure_integrals
       integer :: n_coupled = 0             !! states before them, at least 1
       integer :: n = 0                     !! of them
       integer, allocatable :: coupled(:)   !! entries of J in the rows of the coupled states
-      integer, allocatable :: entry(:)     !! entries of J in the rows of the integrals
-      integer, allocatable :: row(:)       !! which integral
+      integer, allocatable :: start(:)     !! [n + 1] first entry in the row of each integral
+      integer, allocatable :: entry(:)     !! entries of J in these rows, row by row
       integer, allocatable :: column(:)    !! which coupled state
+      real(wp), allocatable :: rate(:, :), change(:, :) !! [8, n] scratch: f of the integrals, and how it changes
    end type pure_integrals_t
 
 contains
@@ -33,64 +34,94 @@ contains
       type(pure_integrals_t), intent(out) :: self
       integer, intent(in) :: n !! states
       integer, intent(in) :: row(:), column(:)
-      integer :: p, n_inside, n_outside
+      integer :: i, p
 
       self%n_coupled = max(1, maxval([0, column]))
       self%n = n - self%n_coupled
-      n_inside = count(row <= self%n_coupled)
-      n_outside = size(row) - n_inside
-      allocate (self%coupled(n_inside), self%entry(n_outside), self%row(n_outside), self%column(n_outside))
-      n_inside = 0
-      n_outside = 0
-      do p = 1, size(row)
-         if (row(p) <= self%n_coupled) then
-            n_inside = n_inside + 1
-            self%coupled(n_inside) = p
-         else
-            n_outside = n_outside + 1
-            self%entry(n_outside) = p
-            self%row(n_outside) = row(p) - self%n_coupled
-            self%column(n_outside) = column(p)
-         end if
+      self%coupled = pack([(p, p=1, size(row))], row <= self%n_coupled)
+      allocate (self%start(self%n + 1), self%entry(0), self%rate(lanes, self%n), self%change(lanes, self%n))
+      do i = 1, self%n
+         self%start(i) = size(self%entry) + 1
+         self%entry = [self%entry, pack([(p, p=1, size(row))], row == self%n_coupled + i)]
       end do
+      self%start(self%n + 1) = size(self%entry) + 1
+      self%column = column(self%entry)
    end subroutine find_pure_integrals
 
    !> Their stages.
-   pure subroutine integrate_stages(self, h, jacobian, change, y, f, z, stage_y)
-      type(pure_integrals_t), intent(in) :: self
+   pure subroutine integrate_stages(self, n, h, jacobian, dw, y, f, z, stage_y)
+      type(pure_integrals_t), intent(inout) :: self       !! its scratch changes
+      integer, intent(in) :: n                            !! states
       real(wp), intent(in) :: h
-      real(wp), intent(in) :: jacobian(:)                    !! entries of J
-      real(wp), intent(in) :: change(lanes, self%n_coupled)  !! last change of the stages of the coupled states
-      real(wp), intent(in) :: y(self%n)                      !! integrals at the start
-      real(wp), intent(inout) :: f(lanes, self%n)            !! their rates before that change; after it
-      real(wp), intent(inout) :: z(lanes, self%n)            !! their increments
-      real(wp), intent(inout) :: stage_y(lanes, self%n)      !! their values
-      integer :: i, p
+      real(wp), intent(in) :: jacobian(*)                 !! entries of J
+      real(wp), intent(in) :: dw(lanes, self%n_coupled)   !! last change of the stages of the coupled states, transformed
+      real(wp), intent(in) :: y(n)                        !! states at the start
+      real(wp), intent(in) :: f(lanes, n)                 !! f at the stages before that change
+      real(wp), intent(inout) :: z(lanes, n)              !! increments
+      real(wp), intent(inout) :: stage_y(lanes, n)        !! states at the stages
+      integer :: i
 
-      do p = 1, size(self%entry)
-         f(:, self%row(p)) = f(:, self%row(p)) + jacobian(self%entry(p))*change(:, self%column(p))
-      end do
-      call combine(self%n, integral_to_node, f, z)
+      if (self%n == 0) return
+      call change_of_rates(self%n, self%start, self%entry, self%column, jacobian, dw, self%rate)
+      call change_of_stages(self%n, self%rate, self%change)
       do i = 1, self%n
-         z(:, i) = h*z(:, i)
+         self%rate(:, i) = f(:, self%n_coupled + i) + self%change(:, i)
+      end do
+      call integrate(self%n, h, self%rate, z(:, self%n_coupled + 1:))
+      do i = self%n_coupled + 1, n
          stage_y(:, i) = y(i) + z(:, i)
       end do
    end subroutine integrate_stages
 
-   !> Their rows of (gamma/h I - J) error = right: the error of the coupled states is known, that of the integrals follows.
-   pure subroutine integrate_error(self, h, jacobian, error)
-      type(pure_integrals_t), intent(in) :: self
-      real(wp), intent(in) :: h
-      real(wp), intent(in) :: jacobian(:)
-      real(wp), intent(inout) :: error(:) !! [states] errors of the coupled states, right-hand sides of the integrals; all errors
-      integer :: p
+   !> J dw in the rows of the integrals: J is the same at all stages, so it does not matter whether they are transformed.
+   pure subroutine change_of_rates(n, start, entry, column, jacobian, dw, rate)
+      integer, intent(in) :: n
+      integer, intent(in) :: start(n + 1), entry(*), column(*)
+      real(wp), intent(in) :: jacobian(*), dw(lanes, *)
+      real(wp), intent(out) :: rate(lanes, n)
+      real(wp) :: total(lanes)
+      integer :: i, l, p
 
-      do p = 1, size(self%entry)
-         associate (i => self%n_coupled + self%row(p))
-            error(i) = error(i) + jacobian(self%entry(p))*error(self%column(p))
-         end associate
+      do i = 1, n
+         total = 0
+         do p = start(i), start(i + 1) - 1
+            !$omp simd
+            do l = 1, lanes
+               total(l) = total(l) + jacobian(entry(p))*dw(l, column(p))
+            end do
+         end do
+         rate(:, i) = total
       end do
-      error(self%n_coupled + 1:) = error(self%n_coupled + 1:)*(h/shift_re(1))
+   end subroutine change_of_rates
+
+   !> Their rows of (gamma/h I - J) error = right: the error of the coupled states is known, that of the integrals follows.
+   pure subroutine integrate_error(self, n, h, jacobian, error)
+      type(pure_integrals_t), intent(in) :: self
+      integer, intent(in) :: n                !! states
+      real(wp), intent(in) :: h
+      real(wp), intent(in) :: jacobian(*)
+      real(wp), intent(inout) :: error(n) !! errors of the coupled states, right-hand sides of the integrals; all errors
+
+      call add_rows(self%n, self%n_coupled, self%start, self%entry, self%column, h/shift_re(1), jacobian, error)
    end subroutine integrate_error
+
+   !> The same with arrays of known shape.
+   pure subroutine add_rows(n, n_coupled, start, entry, column, factor, jacobian, error)
+      integer, intent(in) :: n, n_coupled
+      integer, intent(in) :: start(n + 1), entry(*), column(*)
+      real(wp), intent(in) :: factor !! inverse of the first shift
+      real(wp), intent(in) :: jacobian(*)
+      real(wp), intent(inout) :: error(n_coupled + n)
+      real(wp) :: total
+      integer :: i, p
+
+      do i = 1, n
+         total = error(n_coupled + i)
+         do p = start(i), start(i + 1) - 1
+            total = total + jacobian(entry(p))*error(column(p))
+         end do
+         error(n_coupled + i) = factor*total
+      end do
+   end subroutine add_rows
 
 end module evl_pure_integrals

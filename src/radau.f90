@@ -334,7 +334,7 @@ contains
             end if
          end if
          if (self%old_h > 0 .and. h <= farthest*self%old_h) then
-            call predict_from(self%stages, self%old_z, 1.0_wp, h/self%old_h)
+            call predict_from(self%stages, self%old_z, 1.0_wp, h, self%old_h)
          else
             call predict_nothing(self%stages)
          end if

@@ -91,7 +91,7 @@ contains
             h_now = at
             call factor_systems(self%stages, h_now, good)
             if (good) then
-               call predict_from(self%stages, self%old_z, 0.0_wp, h_now/self%old_h)
+               call predict_from(self%stages, self%old_z, 0.0_wp, h_now, self%old_h)
                call solve_stages(self%stages, model, self%t, self%y, h_now, outcome, status)
                if (has_failed(status)) exit
                good = outcome == newton_converged

@@ -1,7 +1,7 @@
-!> LU factors of four complex matrices shift_k I - J at once, J real and sparse with a pattern that never changes.
+!> LU factors of four complex matrices s_k I - J - K/s_k at once, J and K real and sparse with a pattern that never changes.
 !>
 !> Order and fill are found once (Markowitz: the diagonal pivot with the least (row count - 1)(column count - 1), on the
-!> pattern alone, since J's values change); the elimination is then a list of places. An entry is two vectors of 4 reals:
+!> pattern alone, since the values change); the elimination is then a list of places. An entry is two vectors of 4 reals:
 !> the real parts of the four systems, and the imaginary ones.
 !>
 !> Pivots stay on the diagonal. `factor` reports a pivot that is too small beside the rest of its row of U: the growth of
@@ -12,10 +12,12 @@
 module evl_sparse_lu
    use evl_kinds, only: wp
    use evl_radau_coefficients, only: n_systems
+   use evl_stage_blocks, only: matrix_entry, multiply, subtract_product
    implicit none (type, external)
    private
 
    public :: sparse_lu_t, sparse_lu_analyse, sparse_lu_factor, sparse_lu_solve, sparse_lu_solve_first
+   public :: smallest_pivot
 
    real(wp), parameter :: smallest_pivot = 1.0e-6_wp !! over the largest entry beside it in its row of U
 
@@ -30,6 +32,7 @@ module evl_sparse_lu
       integer, allocatable :: place(:)     !! [entries of J] where an entry of J goes
       integer, allocatable :: target(:)    !! places that elimination changes, in the order in which it does
       real(wp), allocatable :: value(:, :, :) !! [4, 2, nnz] L without its unit diagonal, inverse pivots, U
+      real(wp), allocatable :: first(:)    !! [nnz] those of the first system, which is real
    end type sparse_lu_t
 
 contains
@@ -56,7 +59,8 @@ contains
       do i = 1, n
          position(lu%component(i)) = i
       end do
-      allocate (lu%column(count(filled)), lu%unknown(count(filled)), lu%value(n_systems, 2, count(filled)), lu%place(size(row)))
+      allocate (lu%column(count(filled)), lu%unknown(count(filled)), lu%value(n_systems, 2, count(filled)), &
+                lu%first(count(filled)), lu%place(size(row)))
       lu%value = 0
       place_of = 0
       p = 0
@@ -78,28 +82,32 @@ contains
       call plan_elimination(lu, place_of)
    end subroutine sparse_lu_analyse
 
-   !> Order of the pivots; on return `filled` includes the fill.
+   !> Order of the pivots; on return `filled` includes the fill. Of equal ones the first is that which waits for the fewest others,
+   !> one after the other: so a chain is eliminated from both ends, and substitutions in it overlap.
    subroutine order_by_markowitz(n, filled, component)
       integer, intent(in) :: n
       logical, intent(inout) :: filled(n, n)
       integer, intent(out) :: component(n)
       logical :: waiting(n)
-      integer :: i, j, k, best, cost, least
+      integer :: depth(n), i, j, k, best, cost, least
 
       waiting = .true.
+      depth = 0
       do k = 1, n
          best = 0
          least = huge(least)
          do i = 1, n
             if (.not. waiting(i)) cycle
             cost = (count(filled(i, :) .and. waiting) - 1)*(count(filled(:, i) .and. waiting) - 1)
-            if (cost < least) then
-               least = cost
-               best = i
+            if (best > 0) then
+               if (cost > least .or. (cost == least .and. depth(i) >= depth(best))) cycle
             end if
+            least = cost
+            best = i
          end do
          component(k) = best
          waiting(best) = .false.
+         where (waiting .and. (filled(best, :) .or. filled(:, best))) depth = max(depth, depth(best) + 1)
          do j = 1, n
             if (.not. (waiting(j) .and. filled(best, j))) cycle
             where (waiting .and. filled(:, best)) filled(:, j) = .true.
@@ -127,23 +135,23 @@ contains
       end do
    end subroutine plan_elimination
 
-   !> Factor shift_k I - J for the four complex shifts.
-   pure subroutine sparse_lu_factor(lu, shift_re, shift_im, jacobian, good)
+   !> Factor s_k I - J - K/s_k for the four complex shifts.
+   pure subroutine sparse_lu_factor(lu, shift, inverse_shift, j, k, good)
       type(sparse_lu_t), intent(inout) :: lu
-      real(wp), intent(in) :: shift_re(n_systems), shift_im(n_systems)
-      real(wp), intent(in) :: jacobian(:) !! entries of J
-      logical, intent(out) :: good        !! whether every pivot was large enough; if not, the factors are useless
+      real(wp), intent(in) :: shift(n_systems, 2), inverse_shift(n_systems, 2) !! s_k and 1/s_k
+      real(wp), intent(in) :: j(:), k(:) !! entries of J and K
+      logical, intent(out) :: good       !! whether every pivot was large enough; if not, the factors are useless
       integer :: i, p
 
       lu%value = 0
       do p = 1, size(lu%place)
-         lu%value(:, 1, lu%place(p)) = -jacobian(p)
+         call matrix_entry(inverse_shift, j(p), k(p), lu%value(:, :, lu%place(p)))
       end do
       do i = 1, lu%n
-         lu%value(:, 1, lu%diagonal(i)) = lu%value(:, 1, lu%diagonal(i)) + shift_re
-         lu%value(:, 2, lu%diagonal(i)) = shift_im
+         lu%value(:, :, lu%diagonal(i)) = lu%value(:, :, lu%diagonal(i)) + shift
       end do
       call eliminate(lu%n, lu%row_start, lu%diagonal, lu%column, lu%target, lu%value, good)
+      lu%first = lu%value(1, 1, :)
    end subroutine sparse_lu_factor
 
    !> Eliminate row by row; arrays of known shape, so that a row costs no look at a descriptor.
@@ -152,7 +160,7 @@ contains
       integer, intent(in) :: row_start(n + 1), diagonal(n), column(*), target(*)
       real(wp), intent(inout) :: value(n_systems, 2, *)
       logical, intent(out) :: good
-      real(wp) :: re(n_systems), im(n_systems), pivot(n_systems), beside(n_systems)
+      real(wp) :: factor(n_systems, 2), pivot(n_systems), beside(n_systems)
       integer :: d, i, m, p, q
 
       good = .true.
@@ -161,12 +169,11 @@ contains
          d = diagonal(i)
          do p = row_start(i), d - 1
             q = diagonal(column(p))
-            call multiply(value(:, 1, q), value(:, 2, q), value(:, 1, p), value(:, 2, p), re, im)
-            value(:, 1, p) = re
-            value(:, 2, p) = im
+            call multiply(value(:, :, q), value(:, :, p), factor)
+            value(:, :, p) = factor
             do q = diagonal(column(p)) + 1, row_start(column(p) + 1) - 1
                m = m + 1
-               call subtract_product(re, im, value(:, 1, q), value(:, 2, q), value(:, 1, target(m)), value(:, 2, target(m)))
+               call subtract_product(factor, value(:, :, q), value(:, :, target(m)))
             end do
          end do
          pivot = value(:, 1, d)**2 + value(:, 2, d)**2
@@ -197,26 +204,23 @@ contains
       integer, intent(in) :: component(n), row_start(n + 1), diagonal(n), unknown(*)
       real(wp), intent(in) :: value(n_systems, 2, *)
       real(wp), intent(inout) :: b(n_systems, 2, n)
-      real(wp) :: re(n_systems), im(n_systems)
+      real(wp) :: x(n_systems, 2)
       integer :: i, p
 
       do i = 2, n
          if (row_start(i) == diagonal(i)) cycle
-         re = b(:, 1, component(i))
-         im = b(:, 2, component(i))
+         x = b(:, :, component(i))
          do p = row_start(i), diagonal(i) - 1
-            call subtract_product(value(:, 1, p), value(:, 2, p), b(:, 1, unknown(p)), b(:, 2, unknown(p)), re, im)
+            call subtract_product(value(:, :, p), b(:, :, unknown(p)), x)
          end do
-         b(:, 1, component(i)) = re
-         b(:, 2, component(i)) = im
+         b(:, :, component(i)) = x
       end do
       do i = n, 1, -1
-         re = b(:, 1, component(i))
-         im = b(:, 2, component(i))
+         x = b(:, :, component(i))
          do p = diagonal(i) + 1, row_start(i + 1) - 1
-            call subtract_product(value(:, 1, p), value(:, 2, p), b(:, 1, unknown(p)), b(:, 2, unknown(p)), re, im)
+            call subtract_product(value(:, :, p), b(:, :, unknown(p)), x)
          end do
-         call multiply(value(:, 1, diagonal(i)), value(:, 2, diagonal(i)), re, im, b(:, 1, component(i)), b(:, 2, component(i)))
+         call multiply(value(:, :, diagonal(i)), x, b(:, :, component(i)))
       end do
    end subroutine substitute
 
@@ -230,43 +234,17 @@ contains
       do i = 2, lu%n
          x = b(lu%component(i))
          do p = lu%row_start(i), lu%diagonal(i) - 1
-            x = x - lu%value(1, 1, p)*b(lu%unknown(p))
+            x = x - lu%first(p)*b(lu%unknown(p))
          end do
          b(lu%component(i)) = x
       end do
       do i = lu%n, 1, -1
          x = b(lu%component(i))
          do p = lu%diagonal(i) + 1, lu%row_start(i + 1) - 1
-            x = x - lu%value(1, 1, p)*b(lu%unknown(p))
+            x = x - lu%first(p)*b(lu%unknown(p))
          end do
-         b(lu%component(i)) = x*lu%value(1, 1, lu%diagonal(i))
+         b(lu%component(i)) = x*lu%first(lu%diagonal(i))
       end do
    end subroutine sparse_lu_solve_first
-
-   !> c = a b, four complex products.
-   pure subroutine multiply(a_re, a_im, b_re, b_im, c_re, c_im)
-      real(wp), intent(in) :: a_re(n_systems), a_im(n_systems), b_re(n_systems), b_im(n_systems)
-      real(wp), intent(out) :: c_re(n_systems), c_im(n_systems)
-      integer :: k
-
-      !$omp simd
-      do k = 1, n_systems
-         c_re(k) = a_re(k)*b_re(k) - a_im(k)*b_im(k)
-         c_im(k) = a_re(k)*b_im(k) + a_im(k)*b_re(k)
-      end do
-   end subroutine multiply
-
-   !> c = c - a b, four complex products.
-   pure subroutine subtract_product(a_re, a_im, b_re, b_im, c_re, c_im)
-      real(wp), intent(in) :: a_re(n_systems), a_im(n_systems), b_re(n_systems), b_im(n_systems)
-      real(wp), intent(inout) :: c_re(n_systems), c_im(n_systems)
-      integer :: k
-
-      !$omp simd
-      do k = 1, n_systems
-         c_re(k) = c_re(k) - (a_re(k)*b_re(k) - a_im(k)*b_im(k))
-         c_im(k) = c_im(k) - (a_re(k)*b_im(k) + a_im(k)*b_re(k))
-      end do
-   end subroutine subtract_product
 
 end module evl_sparse_lu

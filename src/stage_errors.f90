@@ -2,15 +2,16 @@
 !>
 !> Sources: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8; docs/radau.md.
 submodule(evl_stage_solver) evl_stage_errors
+   use evl_condensed_systems, only: condensed_solve_first
    use evl_dense_lu, only: dense_lu_solve_first
    use evl_pure_integrals, only: integrate_error
    use evl_radau_coefficients, only: barycentric, slope_at_node, to_chebyshev
-   use evl_sparse_lu, only: sparse_lu_solve_first
+   use evl_stage_transforms, only: of_stages
    implicit none (type, external)
 
-   integer, parameter :: slope_lane = 1 !! of what `estimates` gives: the slope of the polynomial at the start
    integer :: row
-   !> From the increments at the nodes: that slope, per step, and in lanes 5 to 8 the last Chebyshev coefficients.
+   !> From the increments at the nodes: the slope of the polynomial at the start, per step, and in lanes 5 to 8 the last
+   !> Chebyshev coefficients.
    real(wp), parameter :: estimates(lanes, lanes) = &
                           transpose(reshape([slope_at_node(lanes, :), (to_chebyshev(row, :), row=2, lanes)], [lanes, lanes]))
    real(wp), parameter :: nodes_over_chebyshev = 2.3_wp !! largest prod|tau - node| over that of Chebyshev's points
@@ -27,9 +28,12 @@ contains
       real(wp), intent(out) :: error !! root mean square; a step is good below 1
       type(status_t), intent(inout) :: status
 
-      call combine(self%n, estimates, self%z, self%change)
+      real(wp) :: output_error
+
+      call examine(self%n, self%z, self%weight, self%slope, self%last, self%before, output_error)
+      output_error = self%output_factor*output_error
       call filter(self, self%start, h, error)
-      if (error < 1) error = max(error, self%output_factor*interpolation_error(self))
+      if (error < 1) error = max(error, output_error)
       if (error < 1 .or. .not. again) return
       self%moved = y + self%error
       call model%rhs(t, self%moved, self%moved_f, status)
@@ -39,24 +43,32 @@ contains
          return
       end if
       call filter(self, self%moved_f, h, error)
-      error = max(error, self%output_factor*interpolation_error(self))
+      error = max(error, output_error)
    end subroutine estimate_error
 
-   !> Weighted size of the error of the dense output: the Chebyshev coefficients that would come next, if the last pairs go on
-   !> as a geometric series. Pairs, since every other coefficient of an even or odd solution is 0.
-   pure real(wp) function interpolation_error(self) result(error)
-      type(stage_solver_t), intent(in) :: self !! `estimates` of the increments in `change`
-      real(wp) :: last, before, total
-      integer :: i
+   !> Slopes of the polynomial at the start and the weighted size of the error of the dense output: the Chebyshev coefficients
+   !> that would come next, if the last pairs go on as a geometric series. Pairs, since every other coefficient of an even or odd
+   !> solution is 0.
+   pure subroutine examine(n, z, weight, slope, last, before, error)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: z(lanes, n), weight(n)
+      real(wp), intent(out) :: slope(n)
+      real(wp), intent(out) :: last(n), before(n) !! squares of the last pair and of that before it
+      real(wp), intent(out) :: error
+      real(wp) :: of(lanes)
+      integer :: i, l
 
-      total = 0
-      do i = 1, self%n
-         before = self%change(5, i)**2 + self%change(6, i)**2
-         last = self%change(7, i)**2 + self%change(8, i)**2
-         total = total + last*min(1.0_wp, last/max(before, tiny(1.0_wp)))*self%weight(i)**2
+      do i = 1, n
+         !$omp simd
+         do l = 1, lanes
+            of(l) = of_stages(estimates, l, z(:, i))
+         end do
+         slope(i) = of(1)
+         before(i) = of(5)**2 + of(6)**2
+         last(i) = of(7)**2 + of(8)**2
       end do
-      error = nodes_over_chebyshev*sqrt(total/self%n)
-   end function interpolation_error
+      error = nodes_over_chebyshev*sqrt(sum(last*min(1.0_wp, last/max(before, tiny(1.0_wp)))*weight**2)/n)
+   end subroutine examine
 
    !> A step whose error would be about 1, before any is made: the eighth derivative of y is J^7 f if J hardly changes.
    !>
@@ -71,41 +83,66 @@ contains
       real(wp), parameter :: at_start = 1/(shift_re(1)*abs(barycentric(lanes))*factorial_8)
       real(wp), parameter :: inside = nodes_over_chebyshev/(2.0_wp**15*factorial_8)
       real(wp) :: error
-      integer :: p, turn
+      integer :: turn
 
-      self%moved = self%start
+      self%moved_f = self%start
       do turn = 1, n_stages
-         self%moved_f = 0
-         do p = 1, size(self%jacobian)
-            associate (i => model%jacobian_row(p), j => model%jacobian_column(p))
-               self%moved_f(i) = self%moved_f(i) + self%jacobian(p)*self%moved(j)
-            end associate
-         end do
          self%moved = self%moved_f
+         call apply_jacobian(self%n, size(self%jacobian), model%jacobian_row, model%jacobian_column, self%jacobian, self%moved, &
+                             self%moved_f)
       end do
-      error = max(at_start, inside*self%output_factor)*sqrt(sum((self%moved*self%weight)**2)/self%n)
+      error = max(at_start, inside*self%output_factor)*sqrt(weighted_square(self%n, self%moved_f, self%weight)/self%n)
       h = max(error, tiny(1.0_wp))**(-1.0_wp/8)
    end subroutine foresee_step
 
+   !> y = J x
+   pure subroutine apply_jacobian(n, entries, row, column, jacobian, x, y)
+      integer, intent(in) :: n, entries
+      integer, intent(in) :: row(entries), column(entries)
+      real(wp), intent(in) :: jacobian(entries)
+      real(wp), intent(in) :: x(n)
+      real(wp), intent(out) :: y(n)
+      integer :: p
+
+      y = 0
+      do p = 1, entries
+         y(row(p)) = y(row(p)) + jacobian(p)*x(column(p))
+      end do
+   end subroutine apply_jacobian
+
    !> (gamma/h I - J)^-1 (rate - p'(t)) and its weighted size.
    pure subroutine filter(self, rate, h, error)
-      type(stage_solver_t), intent(inout) :: self  !! `estimates` of the increments in `change`
+      type(stage_solver_t), intent(inout) :: self  !! slopes of the polynomial in `slope`
       real(wp), intent(in) :: rate(self%n) !! f at the start
       real(wp), intent(in) :: h
       real(wp), intent(out) :: error
-      integer :: i
 
-      do i = 1, self%n
-         self%error(i) = rate(i) - self%change(slope_lane, i)/h
-      end do
+      call subtract_slopes(self%n, rate, self%slope, 1/h, self%error)
       if (self%is_dense) then
          call dense_lu_solve_first(self%dense, self%error)
       else
-         call sparse_lu_solve_first(self%sparse, self%error)
+         call condensed_solve_first(self%condensed, self%error)
       end if
-      call integrate_error(self%integrals, h, self%jacobian, self%error)
-      error = max(sqrt(sum((self%error*self%weight)**2)/self%n), 1.0e-10_wp)
+      call integrate_error(self%integrals, self%n, h, self%jacobian, self%error)
+      error = max(sqrt(weighted_square(self%n, self%error, self%weight)/self%n), 1.0e-10_wp)
       if (.not. error <= huge(error)) error = huge(error)
    end subroutine filter
+
+   !> f at the start less the slope of the polynomial there.
+   pure subroutine subtract_slopes(n, rate, slope, per_step, difference)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: rate(n), slope(n), per_step
+      real(wp), intent(out) :: difference(n)
+
+      difference = rate - slope*per_step
+   end subroutine subtract_slopes
+
+   !> Sum of the squares of x in units of 1/weight.
+   pure real(wp) function weighted_square(n, x, weight) result(square)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: x(n), weight(n)
+
+      square = sum((x*weight)**2)
+   end function weighted_square
 
 end submodule evl_stage_errors

@@ -16,13 +16,14 @@
 !>
 !> Sources: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8.
 module evl_stage_solver
-   use evl_collocation, only: combine, lagrange_matrix
+   use evl_collocation, only: lagrange_matrix
+   use evl_condensed_systems, only: condensed_create, condensed_factor, condensed_solve, condensed_t
    use evl_dense_lu, only: dense_lu_create, dense_lu_factor, dense_lu_solve, dense_lu_t
    use evl_kinds, only: wp
    use evl_ode_model, only: lanes, ode_model
    use evl_pure_integrals, only: find_pure_integrals, integrate_stages, pure_integrals_t
-   use evl_radau_coefficients, only: from_stage, n_stages, n_systems, node, shift_im, shift_re, to_stage
-   use evl_sparse_lu, only: sparse_lu_analyse, sparse_lu_factor, sparse_lu_solve, sparse_lu_t
+   use evl_radau_coefficients, only: n_stages, n_systems, node, shift_im, shift_re
+   use evl_stage_transforms, only: add_change, change_of_stages, continue_polynomial, residual, start_stages
    use evl_status, only: has_failed, status_t
    implicit none (type, external)
    private
@@ -37,7 +38,6 @@ module evl_stage_solver
    integer, parameter :: newton_refused = 3   !! the model has no answer at a stage: the status says why
 
    integer, parameter :: most_iterations = 10
-   integer, parameter :: fourth = n_systems
    real(wp), parameter :: eps = epsilon(1.0_wp)
    real(wp), parameter :: rounding = 4*eps !! least error that may be asked for, relative to a state
 
@@ -52,6 +52,12 @@ module evl_stage_solver
       integer :: dense = 0          !! those of them with row exchanges
    end type stage_counts
 
+   !> How a polynomial is continued.
+   type :: continuation_t
+      real(wp) :: start = 0, ratio = 0       !! as of `predict_from`; ratio 0: none yet
+      real(wp) :: matrix(lanes, lanes) = 0   !! from increments to increments
+   end type continuation_t
+
    !> All arrays of a step; sizes never change.
    type :: stage_solver_t
       integer :: n = 0
@@ -63,18 +69,21 @@ module evl_stage_solver
       real(wp) :: newton_stop = 0 !! share of it that may be left in the stages
       real(wp), allocatable :: weight(:)    !! [n] inverse of the error that counts as 1
       real(wp), allocatable :: z(:, :)      !! [8, n] increments of the stages
-      real(wp), allocatable :: w(:, :)      !! [8, n] the same, transformed
+      real(wp), allocatable :: shifted(:, :) !! [8, n] Lambda/h w, the same transformed
       real(wp), allocatable :: y(:, :)      !! [8, n] states at the stages
       real(wp), allocatable :: f(:, :)      !! [8, n] f there
       real(wp), allocatable :: change(:, :) !! [8, n] of an iteration
       real(wp), allocatable :: jacobian(:)  !! [nnz] entries of df/dy
       real(wp), allocatable :: error(:)     !! [n] estimate
+      real(wp), allocatable :: slope(:)     !! [n] of the polynomial at the start, per step
+      real(wp), allocatable :: last(:), before(:) !! [n] squares of its last coefficients
       real(wp), allocatable :: start(:)     !! [n] f at the start
       real(wp), allocatable :: moved(:)     !! [n] state at which the estimate is taken again
       real(wp), allocatable :: moved_f(:)   !! [n] f there
-      type(sparse_lu_t) :: sparse
+      type(condensed_t) :: condensed
       type(dense_lu_t) :: dense
       logical :: is_dense = .false.
+      type(continuation_t) :: continuation
       real(wp) :: h_factored = 0 !! step for which the factors hold; 0: none
       real(wp) :: rate = 0       !! of convergence in the last solution
       real(wp) :: rate_sum = 1   !! rate/(1 - rate), carried from step to step
@@ -118,19 +127,19 @@ contains
       self%tolerance = tolerance
       self%output_factor = max(1.0_wp, tolerance/(output_share*user_tolerance))
       self%newton_stop = max(10*eps/tolerance, min(0.03_wp, sqrt(tolerance)))
-      allocate (self%weight(model%n), self%error(model%n), self%start(model%n), self%moved(model%n), &
-                self%moved_f(model%n))
-      allocate (self%z(lanes, model%n), self%w(lanes, model%n), self%y(lanes, model%n), self%f(lanes, model%n))
+      allocate (self%weight(model%n), self%error(model%n), self%slope(model%n), self%last(model%n), self%before(model%n), &
+                self%start(model%n), self%moved(model%n), self%moved_f(model%n))
+      allocate (self%z(lanes, model%n), self%shifted(lanes, model%n), self%y(lanes, model%n), self%f(lanes, model%n))
       allocate (self%change(lanes, model%n), self%jacobian(size(model%jacobian_row)))
       self%z = 0
-      self%w = 0
+      self%shifted = 0
       call find_pure_integrals(self%integrals, model%n, model%jacobian_row, model%jacobian_column)
       associate (n => size(self%integrals%coupled))
          allocate (self%row(n), self%column(n), self%coupled(n))
       end associate
       self%row(:) = model%jacobian_row(self%integrals%coupled)
       self%column(:) = model%jacobian_column(self%integrals%coupled)
-      call sparse_lu_analyse(self%sparse, self%integrals%n_coupled, self%row, self%column)
+      call condensed_create(self%condensed, self%integrals%n_coupled, self%row, self%column)
       call dense_lu_create(self%dense, self%integrals%n_coupled)
    end subroutine stage_solver_create
 
@@ -158,25 +167,35 @@ contains
       type(stage_solver_t), intent(inout) :: self
 
       self%z = 0
-      self%w = 0
+      self%shifted = 0
    end subroutine predict_nothing
 
    !> Start Newton from the polynomial of a step, continued: `old_z` are its increments over its own start.
-   pure subroutine predict_from(self, old_z, start, ratio)
+   pure subroutine predict_from(self, old_z, start, h, old_h)
       type(stage_solver_t), intent(inout) :: self
       real(wp), intent(in) :: old_z(lanes, self%n)
       real(wp), intent(in) :: start !! where in that step, in units of it, the new one starts: its node 0 or 1
-      real(wp), intent(in) :: ratio !! new step over that one
-      real(wp) :: matrix(lanes, lanes)
+      real(wp), intent(in) :: h     !! new step
+      real(wp), intent(in) :: old_h !! that one
+
+      call find_continuation(self%continuation, start, h/old_h)
+      call continue_polynomial(self%integrals%n_coupled, self%continuation%matrix, old_z, h, self%z, self%shifted)
+   end subroutine predict_from
+
+   !> The matrix of a prediction, unless it is that of the last one: a step often is as long as the one before.
+   pure subroutine find_continuation(self, start, ratio)
+      type(continuation_t), intent(inout) :: self
+      real(wp), intent(in) :: start, ratio !! as above
       integer :: from
 
-      call lagrange_matrix(start + ratio*node, matrix)
+      if (abs(start - self%start) <= 0 .and. abs(ratio - self%ratio) <= 0) return
+      self%start = start
+      self%ratio = ratio
+      call lagrange_matrix(start + ratio*node, self%matrix)
       from = merge(n_stages, lanes, start > 0)
-      matrix(:, from) = matrix(:, from) - 1
-      matrix(lanes, :) = 0
-      call combine(self%integrals%n_coupled, matrix, old_z, self%z)
-      call combine(self%integrals%n_coupled, from_stage, self%z, self%w)
-   end subroutine predict_from
+      self%matrix(:, from) = self%matrix(:, from) - 1
+      self%matrix(lanes, :) = 0
+   end subroutine find_continuation
 
    !> Factor the four systems for a step of h; with row exchanges if diagonal pivots will not do.
    subroutine factor_systems(self, h, good)
@@ -189,7 +208,7 @@ contains
       do p = 1, size(self%coupled)
          self%coupled(p) = self%jacobian(self%integrals%coupled(p))
       end do
-      call sparse_lu_factor(self%sparse, shift_re/h, shift_im/h, self%coupled, good)
+      call condensed_factor(self%condensed, reshape([shift_re, shift_im], [n_systems, 2])/h, self%coupled, good)
       self%is_dense = .not. good
       if (self%is_dense) then
          self%counts%dense = self%counts%dense + 1
@@ -209,13 +228,10 @@ contains
 
       call iterate_to_end(self, model, t, y, h, outcome, status)
       if (outcome /= newton_converged) return
-      associate (first => self%integrals%n_coupled + 1)
-         call integrate_stages(self%integrals, h, self%jacobian, self%f, y(first:), self%f(:, first:), self%z(:, first:), &
-                               self%y(:, first:))
-      end associate
+      call integrate_stages(self%integrals, self%n, h, self%jacobian, self%change, y, self%f, self%z, self%y)
    end subroutine solve_stages
 
-   !> Newton's iteration for the coupled states; the last change is left in f.
+   !> Newton's iteration for the coupled states; the last change is left in `change`, transformed.
    subroutine iterate_to_end(self, model, t, y, h, outcome, status)
       type(stage_solver_t), intent(inout) :: self
       class(ode_model), intent(in) :: model
@@ -231,12 +247,7 @@ contains
       self%advice = 0.5_wp
       size_before = 0
       ratio_before = 1
-      do i = 1, self%integrals%n_coupled
-         self%y(:, i) = y(i) + self%z(:, i)
-      end do
-      do i = self%integrals%n_coupled + 1, self%n
-         self%y(:, i) = y(i)
-      end do
+      call start_stages(self%n, self%integrals%n_coupled, y, self%z, self%y)
       do i = 1, most_iterations
          self%iterations = i
          self%counts%iterations = self%counts%iterations + 1
@@ -283,66 +294,27 @@ contains
       integer :: n
 
       n = self%integrals%n_coupled
-      call combine(n, from_stage, self%f, self%change)
-      call subtract_shifted(n, shift_re/h, shift_im/h, self%w, self%change)
+      call residual(n, self%f, self%shifted, self%change)
       if (self%is_dense) then
          call dense_lu_solve(self%dense, self%change)
       else
-         call sparse_lu_solve(self%sparse, self%change)
+         call condensed_solve(self%condensed, self%change)
       end if
-      call combine(n, to_stage, self%change, self%f) ! f is spent: it takes the change of z
-      call add_change(n, y, self%weight, self%change, self%f, self%w, self%z, self%y, length)
+      call add_change(n, shift_re/h, shift_im/h, y, self%weight, self%change, self%shifted, self%z, self%y, length)
       length = sqrt(length/(n_stages*n))
    end subroutine iterate
-
-   !> The right-hand side of an iteration: r - Lambda/h w.
-   pure subroutine subtract_shifted(n, re, im, w, r)
-      integer, intent(in) :: n !! coupled states
-      real(wp), intent(in) :: re(fourth), im(fourth) !! eigenvalues over h
-      real(wp), intent(in) :: w(fourth, 2, n)
-      real(wp), intent(inout) :: r(fourth, 2, n)
-      integer :: i, k
-
-      do i = 1, n
-         !$omp simd
-         do k = 1, fourth
-            r(k, 1, i) = r(k, 1, i) - (re(k)*w(k, 1, i) - im(k)*w(k, 2, i))
-            r(k, 2, i) = r(k, 2, i) - (im(k)*w(k, 1, i) + re(k)*w(k, 2, i))
-         end do
-      end do
-   end subroutine subtract_shifted
-
-   !> Add the change of an iteration; the sum of the weighted squares of dz.
-   pure subroutine add_change(n, y, weight, dw, dz, w, z, stage_y, square)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: y(n), weight(n)
-      real(wp), intent(in) :: dw(lanes, n), dz(lanes, n)
-      real(wp), intent(inout) :: w(lanes, n), z(lanes, n)
-      real(wp), intent(out) :: stage_y(lanes, n)
-      real(wp), intent(out) :: square
-      real(wp) :: total(lanes)
-      integer :: i, k
-
-      total = 0
-      do i = 1, n
-         !$omp simd
-         do k = 1, lanes
-            w(k, i) = w(k, i) + dw(k, i)
-            z(k, i) = z(k, i) + dz(k, i)
-            stage_y(k, i) = y(i) + z(k, i)
-            total(k) = total(k) + (dz(k, i)*weight(i))**2
-         end do
-      end do
-      square = sum(total)
-   end subroutine add_change
 
    !> Whether the last change was no larger than rounding makes it: no iteration can do better.
    pure logical function is_rounding(self)
       type(stage_solver_t), intent(in) :: self
+      real(wp) :: dz(lanes)
+      integer :: i
 
-      associate (n => self%integrals%n_coupled)
-         is_rounding = all(abs(self%f(:, :n)) <= 8*rounding*(abs(self%y(:, :n)) + abs(self%z(:, :n))))
-      end associate
+      do i = 1, self%integrals%n_coupled
+         call change_of_stages(1, self%change(:, i), dz)
+         is_rounding = all(abs(dz) <= 8*rounding*(abs(self%y(:, i)) + abs(self%z(:, i))))
+         if (.not. is_rounding) return
+      end do
    end function is_rounding
 
 end module evl_stage_solver

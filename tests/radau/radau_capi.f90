@@ -5,6 +5,8 @@ module radau_capi
    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_funptr, c_int, c_loc, c_null_char, c_ptr
    use callback_model, only: callback_model_create, callback_model_t
    use evl_collocation, only: lagrange_at
+   use evl_condensed_systems, only: condensed_create, condensed_entries, condensed_factor, condensed_solve, &
+                                    condensed_solve_first, condensed_t
    use evl_dense_lu, only: dense_lu_create, dense_lu_factor, dense_lu_solve, dense_lu_solve_first, dense_lu_t
    use evl_kinds, only: wp
    use evl_ode_model, only: lanes, ode_model
@@ -13,7 +15,6 @@ module radau_capi
    use evl_radau_coefficients, only: barycentric, from_stage, integral_to_node, n_systems, node, shift_im, shift_re, &
                                      slope_at_node, to_chebyshev, to_stage
    use evl_radau_run, only: radau_integrate, radau_observer
-   use evl_sparse_lu, only: sparse_lu_analyse, sparse_lu_factor, sparse_lu_solve, sparse_lu_solve_first, sparse_lu_t
    use evl_status, only: clear, has_failed, status_t
    use oscillator_chain, only: oscillator_chain_create, oscillator_chain_t
    implicit none (type, external)
@@ -71,16 +72,16 @@ contains
       integer(c_int), intent(in) :: row(nnz), column(nnz)
       real(c_double), intent(in) :: jacobian(nnz), re(n_systems), im(n_systems)
       real(c_double), intent(inout) :: b(lanes, n), b_first(n)
-      type(sparse_lu_t) :: lu
+      type(condensed_t) :: systems
       logical :: good
 
-      call sparse_lu_analyse(lu, n, row + 1, column + 1)
-      call sparse_lu_factor(lu, re, im, jacobian, good)
+      call condensed_create(systems, n, row + 1, column + 1)
+      call condensed_factor(systems, reshape([re, im], [n_systems, 2]), jacobian, good)
       entries = 0
       if (.not. good) return
-      call sparse_lu_solve(lu, b)
-      call sparse_lu_solve_first(lu, b_first)
-      entries = size(lu%column)
+      call condensed_solve(systems, b)
+      call condensed_solve_first(systems, b_first)
+      entries = condensed_entries(systems)
    end function rt_sparse_solve
 
    !> The same with row exchanges; returns 0 if a matrix is singular.

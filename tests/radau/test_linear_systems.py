@@ -58,6 +58,39 @@ def test_a_missing_diagonal_is_added(library: Library):
     assert x[0] == pytest.approx([1, 1], abs=4 * EPS)  # (2 I - J) x = 1
 
 
+def mechanical_system(masses: int, neighbours: int):
+    """Return pattern and values of q' = c v, v' = -K q - D v; each mass feels some neighbours."""
+    near = [(i, j) for i in range(masses) for j in range(masses) if abs(i - j) <= neighbours]
+    # angle and speed of a mass lie beside each other, and the diagonal of the angles is empty
+    entries = [(2 * i, 2 * i + 1) for i in range(masses)]
+    entries += [(2 * i + 1, 2 * j + side) for i, j in near for side in (0, 1)]
+    return np.array(entries), RNG.standard_normal(len(entries))
+
+
+# 3 and 8 masses are solved for by inverses, 9 and 25 by sparse factors
+@pytest.mark.parametrize("masses", [1, 3, 8, 9, 25])
+def test_kinematic_rows_are_condensed(library: Library, masses):
+    n = 2 * masses
+    entries, values = mechanical_system(masses, neighbours=2)
+    shifts = 10 + 3j * np.arange(4)
+    right = RNG.standard_normal((4, n)) + 1j * RNG.standard_normal((4, n))
+    right[0] = right[0].real
+    places, x, first = library.solve_systems("sparse", entries, values, shifts, right)
+    assert 0 < places <= masses**2  # the speeds alone are left
+    for k, matrix in enumerate(matrices(n, entries, values, shifts)):
+        expected = np.linalg.solve(matrix, right[k])
+        # the diagonal of the condensed matrices dominates: stable to a small multiple of n eps
+        assert np.abs(x[k] - expected).max() <= 16 * n * EPS * np.abs(expected).max()
+    assert np.abs(first - x[0].real).max() <= 4 * n * EPS * np.abs(first).max()
+
+
+def test_a_kinematic_row_whose_shift_vanishes_beside_its_entry_is_refused(library: Library):
+    # q' = 1e7 v, v' = -q: the pivot of q, 1, is below 1e-6 of what stands beside it
+    entries, values, right = [(0, 1), (1, 0)], [1e7, -1], np.ones((4, 2))
+    assert library.solve_systems("sparse", entries, values, [1] * 4, right)[0] == 0
+    assert library.solve_systems("sparse", entries, values, [100] * 4, right)[0] == 1
+
+
 @pytest.mark.parametrize("shift", [0, 1e-9])
 def test_a_small_pivot_is_refused_by_the_sparse_and_solved_by_the_dense_factors(library, shift):
     entries, values, right = [(0, 1), (1, 0)], [-1, 1], np.ones((4, 2))
