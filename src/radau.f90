@@ -19,6 +19,7 @@ module evl_radau
    use evl_collocation, only: lagrange_at
    use evl_kinds, only: wp
    use evl_ode_model, only: check_model, lanes, ode_model
+   use evl_radau_coefficients, only: node
    use evl_root_finder, only: root_finder_create, root_finder_restart, root_finder_t
    use evl_stage_solver, only: estimate_error, factor_systems, foresee_step, forget, newton_converged, newton_refused, &
                                newton_slow, predict_from, predict_nothing, set_weights, solve_stages, stage_solver_create, &
@@ -40,6 +41,7 @@ module evl_radau
    real(wp), parameter :: eps = epsilon(1.0_wp)
    real(wp), parameter :: share = 0.003_wp      !! internal tolerance over tolerance^(4/7)
    real(wp), parameter :: farthest = 5          !! steps ahead to which a polynomial may be continued as a prediction
+   integer, parameter :: middle = 4             !! stage nearest to the middle of a step
    integer, parameter :: most_rejections = 200  !! of one step
    real(wp), parameter :: smallest_step = 16*eps !! over the present time
 
@@ -311,6 +313,22 @@ contains
       self%jacobian_is_new = .not. has_failed(status)
    end subroutine refresh_jacobian
 
+   !> df/dy in the middle of a step of h, as it is predicted; at the present state if the model does not know that place.
+   subroutine look_ahead(self, model, h, status)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: h
+      type(status_t), intent(inout) :: status
+
+      self%stages%moved = self%y + self%stages%z(middle, :)
+      call model%jacobian(self%t + node(middle)*h, self%stages%moved, self%stages%jacobian, status)
+      self%counts%jacobians = self%counts%jacobians + 1
+      self%jacobian_is_new = .not. has_failed(status)
+      if (status%code /= code_out_of_domain) return
+      call clear(status)
+      call refresh_jacobian(self, model, status)
+   end subroutine look_ahead
+
    !> Try a step of h; if it fails for Newton, error is huge and the step to try next is set.
    subroutine attempt(self, model, h, error, status)
       type(radau_t), intent(inout) :: self
@@ -319,24 +337,30 @@ contains
       real(wp), intent(out) :: error
       type(status_t), intent(inout) :: status
       integer :: outcome
-      logical :: good
+      logical :: predicted, good
 
       error = huge(error)
+      predicted = self%old_h > 0 .and. h <= farthest*self%old_h
       do
+         if (predicted) then
+            call predict_from(self%stages, self%old_z, 1.0_wp, h/self%old_h)
+         else
+            call predict_nothing(self%stages)
+         end if
          if (.not. (self%matrix_may_stay .and. same(h, self%stages%h_factored))) then
-            if (.not. (self%jacobian_is_new .or. self%jacobian_is_ahead .or. self%jacobian_may_stay)) &
-               call refresh_jacobian(self, model, status)
+            if (.not. (self%jacobian_is_new .or. self%jacobian_is_ahead .or. self%jacobian_may_stay)) then
+               if (predicted) then
+                  call look_ahead(self, model, h, status)
+               else
+                  call refresh_jacobian(self, model, status)
+               end if
+            end if
             if (has_failed(status)) return
             call factor_systems(self%stages, h, good)
             if (.not. good) then
                self%h = h/2
                return
             end if
-         end if
-         if (self%old_h > 0 .and. h <= farthest*self%old_h) then
-            call predict_from(self%stages, self%old_z, 1.0_wp, h/self%old_h)
-         else
-            call predict_nothing(self%stages)
          end if
          call solve_stages(self%stages, model, self%t, self%y, h, outcome, status)
          if (outcome == newton_refused) return
