@@ -78,6 +78,8 @@ module evl_radau
       real(wp), allocatable, private :: old_z(:, :) !! [8, n] increments of the last step
       real(wp), private :: old_h = 0          !! step of its polynomial; 0: there is none
       real(wp), private :: h = 0              !! step to try next
+      integer, allocatable, private :: came_from(:) !! [n_roots] `fired` at the event where the integration was started anew
+      real(wp), allocatable, private :: step_after(:, :) !! [-1:1, n_roots] first step after the last such event; huge: none
       type(step_control_t), private :: control
       logical, private :: jacobian_is_new = .false. !! evaluated at the present state
       logical, private :: jacobian_is_ahead = .false. !! evaluated a little ahead of it, where the next step will be
@@ -127,6 +129,7 @@ contains
       if (has_failed(status)) return
       self%options = options
       allocate (self%y(model%n), self%y_before(model%n), self%old_z(lanes, model%n), self%fired(model%n_roots))
+      allocate (self%came_from(model%n_roots), self%step_after(-1:1, model%n_roots))
       self%old_z = 0
       call stage_solver_create(self%stages, model, share*options%tolerance**(4.0_wp/7), options%tolerance)
       call root_finder_create(self%roots, model)
@@ -141,7 +144,9 @@ contains
       type(status_t), intent(inout) :: status
 
       self%fired = 1 ! a function that is zero at the start has not fired by that
+      self%step_after = huge(t)
       call radau_restart(self, model, t, y)
+      self%came_from = 0
       self%counts = radau_counts()
       self%roots%evaluations = 0
       call forget(self%stages)
@@ -200,6 +205,7 @@ contains
       self%rejected = .true.
       self%restarted = .true.
       call root_finder_restart(self%roots, model, self%fired)
+      self%came_from = self%fired
       self%fired = 0
    end subroutine radau_restart
 
@@ -232,6 +238,7 @@ contains
             call finish(self, model, h, to_stop, t_stop, done, outcome, status)
             if (done .and. .not. has_failed(status)) then
                self%rejected = .false.
+               if (.not. self%control%h > 0) call remember_step(self, h, error)
                if (outcome /= outcome_event) &
                   call next_step(self%control, h, h_wanted, error, self%stages%rate, self%stages%iterations, self%h, &
                                  self%jacobian_may_stay, self%matrix_may_stay)
@@ -270,7 +277,7 @@ contains
       type(status_t), intent(inout) :: status
       real(wp), parameter :: most_down = 100, most_up = 8
       integer, parameter :: most_turns = 4
-      real(wp) :: h, h_ahead, least
+      real(wp) :: h, h_ahead, least, most
       integer :: turn
 
       call model%rhs(self%t, self%y, self%stages%start, status)
@@ -279,8 +286,12 @@ contains
       call refresh_jacobian(self, model, status)
       if (has_failed(status)) return
       call foresee_step(self%stages, model, h)
-      least = self%h/most_down
-      h = max(least, min(self%h*most_up, h, self%options%max_step))
+      most = self%options%max_step
+      do turn = 1, size(self%came_from)
+         most = min(most, self%step_after(self%came_from(turn), turn))
+      end do
+      least = min(most, self%h/most_down)
+      h = max(least, min(self%h*most_up, h, most))
       do turn = 1, most_turns
          self%jacobian_is_new = .false.
          self%stages%moved = self%y + h/2*self%stages%start
@@ -301,6 +312,18 @@ contains
       self%h = h
       self%restarted = .false.
    end subroutine choose_step
+
+   !> Keep what the first step after an event could be: the same event comes again.
+   pure subroutine remember_step(self, h, error)
+      type(radau_t), intent(inout) :: self
+      real(wp), intent(in) :: h, error !! the step and its error, < 1
+      real(wp), parameter :: most_growth = 4, aim = 0.5_wp
+      integer :: i
+
+      do i = 1, size(self%came_from)
+         if (self%came_from(i) /= 0) self%step_after(self%came_from(i), i) = h*min(most_growth, (aim/error)**0.125_wp)
+      end do
+   end subroutine remember_step
 
    !> df/dy at the present state.
    subroutine refresh_jacobian(self, model, status)
