@@ -21,6 +21,7 @@ module evl_radau
    use evl_ode_model, only: check_model, lanes, ode_model
    use evl_radau_coefficients, only: node
    use evl_root_finder, only: root_finder_create, root_finder_restart, root_finder_t
+   use evl_root_forecast, only: forecast_crossing
    use evl_stage_solver, only: estimate_error, factor_systems, foresee_step, forget, newton_converged, newton_refused, &
                                newton_slow, predict_from, predict_nothing, set_weights, solve_stages, stage_solver_create, &
                                stage_solver_t
@@ -233,6 +234,7 @@ contains
          h_wanted = min(self%h, self%options%max_step)
          if (.not. h_wanted > smallest_step*abs(self%t)) exit
          call fit_step(t_stop - self%t, h_wanted, h, to_stop)
+         call fit_event(self, h, to_stop)
          call attempt(self, model, h, error, status)
          if (.not. has_failed(status) .and. error < 1) then
             call finish(self, model, h, to_stop, t_stop, done, outcome, status)
@@ -283,15 +285,18 @@ contains
       call model%rhs(self%t, self%y, self%stages%start, status)
       if (has_failed(status)) return
       self%stages%counts%evaluations = self%stages%counts%evaluations + 1
-      call refresh_jacobian(self, model, status)
-      if (has_failed(status)) return
-      call foresee_step(self%stages, model, h)
-      most = self%options%max_step
+      most = huge(most)
       do turn = 1, size(self%came_from)
          most = min(most, self%step_after(self%came_from(turn), turn))
       end do
+      h = most
+      if (.not. most < huge(most)) then
+         call refresh_jacobian(self, model, status)
+         if (has_failed(status)) return
+         call foresee_step(self%stages, model, h)
+      end if
       least = min(most, self%h/most_down)
-      h = max(least, min(self%h*most_up, h, most))
+      h = max(least, min(self%h*most_up, h, self%options%max_step))
       do turn = 1, most_turns
          self%jacobian_is_new = .false.
          self%stages%moved = self%y + h/2*self%stages%start
@@ -312,6 +317,22 @@ contains
       self%h = h
       self%restarted = .false.
    end subroutine choose_step
+
+   !> End the step just past the event that is in sight, so that it need not be made anew to end there.
+   pure subroutine fit_event(self, h, to_stop)
+      type(radau_t), intent(in) :: self
+      real(wp), intent(inout) :: h
+      logical, intent(inout) :: to_stop
+      real(wp), parameter :: past = 5.0e-5_wp      !! of the way to the event
+      real(wp), parameter :: nearest = 1.0e-6_wp   !! of the step: an event that is as near needs no step of its own
+      real(wp) :: place
+
+      if (.not. self%old_h > 0 .or. self%roots%n == 0) return
+      place = forecast_crossing(self%roots, h/self%old_h)
+      if (place*(1 + past) >= 1 .or. place < nearest .or. place*h < 4*smallest_step*abs(self%t)) return
+      h = place*(1 + past)*h
+      to_stop = .false.
+   end subroutine fit_event
 
    !> Keep what the first step after an event could be: the same event comes again.
    pure subroutine remember_step(self, h, error)

@@ -43,6 +43,7 @@ module evl_root_finder
       integer :: n_live = 0                 !! functions that may become zero before the next event
       integer, allocatable :: live(:)       !! [n] the first n_live of these: which ones
       logical, allocatable :: fresh(:)      !! [n] has fired where the step starts
+      logical, allocatable :: moves(:)      !! [n] may come near zero soon: changed much in the step last searched
       integer, allocatable :: change(:)     !! [n] first crossing that counts: +1 rising, -1 falling, 0 none
       real(wp), allocatable :: left(:), right(:) !! [n] bracket of that crossing, in units of the step
       real(wp), allocatable :: at_left(:), at_right(:) !! [n] values there, of different sign
@@ -66,8 +67,8 @@ contains
       n = model%n_roots
       self%n = n
       allocate (self%g(lanes, n), self%slope(lanes, n), self%value(n), self%y(model%n), self%sign_now(n), self%sign_after(n), &
-                self%direction(n), self%live(n), self%fresh(n), self%change(n), self%left(n), self%right(n), self%at_left(n), &
-                self%at_right(n), self%place(n))
+                self%direction(n), self%live(n), self%fresh(n), self%moves(n), self%change(n), self%left(n), &
+                self%right(n), self%at_left(n), self%at_right(n), self%place(n))
       self%fresh = .false.
       self%sign_now = 0
    end subroutine root_finder_create
@@ -112,7 +113,8 @@ contains
       do k = 1, self%n_live
          i = self%live(k)
          self%change(i) = 0
-         if (keeps_away(self%sign_now(i), self%g(:, i))) then
+         self%moves(i) = .not. keeps_away(self%sign_now(i), self%g(:, i))
+         if (.not. self%moves(i)) then
             self%sign_after(i) = self%sign_now(i)
             if (self%sign_now(i) == 0) self%sign_after(i) = sign_of(self%g(lanes, i))
             cycle
