@@ -22,7 +22,7 @@ module evl_radau
    use evl_radau_coefficients, only: node
    use evl_root_finder, only: root_finder_create, root_finder_restart, root_finder_t
    use evl_root_forecast, only: forecast_crossing
-   use evl_stage_solver, only: estimate_error, factor_systems, foresee_step, forget, newton_converged, newton_refused, &
+   use evl_stage_solver, only: estimate_error, factor_systems, forget, newton_converged, newton_refused, &
                                newton_slow, predict_from, predict_nothing, set_weights, solve_stages, stage_solver_create, &
                                stage_solver_t
    use evl_step_control, only: fit_step, next_step, step_control_t, step_after_error
@@ -104,6 +104,37 @@ module evl_radau
          integer, intent(out) :: outcome !! one of the outcomes above
          type(status_t), intent(inout) :: status
       end subroutine finish
+
+      !> A first step in which the state moves by about a hundredth of its scales, judged by f and, along an Euler step, by its
+      module subroutine choose_first_step(self, model, status)
+         implicit none (type, external)
+         type(radau_t), intent(inout) :: self
+         class(ode_model), intent(in) :: model
+         type(status_t), intent(inout) :: status
+      end subroutine choose_first_step
+
+      !> The step to try after a start or an event, from f and J; the step before the event bounds it, for what J does not tell.
+      module subroutine choose_step(self, model, status)
+         implicit none (type, external)
+         type(radau_t), intent(inout) :: self
+         class(ode_model), intent(in) :: model
+         type(status_t), intent(inout) :: status
+      end subroutine choose_step
+
+      !> df/dy at the present state.
+      module subroutine refresh_jacobian(self, model, status)
+         implicit none (type, external)
+         type(radau_t), intent(inout) :: self
+         class(ode_model), intent(in) :: model
+         type(status_t), intent(inout) :: status
+      end subroutine refresh_jacobian
+
+      !> Keep what the first step after an event could be: the same event comes again.
+      pure module subroutine remember_step(self, h, error)
+         implicit none (type, external)
+         type(radau_t), intent(inout) :: self
+         real(wp), intent(in) :: h, error !! the step and its error, < 1
+      end subroutine remember_step
    end interface
 
 contains
@@ -156,34 +187,6 @@ contains
       if (self%h > 0) return
       call choose_first_step(self, model, status)
    end subroutine radau_start
-
-   !> A first step in which the state moves by about a hundredth of its scales, judged by f and, along an Euler step, by its
-   !> change: f may be 0 at the start.
-   subroutine choose_first_step(self, model, status)
-      type(radau_t), intent(inout) :: self
-      class(ode_model), intent(in) :: model
-      type(status_t), intent(inout) :: status
-      real(wp), parameter :: part = 0.01_wp, probe = 1.0e-6_wp
-      real(wp) :: speed, acceleration, h
-
-      associate (f => self%stages%start, moved => self%stages%moved, moved_f => self%stages%moved_f)
-         call model%rhs(self%t, self%y, f, status)
-         if (has_failed(status)) return
-         speed = maxval(abs(f)/model%scale)
-         h = min(self%options%max_step, probe/max(speed, part))
-         self%stages%counts%evaluations = 2
-         moved = self%y + h*f
-         call model%rhs(self%t + h, moved, moved_f, status)
-         if (has_failed(status)) then ! at the edge of the domain: nothing is known but that it has to be small
-            if (status%code /= code_out_of_domain) return
-            call clear(status)
-            self%h = h
-            return
-         end if
-         acceleration = maxval(abs(moved_f - f)/model%scale)/h
-         self%h = min(self%options%max_step, part/max(speed, sqrt(acceleration), part*probe))
-      end associate
-   end subroutine choose_first_step
 
    !> Go on from (t, y) after an event: f or y may have jumped there, so nothing is continued from before.
    subroutine radau_restart(self, model, t, y)
@@ -269,55 +272,6 @@ contains
                 ": errors or iterations do not let it grow")
    end subroutine radau_advance
 
-   !> The step to try after a start or an event, from f and J; the step before the event bounds it, for what J does not tell.
-   !>
-   !> J where it happens need not be that of what follows (a force law may begin with slope 0), so it is looked at ahead as
-   !> well, in the middle of the step; if the step then has to be much shorter, once more.
-   subroutine choose_step(self, model, status)
-      type(radau_t), intent(inout) :: self
-      class(ode_model), intent(in) :: model
-      type(status_t), intent(inout) :: status
-      real(wp), parameter :: most_down = 100, most_up = 8
-      integer, parameter :: most_turns = 4
-      real(wp) :: h, h_ahead, least, most
-      integer :: turn
-
-      call model%rhs(self%t, self%y, self%stages%start, status)
-      if (has_failed(status)) return
-      self%stages%counts%evaluations = self%stages%counts%evaluations + 1
-      most = huge(most)
-      do turn = 1, size(self%came_from)
-         most = min(most, self%step_after(self%came_from(turn), turn))
-      end do
-      h = most
-      if (.not. most < huge(most)) then
-         call refresh_jacobian(self, model, status)
-         if (has_failed(status)) return
-         call foresee_step(self%stages, model, h)
-      end if
-      least = min(most, self%h/most_down)
-      h = max(least, min(self%h*most_up, h, self%options%max_step))
-      do turn = 1, most_turns
-         self%jacobian_is_new = .false.
-         self%stages%moved = self%y + h/2*self%stages%start
-         call model%jacobian(self%t + h/2, self%stages%moved, self%stages%jacobian, status)
-         self%counts%jacobians = self%counts%jacobians + 1
-         self%jacobian_is_ahead = .not. has_failed(status)
-         if (has_failed(status)) then ! a place that the model does not know: look nearer
-            if (status%code /= code_out_of_domain) return
-            call clear(status)
-            h = h/4
-            cycle
-         end if
-         call foresee_step(self%stages, model, h_ahead)
-         h_ahead = max(least, min(h, h_ahead))
-         if (h_ahead > h/2) exit
-         h = h_ahead
-      end do
-      self%h = h
-      self%restarted = .false.
-   end subroutine choose_step
-
    !> End the step just past the event that is in sight, so that it need not be made anew to end there.
    pure subroutine fit_event(self, h, to_stop)
       type(radau_t), intent(in) :: self
@@ -333,29 +287,6 @@ contains
       h = place*(1 + past)*h
       to_stop = .false.
    end subroutine fit_event
-
-   !> Keep what the first step after an event could be: the same event comes again.
-   pure subroutine remember_step(self, h, error)
-      type(radau_t), intent(inout) :: self
-      real(wp), intent(in) :: h, error !! the step and its error, < 1
-      real(wp), parameter :: most_growth = 4, aim = 0.5_wp
-      integer :: i
-
-      do i = 1, size(self%came_from)
-         if (self%came_from(i) /= 0) self%step_after(self%came_from(i), i) = h*min(most_growth, (aim/error)**0.125_wp)
-      end do
-   end subroutine remember_step
-
-   !> df/dy at the present state.
-   subroutine refresh_jacobian(self, model, status)
-      type(radau_t), intent(inout) :: self
-      class(ode_model), intent(in) :: model
-      type(status_t), intent(inout) :: status
-
-      call model%jacobian(self%t, self%y, self%stages%jacobian, status)
-      self%counts%jacobians = self%counts%jacobians + 1
-      self%jacobian_is_new = .not. has_failed(status)
-   end subroutine refresh_jacobian
 
    !> df/dy in the middle of a step of h, as it is predicted; at the present state if the model does not know that place.
    subroutine look_ahead(self, model, h, status)

@@ -9,7 +9,6 @@
 !>
 !> Most functions change little in a step: where the values at the nodes already say that no interpolant through them comes near
 !> zero, nothing else is looked at. Those that the model says are `never` zero in its discrete state cost nothing.
-!>
 !> A function that has just fired is zero at the start up to rounding: its sign there is that of its slope.
 module evl_root_finder
    use evl_collocation, only: extremum_between, lagrange_at, node_slopes, polynomial_at

@@ -117,7 +117,7 @@ contains
       self%n = model%n
       self%tolerance = tolerance
       self%output_factor = max(1.0_wp, tolerance/(output_share*user_tolerance))
-      self%newton_stop = max(10*eps/tolerance, min(0.03_wp, 0.01_wp*user_tolerance/tolerance))
+      self%newton_stop = max(10*eps/tolerance, min(0.03_wp, sqrt(tolerance)))
       allocate (self%weight(model%n), self%error(model%n), self%start(model%n), self%moved(model%n), &
                 self%moved_f(model%n))
       allocate (self%z(lanes, model%n), self%w(lanes, model%n), self%y(lanes, model%n), self%f(lanes, model%n))
