@@ -19,8 +19,10 @@ module evl_radau
    use evl_collocation, only: lagrange_at, weighted_sum
    use evl_kinds, only: wp
    use evl_ode_model, only: check_model, lanes, ode_model
+   use evl_radau_coefficients, only: node
    use evl_root_finder, only: root_finder_create, root_finder_restart, root_finder_t
-   use evl_stage_solver, only: estimate_error, factor_systems, foresee_step, forget, newton_converged, newton_refused, &
+   use evl_root_forecast, only: forecast_crossing
+   use evl_stage_solver, only: estimate_error, factor_systems, forget, newton_converged, newton_refused, &
                                newton_slow, predict_from, predict_nothing, set_weights, solve_stages, stage_solver_create, &
                                stage_solver_t
    use evl_step_control, only: fit_step, next_step, step_control_t, step_after_error
@@ -40,6 +42,7 @@ module evl_radau
    real(wp), parameter :: eps = epsilon(1.0_wp)
    real(wp), parameter :: share = 0.003_wp      !! internal tolerance over tolerance^(4/7)
    real(wp), parameter :: farthest = 5          !! steps ahead to which a polynomial may be continued as a prediction
+   integer, parameter :: middle = 4             !! stage nearest to the middle of a step
    integer, parameter :: most_rejections = 200  !! of one step
    real(wp), parameter :: smallest_step = 16*eps !! over the present time
 
@@ -76,6 +79,8 @@ module evl_radau
       real(wp), allocatable, private :: old_z(:, :) !! [8, n] increments of the last step
       real(wp), private :: old_h = 0          !! step of its polynomial; 0: there is none
       real(wp), private :: h = 0              !! step to try next
+      integer, allocatable, private :: came_from(:) !! [n_roots] `fired` at the event where the integration was started anew
+      real(wp), allocatable, private :: step_after(:, :) !! [-1:1, n_roots] first step after the last such event; huge: none
       type(step_control_t), private :: control
       logical, private :: jacobian_is_new = .false. !! evaluated at the present state
       logical, private :: jacobian_is_ahead = .false. !! evaluated a little ahead of it, where the next step will be
@@ -99,6 +104,37 @@ module evl_radau
          integer, intent(out) :: outcome !! one of the outcomes above
          type(status_t), intent(inout) :: status
       end subroutine finish
+
+      !> A first step in which the state moves by about a hundredth of its scales, judged by f and, along an Euler step, by its
+      module subroutine choose_first_step(self, model, status)
+         implicit none (type, external)
+         type(radau_t), intent(inout) :: self
+         class(ode_model), intent(in) :: model
+         type(status_t), intent(inout) :: status
+      end subroutine choose_first_step
+
+      !> The step to try after a start or an event, from f and J; the step before the event bounds it, for what J does not tell.
+      module subroutine choose_step(self, model, status)
+         implicit none (type, external)
+         type(radau_t), intent(inout) :: self
+         class(ode_model), intent(in) :: model
+         type(status_t), intent(inout) :: status
+      end subroutine choose_step
+
+      !> df/dy at the present state.
+      module subroutine refresh_jacobian(self, model, status)
+         implicit none (type, external)
+         type(radau_t), intent(inout) :: self
+         class(ode_model), intent(in) :: model
+         type(status_t), intent(inout) :: status
+      end subroutine refresh_jacobian
+
+      !> Keep what the first step after an event could be: the same event comes again.
+      pure module subroutine remember_step(self, h, error)
+         implicit none (type, external)
+         type(radau_t), intent(inout) :: self
+         real(wp), intent(in) :: h, error !! the step and its error, < 1
+      end subroutine remember_step
    end interface
 
 contains
@@ -125,6 +161,7 @@ contains
       if (has_failed(status)) return
       self%options = options
       allocate (self%y(model%n), self%y_before(model%n), self%old_z(lanes, model%n), self%fired(model%n_roots))
+      allocate (self%came_from(model%n_roots), self%step_after(-1:1, model%n_roots))
       self%old_z = 0
       call stage_solver_create(self%stages, model, share*options%tolerance**(4.0_wp/7), options%tolerance)
       call root_finder_create(self%roots, model)
@@ -139,7 +176,9 @@ contains
       type(status_t), intent(inout) :: status
 
       self%fired = 1 ! a function that is zero at the start has not fired by that
+      self%step_after = huge(t)
       call radau_restart(self, model, t, y)
+      self%came_from = 0
       self%counts = radau_counts()
       self%roots%evaluations = 0
       call forget(self%stages)
@@ -148,34 +187,6 @@ contains
       if (self%h > 0) return
       call choose_first_step(self, model, status)
    end subroutine radau_start
-
-   !> A first step in which the state moves by about a hundredth of its scales, judged by f and, along an Euler step, by its
-   !> change: f may be 0 at the start.
-   subroutine choose_first_step(self, model, status)
-      type(radau_t), intent(inout) :: self
-      class(ode_model), intent(in) :: model
-      type(status_t), intent(inout) :: status
-      real(wp), parameter :: part = 0.01_wp, probe = 1.0e-6_wp
-      real(wp) :: speed, acceleration, h
-
-      associate (f => self%stages%start, moved => self%stages%moved, moved_f => self%stages%moved_f)
-         call model%rhs(self%t, self%y, f, status)
-         if (has_failed(status)) return
-         speed = maxval(abs(f)/model%scale)
-         h = min(self%options%max_step, probe/max(speed, part))
-         self%stages%counts%evaluations = 2
-         moved = self%y + h*f
-         call model%rhs(self%t + h, moved, moved_f, status)
-         if (has_failed(status)) then ! at the edge of the domain: nothing is known but that it has to be small
-            if (status%code /= code_out_of_domain) return
-            call clear(status)
-            self%h = h
-            return
-         end if
-         acceleration = maxval(abs(moved_f - f)/model%scale)/h
-         self%h = min(self%options%max_step, part/max(speed, sqrt(acceleration), part*probe))
-      end associate
-   end subroutine choose_first_step
 
    !> Go on from (t, y) after an event: f or y may have jumped there, so nothing is continued from before.
    subroutine radau_restart(self, model, t, y)
@@ -198,6 +209,7 @@ contains
       self%rejected = .true.
       self%restarted = .true.
       call root_finder_restart(self%roots, model, self%fired)
+      self%came_from = self%fired
       self%fired = 0
    end subroutine radau_restart
 
@@ -225,11 +237,13 @@ contains
          h_wanted = min(self%h, self%options%max_step)
          if (.not. h_wanted > smallest_step*abs(self%t)) exit
          call fit_step(t_stop - self%t, h_wanted, h, to_stop)
+         call fit_event(self, h, to_stop)
          call attempt(self, model, h, error, status)
          if (.not. has_failed(status) .and. error < 1) then
             call finish(self, model, h, to_stop, t_stop, done, outcome, status)
             if (done .and. .not. has_failed(status)) then
                self%rejected = .false.
+               if (.not. self%control%h > 0) call remember_step(self, h, error)
                if (outcome /= outcome_event) &
                   call next_step(self%control, h, h_wanted, error, self%stages%rate, self%stages%iterations, self%h, &
                                  self%jacobian_may_stay, self%matrix_may_stay)
@@ -258,58 +272,37 @@ contains
                 ": errors or iterations do not let it grow")
    end subroutine radau_advance
 
-   !> The step to try after a start or an event, from f and J; the step before the event bounds it, for what J does not tell.
-   !>
-   !> J where it happens need not be that of what follows (a force law may begin with slope 0), so it is looked at ahead as
-   !> well, in the middle of the step; if the step then has to be much shorter, once more.
-   subroutine choose_step(self, model, status)
+   !> End the step just past the event that is in sight, so that it need not be made anew to end there.
+   pure subroutine fit_event(self, h, to_stop)
+      type(radau_t), intent(in) :: self
+      real(wp), intent(inout) :: h
+      logical, intent(inout) :: to_stop
+      real(wp), parameter :: past = 5.0e-5_wp      !! of the way to the event
+      real(wp), parameter :: nearest = 1.0e-6_wp   !! of the step: an event that is as near needs no step of its own
+      real(wp) :: place
+
+      if (.not. self%old_h > 0 .or. self%roots%n == 0) return
+      place = forecast_crossing(self%roots, h/self%old_h)
+      if (place*(1 + past) >= 1 .or. place < nearest .or. place*h < 4*smallest_step*abs(self%t)) return
+      h = place*(1 + past)*h
+      to_stop = .false.
+   end subroutine fit_event
+
+   !> df/dy in the middle of a step of h, as it is predicted; at the present state if the model does not know that place.
+   subroutine look_ahead(self, model, h, status)
       type(radau_t), intent(inout) :: self
       class(ode_model), intent(in) :: model
-      type(status_t), intent(inout) :: status
-      real(wp), parameter :: most_down = 100, most_up = 8
-      integer, parameter :: most_turns = 4
-      real(wp) :: h, h_ahead, least
-      integer :: turn
-
-      call model%rhs(self%t, self%y, self%stages%start, status)
-      if (has_failed(status)) return
-      self%stages%counts%evaluations = self%stages%counts%evaluations + 1
-      call refresh_jacobian(self, model, status)
-      if (has_failed(status)) return
-      call foresee_step(self%stages, model, h)
-      least = self%h/most_down
-      h = max(least, min(self%h*most_up, h, self%options%max_step))
-      do turn = 1, most_turns
-         self%jacobian_is_new = .false.
-         self%stages%moved = self%y + h/2*self%stages%start
-         call model%jacobian(self%t + h/2, self%stages%moved, self%stages%jacobian, status)
-         self%counts%jacobians = self%counts%jacobians + 1
-         self%jacobian_is_ahead = .not. has_failed(status)
-         if (has_failed(status)) then ! a place that the model does not know: look nearer
-            if (status%code /= code_out_of_domain) return
-            call clear(status)
-            h = h/4
-            cycle
-         end if
-         call foresee_step(self%stages, model, h_ahead)
-         h_ahead = max(least, min(h, h_ahead))
-         if (h_ahead > h/2) exit
-         h = h_ahead
-      end do
-      self%h = h
-      self%restarted = .false.
-   end subroutine choose_step
-
-   !> df/dy at the present state.
-   subroutine refresh_jacobian(self, model, status)
-      type(radau_t), intent(inout) :: self
-      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: h
       type(status_t), intent(inout) :: status
 
-      call model%jacobian(self%t, self%y, self%stages%jacobian, status)
+      self%stages%moved = self%y + self%stages%z(middle, :)
+      call model%jacobian(self%t + node(middle)*h, self%stages%moved, self%stages%jacobian, status)
       self%counts%jacobians = self%counts%jacobians + 1
       self%jacobian_is_new = .not. has_failed(status)
-   end subroutine refresh_jacobian
+      if (status%code /= code_out_of_domain) return
+      call clear(status)
+      call refresh_jacobian(self, model, status)
+   end subroutine look_ahead
 
    !> Try a step of h; if it fails for Newton, error is huge and the step to try next is set.
    subroutine attempt(self, model, h, error, status)
@@ -319,24 +312,30 @@ contains
       real(wp), intent(out) :: error
       type(status_t), intent(inout) :: status
       integer :: outcome
-      logical :: good
+      logical :: predicted, good
 
       error = huge(error)
+      predicted = self%old_h > 0 .and. h <= farthest*self%old_h
       do
+         if (predicted) then
+            call predict_from(self%stages, self%old_z, 1.0_wp, h, self%old_h)
+         else
+            call predict_nothing(self%stages)
+         end if
          if (.not. (self%matrix_may_stay .and. same(h, self%stages%h_factored))) then
-            if (.not. (self%jacobian_is_new .or. self%jacobian_is_ahead .or. self%jacobian_may_stay)) &
-               call refresh_jacobian(self, model, status)
+            if (.not. (self%jacobian_is_new .or. self%jacobian_is_ahead .or. self%jacobian_may_stay)) then
+               if (predicted) then
+                  call look_ahead(self, model, h, status)
+               else
+                  call refresh_jacobian(self, model, status)
+               end if
+            end if
             if (has_failed(status)) return
             call factor_systems(self%stages, h, good)
             if (.not. good) then
                self%h = h/2
                return
             end if
-         end if
-         if (self%old_h > 0 .and. h <= farthest*self%old_h) then
-            call predict_from(self%stages, self%old_z, 1.0_wp, h, self%old_h)
-         else
-            call predict_nothing(self%stages)
          end if
          call solve_stages(self%stages, model, self%t, self%y, h, outcome, status)
          if (outcome == newton_refused) return

@@ -83,7 +83,7 @@ contains
       slope = slope/h
       self%old_z = self%stages%z
       self%old_h = h
-      h_now = 0
+      h_now = h
       last_shift = huge(last_shift)
       do turn = 1, most_turns
          at = at_next

@@ -39,7 +39,8 @@ module evl_root_finder
       integer, allocatable :: direction(:)  !! [n] of the crossings that count, 0: both
       integer :: n_live = 0                 !! functions that may become zero before the next event
       integer, allocatable :: live(:)       !! [n] the first n_live of these: which ones
-      integer, allocatable :: near(:)       !! [n] room for a list of those that may come near zero in a step
+      integer :: n_near = 0                 !! those of them that came near zero in the step last searched, or changed much
+      integer, allocatable :: near(:)       !! [n] the first n_near of these: which ones
       logical, allocatable :: fresh(:)      !! [n] has fired where the step starts
       integer, allocatable :: change(:)     !! [n] first crossing that counts: +1 rising, -1 falling, 0 none
       real(wp), allocatable :: left(:), right(:) !! [n] bracket of that crossing, in units of the step
@@ -101,16 +102,16 @@ contains
       integer, intent(out) :: first             !! function that crosses zero first, 0: none does
       type(status_t), intent(inout) :: status
       real(wp) :: earliest, time(lanes)
-      integer :: i, k, n_near
+      integer :: i, k
 
       first = 0
       time = step%t + step%h*node
       call model%roots_lanes(time, stage_y, self%g, status)
       if (has_failed(status)) return
       self%change = 0
-      call list_near(self%n, self%n_live, self%live, self%g, self%sign_now, self%sign_after, n_near, self%near)
+      call list_near(self%n, self%n_live, self%live, self%g, self%sign_now, self%sign_after, self%n_near, self%near)
       earliest = huge(earliest)
-      do k = 1, n_near
+      do k = 1, self%n_near
          i = self%near(k)
          call node_slopes(1, self%g(:, i), self%slope(:, i))
          call scan(self, model, step, y, z, i, status)

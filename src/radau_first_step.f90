@@ -1,0 +1,108 @@
+!> How long the first step is: at the start, and after an event.
+submodule(evl_radau) evl_radau_first_step
+   use evl_stage_solver, only: foresee_step
+   implicit none (type, external)
+
+contains
+
+   !> A first step in which the state moves by about a hundredth of its scales, judged by f and, along an Euler step, by its
+   !> change: f may be 0 at the start.
+   module subroutine choose_first_step(self, model, status)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      type(status_t), intent(inout) :: status
+      real(wp), parameter :: part = 0.01_wp, probe = 1.0e-6_wp
+      real(wp) :: speed, acceleration, h
+
+      associate (f => self%stages%start, moved => self%stages%moved, moved_f => self%stages%moved_f)
+         call model%rhs(self%t, self%y, f, status)
+         if (has_failed(status)) return
+         speed = maxval(abs(f)/model%scale)
+         h = min(self%options%max_step, probe/max(speed, part))
+         self%stages%counts%evaluations = 2
+         moved = self%y + h*f
+         call model%rhs(self%t + h, moved, moved_f, status)
+         if (has_failed(status)) then ! at the edge of the domain: nothing is known but that it has to be small
+            if (status%code /= code_out_of_domain) return
+            call clear(status)
+            self%h = h
+            return
+         end if
+         acceleration = maxval(abs(moved_f - f)/model%scale)/h
+         self%h = min(self%options%max_step, part/max(speed, sqrt(acceleration), part*probe))
+      end associate
+   end subroutine choose_first_step
+
+   !> The step to try after a start or an event, from f and J; the step before the event bounds it, for what J does not tell.
+   !>
+   !> J where it happens need not be that of what follows (a force law may begin with slope 0), so it is looked at ahead as
+   !> well, in the middle of the step; if the step then has to be much shorter, once more.
+   module subroutine choose_step(self, model, status)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      type(status_t), intent(inout) :: status
+      real(wp), parameter :: most_down = 100, most_up = 8
+      integer, parameter :: most_turns = 4
+      real(wp) :: h, h_ahead, least, most
+      integer :: turn
+
+      call model%rhs(self%t, self%y, self%stages%start, status)
+      if (has_failed(status)) return
+      self%stages%counts%evaluations = self%stages%counts%evaluations + 1
+      most = huge(most)
+      do turn = 1, size(self%came_from)
+         most = min(most, self%step_after(self%came_from(turn), turn))
+      end do
+      h = most
+      if (.not. most < huge(most)) then
+         call refresh_jacobian(self, model, status)
+         if (has_failed(status)) return
+         call foresee_step(self%stages, model, h)
+      end if
+      least = min(most, self%h/most_down)
+      h = max(least, min(self%h*most_up, h, self%options%max_step))
+      do turn = 1, most_turns
+         self%jacobian_is_new = .false.
+         self%stages%moved = self%y + h/2*self%stages%start
+         call model%jacobian(self%t + h/2, self%stages%moved, self%stages%jacobian, status)
+         self%counts%jacobians = self%counts%jacobians + 1
+         self%jacobian_is_ahead = .not. has_failed(status)
+         if (has_failed(status)) then ! a place that the model does not know: look nearer
+            if (status%code /= code_out_of_domain) return
+            call clear(status)
+            h = h/4
+            cycle
+         end if
+         call foresee_step(self%stages, model, h_ahead)
+         h_ahead = max(least, min(h, h_ahead))
+         if (h_ahead > h/2) exit
+         h = h_ahead
+      end do
+      self%h = h
+      self%restarted = .false.
+   end subroutine choose_step
+
+   !> Keep what the first step after an event could be: the same event comes again.
+   pure module subroutine remember_step(self, h, error)
+      type(radau_t), intent(inout) :: self
+      real(wp), intent(in) :: h, error !! the step and its error, < 1
+      real(wp), parameter :: most_growth = 4, aim = 0.5_wp
+      integer :: i
+
+      do i = 1, size(self%came_from)
+         if (self%came_from(i) /= 0) self%step_after(self%came_from(i), i) = h*min(most_growth, (aim/error)**0.125_wp)
+      end do
+   end subroutine remember_step
+
+   !> df/dy at the present state.
+   module subroutine refresh_jacobian(self, model, status)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      type(status_t), intent(inout) :: status
+
+      call model%jacobian(self%t, self%y, self%stages%jacobian, status)
+      self%counts%jacobians = self%counts%jacobians + 1
+      self%jacobian_is_new = .not. has_failed(status)
+   end subroutine refresh_jacobian
+
+end submodule evl_radau_first_step
