@@ -84,6 +84,7 @@ contains
       self%old_z = self%stages%z
       self%old_h = h
       h_now = h
+      good = .true.
       last_shift = huge(last_shift)
       do turn = 1, most_turns
          at = at_next
