@@ -6,7 +6,7 @@ module evl_capi_radau
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_loc, c_null_ptr, c_ptr
    use evl_capi_types, only: c_status, status_to_c
    use evl_gearbox, only: gearbox_t
-   use evl_gearbox_ode, only: gearbox_ode, gearbox_ode_create, gearbox_ode_serves, gearbox_ode_set
+   use evl_gearbox_ode, only: gearbox_ode, gearbox_ode_create, gearbox_ode_delete, gearbox_ode_serves, gearbox_ode_set
    use evl_ode_model, only: lanes
    use evl_radau, only: radau_advance, radau_counts, radau_create, radau_get_counts, radau_interpolate, radau_options, &
                         radau_restart, radau_start, radau_t
@@ -68,6 +68,7 @@ contains
       if (code == code_ok) then
          handle = c_loc(self)
       else if (associated(self)) then
+         call gearbox_ode_delete(self%model)
          deallocate (self)
       end if
    end function evl_radau_create
@@ -78,7 +79,10 @@ contains
 
       if (.not. present(handle)) return
       call c_f_pointer(handle, self)
-      if (associated(self)) deallocate (self)
+      if (associated(self)) then
+         call gearbox_ode_delete(self%model)
+         deallocate (self)
+      end if
       handle = c_null_ptr
    end subroutine evl_radau_delete
 

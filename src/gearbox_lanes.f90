@@ -2,8 +2,8 @@
 !>
 !> It serves tooth contacts in closed form with a force law, in a fixed housing without gravity: see `lanes_serve`.
 module evl_gearbox_lanes
-   use evl_contact_lanes, only: contact_in_lanes, lane_contact
-   use evl_force_lanes, only: forces_in_lanes, lane_force, laws_have_lanes
+   use evl_contact_lanes, only: contact_in_lanes
+   use evl_force_lanes, only: forces_in_lanes, lane_force, lane_touch, laws_have_lanes
    use evl_gearbox, only: gearbox_mode, gearbox_t, i_omega, i_theta, i_turns, segment_of, wheel_acceleration, wheel_t
    use evl_gearbox_rates, only: gearbox_rates
    use evl_kinds, only: wp
@@ -38,12 +38,13 @@ contains
    end function lanes_serve
 
    !> Rates of all states: y' = f(t, y).
-   subroutine rates_in_lanes(gearbox, t, y, integers, reals, f, status)
+   subroutine rates_in_lanes(gearbox, t, y, integers, reals, touches, f, status)
       type(gearbox_t), intent(in) :: gearbox           !! one that `lanes_serve` accepts
       real(wp), intent(in) :: t(lanes)                 !! [s]
       real(wp), intent(in) :: y(lanes, gearbox%n_states)
       integer, intent(in) :: integers(:)
       real(wp), intent(in) :: reals(:)
+      type(lane_touch), intent(inout) :: touches(:)    !! [tooth contacts] those that touch are put down
       real(wp), intent(out) :: f(lanes, gearbox%n_states)
       type(status_t), intent(inout) :: status          !! code_out_of_domain if a law has no answer in one of the lanes
       type(lane_line) :: line
@@ -52,7 +53,7 @@ contains
 
       f = 0
       do i = 1, size(gearbox%contacts)
-         call add_contact(gearbox, i, y, integers, reals, line, f, answered)
+         call add_contact(gearbox, i, y, integers, reals, line, touches(i), f, answered)
          if (.not. answered) then
             call say_why(gearbox, t, y, integers, reals, status)
             return
@@ -95,16 +96,16 @@ contains
    end subroutine say_why
 
    !> Forces of a tooth contact in the rows of its wheels, their supports and the dissipated energy.
-   subroutine add_contact(gearbox, index, y, integers, reals, line, f, answered)
+   subroutine add_contact(gearbox, index, y, integers, reals, line, touch, f, answered)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
       real(wp), intent(in) :: y(lanes, gearbox%n_states), reals(:)
       integer, intent(in) :: integers(:)
       type(lane_line), intent(inout) :: line    !! of an earlier contact, or nobody's
+      type(lane_touch), intent(inout) :: touch  !! set if it touches
       real(wp), intent(inout) :: f(lanes, gearbox%n_states)
       logical, intent(out) :: answered
       type(mesh_mode) :: mode
-      type(lane_contact) :: at
       type(lane_force) :: force
 
       answered = .true.
@@ -114,9 +115,10 @@ contains
       mode = gearbox_mode(gearbox, index, integers, reals)
       associate (mesh => gearbox%contacts(index))
          call line_in_lanes(mesh, y, line)
-         call contact_in_lanes(mesh, mode, integers(i_turns), line, at)
-         call forces_in_lanes(mesh, mode, line%margin, at, force, answered)
+         call contact_in_lanes(mesh, mode, integers(i_turns), line, touch%at)
+         call forces_in_lanes(mesh, mode, line%margin, touch%at, force, answered)
          if (.not. answered) return
+         touch%unclipped = force%elastic + force%viscous
          associate (a => gearbox%wheels(mesh%wheel_a), b => gearbox%wheels(mesh%wheel_b))
             call add(force%torque_a, f(:, a%i_speed))
             call add(force%torque_b, f(:, b%i_speed))

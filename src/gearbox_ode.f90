@@ -7,6 +7,7 @@ module evl_gearbox_ode
    use evl_gearbox, only: gearbox_t, i_omega, i_theta, wheel_t
    use evl_gearbox_rates, only: gearbox_rates
    use evl_gearbox_events, only: gearbox_root, gearbox_root_directions, gearbox_roots
+   use evl_force_lanes, only: lane_touch
    use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
    use evl_housing, only: frame_t, housing_frame
    use evl_jacobian_places, only: jacobian_places, listed_entries
@@ -18,7 +19,7 @@ module evl_gearbox_ode
    implicit none (type, external)
    private
 
-   public :: gearbox_ode, gearbox_ode_serves, gearbox_ode_create, gearbox_ode_set
+   public :: gearbox_ode, gearbox_ode_serves, gearbox_ode_create, gearbox_ode_delete, gearbox_ode_set
 
    !> Small errors of theta and omega shift the time at which a tooth pair enters, and with it a motion of 1 kHz: they count
    !> more than what moves at that frequency.
@@ -33,6 +34,7 @@ module evl_gearbox_ode
       type(jacobian_places), private :: places     !! of the entries of the Jacobian
       real(wp), allocatable, private :: constants(:) !! [nnz] what never changes in dF/dy, psi'' not yet coupled with theta''
       logical, private :: in_lanes = .false.       !! whether eight states can be evaluated at once
+      type(lane_touch), pointer, private :: touches(:) => null() !! [tooth contacts] of the last evaluation in lanes
    contains
       procedure :: rhs
       procedure :: rhs_lanes
@@ -40,6 +42,7 @@ module evl_gearbox_ode
       procedure :: root
       procedure :: roots
       procedure :: roots_lanes
+      procedure :: roots_nearby
       procedure :: root_directions
    end type gearbox_ode
 
@@ -81,7 +84,7 @@ contains
       allocate (self%scale(gearbox%n_states), source=scale/weight)
       self%scale(i_theta) = self%scale(i_theta)/theta_weight
       self%scale(i_omega) = self%scale(i_omega)/omega_weight
-      allocate (self%integers(gearbox%n_integers), self%reals(size(gearbox%contacts)))
+      allocate (self%integers(gearbox%n_integers), self%reals(size(gearbox%contacts)), self%touches(size(gearbox%contacts)))
       self%integers = 0
       self%reals = 0
       call find_pattern(gearbox, self%jacobian_row, self%jacobian_column)
@@ -89,6 +92,13 @@ contains
       allocate (self%constants(self%places%n_entries), source=0.0_wp)
       call add_constants(gearbox, self%places, self%constants)
    end subroutine gearbox_ode_create
+
+   !> Free what it holds beside its components.
+   subroutine gearbox_ode_delete(self)
+      type(gearbox_ode), intent(inout) :: self
+
+      if (associated(self%touches)) deallocate (self%touches)
+   end subroutine gearbox_ode_delete
 
    !> Give the model its discrete state.
    pure subroutine gearbox_ode_set(self, integers, reals)
@@ -120,7 +130,7 @@ contains
       type(status_t), intent(inout) :: status
 
       if (self%in_lanes) then
-         call rates_in_lanes(self%gearbox, t, y, self%integers, self%reals, f, status)
+         call rates_in_lanes(self%gearbox, t, y, self%integers, self%reals, self%touches, f, status)
       else
          call rhs_one_by_one(self, t, y, f, status)
       end if
@@ -202,6 +212,23 @@ contains
          call roots_one_by_one(self, t, y, values, status)
       end if
    end subroutine roots_lanes
+
+   !> Root functions of eight states near those of the last evaluation in lanes, which knows the contacts that touch.
+   subroutine roots_nearby(self, t, y, values, exact, status)
+      class(gearbox_ode), intent(in) :: self
+      real(wp), intent(in) :: t(lanes)
+      real(wp), intent(in) :: y(lanes, self%n)
+      real(wp), intent(out) :: values(lanes, self%n_roots)
+      logical, intent(out) :: exact
+      type(status_t), intent(inout) :: status
+
+      exact = .not. self%in_lanes
+      if (exact) then
+         call self%roots_lanes(t, y, values, status)
+      else
+         call roots_in_lanes(self%gearbox, y, self%integers, self%reals, values, status, self%touches)
+      end if
+   end subroutine roots_nearby
 
    !> Root functions of eight states, each by itself.
    subroutine roots_one_by_one(self, t, y, values, status)

@@ -12,7 +12,7 @@ module evl_line_lanes
    implicit none (type, external)
    private
 
-   public :: lane_line, line_in_lanes, centre_turn_in_lanes, turn_wheel
+   public :: lane_line, line_in_lanes, motion_in_lanes, centre_turn_in_lanes, turn_wheel
 
    !> Motion of the wheels and line of action in eight states.
    type :: lane_line
@@ -40,11 +40,7 @@ contains
       if (line%mesh == mesh%mesh .and. line%flank == mesh%flank) return
       line%mesh = mesh%mesh
       line%flank = mesh%flank
-      line%theta = y(:, i_theta)
-      line%omega = y(:, i_omega)
-      call turn_wheel(mesh%link_a%i_psi, y, line%psi_a, line%psi_dot_a)
-      call turn_wheel(mesh%link_b%i_psi, y, line%psi_b, line%psi_dot_b)
-      call move_axles(mesh%link_a, mesh%link_b, y, line)
+      call motion_in_lanes(mesh, y, line)
       if (mesh%axles_rest) then
          call rest_line(mesh%rest_line, line)
          return
@@ -59,6 +55,19 @@ contains
       end do
       if (.not. all_positive(small_sine - abs(line%s))) call large_angles(line%s, line%c, line%angle)
    end subroutine line_in_lanes
+
+   !> Motion of the wheels alone.
+   pure subroutine motion_in_lanes(mesh, y, line)
+      type(contact_t), intent(in) :: mesh
+      real(wp), intent(in) :: y(lanes, *)       !! (lanes, states)
+      type(lane_line), intent(inout) :: line
+
+      line%theta = y(:, i_theta)
+      line%omega = y(:, i_omega)
+      call turn_wheel(mesh%link_a%i_psi, y, line%psi_a, line%psi_dot_a)
+      call turn_wheel(mesh%link_b%i_psi, y, line%psi_b, line%psi_dot_b)
+      call move_axles(mesh%link_a, mesh%link_b, y, line)
+   end subroutine motion_in_lanes
 
    !> Deviation of a wheel from its nominal rotation, and its rate.
    pure subroutine turn_wheel(i_psi, y, psi, psi_dot)

@@ -32,6 +32,7 @@ module evl_ode_model
       procedure :: root => root_of_all
       procedure :: roots => no_roots
       procedure :: roots_lanes => no_roots_lanes
+      procedure :: roots_nearby => exact_roots
       procedure :: root_directions => no_directions
       procedure :: next_time_event => no_time_event
       procedure :: apply_event => no_event
@@ -157,6 +158,20 @@ contains
       end associate
       if (self%n_roots > 0) call fail(status, code_invalid_input, "the model counts root functions but has none")
    end subroutine no_roots_lanes
+
+   !> Root functions of eight states that are almost those of the last `rhs_lanes`, for a first look: a model that knows most of
+   !> them from there may give them as they were there. Where one comes near zero `roots_lanes` is asked as well.
+   subroutine exact_roots(self, t, y, values, exact, status)
+      class(ode_model), intent(in) :: self
+      real(wp), intent(in) :: t(lanes)
+      real(wp), intent(in) :: y(lanes, self%n)
+      real(wp), intent(out) :: values(lanes, self%n_roots)
+      logical, intent(out) :: exact           !! whether they are what `roots_lanes` gives
+      type(status_t), intent(inout) :: status !! touched on failure only
+
+      exact = .true.
+      call self%roots_lanes(t, y, values, status)
+   end subroutine exact_roots
 
    !> Which crossings count in the present discrete state: +1 rising, -1 falling, 0 both, or `never`.
    subroutine no_directions(self, directions)

@@ -102,14 +102,21 @@ contains
       integer, intent(out) :: first             !! function that crosses zero first, 0: none does
       type(status_t), intent(inout) :: status
       real(wp) :: earliest, time(lanes)
+      logical :: exact
       integer :: i, k
 
       first = 0
       time = step%t + step%h*node
-      call model%roots_lanes(time, stage_y, self%g, status)
-      if (has_failed(status)) return
       self%change = 0
+      call model%roots_nearby(time, stage_y, self%g, exact, status)
+      if (has_failed(status)) return
       call list_near(self%n, self%n_live, self%live, self%g, self%sign_now, self%sign_after, self%n_near, self%near)
+      if (self%n_near == 0) return
+      if (.not. exact) then
+         call model%roots_lanes(time, stage_y, self%g, status)
+         if (has_failed(status)) return
+         call list_near(self%n, self%n_live, self%live, self%g, self%sign_now, self%sign_after, self%n_near, self%near)
+      end if
       earliest = huge(earliest)
       do k = 1, self%n_near
          i = self%near(k)

@@ -2,6 +2,7 @@
 module lanes_capi
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_ptr
    use evl_elementary, only: exponential, hyperbolic_tangent, natural_logarithm, real_power, sine_cosine
+   use evl_force_lanes, only: lane_touch
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_events, only: gearbox_root, gearbox_root_directions
    use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
@@ -87,14 +88,16 @@ contains
       integer(c_int), intent(in) :: integers(*)
       real(c_double), intent(inout) :: f(*)
       type(gearbox_t), pointer :: gearbox
+      type(lane_touch), allocatable :: touches(:)
       type(status_t) :: status
       integer :: i
 
       call c_f_pointer(handle, gearbox)
+      allocate (touches(size(gearbox%contacts)))
       associate (n => gearbox%n_states)
          do i = 1, turns
             call rates_in_lanes(gearbox, t, y(:lanes*n), integers(:gearbox%n_integers), reals(:size(gearbox%contacts)), &
-                                f(:lanes*n), status)
+                                touches, f(:lanes*n), status)
          end do
       end associate
       code = status%code
