@@ -32,8 +32,10 @@ target_compile_options(
     $<$<COMPILE_LANGUAGE:Fortran>:-std=f2018$<SEMICOLON>-fimplicit-none$<SEMICOLON>-frecursive>
     # Honour `!$omp simd` before the short loops over lanes, which gfortran would unroll instead; no threads, no library.
     $<$<COMPILE_LANGUAGE:Fortran>:-fopenmp-simd>
-    # No signals on overflow and the like are counted on, so both sides of a merge() may be computed: values stay the same.
-    $<$<COMPILE_LANGUAGE:Fortran>:-fno-trapping-math>
+    # No signals on overflow and the like are counted on, so both sides of a merge() may be computed, and nobody reads errno after
+    # a square root: values stay the same. C has to say so as well, or link-time optimisation takes its word for Fortran's loops.
+    -fno-trapping-math
+    -fno-math-errno
     $<$<AND:$<COMPILE_LANGUAGE:Fortran>,$<CONFIG:Debug>>:-fcheck=all,no-array-temps$<SEMICOLON>-fbacktrace>
 )
 

@@ -11,7 +11,7 @@ module evl_capi_radau
    use evl_radau, only: radau_advance, radau_counts, radau_create, radau_get_counts, radau_interpolate, radau_options, &
                         radau_restart, radau_start, radau_t
    use evl_radau_coefficients, only: n_stages
-   use evl_status, only: code_no_memory, code_ok, fail, has_failed, status_t
+   use evl_status, only: clear, code_no_memory, code_ok, fail, has_failed, status_t
    implicit none (type, external)
    private
 
@@ -22,6 +22,7 @@ module evl_capi_radau
    type :: integration_t
       type(gearbox_ode) :: model
       type(radau_t) :: solver
+      type(status_t) :: status !! of the last advance: to make one anew each time takes longer than a look at it
    end type integration_t
 
    !> evl_radau_counts
@@ -110,15 +111,15 @@ contains
       integer(c_int), intent(out) :: outcome
       type(c_status), intent(out), optional :: status
       type(integration_t), pointer :: self
-      type(status_t) :: s
 
       call c_f_pointer(handle, self)
-      call radau_advance(self%solver, self%model, t_stop, outcome, s)
+      if (has_failed(self%status)) call clear(self%status)
+      call radau_advance(self%solver, self%model, t_stop, outcome, self%status)
       t = self%solver%t
       y(:self%model%n) = self%solver%y
       fired(:self%model%n_roots) = self%solver%fired
-      code = s%code
-      if (code /= code_ok) code = answer(s, status)
+      code = self%status%code
+      if (code /= code_ok) code = answer(self%status, status)
    end function evl_radau_advance
 
    subroutine evl_radau_interpolate(handle, t, y) bind(c)

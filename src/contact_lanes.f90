@@ -11,7 +11,7 @@ module evl_contact_lanes
    use evl_kinds, only: wp
    use evl_line_lanes, only: lane_line
    use evl_local_variables, only: at_normal, at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, n_local
-   use evl_mesh, only: contact_off, contact_t, mesh_mode, mesh_nominal_start, mesh_tooth_a, mesh_tooth_b
+   use evl_mesh, only: contact_off, contact_t, mesh_mode, mesh_tooth_a, mesh_tooth_b
    use evl_ode_model, only: lanes
    implicit none (type, external)
    private
@@ -34,19 +34,18 @@ contains
    include "formulas/lane_point.inc"
 
    !> The contact along its line of action. Of a slot without a pair on the path the radii of curvature are all that is set.
-   subroutine contact_in_lanes(mesh, mode, turns, line, at)
+   subroutine contact_in_lanes(mesh, mode, rho_start, line, at)
       type(contact_t), intent(in) :: mesh
       type(mesh_mode), intent(in) :: mode
-      integer, intent(in) :: turns                  !! whole turns of the reference wheel beside theta
+      real(wp), intent(in) :: rho_start             !! nominal radius of curvature on A at theta = 0 [m]
       type(lane_line), intent(in) :: line
       type(lane_contact), intent(out) :: at
-      real(wp) :: rho_start, advance
+      real(wp) :: advance
       type(tracked_pair) :: pair
       integer :: l
 
       pair = mesh%pair
       advance = pair%advance
-      rho_start = mesh_nominal_start(mesh, turns, mode%teeth)
       if (mode%contact == contact_off) then
          !$omp simd
          do l = 1, lanes

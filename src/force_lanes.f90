@@ -19,19 +19,13 @@ module evl_force_lanes
    implicit none (type, external)
    private
 
-   public :: lane_force, lane_touch, forces_in_lanes, laws_have_lanes, laws_in_lanes
+   public :: lane_force, forces_in_lanes, laws_have_lanes, laws_in_lanes
 
    !> Forces of a tooth contact in eight states; the components mean what those of `mesh_force` mean.
    type :: lane_force
       real(wp), dimension(lanes) :: elastic, viscous, d_energy, factor
       real(wp), dimension(lanes) :: torque_a, torque_b, on_a_t, on_a_e, dissipation
    end type lane_force
-
-   !> What the last rates knew of a contact.
-   type :: lane_touch
-      type(lane_contact) :: at
-      real(wp), dimension(lanes) :: unclipped !! elastic + viscous force [N]
-   end type lane_touch
 
 contains
 
@@ -97,7 +91,7 @@ contains
       type(lane_force), intent(inout) :: force
       logical, intent(out) :: answered
 
-      answered = all_positive(min(margin, at%rho_a, at%rho_b))
+      answered = all_positive(margin) .and. all_positive(at%rho_a) .and. all_positive(at%rho_b)
       if (.not. answered) return
       call elastic_in_lanes(mesh, at, force, answered)
       call viscous_in_lanes(mesh, mode, at, force)

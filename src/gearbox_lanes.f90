@@ -3,14 +3,15 @@
 !> It serves tooth contacts in closed form with a force law, in a fixed housing without gravity: see `lanes_serve`.
 module evl_gearbox_lanes
    use evl_contact_lanes, only: contact_in_lanes
-   use evl_force_lanes, only: forces_in_lanes, lane_force, lane_touch, laws_have_lanes
-   use evl_gearbox, only: gearbox_mode, gearbox_t, i_omega, i_theta, i_turns, segment_of, wheel_acceleration, wheel_t
+   use evl_force_lanes, only: forces_in_lanes, lane_force, laws_have_lanes
+   use evl_gearbox, only: gearbox_t, i_omega, i_theta, segment_of, wheel_acceleration, wheel_t
    use evl_gearbox_rates, only: gearbox_rates
    use evl_kinds, only: wp
+   use evl_lane_slots, only: lane_slot
    use evl_line_lanes, only: lane_line, line_in_lanes, turn_wheel
    use evl_load, only: load_damping, load_table, load_torque, load_varies
    use evl_local_variables, only: wheel_link
-   use evl_mesh, only: contact_loaded, contact_unloaded, mesh_mode, tracking_closed_form
+   use evl_mesh, only: contact_t, touches, tracking_closed_form
    use evl_ode_model, only: lanes
    use evl_shaft, only: shaft_t
    use evl_status, only: code_out_of_domain, fail, has_failed, status_t
@@ -38,13 +39,13 @@ contains
    end function lanes_serve
 
    !> Rates of all states: y' = f(t, y).
-   subroutine rates_in_lanes(gearbox, t, y, integers, reals, touches, f, status)
+   subroutine rates_in_lanes(gearbox, t, y, integers, reals, slots, f, status)
       type(gearbox_t), intent(in) :: gearbox           !! one that `lanes_serve` accepts
       real(wp), intent(in) :: t(lanes)                 !! [s]
       real(wp), intent(in) :: y(lanes, gearbox%n_states)
       integer, intent(in) :: integers(:)
       real(wp), intent(in) :: reals(:)
-      type(lane_touch), intent(inout) :: touches(:)    !! [tooth contacts] those that touch are put down
+      type(lane_slot), intent(inout) :: slots(:)       !! [tooth contacts] settled; those that touch are put down
       real(wp), intent(out) :: f(lanes, gearbox%n_states)
       type(status_t), intent(inout) :: status          !! code_out_of_domain if a law has no answer in one of the lanes
       type(lane_line) :: line
@@ -53,7 +54,7 @@ contains
 
       f = 0
       do i = 1, size(gearbox%contacts)
-         call add_contact(gearbox, i, y, integers, reals, line, touches(i), f, answered)
+         call add_contact(gearbox, gearbox%contacts(i), y, line, slots(i), f, answered)
          if (.not. answered) then
             call say_why(gearbox, t, y, integers, reals, status)
             return
@@ -96,36 +97,27 @@ contains
    end subroutine say_why
 
    !> Forces of a tooth contact in the rows of its wheels, their supports and the dissipated energy.
-   subroutine add_contact(gearbox, index, y, integers, reals, line, touch, f, answered)
+   subroutine add_contact(gearbox, mesh, y, line, slot, f, answered)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index
-      real(wp), intent(in) :: y(lanes, gearbox%n_states), reals(:)
-      integer, intent(in) :: integers(:)
+      type(contact_t), intent(in) :: mesh
+      real(wp), intent(in) :: y(lanes, gearbox%n_states)
       type(lane_line), intent(inout) :: line    !! of an earlier contact, or nobody's
-      type(lane_touch), intent(inout) :: touch  !! set if it touches
+      type(lane_slot), intent(inout) :: slot
       real(wp), intent(inout) :: f(lanes, gearbox%n_states)
       logical, intent(out) :: answered
-      type(mesh_mode) :: mode
       type(lane_force) :: force
 
       answered = .true.
-      associate (contact => integers(gearbox%contacts(index)%i_mode + 1))
-         if (contact /= contact_loaded .and. contact /= contact_unloaded) return
-      end associate
-      mode = gearbox_mode(gearbox, index, integers, reals)
-      associate (mesh => gearbox%contacts(index))
-         call line_in_lanes(mesh, y, line)
-         call contact_in_lanes(mesh, mode, integers(i_turns), line, touch%at)
-         call forces_in_lanes(mesh, mode, line%margin, touch%at, force, answered)
-         if (.not. answered) return
-         touch%unclipped = force%elastic + force%viscous
-         associate (a => gearbox%wheels(mesh%wheel_a), b => gearbox%wheels(mesh%wheel_b))
-            call add(force%torque_a, f(:, a%i_speed))
-            call add(force%torque_b, f(:, b%i_speed))
-            call push_axle(mesh%link_a, 1.0_wp, force, f)
-            call push_axle(mesh%link_b, -1.0_wp, force, f)
-         end associate
-      end associate
+      if (.not. touches(slot%mode)) return
+      call line_in_lanes(mesh, y, line)
+      call contact_in_lanes(mesh, slot%mode, slot%rho_start, line, slot%at)
+      call forces_in_lanes(mesh, slot%mode, line%margin, slot%at, force, answered)
+      if (.not. answered) return
+      slot%unclipped = force%elastic + force%viscous
+      call add(force%torque_a, f(:, gearbox%wheels(mesh%wheel_a)%i_speed))
+      call add(force%torque_b, f(:, gearbox%wheels(mesh%wheel_b)%i_speed))
+      call push_axle(mesh%link_a, 1.0_wp, force, f)
+      call push_axle(mesh%link_b, -1.0_wp, force, f)
       call add(force%dissipation, f(:, gearbox%i_dissipated))
    end subroutine add_contact
 

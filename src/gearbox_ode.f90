@@ -7,11 +7,11 @@ module evl_gearbox_ode
    use evl_gearbox, only: gearbox_t, i_omega, i_theta, wheel_t
    use evl_gearbox_rates, only: gearbox_rates
    use evl_gearbox_events, only: gearbox_root, gearbox_root_directions, gearbox_roots
-   use evl_force_lanes, only: lane_touch
    use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
    use evl_housing, only: frame_t, housing_frame
    use evl_jacobian_places, only: jacobian_places, listed_entries
    use evl_kinds, only: wp
+   use evl_lane_slots, only: lane_slot, settle_slots
    use evl_mesh, only: contact_t, tracking_closed_form
    use evl_ode_model, only: lanes, never, ode_model
    use evl_roots_lanes, only: roots_in_lanes
@@ -34,7 +34,7 @@ module evl_gearbox_ode
       type(jacobian_places), private :: places     !! of the entries of the Jacobian
       real(wp), allocatable, private :: constants(:) !! [nnz] what never changes in dF/dy, psi'' not yet coupled with theta''
       logical, private :: in_lanes = .false.       !! whether eight states can be evaluated at once
-      type(lane_touch), pointer, private :: touches(:) => null() !! [tooth contacts] of the last evaluation in lanes
+      type(lane_slot), pointer, private :: slots(:) => null() !! [tooth contacts] for evaluations in lanes, which change them
    contains
       procedure :: rhs
       procedure :: rhs_lanes
@@ -84,7 +84,7 @@ contains
       allocate (self%scale(gearbox%n_states), source=scale/weight)
       self%scale(i_theta) = self%scale(i_theta)/theta_weight
       self%scale(i_omega) = self%scale(i_omega)/omega_weight
-      allocate (self%integers(gearbox%n_integers), self%reals(size(gearbox%contacts)), self%touches(size(gearbox%contacts)))
+      allocate (self%integers(gearbox%n_integers), self%reals(size(gearbox%contacts)), self%slots(size(gearbox%contacts)))
       self%integers = 0
       self%reals = 0
       call find_pattern(gearbox, self%jacobian_row, self%jacobian_column)
@@ -97,17 +97,18 @@ contains
    subroutine gearbox_ode_delete(self)
       type(gearbox_ode), intent(inout) :: self
 
-      if (associated(self%touches)) deallocate (self%touches)
+      if (associated(self%slots)) deallocate (self%slots)
    end subroutine gearbox_ode_delete
 
    !> Give the model its discrete state.
-   pure subroutine gearbox_ode_set(self, integers, reals)
+   subroutine gearbox_ode_set(self, integers, reals)
       type(gearbox_ode), intent(inout) :: self
       integer, intent(in) :: integers(*) !! [n_integers]
       real(wp), intent(in) :: reals(*)   !! [one a tooth contact]
 
       self%integers = integers(:size(self%integers))
       self%reals = reals(:size(self%reals))
+      call settle_slots(self%gearbox, self%integers, self%reals, self%slots)
    end subroutine gearbox_ode_set
 
    !> f(t, y)
@@ -130,7 +131,7 @@ contains
       type(status_t), intent(inout) :: status
 
       if (self%in_lanes) then
-         call rates_in_lanes(self%gearbox, t, y, self%integers, self%reals, self%touches, f, status)
+         call rates_in_lanes(self%gearbox, t, y, self%integers, self%reals, self%slots, f, status)
       else
          call rhs_one_by_one(self, t, y, f, status)
       end if
@@ -207,7 +208,7 @@ contains
       type(status_t), intent(inout) :: status
 
       if (self%in_lanes) then
-         call roots_in_lanes(self%gearbox, y, self%integers, self%reals, values, status)
+         call roots_in_lanes(self%gearbox, y, self%integers, self%reals, self%slots, .false., values, status)
       else
          call roots_one_by_one(self, t, y, values, status)
       end if
@@ -226,7 +227,7 @@ contains
       if (exact) then
          call self%roots_lanes(t, y, values, status)
       else
-         call roots_in_lanes(self%gearbox, y, self%integers, self%reals, values, status, self%touches)
+         call roots_in_lanes(self%gearbox, y, self%integers, self%reals, self%slots, .true., values, status)
       end if
    end subroutine roots_nearby
 

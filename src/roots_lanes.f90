@@ -4,10 +4,11 @@ module evl_roots_lanes
    use evl_contact_laws, only: friction_knee
    use evl_contact_lanes, only: contact_in_lanes, lane_contact
    use evl_flank_deviation, only: deviation_borders, flank_deviation_t, zone_root, zone_tip
-   use evl_force_lanes, only: lane_force, lane_touch, laws_in_lanes
-   use evl_gearbox, only: gearbox_mode, gearbox_t, i_theta, i_turns
+   use evl_force_lanes, only: lane_force, laws_in_lanes
+   use evl_gearbox, only: gearbox_t, i_theta
    use evl_gearbox_events, only: gearbox_roots, turns_root
    use evl_kinds, only: wp
+   use evl_lane_slots, only: lane_slot
    use evl_line_lanes, only: centre_turn_in_lanes, lane_line, line_in_lanes, motion_in_lanes
    use evl_mesh, only: contact_loaded, contact_off, contact_open, contact_t, flank_drive, mesh_mode, touches
    use evl_mesh_roots, only: past, root_back, root_borders_a, root_borders_b, root_contact, root_force, root_forward, &
@@ -26,28 +27,27 @@ contains
    include "formulas/all_positive.inc"
    include "formulas/mesh_roots.inc"
 
-   !> Root functions of all states; with `known`, where flanks overlap, those of the states that it was put down for.
-   subroutine roots_in_lanes(gearbox, y, integers, reals, roots, status, known)
+   !> Root functions of all states.
+   subroutine roots_in_lanes(gearbox, y, integers, reals, slots, nearby, roots, status)
       type(gearbox_t), intent(in) :: gearbox     !! one that `lanes_serve` accepts
       real(wp), intent(in) :: y(lanes, gearbox%n_states)
       integer, intent(in) :: integers(:)
       real(wp), intent(in) :: reals(:)
+      type(lane_slot), intent(in) :: slots(:)    !! [tooth contacts] settled
+      logical, intent(in) :: nearby              !! where flanks overlap those of the last `rates_in_lanes` will do
       real(wp), intent(out) :: roots(lanes, gearbox%n_roots)
       type(status_t), intent(inout) :: status    !! code_out_of_domain if a law has no answer in one of the lanes
-      type(lane_touch), intent(in), optional :: known(:) !! [tooth contacts] of the last `rates_in_lanes`, in states nearby
       type(lane_line) :: line
-      type(mesh_mode) :: mode
       logical :: answered
       integer :: m
 
       do m = 1, size(gearbox%contacts)
-         mode = gearbox_mode(gearbox, m, integers, reals)
          associate (first => gearbox%contacts(m)%i_root + 1, last => gearbox%contacts(m)%i_root + gearbox%contacts(m)%n_roots)
-            if (present(known) .and. touches(mode)) then
-               call roots_of_touch(gearbox%contacts(m), mode, known(m), y, line, roots(:, first:last))
+            if (nearby .and. touches(slots(m)%mode)) then
+               call roots_of_touch(gearbox%contacts(m), slots(m), y, line, roots(:, first:last))
                cycle
             end if
-            call roots_of_contact(gearbox%contacts(m), mode, integers(i_turns), y, line, roots(:, first:last), answered)
+            call roots_of_contact(gearbox%contacts(m), slots(m)%mode, slots(m)%rho_start, y, line, roots(:, first:last), answered)
          end associate
          if (.not. answered) then
             call say_why(gearbox, y, integers, reals, status)
@@ -58,10 +58,10 @@ contains
    end subroutine roots_in_lanes
 
    !> Those of one tooth contact.
-   subroutine roots_of_contact(mesh, mode, turns, y, line, roots, answered)
+   subroutine roots_of_contact(mesh, mode, rho_start, y, line, roots, answered)
       type(contact_t), intent(in) :: mesh
       type(mesh_mode), intent(in) :: mode
-      integer, intent(in) :: turns                 !! whole turns of the reference wheel beside theta
+      real(wp), intent(in) :: rho_start            !! nominal radius of curvature on A at theta = 0 [m]
       real(wp), intent(in) :: y(lanes, *)
       type(lane_line), intent(inout) :: line       !! of the contact before, or nobody's
       real(wp), intent(out) :: roots(lanes, mesh%n_roots)
@@ -73,7 +73,7 @@ contains
       call line_in_lanes(mesh, y, line)
       answered = all_positive(line%margin)
       if (.not. answered) return
-      call contact_in_lanes(mesh, mode, turns, line, at)
+      call contact_in_lanes(mesh, mode, rho_start, line, at)
       unclipped = 0
       if (touches(mode)) then
          call laws_in_lanes(mesh, mode, line%margin, at, force, answered)
@@ -85,18 +85,17 @@ contains
    end subroutine roots_of_contact
 
    !> Those of one that touched in states nearby.
-   subroutine roots_of_touch(mesh, mode, touch, y, line, roots)
+   subroutine roots_of_touch(mesh, slot, y, line, roots)
       type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
-      type(lane_touch), intent(in) :: touch
+      type(lane_slot), intent(in) :: slot
       real(wp), intent(in) :: y(lanes, *)
       type(lane_line), intent(inout) :: line       !! its motion may be needed
       real(wp), intent(out) :: roots(lanes, mesh%n_roots)
       real(wp) :: moved(lanes)
 
       if (mesh%handover) call motion_in_lanes(mesh, y, line)
-      call moved_in_lanes(mesh, line, touch%at%rho_a0, moved)
-      call contact_roots(mesh, mode, touch%at%h, touch%at%v_t, touch%at%rho_a, touch%at%rho_b, touch%unclipped, moved, roots)
+      call moved_in_lanes(mesh, line, slot%at%rho_a0, moved)
+      call contact_roots(mesh, slot%mode, slot%at%h, slot%at%v_t, slot%at%rho_a, slot%at%rho_b, slot%unclipped, moved, roots)
    end subroutine roots_of_touch
 
    !> How many pitches a pair that hands over has moved on; 0 for others.

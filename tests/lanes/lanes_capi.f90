@@ -2,12 +2,12 @@
 module lanes_capi
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_ptr
    use evl_elementary, only: exponential, hyperbolic_tangent, natural_logarithm, real_power, sine_cosine
-   use evl_force_lanes, only: lane_touch
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_events, only: gearbox_root, gearbox_root_directions
    use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
    use evl_gearbox_ode, only: gearbox_ode, gearbox_ode_create, gearbox_ode_set
    use evl_gearbox_rates, only: gearbox_rates
+   use evl_lane_slots, only: lane_slot, settle_slots
    use evl_ode_model, only: lanes, never
    use evl_roots_lanes, only: roots_in_lanes
    use evl_status, only: status_t
@@ -88,16 +88,17 @@ contains
       integer(c_int), intent(in) :: integers(*)
       real(c_double), intent(inout) :: f(*)
       type(gearbox_t), pointer :: gearbox
-      type(lane_touch), allocatable :: touches(:)
+      type(lane_slot), allocatable :: slots(:)
       type(status_t) :: status
       integer :: i
 
       call c_f_pointer(handle, gearbox)
-      allocate (touches(size(gearbox%contacts)))
+      allocate (slots(size(gearbox%contacts)))
+      call settle_slots(gearbox, integers(:gearbox%n_integers), reals(:size(gearbox%contacts)), slots)
       associate (n => gearbox%n_states)
          do i = 1, turns
             call rates_in_lanes(gearbox, t, y(:lanes*n), integers(:gearbox%n_integers), reals(:size(gearbox%contacts)), &
-                                touches, f(:lanes*n), status)
+                                slots, f(:lanes*n), status)
          end do
       end associate
       code = status%code
@@ -110,12 +111,15 @@ contains
       integer(c_int), intent(in) :: integers(*)
       real(c_double), intent(inout) :: roots(*)
       type(gearbox_t), pointer :: gearbox
+      type(lane_slot), allocatable :: slots(:)
       type(status_t) :: status
 
       call c_f_pointer(handle, gearbox)
+      allocate (slots(size(gearbox%contacts)))
+      call settle_slots(gearbox, integers(:gearbox%n_integers), reals(:size(gearbox%contacts)), slots)
       associate (n => gearbox%n_states, m => gearbox%n_roots)
          call roots_in_lanes(gearbox, y(:lanes*n), integers(:gearbox%n_integers), reals(:size(gearbox%contacts)), &
-                             roots(:lanes*m), status)
+                             slots, .false., roots(:lanes*m), status)
       end associate
       code = status%code
    end function lanes_roots

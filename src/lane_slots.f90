@@ -1,0 +1,36 @@
+!> What the loops over lanes keep of each tooth contact: what its discrete state fixes, and what the last rates knew of it.
+module evl_lane_slots
+   use evl_contact_lanes, only: lane_contact
+   use evl_gearbox, only: gearbox_mode, gearbox_t, i_turns
+   use evl_kinds, only: wp
+   use evl_mesh, only: mesh_mode, mesh_nominal_start
+   use evl_ode_model, only: lanes
+   implicit none (type, external)
+   private
+
+   public :: lane_slot, settle_slots
+
+   type :: lane_slot
+      type(mesh_mode) :: mode
+      real(wp) :: rho_start = 0               !! nominal radius of curvature on A at theta = 0 [m]
+      type(lane_contact) :: at                !! the contact in eight states, if it touches
+      real(wp), dimension(lanes) :: unclipped !! elastic + viscous force there [N]
+   end type lane_slot
+
+contains
+
+   !> Take a discrete state.
+   subroutine settle_slots(gearbox, integers, reals, slots)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: reals(:)
+      type(lane_slot), intent(inout) :: slots(:) !! [tooth contacts]
+      integer :: i
+
+      do i = 1, size(gearbox%contacts)
+         slots(i)%mode = gearbox_mode(gearbox, i, integers, reals)
+         slots(i)%rho_start = mesh_nominal_start(gearbox%contacts(i), integers(i_turns), slots(i)%mode%teeth)
+      end do
+   end subroutine settle_slots
+
+end module evl_lane_slots
