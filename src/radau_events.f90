@@ -43,15 +43,30 @@ contains
       real(wp), intent(in) :: y(:) !! new state
 
       self%t_before = self%t
-      self%y_before = self%y
-      self%old_z = self%stages%z
       self%old_h = h
       self%t = t
-      self%y = y
+      call keep_polynomial(size(self%y), self%stages%z, self%y, self%old_z, self%y_before)
+      self%y(:) = y
       self%jacobian_is_new = .false.
       self%jacobian_is_ahead = .false.
       self%counts%steps = self%counts%steps + 1
    end subroutine take
+
+   !> Increments and start of the step; arrays of known shape, so that no descriptor is looked at.
+   pure subroutine keep_polynomial(n, z, y, old_z, y_before)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: z(lanes, n), y(n)
+      real(wp), intent(out) :: old_z(lanes, n), y_before(n)
+      integer :: i, l
+
+      do i = 1, n
+         !$omp simd
+         do l = 1, lanes
+            old_z(l, i) = z(l, i)
+         end do
+      end do
+      y_before = y
+   end subroutine keep_polynomial
 
    !> Redo the step of h just to the crossing of function `first`, correct the time for what that changes, and stop there.
    !>

@@ -256,7 +256,7 @@ contains
             outcome = newton_refused
             return
          end if
-         if (i == 1) self%start = self%f(lanes, :)
+         if (i == 1) call take_start(self%n, self%f, self%start)
          call iterate(self, y, h, size_now)
          if (i > 1) then
             ratio = size_now/size_before
@@ -283,6 +283,15 @@ contains
       end do
       outcome = merge(newton_converged, newton_diverged, is_rounding(self))
    end subroutine iterate_to_end
+
+   !> f at the start, which lane 8 has.
+   pure subroutine take_start(n, f, start)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: f(lanes, n)
+      real(wp), intent(out) :: start(n)
+
+      start = f(lanes, :)
+   end subroutine take_start
 
    !> One iteration: change z, w and the states; its weighted size.
    subroutine iterate(self, y, h, length)
