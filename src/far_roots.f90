@@ -1,5 +1,6 @@
 !> Root functions that stay far from zero in a step: their values at its nodes already say so.
 module evl_far_roots
+   use, intrinsic :: iso_fortran_env, only: int64
    use evl_kinds, only: wp
    use evl_ode_model, only: lanes
    implicit none (type, external)
@@ -25,8 +26,8 @@ contains
       integer, intent(inout) :: sign_after(n)
       integer, intent(out) :: n_near
       integer, intent(inout) :: near(n)           !! the first n_near of these: which ones
-      integer, parameter :: half = lanes/2
-      real(wp) :: stay(half), at_start, most
+      integer(int64) :: others ! as long as a real: vectors of both have the same lanes
+      real(wp) :: at_start, most
       integer :: i, k, l
 
       n_near = 0
@@ -34,14 +35,13 @@ contains
          i = live(k)
          at_start = g(lanes, i)
          most = little*abs(at_start)
-         !$omp simd
-         do l = 1, half
-            stay(l) = merge(1.0_wp, 0.0_wp, abs(g(l, i) - at_start) <= most) &
-                      + merge(1.0_wp, 0.0_wp, abs(g(l + half, i) - at_start) <= most)
+         others = 0
+         !$omp simd reduction(ior:others)
+         do l = 1, lanes
+            others = ior(others, merge(0_int64, 1_int64, abs(g(l, i) - at_start) <= most))
          end do
          sign_after(i) = sign_of(at_start)
-         if ((stay(1) + stay(3)) + (stay(2) + stay(4)) > lanes - 0.5_wp .and. abs(at_start) > 0 &
-             .and. sign_now(i)*at_start >= 0) cycle
+         if (others == 0 .and. abs(at_start) > 0 .and. sign_now(i)*at_start >= 0) cycle
          n_near = n_near + 1
          near(n_near) = i
       end do
