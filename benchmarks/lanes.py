@@ -30,7 +30,7 @@ from kernel.kernel import Kernel, _at  # noqa: E402
 
 LANES, EVALUATIONS, RUNS = 8, 200_000, 60
 DURATION, OUTPUTS, PENETRATION = 5.0, 1001, 3e-9
-TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
+TOLERANCES = (1e-3, 1e-4, 2e-5, 1e-5, 1e-6, 2e-7, 1e-7, 1e-8, 1e-9)
 COUNTS = (
     "steps",
     "rejections",

@@ -14,7 +14,8 @@ module lanes_capi
    implicit none (type, external)
    private
 
-   public :: lanes_count, lanes_rates, lanes_roots, lanes_root_by_root, lanes_roots_live, lanes_scalar, lanes_serves
+   public :: lanes_count, lanes_rates, lanes_roots, lanes_root_by_root, lanes_roots_nearby
+   public :: lanes_roots_live, lanes_scalar, lanes_serves
    public :: lanes_jacobian
    public :: lanes_exponential, lanes_hyperbolic_tangent, lanes_logarithm, lanes_power, lanes_sine_cosine
 
@@ -123,6 +124,28 @@ contains
       end associate
       code = status%code
    end function lanes_roots
+
+   !> Root functions of eight states from the rates of eight others; the code of the status.
+   integer(c_int) function lanes_roots_nearby(handle, t, y_before, y, integers, reals, roots) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in) :: t(lanes), y_before(*), y(*), reals(*)
+      integer(c_int), intent(in) :: integers(*)
+      real(c_double), intent(inout) :: roots(*)
+      type(gearbox_t), pointer :: gearbox
+      type(lane_slot), allocatable :: slots(:)
+      real(c_double), allocatable :: f(:)
+      type(status_t) :: status
+
+      call c_f_pointer(handle, gearbox)
+      allocate (slots(size(gearbox%contacts)), f(lanes*gearbox%n_states))
+      associate (modes => integers(:gearbox%n_integers), speeds => reals(:size(gearbox%contacts)), &
+                 n => gearbox%n_states, m => gearbox%n_roots)
+         call settle_slots(gearbox, modes, speeds, slots)
+         call rates_in_lanes(gearbox, t, y_before(:lanes*n), modes, speeds, slots, f, status)
+         call roots_in_lanes(gearbox, y(:lanes*n), modes, speeds, slots, .true., roots(:lanes*m), status)
+      end associate
+      code = status%code
+   end function lanes_roots_nearby
 
    !> Root functions of a state, each by itself; the code of the status.
    integer(c_int) function lanes_root_by_root(handle, y, integers, reals, roots) result(code) bind(c)

@@ -72,6 +72,26 @@ def check_idle(gearbox: Gearbox, state: State, roots: Floats) -> None:
     np.testing.assert_array_equal(live[:-1] == 0, np.all(roots[:, :-1] == 1, axis=0))
 
 
+def check_nearby(gearbox: Gearbox, states: list[State], roots: Floats) -> None:
+    """Root functions that start from the rates at `states`: there, and where the states have moved.
+
+    Where flanks overlap they are those of the rates, elsewhere those of the states moved.
+    """
+    for size in (0.0, 1e-6):
+        moved = [state.copy() for state in states]
+        for state in moved:
+            state.y *= 1 + size
+        code, exact = in_lanes(gearbox, "lanes_roots", gearbox.sizes.n_roots, moved)
+        assert code == OK
+        t = np.array([state.t for state in states])
+        before, after = (np.array([s.y for s in them]).T.copy() for them in (states, moved))
+        result = np.full(exact.T.shape, np.nan)
+        arrays = (t, before, after, states[0].integers, states[0].reals, result)
+        assert gearbox.library.lanes_roots_nearby(gearbox.handle, *map(_at, arrays)) == OK
+        # a function of the ends of the path has a part from each
+        assert np.all(abs(result.T - exact) <= 1.01 * abs(exact - roots).max(axis=0) + 1e-12 * size)
+
+
 def check(gearbox: Gearbox, states: list[State]) -> None:
     """Compare rates and root functions of all states with those of each, bit by bit.
 
@@ -91,6 +111,7 @@ def check(gearbox: Gearbox, states: list[State]) -> None:
         assert np.all(np.isfinite(expected))
         np.testing.assert_array_equal(result, expected, err_msg=name)
     check_idle(gearbox, states[0], result)
+    check_nearby(gearbox, states, result)
     np.testing.assert_array_equal(root_by_root(gearbox, states[0]), gearbox.roots(states[0]))
 
 
