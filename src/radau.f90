@@ -17,6 +17,7 @@
 !> Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8 (step control, predictor).
 module evl_radau
    use evl_collocation, only: lagrange_at, weighted_sum
+   use evl_elementary, only: real_power
    use evl_kinds, only: wp
    use evl_ode_model, only: check_model, lanes, ode_model
    use evl_radau_coefficients, only: node
@@ -163,7 +164,7 @@ contains
       allocate (self%y(model%n), self%y_before(model%n), self%old_z(lanes, model%n), self%fired(model%n_roots))
       allocate (self%came_from(model%n_roots), self%step_after(-1:1, model%n_roots))
       self%old_z = 0
-      call stage_solver_create(self%stages, model, share*options%tolerance**(4.0_wp/7), options%tolerance)
+      call stage_solver_create(self%stages, model, share*real_power(options%tolerance, 4.0_wp/7), options%tolerance)
       call root_finder_create(self%roots, model)
    end subroutine radau_create
 

@@ -90,7 +90,8 @@ contains
       integer :: i
 
       do i = 1, size(self%came_from)
-         if (self%came_from(i) /= 0) self%step_after(self%came_from(i), i) = h*min(most_growth, (aim/error)**0.125_wp)
+         if (self%came_from(i) /= 0) self%step_after(self%came_from(i), i) = &
+            h*min(most_growth, real_power(aim/error, 0.125_wp))
       end do
    end subroutine remember_step
 

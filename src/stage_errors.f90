@@ -92,7 +92,7 @@ contains
                              self%moved_f)
       end do
       error = max(at_start, inside*self%output_factor)*sqrt(weighted_square(self%n, self%moved_f, self%weight)/self%n)
-      h = max(error, tiny(1.0_wp))**(-1.0_wp/8)
+      h = 1/real_power(max(error, tiny(1.0_wp)), 1.0_wp/8)
    end subroutine foresee_step
 
    !> y = J x

@@ -19,6 +19,7 @@ module evl_stage_solver
    use evl_collocation, only: lagrange_matrix
    use evl_condensed_systems, only: condensed_create, condensed_factor, condensed_solve, condensed_t
    use evl_dense_lu, only: dense_lu_create, dense_lu_factor, dense_lu_solve, dense_lu_t
+   use evl_elementary, only: real_power
    use evl_kinds, only: wp
    use evl_ode_model, only: lanes, ode_model
    use evl_pure_integrals, only: find_pure_integrals, integrate_stages, pure_integrals_t
@@ -270,8 +271,8 @@ contains
             left_over = self%rate_sum*size_now*self%rate**(most_iterations - 1 - i)
             if (left_over >= self%newton_stop .and. i < most_iterations) then
                outcome = merge(newton_converged, newton_slow, is_rounding(self))
-               self%advice = 0.8_wp*max(1.0e-4_wp, min(20.0_wp, left_over/self%newton_stop)) &
-                             **(-1.0_wp/(4 + most_iterations - 1 - i))
+               self%advice = 0.8_wp/real_power(max(1.0e-4_wp, min(20.0_wp, left_over/self%newton_stop)), &
+                                                 1.0_wp/(4 + most_iterations - 1 - i))
                return
             end if
          end if

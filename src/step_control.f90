@@ -2,6 +2,7 @@
 !>
 !> Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8 (8.19-8.21), after K. Gustafsson.
 module evl_step_control
+   use evl_elementary, only: natural_logarithm, real_power
    use evl_kinds, only: wp
    use evl_stage_solver, only: most_iterations
    implicit none (type, external)
@@ -50,8 +51,8 @@ contains
       real(wp) :: order
 
       if (failed%h > h .and. failed%error > error) then
-         order = max(1.0_wp, min(8.0_wp, log(failed%error/error)/log(failed%h/h)))
-         h_next = h*max(1/largest_cut_again, safety*error**(-1/order))
+         order = max(1.0_wp, min(8.0_wp, natural_logarithm(failed%error/error)/natural_logarithm(failed%h/h)))
+         h_next = h*max(1/largest_cut_again, safety/real_power(error, 1/order))
       else
          h_next = h*max(1/largest_cut, safety/eighth_root(error))
       end if
