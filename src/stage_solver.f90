@@ -272,7 +272,7 @@ contains
             if (left_over >= self%newton_stop .and. i < most_iterations) then
                outcome = merge(newton_converged, newton_slow, is_rounding(self))
                self%advice = 0.8_wp/real_power(max(1.0e-4_wp, min(20.0_wp, left_over/self%newton_stop)), &
-                                                 1.0_wp/(4 + most_iterations - 1 - i))
+                                               1.0_wp/(4 + most_iterations - 1 - i))
                return
             end if
          end if
