@@ -9,7 +9,7 @@ module evl_collocation
    implicit none (type, external)
    private
 
-   public :: combine, lagrange_at, lagrange_matrix, node_slopes, polynomial_at, extremum_between, weighted_sum
+   public :: combine, lagrange_at, lagrange_matrix, node_slopes, polynomial_at, extremum_between, weighted_sum, zero_between
 
    real(wp), parameter :: slopes_of(lanes, lanes) = slope_at_node !! columns are added up lane by lane
 
@@ -110,38 +110,51 @@ contains
    end subroutine node_slopes
 
    !> Where the polynomial with these slopes at the nodes has an extremum between left and right, where its slope differs in
-   !> sign: false position with halving (Illinois), to a thousandth of the interval.
+   !> sign, to a thousandth of the interval.
    pure real(wp) function extremum_between(left, right, slopes) result(tau)
       real(wp), intent(in) :: left, right
       real(wp), intent(in) :: slopes(lanes) !! a polynomial of degree 6, so it too is given by its values at the nodes
-      real(wp) :: a, b, slope_a, slope_b, slope
-      integer :: i, side
+      real(wp), parameter :: accuracy = 1.0e-3_wp
+
+      tau = zero_between(left, right, slopes, accuracy)
+   end function extremum_between
+
+   !> A zero of the polynomial with these values at the nodes between left and right, where it differs in sign: false position with
+   !> halving (Illinois). It ends inside the interval, or where the polynomial is accuracy**2 of its largest value at the ends.
+   pure real(wp) function zero_between(left, right, values, accuracy) result(tau)
+      real(wp), intent(in) :: left, right
+      real(wp), intent(in) :: values(lanes)
+      real(wp), intent(in) :: accuracy !! of the place, over the interval
+      integer, parameter :: most_turns = 40
+      real(wp) :: a, b, at_a, at_b, value, small
+      integer :: side, turn
 
       a = left
       b = right
-      slope_a = polynomial_at(a, slopes)
-      slope_b = polynomial_at(b, slopes)
+      at_a = polynomial_at(a, values)
+      at_b = polynomial_at(b, values)
+      small = accuracy**2*max(abs(at_a), abs(at_b))
       side = 0
       tau = (a + b)/2
-      do i = 1, 40
-         if (b - a <= 1.0e-3_wp*(right - left)) exit
-         tau = (a*slope_b - b*slope_a)/(slope_b - slope_a)
+      do turn = 1, most_turns
+         if (b - a <= accuracy*(right - left) .or. .not. abs(at_b - at_a) > 0) exit
+         tau = b - at_b*((b - a)/(at_b - at_a))
          if (.not. (tau > a .and. tau < b)) exit
-         slope = polynomial_at(tau, slopes)
-         if (abs(slope) <= 1.0e-6_wp*max(abs(slopes(1)), abs(slopes(lanes - 1)), abs(slopes(4)))) exit
-         if (slope*slope_a > 0) then
+         value = polynomial_at(tau, values)
+         if (abs(value) <= small) exit
+         if (value*at_a > 0) then
             a = tau
-            slope_a = slope
-            if (side == -1) slope_b = slope_b/2
+            at_a = value
+            if (side == -1) at_b = at_b/2
             side = -1
          else
             b = tau
-            slope_b = slope
-            if (side == 1) slope_a = slope_a/2
+            at_b = value
+            if (side == 1) at_a = at_a/2
             side = 1
          end if
       end do
       tau = min(max(tau, left), right)
-   end function extremum_between
+   end function zero_between
 
 end module evl_collocation

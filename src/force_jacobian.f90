@@ -5,16 +5,15 @@
 module evl_force_jacobian
    use evl_closed_form, only: closed_form_line
    use evl_deviation, only: deviation
-   use evl_gearbox, only: add_speed, gearbox_local, gearbox_mode, gearbox_t, i_omega, i_theta, i_turns, segment_of, support_t, &
+   use evl_gearbox, only: add_speed, gearbox_local, gearbox_mode, gearbox_t, i_omega, i_theta, i_turns, segment_of, &
                           wheel_acceleration, wheel_follows_ground, wheel_speed, wheel_t
    use evl_housing, only: at_omega, frame_t
    use evl_housing_jacobian, only: ride_gradient
    use evl_jacobian_places, only: add_entry, entry_place, jacobian_places
    use evl_kinds, only: wp
    use evl_load, only: load_damping, load_torque
-   use evl_local_variables, only: mesh_link, n_local
-   use evl_mesh, only: contact_loaded, contact_t, contact_unloaded, mesh_force, mesh_mode, mesh_nominal_rho, &
-                       tracking_closed_form
+   use evl_local_variables, only: mesh_link, n_local, wheel_link
+   use evl_mesh, only: contact_t, mesh_force, mesh_mode, mesh_nominal_rho, touches, tracking_closed_form
    use evl_mesh_gradient, only: mesh_force_gradient, mesh_gradient
    use evl_shaft_jacobian, only: add_shaft, add_shaft_torque
    use evl_status, only: has_failed, status_t
@@ -79,9 +78,6 @@ contains
       spin = 0
       if (gearbox%housing%acts) spin = frame%omega(3)
       do i = 1, size(gearbox%contacts)
-         associate (contact => integers(gearbox%contacts(i)%i_mode + 1))
-            if (contact /= contact_loaded .and. contact /= contact_unloaded) cycle
-         end associate
          call add_contact(gearbox, i, y, spin, integers, reals, at, places, values, status)
          if (has_failed(status)) return
       end do
@@ -137,7 +133,7 @@ contains
       end associate
    end subroutine add_load_power
 
-   !> A tooth contact that touches, in the rows of its wheels, their supports and the energies.
+   !> A tooth contact, if it touches, in the rows of its wheels, their supports and the energies.
    subroutine add_contact(gearbox, index, y, spin, integers, reals, at, places, values, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
@@ -153,6 +149,7 @@ contains
       type(mesh_mode) :: mode
 
       mode = gearbox_mode(gearbox, index, integers, reals)
+      if (.not. touches(mode)) return
       associate (mesh => gearbox%contacts(index))
          if (at%mesh /= mesh%mesh .or. at%flank /= mesh%flank) call look_at_flank(gearbox, mesh, y, at)
          rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
@@ -160,8 +157,8 @@ contains
          if (has_failed(status)) return
          call add_torque(gearbox, mesh, mesh%wheel_a, force%torque_a, gradient%torque_a, y, spin, places, values)
          call add_torque(gearbox, mesh, mesh%wheel_b, force%torque_b, gradient%torque_b, y, spin, places, values)
-         call add_push(mesh, gearbox%wheels(mesh%wheel_a)%support, gradient%on_a, 1.0_wp, places, values)
-         call add_push(mesh, gearbox%wheels(mesh%wheel_b)%support, gradient%on_a, -1.0_wp, places, values)
+         call add_push(mesh%links, mesh%link_a, gearbox%wheels(mesh%wheel_a)%support%per_mass, gradient%on_a, places, values)
+         call add_push(mesh%links, mesh%link_b, -gearbox%wheels(mesh%wheel_b)%support%per_mass, gradient%on_a, places, values)
          call scatter(mesh%links, gearbox%i_dissipated, -1.0_wp, gradient%dissipation, places, values)
       end associate
    end subroutine add_contact
@@ -210,21 +207,20 @@ contains
       end associate
    end subroutine add_torque
 
-   !> A contact's force on a support.
-   pure subroutine add_push(mesh, support, gradient, sign, places, values)
-      type(contact_t), intent(in) :: mesh
-      type(support_t), intent(in) :: support
-      real(wp), intent(in) :: gradient(n_local, 2), sign
+   !> A contact's force on the support of a wheel.
+   pure subroutine add_push(links, wheel, per_mass, gradient, places, values)
+      type(mesh_link), intent(in), contiguous :: links(:)
+      type(wheel_link), intent(in) :: wheel
+      real(wp), intent(in) :: per_mass !! inverse mass, negative for B, which feels the opposite
+      real(wp), intent(in) :: gradient(n_local, 2)
       type(jacobian_places), intent(in) :: places
       real(wp), intent(inout) :: values(places%n_entries)
       real(wp) :: along(n_local)
       integer :: j
 
-      do j = 1, support%n
-         associate (d => support%direction(:, j))
-            along = dot_product(d, mesh%t_0)*gradient(:, 1) + dot_product(d, mesh%e_0)*gradient(:, 2)
-         end associate
-         call scatter(mesh%links, support%i_state(j) + 1, -sign*support%per_mass, along, places, values)
+      do j = 1, wheel%n
+         along = wheel%along_t(j)*gradient(:, 1) + wheel%along_e(j)*gradient(:, 2)
+         call scatter(links, wheel%i_state(j) + 1, -per_mass, along, places, values)
       end do
    end subroutine add_push
 

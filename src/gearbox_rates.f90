@@ -2,13 +2,13 @@
 module evl_gearbox_rates
    use evl_housing, only: apparent_acceleration, at_omega, frame_acceleration, frame_t, housing_frame, housing_rates
    use evl_kinds, only: wp
-   use evl_local_variables, only: n_local
-   use evl_mesh, only: contact_state, contact_t, mesh_contact, mesh_forces, mesh_nominal_rho, touches
+   use evl_local_variables, only: n_local, wheel_link
+   use evl_mesh, only: contact_state, mesh_contact, mesh_forces, mesh_nominal_rho, touches
    use evl_rigid_contact, only: rigid_acceleration
    use evl_shaft, only: shaft_loss, shaft_torque
    use evl_springs_and_dampers, only: damper_power, support_acceleration
    use evl_status, only: has_failed, status_t
-   use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_t, i_omega, i_theta, i_turns, is_closed, support_t, &
+   use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_t, i_omega, i_theta, i_turns, is_closed, &
                           wheel_acceleration, wheel_follows_ground, wheel_housing_torque, wheel_load_torque, wheel_position, &
                           wheel_speed, wheel_spin_torque
    implicit none (type, external)
@@ -55,8 +55,8 @@ contains
             associate (a => gearbox%wheels(mesh%wheel_a), b => gearbox%wheels(mesh%wheel_b))
                f(a%i_speed) = f(a%i_speed) + force%torque_a
                f(b%i_speed) = f(b%i_speed) + force%torque_b
-               call push_support(a%support, mesh, force%on_a, f)
-               call push_support(b%support, mesh, -force%on_a, f)
+               call push_axle(mesh%link_a, force%on_a, f)
+               call push_axle(mesh%link_b, -force%on_a, f)
             end associate
             f(gearbox%i_dissipated) = f(gearbox%i_dissipated) + force%dissipation
          end associate
@@ -131,21 +131,19 @@ contains
       end associate
    end subroutine contact_at
 
-   !> Add a mesh's force to the rows of a support's degrees of freedom [N].
-   pure subroutine push_support(support, mesh, force, f)
-      type(support_t), intent(in) :: support
-      type(contact_t), intent(in) :: mesh
+   !> Add a mesh's force to the rows of an axle's degrees of freedom [N].
+   pure subroutine push_axle(link, force, f)
+      type(wheel_link), intent(in) :: link
       real(wp), intent(in) :: force(2) !! (t_0, e_0)
       real(wp), intent(inout) :: f(:)
       integer :: j
 
-      do j = 1, support%n
-         associate (row => support%i_state(j) + 1)
-            f(row) = f(row) + force(1)*dot_product(support%direction(:, j), mesh%t_0) &
-                     + force(2)*dot_product(support%direction(:, j), mesh%e_0)
+      do j = 1, link%n
+         associate (row => link%i_state(j) + 1)
+            f(row) = f(row) + force(1)*link%along_t(j) + force(2)*link%along_e(j)
          end associate
       end do
-   end subroutine push_support
+   end subroutine push_axle
 
    !> Add an elastic shaft's torque to the rows of its two wheels, and what its damping takes.
    pure subroutine twist_shaft(gearbox, index, y, f)
