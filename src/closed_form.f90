@@ -3,14 +3,14 @@
 !> Source: Kosenko & Gusev 2011, Assertions 1 and 2.
 module evl_closed_form
    use evl_contact_point, only: complete_gradient, complete_point, contact_gradient, contact_point, tracked_pair
-   use evl_deviation, only: deviation, deviation_find, tangent_angle
+   use evl_deviation, only: deviation, deviation_find, small_sine
    use evl_kinds, only: wp
    use evl_local_variables, only: at_psi_a, at_psi_b, at_theta, at_u_a, at_u_b, n_local
    implicit none (type, external)
    private
 
    public :: track_closed_form, place_contact, gradient_closed_form, gradient_along, closed_form_gap, closed_form_line
-   public :: centre_line_turn, centre_line_turn_gradient
+   public :: centre_line_angle, centre_line_turn, centre_line_turn_gradient
 
 contains
 
@@ -90,11 +90,22 @@ contains
    pure real(wp) function centre_line_turn(pair, q) result(turn)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: q(n_local)
-      real(wp) :: s, c
+      real(wp) :: along, across
 
-      call centre_line(pair, q(at_u_b) - q(at_u_a), q(at_u_b + 1) - q(at_u_a + 1), s, c)
-      turn = tangent_angle(s, c)
+      call centre_line(pair, q(at_u_b) - q(at_u_a), q(at_u_b + 1) - q(at_u_a + 1), along, across)
+      turn = centre_line_angle(along, across)
    end function centre_line_turn
+
+   !> The angle of the centre line with its reference direction [rad].
+   elemental real(wp) function centre_line_angle(along, across) result(angle)
+      real(wp), intent(in) :: along, across !! as from `centre_line`
+
+      if (abs(across) < small_sine*along) then
+         angle = small_arctangent(across/along)
+      else
+         angle = atan2(across, along)
+      end if
+   end function centre_line_angle
 
    !> Derivatives of `centre_line_turn` with respect to the local variables.
    pure function centre_line_turn_gradient(pair, q) result(gradient)

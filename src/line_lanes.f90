@@ -1,7 +1,7 @@
 !> The line of action of a flank for eight states at once, and what moves it: all its tooth contacts share them.
 module evl_line_lanes
    use, intrinsic :: iso_fortran_env, only: int64
-   use evl_closed_form, only: centre_line_turn
+   use evl_closed_form, only: centre_line_angle, centre_line_turn
    use evl_contact_point, only: tracked_pair
    use evl_deviation, only: deviation, small_sine, tangent_angle
    use evl_gearbox, only: i_omega, i_theta
@@ -158,7 +158,7 @@ contains
       type(contact_t), intent(in) :: mesh
       type(lane_line), intent(in) :: line
       real(wp), intent(out) :: turn(lanes)
-      real(wp), dimension(lanes) :: s, c
+      real(wp), dimension(lanes) :: along, across
       type(tracked_pair) :: pair
       integer :: l
 
@@ -169,10 +169,14 @@ contains
       end if
       !$omp simd
       do l = 1, lanes
-         call centre_line(pair, line%u_t(l), line%u_e(l), s(l), c(l))
-         turn(l) = small_angle(s(l))
+         call centre_line(pair, line%u_t(l), line%u_e(l), along(l), across(l))
+         turn(l) = small_arctangent(across(l)/along(l))
       end do
-      if (.not. all_positive(small_sine - abs(s))) call large_angles(s, c, turn)
+      if (all_positive(small_sine*along - abs(across))) return
+      !GCC$ novector
+      do l = 1, lanes
+         turn(l) = centre_line_angle(along(l), across(l))
+      end do
    end subroutine centre_turn_in_lanes
 
 end module evl_line_lanes
