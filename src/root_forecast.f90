@@ -25,7 +25,7 @@ contains
       integer :: i, k
 
       place = huge(place)
-      if (ratio > farthest) return
+      if (roots%n_near == 0 .or. ratio > farthest) return
       ahead = 1 + ratio
       call lagrange_at(ahead, basis)
       do k = 1, roots%n_near
