@@ -10,7 +10,7 @@
 !> interleaved, or run in threads, and give the bits of single ones. Nothing is allocated after `radau_create`.
 !>
 !> Error control: a step is accepted if its error estimate, in units of the model's scales, is at most
-!> 0.003 tolerance^(4/7) in root mean square. The estimate has order 7 and the result order 13, which this translates; the
+!> 0.0022 tolerance^(4/7) in root mean square. The estimate has order 7 and the result order 13, which this translates; the
 !> dense output is held to 5 tolerance by an estimate of its own. So errors stay within 10 times the tolerance, at the steps
 !> and between them, unless the problem amplifies them (docs/radau.md).
 !>
@@ -20,12 +20,10 @@ module evl_radau
    use evl_elementary, only: real_power
    use evl_kinds, only: wp
    use evl_ode_model, only: check_model, lanes, ode_model
-   use evl_radau_coefficients, only: node
    use evl_root_finder, only: root_finder_create, root_finder_restart, root_finder_t
    use evl_root_forecast, only: forecast_crossing
-   use evl_stage_solver, only: estimate_error, factor_systems, forget, newton_converged, newton_refused, &
-                               newton_slow, predict_from, predict_nothing, set_weights, solve_stages, stage_solver_create, &
-                               stage_solver_t
+   use evl_stage_solver, only: factor_systems, forget, forget_start, move_start, newton_converged, predict_from, &
+                               set_weights, solve_stages, stage_solver_create, stage_solver_t
    use evl_step_control, only: fit_step, next_step, step_control_t, step_after_error
    use evl_status, only: clear, code_invalid_input, code_no_solution, code_out_of_domain, fail, has_failed, message_length, &
                          quantity, status_t
@@ -41,9 +39,7 @@ module evl_radau
    integer, parameter :: outcome_stop = 2  !! a step was made that ends at t_stop
 
    real(wp), parameter :: eps = epsilon(1.0_wp)
-   real(wp), parameter :: share = 0.003_wp      !! internal tolerance over tolerance^(4/7)
-   real(wp), parameter :: farthest = 5          !! steps ahead to which a polynomial may be continued as a prediction
-   integer, parameter :: middle = 4             !! stage nearest to the middle of a step
+   real(wp), parameter :: share = 0.0022_wp     !! internal tolerance over tolerance^(4/7)
    integer, parameter :: most_rejections = 200  !! of one step
    real(wp), parameter :: smallest_step = 16*eps !! over the present time
 
@@ -93,6 +89,16 @@ module evl_radau
    end type radau_t
 
    interface
+      !> Try a step of h; if it fails for Newton, error is huge and the step to try next is set.
+      module subroutine attempt(self, model, h, error, status)
+         implicit none (type, external)
+         type(radau_t), intent(inout) :: self
+         class(ode_model), intent(in) :: model
+         real(wp), intent(in) :: h
+         real(wp), intent(out) :: error !! weighted estimate: the step is good below 1
+         type(status_t), intent(inout) :: status
+      end subroutine attempt
+
       !> Take the step just solved, or the part of it before the first event.
       module subroutine finish(self, model, h, to_stop, t_stop, done, outcome, status)
          implicit none (type, external)
@@ -209,6 +215,7 @@ contains
       self%matrix_may_stay = .false.
       self%rejected = .true.
       self%restarted = .true.
+      call forget_start(self%stages)
       call root_finder_restart(self%roots, model, self%fired)
       self%came_from = self%fired
       self%fired = 0
@@ -289,70 +296,6 @@ contains
       to_stop = .false.
    end subroutine fit_event
 
-   !> df/dy in the middle of a step of h, as it is predicted; at the present state if the model does not know that place.
-   subroutine look_ahead(self, model, h, status)
-      type(radau_t), intent(inout) :: self
-      class(ode_model), intent(in) :: model
-      real(wp), intent(in) :: h
-      type(status_t), intent(inout) :: status
-
-      self%stages%moved = self%y + self%stages%z(middle, :)
-      call model%jacobian(self%t + node(middle)*h, self%stages%moved, self%stages%jacobian, status)
-      self%counts%jacobians = self%counts%jacobians + 1
-      self%jacobian_is_new = .not. has_failed(status)
-      if (status%code /= code_out_of_domain) return
-      call clear(status)
-      call refresh_jacobian(self, model, status)
-   end subroutine look_ahead
-
-   !> Try a step of h; if it fails for Newton, error is huge and the step to try next is set.
-   subroutine attempt(self, model, h, error, status)
-      type(radau_t), intent(inout) :: self
-      class(ode_model), intent(in) :: model
-      real(wp), intent(in) :: h
-      real(wp), intent(out) :: error
-      type(status_t), intent(inout) :: status
-      integer :: outcome
-      logical :: predicted, good
-
-      error = huge(error)
-      predicted = self%old_h > 0 .and. h <= farthest*self%old_h
-      do
-         if (predicted) then
-            call predict_from(self%stages, self%old_z, 1.0_wp, h, self%old_h)
-         else
-            call predict_nothing(self%stages)
-         end if
-         if (.not. (self%matrix_may_stay .and. same(h, self%stages%h_factored))) then
-            if (.not. (self%jacobian_is_new .or. self%jacobian_is_ahead .or. self%jacobian_may_stay)) then
-               if (predicted) then
-                  call look_ahead(self, model, h, status)
-               else
-                  call refresh_jacobian(self, model, status)
-               end if
-            end if
-            if (has_failed(status)) return
-            call factor_systems(self%stages, h, good)
-            if (.not. good) then
-               self%h = h/2
-               return
-            end if
-         end if
-         call solve_stages(self%stages, model, self%t, self%y, h, outcome, status)
-         if (outcome == newton_refused) return
-         if (outcome == newton_converged) exit
-         if (self%jacobian_is_new) then
-            self%h = h*merge(self%stages%advice, 0.5_wp, outcome == newton_slow)
-            return
-         end if
-         self%jacobian_may_stay = .false.
-         self%matrix_may_stay = .false. ! once more with the Jacobian of this state
-         self%jacobian_is_ahead = .false.
-      end do
-      call estimate_error(self%stages, model, self%t, self%y, h, self%rejected, error, status)
-      if (.not. error < huge(error)) self%h = h/4
-   end subroutine attempt
-
    !> State at time t in the last step: the collocation polynomial, of order 8 inside the step.
    pure subroutine radau_interpolate(self, t, y)
       type(radau_t), intent(in) :: self
@@ -382,12 +325,5 @@ contains
       counts%dense_factorisations = self%stages%counts%dense
       counts%root_evaluations = self%roots%evaluations
    end function radau_get_counts
-
-   !> Whether two steps are the same number.
-   pure logical function same(a, b)
-      real(wp), intent(in) :: a, b
-
-      same = .not. abs(a - b) > 0
-   end function same
 
 end module evl_radau

@@ -33,6 +33,7 @@ contains
          self%roots%fresh = .false.
       end if
       call take(self, h, merge(t_stop, self%t + h, to_stop), self%stages%y(n_stages, :))
+      call move_start(self%stages, h)
    end subroutine finish
 
    !> Keep the polynomial of the step and move on.
@@ -107,7 +108,7 @@ contains
             h_now = at
             call factor_systems(self%stages, h_now, good)
             if (good) then
-               call predict_from(self%stages, self%old_z, 0.0_wp, h_now, self%old_h)
+               call predict_from(self%stages, self%y, self%old_z, 0.0_wp, h_now, self%old_h)
                call solve_stages(self%stages, model, self%t, self%y, h_now, outcome, status)
                if (has_failed(status)) exit
                good = outcome == newton_converged

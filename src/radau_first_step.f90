@@ -48,6 +48,7 @@ contains
 
       call model%rhs(self%t, self%y, self%stages%start, status)
       if (has_failed(status)) return
+      self%stages%start_is_known = .true.
       self%stages%counts%evaluations = self%stages%counts%evaluations + 1
       most = huge(most)
       do turn = 1, size(self%came_from)

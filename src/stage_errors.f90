@@ -10,10 +10,11 @@ submodule(evl_stage_solver) evl_stage_errors
    implicit none (type, external)
 
    integer :: row
-   !> From the increments at the nodes: the slope of the polynomial at the start, per step, and in lanes 5 to 8 the last
-   !> Chebyshev coefficients.
+   !> From the increments at the nodes: the slopes of the polynomial at the start and at the end, per step, and in lanes 5 to 8
+   !> the last Chebyshev coefficients.
    real(wp), parameter :: estimates(lanes, lanes) = &
-                          transpose(reshape([slope_at_node(lanes, :), (to_chebyshev(row, :), row=2, lanes)], [lanes, lanes]))
+                          transpose(reshape([slope_at_node(lanes, :), slope_at_node(n_stages, :), &
+                                             (to_chebyshev(row, :), row=3, lanes)], [lanes, lanes]))
    real(wp), parameter :: nodes_over_chebyshev = 2.3_wp !! largest prod|tau - node| over that of Chebyshev's points
 
 contains
@@ -30,8 +31,9 @@ contains
 
       real(wp) :: output_error
 
-      call examine(self%n, self%z, self%weight, self%slope, self%last, self%before, output_error)
-      output_error = self%output_factor*output_error
+      call examine(self%n, self%z, self%weight, self%slope, self%slope_at_end, self%last, self%before, &
+                   self%next_coefficient)
+      output_error = self%output_factor*nodes_over_chebyshev*self%next_coefficient
       call filter(self, self%start, h, error)
       if (error < 1) error = max(error, output_error)
       if (error < 1 .or. .not. again) return
@@ -46,15 +48,14 @@ contains
       error = max(error, output_error)
    end subroutine estimate_error
 
-   !> Slopes of the polynomial at the start and the weighted size of the error of the dense output: the Chebyshev coefficients
-   !> that would come next, if the last pairs go on as a geometric series. Pairs, since every other coefficient of an even or odd
-   !> solution is 0.
-   pure subroutine examine(n, z, weight, slope, last, before, error)
+   !> Slopes of the polynomial at its ends and the weighted size of the Chebyshev coefficients that would come next, if the last
+   !> pairs go on as a geometric series. Pairs, since every other coefficient of an even or odd solution is 0.
+   pure subroutine examine(n, z, weight, slope, slope_at_end, last, before, next)
       integer, intent(in) :: n
       real(wp), intent(in) :: z(lanes, n), weight(n)
-      real(wp), intent(out) :: slope(n)
+      real(wp), intent(out) :: slope(n), slope_at_end(n)
       real(wp), intent(out) :: last(n), before(n) !! squares of the last pair and of that before it
-      real(wp), intent(out) :: error
+      real(wp), intent(out) :: next
       real(wp) :: of(lanes)
       integer :: i, l
 
@@ -64,10 +65,11 @@ contains
             of(l) = of_stages(estimates, l, z(:, i))
          end do
          slope(i) = of(1)
+         slope_at_end(i) = of(2)
          before(i) = of(5)**2 + of(6)**2
          last(i) = of(7)**2 + of(8)**2
       end do
-      error = nodes_over_chebyshev*sqrt(sum(last*min(1.0_wp, last/max(before, tiny(1.0_wp)))*weight**2)/n)
+      next = sqrt(sum(last*min(1.0_wp, last/max(before, tiny(1.0_wp)))*weight**2)/n)
    end subroutine examine
 
    !> A step whose error would be about 1, before any is made: the eighth derivative of y is J^7 f if J hardly changes.

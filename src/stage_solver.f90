@@ -16,7 +16,6 @@
 !>
 !> Sources: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8.
 module evl_stage_solver
-   use evl_collocation, only: lagrange_matrix
    use evl_condensed_systems, only: condensed_create, condensed_factor, condensed_solve, condensed_t
    use evl_dense_lu, only: dense_lu_create, dense_lu_factor, dense_lu_solve, dense_lu_t
    use evl_elementary, only: real_power
@@ -24,13 +23,15 @@ module evl_stage_solver
    use evl_ode_model, only: lanes, ode_model
    use evl_pure_integrals, only: find_pure_integrals, integrate_stages, pure_integrals_t
    use evl_radau_coefficients, only: n_stages, n_systems, node, shift_im, shift_re
-   use evl_stage_transforms, only: add_change, change_of_stages, continue_polynomial, residual, start_stages
+   use evl_stage_transforms, only: add_change, change_of_stages, residual
    use evl_status, only: has_failed, status_t
    implicit none (type, external)
    private
 
-   public :: stage_solver_t, stage_solver_create, forget, set_weights, predict_nothing, predict_from, factor_systems, solve_stages
+   public :: stage_solver_t, stage_solver_create, forget, set_weights, factor_systems, solve_stages
+   public :: predict_nothing, predict_from, predict_linearly, linear_is_better, move_start, forget_start
    public :: estimate_error, foresee_step, most_iterations
+   public :: solve_systems ! for the submodules: gfortran 12 makes what is private unknown to them
    public :: newton_converged, newton_slow, newton_diverged, newton_refused
 
    integer, parameter :: newton_converged = 0 !! the stages are found
@@ -44,6 +45,7 @@ module evl_stage_solver
 
    !> Of the change of a first iteration: a rate that was measured on the error of another component promises too much.
    real(wp), parameter :: least_left_over = 1.0e-4_wp
+   real(wp), parameter :: rate_growth = 2       !! of the rate, with every step that goes on with the same factors
    real(wp), parameter :: output_share = 5      !! error of the dense output over the user's tolerance, as it is estimated
 
    type :: stage_counts
@@ -58,6 +60,13 @@ module evl_stage_solver
       real(wp) :: start = 0, ratio = 0       !! as of `predict_from`; ratio 0: none yet
       real(wp) :: matrix(lanes, lanes) = 0   !! from increments to increments
    end type continuation_t
+
+   !> What is known of predictions by the linear model.
+   type :: linear_prediction_t
+      logical :: is_used = .false. !! the present step started from it
+      real(wp) :: error = 0        !! of the last one, weighted; 0: there was none
+      real(wp) :: h = 1            !! its step
+   end type linear_prediction_t
 
    !> All arrays of a step; sizes never change.
    type :: stage_solver_t
@@ -76,16 +85,20 @@ module evl_stage_solver
       real(wp), allocatable :: change(:, :) !! [8, n] of an iteration
       real(wp), allocatable :: jacobian(:)  !! [nnz] entries of df/dy
       real(wp), allocatable :: error(:)     !! [n] estimate
-      real(wp), allocatable :: slope(:)     !! [n] of the polynomial at the start, per step
+      real(wp), allocatable :: slope(:), slope_at_end(:) !! [n] of the polynomial at its start and end, per step
       real(wp), allocatable :: last(:), before(:) !! [n] squares of its last coefficients
+      real(wp) :: next_coefficient = 0      !! weighted size of the Chebyshev coefficient that would come next
       real(wp), allocatable :: start(:)     !! [n] f at the start
+      logical :: start_is_known = .false.   !! before the first iteration
       real(wp), allocatable :: moved(:)     !! [n] state at which the estimate is taken again
       real(wp), allocatable :: moved_f(:)   !! [n] f there
       type(condensed_t) :: condensed
       type(dense_lu_t) :: dense
       logical :: is_dense = .false.
       type(continuation_t) :: continuation
+      type(linear_prediction_t) :: linear
       real(wp) :: h_factored = 0 !! step for which the factors hold; 0: none
+      logical :: factors_are_new = .false. !! since the last solution
       real(wp) :: rate = 0       !! of convergence in the last solution
       real(wp) :: rate_sum = 1   !! rate/(1 - rate), carried from step to step
       real(wp) :: advice = 1     !! factor on the step after `newton_slow`
@@ -94,6 +107,52 @@ module evl_stage_solver
    end type stage_solver_t
 
    interface
+      !> Start Newton without a guess.
+      pure module subroutine predict_nothing(self, y)
+         implicit none (type, external)
+         type(stage_solver_t), intent(inout) :: self
+         real(wp), intent(in) :: y(self%n)
+      end subroutine predict_nothing
+
+      !> Start Newton from the polynomial of a step, continued.
+      pure module subroutine predict_from(self, y, old_z, start, h, old_h)
+         implicit none (type, external)
+         type(stage_solver_t), intent(inout) :: self
+         real(wp), intent(in) :: y(self%n)
+         real(wp), intent(in) :: old_z(lanes, self%n) !! increments of that step over its own start
+         real(wp), intent(in) :: start !! where in that step, in units of it, the new one starts: its node 0 or 1
+         real(wp), intent(in) :: h     !! new step
+         real(wp), intent(in) :: old_h !! that one
+      end subroutine predict_from
+
+      !> Start Newton from the linear model z' = f(start) + J z; the factors are those of h, and f at the start is known.
+      module subroutine predict_linearly(self, y, h)
+         implicit none (type, external)
+         type(stage_solver_t), intent(inout) :: self
+         real(wp), intent(in) :: y(self%n)
+         real(wp), intent(in) :: h
+      end subroutine predict_linearly
+
+      !> Whether the linear model is expected to predict the next step better than the polynomial of the last one.
+      pure module logical function linear_is_better(self, h, old_h)
+         implicit none (type, external)
+         type(stage_solver_t), intent(in) :: self
+         real(wp), intent(in) :: h, old_h !! next step, last step
+      end function linear_is_better
+
+      !> The step just solved was taken to its end, where f is known by that.
+      pure module subroutine move_start(self, h)
+         implicit none (type, external)
+         type(stage_solver_t), intent(inout) :: self
+         real(wp), intent(in) :: h
+      end subroutine move_start
+
+      !> After an event: f at the start is not known, nor how good the linear model and Newton's iteration are.
+      pure module subroutine forget_start(self)
+         implicit none (type, external)
+         type(stage_solver_t), intent(inout) :: self
+      end subroutine forget_start
+
       !> Weighted size of the error estimate of the step just solved.
       module subroutine estimate_error(self, model, t, y, h, again, error, status)
          implicit none (type, external)
@@ -128,8 +187,8 @@ contains
       self%tolerance = tolerance
       self%output_factor = max(1.0_wp, tolerance/(output_share*user_tolerance))
       self%newton_stop = max(10*eps/tolerance, min(0.03_wp, sqrt(tolerance)))
-      allocate (self%weight(model%n), self%error(model%n), self%slope(model%n), self%last(model%n), self%before(model%n), &
-                self%start(model%n), self%moved(model%n), self%moved_f(model%n))
+      allocate (self%weight(model%n), self%error(model%n), self%slope(model%n), self%slope_at_end(model%n), &
+                self%last(model%n), self%before(model%n), self%start(model%n), self%moved(model%n), self%moved_f(model%n))
       allocate (self%z(lanes, model%n), self%shifted(lanes, model%n), self%y(lanes, model%n), self%f(lanes, model%n))
       allocate (self%change(lanes, model%n), self%jacobian(size(model%jacobian_row)))
       self%z = 0
@@ -163,41 +222,6 @@ contains
       self%weight = 1/max(self%tolerance*scale, rounding*abs(y))
    end subroutine set_weights
 
-   !> Start Newton without a guess.
-   pure subroutine predict_nothing(self)
-      type(stage_solver_t), intent(inout) :: self
-
-      self%z = 0
-      self%shifted = 0
-   end subroutine predict_nothing
-
-   !> Start Newton from the polynomial of a step, continued: `old_z` are its increments over its own start.
-   pure subroutine predict_from(self, old_z, start, h, old_h)
-      type(stage_solver_t), intent(inout) :: self
-      real(wp), intent(in) :: old_z(lanes, self%n)
-      real(wp), intent(in) :: start !! where in that step, in units of it, the new one starts: its node 0 or 1
-      real(wp), intent(in) :: h     !! new step
-      real(wp), intent(in) :: old_h !! that one
-
-      call find_continuation(self%continuation, start, h/old_h)
-      call continue_polynomial(self%integrals%n_coupled, self%continuation%matrix, old_z, h, self%z, self%shifted)
-   end subroutine predict_from
-
-   !> The matrix of a prediction, unless it is that of the last one: a step often is as long as the one before.
-   pure subroutine find_continuation(self, start, ratio)
-      type(continuation_t), intent(inout) :: self
-      real(wp), intent(in) :: start, ratio !! as above
-      integer :: from
-
-      if (abs(start - self%start) <= 0 .and. abs(ratio - self%ratio) <= 0) return
-      self%start = start
-      self%ratio = ratio
-      call lagrange_matrix(start + ratio*node, self%matrix)
-      from = merge(n_stages, lanes, start > 0)
-      self%matrix(:, from) = self%matrix(:, from) - 1
-      self%matrix(lanes, :) = 0
-   end subroutine find_continuation
-
    !> Factor the four systems for a step of h; with row exchanges if diagonal pivots will not do.
    subroutine factor_systems(self, h, good)
       type(stage_solver_t), intent(inout) :: self
@@ -206,6 +230,7 @@ contains
       integer :: p
 
       self%counts%factorisations = self%counts%factorisations + 1
+      self%factors_are_new = .true.
       do p = 1, size(self%coupled)
          self%coupled(p) = self%jacobian(self%integrals%coupled(p))
       end do
@@ -244,11 +269,15 @@ contains
       integer :: i
 
       times = t + node*h
-      self%rate_sum = max(sqrt(self%rate_sum*sqrt(self%rate_sum)), least_left_over) ! to the power of 3/4
+      if (self%factors_are_new) then
+         self%rate_sum = max(sqrt(self%rate_sum*sqrt(self%rate_sum)), least_left_over) ! to the power of 3/4
+      else
+         self%rate_sum = max(min(rate_growth*self%rate_sum, 1.0_wp), least_left_over)
+      end if
+      self%factors_are_new = .false.
       self%advice = 0.5_wp
       size_before = 0
       ratio_before = 1
-      call start_stages(self%n, self%integrals%n_coupled, y, self%z, self%y)
       do i = 1, most_iterations
          self%iterations = i
          self%counts%iterations = self%counts%iterations + 1
@@ -259,6 +288,10 @@ contains
          end if
          if (i == 1) call take_start(self%n, self%f, self%start)
          call iterate(self, y, h, size_now)
+         if (i == 1 .and. self%linear%is_used) then
+            self%linear%error = size_now
+            self%linear%h = h
+         end if
          if (i > 1) then
             ratio = size_now/size_before
             self%rate = merge(ratio, sqrt(ratio*ratio_before), i == 2)
@@ -305,14 +338,21 @@ contains
 
       n = self%integrals%n_coupled
       call residual(n, self%f, self%shifted, self%change)
+      call solve_systems(self)
+      call add_change(n, shift_re/h, shift_im/h, y, self%weight, self%change, self%shifted, self%z, self%y, length)
+      length = sqrt(length/(n_stages*n))
+   end subroutine iterate
+
+   !> Solve the four systems for `change`.
+   subroutine solve_systems(self)
+      type(stage_solver_t), intent(inout) :: self
+
       if (self%is_dense) then
          call dense_lu_solve(self%dense, self%change)
       else
          call condensed_solve(self%condensed, self%change)
       end if
-      call add_change(n, shift_re/h, shift_im/h, y, self%weight, self%change, self%shifted, self%z, self%y, length)
-      length = sqrt(length/(n_stages*n))
-   end subroutine iterate
+   end subroutine solve_systems
 
    !> Whether the last change was no larger than rounding makes it: no iteration can do better.
    pure logical function is_rounding(self)

@@ -9,7 +9,8 @@ module evl_stage_transforms
    implicit none (type, external)
    private
 
-   public :: continue_polynomial, start_stages, residual, add_change, change_of_stages, integrate, of_stages
+   public :: continue_polynomial, linear_residual, set_increments, start_stages
+   public :: residual, add_change, change_of_stages, integrate, of_stages
 
    real(wp), parameter :: re(n_systems, lanes) = spread(shift_re, 2, lanes), im(n_systems, lanes) = spread(shift_im, 2, lanes)
    real(wp), parameter :: real_rows(n_systems, lanes) = re*from_stage(:n_systems, :) - im*from_stage(n_systems + 1:, :)
@@ -17,6 +18,8 @@ module evl_stage_transforms
    !> Lambda T^-1
    real(wp), parameter :: to_shifted(lanes, lanes) = &
                           transpose(reshape([transpose(real_rows), transpose(imaginary_rows)], [lanes, lanes]))
+   integer :: row
+   real(wp), parameter :: of_constant(lanes) = [(sum(from_stage(row, :lanes - 1)), row=1, lanes)] !! T^-1 1
 
 contains
 
@@ -45,6 +48,47 @@ contains
          end do
       end do
    end subroutine continue_polynomial
+
+   !> Right-hand sides of the systems for z' = f(start) + J z: T^-1 f, the same f at all stages.
+   pure subroutine linear_residual(n, f, r)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: f(n)
+      real(wp), intent(out) :: r(lanes, n)
+      integer :: i, l
+
+      do i = 1, n
+         !$omp simd
+         do l = 1, lanes
+            r(l, i) = of_constant(l)*f(i)
+         end do
+      end do
+   end subroutine linear_residual
+
+   !> Increments and states at the stages from what is transformed.
+   pure subroutine set_increments(n, n_coupled, re, im, y, w, shifted, z, stage_y)
+      integer, intent(in) :: n, n_coupled
+      real(wp), intent(in) :: re(n_systems), im(n_systems) !! eigenvalues over h
+      real(wp), intent(in) :: y(n)
+      real(wp), intent(in) :: w(lanes, n_coupled)
+      real(wp), intent(out) :: shifted(lanes, n_coupled), z(lanes, n_coupled), stage_y(lanes, n)
+      integer :: i, l
+
+      do i = 1, n_coupled
+         !$omp simd
+         do l = 1, lanes
+            z(l, i) = of_systems(to_stage, l, w(:, i))
+            stage_y(l, i) = y(i) + z(l, i)
+         end do
+         !$omp simd
+         do l = 1, n_systems
+            shifted(l, i) = re(l)*w(l, i) - im(l)*w(l + n_systems, i)
+            shifted(l + n_systems, i) = im(l)*w(l, i) + re(l)*w(l + n_systems, i)
+         end do
+      end do
+      do i = n_coupled + 1, n
+         stage_y(:, i) = y(i)
+      end do
+   end subroutine set_increments
 
    !> States at the stages before the first iteration; integrals count as constant until the others are known.
    pure subroutine start_stages(n, n_coupled, y, z, stage_y)

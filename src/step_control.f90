@@ -71,19 +71,19 @@ contains
       real(wp), intent(out) :: h_next
       logical, intent(out) :: jacobian_may_stay !! the Jacobian is good enough for any step
       logical, intent(out) :: matrix_may_stay !! Jacobian and factors are good enough for a step of h_next
-      real(wp) :: slack, cut, cut_predicted
+      real(wp) :: slack, cut_8 ! the eighth power of the cut: most steps stay as they are, and need no root
+      logical :: one
 
       slack = safety*(1 + 2*most_iterations)/(iterations + 2*most_iterations)
-      cut = max(1/largest_growth, min(largest_cut, eighth_root(error)/slack))
-      if (control%h > 0) then
-         cut_predicted = (control%h/h)*eighth_root(error**2/control%error)/safety
-         cut = max(cut, max(1/largest_growth, min(largest_cut, cut_predicted)))
-      end if
+      cut_8 = error/slack**8
+      if (control%h > 0) cut_8 = max(cut_8, (control%h/(h*safety))**8*error**2/control%error)
       control%h = h
       control%error = max(1.0e-2_wp, error)
-      jacobian_may_stay = rate <= best_rate
-      matrix_may_stay = rate <= good_rate .and. cut <= 1 .and. cut*kept_growth >= 1
-      h_next = merge(h, h/cut, matrix_may_stay)
+      one = iterations == 1 ! what one iteration needs is good enough, and the rate is that of an earlier step
+      jacobian_may_stay = one .or. rate <= best_rate
+      matrix_may_stay = (one .or. rate <= good_rate) .and. cut_8 <= 1 .and. cut_8*kept_growth**8 >= 1
+      h_next = h
+      if (.not. matrix_may_stay) h_next = h/max(1/largest_growth, min(largest_cut, eighth_root(cut_8)))
       if (h < h_wanted) h_next = max(h_next, h_wanted) ! it was cut for the stop: what was proposed before still holds
    end subroutine next_step
 

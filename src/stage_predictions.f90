@@ -1,0 +1,119 @@
+!> Where Newton's iteration for the stages of a step starts: increments, the same transformed, and the states at the stages.
+!>
+!> Two predictions serve steps of different kinds. The polynomial of the last step, continued, is good where the solution is
+!> smooth in units of the step. The linear model
+!>
+!>     z' = f(start) + J z
+!>
+!> costs a solution of the four systems, but no f. It is good where the solution moves fast, but nearly linearly: as a
+!> weakly damped oscillation does, of which a step takes a radian or more. There its error is some thousandth of what the
+!> polynomial's is, and one iteration is often enough. In a linear model with constant coefficients it is exact.
+submodule(evl_stage_solver) evl_stage_predictions
+   use evl_collocation, only: lagrange_matrix
+   use evl_stage_transforms, only: continue_polynomial, linear_residual, set_increments, start_stages
+   implicit none (type, external)
+
+contains
+
+   !> Start Newton without a guess.
+   pure module subroutine predict_nothing(self, y)
+      type(stage_solver_t), intent(inout) :: self
+      real(wp), intent(in) :: y(self%n)
+
+      self%z = 0
+      self%shifted = 0
+      call start_stages(self%n, self%integrals%n_coupled, y, self%z, self%y)
+      self%linear%is_used = .false.
+   end subroutine predict_nothing
+
+   !> Start Newton from the polynomial of a step, continued.
+   pure module subroutine predict_from(self, y, old_z, start, h, old_h)
+      type(stage_solver_t), intent(inout) :: self
+      real(wp), intent(in) :: y(self%n)
+      real(wp), intent(in) :: old_z(lanes, self%n)
+      real(wp), intent(in) :: start
+      real(wp), intent(in) :: h
+      real(wp), intent(in) :: old_h
+
+      call find_continuation(self%continuation, start, h/old_h)
+      call continue_polynomial(self%integrals%n_coupled, self%continuation%matrix, old_z, h, self%z, self%shifted)
+      call start_stages(self%n, self%integrals%n_coupled, y, self%z, self%y)
+      self%linear%is_used = .false.
+   end subroutine predict_from
+
+   !> The matrix of a prediction, unless it is that of the last one: a step often is as long as the one before.
+   pure subroutine find_continuation(self, start, ratio)
+      type(continuation_t), intent(inout) :: self
+      real(wp), intent(in) :: start, ratio !! as above
+      integer :: from
+
+      if (abs(start - self%start) <= 0 .and. abs(ratio - self%ratio) <= 0) return
+      self%start = start
+      self%ratio = ratio
+      call lagrange_matrix(start + ratio*node, self%matrix)
+      from = merge(n_stages, lanes, start > 0)
+      self%matrix(:, from) = self%matrix(:, from) - 1
+      self%matrix(lanes, :) = 0
+   end subroutine find_continuation
+
+   !> Start Newton from the linear model z' = f(start) + J z.
+   module subroutine predict_linearly(self, y, h)
+      type(stage_solver_t), intent(inout) :: self
+      real(wp), intent(in) :: y(self%n)
+      real(wp), intent(in) :: h
+
+      call linear_residual(self%integrals%n_coupled, self%start, self%change)
+      call solve_systems(self)
+      call set_increments(self%n, self%integrals%n_coupled, shift_re/h, shift_im/h, y, self%change, self%shifted, self%z, self%y)
+      self%linear%is_used = .true.
+   end subroutine predict_linearly
+
+   !> Whether the linear model is expected to predict the next step better than the polynomial of the last one.
+   !>
+   !> The error of the polynomial is that of the Chebyshev coefficient which would come next, T_8 at the stages ahead: its root
+   !> mean square over them is 0.4 of what it is at the end. That of the linear model was found by the last iteration that
+   !> started from it, and grows with the square of the step, as what J changes in the step does.
+   pure module logical function linear_is_better(self, h, old_h)
+      type(stage_solver_t), intent(in) :: self
+      real(wp), intent(in) :: h, old_h
+      real(wp), parameter :: mean_over_end = 0.4_wp
+
+      linear_is_better = self%linear%error*(h/self%linear%h)**2 &
+                         < mean_over_end*chebyshev_8(1 + 2*h/old_h)*self%next_coefficient
+   end function linear_is_better
+
+   !> T_8, by T_2n = 2 T_n**2 - 1.
+   pure real(wp) function chebyshev_8(x)
+      real(wp), intent(in) :: x
+
+      chebyshev_8 = 2*(2*(2*x**2 - 1)**2 - 1)**2 - 1
+   end function chebyshev_8
+
+   !> The step just solved was taken to its end: there f is the slope of its polynomial.
+   pure module subroutine move_start(self, h)
+      type(stage_solver_t), intent(inout) :: self
+      real(wp), intent(in) :: h
+
+      call scale(self%n, 1/h, self%slope_at_end, self%start)
+      self%start_is_known = .true.
+   end subroutine move_start
+
+   !> y = a x
+   pure subroutine scale(n, a, x, y)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: a, x(n)
+      real(wp), intent(out) :: y(n)
+
+      y = a*x
+   end subroutine scale
+
+   !> After an event: f at the start is not known, nor how good the linear model and Newton's iteration are.
+   pure module subroutine forget_start(self)
+      type(stage_solver_t), intent(inout) :: self
+
+      self%start_is_known = .false.
+      self%linear = linear_prediction_t()
+      self%rate_sum = 1
+   end subroutine forget_start
+
+end submodule evl_stage_predictions
