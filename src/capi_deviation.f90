@@ -99,7 +99,7 @@ contains
          call deviation_create(description, profile_t(profile%teeth, profile%base_radius, profile%reference_radius, &
                                                       profile%rho_start, profile%rho_tip, profile%tooth_angle), deviation, s)
       if (.not. has_failed(s)) then
-         call evaluate(deviation, teeth, sides, rho, zones, e, de, d2e)
+         call evaluate(deviation, n, teeth, sides, rho, zones, e, de, d2e)
          call deviation_borders(deviation, borders(1), borders(2))
       end if
       if (present(status)) call status_to_c(s, status)
@@ -147,19 +147,20 @@ contains
       type(gearbox_t), pointer :: g
 
       call c_f_pointer(handle, g)
-      call evaluate(g%wheels(wheel + 1)%deviation, teeth, sides, rho, e=e, de=de, d2e=d2e)
+      call evaluate(g%wheels(wheel + 1)%deviation, n, teeth, sides, rho, e=e, de=de, d2e=d2e)
    end subroutine evl_gearbox_flank_deviation
 
    !> Each flank in its zone, or in the zone in which rho lies.
-   pure subroutine evaluate(deviation, teeth, sides, rho, zones, e, de, d2e)
+   pure subroutine evaluate(deviation, n, teeth, sides, rho, zones, e, de, d2e)
       type(flank_deviation_t), intent(in) :: deviation
-      integer(c_int), intent(in) :: teeth(:), sides(:)
-      real(c_double), intent(in) :: rho(:)
-      integer(c_int), intent(in), optional :: zones(:)
-      real(c_double), intent(out) :: e(:), de(:), d2e(:)
+      integer(c_int), intent(in) :: n
+      integer(c_int), intent(in) :: teeth(n), sides(n)
+      real(c_double), intent(in) :: rho(n)
+      integer(c_int), intent(in), optional :: zones(n)
+      real(c_double), intent(out) :: e(n), de(n), d2e(n)
       integer :: i, zone
 
-      do i = 1, size(rho)
+      do i = 1, n
          zone = deviation_zone(deviation, rho(i))
          if (present(zones)) zone = zones(i)
          call deviation_at(deviation, teeth(i), sides(i), rho(i), zone, e(i), de(i), d2e(i))

@@ -80,7 +80,7 @@ contains
    pure module subroutine foresee_step(self, model, h)
       type(stage_solver_t), intent(inout) :: self !! f at the start in `start`, J in `jacobian`; its scratch changes
       class(ode_model), intent(in) :: model
-      real(wp), intent(out) :: h
+      real(wp), intent(out) :: h !! 0 if the derivative is not finite
       real(wp), parameter :: factorial_8 = 40320
       real(wp), parameter :: at_start = 1/(shift_re(1)*abs(barycentric(lanes))*factorial_8)
       real(wp), parameter :: inside = nodes_over_chebyshev/(2.0_wp**15*factorial_8)
@@ -94,7 +94,8 @@ contains
                              self%moved_f)
       end do
       error = max(at_start, inside*self%output_factor)*sqrt(weighted_square(self%n, self%moved_f, self%weight)/self%n)
-      h = 1/real_power(max(error, tiny(1.0_wp)), 1.0_wp/8)
+      h = 0
+      if (error <= huge(error)) h = 1/real_power(max(error, tiny(1.0_wp)), 1.0_wp/8)
    end subroutine foresee_step
 
    !> y = J x

@@ -170,7 +170,7 @@ module evl_stage_solver
          implicit none (type, external)
          type(stage_solver_t), intent(inout) :: self !! f at the start in `start`, J in `jacobian`; its scratch changes
          class(ode_model), intent(in) :: model
-         real(wp), intent(out) :: h
+         real(wp), intent(out) :: h !! 0 if the derivative is not finite
       end subroutine foresee_step
    end interface
 
