@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -9,7 +11,7 @@ from scipy.integrate import solve_ivp
 from scipy.special import lambertw
 
 from radau.events import run
-from radau.radau import Library, Problem
+from radau.radau import EVENT, Library, Problem, Solver
 
 Floats = NDArray[np.float64]
 
@@ -101,8 +103,11 @@ def test_a_rattling_mass_closes_and_opens_as_an_independent_program_says(library
     assert solution == pytest.approx(end, abs=1e-6 * np.sqrt(rattle.k) / 10 + 1e-6)
 
 
-def bounces_on_a_logarithmic_spring(library: Library, tolerance: float):
-    """Fall with 0.05 on a force h/ln(1/h) with damping ratio 0.02, as flanks of involutes do."""
+def logarithmic_spring() -> tuple[Problem, Callable[[Floats, NDArray[np.int32]], Floats]]:
+    """Fall with 0.05 on a force h/ln(1/h) with damping ratio 0.02, as flanks of involutes do.
+
+    Returned are the problem and what to do when the contact closes, for the first time, or opens.
+    """
     mode, small, damping = {"contact": 0}, 1e-8, 0.04
 
     def force(h: float) -> tuple[float, float]:
@@ -131,6 +136,11 @@ def bounces_on_a_logarithmic_spring(library: Library, tolerance: float):
         directions=lambda: [-1] if mode["contact"] else [1],
         entries=[(0, 1), (1, 0), (1, 1)],
     )
+    return problem, switch
+
+
+def bounces_on_a_logarithmic_spring(library: Library, tolerance: float):
+    problem, switch = logarithmic_spring()
     return run(library, problem, [-1, 0], 100, switch, tolerance)
 
 
@@ -144,3 +154,22 @@ def test_a_force_law_with_a_logarithmic_start_is_entered_in_a_few_attempts(libra
     # ten times the tolerance; a change d of the speed changes the next flight by 2 d/0.05
     assert events.times == pytest.approx(exact.times, abs=40 * 10 * 1e-8)
     assert end == pytest.approx(exact_end, abs=40 * 10 * 1e-8)
+
+
+def test_a_contact_that_closed_before_is_entered_at_the_first_attempt(library: Library):
+    problem, switch = logarithmic_spring()
+    solver, now, rejections = Solver(library, problem, 1e-8), 0.0, []
+    solver.start(0, [-1, 0])
+    while now < 100:
+        outcome = solver.advance(100)
+        _, now, y, fired = solver.state
+        if outcome == EVENT:
+            solver.restart(now, switch(y, fired))
+            before = solver.counts.rejections
+            solver.advance(100)
+            rejections.append(solver.counts.rejections - before)
+    closings = rejections[::2]
+    assert len(closings) >= 5
+    # neither f nor its Jacobian tells how the force begins: the first closing is found by trying
+    assert closings[0] > 0
+    assert closings[1:] == [0] * (len(closings) - 1)
