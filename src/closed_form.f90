@@ -10,7 +10,7 @@ module evl_closed_form
    private
 
    public :: track_closed_form, place_contact, gradient_closed_form, gradient_along, closed_form_gap, closed_form_line
-   public :: centre_line_angle, centre_line_turn, centre_line_turn_gradient
+   public :: gap_along, centre_line_angle, centre_line_turn, centre_line_turn_gradient
 
 contains
 

@@ -7,7 +7,7 @@
 !>
 !> Source: Kosenko & Gusev 2011, (1)-(3).
 module evl_contact_tracking
-   use evl_closed_form, only: closed_form_gap, closed_form_line
+   use evl_closed_form, only: closed_form_line, gap_along
    use evl_contact_point, only: complete_gradient, complete_point, contact_gradient, contact_point, tracked_pair
    use evl_deviation, only: deviation, deviation_find, deviation_gradients, versine
    use evl_kinds, only: wp
@@ -17,7 +17,7 @@ module evl_contact_tracking
    implicit none (type, external)
    private
 
-   public :: track_points, gradient_points, tracked_positions, line_distance, points_from_closed_form, project_points
+   public :: track_points, gradient_points, tracked_positions, line_distance, points_from_closed_form, points_along, project_points
    public :: algebraic_residual, algebraic_jacobian, differential_residual, differential_jacobian, differential_rates
 
 contains
@@ -48,15 +48,24 @@ contains
       type(deviation), intent(out) :: on_a, on_b
       real(wp) :: a(2), b(2)
 
+      call point_on_driving(rho_a0, q, on_a)
+      call point_positions(pair, on_a, q, a, b)
+      call deviation_find(pair%r_bb, pair%rho_0 - rho_a0, b(1), b(2), on_b)
+   end subroutine points_on_wheels
+
+   !> Where the tracked point of the driving wheel lies relative to its base circle.
+   pure subroutine point_on_driving(rho_a0, q, on_a)
+      real(wp), intent(in) :: rho_a0
+      real(wp), intent(in) :: q(n_local)
+      type(deviation), intent(out) :: on_a
+
       on_a%angle = q(at_turn)
       on_a%s = sin(on_a%angle)
       on_a%c = cos(on_a%angle)
       on_a%d_rho = q(at_zeta)
       on_a%rho = rho_a0 + on_a%d_rho
       on_a%exists = on_a%rho > 0
-      call point_positions(pair, on_a, q, a, b)
-      call deviation_find(pair%r_bb, pair%rho_0 - rho_a0, b(1), b(2), on_b)
-   end subroutine points_on_wheels
+   end subroutine point_on_driving
 
    !> Positions of the tracked points seen from their axles, less the nominal ones; that on B with opposite sign [m].
    pure subroutine point_positions(pair, on_a, q, a, b)
@@ -337,26 +346,36 @@ contains
       real(wp), intent(in) :: q(n_local)       !! local variables; the tracked ones are not looked at
       real(wp), intent(out) :: track(n_track)  !! turn, zeta, dr, lambda, mu
       type(deviation) :: line
-      real(wp) :: kappa
 
       call closed_form_line(pair, q, line)
-      kappa = closed_form_gap(pair, q)
+      call points_along(pair, q, line, track)
+   end subroutine points_from_closed_form
+
+   !> The same along a line of action that is known.
+   pure subroutine points_along(pair, q, line, track)
+      type(tracked_pair), intent(in) :: pair
+      real(wp), intent(in) :: q(n_local)
+      type(deviation), intent(in) :: line      !! at q
+      real(wp), intent(out) :: track(n_track)
+      real(wp) :: kappa
+
+      kappa = gap_along(pair, q, line)
       track(1) = line%angle
       track(2) = -pair%r_ba*(line%angle + pair%sigma*q(at_psi_a))
       track(3:4) = kappa*[-line%s, line%c]
       track(5) = -pair%r_bb/pair%r_ba
       track(6) = pair%r_bb*kappa
-   end subroutine points_from_closed_form
+   end subroutine points_along
 
    !> The tracked points in the nominal basis, from K_A at the reference centre distance [m].
    pure subroutine tracked_positions(pair, rho_a0, q, point_a, point_b)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: rho_a0, q(n_local)
       real(wp), intent(out) :: point_a(2), point_b(2) !! (t_0, e_0)
-      type(deviation) :: on_a, on_b
+      type(deviation) :: on_a
       real(wp) :: a(2), b(2)
 
-      call points_on_wheels(pair, rho_a0, q, on_a, on_b)
+      call point_on_driving(rho_a0, q, on_a)
       call point_positions(pair, on_a, q, a, b)
       point_a = q(at_u_a:at_u_a + 1) + a + [0.0_wp, rho_a0]
       point_b = point_a + q(at_dr:at_dr + 1)

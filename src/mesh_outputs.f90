@@ -1,8 +1,9 @@
 !> What the meshes of a gearbox tell: one table of outputs for meshes and one for their tooth pairs, and their values at a state.
 module evl_mesh_outputs
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use evl_closed_form, only: centre_line_turn, closed_form_gap, track_closed_form
-   use evl_contact_tracking, only: algebraic_residual, line_distance, points_from_closed_form, tracked_positions
+   use evl_closed_form, only: centre_line_turn, closed_form_gap, closed_form_line, gap_along, track_closed_form
+   use evl_contact_tracking, only: algebraic_residual, line_distance, points_along, tracked_positions
+   use evl_deviation, only: deviation
    use evl_gearbox, only: gearbox_local, gearbox_t, i_theta, i_turns, leading_contact
    use evl_housing_outputs, only: add_mesh_reaction
    use evl_kinds, only: pi, wp
@@ -125,6 +126,7 @@ contains
       real(wp), intent(inout) :: coast(:)   !! (n, n_coast_histories) as a vector, or of size 0
       real(wp), intent(inout) :: potential  !! energy so far [J]
       type(mesh_sum) :: total
+      type(deviation) :: line
       real(wp) :: tracked(5), transmission_error, curvature, input, q(n_local)
       integer :: m, place, leader, drive_slots
 
@@ -142,11 +144,13 @@ contains
          torque(mesh%wheel_a) = torque(mesh%wheel_a) + total%torque_a
          torque(mesh%wheel_b) = torque(mesh%wheel_b) + total%torque_b
          q = contacts(leader)%q
-         call put_points(gearbox, leader, y, integers, contacts(leader)%mode, q, tracked, points(:, index, 1), points(:, index, 2))
+         call closed_form_line(mesh%pair, q, line)
+         call put_points(gearbox, leader, y, integers, contacts(leader)%mode, line, q, tracked, points(:, index, 1), &
+                         points(:, index, 2))
          associate (p => mesh%pair)
             transmission_error = -p%sigma*(p%r_ba*q(at_psi_a) + p%r_bb*q(at_psi_b) - (p%r_ba + p%r_bb)*centre_line_turn(p, q))
          end associate
-         curvature = closed_form_gap(mesh%pair, q) + transmission_error
+         curvature = gap_along(mesh%pair, q, line) + transmission_error
          if (.not. total%h(1) > -huge(1.0_wp)) total%h(1) = leading%h ! no pair is on the path
          input = abs(total%torque_a*leading%omega_a)
          scalars(index, 1:9) = [transmission_error, max(total%h(1), 0.0_wp), -total%h(1), curvature, total%normal, &
@@ -222,12 +226,13 @@ contains
    end subroutine complete
 
    !> The points of the contact that speaks for its mesh, and how far tracked ones are from where they belong.
-   subroutine put_points(gearbox, m, y, integers, mode, q, tracked, driving, driven)
+   subroutine put_points(gearbox, m, y, integers, mode, line, q, tracked, driving, driven)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m !! tooth contact
       real(wp), intent(in) :: y(:)
       integer, intent(in) :: integers(:)
       type(mesh_mode), intent(in) :: mode
+      type(deviation), intent(in) :: line   !! of action
       real(wp), intent(inout) :: q(n_local) !! its local variables; those of the points are filled in where they are not tracked
       real(wp), intent(out) :: tracked(5), driving(2), driven(2)
       real(wp) :: rho_a0, residual(n_track), point_a(2), point_b(2)
@@ -237,7 +242,7 @@ contains
          rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
          tracked = ieee_value(tracked, ieee_quiet_nan)
          if (mesh%tracking == tracking_closed_form .or. mode%contact == contact_apart) then
-            call points_from_closed_form(mesh%pair, q, q(at_track:))
+            call points_along(mesh%pair, q, line, q(at_track:))
          else
             call algebraic_residual(mesh%pair, rho_a0, q, residual, exists)
             tracked(1:3) = [q(at_lambda), residual(5), residual(6)]
