@@ -39,6 +39,7 @@ CASES = {
     "rigid_friction": "paper-rigid-friction.yaml",
 }
 FINE = "simulation.output_interval=5e-5"  # 17 outputs in a period of the contact's ringing
+CLOSED_FORM = "meshes.0.tracking=closed_form"
 NO_OUTPUT = "simulation.output_interval=5"
 NO_TIME = ("simulation.duration=1e-6", "simulation.output_interval=1e-6")
 
@@ -70,15 +71,18 @@ def costs(program: Path, runs: PaperRuns, rounds: int) -> Costs:
     for _ in range(rounds):
         for name, case in CASES.items():
             samples["differential", name].append(cost(program, case).cpu)
-            closed = cost(program, case, "meshes.0.tracking=closed_form").cpu
+            closed = cost(program, case, CLOSED_FORM, "simulation.integrator=ida").cpu
             samples["closed_form", name].append(closed)
+            if name.startswith("compliant"):
+                radau = cost(program, case, CLOSED_FORM, "simulation.integrator=radau").cpu
+                samples["radau", name].append(radau)
             samples["no_output", name].append(cost(program, case, NO_OUTPUT).cpu)
         samples["start", ""].append(cost(program, CASES["compliant"], *NO_TIME).cpu)
     medians = {key: statistics.median(values) for key, values in samples.items()}
     return Costs(
         **{
-            kind: {name: medians[kind, name] for name in CASES}
-            for kind in ("differential", "closed_form", "no_output")
+            kind: {name: medians[kind, name] for name in CASES if (kind, name) in medians}
+            for kind in ("differential", "closed_form", "radau", "no_output")
         },
         start=medians["start", ""],
         ringing_steps={

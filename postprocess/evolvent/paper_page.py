@@ -28,7 +28,8 @@ class Costs:
     """CPU times of whole processes [s], each the median of several, and steps; by run."""
 
     differential: Mapping[str, float]  # as the examples are: an output each millisecond
-    closed_form: Mapping[str, float]  # the same in closed form tracking
+    closed_form: Mapping[str, float]  # the same in closed form tracking, also by IDA
+    radau: Mapping[str, float]  # by the integrator radau, which takes compliant contacts alone
     no_output: Mapping[str, float]  # differential, but for the first and last output
     start: float  # of a run over almost no time
     ringing_steps: Mapping[str, int]  # steps within RINGING after the start and each tooth switch
@@ -45,6 +46,7 @@ class CostRow:
     paper: float
     differential: float
     closed_form: float
+    radau: float | None  # of a compliant contact
     counts: Mapping[str, int]  # of the integrator, in differential tracking
     ringing_steps: int  # see `Costs`
     microseconds: float  # of a step: without start and output
@@ -111,6 +113,7 @@ def _cost_row(name: str, run: PaperRun, costs: Costs) -> CostRow:
         PAPER_CPU[name],
         costs.differential[name],
         costs.closed_form[name],
+        costs.radau.get(name),
         counts,
         costs.ringing_steps[name],
         (costs.no_output[name] - costs.start) / counts["steps"] * 1e6,

@@ -202,10 +202,12 @@ def test_the_page_prints_what_was_measured(four):
     given = dict.fromkeys(names, 0.05)
     steps = dict.fromkeys(names, 1234)
     compliant = {**given, "compliant": 0.075}
-    costs = Costs(compliant, given, given, 0.01, steps, 3, "a processor, 7 cores")
+    radau = {"compliant": 0.021, "compliant_friction": 0.022}
+    costs = Costs(compliant, given, radau, given, 0.01, steps, 3, "a processor, 7 cores")
     decided = claims(four)
     text = page(four, [replace(decided[0], measured=0.5), *decided[1:]], costs)
-    assert "| compliant | 0 | 16.1 | 0.075 | 0.050 |" in text
+    assert "| compliant | 0 | 16.1 | 0.075 | 0.050 | 0.021 |" in text
+    assert "| rigid | 0 | 11.4 | 0.050 | 0.050 | - |" in text
     assert "| 0 | 1.41 | 1.50 | 1.00 |" in text  # 16.1/11.4, 0.075/0.05
     assert "| 0.3 | 1.57 | 1.00 | 1.00 |" in text  # 20.4/13
     assert "a processor, 7 cores" in text
