@@ -5,12 +5,13 @@ module evl_closed_form
    use evl_contact_point, only: complete_gradient, complete_point, contact_gradient, contact_point, tracked_pair
    use evl_deviation, only: deviation, deviation_find, small_sine
    use evl_kinds, only: wp
-   use evl_local_variables, only: at_psi_a, at_psi_b, at_theta, at_u_a, at_u_b, n_local
+   use evl_local_variables, only: at_psi_a, at_psi_b, at_theta, at_u_a, at_u_b, n_local, n_track
    implicit none (type, external)
    private
 
    public :: track_closed_form, place_contact, gradient_closed_form, gradient_along, closed_form_gap, closed_form_line
-   public :: gap_along, centre_line_angle, centre_line_turn, centre_line_turn_gradient
+   public :: gap_along, points_along, points_from_closed_form
+   public :: centre_line_angle, centre_line_turn, centre_line_turn_gradient
 
 contains
 
@@ -46,6 +47,33 @@ contains
       call closed_form_line(pair, q, line)
       kappa = gap_along(pair, q, line)
    end function closed_form_gap
+
+   !> Tracked variables that belong to the wheels' positions, by Assertions 1 and 2: the points lie on the line of action.
+   pure subroutine points_from_closed_form(pair, q, track)
+      type(tracked_pair), intent(in) :: pair
+      real(wp), intent(in) :: q(n_local)       !! local variables; the tracked ones are not looked at
+      real(wp), intent(out) :: track(n_track)  !! turn, zeta, dr, lambda, mu
+      type(deviation) :: line
+
+      call closed_form_line(pair, q, line)
+      call points_along(pair, q, line, track)
+   end subroutine points_from_closed_form
+
+   !> The same along a line of action that is known.
+   pure subroutine points_along(pair, q, line, track)
+      type(tracked_pair), intent(in) :: pair
+      real(wp), intent(in) :: q(n_local)
+      type(deviation), intent(in) :: line      !! at q
+      real(wp), intent(out) :: track(n_track)
+      real(wp) :: kappa
+
+      kappa = gap_along(pair, q, line)
+      track(1) = line%angle
+      track(2) = -pair%r_ba*(line%angle + pair%sigma*q(at_psi_a))
+      track(3:4) = kappa*[-line%s, line%c]
+      track(5) = -pair%r_bb/pair%r_ba
+      track(6) = pair%r_bb*kappa
+   end subroutine points_along
 
    !> Derivatives of `track_closed_form`.
    pure subroutine gradient_closed_form(pair, q, point, gradient)

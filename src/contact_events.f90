@@ -1,7 +1,7 @@
 !> What changes in one tooth contact when something happens to it: its tooth pair, contact mode and friction branch.
 module evl_contact_events
    use evl_contact_point, only: contact_point
-   use evl_contact_tracking, only: points_from_closed_form
+   use evl_closed_form, only: points_from_closed_form
    use evl_event_log, only: event_apart, event_border, event_closed, event_entered, event_left, event_log, event_near, &
                             event_opened, event_returned, event_sliding_began, event_sliding_ended, event_switch, &
                             event_switch_back, event_vanished, note

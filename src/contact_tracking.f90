@@ -7,7 +7,7 @@
 !>
 !> Source: Kosenko & Gusev 2011, (1)-(3).
 module evl_contact_tracking
-   use evl_closed_form, only: closed_form_line, gap_along
+   use evl_closed_form, only: closed_form_line
    use evl_contact_point, only: complete_gradient, complete_point, contact_gradient, contact_point, tracked_pair
    use evl_deviation, only: deviation, deviation_find, deviation_gradients, versine
    use evl_kinds, only: wp
@@ -17,7 +17,7 @@ module evl_contact_tracking
    implicit none (type, external)
    private
 
-   public :: track_points, gradient_points, tracked_positions, line_distance, points_from_closed_form, points_along, project_points
+   public :: track_points, gradient_points, tracked_positions, line_distance, project_points
    public :: algebraic_residual, algebraic_jacobian, differential_residual, differential_jacobian, differential_rates
 
 contains
@@ -339,33 +339,6 @@ contains
          q(at_track:) = q(at_track:) - step
       end do
    end subroutine project_points
-
-   !> Tracked variables that belong to the wheels' positions, by Assertions 1 and 2: the points lie on the line of action.
-   pure subroutine points_from_closed_form(pair, q, track)
-      type(tracked_pair), intent(in) :: pair
-      real(wp), intent(in) :: q(n_local)       !! local variables; the tracked ones are not looked at
-      real(wp), intent(out) :: track(n_track)  !! turn, zeta, dr, lambda, mu
-      type(deviation) :: line
-
-      call closed_form_line(pair, q, line)
-      call points_along(pair, q, line, track)
-   end subroutine points_from_closed_form
-
-   !> The same along a line of action that is known.
-   pure subroutine points_along(pair, q, line, track)
-      type(tracked_pair), intent(in) :: pair
-      real(wp), intent(in) :: q(n_local)
-      type(deviation), intent(in) :: line      !! at q
-      real(wp), intent(out) :: track(n_track)
-      real(wp) :: kappa
-
-      kappa = gap_along(pair, q, line)
-      track(1) = line%angle
-      track(2) = -pair%r_ba*(line%angle + pair%sigma*q(at_psi_a))
-      track(3:4) = kappa*[-line%s, line%c]
-      track(5) = -pair%r_bb/pair%r_ba
-      track(6) = pair%r_bb*kappa
-   end subroutine points_along
 
    !> The tracked points in the nominal basis, from K_A at the reference centre distance [m].
    pure subroutine tracked_positions(pair, rho_a0, q, point_a, point_b)

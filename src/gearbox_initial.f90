@@ -1,9 +1,8 @@
 !> The state at the start: rest, given speeds, or the steady state.
 module evl_gearbox_initial
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use evl_closed_form, only: closed_form_gap
+   use evl_closed_form, only: closed_form_gap, points_from_closed_form
    use evl_contact_point, only: contact_point
-   use evl_contact_tracking, only: points_from_closed_form
    use evl_dae_residual, only: gearbox_derivative
    use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_store_mode, gearbox_t, i_omega, i_turns
    use evl_housing, only: frame_t, housing_frame, housing_start

@@ -1,8 +1,8 @@
 !> What the meshes of a gearbox tell: one table of outputs for meshes and one for their tooth pairs, and their values at a state.
 module evl_mesh_outputs
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use evl_closed_form, only: centre_line_turn, closed_form_gap, closed_form_line, gap_along, track_closed_form
-   use evl_contact_tracking, only: algebraic_residual, line_distance, points_along, tracked_positions
+   use evl_closed_form, only: centre_line_turn, closed_form_gap, closed_form_line, gap_along, points_along, track_closed_form
+   use evl_contact_tracking, only: algebraic_residual, line_distance, tracked_positions
    use evl_deviation, only: deviation
    use evl_gearbox, only: gearbox_local, gearbox_t, i_theta, i_turns, leading_contact
    use evl_housing_outputs, only: add_mesh_reaction

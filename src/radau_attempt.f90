@@ -58,10 +58,10 @@ contains
       goes_on = self%old_h > 0 .and. h <= farthest*self%old_h
       linear = self%stages%start_is_known
       if (linear .and. goes_on) linear = linear_is_better(self%stages, h, self%old_h)
-      if (.not. goes_on) then
-         call predict_nothing(self%stages, self%y)
-      else if (new_jacobian .or. .not. linear) then
+      if (goes_on .and. (new_jacobian .or. .not. linear)) then
          call predict_from(self%stages, self%y, self%old_z, 1.0_wp, h, self%old_h)
+      else if (.not. linear) then
+         call predict_nothing(self%stages, self%y)
       end if
       if (new_jacobian .and. goes_on) then
          call look_ahead(self, model, h, status)

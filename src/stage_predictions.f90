@@ -10,7 +10,7 @@
 !> polynomial's is, and one iteration is often enough. In a linear model with constant coefficients it is exact.
 submodule(evl_stage_solver) evl_stage_predictions
    use evl_collocation, only: lagrange_matrix
-   use evl_stage_transforms, only: continue_polynomial, linear_residual, set_increments, start_stages
+   use evl_stage_transforms, only: continue_polynomial, linear_residual, start_stages
    implicit none (type, external)
 
 contains
@@ -56,15 +56,19 @@ contains
       self%matrix(lanes, :) = 0
    end subroutine find_continuation
 
-   !> Start Newton from the linear model z' = f(start) + J z.
+   !> Start Newton from the linear model z' = f(start) + J z: an iteration from nothing, with the same f at all stages.
    module subroutine predict_linearly(self, y, h)
       type(stage_solver_t), intent(inout) :: self
       real(wp), intent(in) :: y(self%n)
       real(wp), intent(in) :: h
 
+      real(wp) :: square
+
+      call predict_nothing(self, y)
       call linear_residual(self%integrals%n_coupled, self%start, self%change)
       call solve_systems(self)
-      call set_increments(self%n, self%integrals%n_coupled, shift_re/h, shift_im/h, y, self%change, self%shifted, self%z, self%y)
+      call add_change(self%integrals%n_coupled, shift_re/h, shift_im/h, y, self%weight, self%change, self%shifted, self%z, &
+                      self%y, square)
       self%linear%is_used = .true.
    end subroutine predict_linearly
 
@@ -94,18 +98,9 @@ contains
       type(stage_solver_t), intent(inout) :: self
       real(wp), intent(in) :: h
 
-      call scale(self%n, 1/h, self%slope_at_end, self%start)
+      self%start(:) = self%slope_at_end*(1/h)
       self%start_is_known = .true.
    end subroutine move_start
-
-   !> y = a x
-   pure subroutine scale(n, a, x, y)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: a, x(n)
-      real(wp), intent(out) :: y(n)
-
-      y = a*x
-   end subroutine scale
 
    !> After an event: f at the start is not known, nor how good the linear model and Newton's iteration are.
    pure module subroutine forget_start(self)

@@ -209,7 +209,6 @@ contains
 
       self%h_factored = 0
       self%rate = 0
-      self%rate_sum = 1
       self%counts = stage_counts()
    end subroutine forget
 

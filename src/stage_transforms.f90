@@ -9,7 +9,7 @@ module evl_stage_transforms
    implicit none (type, external)
    private
 
-   public :: continue_polynomial, linear_residual, set_increments, start_stages
+   public :: continue_polynomial, linear_residual, start_stages
    public :: residual, add_change, change_of_stages, integrate, of_stages
 
    real(wp), parameter :: re(n_systems, lanes) = spread(shift_re, 2, lanes), im(n_systems, lanes) = spread(shift_im, 2, lanes)
@@ -63,32 +63,6 @@ contains
          end do
       end do
    end subroutine linear_residual
-
-   !> Increments and states at the stages from what is transformed.
-   pure subroutine set_increments(n, n_coupled, re, im, y, w, shifted, z, stage_y)
-      integer, intent(in) :: n, n_coupled
-      real(wp), intent(in) :: re(n_systems), im(n_systems) !! eigenvalues over h
-      real(wp), intent(in) :: y(n)
-      real(wp), intent(in) :: w(lanes, n_coupled)
-      real(wp), intent(out) :: shifted(lanes, n_coupled), z(lanes, n_coupled), stage_y(lanes, n)
-      integer :: i, l
-
-      do i = 1, n_coupled
-         !$omp simd
-         do l = 1, lanes
-            z(l, i) = of_systems(to_stage, l, w(:, i))
-            stage_y(l, i) = y(i) + z(l, i)
-         end do
-         !$omp simd
-         do l = 1, n_systems
-            shifted(l, i) = re(l)*w(l, i) - im(l)*w(l + n_systems, i)
-            shifted(l + n_systems, i) = im(l)*w(l, i) + re(l)*w(l + n_systems, i)
-         end do
-      end do
-      do i = n_coupled + 1, n
-         stage_y(:, i) = y(i)
-      end do
-   end subroutine set_increments
 
    !> States at the stages before the first iteration; integrals count as constant until the others are known.
    pure subroutine start_stages(n, n_coupled, y, z, stage_y)
