@@ -5,10 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-import subprocess
-import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -33,27 +30,6 @@ def version() -> str:
     found = re.search(r"project\(\s*evolvent\s+VERSION\s+([\d.]+)", text)
     assert found
     return found[1]
-
-
-def wait_for(condition: Callable[[], bool], seconds: float = 60.0) -> None:
-    """Wait until something is the case; fail if it never is."""
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "waited in vain"
-        time.sleep(0.002)
-
-
-@contextmanager
-def running(
-    command: Sequence[str | Path], folder: Path, **options: Any
-) -> Iterator[subprocess.Popen[Any]]:
-    """Run a command in a folder; wait for its end, but not after a test that has failed."""
-    with subprocess.Popen(command, cwd=folder, **options) as process:
-        try:
-            yield process
-        except BaseException:
-            process.kill()
-            raise
 
 
 def write_design(

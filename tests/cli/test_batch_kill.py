@@ -15,7 +15,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from designs import paper_case, read_folder, read_journal, running, wait_for, write_design
+from designs import paper_case, read_folder, read_journal, write_design
+from processes import children, ignores, is_alive, running, wait_for
 
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 TORQUE = "wheels.pinion.loads.0.value"
@@ -51,27 +52,6 @@ def read_histories(path: Path) -> np.ndarray:
     """Normal force of all cases."""
     with xr.open_dataset(path, engine="h5netcdf") as stack:
         return stack.normal_force.values
-
-
-def children(pid: int) -> list[int]:
-    """Processes that a process has started."""
-    found = []
-    for entry in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            words = entry.read_text().rpartition(")")[2].split()
-        except OSError:
-            continue  # it has ended
-        if int(words[1]) == pid and words[0] != "Z":
-            found.append(int(entry.parent.name))
-    return found
-
-
-def is_alive(pid: int) -> bool:
-    """Whether a process runs."""
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except OSError:
-        return False
 
 
 def n_lines(folder: Path) -> int:
@@ -195,11 +175,12 @@ def test_a_signal_ends_the_batch_and_resume_goes_on(
 def test_workers_leave_signals_to_their_parent(
     executable: Path, tmp_path: Path, endless: Path
 ) -> None:
+    left = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1, signal.SIGHUP)
     with running([executable, "batch", endless, "-o", "r", "-q"], tmp_path) as parent:
         wait_for(lambda: len(children(parent.pid)) == 1 and (tmp_path / JOURNAL).is_file())
-        time.sleep(0.05)  # until the worker has set itself up
         (worker,) = children(parent.pid)
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1, signal.SIGHUP):
+        wait_for(lambda: all(ignores(worker, number) for number in left))
+        for number in left:
             os.kill(worker, number)
         time.sleep(0.05)
         assert children(parent.pid) == [worker]

@@ -5,12 +5,13 @@ from __future__ import annotations
 import re
 import signal
 import subprocess
-import time
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 import xarray as xr
+
+from processes import running, wait_for
 
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 RADAU = ("--set", "meshes.0.tracking=closed_form", "--set", "simulation.integrator=radau")
@@ -74,20 +75,15 @@ def test_an_interrupted_run_by_radau_leaves_what_it_has(
     executable: Path, case: Path, tmp_path: Path
 ) -> None:
     endless = ("--set", "simulation.duration=1e6", "--set", "simulation.output_interval=0.01")
-    with subprocess.Popen(
-        [str(executable), "run", str(case), *RADAU, *endless],
-        cwd=tmp_path,
-        stderr=subprocess.PIPE,
-        text=True,
-    ) as process:
-        while not (tmp_path / "paper.h5.partial").exists():
-            time.sleep(0.01)
-        time.sleep(0.3)
+    partial = tmp_path / "paper.h5.partial"
+    command = [executable, "run", case, *RADAU, *endless]
+    with running(command, tmp_path, stderr=subprocess.PIPE, text=True) as process:
+        wait_for(lambda: partial.exists() and partial.stat().st_size > 100_000)
         process.send_signal(signal.SIGINT)
         _, said = process.communicate(timeout=60)
     assert process.returncode == 75
     assert "interrupted by SIGINT" in said
-    with xr.open_dataset(tmp_path / "paper.h5.partial", engine="netcdf4") as history:
+    with xr.open_dataset(partial, engine="netcdf4") as history:
         assert history.attrs["status"] == "interrupted"
         assert history.attrs["integrator_steps"] > 0
         assert history.sizes["time"] > 1

@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from processes import catches, wait_for
+
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 
 
@@ -136,10 +138,11 @@ def test_an_interrupt_while_integrating_exits_with_75(executable: Path, case: Pa
     with subprocess.Popen(
         [str(executable), *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as process:
+        wait_for(lambda: catches(process.pid, signal.SIGINT))
         with pytest.raises(subprocess.TimeoutExpired):
             process.wait(1)  # it is far from done
         process.send_signal(signal.SIGINT)
-        output, complaint = process.communicate(timeout=30)
+        output, complaint = process.communicate(timeout=60)
     assert (process.returncode, output) == (75, "")
     assert "interrupted by SIGINT" in complaint
 

@@ -8,13 +8,14 @@ import re
 import shutil
 import signal
 import subprocess
-import time
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
+
+from processes import wait_for
 
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 SHORT = ("--set", "simulation.duration=0.05")
@@ -38,14 +39,6 @@ def attributes(path: Path) -> dict[str, object]:
     """Root attributes of a history."""
     with xr.open_dataset(path, engine="h5netcdf") as history:
         return dict(history.attrs)
-
-
-def wait_for(condition: Callable[[], bool], seconds: float = 60.0) -> None:
-    """Wait until something is the case; fail if it never is."""
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "waited in vain"
-        time.sleep(0.01)
 
 
 # ---- what a complete run leaves ------------------------------------------------------------------

@@ -6,6 +6,7 @@ import json
 import os
 import re
 import shutil
+import signal
 import subprocess
 import time
 from collections.abc import Callable, Iterator
@@ -15,6 +16,7 @@ import h5py
 import pytest
 
 from evolvent.sweep.folder import is_locked, shards_of
+from processes import awaits
 
 HERE = Path(__file__).resolve().parent
 PAPER = HERE.parents[1] / "examples" / "paper-friction.yaml"
@@ -60,7 +62,7 @@ def slurm_sweep(
 
 def ask(*command: str) -> str:
     """Run a command of Slurm; each may hang."""
-    done = subprocess.run(command, capture_output=True, text=True, timeout=30, check=True)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=True)
     return done.stdout
 
 
@@ -168,14 +170,21 @@ def long_design(slurm_sweep, tmp_path) -> int:
     return n
 
 
-def submit_one_shard(slurm_sweep) -> str:
+def submit_one_shard(slurm_sweep) -> tuple[str, int]:
+    """Submit a sweep of one shard and stop it after some cases: its job, and its process.
+
+    Until the process is let go on, no case is recorded, however long Slurm takes for anything.
+    """
     command = ("slurm", "design.h5", "-o", "d", "--shards", "1", "--partition", "low")
     code, out, _ = slurm_sweep(*command, "--time", "00:10:00", "--submit")
     assert code == 0
     match = re.search(r"as job (\d+)", out)
     assert match
     wait_until(lambda: len(recorded_whole(Path("d"))) >= 3, "the first cases")
-    return match[1]
+    owner = re.search(r"pid (\d+) ", Path("d/shard-1-of-1.lock").read_text())
+    assert owner
+    os.kill(int(owner[1]), signal.SIGSTOP)
+    return match[1], int(owner[1])
 
 
 def recorded_whole(folder: Path) -> list[str]:
@@ -184,35 +193,43 @@ def recorded_whole(folder: Path) -> list[str]:
     return [line for text in texts for line in text.splitlines() if line.startswith('{"case":')]
 
 
-def test_a_preempted_shard_is_requeued_and_continues(slurm_sweep, tmp_path):
-    n = long_design(slurm_sweep, tmp_path)
-    job = submit_one_shard(slurm_sweep)
-    urgent = tmp_path / "urgent.sh"
-    urgent.write_text("#!/bin/bash\nsleep 1\n")
-    options = ["--partition=high", "--exclusive", f"--output={tmp_path}/urgent.log"]
-    ask("sbatch", "--wait", *options, str(urgent))  # takes the node from the shard
-    at_preemption = recorded(Path("d"))
-    assert 3 <= len(at_preemption) < n
-    assert "Restarts=1" in ask("scontrol", "show", "job", f"{job}_1")
-    wait_for_jobs()
-    assert recorded(Path("d"))[: len(at_preemption)] == at_preemption
+def assert_continued(first: list[int], n: int) -> None:
+    """All cases are recorded once, and those of the first start stayed."""
+    assert recorded(Path("d"))[: len(first)] == first
     assert sorted(recorded(Path("d"))) == list(range(n))
     assert not is_locked(Path("d"), shards_of(Path("d"))[0])
     assert f"{n} cases: {n} done, 0 failed, 0 missing" in Path("d/slurm/collect.log").read_text()
 
 
+def test_a_preempted_shard_is_requeued_and_continues(slurm_sweep, tmp_path):
+    n = long_design(slurm_sweep, tmp_path)
+    job, _ = submit_one_shard(slurm_sweep)
+    first = recorded(Path("d"))
+    assert 3 <= len(first) < n
+    urgent = tmp_path / "urgent.sh"
+    urgent.write_text("#!/bin/bash\nsleep 1\n")
+    options = ["--partition=high", "--exclusive", f"--output={tmp_path}/urgent.log"]
+    # It takes the node from the shard, which Slurm lets go on to be told so.
+    ask("sbatch", "--wait", *options, str(urgent))
+    assert "Restarts=1" in ask("scontrol", "show", "job", f"{job}_1")
+    wait_for_jobs()
+    assert_continued(first, n)
+
+
 def test_a_shard_that_runs_out_of_time_requeues_itself_and_continues(slurm_sweep, tmp_path):
     n = long_design(slurm_sweep, tmp_path)
-    job = submit_one_shard(slurm_sweep)
+    job, process = submit_one_shard(slurm_sweep)
+    first = recorded(Path("d"))
+    assert 3 <= len(first) < n
     # What Slurm sends 120 s before the limit.
     ask("scancel", "--signal=USR1", "--batch", f"{job}_1")
+    wait_until(lambda: awaits(process, signal.SIGUSR1), "the signal")
+    os.kill(process, signal.SIGCONT)
     wait_until(
         lambda: "Restarts=1" in ask("scontrol", "show", "job", f"{job}_1"), "the second start"
     )
-    assert len(recorded(Path("d"))) < n
     wait_for_jobs()
-    assert sorted(recorded(Path("d"))) == list(range(n))
-    assert f"{n} cases: {n} done, 0 failed, 0 missing" in Path("d/slurm/collect.log").read_text()
+    assert_continued(first, n)
 
 
 def test_what_slurm_refuses_is_told_in_its_words(slurm_sweep, tmp_path):
