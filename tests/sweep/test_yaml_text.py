@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -34,7 +36,7 @@ VALUES = st.recursive(
     | st.booleans()
     | st.integers(-(2**60), 2**60)
     | st.floats(allow_nan=False)
-    | st.text(st.characters(codec="utf-8", exclude_categories=["Cc", "Cs"])),
+    | st.text(st.characters(codec="utf-8")),
     lambda inner: (
         st.lists(inner, max_size=3) | st.dictionaries(st.text("abc", min_size=1), inner, max_size=3)
     ),
@@ -42,10 +44,18 @@ VALUES = st.recursive(
 )
 
 
+@pytest.mark.parametrize("text", ["\xa0", " a ", "\u3000a", "a\nb", "a\n...", "\x85", "\u2028"])
+def test_a_text_of_white_space_or_several_lines_survives(text):
+    written = yaml_text({"name": text})
+    assert written.splitlines() == [written]
+    assert read_yaml(written, "x") == {"name": text}
+    assert read_yaml(yaml_text(text), "x") == text
+
+
 @given(VALUES)
 def test_a_value_survives_being_written_on_one_line_and_read(value):
     text = yaml_text(value)
-    assert "\n" not in text
+    assert not re.search("[\n\r\x85\u2028\u2029]", text)
     assert read_yaml(text, "x") == value
 
 

@@ -14,6 +14,7 @@ import yaml
 from evolvent.sweep.errors import SweepError
 
 WIDEST = 2**31  # columns: one line, however long
+BREAKS = re.compile("[\n\r\x85\u2028\u2029]")  # what YAML takes for the end of a line
 RESOLVED = (
     ("tag:yaml.org,2002:null", r"(?:~|null|Null|NULL|)$", ["~", "n", "N", ""]),
     ("tag:yaml.org,2002:bool", r"(?:true|True|TRUE|false|False|FALSE)$", list("tTfF")),
@@ -55,10 +56,17 @@ class _Dumper(yaml.SafeDumper):  # type: ignore[misc]
         return True
 
 
+def _one_line(dumper: _Dumper, text: str) -> Any:
+    """A text that has line breaks is written with escapes, so that it stays on one line."""
+    style = '"' if BREAKS.search(text) else None
+    return dumper.represent_scalar("tag:yaml.org,2002:str", text, style=style)
+
+
 for tag, pattern, first in RESOLVED:
     for reader_or_writer in (_Loader, _Dumper):
         reader_or_writer.add_implicit_resolver(tag, re.compile(pattern), first)
 _Loader.add_constructor("tag:yaml.org,2002:int", lambda _, node: int(node.value))
+_Dumper.add_representer(str, _one_line)
 
 
 def read_yaml(text: str, source: str) -> Any:
@@ -84,4 +92,4 @@ def yaml_text(value: Any) -> str:
     text = yaml.dump(
         value, Dumper=_Dumper, default_flow_style=True, width=WIDEST, allow_unicode=True
     )
-    return str(text).removesuffix("\n").removesuffix("\n...").strip()
+    return str(text).removesuffix("\n").removesuffix("\n...")
