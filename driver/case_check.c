@@ -6,6 +6,7 @@
 #include "case_check.h"
 #include "memory.h"
 #include "suggest.h"
+#include "words.h"
 
 static bool check_block(checker *checker, const char *block, case_node *node);
 

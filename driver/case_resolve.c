@@ -7,6 +7,7 @@
 #include "case_deviation.h"
 #include "case_housing.h"
 #include "case_loads.h"
+#include "case_names.h"
 #include "memory.h"
 #include "suggest.h"
 
@@ -28,68 +29,6 @@ static void get_pair(const case_node *block, const char *key, double pair[2])
     const case_node *node = node_get(block, key);
     pair[0] = node_number(node->entries[0].value);
     pair[1] = node_number(node->entries[1].value);
-}
-
-/* ---- names and references ---- */
-
-/** The names of a list of blocks (its `name` keys) or of a map (its keys). */
-static const char **names_of(const case_node *node)
-{
-    const char **names = xcalloc((size_t)node->n, sizeof *names);
-    for (int i = 0; i < node->n; i++) {
-        names[i] = node->kind == NODE_MAPPING ? node->entries[i].key : node_get_text(node->entries[i].value, "name");
-    }
-    return names;
-}
-
-static int index_of(const char *name, int n, const char *const *names)
-{
-    for (int i = 0; i < n; i++) {
-        if (strcmp(names[i], name) == 0) {
-            return i;
-        }
-    }
-    return -1;
-}
-
-/** Index of what `node`, the value of `key` or an element of it, names in `among`; refused if there is no such thing. */
-static bool find_name(checker *checker, const case_node *node, const char *key, const char *what,
-                      const case_node *among, int *index)
-{
-    const char **names = names_of(among);
-    *index = index_of(node->text, among->n, names);
-    if (*index < 0) {
-        char *hint = suggest_phrase(node->text, among->n, names);
-        char *list = words_list(among->n, names);
-        (void)checker_enter(checker, key);
-        (void)checker_refuse(checker, node->place, "there is no %s '%.64s'%s; the case has %s", what, node->text, hint,
-                             list);
-        free(list);
-        free(hint);
-    }
-    free(names);
-    return *index >= 0;
-}
-
-static bool find_reference(checker *checker, const case_node *block, const char *key, const char *what,
-                           const case_node *among, int *index)
-{
-    return find_name(checker, node_get(block, key), key, what, among, index);
-}
-
-static bool check_unique(checker *checker, const case_node *list, const char *what, const char *plural)
-{
-    const char **names = names_of(list);
-    bool good = true;
-    for (int i = 1; i < list->n && good; i++) {
-        if (index_of(names[i], i, names) >= 0) {
-            const case_node *node = node_get(list->entries[i].value, "name");
-            good = checker_refuse(checker, node->place, "%s: the name '%s' is given to two %s; give each %s its own",
-                                  plural, names[i], plural, what);
-        }
-    }
-    free(names);
-    return good;
 }
 
 /* ---- parts of the description ---- */
@@ -179,7 +118,7 @@ static bool resolve_wheel(checker *checker, const case_node *block, const case_n
     wheel->transverse_inertia = get_optional(block, "transverse_inertia");
     wheel->axial_position = node_get_number(block, "axial_position");
     wheel->support = resolve_support(node_get(block, "support"));
-    return find_reference(checker, block, "material", "material", materials, &wheel->material) &&
+    return case_find_reference(checker, block, "material", "material", materials, &wheel->material) &&
            case_resolve_loads(checker, node_get(block, "loads"), wheel);
 }
 
@@ -229,8 +168,8 @@ static bool resolve_mesh(checker *checker, const case_node *block, const case_no
     mesh->damping = resolve_law(node_get(block, "damping"), LAWS_DAMPING, laws);
     mesh->friction = resolve_law(node_get(block, "friction"), LAWS_FRICTION, laws);
     mesh->tracking = (tracking_kind)node_get_choice(block, "tracking", 3, trackings);
-    if (!find_reference(checker, block, "driving", "wheel", wheels, &mesh->driving) ||
-        !find_reference(checker, block, "driven", "wheel", wheels, &mesh->driven)) {
+    if (!case_find_reference(checker, block, "driving", "wheel", wheels, &mesh->driving) ||
+        !case_find_reference(checker, block, "driven", "wheel", wheels, &mesh->driven)) {
         return false;
     }
     if (mesh->driving == mesh->driven) {
@@ -250,7 +189,7 @@ static bool resolve_shaft(checker *checker, const case_node *block, const case_n
         shaft->damping = node_get_number(block, "damping");
     }
     for (int i = 0; i < 2; i++) {
-        if (!find_name(checker, names->entries[i].value, "wheels", "wheel", wheels, &shaft->wheels[i])) {
+        if (!case_find_name(checker, names->entries[i].value, "wheels", "wheel", wheels, &shaft->wheels[i])) {
             return false;
         }
     }
@@ -262,11 +201,11 @@ static bool resolve_shaft(checker *checker, const case_node *block, const case_n
 static bool resolve_named(checker *checker, const case_node *numbers, const char *what, const case_node *among,
                           double *values)
 {
-    const char **names = names_of(among);
+    const char **names = case_names(among);
     bool good = true;
     for (int i = 0; i < numbers->n && good; i++) {
         const case_entry *entry = &numbers->entries[i];
-        const int index = index_of(entry->key, among->n, names);
+        const int index = case_name_index(entry->key, among->n, names);
         if (index >= 0) {
             values[index] = node_number(entry->value);
         } else {
@@ -368,8 +307,9 @@ bool case_resolve(const char *path, case_node *root, const law_tables *laws, des
     const case_node *meshes = node_get(root, "meshes"), *shafts = node_get(root, "shafts");
     description->title = xstrdup(node_get_text(root, "title"));
     resolve_materials(materials, description);
-    if (!check_unique(&checker, wheels, "wheel", "wheels") || !check_unique(&checker, meshes, "mesh", "meshes") ||
-        !check_unique(&checker, shafts, "shaft", "shafts")) {
+    if (!case_check_unique(&checker, wheels, "wheel", "wheels") ||
+        !case_check_unique(&checker, meshes, "mesh", "meshes") ||
+        !case_check_unique(&checker, shafts, "shaft", "shafts")) {
         return false;
     }
     description->wheels = xcalloc((size_t)wheels->n, sizeof *description->wheels);
@@ -407,44 +347,4 @@ bool case_resolve(const char *path, case_node *root, const law_tables *laws, des
     }
     return case_resolve_housing(&checker, root, description) &&
            resolve_simulation(&checker, root, &description->simulation);
-}
-
-static void clear_wheel(wheel_description *wheel)
-{
-    for (int i = 0; i < wheel->n_loads; i++) {
-        free(wheel->loads[i].time);
-        free(wheel->loads[i].values);
-    }
-    free(wheel->loads);
-    free(wheel->deviation.pitch_errors);
-    free(wheel->name);
-}
-
-void description_clear(description *description)
-{
-    for (int i = 0; i < description->n_materials; i++) {
-        free(description->materials[i].name);
-    }
-    for (int i = 0; i < description->n_wheels; i++) {
-        clear_wheel(&description->wheels[i]);
-    }
-    for (int i = 0; i < description->n_meshes; i++) {
-        free(description->meshes[i].name);
-    }
-    for (int i = 0; i < description->n_shafts; i++) {
-        free(description->shafts[i].name);
-    }
-    for (int i = 0; i < description->housing.n_motions; i++) {
-        free(description->housing.motions[i].time);
-        free(description->housing.motions[i].values);
-    }
-    free(description->housing.motions);
-    free(description->materials);
-    free(description->wheels);
-    free(description->meshes);
-    free(description->shafts);
-    free(description->simulation.initial.speeds);
-    free(description->simulation.initial.gaps);
-    free(description->title);
-    memset(description, 0, sizeof *description);
 }

@@ -11,7 +11,4 @@
 bool case_resolve(const char *path, case_node *root, const law_tables *laws, description *description,
                   evl_error *error);
 
-/** Free what a description holds. */
-void description_clear(description *description);
-
 #endif

@@ -61,12 +61,6 @@ const case_key *schema_find(const case_schema *schema, const char *block, const 
 bool key_in_variant(const case_key *key, const char *variant);
 /** The other key of the block that this one needs beside it; NULL if it needs none. */
 const char *key_needs(const case_key *key);
-/** Whether `word` is one of the blank-separated words. */
-bool words_contain(const char *words, const char *word);
-/** The words as strings. @return their number; the caller frees the array and its first element */
-int words_split(const char *words, char ***list);
-/** "a, b, c" as a new string. */
-char *words_list(int n, const char *const *words);
 
 /** "greater than 0", "from 3 to 10000": the range in words, "" if unbounded. */
 void key_range_text(const case_key *key, char text[128]);

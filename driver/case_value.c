@@ -9,6 +9,7 @@
 #include "memory.h"
 #include "number.h"
 #include "suggest.h"
+#include "words.h"
 
 size_t checker_enter(checker *checker, const char *step)
 {

@@ -163,6 +163,9 @@ typedef struct {
     simulation_description simulation;
 } description;
 
+/** Free what a description holds. */
+void description_clear(description *description);
+
 /* ---- the laws that a model offers, as the case file's schema needs them ---- */
 
 typedef struct {

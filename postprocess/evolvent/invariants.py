@@ -13,6 +13,12 @@ import numpy as np
 import xarray as xr
 
 from evolvent.history import require
+from evolvent.wheel_torques import (
+    contact_torque,
+    largest_shaft_torque,
+    rotor_inertia,
+    shaft_torque,
+)
 
 CLOSED_FORM = 0  # value of `tracking`
 LOADED = 1  # value of `contact_mode`: the flanks press on each other
@@ -187,7 +193,7 @@ def torque_balance(history: xr.Dataset) -> xr.DataArray:
         acceleration = acceleration + of_housing
     inertia_torque = require(history, "inertia") * acceleration
     of_contacts = abs(contact).max("time")
-    of_shafts = _largest_shaft_torque(history)
+    of_shafts = largest_shaft_torque(history)
     largest = of_contacts.where(of_contacts > of_shafts, of_shafts)
     touched = largest.values > 0.0
     if not touched.any():
@@ -230,63 +236,6 @@ def finiteness(history: xr.Dataset) -> xr.DataArray:
             values = values.fillna(0.0)
         shares[str(name)] = float(np.mean(~np.isfinite(values.values))) if values.size else 0.0
     return xr.DataArray(list(shares.values()), dims="variable", coords={"variable": list(shares)})
-
-
-def contact_torque(history: xr.Dataset) -> xr.DataArray:
-    """Torque of all contacts on each wheel about its axle [N m], dims (time, wheel).
-
-    sigma (F_n r_b + F_t l), summed over the meshes of the wheel; counterclockwise positive. Where
-    several tooth pairs share the load, what the model says of their torques.
-    """
-    several = history.sizes.get("pair", 1) > 1
-    total = xr.zeros_like(require(history, "load_torque"))
-    base_radius = require(history, "base_radius").values
-    for side in ("driving", "driven"):
-        wheels = require(history, f"{side}_wheel").values.astype(int)
-        arms = require(history, f"friction_arm_{side}")
-        for mesh, wheel in enumerate(wheels):
-            force = require(history, "normal_force").isel(mesh=mesh)
-            friction = require(history, "friction_force").isel(mesh=mesh)
-            torque = force * base_radius[wheel] + friction * arms.isel(mesh=mesh)
-            torque = torque * float(history["flank"][mesh])
-            if several:
-                torque = require(history, f"mesh_torque_{side}").isel(mesh=mesh)
-            total[{"wheel": int(wheel)}] += torque.values
-    return total.assign_attrs(units="N m", long_name="torque of the contacts")
-
-
-def shaft_torque(history: xr.Dataset) -> xr.DataArray:
-    """Torque of all shafts on each wheel [N m], dims (time, wheel); 0 without shafts."""
-    total = xr.zeros_like(require(history, "load_torque"))
-    for shaft in range(history.sizes.get("shaft", 0)):
-        torque = require(history, "shaft_torque").isel(shaft=shaft).values
-        total[{"wheel": int(require(history, "shaft_wheel_first")[shaft])}] -= torque
-        total[{"wheel": int(require(history, "shaft_wheel_second")[shaft])}] += torque
-    return total.assign_attrs(units="N m", long_name="torque of the shafts")
-
-
-def _largest_shaft_torque(history: xr.Dataset) -> xr.DataArray:
-    """Largest torque of any shaft on each wheel [N m], dim (wheel); their sum may be rounding."""
-    largest = xr.zeros_like(require(history, "inertia"))
-    for shaft in range(history.sizes.get("shaft", 0)):
-        torque = float(abs(require(history, "shaft_torque").isel(shaft=shaft)).max())
-        for end in ("first", "second"):
-            wheel = {"wheel": int(require(history, f"shaft_wheel_{end}")[shaft])}
-            largest[wheel] = max(torque, float(largest[wheel]))
-    return largest
-
-
-def rotor_inertia(history: xr.Dataset) -> xr.DataArray:
-    """Moment of inertia of each wheel and all that rigid shafts join to it [kg m2], dim (wheel)."""
-    inertia = require(history, "inertia")
-    rotor = np.arange(inertia.size)
-    for shaft in range(history.sizes.get("shaft", 0)):
-        if int(require(history, "rigid_shaft")[shaft]) == 1:
-            first = int(require(history, "shaft_wheel_first")[shaft])
-            second = int(require(history, "shaft_wheel_second")[shaft])
-            rotor[rotor == rotor[second]] = rotor[first]
-    totals = np.bincount(rotor, weights=inertia.values, minlength=inertia.size)
-    return inertia.copy(data=totals[rotor])
 
 
 TRACKED_ONLY = frozenset(

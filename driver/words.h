@@ -1,0 +1,14 @@
+/** Lists of words: separated by blanks in the table of keys, by commas in messages. A leaf. */
+#ifndef EVOLVENT_WORDS_H
+#define EVOLVENT_WORDS_H
+
+#include <stdbool.h>
+
+/** Whether `word` is one of the blank-separated words. */
+bool words_contain(const char *words, const char *word);
+/** The words as strings. @return their number; the caller frees the array and its first element */
+int words_split(const char *words, char ***list);
+/** "a, b, c" as a new string. */
+char *words_list(int n, const char *const *words);
+
+#endif
