@@ -105,7 +105,7 @@ static bool refuse_key(const checker *checker, const char *block, const char *va
     } else if (hint[0] != '\0') {
         (void)checker_refuse(checker, entry->key_place, "unknown key '%.64s'%s", entry->key, hint);
     } else {
-        char *list = words_list(n, keys);
+        char *list = words_join(n, keys, ", ");
         (void)checker_refuse(checker, entry->key_place, "unknown key '%.64s'; known here: %s", entry->key, list);
         free(list);
     }

@@ -33,7 +33,7 @@ bool case_find_name(checker *checker, const case_node *node, const char *key, co
     *index = case_name_index(node->text, among->n, names);
     if (*index < 0) {
         char *hint = suggest_phrase(node->text, among->n, names);
-        char *list = words_list(among->n, names);
+        char *list = words_join(among->n, names, ", ");
         (void)checker_enter(checker, key);
         (void)checker_refuse(checker, node->place, "there is no %s '%.64s'%s; the case has %s", what, node->text, hint,
                              list);

@@ -65,12 +65,13 @@ static void add_law_parameter(case_schema *schema, const char *block, const char
 static void add_laws(case_schema *schema, law_family family, const law_tables *laws)
 {
     const char *block = family_blocks[family];
-    char *words = xstrdup("");
-    for (int i = 0; i < laws->count[family]; i++) {
-        char *longer = xasprintf("%s%s%s", words, i == 0 ? "" : " ", laws->laws[family][i].name);
-        free(words);
-        words = longer;
+    const int n = laws->count[family];
+    const char **names = xcalloc((size_t)n, sizeof *names);
+    for (int i = 0; i < n; i++) {
+        names[i] = laws->laws[family][i].name;
     }
+    char *words = words_join(n, names, " ");
+    free(names);
     add_key(schema, (case_key){.block = block,
                                .variants = "",
                                .key = "law",
@@ -82,7 +83,7 @@ static void add_laws(case_schema *schema, law_family family, const law_tables *l
                                .words = own(schema, words),
                                .holds = "",
                                .text = family_texts[family]});
-    for (int i = 0; i < laws->count[family]; i++) {
+    for (int i = 0; i < n; i++) {
         const law_info *law = &laws->laws[family][i];
         const char *name = own(schema, xstrdup(law->name));
         for (int k = 0; k < law->n_parameters; k++) {

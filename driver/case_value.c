@@ -56,7 +56,7 @@ static bool refuse_word(const checker *checker, const case_key *key, const case_
     char **words = NULL;
     const int n = words_split(key->words, &words);
     char *hint = suggest_phrase(node->text, n, (const char *const *)words);
-    char *list = words_list(n, (const char *const *)words);
+    char *list = words_join(n, (const char *const *)words, ", ");
     char found[64];
     node_describe(node, found);
     if (key->type == KEY_NUMBER) {

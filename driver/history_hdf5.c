@@ -4,6 +4,7 @@
 #include "netcdf_hdf5.h"
 #include "output_file.h"
 #include "series_hdf5.h"
+#include "words.h"
 
 #include <ctype.h>
 #include <stdio.h>
@@ -146,17 +147,6 @@ static void make_name(const char *state, char *name, size_t size)
     name[length] = '\0';
 }
 
-static char *join_words(int n, const char *const *words)
-{
-    char *joined = xstrdup("");
-    for (int i = 0; i < n; i++) {
-        char *longer = xasprintf("%s%s%s", joined, i == 0 ? "" : " ", words[i]);
-        free(joined);
-        joined = longer;
-    }
-    return joined;
-}
-
 static void plan_events(history *history, hid_t group, const history_layout *layout)
 {
     series *events = &history->events;
@@ -172,7 +162,7 @@ static void plan_events(history *history, hid_t group, const history_layout *lay
         [EVENT_TOOTH_PAIR] = netcdf_describe(NETCDF_INTEGER, "tooth_pair", "1", "tooth_pair",
                                              "pitches since the start, after the event; -1 if it concerns no mesh"),
     };
-    history->event_kinds = join_words(layout->n_event_kinds, layout->event_kinds);
+    history->event_kinds = words_join(layout->n_event_kinds, layout->event_kinds, " ");
     columns[EVENT_KIND].n_flags = layout->n_event_kinds;
     columns[EVENT_KIND].flag_meanings = history->event_kinds;
     for (int i = 0; i < EVENT_STATES; i++) {

@@ -35,13 +35,13 @@ int words_split(const char *words, char ***list)
     return n;
 }
 
-char *words_list(int n, const char *const *words)
+char *words_join(int n, const char *const *words, const char *separator)
 {
-    char *list = xstrdup("");
+    char *joined = xstrdup("");
     for (int i = 0; i < n; i++) {
-        char *longer = xasprintf("%s%s%s", list, i == 0 ? "" : ", ", words[i]);
-        free(list);
-        list = longer;
+        char *longer = xasprintf("%s%s%s", joined, i == 0 ? "" : separator, words[i]);
+        free(joined);
+        joined = longer;
     }
-    return list;
+    return joined;
 }

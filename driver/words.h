@@ -1,4 +1,4 @@
-/** Lists of words: separated by blanks in the table of keys, by commas in messages. A leaf. */
+/** Lists of words: separated by blanks in tables and attributes, by commas in messages. A leaf. */
 #ifndef EVOLVENT_WORDS_H
 #define EVOLVENT_WORDS_H
 
@@ -8,7 +8,7 @@
 bool words_contain(const char *words, const char *word);
 /** The words as strings. @return their number; the caller frees the array and its first element */
 int words_split(const char *words, char ***list);
-/** "a, b, c" as a new string. */
-char *words_list(int n, const char *const *words);
+/** The words with the separator between them, as a new string. */
+char *words_join(int n, const char *const *words, const char *separator);
 
 #endif

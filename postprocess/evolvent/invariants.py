@@ -13,12 +13,7 @@ import numpy as np
 import xarray as xr
 
 from evolvent.history import require
-from evolvent.wheel_torques import (
-    contact_torque,
-    largest_shaft_torque,
-    rotor_inertia,
-    shaft_torque,
-)
+from evolvent.wheel_torques import contact_torque, largest_shaft_torque, rotor_inertia, shaft_torque
 
 CLOSED_FORM = 0  # value of `tracking`
 LOADED = 1  # value of `contact_mode`: the flanks press on each other

@@ -170,8 +170,8 @@ def long_design(slurm_sweep, tmp_path) -> int:
     return n
 
 
-def submit_one_shard(slurm_sweep) -> tuple[str, int]:
-    """Submit a sweep of one shard and stop it after some cases: its job, and its process.
+def submit_one_shard(slurm_sweep, n: int) -> tuple[str, int, list[int]]:
+    """Submit `n` cases as one shard and stop it after some: its job, its process, those cases.
 
     Until the process is let go on, no case is recorded, however long Slurm takes for anything.
     """
@@ -184,7 +184,9 @@ def submit_one_shard(slurm_sweep) -> tuple[str, int]:
     owner = re.search(r"pid (\d+) ", Path("d/shard-1-of-1.lock").read_text())
     assert owner
     os.kill(int(owner[1]), signal.SIGSTOP)
-    return match[1], int(owner[1])
+    first = recorded(Path("d"))
+    assert 3 <= len(first) < n
+    return match[1], int(owner[1]), first
 
 
 def recorded_whole(folder: Path) -> list[str]:
@@ -203,9 +205,7 @@ def assert_continued(first: list[int], n: int) -> None:
 
 def test_a_preempted_shard_is_requeued_and_continues(slurm_sweep, tmp_path):
     n = long_design(slurm_sweep, tmp_path)
-    job, _ = submit_one_shard(slurm_sweep)
-    first = recorded(Path("d"))
-    assert 3 <= len(first) < n
+    job, _, first = submit_one_shard(slurm_sweep, n)
     urgent = tmp_path / "urgent.sh"
     urgent.write_text("#!/bin/bash\nsleep 1\n")
     options = ["--partition=high", "--exclusive", f"--output={tmp_path}/urgent.log"]
@@ -218,9 +218,7 @@ def test_a_preempted_shard_is_requeued_and_continues(slurm_sweep, tmp_path):
 
 def test_a_shard_that_runs_out_of_time_requeues_itself_and_continues(slurm_sweep, tmp_path):
     n = long_design(slurm_sweep, tmp_path)
-    job, process = submit_one_shard(slurm_sweep)
-    first = recorded(Path("d"))
-    assert 3 <= len(first) < n
+    job, process, first = submit_one_shard(slurm_sweep, n)
     # What Slurm sends 120 s before the limit.
     ask("scancel", "--signal=USR1", "--batch", f"{job}_1")
     wait_until(lambda: awaits(process, signal.SIGUSR1), "the signal")
