@@ -55,6 +55,7 @@ typedef struct {
 typedef struct dae {
     const void *self; /**< handed to every procedure; never changed by them */
     int n, n_integers, n_reals, n_roots;
+    int n_events;            /**< the most that can happen at one event */
     const double *scale;     /**< [n] unit in which an error of y[i] counts */
     const double *row_scale; /**< [n] unit of residual i */
     const int *differential; /**< [n] 1: differential, 0: algebraic state */
@@ -69,7 +70,7 @@ typedef struct dae {
     int (*roots)(const void *self, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH]);
     void (*root_directions)(const void *self, const int *integers, int *directions);
     double (*next_time_event)(const void *self, const dae_state *state);
-    /** events: room for n_roots + 2 */
+    /** events: [n_events] */
     int (*apply_event)(const void *self, dae_state *state, const int *fired, bool time_event, dae_event *events,
                        int *n_events, char message[DAE_MESSAGE_LENGTH]);
 

@@ -41,7 +41,7 @@ bool integration_begin(integration *run)
 {
     const dae *m = run->model;
     run->fired = calloc((size_t)m->n_roots + 1, sizeof *run->fired);
-    run->events = calloc((size_t)m->n_roots + 2, sizeof *run->events);
+    run->events = calloc((size_t)m->n_events + 1, sizeof *run->events);
     const bool has_states = allocate_state(m, &run->trial) && allocate_state(m, &run->old);
     return run->fired && run->events && has_states;
 }

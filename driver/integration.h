@@ -12,7 +12,7 @@ typedef struct {
     integrate_counts *counts;
     char *reason;
     int *fired;        /**< [n_roots] */
-    dae_event *events; /**< [n_roots + 2] */
+    dae_event *events; /**< [n_events] */
     dae_state trial;   /**< what the model is asked at; its discrete state is not used */
     dae_state old;     /**< state before an event */
     double t_start;

@@ -66,7 +66,7 @@ static int apply_event(const void *self, dae_state *state, const int *fired, boo
 {
     const model *model = self;
     evl_status status;
-    evl_event *happened = xcalloc((size_t)model->sizes.n_roots + 2, sizeof *happened);
+    evl_event *happened = xcalloc((size_t)model->sizes.n_events, sizeof *happened);
     *n_events = 0;
     const int code = evl_gearbox_apply_event(model->gearbox, state->t, fired, time_event, state->y, state->yp,
                                              state->integers, state->reals, happened, n_events, &status);
@@ -90,6 +90,7 @@ void model_describe_dae(model *model)
         .n_integers = sizes->n_integers,
         .n_reals = sizes->n_reals,
         .n_roots = sizes->n_roots,
+        .n_events = sizes->n_events,
         .scale = scale,
         .row_scale = row_scale,
         .differential = differential,

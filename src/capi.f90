@@ -14,7 +14,8 @@ module evl_capi
    use evl_gearbox_build, only: gearbox_create
    use evl_event_log, only: event_name, event_t, n_event_kinds
    use evl_gearbox_description, only: wheel_input
-   use evl_gearbox_events, only: gearbox_apply_event, gearbox_next_time_event, gearbox_root_directions, gearbox_roots
+   use evl_gearbox_events, only: gearbox_apply_event, gearbox_event_room, gearbox_next_time_event, gearbox_root_directions, &
+                                 gearbox_roots
    use evl_gearbox_initial, only: gearbox_initial_speeds, gearbox_start
    use evl_mesh_outputs, only: pair_places
    use evl_output_table, only: gearbox_outputs
@@ -36,7 +37,7 @@ module evl_capi
    !> evl_sizes
    type, bind(c) :: c_sizes
       integer(c_int) :: n_wheels, n_meshes, n_loads, n_states, n_integers, n_reals, n_roots, n_outputs, n_values, n_warnings, &
-                        n_pair_places, n_drive_places, n_shafts
+                        n_pair_places, n_drive_places, n_shafts, n_events
    end type c_sizes
 
    !> evl_wheel_geometry
@@ -141,7 +142,7 @@ contains
       g => gearbox_of(handle)
       sizes = c_sizes(size(g%wheels), size(g%pairs), size(g%loads), g%n_states, g%n_integers, size(g%contacts), &
                       g%n_roots, size(g%output_counts), g%n_values, size(g%warnings), pair_places(g), maxval(g%contacts%n_slots), &
-                      size(g%shafts))
+                      size(g%shafts), gearbox_event_room(g))
    end subroutine evl_gearbox_sizes
 
    integer(c_int) function evl_gearbox_warning(handle, index, text) result(length) bind(c)
@@ -352,7 +353,7 @@ contains
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
-      allocate (log(g%n_roots + 2))
+      allocate (log(gearbox_event_room(g)))
       call gearbox_apply_event(g, t, fired(:g%n_roots), logical(time_event), y(:g%n_states), yp(:g%n_states), &
                                integers(:g%n_integers), reals(:size(g%contacts)), log, n_events, s)
       do i = 1, n_events

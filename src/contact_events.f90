@@ -10,17 +10,16 @@ module evl_contact_events
    use evl_kinds, only: wp
    use evl_local_variables, only: n_local, n_track
    use evl_mesh, only: contact_apart, contact_loaded, contact_off, contact_open, contact_t, contact_unloaded, mesh_contact, &
-                       mesh_energy, mesh_mode, mesh_nominal_rho, mesh_settle_friction, mesh_settle_zones, &
-                       mesh_unclipped_force, n_mesh_roots
-   use evl_mesh_roots, only: root_apart, root_borders_a, root_borders_b, root_back, root_contact, root_force, root_forward, &
-                             root_friction_high, root_friction_low
+                       mesh_energy, mesh_mode, mesh_nominal_rho, mesh_settle_friction, mesh_settle_zones, touches
+   use evl_mesh_roots, only: mesh_roots, root_apart, root_back, root_borders_a, root_borders_b, root_contact, root_force, &
+                             root_forward, root_friction_high, root_friction_low
    use evl_status, only: code_no_solution, fail, has_failed, quantity, status_t, subject_mesh
    implicit none (type, external)
    private
 
-   public :: contact_event, settle_clip, mesh_point
+   public :: contact_event, parts, roots_of_contact
 
-   real(wp), parameter :: grazing = 1.0e-6_wp !! penetration over its scale below which a vanishing force is an opening
+   real(wp), parameter :: grazing = 1.0e-6_wp !! penetration over its scale: below it flanks that part have lost contact
 
 contains
 
@@ -40,6 +39,22 @@ contains
       end associate
    end subroutine mesh_point
 
+   !> The mode, the point and the root functions of one tooth contact.
+   subroutine roots_of_contact(gearbox, index, y, integers, reals, mode, point, roots, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index, integers(:)
+      real(wp), intent(in) :: y(:), reals(:)
+      type(mesh_mode), intent(out) :: mode
+      type(contact_point), intent(out) :: point
+      real(wp), intent(out) :: roots(gearbox%contacts(index)%n_roots)
+      type(status_t), intent(inout) :: status
+      real(wp) :: q(n_local), rho_a0
+
+      mode = gearbox_mode(gearbox, index, integers, reals)
+      call mesh_point(gearbox, index, y, integers, mode, q, rho_a0, point)
+      call mesh_roots(gearbox%contacts(index), mode, rho_a0, q, point, roots, status)
+   end subroutine roots_of_contact
+
    !> What happened to one tooth contact.
    subroutine contact_event(gearbox, m, fired, y, integers, reals, log, status)
       type(gearbox_t), intent(in) :: gearbox
@@ -52,14 +67,14 @@ contains
       type(status_t), intent(inout) :: status
       type(contact_point) :: point
       type(mesh_mode) :: mode
-      real(wp) :: q(n_local), rho_a0
+      real(wp) :: q(n_local), rho_a0, energy
       logical :: changed, entered
 
       mode = gearbox_mode(gearbox, m, integers, reals)
       associate (mesh => gearbox%contacts(m))
          changed = fired(root_forward) .or. fired(root_back)
          entered = changed .and. mode%contact == contact_off
-         if (changed .and. mode%contact /= contact_off) call book_energy(gearbox, m, mode, integers, 1.0_wp, y)
+         energy = energy_of(gearbox, m, mode, y, integers)
          if (changed) call change_pair(mesh, fired(root_forward), mode, log)
          if (mesh%deviates) call change_zones(gearbox, m, changed, fired, y, integers, mode, log)
          call mesh_point(gearbox, m, y, integers, mode, q, rho_a0, point)
@@ -72,29 +87,31 @@ contains
          ! the radii of curvature jump at a switch, and friction starts anew with a contact
          if (mode%contact == contact_loaded .and. (changed .or. fired(root_contact) .or. fired(root_force))) &
             mode%friction = mesh_settle_friction(mesh, point)
-         if (changed .and. mode%contact /= contact_off) call book_energy(gearbox, m, mode, integers, -1.0_wp, y)
+         ! what comes or goes with the flanks counts in the balance as negative loss or as loss
+         y(gearbox%i_dissipated) = y(gearbox%i_dissipated) + (energy - energy_of(gearbox, m, mode, y, integers))
          if (fired(root_apart)) call change_distance(mesh, q, mode, y, log)
       end associate
       call gearbox_store_mode(gearbox, m, mode, integers, reals)
    end subroutine contact_event
 
-   !> Elastic energy that a tooth pair takes away from the path, or brings with it when its flanks overlap at once: in the balance
-   !> of energies it counts as lost, or as negative loss.
-   pure subroutine book_energy(gearbox, m, mode, integers, sign, y)
+   !> Elastic energy of a tooth contact [J]. Flanks that overlap may take it away at once, or bring it: pairs that leave or enter
+   !> the path under load, and flanks of another pair that deviate in another way.
+   pure real(wp) function energy_of(gearbox, m, mode, y, integers) result(energy)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m, integers(:)
       type(mesh_mode), intent(in) :: mode
-      real(wp), intent(in) :: sign !! +1 before the change, -1 after it
-      real(wp), intent(inout) :: y(gearbox%n_states)
+      real(wp), intent(in) :: y(gearbox%n_states)
       type(contact_point) :: point
       real(wp) :: q(n_local), rho_a0
 
+      energy = 0
       associate (mesh => gearbox%contacts(m))
+         if (.not. touches(mode) .or. mesh%rigid) return
          if (mesh%handover .and. .not. mesh%deviates) return ! the next pair has the same energy
          call mesh_point(gearbox, m, y, integers, mode, q, rho_a0, point)
-         y(gearbox%i_dissipated) = y(gearbox%i_dissipated) + sign*mesh_energy(mesh, mode, point)
+         if (abs(point%h) > grazing*mesh%h_scale) energy = mesh_energy(mesh, mode, point)
       end associate
-   end subroutine book_energy
+   end function energy_of
 
    !> An end of the path, or a pitch, is passed: the next tooth pair takes the slot, or the one before.
    pure subroutine change_pair(mesh, forward, mode, log)
@@ -140,7 +157,6 @@ contains
          else if (point%h > 0) then
             mode%contact = contact_loaded
             mode%v0 = max(point%h_dot, 0.0_wp)
-            call settle_clip(mesh, point, mode, status)
          end if
       end associate
    end subroutine enter
@@ -154,20 +170,6 @@ contains
          flank_rests = any(integers(gearbox%contacts(first:first + n - 1)%i_mode + 1) == contact_apart)
       end associate
    end function flank_rests
-
-   !> Where elastic and viscous force would pull, nothing acts.
-   subroutine settle_clip(mesh, point, mode, status)
-      type(contact_t), intent(in) :: mesh
-      type(contact_point), intent(in) :: point
-      type(mesh_mode), intent(inout) :: mode
-      type(status_t), intent(inout) :: status
-      real(wp) :: force
-
-      call mesh_unclipped_force(mesh, mode, point, force, status)
-      if (has_failed(status)) return
-      if (force < 0 .and. mode%contact == contact_loaded) mode%contact = contact_unloaded
-      if (force > 0 .and. mode%contact == contact_unloaded) mode%contact = contact_loaded
-   end subroutine settle_clip
 
    !> The contact passed the border of a relief, or lies on the flanks of another pair.
    subroutine change_zones(gearbox, m, changed, fired, y, integers, mode, log)
@@ -224,24 +226,24 @@ contains
          mode%contact = contact_loaded
          mode%v0 = max(point%h_dot, 0.0_wp)
          if (.not. mesh%rigid) call note(log, event_closed, mesh, mode%teeth) ! else an impact decides
-      case (contact_loaded)
-         if (fired(root_contact) .or. (fired(root_force) .and. point%h < grazing*mesh%h_scale)) then
+      case (contact_loaded, contact_unloaded)
+         if (fired(root_contact) .or. (fired(root_force) .and. parts(mesh, point))) then
             mode%contact = contact_open
             call note(log, event_opened, mesh, mode%teeth)
          else if (fired(root_force)) then
-            mode%contact = contact_unloaded
-            call note(log, event_vanished, mesh, mode%teeth)
-         end if
-      case (contact_unloaded)
-         if (fired(root_contact)) then
-            mode%contact = contact_open
-            call note(log, event_opened, mesh, mode%teeth)
-         else if (fired(root_force)) then
-            mode%contact = contact_loaded
-            call note(log, event_returned, mesh, mode%teeth)
+            call note(log, merge(event_vanished, event_returned, mode%contact == contact_loaded), mesh, mode%teeth)
+            mode%contact = merge(contact_unloaded, contact_loaded, mode%contact == contact_loaded)
          end if
       end select
    end subroutine change_contact
+
+   !> Whether the flanks lose contact at this instant: force and penetration vanish together, which of them first is rounding.
+   pure logical function parts(mesh, point)
+      type(contact_t), intent(in) :: mesh
+      type(contact_point), intent(in) :: point
+
+      parts = point%h < grazing*mesh%h_scale .and. (point%h_dot < 0 .or. mesh%rigid)
+   end function parts
 
    !> Tracking ends where the flanks are too far apart for two of their points to face each other, and begins anew when they
    !> come near.

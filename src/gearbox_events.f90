@@ -1,6 +1,6 @@
 !> When something happens to a gearbox, and what changes when it does.
 module evl_gearbox_events
-   use evl_contact_events, only: contact_event, mesh_point
+   use evl_contact_events, only: roots_of_contact
    use evl_contact_point, only: contact_point
    use evl_contact_tracking, only: project_points
    use evl_dae_residual, only: gearbox_derivative
@@ -11,13 +11,14 @@ module evl_gearbox_events
    use evl_load, only: load_next_knot
    use evl_local_variables, only: at_track, n_local, n_track
    use evl_mesh, only: contact_apart, mesh_mode, mesh_nominal_rho
-   use evl_mesh_roots, only: mark_idle_roots, mesh_root_directions, mesh_roots
+   use evl_mesh_roots, only: mark_idle_roots, mesh_root_directions
    use evl_rigid_events, only: closed_flanks, settle_rigid
+   use evl_settle_modes, only: most_settling, settle_modes
    use evl_status, only: has_failed, status_t
    implicit none (type, external)
    private
 
-   public :: turns_root
+   public :: gearbox_event_room, turns_root
    public :: gearbox_root, gearbox_roots, gearbox_root_directions, gearbox_next_time_event, gearbox_apply_event
 
    integer, parameter :: most_turns = 2       !! theta is reduced at events past one turn, and at this many at the latest
@@ -31,10 +32,14 @@ contains
       integer, intent(in) :: integers(:)
       real(wp), intent(out) :: roots(gearbox%n_roots)
       type(status_t), intent(inout) :: status
+      type(contact_point) :: point
+      type(mesh_mode) :: mode
       integer :: m
 
       do m = 1, size(gearbox%contacts)
-         call roots_of_contact(gearbox, m, y, integers, reals, roots, status)
+         associate (first => gearbox%contacts(m)%i_root + 1, last => gearbox%contacts(m)%i_root + gearbox%contacts(m)%n_roots)
+            call roots_of_contact(gearbox, m, y, integers, reals, mode, point, roots(first:last), status)
+         end associate
          if (has_failed(status)) return
       end do
       roots(gearbox%n_roots) = turns_root(y(i_theta))
@@ -48,34 +53,19 @@ contains
       integer, intent(in) :: integers(:)
       real(wp), intent(inout) :: roots(gearbox%n_roots)
       type(status_t), intent(inout) :: status
+      type(contact_point) :: point
+      type(mesh_mode) :: mode
       integer :: m
 
       do m = 1, size(gearbox%contacts)
-         if (index > gearbox%contacts(m)%i_root + gearbox%contacts(m)%n_roots) cycle
-         call roots_of_contact(gearbox, m, y, integers, reals, roots, status)
+         associate (first => gearbox%contacts(m)%i_root + 1, last => gearbox%contacts(m)%i_root + gearbox%contacts(m)%n_roots)
+            if (index > last) cycle
+            call roots_of_contact(gearbox, m, y, integers, reals, mode, point, roots(first:last), status)
+         end associate
          return
       end do
       roots(gearbox%n_roots) = turns_root(y(i_theta))
    end subroutine gearbox_root
-
-   !> The root functions of one tooth contact.
-   subroutine roots_of_contact(gearbox, m, y, integers, reals, roots, status)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: m
-      real(wp), intent(in) :: y(gearbox%n_states), reals(:)
-      integer, intent(in) :: integers(:)
-      real(wp), intent(inout) :: roots(gearbox%n_roots)
-      type(status_t), intent(inout) :: status
-      type(contact_point) :: point
-      type(mesh_mode) :: mode
-      real(wp) :: q(n_local), rho_a0
-
-      mode = gearbox_mode(gearbox, m, integers, reals)
-      call mesh_point(gearbox, m, y, integers, mode, q, rho_a0, point)
-      associate (first => gearbox%contacts(m)%i_root + 1, last => gearbox%contacts(m)%i_root + gearbox%contacts(m)%n_roots)
-         call mesh_roots(gearbox%contacts(m), mode, rho_a0, q, point, roots(first:last), status)
-      end associate
-   end subroutine roots_of_contact
 
    !> The root function of the turns of the reference wheel.
    elemental real(wp) function turns_root(theta) result(root)
@@ -107,6 +97,16 @@ contains
       directions(gearbox%n_roots) = -1
    end subroutine gearbox_root_directions
 
+   !> The most that can be noted at one event: of each contact once and in every turn of settling, after an impact again; what
+   !> impacts and rigid forces bring; a knot and a revolution.
+   pure integer function gearbox_event_room(gearbox) result(room)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, parameter :: of_contact = 5 !! pair, border, sliding, contact, distance
+      integer, parameter :: of_flank = 4   !! opened, impact or closed, impacts ended, opened
+
+      room = size(gearbox%contacts)*(of_contact*(1 + 2*most_settling) + of_flank) + 2
+   end function gearbox_event_room
+
    !> Time of the next knot of a table [s]; huge if there is none.
    pure real(wp) function gearbox_next_time_event(gearbox, integers) result(time)
       type(gearbox_t), intent(in) :: gearbox
@@ -131,12 +131,12 @@ contains
       real(wp), intent(out) :: yp(gearbox%n_states)
       integer, intent(inout) :: integers(:)
       real(wp), intent(inout) :: reals(:)
-      type(event_t), intent(out) :: events(:) !! room for all roots and two more: a contact notes fewer events than it has roots
+      type(event_t), intent(out) :: events(:) !! [gearbox_event_room]
       integer, intent(out) :: n_events
       type(status_t), intent(inout) :: status
       type(event_log) :: log
       logical :: was_closed(size(gearbox%contacts))
-      integer :: i, m
+      integer :: i
 
       allocate (log%events(size(events)))
       was_closed = closed_flanks(gearbox, integers)
@@ -150,11 +150,7 @@ contains
          end do
          call note(log, event_knot)
       end if
-      do m = 1, size(gearbox%contacts)
-         associate (mine => fired(gearbox%contacts(m)%i_root + 1:gearbox%contacts(m)%i_root + gearbox%contacts(m)%n_roots))
-            if (any(mine /= 0)) call contact_event(gearbox, m, mine /= 0, y, integers, reals, log, status)
-         end associate
-      end do
+      call settle_modes(gearbox, fired, y, integers, reals, log, status)
       if (abs(y(i_theta)) >= 2*pi .or. fired(gearbox%n_roots) /= 0) then
          i = int(y(i_theta)/(2*pi)*(1 + epsilon(pi)))
          integers(i_turns) = integers(i_turns) + i

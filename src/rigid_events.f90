@@ -1,15 +1,12 @@
 !> What an event does to rigid contacts: impacts of the flanks that closed, normal forces of all, flanks that have to open.
 module evl_rigid_events
-   use evl_contact_events, only: mesh_point, settle_clip
    use evl_contact_laws, only: rigid_restitution
-   use evl_contact_point, only: contact_point
-   use evl_event_log, only: event_closed, event_impact, event_impacts_ended, event_log, event_opened, event_returned, &
-                            event_vanished, note
-   use evl_gearbox, only: gearbox_mode, gearbox_store_mode, gearbox_t, is_closed
+   use evl_event_log, only: event_closed, event_impact, event_impacts_ended, event_log, event_opened, note
+   use evl_gearbox, only: gearbox_t, is_closed
    use evl_kinds, only: wp
-   use evl_local_variables, only: n_local
-   use evl_mesh, only: contact_loaded, contact_off, mesh_mode, mesh_settle_friction, touches
+   use evl_mesh, only: contact_off
    use evl_multipliers, only: impact, open_flank, set_multipliers
+   use evl_settle_modes, only: settle_modes
    use evl_status, only: has_failed, status_t
    implicit none (type, external)
    private
@@ -38,9 +35,11 @@ contains
       real(wp), intent(inout) :: reals(:)
       type(event_log), intent(inout) :: log
       type(status_t), intent(inout) :: status
+      integer :: nothing(gearbox%n_roots)
       logical, dimension(size(gearbox%contacts)) :: closing, rebounds, opened
       integer :: m
 
+      nothing = 0
       closing = closed_flanks(gearbox, integers) .and. .not. was_closed
       if (any(closing)) then
          call impact(gearbox, t, closing, y, integers, reals, rebounds, opened, status)
@@ -56,9 +55,7 @@ contains
                if (.not. rebounds(m) .and. rigid_restitution(mesh%contact) > 0) call note(log, event_impacts_ended, mesh, pair)
             end associate
          end do
-         do m = 1, size(gearbox%contacts)
-            call settle_speeds(gearbox, m, y, integers, reals, log, status)
-         end do
+         call settle_modes(gearbox, nothing, y, integers, reals, log, status) ! speeds have jumped
          if (has_failed(status)) return
       end if
       call set_multipliers(gearbox, t, y, integers, reals, opened, status)
@@ -81,35 +78,5 @@ contains
       end do
       if (pair == huge(pair)) pair = integers(gearbox%contacts(leader)%i_mode)
    end function first_pair
-
-   !> Speeds have jumped: the branches of friction, and the clip of an elastic contact's force, that belong to the new ones.
-   subroutine settle_speeds(gearbox, m, y, integers, reals, log, status)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: m
-      real(wp), intent(in) :: y(gearbox%n_states)
-      integer, intent(inout) :: integers(:)
-      real(wp), intent(inout) :: reals(:)
-      type(event_log), intent(inout) :: log
-      type(status_t), intent(inout) :: status
-      type(contact_point) :: point
-      type(mesh_mode) :: mode
-      real(wp) :: q(n_local), rho_a0
-      integer :: before
-
-      mode = gearbox_mode(gearbox, m, integers, reals)
-      if (.not. touches(mode)) return
-      associate (mesh => gearbox%contacts(m))
-         call mesh_point(gearbox, m, y, integers, mode, q, rho_a0, point)
-         if (.not. mesh%rigid) then
-            before = mode%contact
-            call settle_clip(mesh, point, mode, status)
-            if (has_failed(status)) return
-            if (mode%contact /= before) &
-               call note(log, merge(event_returned, event_vanished, mode%contact == contact_loaded), mesh, mode%teeth)
-         end if
-         if (mode%contact == contact_loaded) mode%friction = mesh_settle_friction(mesh, point)
-      end associate
-      call gearbox_store_mode(gearbox, m, mode, integers, reals)
-   end subroutine settle_speeds
 
 end module evl_rigid_events

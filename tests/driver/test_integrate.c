@@ -115,6 +115,7 @@ static problem *make(int n)
                      .n_integers = 1,
                      .n_reals = 1,
                      .n_roots = 1,
+                     .n_events = 4,
                      .scale = p->scale,
                      .row_scale = p->row_scale,
                      .differential = p->differential,

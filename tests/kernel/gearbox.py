@@ -44,7 +44,7 @@ class Sizes(ctypes.Structure):
         for name in (
             *("n_wheels", "n_meshes", "n_loads", "n_states", "n_integers", "n_reals"),
             *("n_roots", "n_outputs", "n_values", "n_warnings"),
-            *("n_pair_places", "n_drive_places", "n_shafts"),
+            *("n_pair_places", "n_drive_places", "n_shafts", "n_events"),
         )
     ]
 
@@ -360,7 +360,7 @@ class Gearbox:
         for name in roots:
             fired[-1 if name == "revolution" else self._root_place(name, contact)] = 1
         after = state.copy()
-        events = (EventRecord * (self.sizes.n_roots + 2))()
+        events = (EventRecord * (self.sizes.n_events))()
         n_events = _int(-1)
         self._call(
             "evl_gearbox_apply_event",

@@ -229,6 +229,12 @@ def press(
     gearbox.mode(state, m)[1:] = mode, friction
 
 
+def branch(gearbox: Gearbox, state: State, m: int = 0, knee: float = 1e-3) -> int:
+    """Branch of a Coulomb law that belongs to the sliding velocity of a mesh; knee: its end."""
+    v_t = gearbox.outputs(state)["sliding_velocity"][m]
+    return 0 if abs(v_t) <= knee else int(np.sign(v_t))
+
+
 def in_mode(
     gearbox: Gearbox,
     random: np.random.Generator,

@@ -154,7 +154,7 @@ def approaching(gearbox: Gearbox, random: np.random.Generator, sizes: list[float
 def fire(gearbox: Gearbox, state: State, roots: np.ndarray) -> tuple[State, list[Event]]:
     """Apply an event at which any roots fired, of several meshes at once."""
     after = state.copy()
-    events = (EventRecord * (gearbox.sizes.n_roots + 2))()
+    events = (EventRecord * (gearbox.sizes.n_events))()
     n_events, status = ctypes.c_int(-1), Status()
     fired = roots.astype(np.int32)
     arrays = (after.y, after.yp, after.integers, after.reals)

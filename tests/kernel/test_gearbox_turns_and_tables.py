@@ -8,6 +8,7 @@ import pytest
 from kernel.gearbox import LOADED, OPEN, Event, Gearbox, State
 from kernel.gearbox_cases import (
     PAIRS,
+    branch,
     chain,
     in_mode,
     moved,
@@ -48,6 +49,7 @@ def test_whole_turns_are_taken_off_the_reference_angle_and_nothing_else_changes(
     random = np.random.default_rng(7)
     gearbox = pair.gearbox(kernel, tracking=tracking, friction=FRICTION)
     state = in_mode(gearbox, random, (LOADED, 0))
+    gearbox.mode(state)[2] = branch(gearbox, state)
     place = gearbox.place("reference_angle")
     theta = state.y[place] % (2 * np.pi) - (2 * np.pi if turns < 0 else 0)
     state.integers[0] += round((state.y[place] - theta) / (2 * np.pi))

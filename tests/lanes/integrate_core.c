@@ -15,7 +15,7 @@ int lanes_integrate(const evl_gearbox *gearbox, evl_radau *radau, const double *
     const size_t n = (size_t)sizes.n_states, n_integers = (size_t)sizes.n_integers, n_reals = (size_t)sizes.n_reals;
     double *reals = calloc(2 * n + n_reals, sizeof *reals);
     int *integers = calloc(n_integers + (size_t)sizes.n_roots, sizeof *integers);
-    evl_event *events = calloc((size_t)sizes.n_roots + 2, sizeof *events);
+    evl_event *events = calloc((size_t)sizes.n_events, sizeof *events);
     int code = EVL_NO_MEMORY;
     if (reals != NULL && integers != NULL && events != NULL) {
         double *y = reals + n_reals, *yp = y + n, t = 0;

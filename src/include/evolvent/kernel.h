@@ -297,6 +297,7 @@ typedef struct {
     int n_pair_places;  /**< places that the outputs have for the tooth pairs of a mesh */
     int n_drive_places; /**< how many of them are for the drive flank; they come first */
     int n_shafts;
+    int n_events; /**< the most that can happen at one event */
 } evl_sizes;
 
 EVL_API void evl_gearbox_sizes(const evl_gearbox *gearbox, evl_sizes *sizes);
@@ -478,7 +479,7 @@ EVL_API void evl_gearbox_root_directions(const evl_gearbox *gearbox, const int *
 /** Time of the next knot of a table; +infinity if there is none. */
 EVL_API double evl_gearbox_next_time_event(const evl_gearbox *gearbox, const int *integers);
 /** Apply what happened at t: `fired` [n_roots] as IDAGetRootInfo gives it (0, +1, -1), `time_event` if t is that of
- *  evl_gearbox_next_time_event. Changes y, integers, reals and fills yp consistently. events: [n_roots + 2].
+ *  evl_gearbox_next_time_event. Changes y, integers, reals and fills yp consistently. events: [n_events].
  *  @return EVL_OK; the number of events in *n_events. */
 EVL_API int evl_gearbox_apply_event(const evl_gearbox *gearbox, double t, const int *fired, bool time_event, double *y,
                                     double *yp, int *integers, double *reals, evl_event *events, int *n_events,

@@ -1,0 +1,113 @@
+!> The one door through which modes come to agree with the state after something has happened.
+!>
+!> At an event more can change than what made it: the slope of a flank jumps at the border of a relief, and with it the rate of
+!> the penetration and the damper's force; speeds jump in an impact; another tooth pair with other flanks takes over. A mode whose
+!> root function is past its zero then would never end, because that zero is never crossed. So after every event the root functions
+!> of contact, force and sliding are looked at in all tooth contacts, and what they say is done, until none is past its zero.
+module evl_settle_modes
+   use evl_contact_events, only: contact_event, parts, roots_of_contact
+   use evl_contact_point, only: contact_point
+   use evl_event_log, only: event_log
+   use evl_gearbox, only: gearbox_mode, gearbox_t
+   use evl_kinds, only: wp
+   use evl_mesh, only: contact_open, contact_t, mesh_mode
+   use evl_mesh_roots, only: mark_idle_roots, mesh_root_directions, past, root_contact, root_force, root_friction_high, &
+                             root_friction_low
+   use evl_status, only: code_no_solution, fail, has_failed, status_t, subject_mesh
+   implicit none (type, external)
+   private
+
+   public :: most_settling, roots_passed, settle_modes
+
+   !> Those that look at what can jump at an event. Places on the path do not: they end a mode where they are crossed.
+   integer, parameter :: may_jump(4) = [root_contact, root_force, root_friction_high, root_friction_low]
+   !> A root function this near its zero has crossed it: what happens at one instant happens at once, whatever rounding says. It is
+   !> less than roots lie past a change of mode.
+   real(wp), parameter :: tie = past/2
+   integer, parameter :: idle = 0       !! as a direction: the root function has no meaning
+   integer, parameter :: most_settling = 8 !! looks at all contacts; a jump of speeds needs three
+
+contains
+
+   !> Do what the root functions that crossed zero say, and go on until none is past its zero.
+   subroutine settle_modes(gearbox, fired, y, integers, reals, log, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: fired(gearbox%n_roots)  !! not 0 where a root function passed zero
+      real(wp), intent(inout) :: y(gearbox%n_states) !! its energies, where flanks that overlap come or go
+      integer, intent(inout) :: integers(:)
+      real(wp), intent(inout) :: reals(:)
+      type(event_log), intent(inout) :: log
+      type(status_t), intent(inout) :: status        !! code_no_solution if two modes contradict each other for ever
+      logical :: settled
+      integer :: m, turn, restless
+
+      do m = 1, size(gearbox%contacts)
+         associate (mine => fired(gearbox%contacts(m)%i_root + 1:gearbox%contacts(m)%i_root + gearbox%contacts(m)%n_roots))
+            call settle_contact(gearbox, m, y, integers, reals, settled, log, status, mine /= 0)
+            if (has_failed(status)) return
+         end associate
+      end do
+      restless = 0
+      do turn = 1, most_settling
+         settled = .true.
+         do m = 1, size(gearbox%contacts)
+            call settle_contact(gearbox, m, y, integers, reals, settled, log, status)
+            if (has_failed(status)) return
+            if (.not. settled) restless = m
+         end do
+         if (settled) return
+      end do
+      call fail(status, code_no_solution, "the contact of a tooth pair does not settle: at this state every mode of it asks for" &
+                //" another", subject_mesh, gearbox%contacts(restless)%mesh, "contact")
+   end subroutine settle_modes
+
+   !> Do what the root functions of one tooth contact say.
+   subroutine settle_contact(gearbox, m, y, integers, reals, settled, log, status, fired)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: m
+      real(wp), intent(inout) :: y(gearbox%n_states)
+      integer, intent(inout) :: integers(:)
+      real(wp), intent(inout) :: reals(:)
+      logical, intent(inout) :: settled !! false if there was something to do, else as it is
+      type(event_log), intent(inout) :: log
+      type(status_t), intent(inout) :: status
+      logical, intent(in), optional :: fired(:) !! root functions that passed zero; without them those are looked at that may jump
+      type(contact_point) :: point
+      type(mesh_mode) :: mode
+      real(wp) :: roots(gearbox%contacts(m)%n_roots)
+      logical, dimension(gearbox%contacts(m)%n_roots) :: passed, crossed
+
+      associate (mesh => gearbox%contacts(m))
+         call roots_of_contact(gearbox, m, y, integers, reals, mode, point, roots, status)
+         if (has_failed(status)) return
+         passed = roots_passed(mesh, mode, roots, -tie)
+         ! rigid flanks close by impacts, and their forces are found together
+         if (mesh%rigid) passed([root_contact, root_force]) = .false.
+         if (mode%contact == contact_open .and. parts(mesh, point)) passed(root_contact) = .false.
+      end associate
+      if (present(fired)) then
+         crossed = fired .or. passed
+      else
+         crossed = .false.
+         crossed(may_jump) = passed(may_jump)
+      end if
+      if (.not. any(crossed)) return
+      settled = .false.
+      call contact_event(gearbox, m, crossed, y, integers, reals, log, status)
+   end subroutine settle_contact
+
+   !> Which root functions of a tooth contact are past the zero that would end its mode.
+   pure function roots_passed(mesh, mode, roots, by) result(passed)
+      type(contact_t), intent(in) :: mesh
+      type(mesh_mode), intent(in) :: mode
+      real(wp), intent(in) :: roots(mesh%n_roots)
+      real(wp), intent(in) :: by !! at least how far, in their own units; < 0: or how near
+      logical :: passed(mesh%n_roots)
+      integer :: directions(mesh%n_roots)
+
+      call mesh_root_directions(mesh, mode, directions)
+      call mark_idle_roots(mesh, mode, idle, directions)
+      passed = directions /= idle .and. directions*roots > by
+   end function roots_passed
+
+end module evl_settle_modes
