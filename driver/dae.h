@@ -49,6 +49,8 @@ typedef struct {
     void (*interpolate)(const void *stepper, double t, double *y);
     /** go on from the state that an event left */
     void (*restart)(void *stepper, const dae_state *state);
+    /** take the last step back and go on from its start, which t and y of the state become, in smaller steps */
+    void (*redo)(void *stepper, dae_state *state);
     void (*counts)(const void *stepper, dae_stepper_counts *counts);
 } dae_stepper;
 
@@ -70,6 +72,8 @@ typedef struct dae {
     int (*roots)(const void *self, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH]);
     void (*root_directions)(const void *self, const int *integers, int *directions);
     double (*next_time_event)(const void *self, const dae_state *state);
+    /** Whether y agrees with the discrete state; DAE_RECOVERABLE: no, an event in the step was missed. NULL: it always does */
+    int (*check)(const void *self, const dae_state *state, char message[DAE_MESSAGE_LENGTH]);
     /** events: [n_events] */
     int (*apply_event)(const void *self, dae_state *state, const int *fired, bool time_event, dae_event *events,
                        int *n_events, char message[DAE_MESSAGE_LENGTH]);

@@ -250,39 +250,6 @@ static void count(session *s)
     total->roots_evaluated = before->roots_evaluated + now.roots_evaluated;
 }
 
-/* Hand over the present state if it lies on the grid; the end itself is handed over at the end. */
-static integrate_code give_output(session *s)
-{
-    const double t_out = integration_output_time(s->run);
-    if (integration_is_later(t_out, s->run->state->t) || t_out >= s->run->options->t_end) {
-        return INTEGRATE_DONE;
-    }
-    s->run->next_output++;
-    return s->run->observer->output(s->run->observer->self, s->run->state) == 0 ? INTEGRATE_DONE : INTEGRATE_STOPPED;
-}
-
-/* Apply what happened at the present state and start anew from there. */
-static integrate_code handle_event(session *s, bool time_event)
-{
-    const dae *m = s->run->model;
-    const integrate_code code = integration_apply_event(s->run, time_event);
-    if (code != INTEGRATE_DONE) {
-        return code;
-    }
-    count(s);
-    s->before = *s->run->counts;
-    to_scaled(s, s->run->state->y, s->y);
-    to_scaled(s, s->run->state->yp, s->yp);
-    m->root_directions(m->self, s->run->state->integers, s->directions);
-    if (IDAReInit(s->ida, s->run->state->t, s->y, s->yp) != IDA_SUCCESS ||
-        IDASetInitStep(s->ida, restart_step) != IDA_SUCCESS ||
-        (m->n_roots > 0 && IDASetRootDirection(s->ida, s->directions) != IDA_SUCCESS)) {
-        (void)snprintf(s->run->reason, DAE_MESSAGE_LENGTH, "the integrator could not be started anew after an event");
-        return INTEGRATE_FAILED;
-    }
-    return INTEGRATE_DONE;
-}
-
 /* The model's own words if it refused states beyond the last accepted one, else the integrator's. */
 static integrate_code explain(session *s, int flag)
 {
@@ -293,6 +260,70 @@ static integrate_code explain(session *s, int flag)
         free(name);
     }
     return INTEGRATE_FAILED;
+}
+
+/* From the present state, in units of the scales. */
+static integrate_code start_anew(session *s, double step)
+{
+    count(s);
+    s->before = *s->run->counts;
+    if (IDAReInit(s->ida, s->run->state->t, s->y, s->yp) != IDA_SUCCESS ||
+        IDASetInitStep(s->ida, step) != IDA_SUCCESS) {
+        (void)snprintf(s->run->reason, DAE_MESSAGE_LENGTH, "the integrator could not be started anew");
+        return INTEGRATE_FAILED;
+    }
+    return INTEGRATE_DONE;
+}
+
+/* An event in the last step was missed: start anew where it began, with a step that is a part of it. */
+static integrate_code take_back(session *s)
+{
+    double t, step;
+    bool good = IDAGetCurrentTime(s->ida, &t) == IDA_SUCCESS && IDAGetLastStep(s->ida, &step) == IDA_SUCCESS;
+    t -= step;
+    good = good && IDAGetDky(s->ida, t, 0, s->y) == IDA_SUCCESS && IDAGetDky(s->ida, t, 1, s->yp) == IDA_SUCCESS;
+    if (!good) {
+        return INTEGRATE_FAILED; /* the reason is that of the missed event */
+    }
+    s->run->state->t = t;
+    from_scaled(s, s->y, s->run->state->y);
+    from_scaled(s, s->yp, s->run->state->yp);
+    return start_anew(s, step / 4);
+}
+
+/* Hand over the present state if it lies on the grid; the end itself is handed over at the end. *missed: it was not, since an event
+ * in the last step had been missed; the integration goes on from the beginning of that step. */
+static integrate_code give_output(session *s, bool *missed)
+{
+    const double t_out = integration_output_time(s->run);
+    *missed = false;
+    if (integration_is_later(t_out, s->run->state->t) || t_out >= s->run->options->t_end) {
+        return INTEGRATE_DONE;
+    }
+    const integrate_code code = integration_give_output(s->run, s->run->state, missed);
+    if (*missed) {
+        const integrate_code taken = take_back(s);
+        return code == INTEGRATE_DONE ? taken : code;
+    }
+    s->run->next_output++;
+    return code;
+}
+
+/* Apply what happened at the present state and start anew from there. */
+static integrate_code handle_event(session *s, bool time_event)
+{
+    const dae *m = s->run->model;
+    const integrate_code code = integration_apply_event(s->run, time_event);
+    if (code != INTEGRATE_DONE) {
+        return code;
+    }
+    to_scaled(s, s->run->state->y, s->y);
+    to_scaled(s, s->run->state->yp, s->yp);
+    m->root_directions(m->self, s->run->state->integers, s->directions);
+    if (m->n_roots > 0 && IDASetRootDirection(s->ida, s->directions) != IDA_SUCCESS) {
+        return explain(s, IDA_ILL_INPUT);
+    }
+    return start_anew(s, restart_step);
 }
 
 /* On to the next grid point, event or end, whichever comes first; IDA steps freely and interpolates. */
@@ -317,8 +348,9 @@ static integrate_code advance(session *s)
         if (flag < 0 && flag != IDA_TOO_MUCH_WORK) {
             return explain(s, flag);
         }
-        const integrate_code code = give_output(s);
-        if (code != INTEGRATE_DONE) {
+        bool missed;
+        const integrate_code code = give_output(s, &missed);
+        if (code != INTEGRATE_DONE || missed) {
             return code;
         }
         if (s->run->observer->step(s->run->observer->self, s->run->state->t) != 0) {
@@ -340,16 +372,23 @@ static integrate_code advance(session *s)
 static integrate_code step_to_the_end(session *s)
 {
     s->t_refused = -INFINITY;
-    integrate_code code = INTEGRATE_DONE;
-    if (s->run->observer->output(s->run->observer->self, s->run->state) != 0) {
-        return INTEGRATE_STOPPED;
+    bool missed;
+    integrate_code code = integration_give_output(s->run, s->run->state, &missed);
+    if (missed) {
+        return INTEGRATE_FAILED;
     }
-    while (code == INTEGRATE_DONE && s->run->state->t < s->run->options->t_end) {
-        code = advance(s);
-    }
-    if (code == INTEGRATE_DONE && s->run->observer->output(s->run->observer->self, s->run->state) != 0) {
-        code = INTEGRATE_STOPPED;
-    }
+    do {
+        while (code == INTEGRATE_DONE && s->run->state->t < s->run->options->t_end) {
+            code = advance(s);
+        }
+        if (code == INTEGRATE_DONE) {
+            code = integration_give_output(s->run, s->run->state, &missed);
+        }
+        if (missed) {
+            const integrate_code taken = take_back(s);
+            code = code == INTEGRATE_DONE ? taken : code;
+        }
+    } while (code == INTEGRATE_DONE && missed);
     return code;
 }
 

@@ -6,9 +6,11 @@
 
 static const double longest_step = 0.02; /* of the whole time: longer ones were seen to misjudge a slow start */
 
-/* The grid points that the last step passed; the end itself is handed over at the end. */
-static integrate_code give_outputs(integration *run, const void *stepper)
+/* The grid points that the last step passed; the end itself is handed over at the end. An event that an output shows to have been
+ * missed is looked for again in smaller steps. */
+static integrate_code give_outputs(integration *run, void *stepper, bool *missed)
 {
+    *missed = false;
     const dae_stepper *with = run->model->stepper;
     for (;;) {
         const double t_out = integration_output_time(run);
@@ -18,12 +20,18 @@ static integrate_code give_outputs(integration *run, const void *stepper)
         dae_state state = integration_borrowed(run);
         state.t = t_out;
         with->interpolate(stepper, fmin(t_out, run->state->t), state.y);
-        run->next_output++;
-        if (run->observer->output(run->observer->self, &state) != 0) {
+        const integrate_code code = integration_give_output(run, &state, missed);
+        if (code == INTEGRATE_STOPPED) {
             run->state->t = t_out;
             memcpy(run->state->y, state.y, (size_t)run->model->n * sizeof(double));
-            return INTEGRATE_STOPPED;
         }
+        if (*missed) {
+            with->redo(stepper, run->state);
+        }
+        if (code != INTEGRATE_DONE || *missed) {
+            return code;
+        }
+        run->next_output++;
     }
 }
 
@@ -41,8 +49,9 @@ static integrate_code advance(integration *run, void *stepper)
         if (m->stepper->advance(stepper, t_stop, run->state, run->fired, &outcome, run->reason) != DAE_OK) {
             return INTEGRATE_FAILED;
         }
-        const integrate_code code = give_outputs(run, stepper);
-        if (code != INTEGRATE_DONE) {
+        bool missed;
+        const integrate_code code = give_outputs(run, stepper, &missed);
+        if (code != INTEGRATE_DONE || missed) {
             return code;
         }
         if (run->observer->step(run->observer->self, run->state->t) != 0) {
@@ -57,6 +66,24 @@ static integrate_code advance(integration *run, void *stepper)
     if (code == INTEGRATE_DONE) {
         m->stepper->restart(stepper, run->state);
     }
+    return code;
+}
+
+static integrate_code step_to_the_end(integration *run, void *stepper)
+{
+    integrate_code code = INTEGRATE_DONE;
+    bool missed = false;
+    do {
+        while (code == INTEGRATE_DONE && run->state->t < run->options->t_end) {
+            code = advance(run, stepper);
+        }
+        if (code == INTEGRATE_DONE) {
+            code = integration_give_output(run, run->state, &missed);
+        }
+        if (missed) {
+            run->model->stepper->redo(stepper, run->state);
+        }
+    } while (code == INTEGRATE_DONE && missed);
     return code;
 }
 
@@ -78,24 +105,20 @@ integrate_code integrate_by_stepper(integration *run)
     const dae *m = run->model;
     const integrate_options *options = run->options;
     const double max_step = fmin(options->max_step, longest_step * (options->t_end - run->t_start));
-    if (run->observer->output(run->observer->self, run->state) != 0) {
-        return INTEGRATE_STOPPED;
+    bool missed;
+    integrate_code code = integration_give_output(run, run->state, &missed);
+    if (code != INTEGRATE_DONE || missed) {
+        return missed ? INTEGRATE_FAILED : code;
     }
     void *stepper = m->stepper->create(m->self, options->tolerance, max_step, run->reason);
     if (!stepper) {
         return INTEGRATE_FAILED;
     }
-    integrate_code code = INTEGRATE_FAILED;
+    code = INTEGRATE_FAILED;
     if (m->stepper->start(stepper, run->state, run->reason) == DAE_OK) {
-        code = INTEGRATE_DONE;
-        while (code == INTEGRATE_DONE && run->state->t < options->t_end) {
-            code = advance(run, stepper);
-        }
+        code = step_to_the_end(run, stepper);
         count(run, stepper);
     }
     m->stepper->destroy(stepper);
-    if (code == INTEGRATE_DONE && run->observer->output(run->observer->self, run->state) != 0) {
-        code = INTEGRATE_STOPPED;
-    }
     return code;
 }

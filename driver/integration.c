@@ -1,6 +1,7 @@
 #include "integration.h"
 
 #include <float.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,7 +10,8 @@
 /* Of the present time: towards a limit of the model the steps shrink for ever unless they may not pass rounding. */
 static const double smallest_step = 64 * DBL_EPSILON;
 static const int most_events_at_once = 1000; /* events without progress in time before giving up */
-static const double grid_slack = 1e-6;       /* of an output interval: a grid point this near the end is the end */
+static const int most_times_missed = 12; /* an event at one output: each time the step is a quarter of what it was */
+static const double grid_slack = 1e-6;   /* of an output interval: a grid point this near the end is the end */
 
 static bool allocate_state(const dae *m, dae_state *state)
 {
@@ -68,6 +70,20 @@ double integration_output_time(const integration *run)
     return t > run->options->t_end - grid_slack * run->options->output_interval ? run->options->t_end : t;
 }
 
+integrate_code integration_give_output(integration *run, const dae_state *state, bool *missed)
+{
+    const dae *m = run->model;
+    const int code = m->check != NULL ? m->check(m->self, state, run->reason) : DAE_OK;
+    *missed = code == DAE_RECOVERABLE;
+    if (code == DAE_OK) {
+        run->reason[0] = '\0';
+        return run->observer->output(run->observer->self, state) == 0 ? INTEGRATE_DONE : INTEGRATE_STOPPED;
+    }
+    run->times_missed = state->t > run->t_missed ? 1 : run->times_missed + 1;
+    run->t_missed = fmax(state->t, run->t_missed);
+    return *missed && run->times_missed <= most_times_missed ? INTEGRATE_DONE : INTEGRATE_FAILED;
+}
+
 double integration_smallest_step(double t)
 {
     return smallest_step * t;
@@ -121,6 +137,7 @@ integrate_code integrate(const dae *model, const integrate_options *options, con
                        .reason = reason,
                        .t_start = state->t,
                        .t_event = -DBL_MAX,
+                       .t_missed = -DBL_MAX,
                        .next_output = 1};
     const double cpu_start = cpu_now();
     integrate_code code = INTEGRATE_FAILED;

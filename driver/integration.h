@@ -19,6 +19,9 @@ typedef struct {
     long next_output;   /**< index of the next grid point */
     double t_event;     /**< of the last event */
     int events_at_once; /**< there */
+    double
+        t_missed; /**< of the output at which an event was found to be missed; the steps are made anew until past it */
+    int times_missed; /**< how often, without coming past it */
 } integration;
 
 /** Whether there was memory; integration_end is due in any case. */
@@ -34,6 +37,10 @@ double integration_output_time(const integration *run);
 bool integration_is_later(double later, double t);
 /** Of the present time: the smallest step. */
 double integration_smallest_step(double t);
+
+/** Hand an output to the observer, if it agrees with the discrete state. *missed: it does not, since an event was passed unseen,
+ *  and the step that it lies in is to be made anew. */
+integrate_code integration_give_output(integration *run, const dae_state *state, bool *missed);
 
 /** Apply what happened at the present state, and tell. */
 integrate_code integration_apply_event(integration *run, bool time_event);

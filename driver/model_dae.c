@@ -49,6 +49,14 @@ static int roots(const void *self, const dae_state *state, double *values, char 
     return dae_answer(code, &status, message);
 }
 
+static int check(const void *self, const dae_state *state, char message[DAE_MESSAGE_LENGTH])
+{
+    const model *model = self;
+    evl_status status;
+    const int code = evl_gearbox_check_modes(model->gearbox, state->y, state->integers, state->reals, &status);
+    return dae_answer(code, &status, message);
+}
+
 static void root_directions(const void *self, const int *integers, int *directions)
 {
     const model *model = self;
@@ -100,6 +108,7 @@ void model_describe_dae(model *model)
         .roots = roots,
         .root_directions = root_directions,
         .next_time_event = next_time_event,
+        .check = check,
         .apply_event = apply_event,
         .stepper = model_radau(model),
     };

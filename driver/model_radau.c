@@ -58,6 +58,11 @@ static void restart(void *stepper, const dae_state *state)
     evl_radau_restart(stepper, state->t, state->y, state->integers, state->reals);
 }
 
+static void redo(void *stepper, dae_state *state)
+{
+    evl_radau_redo(stepper, &state->t, state->y);
+}
+
 static void counts(const void *stepper, dae_stepper_counts *counts)
 {
     evl_radau_counts now;
@@ -79,6 +84,7 @@ const dae_stepper *model_radau(const model *model)
                                       .advance = advance,
                                       .interpolate = interpolate,
                                       .restart = restart,
+                                      .redo = redo,
                                       .counts = counts};
     return evl_radau_serves(model->gearbox, NULL) == EVL_OK ? &radau : NULL;
 }

@@ -18,6 +18,7 @@ module evl_capi
                                  gearbox_roots
    use evl_gearbox_initial, only: gearbox_initial_speeds, gearbox_start
    use evl_mesh_outputs, only: pair_places
+   use evl_mode_check, only: check_modes
    use evl_output_table, only: gearbox_outputs
    use evl_gearbox_scaling, only: gearbox_state_scales
    use evl_gearbox_states, only: gearbox_state_name
@@ -32,7 +33,7 @@ module evl_capi
    public :: evl_gearbox_wheel_geometry, evl_gearbox_mesh_geometry, evl_gearbox_initial_state, evl_gearbox_scales
    public :: evl_gearbox_state_name, evl_gearbox_residual, evl_gearbox_jacobian, evl_gearbox_derivative
    public :: evl_event_count, evl_event_name, evl_gearbox_roots, evl_gearbox_root_directions, evl_gearbox_next_time_event
-   public :: evl_gearbox_apply_event, evl_gearbox_outputs
+   public :: evl_gearbox_apply_event, evl_gearbox_check_modes, evl_gearbox_outputs
 
    !> evl_sizes
    type, bind(c) :: c_sizes
@@ -315,6 +316,20 @@ contains
       code = s%code
       if (code /= code_ok) code = answer(s, status)
    end function evl_gearbox_roots
+
+   integer(c_int) function evl_gearbox_check_modes(handle, y, integers, reals, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in) :: y(*), reals(*)
+      integer(c_int), intent(in) :: integers(*)
+      type(c_status), intent(out), optional :: status
+      type(status_t) :: s
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      call check_modes(g, y(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), s)
+      code = s%code
+      if (code /= code_ok) code = answer(s, status)
+   end function evl_gearbox_check_modes
 
    subroutine evl_gearbox_root_directions(handle, integers, directions) bind(c)
       type(c_ptr), intent(in), value :: handle

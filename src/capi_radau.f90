@@ -9,14 +9,14 @@ module evl_capi_radau
    use evl_gearbox_ode, only: gearbox_ode, gearbox_ode_create, gearbox_ode_delete, gearbox_ode_serves, gearbox_ode_set
    use evl_ode_model, only: lanes
    use evl_radau, only: radau_advance, radau_counts, radau_create, radau_get_counts, radau_interpolate, radau_options, &
-                        radau_restart, radau_start, radau_t
+                        radau_redo, radau_restart, radau_start, radau_t
    use evl_radau_coefficients, only: n_stages
    use evl_status, only: clear, code_no_memory, code_ok, fail, has_failed, status_t
    implicit none (type, external)
    private
 
    public :: evl_radau_serves, evl_radau_create, evl_radau_delete, evl_radau_start, evl_radau_advance, evl_radau_interpolate, &
-             evl_radau_restart, evl_radau_get_counts, evl_radau_model
+             evl_radau_restart, evl_radau_redo, evl_radau_get_counts, evl_radau_model
 
    !> evl_radau
    type :: integration_t
@@ -143,6 +143,18 @@ contains
       call gearbox_ode_set(self%model, integers, reals)
       call radau_restart(self%solver, self%model, t, y(:self%model%n))
    end subroutine evl_radau_restart
+
+   subroutine evl_radau_redo(handle, t, y) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(out) :: t
+      real(c_double), intent(inout) :: y(*)
+      type(integration_t), pointer :: self
+
+      call c_f_pointer(handle, self)
+      call radau_redo(self%solver, self%model)
+      t = self%solver%t
+      y(:self%model%n) = self%solver%y
+   end subroutine evl_radau_redo
 
    subroutine evl_radau_get_counts(handle, counts) bind(c)
       type(c_ptr), intent(in), value :: handle

@@ -31,7 +31,7 @@ module evl_radau
    private
 
    public :: radau_t, radau_options, radau_counts
-   public :: radau_create, radau_start, radau_advance, radau_restart, radau_interpolate, radau_get_counts
+   public :: radau_create, radau_start, radau_advance, radau_restart, radau_redo, radau_interpolate, radau_get_counts
    public :: outcome_step, outcome_event, outcome_stop
 
    integer, parameter :: outcome_step = 0  !! a step was made
@@ -220,6 +220,24 @@ contains
       self%came_from = self%fired
       self%fired = 0
    end subroutine radau_restart
+
+   !> Take the last step back, which went past an event unseen, and go on from its start in smaller ones. Each call takes a smaller
+   !> one, until a step is kept.
+   subroutine radau_redo(self, model)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), parameter :: part = 0.25_wp !! of the step
+      real(wp) :: t, y(model%n), h
+
+      h = part*(self%t - self%t_before)
+      t = self%t_before
+      y = self%y_before
+      self%fired = 0
+      call radau_restart(self, model, t, y)
+      self%h = h
+      self%restarted = .false.
+      self%counts%rejections = self%counts%rejections + 1
+   end subroutine radau_redo
 
    !> Make one step, at most to t_stop and at most to the next event.
    subroutine radau_advance(self, model, t_stop, outcome, status)

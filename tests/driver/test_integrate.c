@@ -65,7 +65,7 @@ typedef struct {
     double scale[MOST_STATES], row_scale[MOST_STATES];
     int differential[MOST_STATES];
     struct {
-        long residuals, jacobians;
+        long residuals, jacobians, complaints;
     } *calls;
     double parameter;
     dae_state state;
@@ -364,6 +364,74 @@ static void roots_count_in_their_direction_only(void **state)
         }
         finish(p, &result);
     }
+}
+
+/* ---- a clock, and a model that finds fault with its states ---- */
+
+static int clock_residual(const void *self, const dae_state *s, double *r, char *message)
+{
+    (void)message;
+    ((const problem *)self)->calls->residuals++;
+    r[0] = s->yp[0] - 1;
+    return DAE_OK;
+}
+
+static int clock_jacobian(const void *self, const dae_state *s, double cj, double *jacobian, char *message)
+{
+    (void)s, (void)message;
+    ((const problem *)self)->calls->jacobians++;
+    jacobian[0] = cj;
+    return DAE_OK;
+}
+
+/* From 0.5 on it is content after so many complaints. */
+static int complain(const void *self, const dae_state *s, char *message)
+{
+    const problem *p = self;
+    (void)snprintf(message, DAE_MESSAGE_LENGTH, "an event was missed");
+    return s->t > 0.5 && (double)p->calls->complaints++ < p->parameter ? DAE_RECOVERABLE : DAE_OK;
+}
+
+static outcome solve_clock(problem **clock, double complaints)
+{
+    problem *p = *clock = make(1);
+    p->model.residual = clock_residual;
+    p->model.jacobian = clock_jacobian;
+    p->model.check = complain;
+    p->parameter = complaints;
+    p->yp[0] = 1;
+    return solve(p, 1.0, 0.05, 1e-6);
+}
+
+static void an_output_that_shows_a_missed_event_has_its_step_made_anew(void **state)
+{
+    (void)state;
+    problem *p;
+    outcome content = solve_clock(&p, 0);
+    const long steps = content.counts.steps;
+    finish(p, &content);
+    outcome result = solve_clock(&p, 3);
+    assert_int_equal(result.code, INTEGRATE_DONE);
+    assert_string_equal(result.reason, "");
+    assert_true(result.counts.steps > steps + 3);
+    assert_int_equal(result.heard->n_rows, 21); /* each output once, in order */
+    for (int i = 0; i < result.heard->n_rows; i++) {
+        assert_close(result.heard->t[i], 0.05 * i, 1e-15);
+        assert_close(result.heard->y[i][0], 0.05 * i, 1e-9);
+    }
+    finish(p, &result);
+}
+
+static void a_state_that_never_agrees_ends_the_run_before_it_with_the_models_words(void **state)
+{
+    (void)state;
+    problem *p;
+    outcome result = solve_clock(&p, INFINITY);
+    assert_int_equal(result.code, INTEGRATE_FAILED);
+    assert_string_equal(result.reason, "an event was missed");
+    assert_true(p->state.t < 0.55); /* the outputs up to there are given, and no later state */
+    assert_int_equal(result.heard->n_rows, 11);
+    finish(p, &result);
 }
 
 /* ---- a ball that bounces: y0 its height, y1 its speed; each bounce keeps a part of it ---- */
@@ -681,6 +749,8 @@ int main(void)
         cmocka_unit_test(a_solution_that_runs_away_ends_the_run_with_the_integrators_words),
         cmocka_unit_test(events_without_end_at_one_time_are_refused),
         cmocka_unit_test(an_event_that_the_model_refuses_ends_the_run_before_it),
+        cmocka_unit_test(an_output_that_shows_a_missed_event_has_its_step_made_anew),
+        cmocka_unit_test(a_state_that_never_agrees_ends_the_run_before_it_with_the_models_words),
         cmocka_unit_test(the_library_tells_its_version),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -324,6 +324,11 @@ class Gearbox:
         n = 3 if self._roots == ROOTS else 5
         return state.integers[1 + n * contact : 1 + n * (contact + 1)]
 
+    def check_modes(self, state: State) -> None:
+        """Raise a GearboxError if the modes do not agree with the state."""
+        arrays = (state.y, state.integers, state.reals)
+        self._call("evl_gearbox_check_modes", *map(_at, arrays))
+
     def roots(self, state: State) -> Floats:
         """Root functions."""
         result = np.empty(self.sizes.n_roots)

@@ -105,6 +105,12 @@ class Radau:
         restart = self.gearbox.library.evl_radau_restart
         restart(self.handle, _double(state.t), *map(_at, arrays))
 
+    def redo(self, state: State) -> None:
+        """Take the last step back; the state is that of its start."""
+        t = _double()
+        self.gearbox.library.evl_radau_redo(self.handle, ctypes.byref(t), _at(state.y))
+        state.t = t.value
+
     def counts(self) -> Counts:
         """What it cost."""
         counts = Counts()

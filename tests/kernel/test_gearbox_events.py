@@ -7,7 +7,18 @@ import ctypes
 import numpy as np
 import pytest
 
-from kernel.gearbox import APART, LOADED, OPEN, ROOTS, UNLOADED, Event, Gearbox, State, event_names
+from kernel.gearbox import (
+    APART,
+    LOADED,
+    OPEN,
+    ROOTS,
+    UNLOADED,
+    Event,
+    Gearbox,
+    GearboxError,
+    State,
+    event_names,
+)
 from kernel.gearbox_cases import (
     PAIRS,
     branch,
@@ -27,7 +38,7 @@ from kernel.gearbox_description import (
     SPEEDS,
 )
 from kernel.housing import Housing, Pair
-from kernel.kernel import Kernel
+from kernel.kernel import OUT_OF_DOMAIN, Kernel
 
 EVERY_PAIR = pytest.mark.parametrize("pair", PAIRS.values(), ids=PAIRS.keys())
 TRACKINGS = pytest.mark.parametrize("tracking", [CLOSED_FORM, ALGEBRAIC, DIFFERENTIAL])
@@ -446,6 +457,30 @@ def test_after_any_event_every_mode_is_the_one_that_belongs_to_the_state(
     assert all(not has_passed(gearbox, after, name) for name in CAN_JUMP)
     assert (events == []) == (gearbox.mode(after).tolist() == gearbox.mode(state).tolist())
     assert is_consistent(gearbox, after)
+
+
+@TRACKINGS
+@pytest.mark.parametrize(
+    "wrong", [(OPEN, 0), (LOADED, 0), (LOADED, 1), (LOADED, -1), (UNLOADED, 0)]
+)
+@pytest.mark.parametrize(("mode", "gap", "rate", "speed"), BELONGING.values(), ids=BELONGING.keys())
+def test_a_mode_that_contradicts_the_state_is_refused(
+    kernel: Kernel,
+    tracking: int,
+    mode: tuple[int, int],
+    gap: float,
+    rate: float,
+    speed: float,
+    wrong: tuple[int, int],
+):
+    gearbox, state = belonging(kernel, tracking, gap, rate, speed)
+    press(gearbox, state, 0, *wrong)
+    if wrong == mode:
+        gearbox.check_modes(state)
+    else:
+        with pytest.raises(GearboxError, match=r"tooth pair 0 .*an event was missed") as refused:
+            gearbox.check_modes(state)
+        assert (refused.value.code, refused.value.index) == (OUT_OF_DOMAIN, 0)
 
 
 CAN_JUMP = ("contact", "force", "friction_high", "friction_low")

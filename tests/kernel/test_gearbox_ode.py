@@ -143,3 +143,26 @@ def test_steps_end_where_they_are_told_and_interpolate_their_ends(kernel: Kernel
     assert radau.counts().steps == n
     radau.delete()
     radau.delete()
+
+
+def test_a_step_taken_back_is_made_anew_in_smaller_ones(kernel: Kernel):
+    gearbox = PAIRS["paper"].gearbox(kernel)
+    state = gearbox.start()
+    radau = Radau(gearbox)
+    radau.start(state)
+    for _ in range(4):
+        start = state.copy()
+        assert radau.advance(5.0, state)[0] == STEP
+    length = state.t - start.t
+    end = state.copy()
+    for times in (1, 2, 3):
+        radau.redo(state)
+        assert state.t == start.t
+        np.testing.assert_array_equal(state.y, start.y)
+        radau.advance(5.0, state)
+        assert 0 < state.t - start.t <= length / 4**times * (1 + 1e-12)
+    while state.t < end.t:
+        radau.advance(end.t, state)
+    scale = gearbox.scales()[0]
+    np.testing.assert_allclose(state.y / scale, end.y / scale, rtol=0, atol=1e-9)  # the tolerance
+    assert radau.counts().rejections >= 3

@@ -476,6 +476,10 @@ EVL_API int evl_gearbox_roots(const evl_gearbox *gearbox, const double *y, const
                               double *values, evl_status *status);
 /** Directions [n_roots] that count in the present mode: +1 rising, -1 falling. To be asked again after each event. */
 EVL_API void evl_gearbox_root_directions(const evl_gearbox *gearbox, const int *integers, int *directions);
+/** Whether the discrete state agrees with y: every tooth pair pushes, overlaps or is apart as its modes say, to 1e-6 of the reference
+ *  force and penetration. @return EVL_OK; EVL_OUT_OF_DOMAIN if an event was missed, which smaller steps may find */
+EVL_API int evl_gearbox_check_modes(const evl_gearbox *gearbox, const double *y, const int *integers,
+                                    const double *reals, evl_status *status);
 /** Time of the next knot of a table; +infinity if there is none. */
 EVL_API double evl_gearbox_next_time_event(const evl_gearbox *gearbox, const int *integers);
 /** Apply what happened at t: `fired` [n_roots] as IDAGetRootInfo gives it (0, +1, -1), `time_event` if t is that of
@@ -537,6 +541,8 @@ EVL_API int evl_radau_advance(evl_radau *radau, double t_stop, double *t, double
 EVL_API void evl_radau_interpolate(const evl_radau *radau, double t, double *y);
 /** Go on after an event from (t, y) with the discrete state that evl_gearbox_apply_event left. */
 EVL_API void evl_radau_restart(evl_radau *radau, double t, const double *y, const int *integers, const double *reals);
+/** Take the last step back: go on from its start (t, y), which are set, in smaller ones. */
+EVL_API void evl_radau_redo(evl_radau *radau, double *t, double *y);
 EVL_API void evl_radau_get_counts(const evl_radau *radau, evl_radau_counts *counts);
 
 /** What its steps are made of, for a discrete state: f of eight states at once, t [8], y and f [n_states][8], and df/dy at the first of
