@@ -18,7 +18,7 @@ module evl_mesh_outputs
    public :: n_mesh_histories, n_pair_histories, n_coast_histories, mesh_histories, pair_histories, coast_histories
    public :: has_coast, pair_places, put_mesh
 
-   integer, parameter :: n_mesh_histories = 26, n_pair_histories = 8, n_coast_histories = 2
+   integer, parameter :: n_mesh_histories = 26, n_pair_histories = 10, n_coast_histories = 2
    integer, parameter :: n_scalars = n_mesh_histories - 2 !! of a mesh; behind them two points
 
    !> What the tooth contacts of a mesh add up to.
@@ -89,6 +89,11 @@ contains
                       is_integer=.true.)
       t(8) = output_t("pair_tooth_driven", "1", "", "its tooth of the driven wheel, from 0, counterclockwise", dims_mesh_pair, &
                       is_integer=.true.)
+      t(9) = output_t("pair_contact_mode", "1", "", &
+                      "0 open, 1 loaded, 2 overlapping without force, 3 too far apart to track, 4 off the path", dims_mesh_pair, &
+                      is_integer=.true.)
+      t(10) = output_t("pair_penetration", "m", "h_k", "penetration of the flanks, negative for a gap; NaN off the path", &
+                       dims_mesh_pair)
    end function pair_histories
 
    !> Only where a mesh has coast flanks.
@@ -133,7 +138,9 @@ contains
       leader = leading_contact(gearbox, index, integers)
       pairs(:, index, 1:2) = 0
       pairs(:, index, 3) = ieee_value(0.0_wp, ieee_quiet_nan)
-      pairs(:, index, 4:) = 0
+      pairs(:, index, 4:8) = 0
+      pairs(:, index, 9) = contact_off
+      pairs(:, index, 10) = ieee_value(0.0_wp, ieee_quiet_nan)
       drive_slots = maxval(gearbox%contacts%n_slots)
       do m = gearbox%first(index), gearbox%first(index + 1) - 1
          place = 1 + gearbox%contacts(m)%slot + merge(drive_slots, 0, gearbox%contacts(m)%flank == flank_coast)
@@ -183,7 +190,9 @@ contains
          values(6) = mode%teeth
          values(7) = modulo(mesh_tooth_a(mesh, mode%teeth), gearbox%wheels(mesh%wheel_a)%teeth)
          values(8) = modulo(mesh_tooth_b(mesh, mode%teeth), gearbox%wheels(mesh%wheel_b)%teeth)
+         values(9) = mode%contact
          if (mode%contact == contact_off) return
+         values(10) = point%h
          call add_mesh_reaction(gearbox, mesh, force%on_a, reactions)
          potential = potential + mesh_energy(mesh, mode, point, force%elastic)
          values(1:3) = [force%normal, force%friction, point%rho_a]

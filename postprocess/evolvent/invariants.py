@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
+from evolvent.contact_invariants import contradiction, has_modes, pull
 from evolvent.history import require
 from evolvent.wheel_torques import contact_torque, largest_shaft_torque, rotor_inertia, shaft_torque
 
@@ -197,6 +198,13 @@ def torque_balance(history: xr.Dataset) -> xr.DataArray:
     return (deviation / largest).isel(wheel=touched).transpose("time", "wheel")
 
 
+def agreement_of_modes(history: xr.Dataset) -> xr.DataArray:
+    """How far gaps and forces of tooth pairs contradict their modes, dims (time, mesh, pair)."""
+    if not has_modes(history):
+        raise NotApplicableError("the history does not tell the modes of its tooth pairs")
+    return contradiction(history)
+
+
 def order_of_times(history: xr.Dataset) -> xr.DataArray:
     """1 where the time is not later than that of the row before, else 0, dim (time)."""
     time = require(history, "time")
@@ -208,9 +216,9 @@ def order_of_times(history: xr.Dataset) -> xr.DataArray:
 def finiteness(history: xr.Dataset) -> xr.DataArray:
     """Share of the values that are no finite numbers, dim (variable).
 
-    What only tracked points have is missing on purpose where none are tracked, the position of a
-    tooth pair off the path of contact, the efficiency of a mesh without power, the gap of coast
-    flanks of a mesh that has none, and what only real gears have.
+    What only tracked points have is missing on purpose where none are tracked, position and
+    penetration of a tooth pair off the path of contact, the efficiency of a mesh without power,
+    the gap of coast flanks of a mesh that has none, and what only real gears have.
     """
     shares: dict[str, float] = {}
     for name, variable in history.variables.items():
@@ -219,7 +227,7 @@ def finiteness(history: xr.Dataset) -> xr.DataArray:
         values = history[name]
         if name in TRACKED_ONLY:
             values = values.where(_is_tracked(history), 0.0)
-        if name == "pair_position":
+        if name in ("pair_position", "pair_penetration"):
             values = values.where(require(history, "pair_on_path") == 1, 0.0)
         if name == "efficiency":
             driving = require(history, "driving_wheel").values.astype(int)
@@ -277,6 +285,14 @@ INVARIANTS = (
         "largest contact or shaft torque",
         1e-6,
         torque_balance,
+    ),
+    Invariant("pushing", "F_n >= 0", "reference force", 1e-6, pull),
+    Invariant(
+        "contact modes",
+        "in contact: h >= 0, else h <= 0 and F_n = 0",
+        "reference penetration or force",
+        1e-6,
+        agreement_of_modes,
     ),
     Invariant("order of times", "t_i < t_(i+1)", "1", 0.0, order_of_times),
     Invariant("finite values", "every value is a number", "number of values", 0.0, finiteness),

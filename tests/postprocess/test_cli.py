@@ -109,7 +109,7 @@ def test_comparing_with_a_missing_file_is_code_3(post, smooth_run):
 def test_check_of_a_sound_run_is_code_0(post, friction_run):
     code, out, err = post("check", friction_run.path)
     assert (code, err) == (0, "")
-    assert out.count("pass") == 8
+    assert out.count("pass") == 9
     assert "energy balance" in out
 
 
@@ -117,7 +117,7 @@ def test_check_of_a_broken_run_is_code_1(post, friction_run, broken_file):
     code, out, _ = post("check", friction_run.path, broken_file)
     assert code == 1
     assert out.count("fail") == 1
-    assert out.count("pass") == 15
+    assert out.count("pass") == 17
 
 
 def test_check_goes_on_after_an_unreadable_file(post, broken_file):
@@ -131,7 +131,7 @@ def test_check_warns_of_an_unfinished_run(post, partial_file):
     code, out, err = post("check", partial_file)
     assert code == 0
     assert "the run did not finish: too much" in err
-    assert out.count("pass") == 8
+    assert out.count("pass") == 9
 
 
 def test_check_writes_json_for_scripts(post, broken_file):
