@@ -169,14 +169,24 @@ static void start_history(batch_sink *sink, const model *model)
 
 /* ---- the case ---- */
 
-static void conclude(const batch_sink *sink, long index, const simulate_result *result, batch_row *row)
+/** What `evolvent run` would warn of. */
+static char *remarks(const prepared_case *prepared, const char *remark)
+{
+    char *warnings = prepare_warnings(prepared, "; ");
+    char *text = xasprintf("%s%s%s", warnings, warnings[0] != '\0' && remark[0] != '\0' ? "; " : "", remark);
+    free(warnings);
+    return text;
+}
+
+static void conclude(const batch_sink *sink, const prepared_case *prepared, long index, const simulate_result *result,
+                     batch_row *row)
 {
     const batch_plan *plan = sink->plan;
     const bool is_done = result->end == SIMULATE_DONE;
     double *results = xcalloc((size_t)plan->table.n, sizeof *results);
     statistics_finish(sink->statistics, &result->counts, is_done, results);
     char *message =
-        is_done ? xstrdup(result->remark) : xasprintf("failed at t = %.9g s: %s", result->t, result->message);
+        is_done ? remarks(prepared, result->remark) : xasprintf("failed at t = %.9g s: %s", result->t, result->message);
     write_row(plan, index, is_done ? JOURNAL_DONE : JOURNAL_FAILED, message, results, row);
     free(message);
     free(results);
@@ -186,7 +196,7 @@ static bool simulate_prepared(const batch_plan *plan, long index, const prepared
                               evl_error *error)
 {
     evl_error refusal = {.code = EVL_EXIT_OK};
-    model_error model_refusal;
+    model_message model_refusal;
     dae_state state;
     double from = 0, to = 0;
     if (!check_case(plan, prepared, &from, &to, &refusal)) {
@@ -207,7 +217,7 @@ static bool simulate_prepared(const batch_plan *plan, long index, const prepared
     progress progress;
     progress_start(&progress, false, 0, 1);
     simulate(prepared, &sink, &progress, &state, &result);
-    conclude(&batch, index, &result, row);
+    conclude(&batch, prepared, index, &result, row);
     const bool good = batch.history == NULL ||
                       stack_write(&plan->stack, (index - plan->first_case) / plan->stride, batch.history, error);
     statistics_delete(&batch.statistics);

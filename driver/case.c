@@ -120,7 +120,7 @@ const case_node *case_root(const case_file *file)
     return file->root;
 }
 
-/* ---- refusals by the model ---- */
+/* ---- messages of the model ---- */
 
 /** Go to element `index` of the list `key`, whose name (or index) is added to the label. */
 static const case_node *list_element(const case_node *block, const char *key, int index, char **label)
@@ -157,47 +157,65 @@ static const case_node *deepest(const case_node *block, const char *field)
     return block;
 }
 
-void case_refuse(const case_file *file, case_subject subject, int index, int load, const char *field,
-                 const char *message, evl_error *error)
+/** The block of a part of the case, and its label, which ends in a dot unless it is empty. */
+static const case_node *find_part(const case_file *file, case_subject subject, int index, int load, char **label)
 {
     const case_node *block = file->root;
-    char *label = xstrdup("");
+    *label = xstrdup("");
     switch (subject) {
     case CASE_ABOUT_NOTHING:
         break;
     case CASE_ABOUT_WHEEL:
-        block = list_element(block, "wheels", index, &label);
+        block = list_element(block, "wheels", index, label);
         break;
     case CASE_ABOUT_LOAD:
-        block = list_element(block, "wheels", index, &label);
-        block = list_element(block, "loads", load, &label);
+        block = list_element(block, "wheels", index, label);
+        block = list_element(block, "loads", load, label);
         break;
     case CASE_ABOUT_MESH:
-        block = list_element(block, "meshes", index, &label);
+        block = list_element(block, "meshes", index, label);
         break;
     case CASE_ABOUT_SHAFT:
-        block = list_element(block, "shafts", index, &label);
+        block = list_element(block, "shafts", index, label);
         break;
     case CASE_ABOUT_INITIAL:
         block = node_get(node_get(block, "simulation"), "initial");
-        free(label);
-        label = xstrdup("simulation.initial.");
+        free(*label);
+        *label = xstrdup("simulation.initial.");
         break;
     case CASE_ABOUT_HOUSING:
         block = node_get(block, "housing");
-        free(label);
-        label = xstrdup("housing.");
+        free(*label);
+        *label = xstrdup("housing.");
         break;
     }
-    const case_node *node = deepest(block, field);
-    char place[EVL_ERROR_PLACE_LENGTH];
-    place_text(file->path, node->place, place);
+    return block;
+}
+
+char *case_message(const case_file *file, case_subject subject, int index, int load, const char *field,
+                   const char *message)
+{
+    char *label;
+    (void)find_part(file, subject, index, load, &label);
     char *name = xasprintf("%s%s", label, field);
     const size_t length = strlen(name);
     if (length > 0 && name[length - 1] == '.') {
         name[length - 1] = '\0';
     }
-    evl_error_set(error, EVL_EXIT_CASE, place, "%s%s%s", name, name[0] == '\0' ? "" : ": ", message);
+    char *text = xasprintf("%s%s%s", name, name[0] == '\0' ? "" : ": ", message);
     free(name);
+    free(label);
+    return text;
+}
+
+void case_refuse(const case_file *file, case_subject subject, int index, int load, const char *field,
+                 const char *message, evl_error *error)
+{
+    char *label, place[EVL_ERROR_PLACE_LENGTH];
+    const case_node *node = deepest(find_part(file, subject, index, load, &label), field);
+    place_text(file->path, node->place, place);
+    char *text = case_message(file, subject, index, load, field, message);
+    evl_error_set(error, EVL_EXIT_CASE, place, "%s", text);
+    free(text);
     free(label);
 }

@@ -63,6 +63,10 @@ typedef enum {
     CASE_ABOUT_SHAFT
 } case_subject;
 
+/** A message of the model with the name of what it is about in front, such as "meshes.pinion-gear.backlash: ...". Its arguments are
+ *  those of case_refuse. @return a new string */
+char *case_message(const case_file *file, case_subject subject, int index, int load, const char *field,
+                   const char *message);
 /** Turn a refusal by the model into an error that names the place in the file or the option.
  *  @param index    wheel (also of a load), mesh or shaft, from 0; -1 if none
  *  @param load     which load of that wheel, from 0; -1 if none

@@ -40,8 +40,7 @@ static evl_exit show_command(const cli_options *options, evl_error *error)
     if (!prepare_case(&prepared, options->case_path, options->n_set, options->set, error)) {
         return error->code;
     }
-    const int code = options->json ? show_json(stdout, prepared.file, prepared.model)
-                                   : show_text(stdout, prepared.file, prepared.model);
+    const int code = options->json ? show_json(stdout, &prepared) : show_text(stdout, &prepared);
     prepared_case_free(&prepared);
     return (evl_exit)code;
 }

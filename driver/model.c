@@ -29,9 +29,9 @@ static const char *case_field(const char *field)
     return field;
 }
 
-static void explain(const model *model, const evl_status *status, model_error *error)
+static void explain(const model *model, const evl_status *status, model_message *error)
 {
-    *error = (model_error){.subject = MODEL_ABOUT_NOTHING, .index = -1, .load = -1};
+    *error = (model_message){.subject = MODEL_ABOUT_NOTHING, .index = -1, .load = -1};
     (void)snprintf(error->field, sizeof error->field, "%s", case_field(status->field));
     (void)snprintf(error->message, sizeof error->message, "%s", status->message);
     const bool has_index = status->index >= 0;
@@ -271,7 +271,7 @@ static evl_gearbox *create_gearbox(model *model, const description *description,
     return gearbox;
 }
 
-model *model_create(const description *description, model_error *error)
+model *model_create(const description *description, model_message *error)
 {
     evl_status status = {.index = -1};
     model *model = xcalloc(1, sizeof *model);
@@ -312,14 +312,14 @@ const dae *model_dae(const model *model)
     return &model->dae;
 }
 
-void model_explain_no_stepper(const model *model, model_error *error)
+void model_explain_no_stepper(const model *model, model_message *error)
 {
     evl_status status;
     (void)evl_radau_serves(model->gearbox, &status);
     explain(model, &status, error);
 }
 
-static bool start(const model *model, const evl_initial *initial, dae_state *state, model_error *error)
+static bool start(const model *model, const evl_initial *initial, dae_state *state, model_message *error)
 {
     const evl_sizes *sizes = &model->sizes;
     *state = (dae_state){.y = xcalloc((size_t)sizes->n_states, sizeof *state->y),
@@ -339,12 +339,12 @@ static bool start(const model *model, const evl_initial *initial, dae_state *sta
     return code == EVL_OK;
 }
 
-bool model_initial_state(const model *model, dae_state *state, model_error *error)
+bool model_initial_state(const model *model, dae_state *state, model_message *error)
 {
     return start(model, &model->initial, state, error);
 }
 
-bool model_steady_state(const model *model, dae_state *state, model_error *error)
+bool model_steady_state(const model *model, dae_state *state, model_message *error)
 {
     const evl_initial steady = {.kind = EVL_INITIAL_STEADY};
     return start(model, &steady, state, error);
@@ -364,9 +364,9 @@ int model_n_warnings(const model *model)
     return model->sizes.n_warnings;
 }
 
-void model_warning(const model *model, int index, char text[DAE_MESSAGE_LENGTH])
+void model_warning(const model *model, int index, model_message *warning)
 {
-    char warning[EVL_MESSAGE_LENGTH] = "";
-    (void)evl_gearbox_warning(model->gearbox, index, warning);
-    (void)snprintf(text, DAE_MESSAGE_LENGTH, "%s", warning);
+    evl_status status;
+    (void)evl_gearbox_warning(model->gearbox, index, &status);
+    explain(model, &status, warning);
 }

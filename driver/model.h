@@ -26,7 +26,7 @@ typedef struct {
     int offset, count; /**< place in the array that model_outputs fills; count 0: the case has no such variable */
 } model_output;
 
-/** Why a description was refused: what it is about, so that the case file can be shown at the place. */
+/** Why a description was refused, or what it is warned of; with what it is about, so that the case file can be shown at the place. */
 typedef struct {
     enum {
         MODEL_ABOUT_NOTHING,
@@ -41,7 +41,7 @@ typedef struct {
     int load;       /**< which load of that wheel, -1 if none */
     char field[48]; /**< key in the case file's block, "" if the whole block */
     char message[DAE_MESSAGE_LENGTH];
-} model_error;
+} model_message;
 
 typedef struct model model;
 
@@ -49,22 +49,22 @@ typedef struct model model;
 const law_tables *model_laws(void);
 
 /** Make the gearbox. @return NULL with the reason in `error`. */
-model *model_create(const description *description, model_error *error);
+model *model_create(const description *description, model_message *error);
 void model_delete(model **model);
 
 /** dae.stepper is the kernel's integrator radau, if it serves the model. */
 const dae *model_dae(const model *model);
 /** Why it does not, if so. */
-void model_explain_no_stepper(const model *model, model_error *error);
+void model_explain_no_stepper(const model *model, model_message *error);
 
 /** State at t = 0; its arrays belong to the caller, who frees them with dae_state_free. @return false with the reason in `error`. */
-bool model_initial_state(const model *model, dae_state *state, model_error *error);
+bool model_initial_state(const model *model, dae_state *state, model_message *error);
 /** The same for the steady state under the loads at t = 0, whatever initial state the description gives. */
-bool model_steady_state(const model *model, dae_state *state, model_error *error);
+bool model_steady_state(const model *model, dae_state *state, model_message *error);
 void dae_state_free(dae_state *state);
 
 int model_n_warnings(const model *model);
-void model_warning(const model *model, int index, char text[DAE_MESSAGE_LENGTH]);
+void model_warning(const model *model, int index, model_message *warning);
 
 int model_n_outputs(const model *model);
 const model_output *model_outputs_table(const model *model);

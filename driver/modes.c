@@ -2,7 +2,6 @@
 
 #include "integrate.h"
 #include "interrupt.h"
-#include "log.h"
 #include "memory.h"
 #include "modes_print.h"
 #include "number.h"
@@ -74,7 +73,7 @@ static bool read_time(const char *text, double *time, evl_error *error)
 
 static bool find_steady_state(const prepared_case *prepared, dae_state *state, evl_error *error)
 {
-    model_error refusal;
+    model_message refusal;
     if (model_steady_state(prepared->model, state, &refusal)) {
         return true;
     }
@@ -93,7 +92,7 @@ static bool find_state_at(const prepared_case *prepared, const char *at, double 
                           evl_error *error)
 {
     const double duration = case_description(prepared->file)->simulation.duration;
-    model_error refusal;
+    model_message refusal;
     if (time > duration) {
         char *place = xasprintf("--at %s", at);
         evl_error_set(error, EVL_EXIT_CASE, place,
@@ -147,11 +146,7 @@ evl_exit modes_case(const modes_options *options, FILE *stream, evl_error *error
     evl_exit code = EVL_EXIT_OK;
     if (options->at == NULL ? find_steady_state(&prepared, &state, error)
                             : find_state_at(&prepared, options->at, time, &state, error)) {
-        for (int i = 0; i < model_n_warnings(prepared.model); i++) {
-            char text[DAE_MESSAGE_LENGTH];
-            model_warning(prepared.model, i, text);
-            log_warning("%s", text);
-        }
+        prepare_warn(&prepared);
         code = print_modes(&prepared, &state, options, stream, error);
         dae_state_free(&state);
     } else {

@@ -1,19 +1,58 @@
 #include "prepare.h"
 
-void prepare_refuse(const prepared_case *prepared, const model_error *refusal, evl_error *error)
+#include "log.h"
+#include "memory.h"
+#include "words.h"
+
+#include <stdlib.h>
+
+static const case_subject subjects[] = {
+    [MODEL_ABOUT_NOTHING] = CASE_ABOUT_NOTHING, [MODEL_ABOUT_WHEEL] = CASE_ABOUT_WHEEL,
+    [MODEL_ABOUT_MESH] = CASE_ABOUT_MESH,       [MODEL_ABOUT_LOAD] = CASE_ABOUT_LOAD,
+    [MODEL_ABOUT_INITIAL] = CASE_ABOUT_INITIAL, [MODEL_ABOUT_HOUSING] = CASE_ABOUT_HOUSING,
+    [MODEL_ABOUT_SHAFT] = CASE_ABOUT_SHAFT,
+};
+
+void prepare_refuse(const prepared_case *prepared, const model_message *refusal, evl_error *error)
 {
-    static const case_subject subjects[] = {
-        [MODEL_ABOUT_NOTHING] = CASE_ABOUT_NOTHING, [MODEL_ABOUT_WHEEL] = CASE_ABOUT_WHEEL,
-        [MODEL_ABOUT_MESH] = CASE_ABOUT_MESH,       [MODEL_ABOUT_LOAD] = CASE_ABOUT_LOAD,
-        [MODEL_ABOUT_INITIAL] = CASE_ABOUT_INITIAL, [MODEL_ABOUT_HOUSING] = CASE_ABOUT_HOUSING,
-        [MODEL_ABOUT_SHAFT] = CASE_ABOUT_SHAFT,
-    };
     case_refuse(prepared->file, subjects[refusal->subject], refusal->index, refusal->load, refusal->field,
                 refusal->message, error);
 }
 
+char *prepare_warning(const prepared_case *prepared, int index)
+{
+    model_message warning;
+    model_warning(prepared->model, index, &warning);
+    return case_message(prepared->file, subjects[warning.subject], warning.index, warning.load, warning.field,
+                        warning.message);
+}
+
+char *prepare_warnings(const prepared_case *prepared, const char *separator)
+{
+    const int n = model_n_warnings(prepared->model);
+    char **warnings = xcalloc((size_t)n, sizeof *warnings);
+    for (int i = 0; i < n; i++) {
+        warnings[i] = prepare_warning(prepared, i);
+    }
+    char *text = words_join(n, (const char *const *)warnings, separator);
+    for (int i = 0; i < n; i++) {
+        free(warnings[i]);
+    }
+    free(warnings);
+    return text;
+}
+
+void prepare_warn(const prepared_case *prepared)
+{
+    for (int i = 0; i < model_n_warnings(prepared->model); i++) {
+        char *text = prepare_warning(prepared, i);
+        log_warning("%s", text);
+        free(text);
+    }
+}
+
 /** The case's integrator, or the one that suits the model. @return false if it asks for one that does not serve */
-static bool settle_integrator(const prepared_case *prepared, model_error *refusal)
+static bool settle_integrator(const prepared_case *prepared, model_message *refusal)
 {
     const simulation_description *simulation = &case_description(prepared->file)->simulation;
     const bool serves = model_dae(prepared->model)->stepper != NULL;
@@ -30,7 +69,7 @@ static bool settle_integrator(const prepared_case *prepared, model_error *refusa
 /** The model of a case that was read. */
 static bool make_model(prepared_case *prepared, evl_error *error)
 {
-    model_error refusal;
+    model_message refusal;
     prepared->model = model_create(case_description(prepared->file), &refusal);
     const bool good = prepared->model != NULL && settle_integrator(prepared, &refusal);
     if (!good) {

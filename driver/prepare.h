@@ -18,7 +18,13 @@ bool prepare_case(prepared_case *prepared, const char *path, int n_set, const ch
 bool prepare_edited(prepared_case *prepared, const case_base *base, int n_set, const char *const *set,
                     evl_error *error);
 /** Turn a refusal by the model into one of the case file. */
-void prepare_refuse(const prepared_case *prepared, const model_error *refusal, evl_error *error);
+void prepare_refuse(const prepared_case *prepared, const model_message *refusal, evl_error *error);
+/** Warning `index` of the model, with the name of what it is about in front as in a refusal: a new string. */
+char *prepare_warning(const prepared_case *prepared, int index);
+/** All of them in one new string, "" if there are none. */
+char *prepare_warnings(const prepared_case *prepared, const char *separator);
+/** Say them on stderr. */
+void prepare_warn(const prepared_case *prepared);
 void prepared_case_free(prepared_case *prepared);
 
 #endif

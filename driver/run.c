@@ -70,7 +70,7 @@ static bool create_history(run *run, const char *path)
     const model *model = run->prepared.model;
     const description *description = case_description(run->prepared.file);
     const integrate_options options = simulate_options(&run->prepared);
-    const int n_states = model_dae(model)->n, n_kinds = model_n_event_kinds(), n_warnings = model_n_warnings(model);
+    const int n_states = model_dae(model)->n, n_kinds = model_n_event_kinds();
     const char **state_names = xcalloc((size_t)n_states, sizeof *state_names);
     const char **state_units = xcalloc((size_t)n_states, sizeof *state_units);
     const char **kinds = xcalloc((size_t)n_kinds, sizeof *kinds);
@@ -82,14 +82,7 @@ static bool create_history(run *run, const char *path)
     for (int i = 0; i < n_kinds; i++) {
         kinds[i] = model_event_kind(i);
     }
-    char *warnings = xstrdup("");
-    for (int i = 0; i < n_warnings; i++) {
-        char warning[DAE_MESSAGE_LENGTH];
-        model_warning(model, i, warning);
-        char *longer = xasprintf("%s%s%s", warnings, i == 0 ? "" : "\n", warning);
-        free(warnings);
-        warnings = longer;
-    }
+    char *warnings = prepare_warnings(&run->prepared, "\n");
     char *versions = xasprintf("evolvent %s, %s, %s, C compiler %s, Fortran compiler %s", EVOLVENT_VERSION,
                                integrate_version(), history_version(), EVOLVENT_C_COMPILER, model_compiler());
     const history_attribute attributes[] = {
@@ -172,15 +165,6 @@ static void take_names(run *run)
     }
 }
 
-static void warn(const run *run)
-{
-    for (int i = 0; i < model_n_warnings(run->prepared.model); i++) {
-        char text[DAE_MESSAGE_LENGTH];
-        model_warning(run->prepared.model, i, text);
-        log_warning("%s", text);
-    }
-}
-
 static void summarise(const integrate_counts *counts, const char *path)
 {
     log_note("%ld steps, %ld event%s, %.3g s CPU: %s", counts->steps, counts->events, counts->events == 1 ? "" : "s",
@@ -236,12 +220,12 @@ static void simulate_case(run *run, const char *path, dae_state *state, evl_erro
 static void run_prepared(run *run, const run_options *options, const char *path, evl_error *error)
 {
     dae_state state;
-    model_error refusal;
+    model_message refusal;
     if (!model_initial_state(run->prepared.model, &state, &refusal)) {
         prepare_refuse(&run->prepared, &refusal, error);
         return;
     }
-    warn(run);
+    prepare_warn(&run->prepared);
     take_names(run);
     progress_start(&run->progress, options->show_progress, state.t,
                    case_description(run->prepared.file)->simulation.duration);

@@ -1,5 +1,6 @@
 #include "show.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "case_schema.h"
@@ -62,8 +63,10 @@ static void print_indented(FILE *stream, const char *text)
     }
 }
 
-int show_text(FILE *stream, const case_file *file, const model *model)
+int show_text(FILE *stream, const prepared_case *prepared)
 {
+    const case_file *file = prepared->file;
+    const model *model = prepared->model;
     const description *description = case_description(file);
     model_quantity rows[MODEL_MOST_ROWS];
     fprintf(stream, "Case %s, with all defaults (angles in degrees)\n\n", case_path(file));
@@ -79,9 +82,9 @@ int show_text(FILE *stream, const case_file *file, const model *model)
     show_gears(stream, description, model);
     show_deviations(stream, description, model);
     for (int i = 0; i < model_n_warnings(model); i++) {
-        char text[DAE_MESSAGE_LENGTH];
-        model_warning(model, i, text);
+        char *text = prepare_warning(prepared, i);
         fprintf(stream, "%s  %s\n", i == 0 ? "\nWarnings\n" : "", text);
+        free(text);
     }
     return finish(stream);
 }
@@ -122,8 +125,10 @@ static void write_rows(json_writer *writer, const char *key, int n, const model_
     json_close(writer, '}');
 }
 
-int show_json(FILE *stream, const case_file *file, const model *model)
+int show_json(FILE *stream, const prepared_case *prepared)
 {
+    const case_file *file = prepared->file;
+    const model *model = prepared->model;
     const description *description = case_description(file);
     model_quantity rows[MODEL_MOST_ROWS], gear_rows[MODEL_MOST_ROWS];
     json_writer writer = {.stream = stream};
@@ -145,9 +150,9 @@ int show_json(FILE *stream, const case_file *file, const model *model)
     write_deviations(&writer, description, model);
     json_open(&writer, "warnings", '[');
     for (int i = 0; i < model_n_warnings(model); i++) {
-        char text[DAE_MESSAGE_LENGTH];
-        model_warning(model, i, text);
+        char *text = prepare_warning(prepared, i);
         json_text(&writer, NULL, text);
+        free(text);
     }
     json_close(&writer, ']');
     json_close(&writer, '}');

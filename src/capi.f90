@@ -7,7 +7,7 @@ module evl_capi
    use evl_capi_deviation, only: deviation_from_c
    use evl_capi_description, only: c_housing, c_initial, c_load, c_mesh, c_shaft, c_wheel, housing_from_c, initial_from_c, &
                                    load_from_c, mesh_from_c, shaft_from_c, wheel_from_c
-   use evl_capi_types, only: c_message_length, c_name_length, c_status, status_to_c, to_c
+   use evl_capi_types, only: c_name_length, c_status, status_to_c, to_c
    use evl_dae_jacobian, only: gearbox_jacobian
    use evl_dae_residual, only: gearbox_derivative, gearbox_residual
    use evl_gearbox, only: gearbox_t
@@ -146,18 +146,19 @@ contains
                       size(g%shafts), gearbox_event_room(g))
    end subroutine evl_gearbox_sizes
 
-   integer(c_int) function evl_gearbox_warning(handle, index, text) result(length) bind(c)
+   logical(c_bool) function evl_gearbox_warning(handle, index, warning) result(exists) bind(c)
       type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: index
-      character(kind=c_char), intent(out) :: text(c_message_length)
+      type(c_status), intent(out) :: warning
       type(gearbox_t), pointer :: g
 
-      text = c_null_char
-      length = 0
       g => gearbox_of(handle)
-      if (index < 0 .or. index >= size(g%warnings)) return
-      call to_c(g%warnings(index + 1), text)
-      length = len_trim(g%warnings(index + 1))
+      exists = logical(index >= 0 .and. index < size(g%warnings), c_bool)
+      if (exists) then
+         call status_to_c(g%warnings(index + 1), warning)
+      else
+         call status_to_c(status_t(), warning)
+      end if
    end function evl_gearbox_warning
 
    subroutine evl_gearbox_wheel_geometry(handle, index, geometry) bind(c)

@@ -4,7 +4,7 @@ module evl_gear_build
    use evl_gear_mesh, only: gear_mesh_derive, gear_mesh_input, gear_mesh_t
    use evl_gearbox_description, only: mesh_input, wheel_input
    use evl_kinds, only: wp
-   use evl_status, only: code_invalid_input, fail, has_failed, message_length, quantity, status_t, subject_mesh, subject_wheel
+   use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel, warn
    implicit none (type, external)
    private
 
@@ -20,7 +20,7 @@ contains
       type(mesh_input), intent(in) :: meshes(:)
       type(gear_t), intent(out) :: gears(size(wheels))
       type(gear_mesh_t), intent(out) :: gear_meshes(size(meshes))
-      character(len=message_length), allocatable, intent(inout) :: warnings(:) !! grows
+      type(status_t), allocatable, intent(inout) :: warnings(:) !! grows
       type(status_t), intent(inout) :: status
       integer :: i
 
@@ -33,8 +33,8 @@ contains
             return
          end if
          if (gears(i)%tip_thickness < thin_tip*gears(i)%normal_module) &
-            call warn(warnings, "wheels", i, "the tooth is "//quantity(gears(i)%tip_thickness, "m")//" thick on the tip circle," &
-                      //" less than "//quantity(thin_tip, "")//" modules: such a tip breaks easily")
+            call warn(warnings, "the tooth is "//quantity(gears(i)%tip_thickness, "m")//" thick on the tip circle, less than " &
+                      //quantity(thin_tip, "")//" modules: such a tip breaks easily", subject_wheel, i)
       end do
       do i = 1, size(meshes)
          call build_mesh(wheels, gears, meshes(i), gear_meshes(i), status)
@@ -44,8 +44,8 @@ contains
             return
          end if
          if (gear_meshes(i)%exists .and. gear_meshes(i)%contact_ratio < 1) &
-            call warn(warnings, "meshes", i, "its contact ratio is "//quantity(gear_meshes(i)%contact_ratio, "")//", less than 1:" &
-                      //" contact is lost in every pitch")
+            call warn(warnings, "its contact ratio is "//quantity(gear_meshes(i)%contact_ratio, "")//", less than 1: contact is" &
+                      //" lost in every pitch", subject_mesh, i)
       end do
    end subroutine gears_build
 
@@ -96,17 +96,5 @@ contains
 
       call fail(status, code_invalid_input, message, subject_mesh, field=field)
    end subroutine refuse
-
-   !> Write a warning down.
-   pure subroutine warn(warnings, list, index, text)
-      character(len=message_length), allocatable, intent(inout) :: warnings(:)
-      character(len=*), intent(in) :: list !! "wheels" or "meshes"
-      integer, intent(in) :: index         !! from 1
-      character(len=*), intent(in) :: text
-      character(len=message_length) :: warning
-
-      write (warning, "(2a, i0, 2a)") list, ".", index - 1, ": ", text
-      warnings = [character(len=message_length) :: warnings, warning]
-   end subroutine warn
 
 end module evl_gear_build

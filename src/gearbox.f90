@@ -29,7 +29,7 @@ module evl_gearbox
    use evl_rational, only: rational_t
    use evl_shaft, only: shaft_t
    use evl_spur_geometry, only: spur_pair_t
-   use evl_status, only: message_length
+   use evl_status, only: status_t
    use evl_tooth_phase, only: tooth_phase_t
    implicit none (type, external)
    private
@@ -95,7 +95,7 @@ module evl_gearbox
       type(housing_t) :: housing
       integer, allocatable :: output_offsets(:), output_counts(:) !! places of what it tells among the values, offsets from 0
       real(wp), allocatable :: constants(:)             !! values of the outputs at its beginning, which do not change
-      character(len=message_length), allocatable :: warnings(:)
+      type(status_t), allocatable :: warnings(:) !! of the creation
       integer :: reference = 1               !! wheel whose angle is theta, the leader of its rotor
       integer :: n_states = 0, n_integers = 0, n_values = 0 !! lengths of the state, the discrete state and the outputs
       integer :: n_multipliers = 0            !! flanks with rigid contact

@@ -20,7 +20,7 @@ module evl_gearbox_build
    use evl_rotors, only: rotors_join
    use evl_shaft, only: shaft_t
    use evl_spur_geometry, only: spur_pair_derive, spur_pair_least_radius
-   use evl_status, only: code_invalid_input, fail, has_failed, message_length, quantity, status_t, subject_mesh, subject_wheel
+   use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel, warn
    use evl_tooth_phase, only: find_tooth_phases, tooth_mesh_t
    implicit none (type, external)
    private
@@ -301,8 +301,8 @@ contains
          call take_radii(gearbox, a, pair%base_radius_a, pair%tip_radius_a, index, status)
          call take_radii(gearbox, b, pair%base_radius_b, pair%tip_radius_b, index, status)
          if (has_failed(status)) return
-         if (.not. pair%contains_pitch_point) call warn(gearbox, index, "its path of contact does not contain the pitch point:" &
-                                                        //" the teeth slide in one sense only")
+         if (.not. pair%contains_pitch_point) call warn(gearbox%warnings, "its path of contact does not contain the pitch" &
+                                                        //" point: the teeth slide in one sense only", subject_mesh, index)
          if (index > 1) call check_senses(gearbox, layout, meshes(1), given, index)
       end associate
    end subroutine take_pair
@@ -346,9 +346,9 @@ contains
          other = gearbox%pairs(index)%rho - least
          half_width = sqrt(4*mesh%force_scale/mesh%width*least*other/(pi*mesh%e_star*(least + other)))
          if (half_width > narrow*least) &
-            call warn(gearbox, index, "under its load of about "//quantity(mesh%force_scale, "N")//" the contact strip is " &
+            call warn(gearbox%warnings, "under its load of about "//quantity(mesh%force_scale, "N")//" the contact strip is " &
                       //quantity(half_width, "m")//" wide to either side, more than a tenth of the smallest radius of" &
-                      //" curvature "//quantity(least, "m")//": the force law is stretched")
+                      //" curvature "//quantity(least, "m")//": the force law is stretched", subject_mesh, index)
       end associate
    end subroutine check_contact_width
 
@@ -362,7 +362,8 @@ contains
 
       first = -gearbox%pairs(1)%sigma*turn(first_mesh%driving)
       if (first*turn(given%driving) /= given%driving_rotation) &
-         call warn(gearbox, index, "its driving wheel turns against driving_rotation when the first mesh turns as it says")
+         call warn(gearbox%warnings, "its driving wheel turns against driving_rotation when the first mesh turns as it says", &
+                   subject_mesh, index)
 
    contains
 
@@ -391,16 +392,5 @@ contains
                    //" circle, so give the pressure angles", subject_mesh, mesh, "pressure_angle")
       end associate
    end subroutine take_radii
-
-   !> Write a warning about a mesh down.
-   subroutine warn(gearbox, mesh, text)
-      type(gearbox_t), intent(inout) :: gearbox
-      integer, intent(in) :: mesh !! from 1
-      character(len=*), intent(in) :: text
-      character(len=message_length) :: warning
-
-      write (warning, "(a, i0, a)") "meshes.", mesh - 1, ": "//text
-      gearbox%warnings = [character(len=message_length) :: gearbox%warnings, warning]
-   end subroutine warn
 
 end module evl_gearbox_build

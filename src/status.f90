@@ -7,7 +7,7 @@ module evl_status
    implicit none (type, external)
    private
 
-   public :: status_t, clear, fail, has_failed, quantity, degrees
+   public :: status_t, clear, fail, has_failed, warn, quantity, degrees
    public :: code_ok, code_invalid_input, code_out_of_domain, code_singular, code_no_solution, code_no_memory
    public :: subject_none, subject_wheel, subject_mesh, subject_load, subject_initial, subject_housing, subject_shaft
    public :: field_length, message_length
@@ -32,7 +32,7 @@ module evl_status
 
    real(wp), parameter :: degree = 180/pi
 
-   !> An error exists if and only if `code /= code_ok`.
+   !> What an error or a warning is about, and its words. It is an error if and only if `code /= code_ok`.
    type :: status_t
       integer :: code = code_ok                    !! one of the codes above
       integer :: subject = subject_none            !! one of the subjects above
@@ -65,6 +65,19 @@ contains
       if (present(index)) status%index = index
       if (present(field)) status%field = field
    end subroutine fail
+
+   !> Write a warning down: something allowed, but worth knowing. The caller of the kernel names the part and the field.
+   pure subroutine warn(warnings, message, subject, index, field)
+      type(status_t), allocatable, intent(inout) :: warnings(:) !! grows by one, with code_ok
+      character(len=*), intent(in) :: message     !! one sentence, no newline, without the part's name
+      integer, intent(in), optional :: subject    !! what it is about
+      integer, intent(in), optional :: index      !! which one, from 1
+      character(len=*), intent(in), optional :: field !! name of the parameter
+      type(status_t) :: warning
+
+      call fail(warning, code_ok, message, subject, index, field)
+      warnings = [warnings, warning]
+   end subroutine warn
 
    !> Whether an error is recorded.
    pure logical function has_failed(status)

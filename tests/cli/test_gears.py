@@ -253,8 +253,14 @@ def test_a_distance_and_a_backlash_that_contradict_each_other_are_refused(
 @pytest.mark.parametrize(
     ("option", "warning"),
     [
-        ("wheels.0.tip_diameter=0.03", "wheels.0: the tooth is 2.06233E-04 m thick on the tip"),
-        ("meshes.0.centre_distance=0.054", "meshes.0: its contact ratio is 0.531337, less than 1"),
+        (
+            "wheels.0.tip_diameter=0.03",
+            "wheels.pinion: the tooth is 2.06233E-04 m thick on the tip",
+        ),
+        (
+            "meshes.0.centre_distance=0.054",
+            "meshes.pinion-gear: its contact ratio is 0.531337, less than 1",
+        ),
     ],
 )
 def test_what_is_allowed_but_unwise_is_a_warning(

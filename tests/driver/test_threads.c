@@ -85,7 +85,7 @@ static int on_step(void *self, double t)
 static void integrate_alone(case_run *run)
 {
     evl_error error;
-    model_error refusal;
+    model_message refusal;
     run->code = INTEGRATE_FAILED;
     if (!prepare_case(&run->prepared, run->path, run->n_set, run->set, &error)) {
         (void)snprintf(run->reason, sizeof run->reason, "%.*s", (int)sizeof run->reason - 1, error.message);

@@ -118,6 +118,16 @@ class GearboxError(Exception):
 
 
 @dataclass(frozen=True)
+class Warned:
+    """Something of a gearbox that is allowed, but worth knowing."""
+
+    subject: int
+    index: int
+    field: str
+    message: str
+
+
+@dataclass(frozen=True)
 class Event:
     """Something that happened, by name."""
 
@@ -217,15 +227,18 @@ class Gearbox:
         first = self.place(f"turn_{mesh}")
         return slice(first, first + len(TRACKED))
 
-    def warnings(self) -> list[str]:
+    def warnings(self) -> list[Warned]:
         """What the creation found worth knowing."""
-        texts = []
+        status, warnings = Status(), []
         for index in range(self.sizes.n_warnings):
-            text = ctypes.create_string_buffer(320)
-            length = self.library.evl_gearbox_warning(self.handle, index, text)
-            assert length == len(text.value)
-            texts.append(text.value.decode())
-        return texts
+            assert self.library.evl_gearbox_warning(self.handle, index, ctypes.byref(status))
+            assert status.code == OK
+            about = (status.subject, status.index, status.field.decode())
+            warnings.append(Warned(*about, status.message.decode()))
+        assert not self.library.evl_gearbox_warning(
+            self.handle, len(warnings), ctypes.byref(status)
+        )
+        return warnings
 
     def wheel_geometry(self, index: int) -> WheelGeometry:
         """Geometry of a wheel."""

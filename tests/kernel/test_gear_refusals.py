@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kernel.gearbox import MESH, WHEEL, Gearbox, GearboxError
+from kernel.gearbox import MESH, WHEEL, Gearbox, GearboxError, Warned
 from kernel.gearbox_description import mesh as mesh_description
 from kernel.gearbox_description import wheel
 from kernel.gears import gear, gear_description, gear_mesh
@@ -279,18 +279,20 @@ def test_a_ring_of_gears_has_to_close(kernel: Kernel) -> None:
 # ---- allowed, with a warning
 
 
-def warnings(kernel: Kernel, wheels: list[Any], **given: Any) -> list[str]:
+def warnings(kernel: Kernel, wheels: list[Any], **given: Any) -> list[Warned]:
     return Gearbox(kernel, wheels, [], [real(kernel, **given)]).warnings()
 
 
 def test_a_thin_tip_is_a_warning(kernel: Kernel) -> None:
-    (text,) = warnings(kernel, [gear_wheel(14, profile_shift=0.75), gear_wheel(40)])
-    assert text.startswith("wheels.0: the tooth is ")
-    assert "less than 0.2 modules" in text
+    (warning,) = warnings(kernel, [gear_wheel(40), gear_wheel(14, profile_shift=0.75)])
+    assert (warning.subject, warning.index, warning.field) == (WHEEL, 1, "")
+    assert warning.message.startswith("the tooth is ")
+    assert "less than 0.2 modules" in warning.message
 
 
 def test_a_contact_ratio_below_1_is_a_warning(kernel: Kernel) -> None:
     wheels = [gear_wheel(20), gear_wheel(40)]
     assert warnings(kernel, wheels) == []
-    (text,) = warnings(kernel, wheels, centre_distance=0.0618)
-    assert text.startswith("meshes.0: its contact ratio is 0.")
+    (warning,) = warnings(kernel, wheels, centre_distance=0.0618)
+    assert (warning.subject, warning.index, warning.field) == (MESH, 0, "")
+    assert warning.message.startswith("its contact ratio is 0.")

@@ -327,8 +327,8 @@ def test_a_path_of_contact_without_the_pitch_point_is_warned_of(kernel: Kernel):
     ]
     assert warnings[0] == []
     assert len(warnings[1]) == 1
-    assert warnings[1][0].startswith("meshes.0: ")
-    assert "pitch point" in warnings[1][0]
+    assert (warnings[1][0].subject, warnings[1][0].index) == (MESH, 0)
+    assert "pitch point" in warnings[1][0].message
 
 
 def test_a_flank_against_the_sense_of_the_first_mesh_is_warned_of(kernel: Kernel):
@@ -336,8 +336,8 @@ def test_a_flank_against_the_sense_of_the_first_mesh_is_warned_of(kernel: Kernel
     assert Gearbox(kernel, wheels, loads, meshes).warnings() == []
     meshes[1].driving_rotation = -1
     (warning,) = Gearbox(kernel, wheels, loads, meshes).warnings()
-    assert warning.startswith("meshes.1: ")
-    assert "driving_rotation" in warning
+    assert (warning.subject, warning.index) == (MESH, 1)
+    assert "driving_rotation" in warning.message
 
 
 def test_law_parameters_are_checked_by_the_law_table(kernel: Kernel):

@@ -304,7 +304,7 @@ def test_a_warning_names_the_smallest_radius_of_curvature_at_either_end_of_the_p
     gearbox = pair.gearbox(kernel, (load(0, TORQUE, -2e4),))
     least = float(pair.rho_0 - max(pair.rho_tips))
     assert least < float(pair.rho_0 - min(pair.rho_tips))
-    (warning,) = [w for w in gearbox.warnings() if "contact strip" in w]
+    (warning,) = [w.message for w in gearbox.warnings() if "contact strip" in w.message]
     assert f"smallest radius of curvature {least:.6g}"[:42] in warning
 
 

@@ -60,7 +60,7 @@ typedef struct {
     int subject;                      /**< evl_subject: what the message is about */
     int index;                        /**< which wheel, mesh, load or shaft, from 0; -1 if none */
     char field[EVL_FIELD_LENGTH];     /**< name of the offending parameter as in the structs below; "" if none */
-    char message[EVL_MESSAGE_LENGTH]; /**< one sentence without a final newline; "" if code is EVL_OK */
+    char message[EVL_MESSAGE_LENGTH]; /**< one sentence without a final newline; "" if there is nothing to say */
 } evl_status;
 
 /* ---- description of a gearbox ---------------------------------------------------------------------------------------------- */
@@ -302,8 +302,9 @@ typedef struct {
 
 EVL_API void evl_gearbox_sizes(const evl_gearbox *gearbox, evl_sizes *sizes);
 
-/** Warning `index` (from 0) of the creation: something allowed, but worth knowing. @return its length; 0 if there is none. */
-EVL_API int evl_gearbox_warning(const evl_gearbox *gearbox, int index, char text[EVL_MESSAGE_LENGTH]);
+/** Warning `index` (from 0) of the creation: something allowed, but worth knowing. As an error it says what it is about by
+ *  subject, index and field; its code is EVL_OK. @return whether there is one */
+EVL_API bool evl_gearbox_warning(const evl_gearbox *gearbox, int index, evl_status *warning);
 
 typedef struct {
     double pitch_radius, base_radius,

@@ -1,0 +1,92 @@
+"""What is allowed but worth knowing: every warning names its part, wherever it is told."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+from designs import read_journal, write_design
+
+Evolvent = Callable[..., subprocess.CompletedProcess[str]]
+SHORT = ("simulation.duration=1e-4", "simulation.output_interval=1e-4")
+AGAINST = "its driving wheel turns against driving_rotation"
+
+# Each warning of the kernel: an example, what is changed in it, the part, how it begins.
+WARNINGS = {
+    "a thin tip": (
+        "spur-pair.yaml",
+        "wheels.pinion.thickness_allowance=-1.1e-3",
+        "wheels.pinion",
+        "the tooth is ",
+    ),
+    "contact lost in every pitch": (
+        "spur-pair.yaml",
+        "meshes.0.centre_distance=0.0845",
+        "meshes.pinion-gear",
+        "its contact ratio is 0.542453, less than 1",
+    ),
+    "a wide contact strip": (
+        "spur-pair.yaml",
+        "wheels.pinion.loads.0.value=-2e5",
+        "meshes.pinion-gear",
+        "under its load of about 7.46791E+06 N the contact strip is ",
+    ),
+    "no pitch point": (
+        "paper.yaml",
+        "wheels.gear.teeth=90",
+        "meshes.pinion-gear",
+        "its path of contact does not contain the pitch point",
+    ),
+    "a mesh against the first one": (
+        "two-stage.yaml",
+        "meshes.1.driving_rotation=clockwise",
+        "meshes.second",
+        AGAINST,
+    ),
+}
+
+
+def settings(*options: str) -> list[str]:
+    return [word for option in options for word in ("--set", option)]
+
+
+@pytest.mark.parametrize("warning", WARNINGS)
+def test_every_warning_names_its_part_as_errors_do(
+    evolvent: Evolvent, examples: Path, warning: str
+) -> None:
+    case, option, part, words = WARNINGS[warning]
+    options = [option, "meshes.0.pressure_angle=20"] if case == "paper.yaml" else [option]
+    result = evolvent("show", examples / case, "--json", *settings(*options))
+    (text,) = json.loads(result.stdout)["warnings"]
+    assert text.startswith(f"{part}: {words}")
+
+
+def test_every_command_tells_a_warning_in_the_same_words(
+    evolvent: Evolvent, examples: Path, tmp_path: Path
+) -> None:
+    option = "meshes.second.driving_rotation=clockwise"
+    case = (examples / "two-stage.yaml", *settings(option, *SHORT))
+    shown = evolvent("show", *case)
+    assert shown.returncode == 0
+    text = shown.stdout.split("\nWarnings\n  ")[1].rstrip("\n")
+    assert text.startswith(f"meshes.second: {AGAINST}")
+    assert json.loads(evolvent("show", *case, "--json").stdout)["warnings"] == [text]
+    for command in (("modes", "--at", "0"), ("run", "-o", "x.h5"), ("run", "-q", "-o", "x.h5")):
+        told = evolvent(command[0], *case, *command[1:])
+        assert told.returncode == 0
+        assert told.stderr.splitlines()[0] == f"evolvent: warning: {text}"
+    said = [line.removeprefix("evolvent: warning: ") for line in told.stderr.splitlines()]
+    assert said[1:] == ["the flanks of mesh 'second' never touched"]
+    with xr.open_dataset(tmp_path / "x.h5", engine="h5netcdf") as history:
+        assert history.attrs["warnings"] == text
+    base = (examples / "two-stage.yaml").read_text()
+    columns = {SHORT[0].split("=")[0]: [1e-4], SHORT[1].split("=")[0]: [1e-4]}
+    columns |= {"meshes.second.driving_rotation": ["clockwise"]}
+    design = write_design(tmp_path / "design.h5", columns, base, (0.0, 1e-4))
+    assert evolvent("batch", design, "-o", "r").returncode == 0
+    assert read_journal(tmp_path / "r/shard-1-of-1.jsonl").cases[0]["message"] == "; ".join(said)
