@@ -196,15 +196,9 @@ static bool simulate_prepared(const batch_plan *plan, long index, const prepared
                               evl_error *error)
 {
     evl_error refusal = {.code = EVL_EXIT_OK};
-    model_message model_refusal;
     dae_state state;
     double from = 0, to = 0;
-    if (!check_case(plan, prepared, &from, &to, &refusal)) {
-        refuse(plan, index, &refusal, row);
-        return true;
-    }
-    if (!model_initial_state(prepared->model, &state, &model_refusal)) {
-        prepare_refuse(prepared, &model_refusal, &refusal);
+    if (!check_case(plan, prepared, &from, &to, &refusal) || !prepare_start(prepared, &state, &refusal)) {
         refuse(plan, index, &refusal, row);
         return true;
     }

@@ -157,10 +157,32 @@ static const case_node *deepest(const case_node *block, const char *field)
     return block;
 }
 
-/** The block of a part of the case, and its label, which ends in a dot unless it is empty. */
-static const case_node *find_part(const case_file *file, case_subject subject, int index, int load, char **label)
+/** Where a wheel's speed or a mesh's gap at the start stands: by name in the block of the start. NULL if it is about neither. */
+static const case_node *find_start(const case_file *file, case_subject subject, int index, const char **field)
+{
+    const case_node *parts = node_get(file->root, subject == CASE_ABOUT_WHEEL ? "wheels" : "meshes");
+    const bool is_start = (subject == CASE_ABOUT_WHEEL && strcmp(*field, "speeds") == 0) ||
+                          (subject == CASE_ABOUT_MESH && strcmp(*field, "gaps") == 0);
+    const case_node *values =
+        is_start ? node_get(node_get(node_get(file->root, "simulation"), "initial"), *field) : NULL;
+    if (values != NULL) {
+        *field = node_get_text(parts->entries[index].value, "name");
+    }
+    return values;
+}
+
+/** The block of a part of the case, and its label, which ends in a dot unless it is empty.
+ *  @param[in,out] field  in that block */
+static const case_node *find_part(const case_file *file, case_subject subject, int index, int load, const char **field,
+                                  char **label)
 {
     const case_node *block = file->root;
+    const char *start = *field;
+    const case_node *values = find_start(file, subject, index, field);
+    if (values != NULL) {
+        *label = xasprintf("simulation.initial.%s.", start);
+        return values;
+    }
     *label = xstrdup("");
     switch (subject) {
     case CASE_ABOUT_NOTHING:
@@ -196,7 +218,7 @@ char *case_message(const case_file *file, case_subject subject, int index, int l
                    const char *message)
 {
     char *label;
-    (void)find_part(file, subject, index, load, &label);
+    (void)find_part(file, subject, index, load, &field, &label);
     char *name = xasprintf("%s%s", label, field);
     const size_t length = strlen(name);
     if (length > 0 && name[length - 1] == '.') {
@@ -212,9 +234,9 @@ void case_refuse(const case_file *file, case_subject subject, int index, int loa
                  const char *message, evl_error *error)
 {
     char *label, place[EVL_ERROR_PLACE_LENGTH];
-    const case_node *node = deepest(find_part(file, subject, index, load, &label), field);
-    place_text(file->path, node->place, place);
     char *text = case_message(file, subject, index, load, field, message);
+    const case_node *block = find_part(file, subject, index, load, &field, &label);
+    place_text(file->path, deepest(block, field)->place, place);
     evl_error_set(error, EVL_EXIT_CASE, place, "%s", text);
     free(text);
     free(label);

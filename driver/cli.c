@@ -43,7 +43,9 @@ static const command_row commands[] = {
      "case file"},
     {OF_SHOW, CLI_SHOW, "show", "CASE.yaml [--set PATH=VALUE]... [--json] | --laws | --keys",
      "print a case with its derived geometry",
-     "Prints the case with every default filled in and the geometry that follows from it. Nothing is integrated.\n"
+     "Prints the case with every default filled in and the geometry that follows from it. Nothing is integrated. Of a "
+     "case\n"
+     "that 'evolvent run' would refuse it prints what it can, and ends with the line and the exit code of 'run'.\n"
      "\n"
      "Examples:\n"
      "  evolvent show examples/paper.yaml\n"

@@ -37,10 +37,12 @@ static evl_exit show_command(const cli_options *options, evl_error *error)
         return (evl_exit)show_keys(stdout, model_laws());
     }
     prepared_case prepared;
-    if (!prepare_case(&prepared, options->case_path, options->n_set, options->set, error)) {
-        return error->code;
+    (void)prepare_to_show(&prepared, options->case_path, options->n_set, options->set, error);
+    int code = error->code;
+    if (prepared.file != NULL) {
+        const int shown = options->json ? show_json(stdout, &prepared, error) : show_text(stdout, &prepared);
+        code = shown != EVL_EXIT_OK ? shown : code;
     }
-    const int code = options->json ? show_json(stdout, &prepared) : show_text(stdout, &prepared);
     prepared_case_free(&prepared);
     return (evl_exit)code;
 }

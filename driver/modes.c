@@ -74,6 +74,10 @@ static bool read_time(const char *text, double *time, evl_error *error)
 static bool find_steady_state(const prepared_case *prepared, dae_state *state, evl_error *error)
 {
     model_message refusal;
+    if (!prepare_start(prepared, state, error)) { /* what cannot run has no modes either */
+        return false;
+    }
+    dae_state_free(state);
     if (model_steady_state(prepared->model, state, &refusal)) {
         return true;
     }
@@ -92,7 +96,6 @@ static bool find_state_at(const prepared_case *prepared, const char *at, double 
                           evl_error *error)
 {
     const double duration = case_description(prepared->file)->simulation.duration;
-    model_message refusal;
     if (time > duration) {
         char *place = xasprintf("--at %s", at);
         evl_error_set(error, EVL_EXIT_CASE, place,
@@ -100,8 +103,7 @@ static bool find_state_at(const prepared_case *prepared, const char *at, double 
         free(place);
         return false;
     }
-    if (!model_initial_state(prepared->model, state, &refusal)) {
-        prepare_refuse(prepared, &refusal, error);
+    if (!prepare_start(prepared, state, error)) {
         return false;
     }
     if (time > state->t && !move_to(prepared, time, state, error)) {

@@ -88,6 +88,25 @@ bool prepare_case(prepared_case *prepared, const char *path, int n_set, const ch
     return good;
 }
 
+bool prepare_to_show(prepared_case *prepared, const char *path, int n_set, const char *const *set, evl_error *error)
+{
+    dae_state state = {0};
+    *prepared = (prepared_case){.file = case_read(path, n_set, set, model_laws(), error)};
+    const bool good = prepared->file != NULL && make_model(prepared, error) && prepare_start(prepared, &state, error);
+    dae_state_free(&state);
+    return good;
+}
+
+bool prepare_start(const prepared_case *prepared, dae_state *state, evl_error *error)
+{
+    model_message refusal;
+    const bool good = model_initial_state(prepared->model, state, &refusal);
+    if (!good) {
+        prepare_refuse(prepared, &refusal, error);
+    }
+    return good;
+}
+
 bool prepare_edited(prepared_case *prepared, const case_base *base, int n_set, const char *const *set, evl_error *error)
 {
     model_delete(&prepared->model);

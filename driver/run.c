@@ -220,9 +220,7 @@ static void simulate_case(run *run, const char *path, dae_state *state, evl_erro
 static void run_prepared(run *run, const run_options *options, const char *path, evl_error *error)
 {
     dae_state state;
-    model_message refusal;
-    if (!model_initial_state(run->prepared.model, &state, &refusal)) {
-        prepare_refuse(&run->prepared, &refusal, error);
+    if (!prepare_start(&run->prepared, &state, error)) {
         return;
     }
     prepare_warn(&run->prepared);

@@ -5,6 +5,7 @@
 
 #include "case_schema.h"
 #include "json.h"
+#include "memory.h"
 #include "number.h"
 #include "show_deviations.h"
 #include "show_gears.h"
@@ -63,14 +64,11 @@ static void print_indented(FILE *stream, const char *text)
     }
 }
 
-int show_text(FILE *stream, const prepared_case *prepared)
+static void print_model(FILE *stream, const prepared_case *prepared)
 {
-    const case_file *file = prepared->file;
     const model *model = prepared->model;
-    const description *description = case_description(file);
+    const description *description = case_description(prepared->file);
     model_quantity rows[MODEL_MOST_ROWS];
-    fprintf(stream, "Case %s, with all defaults (angles in degrees)\n\n", case_path(file));
-    print_indented(stream, case_text(file));
     for (int i = 0; i < description->n_wheels; i++) {
         fprintf(stream, "\nWheel %s\n", description->wheels[i].name);
         print_rows(stream, model_wheel_geometry(model, i, rows), rows);
@@ -85,6 +83,15 @@ int show_text(FILE *stream, const prepared_case *prepared)
         char *text = prepare_warning(prepared, i);
         fprintf(stream, "%s  %s\n", i == 0 ? "\nWarnings\n" : "", text);
         free(text);
+    }
+}
+
+int show_text(FILE *stream, const prepared_case *prepared)
+{
+    fprintf(stream, "Case %s, with all defaults (angles in degrees)\n\n", case_path(prepared->file));
+    print_indented(stream, case_text(prepared->file));
+    if (prepared->model != NULL) {
+        print_model(stream, prepared);
     }
     return finish(stream);
 }
@@ -125,37 +132,46 @@ static void write_rows(json_writer *writer, const char *key, int n, const model_
     json_close(writer, '}');
 }
 
-int show_json(FILE *stream, const prepared_case *prepared)
+static void write_model(json_writer *writer, const prepared_case *prepared)
 {
-    const case_file *file = prepared->file;
     const model *model = prepared->model;
-    const description *description = case_description(file);
+    const description *description = case_description(prepared->file);
     model_quantity rows[MODEL_MOST_ROWS], gear_rows[MODEL_MOST_ROWS];
-    json_writer writer = {.stream = stream};
-    json_open(&writer, NULL, '{');
-    json_text(&writer, "path", case_path(file));
-    write_node(&writer, "case", case_root(file));
-    json_open(&writer, "wheels", '{');
+    json_open(writer, "wheels", '{');
     for (int i = 0; i < description->n_wheels; i++) {
         const int n = model_wheel_geometry(model, i, rows), n_gear = model_gear(model, i, gear_rows);
-        write_rows(&writer, description->wheels[i].name, n, rows, n_gear, gear_rows);
+        write_rows(writer, description->wheels[i].name, n, rows, n_gear, gear_rows);
     }
-    json_close(&writer, '}');
-    json_open(&writer, "meshes", '{');
+    json_close(writer, '}');
+    json_open(writer, "meshes", '{');
     for (int i = 0; i < description->n_meshes; i++) {
         const int n = model_mesh_geometry(model, i, rows), n_gear = model_gear_mesh(model, i, gear_rows);
-        write_rows(&writer, description->meshes[i].name, n, rows, n_gear, gear_rows);
+        write_rows(writer, description->meshes[i].name, n, rows, n_gear, gear_rows);
     }
-    json_close(&writer, '}');
-    write_deviations(&writer, description, model);
-    json_open(&writer, "warnings", '[');
+    json_close(writer, '}');
+    write_deviations(writer, description, model);
+    json_open(writer, "warnings", '[');
     for (int i = 0; i < model_n_warnings(model); i++) {
         char *text = prepare_warning(prepared, i);
-        json_text(&writer, NULL, text);
+        json_text(writer, NULL, text);
         free(text);
     }
-    json_close(&writer, ']');
+    json_close(writer, ']');
+}
+
+int show_json(FILE *stream, const prepared_case *prepared, const evl_error *refusal)
+{
+    json_writer writer = {.stream = stream};
+    json_open(&writer, NULL, '{');
+    json_text(&writer, "path", case_path(prepared->file));
+    write_node(&writer, "case", case_root(prepared->file));
+    if (prepared->model != NULL) {
+        write_model(&writer, prepared);
+    }
+    char *line = refusal->code == EVL_EXIT_OK ? xstrdup("") : xasprintf("%s: %s", refusal->place, refusal->message);
+    json_text(&writer, "refusal", line);
     json_close(&writer, '}');
+    free(line);
     return finish(stream);
 }
 

@@ -371,12 +371,6 @@ def test_a_path_without_a_case_is_named(
     assert reason in line
 
 
-def test_show_refuses_what_run_refuses(evolvent: Evolvent, examples: Path, tmp_path: Path) -> None:
-    arguments = (examples / "paper.yaml", "--set", "wheels.pinion.teeth=-3")
-    shown = refused(evolvent("show", *arguments), CASE, tmp_path)
-    assert shown == refused(evolvent("run", *arguments), CASE, tmp_path)
-
-
 def test_the_case_in_a_history_gives_the_same_run(
     evolvent: Evolvent, examples: Path, tmp_path: Path
 ) -> None:

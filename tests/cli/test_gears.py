@@ -16,37 +16,6 @@ Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 CASE = 3
 
 
-@pytest.fixture
-def reference_case() -> dict[str, Any]:
-    """Make the pair 12/40 of module 2 mm, whose values the program was given to meet."""
-    gears = (("pinion", 12, 0.3, 0.028), ("gear", 40, -0.1, 0.0832))
-    return {
-        "format": 1,
-        "materials": {"steel": {"youngs_modulus": 2e11, "poisson_ratio": 0.3, "density": 7800}},
-        "wheels": [
-            {
-                **{"name": name, "teeth": teeth, "module": 0.002, "profile_shift": shift},
-                **{"tip_diameter": tip, "width": 0.02, "material": "steel"},
-            }
-            for name, teeth, shift, tip in gears
-        ],
-        "meshes": [
-            {
-                **{"driving": "pinion", "driven": "gear", "driving_rotation": "clockwise"},
-                "centre_line_angle": 0,
-            }
-        ],
-        "simulation": {"duration": 1, "output_interval": 0.1},
-    }
-
-
-@pytest.fixture
-def reference(reference_case: dict[str, Any], tmp_path: Path) -> Path:
-    path = tmp_path / "reference.yaml"
-    path.write_text(json.dumps(reference_case, indent=1))
-    return path
-
-
 def shown(evolvent: Evolvent, case: Path, *options: str) -> dict[str, Any]:
     words = [word for option in options for word in ("--set", option)]
     result = evolvent("show", case, "--json", *words)
@@ -56,7 +25,7 @@ def shown(evolvent: Evolvent, case: Path, *options: str) -> dict[str, Any]:
 
 def refused(evolvent: Evolvent, case: Path, *options: str) -> str:
     words = [word for option in options for word in ("--set", option)]
-    result = evolvent("show", case, *words)
+    result = evolvent("run", case, *words)
     assert result.returncode == CASE
     assert result.stdout == ""
     assert result.stderr.count("\n") == 1
