@@ -1,5 +1,6 @@
 #include "batch.h"
 
+#include "batch_check.h"
 #include "batch_pool.h"
 #include "batch_todo.h"
 #include "interrupt.h"
@@ -197,10 +198,12 @@ static evl_exit summarise(const shard_run *run, double seconds)
     for (long i = 0; i < n; i++) {
         counts[run->state.status[run->plan.first_case + i * run->plan.stride]]++;
     }
-    log_note("shard %d of %d: %ld cases, %ld done, %ld failed, %ld refused; %ld of them now, in %.3g s: %s.jsonl",
-             run->share.shard, run->share.n_shards, n, counts[JOURNAL_DONE], counts[JOURNAL_FAILED],
+    const long bad = counts[JOURNAL_FAILED] + counts[JOURNAL_REFUSED];
+    log_note("shard %d of %d: %ld cases, %ld done, %ld did not finish (%ld failed, %ld refused); %ld of them now, in "
+             "%.3g s: %s.jsonl",
+             run->share.shard, run->share.n_shards, n, counts[JOURNAL_DONE], bad, counts[JOURNAL_FAILED],
              counts[JOURNAL_REFUSED], run->state.n_finished, seconds, run->stem);
-    return counts[JOURNAL_FAILED] + counts[JOURNAL_REFUSED] > 0 ? EVL_EXIT_PARTIAL : EVL_EXIT_OK;
+    return bad > 0 ? EVL_EXIT_PARTIAL : EVL_EXIT_OK;
 }
 
 /** With the lock held. */
@@ -227,8 +230,6 @@ static evl_exit run_shard(shard_run *run, evl_error *error)
 {
     file_lock lock;
     evl_exit code = EVL_EXIT_OK;
-    run->plan.first_case = run->share.shard - 1;
-    run->plan.stride = run->share.n_shards;
     run->state.journal.descriptor = -1;
     run->stem = xasprintf("%s/shard-%d-of-%d", run->options->folder, run->share.shard, run->share.n_shards);
     char *lock_path = xasprintf("%s.lock", run->stem);
@@ -256,7 +257,9 @@ evl_exit batch(const batch_options *options, evl_error *error)
     }
     evl_exit code = EVL_EXIT_CASE;
     if (batch_plan_init(&run.plan, run.design, error)) {
-        code = run_shard(&run, error);
+        run.plan.first_case = run.share.shard - 1;
+        run.plan.stride = run.share.n_shards;
+        code = options->check ? batch_check(&run.plan, error) : run_shard(&run, error);
         batch_plan_free(&run.plan);
     }
     design_delete(&run.design);

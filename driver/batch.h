@@ -12,10 +12,11 @@ typedef struct {
     const char *jobs;  /**< number of workers; NULL: 1 */
     const char *cases; /**< file with the numbers of the only cases to run; NULL: all that are not recorded */
     bool resume;       /**< go on with a journal that has rows already */
+    bool check;        /**< only say which cases would be refused; `shard` alone goes with it */
     bool show_progress;
 } batch_options;
 
-/** Run the shard. Progress and a summary go to the log.
+/** Run the shard, or check it. Progress and a summary go to the log.
  *  @return EVL_EXIT_OK, or the code of `error`; EVL_EXIT_PARTIAL, with no error, if cases of the shard failed or were refused */
 evl_exit batch(const batch_options *options, evl_error *error);
 

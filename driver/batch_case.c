@@ -47,11 +47,9 @@ void batch_case_lost(const batch_plan *plan, long index, const char *message, ba
     write_row(plan, index, JOURNAL_FAILED, message, NULL, row);
 }
 
-static void refuse(const batch_plan *plan, long index, const evl_error *refusal, batch_row *row)
+char *batch_case_refusal(const evl_error *refusal)
 {
-    char *message = xasprintf("%s: %s", refusal->place, refusal->message);
-    write_row(plan, index, JOURNAL_REFUSED, message, NULL, row);
-    free(message);
+    return xasprintf("%s: %s", refusal->place, refusal->message);
 }
 
 /* ---- what a case has to have ---- */
@@ -192,41 +190,47 @@ static void conclude(const batch_sink *sink, const prepared_case *prepared, long
     free(results);
 }
 
-static bool simulate_prepared(const batch_plan *plan, long index, const prepared_case *prepared, batch_row *row,
-                              evl_error *error)
+static bool simulate_prepared(const batch_plan *plan, long index, const prepared_case *prepared, batch_start *start,
+                              batch_row *row, evl_error *error)
 {
-    evl_error refusal = {.code = EVL_EXIT_OK};
-    dae_state state;
-    double from = 0, to = 0;
-    if (!check_case(plan, prepared, &from, &to, &refusal) || !prepare_start(prepared, &state, &refusal)) {
-        refuse(plan, index, &refusal, row);
-        return true;
-    }
     const double interval = case_description(prepared->file)->simulation.output_interval;
-    batch_sink batch = {.plan = plan,
-                        .statistics = statistics_create(&plan->table, prepared->model, from, to, interval)};
+    batch_sink batch = {
+        .plan = plan, .statistics = statistics_create(&plan->table, prepared->model, start->from, start->to, interval)};
     start_history(&batch, prepared->model);
     const simulate_sink sink = {.self = &batch, .outputs = on_outputs, .event = on_event};
     simulate_result result;
     progress progress;
     progress_start(&progress, false, 0, 1);
-    simulate(prepared, &sink, &progress, &state, &result);
+    simulate(prepared, &sink, &progress, &start->state, &result);
     conclude(&batch, prepared, index, &result, row);
     const bool good = batch.history == NULL ||
                       stack_write(&plan->stack, (index - plan->first_case) / plan->stride, batch.history, error);
     statistics_delete(&batch.statistics);
     free(batch.history);
     free(batch.offsets);
-    dae_state_free(&state);
     return good;
+}
+
+bool batch_case_prepare(const batch_plan *plan, long index, prepared_case *prepared, batch_start *start,
+                        evl_error *refusal)
+{
+    *start = (batch_start){.from = 0};
+    return batch_prepare(plan, index, prepared, refusal) &&
+           check_case(plan, prepared, &start->from, &start->to, refusal) &&
+           prepare_start(prepared, &start->state, refusal);
 }
 
 bool batch_case_run(const batch_plan *plan, long index, prepared_case *prepared, batch_row *row, evl_error *error)
 {
     evl_error refusal;
-    if (!batch_prepare(plan, index, prepared, &refusal)) {
-        refuse(plan, index, &refusal, row);
+    batch_start start;
+    if (!batch_case_prepare(plan, index, prepared, &start, &refusal)) {
+        char *message = batch_case_refusal(&refusal);
+        write_row(plan, index, JOURNAL_REFUSED, message, NULL, row);
+        free(message);
         return true;
     }
-    return simulate_prepared(plan, index, prepared, row, error);
+    const bool good = simulate_prepared(plan, index, prepared, &start, row, error);
+    dae_state_free(&start.state);
+    return good;
 }

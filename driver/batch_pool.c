@@ -55,8 +55,8 @@ static void show_progress(const pool *pool, double now)
                        seconds < 3600 ? seconds : seconds / 3600);
     }
     char text[200];
-    (void)snprintf(text, sizeof text, "%ld of %ld done, %ld of them failed or refused, %.3g a second%s",
-                   state->n_finished, state->n_todo, pool->n_bad, rate, left);
+    (void)snprintf(text, sizeof text, "%ld of %ld done, %ld of them did not finish, %.3g a second%s", state->n_finished,
+                   state->n_todo, pool->n_bad, rate, left);
     if (pool->is_terminal) {
         fprintf(stderr, "\r%s\x1b[K", text);
         (void)fflush(stderr);

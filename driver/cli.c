@@ -62,7 +62,8 @@ static const command_row commands[] = {
      "  evolvent modes examples/paper.yaml\n"
      "  evolvent modes examples/paper-friction.yaml --at 0.5 --json\n",
      "case file"},
-    {OF_BATCH, CLI_BATCH, "batch", "DESIGN.h5 -o DIR [--shard I/N] [--jobs J] [--resume] [--cases FILE] [-q]",
+    {OF_BATCH, CLI_BATCH, "batch",
+     "DESIGN.h5 -o DIR [--shard I/N] [--jobs J] [--resume] [--cases FILE] [-q] | --check [--shard I/N]",
      "run the cases of a design, or a share of them",
      "Runs the cases of a design, which 'evolvent-sweep plan' writes: a base case, and a table of the values that "
      "make\n"
@@ -74,7 +75,8 @@ static const command_row commands[] = {
      "\n"
      "Examples:\n"
      "  evolvent batch design.h5 -o results --jobs 2\n"
-     "  evolvent batch design.h5 -o results --shard 3/8 --resume      of 8 shares the third, as a job of an array\n",
+     "  evolvent batch design.h5 -o results --shard 3/8 --resume      of 8 shares the third, as a job of an array\n"
+     "  evolvent batch design.h5 --check                               which cases would be refused; nothing is run\n",
      "design"},
 };
 enum { N_COMMANDS = sizeof commands / sizeof *commands };
@@ -98,6 +100,8 @@ static const option_row option_rows[] = {
      "only the cases i with i mod N = I - 1; 1/1 if not given"},
     {OF_BATCH, 'j', "jobs", "J", offsetof(cli_options, jobs), "number of processes that run cases; 1 if not given"},
     {OF_BATCH, 0, "resume", NULL, offsetof(cli_options, resume), "go on: run the cases that are not recorded yet"},
+    {OF_BATCH, 0, "check", NULL, offsetof(cli_options, check),
+     "run nothing: only say, as JSON, which cases would be refused and why"},
     {OF_BATCH, 0, "cases", "FILE", offsetof(cli_options, cases),
      "run these cases, one number a line, recorded or not; the later record counts"},
     {OF_RUN | OF_SHOW | OF_MODES, 0, "set", "PATH=VALUE", offsetof(cli_options, set),
@@ -329,7 +333,13 @@ static bool check_words(cli_options *options, const command_row *command)
         misuse(options, command, "'%s' needs a %s", command->name, command->file);
         return false;
     }
-    if (command->mask == OF_BATCH && options->output == NULL) {
+    if (options->check &&
+        (options->output != NULL || options->jobs != NULL || options->cases != NULL || options->resume)) {
+        misuse(options, command,
+               "option '--check' runs nothing: of the others only '--shard' and '--quiet' go with it");
+        return false;
+    }
+    if (command->mask == OF_BATCH && options->output == NULL && !options->check) {
         misuse(options, command, "'%s' needs a folder: -o DIR", command->name);
         return false;
     }

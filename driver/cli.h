@@ -15,7 +15,7 @@ typedef struct {
     const char *shard, *jobs, *cases;
     int n_set;
     const char **set; /**< [n_set] "PATH=VALUE", in their order */
-    bool quiet, json, laws, keys, resume;
+    bool quiet, json, laws, keys, resume, check;
     bool help, version;
 } cli_options;
 

@@ -66,6 +66,7 @@ static evl_exit batch_command(const cli_options *options, evl_error *error)
                                     .jobs = options->jobs,
                                     .cases = options->cases,
                                     .resume = options->resume,
+                                    .check = options->check,
                                     .show_progress = !options->quiet};
     log_set_quiet(options->quiet);
     interrupt_install();

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import pty
 import re
@@ -33,6 +34,49 @@ def design(tmp_path: Path) -> Path:
     return write_design(tmp_path / "design.h5", TORQUES)
 
 
+# ---- which cases would be refused ----------------------------------------------------------------
+
+
+def test_a_check_tells_what_a_run_would_refuse_in_its_words_and_writes_nothing(
+    evolvent: Evolvent, tmp_path: Path
+) -> None:
+    columns = {
+        TORQUE: [-1.0, 2.0, -1.0, OVERLOAD, -1.0],
+        "wheels.pinion.teeth": [20, 20, 2, 20, 20],
+        "simulation.duration": [0.02, 0.02, 0.02, 0.02, 0.001],
+    }
+    base = paper_case().replace("kind: rest", "kind: steady")
+    assert base != paper_case()
+    design = write_design(tmp_path / "design.h5", columns, base, window=(0.01, 0.02))
+    checked = evolvent("batch", design, "--check")
+    assert (checked.returncode, checked.stderr) == (1, "")
+    assert [path.name for path in tmp_path.iterdir()] == ["design.h5"]
+    *lines, last = [json.loads(line) for line in checked.stdout.splitlines()]
+    assert evolvent("batch", design, "-o", "r").returncode == 1
+    rows = read_journal(tmp_path / JOURNAL).cases
+    refused = {case: row["message"] for case, row in rows.items() if row["status"] == "refused"}
+    assert {line["case"]: line["message"] for line in lines} == refused
+    assert sorted(refused) == [1, 2, 3, 4]
+    assert last == {"checked": 5, "refused": 4, "shortest": 0.02}
+
+
+def test_a_check_goes_by_shards_and_without_refusals_its_code_is_0(
+    evolvent: Evolvent, design: Path
+) -> None:
+    result = evolvent("batch", design, "--check", "--shard", "2/4")
+    assert result.returncode == 0
+    assert json.loads(result.stdout) == {"checked": 2, "refused": 0, "shortest": 0.02}
+
+
+@pytest.mark.parametrize("words", [("-o", "r"), ("--jobs", "2"), ("--resume",), ("--cases", "x")])
+def test_a_check_has_no_options_of_a_run(
+    evolvent: Evolvent, design: Path, words: tuple[str, ...]
+) -> None:
+    result = evolvent("batch", design, "--check", *words)
+    assert result.returncode == 2
+    assert "'--check' runs nothing" in result.stderr
+
+
 # ---- what is recorded ----------------------------------------------------------------------------
 
 
@@ -43,7 +87,7 @@ def test_each_case_is_a_line_with_its_status_and_reason(evolvent: Evolvent, tmp_
     )
     result = evolvent("batch", design, "-o", "r")
     assert result.returncode == 1, result.stderr
-    assert "4 cases, 1 done, 1 failed, 2 refused" in result.stderr
+    assert "4 cases, 1 done, 3 did not finish (1 failed, 2 refused)" in result.stderr
     rows = read_journal(tmp_path / JOURNAL).cases
     assert [rows[i]["status"] for i in range(4)] == ["done", "failed", "refused", "refused"]
     assert [rows[i]["exit"] for i in range(4)] == [0, 4, 3, 3]
@@ -471,16 +515,6 @@ def test_misuse_is_told(evolvent: Evolvent, design: Path, arguments: list[str], 
     assert said in result.stderr
 
 
-def test_the_examples_of_its_help_work(evolvent: Evolvent, design: Path) -> None:
-    text = evolvent("batch", "--help").stdout
-    assert text.startswith("Usage: evolvent batch DESIGN.h5 -o DIR ")
-    lines = re.findall(r"^  evolvent (batch .*?)(?:  .*)?$", text, re.MULTILINE)
-    assert len(lines) == 2
-    for line in lines:
-        assert evolvent(*line.split()).returncode == 0, line
-    assert design.name in lines[0]
-
-
 def test_a_folder_is_needed(evolvent: Evolvent, design: Path) -> None:
     result = evolvent("batch", design)
     assert result.returncode == 2
@@ -535,7 +569,7 @@ def test_a_terminal_shows_each_second_how_far_a_batch_is(executable: Path, tmp_p
         process.terminate()
     end = os.read(ours, 4096).decode()
     os.close(ours)
-    assert re.match(r"\r2 of 3 done, 1 of them failed or refused, \S+ a second, \S+ s left", shown)
+    assert re.match(r"\r2 of 3 done, 1 of them did not finish, \S+ a second, \S+ s left", shown)
     assert end.startswith("\r\x1b[K")  # the line is wiped before the message
     assert "interrupted by SIGTERM; 2 of 3 cases were finished, --resume runs the others" in end
 

@@ -90,20 +90,6 @@ def test_help_of_a_command_has_an_example_and_its_options(evolvent: Evolvent, co
         assert re.search(rf"^ +.*{option}\b", result.stdout.split("Options:")[1], re.MULTILINE)
 
 
-@pytest.mark.parametrize("command", COMMANDS)
-def test_examples_in_the_help_work(
-    evolvent: Evolvent, root: Path, tmp_path: Path, command: str
-) -> None:
-    (tmp_path / "examples").symlink_to(root / "examples")
-    text = evolvent(command, "--help").stdout
-    lines = re.findall(rf"^  evolvent ({command} .*)$", text, re.MULTILINE)
-    assert lines
-    for line in lines:
-        words = line.split()
-        result = evolvent(*words, *(SHORT if command == "run" else ()))
-        assert result.returncode == 0, result.stderr
-
-
 def test_help_wins_over_a_missing_case(evolvent: Evolvent) -> None:
     assert evolvent("run", "no-such-case.yaml", "--help").returncode == 0
 

@@ -140,7 +140,7 @@ def test_an_array_with_failing_cases_is_collected_and_goes_on_with_what_is_missi
     assert [i for i in range(n) if status[i] == 3] == sorted(braked)
     assert status.count(1) == n - 7
     log = Path("d/slurm/collect.log").read_text()
-    assert "summary.h5: 40 cases: 33 done, 7 failed, 0 missing" in log
+    assert "summary.h5: 40 cases: 33 done, 7 did not finish (4 failed, 3 refused), 0 missing" in log
 
     code, out, _ = slurm_sweep(*command)
     assert (code, out) == (0, "d: all 40 cases are recorded; there is nothing to run\n")
@@ -159,7 +159,9 @@ def test_an_array_with_failing_cases_is_collected_and_goes_on_with_what_is_missi
     now = recorded(Path("d"))
     assert sorted(now) == list(range(n))  # each once: what was recorded was not run again
     log = Path("d/slurm/collect.log").read_text()
-    assert log.count("40 cases: 33 done, 7 failed, 0 missing") == 2  # appended
+    assert (
+        log.count("40 cases: 33 done, 7 did not finish (4 failed, 3 refused), 0 missing") == 2
+    )  # appended
 
 
 def long_design(slurm_sweep, tmp_path) -> int:
@@ -200,7 +202,10 @@ def assert_continued(first: list[int], n: int) -> None:
     assert recorded(Path("d"))[: len(first)] == first
     assert sorted(recorded(Path("d"))) == list(range(n))
     assert not is_locked(Path("d"), shards_of(Path("d"))[0])
-    assert f"{n} cases: {n} done, 0 failed, 0 missing" in Path("d/slurm/collect.log").read_text()
+    assert (
+        f"{n} cases: {n} done, 0 did not finish, 0 missing"
+        in Path("d/slurm/collect.log").read_text()
+    )
 
 
 def test_a_preempted_shard_is_requeued_and_continues(slurm_sweep, tmp_path):

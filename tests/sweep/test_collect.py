@@ -16,6 +16,7 @@ from sweeps import BEGAN, failed, header, make_design, row, write_histories, wri
 from evolvent.sweep.collect import collect
 from evolvent.sweep.design import write_design
 from evolvent.sweep.errors import SweepError
+from evolvent.sweep.journal import Counts
 
 
 def opened(path, **options) -> xr.Dataset:
@@ -28,7 +29,7 @@ def test_a_summary_has_parameters_results_and_status_of_every_case(tmp_path):
     design = make_design({"load": [1.0, 2.0, 3.0, 4.0], "teeth": [20, 21, 22, 23], "law": laws})
     write_journal(tmp_path / "d", design, [row(2), failed(1), row(0)])
     found = collect(tmp_path / "d", design, tmp_path / "s.h5")
-    assert (found.done, found.failed, found.holes.tolist()) == (2, 1, [3])
+    assert (found.counts, found.holes.tolist()) == (Counts(2, 1, 0, 1), [3])
     summary = opened(tmp_path / "s.h5")
     assert summary["case"].values.tolist() == [0, 1, 2, 3]
     assert summary["load"].values.tolist() == [1.0, 2.0, 3.0, 4.0]
@@ -67,7 +68,7 @@ def test_lines_that_were_cut_off_do_not_count(tmp_path):
     # Cut off, then terminated by a resumed run; and the last line without its newline.
     path.write_text(whole + torn[:40] + "\n" + json.dumps(row(2)) + "\n" + torn)
     found = collect(tmp_path / "d", design, tmp_path / "s.h5")
-    assert (found.done, found.torn, found.holes.tolist()) == (3, 2, [3, 4])
+    assert (found.counts.done, found.torn, found.holes.tolist()) == (3, 2, [3, 4])
 
 
 @pytest.mark.parametrize("cut", range(0, 60, 7))
@@ -76,7 +77,7 @@ def test_a_journal_may_end_anywhere(tmp_path, cut):
     path = write_journal(tmp_path / "d", design, [row(0), row(1)])
     path.write_bytes(path.read_bytes()[: len(path.read_bytes()) - cut])
     found = collect(tmp_path / "d", design, tmp_path / "s.h5")
-    assert found.done == (2 if cut == 0 else 1)
+    assert found.counts.done == (2 if cut == 0 else 1)
     assert found.torn == (0 if cut == 0 else 1)
 
 
@@ -210,7 +211,7 @@ def test_holes_and_repeated_cases_are_told_by_number_and_are_no_error(sweep, tmp
     code, out, err = sweep("collect", "d", "-o", "s.h5")
     assert (code, err) == (0, "")
     assert out.splitlines() == [
-        "s.h5: 40 cases: 35 done, 0 failed, 5 missing",
+        "s.h5: 40 cases: 35 done, 0 did not finish, 5 missing",
         "missing: 3, 7-9, 39",
         "recorded more than once, the latest counts: 5",
     ]

@@ -66,7 +66,7 @@ def summary(sweep, design, tmp_path):
 @pytest.fixture
 def reference(sweep, design, summary) -> xr.Dataset:
     code, out, _ = sweep("run", design, "-o", "reference", "--jobs", "1")
-    assert (code, out) == (0, "reference: 24 cases: 24 done, 0 failed\n")
+    assert (code, out) == (0, "reference: 24 cases: 24 done, 0 did not finish, 0 missing\n")
     return summary("reference")
 
 
@@ -233,7 +233,7 @@ def test_a_folder_that_was_begun_in_four_shards_is_finished_in_four(sweep, desig
     command = [executable, "batch", design, "-o", "d", "--shard", "2/4"]
     assert subprocess.run(command, capture_output=True, check=False).returncode == 0
     code, out, _ = sweep("run", design, "-o", "d")
-    assert (code, out) == (0, "d: 24 cases: 24 done, 0 failed\n")
+    assert (code, out) == (0, "d: 24 cases: 24 done, 0 did not finish, 0 missing\n")
     rows = [path.read_bytes().count(b'"case":') for path in sorted(Path("d").glob("*.jsonl"))]
     assert rows == [6, 6, 6, 6]
 
@@ -253,10 +253,11 @@ parameters:
 def failing(sweep, tmp_path) -> Path:
     """A design of 6 cases of which those with a negative brake are refused."""
     (tmp_path / "failing.yaml").write_text(FAILING)
-    assert sweep("plan", "failing.yaml", "-o", "failing.h5")[0] == 3
+    assert sweep("plan", "failing.yaml", "-o", "failing.h5")[0] == 1
     code, _, err = sweep("plan", "failing.yaml", "-o", "failing.h5", "--keep-refused")
     assert code == 0
-    assert "case 1: --set wheels.gear.loads.0.coefficient=-5" in err
+    assert "2 of 6 cases would be refused" in err
+    assert "2 x --set wheels.gear.loads.0.coefficient=-5" in err
     return tmp_path / "failing.h5"
 
 
@@ -264,8 +265,8 @@ def test_cases_that_fail_are_rows_with_their_reason_and_code_1(sweep, failing):
     code, out, _ = sweep("run", failing, "-o", "d")
     assert code == 1
     assert out.splitlines() == [
-        "d: 6 cases: 4 done, 2 failed",
-        "why they failed: evolvent-sweep status d",
+        "d: 6 cases: 4 done, 2 did not finish (0 failed, 2 refused), 0 missing",
+        "why they did not finish: evolvent-sweep status d",
     ]
     out = sweep("status", "d")[1]
     assert re.search(r"2 x .*wheels\.gear.*coefficient.*\(case 1\)", out)

@@ -13,6 +13,7 @@ import pandas as pd
 import pytest
 from sweeps import PAPER
 
+from evolvent.sweep import check
 from evolvent.sweep.design import read_design
 from evolvent.sweep.errors import SweepError
 from evolvent.sweep.sampling import columns
@@ -247,6 +248,7 @@ def test_a_design_holds_the_case_the_columns_and_the_settings(sweep, tmp_path):
     code, out, err = sweep("plan", path, "-o", "d.h5", "--keep-refused")
     assert (code, out) == (0, "d.h5: 2 cases\n")
     assert "linear_of_hertz" in err
+    assert sweep("plan", path, "-o", "d.h5") == (1, out, err)
     with h5py.File("d.h5") as file:
         assert file.attrs["evolvent_design_format"] == 1
         assert file.attrs["case"] == PAPER.read_text()
@@ -270,17 +272,67 @@ def test_a_design_holds_the_case_the_columns_and_the_settings(sweep, tmp_path):
 @pytest.mark.parametrize(
     ("parameter", "message"),
     [
-        ("{path: wheels.pinion.teth, values: [20, 21]}", "unknown key 'teth'"),
+        ("{path: wheels.pinion.teth, values: [20, 21]}", "no key 'teth' (did you mean 'teeth'?)"),
         ("{path: wheels.wheel.teeth, values: [20, 21]}", "wheel"),
-        (f"{{path: {FRICTION}, values: [0.1, -0.1, 0.2]}}", "case 1: --set"),
+        (
+            f"{{path: {FRICTION}, values: [-0.2, -0.1]}}",
+            "all 2 cases would be refused; case 0: --set",
+        ),
         (f"{{path: {LOAD}, values: [a, b]}}", "must be a number"),
     ],
 )
-def test_a_path_or_value_that_the_case_does_not_take_is_code_3(sweep, tmp_path, parameter, message):
+def test_a_path_that_no_case_has_or_no_case_that_is_taken_is_code_3(
+    sweep, tmp_path, parameter, message
+):
     code, out, err = sweep("plan", write_plan(tmp_path, f"- {parameter}"))
     assert (code, out) == (3, "")
     assert message in err
     assert not (tmp_path / "sweep.h5").exists()
+
+
+def test_every_case_is_asked_about_and_those_that_would_be_refused_are_counted_by_reason(
+    sweep, tmp_path
+):
+    """A start that does not exist is found, and a value between the extremes of its column."""
+    n, pulled, braked = 40, (3, 4, 30), (7,)
+    loads = [5.0 + i if i in pulled else -1.0 - i for i in range(n)]
+    brakes = [-5.0 if i in braked else 10.0 for i in range(n)]
+    loads[20], brakes[20] = 100.0, -10.0  # a value is refused before its start
+    path = write_plan(
+        tmp_path,
+        f"- {{path: {LOAD}, name: load, values: {loads}}}\n"
+        f"- {{path: wheels.gear.loads.0.coefficient, name: brake, values: {brakes}}}\n"
+        "- {path: simulation.initial.kind, value: steady}",
+    )
+    code, out, err = sweep("plan", path, "-o", "d.h5")
+    assert (code, out) == (1, f"d.h5: {n} cases\n")
+    head, pulls, values = err.splitlines()
+    assert head == f"evolvent-sweep: {path}: 5 of 40 cases would be refused:"
+    assert pulls.startswith(f"  3 x {PAPER}:")
+    assert pulls.endswith("(first case 3: load = 8, brake = 10, simulation_initial_kind = steady)")
+    assert values.startswith("  2 x --set wheels.gear.loads.0.coefficient=-5")
+    assert "(first case 7: load = -8, brake = -5" in values
+    refused = sorted((*pulled, *braked, 20))
+    assert sweep("run", "d.h5", "-o", "d")[0] == 1  # as many, in the same words
+    out = sweep("status", "d")[1]
+    assert re.search(r"35 +done\s+5 +did not finish \(0 failed, 5 refused\)", out)
+    rows = [json.loads(line) for line in Path("d/shard-1-of-1.jsonl").read_text().splitlines()[1:]]
+    assert sorted(row["case"] for row in rows if row["status"] == "refused") == refused
+
+
+def test_many_cases_are_asked_about_by_several_processes(sweep, tmp_path, monkeypatch):
+    monkeypatch.setattr(check, "A_PROCESS", 5)
+    monkeypatch.setenv("SLURM_CPUS_PER_TASK", "3")
+    values = [-0.1 if i % 4 == 1 else 0.1 for i in range(17)]
+    path = write_plan(tmp_path, f"- {{path: {FRICTION}, values: {values}}}")
+    code, out, err = sweep("plan", path, "-o", "d.h5", "--dry-run")
+    assert (code, "4 of 17 cases would be refused" in err, "(first case 1:" in err) == (
+        1,
+        True,
+        True,
+    )
+    assert "17 cases by list" in out
+    assert not Path("d.h5").exists()
 
 
 def test_a_window_beyond_the_end_is_refused(sweep, tmp_path):
@@ -347,7 +399,10 @@ def test_a_design_of_another_program_needs_no_more_than_the_batch_does(sweep, ex
         )
         file["parameters/p0"] = [0.01, 0.02]
         file["parameters/p0"].attrs["path"] = "simulation.duration"
-    assert sweep("run", "d.h5", "-o", "d")[:2] == (0, "d: 2 cases: 2 done, 0 failed\n")
+    assert sweep("run", "d.h5", "-o", "d")[:2] == (
+        0,
+        "d: 2 cases: 2 done, 0 did not finish, 0 missing\n",
+    )
     assert sweep("collect", "d", "-o", "s.h5")[0] == 0
     with h5py.File(tmp_path / "s.h5") as file:
         assert file["simulation_duration"][:].tolist() == [0.01, 0.02]

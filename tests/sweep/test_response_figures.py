@@ -49,7 +49,7 @@ def test_a_grid_gives_a_line_for_each_value_of_the_other_parameter(grid):
         "friction = 0 N",
         "friction = 0.1 N",
         "friction = 0.3 N",
-        "failed: 1 of 12",
+        "did not finish: 1 of 12",
     ]
     for number, line in enumerate(lines[:3]):
         np.testing.assert_array_equal(line.get_xdata(), LOADS)
@@ -76,7 +76,7 @@ def test_two_parameters_give_a_map_with_the_failures_marked(grid):
     (mark,) = figure.axes[0].lines
     np.testing.assert_allclose([mark.get_xdata()[0], mark.get_ydata()[0]], [2.0, 100.0])
     assert figure.axes[0].get_ylabel() == "friction [mN]"
-    assert legend(figure) == ["failed: 1 of 12"]
+    assert legend(figure) == ["did not finish: 1 of 12"]
 
 
 def test_a_sample_gives_points_and_missing_cases_are_none(summarise):
@@ -124,7 +124,7 @@ def test_nothing_is_drawn_if_nothing_varies(summarise):
 
 def test_a_sweep_of_failures_alone_is_drawn_as_such(summarise):
     figure = figure_response(summarise({"load": LOADS}, bad=(0, 1, 2, 3)), "steps")
-    assert legend(figure) == ["failed: 4 of 4"]
+    assert legend(figure) == ["did not finish: 4 of 4"]
 
 
 def test_indices_are_bars_with_their_intervals():

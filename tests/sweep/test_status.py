@@ -11,8 +11,12 @@ import numpy as np
 import pytest
 from sweeps import BEGAN, failed, make_design, row, write_journal
 
+from evolvent.sweep.collect import open_summary
 from evolvent.sweep.estimate import span
+from evolvent.sweep.figures import figure_response
 from evolvent.sweep.folder import Shard, is_locked
+from evolvent.sweep.journal import Counts, read_records
+from evolvent.sweep.run import Tally, progress_line
 from evolvent.sweep.status import listed, read_status, recent_rate
 
 
@@ -21,9 +25,30 @@ def test_cases_are_counted_by_what_became_of_them(tmp_path):
     refused = failed(4, "wheels.pinion.teeth: is 2", status="refused", exit=3)
     write_journal(tmp_path, design, [row(0), row(1), failed(2), refused])
     found = read_status(tmp_path, design)
-    counts = (found.n_cases, found.done, found.failed, found.refused, found.missing)
-    assert counts == (10, 2, 1, 1, 6)
+    assert found.counts == Counts(done=2, failed=1, refused=1, missing=6)
+    assert found.counts.n_cases == 10
     assert not found.is_complete
+
+
+def test_every_command_counts_what_did_not_finish_alike(sweep, tmp_path):
+    design, folder = make_design(20), tmp_path / "d"
+    bad = [failed(i) for i in (3, 4, 5)]
+    bad += [failed(i, "is 2", status="refused", exit=3) for i in (6, 9)]
+    write_journal(folder, design, [*(row(i) for i in range(3)), *bad])
+    told = "20 cases: 3 done, 5 did not finish (3 failed, 2 refused), 12 missing"
+    records = read_records(folder, design)
+    assert str(records.counts) == told
+    assert sweep("collect", "d", "-o", "s.h5")[1].startswith(f"s.h5: {told}\n")
+    lines = [" ".join(line.split()) for line in sweep("status", "d")[1].splitlines()]
+    assert lines[:2] == ["3 done", "5 did not finish (3 failed, 2 refused)"]
+    assert lines[4:6] == ["3 x contact was lost (case 3)", "2 x is 2 (case 6)"]
+    found = json.loads(sweep("status", "d", "--json")[1])
+    assert [found[key] for key in ("unfinished", "failed", "refused")] == [5, 3, 2]
+    with open_summary(tmp_path / "s.h5") as summary:
+        figure = figure_response(summary, "penetration_max", ())
+    legend = [text.get_text() for found in figure.legends for text in found.get_texts()]
+    assert "did not finish: 5 of 20" in legend
+    assert "8 of 20 cases, 5 did not finish" in progress_line(Tally(folder, [], records))
 
 
 def test_reasons_that_differ_in_numbers_are_one_and_the_most_frequent_comes_first(tmp_path):
@@ -92,13 +117,18 @@ def test_status_is_shown_for_people_and_for_scripts(sweep, tmp_path):
     code, out, err = sweep("status", "d")
     assert (code, err) == (0, "")
     lines = [line.strip() for line in out.splitlines()]
-    assert lines[:5] == ["2  done", "2  failed", "0  refused", "6  missing", "10  cases"]
+    assert lines[:4] == [
+        "2  done",
+        "2  did not finish (2 failed, 0 refused)",
+        "6  missing",
+        "10  cases",
+    ]
     assert "2 x contact was lost (case 2)" in lines
     assert lines[-1] == "no run is at work here; give its command again to go on"
     code, out, _ = sweep("status", "d", "--json")
     found = json.loads(out)
     assert code == 0
-    assert (found["done"], found["failed"], found["missing"]) == (2, 2, 6)
+    assert (found["done"], found["unfinished"], found["missing"]) == (2, 2, 6)
     assert found["reasons"] == [{"count": 2, "example": "contact was lost", "case": 2}]
     assert found["rate"] == pytest.approx(1.0, rel=1e-12)
     assert found["finished_at"] is None

@@ -15,7 +15,7 @@ import evolvent
 from evolvent.sweep import console, dask, folder
 from evolvent.sweep import slurm as slurm_scripts
 from evolvent.sweep.design import write_design
-from evolvent.sweep.errors import BAD_INPUT, FAILED_CASES, NOT_WRITTEN, USAGE, SweepError
+from evolvent.sweep.errors import FAILED_CASES, NOT_WRITTEN, USAGE, SweepError
 from evolvent.sweep.estimate import seconds_per_case
 from evolvent.sweep.journal import read_records
 from evolvent.sweep.program import cores, find_program, program_version
@@ -31,7 +31,7 @@ app = typer.Typer(
     \b
     Exit codes:
        0  done
-       1  done, but some cases failed or were refused
+       1  done, but some cases failed or were refused, or would be
        2  wrong usage of the command line
        3  bad plan, design, folder or summary
       74  output could not be written
@@ -99,12 +99,15 @@ def plan(
         typer.Option("--dry-run", help="Show the cases and how long they take; write nothing."),
     ] = False,
     keep_refused: Annotated[
-        bool, typer.Option("--keep-refused", help="Plan cases too that the program refuses.")
+        bool,
+        typer.Option("--keep-refused", help="Exit code 0 also if cases would be refused."),
     ] = False,
 ) -> None:
     """Make a design, the table of all cases, from a plan.
 
     \b
+    The program is asked about every case. What it would refuse is told, stays in the design and
+    becomes rows with their reason; the exit code is 1 then, and 3 if it would refuse all cases.
     Example:
       evolvent-sweep plan examples/sweep-torque.yaml --dry-run
       evolvent-sweep plan examples/sweep-torque.yaml -o torque.h5
@@ -112,19 +115,18 @@ def plan(
     from evolvent.sweep.plan import make_plan
 
     program = find_program()
-    design, refusals = make_plan(sweep, program)
-    for refusal in refusals:
-        console.complain(f"{sweep}: case {refusal.case}: {refusal.message}")
-    if refusals and not keep_refused:
-        raise typer.Exit(BAD_INPUT)
+    design, checked = make_plan(sweep, program)
+    path = output if output is not None else Path(f"{sweep.stem}.h5")
     if dry_run:
         console.show_design(design)
         seconds, is_bound = seconds_per_case(design, program)
         console.show_estimate(design.n_cases, seconds, is_bound, cores())
-        return
-    path = output if output is not None else Path(f"{sweep.stem}.h5")
-    write_design(design, path)
-    typer.echo(f"{path}: {design.n_cases} cases")
+    else:
+        write_design(design, path)
+        typer.echo(f"{path}: {design.n_cases} cases")
+    if checked.refused:
+        console.show_refusals(sweep, design, checked)
+        raise typer.Exit(0 if keep_refused else FAILED_CASES)
 
 
 @app.command()
@@ -306,14 +308,14 @@ def retry(
     program = find_program()
     design = folder.open_for_run(directory / folder.COPY, directory, program_version(program))
     records = read_records(directory, design, scalars=False)
-    wanted = set(np.flatnonzero(records.failed).tolist() if failed else []) | set(case or [])
+    wanted = set(np.flatnonzero(records.unfinished).tolist() if failed else []) | set(case or [])
     outside = [number for number in wanted if not 0 <= number < design.n_cases]
     if outside:
         raise typer.BadParameter(
             f"{outside[0]}: the cases are 0 to {design.n_cases - 1}", param_hint="--case"
         )
     if not wanted:
-        typer.echo(f"{directory}: no case failed")
+        typer.echo(f"{directory}: no case failed or was refused")
         return
     code = retry_cases(program, directory, records, sorted(wanted), jobs or cores())
     raise typer.Exit(_told(directory, code))
@@ -335,12 +337,12 @@ def plot(
         Path | None, typer.Option("-o", "--output", metavar="FILE", help="Figure (png, svg, pdf).")
     ] = None,
 ) -> None:
-    """Draw a result against one or two parameters. Cases that failed are marked.
+    """Draw a result against one or two parameters. Cases that did not finish are marked.
 
     \b
     The figure is named after summary and result unless -o is given.
     Example:
-      evolvent-sweep plot torque-summary.h5 --response largest_penetration --against torque
+      evolvent-sweep plot torque-summary.h5 --response penetration_max --against torque
       evolvent-sweep plot torque-summary.h5 -a torque -a friction -o map.png
     """  # noqa: D301
     from evolvent.figures import save
@@ -377,4 +379,4 @@ def _told(directory: Path, code: int) -> int:
 
     found = read_status(directory, folder.design_of(directory))
     console.show_counts(directory, found)
-    return FAILED_CASES if code == 0 and found.failed + found.refused else code
+    return FAILED_CASES if code == 0 and found.counts.unfinished else code

@@ -15,7 +15,7 @@ import evolvent
 from evolvent.sweep.design import TEXT, Design
 from evolvent.sweep.errors import NOT_WRITTEN, SweepError
 from evolvent.sweep.histories import add_histories
-from evolvent.sweep.journal import DONE, FAILED, REFUSED, STATUSES, Records, read_records
+from evolvent.sweep.journal import STATUSES, Counts, Records, read_records
 
 FORMAT = 1
 
@@ -24,9 +24,7 @@ FORMAT = 1
 class Collected:
     """What was collected, and what has to be known of it."""
 
-    n_cases: int
-    done: int
-    failed: int  # or refused
+    counts: Counts
     holes: np.ndarray  # numbers of the cases that are missing
     repeated: np.ndarray  # numbers of the cases that are recorded more than once
     torn: int
@@ -74,9 +72,7 @@ def collect(
     if parquet is not None:
         _write_parquet(output, parquet)
     return Collected(
-        n_cases=design.n_cases,
-        done=int(np.count_nonzero(records.status == DONE)),
-        failed=int(np.count_nonzero(np.isin(records.status, (FAILED, REFUSED)))),
+        counts=records.counts,
         holes=records.holes(),
         repeated=np.array(sorted(records.repeated), dtype=np.int64),
         torn=records.torn,

@@ -14,13 +14,15 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from evolvent.sweep.check import Checked
 from evolvent.sweep.collect import Collected
 from evolvent.sweep.design import Design
 from evolvent.sweep.estimate import span
-from evolvent.sweep.status import Status, listed
+from evolvent.sweep.status import Reason, Status, listed
 
 FIRST_ROWS = 8
 MOST_REASONS = 8
+MOST_VALUES = 8  # of the row of a case
 
 
 def complain(message: str) -> None:
@@ -38,8 +40,7 @@ def show_design(design: Design) -> None:
     for p in design.parameters:
         table.add_column(escape(f"{p.name} [{p.units}]" if p.units else p.name), justify="right")
     for case in range(min(FIRST_ROWS, design.n_cases)):
-        values = [p.values[case] for p in design.parameters]
-        texts = [v if isinstance(v, str) else f"{v:.8g}" for v in values]
+        texts = [_value(p.values[case]) for p in design.parameters]
         table.add_row(str(case), *map(escape, texts))
     if design.n_cases > FIRST_ROWS:
         table.add_row("...")
@@ -55,13 +56,27 @@ def show_estimate(n_cases: int, seconds: float, is_bound: bool, n_cores: int) ->
     )
 
 
+def show_refusals(sweep: Path, design: Design, checked: Checked) -> None:
+    """Say how many cases would be refused and why, with the row of the first of each reason."""
+    complain(f"{sweep}: {checked.refused} of {checked.n_cases} cases would be refused:")
+    for reason in checked.reasons[:MOST_REASONS]:
+        row = ", ".join(
+            f"{p.name} = {_value(p.values[reason.case])}" for p in design.parameters[:MOST_VALUES]
+        )
+        more = ", ..." if len(design.parameters) > MOST_VALUES else ""
+        first = "first " if reason.count > 1 else ""
+        typer.echo(
+            f"  {reason.count} x {reason.example} ({first}case {reason.case}: {row}{more})",
+            err=True,
+        )
+    _show_rest(checked.reasons, err=True)
+
+
 def show_counts(directory: Path, found: Status) -> None:
     """Print what became of the cases, in one line."""
-    bad = found.failed + found.refused
-    text = f"{directory}: {found.n_cases} cases: {found.done} done, {bad} failed"
-    typer.echo(text + (f", {found.missing} missing" if found.missing else ""))
-    if bad:
-        typer.echo(f"why they failed: evolvent-sweep status {directory}")
+    typer.echo(f"{directory}: {found.counts}")
+    if found.counts.unfinished:
+        typer.echo(f"why they did not finish: evolvent-sweep status {directory}")
 
 
 def show_status(directory: Path, found: Status) -> None:
@@ -69,21 +84,20 @@ def show_status(directory: Path, found: Status) -> None:
     table = Table(box=None, show_header=False)
     table.add_column(justify="right")
     table.add_column()
+    counts = found.counts
+    number, _, words = counts.unfinished_text.partition(" ")
     rows = [
-        (found.done, "done"),
-        (found.failed, "failed"),
-        (found.refused, "refused"),
-        (found.missing, "missing"),
-        (found.n_cases, "cases"),
+        (str(counts.done), "done"),
+        (number, words),
+        (str(counts.missing), "missing"),
+        (str(counts.n_cases), "cases"),
     ]
-    for count, word in rows:
-        table.add_row(str(count), word)
+    for row in rows:
+        table.add_row(*row)
     _console().print(table)
     for reason in found.reasons[:MOST_REASONS]:
         typer.echo(f"{reason.count} x {reason.example} (case {reason.case})")
-    if len(found.reasons) > MOST_REASONS:
-        rest = sum(reason.count for reason in found.reasons[MOST_REASONS:])
-        typer.echo(f"{rest} for {len(found.reasons) - MOST_REASONS} other reasons")
+    _show_rest(found.reasons)
     typer.echo(_pace(found))
     if found.torn:
         typer.echo(f"{found.torn} lines of the journals were cut off; they do not count")
@@ -91,10 +105,7 @@ def show_status(directory: Path, found: Status) -> None:
 
 def show_collected(output: Path, collected: Collected) -> None:
     """Print what a summary holds, and what it lacks."""
-    typer.echo(
-        f"{output}: {collected.n_cases} cases: {collected.done} done, {collected.failed} failed, "
-        f"{collected.holes.size} missing"
-    )
+    typer.echo(f"{output}: {collected.counts}")
     if collected.holes.size:
         typer.echo(f"missing: {listed(collected.holes)}")
     if collected.repeated.size:
@@ -127,11 +138,12 @@ def show_indices(indices: xr.Dataset) -> None:
 def status_as_json(found: Status) -> dict[str, Any]:
     """Status for scripts; what is not known is null."""
     return {
-        "cases": found.n_cases,
-        "done": found.done,
-        "failed": found.failed,
-        "refused": found.refused,
-        "missing": found.missing,
+        "cases": found.counts.n_cases,
+        "done": found.counts.done,
+        "unfinished": found.counts.unfinished,
+        "failed": found.counts.failed,
+        "refused": found.counts.refused,
+        "missing": found.counts.missing,
         "repeated": found.repeated,
         "torn_lines": found.torn,
         "reasons": [
@@ -154,6 +166,16 @@ def _pace(found: Status) -> str:
         return shards
     clock = time.strftime("%Y-%m-%d %H:%M", time.localtime(found.finished_at))
     return f"{shards}, finished in {span(found.finished_at - time.time())}, at {clock}"
+
+
+def _show_rest(reasons: list[Reason], err: bool = False) -> None:
+    if len(reasons) > MOST_REASONS:
+        rest = sum(reason.count for reason in reasons[MOST_REASONS:])
+        typer.echo(f"{rest} for {len(reasons) - MOST_REASONS} other reasons", err=err)
+
+
+def _value(value: Any) -> str:
+    return value if isinstance(value, str) else f"{value:.8g}"
 
 
 def _duration(seconds: float) -> str:

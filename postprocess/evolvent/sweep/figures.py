@@ -1,6 +1,6 @@
 """Figures of a summary: a result against one or two parameters, and Sobol indices.
 
-Cases that failed are part of the answer and are shown: crosses at their parameters.
+Cases that did not finish are part of the answer and are shown: crosses at their parameters.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 
 from evolvent.figures import LINES, STYLE
 from evolvent.sweep.errors import USAGE, SweepError
-from evolvent.sweep.journal import DONE, MISSING
+from evolvent.sweep.journal import DONE, did_not_finish
 from evolvent.units import displayed, prefixed
 
 MOST_LINES = 6  # of one figure; more cannot be told apart
@@ -187,10 +187,6 @@ def _scaled(summary: xr.Dataset, result: xr.DataArray) -> tuple[np.ndarray, str]
     return values * factor, f"{label} [{shown}]" if shown else label
 
 
-def _failed(summary: xr.Dataset) -> np.ndarray:
-    return ~np.isin(summary["status"].values, (DONE, MISSING))
-
-
 def _draw_lines(
     axis: Axes, summary: xr.Dataset, result: xr.DataArray, name: str, others: list[str]
 ) -> None:
@@ -211,13 +207,13 @@ def _draw_lines(
             # A gap in the line where a case failed.
             shown = values[order]
             axis.plot(x.values[order], shown, label=text or None, **style, **dots)
-    failed = _failed(summary)
+    failed = did_not_finish(summary["status"].values)
     if failed.any():
         axis.plot(
             x.values[failed],
             np.full(int(failed.sum()), 0.03),
             transform=axis.get_xaxis_transform(),
-            label=_counted(failed, "failed"),
+            label=_counted(failed, "did not finish"),
             **MARKED,
         )
     axis.margins(y=0.08)
@@ -281,9 +277,11 @@ def _draw_map(
             x.values[good], y.values[good], c=values[good], s=14, cmap=MAP_COLOURS, zorder=3
         )
     figure.colorbar(drawn, ax=axis, label=label)
-    failed = _failed(summary)
+    failed = did_not_finish(summary["status"].values)
     if failed.any():
-        axis.plot(x.values[failed], y.values[failed], label=_counted(failed, "failed"), **MARKED)
+        axis.plot(
+            x.values[failed], y.values[failed], label=_counted(failed, "did not finish"), **MARKED
+        )
 
 
 def _counted(chosen: np.ndarray, word: str) -> str:

@@ -28,6 +28,51 @@ BLOCK = 4096  # lines that are turned into numbers at a time
 
 
 @dataclass(frozen=True)
+class Counts:
+    """How many cases of a sweep became what: the same numbers and words wherever they are told."""
+
+    done: int
+    failed: int  # the integration ended early
+    refused: int  # the case was no good
+    missing: int
+
+    @property
+    def unfinished(self) -> int:
+        """Cases that are recorded, but did not finish."""
+        return self.failed + self.refused
+
+    @property
+    def n_cases(self) -> int:
+        """All cases of the design."""
+        return self.done + self.unfinished + self.missing
+
+    @property
+    def unfinished_text(self) -> str:
+        """Those that did not finish, and what they are."""
+        kinds = f" ({self.failed} failed, {self.refused} refused)" if self.unfinished else ""
+        return f"{self.unfinished} did not finish{kinds}"
+
+    def __str__(self) -> str:
+        """All of them in one line."""
+        return (
+            f"{self.n_cases} cases: {self.done} done, {self.unfinished_text}, "
+            f"{self.missing} missing"
+        )
+
+
+def count(status: np.ndarray) -> Counts:
+    """Count cases by their status, an index of `STATUSES`."""
+    counts = np.bincount(np.asarray(status, dtype=np.int64), minlength=len(STATUSES))
+    missing, done, failed, refused = (int(n) for n in counts)
+    return Counts(done, failed, refused, missing)
+
+
+def did_not_finish(status: np.ndarray) -> np.ndarray:
+    """Of each case whether it is recorded, but failed or was refused."""
+    return np.isin(status, (FAILED, REFUSED))
+
+
+@dataclass(frozen=True)
 class Scalar:
     """A result of every case: its description and its values (case), NaN where there is none."""
 
@@ -59,9 +104,14 @@ class Records:
         return np.asarray(self.status != MISSING)
 
     @property
-    def failed(self) -> np.ndarray:
+    def unfinished(self) -> np.ndarray:
         """Of each case whether it failed or was refused."""
-        return np.asarray(np.isin(self.status, (FAILED, REFUSED)))
+        return did_not_finish(self.status)
+
+    @property
+    def counts(self) -> Counts:
+        """How many cases became what."""
+        return count(self.status)
 
     def holes(self) -> np.ndarray:
         """Numbers of the cases that are missing."""

@@ -2,40 +2,25 @@
 
 from __future__ import annotations
 
-import json
-import subprocess
-from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
+from evolvent.sweep.check import Checked, check_design
 from evolvent.sweep.design import LAST_HALF, Design
 from evolvent.sweep.errors import SweepError
 from evolvent.sweep.program import program_version
 from evolvent.sweep.sampling import columns
 from evolvent.sweep.spec import Spec, read_spec
 
-MOST_TEXTS = 50  # different texts of one column that are tried
 
-
-@dataclass(frozen=True)
-class Refusal:
-    """A case that the program does not take."""
-
-    case: int
-    message: str
-
-
-def make_plan(path: Path, program: Path) -> tuple[Design, list[Refusal]]:
+def make_plan(path: Path, program: Path) -> tuple[Design, Checked]:
     """Make a design of SWEEP.yaml.
 
-    The program is asked about the first case and, of each parameter, about the cases with its
-    smallest and largest value, or each of its texts: paths that the case does not have and values
-    out of range come to light before anything runs.
+    The program is asked about all cases: paths that the case does not have, values out of range and
+    starts that do not exist come to light before anything runs.
 
     Returns
     -------
-    The design, and what the program said of the cases that it refuses.
+    The design, and what the program said of its cases.
 
     Raises
     ------
@@ -63,46 +48,20 @@ def make_plan(path: Path, program: Path) -> tuple[Design, list[Refusal]]:
         version=program_version(program),
         sampling=sampling,
     )
-    durations, refusals = _ask(program, spec.case, design)
-    if not durations:
-        raise SweepError(f"{path}: case {refusals[0].case}: {refusals[0].message}")
-    _check_window(spec, durations)
-    return design, refusals
-
-
-def _ask(program: Path, case_file: Path, design: Design) -> tuple[list[float], list[Refusal]]:
-    durations: list[float] = []
-    refusals: list[Refusal] = []
-    for case in _telling_cases(design):
-        command = [str(program), "show", str(case_file), "--json"]
-        for setting in design.settings(case):
-            command += ["--set", setting]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        if done.returncode == 0:
-            shown = json.loads(done.stdout)
-            durations.append(float(shown["case"]["simulation"]["duration"]))
-        else:
-            refusals.append(Refusal(case, done.stderr.strip() or f"exit code {done.returncode}"))
-    return durations, refusals
-
-
-def _telling_cases(design: Design) -> list[int]:
-    """The first case, and those with the extremes and the texts of each parameter."""
-    cases = {0}
-    for parameter in design.parameters:
-        if not parameter.path:
-            continue
-        if parameter.is_text:
-            first = np.unique(parameter.values.astype(str), return_index=True)[1]
-            cases.update(int(case) for case in first[:MOST_TEXTS])
-        else:
-            cases.update((int(parameter.values.argmin()), int(parameter.values.argmax())))
-    return sorted(cases)
-
-
-def _check_window(spec: Spec, durations: list[float]) -> None:
-    if spec.window is not None and spec.window[1] > min(durations):
+    checked = check_design(design, program, case_name=str(spec.case), name=str(path))
+    if checked.refused == design.n_cases:
+        most = checked.reasons[0]
+        others = f"; {len(checked.reasons) - 1} other reasons" if len(checked.reasons) > 1 else ""
         raise SweepError(
-            f"{spec.source}: window.to: is {spec.window[1]:g} s, but a case ends at "
-            f"{min(durations):g} s"
+            f"{path}: all {design.n_cases} cases would be refused; case {most.case}: "
+            f"{most.example}{others}"
+        )
+    _check_window(spec, checked.shortest)
+    return design, checked
+
+
+def _check_window(spec: Spec, shortest: float) -> None:
+    if spec.window is not None and spec.window[1] > shortest:
+        raise SweepError(
+            f"{spec.source}: window.to: is {spec.window[1]:g} s, but a case ends at {shortest:g} s"
         )

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from evolvent.sweep.folder import COPY, Shard
-from evolvent.sweep.journal import Records
+from evolvent.sweep.journal import MISSING, Records
 from evolvent.sweep.run import Tally, run_shards
 
 
@@ -35,5 +38,7 @@ def retry_cases(program: Path, folder: Path, records: Records, cases: list[int],
         files = {shard: Path(name) / f"{shard.stem}.txt" for shard in shards}
         for shard, path in files.items():
             path.write_text("".join(f"{case}\n" for case in lists[shard]), encoding="ascii")
-        tally = Tally(folder, shards, records)
+        chosen = np.isin(np.arange(records.status.size), cases)
+        others = replace(records, status=np.where(chosen, MISSING, records.status))
+        tally = Tally(folder, shards, others)
         return run_shards(program, folder / COPY, folder, shards, jobs, tally, files)

@@ -34,13 +34,13 @@ class Tally:
     folder: Path
     shards: Sequence[Shard]
     before: Records  # when the run began
-    failed: int = 0
+    unfinished: int = 0  # failed or refused
     began: float = field(default_factory=time.monotonic)
     new: int = 0
     _read: dict[Path, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.failed = int(self.before.failed.sum())
+        self.unfinished = self.before.counts.unfinished
         for shard in self.shards:
             path = self.folder / f"{shard.stem}.jsonl"
             self._read[path] = path.stat().st_size if path.exists() else 0
@@ -58,7 +58,7 @@ class Tally:
             self._read[path] = position + len(whole)
             rows = whole.count(b'"case":')
             self.new += rows
-            self.failed += rows - whole.count(b'"status":"done"')
+            self.unfinished += rows - whole.count(b'"status":"done"')
 
     @property
     def total(self) -> int:
@@ -197,11 +197,11 @@ class Display:
             TextColumn("{task.completed:.0f} of {task.total:.0f} cases"),
             BarColumn(),
             TextColumn(
-                "{task.fields[failed]} failed, {task.fields[rate]}, {task.fields[left]} left"
+                "{task.fields[bad]} did not finish, {task.fields[rate]}, {task.fields[left]} left"
             ),
             console=Console(stderr=True),
         )
-        texts: dict[str, Any] = {"failed": self.tally.failed, "rate": "?", "left": "?"}
+        texts: dict[str, Any] = {"bad": self.tally.unfinished, "rate": "?", "left": "?"}
         self.task = self.bar.add_task("", total=self.tally.total, **texts)
         self.bar.start()
         return self._bar
@@ -217,7 +217,7 @@ class Display:
         self.bar.update(
             self.task,
             completed=tally.recorded,
-            failed=tally.failed,
+            bad=tally.unfinished,
             rate=f"{tally.rate:.3g} a second",
             left=tally.remaining,
         )
@@ -232,6 +232,6 @@ class Display:
 def progress_line(tally: Tally) -> str:
     """The progress in one line, for logs."""
     return (
-        f"evolvent-sweep: {tally.recorded} of {tally.total} cases, {tally.failed} "
-        f"failed, {tally.rate:.3g} a second, {tally.remaining} left"
+        f"evolvent-sweep: {tally.recorded} of {tally.total} cases, {tally.unfinished} "
+        f"did not finish, {tally.rate:.3g} a second, {tally.remaining} left"
     )

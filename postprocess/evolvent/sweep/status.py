@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import time
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,7 +12,7 @@ import numpy as np
 
 from evolvent.sweep.design import Design
 from evolvent.sweep.folder import Shard, is_locked
-from evolvent.sweep.journal import DONE, FAILED, REFUSED, Records, read_records
+from evolvent.sweep.journal import Counts, Records, read_records
 
 RECENT = 600.0  # the rate is that of the last so many seconds
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
@@ -31,11 +32,7 @@ class Reason:
 class Status:
     """How far a sweep has come."""
 
-    n_cases: int
-    done: int
-    failed: int
-    refused: int
-    missing: int
+    counts: Counts
     repeated: int
     torn: int
     reasons: list[Reason]  # most frequent first
@@ -46,7 +43,7 @@ class Status:
     @property
     def is_complete(self) -> bool:
         """Whether every case is recorded."""
-        return self.missing == 0
+        return self.counts.missing == 0
 
 
 def read_status(folder: Path, design: Design, now: float | None = None) -> Status:
@@ -59,15 +56,11 @@ def read_status(folder: Path, design: Design, now: float | None = None) -> Statu
     records = read_records(folder, design, scalars=False)
     now = time.time() if now is None else now
     running = [shard for shard in records.shards if is_locked(folder, shard)]
-    missing = records.holes().size
+    missing = records.counts.missing
     rate = recent_rate(records.recorded_at, now if running else None)
     finished = now + missing / rate if running and missing and rate > 0.0 else float("nan")
     return Status(
-        n_cases=design.n_cases,
-        done=int(np.count_nonzero(records.status == DONE)),
-        failed=int(np.count_nonzero(records.status == FAILED)),
-        refused=int(np.count_nonzero(records.status == REFUSED)),
-        missing=missing,
+        counts=records.counts,
         repeated=len(records.repeated),
         torn=records.torn,
         reasons=reasons(records),
@@ -98,18 +91,21 @@ def recent_rate(recorded_at: np.ndarray, now: float | None) -> float:
 
 def reasons(records: Records) -> list[Reason]:
     """Why cases failed or were refused, most frequent first; numbers in messages do not matter."""
-    bad = np.flatnonzero((records.status == FAILED) | (records.status == REFUSED))
+    bad = np.flatnonzero(records.unfinished)
     which, first, counts = np.unique(records.message[bad], return_index=True, return_counts=True)
+    rows = zip(which.tolist(), first.tolist(), counts.tolist(), strict=True)
+    return grouped(Reason(n, records.messages[which], int(bad[at])) for which, at, n in rows)
+
+
+def grouped(reasons: Iterable[Reason]) -> list[Reason]:
+    """Draw reasons that differ in their numbers only together; most frequent first."""
     groups: dict[str, Reason] = {}
-    for message, at, count in zip(which.tolist(), first.tolist(), counts.tolist(), strict=True):
-        text, case = records.messages[message], int(bad[at])
-        kind = NUMBER.sub("#", text)
-        known = groups.get(kind)
-        if known is None:
-            groups[kind] = Reason(count, text, case)
-        else:
-            example = (text, case) if case < known.case else (known.example, known.case)
-            groups[kind] = Reason(known.count + count, *example)
+    for reason in reasons:
+        kind = NUMBER.sub("#", reason.example)
+        known = groups.get(kind, reason)
+        first = min(known, reason, key=lambda one: one.case)
+        count = reason.count + (known.count if known is not reason else 0)
+        groups[kind] = Reason(count, first.example, first.case)
     return sorted(groups.values(), key=lambda reason: (-reason.count, reason.case))
 
 
