@@ -14,18 +14,56 @@ die() {
   exit 1
 }
 
-# step TEXT COMMAND...: run quietly; on failure show the end of the log and stop.
-step() {
-  local text=$1 log start=$SECONDS
-  shift
-  log="build/log/$(tr -cs 'A-Za-z0-9\n' '-' <<<"$text").log"
-  printf '%s ... ' "$text"
-  if "$@" >"$log" 2>&1 </dev/null; then
-    printf 'done (%d s)\n' $((SECONDS - start))
+# log_of TEXT: where the output of a step goes.
+log_of() { printf 'build/log/%s.log' "$(tr -cs 'A-Za-z0-9\n' '-' <<<"$1")"; }
+
+# ended TEXT STATUS START: say how a step ended; after a failure show the end of its log and stop.
+ended() {
+  if [ "$2" = 0 ]; then
+    printf 'done (%d s)\n' $((SECONDS - $3))
   else
     printf 'failed\n'
-    tail -n 20 "$log" >&2
-    die "$text failed; the whole log is $log"
+    tail -n 20 "$(log_of "$1")" >&2
+    die "$1 failed; the whole log is $(log_of "$1")"
+  fi
+}
+
+# step TEXT COMMAND...: run quietly.
+step() {
+  local text=$1 start=$SECONDS status=0
+  shift
+  printf '%s ... ' "$text"
+  "$@" >"$(log_of "$text")" 2>&1 </dev/null || status=$?
+  ended "$text" $status $start
+}
+
+# counted_step TEXT COMMAND...: the same of a command that counts its work as Ninja does, and show how far it is.
+counted_step() {
+  local text=$1 start=$SECONDS status=0
+  shift
+  printf '%s ... ' "$text"
+  "$@" 2>&1 </dev/null | tee "$(log_of "$text")" | show_count "$text" || status=$?
+  ended "$text" $status $start
+}
+
+# show_count TEXT: of lines that begin with [DONE/ALL], on a terminal the count, in its line; elsewhere a line each quarter.
+show_count() {
+  local text=$1 line percent start=$SECONDS shown=0
+  while IFS= read -r line; do
+    [[ $line =~ ^\[([0-9]+)/([0-9]+)\] ]] || continue
+    percent=$((100 * BASH_REMATCH[1] / BASH_REMATCH[2]))
+    if [ -t 1 ]; then
+      printf '\r%s ... %d of %d steps, %d s' "$text" "${BASH_REMATCH[1]}" "${BASH_REMATCH[2]}" $((SECONDS - start))
+    elif [ $percent -lt 100 ] && [ $((percent / 25)) -gt $((shown / 25)) ]; then
+      [ $shown -gt 0 ] || printf '\n'
+      printf '  %d of %d steps after %d s\n' "${BASH_REMATCH[1]}" "${BASH_REMATCH[2]}" $((SECONDS - start))
+      shown=$percent
+    fi
+  done
+  if [ -t 1 ]; then
+    printf '\r\033[K%s ... ' "$text"
+  elif [ $shown -gt 0 ]; then
+    printf '%s ... ' "$text"
   fi
 }
 
@@ -115,7 +153,7 @@ configure() {
 # build PRESET
 build() {
   configure "$1"
-  step "Building $1" cmake --build --preset "$1"
+  counted_step "Building $1" cmake --build --preset "$1"
 }
 
 # python_environment LOCK: .venv with exactly what the lock file says.

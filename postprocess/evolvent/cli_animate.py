@@ -67,7 +67,7 @@ def animate(
     MP4 needs the program ffmpeg.
     Example:
       evolvent-post animate spur-pair.h5
-      evolvent-post animate rattle.h5 -o rattle.mp4 --mesh pinion-gear --from 0.1 --speed 0.002
+      evolvent-post animate rattle.h5 -o rattle.mp4 --mesh pinion-gear --from 0.1 --to 0.11
       evolvent-post animate tip-relief.h5 -o relief.gif --mesh pinion-gear --exaggerate 50
     """  # noqa: D301 - \b keeps click from filling the lines
     path = output if output is not None else Path(f"{file_label(file)}.gif")

@@ -164,6 +164,50 @@ def test_an_array_with_failing_cases_is_collected_and_goes_on_with_what_is_missi
     )  # appended
 
 
+def test_more_shards_than_an_array_takes_go_in_several_and_failed_cases_are_retried_so(
+    slurm_sweep, tmp_path
+):
+    n, turned, braked = 24, (2, 9), (5,)
+    starts = [TURNING_BACK if i in turned else "{kind: rest}" for i in range(n)]
+    brakes = [-5.0 if i in braked else 10.0 for i in range(n)]
+    write_plan(tmp_path / "sweep.yaml", [-1.0] * n, brakes, starts, 0.2)
+    assert slurm_sweep("plan", "sweep.yaml", "-o", "design.h5", "--keep-refused")[0] == 0
+
+    command = ("slurm", "design.h5", "-o", "d", "--shards", "12", "--submit")
+    code, out, err = slurm_sweep(*command, "--partition", "low")
+    assert (code, err) == (0, "")  # tasks 1 to 5: MaxArraySize is 6
+    assert re.search(r"submitted: 12 shards as 3 arrays, \d+, \d+, \d+, the collector as \d+", out)
+    wait_for_jobs()
+    assert sorted(recorded(Path("d"))) == list(range(n))
+    assert [shard.index for shard in shards_of(Path("d"))] == list(range(1, 13))
+    logs = {path.name for path in Path("d/slurm").glob("shard-*.log")}
+    assert logs >= {"shard-1.log", "shard-5+1.log", "shard-10+2.log"}
+    counts = "24 cases: 21 done, 3 did not finish (2 failed, 1 refused), 0 missing"
+    assert counts in Path("d/slurm/collect.log").read_text()  # after all three
+
+    # Half of a shard of the second array and a shard of the third are lost.
+    eighth = Path("d/shard-8-of-12.jsonl")
+    eighth.write_text("".join(eighth.read_text().splitlines(keepends=True)[:-1]))
+    Path("d/shard-12-of-12.jsonl").unlink()
+    assert "missing" in slurm_sweep("status", "d")[1]
+    assert "submitted: 2 shards as 2 arrays" in slurm_sweep(*command)[1]
+    assert {path.name for path in Path("d/slurm").glob("*.sh")} == {
+        *("shards-1.sh", "shards-2.sh", "collect.sh")
+    }
+    wait_for_jobs()
+    assert sorted(recorded(Path("d"))) == list(range(n))
+
+    code, out, err = slurm_sweep("retry", "d", "--failed", "--case", "0", "--slurm", "--submit")
+    assert (code, err) == (0, "")
+    assert "submitted: 4 shards as 2 arrays" in out  # 1, 3 and 6, 10
+    assert "#SBATCH --array=1,3\n" in Path("d/slurm/retry-1.sh").read_text()
+    wait_for_jobs()
+    assert sorted(recorded(Path("d"))) == sorted([*range(n), *turned, *braked, 0])
+    log = Path("d/slurm/collect.log").read_text()
+    assert log.count(counts) == 3
+    assert "recorded more than once, the latest counts: 0, 2, 5, 9" in log
+
+
 def long_design(slurm_sweep, tmp_path) -> int:
     n = 60
     loads = [-1.0 - 0.01 * i for i in range(n)]

@@ -8,14 +8,14 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 import typer
 
 import evolvent
 from evolvent.sweep import console, dask, folder
-from evolvent.sweep import slurm as slurm_scripts
+from evolvent.sweep.cli_common import DesignFile, Folder, Into, Jobs, OtherDesign, told
+from evolvent.sweep.cli_slurm import retry, slurm
 from evolvent.sweep.design import write_design
-from evolvent.sweep.errors import FAILED_CASES, NOT_WRITTEN, USAGE, SweepError
+from evolvent.sweep.errors import FAILED_CASES, NOT_WRITTEN, SweepError
 from evolvent.sweep.estimate import seconds_per_case
 from evolvent.sweep.journal import read_records
 from evolvent.sweep.program import cores, find_program, program_version
@@ -38,20 +38,6 @@ app = typer.Typer(
       75  interrupted; the same command goes on
     """,
 )
-
-DesignFile = Annotated[Path, typer.Argument(metavar="DESIGN", help="Design (.h5), from `plan`.")]
-Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of the results.")]
-Into = Annotated[
-    Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for the results.")
-]
-OtherDesign = Annotated[
-    Path | None,
-    typer.Option("--design", metavar="DESIGN", help="Design, if DIR has no design.h5."),
-]
-Jobs = Annotated[
-    int | None,
-    typer.Option("--jobs", metavar="J", min=1, help="Worker processes; all cores if not given."),
-]
 
 
 class ExecutorName(StrEnum):
@@ -176,61 +162,10 @@ def run(
         code = dask.run(program, design_file, output, todo, workers, scheduler, tally)
     else:
         code = run_shards(program, design_file, output, todo, workers, tally)
-    raise typer.Exit(_told(output, code))
+    raise typer.Exit(told(output, code))
 
 
-@app.command()
-def slurm(
-    design_file: DesignFile,
-    output: Into,
-    shards: Annotated[
-        int | None,
-        typer.Option(
-            "--shards", metavar="N", min=1, help="Split into N shards; of ten minutes if not given."
-        ),
-    ] = None,
-    cpus: Annotated[int, typer.Option("--cores", metavar="K", min=1, help="Cores of a shard.")] = 1,
-    submit: Annotated[bool, typer.Option("--submit", help="Submit the scripts as well.")] = False,
-    account: Annotated[str | None, typer.Option(help="Passed on to Slurm.")] = None,
-    partition: Annotated[str | None, typer.Option(help="Passed on to Slurm.")] = None,
-    time: Annotated[str | None, typer.Option(help="Time limit of a shard, passed on.")] = None,
-    option: Annotated[
-        list[str] | None,
-        typer.Option(metavar="KEY=VALUE", help="Another #SBATCH option; may be repeated."),
-    ] = None,
-    line: Annotated[
-        list[str] | None,
-        typer.Option(metavar="SHELL", help="Line of the scripts, as 'module load X'; repeatable."),
-    ] = None,
-) -> None:
-    """Write a job array of shards and a job that collects, for Slurm, and submit them.
-
-    \b
-    Only shards of which a case is missing are in the array: to go on, give the same command. The
-    collecting job writes DIR/summary.h5 when all shards have ended, however they did.
-    Example:
-      evolvent-sweep slurm torque.h5 -o torque --shards 4 --time 00:30:00 --account gears
-    """  # noqa: D301
-    program = find_program()
-    design = folder.open_for_run(design_file, output, program_version(program))
-    split = shards or folder.common_split(output)
-    if split is None:
-        seconds, _ = seconds_per_case(design, program)
-        split = slurm_scripts.shard_count(design.n_cases, seconds, cpus)
-    if split > design.n_cases:
-        raise SweepError(f"--shards {split}: the design has only {design.n_cases} cases", USAGE)
-    todo = folder.remaining_shards(read_records(output, design, scalars=False).recorded, split)
-    if not todo:
-        typer.echo(f"{output}: all {design.n_cases} cases are recorded; there is nothing to run")
-        return
-    site = slurm_scripts.Site(account, partition, time, tuple(option or ()), tuple(line or ()))
-    kept = output / folder.COPY  # the copy stays as it is while the jobs wait
-    scripts = slurm_scripts.write_scripts(program, kept, output, todo, cpus, site)
-    for script in scripts:
-        typer.echo(script)
-    if submit:
-        array, collector = slurm_scripts.submit(*scripts)
-        typer.echo(f"submitted: {len(todo)} shards as job {array}, the collector as {collector}")
+app.command()(slurm)
 
 
 @app.command()
@@ -284,41 +219,7 @@ def status(
         console.show_status(directory, found)
 
 
-@app.command()
-def retry(
-    directory: Folder,
-    failed: Annotated[
-        bool, typer.Option("--failed", help="All cases that failed or were refused.")
-    ] = False,
-    case: Annotated[
-        list[int] | None, typer.Option(metavar="NUMBER", help="This case; may be repeated.")
-    ] = None,
-    jobs: Jobs = None,
-) -> None:
-    """Run cases again that are recorded already; the new records count.
-
-    \b
-    Example:
-      evolvent-sweep retry torque --failed
-    """  # noqa: D301
-    from evolvent.sweep.retry import retry_cases
-
-    if not failed and not case:
-        raise typer.BadParameter("say what to run again: --failed, or --case NUMBER")
-    program = find_program()
-    design = folder.open_for_run(directory / folder.COPY, directory, program_version(program))
-    records = read_records(directory, design, scalars=False)
-    wanted = set(np.flatnonzero(records.unfinished).tolist() if failed else []) | set(case or [])
-    outside = [number for number in wanted if not 0 <= number < design.n_cases]
-    if outside:
-        raise typer.BadParameter(
-            f"{outside[0]}: the cases are 0 to {design.n_cases - 1}", param_hint="--case"
-        )
-    if not wanted:
-        typer.echo(f"{directory}: no case failed or was refused")
-        return
-    code = retry_cases(program, directory, records, sorted(wanted), jobs or cores())
-    raise typer.Exit(_told(directory, code))
+app.command()(retry)
 
 
 @app.command()
@@ -371,12 +272,3 @@ def plot(
     except OSError as error:
         raise SweepError(f"{path}: cannot be written ({error.strerror})", NOT_WRITTEN) from error
     typer.echo(path)
-
-
-def _told(directory: Path, code: int) -> int:
-    """Say how a run ended; return its exit code."""
-    from evolvent.sweep.status import read_status
-
-    found = read_status(directory, folder.design_of(directory))
-    console.show_counts(directory, found)
-    return FAILED_CASES if code == 0 and found.counts.unfinished else code

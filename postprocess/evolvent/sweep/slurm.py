@@ -1,11 +1,13 @@
-"""Scripts for Slurm: a job array of shards, and a job that collects when they have ended."""
+"""Scripts for Slurm: job arrays of shards, and a job that collects when they have ended."""
 
 from __future__ import annotations
 
 import math
+import re
 import shlex
 import subprocess
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,7 +15,8 @@ from evolvent.sweep.errors import NOT_WRITTEN, SweepError
 from evolvent.sweep.folder import Shard
 
 A_SHARD = 600.0  # seconds that a shard should take
-MOST = 1000  # tasks of an array that Slurm allows unless its site says otherwise
+MOST = 5000  # shards, unless more are asked for
+USUAL_TASKS = 1000  # of an array, that Slurm allows unless its site says otherwise
 SCRIPTS = "slurm"  # folder of the scripts and logs, in that of the sweep
 MOST_REQUEUES = 50
 
@@ -22,14 +25,15 @@ SHARDS = """\
 #SBATCH --job-name={name}
 #SBATCH --array={array}
 #SBATCH --cpus-per-task={cores}
-#SBATCH --output="{logs}/shard-%a.log"
+#SBATCH --output="{logs}/{log}"
 #SBATCH --open-mode=append
 #SBATCH --requeue
 #SBATCH --signal=B:USR1@120
-{site}# Written by evolvent-sweep. Each task runs what is missing of its shard.
+{site}# Written by evolvent-sweep. Each task runs {what} of its shard.
 {lines}export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
-
-{batch} --shard "$SLURM_ARRAY_TASK_ID/{of}" --jobs "${{SLURM_CPUS_PER_TASK:-1}}" &
+shard={shard}
+{chosen}
+{batch} --shard "$shard/{of}" --jobs "${{SLURM_CPUS_PER_TASK:-1}}" &
 batch=$!
 out_of_time=false
 trap 'out_of_time=true; kill -USR1 "$batch"' USR1
@@ -45,6 +49,16 @@ fi
 exit "$code"
 """
 
+TASK = "$SLURM_ARRAY_TASK_ID"
+
+# Of the cases that are to be run again, those that an earlier start of this task has not.
+CHOSEN = """\
+cases=$(mktemp) || exit
+trap 'rm -f "$cases"' EXIT
+{left} "$shard" {of} >"$cases" || exit
+[ -s "$cases" ] || exit 0
+"""
+
 COLLECTOR = """\
 #!/bin/bash
 #SBATCH --job-name={name}-collect
@@ -57,6 +71,15 @@ code=$?
 {status}
 exit "$code"
 """
+
+
+@dataclass(frozen=True)
+class Array:
+    """A job array: task i runs shard `offset` + i of `of`."""
+
+    of: int
+    offset: int
+    tasks: tuple[int, ...]
 
 
 @dataclass(frozen=True)
@@ -85,15 +108,48 @@ def shard_count(n_cases: int, seconds_a_case: float, cores: int) -> int:
     return max(1, min(count, MOST, n_cases))
 
 
-def write_scripts(
-    program: Path, design: Path, folder: Path, shards: list[Shard], cores: int, site: Site
-) -> tuple[Path, Path]:
-    """Write the scripts of an array for these shards and of its collector.
+def tasks_of_an_array() -> int:
+    """How many tasks, numbered from 1, the Slurm here takes in one array; the usual if none is."""
+    command = ["scontrol", "show", "config"]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    except (FileNotFoundError, subprocess.TimeoutExpired):
+        return USUAL_TASKS
+    found = re.search(r"^MaxArraySize\s*=\s*(\d+)", done.stdout, re.MULTILINE)
+    # The size is one more than the largest number of a task. 0 and 1: no arrays at all.
+    return max(int(found[1]) - 1, 1) if found else USUAL_TASKS
+
+
+def split_arrays(shards: Sequence[Shard], most: int) -> list[Array]:
+    """Put shards into as few arrays as their numbers allow.
 
     Parameters
     ----------
-    shards : those that have something to do, all of one split.
+    most : largest number of a task.
+    """
+    blocks: dict[tuple[int, int], list[int]] = {}
+    for shard in sorted(shards):
+        offset = (shard.index - 1) // most * most
+        blocks.setdefault((shard.of, offset), []).append(shard.index - offset)
+    return [Array(of, offset, tuple(tasks)) for (of, offset), tasks in blocks.items()]
+
+
+def write_scripts(
+    program: Path,
+    design: Path,
+    folder: Path,
+    arrays: Sequence[Array],
+    cores: int,
+    site: Site,
+    lists: Path | None = None,
+) -> tuple[list[Path], Path]:
+    """Write a script for each array, and that of the collector.
+
+    Parameters
+    ----------
     cores : of each task.
+    lists : folder of lists of cases that are run again, one a shard (`retry`); None: each task runs
+        what is missing of its shard.
 
     Raises
     ------
@@ -110,43 +166,71 @@ def write_scripts(
         "logs": str(place).replace("%", "%%"),
         "lines": "".join(f"{line}\n" for line in site.lines),
     }
-    texts = {
-        "shards.sh": SHARDS.format(
+    kind = "shards" if lists is None else "retry"
+    texts = {}
+    for number, array in enumerate(arrays, start=1):
+        stem = kind if len(arrays) == 1 else f"{kind}-{number}"
+        chosen = ""
+        if lists is not None:
+            left = shlex.join([sys.executable, "-m", "evolvent.sweep.left", str(lists.absolute())])
+            chosen = CHOSEN.format(left=left, of=array.of)
+        texts[f"{stem}.sh"] = SHARDS.format(
             **common,
-            array=array_text([shard.index for shard in shards]),
+            array=array_text(list(array.tasks)),
+            log=f"shard-{array.offset}+%a.log" if array.offset else "shard-%a.log",
+            shard=f"$(({array.offset} + SLURM_ARRAY_TASK_ID))" if array.offset else TASK,
+            what="what is missing" if lists is None else "the listed cases",
             cores=cores,
             site=site.head(),
-            of=shards[0].of,
-            batch=shlex.join(batch),
+            of=array.of,
+            chosen=chosen,
+            batch=shlex.join(batch) + (' --cases "$cases"' if chosen else ""),
             requeues=MOST_REQUEUES,
-        ),
-        "collect.sh": COLLECTOR.format(
-            **common,
-            site=site.head(with_time=False),
-            collect=shlex.join(collect),
-            status=shlex.join([*python, "status", str(folder)]),
-        ),
-    }
+        )
+    texts["collect.sh"] = COLLECTOR.format(
+        **common,
+        site=site.head(with_time=False),
+        collect=shlex.join(collect),
+        status=shlex.join([*python, "status", str(folder)]),
+    )
     try:
         place.mkdir(parents=True, exist_ok=True)
+        for old in place.glob(f"{kind}*.sh"):  # of a command that made other arrays
+            old.unlink()
         for name, text in texts.items():
             (place / name).write_text(text, encoding="utf-8")
             (place / name).chmod(0o755)
     except OSError as error:
         raise SweepError(f"{place}: cannot be written ({error.strerror})", NOT_WRITTEN) from error
-    return place / "shards.sh", place / "collect.sh"
+    return [place / name for name in texts if name != "collect.sh"], place / "collect.sh"
 
 
-def submit(shards: Path, collector: Path) -> tuple[str, str]:
-    """Submit both scripts; return their job numbers.
+def submit(arrays: Sequence[Path], collector: Path) -> tuple[list[str], str]:
+    """Submit the scripts, the collector to follow all arrays; return their job numbers.
 
     Raises
     ------
     SweepError
-        There is no sbatch, or it refuses.
+        There is no sbatch, or it refuses. Arrays that it took before stay, with a collector.
     """
-    array = _sbatch([str(shards)])
-    return array, _sbatch([f"--dependency=afterany:{array}", str(collector)])
+    jobs: list[str] = []
+    for script in arrays:
+        try:
+            jobs.append(_sbatch([str(script)]))
+        except SweepError as error:
+            if not jobs:
+                raise
+            after = _submit_collector(jobs, collector)
+            raise SweepError(
+                f"{error}; submitted before: {len(jobs)} of {len(arrays)} arrays as "
+                f"{', '.join(jobs)}, the collector as {after}; give the command again when they "
+                "have ended"
+            ) from error
+    return jobs, _submit_collector(jobs, collector)
+
+
+def _submit_collector(jobs: Sequence[str], collector: Path) -> str:
+    return _sbatch([f"--dependency=afterany:{':'.join(jobs)}", str(collector)])
 
 
 def array_text(indices: list[int]) -> str:
