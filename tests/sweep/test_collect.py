@@ -232,6 +232,8 @@ def test_a_folder_of_another_design_is_refused(sweep, tmp_path):
     [
         (("collect", "none", "-o", "s.h5"), "none: no such folder"),
         (("collect", "empty", "-o", "s.h5"), "empty: has no design.h5; name the design"),
+        (("retry", "none", "--failed"), "none: no such folder; nothing was run there"),
+        (("retry", "empty", "--case", "1"), "empty: has no design.h5; nothing was run there"),
         (("collect", "d", "-o", "no/s.h5"), "no/s.h5: cannot be written"),
         (("plot", "none.h5"), "none.h5: no such file; make it with"),
         (("plot", "d/design.h5"), "is no summary"),

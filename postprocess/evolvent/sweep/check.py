@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 import subprocess
+import sys
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+from rich.console import Console
 
 from evolvent.sweep.design import Design, write_design
 from evolvent.sweep.errors import FAILED_CASES, SweepError
@@ -17,6 +21,7 @@ from evolvent.sweep.program import cores, environment, last_message
 from evolvent.sweep.status import Reason, grouped
 
 A_PROCESS = 2000  # cases: a tenth of a second
+MANY = 20000  # cases: more than a second
 
 
 @dataclass(frozen=True)
@@ -55,7 +60,8 @@ def check_design(design: Design, program: Path, case_name: str, name: str) -> Ch
                     processes.append(
                         subprocess.Popen(command, stdout=out, stderr=err, env=environment())
                     )
-            codes = [process.wait() for process in processes]
+            with _waiting(design.n_cases):
+                codes = [process.wait() for process in processes]
         finally:
             for process in processes:
                 process.kill()  # nothing, unless waiting for it was interrupted
@@ -69,6 +75,13 @@ def check_design(design: Design, program: Path, case_name: str, name: str) -> Ch
                 message = last_message(error.read_text(encoding="utf-8", errors="replace"))
                 raise SweepError(named(message))
         return _read(answers, named)
+
+
+def _waiting(n_cases: int) -> contextlib.AbstractContextManager[object]:
+    """Say on a terminal what takes more than a moment."""
+    if n_cases < MANY or not sys.stderr.isatty():
+        return contextlib.nullcontext()
+    return Console(stderr=True).status(f"asking the program about {n_cases} cases")
 
 
 def _read(answers: list[Path], named: Callable[[str], str]) -> Checked:

@@ -112,6 +112,9 @@ def retry(
     if on_slurm and jobs is not None:
         raise typer.BadParameter("has no meaning with --slurm; take --cores", param_hint="--jobs")
     program = find_program()
+    if not (directory / folder.COPY).exists():
+        what = f"has no {folder.COPY}" if directory.is_dir() else "no such folder"
+        raise SweepError(f"{directory}: {what}; nothing was run there")
     design = folder.open_for_run(directory / folder.COPY, directory, program_version(program))
     records = read_records(directory, design, scalars=False)
     wanted = set(np.flatnonzero(records.unfinished).tolist() if failed else []) | set(case or [])
@@ -150,6 +153,4 @@ def _to_slurm(
         jobs, last = scripts.submit(files, collector)
         kind = "job" if len(jobs) == 1 else f"{len(jobs)} arrays,"
         number = f"{len(shards)} shard{'s' if len(shards) > 1 else ''}"
-        typer.echo(
-            f"submitted: {number} as {kind} {', '.join(jobs)}, the collector as {last}"
-        )
+        typer.echo(f"submitted: {number} as {kind} {', '.join(jobs)}, the collector as {last}")

@@ -1,4 +1,4 @@
-"""What is left of a list of cases that are run again: python -m evolvent.sweep.left LISTS SHARD OF.
+"""What is left of a list of cases to run again: python -m evolvent.sweep.left DIR LISTS SHARD OF.
 
 A job of a retry that is requeued goes on with it. The first line of a list is the size that the
 journal had when the list was written: what is recorded behind it was run again.
@@ -39,7 +39,6 @@ def left(folder: Path, lists: Path, shard: Shard) -> list[int]:
 
 
 if __name__ == "__main__":
-    place = Path(sys.argv[1])
-    # The lists are in FOLDER/slurm/retry.
-    for number in left(place.parents[1], place, Shard(int(sys.argv[3]), int(sys.argv[2]))):
+    index, of = map(int, sys.argv[3:5])
+    for number in left(Path(sys.argv[1]), Path(sys.argv[2]), Shard(of, index)):
         print(number)

@@ -35,12 +35,14 @@ def write_lists(records: Records, folder: Path, cases: list[int]) -> tuple[Path,
     SweepError
         They cannot be written.
     """
-    place = folder.absolute() / SCRIPTS / "retry"
+    place = folder.absolute() / SCRIPTS / "lists"
     lists = lists_of_cases(records, cases)
     try:
         place.mkdir(parents=True, exist_ok=True)
-        for old in place.glob("*.txt"):
-            old.unlink()
+        place = Path(
+            tempfile.mkdtemp(prefix="", dir=place)
+        )  # an earlier retry may wait for its own
+        place.chmod(0o755)
         for shard, chosen in lists.items():
             write_list(folder, place, shard, chosen)
     except OSError as error:

@@ -172,7 +172,7 @@ def write_scripts(
         stem = kind if len(arrays) == 1 else f"{kind}-{number}"
         chosen = ""
         if lists is not None:
-            left = shlex.join([sys.executable, "-m", "evolvent.sweep.left", str(lists.absolute())])
+            left = shlex.join([*python[:2], "evolvent.sweep.left", str(folder), str(lists)])
             chosen = CHOSEN.format(left=left, of=array.of)
         texts[f"{stem}.sh"] = SHARDS.format(
             **common,
