@@ -161,8 +161,8 @@ static const case_node *deepest(const case_node *block, const char *field)
 static const case_node *find_start(const case_file *file, case_subject subject, int index, const char **field)
 {
     const case_node *parts = node_get(file->root, subject == CASE_ABOUT_WHEEL ? "wheels" : "meshes");
-    const bool is_start = (subject == CASE_ABOUT_WHEEL && strcmp(*field, "speeds") == 0) ||
-                          (subject == CASE_ABOUT_MESH && strcmp(*field, "gaps") == 0);
+    const bool is_start = index >= 0 && ((subject == CASE_ABOUT_WHEEL && strcmp(*field, "speeds") == 0) ||
+                                         (subject == CASE_ABOUT_MESH && strcmp(*field, "gaps") == 0));
     const case_node *values =
         is_start ? node_get(node_get(node_get(file->root, "simulation"), "initial"), *field) : NULL;
     if (values != NULL) {

@@ -409,6 +409,40 @@ static void a_refusal_by_the_model_finds_its_place(void **state)
     case_delete(&file);
 }
 
+static void every_message_of_the_model_names_its_part(void **state)
+{
+    (void)state;
+    static const char *const options[] = {
+        "shafts=[{name: long, wheels: [pinion, gear], kind: rigid}]",
+        "simulation.initial={kind: speeds, speeds: {pinion: 1, gear: 1}, gaps: {pinion-gear: 1e-6}}"};
+    static const struct {
+        case_subject subject;
+        int index, load;
+        const char *field, *text;
+    } rows[] = {
+        {CASE_ABOUT_NOTHING, -1, -1, "", "is so"},
+        {CASE_ABOUT_WHEEL, 1, -1, "", "wheels.gear: is so"},
+        {CASE_ABOUT_WHEEL, 1, -1, "width", "wheels.gear.width: is so"},
+        {CASE_ABOUT_LOAD, 1, 0, "", "wheels.gear.loads.0: is so"},
+        {CASE_ABOUT_MESH, 0, -1, "", "meshes.pinion-gear: is so"},
+        {CASE_ABOUT_SHAFT, 0, -1, "stiffness", "shafts.long.stiffness: is so"},
+        {CASE_ABOUT_INITIAL, -1, -1, "", "simulation.initial: is so"},
+        {CASE_ABOUT_HOUSING, -1, -1, "", "housing: is so"},
+        {CASE_ABOUT_WHEEL, 1, -1, "speeds", "simulation.initial.speeds.gear: is so"},
+        {CASE_ABOUT_MESH, 0, -1, "gaps", "simulation.initial.gaps.pinion-gear: is so"},
+    };
+    case_file *file = read_good(2, options);
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        evl_error error;
+        char *text = case_message(file, rows[i].subject, rows[i].index, rows[i].load, rows[i].field, "is so");
+        assert_string_equal(text, rows[i].text);
+        case_refuse(file, rows[i].subject, rows[i].index, rows[i].load, rows[i].field, "is so", &error);
+        assert_string_equal(error.message, text);
+        free(text);
+    }
+    case_delete(&file);
+}
+
 /* ---- a base that is edited many times ---- */
 
 static const char base_text[] =
@@ -510,6 +544,7 @@ int main(void)
         cmocka_unit_test(what_is_no_case_at_all_is_refused),
         cmocka_unit_test(aliases_that_multiply_are_refused),
         cmocka_unit_test(a_refusal_by_the_model_finds_its_place),
+        cmocka_unit_test(every_message_of_the_model_names_its_part),
         cmocka_unit_test(an_edited_base_is_the_case_with_these_options_and_stays_as_it_was),
         cmocka_unit_test(the_elements_of_a_base_are_called_as_paths_call_them),
         cmocka_unit_test(a_path_is_known_if_some_variant_of_its_block_has_the_key),
