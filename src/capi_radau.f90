@@ -8,15 +8,15 @@ module evl_capi_radau
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_ode, only: gearbox_ode, gearbox_ode_create, gearbox_ode_delete, gearbox_ode_serves, gearbox_ode_set
    use evl_ode_model, only: lanes
-   use evl_radau, only: radau_advance, radau_counts, radau_create, radau_get_counts, radau_interpolate, radau_options, &
-                        radau_redo, radau_restart, radau_start, radau_t
+   use evl_radau, only: radau_advance, radau_counts, radau_create, radau_get_counts, radau_get_growth, radau_growth, &
+                        radau_interpolate, radau_options, radau_redo, radau_restart, radau_start, radau_t
    use evl_radau_coefficients, only: n_stages
    use evl_status, only: clear, code_no_memory, code_ok, fail, has_failed, status_t
    implicit none (type, external)
    private
 
    public :: evl_radau_serves, evl_radau_create, evl_radau_delete, evl_radau_start, evl_radau_advance, evl_radau_interpolate, &
-             evl_radau_restart, evl_radau_redo, evl_radau_get_counts, evl_radau_model
+             evl_radau_restart, evl_radau_redo, evl_radau_get_counts, evl_radau_get_growth, evl_radau_model
 
    !> evl_radau
    type :: integration_t
@@ -29,6 +29,11 @@ module evl_capi_radau
    type, bind(c) :: c_counts
       integer(c_int) :: steps, rejections, evaluations, iterations, jacobians, factorisations, root_evaluations
    end type c_counts
+
+   !> evl_radau_growth
+   type, bind(c) :: c_growth
+      real(c_double) :: t, rate, frequency
+   end type c_growth
 
 contains
 
@@ -167,6 +172,17 @@ contains
       counts = c_counts(c%steps, c%rejections, c%evaluations + n_stages*c%lane_evaluations, c%lane_evaluations, c%jacobians, &
                         c%factorisations, c%root_evaluations)
    end subroutine evl_radau_get_counts
+
+   subroutine evl_radau_get_growth(handle, growth) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      type(c_growth), intent(out) :: growth
+      type(integration_t), pointer :: self
+      type(radau_growth) :: g
+
+      call c_f_pointer(handle, self)
+      g = radau_get_growth(self%solver)
+      growth = c_growth(g%t, g%re, g%im)
+   end subroutine evl_radau_get_growth
 
    integer(c_int) function evl_radau_model(handle, t, y, integers, reals, f, jacobian, status) result(code) bind(c)
       type(c_ptr), intent(in), value :: handle

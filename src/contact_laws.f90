@@ -23,7 +23,7 @@ module evl_contact_laws
 
    public :: contact_context, elastic_result, law_choice, law_info_t, law_parameter_t, viscous_result
    public :: elastic_force, elastic_limit_message, elastic_potential, penetration_from_force, viscous_force
-   public :: friction_factor, friction_knee, friction_mode
+   public :: friction_factor, friction_knee, friction_mode, friction_acts, friction_falls
    public :: is_rigid, is_undamped, rigid_rest_velocity, rigid_restitution
    public :: impact_share, linear_stiffness
    public :: contact_johnson, contact_linear, contact_power, contact_radzimovsky, contact_yang_lin
@@ -306,6 +306,20 @@ contains
          end if
       end associate
    end subroutine smooth_friction_factor
+
+   !> Whether there is any friction: its largest coefficient comes first in every law.
+   elemental logical function friction_acts(choice)
+      type(law_choice), intent(in) :: choice !! of family laws_friction
+
+      friction_acts = choice%law /= friction_none .and. choice%parameters(1) > 0
+   end function friction_acts
+
+   !> Whether friction falls somewhere as the sliding velocity rises: damping is negative there.
+   elemental logical function friction_falls(choice)
+      type(law_choice), intent(in) :: choice !! of family laws_friction
+
+      friction_falls = choice%law == friction_stribeck .and. choice%parameters(1) > choice%parameters(2)
+   end function friction_falls
 
    !> The branch of the friction law that belongs to a sliding velocity: -1, 0 or +1.
    pure integer function friction_mode(choice, v_t)

@@ -3,6 +3,7 @@
 !> The gearbox itself does not change, and several models may share it: the discrete state is the model's own, put there between
 !> steps by gearbox_ode_set.
 module evl_gearbox_ode
+   use evl_contact_laws, only: friction_acts, friction_falls
    use evl_force_jacobian, only: add_constants, add_forces, couple_reference
    use evl_gearbox, only: gearbox_t, i_omega, i_theta, wheel_t
    use evl_gearbox_rates, only: gearbox_rates
@@ -13,7 +14,7 @@ module evl_gearbox_ode
    use evl_kinds, only: wp
    use evl_lane_slots, only: lane_slot, settle_slots
    use evl_mesh, only: contact_t, tracking_closed_form
-   use evl_ode_model, only: lanes, never, ode_model
+   use evl_ode_model, only: growth_by_coupling, growth_by_damping, growth_never, lanes, never, ode_model
    use evl_roots_lanes, only: roots_in_lanes
    use evl_status, only: code_invalid_input, fail, has_failed, status_t, subject_housing, subject_mesh
    implicit none (type, external)
@@ -81,6 +82,7 @@ contains
       self%in_lanes = lanes_serve(gearbox)
       self%n = gearbox%n_states
       self%n_roots = gearbox%n_roots
+      self%growth = kind_of_growth(gearbox)
       allocate (self%scale(gearbox%n_states), source=scale/weight)
       self%scale(i_theta) = self%scale(i_theta)/theta_weight
       self%scale(i_omega) = self%scale(i_omega)/omega_weight
@@ -92,6 +94,16 @@ contains
       allocate (self%constants(self%places%n_entries), source=0.0_wp)
       call add_constants(gearbox, self%places, self%constants)
    end subroutine gearbox_ode_create
+
+   !> Whether a vibration may feed itself: where friction falls, by friction at all, or by what a moving housing adds. Loads,
+   !> supports, shafts and the dampers of contacts take energy only.
+   pure integer function kind_of_growth(gearbox) result(growth)
+      type(gearbox_t), intent(in) :: gearbox
+
+      growth = growth_never
+      if (gearbox%housing%acts .or. any(friction_acts(gearbox%contacts%friction))) growth = growth_by_coupling
+      if (any(friction_falls(gearbox%contacts%friction))) growth = growth_by_damping
+   end function kind_of_growth
 
    !> Free what it holds beside its components.
    subroutine gearbox_ode_delete(self)

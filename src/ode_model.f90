@@ -14,9 +14,14 @@ module evl_ode_model
    private
 
    public :: lanes, never, ode_model, check_model
+   public :: growth_by_coupling, growth_by_damping, growth_never
 
    integer, parameter :: lanes = 8 !! states that the lane-wise procedures take at once
    integer, parameter :: never = 2 !! as a direction: the root function has no zero in this discrete state and is not looked at
+
+   integer, parameter :: growth_never = 0       !! no eigenvalue of J has a positive real part, but for slow motions
+   integer, parameter :: growth_by_coupling = 1 !! some may have, since forces do not all come from a potential
+   integer, parameter :: growth_by_damping = 2  !! and since damping can become negative along the motion
 
    !> A model; the components are set before the integrator is created and stay.
    type, abstract :: ode_model
@@ -25,6 +30,7 @@ module evl_ode_model
       integer, allocatable :: jacobian_row(:) !! [nnz] row of each entry that df/dy may have, from 1; no entry twice
       integer, allocatable :: jacobian_column(:) !! [nnz] its column
       real(wp), allocatable :: scale(:)       !! [n] unit in which an error of y(i) counts, > 0
+      integer :: growth = growth_never        !! whether modes may grow, one of the constants above
    contains
       procedure(rhs_interface), deferred :: rhs
       procedure(rhs_lanes_interface), deferred :: rhs_lanes

@@ -18,8 +18,9 @@
 module evl_radau
    use evl_collocation, only: lagrange_at, weighted_sum
    use evl_elementary, only: real_power
+   use evl_growth, only: growth_create, growth_forget, growth_t, limit_step
    use evl_kinds, only: wp
-   use evl_ode_model, only: check_model, lanes, ode_model
+   use evl_ode_model, only: check_model, growth_never, lanes, ode_model
    use evl_root_finder, only: root_finder_create, root_finder_restart, root_finder_t
    use evl_root_forecast, only: forecast_crossing
    use evl_stage_solver, only: factor_systems, forget, forget_start, move_start, newton_converged, predict_from, &
@@ -30,8 +31,9 @@ module evl_radau
    implicit none (type, external)
    private
 
-   public :: radau_t, radau_options, radau_counts
-   public :: radau_create, radau_start, radau_advance, radau_restart, radau_redo, radau_interpolate, radau_get_counts
+   public :: radau_t, radau_options, radau_counts, radau_growth
+   public :: radau_create, radau_start, radau_advance, radau_restart, radau_redo, radau_interpolate, radau_get_counts, &
+             radau_get_growth
    public :: outcome_step, outcome_event, outcome_stop
 
    integer, parameter :: outcome_step = 0  !! a step was made
@@ -61,7 +63,14 @@ module evl_radau
       integer :: dense_factorisations = 0     !! those of them that needed row exchanges
       integer :: root_evaluations = 0         !! of the root functions, scalar; lane-wise: once a step
       integer :: events = 0                   !! located
+      integer :: growth_cuts = 0              !! rejections of steps that would not have followed a mode that grows
    end type radau_counts
+
+   !> A mode that grows.
+   type :: radau_growth
+      real(wp) :: t = 0                       !! when
+      real(wp) :: re = 0, im = 0              !! its eigenvalue; re = 0: there is none
+   end type radau_growth
 
    !> An integration in progress.
    type :: radau_t
@@ -79,6 +88,8 @@ module evl_radau
       integer, allocatable, private :: came_from(:) !! [n_roots] `fired` at the event where the integration was started anew
       real(wp), allocatable, private :: step_after(:, :) !! [-1:1, n_roots] first step after the last such event; huge: none
       type(step_control_t), private :: control
+      type(growth_t), private :: growth
+      type(radau_growth), private :: fastest_growth !! that was seen
       logical, private :: jacobian_is_new = .false. !! evaluated at the present state
       logical, private :: jacobian_is_ahead = .false. !! evaluated a little ahead of it, where the next step will be
       logical, private :: jacobian_may_stay = .false. !! that of an earlier step is good enough for the next one
@@ -89,6 +100,16 @@ module evl_radau
    end type radau_t
 
    interface
+      !> Whether the step just solved follows the modes that grow; if not, the step to try next is set.
+      module subroutine follow_growth(self, model, h, followed, status)
+         implicit none (type, external)
+         type(radau_t), intent(inout) :: self
+         class(ode_model), intent(in) :: model
+         real(wp), intent(in) :: h
+         logical, intent(out) :: followed
+         type(status_t), intent(inout) :: status
+      end subroutine follow_growth
+
       !> Try a step of h; if it fails for Newton, error is huge and the step to try next is set.
       module subroutine attempt(self, model, h, error, status)
          implicit none (type, external)
@@ -172,6 +193,8 @@ contains
       self%old_z = 0
       call stage_solver_create(self%stages, model, share*real_power(options%tolerance, 4.0_wp/7), options%tolerance)
       call root_finder_create(self%roots, model)
+      if (model%growth /= growth_never) call growth_create(self%growth, self%stages%integrals%n_coupled, model%jacobian_row, &
+                                                           model%jacobian_column, model%scale)
    end subroutine radau_create
 
    !> Begin at (t, y).
@@ -189,6 +212,8 @@ contains
       self%counts = radau_counts()
       self%roots%evaluations = 0
       call forget(self%stages)
+      self%fastest_growth = radau_growth()
+      if (model%growth /= growth_never) call growth_forget(self%growth)
       self%h = self%options%first_step
       self%restarted = .not. self%h > 0
       if (self%h > 0) return
@@ -261,11 +286,14 @@ contains
       if (has_failed(status)) return
       do try = 1, most_rejections
          h_wanted = min(self%h, self%options%max_step)
+         call limit_step(self%growth, h_wanted)
          if (.not. h_wanted > smallest_step*abs(self%t)) exit
          call fit_step(t_stop - self%t, h_wanted, h, to_stop)
          call fit_event(self, h, to_stop)
          call attempt(self, model, h, error, status)
-         if (.not. has_failed(status) .and. error < 1) then
+         done = .not. has_failed(status) .and. error < 1
+         if (done .and. model%growth /= growth_never) call follow_growth(self, model, h, done, status)
+         if (done) then
             call finish(self, model, h, to_stop, t_stop, done, outcome, status)
             if (done .and. .not. has_failed(status)) then
                self%rejected = .false.
@@ -273,9 +301,12 @@ contains
                if (outcome /= outcome_event) &
                   call next_step(self%control, h, h_wanted, error, self%stages%rate, self%stages%iterations, self%h, &
                                  self%jacobian_may_stay, self%matrix_may_stay)
+               self%jacobian_may_stay = self%jacobian_may_stay .and. .not. self%growth%wants_jacobian
+               self%matrix_may_stay = self%matrix_may_stay .and. .not. self%growth%wants_jacobian
+               self%growth%wants_jacobian = .false.
                return
             end if
-         else if (.not. has_failed(status) .and. error < huge(error)) then
+         else if (.not. has_failed(status) .and. error >= 1 .and. error < huge(error)) then
             call step_after_error(failed, h, error, self%h)
          end if
          if (has_failed(status)) then
@@ -343,5 +374,13 @@ contains
       counts%dense_factorisations = self%stages%counts%dense
       counts%root_evaluations = self%roots%evaluations
    end function radau_get_counts
+
+   !> Of the modes that grow the one that does so fastest since `radau_start`, if steps were cut for one.
+   pure type(radau_growth) function radau_get_growth(self) result(growth)
+      type(radau_t), intent(in) :: self
+
+      growth = radau_growth()
+      if (self%counts%growth_cuts > 0) growth = self%fastest_growth
+   end function radau_get_growth
 
 end module evl_radau

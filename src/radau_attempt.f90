@@ -57,7 +57,8 @@ contains
       new_jacobian = new_factors .and. .not. (self%jacobian_is_new .or. self%jacobian_is_ahead .or. self%jacobian_may_stay)
       goes_on = self%old_h > 0 .and. h <= farthest*self%old_h
       linear = self%stages%start_is_known
-      if (linear .and. goes_on) linear = linear_is_better(self%stages, h, self%old_h)
+      ! of what grows below the tolerance, which nothing corrects, only the linear model knows
+      if (linear .and. goes_on .and. .not. self%growth%shortens) linear = linear_is_better(self%stages, h, self%old_h)
       if (goes_on .and. (new_jacobian .or. .not. linear)) then
          call predict_from(self%stages, self%y, self%old_z, 1.0_wp, h, self%old_h)
       else if (.not. linear) then

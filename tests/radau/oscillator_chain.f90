@@ -4,7 +4,7 @@
 !> States u, then u'; the root functions are the speeds, so that an event is a turning point. At times the first mass is kicked.
 module oscillator_chain
    use evl_kinds, only: wp
-   use evl_ode_model, only: lanes, ode_model
+   use evl_ode_model, only: growth_by_damping, growth_never, lanes, ode_model
    use evl_status, only: status_t
    implicit none (type, external)
    private
@@ -43,6 +43,7 @@ contains
       model%stiffness = stiffness
       model%hardening = hardening
       model%damping = damping
+      model%growth = merge(growth_by_damping, growth_never, damping < 0)
       model%kick_interval = kick_interval
       allocate (model%scale(model%n), model%jacobian_row(7*masses - 4), model%jacobian_column(7*masses - 4))
       model%scale(:masses) = 1

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 LANES = 8
 OK, INVALID_INPUT, OUT_OF_DOMAIN, SINGULAR, NO_SOLUTION, NO_MEMORY = range(6)
 STEP, EVENT, STOP = range(3)
+GROWTH_NEVER, GROWTH_BY_COUPLING, GROWTH_BY_DAMPING = range(3)
 
 Floats = NDArray[np.float64]
 _double = ctypes.c_double
@@ -43,6 +44,7 @@ class Problem:
     n_roots: int = 0
     directions: Callable[[], ArrayLike] | None = None
     entries: list[tuple[int, int]] | None = None
+    growth: int = GROWTH_NEVER
     calls: dict[str, int] = field(default_factory=dict)
 
 
@@ -58,6 +60,7 @@ class Counts(NamedTuple):
     dense_factorisations: int
     root_evaluations: int
     events: int
+    growth_cuts: int
 
 
 class IntegrationError(Exception):
@@ -86,7 +89,7 @@ class Library:
         handle = ctypes.c_void_p
         self.c.rt_new.argtypes = [
             *(_int, _int, _ints, _ints, _doubles, _int, _Vector, _Vector, _Vector, _Directions),
-            *(_double, _double, _double),
+            *(_double, _double, _double, _int),
         ]
         self.c.rt_new_chain.argtypes = [
             *(_int, _double, _double, _double, ctypes.c_bool, _double, _double),
@@ -98,6 +101,8 @@ class Library:
         self.c.rt_interpolate.argtypes = [handle, _double, _doubles]
         self.c.rt_restart.argtypes = [handle, _double, _doubles]
         self.c.rt_counts.argtypes = [handle, _ints]
+        self.c.rt_growth.argtypes = [handle, _doubles]
+        self.c.rt_eigenvalues.argtypes = [_int, _doubles, _doubles, _doubles]
         self.c.rt_message.argtypes = [handle, ctypes.c_char_p]
         self.c.rt_integrate_chain.argtypes = [
             *(handle, _doubles, _doubles, _double, _double, _int, _doubles),
@@ -147,6 +152,13 @@ class Library:
         good = solve(n, len(row), *arrays)
         return good, b[:, :4].T + 1j * b[:, 4:].T, first
 
+    def eigenvalues(self, matrix: ArrayLike) -> NDArray[np.complex128] | None:
+        """Eigenvalues of a matrix; None if they were not found."""
+        a = np.array(matrix, np.float64, order="F")
+        re, im = np.zeros(len(a)), np.zeros(len(a))
+        found = self.c.rt_eigenvalues(len(a), *(x.ctypes.data_as(_doubles) for x in (a, re, im)))
+        return re + 1j * im if found else None
+
 
 class Solver:
     """One integration, step by step."""
@@ -173,7 +185,7 @@ class Solver:
         )
         self.handle = self.c.rt_new(
             *(self.n, len(entries), _pointer(self.rows), _pointer(self.columns), _pointer(scale)),
-            *(self.n_roots, *self.callbacks, tolerance, max_step, first_step),
+            *(self.n_roots, *self.callbacks, tolerance, max_step, first_step, problem.growth),
         )
         self._raise_message(INVALID_INPUT)
 
@@ -242,9 +254,16 @@ class Solver:
     @property
     def counts(self) -> Counts:
         """What it has cost."""
-        numbers = np.zeros(9, np.int32)
+        numbers = np.zeros(len(Counts._fields), np.int32)
         self.c.rt_counts(self.handle, _pointer(numbers))
         return Counts(*map(int, numbers))
+
+    @property
+    def growth(self) -> tuple[float, complex]:
+        """Time and eigenvalue of the fastest growth for which steps were cut."""
+        numbers = np.zeros(3)
+        self.c.rt_growth(self.handle, _pointer(numbers))
+        return float(numbers[0]), complex(numbers[1], numbers[2])
 
     def steps(
         self,

@@ -8,10 +8,11 @@ module radau_capi
    use evl_condensed_systems, only: condensed_create, condensed_entries, condensed_factor, condensed_solve, &
                                     condensed_solve_first, condensed_t
    use evl_dense_lu, only: dense_lu_create, dense_lu_factor, dense_lu_solve, dense_lu_solve_first, dense_lu_t
+   use evl_eigenvalues, only: find_eigenvalues
    use evl_kinds, only: wp
    use evl_ode_model, only: lanes, ode_model
-   use evl_radau, only: radau_advance, radau_counts, radau_create, radau_get_counts, radau_interpolate, radau_options, &
-                        radau_restart, radau_start, radau_t
+   use evl_radau, only: radau_advance, radau_counts, radau_create, radau_get_counts, radau_get_growth, radau_growth, &
+                        radau_interpolate, radau_options, radau_restart, radau_start, radau_t
    use evl_radau_coefficients, only: barycentric, from_stage, integral_to_node, n_systems, node, shift_im, shift_re, &
                                      slope_at_node, to_chebyshev, to_stage
    use evl_radau_run, only: radau_integrate, radau_observer
@@ -22,6 +23,7 @@ module radau_capi
 
    public :: rt_tables, rt_basis, rt_sparse_solve, rt_dense_solve
    public :: rt_new, rt_new_chain, rt_delete, rt_start, rt_advance, rt_state, rt_interpolate, rt_restart, rt_counts, rt_message
+   public :: rt_eigenvalues, rt_growth
    public :: rt_integrate_chain
 
    !> A model and its solver.
@@ -101,18 +103,31 @@ contains
       call dense_lu_solve_first(lu, b_first)
    end function rt_dense_solve
 
+   !> Eigenvalues of a matrix, by columns; returns 0 if they were not found.
+   integer(c_int) function rt_eigenvalues(n, matrix, re, im) result(found) bind(c)
+      integer(c_int), value :: n
+      real(c_double), intent(inout) :: matrix(n, n) !! destroyed
+      real(c_double), intent(out) :: re(n), im(n)
+      logical :: all_found
+
+      call find_eigenvalues(n, matrix, re, im, all_found)
+      found = merge(1, 0, all_found)
+   end function rt_eigenvalues
+
    !> A solver for a model of C functions.
    type(c_ptr) function rt_new(n, nnz, row, column, scale, n_roots, f, df_dy, g, directions, tolerance, max_step, &
-                               first_step) result(handle) bind(c)
+                               first_step, growth) result(handle) bind(c)
       integer(c_int), value :: n, nnz, n_roots
       integer(c_int), intent(in) :: row(nnz), column(nnz)
       real(c_double), intent(in) :: scale(n)
       type(c_funptr), value :: f, df_dy, g, directions
       real(c_double), value :: tolerance, max_step, first_step
+      integer(c_int), value :: growth
       type(session_t), pointer :: session
       type(callback_model_t) :: model
 
       call callback_model_create(model, row, column, scale, n_roots, f, df_dy, g, directions)
+      model%growth = growth
       allocate (session)
       allocate (session%model, source=model)
       call radau_create(session%solver, session%model, radau_options(tolerance, max_step, first_step), session%status)
@@ -203,15 +218,28 @@ contains
    !> Steps, rejections, evaluations lane-wise and scalar, Jacobians, factorisations, dense ones, root evaluations, events.
    subroutine rt_counts(handle, numbers) bind(c)
       type(c_ptr), value :: handle
-      integer(c_int), intent(out) :: numbers(9)
+      integer(c_int), intent(out) :: numbers(10)
       type(session_t), pointer :: session
       type(radau_counts) :: counts
 
       call c_f_pointer(handle, session)
       counts = radau_get_counts(session%solver)
       numbers = [counts%steps, counts%rejections, counts%lane_evaluations, counts%evaluations, counts%jacobians, &
-                 counts%factorisations, counts%dense_factorisations, counts%root_evaluations, counts%events]
+                 counts%factorisations, counts%dense_factorisations, counts%root_evaluations, counts%events, &
+                 counts%growth_cuts]
    end subroutine rt_counts
+
+   !> The fastest growth for which steps were cut: its time, rate and angular frequency.
+   subroutine rt_growth(handle, numbers) bind(c)
+      type(c_ptr), value :: handle
+      real(c_double), intent(out) :: numbers(3)
+      type(session_t), pointer :: session
+      type(radau_growth) :: growth
+
+      call c_f_pointer(handle, session)
+      growth = radau_get_growth(session%solver)
+      numbers = [growth%t, growth%re, growth%im]
+   end subroutine rt_growth
 
    !> The last error, as a C string of at most 400 characters; empty if there is none.
    subroutine rt_message(handle, message) bind(c)

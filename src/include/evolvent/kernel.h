@@ -514,6 +514,13 @@ typedef struct {
     int root_evaluations; /**< of the root functions beyond once a step */
 } evl_radau_counts;
 
+/** A mode that grows: docs/radau.md. */
+typedef struct {
+    double t;         /**< when [s] */
+    double rate;      /**< at which it grows, the real part of its eigenvalue [1/s]; 0: there is none */
+    double frequency; /**< imaginary part [rad/s], >= 0 */
+} evl_radau_growth;
+
 /** Whether it can be integrated so. @return EVL_OK, or EVL_INVALID_INPUT with what stands in the way: a rigid contact,
  *  tracked contact points, a mounted housing. */
 EVL_API int evl_radau_serves(const evl_gearbox *gearbox, evl_status *status);
@@ -545,6 +552,8 @@ EVL_API void evl_radau_restart(evl_radau *radau, double t, const double *y, cons
 /** Take the last step back: go on from its start (t, y), which are set, in smaller ones. */
 EVL_API void evl_radau_redo(evl_radau *radau, double *t, double *y);
 EVL_API void evl_radau_get_counts(const evl_radau *radau, evl_radau_counts *counts);
+/** Of all modes that grow the one that did so fastest since evl_radau_start, if steps were cut for one. */
+EVL_API void evl_radau_get_growth(const evl_radau *radau, evl_radau_growth *growth);
 
 /** What its steps are made of, for a discrete state: f of eight states at once, t [8], y and f [n_states][8], and df/dy at the first of
  *  them, column-major [n_states * n_states]. The next call has to be evl_radau_start. @return EVL_OK or EVL_OUT_OF_DOMAIN */

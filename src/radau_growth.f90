@@ -1,0 +1,101 @@
+!> Steps that would not follow a vibration that grows are made shorter.
+submodule(evl_radau) evl_radau_growth
+   use evl_growth, only: follows_growth, judge_growth, may_be_out_of_reach
+   use evl_ode_model, only: growth_by_coupling
+   use evl_radau_coefficients, only: n_stages, node
+   implicit none (type, external)
+
+contains
+
+   !> Whether the step just solved follows the modes that grow; if not, the step to try next is set.
+   !>
+   !> What is smaller than the tolerance moves as the Jacobian says, since no iteration corrects it: while it grows, the Jacobian
+   !> has to be a new one now and then.
+   !>
+   !> Where damping can be negative, every step that could be too long is looked at in its middle and at its end. Elsewhere
+   !> forces change less, and now and then the Jacobian at hand does.
+   module subroutine follow_growth(self, model, h, followed, status)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: h
+      logical, intent(out) :: followed
+      type(status_t), intent(inout) :: status
+      integer, parameter :: few = 4, many = 8 !! steps between two looks: while a mode grows; where dampers damp
+      integer, parameter :: middle = 4        !! stage nearest to the middle of a step
+      logical :: grows, look
+
+      associate (growth => self%growth)
+         followed = .true.
+         grows = growth%shortens
+         if (.not. grows) growth%longest = huge(h)
+         growth%steps = growth%steps + 1
+         if (grows .and. growth%steps < few .and. follows_growth(growth, h)) return
+         if (model%growth == growth_by_coupling) then
+            if (growth%jacobians == self%counts%jacobians .or. (growth%steps < many .and. .not. grows)) return
+         end if
+         look = grows
+         if (.not. grows) call may_be_out_of_reach(growth, self%stages%jacobian, self%counts%jacobians, h, look)
+         if (.not. look) return
+         growth%steps = 0
+         growth%jacobians = self%counts%jacobians
+         if (model%growth == growth_by_coupling) then
+            call judge_growth(growth, self%stages%jacobian, h)
+            call note(self, self%t)
+            followed = follows_growth(growth, h)
+            if (.not. followed) call cut(self, growth%longest)
+         else
+            call judge_at(self, model, h, middle, status)
+            followed = follows_growth(growth, h)
+            if (followed) then
+               call judge_at(self, model, h, n_stages, status)
+               followed = follows_growth(growth, h)
+               if (.not. followed) call cut(self, max(h/2, growth%longest)) ! it begins behind the middle: come nearer
+            else
+               call cut(self, growth%longest)
+            end if
+         end if
+         growth%shortens = growth%longest < huge(h) .and. growth%shortens
+         growth%wants_jacobian = growth%shortens
+      end associate
+   end subroutine follow_growth
+
+   !> Look at a stage of the step just solved.
+   subroutine judge_at(self, model, h, stage, status)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: h
+      integer, intent(in) :: stage
+      type(status_t), intent(inout) :: status
+
+      self%stages%moved = self%stages%y(stage, :)
+      call model%jacobian(self%t + node(stage)*h, self%stages%moved, self%growth%jacobian, status)
+      if (has_failed(status)) then ! past an event the model need not have an answer
+         if (status%code == code_out_of_domain) call clear(status)
+         self%growth%longest = huge(h)
+      else
+         call judge_growth(self%growth, self%growth%jacobian, h)
+         call note(self, self%t + node(stage)*h)
+      end if
+   end subroutine judge_at
+
+   !> Try a shorter step.
+   pure subroutine cut(self, h)
+      type(radau_t), intent(inout) :: self
+      real(wp), intent(in) :: h
+
+      self%h = h
+      self%growth%shortens = .not. h > self%growth%longest
+      if (h > self%growth%longest) self%growth%longest = huge(h) ! to be looked at again
+      self%counts%growth_cuts = self%counts%growth_cuts + 1
+   end subroutine cut
+
+   !> Remember of all modes that grow the one that does so fastest.
+   pure subroutine note(self, t)
+      type(radau_t), intent(inout) :: self
+      real(wp), intent(in) :: t !! when it does
+
+      if (self%growth%longest < huge(t) .and. self%growth%re > self%fastest_growth%re) &
+         self%fastest_growth = radau_growth(t, self%growth%re, self%growth%im)
+   end subroutine note
+
+end submodule evl_radau_growth
