@@ -34,6 +34,13 @@ typedef struct {
     long steps, rejections, evaluations, iterations, jacobians, factorisations, root_evaluations;
 } dae_stepper_counts;
 
+/** A mode of the linearised model that grows. */
+typedef struct {
+    double t;         /**< when */
+    double rate;      /**< real part of its eigenvalue; 0: there is none */
+    double frequency; /**< imaginary part, angular, >= 0 */
+} dae_growth;
+
 /** Steps of y' = f(t, y) with located events, which a model without algebraic states may bring along: any number of steppers of
  *  one model may be at work. Where a dae_code is returned, a failure leaves one sentence in message. */
 typedef struct {
@@ -52,6 +59,8 @@ typedef struct {
     /** take the last step back and go on from its start, which t and y of the state become, in smaller steps */
     void (*redo)(void *stepper, dae_state *state);
     void (*counts)(const void *stepper, dae_stepper_counts *counts);
+    /** of the modes that grow the one that did so fastest, if steps were made shorter for one */
+    void (*growth)(const void *stepper, dae_growth *growth);
 } dae_stepper;
 
 typedef struct dae {

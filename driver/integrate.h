@@ -27,6 +27,7 @@ typedef struct {
     long steps, residuals, jacobians, linear_setups, newton_iterations, roots_evaluated, events;
     long error_test_failures, convergence_failures; /**< of IDA; a stepper counts both as rejections */
     long rejections;
+    dae_growth growth;  /**< the fastest, if a stepper made shorter steps for one */
     double cpu_seconds; /**< of the integration with its observers */
 } integrate_counts;
 

@@ -98,6 +98,7 @@ static void count(const integration *run, const void *stepper)
     run->counts->jacobians = now.jacobians;
     run->counts->linear_setups = now.factorisations;
     run->counts->roots_evaluated = now.root_evaluations;
+    run->model->stepper->growth(stepper, &run->counts->growth);
 }
 
 integrate_code integrate_by_stepper(integration *run)

@@ -76,6 +76,13 @@ static void counts(const void *stepper, dae_stepper_counts *counts)
                                    .root_evaluations = now.root_evaluations};
 }
 
+static void growth(const void *stepper, dae_growth *growth)
+{
+    evl_radau_growth found;
+    evl_radau_get_growth(stepper, &found);
+    *growth = (dae_growth){.t = found.t, .rate = found.rate, .frequency = found.frequency};
+}
+
 const dae_stepper *model_radau(const model *model)
 {
     static const dae_stepper radau = {.create = create,
@@ -85,6 +92,7 @@ const dae_stepper *model_radau(const model *model)
                                       .interpolate = interpolate,
                                       .restart = restart,
                                       .redo = redo,
-                                      .counts = counts};
+                                      .counts = counts,
+                                      .growth = growth};
     return evl_radau_serves(model->gearbox, NULL) == EVL_OK ? &radau : NULL;
 }

@@ -4,7 +4,12 @@
 #include "interrupt.h"
 #include "memory.h"
 
+#include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+
+static const double two_pi = 6.283185307179586;
 
 /** Why the observer ended an integration. */
 typedef enum { STOP_NONE, STOP_INTERRUPTED, STOP_MODEL, STOP_SINK } stop_reason;
@@ -84,6 +89,31 @@ static void remark_contact(const simulation *s, simulate_result *result)
     free(names);
 }
 
+/** A vibration that feeds itself begins with what the tolerance leaves of it: the user has to know. */
+static void remark_growth(const dae_growth *growth, simulate_result *result)
+{
+    const double size = hypot(growth->rate, growth->frequency);
+    const size_t length = strlen(result->remark), left = sizeof result->remark - length;
+    char *end = result->remark + length;
+    const char *separator = length > 0 ? "; " : "";
+    if (!(growth->rate > 0.0)) {
+        return;
+    }
+    if (growth->frequency > 0.0) {
+        (void)snprintf(
+            end, left,
+            "%sa vibration feeds itself: %.4g Hz, damping ratio %.2g at t = %.4g s; steps were shortened for "
+            "it, but it grows from less than the tolerance, so when it comes up is uncertain",
+            separator, size / two_pi, -growth->rate / size, growth->t);
+    } else {
+        (void)snprintf(
+            end, left,
+            "%sa motion feeds itself: it grows by %.4g 1/s at t = %.4g s; steps were shortened for it, but it "
+            "grows from less than the tolerance, so when it comes up is uncertain",
+            separator, growth->rate, growth->t);
+    }
+}
+
 integrate_options simulate_options(const prepared_case *prepared)
 {
     const simulation_description *simulation = &case_description(prepared->file)->simulation;
@@ -111,6 +141,7 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, progress
         integrate(model_dae(prepared->model), &options, &observer, state, &result->counts, result->message);
     if (code == INTEGRATE_DONE) {
         remark_contact(&s, result);
+        remark_growth(&result->counts.growth, result);
     } else {
         give_last(&s, state);
         result->end = s.stop == STOP_SINK          ? SIMULATE_SINK_FAILED

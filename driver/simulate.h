@@ -25,7 +25,7 @@ typedef struct {
     double t; /**< where it ended [s] */
     integrate_counts counts;
     char message[DAE_MESSAGE_LENGTH]; /**< of SIMULATE_FAILED */
-    /** What deserves a word at the end: contact lost for good; "" if nothing does. */
+    /** What deserves a word at the end: contact lost for good, a vibration that feeds itself; "" if nothing does. */
     char remark[DAE_MESSAGE_LENGTH];
 } simulate_result;
 
