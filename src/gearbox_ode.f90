@@ -9,7 +9,7 @@ module evl_gearbox_ode
    use evl_gearbox_rates, only: gearbox_rates
    use evl_gearbox_events, only: gearbox_root, gearbox_root_directions, gearbox_roots
    use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
-   use evl_housing, only: frame_t, housing_frame
+   use evl_housing, only: frame_t, housing_fixed, housing_frame
    use evl_jacobian_places, only: jacobian_places, listed_entries
    use evl_kinds, only: wp
    use evl_lane_slots, only: lane_slot, settle_slots
@@ -101,7 +101,7 @@ contains
       type(gearbox_t), intent(in) :: gearbox
 
       growth = growth_never
-      if (gearbox%housing%acts .or. any(friction_acts(gearbox%contacts%friction))) growth = growth_by_coupling
+      if (gearbox%housing%kind /= housing_fixed .or. any(friction_acts(gearbox%contacts%friction))) growth = growth_by_coupling
       if (any(friction_falls(gearbox%contacts%friction))) growth = growth_by_damping
    end function kind_of_growth
 

@@ -375,7 +375,7 @@ contains
       counts%root_evaluations = self%roots%evaluations
    end function radau_get_counts
 
-   !> Of the modes that grow the one that does so fastest since `radau_start`, if steps were cut for one.
+   !> Of the modes that grow the one that does so fastest since `radau_start`, a vibration if any does, if steps were cut for one.
    pure type(radau_growth) function radau_get_growth(self) result(growth)
       type(radau_t), intent(in) :: self
 

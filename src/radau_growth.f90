@@ -89,13 +89,18 @@ contains
       self%counts%growth_cuts = self%counts%growth_cuts + 1
    end subroutine cut
 
-   !> Remember of all modes that grow the one that does so fastest.
+   !> Remember of all vibrations that grow the one that does so fastest; of motions that do not swing only if there is none.
    pure subroutine note(self, t)
       type(radau_t), intent(inout) :: self
       real(wp), intent(in) :: t !! when it does
+      logical :: is_faster
 
-      if (self%growth%longest < huge(t) .and. self%growth%re > self%fastest_growth%re) &
-         self%fastest_growth = radau_growth(t, self%growth%re, self%growth%im)
+      associate (growth => self%growth, fastest => self%fastest_growth)
+         if (.not. growth%longest < huge(t)) return
+         is_faster = growth%re > fastest%re
+         if (growth%im > 0 .neqv. fastest%im > 0) is_faster = growth%im > 0
+         if (is_faster) fastest = radau_growth(t, growth%re, growth%im)
+      end associate
    end subroutine note
 
 end submodule evl_radau_growth
