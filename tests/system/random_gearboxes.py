@@ -30,10 +30,10 @@ def loses_contact(seed: int) -> bool:
 
 def random_gearbox(seed: int) -> Block:
     """Make the case of a seed."""
-    return _Gearbox(seed).case()
+    return Gearbox(seed).case()
 
 
-class _Gearbox:
+class Gearbox:
     """A gearbox in the making."""
 
     def __init__(self, seed: int) -> None:
