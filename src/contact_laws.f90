@@ -24,7 +24,7 @@ module evl_contact_laws
    public :: contact_context, elastic_result, law_choice, law_info_t, law_parameter_t, viscous_result
    public :: elastic_force, elastic_limit_message, elastic_potential, penetration_from_force, viscous_force
    public :: friction_factor, friction_knee, friction_mode, friction_acts, friction_falls
-   public :: is_rigid, is_undamped, rigid_rest_velocity, rigid_restitution
+   public :: is_rigid, is_undamped, rigid_rest_velocity, rigid_restitution, undamped
    public :: impact_share, linear_stiffness
    public :: contact_johnson, contact_linear, contact_power, contact_radzimovsky, contact_yang_lin
    public :: damping_hunt_crossley, damping_lee_wang, damping_linear, damping_none, damping_one_sided
@@ -37,6 +37,8 @@ module evl_contact_laws
       integer :: law = 0                                     !! index in the family's table, from 0
       real(wp) :: parameters(max_law_parameters) = 0.0_wp    !! in the units of the table
    end type law_choice
+
+   type(law_choice), parameter :: undamped = law_choice(law=damping_none) !! of family laws_damping
 
    !> What a law may know about a contact.
    type :: contact_context

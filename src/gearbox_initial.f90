@@ -93,6 +93,7 @@ contains
       call place_pairs(gearbox, y, integers)
       call settle(gearbox, t, y, integers, reals, status)
       if (has_failed(status)) return
+      if (initial%kind == initial_steady) reals = 0 ! it follows from no approach
       call set_multipliers(gearbox, t, y, integers, reals, opened, status)
       if (has_failed(status)) return
       call gearbox_derivative(gearbox, t, y, integers, reals, yp, status)

@@ -45,7 +45,7 @@ contains
    end function load_torque
 
    !> -d torque/d omega [N m s].
-   pure real(wp) function load_damping(load) result(damping)
+   elemental real(wp) function load_damping(load) result(damping)
       type(load_t), intent(in) :: load
 
       damping = merge(load%value, 0.0_wp, load%kind == load_viscous)

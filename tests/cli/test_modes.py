@@ -101,11 +101,11 @@ def test_without_a_steady_state_the_time_is_asked_for(evolvent: Evolvent, case: 
     assert_refused(result, 3, str(case), "no steady state", "--at TIME")
 
 
-def test_a_flank_that_would_have_to_pull_is_refused_at_its_place(
-    evolvent: Evolvent, case: Path
-) -> None:
+def test_a_load_of_the_wrong_sense_is_refused_at_its_place(evolvent: Evolvent, case: Path) -> None:
     result = evolvent("modes", case, "--set", "wheels.pinion.loads.0.value=1")
-    assert_refused(result, 3, "driving_rotation", "would have to pull")
+    assert_refused(
+        result, 3, "wheels.pinion.loads.0.value", "has the wrong sense", "parts the drive"
+    )
 
 
 @pytest.mark.parametrize("time", ["-1", "soon", ".inf", "1 s"])

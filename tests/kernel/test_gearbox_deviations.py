@@ -21,8 +21,6 @@ from kernel.gearbox import MESH, WHEEL, Gearbox, GearboxError
 from kernel.gearbox_description import (
     ALGEBRAIC,
     DIFFERENTIAL,
-    SPEED,
-    STEADY,
     TORQUE,
     MeshDescription,
     WheelDescription,
@@ -31,7 +29,7 @@ from kernel.gearbox_description import (
     wheel,
 )
 from kernel.gears import gear_description
-from kernel.kernel import CONTACT, DAMPING, INVALID_INPUT, Floats, Kernel, _at
+from kernel.kernel import CONTACT, INVALID_INPUT, Floats, Kernel, _at
 
 MODULE, ALPHA = 3e-3, np.radians(20)
 TEETH = (20, 35, 26)
@@ -203,21 +201,6 @@ def test_initial_gaps_are_those_of_perfect_flanks(kernel: Kernel):
     assert outputs["transmission_error"] == pytest.approx([-2e-6, 0.0], rel=1e-12)
     assert outputs["gap"][0] == pytest.approx(2e-6 + outputs["flank_deviation"][0], rel=1e-12)
     assert outputs["flank_deviation"][0] > 1e-7
-
-
-def test_a_steady_start_in_which_only_a_damper_could_carry_the_load_is_refused(kernel: Kernel):
-    # past their middle crowned flanks part at 10 mm/s: the force of Hunt and Crossley would have to
-    # be negative at any penetration
-    wheels = [gear(20, deviations(profile_crowning=1e-5)), gear(35)]
-    wheels[0].has_centre = True
-    pair = real_mesh(kernel, 0, 1)
-    pair.damping = kernel.law(DAMPING, "hunt_crossley", restitution=0.3, v0_min=1e-3)
-    gearbox = Gearbox(kernel, wheels, [load(0, SPEED, -500.0), load(1, TORQUE, -1.0)], [pair])
-    with pytest.raises(GearboxError) as caught:
-        gearbox.start(STEADY)
-    assert (caught.value.subject, caught.value.index) == (MESH, 0)
-    assert caught.value.field == "damping"
-    assert "start from rest or with given speeds" in caught.value.message
 
 
 def refusal(

@@ -274,7 +274,7 @@ BAD: dict[str, Refusal] = {
     ),
     "steady with a pulling flank": (
         *(lambda k: two_wheels(k, load(0, TORQUE, 1.0), load(1, VISCOUS, 10)), {"kind": STEADY}),
-        *(NO_SOLUTION, MESH, 0, "driving_rotation", "would have to pull"),
+        *(NO_SOLUTION, LOAD, 0, "value", "its torque 1 N m has the wrong sense"),
     ),
 }
 

@@ -3,8 +3,8 @@
 A gearbox is a tree: a first pair of wheels, to which further meshes are added at the teeth of a
 wheel that is there (an idler) or by a shaft with another pinion on it, and discs on shafts. Every
 second seed is made to lose contact. What could not run is left out: teeth that undercut or come to
-a point, initial speeds that do not agree along the train, a steady start where nothing is steady
-or where flanks deviate, and pairs by the paper's rule that turn back below their base circle.
+a point, initial speeds that do not agree along the train, a steady start where nothing is steady,
+and pairs by the paper's rule that turn back below their base circle.
 """
 
 from __future__ import annotations
@@ -17,7 +17,6 @@ STEEL = {"youngs_modulus": 2.06e11, "poisson_ratio": 0.3, "density": 7830.0}
 DENSITY = STEEL["density"]
 STIFFNESS = 1.4e10  # of a tooth pair over its width [N/m2], for laws that state one
 KNOTS = 8  # of a period of a fluctuating speed or torque
-DEVIATIONS = {"tip_relief", "profile_crowning", "accuracy", "runout"}
 HARMONIC = [math.sin(2 * math.pi * i / KNOTS) for i in range(KNOTS)]
 
 Block = dict[str, Any]
@@ -307,11 +306,9 @@ class Gearbox:
         else:
             self.wheels[0]["loads"] = [{"kind": "speed", "value": self.speed}]
         moving = self.speeds()
-        # Flanks that deviate move along each other's slope: with a damper that may balance no load.
-        can_be_steady = not (self.shaken or any(DEVIATIONS & wheel.keys() for wheel in self.wheels))
         driven = self.wheels[0]["loads"][0]["kind"] == "torque"
         rest = {"kind": "rest"} if driven else moving
-        steady = {"kind": "steady"} if can_be_steady else moving
+        steady = moving if self.shaken else {"kind": "steady"}
         return self.choice(steady, steady, moving, rest)
 
     def add_losing_loads(self) -> Block:
