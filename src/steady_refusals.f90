@@ -5,7 +5,7 @@ module evl_steady_refusals
    use evl_gearbox, only: gearbox_mode, gearbox_t, segment_of, wheel_speed
    use evl_housing, only: housing_prescribed
    use evl_kinds, only: wp
-   use evl_load, only: load_acceleration, load_prescribed_speed, load_torque, load_viscous
+   use evl_load, only: load_acceleration, load_prescribed_speed, load_table, load_torque, load_viscous
    use evl_mesh, only: contact_loaded, contact_off, contact_t, flank_coast, flank_values, mesh_mode, mesh_settle_zones, &
                        mesh_unclipped_force
    use evl_start_positions, only: closed_form_point
@@ -107,10 +107,11 @@ contains
       associate (load => gearbox%loads(i))
          if (load%kind == load_prescribed_speed) then
             call fail(status, code_no_solution, "the prescribed speed " &
-                      //quantity(wheel_speed(gearbox%wheels(load%wheel), y), "rad/s")//" "//consequence, subject_load, i, "value")
+                      //quantity(wheel_speed(gearbox%wheels(load%wheel), y), "rad/s")//" "//consequence, subject_load, i, &
+                      trim(merge("speed", "value", size(load%time) > 0)))
          else
             call fail(status, code_no_solution, "its torque "//quantity(torque_of(gearbox, i, t, y, integers), "N m") &
-                      //" "//consequence, subject_load, i, "value")
+                      //" "//consequence, subject_load, i, trim(merge("torque", "value ", load%kind == load_table)))
          end if
       end associate
    end subroutine refuse_pull

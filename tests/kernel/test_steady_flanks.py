@@ -449,7 +449,8 @@ def test_a_load_of_the_wrong_sense_is_named(kernel: Kernel, kind: str, case: str
     given = KINDS.get(kind, NOTHING)
     pair = RealPair(deviations=given, sigma=sigma, fixed=True, backlash=4e-4)
     error = refusal(pair.gearbox(kernel, tuple(loads(sigma))))
-    assert (error.subject, error.index, error.field) == (LOAD, index, "value")
+    field = "torque" if case == "a table" else "value"
+    assert (error.subject, error.index, error.field) == (LOAD, index, field)
     value = words.split("{")[1].split("}")[0]
     signed = value if sigma > 0 else f"-{value}"
     assert words.replace("{" + value + "}", signed) in error.message
