@@ -18,7 +18,9 @@ module evl_gear_mesh
    implicit none (type, external)
    private
 
-   public :: gear_mesh_derive, gear_mesh_input, gear_mesh_t
+   public :: gear_mesh_derive, gear_mesh_input, gear_mesh_overlap, gear_mesh_t
+
+   real(wp), parameter :: vanishing = 16*epsilon(1.0_wp) !! backlash over the centre distance that is rounding
 
    !> What may be given of a mesh: none of both, one, or both if they agree.
    type :: gear_mesh_input
@@ -109,9 +111,8 @@ contains
 
       tangent = 0
       base_sum = a%base_radius + b%base_radius
-      ! what the allowances take from the teeth, on the base circles; and 2 R inv alpha_w of full teeth without backlash
-      allowances = abs(a%thickness_allowance)*cos(a%pressure_angle) + abs(b%thickness_allowance)*cos(b%pressure_angle)
-      tight = full_arc(a) + full_arc(b) - mesh%base_pitch
+      allowances = allowed_arc(a, b)
+      tight = tight_arc(a, b)
       if (tight > 0) mesh%tight_distance = base_sum*hypot(1.0_wp, tangent_of_involute(tight/(2*base_sum)))
       if (given%has_centre_distance) then
          mesh%centre_distance = given%centre_distance
@@ -121,7 +122,7 @@ contains
             return
          end if
          tangent = sqrt((mesh%centre_distance - base_sum)*(mesh%centre_distance + base_sum))/base_sum
-         mesh%backlash = 2*base_sum*involute_of_tangent(tangent) - tight + allowances
+         mesh%backlash = backlash_at(a, b, tangent)
          call check_backlash(given, mesh, status)
          return
       end if
@@ -137,6 +138,41 @@ contains
       mesh%centre_distance = base_sum*hypot(1.0_wp, tangent)
    end subroutine find_distance
 
+   !> Normal backlash where the working pressure angle has this tangent; negative if the teeth overlap [m].
+   pure real(wp) function backlash_at(a, b, tangent) result(backlash)
+      type(gear_t), intent(in) :: a, b
+      real(wp), intent(in) :: tangent
+
+      backlash = 2*(a%base_radius + b%base_radius)*involute_of_tangent(tangent) - tight_arc(a, b) + allowed_arc(a, b)
+   end function backlash_at
+
+   !> By how much the teeth overlap at a given centre distance, more than rounding: minus the normal backlash, at least 0 [m].
+   pure real(wp) function gear_mesh_overlap(a, b, centre_distance) result(overlap)
+      type(gear_t), intent(in) :: a, b            !! gears of the same base pitch
+      real(wp), intent(in) :: centre_distance     !! [m]
+      real(wp) :: base_sum
+
+      overlap = 0
+      base_sum = a%base_radius + b%base_radius
+      if (.not. (ieee_is_finite(centre_distance) .and. centre_distance > base_sum)) return
+      overlap = -backlash_at(a, b, sqrt((centre_distance - base_sum)*(centre_distance + base_sum))/base_sum)
+      if (.not. overlap > agreement*centre_distance) overlap = 0
+   end function gear_mesh_overlap
+
+   !> 2 R inv alpha_w of full teeth without backlash [m].
+   pure real(wp) function tight_arc(a, b)
+      type(gear_t), intent(in) :: a, b
+
+      tight_arc = full_arc(a) + full_arc(b) - a%base_pitch
+   end function tight_arc
+
+   !> What the allowances take from the teeth, on the base circles [m].
+   pure real(wp) function allowed_arc(a, b)
+      type(gear_t), intent(in) :: a, b
+
+      allowed_arc = abs(a%thickness_allowance)*cos(a%pressure_angle) + abs(b%thickness_allowance)*cos(b%pressure_angle)
+   end function allowed_arc
+
    !> Arc of the base circle under a tooth without allowance [m].
    pure real(wp) function full_arc(gear)
       type(gear_t), intent(in) :: gear
@@ -148,7 +184,7 @@ contains
    !> numbers is forgiven.
    pure subroutine check_backlash(given, mesh, status)
       type(gear_mesh_input), intent(in) :: given
-      type(gear_mesh_t), intent(inout) :: mesh !! a backlash that is negative by rounding becomes 0
+      type(gear_mesh_t), intent(inout) :: mesh !! a backlash that is negative, or not 0, by rounding becomes 0
       type(status_t), intent(inout) :: status
 
       associate (rounding => agreement*mesh%centre_distance)
@@ -160,7 +196,7 @@ contains
             call refuse(status, "backlash", "backlash "//quantity(given%backlash, "m")//" does not agree with " &
                         //quantity(mesh%backlash, "m")//", which follows from the centre distance: give one of the two")
          end if
-         if (mesh%backlash < 0) mesh%backlash = 0
+         if (mesh%backlash < vanishing*mesh%centre_distance) mesh%backlash = 0
       end associate
    end subroutine check_backlash
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 from kernel.gearbox import MESH, WHEEL, Gearbox, GearboxError, Warned
 from kernel.gearbox_description import mesh as mesh_description
 from kernel.gearbox_description import wheel
-from kernel.gears import gear, gear_description, gear_mesh
+from kernel.gears import gear, gear_description, gear_mesh, gear_of, mesh_of
 from kernel.kernel import INVALID_INPUT, Kernel, KernelError
 
 NAN, INF = np.nan, np.inf
@@ -274,6 +275,120 @@ def test_a_ring_of_gears_has_to_close(kernel: Kernel) -> None:
     error = refusal(kernel, wheels, ring(0.3))
     assert (error.subject, error.index, error.field) == (MESH, 3, "centre_distance")
     assert "m apart, but its centre distance is 0.04 m" in error.message
+
+
+# ---- rounded data of catalogues
+
+
+def fitting_distance(kernel: Kernel, a: dict[str, Any], b: dict[str, Any]) -> float:
+    """Centre distance without backlash."""
+    return gear_mesh(kernel, gear(kernel, **a), gear(kernel, **b), backlash=0.0).centre_distance
+
+
+def distance_of_overlap(
+    kernel: Kernel, a: dict[str, Any], b: dict[str, Any], overlap: float
+) -> float:
+    """Centre distance at which the normal backlash is minus an overlap: j' = 2 sin alpha_w."""
+    first, second = gear(kernel, **a), gear(kernel, **b)
+    distance = fitting_distance(kernel, a, b)
+    for _ in range(4):  # Newton's method on what allowances that are larger by it leave
+        spare = 3e-4
+        thin = {**b, "thickness_allowance": b.get("thickness_allowance", 0.0) - spare}
+        mesh = gear_mesh(kernel, first, gear(kernel, **thin), centre_distance=distance)
+        backlash = mesh.backlash - spare * np.cos(second.pressure_angle)
+        distance -= (backlash + overlap) / (2 * np.sin(mesh.working_pressure_angle))
+    return distance
+
+
+CATALOGUE: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
+    "standard": ({"teeth": 20}, {"teeth": 40}),
+    "shifted": ({"teeth": 19, "profile_shift": 0.4}, {"teeth": 34, "profile_shift": 0.1}),
+    "with allowances": (
+        {"teeth": 19, "profile_shift": 0.4, "thickness_allowance": -3e-5},
+        {"teeth": 34, "profile_shift": 0.1, "thickness_allowance": -5e-5},
+    ),
+}
+
+
+def catalogue_pair(kernel: Kernel, name: str, distance: float, **second: Any) -> Gearbox:
+    a, b = CATALOGUE[name]
+    wheels = [gear_wheel(**a), gear_wheel(**{**b, **second})]
+    return Gearbox(kernel, wheels, [], [real(kernel, centre_distance=distance)])
+
+
+@pytest.mark.parametrize("name", CATALOGUE)
+@pytest.mark.parametrize("overlap", [1e-9, 1e-8, 3e-7, 4.999e-7])
+def test_rounded_data_make_the_driven_teeth_thinner(kernel: Kernel, name: str, overlap: float):
+    a, b = CATALOGUE[name]
+    distance = distance_of_overlap(kernel, a, b, overlap)
+    gearbox = catalogue_pair(kernel, name, distance)
+    (text,) = gearbox.warnings()
+    assert text.startswith("meshes.0: at its centre distance the normal backlash would be -")
+    mesh, pinion, driven = mesh_of(gearbox, 0), gear_of(gearbox, 0), gear_of(gearbox, 1)
+    assert (mesh.backlash, mesh.centre_distance) == (0, distance)
+    alone = gear(kernel, **a)
+    assert bytes(pinion) == bytes(alone)
+    missing = overlap / np.cos(np.radians(20))
+    # the centre distance that makes the overlap is known to its rounding, 1e-17 m
+    allowance = b.get("thickness_allowance", 0.0) - missing
+    assert driven.thickness_allowance == pytest.approx(allowance, abs=3e-17)
+    # and it is that wheel in every respect
+    fields = {**b, "thickness_allowance": driven.thickness_allowance}
+    assert bytes(driven) == bytes(gear(kernel, **fields))
+    given = catalogue_pair(kernel, name, distance, thickness_allowance=driven.thickness_allowance)
+    assert given.warnings() == []
+    states = [g.outputs(g.start()) for g in (gearbox, given)]
+    for output in states[0]:
+        np.testing.assert_array_equal(states[0][output], states[1][output])
+
+
+def test_the_other_meshes_of_a_thinner_wheel_have_more_backlash(kernel: Kernel):
+    a, b = CATALOGUE["standard"]
+    distance = distance_of_overlap(kernel, a, b, 3e-7)
+    wheels = [gear_wheel(**a), gear_wheel(**b), gear_wheel(**a)]
+    second = {"driving": 1, "driven": 2, "driving_rotation": 1, "centre_line_angle": 1.0}
+    meshes = [
+        real(kernel, centre_distance=distance),
+        real(kernel, **second, centre_distance=0.0601),
+    ]
+    gearbox = Gearbox(kernel, wheels, [], meshes)
+    assert len(gearbox.warnings()) == 1
+    alone = Gearbox(kernel, wheels[1:], [], [real(kernel, centre_distance=0.0601)])
+    more = mesh_of(gearbox, 1).backlash - mesh_of(alone, 0).backlash
+    assert more == pytest.approx(3e-7, abs=1e-16)
+    # a mesh that thins the same wheel again takes only what is left
+    meshes[1] = real(
+        kernel, driving=2, driven=1, centre_line_angle=np.pi + 1.0, centre_distance=distance - 2e-7
+    )
+    twice = Gearbox(kernel, wheels, [], meshes)
+    assert len(twice.warnings()) == 2
+    assert mesh_of(twice, 1).backlash == 0
+    assert 0 < mesh_of(twice, 0).backlash < 2e-7
+
+
+@pytest.mark.parametrize("name", CATALOGUE)
+@pytest.mark.parametrize("overlap", [5.01e-7, 1.234e-6, 7.7e-6, 2.3456789e-5, 9.9e-5, 1.2e-4])
+def test_the_allowance_that_is_named_makes_the_teeth_fit(kernel: Kernel, name: str, overlap: float):
+    distance = distance_of_overlap(kernel, *CATALOGUE[name], overlap)
+    with pytest.raises(GearboxError) as caught:
+        catalogue_pair(kernel, name, distance)
+    error = caught.value
+    assert (error.code, error.subject, error.field) == (INVALID_INPUT, MESH, "centre_distance")
+    assert "the teeth do not fit" in error.message
+    named = re.search(r"teeth of the driven wheel with thickness_allowance (\S+) m$", error.message)
+    assert named
+    gearbox = catalogue_pair(kernel, name, distance, thickness_allowance=float(named[1]))
+    assert gearbox.warnings() == []
+    # the sixth digit of the allowance is the largest backlash that is left
+    assert 0 <= mesh_of(gearbox, 0).backlash < 1.1e-5 * abs(float(named[1]))
+
+
+def test_no_allowance_is_named_where_none_makes_the_teeth_fit(kernel: Kernel):
+    """The gears are a millimetre too close: their tips run into the roots."""
+    with pytest.raises(GearboxError) as caught:
+        catalogue_pair(kernel, "standard", 0.059)
+    assert "the teeth do not fit" in caught.value.message
+    assert "thickness_allowance" not in caught.value.message
 
 
 # ---- allowed, with a warning
