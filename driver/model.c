@@ -361,12 +361,15 @@ void dae_state_free(dae_state *state)
 
 int model_n_warnings(const model *model)
 {
-    return model->sizes.n_warnings;
+    evl_status status;
+    return model->sizes.n_warnings + evl_gearbox_speed_warning(model->gearbox, &model->initial, &status);
 }
 
 void model_warning(const model *model, int index, model_message *warning)
 {
     evl_status status;
-    (void)evl_gearbox_warning(model->gearbox, index, &status);
+    if (!evl_gearbox_warning(model->gearbox, index, &status)) {
+        (void)evl_gearbox_speed_warning(model->gearbox, &model->initial, &status);
+    }
     explain(model, &status, warning);
 }

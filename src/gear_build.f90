@@ -52,9 +52,9 @@ contains
             return
          end if
          if (overlaps(i) > 0) &
-            call warn(warnings, "meshes", i, "at its centre distance the normal backlash would be "//quantity(-overlaps(i), "m") &
+            call warn(warnings, "at its centre distance the normal backlash would be "//quantity(-overlaps(i), "m") &
                       //", as rounded data give it: it is taken as 0, and the thickness_allowance of the driven wheel as " &
-                      //quantity(gears(meshes(i)%driven)%thickness_allowance, "m"))
+                      //quantity(gears(meshes(i)%driven)%thickness_allowance, "m"), subject_mesh, i)
          if (gear_meshes(i)%exists .and. gear_meshes(i)%contact_ratio < 1) &
             call warn(warnings, "its contact ratio is "//quantity(gear_meshes(i)%contact_ratio, "")//", less than 1: contact is" &
                       //" lost in every pitch", subject_mesh, i)

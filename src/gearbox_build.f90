@@ -22,6 +22,7 @@ module evl_gearbox_build
    use evl_spur_geometry, only: spur_pair_derive, spur_pair_least_radius
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel, warn
    use evl_tooth_phase, only: find_tooth_phases, tooth_mesh_t
+   use evl_unlikely_numbers, only: warn_of_sizes
    implicit none (type, external)
    private
 
@@ -88,6 +89,7 @@ contains
       do i = 1, size(meshes)
          call check_contact_width(gearbox, i)
       end do
+      call warn_of_sizes(gearbox)
       allocate (gearbox%output_offsets(n_outputs), gearbox%output_counts(n_outputs))
       call gearbox_output_places(gearbox, gearbox%output_offsets, gearbox%output_counts)
       gearbox%n_values = sum(gearbox%output_counts)

@@ -9,7 +9,8 @@ module evl_steady_refusals
    use evl_mesh, only: contact_loaded, contact_off, contact_t, flank_coast, flank_values, mesh_mode, mesh_settle_zones, &
                        mesh_unclipped_force
    use evl_start_positions, only: closed_form_point
-   use evl_status, only: code_no_solution, fail, quantity, status_t, subject_housing, subject_initial, subject_load, subject_mesh
+   use evl_status, only: code_no_solution, fail, message_length, quantity, status_t, subject_housing, subject_initial, &
+                         subject_load, subject_mesh
    implicit none (type, external)
    private
 
@@ -88,7 +89,7 @@ contains
       integer, intent(in) :: integers(:)
       type(status_t), intent(inout) :: status
       character(len=16) :: number
-      character(len=:), allocatable :: consequence
+      character(len=message_length) :: consequence
       integer :: i
 
       write (number, "(a, i0)") "meshes.", mesh%mesh - 1
@@ -107,11 +108,11 @@ contains
       associate (load => gearbox%loads(i))
          if (load%kind == load_prescribed_speed) then
             call fail(status, code_no_solution, "the prescribed speed " &
-                      //quantity(wheel_speed(gearbox%wheels(load%wheel), y), "rad/s")//" "//consequence, subject_load, i, &
+                      //quantity(wheel_speed(gearbox%wheels(load%wheel), y), "rad/s")//" "//trim(consequence), subject_load, i, &
                       trim(merge("speed", "value", size(load%time) > 0)))
          else
             call fail(status, code_no_solution, "its torque "//quantity(torque_of(gearbox, i, t, y, integers), "N m") &
-                      //" "//consequence, subject_load, i, trim(merge("torque", "value ", load%kind == load_table)))
+                      //" "//trim(consequence), subject_load, i, trim(merge("torque", "value ", load%kind == load_table)))
          end if
       end associate
    end subroutine refuse_pull

@@ -32,15 +32,34 @@ WARNINGS = {
     ),
     "a wide contact strip": (
         "spur-pair.yaml",
-        "wheels.pinion.loads.0.value=-2e5",
+        "wheels.pinion.width=5e-6",
         "meshes.pinion-gear",
-        "under its load of about 7.46791E+06 N the contact strip is ",
+        "under its load of about 1866.98 N the contact strip is ",
     ),
     "no pitch point": (
         "paper.yaml",
         "wheels.gear.teeth=90",
         "meshes.pinion-gear",
         "its path of contact does not contain the pitch point",
+    ),
+    "rounded catalogue data": (
+        "spur-pair.yaml",
+        "meshes.0.centre_distance=0.0808122",
+        "meshes.pinion-gear",
+        "at its centre distance the normal backlash would be -3.32863E-07 m",
+    ),
+    "millimetres given as metres": (
+        "paper-friction.yaml",
+        "wheels.pinion.pitch_radius=200",
+        "wheels.pinion",
+        "its mass is 9.80177E+07 kg, its pitch radius is 200 m, and another wheel is like it",
+    ),
+    "a speed that no gear has": (
+        "two-stage-gears.yaml",
+        "simulation.initial={kind: speeds, speeds: {motor: -1e5, pinion-1: -1.1e5, gear-1: 0,"
+        " pinion-2: 0, gear-2: 0, drum: 0}}",
+        "wheels.pinion-1",
+        "by loads and start it turns at 110000 rad/s",
     ),
     "a mesh against the first one": (
         "two-stage.yaml",
@@ -60,7 +79,8 @@ def test_every_warning_names_its_part_as_errors_do(
     evolvent: Evolvent, examples: Path, warning: str
 ) -> None:
     case, option, part, words = WARNINGS[warning]
-    options = [option, "meshes.0.pressure_angle=20"] if case == "paper.yaml" else [option]
+    angle = ("meshes.0.pressure_angle=20", "wheels.gear.mass=100")
+    options = [option, *angle] if case == "paper.yaml" else [option]
     result = evolvent("show", examples / case, "--json", *settings(*options))
     (text,) = json.loads(result.stdout)["warnings"]
     assert text.startswith(f"{part}: {words}")

@@ -240,6 +240,16 @@ class Gearbox:
         )
         return warnings
 
+    def speed_warning(self, kind: int = REST, speeds: ArrayLike | None = None) -> Warned | None:
+        """What is worth knowing of the speeds of the loads and of a start; None if nothing is."""
+        status, start = Status(), initial(kind, speeds)
+        ask = self.library.evl_gearbox_speed_warning
+        ask.restype = _bool
+        if not ask(self.handle, ctypes.byref(start), ctypes.byref(status)):
+            return None
+        about = (status.subject, status.index, status.field.decode())
+        return Warned(*about, status.message.decode())
+
     def wheel_geometry(self, index: int) -> WheelGeometry:
         """Geometry of a wheel."""
         geometry = WheelGeometry()

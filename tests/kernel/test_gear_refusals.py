@@ -322,8 +322,9 @@ def test_rounded_data_make_the_driven_teeth_thinner(kernel: Kernel, name: str, o
     a, b = CATALOGUE[name]
     distance = distance_of_overlap(kernel, a, b, overlap)
     gearbox = catalogue_pair(kernel, name, distance)
-    (text,) = gearbox.warnings()
-    assert text.startswith("meshes.0: at its centre distance the normal backlash would be -")
+    (warned,) = gearbox.warnings()
+    assert (warned.subject, warned.index) == (MESH, 0)
+    assert warned.message.startswith("at its centre distance the normal backlash would be -")
     mesh, pinion, driven = mesh_of(gearbox, 0), gear_of(gearbox, 0), gear_of(gearbox, 1)
     assert (mesh.backlash, mesh.centre_distance) == (0, distance)
     alone = gear(kernel, **a)

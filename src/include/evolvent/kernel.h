@@ -305,6 +305,8 @@ EVL_API void evl_gearbox_sizes(const evl_gearbox *gearbox, evl_sizes *sizes);
 /** Warning `index` (from 0) of the creation: something allowed, but worth knowing. As an error it says what it is about by
  *  subject, index and field; its code is EVL_OK. @return whether there is one */
 EVL_API bool evl_gearbox_warning(const evl_gearbox *gearbox, int index, evl_status *warning);
+/** The same of speeds above 1e5 rad/s, of the loads or the start. */
+EVL_API bool evl_gearbox_speed_warning(const evl_gearbox *gearbox, const evl_initial *initial, evl_status *warning);
 
 typedef struct {
     double pitch_radius, base_radius,

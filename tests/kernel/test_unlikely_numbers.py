@@ -1,0 +1,119 @@
+"""Numbers that hardly any gearbox has are allowed, with one warning that names a wheel."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from kernel.gearbox import WHEEL, Gearbox
+from kernel.gearbox_description import (
+    REST,
+    SPEED,
+    SPEEDS,
+    STEADY,
+    TABLE,
+    TORQUE,
+    VISCOUS,
+    load,
+    mesh,
+    shaft,
+    wheel,
+)
+from kernel.gears import gear_description
+from kernel.kernel import Kernel
+
+
+def real_pair(kernel: Kernel, module: float, *loads: Any, **fields: Any) -> Gearbox:
+    wheels = [
+        wheel(teeth=z, width=0.02, gear=gear_description(module), mass=1.0, inertia=0.1, **fields)
+        for z in (17, 19)
+    ]
+    description = mesh(kernel, backlash=1e-4)
+    description.paper_rule = False
+    return Gearbox(kernel, wheels, loads, [description])
+
+
+def disc(**fields: Any) -> Any:
+    return wheel(teeth=0, **{"pitch_radius": 0.3, "mass": 10.0, "inertia": 1.0, **fields})
+
+
+LIKELY: list[dict[str, Any]] = [{"mass": 1000.0}, {"pitch_radius": 1.0}, {"mass": 698.96}]
+UNLIKELY: list[tuple[dict[str, Any], str]] = [
+    ({"mass": 1000.1}, "its mass is 1000.1 kg: are millimetres given as metres?"),
+    ({"pitch_radius": 1.01}, "its pitch radius is 1.01 m: are millimetres given as metres?"),
+    ({"mass": 2e6, "pitch_radius": 30.0}, "its mass is 2E+06 kg, its pitch radius is 30 m: are"),
+]
+
+
+@pytest.mark.parametrize("fields", LIKELY)
+def test_large_wheels_are_no_news(kernel: Kernel, fields: dict[str, Any]):
+    assert Gearbox(kernel, [disc(**fields)], [], []).warnings() == []
+
+
+@pytest.mark.parametrize(("fields", "words"), UNLIKELY)
+@pytest.mark.parametrize("index", range(3))
+def test_a_wheel_of_unlikely_size_is_named(
+    kernel: Kernel, fields: dict[str, Any], words: str, index: int
+):
+    wheels = [disc(**fields) if i == index else disc() for i in range(3)]
+    (warned,) = Gearbox(kernel, wheels, [], [], shafts=[shaft(0, 1), shaft(1, 2)]).warnings()
+    assert (warned.subject, warned.index) == (WHEEL, index)
+    assert warned.message.startswith(words)
+
+
+@pytest.mark.parametrize(
+    ("n", "words"), [(1, "kg: are"), (2, "another wheel"), (3, "2 other wheels are like it")]
+)
+def test_many_wheels_of_unlikely_size_give_one_warning(kernel: Kernel, n: int, words: str):
+    wheels = [disc(mass=2e3 if i < n else 1.0) for i in range(4)]
+    shafts = [shaft(i, i + 1) for i in range(3)]
+    (warned,) = Gearbox(kernel, wheels, [], [], shafts=shafts).warnings()
+    assert warned.index == 0
+    assert words in warned.message
+
+
+def test_a_module_above_100_mm_is_named(kernel: Kernel):
+    assert real_pair(kernel, 0.0189).warnings() == []
+    assert real_pair(kernel, 0.1).warnings() == []
+    (warned,) = real_pair(kernel, 0.101).warnings()
+    assert (warned.subject, warned.index) == (WHEEL, 0)
+    assert warned.message.startswith("its module is 0.101 m, and another wheel is like it")
+    (warned,) = real_pair(kernel, 3.0).warnings()
+    assert warned.message.startswith("its pitch radius is 25.5 m, its module is 3 m, and another")
+
+
+# Speeds of the wheels of 17 and 19 teeth: loads, start, and the wheel that is named.
+SLOW: dict[str, tuple[list[Any], dict[str, Any]]] = {
+    "nothing": ([], {}),
+    "a torque alone": ([load(0, TORQUE, -1e9)], {}),
+    "a torque alone, steady": ([load(0, TORQUE, -1e9)], {"kind": STEADY}),
+    "a prescribed speed": ([load(0, SPEED, -8.9e4)], {}),
+    "given speeds": ([], {"kind": SPEEDS, "speeds": [-1e5, 8e4]}),
+}
+FAST: dict[str, tuple[list[Any], dict[str, Any], int, str]] = {
+    "a prescribed speed": ([load(0, SPEED, -1.01e5)], {}, 0, "101000 rad/s:"),
+    "of the driven wheel": ([load(1, SPEED, 9e4)], {}, 0, "100588 rad/s:"),
+    "of both": ([load(1, SPEED, 2e5)], {}, 0, "223529 rad/s, and another wheel is like it"),
+    "a table": ([load(1, SPEED, table=[(0, 0), (1, 9.5e4)])], {}, 0, "106176 rad/s:"),
+    "by the loads": ([load(0, TABLE, table=[(0, 1), (1, 10)]), load(0, VISCOUS, 9e-5)], {}, 0, ""),
+    "given speeds": ([], {"kind": SPEEDS, "speeds": [0.0, -1.2e5]}, 1, "120000 rad/s:"),
+}
+
+
+@pytest.mark.parametrize("case", SLOW)
+def test_likely_speeds_are_no_news(kernel: Kernel, case: str):
+    loads, start = SLOW[case]
+    assert real_pair(kernel, 3e-3, *loads).speed_warning(**start) is None
+
+
+@pytest.mark.parametrize("case", FAST)
+def test_an_unlikely_speed_is_named_with_its_wheel(kernel: Kernel, case: str):
+    loads, start, index, words = FAST[case]
+    gearbox = real_pair(kernel, 3e-3, *loads)
+    warned = gearbox.speed_warning(**start)
+    assert warned is not None
+    assert (warned.subject, warned.index) == (WHEEL, index)
+    assert warned.message.startswith("by loads and start it turns at ")
+    assert words in warned.message
+    assert gearbox.speed_warning(kind=REST) == warned or start
