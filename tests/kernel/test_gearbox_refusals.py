@@ -320,7 +320,7 @@ def test_a_wheel_alone_is_a_gearbox(kernel: Kernel):
 
 
 def test_a_path_of_contact_without_the_pitch_point_is_warned_of(kernel: Kernel):
-    wheels = [wheel(teeth=20, pitch_radius=0.2), wheel(teeth=90)]
+    wheels = [wheel(teeth=20, pitch_radius=0.1), wheel(teeth=90)]
     warnings = [
         Gearbox(kernel, wheels, [], [mesh(kernel, pressure_angle=angle)]).warnings()
         for angle in (0.07, 0.35)
