@@ -26,12 +26,10 @@ module evl_capi
    use evl_kinds, only: pi
    use evl_load, only: load_t
    use evl_status, only: code_invalid_input, code_no_memory, code_ok, fail, has_failed, status_t
-   use evl_unlikely_numbers, only: warn_of_speeds
    implicit none (type, external)
    private
 
-   public :: evl_gearbox_create, evl_gearbox_delete, evl_gearbox_sizes, evl_gearbox_warning, &
-             evl_gearbox_speed_warning
+   public :: evl_gearbox_create, evl_gearbox_delete, evl_gearbox_sizes
    public :: evl_gearbox_wheel_geometry, evl_gearbox_mesh_geometry, evl_gearbox_initial_state, evl_gearbox_scales
    public :: evl_gearbox_state_name, evl_gearbox_residual, evl_gearbox_jacobian, evl_gearbox_derivative
    public :: evl_event_count, evl_event_name, evl_gearbox_roots, evl_gearbox_root_directions, evl_gearbox_next_time_event
@@ -147,36 +145,6 @@ contains
                       g%n_roots, size(g%output_counts), g%n_values, size(g%warnings), pair_places(g), maxval(g%contacts%n_slots), &
                       size(g%shafts), gearbox_event_room(g))
    end subroutine evl_gearbox_sizes
-
-   logical(c_bool) function evl_gearbox_warning(handle, index, warning) result(exists) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      integer(c_int), intent(in), value :: index
-      type(c_status), intent(out) :: warning
-      type(gearbox_t), pointer :: g
-
-      g => gearbox_of(handle)
-      exists = logical(index >= 0 .and. index < size(g%warnings), c_bool)
-      if (exists) then
-         call status_to_c(g%warnings(index + 1), warning)
-      else
-         call status_to_c(status_t(), warning)
-      end if
-   end function evl_gearbox_warning
-
-   logical(c_bool) function evl_gearbox_speed_warning(handle, initial, warning) result(exists) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      type(c_initial), intent(in) :: initial
-      type(c_status), intent(out) :: warning
-      type(gearbox_t), pointer :: g
-      type(status_t), allocatable :: warnings(:)
-
-      g => gearbox_of(handle)
-      allocate (warnings(0))
-      call warn_of_speeds(g, gearbox_initial_speeds(g, initial_from_c(initial, size(g%wheels), size(g%pairs))), warnings)
-      exists = logical(size(warnings) > 0, c_bool)
-      call status_to_c(status_t(), warning)
-      if (exists) call status_to_c(warnings(1), warning)
-   end function evl_gearbox_speed_warning
 
    subroutine evl_gearbox_wheel_geometry(handle, index, geometry) bind(c)
       type(c_ptr), intent(in), value :: handle

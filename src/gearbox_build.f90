@@ -8,6 +8,7 @@ module evl_gearbox_build
    use evl_gearbox_description, only: check_description, mesh_input, shaft_input, wheel_input
    use evl_gearbox_deviations, only: gearbox_set_deviations
    use evl_gearbox_scaling, only: gearbox_set_scales
+   use evl_gearbox_warnings, only: check_contact_width, warn_of_sizes
    use evl_housing, only: n_housing_states
    use evl_housing_description, only: housing_create, housing_input
    use evl_kinds, only: pi, wp
@@ -19,16 +20,14 @@ module evl_gearbox_build
    use evl_rational, only: rational_value
    use evl_rotors, only: rotors_join
    use evl_shaft, only: shaft_t
-   use evl_spur_geometry, only: spur_pair_derive, spur_pair_least_radius
+   use evl_spur_geometry, only: spur_pair_derive
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel, warn
    use evl_tooth_phase, only: find_tooth_phases, tooth_mesh_t
-   use evl_unlikely_numbers, only: warn_of_sizes
    implicit none (type, external)
    private
 
    public :: gearbox_create
 
-   real(wp), parameter :: narrow = 0.1_wp       !! half width of the contact strip over a radius of curvature: warn above
    real(wp), parameter :: agreement = 1.0e-9_wp !! relative: base radii from two meshes that differ less are the same
 
 contains
@@ -333,26 +332,6 @@ contains
       if (m > 0) call fail(status, code_invalid_input, "its flanks start with a gap of "//quantity(gearbox%phases(m)%gap, "m") &
                            //", which the teeth around the loop leave: only closed_form carries it", subject_mesh, m, "tracking")
    end subroutine place_teeth
-
-   !> The contact strip has to stay narrow beside the radii of curvature, of which one is smallest at an end of the path.
-   !>
-   !> Half width of two cylinders pressed together: sqrt(4 N rho_A rho_B/(pi E* (rho_A + rho_B))), Hertz.
-   subroutine check_contact_width(gearbox, index)
-      type(gearbox_t), intent(inout) :: gearbox
-      integer, intent(in) :: index
-      real(wp) :: least, other, half_width
-
-      associate (mesh => gearbox%contacts(gearbox%first(index)))
-         if (mesh%rigid) return
-         least = spur_pair_least_radius(gearbox%pairs(index))
-         other = gearbox%pairs(index)%rho - least
-         half_width = sqrt(4*mesh%force_scale/mesh%width*least*other/(pi*mesh%e_star*(least + other)))
-         if (half_width > narrow*least) &
-            call warn(gearbox%warnings, "under its load of about "//quantity(mesh%force_scale, "N")//" the contact strip is " &
-                      //quantity(half_width, "m")//" wide to either side, more than a tenth of the smallest radius of" &
-                      //" curvature "//quantity(least, "m")//": the force law is stretched", subject_mesh, index)
-      end associate
-   end subroutine check_contact_width
 
    !> Whether the flank of a mesh fits the sense of rotation that the first mesh gives the wheels.
    subroutine check_senses(gearbox, layout, first_mesh, given, index)

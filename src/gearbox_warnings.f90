@@ -1,21 +1,44 @@
-!> Numbers that hardly any gearbox has: they may be right, but more likely a unit is wrong.
-module evl_unlikely_numbers
+!> Numbers of a gearbox that are allowed but worth knowing: those that stretch the force law, and those that hardly any gearbox has;
+!> they may be right, but more likely a unit is wrong.
+module evl_gearbox_warnings
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_scaling, only: gearbox_likely_speed
-   use evl_kinds, only: wp
+   use evl_kinds, only: pi, wp
    use evl_load, only: load_damping, load_largest, load_prescribed_speed
-   use evl_status, only: message_length, quantity, status_t, subject_wheel, warn
+   use evl_spur_geometry, only: spur_pair_least_radius
+   use evl_status, only: message_length, quantity, status_t, subject_mesh, subject_wheel, warn
    implicit none (type, external)
    private
 
-   public :: warn_of_sizes, warn_of_speeds
+   public :: check_contact_width, warn_of_sizes, warn_of_speeds
 
+   real(wp), parameter :: narrow = 0.1_wp    !! half width of the contact strip over a radius of curvature: warn above
    real(wp), parameter :: heavy = 1.0e3_wp   !! mass of a wheel [kg]
    real(wp), parameter :: large = 1.0_wp     !! its pitch radius [m]
    real(wp), parameter :: coarse = 0.1_wp    !! its module [m]
    real(wp), parameter :: fast = 1.0e5_wp    !! its speed [rad/s]
 
 contains
+
+   !> The contact strip has to stay narrow beside the radii of curvature, of which one is smallest at an end of the path.
+   !>
+   !> Half width of two cylinders pressed together: sqrt(4 N rho_A rho_B/(pi E* (rho_A + rho_B))), Hertz.
+   subroutine check_contact_width(gearbox, index)
+      type(gearbox_t), intent(inout) :: gearbox
+      integer, intent(in) :: index
+      real(wp) :: least, other, half_width
+
+      associate (mesh => gearbox%contacts(gearbox%first(index)))
+         if (mesh%rigid) return
+         least = spur_pair_least_radius(gearbox%pairs(index))
+         other = gearbox%pairs(index)%rho - least
+         half_width = sqrt(4*mesh%force_scale/mesh%width*least*other/(pi*mesh%e_star*(least + other)))
+         if (half_width > narrow*least) &
+            call warn(gearbox%warnings, "under its load of about "//quantity(mesh%force_scale, "N")//" the contact strip is " &
+                      //quantity(half_width, "m")//" wide to either side, more than a tenth of the smallest radius of" &
+                      //" curvature "//quantity(least, "m")//": the force law is stretched", subject_mesh, index)
+      end associate
+   end subroutine check_contact_width
 
    !> One warning of wheels above a tonne, above a radius of a metre, or of modules above 100 mm: millimetres were given as metres.
    pure subroutine warn_of_sizes(gearbox)
@@ -88,4 +111,4 @@ contains
       text = trim(text)//part
    end subroutine add
 
-end module evl_unlikely_numbers
+end module evl_gearbox_warnings
