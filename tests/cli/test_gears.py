@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 CASE = 3
@@ -237,3 +238,23 @@ def test_what_is_allowed_but_unwise_is_a_warning(
 ) -> None:
     (text,) = shown(evolvent, reference, option)["warnings"]
     assert text.startswith(warning)
+
+
+def test_a_wheel_that_gave_way_is_shown_and_recorded_as_it_is(
+    evolvent: Evolvent, examples: Path, tmp_path: Path
+) -> None:
+    """Rounded data: the driven wheel's allowance is the given one less what overlapped."""
+    options = ("meshes.0.centre_distance=0.0808122", "simulation.duration=1e-4")
+    rounded = shown(evolvent, examples / "spur-pair.yaml", *options)
+    (warning,) = rounded["warnings"]
+    overlap = re.search(r"backlash would be -(\S+) m", warning)
+    assert overlap
+    gear = rounded["wheels"]["gear"]["gear"]
+    allowance = -5e-5 - float(overlap[1]) / np.cos(np.radians(20))
+    # the warning tells six digits of a third of a micrometre
+    assert gear["thickness_allowance"] == pytest.approx(allowance, abs=1e-12)
+    words = [word for option in options for word in ("--set", option)]
+    assert evolvent("run", examples / "spur-pair.yaml", *words, "-o", "x.h5").returncode == 0
+    with xr.open_dataset(tmp_path / "x.h5", engine="h5netcdf") as history:
+        assert float(history["backlash"][0]) == 0
+        assert float(history["tooth_angle"][1]) == gear["tooth_angle"]
