@@ -195,7 +195,7 @@ typedef struct {
 
 typedef enum {
     EVL_INITIAL_REST = 0,   /**< every wheel and support at rest */
-    EVL_INITIAL_STEADY = 1, /**< kinematic speeds and penetrations at which no wheel or support accelerates */
+    EVL_INITIAL_STEADY = 1, /**< nothing accelerates; speeds are kinematic, or follow deviating flanks */
     EVL_INITIAL_SPEEDS = 2  /**< given speeds */
 } evl_initial_kind;
 
