@@ -33,6 +33,11 @@ def _built(variable: str, name: str) -> Path:
     )
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Offer the tests that take minutes."""
+    parser.addoption("--long", action="store_true", help="run the tests that take minutes, too")
+
+
 @pytest.fixture(scope="session")
 def root() -> Path:
     """Root of the repository."""

@@ -1,12 +1,22 @@
-"""Tooth pairs push and never pull: modes of contact agree with the state after every event."""
+"""Tooth pairs push and never pull: modes of contact agree with the state after every event.
+
+``pytest tests/system/test_pushing.py --long`` runs 500 random pairs of gears; here are 60 of them.
+"""
 
 from __future__ import annotations
+
+import itertools
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from evolvent import check_history
+from kernel.kernel import Kernel
+from system.pushing_cases import FACTORS, levels, met, pushing_case, rows
 from system.runs import Run
+
+SHORT, LONG = 60, 500  # cases
 
 INTEGRATORS = ("radau", "ida")
 RELIEF = (
@@ -49,3 +59,42 @@ def test_check_tells_a_pair_that_pulls_and_a_mode_that_contradicts_the_gap(runs)
     assert broken(run, pair_penetration=-0.5e-6 * depth) == set()
     assert broken(run, pair_contact_mode=0) == {"contact modes"}
     assert broken(run, pair_contact_mode=2) == {"contact modes"}
+
+
+# ---- every two entries of the tables
+
+
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    """500 cases with --long, else 60."""
+    if "seed" in metafunc.fixturenames:
+        metafunc.parametrize("seed", range(LONG if metafunc.config.getoption("--long") else SHORT))
+
+
+@pytest.fixture(scope="session")
+def tables(kernel_library: Path) -> Kernel:
+    """Give the kernel's tables of laws."""
+    return Kernel(kernel_library)
+
+
+def test_every_two_entries_of_the_tables_meet(tables):
+    everything = set()
+    for (a, first), (b, second) in itertools.combinations(
+        zip(FACTORS, levels(tables), strict=True), 2
+    ):
+        if (a, b) == ("pinion", "gear"):
+            continue
+        a, b = ("deviation" if name in ("pinion", "gear") else name for name in (a, b))
+        everything |= {(a, one, b, other) for one in first for other in second}
+    assert everything == set(itertools.chain.from_iterable(map(met, rows(tables, SHORT))))
+
+
+def test_no_tooth_pair_pulls_whatever_laws_and_deviations_meet(runs, tables, seed):
+    row = rows(tables, LONG)[seed]
+    run = runs(pushing_case(tables, row, seed))
+    assert run.exit_code == 0, (row, run.messages)
+    force = run.history["pair_normal_force"] / run.history["reference_force"]
+    assert float(force.min()) >= -1e-6, row
+    assert float(force.max()) > 0.1, row
+    verdicts = {v.invariant.name: v for v in check_history(run.history)}
+    assert verdicts["contact modes"].verdict == "pass", row
+    assert not verdicts["energy balance"].failed, (row, verdicts["energy balance"].worst)
