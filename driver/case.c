@@ -1,5 +1,6 @@
 #include "case.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -112,6 +113,26 @@ void case_settle_integrator(case_file *file, integrator_kind integrator)
                     node_create_scalar(integrator == INTEGRATOR_RADAU ? "radau" : "ida", true, block->place));
         free(file->text);
         file->text = tree_text(file->root);
+    }
+}
+
+void case_settle_damping(case_file *file, int mesh, const law_tables *laws, const law_choice *settled)
+{
+    law_choice *choice = &file->description.meshes[mesh].damping;
+    const law_info *law = &laws->laws[LAWS_DAMPING][choice->law];
+    for (int i = 0; i < law->n_parameters; i++) {
+        if (!isnan(choice->parameters[i])) {
+            continue;
+        }
+        choice->parameters[i] = settled->parameters[i];
+        if (file->text != NULL) {
+            case_node *block = node_get(node_get(file->root, "meshes")->entries[mesh].value, "damping");
+            char number[NUMBER_TEXT_LENGTH];
+            number_write(number, settled->parameters[i]);
+            node_append(block, law->parameters[i].name, block->place, node_create_scalar(number, true, block->place));
+            free(file->text);
+            file->text = tree_text(file->root);
+        }
     }
 }
 

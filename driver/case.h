@@ -43,12 +43,15 @@ void case_delete(case_file **file);
 const description *case_description(const case_file *file);
 /** The file as it was given to case_read. */
 const char *case_path(const case_file *file);
-/** The whole case as YAML text: options applied, every default filled in (that of the integrator by case_settle_integrator),
- *  nothing derived. Reading it gives the same description. NULL for a case of case_edit, which spares the time. */
+/** The whole case as YAML text: options applied, every default filled in (those that the
+ *  model decides by case_settle_...), nothing derived. Reading it gives the same description. NULL for a case of case_edit, which spares the time. */
 const char *case_text(const case_file *file);
 
 /** Fill in the integrator of a case that does not name one. */
 void case_settle_integrator(case_file *file, integrator_kind integrator);
+
+/** Fill in what the damping law of a mesh leaves to the model, from the same law without gaps. */
+void case_settle_damping(case_file *file, int mesh, const law_tables *laws, const law_choice *settled);
 
 /** The checked tree itself, with the file's own keys and units. */
 const struct case_node *case_root(const case_file *file);

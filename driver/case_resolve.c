@@ -1,5 +1,6 @@
 #include "case_resolve.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -130,7 +131,8 @@ static law_choice resolve_law(const case_node *block, law_family family, const l
     }
     const law_info *law = &laws->laws[family][choice.law];
     for (int i = 0; i < law->n_parameters; i++) {
-        choice.parameters[i] = node_get_number(block, law->parameters[i].name);
+        const case_node *value = node_get(block, law->parameters[i].name);
+        choice.parameters[i] = value == NULL ? NAN : node_number(value); /* left open to the model */
     }
     return choice;
 }

@@ -53,7 +53,7 @@ static void add_law_parameter(case_schema *schema, const char *block, const char
                     .words = "",
                     .holds = "",
                     .text = own(schema, xstrdup(parameter->text))};
-    if (!parameter->required) {
+    if (!parameter->required && isfinite(parameter->default_value)) {
         char number[NUMBER_TEXT_LENGTH];
         number_write(number, parameter->default_value);
         key.default_text = own(schema, xstrdup(number));

@@ -52,14 +52,19 @@ static const command_row commands[] = {
      "  evolvent show examples/paper.yaml --set wheels.gear.teeth=40 --json\n"
      "  evolvent show --laws\n",
      "case file"},
-    {OF_MODES, CLI_MODES, "modes", "CASE.yaml [--at TIME] [--set PATH=VALUE]... [--json]",
+    {OF_MODES, CLI_MODES, "modes", "CASE.yaml [--at TIME | --mesh-position X | --mean] [--set PATH=VALUE]... [--json]",
      "print natural frequencies, damping and mode shapes",
      "Linearises the gearbox and prints its natural frequencies, damping ratios and mode shapes: at its steady state "
      "under\n"
-     "load, whatever the case's initial state, or, with --at, where the motion of the case is at a time.\n"
+     "load, whatever the case's initial state, with a tooth pair of the first mesh at the start of contact, or X "
+     "pitches\n"
+     "from it; with the mean over all positions of the meshes; or, with --at, where the motion of the case is at a "
+     "time.\n"
      "\n"
      "Examples:\n"
      "  evolvent modes examples/paper.yaml\n"
+     "  evolvent modes examples/spur-pair.yaml --mesh-position 0.25\n"
+     "  evolvent modes examples/spur-pair.yaml --mean\n"
      "  evolvent modes examples/paper-friction.yaml --at 0.5 --json\n",
      "case file"},
     {OF_BATCH, CLI_BATCH, "batch",
@@ -95,6 +100,10 @@ static const option_row option_rows[] = {
      "file to write; the case's name with .h5 in the current folder if not given"},
     {OF_MODES, 0, "at", "TIME", offsetof(cli_options, at),
      "integrate the case from its initial state to this time [s] and linearise there"},
+    {OF_MODES, 0, "mesh-position", "X", offsetof(cli_options, mesh_position),
+     "linearise where a tooth pair of the first mesh is X pitches from the start of contact; 0 if not given"},
+    {OF_MODES, 0, "mean", NULL, offsetof(cli_options, mean),
+     "linearise at all positions of the meshes and take the mean"},
     {OF_BATCH, 'o', "output", "DIR", offsetof(cli_options, output), "folder of the results, made if it is not there"},
     {OF_BATCH, 0, "shard", "I/N", offsetof(cli_options, shard),
      "only the cases i with i mod N = I - 1; 1/1 if not given"},
@@ -341,6 +350,10 @@ static bool check_words(cli_options *options, const command_row *command)
     }
     if (command->mask == OF_BATCH && options->output == NULL && !options->check) {
         misuse(options, command, "'%s' needs a folder: -o DIR", command->name);
+        return false;
+    }
+    if ((options->at != NULL) + (options->mesh_position != NULL) + options->mean > 1) {
+        misuse(options, command, "one of '--at', '--mesh-position' and '--mean' at a time");
         return false;
     }
     if (is_reference &&

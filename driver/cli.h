@@ -11,11 +11,11 @@ typedef struct {
     int exit_code;         /**< of CLI_NOTHING */
     const char *case_path; /**< of a case, or of a batch's design; NULL if none was given */
     const char *output;    /**< NULL if none was given */
-    const char *at;        /**< NULL if none was given, like the next three */
-    const char *shard, *jobs, *cases;
+    const char *at;        /**< NULL if none was given, like the next four */
+    const char *mesh_position, *shard, *jobs, *cases;
     int n_set;
     const char **set; /**< [n_set] "PATH=VALUE", in their order */
-    bool quiet, json, laws, keys, resume, check;
+    bool quiet, json, laws, keys, mean, resume, check;
     bool help, version;
 } cli_options;
 

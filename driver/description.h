@@ -171,7 +171,8 @@ void description_clear(description *description);
 typedef struct {
     char name[32], units[32], text[96];
     bool required;
-    double default_value, minimum, maximum;
+    double default_value; /**< NaN: the model finds it */
+    double minimum, maximum;
     bool minimum_open, maximum_open;
 } law_parameter;
 

@@ -51,6 +51,8 @@ static evl_exit modes_command(const cli_options *options, evl_error *error)
 {
     const modes_options settings = {.case_path = options->case_path,
                                     .at = options->at,
+                                    .mesh_position = options->mesh_position,
+                                    .mean = options->mean,
                                     .n_set = options->n_set,
                                     .set = options->set,
                                     .json = options->json};

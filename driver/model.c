@@ -288,6 +288,16 @@ model *model_create(const description *description, model_message *error)
     return model;
 }
 
+law_choice model_damping(const model *model, int mesh)
+{
+    evl_law_choice law;
+    law_choice choice;
+    evl_gearbox_damping(model->gearbox, mesh, &law);
+    choice.law = law.law;
+    memcpy(choice.parameters, law.parameters, sizeof choice.parameters);
+    return choice;
+}
+
 void model_delete(model **pointer)
 {
     model *model = *pointer;
@@ -319,21 +329,31 @@ void model_explain_no_stepper(const model *model, model_message *error)
     explain(model, &status, error);
 }
 
-static bool start(const model *model, const evl_initial *initial, dae_state *state, model_message *error)
+dae_state model_create_state(const model *model)
 {
     const evl_sizes *sizes = &model->sizes;
-    *state = (dae_state){.y = xcalloc((size_t)sizes->n_states, sizeof *state->y),
-                         .yp = xcalloc((size_t)sizes->n_states, sizeof *state->yp),
-                         .integers = xcalloc((size_t)sizes->n_integers, sizeof *state->integers),
-                         .reals = xcalloc((size_t)sizes->n_reals, sizeof *state->reals)};
+    return (dae_state){.y = xcalloc((size_t)sizes->n_states, sizeof(double)),
+                       .yp = xcalloc((size_t)sizes->n_states, sizeof(double)),
+                       .integers = xcalloc((size_t)sizes->n_integers, sizeof(int)),
+                       .reals = xcalloc((size_t)sizes->n_reals, sizeof(double))};
+}
+
+void model_explain_start(const model *model, const evl_status *status, model_message *error)
+{
+    explain(model, status, error);
+    if (error->subject == MODEL_ABOUT_NOTHING) {
+        error->subject = MODEL_ABOUT_INITIAL;
+    }
+}
+
+static bool start(const model *model, const evl_initial *initial, dae_state *state, model_message *error)
+{
+    *state = model_create_state(model);
     evl_status status = {.index = -1};
     const int code = evl_gearbox_initial_state(model->gearbox, initial, state->t, state->y, state->yp, state->integers,
                                                state->reals, &status);
     if (code != EVL_OK) {
-        explain(model, &status, error);
-        if (error->subject == MODEL_ABOUT_NOTHING) {
-            error->subject = MODEL_ABOUT_INITIAL;
-        }
+        model_explain_start(model, &status, error);
         dae_state_free(state);
     }
     return code == EVL_OK;
@@ -344,9 +364,9 @@ bool model_initial_state(const model *model, dae_state *state, model_message *er
     return start(model, &model->initial, state, error);
 }
 
-bool model_steady_state(const model *model, dae_state *state, model_message *error)
+bool model_steady_state(const model *model, double mesh_position, dae_state *state, model_message *error)
 {
-    const evl_initial steady = {.kind = EVL_INITIAL_STEADY};
+    const evl_initial steady = {.kind = EVL_INITIAL_STEADY, .mesh_position = mesh_position};
     return start(model, &steady, state, error);
 }
 

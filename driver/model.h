@@ -59,8 +59,9 @@ void model_explain_no_stepper(const model *model, model_message *error);
 
 /** State at t = 0; its arrays belong to the caller, who frees them with dae_state_free. @return false with the reason in `error`. */
 bool model_initial_state(const model *model, dae_state *state, model_message *error);
-/** The same for the steady state under the loads at t = 0, whatever initial state the description gives. */
-bool model_steady_state(const model *model, dae_state *state, model_message *error);
+/** The same for the steady state under the loads at t = 0, whatever initial state the description gives.
+ *  @param mesh_position  pitches of the first mesh from the start of contact, where the case starts with 0 */
+bool model_steady_state(const model *model, double mesh_position, dae_state *state, model_message *error);
 void dae_state_free(dae_state *state);
 
 int model_n_warnings(const model *model);
@@ -85,6 +86,16 @@ typedef struct {
 } model_state;
 /** What the states are, a new array of as many as its dae has. */
 model_state *model_states(const model *model);
+
+/** The vibration of a mesh with one tooth pair in contact at the nominal load. */
+typedef struct {
+    double force;                            /**< [N] */
+    double natural_frequency, damping_ratio; /**< [Hz], 1; NaN where nothing vibrates or no load is known */
+} mesh_vibration;
+mesh_vibration model_mesh_vibration(const model *model, int mesh);
+
+/** The damping law of a mesh, with what the case left open filled in. */
+law_choice model_damping(const model *model, int mesh);
 
 /** Derived geometry as (name, unit, symbol, long name, value) rows, for `evolvent show`. */
 typedef struct {

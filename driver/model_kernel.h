@@ -23,6 +23,10 @@ evl_housing model_translate_housing(const description *description, const evl_mo
 void model_describe_dae(model *model);
 /** The kernel's integrator for the model's dae; NULL if it does not serve the gearbox. */
 const dae_stepper *model_radau(const model *model);
+/** A state of zeros; its arrays belong to the caller. */
+dae_state model_create_state(const model *model);
+/** Why there is no state to start from; what is about nothing else is about the case's initial state. */
+void model_explain_start(const model *model, const evl_status *status, model_message *error);
 /** Fill the table of outputs. */
 void model_describe_outputs(model *model);
 

@@ -74,28 +74,68 @@ static natural_mode create_mode(const model *model, const dae_state *state, cons
     return mode;
 }
 
-bool model_modes(const model *model, const dae_state *state, natural_modes *modes, char message[DAE_MESSAGE_LENGTH])
+/** What the kernel finds of a matrix. */
+typedef struct {
+    int n; /**< eigenvalues */
+    double *eigenvalues, *vectors;
+} eigenproblem;
+
+static eigenproblem create_problem(const model *model)
 {
     const size_t n = (size_t)model->sizes.n_states;
-    double *eigenvalues = xcalloc(2 * n, sizeof *eigenvalues), *vectors = xcalloc(2 * n * n, sizeof *vectors);
-    int n_found = 0;
+    return (eigenproblem){.eigenvalues = xcalloc(2 * n, sizeof(double)), .vectors = xcalloc(2 * n * n, sizeof(double))};
+}
+
+static void free_problem(eigenproblem *problem)
+{
+    free(problem->vectors);
+    free(problem->eigenvalues);
+}
+
+static void take_modes(const model *model, const dae_state *state, const eigenproblem *problem, natural_modes *modes)
+{
+    const size_t n = (size_t)model->sizes.n_states;
+    modes->modes = xcalloc(n, sizeof *modes->modes);
+    for (int k = 0; k < problem->n; k++) {
+        const double *eigenvalue = &problem->eigenvalues[2 * k];
+        if (eigenvalue[1] > 0.0 || (eigenvalue[1] == 0.0 && eigenvalue[0] != 0.0)) {
+            modes->modes[modes->n++] = create_mode(model, state, eigenvalue, &problem->vectors[2 * n * (size_t)k]);
+        }
+    }
+}
+
+bool model_modes(const model *model, const dae_state *state, natural_modes *modes, char message[DAE_MESSAGE_LENGTH])
+{
+    eigenproblem problem = create_problem(model);
     evl_status status;
     *modes = (natural_modes){.n = 0};
-    const int code = evl_gearbox_modes(model->gearbox, state->t, state->y, state->integers, state->reals, &n_found,
-                                       &modes->n_rigid, eigenvalues, vectors, &status);
+    const int code = evl_gearbox_modes(model->gearbox, state->t, state->y, state->integers, state->reals, &problem.n,
+                                       &modes->n_rigid, problem.eigenvalues, problem.vectors, &status);
     if (code == EVL_OK) {
-        modes->modes = xcalloc(n, sizeof *modes->modes);
-        for (int k = 0; k < n_found; k++) {
-            const double *eigenvalue = &eigenvalues[2 * k];
-            if (eigenvalue[1] > 0.0 || (eigenvalue[1] == 0.0 && eigenvalue[0] != 0.0)) {
-                modes->modes[modes->n++] = create_mode(model, state, eigenvalue, &vectors[2 * n * (size_t)k]);
-            }
-        }
+        take_modes(model, state, &problem, modes);
     } else {
         (void)snprintf(message, DAE_MESSAGE_LENGTH, "%s", status.message);
     }
-    free(vectors);
-    free(eigenvalues);
+    free_problem(&problem);
+    return code == EVL_OK;
+}
+
+bool model_mean_modes(const model *model, dae_state *state, double *values, natural_modes *modes, model_message *error)
+{
+    eigenproblem problem = create_problem(model);
+    evl_status status = {.index = -1};
+    *modes = (natural_modes){.n = 0};
+    *state = model_create_state(model);
+    const int code =
+        evl_gearbox_mean_modes(model->gearbox, state->t, state->y, state->integers, state->reals, &problem.n,
+                               &modes->n_rigid, problem.eigenvalues, problem.vectors, values, &status);
+    if (code == EVL_OK) {
+        take_modes(model, state, &problem, modes);
+    } else {
+        model_explain_start(model, &status, error);
+        dae_state_free(state);
+    }
+    free_problem(&problem);
     return code == EVL_OK;
 }
 
@@ -116,6 +156,8 @@ mesh_standing model_mesh_standing(const model *model, const dae_state *state, in
                                            [EVL_CONTACT_APART] = "apart"};
     evl_mesh_mode mode;
     evl_gearbox_mesh_mode(model->gearbox, mesh, state->integers, state->reals, &mode);
-    return (mesh_standing){
-        .contact = contacts[mode.contact], .friction_branch = mode.friction, .tooth_pair = mode.tooth_pair};
+    return (mesh_standing){.contact = contacts[mode.contact],
+                           .friction_branch = mode.friction,
+                           .tooth_pair = mode.tooth_pair,
+                           .position = evl_gearbox_mesh_position(model->gearbox, mesh, state->y, state->integers)};
 }

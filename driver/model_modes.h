@@ -24,12 +24,18 @@ typedef struct {
 
 /** The gearbox linearised at a state. @return false with the reason in `message`; then there is nothing to free */
 bool model_modes(const model *model, const dae_state *state, natural_modes *modes, char message[DAE_MESSAGE_LENGTH]);
+/** The gearbox linearised at the steady states at all positions of its meshes, with the mean of the matrices.
+ *  @param[out] state   the steady state to which the shapes belong; its arrays belong to the caller
+ *  @param[out] values  [model_n_values] mean outputs
+ *  @return false with the reason in `error`; then there is nothing to free */
+bool model_mean_modes(const model *model, dae_state *state, double *values, natural_modes *modes, model_message *error);
 void natural_modes_free(natural_modes *modes);
 
 /** How a mesh stands at a state. */
 typedef struct {
     const char *contact; /**< "open", "loaded", "unloaded", "apart" */
     int friction_branch, tooth_pair;
+    double position; /**< pitches from the start of contact, from 0 to 1, of the tooth pair that came last */
 } mesh_standing;
 mesh_standing model_mesh_standing(const model *model, const dae_state *state, int mesh);
 

@@ -231,6 +231,14 @@ int model_wheel_geometry(const model *model, int wheel, model_quantity rows[MODE
     return n;
 }
 
+mesh_vibration model_mesh_vibration(const model *model, int mesh)
+{
+    evl_mesh_geometry g;
+    evl_gearbox_mesh_geometry(model->gearbox, mesh, &g);
+    return (mesh_vibration){
+        .force = g.reference_force, .natural_frequency = g.natural_frequency, .damping_ratio = g.damping_ratio};
+}
+
 int model_mesh_geometry(const model *model, int mesh, model_quantity rows[MODEL_MOST_ROWS])
 {
     evl_mesh_geometry g;
@@ -266,5 +274,10 @@ int model_mesh_geometry(const model *model, int mesh, model_quantity rows[MODEL_
                        g.elastic_share_driving);
     rows[n++] = number("reference_force", "N", "F_0", "normal force that the loads suggest", g.reference_force);
     rows[n++] = number("reference_penetration", "m", "h_0", "its penetration", g.reference_penetration);
+    rows[n++] = number("reference_stiffness", "N/m", "k", "stiffness of one tooth pair there", g.reference_stiffness);
+    rows[n++] = number("reference_mass", "kg", "m", "mass of the wheels along the line of action", g.reference_mass);
+    rows[n++] = number("natural_frequency", "Hz", "f_0", "natural frequency with one tooth pair", g.natural_frequency);
+    rows[n++] = number("damping_coefficient", "N s/m", "c", "coefficient of its damper", g.damping_coefficient);
+    rows[n++] = number("damping_ratio", "1", "zeta", "damping ratio with one tooth pair", g.damping_ratio);
     return n;
 }

@@ -8,6 +8,7 @@
 #include "prepare.h"
 #include "progress.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 /* ---- the motion up to a time ---- */
@@ -60,35 +61,38 @@ static bool move_to(const prepared_case *prepared, double time, dae_state *state
 
 /* ---- the state ---- */
 
-static bool read_time(const char *text, double *time, evl_error *error)
+/** The number of an option; none if the option was not given. */
+static bool read_number(const char *option, const char *text, double most, const char *range, double *number,
+                        evl_error *error)
 {
-    if (number_read(text, time) == NUMBER_FINITE && *time >= 0.0) {
+    if (text == NULL || (number_read(text, number) == NUMBER_FINITE && *number >= 0.0 && *number <= most)) {
         return true;
     }
-    char *place = xasprintf("--at %s", text);
-    evl_error_set(error, EVL_EXIT_USAGE, place, "the time must be a number of seconds, at least 0");
+    char *place = xasprintf("--%s %s", option, text);
+    evl_error_set(error, EVL_EXIT_USAGE, place, "%s", range);
     free(place);
     return false;
 }
 
-static bool find_steady_state(const prepared_case *prepared, dae_state *state, evl_error *error)
+static void refuse_steady_state(const prepared_case *prepared, const model_message *refusal, evl_error *error)
 {
-    model_message refusal;
-    if (!prepare_start(prepared, state, error)) { /* what cannot run has no modes either */
-        return false;
-    }
-    dae_state_free(state);
-    if (model_steady_state(prepared->model, state, &refusal)) {
-        return true;
-    }
-    if (refusal.subject ==
+    if (refusal->subject ==
         MODEL_ABOUT_INITIAL) { /* the case need not ask for a steady start: its lines are not to blame */
         evl_error_set(error, EVL_EXIT_CASE, case_path(prepared->file),
                       "there is no steady state to linearise at: %s; --at TIME linearises the motion at a time instead",
-                      refusal.message);
+                      refusal->message);
     } else {
-        prepare_refuse(prepared, &refusal, error);
+        prepare_refuse(prepared, refusal, error);
     }
+}
+
+static bool find_steady_state(const prepared_case *prepared, double mesh_position, dae_state *state, evl_error *error)
+{
+    model_message refusal;
+    if (model_steady_state(prepared->model, mesh_position, state, &refusal)) {
+        return true;
+    }
+    refuse_steady_state(prepared, &refusal, error);
     return false;
 }
 
@@ -115,45 +119,92 @@ static bool find_state_at(const prepared_case *prepared, const char *at, double 
 
 /* ---- the command ---- */
 
-static evl_exit print_modes(const prepared_case *prepared, const dae_state *state, const modes_options *options,
-                            FILE *stream, evl_error *error)
+static evl_exit print_modes(modes_report *report, bool as_json, FILE *stream)
+{
+    const evl_exit code = (evl_exit)(as_json ? modes_print_json(stream, report) : modes_print_text(stream, report));
+    natural_modes_free(&report->modes);
+    return code;
+}
+
+/** The modes at one state. */
+static bool linearise(const prepared_case *prepared, const dae_state *state, double *values, natural_modes *modes,
+                      evl_error *error)
 {
     char message[DAE_MESSAGE_LENGTH];
-    const model *model = prepared->model;
-    modes_report report = {.file = prepared->file, .model = model, .state = state, .is_steady = options->at == NULL};
-    double *values = xcalloc((size_t)model_n_values(model), sizeof *values);
-    report.values = values;
-    evl_exit code = EVL_EXIT_CASE;
-    if (model_outputs(model, state, values, message) == DAE_OK && model_modes(model, state, &report.modes, message)) {
-        code = (evl_exit)(options->json ? modes_print_json(stream, &report) : modes_print_text(stream, &report));
-        natural_modes_free(&report.modes);
-    } else {
-        evl_error_set(error, code, case_path(prepared->file), "cannot be linearised at t = %.9g s: %s", state->t,
-                      message);
+    if (model_outputs(prepared->model, state, values, message) == DAE_OK &&
+        model_modes(prepared->model, state, modes, message)) {
+        return true;
     }
+    evl_error_set(error, EVL_EXIT_CASE, case_path(prepared->file), "cannot be linearised at t = %.9g s: %s", state->t,
+                  message);
+    return false;
+}
+
+static bool linearise_mean(const prepared_case *prepared, dae_state *state, double *values, natural_modes *modes,
+                           evl_error *error)
+{
+    model_message refusal;
+    if (model_mean_modes(prepared->model, state, values, modes, &refusal)) {
+        return true;
+    }
+    refuse_steady_state(prepared, &refusal, error);
+    return false;
+}
+
+/** Whether the case could run: what cannot has no modes either. */
+static bool check_start(const prepared_case *prepared, evl_error *error)
+{
+    dae_state start;
+    if (!prepare_start(prepared, &start, error)) {
+        return false;
+    }
+    dae_state_free(&start);
+    return true;
+}
+
+static evl_exit modes_of(const prepared_case *prepared, const modes_options *options, double time, double position,
+                         FILE *stream, evl_error *error)
+{
+    dae_state state = {.t = 0.0};
+    double *values = xcalloc((size_t)model_n_values(prepared->model), sizeof *values);
+    modes_report report = {.file = prepared->file,
+                           .model = prepared->model,
+                           .state = &state,
+                           .values = values,
+                           .kind = options->mean         ? MODES_MEAN
+                                   : options->at != NULL ? MODES_AT
+                                                         : MODES_STEADY,
+                           .mesh_position = position};
+    bool good = options->at != NULL || check_start(prepared, error);
+    if (good && options->mean) {
+        good = linearise_mean(prepared, &state, values, &report.modes, error);
+    } else if (good) {
+        good = (options->at != NULL ? find_state_at(prepared, options->at, time, &state, error)
+                                    : find_steady_state(prepared, position, &state, error)) &&
+               linearise(prepared, &state, values, &report.modes, error);
+    }
+    if (good) {
+        prepare_warn(prepared);
+    }
+    const evl_exit code = good ? print_modes(&report, options->json, stream) : error->code;
+    dae_state_free(&state);
     free(values);
     return code;
 }
 
 evl_exit modes_case(const modes_options *options, FILE *stream, evl_error *error)
 {
+    static const double most_pitches = 1e6;
     prepared_case prepared;
-    dae_state state;
-    double time = 0.0;
+    double time = 0.0, position = 0.0;
     *error = (evl_error){.code = EVL_EXIT_OK};
-    if ((options->at != NULL && !read_time(options->at, &time, error)) ||
+    if (!read_number("at", options->at, HUGE_VAL, "the time must be a number of seconds, at least 0", &time, error) ||
+        !read_number("mesh-position", options->mesh_position, most_pitches,
+                     "the position must be a number of pitches, from 0 to 1e6", &position, error) ||
         !prepare_case(&prepared, options->case_path, options->n_set, options->set, error)) {
         return error->code;
     }
-    evl_exit code = EVL_EXIT_OK;
-    if (options->at == NULL ? find_steady_state(&prepared, &state, error)
-                            : find_state_at(&prepared, options->at, time, &state, error)) {
-        prepare_warn(&prepared);
-        code = print_modes(&prepared, &state, options, stream, error);
-        dae_state_free(&state);
-    } else {
-        code = error->code;
-    }
+    const evl_exit code = modes_of(&prepared, options, time, position, stream, error);
     prepared_case_free(&prepared);
     return code;
 }

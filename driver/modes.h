@@ -1,4 +1,4 @@
-/** `evolvent modes`: the gearbox linearised at its steady state, or at a time of its motion. */
+/** `evolvent modes`: the gearbox linearised at a steady state, their mean, or at a time of its motion. */
 #ifndef EVOLVENT_MODES_H
 #define EVOLVENT_MODES_H
 
@@ -8,7 +8,10 @@
 
 typedef struct {
     const char *case_path;
-    const char *at; /**< time [s] as a text, NULL: the steady state under load */
+    /* Which state: at most one of these three; none: the steady state where the case starts. */
+    const char *at;            /**< time [s] as a text, or NULL */
+    const char *mesh_position; /**< steady state at so many pitches from the start of contact, as a text, or NULL */
+    bool mean;                 /**< the mean over the steady states at all positions of the meshes */
     int n_set;
     const char *const *set; /**< [n_set] "PATH=VALUE" */
     bool json;              /**< one JSON object, else text for reading */

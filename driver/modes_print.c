@@ -66,31 +66,6 @@ static int name_width(const description *description)
     return width;
 }
 
-static void print_state(FILE *stream, const modes_report *report)
-{
-    const description *description = case_description(report->file);
-    const int width = name_width(description);
-    fprintf(stream, "Case %s, linearised at ", case_path(report->file));
-    if (report->is_steady) {
-        fputs("its steady state under load\n\n", stream);
-    } else {
-        fprintf(stream, "t = %.9g s\n\n", report->state->t);
-    }
-    fprintf(stream, "  %-*s  %14s\n", width, "wheel", "speed [rad/s]");
-    for (int i = 0; i < description->n_wheels; i++) {
-        fprintf(stream, "  %-*s  %14.6g\n", width, description->wheels[i].name,
-                value_of(report, "angular_velocity", i));
-    }
-    fprintf(stream, "\n  %-*s  %9s  %15s  %16s  %15s  %14s\n", width, "mesh", "contact", "penetration [m]",
-            "normal force [N]", "friction branch", "sliding [m/s]");
-    for (int i = 0; i < description->n_meshes; i++) {
-        const mesh_standing standing = model_mesh_standing(report->model, report->state, i);
-        fprintf(stream, "  %-*s  %9s  %15.6g  %16.6g  %15d  %14.6g\n", width, description->meshes[i].name,
-                standing.contact, value_of(report, "penetration", i), value_of(report, "normal_force", i),
-                standing.friction_branch, value_of(report, "sliding_velocity", i));
-    }
-}
-
 /** A number in a column, or a dash if there is none. */
 static void print_cell(FILE *stream, int width, int digits, double value)
 {
@@ -98,6 +73,59 @@ static void print_cell(FILE *stream, int width, int digits, double value)
         fprintf(stream, "  %*.*g", width, digits, value);
     } else {
         fprintf(stream, "  %*s", width, "-");
+    }
+}
+
+/** Which state it is. */
+static void print_what(FILE *stream, const modes_report *report)
+{
+    const char *first = case_description(report->file)->meshes[0].name;
+    fprintf(stream, "Case %s, linearised ", case_path(report->file));
+    switch (report->kind) {
+    case MODES_AT:
+        fprintf(stream, "at t = %.9g s\n\n", report->state->t);
+        break;
+    case MODES_MEAN:
+        fputs("with the mean over one pitch of its steady states under load\n\n", stream);
+        break;
+    case MODES_STEADY:
+        fprintf(stream,
+                "at its steady state under load\n"
+                "A tooth pair of mesh %s would stand, unloaded, %.9g pitches from the start of contact\n\n",
+                first, report->mesh_position);
+        break;
+    }
+}
+
+static void print_mesh(FILE *stream, const modes_report *report, int mesh, int width)
+{
+    const mesh_standing standing = model_mesh_standing(report->model, report->state, mesh);
+    const bool is_mean = report->kind == MODES_MEAN;
+    fprintf(stream, "  %-*s  %9s", width, case_description(report->file)->meshes[mesh].name,
+            is_mean ? "mean" : standing.contact);
+    print_cell(stream, 8, 4, is_mean ? NAN : standing.position);
+    print_cell(stream, 5, 4, value_of(report, "pairs_in_contact", mesh));
+    print_cell(stream, 15, 6, value_of(report, "penetration", mesh));
+    print_cell(stream, 16, 6, value_of(report, "normal_force", mesh));
+    print_cell(stream, 15, 1, is_mean ? (double)NAN : (double)standing.friction_branch);
+    print_cell(stream, 14, 6, value_of(report, "sliding_velocity", mesh));
+    fputc('\n', stream);
+}
+
+static void print_state(FILE *stream, const modes_report *report)
+{
+    const description *description = case_description(report->file);
+    const int width = name_width(description);
+    print_what(stream, report);
+    fprintf(stream, "  %-*s  %14s\n", width, "wheel", "speed [rad/s]");
+    for (int i = 0; i < description->n_wheels; i++) {
+        fprintf(stream, "  %-*s  %14.6g\n", width, description->wheels[i].name,
+                value_of(report, "angular_velocity", i));
+    }
+    fprintf(stream, "\n  %-*s  %9s  %8s  %5s  %15s  %16s  %15s  %14s\n", width, "mesh", "contact", "position", "pairs",
+            "penetration [m]", "normal force [N]", "friction branch", "sliding [m/s]");
+    for (int i = 0; i < description->n_meshes; i++) {
+        print_mesh(stream, report, i, width);
     }
 }
 
@@ -206,8 +234,11 @@ static void write_state(json_writer *writer, const modes_report *report)
 {
     const description *description = case_description(report->file);
     json_open(writer, "state", '{');
-    json_text(writer, "kind", report->is_steady ? "steady" : "at");
+    static const char *const kinds[] = {[MODES_STEADY] = "steady", [MODES_MEAN] = "mean", [MODES_AT] = "at"};
+    const bool is_mean = report->kind == MODES_MEAN;
+    json_text(writer, "kind", kinds[report->kind]);
     json_number(writer, "time", report->state->t);
+    json_number(writer, "mesh_position", report->kind == MODES_STEADY ? report->mesh_position : NAN);
     json_open(writer, "wheels", '{');
     for (int i = 0; i < description->n_wheels; i++) {
         json_open(writer, description->wheels[i].name, '{');
@@ -219,9 +250,11 @@ static void write_state(json_writer *writer, const modes_report *report)
     for (int i = 0; i < description->n_meshes; i++) {
         const mesh_standing standing = model_mesh_standing(report->model, report->state, i);
         json_open(writer, description->meshes[i].name, '{');
-        json_text(writer, "contact", standing.contact);
-        json_number(writer, "friction_branch", standing.friction_branch);
-        json_number(writer, "tooth_pair", standing.tooth_pair);
+        json_text(writer, "contact", is_mean ? "mean" : standing.contact);
+        json_number(writer, "position", is_mean ? NAN : standing.position);
+        json_number(writer, "pairs_in_contact", value_of(report, "pairs_in_contact", i));
+        json_number(writer, "friction_branch", is_mean ? (double)NAN : (double)standing.friction_branch);
+        json_number(writer, "tooth_pair", is_mean ? (double)NAN : (double)standing.tooth_pair);
         json_number(writer, "penetration", value_of(report, "penetration", i));
         json_number(writer, "normal_force", value_of(report, "normal_force", i));
         json_number(writer, "sliding_velocity", value_of(report, "sliding_velocity", i));

@@ -7,12 +7,20 @@
 
 #include <stdio.h>
 
+/** What was linearised. */
+typedef enum {
+    MODES_STEADY, /**< a steady state under load */
+    MODES_MEAN,   /**< the steady states at all positions of the meshes, with the mean of the matrices */
+    MODES_AT      /**< the motion at a time */
+} modes_kind;
+
 typedef struct {
     const case_file *file;
     const model *model;
-    const dae_state *state; /**< at which the gearbox is linearised */
-    const double *values;   /**< [model_n_values] the outputs there */
-    bool is_steady;         /**< the steady state under load, not the motion at a time */
+    const dae_state *state; /**< at which the gearbox is linearised; of MODES_MEAN one of them */
+    const double *values;   /**< [model_n_values] the outputs there, or their means */
+    modes_kind kind;
+    double mesh_position; /**< of MODES_STEADY: pitches of the first mesh from the start of contact */
     natural_modes modes;
 } modes_report;
 

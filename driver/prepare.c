@@ -66,13 +66,24 @@ static bool settle_integrator(const prepared_case *prepared, model_message *refu
     return true;
 }
 
+/** What the damping laws leave to the mesh. */
+static void settle_damping(const prepared_case *prepared)
+{
+    for (int i = 0; i < case_description(prepared->file)->n_meshes; i++) {
+        const law_choice settled = model_damping(prepared->model, i);
+        case_settle_damping(prepared->file, i, model_laws(), &settled);
+    }
+}
+
 /** The model of a case that was read. */
 static bool make_model(prepared_case *prepared, evl_error *error)
 {
     model_message refusal;
     prepared->model = model_create(case_description(prepared->file), &refusal);
     const bool good = prepared->model != NULL && settle_integrator(prepared, &refusal);
-    if (!good) {
+    if (good) {
+        settle_damping(prepared);
+    } else {
         prepare_refuse(prepared, &refusal, error);
     }
     return good;

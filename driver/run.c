@@ -7,6 +7,7 @@
 #include "simulate.h"
 
 #include <evolvent_version.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -165,6 +166,19 @@ static void take_names(run *run)
     }
 }
 
+/** What the meshes' stiffness and damping come to. */
+static void tell_vibrations(const run *run)
+{
+    const description *description = case_description(run->prepared.file);
+    for (int i = 0; i < description->n_meshes; i++) {
+        const mesh_vibration mesh = model_mesh_vibration(run->prepared.model, i);
+        if (!isnan(mesh.damping_ratio)) {
+            log_note("mesh %s at %.5g N, one tooth pair: natural frequency %.5g Hz, damping ratio %.3g",
+                     description->meshes[i].name, mesh.force, mesh.natural_frequency, mesh.damping_ratio);
+        }
+    }
+}
+
 static void summarise(const integrate_counts *counts, const char *path)
 {
     log_note("%ld steps, %ld event%s, %.3g s CPU: %s", counts->steps, counts->events, counts->events == 1 ? "" : "s",
@@ -224,6 +238,7 @@ static void run_prepared(run *run, const run_options *options, const char *path,
         return;
     }
     prepare_warn(&run->prepared);
+    tell_vibrations(run);
     take_names(run);
     progress_start(&run->progress, options->show_progress, state.t,
                    case_description(run->prepared.file)->simulation.duration);

@@ -1,5 +1,6 @@
 #include "show.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -44,6 +45,9 @@ static void print_rows(FILE *stream, int n, const model_quantity *rows)
         fprintf(stream, "  %-*s  %-*s  ", name_width, row->long_name, symbol_width, row->symbol);
         if (row->n == 2) {
             fprintf(stream, "(%.10g, %.10g)", row->value[0], row->value[1]);
+        } else if (isnan(row->value[0])) {
+            fputs("-\n", stream);
+            continue;
         } else {
             fprintf(stream, "%.10g", row->value[0]);
         }
@@ -183,9 +187,11 @@ static void print_parameter(FILE *stream, const law_parameter *parameter)
                             .maximum = parameter->maximum,
                             .minimum_open = parameter->minimum_open,
                             .maximum_open = parameter->maximum_open};
-    char range_text[128], value[NUMBER_TEXT_LENGTH];
+    char range_text[128], value[NUMBER_TEXT_LENGTH] = "from the mesh";
     key_range_text(&range, range_text);
-    number_write(value, parameter->default_value);
+    if (isfinite(parameter->default_value)) {
+        number_write(value, parameter->default_value);
+    }
     const char *unit = unit_text(parameter->units);
     fprintf(stream, "      %s%s%s%s: %s\n", parameter->name, unit[0] == '\0' ? "" : " [", unit,
             unit[0] == '\0' ? "" : "]", parameter->text);

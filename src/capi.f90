@@ -55,6 +55,7 @@ module evl_capi
       real(c_double), dimension(2) :: point_k_a, point_k_b, point_a, point_b, pitch_point
       real(c_double) :: tip_radius_driving, tip_radius_driven, rho_start_driving, rho_start_driven
       real(c_double) :: common_width, effective_modulus, elastic_share_driving, reference_force, reference_penetration
+      real(c_double) :: reference_stiffness, reference_mass, natural_frequency, damping_coefficient, damping_ratio
    end type c_mesh_geometry
 
    !> evl_event
@@ -169,7 +170,7 @@ contains
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
-      associate (mesh => g%contacts(g%first(index + 1)), pair => g%pairs(index + 1))
+      associate (mesh => g%contacts(g%first(index + 1)), pair => g%pairs(index + 1), at => g%references(index + 1))
          geometry = c_mesh_geometry( &
                     sigma=pair%sigma, transmission_ratio=pair%ratio, centre_distance=pair%centre_distance, &
                     centre_line_angle=pair%chi, minimum_pressure_angle=pair%alpha_inf, &
@@ -180,7 +181,8 @@ contains
                     tip_radius_driven=pair%tip_radius_b, rho_start_driving=pair%rho_start_a, &
                     rho_start_driven=pair%rho_start_b, common_width=mesh%width, effective_modulus=mesh%e_star, &
                     elastic_share_driving=mesh%pair%share_a, reference_force=mesh%force_scale, &
-                    reference_penetration=mesh%h_scale)
+                    reference_penetration=mesh%h_scale, reference_stiffness=at%stiffness, reference_mass=at%mass, &
+                    natural_frequency=at%frequency, damping_coefficient=at%damping, damping_ratio=at%ratio)
       end associate
    end subroutine evl_gearbox_mesh_geometry
 

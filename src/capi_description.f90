@@ -101,6 +101,7 @@ module evl_capi_description
    type, bind(c) :: c_initial
       integer(c_int) :: kind
       type(c_ptr) :: speeds, gaps
+      real(c_double) :: mesh_position
    end type c_initial
 
 contains
@@ -238,6 +239,7 @@ contains
       integer, intent(in) :: n_wheels, n_meshes
 
       initial%kind = c%kind
+      initial%mesh_position = c%mesh_position
       allocate (initial%speeds, source=array_from_c(c%speeds, n_wheels))
       allocate (initial%gaps, source=array_from_c(c%gaps, n_meshes))
    end function initial_from_c

@@ -1,17 +1,20 @@
-!> C interface of the force laws: the table, and each family's calls.
+!> C interface of the force laws: the table, each family's calls, and the damping law of a mesh.
 !>
 !> The header documents each procedure, in its sections "law tables" and "parts".
 module evl_capi_laws
-   use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_int
+   use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_int, c_ptr
    use evl_capi_types, only: c_contact_context, c_law_choice, c_law_info, c_max_law_parameters, c_message_length, &
                              c_status, choice_from_c, context_from_c, first_error, status_to_c, to_c
    use evl_contact_laws, only: contact_context, elastic_force, elastic_limit_message, elastic_potential, &
                                elastic_result, friction_factor, friction_knee, friction_mode, law_choice, law_count, &
                                law_describe, law_info_t, law_validate, penetration_from_force, viscous_force, viscous_result
-   use evl_status, only: message_length, status_t
+   use evl_gearbox, only: gearbox_t
+   use evl_mesh_damping, only: damping_left_to_mesh
+   use evl_status, only: code_invalid_input, code_ok, message_length, status_t
    implicit none (type, external)
    private
 
+   public :: evl_gearbox_damping
    public :: evl_law_count, evl_law_describe, evl_law_elastic_force, evl_law_elastic_limit, evl_law_elastic_potential
    public :: evl_law_friction_factor, evl_law_friction_knee, evl_law_friction_mode, evl_law_penetration
    public :: evl_law_validate, evl_law_viscous_force
@@ -49,6 +52,16 @@ contains
          end associate
       end do
    end function evl_law_describe
+
+   subroutine evl_gearbox_damping(handle, mesh, choice) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: mesh
+      type(c_law_choice), intent(out) :: choice
+      type(gearbox_t), pointer :: g
+
+      call c_f_pointer(handle, g)
+      choice = c_law_choice(g%references(mesh + 1)%law%law, g%references(mesh + 1)%law%parameters)
+   end subroutine evl_gearbox_damping
 
    integer(c_int) function evl_law_validate(family, choice, status) bind(c)
       integer(c_int), intent(in), value :: family
@@ -142,6 +155,10 @@ contains
          ctx = context_from_c(contexts(i))
          call elastic_force(contact_law, ctx, elastic, codes(i))
          call viscous_force(damping_law, ctx, elastic, viscous)
+         if (damping_left_to_mesh(damping_law) /= "") then
+            viscous = viscous_result()
+            if (codes(i) == code_ok) codes(i) = code_invalid_input
+         end if
          force(i) = viscous%force
          d_h(i) = viscous%d_h
          d_rho(i) = viscous%d_rho

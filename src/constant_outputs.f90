@@ -9,7 +9,7 @@ module evl_constant_outputs
 
    public :: n_constant_outputs, constant_outputs, put_constants
 
-   integer, parameter :: n_wheel_constants = 7, n_mesh_constants = 16
+   integer, parameter :: n_wheel_constants = 7, n_mesh_constants = 21
    integer, parameter :: n_constant_outputs = n_wheel_constants + n_mesh_constants + n_wheel_teeth + n_mesh_teeth
 
 contains
@@ -59,6 +59,13 @@ contains
       t(15) = output_t("reference_penetration", "m", "h_0", "penetration under the reference force", dims_mesh, .true.)
       t(16) = output_t("rigid_contact", "1", "", "1 if the contact is rigid: a constraint without penetration", dims_mesh, &
                        .true., .true.)
+      t(17) = output_t("reference_stiffness", "N m-1", "k", "stiffness of one tooth pair under the reference force", dims_mesh, &
+                       .true.)
+      t(18) = output_t("reference_mass", "kg", "m", "mass of the two wheels along the line of action", dims_mesh, .true.)
+      t(19) = output_t("natural_frequency", "Hz", "f_0", "natural frequency of the mesh with one tooth pair in contact", &
+                       dims_mesh, .true.)
+      t(20) = output_t("damping_coefficient", "N s m-1", "c", "coefficient of the damper of one tooth pair", dims_mesh, .true.)
+      t(21) = output_t("damping_ratio", "1", "zeta", "damping ratio of the mesh with one tooth pair in contact", dims_mesh, .true.)
    end function mesh_constants
 
    !> Their values, in the order of the entries.
@@ -111,11 +118,11 @@ contains
       integer :: i
 
       do i = 1, n
-         associate (mesh => gearbox%contacts(gearbox%first(i)), pair => gearbox%pairs(i))
+         associate (mesh => gearbox%contacts(gearbox%first(i)), pair => gearbox%pairs(i), at => gearbox%references(i))
             values(i, :) = [real(mesh%wheel_a - 1, wp), real(mesh%wheel_b - 1, wp), mesh%pair%sigma, real(mesh%tracking, wp), &
                             pair%chi, pair%alpha_w, mesh%base_pitch, mesh%pair%rho_0, pair%rho_start_a, pair%rho_start_b, &
                             mesh%width, mesh%e_star, mesh%pair%share_a, mesh%force_scale, mesh%h_scale, &
-                            merge(1.0_wp, 0.0_wp, mesh%rigid)]
+                            merge(1.0_wp, 0.0_wp, mesh%rigid), at%stiffness, at%mass, at%frequency, at%damping, at%ratio]
          end associate
       end do
    end subroutine put_mesh_constants

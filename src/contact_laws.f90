@@ -1,14 +1,15 @@
 !> The force laws of a contact behind one interface: elastic, viscous and friction.
 !>
 !> A new law is a procedure in its own file, a place in the table of laws and a case in the procedures of its family here; and, to
-!> be evaluated for eight states at once, a formula in src/formulas and a loop in evl_force_lanes.
+!> be evaluated for eight states at once, a formula in src/formulas and a loop in evl_force_lanes. A damping law that refers to the
+!> mesh is another law once the mesh is known: evl_mesh_damping says which.
 module evl_contact_laws
    use evl_damping, only: impact_damping, linear_damping, one_sided_damping
    use evl_friction, only: coulomb_factor, coulomb_knee, coulomb_mode, stribeck_factor, tanh_factor
    use evl_hunt_crossley, only: flores_factor, gonthier_factor, hunt_crossley_factor, lankarani_nikravesh_factor, lee_wang_factor
    use evl_johnson, only: johnson_energy, johnson_force, johnson_limit_message, johnson_penetration, johnson_potential
    use evl_kinds, only: pi, wp
-   use evl_law_info, only: law_info_t, law_name_length, law_parameter_t, law_text_length, max_law_parameters, &
+   use evl_law_info, only: is_left_open, law_info_t, law_name_length, law_parameter_t, law_text_length, max_law_parameters, &
                            parameter_range_error
    use evl_law_table, only: contact_johnson, contact_linear, contact_power, contact_radzimovsky, contact_rigid, &
                             contact_yang_lin, damping_flores, damping_gonthier, damping_hunt_crossley, &
@@ -27,7 +28,8 @@ module evl_contact_laws
    public :: is_rigid, is_undamped, rigid_rest_velocity, rigid_restitution, undamped
    public :: impact_share, linear_stiffness
    public :: contact_johnson, contact_linear, contact_power, contact_radzimovsky, contact_yang_lin
-   public :: damping_hunt_crossley, damping_lee_wang, damping_linear, damping_none, damping_one_sided
+   public :: damping_flores, damping_gonthier, damping_hunt_crossley, damping_lankarani_nikravesh, damping_lee_wang
+   public :: damping_linear, damping_none, damping_one_sided
    public :: friction_coulomb, friction_none, friction_stribeck, friction_tanh
    public :: law_count, law_describe, law_validate
    public :: law_name_length, law_text_length, laws_contact, laws_damping, laws_friction
@@ -223,7 +225,7 @@ contains
       if (present(code)) code = answer
    end subroutine elastic_potential
 
-   !> Viscous normal force.
+   !> Viscous normal force. A law that refers to the mesh gives none: see evl_mesh_damping.
    pure subroutine viscous_force(choice, ctx, elastic, result)
       type(law_choice), intent(in) :: choice      !! of family laws_damping
       type(contact_context), intent(in) :: ctx    !! where
@@ -236,7 +238,7 @@ contains
          call linear_damping(ctx%h_dot, choice%parameters(1), result%force, result%d_h_dot)
       case (damping_one_sided)
          call one_sided_damping(ctx%h, ctx%h_dot, choice%parameters(1), result%force, result%d_h, result%d_h_dot)
-      case (damping_hunt_crossley:damping_lee_wang)
+      case (damping_hunt_crossley, damping_lankarani_nikravesh, damping_flores, damping_gonthier, damping_lee_wang)
          share = impact_share(choice, ctx%v0)
          result%d_h_dot = share*elastic%force
          result%force = impact_damping(share, elastic%force, ctx%h_dot)
@@ -248,7 +250,7 @@ contains
 
    !> chi/v0 of the laws that multiply the elastic force by chi h'/v0 [s/m].
    pure real(wp) function impact_share(choice, v0) result(share)
-      type(law_choice), intent(in) :: choice !! damping_hunt_crossley to damping_lee_wang
+      type(law_choice), intent(in) :: choice !! a law after Hunt and Crossley
       real(wp), intent(in) :: v0             !! approach speed at the last closing [m/s]
 
       share = impact_factor(choice)/max(v0, choice%parameters(2))
@@ -256,7 +258,7 @@ contains
 
    !> Their chi.
    pure real(wp) function impact_factor(choice) result(chi)
-      type(law_choice), intent(in) :: choice !! damping_hunt_crossley to damping_lee_wang
+      type(law_choice), intent(in) :: choice !! a law after Hunt and Crossley
 
       chi = 0.0_wp
       associate (restitution => choice%parameters(1))
@@ -368,6 +370,7 @@ contains
          return
       end if
       do i = 1, info%n_parameters
+         if (is_left_open(info%parameters(i), choice%parameters(i))) cycle
          reason = parameter_range_error(info%parameters(i), choice%parameters(i))
          if (reason == "") cycle
          code = code_invalid_input

@@ -8,6 +8,7 @@ module evl_damping
    private
 
    public :: impact_damping, linear_damping, linear_damping_law, no_damping_law, one_sided_damping, one_sided_damping_law
+   public :: ratio_damping, ratio_damping_law
 
 contains
 
@@ -38,5 +39,24 @@ contains
       info%parameters(1) = law_parameter("coefficient", "N s/m2", "force per penetration and rate of penetration", &
                                          minimum=0.0_wp)
    end function one_sided_damping_law
+
+   pure type(law_info_t) function ratio_damping_law() result(info)
+
+      info%name = "ratio"
+      info%description = "c h' with c = 2 value sqrt(k m), by the damping ratio of one tooth pair at the nominal load"
+      info%source = "the definition of a damping ratio; k and m: docs/laws.md"
+      info%n_parameters = 1
+      info%parameters(1) = law_parameter("value", "1", "damping ratio of one tooth pair at the nominal load", minimum=0.0_wp, &
+                                         maximum=1.0_wp, maximum_open=.true.)
+   end function ratio_damping_law
+
+   !> The coefficient c of a linear damper that gives an oscillator the damping ratio [N s/m].
+   elemental real(wp) function ratio_damping(ratio, stiffness, mass) result(coefficient)
+      real(wp), intent(in) :: ratio     !! of critical damping
+      real(wp), intent(in) :: stiffness !! k [N/m]
+      real(wp), intent(in) :: mass      !! m [kg]
+
+      coefficient = 2*ratio*sqrt(stiffness*mass)
+   end function ratio_damping
 
 end module evl_damping

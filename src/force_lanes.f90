@@ -6,13 +6,15 @@ module evl_force_lanes
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_contact_lanes, only: lane_contact
    use evl_contact_laws, only: contact_johnson, contact_linear, contact_power, contact_radzimovsky, contact_yang_lin, &
-                               damping_hunt_crossley, damping_lee_wang, damping_linear, damping_none, damping_one_sided, &
-                               elastic_result, friction_coulomb, friction_none, friction_stribeck, friction_tanh, impact_share, &
+                               damping_flores, damping_gonthier, damping_hunt_crossley, damping_lankarani_nikravesh, &
+                               damping_lee_wang, damping_linear, damping_none, damping_one_sided, elastic_result, &
+                               friction_coulomb, friction_none, friction_stribeck, friction_tanh, impact_share, &
                                linear_stiffness
    use evl_contact_point, only: contact_point
    use evl_johnson, only: exp_minus_2, smallest_ratio
    use evl_kinds, only: pi, wp
    use evl_mesh, only: contact_t, contact_unloaded, mesh_force, mesh_mode
+   use evl_mesh_damping, only: is_impact_damping
    use evl_ode_model, only: lanes
    use evl_radzimovsky, only: enlarged
    use evl_status, only: code_ok, code_out_of_domain
@@ -47,7 +49,8 @@ contains
       type(contact_t), intent(in) :: mesh
 
       laws_have_lanes = mesh%contact%law >= contact_johnson .and. mesh%contact%law <= contact_power &
-                        .and. mesh%damping%law >= damping_none .and. mesh%damping%law <= damping_lee_wang &
+                        .and. (any(mesh%damping%law == [damping_none, damping_linear, damping_one_sided]) &
+                               .or. is_impact_damping(mesh%damping)) &
                         .and. mesh%friction%law >= friction_none .and. mesh%friction%law <= friction_stribeck
    end function laws_have_lanes
 
@@ -212,7 +215,7 @@ contains
          do l = 1, lanes
             call one_sided_damping(at%h(l), at%h_dot(l), coefficient, force%viscous(l), d_h, d_h_dot)
          end do
-      case (damping_hunt_crossley:damping_lee_wang)
+      case (damping_hunt_crossley, damping_lankarani_nikravesh, damping_flores, damping_gonthier, damping_lee_wang)
          coefficient = impact_share(mesh%damping, mode%v0)
          force%viscous = impact_damping(coefficient, force%elastic, at%h_dot)
       end select

@@ -26,6 +26,7 @@ module evl_gearbox
    use evl_load, only: load_acceleration, load_damping, load_t, load_torque
    use evl_local_variables, only: n_local
    use evl_mesh, only: contact_loaded, contact_off, contact_t, mesh_mode
+   use evl_mesh_reference, only: mesh_reference_t
    use evl_rational, only: rational_t
    use evl_shaft, only: shaft_t
    use evl_spur_geometry, only: spur_pair_t
@@ -92,6 +93,7 @@ module evl_gearbox
       integer, allocatable :: first(:)            !! first tooth contact of each mesh; behind the last mesh, one more than all
       type(gear_t), allocatable :: gears(:)            !! of each wheel, initial values if it is no real gear
       type(gear_mesh_t), allocatable :: gear_meshes(:) !! of each mesh, the same
+      type(mesh_reference_t), allocatable :: references(:) !! each mesh at its nominal load
       type(housing_t) :: housing
       integer, allocatable :: output_offsets(:), output_counts(:) !! places of what it tells among the values, offsets from 0
       real(wp), allocatable :: constants(:)             !! values of the outputs at its beginning, which do not change

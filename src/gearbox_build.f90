@@ -7,6 +7,7 @@ module evl_gearbox_build
    use evl_gearbox, only: gearbox_t, i_omega, i_theta, support_bearing, support_slider, support_t
    use evl_gearbox_description, only: check_description, mesh_input, shaft_input, wheel_input
    use evl_gearbox_deviations, only: gearbox_set_deviations
+   use evl_gearbox_references, only: gearbox_set_references
    use evl_gearbox_scaling, only: gearbox_set_scales
    use evl_gearbox_warnings, only: check_contact_width, warn_of_sizes
    use evl_housing, only: n_housing_states
@@ -85,6 +86,8 @@ contains
       call find_dependents(gearbox, status)
       if (has_failed(status)) return
       call gearbox_set_scales(gearbox)
+      call gearbox_set_references(gearbox, status)
+      if (has_failed(status)) return
       do i = 1, size(meshes)
          call check_contact_width(gearbox, i)
       end do

@@ -4,7 +4,7 @@ module evl_gearbox_initial
    use evl_closed_form, only: closed_form_gap, points_from_closed_form
    use evl_contact_point, only: contact_point
    use evl_dae_residual, only: gearbox_derivative
-   use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_store_mode, gearbox_t, i_omega, i_turns
+   use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_store_mode, gearbox_t, i_omega, i_theta, i_turns
    use evl_housing, only: frame_t, housing_frame, housing_start
    use evl_housing_dynamics, only: coupled_rates
    use evl_kinds, only: wp
@@ -13,7 +13,7 @@ module evl_gearbox_initial
    use evl_mesh, only: contact_loaded, contact_off, contact_open, contact_t, contact_unloaded, mesh_mode, &
                        mesh_settle_friction, mesh_settle_zones, mesh_unclipped_force
    use evl_multipliers, only: set_multipliers
-   use evl_start_positions, only: closed_form_point, place_pairs, prescribed_speed, set_gaps
+   use evl_start_positions, only: closed_form_point, mesh_position_angle, place_pairs, prescribed_speed, set_gaps
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_initial, subject_load, subject_mesh, &
                          subject_wheel
    use evl_steady_state, only: find_steady_state
@@ -35,6 +35,7 @@ module evl_gearbox_initial
       integer :: kind = initial_rest       !! one of the kinds above
       real(wp), allocatable :: speeds(:)   !! of the wheels [rad/s], for initial_speeds; else size 0
       real(wp), allocatable :: gaps(:)     !! of the meshes [m]; size 0: all touch
+      real(wp) :: mesh_position = 0.0_wp   !! of a steady start: pitches of the first mesh from the start of contact
    end type initial_t
 
 contains
@@ -81,6 +82,7 @@ contains
       call check_initial(gearbox, initial, status)
       if (has_failed(status)) return
       if (initial%kind == initial_steady) then
+         y(i_theta) = mesh_position_angle(gearbox, initial%mesh_position)
          call find_steady_state(gearbox, t, y, integers, reals, status)
       else
          call set_speeds(gearbox, gearbox_initial_speeds(gearbox, initial), t, y, integers, status)

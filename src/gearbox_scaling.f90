@@ -11,12 +11,13 @@ module evl_gearbox_scaling
    use evl_load, only: load_damping, load_largest, load_prescribed_speed, load_viscous
    use evl_local_variables, only: n_track
    use evl_mesh, only: contact_t, tracking_algebraic
+   use evl_mesh_reference, only: nominal_context
    use evl_shaft, only: shaft_t
    use evl_status, only: code_ok
    implicit none (type, external)
    private
 
-   public :: gearbox_set_scales, gearbox_state_scales, gearbox_likely_speed
+   public :: gearbox_set_scales, gearbox_state_scales, gearbox_likely_speed, mesh_load
 
    real(wp), parameter :: angle_share = 0.2_wp     !! scale of theta times the pitches that a turn makes: 1e-2 rad at 20 teeth
    real(wp), parameter :: track_factor = 3.0_wp    !! scale of zeta, and of turn times rho, over h_0
@@ -143,17 +144,6 @@ contains
 
       if (.not. mesh%rigid) choice = mesh%contact
    end function elastic_law
-
-   !> A contact in the middle of the line of action.
-   pure type(contact_context) function nominal_context(mesh) result(ctx)
-      type(contact_t), intent(in) :: mesh
-
-      ctx%rho_sum = mesh%pair%rho_0
-      ctx%rho_a = mesh%pair%rho_0/2
-      ctx%rho_b = mesh%pair%rho_0/2
-      ctx%e_star = mesh%e_star
-      ctx%width = mesh%width
-   end function nominal_context
 
    !> Scales of states and residuals for error control, and which states are differential.
    subroutine gearbox_state_scales(gearbox, speeds, state, row, differential)

@@ -21,8 +21,6 @@ module evl_hunt_crossley
    public :: flores_factor, gonthier_factor, hunt_crossley_factor, lankarani_nikravesh_factor, lee_wang_factor
    public :: flores_law, gonthier_law, hunt_crossley_law, lankarani_nikravesh_law, lee_wang_law
 
-   real(wp), parameter :: default_v0_min = 1.0e-3_wp !! [m/s]
-
 contains
 
    !> chi = 3/2 (1 - e). Source: Hunt & Crossley 1975, for small 1 - e.   Valid: 0 <= e <= 1
@@ -106,8 +104,8 @@ contains
       info%n_parameters = 2
       info%parameters(1) = law_parameter("restitution", "1", "nominal coefficient of restitution e", &
                                          minimum=0.0_wp, minimum_open=is_positive, maximum=1.0_wp)
-      info%parameters(2) = law_parameter("v0_min", "m/s", "smallest approach speed v0 that is used", &
-                                         default_value=default_v0_min, minimum=0.0_wp, minimum_open=.true.)
+      info%parameters(2) = law_parameter("v0_min", "m/s", "smallest approach speed v0 that is used; h_0 sqrt(k/m) if not given", &
+                                         minimum=0.0_wp, minimum_open=.true., from_mesh=.true.)
    end function restitution_law
 
 end module evl_hunt_crossley

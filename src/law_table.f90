@@ -1,6 +1,6 @@
 !> The table of all force laws. The index of a law is its place in the list of its family, from 0.
 module evl_law_table
-   use evl_damping, only: linear_damping_law, no_damping_law, one_sided_damping_law
+   use evl_damping, only: linear_damping_law, no_damping_law, one_sided_damping_law, ratio_damping_law
    use evl_friction, only: coulomb_friction_law, no_friction_law, stribeck_friction_law, tanh_friction_law
    use evl_hunt_crossley, only: flores_law, gonthier_law, hunt_crossley_law, lankarani_nikravesh_law, lee_wang_law
    use evl_johnson, only: johnson_law
@@ -16,7 +16,7 @@ module evl_law_table
    public :: laws_contact, laws_damping, laws_friction
    public :: contact_johnson, contact_radzimovsky, contact_linear, contact_yang_lin, contact_power, contact_rigid
    public :: damping_none, damping_linear, damping_one_sided, damping_hunt_crossley, damping_lankarani_nikravesh
-   public :: damping_flores, damping_gonthier, damping_lee_wang
+   public :: damping_flores, damping_gonthier, damping_lee_wang, damping_ratio
    public :: friction_none, friction_coulomb, friction_tanh, friction_stribeck
 
    integer, parameter :: laws_contact = 0  !! family of the elastic laws; evl_law_family of the C header
@@ -26,7 +26,8 @@ module evl_law_table
    integer, parameter :: contact_johnson = 0, contact_radzimovsky = 1, contact_linear = 2, contact_yang_lin = 3, &
                          contact_power = 4, contact_rigid = 5
    integer, parameter :: damping_none = 0, damping_linear = 1, damping_one_sided = 2, damping_hunt_crossley = 3, &
-                         damping_lankarani_nikravesh = 4, damping_flores = 5, damping_gonthier = 6, damping_lee_wang = 7
+                         damping_lankarani_nikravesh = 4, damping_flores = 5, damping_gonthier = 6, damping_lee_wang = 7, &
+                         damping_ratio = 8
    integer, parameter :: friction_none = 0, friction_coulomb = 1, friction_tanh = 2, friction_stribeck = 3
 
 contains
@@ -86,6 +87,8 @@ contains
             info = gonthier_law()
          case (damping_lee_wang)
             info = lee_wang_law()
+         case (damping_ratio)
+            info = ratio_damping_law()
          end select
       case (laws_friction)
          select case (index)

@@ -19,7 +19,7 @@ module evl_modes
    implicit none (type, external)
    private
 
-   public :: gearbox_modes
+   public :: gearbox_modes, linearised_matrix, modes_of_matrix
 
    real(wp), parameter :: rounding = 10*epsilon(1.0_wp) !! of a number that went through a decomposition, times its order
 
@@ -41,27 +41,34 @@ contains
       complex(wp), intent(out) :: eigenvalues(gearbox%n_states) !! [1/s]; 0 past n_modes
       complex(wp), intent(out) :: vectors(gearbox%n_states, gearbox%n_states) !! column k in the states' units; 0 past n_modes
       type(status_t), intent(inout) :: status        !! code_out_of_domain, code_no_solution
-      real(wp), dimension(gearbox%n_states) :: scale, row_scale
-      integer :: differential(gearbox%n_states)
-      integer, allocatable :: speeds(:), positions(:), moving(:)
       real(wp), allocatable :: matrix(:, :)
-      complex(wp), allocatable :: shapes(:, :)
-      integer :: k
 
       n_modes = 0
       n_rigid = 0
       eigenvalues = 0
       vectors = 0
-      k = findloc(gearbox%contacts(gearbox%first(:size(gearbox%pairs)))%rigid, .true., dim=1)
-      if (k > 0) then
-         call fail(status, code_no_solution, "natural modes need a stiffness, but this contact is rigid: give it an elastic law", &
-                   subject_mesh, k, "contact.law")
-         return
-      end if
-      call gearbox_state_scales(gearbox, [real(wp) ::], scale, row_scale, differential)
-      call free_states(gearbox, speeds, positions)
-      call scaled_matrix(gearbox, t, y, integers, reals, scale, matrix, status)
+      call linearised_matrix(gearbox, t, y, integers, reals, matrix, status)
       if (has_failed(status)) return
+      call modes_of_matrix(gearbox, y, matrix, n_modes, n_rigid, eigenvalues, vectors, status)
+   end subroutine gearbox_modes
+
+   !> The modes of A, each state in units of its scale, as gearbox_modes gives them.
+   subroutine modes_of_matrix(gearbox, y, matrix, n_modes, n_rigid, eigenvalues, vectors, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: y(gearbox%n_states)
+      real(wp), intent(in) :: matrix(:, :) !! of linearised_matrix
+      integer, intent(out) :: n_modes, n_rigid
+      complex(wp), intent(inout) :: eigenvalues(gearbox%n_states), vectors(gearbox%n_states, gearbox%n_states) !! 0
+      type(status_t), intent(inout) :: status
+      integer, allocatable :: speeds(:), positions(:), moving(:)
+      complex(wp), allocatable :: shapes(:, :)
+      real(wp) :: scale(gearbox%n_states)
+      integer :: k
+
+      n_modes = 0
+      n_rigid = 0
+      scale = state_scales(gearbox)
+      call free_states(gearbox, speeds, positions)
       call find_nullity(matrix(speeds, positions), n_rigid, status)
       if (has_failed(status)) return
       if (gearbox%wheels(gearbox%reference)%prescribed == 0) n_rigid = n_rigid + 1
@@ -76,7 +83,16 @@ contains
          if (gearbox%housing%is_mounted) call quaternion_shape(gearbox%housing, y, vectors(:, k))
          if (abs(eigenvalues(k)) > 0) vectors(i_theta, k) = vectors(i_omega, k)/eigenvalues(k)
       end do
-   end subroutine gearbox_modes
+   end subroutine modes_of_matrix
+
+   !> The units in which the matrix counts the states.
+   function state_scales(gearbox) result(scale)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), dimension(gearbox%n_states) :: scale, row_scale
+      integer :: differential(gearbox%n_states)
+
+      call gearbox_state_scales(gearbox, [real(wp) ::], scale, row_scale, differential)
+   end function state_scales
 
    !> The places of the speeds and of the positions that are free to move.
    subroutine free_states(gearbox, speeds, positions)
@@ -103,18 +119,25 @@ contains
    end subroutine free_states
 
    !> -dF/dy of the closed form, each state in units of its scale [1/s].
-   subroutine scaled_matrix(gearbox, t, y, integers, reals, scale, matrix, status)
+   subroutine linearised_matrix(gearbox, t, y, integers, reals, matrix, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(gearbox%n_states), reals(:), scale(gearbox%n_states)
+      real(wp), intent(in) :: y(gearbox%n_states), reals(:)
       integer, intent(in) :: integers(:)
       real(wp), allocatable, intent(out) :: matrix(:, :)
       type(status_t), intent(inout) :: status
       type(gearbox_t) :: closed
-      real(wp) :: yp(gearbox%n_states)
-      integer :: n
+      real(wp), dimension(gearbox%n_states) :: yp, scale
+      integer :: k, n
 
+      k = findloc(gearbox%contacts(gearbox%first(:size(gearbox%pairs)))%rigid, .true., dim=1)
+      if (k > 0) then
+         call fail(status, code_no_solution, "natural modes need a stiffness, but this contact is rigid: give it an elastic law", &
+                   subject_mesh, k, "contact.law")
+         return
+      end if
       n = gearbox%n_states
+      scale = state_scales(gearbox)
       closed = gearbox
       closed%contacts%tracking = tracking_closed_form
       closed%contacts%i_track = 0
@@ -129,7 +152,7 @@ contains
       matrix = -matrix*spread(scale, 1, n)/spread(scale, 2, n)
       if (.not. all(ieee_is_finite(matrix))) &
          call fail(status, code_out_of_domain, "the forces have no finite derivatives at this state")
-   end subroutine scaled_matrix
+   end subroutine linearised_matrix
 
    !> Eigenvalues and right eigenvectors of a matrix.
    !>

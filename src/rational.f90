@@ -5,7 +5,7 @@ module evl_rational
    implicit none (type, external)
    private
 
-   public :: rational_t, rational_pitches, rational_scaled, rational_value, operator(==)
+   public :: divisor_of, rational_t, rational_pitches, rational_scaled, rational_value, operator(==)
 
    integer(int64), parameter :: largest = 2_int64**61           !! numerator and denominator, so that twice of it fits
    integer(int64), parameter :: short = int(huge(1_int32), int64) !! times any number of turns it still fits

@@ -11,11 +11,35 @@ module evl_start_positions
    implicit none (type, external)
    private
 
-   public :: closed_form_point, place_pairs, prescribed_speed, set_gaps
+   public :: closed_form_point, mesh_position, mesh_position_angle, place_pairs, prescribed_speed, set_gaps
 
    real(wp), parameter :: at_the_end = 1.0e-10_wp !! in pitches: a pair that is no farther outside the path is on it
 
 contains
+
+   !> Angle of the reference wheel at which a tooth pair of the first mesh, unloaded, is so many pitches from the start of contact.
+   pure real(wp) function mesh_position_angle(gearbox, pitches) result(theta)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: pitches
+
+      associate (mesh => gearbox%contacts(1))
+         theta = pitches*mesh%base_pitch/mesh%pair%advance
+      end associate
+   end function mesh_position_angle
+
+   !> How many pitches, from 0 to 1, the tooth pair of a mesh that came last is, unloaded, from the start of contact.
+   pure real(wp) function mesh_position(gearbox, index, theta, turns) result(pitches)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index    !! of the mesh
+      real(wp), intent(in) :: theta   !! [rad]
+      integer, intent(in) :: turns
+
+      associate (mesh => gearbox%contacts(gearbox%first(index)))
+         pitches = (mesh_nominal_rho(mesh, theta, turns, 0) - mesh%rho_entry)/mesh%base_pitch
+      end associate
+      pitches = pitches - floor(pitches + at_the_end)
+      if (abs(pitches) < at_the_end) pitches = 0
+   end function mesh_position
 
    !> The speed that a load prescribes at t [rad/s].
    pure real(wp) function prescribed_speed(gearbox, load, t, integers) result(speed)
@@ -91,11 +115,12 @@ contains
                     contact => integers(gearbox%contacts(m)%i_mode + 1))
             contact = contact_open
             teeth = mesh%slot
-            if (mesh%handover) cycle
+            if (mesh%handover .and. .not. abs(y(i_theta)) > 0) cycle
             call closed_form_point(gearbox, m, y, integers(i_turns), teeth, point)
             ! a pair is this many pitches on from where pairs enter, and n_slots pitches later the next one is there
             call mesh_ends(mesh, point, near, far)
             teeth = teeth + mesh%n_slots*floor((near + at_the_end)/mesh%n_slots)
+            if (mesh%handover) cycle
             call closed_form_point(gearbox, m, y, integers(i_turns), teeth, point)
             call mesh_ends(mesh, point, near, far)
             if (far >= -at_the_end) cycle

@@ -474,6 +474,7 @@ def test_all_laws_are_listed_with_their_parameters_and_units(evolvent: Evolvent)
             "linear": ["coefficient [N s/m]"],
             "one_sided": ["coefficient [N s/m2]"],
             **dict.fromkeys(named, impact),
+            "ratio": ["value"],
         },
         "friction": {
             "none": [],

@@ -156,3 +156,85 @@ def test_a_state_that_grows_is_called_unstable(evolvent: Evolvent, case: Path) -
     assert any(mode["time_constant"] < 0 for mode in modes)
     assert "this state is unstable" in evolvent(*words).stdout
     assert "unstable" not in evolvent("modes", case).stdout
+
+
+# ---- which state of the mesh
+
+
+@pytest.fixture
+def real(examples: Path) -> Path:
+    return examples / "spur-pair.yaml"
+
+
+@pytest.mark.parametrize(
+    ("option", "words", "kind"),
+    [
+        ([], ["at its steady state under load", "pinion-gear", " 0 pitches"], "steady"),
+        (["--mesh-position", "0.25"], ["at its steady state", " 0.25 pitches"], "steady"),
+        (["--mean"], ["with the mean over one pitch"], "mean"),
+        (["--at", "0.001"], ["at t = 0.001 s"], "at"),
+    ],
+)
+def test_the_output_names_the_state_that_was_linearised(
+    evolvent: Evolvent, real: Path, option: list[str], words: list[str], kind: str
+) -> None:
+    head = evolvent("modes", real, *option).stdout.split("\n\n")[0]
+    for word in words:
+        assert word in head
+    state = json.loads(evolvent("modes", real, *option, "--json").stdout)["state"]
+    assert state["kind"] == kind
+    position = {"[]": 0.0, "['--mesh-position', '0.25']": 0.25}.get(str(option))
+    assert state["mesh_position"] == position
+
+
+def test_the_position_of_the_mesh_decides_how_many_pairs_there_are(
+    evolvent: Evolvent, real: Path
+) -> None:
+    for position, pairs in (
+        ("0", 1),
+        ("0.01", 2),
+        ("0.48", 2),
+        ("0.51", 1),
+        ("0.99", 1),
+        ("7.3", 2),
+    ):
+        result = evolvent("modes", real, "--json", "--mesh-position", position)
+        mesh = json.loads(result.stdout)["state"]["meshes"]["pinion-gear"]
+        assert mesh["pairs_in_contact"] == pairs, position
+        assert mesh["position"] == pytest.approx(float(position) % 1, abs=1e-12)
+
+
+EXCLUSIVE = (["--at", "0.01"], ["--mesh-position", "0.5"], ["--mean"])
+
+
+@pytest.mark.parametrize("omitted", range(3))
+def test_states_exclude_each_other(evolvent: Evolvent, real: Path, omitted: int) -> None:
+    words = [word for i, option in enumerate(EXCLUSIVE) if i != omitted for word in option]
+    result = evolvent("modes", real, *words)
+    assert (result.returncode, result.stdout) == (2, "")
+    for option in EXCLUSIVE:
+        assert f"'{option[0]}'" in result.stderr.splitlines()[0]
+
+
+@pytest.mark.parametrize("position", ["-0.1", "half", ".nan", "1e7"])
+def test_a_position_that_is_none_is_misuse(evolvent: Evolvent, real: Path, position: str) -> None:
+    result = evolvent("modes", real, "--mesh-position", position)
+    assert_refused(result, 2, f"--mesh-position {position}: ", "pitches", "1e6")
+
+
+@pytest.mark.parametrize("option", [["--mean"], ["--mesh-position", "0.5"]])
+def test_a_chosen_state_that_does_not_exist_is_refused(
+    evolvent: Evolvent, real: Path, option: list[str]
+) -> None:
+    result = evolvent("modes", real, "--set", "wheels.gear.loads=[]", *option)
+    assert_refused(result, 3, "no steady state", "--at TIME")
+    result = evolvent(
+        "modes",
+        real,
+        "--set",
+        "meshes.0.contact={law: rigid}",
+        "--set",
+        "meshes.0.damping={law: none}",
+        *option,
+    )
+    assert_refused(result, 3, "rigid", "elastic law")

@@ -54,9 +54,13 @@ def test_a_history_is_named_after_its_case_and_nothing_else_is_left(
 
 
 def test_the_summary_is_one_line_on_stderr(evolvent: Evolvent, case: Path) -> None:
-    lines = evolvent("run", case, *SHORT).stderr.splitlines()
-    assert re.fullmatch(r"evolvent: \d+ steps, \d+ events?, \S+ s CPU: paper\.h5", lines[-1])
-    assert all(line.startswith("evolvent: warning: ") for line in lines[:-1])
+    *others, mesh, summary = evolvent("run", case, *SHORT).stderr.splitlines()
+    assert re.fullmatch(r"evolvent: \d+ steps, \d+ events?, \S+ s CPU: paper\.h5", summary)
+    assert mesh == (
+        "evolvent: mesh pinion-gear at 5.0434 N, one tooth pair: natural frequency 1145.5 Hz,"
+        " damping ratio 0.0201"
+    )
+    assert all(line.startswith("evolvent: warning: ") for line in others)
 
 
 def test_quiet_leaves_only_warnings(evolvent: Evolvent, case: Path) -> None:

@@ -77,6 +77,9 @@ class MeshGeometry(ctypes.Structure):
         *((name, _double) for name in ("common_width", "effective_modulus")),
         *((name, _double) for name in ("elastic_share_driving", "reference_force")),
         ("reference_penetration", _double),
+        *((name, _double) for name in ("reference_stiffness", "reference_mass")),
+        *((name, _double) for name in ("natural_frequency", "damping_coefficient")),
+        ("damping_ratio", _double),
     ]
 
 

@@ -125,6 +125,7 @@ class InitialDescription(ctypes.Structure):
         ("kind", _int),
         ("speeds", ctypes.POINTER(_double)),
         ("gaps", ctypes.POINTER(_double)),
+        ("mesh_position", _double),
     ]
 
 

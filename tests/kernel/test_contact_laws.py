@@ -181,7 +181,7 @@ def test_the_table_lists_the_laws_of_each_family(kernel: Kernel):
     restitution = ["hunt_crossley", "lankarani_nikravesh", "flores", "gonthier", "lee_wang"]
     assert names == [
         ["johnson", "radzimovsky", "linear", "yang_lin", "power", "rigid"],
-        ["none", "linear", "one_sided", *restitution],
+        ["none", "linear", "one_sided", *restitution, "ratio"],
         ["none", "coulomb", "tanh", "stribeck"],
     ]
     assert kernel.laws(3) == kernel.laws(-1) == []
@@ -213,7 +213,7 @@ def test_parameters_are_described_with_unit_default_and_range(kernel: Kernel):
                 assert parameter.minimum < parameter.maximum
 
 
-@pytest.mark.parametrize(("family", "index"), [(0, 6), (0, -1), (1, 8), (2, 4), (3, 0), (-1, 0)])
+@pytest.mark.parametrize(("family", "index"), [(0, 6), (0, -1), (1, 9), (2, 4), (3, 0), (-1, 0)])
 def test_a_law_that_does_not_exist_is_not_described(kernel: Kernel, family: int, index: int):
     info = LawInfo()
     code = kernel.library.evl_law_describe(family, index, ctypes.byref(info))
@@ -239,6 +239,9 @@ ACCEPTED = [
     (DAMPING, "lee_wang", {"restitution": 0.0}),
     (DAMPING, "flores", {"restitution": 1e-3}),
     (DAMPING, "gonthier", {"restitution": 1.0, "v0_min": 1e-12}),
+    (DAMPING, "hunt_crossley", {"restitution": 0.5, "v0_min": np.nan}),  # left to the mesh
+    (DAMPING, "ratio", {"value": 0.0}),
+    (DAMPING, "ratio", {"value": 0.999}),
     (
         FRICTION,
         "stribeck",
@@ -280,6 +283,9 @@ REFUSED = [
     (DAMPING, "flores", {"restitution": 0.0}, "restitution", "must be greater than 0"),
     (DAMPING, "gonthier", {"restitution": 0.0}, "restitution", "must be greater than 0"),
     (DAMPING, "flores", {"restitution": 0.5, "v0_min": 0.0}, "v0_min", "must be greater than 0"),
+    (DAMPING, "ratio", {"value": 1.0}, "value", "must be less than 1"),
+    (DAMPING, "ratio", {"value": -0.1}, "value", "must be at least 0"),
+    (DAMPING, "ratio", {"value": np.nan}, "value", "finite"),
     (FRICTION, "tanh", {"coefficient": -0.1}, "coefficient", "must be at least 0"),
     (
         FRICTION,

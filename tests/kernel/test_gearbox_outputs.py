@@ -26,7 +26,7 @@ PROMISED = {
 }
 UNITS = {
     *("1", "rad", "rad s-1", "rad s-2", "m", "m s-1", "m s-2", "m2", "kg", "kg m2"),
-    *("N", "N m", "J", "Pa", "W", "N m rad-1", "N m s rad-1"),
+    *("N", "N m", "J", "Pa", "W", "N m rad-1", "N m s rad-1", "N m-1", "N s m-1", "Hz"),
 }
 
 

@@ -86,10 +86,12 @@ def test_a_restitution_of_1_is_no_damping(kernel: Kernel, name: str):
     assert not np.any(viscous(kernel, name, restitution=1.0, h=H, h_dot=H_DOT, v0=0.05))
 
 
-def test_the_smallest_v0_is_a_millimetre_a_second_by_default(kernel: Kernel, name: str):
+def test_the_smallest_v0_is_left_to_the_mesh_by_default(kernel: Kernel, name: str):
     (info,) = [law for law in kernel.laws(DAMPING) if law.name.decode() == name]
     restitution, v0_min = info.parameters[:2]
-    assert (v0_min.name, v0_min.units, v0_min.default_value) == (b"v0_min", b"m/s", 1e-3)
+    assert (v0_min.name, v0_min.units, v0_min.required) == (b"v0_min", b"m/s", False)
+    assert np.isnan(v0_min.default_value)
+    assert (v0_min.minimum, v0_min.minimum_open) == (0, True)
     assert (restitution.name, restitution.units, restitution.required) == (
         b"restitution",
         b"1",

@@ -25,6 +25,7 @@ DAMPINGS = {
     **dict.fromkeys(
         ("hunt_crossley", "lankarani_nikravesh", "flores", "gonthier", "lee_wang"), RESTITUTION
     ),
+    "ratio": {"value": 0.07},
 }
 FRICTIONS = {
     "tanh": {"coefficient": 0.2, "regularisation_velocity": 2e-3},
@@ -39,6 +40,14 @@ CASES = [
     *((contact, "flores", "tanh") for contact in CONTACTS),
     *(("johnson", damping, "stribeck") for damping in DAMPINGS),
 ]
+
+
+def test_every_smooth_law_of_the_program_has_its_case(kernel: Kernel):
+    names = [{law.name.decode() for law in kernel.laws(family)} for family in range(3)]
+    # a rigid contact has no force law; Coulomb's law has branches and a test of its own
+    assert names[CONTACT] == {*CONTACTS, "rigid"}
+    assert names[DAMPING] == {*DAMPINGS, "none"}
+    assert names[FRICTION] == {*FRICTIONS, "none", "coulomb"}
 
 
 @pytest.mark.parametrize("mode", [LOADED, UNLOADED], ids=["loaded", "unloaded"])

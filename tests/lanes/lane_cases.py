@@ -40,6 +40,7 @@ DAMPINGS: dict[str, dict[str, float]] = {
     **dict.fromkeys(
         ("hunt_crossley", "lankarani_nikravesh", "flores", "gonthier", "lee_wang"), RESTITUTION
     ),
+    "ratio": {"value": 0.07},
 }
 FRICTIONS: dict[str, dict[str, float]] = {
     "none": {},

@@ -29,6 +29,7 @@ DAMPINGS = {
     "linear": ", coefficient: 1e4",
     "one_sided": ", coefficient: 1e12",
     **dict.fromkeys(RESTITUTION, ", restitution: 0.5, v0_min: 1e-4"),
+    "ratio": ", value: 0.02",
 }
 FRICTIONS = {
     "none": "",

@@ -204,6 +204,8 @@ typedef struct {
     const double *speeds; /**< [n_wheels] [rad/s] for EVL_INITIAL_SPEEDS, else NULL */
     const double *
         gaps; /**< [n_meshes] initial gap between the flanks [m], negative: penetration; NULL: all touch. Not for steady */
+    double
+        mesh_position; /**< of EVL_INITIAL_STEADY, else 0: how many pitches from the start of contact a tooth pair of the first mesh is */
 } evl_initial;
 
 typedef enum {
@@ -260,9 +262,9 @@ typedef struct {
     char name[EVL_NAME_LENGTH];  /**< as in the case file */
     char units[EVL_NAME_LENGTH]; /**< "1" if without */
     char description[EVL_TEXT_LENGTH];
-    bool required; /**< there is no default */
-    double default_value;
-    double minimum, maximum;         /**< accepted range; -/+infinity if unbounded */
+    bool required;           /**< there is no default */
+    double default_value;    /**< 0 if required; NaN: the mesh gives it, and a choice may leave it open with NaN */
+    double minimum, maximum; /**< accepted range; -/+infinity if unbounded */
     bool minimum_open, maximum_open; /**< the end itself is refused */
 } evl_law_parameter;
 
@@ -338,6 +340,13 @@ typedef struct {
     double elastic_share_driving;                 /**< w_A = E* (1-nu_A^2)/E_A */
     double reference_force;       /**< normal force that the loads suggest [N]: the scale of the error weights */
     double reference_penetration; /**< its penetration h_0 [m] */
+    double
+        reference_stiffness; /**< k: dF/dh of one tooth pair under it [N/m]; NaN for a rigid contact and without load */
+    double
+        reference_mass; /**< m: 1/(r_bA^2/J_A + r_bB^2/J_B) [kg]; NaN too if both speeds are prescribed, as all below */
+    double natural_frequency;   /**< sqrt(k/m)/(2 pi) [Hz] */
+    double damping_coefficient; /**< c: dF/dh' of the damper there, mean of approach and separation [N s/m] */
+    double damping_ratio;       /**< c/(2 sqrt(k m)) */
 } evl_mesh_geometry;
 
 /** What follows from an evl_gear and the number of teeth. Lengths [m], angles [rad]. docs/geometry.md has the formulas. */
@@ -387,6 +396,8 @@ typedef struct {
 
 EVL_API void evl_gearbox_wheel_geometry(const evl_gearbox *gearbox, int wheel, evl_wheel_geometry *geometry);
 EVL_API void evl_gearbox_mesh_geometry(const evl_gearbox *gearbox, int mesh, evl_mesh_geometry *geometry);
+/** The damping law of a mesh as it was chosen, with what it left open filled in. */
+EVL_API void evl_gearbox_damping(const evl_gearbox *gearbox, int mesh, evl_law_choice *choice);
 /** Geometry of a wheel as a real gear. @return whether it is one; if not, geometry is zero. */
 EVL_API bool evl_gearbox_gear(const evl_gearbox *gearbox, int wheel, evl_gear_geometry *geometry);
 /** Geometry of a mesh of two real gears. @return whether it is one; if not, geometry is zero. */
@@ -635,6 +646,19 @@ EVL_API void evl_gearbox_mesh_mode(const evl_gearbox *gearbox, int mesh, const i
 EVL_API int evl_gearbox_modes(const evl_gearbox *gearbox, double t, const double *y, const int *integers,
                               const double *reals, int *n_modes, int *n_rigid, double *eigenvalues, double *vectors,
                               evl_status *status);
+
+/** The same of the mean of A over the steady states at all positions of the meshes: 997, spread evenly over the least number of
+ *  pitches of the first mesh, at most 10000, in which every mesh passes whole pitches.
+ *
+ *  @param[out] y, integers, reals  the steady state half a pitch from the start of contact, to which the vectors belong
+ *  @param[out] values              [n_values] outputs, averaged in the same way
+ *  @return as evl_gearbox_modes, or what evl_gearbox_initial_state returns where a steady state is not found */
+EVL_API int evl_gearbox_mean_modes(const evl_gearbox *gearbox, double t, double *y, int *integers, double *reals,
+                                   int *n_modes, int *n_rigid, double *eigenvalues, double *vectors, double *values,
+                                   evl_status *status);
+
+/** How many pitches, from 0 to 1, the tooth pair of a mesh that came last is, unloaded, from the start of contact. */
+EVL_API double evl_gearbox_mesh_position(const evl_gearbox *gearbox, int mesh, const double *y, const int *integers);
 
 /** What a small change dy of the state y moves, to first order and so linear in dy.
  *  @param[out] arcs                 [n_wheels] r_b phi, r phi of a wheel without a mesh, counterclockwise [m]
