@@ -218,7 +218,8 @@ def finiteness(history: xr.Dataset) -> xr.DataArray:
 
     What only tracked points have is missing on purpose where none are tracked, position and
     penetration of a tooth pair off the path of contact, the efficiency of a mesh without power,
-    the gap of coast flanks of a mesh that has none, and what only real gears have.
+    the gap of coast flanks of a mesh that has none, what only real gears have, and the vibration
+    of a mesh whose contact is rigid, that has no load or whose wheels both have prescribed speeds.
     """
     shares: dict[str, float] = {}
     for name, variable in history.variables.items():
@@ -235,12 +236,21 @@ def finiteness(history: xr.Dataset) -> xr.DataArray:
             values = values.where(require(history, "mesh_torque_driving") * speed != 0.0, 0.0)
         if name == "coast_gap":
             values = values.where(values.notnull().any("time"), 0.0)
-        if name in OF_REAL_GEARS:
+        if name in OF_REAL_GEARS | OF_VIBRATING_MESHES:
             values = values.fillna(0.0)
         shares[str(name)] = float(np.mean(~np.isfinite(values.values))) if values.size else 0.0
     return xr.DataArray(list(shares.values()), dims="variable", coords={"variable": list(shares)})
 
 
+OF_VIBRATING_MESHES = frozenset(
+    {
+        "reference_stiffness",
+        "reference_mass",
+        "natural_frequency",
+        "damping_coefficient",
+        "damping_ratio",
+    }
+)
 TRACKED_ONLY = frozenset(
     {
         "gradient_ratio",

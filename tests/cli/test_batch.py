@@ -181,6 +181,27 @@ def test_numbers_are_those_of_the_case_s_history(evolvent: Evolvent, tmp_path: P
         assert set(row) - set(expected) == {"case", "status", "exit", "message", *TIMINGS}
 
 
+@pytest.mark.parametrize("damping", ["law: ratio, value: 0.07", "law: flores, restitution: 0.8"])
+def test_damping_by_the_mesh_is_found_anew_for_every_case(
+    evolvent: Evolvent, tmp_path: Path, damping: str
+) -> None:
+    """Cases that differ in numbers are made in place, also after one whose mesh has no load."""
+    base = re.sub("damping: {.*?}", f"damping: {{{damping}}}", paper_case(0.02))
+    (tmp_path / "case.yaml").write_text(base)
+    torques = [-1.0, 0.0, -200.0, -3.0]
+    design = write_design(tmp_path / "design.h5", {TORQUE: torques}, base, (0.0, 0.02))
+    assert evolvent("batch", design, "-o", "r").returncode == 1
+    rows = read_journal(tmp_path / JOURNAL).cases
+    assert [rows[i]["status"] for i in range(4)] == ["done", "refused", "done", "done"]
+    assert "no load presses its flanks together" in rows[1]["message"]
+    for i in (0, 2, 3):
+        run = evolvent("run", "case.yaml", "--set", f"{TORQUE}={torques[i]}", "-o", "x.h5")
+        assert run.returncode == 0
+        with xr.open_dataset(tmp_path / "x.h5", engine="h5netcdf") as history:
+            assert rows[i]["normal_force_max"] == float(history.normal_force.max())
+            assert rows[i]["steps"] == history.attrs["integrator_steps"]
+
+
 def energy_residual(history: xr.Dataset) -> float:
     """Largest error of the energy balance, as docs/batch.md defines it, computed anew."""
     stored = history.kinetic_energy + history.potential_energy

@@ -43,7 +43,7 @@ def rattle() -> dict[str, Any]:
     mesh = case["meshes"][0]
     del mesh["pressure_angle"]
     mesh["backlash"] = 1e-4
-    mesh["damping"] = {"law": "flores", "restitution": 0.5}
+    mesh["damping"] = {"law": "flores", "restitution": 0.5, "v0_min": 1e-3}
     mesh["friction"] = {"law": "coulomb", "coefficient": 0.05, "regularisation_velocity": 1e-3}
     case["simulation"]["initial"] = {"kind": "speeds", "speeds": {"pinion": -50, "gear": 31.25}}
     return case
