@@ -236,7 +236,7 @@ def test_the_examples_of_real_gears_are_damped_like_real_meshes(evolvent, exampl
 
 
 def test_stiffness_that_jumps_with_the_pairs_gives_dynamic_forces(runs):
-    """Without relief the force rings up to about twice the mean (recorded: 1.95)."""
+    """Without relief the force rings up to about twice the mean (recorded: 1.95 at its outputs)."""
     history = runs("spur-pair.yaml").history
     force = history.normal_force.values[history.time.values > 0.025]
     assert 1.85 < force.max() / force.mean() < 2.1
