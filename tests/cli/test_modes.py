@@ -226,7 +226,8 @@ def test_a_position_that_is_none_is_misuse(evolvent: Evolvent, real: Path, posit
 def test_a_chosen_state_that_does_not_exist_is_refused(
     evolvent: Evolvent, real: Path, option: list[str]
 ) -> None:
-    result = evolvent("modes", real, "--set", "wheels.gear.loads=[]", *option)
+    rest = ("--set", "simulation.initial={kind: rest}")
+    result = evolvent("modes", real, *rest, "--set", "wheels.gear.loads=[]", *option)
     assert_refused(result, 3, "no steady state", "--at TIME")
     result = evolvent(
         "modes",

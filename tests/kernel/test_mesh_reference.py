@@ -232,13 +232,7 @@ def test_a_law_that_refers_to_its_mesh_has_no_force_without_one(kernel: Kernel):
 
 def test_much_damping_is_warned_of_once_and_little_is_not(kernel: Kernel):
     def warnings(value: float) -> list[str]:
-        gearbox = pair(kernel, ("ratio", {"value": value}))
-        text = ctypes.create_string_buffer(320)
-        found = []
-        for i in range(gearbox.sizes.n_warnings):
-            gearbox.library.evl_gearbox_warning(gearbox.handle, i, text)
-            found.append(text.value.decode())
-        return found
+        return [warned.message for warned in pair(kernel, ("ratio", {"value": value})).warnings()]
 
     assert warnings(0.3) == []
     (line,) = warnings(0.31)
