@@ -55,7 +55,7 @@ def real(contact: dict[str, Any], z: tuple[int, int] = (25, 36), **mesh) -> dict
             [{"kind": "torque", "value": -TORQUE}],
             [{"kind": "viscous", "coefficient": 1e-9}],
         ],
-        {"duration": 1, "output_interval": 0.1},
+        {"duration": 1, "output_interval": 0.1, "initial": {"kind": "steady"}},
         contact=contact,
         **mesh,
     )
