@@ -197,7 +197,8 @@ static bool simulate_prepared(const batch_plan *plan, long index, const prepared
     batch_sink batch = {
         .plan = plan, .statistics = statistics_create(&plan->table, prepared->model, start->from, start->to, interval)};
     start_history(&batch, prepared->model);
-    const simulate_sink sink = {.self = &batch, .outputs = on_outputs, .event = on_event};
+    const simulate_sink sink = {
+        .self = &batch, .outputs = on_outputs, .event = on_event, .extremes = statistics_extremes(batch.statistics)};
     simulate_result result;
     progress progress;
     progress_start(&progress, false, 0, 1);

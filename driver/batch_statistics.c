@@ -117,10 +117,9 @@ void statistics_table_free(statistics_table *table)
 /* ---- one case ---- */
 
 typedef struct {
-    int offset;       /**< of the output among the values; -1 if the model has none */
-    double sum;       /**< integral over time [unit s] */
-    double low, high; /**< extremes */
-    double last;      /**< of the output before */
+    int offset;  /**< of the output among the values; -1 if the model has none */
+    double sum;  /**< integral over time [unit s] */
+    double last; /**< of the output before */
 } accumulator;
 
 /** Terms of the energy balance T + V + dissipated - work = constant, over the whole case. */
@@ -142,7 +141,8 @@ struct statistics {
     bool is_in_window;    /**< the last output was */
     accumulator *of_mesh; /**< [n_meshes * N_OF_MESH] */
     energy_balance energy;
-    long *events; /**< [kinds] */
+    extremes *extremes; /**< in the window */
+    long *events;       /**< [kinds] */
 };
 
 static const char *resolve_output(const model *model, const char *name)
@@ -171,13 +171,14 @@ statistics *statistics_create(const statistics_table *table, const model *model,
     *statistics = (struct statistics){.table = table,
                                       .from = from - slack * output_interval,
                                       .to = to + slack * output_interval,
+                                      .t_first = NAN,
                                       .of_mesh = xcalloc((size_t)table->n_meshes * N_OF_MESH, sizeof(accumulator)),
+                                      .extremes = extremes_create(model, table->n_meshes, from, to),
                                       .events = xcalloc((size_t)model_n_event_kinds(), sizeof(long))};
     for (int mesh = 0; mesh < table->n_meshes; mesh++) {
         for (int i = 0; i < N_OF_MESH; i++) {
             const int offset = model_output_offset(model, resolve_output(model, of_mesh[i].output));
-            statistics->of_mesh[mesh * N_OF_MESH + i] =
-                (accumulator){.offset = offset < 0 ? -1 : offset + mesh, .low = INFINITY, .high = -INFINITY};
+            statistics->of_mesh[mesh * N_OF_MESH + i] = (accumulator){.offset = offset < 0 ? -1 : offset + mesh};
         }
     }
     statistics->energy = (energy_balance){.kinetic = model_output_offset(model, "kinetic_energy"),
@@ -197,8 +198,14 @@ void statistics_delete(statistics **pointer)
     if (statistics != NULL) {
         free(statistics->of_mesh);
         free(statistics->events);
+        extremes_delete(&statistics->extremes);
         free(statistics);
     }
+}
+
+extremes *statistics_extremes(const statistics *statistics)
+{
+    return statistics->extremes;
 }
 
 static double reduced_value(int row, double value)
@@ -219,8 +226,6 @@ static void add_to_meshes(statistics *statistics, double dt, const double *value
         accumulator *a = &statistics->of_mesh[i];
         const double value = a->offset < 0 ? NAN : reduced_value(i % N_OF_MESH, values[a->offset]);
         a->sum += 0.5 * dt * (a->last + value);
-        a->low = fmin(a->low, value);
-        a->high = fmax(a->high, value);
         a->last = value;
     }
 }
@@ -272,18 +277,22 @@ static double energy_residual(const energy_balance *energy)
     return scale > 0 ? energy->largest_error / scale : NAN;
 }
 
-static double reduce(int row, const accumulator *a, double span)
+/** An extreme in the window. */
+static double extreme_of(const statistics *statistics, int row, int mesh, bool is_largest)
 {
-    if (!(a->high >= a->low)) {
-        return NAN;
-    }
+    return extremes_value(statistics->extremes, extremes_find(of_mesh[row].output, is_largest), mesh);
+}
+
+static double reduce(const statistics *statistics, int row, int mesh, double span)
+{
+    const accumulator *a = &statistics->of_mesh[mesh * N_OF_MESH + row];
     switch (of_mesh[row].reduction) {
     case LARGEST:
-        return a->high;
+        return extreme_of(statistics, row, mesh, true);
     case RANGE:
-        return a->high - a->low;
+        return extreme_of(statistics, row, mesh, true) - extreme_of(statistics, row, mesh, false);
     default:
-        return span > 0 ? a->sum / span : a->last;
+        return isnan(span) ? NAN : span > 0 ? a->sum / span : a->last;
     }
 }
 
@@ -292,7 +301,7 @@ void statistics_finish(const statistics *statistics, const integrate_counts *cou
     const double span = statistics->t_last - statistics->t_first;
     int n = 0;
     for (int i = 0; i < statistics->table->n_meshes * N_OF_MESH; i++) {
-        results[n++] = is_complete ? reduce(i % N_OF_MESH, &statistics->of_mesh[i], span) : NAN;
+        results[n++] = is_complete ? reduce(statistics, i % N_OF_MESH, i / N_OF_MESH, span) : NAN;
     }
     results[n + ENERGY_RESIDUAL] = statistics->has_output ? energy_residual(&statistics->energy) : NAN;
     results[n + STEPS] = (double)counts->steps;

@@ -3,6 +3,7 @@
 #define EVOLVENT_BATCH_STATISTICS_H
 
 #include "events.h"
+#include "extremes.h"
 #include "integrate.h"
 #include "model.h"
 
@@ -31,6 +32,8 @@ typedef struct statistics statistics;
 statistics *statistics_create(const statistics_table *table, const model *model, double from, double to,
                               double output_interval);
 void statistics_delete(statistics **statistics);
+/** The extremes in the window, which the simulation finds between the outputs. */
+extremes *statistics_extremes(const statistics *statistics);
 
 /** @param values  of model_outputs */
 void statistics_outputs(statistics *statistics, double t, const double *values);

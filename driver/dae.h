@@ -41,6 +41,13 @@ typedef struct {
     double frequency; /**< imaginary part, angular, >= 0 */
 } dae_growth;
 
+/** A place in a step where a watched channel may exceed the extreme so far. */
+typedef struct {
+    int channel, sense;    /**< sense: 1 a maximum, -1 a minimum */
+    double t, left, right; /**< about where, and between which times */
+    double value;          /**< about what */
+} dae_candidate;
+
 /** Steps of y' = f(t, y) with located events, which a model without algebraic states may bring along: any number of steppers of
  *  one model may be at work. Where a dae_code is returned, a failure leaves one sentence in message. */
 typedef struct {
@@ -54,6 +61,10 @@ typedef struct {
                    char message[DAE_MESSAGE_LENGTH]);
     /** y at t within the last step */
     void (*interpolate)(const void *stepper, double t, double *y);
+    /** How many candidates for new extremes the last step has, before a restart.
+     *  @param high, low  [n_watched] of each channel so far; infinite where nobody asks */
+    int (*look)(void *stepper, const double *high, const double *low);
+    void (*candidate)(const void *stepper, int index, dae_candidate *candidate);
     /** go on from the state that an event left */
     void (*restart)(void *stepper, const dae_state *state);
     /** take the last step back and go on from its start, which t and y of the state become, in smaller steps */
@@ -86,6 +97,13 @@ typedef struct dae {
     /** events: [n_events] */
     int (*apply_event)(const void *self, dae_state *state, const int *fired, bool time_event, dae_event *events,
                        int *n_events, char message[DAE_MESSAGE_LENGTH]);
+
+    /** channels that an observer may watch between outputs: [n_watched] */
+    int (*watched)(const void *self, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH]);
+    /** roots and watched at once, which costs little more than the roots */
+    int (*roots_and_watched)(const void *self, const dae_state *state, double *roots, double *values,
+                             char message[DAE_MESSAGE_LENGTH]);
+    int n_watched;
 
     const dae_stepper *stepper; /**< NULL: it brings none along */
 } dae;

@@ -38,6 +38,8 @@ history *history_create(const history_layout *layout, char message[DAE_MESSAGE_L
 /** One row; static variables are taken from the first one. */
 bool history_append(history *history, double t, const double *values);
 bool history_add_event(history *history, const event_record *record);
+/** Static variables that are known at the end only; `values` as their offsets say. */
+bool history_put_finals(history *history, int n, const model_output *outputs, const double *values);
 /** Set further root attributes, flush, close, fsync; then rename if `commit`, else leave NAME.partial. Frees the history. */
 bool history_close(history **history, bool commit, int n_attributes, const history_attribute *attributes,
                    char message[DAE_MESSAGE_LENGTH]);

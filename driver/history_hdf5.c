@@ -334,6 +334,15 @@ static bool write_statics(history *history, const double *values)
     return good;
 }
 
+bool history_put_finals(history *history, int n, const model_output *outputs, const double *values)
+{
+    bool good = true;
+    for (int i = 0; i < n && good; i++) {
+        good = write_static(history, &outputs[i], values + outputs[i].offset);
+    }
+    return good ? true : fail(history);
+}
+
 bool history_append(history *history, double t, const double *values)
 {
     history->row[0] = t;

@@ -14,6 +14,20 @@ typedef struct {
     bool by_stepper;        /**< by dae.stepper, which there is, instead of IDA */
 } integrate_options;
 
+/** A step, or the part of one up to an event, without a change of the discrete state: the state is known everywhere on it. */
+typedef struct {
+    double t_from, t_to;    /**< the same: a single state, at the start or the end of an integration */
+    bool continues;         /**< the step before ended at t_from, and nothing happened there */
+    const dae_state *state; /**< at t_to */
+    const double *watched;  /**< the channels there, if they are known, and then y is of no meaning; else NULL */
+    void *with;
+    /** y at t in t_from .. t_to. @return false if it is not known after all */
+    bool (*interpolate)(const void *with, double t, double *y);
+    /** as of dae_stepper; NULL: it knows no candidates */
+    int (*look)(void *with, const double *high, const double *low);
+    void (*candidate)(const void *with, int index, dae_candidate *candidate);
+} integrate_step;
+
 /** What the caller wants to hear. Each returns 0 to go on; anything else ends the integration with INTEGRATE_STOPPED. */
 typedef struct {
     void *self;
@@ -21,6 +35,8 @@ typedef struct {
                   const dae_state *state); /**< grid points in order of time, the start and t_end among them */
     int (*event)(void *self, const event_record *record); /**< after it was applied */
     int (*step)(void *self, double t);                    /**< now and then, between steps: progress, interrupts */
+    /** every step, in order of time: what happens between the outputs; NULL: nobody watches. Always goes on. */
+    void (*watch)(void *self, const integrate_step *step);
 } integrate_observer;
 
 typedef struct {

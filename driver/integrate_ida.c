@@ -35,6 +35,12 @@ typedef struct {
     SUNContext context;
     void *ida;
     N_Vector y, yp, id;
+    N_Vector between;  /* state inside a step, for who watches */
+    double *watched_y; /* [n] */
+    double t_watched;  /* up to which the observer has seen the motion */
+    double *channels;  /* [n_watched] watched channels where the roots were asked last */
+    double t_channels; /* when that was */
+    bool continues;    /* nothing happened there */
     SUNMatrix matrix;
     SUNLinearSolver solver;
     double t_refused; /* latest time at which the model had no answer */
@@ -97,15 +103,67 @@ static int roots(sunrealtype t, N_Vector y, N_Vector yp, sunrealtype *values, vo
     session *s = data;
     take_trial(s, t, y, yp);
     const dae_state state = integration_borrowed(s->run);
-    const int code = s->run->model->roots(s->run->model->self, &state, values, s->run->reason);
+    const dae *m = s->run->model;
+    const bool watches = s->run->observer->watch != NULL;
+    const int code = watches ? m->roots_and_watched(m->self, &state, values, s->channels, s->run->reason)
+                             : m->roots(m->self, &state, values, s->run->reason);
+    s->t_channels = watches && code == DAE_OK ? t : NAN;
     note_refusal(s, code);
     return code;
 }
 
-/* Error weights as IDA would make them, in one loop instead of four. */
+static void from_scaled(const session *s, N_Vector from, double *to)
+{
+    const double *values = N_VGetArrayPointer(from);
+    for (int i = 0; i < s->run->model->n; i++) {
+        to[i] = values[i] * s->run->model->scale[i];
+    }
+}
+
+static bool interpolate(const void *with, double t, double *y)
+{
+    const session *s = with;
+    if (IDAGetDky(s->ida, t, 0, s->between) != IDA_SUCCESS) {
+        return false;
+    }
+    from_scaled(s, s->between, y);
+    return true;
+}
+
+/* Let the observer look at the motion from where it has seen it to t, in the last step. */
+static void watch_to(session *s, double t, N_Vector y)
+{
+    if (s->run->observer->watch == NULL || !(t > s->t_watched)) {
+        return;
+    }
+    const bool is_known = s->t_channels >= t && s->t_channels <= t;
+    if (!is_known) {
+        from_scaled(s, y, s->watched_y);
+    }
+    dae_state state = *s->run->state;
+    state.t = t;
+    state.y = s->watched_y;
+    const integrate_step step = {.t_from = s->t_watched,
+                                 .t_to = t,
+                                 .continues = s->continues,
+                                 .state = &state,
+                                 .watched = is_known ? s->channels : NULL,
+                                 .with = s,
+                                 .interpolate = interpolate};
+    s->run->observer->watch(s->run->observer->self, &step);
+    s->t_watched = t;
+    s->continues = true;
+}
+
+/* Error weights as IDA would make them, in one loop instead of four. IDA asks for them before each step, when the one before is
+ * complete and no event lies in it: the place to look at that. */
 static int weights(N_Vector y, N_Vector weight, void *data)
 {
-    const session *s = data;
+    session *s = data;
+    double t;
+    if (IDAGetCurrentTime(s->ida, &t) == IDA_SUCCESS) {
+        watch_to(s, t, y);
+    }
     const double *values = N_VGetArrayPointer(y);
     double *to = N_VGetArrayPointer(weight);
     for (int i = 0; i < s->run->model->n; i++)
@@ -138,20 +196,14 @@ static void to_scaled(const session *s, const double *from, N_Vector to)
     }
 }
 
-static void from_scaled(const session *s, N_Vector from, double *to)
-{
-    const double *values = N_VGetArrayPointer(from);
-    for (int i = 0; i < s->run->model->n; i++) {
-        to[i] = values[i] * s->run->model->scale[i];
-    }
-}
-
 static bool allocate_arrays(session *s)
 {
     const dae *m = s->run->model;
     s->row_units = calloc((size_t)m->n, sizeof(double));
     s->directions = calloc((size_t)m->n_roots + 1, sizeof(int));
-    if (!s->row_units || !s->directions) {
+    s->watched_y = calloc((size_t)m->n, sizeof(double));
+    s->channels = calloc((size_t)m->n_watched + 1, sizeof(double));
+    if (!s->row_units || !s->directions || !s->watched_y || !s->channels) {
         return false;
     }
     for (int i = 0; i < m->n; i++) {
@@ -173,9 +225,10 @@ static bool create_solver(session *s)
     short_vectors_use(s->y);
     s->yp = N_VClone(s->y);
     s->id = N_VClone(s->y);
+    s->between = N_VClone(s->y);
     s->matrix = SUNDenseMatrix(m->n, m->n, s->context);
     s->ida = IDACreate(s->context);
-    if (!s->yp || !s->id || !s->matrix || !s->ida) {
+    if (!s->yp || !s->id || !s->between || !s->matrix || !s->ida) {
         return false;
     }
     s->solver = SUNLinSol_Dense(s->y, s->matrix, s->context);
@@ -222,9 +275,12 @@ static void close_session(session *s)
     N_VDestroy(s->y);
     N_VDestroy(s->yp);
     N_VDestroy(s->id);
+    N_VDestroy(s->between);
     SUNContext_Free(&s->context);
     free(s->row_units);
     free(s->directions);
+    free(s->watched_y);
+    free(s->channels);
 }
 
 static void count(session *s)
@@ -267,6 +323,9 @@ static integrate_code start_anew(session *s, double step)
 {
     count(s);
     s->before = *s->run->counts;
+    s->t_watched = s->run->state->t;
+    s->t_channels = NAN; /* they belong to the motion before */
+    s->continues = false;
     if (IDAReInit(s->ida, s->run->state->t, s->y, s->yp) != IDA_SUCCESS ||
         IDASetInitStep(s->ida, step) != IDA_SUCCESS) {
         (void)snprintf(s->run->reason, DAE_MESSAGE_LENGTH, "the integrator could not be started anew");
@@ -362,6 +421,7 @@ static integrate_code advance(session *s)
     if (!root && !time_event) {
         return INTEGRATE_DONE;
     }
+    watch_to(s, s->run->state->t, s->y);
     memset(s->run->fired, 0, (size_t)m->n_roots * sizeof(int));
     if (root && IDAGetRootInfo(s->ida, s->run->fired) != IDA_SUCCESS) {
         return explain(s, IDA_RTFUNC_FAIL);
@@ -372,6 +432,8 @@ static integrate_code advance(session *s)
 static integrate_code step_to_the_end(session *s)
 {
     s->t_refused = -INFINITY;
+    s->t_watched = s->run->state->t;
+    s->t_channels = NAN;
     bool missed;
     integrate_code code = integration_give_output(s->run, s->run->state, &missed);
     if (missed) {
@@ -389,6 +451,10 @@ static integrate_code step_to_the_end(session *s)
             code = code == INTEGRATE_DONE ? taken : code;
         }
     } while (code == INTEGRATE_DONE && missed);
+    if (code != INTEGRATE_FAILED) {
+        watch_to(s, s->run->state->t, s->y);
+        integration_watch_state(s->run);
+    }
     return code;
 }
 

@@ -35,6 +35,49 @@ static integrate_code give_outputs(integration *run, void *stepper, bool *missed
     }
 }
 
+typedef struct {
+    const dae_stepper *with;
+    void *stepper;
+} stepper_step;
+
+static bool interpolate(const void *with, double t, double *y)
+{
+    const stepper_step *step = with;
+    step->with->interpolate(step->stepper, t, y);
+    return true;
+}
+
+static int look(void *with, const double *high, const double *low)
+{
+    const stepper_step *step = with;
+    return step->with->look(step->stepper, high, low);
+}
+
+static void candidate(const void *with, int index, dae_candidate *candidate)
+{
+    const stepper_step *step = with;
+    step->with->candidate(step->stepper, index, candidate);
+}
+
+/* Let the observer look into the step just made. */
+static void watch(integration *run, void *stepper)
+{
+    const double t_before = run->t_unwatched;
+    run->t_unwatched = run->state->t;
+    if (run->observer->watch == NULL || !(run->state->t > t_before)) {
+        return;
+    }
+    stepper_step with = {run->model->stepper, stepper};
+    const integrate_step step = {.t_from = t_before,
+                                 .t_to = run->state->t,
+                                 .state = run->state,
+                                 .with = &with,
+                                 .interpolate = interpolate,
+                                 .look = look,
+                                 .candidate = candidate};
+    run->observer->watch(run->observer->self, &step);
+}
+
 /* One step, and what happened at its end. */
 static integrate_code advance(integration *run, void *stepper)
 {
@@ -46,6 +89,7 @@ static integrate_code advance(integration *run, void *stepper)
         run->state->t = t_stop;
         memset(run->fired, 0, (size_t)m->n_roots * sizeof *run->fired);
     } else {
+        run->t_unwatched = run->state->t;
         if (m->stepper->advance(stepper, t_stop, run->state, run->fired, &outcome, run->reason) != DAE_OK) {
             return INTEGRATE_FAILED;
         }
@@ -53,6 +97,9 @@ static integrate_code advance(integration *run, void *stepper)
         const integrate_code code = give_outputs(run, stepper, &missed);
         if (code != INTEGRATE_DONE || missed) {
             return code;
+        }
+        if (run->state->t < run->options->t_end || outcome == DAE_AT_EVENT) {
+            watch(run, stepper); /* the end has not proved good yet */
         }
         if (run->observer->step(run->observer->self, run->state->t) != 0) {
             return INTEGRATE_STOPPED;
@@ -62,6 +109,7 @@ static integrate_code advance(integration *run, void *stepper)
     if (outcome != DAE_AT_EVENT && !time_event) {
         return INTEGRATE_DONE;
     }
+    watch(run, stepper);
     const integrate_code code = integration_apply_event(run, time_event);
     if (code == INTEGRATE_DONE) {
         m->stepper->restart(stepper, run->state);
@@ -84,6 +132,10 @@ static integrate_code step_to_the_end(integration *run, void *stepper)
             run->model->stepper->redo(stepper, run->state);
         }
     } while (code == INTEGRATE_DONE && missed);
+    if (code != INTEGRATE_FAILED) {
+        watch(run, stepper);
+        integration_watch_state(run);
+    }
     return code;
 }
 

@@ -94,6 +94,21 @@ bool integration_is_later(double later, double t)
     return later - t > smallest_step * (t < 0 ? -t : t);
 }
 
+static bool know_nothing(const void *with, double t, double *y)
+{
+    (void)with, (void)t, (void)y;
+    return false;
+}
+
+void integration_watch_state(const integration *run)
+{
+    if (run->observer->watch != NULL) {
+        const integrate_step step = {
+            .t_from = run->state->t, .t_to = run->state->t, .state = run->state, .interpolate = know_nothing};
+        run->observer->watch(run->observer->self, &step);
+    }
+}
+
 integrate_code integration_apply_event(integration *run, bool time_event)
 {
     const dae *m = run->model;
@@ -137,6 +152,7 @@ integrate_code integrate(const dae *model, const integrate_options *options, con
                        .reason = reason,
                        .t_start = state->t,
                        .t_event = -DBL_MAX,
+                       .t_unwatched = state->t,
                        .t_missed = -DBL_MAX,
                        .next_output = 1};
     const double cpu_start = cpu_now();
@@ -144,6 +160,7 @@ integrate_code integrate(const dae *model, const integrate_options *options, con
     reason[0] = '\0';
     *counts = (integrate_counts){0};
     if (integration_begin(&run)) {
+        integration_watch_state(&run);
         code = options->by_stepper ? integrate_by_stepper(&run) : integrate_by_ida(&run);
     } else {
         (void)snprintf(reason, DAE_MESSAGE_LENGTH, "there is not enough memory for the integrator");

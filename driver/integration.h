@@ -16,8 +16,10 @@ typedef struct {
     dae_state trial;   /**< what the model is asked at; its discrete state is not used */
     dae_state old;     /**< state before an event */
     double t_start;
-    long next_output;   /**< index of the next grid point */
-    double t_event;     /**< of the last event */
+    long next_output; /**< index of the next grid point */
+    double t_event;   /**< of the last event */
+    double
+        t_unwatched; /**< where the step began that the observer has not watched yet; the present time if there is none */
     int events_at_once; /**< there */
     double
         t_missed; /**< of the output at which an event was found to be missed; the steps are made anew until past it */
@@ -41,6 +43,8 @@ double integration_smallest_step(double t);
 /** Hand an output to the observer, if it agrees with the discrete state. *missed: it does not, since an event was passed unseen,
  *  and the step that it lies in is to be made anew. */
 integrate_code integration_give_output(integration *run, const dae_state *state, bool *missed);
+/** Let the observer watch the present state; of a whole integration it is the first thing seen and the last. */
+void integration_watch_state(const integration *run);
 
 /** Apply what happened at the present state, and tell. */
 integrate_code integration_apply_event(integration *run, bool time_event);

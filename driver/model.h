@@ -75,6 +75,18 @@ int model_n_values(const model *model);
 /** All outputs at a state [model_n_values]; integers as whole doubles. @return a dae_code */
 int model_outputs(const model *model, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH]);
 
+/** An extreme over the run of an output of a mesh, or of its tooth pairs, and the time at which it was first reached. */
+typedef struct {
+    const char *output;       /**< of which output */
+    model_output value, time; /**< variables of the meshes, static, without places */
+    int watched;              /**< which of the watched outputs */
+    bool is_largest;          /**< else the smallest */
+} model_extreme;
+int model_n_extremes(void);
+const model_extreme *model_extremes(void);
+/** How many outputs are watched: channel n * mesh + watched of model_dae is one of a mesh. */
+int model_n_watched(void);
+
 /** Places that the outputs have for the tooth pairs of a mesh, and how many of them, the first, are for the drive flank. */
 void model_pair_places(const model *model, int *n, int *n_drive);
 

@@ -57,6 +57,24 @@ static int check(const void *self, const dae_state *state, char message[DAE_MESS
     return dae_answer(code, &status, message);
 }
 
+static int watched(const void *self, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH])
+{
+    const model *model = self;
+    evl_status status;
+    const int code = evl_gearbox_watched(model->gearbox, state->y, state->integers, state->reals, values, &status);
+    return dae_answer(code, &status, message);
+}
+
+static int roots_and_watched(const void *self, const dae_state *state, double *roots, double *values,
+                             char message[DAE_MESSAGE_LENGTH])
+{
+    const model *model = self;
+    evl_status status;
+    const int code =
+        evl_gearbox_roots_and_watched(model->gearbox, state->y, state->integers, state->reals, roots, values, &status);
+    return dae_answer(code, &status, message);
+}
+
 static void root_directions(const void *self, const int *integers, int *directions)
 {
     const model *model = self;
@@ -110,6 +128,9 @@ void model_describe_dae(model *model)
         .next_time_event = next_time_event,
         .check = check,
         .apply_event = apply_event,
+        .watched = watched,
+        .roots_and_watched = roots_and_watched,
+        .n_watched = evl_watched_count() * sizes->n_meshes,
         .stepper = model_radau(model),
     };
 }

@@ -53,6 +53,18 @@ static void interpolate(const void *stepper, double t, double *y)
     evl_radau_interpolate(stepper, t, y);
 }
 
+static int look(void *stepper, const double *high, const double *low)
+{
+    return evl_radau_look(stepper, high, low);
+}
+
+static void candidate(const void *stepper, int index, dae_candidate *candidate)
+{
+    evl_candidate from;
+    evl_radau_candidate(stepper, index, &from);
+    *candidate = (dae_candidate){from.channel, from.sense, from.t, from.left, from.right, from.value};
+}
+
 static void restart(void *stepper, const dae_state *state)
 {
     evl_radau_restart(stepper, state->t, state->y, state->integers, state->reals);
@@ -90,6 +102,8 @@ const dae_stepper *model_radau(const model *model)
                                       .start = start,
                                       .advance = advance,
                                       .interpolate = interpolate,
+                                      .look = look,
+                                      .candidate = candidate,
                                       .restart = restart,
                                       .redo = redo,
                                       .counts = counts,

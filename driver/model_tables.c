@@ -51,6 +51,7 @@ static char event_names[EVENT_ROOM][EVL_NAME_LENGTH];
 static evl_output *output_texts; /**< [evl_output_count()] */
 static model_output *outputs;    /**< [evl_output_count()] without places */
 static int *outputs_by_name;     /**< [evl_output_count()] in the order of their names */
+static model_extreme *extremes;  /**< [evl_extreme_count()] */
 
 static void copy_outputs(void)
 {
@@ -79,6 +80,32 @@ static void copy_outputs(void)
                                     .dims = dims[from->dims],
                                     .is_static = from->is_static,
                                     .is_integer = from->is_integer};
+    }
+}
+
+static model_output describe_extreme(const evl_extreme *from, bool is_time)
+{
+    const char *which = from->is_largest ? "max" : "min";
+    return (model_output){.name = xasprintf("%s_%s%s", from->output, which, is_time ? "_time" : ""),
+                          .units = is_time ? "s" : xstrdup(from->units),
+                          .symbol = is_time ? "t" : xasprintf("%s %s", which, from->symbol),
+                          .long_name =
+                              is_time ? xasprintf("first time of the %s", from->long_name) : xstrdup(from->long_name),
+                          .dims = MODEL_DIMS_MESH,
+                          .is_static = true};
+}
+
+static void copy_extremes(void)
+{
+    extremes = xcalloc((size_t)evl_extreme_count(), sizeof *extremes);
+    for (int i = 0; i < evl_extreme_count(); i++) {
+        evl_extreme from;
+        (void)evl_extreme_describe(i, &from);
+        extremes[i] = (model_extreme){.output = xstrdup(from.output),
+                                      .value = describe_extreme(&from, false),
+                                      .time = describe_extreme(&from, true),
+                                      .watched = from.watched,
+                                      .is_largest = from.is_largest};
     }
 }
 
@@ -117,6 +144,7 @@ static void copy_tables(void)
         evl_event_name(kind, event_names[kind]);
     }
     copy_outputs();
+    copy_extremes();
     sort_outputs();
 }
 
@@ -168,6 +196,22 @@ int model_output_offset(const model *model, const char *name)
 int model_n_values(const model *model)
 {
     return model->sizes.n_values;
+}
+
+int model_n_extremes(void)
+{
+    return evl_extreme_count();
+}
+
+const model_extreme *model_extremes(void)
+{
+    (void)pthread_once(&once, copy_tables);
+    return extremes;
+}
+
+int model_n_watched(void)
+{
+    return evl_watched_count();
 }
 
 int model_n_event_kinds(void)

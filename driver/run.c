@@ -1,5 +1,6 @@
 #include "run.h"
 
+#include "extremes.h"
 #include "history.h"
 #include "interrupt.h"
 #include "log.h"
@@ -17,6 +18,7 @@
 typedef struct {
     prepared_case prepared;
     history *history;
+    extremes *extremes;
     const char **wheel_names, **mesh_names, **shaft_names;
     progress progress;
     char message[DAE_MESSAGE_LENGTH]; /**< of a failure */
@@ -124,6 +126,28 @@ static bool create_history(run *run, const char *path)
     return run->history != NULL;
 }
 
+/** The extremes over the run, as variables of the meshes. */
+static bool put_extremes(const run *run)
+{
+    const int n = model_n_extremes(), n_meshes = case_description(run->prepared.file)->n_meshes;
+    model_output *outputs = xcalloc(2 * (size_t)n, sizeof *outputs);
+    double *values = xcalloc(2 * (size_t)n * (size_t)n_meshes, sizeof *values);
+    for (int i = 0; i < 2 * n; i++) {
+        const model_extreme *extreme = &model_extremes()[i / 2];
+        outputs[i] = i % 2 == 0 ? extreme->value : extreme->time;
+        outputs[i].count = n_meshes;
+        outputs[i].offset = i * n_meshes;
+        for (int mesh = 0; mesh < n_meshes; mesh++) {
+            values[outputs[i].offset + mesh] =
+                i % 2 == 0 ? extremes_value(run->extremes, i / 2, mesh) : extremes_time(run->extremes, i / 2, mesh);
+        }
+    }
+    const bool good = history_put_finals(run->history, 2 * n, outputs, values);
+    free(values);
+    free(outputs);
+    return good;
+}
+
 /** @return false if the history could not be completed; the reason is in run->message */
 static bool close_history(run *run, bool commit, const char *status, const char *message,
                           const integrate_counts *counts)
@@ -219,16 +243,19 @@ static void conclude(run *run, const simulate_result *result, const char *path, 
 
 static void simulate_case(run *run, const char *path, dae_state *state, evl_error *error)
 {
-    const simulate_sink sink = {.self = run, .outputs = on_outputs, .event = on_event};
     simulate_result result;
+    run->extremes =
+        extremes_create(run->prepared.model, case_description(run->prepared.file)->n_meshes, -INFINITY, INFINITY);
+    const simulate_sink sink = {.self = run, .outputs = on_outputs, .event = on_event, .extremes = run->extremes};
     simulate(&run->prepared, &sink, &run->progress, state, &result);
     progress_end(&run->progress);
-    if (result.end == SIMULATE_SINK_FAILED) {
+    if (result.end == SIMULATE_SINK_FAILED || !put_extremes(run)) {
         evl_error_set(error, EVL_EXIT_IO, "", "%s", history_error(run->history));
         history_abandon(&run->history);
     } else {
         conclude(run, &result, path, error);
     }
+    extremes_delete(&run->extremes);
 }
 
 static void run_prepared(run *run, const run_options *options, const char *path, evl_error *error)

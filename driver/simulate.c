@@ -52,6 +52,12 @@ static int on_event(void *self, const event_record *record)
     return 0;
 }
 
+static void on_watch(void *self, const integrate_step *step)
+{
+    const simulation *s = self;
+    extremes_watch(s->sink->extremes, step);
+}
+
 static int on_step(void *self, double t)
 {
     simulation *s = self;
@@ -135,7 +141,11 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, progress
                     .t_given = -1.0,
                     .message = result->message};
     const integrate_options options = simulate_options(prepared);
-    const integrate_observer observer = {.self = &s, .output = on_output, .event = on_event, .step = on_step};
+    const integrate_observer observer = {.self = &s,
+                                         .output = on_output,
+                                         .event = on_event,
+                                         .step = on_step,
+                                         .watch = sink->extremes == NULL ? NULL : on_watch};
     contact_watch_init(&s.contact, prepared->model, case_description(prepared->file)->n_meshes);
     const integrate_code code =
         integrate(model_dae(prepared->model), &options, &observer, state, &result->counts, result->message);

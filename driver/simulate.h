@@ -2,6 +2,7 @@
 #ifndef EVOLVENT_SIMULATE_H
 #define EVOLVENT_SIMULATE_H
 
+#include "extremes.h"
 #include "integrate.h"
 #include "prepare.h"
 #include "progress.h"
@@ -11,6 +12,7 @@ typedef struct {
     void *self;
     bool (*outputs)(void *self, double t, const double *values); /**< [model_n_values], in order of time */
     bool (*event)(void *self, const event_record *record);
+    extremes *extremes; /**< to be found between the outputs; NULL: none */
 } simulate_sink;
 
 typedef enum {

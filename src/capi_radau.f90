@@ -5,23 +5,27 @@
 module evl_capi_radau
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_loc, c_null_ptr, c_ptr
    use evl_capi_types, only: c_status, status_to_c
+   use evl_extreme_finder, only: candidate_t, most_candidates
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_ode, only: gearbox_ode, gearbox_ode_create, gearbox_ode_delete, gearbox_ode_serves, gearbox_ode_set
+   use evl_kinds, only: wp
    use evl_ode_model, only: lanes
    use evl_radau, only: radau_advance, radau_counts, radau_create, radau_get_counts, radau_get_growth, radau_growth, &
-                        radau_interpolate, radau_options, radau_redo, radau_restart, radau_start, radau_t
+                        radau_interpolate, radau_look, radau_options, radau_redo, radau_restart, radau_start, radau_step, radau_t
    use evl_radau_coefficients, only: n_stages
    use evl_status, only: clear, code_no_memory, code_ok, fail, has_failed, status_t
    implicit none (type, external)
    private
 
    public :: evl_radau_serves, evl_radau_create, evl_radau_delete, evl_radau_start, evl_radau_advance, evl_radau_interpolate, &
-             evl_radau_restart, evl_radau_redo, evl_radau_get_counts, evl_radau_get_growth, evl_radau_model
+             evl_radau_candidate, evl_radau_look, evl_radau_restart, evl_radau_redo, evl_radau_get_counts, evl_radau_get_growth, &
+             evl_radau_model
 
    !> evl_radau
    type :: integration_t
       type(gearbox_ode) :: model
       type(radau_t) :: solver
+      type(candidate_t), allocatable :: found(:) !! room for a look at a step
       type(status_t) :: status !! of the last advance: to make one anew each time takes longer than a look at it
    end type integration_t
 
@@ -34,6 +38,12 @@ module evl_capi_radau
    type, bind(c) :: c_growth
       real(c_double) :: t, rate, frequency
    end type c_growth
+
+   !> evl_candidate
+   type, bind(c) :: c_candidate
+      integer(c_int) :: channel, sense
+      real(c_double) :: t, left, right, value
+   end type c_candidate
 
 contains
 
@@ -69,6 +79,7 @@ contains
       if (.not. has_failed(s)) then
          call gearbox_ode_create(self%model, gearbox, scale(:gearbox%n_states))
          call radau_create(self%solver, self%model, radau_options(tolerance=tolerance, max_step=max_step), s)
+         allocate (self%found(most_candidates*self%model%n_rows))
       end if
       code = answer(s, status)
       if (code == code_ok) then
@@ -136,6 +147,32 @@ contains
       call c_f_pointer(handle, self)
       call radau_interpolate(self%solver, t, y(:self%model%n))
    end subroutine evl_radau_interpolate
+
+   integer(c_int) function evl_radau_look(handle, high, low) result(n) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in) :: high(*), low(*)
+      type(integration_t), pointer :: self
+
+      call c_f_pointer(handle, self)
+      associate (n_watched => self%model%n_watched)
+         call radau_look(self%solver, self%model, high(:n_watched), low(:n_watched), n, self%found)
+      end associate
+   end function evl_radau_look
+
+   subroutine evl_radau_candidate(handle, index, candidate) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: index
+      type(c_candidate), intent(out) :: candidate
+      type(integration_t), pointer :: self
+      real(wp) :: h
+
+      call c_f_pointer(handle, self)
+      h = radau_step(self%solver)
+      associate (one => self%found(index + 1), before => self%solver%t_before, now => self%solver%t)
+         candidate = c_candidate(one%channel - 1, one%sense, min(before + one%place*h, now), min(before + one%left*h, now), &
+                                 min(before + one%right*h, now), one%value)
+      end associate
+   end subroutine evl_radau_candidate
 
    subroutine evl_radau_restart(handle, t, y, integers, reals) bind(c)
       type(c_ptr), intent(in), value :: handle

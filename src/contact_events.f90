@@ -17,7 +17,7 @@ module evl_contact_events
    implicit none (type, external)
    private
 
-   public :: contact_event, parts, roots_of_contact
+   public :: contact_event, mesh_point, parts, roots_of_contact
 
    real(wp), parameter :: grazing = 1.0e-6_wp !! penetration over its scale: below it flanks that part have lost contact
 

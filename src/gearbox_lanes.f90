@@ -11,7 +11,7 @@ module evl_gearbox_lanes
    use evl_line_lanes, only: lane_line, line_in_lanes, turn_wheel
    use evl_load, only: load_damping, load_table, load_torque, load_varies
    use evl_local_variables, only: wheel_link
-   use evl_mesh, only: contact_t, touches, tracking_closed_form
+   use evl_mesh, only: contact_loaded, contact_t, touches, tracking_closed_form
    use evl_ode_model, only: lanes
    use evl_shaft, only: shaft_t
    use evl_status, only: code_out_of_domain, fail, has_failed, status_t
@@ -114,6 +114,7 @@ contains
       call forces_in_lanes(mesh, slot%mode, line%margin, slot%at, force, answered)
       if (.not. answered) return
       slot%unclipped = force%elastic + force%viscous
+      if (slot%mode%contact == contact_loaded) slot%friction = force%factor
       call add(force%torque_a, f(:, gearbox%wheels(mesh%wheel_a)%i_speed))
       call add(force%torque_b, f(:, gearbox%wheels(mesh%wheel_b)%i_speed))
       call push_axle(mesh%link_a, 1.0_wp, force, f)

@@ -9,14 +9,16 @@ module evl_gearbox_ode
    use evl_gearbox_rates, only: gearbox_rates
    use evl_gearbox_events, only: gearbox_root, gearbox_root_directions, gearbox_roots
    use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
+   use evl_gearbox_watch, only: n_channels
    use evl_housing, only: frame_t, housing_fixed, housing_frame
    use evl_jacobian_places, only: jacobian_places, listed_entries
    use evl_kinds, only: wp
-   use evl_lane_slots, only: lane_slot, settle_slots
-   use evl_mesh, only: contact_t, tracking_closed_form
+   use evl_lane_slots, only: lane_slot, put_down, settle_slots
+   use evl_mesh, only: contact_state, contact_t, tracking_closed_form
    use evl_ode_model, only: growth_by_coupling, growth_by_damping, growth_never, lanes, never, ode_model
    use evl_roots_lanes, only: roots_in_lanes
    use evl_status, only: code_invalid_input, fail, has_failed, status_t, subject_housing, subject_mesh
+   use evl_watch_lanes, only: most_rows, watched_in_lanes
    implicit none (type, external)
    private
 
@@ -44,6 +46,7 @@ module evl_gearbox_ode
       procedure :: roots
       procedure :: roots_lanes
       procedure :: roots_nearby
+      procedure :: watched_nearby
       procedure :: root_directions
    end type gearbox_ode
 
@@ -83,6 +86,8 @@ contains
       self%n = gearbox%n_states
       self%n_roots = gearbox%n_roots
       self%growth = kind_of_growth(gearbox)
+      self%n_watched = n_channels(gearbox)
+      self%n_rows = most_rows(gearbox)
       allocate (self%scale(gearbox%n_states), source=scale/weight)
       self%scale(i_theta) = self%scale(i_theta)/theta_weight
       self%scale(i_omega) = self%scale(i_omega)/omega_weight
@@ -157,13 +162,15 @@ contains
       real(wp), intent(out) :: f(lanes, self%n)
       type(status_t), intent(inout) :: status
       real(wp) :: y_lane(self%n), f_lane(self%n)
+      type(contact_state) :: contacts(size(self%gearbox%contacts))
       integer :: lane
 
       do lane = 1, lanes
          y_lane = y(lane, :)
-         call gearbox_rates(self%gearbox, t(lane), y_lane, self%integers, self%reals, f_lane, status)
+         call gearbox_rates(self%gearbox, t(lane), y_lane, self%integers, self%reals, f_lane, status, contacts=contacts)
          if (has_failed(status)) return
          f(lane, :) = f_lane
+         call put_down(contacts, lane, self%slots)
       end do
    end subroutine rhs_one_by_one
 
@@ -242,6 +249,17 @@ contains
          call roots_in_lanes(self%gearbox, y, self%integers, self%reals, self%slots, .true., values, status)
       end if
    end subroutine roots_nearby
+
+   !> Watched channels of eight states near those of the last evaluation.
+   subroutine watched_nearby(self, y, n, channels, values)
+      class(gearbox_ode), intent(in) :: self
+      real(wp), intent(in) :: y(lanes, self%n)
+      integer, intent(out) :: n
+      integer, intent(inout) :: channels(:)
+      real(wp), intent(inout) :: values(lanes, *)
+
+      call watched_in_lanes(self%gearbox, y, self%integers, self%slots, n, channels, values)
+   end subroutine watched_nearby
 
    !> Root functions of eight states, each by itself.
    subroutine roots_one_by_one(self, t, y, values, status)

@@ -2,6 +2,7 @@
 module evl_mesh_outputs
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use evl_closed_form, only: centre_line_turn, closed_form_gap, closed_form_line, gap_along, points_along, track_closed_form
+   use evl_contact_point, only: contact_point, tracked_pair
    use evl_contact_tracking, only: algebraic_residual, line_distance, tracked_positions
    use evl_deviation, only: deviation
    use evl_gearbox, only: gearbox_local, gearbox_t, i_theta, i_turns, leading_contact
@@ -16,7 +17,7 @@ module evl_mesh_outputs
    private
 
    public :: n_mesh_histories, n_pair_histories, n_coast_histories, mesh_histories, pair_histories, coast_histories
-   public :: has_coast, pair_places, put_mesh
+   public :: contact_pressure, has_coast, pair_places, put_mesh, transmission_error
 
    integer, parameter :: n_mesh_histories = 26, n_pair_histories = 10, n_coast_histories = 2
    integer, parameter :: n_scalars = n_mesh_histories - 2 !! of a mesh; behind them two points
@@ -132,7 +133,7 @@ contains
       real(wp), intent(inout) :: potential  !! energy so far [J]
       type(mesh_sum) :: total
       type(deviation) :: line
-      real(wp) :: tracked(5), transmission_error, curvature, input, q(n_local)
+      real(wp) :: tracked(5), lag, curvature, input, q(n_local)
       integer :: m, place, leader, drive_slots
 
       leader = leading_contact(gearbox, index, integers)
@@ -154,13 +155,11 @@ contains
          call closed_form_line(mesh%pair, q, line)
          call put_points(gearbox, leader, y, integers, contacts(leader)%mode, line, q, tracked, points(:, index, 1), &
                          points(:, index, 2))
-         associate (p => mesh%pair)
-            transmission_error = -p%sigma*(p%r_ba*q(at_psi_a) + p%r_bb*q(at_psi_b) - (p%r_ba + p%r_bb)*centre_line_turn(p, q))
-         end associate
-         curvature = gap_along(mesh%pair, q, line) + transmission_error
+         lag = transmission_error(mesh%pair, q)
+         curvature = gap_along(mesh%pair, q, line) + lag
          if (.not. total%h(1) > -huge(1.0_wp)) total%h(1) = leading%h ! no pair is on the path
          input = abs(total%torque_a*leading%omega_a)
-         scalars(index, 1:9) = [transmission_error, max(total%h(1), 0.0_wp), -total%h(1), curvature, total%normal, &
+         scalars(index, 1:9) = [lag, max(total%h(1), 0.0_wp), -total%h(1), curvature, total%normal, &
                                 total%friction, leading%v_t, leading%l_a, leading%l_b]
          scalars(index, 10:14) = tracked
          scalars(index, 15:18) = [real(integers(mesh%i_mode), wp), merge(1.0_wp, 0.0_wp, total%touching), &
@@ -175,6 +174,24 @@ contains
       if (total%h(2) > -huge(1.0_wp)) coast(index) = -total%h(2)
       coast(n + index) = total%coast
    end subroutine put_mesh
+
+   !> Dynamic transmission error along the line of action [m].
+   pure real(wp) function transmission_error(pair, q) result(lag)
+      type(tracked_pair), intent(in) :: pair
+      real(wp), intent(in) :: q(n_local)
+
+      lag = -pair%sigma*(pair%r_ba*q(at_psi_a) + pair%r_bb*q(at_psi_b) - (pair%r_ba + pair%r_bb)*centre_line_turn(pair, q))
+   end function transmission_error
+
+   !> Largest contact pressure of a tooth pair [Pa], Hertz's for a line contact.
+   pure real(wp) function contact_pressure(mesh, normal, point) result(pressure)
+      type(contact_t), intent(in) :: mesh
+      real(wp), intent(in) :: normal !! F_n [N]
+      type(contact_point), intent(in) :: point
+
+      pressure = 0
+      if (normal > 0) pressure = sqrt(normal/mesh%width*mesh%e_star*(1/point%rho_a + 1/point%rho_b)/pi)
+   end function contact_pressure
 
    !> One tooth pair: its values, and what it adds to its mesh.
    subroutine put_pair(gearbox, m, contact, reactions, values, potential, total)
@@ -196,7 +213,7 @@ contains
          call add_mesh_reaction(gearbox, mesh, force%on_a, reactions)
          potential = potential + mesh_energy(mesh, mode, point, force%elastic)
          values(1:3) = [force%normal, force%friction, point%rho_a]
-         if (force%normal > 0) values(4) = sqrt(force%normal/mesh%width*mesh%e_star*(1/point%rho_a + 1/point%rho_b)/pi)
+         values(4) = contact_pressure(mesh, force%normal, point)
          values(5) = 1
          total%normal = total%normal + force%normal
          if (mesh%flank == flank_coast) total%coast = total%coast + force%normal

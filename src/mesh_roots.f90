@@ -34,17 +34,19 @@ module evl_mesh_roots
 contains
 
    !> Root functions, of order 1; those without meaning in the mode are 1.
-   subroutine mesh_roots(mesh, mode, rho_a0, q, point, roots, status)
+   subroutine mesh_roots(mesh, mode, rho_a0, q, point, roots, status, unclipped)
       type(contact_t), intent(in) :: mesh
       type(mesh_mode), intent(in) :: mode
       real(wp), intent(in) :: rho_a0, q(n_local)
       type(contact_point), intent(in) :: point
       real(wp), intent(out) :: roots(mesh%n_roots)
       type(status_t), intent(inout) :: status
+      real(wp), intent(out), optional :: unclipped !! elastic + viscous force where flanks overlap, else 0 [N]
       real(wp) :: values(width, mesh%n_roots), force, moved(width)
 
       force = 0
       if (touches(mode)) call mesh_unclipped_force(mesh, mode, point, force, status)
+      if (present(unclipped)) unclipped = force
       moved = 0
       if (mesh%handover) moved = pitches_moved(mesh, [rho_a0], [q(at_psi_a)], [centre_line_turn(mesh%pair, q)])
       call contact_roots(mesh, mode, [point%h], [point%v_t], [point%rho_a], [point%rho_b], [force], moved, values)

@@ -27,6 +27,8 @@ module evl_ode_model
    type, abstract :: ode_model
       integer :: n = 0                        !! states
       integer :: n_roots = 0                  !! root functions
+      integer :: n_watched = 0                !! channels whose extremes may be asked for
+      integer :: n_rows = 0                   !! most rows of `watched_nearby`
       integer, allocatable :: jacobian_row(:) !! [nnz] row of each entry that df/dy may have, from 1; no entry twice
       integer, allocatable :: jacobian_column(:) !! [nnz] its column
       real(wp), allocatable :: scale(:)       !! [n] unit in which an error of y(i) counts, > 0
@@ -39,6 +41,7 @@ module evl_ode_model
       procedure :: roots => no_roots
       procedure :: roots_lanes => no_roots_lanes
       procedure :: roots_nearby => exact_roots
+      procedure :: watched_nearby => nothing_watched
       procedure :: root_directions => no_directions
       procedure :: next_time_event => no_time_event
       procedure :: apply_event => no_event
@@ -178,6 +181,20 @@ contains
       exact = .true.
       call self%roots_lanes(t, y, values, status)
    end subroutine exact_roots
+
+   !> Watched channels in eight states that are almost those of the last `rhs_lanes`, in rows that are smooth between events: a
+   !> channel is the largest of its rows. What is 0 may be left out.
+   subroutine nothing_watched(self, y, n, channels, values)
+      class(ode_model), intent(in) :: self
+      real(wp), intent(in) :: y(lanes, self%n)
+      integer, intent(out) :: n
+      integer, intent(inout) :: channels(:)       !! [n_rows] the first n of these: to which channel a row belongs
+      real(wp), intent(inout) :: values(lanes, *) !! [n_rows] of these
+
+      associate (unused_y => y, unused_channels => channels, unused_values => values(:, 1))
+         n = 0
+      end associate
+   end subroutine nothing_watched
 
    !> Which crossings count in the present discrete state: +1 rising, -1 falling, 0 both, or `never`.
    subroutine no_directions(self, directions)

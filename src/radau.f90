@@ -18,6 +18,7 @@
 module evl_radau
    use evl_collocation, only: lagrange_at, weighted_sum
    use evl_elementary, only: real_power
+   use evl_extreme_finder, only: candidate_t, extreme_finder_create, extreme_finder_t
    use evl_growth, only: growth_create, growth_forget, growth_t, limit_step
    use evl_kinds, only: wp
    use evl_ode_model, only: check_model, growth_never, lanes, ode_model
@@ -33,7 +34,7 @@ module evl_radau
 
    public :: radau_t, radau_options, radau_counts, radau_growth
    public :: radau_create, radau_start, radau_advance, radau_restart, radau_redo, radau_interpolate, radau_get_counts, &
-             radau_get_growth
+             radau_get_growth, radau_look, radau_step
    public :: outcome_step, outcome_event, outcome_stop
 
    integer, parameter :: outcome_step = 0  !! a step was made
@@ -81,6 +82,7 @@ module evl_radau
       type(radau_options), private :: options
       type(stage_solver_t), private :: stages
       type(root_finder_t), private :: roots
+      type(extreme_finder_t), private :: watched
       real(wp), allocatable, private :: y_before(:) !! [n] where the last step started
       real(wp), allocatable, private :: old_z(:, :) !! [8, n] increments of the last step
       real(wp), private :: old_h = 0          !! step of its polynomial; 0: there is none
@@ -157,6 +159,16 @@ module evl_radau
          type(status_t), intent(inout) :: status
       end subroutine refresh_jacobian
 
+      !> Candidates for new extremes of the watched channels in the step just made, before `radau_restart`.
+      module subroutine radau_look(self, model, high, low, n, found)
+         implicit none (type, external)
+         type(radau_t), intent(inout) :: self
+         class(ode_model), intent(in) :: model
+         real(wp), intent(in) :: high(:), low(:)      !! [n_watched] extremes so far; +huge and -huge if nobody asks
+         integer, intent(out) :: n
+         type(candidate_t), intent(inout) :: found(:) !! [most_candidates n_rows] places in units of `radau_step`
+      end subroutine radau_look
+
       !> Keep what the first step after an event could be: the same event comes again.
       pure module subroutine remember_step(self, h, error)
          implicit none (type, external)
@@ -195,6 +207,7 @@ contains
       call root_finder_create(self%roots, model)
       if (model%growth /= growth_never) call growth_create(self%growth, self%stages%integrals%n_coupled, model%jacobian_row, &
                                                            model%jacobian_column, model%scale)
+      call extreme_finder_create(self%watched, model%n_rows)
    end subroutine radau_create
 
    !> Begin at (t, y).
@@ -362,6 +375,13 @@ contains
          y(i) = self%y_before(i) + weighted_sum(basis, self%old_z(:, i))
       end do
    end subroutine radau_interpolate
+
+   !> Length of the last step's polynomial, of which the step is all or, before an event, almost all.
+   pure real(wp) function radau_step(self) result(h)
+      type(radau_t), intent(in) :: self
+
+      h = self%old_h
+   end function radau_step
 
    !> What the integration has cost since `radau_start`.
    pure type(radau_counts) function radau_get_counts(self) result(counts)

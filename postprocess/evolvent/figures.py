@@ -13,6 +13,7 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from evolvent.extremes import peaks
 from evolvent.history import require
 from evolvent.units import prefixed
 
@@ -47,6 +48,7 @@ EVENT_MARKS = {
 # matplotlib's type hints do not know these places.
 ABOVE: Any = "outside upper left"
 BELOW: Any = "outside lower left"
+PEAK = "extreme over the run"
 MAX_MARKS = 40  # of one kind of event; more would run into each other and hide the curves
 MAX_POINTS = 6000  # of a line; more cannot be seen and make an SVG of many megabytes
 
@@ -58,6 +60,7 @@ class Curve:
     label: str
     values: xr.DataArray  # dim (time)
     style: int | None = None  # number in `LINES`; that of its place in the panel if None
+    peaks: Sequence[tuple[float, float]] = ()  # times [s] and values of the extremes, marked
 
 
 @dataclass(frozen=True)
@@ -85,7 +88,11 @@ def figure_penetration(history: xr.Dataset, events: xr.Dataset | None = None) ->
         Panel(
             "length along the line of action",
             [
-                Curve(f"{label} ${symbol}$", require(history, name).isel(mesh=mesh))
+                Curve(
+                    f"{label} ${symbol}$",
+                    require(history, name).isel(mesh=mesh),
+                    peaks=peaks(history, name, mesh),
+                )
                 for name, label, symbol in (
                     ("transmission_error", "transmission error", r"\Delta"),
                     ("penetration", "penetration", "h"),
@@ -116,7 +123,11 @@ def figure_transmission_error(
         Panel(
             r"transmission error $\Delta$",
             [
-                Curve(label, require(history, "transmission_error").isel(mesh=mesh))
+                Curve(
+                    label,
+                    require(history, "transmission_error").isel(mesh=mesh),
+                    peaks=peaks(history, "transmission_error", mesh),
+                )
                 for history, label in zip(histories, labels, strict=True)
             ],
             _panel_title(histories[0], mesh),
@@ -130,7 +141,14 @@ def figure_transmission_error(
 def figure_normal_force(history: xr.Dataset, events: xr.Dataset | None = None) -> Figure:
     """Draw the normal force F_n [N] of every mesh over time, dims (time, mesh)."""
     force = require(history, "normal_force")
-    curves = [Curve(_name(history, "mesh", m), force.isel(mesh=m)) for m in range(force.mesh.size)]
+    curves = [
+        Curve(
+            _name(history, "mesh", m),
+            force.isel(mesh=m),
+            peaks=peaks(history, "normal_force", m),
+        )
+        for m in range(force.mesh.size)
+    ]
     return figure_over_time([Panel("normal force $F_n$", curves, events=events)])
 
 
@@ -175,12 +193,18 @@ def save(figure: Figure, path: Path) -> None:
 def _draw(axis: Axes, panel: Panel) -> None:
     shown = [_within(curve.values, panel.window) for curve in panel.curves]
     units = str(shown[0].attrs.get("units", "1"))
-    factor, unit = prefixed(max(_largest(values) for values in shown), units)
+    shown_peaks = [_peaks_within(curve, panel.window) for curve in panel.curves]
+    heights = [abs(value) for curve in shown_peaks for _, value in curve]
+    largest = max([_largest(values) for values in shown] + heights)
+    factor, unit = prefixed(largest, units)
     for number, (curve, values) in enumerate(zip(panel.curves, shown, strict=True)):
         style = LINES[(number if curve.style is None else curve.style) % len(LINES)]
         axis.plot(
             *_thinned(values["time"].values, values.values * factor), label=curve.label, **style
         )
+    for number, (curve, places) in enumerate(zip(panel.curves, shown_peaks, strict=True)):
+        style = LINES[(number if curve.style is None else curve.style) % len(LINES)]
+        _mark_peaks(axis, places, factor, style["color"])
     axis.set_ylabel(f"{panel.ylabel} [{unit}]" if unit else panel.ylabel)
     times = [values["time"].values for values in shown if values.size]
     if times:
@@ -189,6 +213,34 @@ def _draw(axis: Axes, panel: Panel) -> None:
             axis.set_xlim(begin, end)
     axis.margins(y=0.08)
     axis.ticklabel_format(useOffset=False)
+
+
+def _peaks_within(curve: Curve, window: tuple[float, float] | None) -> list[tuple[float, float]]:
+    return [
+        (time, value)
+        for time, value in curve.peaks
+        if window is None or window[0] <= time <= window[1]
+    ]
+
+
+def _mark_peaks(
+    axis: Axes, places: Sequence[tuple[float, float]], factor: float, color: Any
+) -> None:
+    """Mark where the extremes over the run were reached, though no output lies there."""
+    if places:
+        axis.plot(
+            [time for time, _ in places],
+            [value * factor for _, value in places],
+            linestyle="none",
+            marker="D",
+            markersize=7,
+            markerfacecolor="white",
+            markeredgecolor=color,
+            markeredgewidth=1.6,
+            clip_on=False,
+            zorder=3,
+            label=PEAK,
+        )
 
 
 def _within(values: xr.DataArray, window: tuple[float, float] | None) -> xr.DataArray:

@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 
 from evolvent.contact_invariants import contradiction, has_modes, pull
+from evolvent.extremes import told_extremes
 from evolvent.history import require
 from evolvent.wheel_torques import contact_torque, largest_shaft_torque, rotor_inertia, shaft_torque
 
@@ -205,6 +206,26 @@ def agreement_of_modes(history: xr.Dataset) -> xr.DataArray:
     return contradiction(history)
 
 
+def beyond_extremes(history: xr.Dataset) -> xr.DataArray:
+    """How far an output lies beyond its extreme over the run, over its largest value.
+
+    Dims (extreme, mesh): found between the outputs, an extreme is none if an output exceeds it.
+    """
+    told = told_extremes(history)
+    if not told:
+        raise NotApplicableError("the history tells no extremes between its outputs")
+    beyond = []
+    for extreme in told:
+        sense = 1.0 if extreme.is_largest else -1.0
+        values = history[extreme.output]
+        reached = (sense * values).max([dim for dim in values.dims if dim != "mesh"])
+        scale = abs(values).max([dim for dim in values.dims if dim != "mesh"])
+        excess = (reached - sense * extreme.value).where(scale > 0.0, 0.0)
+        beyond.append((excess / scale.where(scale > 0.0, 1.0)).clip(min=0.0))
+    names = [str(extreme.value.name) for extreme in told]
+    return xr.concat(beyond, dim=xr.DataArray(names, dims="extreme", name="extreme"))
+
+
 def order_of_times(history: xr.Dataset) -> xr.DataArray:
     """1 where the time is not later than that of the row before, else 0, dim (time)."""
     time = require(history, "time")
@@ -303,6 +324,13 @@ INVARIANTS = (
         "reference penetration or force",
         1e-6,
         agreement_of_modes,
+    ),
+    Invariant(
+        "extremes",
+        "no output beyond its extreme over the run",
+        "largest value",
+        1e-9,
+        beyond_extremes,
     ),
     Invariant("order of times", "t_i < t_(i+1)", "1", 0.0, order_of_times),
     Invariant("finite values", "every value is a number", "number of values", 0.0, finiteness),

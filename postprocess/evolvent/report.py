@@ -14,6 +14,7 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from evolvent import figures
+from evolvent.extremes import extremes, extremes_table, is_extreme
 from evolvent.history import run_warning, source_name
 from evolvent.invariants import check_history
 from evolvent.mesh_summary import mesh_summaries
@@ -69,6 +70,8 @@ def report(history: xr.Dataset, events: xr.Dataset) -> str:
         tables={dim: static_table(history, dim) for dim in ("wheel", "mesh")},
         figures=_figures(history, events),
         meshes=mesh_summaries(history),
+        extremes=extremes_table(history),
+        extremes_note=_extremes_note(history, events),
         events=event_counts(history, events),
         counts={
             k: f"{v:,}" if isinstance(v, int | np.integer) else f"{v:.6g}"
@@ -93,7 +96,7 @@ def static_table(history: xr.Dataset, dim: str) -> dict[str, list[Any]]:
     """
     rows = []
     for name, variable in history.data_vars.items():
-        if variable.dims not in ((dim,), (dim, "axis")):
+        if variable.dims not in ((dim,), (dim, "axis")) or is_extreme(str(name)):
             continue
         units = str(variable.attrs.get("units", "1"))
         names = _names(history, str(name))
@@ -118,6 +121,22 @@ def _warnings(history: xr.Dataset) -> list[str]:
     end = run_warning(history)
     start = str(history.attrs.get("warnings", "")).splitlines()
     return ([end] if end else []) + start
+
+
+def _extremes_note(history: xr.Dataset, events: xr.Dataset) -> str:
+    """Where the extremes come from, and what has none."""
+    told = any(extreme.between_outputs for extreme in extremes(history))
+    note = (
+        "Found between the outputs, on both sides of every event."
+        if told
+        else "Those of the outputs: what happens between two outputs is not in them."
+    )
+    if "impact" in events["kind"].values:
+        note += (
+            " An impact of a rigid contact is an impulse without a largest force:"
+            " the normal force is that between impacts."
+        )
+    return note
 
 
 def _names(history: xr.Dataset, variable: str) -> list[str]:

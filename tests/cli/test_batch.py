@@ -161,10 +161,7 @@ def test_numbers_are_those_of_the_case_s_history(evolvent: Evolvent, tmp_path: P
         pairs = inside.get("pairs_in_contact", inside.in_contact)
         expected = {
             "transmission_error_mean": mean(error),
-            "transmission_error_peak_to_peak": float(error.max() - error.min()),
             "normal_force_mean": mean(force),
-            "normal_force_max": float(force.max()),
-            "penetration_max": float(inside.penetration.max()),
             "share_no_contact": mean(1.0 * (pairs == 0)),
             "share_one_pair": mean(1.0 * (pairs == 1)),
             "share_two_pairs": mean(1.0 * (pairs == 2)),
@@ -178,7 +175,50 @@ def test_numbers_are_those_of_the_case_s_history(evolvent: Evolvent, tmp_path: P
         assert {name: row[name] for name in expected} == pytest.approx(
             expected, rel=1e-12, abs=1e-30
         )
-        assert set(row) - set(expected) == {"case", "status", "exit", "message", *TIMINGS}
+        between = {
+            "transmission_error_peak_to_peak": float(error.max() - error.min()),
+            "normal_force_max": float(force.max()),
+            "penetration_max": float(inside.penetration.max()),
+        }
+        assert set(row) - set(expected) - set(between) == {
+            "case",
+            "status",
+            "exit",
+            "message",
+            *TIMINGS,
+        }
+        # found between the outputs, of which a vibration has hardly one
+        for name, sampled in between.items():
+            assert sampled <= row[name] <= 2 * sampled, name
+
+
+def test_extremes_are_those_of_the_window_and_do_not_depend_on_the_outputs(
+    evolvent: Evolvent, tmp_path: Path
+) -> None:
+    base = paper_case(0.02).replace("tracking: differential", "tracking: closed_form")
+    window = (0.0101, 0.0173)  # no edge on either grid
+    intervals = {"simulation.output_interval": [1e-3, 1e-6]}
+    design = write_design(tmp_path / "design.h5", intervals, base, window)
+    assert evolvent("batch", design, "-o", "r").returncode == 0
+    coarse, fine = (read_folder(tmp_path / "r")[i] for i in range(2))
+    (tmp_path / "case.yaml").write_text(base)
+    fine_outputs = ("--set", "simulation.output_interval=1e-6")
+    assert evolvent("run", "case.yaml", *fine_outputs, "-o", "x.h5").returncode == 0
+    with xr.open_dataset(tmp_path / "x.h5", engine="h5netcdf") as history:
+        inside = history.sel(time=slice(*window)).isel(mesh=0)
+        error = inside.transmission_error
+        brute = {
+            "transmission_error_peak_to_peak": float(error.max() - error.min()),
+            "normal_force_max": float(inside.normal_force.max()),
+            "penetration_max": float(inside.penetration.max()),
+        }
+        # the whole run has larger ones: it starts from rest
+        assert float(history.normal_force.max()) > 1.05 * brute["normal_force_max"]
+    for name, sampled in brute.items():
+        assert coarse[name] == pytest.approx(fine[name], rel=1e-9), name
+        # 1.2 kHz: a microsecond misses at most (2 pi 1.2e3 * 5e-7)**2/2 at a peak; at an edge of
+        # the window the curve may have moved for a microsecond
+        assert coarse[name] == pytest.approx(sampled, rel=1e-4), name
 
 
 @pytest.mark.parametrize("damping", ["law: ratio, value: 0.07", "law: flores, restitution: 0.8"])
@@ -261,7 +301,7 @@ simulation: {duration: 0.02, output_interval: 1e-3}
         late = history.sel(time=slice(0.01 - 1e-9, None))
         for mesh, name in (("first-one", "first_one"), ("b-c", "b_c")):
             largest = float(late.normal_force.sel(mesh=mesh).max())
-            assert row[f"normal_force_max_{name}"] == largest
+            assert largest <= row[f"normal_force_max_{name}"] <= 1.1 * largest
 
 
 # ---- histories -----------------------------------------------------------------------------------

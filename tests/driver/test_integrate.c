@@ -139,7 +139,7 @@ static outcome solve_for(record *heard, problem *p, double t_end, double interva
     heard->n_states = p->model.n;
     const integrate_options options = {
         .t_end = t_end, .output_interval = interval, .tolerance = tolerance, .max_step = 0.1};
-    const integrate_observer observer = {heard, on_output, on_event, on_step};
+    const integrate_observer observer = {.self = heard, .output = on_output, .event = on_event, .step = on_step};
     result.code = integrate(&p->model, &options, &observer, &p->state, &result.counts, result.reason);
     return result;
 }

@@ -102,7 +102,7 @@ static void integrate_alone(case_run *run)
                                        .tolerance = simulation->tolerance,
                                        .max_step = simulation->max_step,
                                        .by_stepper = simulation->integrator == INTEGRATOR_RADAU};
-    const integrate_observer observer = {run, on_output, on_event, on_step};
+    const integrate_observer observer = {.self = run, .output = on_output, .event = on_event, .step = on_step};
     run->code = integrate(model_dae(run->prepared.model), &options, &observer, &run->state, &run->counts, run->reason);
     const double ends[] = {(double)run->counts.steps, (double)run->counts.residuals, run->state.t};
     put(&run->tape, ends, 3);

@@ -30,17 +30,17 @@ def _changed(history: xr.Dataset, name: str, change: float, **where: int) -> xr.
 
 def _is_told(verdict: Verdict) -> bool:
     """Whether the independent solution has what an invariant is about: no rigid contact, and it
-    tells no modes of tooth pairs.
+    tells no modes of tooth pairs and no extremes between its outputs.
     """
     name = verdict.invariant.name
-    return name != "contact modes" and not name.startswith("rigid")
+    return name not in ("contact modes", "extremes") and not name.startswith("rigid")
 
 
 def test_every_invariant_holds_for_the_independent_solution(friction_run):
     verdicts = check_history(friction_run.history)
     assert [v.invariant for v in verdicts] == list(INVARIANTS)
     others = [v for v in verdicts if _is_told(v)]
-    assert len(others) == len(INVARIANTS) - 3
+    assert len(others) == len(INVARIANTS) - 4
     assert [v.verdict for v in others] == ["pass"] * len(others)
 
 
@@ -204,8 +204,8 @@ def test_an_open_rigid_contact_has_none_either(smooth_run):
 
 def test_every_invariant_holds_for_a_rigid_contact_that_stays_closed(smooth_run):
     verdicts = check_history(_rigidly(smooth_run.history))
-    told = [v.verdict for v in verdicts if v.invariant.name != "contact modes"]
-    assert told == ["pass"] * (len(INVARIANTS) - 1)
+    told = [v.verdict for v in verdicts if v.invariant.name not in ("contact modes", "extremes")]
+    assert told == ["pass"] * (len(INVARIANTS) - 2)
 
 
 @pytest.mark.parametrize("size", [BEYOND, -BEYOND, WITHIN])
@@ -271,7 +271,7 @@ def test_points_are_not_checked_while_the_flanks_are_too_far_apart(smooth_run):
     for name in TRACKED:
         parted[name][200:300] = np.nan
     verdicts = [v for v in check_history(parted) if _is_told(v)]
-    assert [v.verdict for v in verdicts] == ["pass"] * (len(INVARIANTS) - 3)
+    assert [v.verdict for v in verdicts] == ["pass"] * (len(INVARIANTS) - 4)
     parted["gradient_ratio"][300] = np.nan  # where there are tracked points again
     assert _verdict(parted, "gradient ratio").where["time"] == "0.3 s"
     assert _verdict(parted, "finite values").where == {"variable": "gradient_ratio"}
@@ -308,3 +308,20 @@ def test_contact_torques_of_two_meshes_of_a_wheel_add_up(smooth_run):
     history = smooth_run.history.isel(time=slice(100, 110))
     both = _side_by_side(history, history)
     np.testing.assert_allclose(contact_torque(both), 2 * contact_torque(history), rtol=1e-15)
+
+
+def test_an_output_beyond_its_extreme_over_the_run_is_found(smooth_run):
+    force = smooth_run.history["normal_force"]
+    largest = force.max("time").drop_vars("time", errors="ignore")
+
+    def with_largest(value):
+        told = {"normal_force_max": ("mesh", value), "normal_force_max_time": ("mesh", [1.0])}
+        return smooth_run.history.assign(told)
+
+    assert _verdict(smooth_run.history, "extremes").verdict == "not applicable"
+    assert _verdict(with_largest(largest.values), "extremes").verdict == "pass"
+    assert _verdict(with_largest(largest.values * 2), "extremes").verdict == "pass"
+    beyond = _verdict(with_largest(largest.values * (1 - 1e-6)), "extremes")
+    assert beyond.verdict == "fail"
+    assert beyond.worst == pytest.approx(1e-6, rel=1e-6)
+    assert beyond.where["extreme"] == "normal_force_max"

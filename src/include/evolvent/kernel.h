@@ -568,6 +568,21 @@ EVL_API void evl_radau_get_counts(const evl_radau *radau, evl_radau_counts *coun
 /** Of all modes that grow the one that did so fastest since evl_radau_start, if steps were cut for one. */
 EVL_API void evl_radau_get_growth(const evl_radau *radau, evl_radau_growth *growth);
 
+/** A place in a step where a channel may exceed the extreme so far. */
+typedef struct {
+    int channel;        /**< as of evl_gearbox_watched */
+    int sense;          /**< 1 a maximum, -1 a minimum */
+    double t;           /**< [s] */
+    double left, right; /**< it lies between these [s] */
+    double value;       /**< about that of the channel there */
+} evl_candidate;
+/** Look for new extremes in the step that evl_radau_advance made, before evl_radau_restart. Allocates nothing.
+ *  @param high, low  extremes of each channel so far; +infinity and -infinity if nobody asks
+ *  @return how many candidates there are: most often none */
+EVL_API int evl_radau_look(evl_radau *radau, const double *high, const double *low);
+/** One of them; index: from 0. */
+EVL_API void evl_radau_candidate(const evl_radau *radau, int index, evl_candidate *candidate);
+
 /** What its steps are made of, for a discrete state: f of eight states at once, t [8], y and f [n_states][8], and df/dy at the first of
  *  them, column-major [n_states * n_states]. The next call has to be evl_radau_start. @return EVL_OK or EVL_OUT_OF_DOMAIN */
 EVL_API int evl_radau_model(evl_radau *radau, const double *t, const double *y, const int *integers,
@@ -609,6 +624,31 @@ EVL_API void evl_gearbox_output_places(const evl_gearbox *gearbox, int *offsets,
 /** All outputs at a state, [n_values]; integers as whole doubles, NaN where a quantity has no meaning. */
 EVL_API int evl_gearbox_outputs(const evl_gearbox *gearbox, double t, const double *y, const int *integers,
                                 const double *reals, double *values, evl_status *status);
+
+/* ---- extremes -------------------------------------------------------------------------------------------------------------- */
+
+/** An output of a mesh, or of its tooth pairs, whose extreme is told over the run, the same for all gearboxes. */
+typedef struct {
+    char output[EVL_NAME_LENGTH]; /**< its name in the table of outputs */
+    char units[EVL_NAME_LENGTH], symbol[EVL_NAME_LENGTH];
+    char long_name[EVL_TEXT_LENGTH];
+    int watched;     /**< which of the watched outputs, from 0 */
+    bool is_largest; /**< else the smallest */
+} evl_extreme;
+
+EVL_API int evl_extreme_count(void);
+/** index: from 0. */
+EVL_API int evl_extreme_describe(int index, evl_extreme *extreme);
+
+/** How many outputs are watched. Each is a channel of each mesh: channel evl_watched_count() * mesh + watched. An output of tooth
+ *  pairs is there with the largest of its pairs. */
+EVL_API int evl_watched_count(void);
+/** All channels at a state [evl_watched_count() * n_meshes]. @return EVL_OK or EVL_OUT_OF_DOMAIN */
+EVL_API int evl_gearbox_watched(const evl_gearbox *gearbox, const double *y, const int *integers, const double *reals,
+                                double *values, evl_status *status);
+/** What evl_gearbox_roots and evl_gearbox_watched give, for little more than the first alone. */
+EVL_API int evl_gearbox_roots_and_watched(const evl_gearbox *gearbox, const double *y, const int *integers,
+                                          const double *reals, double *roots, double *values, evl_status *status);
 
 /* ---- natural modes --------------------------------------------------------------------------------------------------------- */
 

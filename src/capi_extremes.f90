@@ -1,0 +1,83 @@
+!> C interface of the watched outputs and of the table of their extremes.
+!>
+!> The header's section "extremes" documents each procedure; here is only the passage from Fortran to C.
+module evl_capi_extremes
+   use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_int, c_ptr
+   use evl_capi_types, only: c_name_length, c_status, c_text_length, status_to_c, to_c
+   use evl_extremes, only: extreme_t, extremes_table, n_extremes, n_watched_outputs
+   use evl_gearbox, only: gearbox_t
+   use evl_gearbox_watch, only: n_channels, roots_and_watched, watched_at
+   use evl_status, only: code_invalid_input, code_ok, status_t
+   implicit none (type, external)
+   private
+
+   public :: evl_extreme_count, evl_extreme_describe, evl_gearbox_roots_and_watched, evl_gearbox_watched, evl_watched_count
+
+   !> evl_extreme
+   type, bind(c) :: c_extreme
+      character(kind=c_char) :: output(c_name_length), units(c_name_length), symbol(c_name_length), long_name(c_text_length)
+      integer(c_int) :: watched
+      logical(c_bool) :: is_largest
+   end type c_extreme
+
+contains
+
+   integer(c_int) function evl_extreme_count() result(count) bind(c)
+      count = n_extremes
+   end function evl_extreme_count
+
+   integer(c_int) function evl_extreme_describe(index, extreme) result(code) bind(c)
+      integer(c_int), intent(in), value :: index
+      type(c_extreme), intent(out) :: extreme
+      type(extreme_t) :: table(n_extremes)
+
+      code = code_invalid_input
+      if (index < 0 .or. index >= n_extremes) return
+      table = extremes_table()
+      associate (entry => table(index + 1))
+         call to_c(entry%output, extreme%output)
+         call to_c(entry%units, extreme%units)
+         call to_c(entry%symbol, extreme%symbol)
+         call to_c(entry%long_name, extreme%long_name)
+         extreme%watched = entry%watched - 1
+         extreme%is_largest = logical(entry%is_largest, c_bool)
+      end associate
+      code = code_ok
+   end function evl_extreme_describe
+
+   integer(c_int) function evl_watched_count() result(count) bind(c)
+      count = n_watched_outputs
+   end function evl_watched_count
+
+   integer(c_int) function evl_gearbox_watched(handle, y, integers, reals, values, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in) :: y(*), reals(*)
+      integer(c_int), intent(in) :: integers(*)
+      real(c_double), intent(inout) :: values(*)
+      type(c_status), intent(out), optional :: status
+      type(gearbox_t), pointer :: g
+      type(status_t) :: s
+
+      call c_f_pointer(handle, g)
+      call watched_at(g, y(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), values(:n_channels(g)), s)
+      code = s%code
+      if (code /= code_ok .and. present(status)) call status_to_c(s, status)
+   end function evl_gearbox_watched
+
+   integer(c_int) function evl_gearbox_roots_and_watched(handle, y, integers, reals, roots, values, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in) :: y(*), reals(*)
+      integer(c_int), intent(in) :: integers(*)
+      real(c_double), intent(inout) :: roots(*), values(*)
+      type(c_status), intent(out), optional :: status
+      type(gearbox_t), pointer :: g
+      type(status_t) :: s
+
+      call c_f_pointer(handle, g)
+      call roots_and_watched(g, y(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), roots(:g%n_roots), &
+                             values(:n_channels(g)), s)
+      code = s%code
+      if (code /= code_ok .and. present(status)) call status_to_c(s, status)
+   end function evl_gearbox_roots_and_watched
+
+end module evl_capi_extremes

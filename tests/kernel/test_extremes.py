@@ -1,0 +1,167 @@
+"""The watched outputs: one table, and the same values wherever they come from."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from kernel.gearbox import LOADED, OPEN, UNLOADED, Gearbox, State
+from kernel.gearbox_cases import chain, in_mode, paper_gearbox
+from kernel.gearbox_description import ALGEBRAIC, CLOSED_FORM, DIFFERENTIAL
+from kernel.kernel import INVALID_INPUT, OK, Floats, Kernel, _at, _int
+from kernel.radau import EVENT, Radau
+
+MODES = {"open": (OPEN, 0), "sticking": (LOADED, 0), "sliding": (LOADED, -1), "none": (UNLOADED, 0)}
+MAKERS: dict[str, Callable[[Kernel], Gearbox]] = {
+    **{
+        f"pair, {name}": lambda kernel, kind=kind: paper_gearbox(kernel, tracking=kind)
+        for name, kind in (
+            ("closed form", CLOSED_FORM),
+            ("algebraic", ALGEBRAIC),
+            ("differential", DIFFERENTIAL),
+        )
+    },
+    "four wheels": lambda kernel: chain(kernel, 4, CLOSED_FORM, -1),
+}
+
+
+class Extreme(ctypes.Structure):
+    """`evl_extreme`."""
+
+    _fields_ = [
+        ("output", ctypes.c_char * 32),
+        ("units", ctypes.c_char * 32),
+        ("symbol", ctypes.c_char * 32),
+        ("long_name", ctypes.c_char * 96),
+        ("watched", _int),
+        ("is_largest", ctypes.c_bool),
+    ]
+
+
+class Candidate(ctypes.Structure):
+    """`evl_candidate`."""
+
+    _fields_ = [
+        ("channel", _int),
+        ("sense", _int),
+        *((name, ctypes.c_double) for name in ("t", "left", "right", "value")),
+    ]
+
+
+def table(kernel: Kernel) -> list[Extreme]:
+    entries = []
+    for index in range(kernel.library.evl_extreme_count()):
+        entry = Extreme()
+        assert kernel.library.evl_extreme_describe(index, ctypes.byref(entry)) == OK
+        entries.append(entry)
+    return entries
+
+
+def names(kernel: Kernel) -> dict[str, int]:
+    """Name of each watched output, and its number."""
+    return {entry.output.decode(): entry.watched for entry in table(kernel)}
+
+
+def n_channels(gearbox: Gearbox) -> int:
+    return gearbox.library.evl_watched_count() * gearbox.sizes.n_meshes
+
+
+def watched(gearbox: Gearbox, state: State) -> Floats:
+    values = np.full(n_channels(gearbox), np.nan)
+    arrays: Any = (state.y, state.integers, state.reals, values)
+    gearbox._call("evl_gearbox_watched", *map(_at, arrays))
+    return values
+
+
+def test_each_extreme_is_that_of_an_output_with_its_unit(kernel):
+    gearbox = paper_gearbox(kernel)
+    outputs = {entry.name: entry for entry in gearbox.table}
+    entries = table(kernel)
+    assert len({(entry.output, entry.is_largest) for entry in entries}) == len(entries)
+    assert {entry.watched for entry in entries} == set(range(kernel.library.evl_watched_count()))
+    for entry in entries:
+        assert entry.units == outputs[entry.output].units
+        assert entry.long_name
+    for index in (-1, len(entries)):
+        refused = kernel.library.evl_extreme_describe(index, ctypes.byref(Extreme()))
+        assert refused == INVALID_INPUT
+
+
+@pytest.mark.parametrize("mode", MODES.values(), ids=MODES)
+@pytest.mark.parametrize("make", MAKERS.values(), ids=MAKERS)
+def test_watched_outputs_are_the_outputs(kernel, make, mode):
+    gearbox = make(kernel)
+    state = in_mode(gearbox, np.random.default_rng(7), mode)
+    values, told = watched(gearbox, state), gearbox.outputs(state)
+    n_meshes = gearbox.sizes.n_meshes
+    for name, number in names(kernel).items():
+        expected = told[name].reshape(n_meshes, -1).max(axis=1)
+        mine = values.reshape(n_meshes, -1)[:, number]
+        # the same formulas; the force's sums may be ordered otherwise
+        np.testing.assert_allclose(mine, expected, rtol=1e-13, err_msg=name)
+
+
+@pytest.mark.parametrize("mode", MODES.values(), ids=MODES)
+@pytest.mark.parametrize("make", MAKERS.values(), ids=MAKERS)
+def test_with_the_roots_come_the_same_roots_and_watched_outputs_to_the_bit(kernel, make, mode):
+    gearbox = make(kernel)
+    state = in_mode(gearbox, np.random.default_rng(7), mode)
+    roots, values = np.empty(gearbox.sizes.n_roots), np.empty(n_channels(gearbox))
+    arrays: Any = (state.y, state.integers, state.reals, roots, values)
+    gearbox._call("evl_gearbox_roots_and_watched", *map(_at, arrays))
+    np.testing.assert_array_equal(roots, gearbox.roots(state))
+    np.testing.assert_array_equal(values, watched(gearbox, state))
+
+
+def candidates(radau: Radau, high: Floats, low: Floats) -> list[Candidate]:
+    library = radau.gearbox.library
+    found = []
+    for index in range(library.evl_radau_look(radau.handle, _at(high), _at(low))):
+        found.append(Candidate())
+        library.evl_radau_candidate(radau.handle, index, ctypes.byref(found[-1]))
+    return found
+
+
+def check_look(radau: Radau, before: float, state: State) -> int:
+    """Compare the candidates of a step with the channels at its states; how many there are."""
+    gearbox = radau.gearbox
+    grid = [state.copy() for _ in range(41)]
+    for one, t in zip(grid, np.linspace(before, state.t, 41), strict=True):
+        one.t, one.y = t, radau.interpolate(t)
+    values = np.array([watched(gearbox, one) for one in grid])
+    size, n = np.abs(values).max(axis=0), n_channels(gearbox)
+    found = candidates(radau, np.full(n, -np.inf), np.full(n, np.inf))
+    for one in found:
+        assert before <= one.left <= one.t <= one.right <= state.t
+        at = state.copy()
+        at.y = radau.interpolate(one.t)
+        channel = one.channel
+        # the interpolant may differ from its channel by a hundredth of its range, and its values at
+        # the nodes by Newton's last correction
+        doubt = 0.01 * np.ptp(values[:, channel]) + 1e-5 * size[channel]
+        assert abs(one.value - watched(gearbox, at)[channel]) <= doubt
+        heights = [one.sense * x.value for x in found if x.channel == channel]
+        assert max(heights) >= (one.sense * values[:, channel]).max() - doubt
+    assert candidates(radau, size * 10 + 1, -size * 10 - 1) == []
+    return len(found)
+
+
+def test_a_look_at_a_step_finds_the_extremes_of_its_states_and_none_within_wide_limits(kernel):
+    looked = 0
+    for seed in range(12):
+        gearbox = chain(kernel, 4, CLOSED_FORM, -1)
+        state = in_mode(gearbox, np.random.default_rng(seed), MODES["sliding"])
+        radau = Radau(gearbox, max_step=1e-3)
+        radau.start(state)
+        for _ in range(6):
+            before = state.t
+            outcome, _ = radau.advance(before + 0.05, state)
+            if state.t > before:
+                looked += check_look(radau, before, state)
+            if outcome == EVENT:
+                break
+    assert looked > 100
