@@ -19,11 +19,13 @@ module evl_settle_modes
 
    public :: most_settling, roots_passed, settle_modes
 
-   !> Those that look at what can jump at an event. Places on the path do not: they end a mode where they are crossed.
-   integer, parameter :: may_jump(4) = [root_contact, root_force, root_friction_high, root_friction_low]
+   !> Root functions of what can jump at an event. Places on the path do not: they end a mode where they are crossed.
+   integer, parameter :: pressing(2) = [root_contact, root_force], sliding(2) = [root_friction_high, root_friction_low]
    !> A root function this near its zero has crossed it: what happens at one instant happens at once, whatever rounding says. It is
    !> less than roots lie past a change of mode.
    real(wp), parameter :: tie = past/2
+   !> How far from zero a root function may be that was located there, in its own units.
+   real(wp), parameter :: located = 1.0e-8_wp
    integer, parameter :: idle = 0       !! as a direction: the root function has no meaning
    integer, parameter :: most_settling = 8 !! looks at all contacts; a jump of speeds needs three
 
@@ -38,12 +40,13 @@ contains
       real(wp), intent(inout) :: reals(:)
       type(event_log), intent(inout) :: log
       type(status_t), intent(inout) :: status        !! code_no_solution if two modes contradict each other for ever
-      logical :: settled
+      logical :: settled, crossed(gearbox%n_roots)
       integer :: m, turn, restless
 
+      crossed = fired /= 0
       do m = 1, size(gearbox%contacts)
-         associate (mine => fired(gearbox%contacts(m)%i_root + 1:gearbox%contacts(m)%i_root + gearbox%contacts(m)%n_roots))
-            call settle_contact(gearbox, m, y, integers, reals, settled, log, status, mine /= 0)
+         associate (mine => crossed(gearbox%contacts(m)%i_root + 1:gearbox%contacts(m)%i_root + gearbox%contacts(m)%n_roots))
+            call cross(gearbox, m, y, integers, reals, mine, log, status)
             if (has_failed(status)) return
          end associate
       end do
@@ -51,8 +54,10 @@ contains
       do turn = 1, most_settling
          settled = .true.
          do m = 1, size(gearbox%contacts)
-            call settle_contact(gearbox, m, y, integers, reals, settled, log, status)
-            if (has_failed(status)) return
+            associate (mine => crossed(gearbox%contacts(m)%i_root + 1:gearbox%contacts(m)%i_root + gearbox%contacts(m)%n_roots))
+               call settle_contact(gearbox, m, mine, y, integers, reals, settled, log, status)
+               if (has_failed(status)) return
+            end associate
             if (.not. settled) restless = m
          end do
          if (settled) return
@@ -61,40 +66,71 @@ contains
                 //" another", subject_mesh, gearbox%contacts(restless)%mesh, "contact")
    end subroutine settle_modes
 
-   !> Do what the root functions of one tooth contact say.
-   subroutine settle_contact(gearbox, m, y, integers, reals, settled, log, status, fired)
+   !> Do what the root functions of one tooth contact say that crossed zero.
+   subroutine cross(gearbox, m, y, integers, reals, crossed, log, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m
+      real(wp), intent(inout) :: y(gearbox%n_states)
+      integer, intent(inout) :: integers(:)
+      real(wp), intent(inout) :: reals(:)
+      logical, intent(inout) :: crossed(:) !! those located; those that cross at the same instant come to them
+      type(event_log), intent(inout) :: log
+      type(status_t), intent(inout) :: status
+      logical :: passed(size(crossed))
+
+      call passed_now(gearbox, m, y, integers, reals, -tie, passed, status)
+      if (has_failed(status)) return
+      crossed = crossed .or. passed
+      if (any(crossed)) call contact_event(gearbox, m, crossed, y, integers, reals, log, status)
+   end subroutine cross
+
+   !> Do what the root functions of one tooth contact say that have jumped past zero. What has just crossed zero lies on one side of
+   !> it or the other, as exactly as events are located, and is not taken back for that.
+   subroutine settle_contact(gearbox, m, crossed, y, integers, reals, settled, log, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: m
+      logical, intent(in) :: crossed(:) !! root functions that crossed zero at this event
       real(wp), intent(inout) :: y(gearbox%n_states)
       integer, intent(inout) :: integers(:)
       real(wp), intent(inout) :: reals(:)
       logical, intent(inout) :: settled !! false if there was something to do, else as it is
       type(event_log), intent(inout) :: log
       type(status_t), intent(inout) :: status
-      logical, intent(in), optional :: fired(:) !! root functions that passed zero; without them those are looked at that may jump
+      logical, dimension(size(crossed)) :: jumped, at_all, by_far
+
+      call passed_now(gearbox, m, y, integers, reals, 0.0_wp, at_all, status)
+      call passed_now(gearbox, m, y, integers, reals, located, by_far, status)
+      if (has_failed(status)) return
+      jumped = .false.
+      jumped(pressing) = merge(by_far(pressing), at_all(pressing), any(crossed(pressing)))
+      jumped(sliding) = merge(by_far(sliding), at_all(sliding), any(crossed(sliding)))
+      if (.not. any(jumped)) return
+      settled = .false.
+      call contact_event(gearbox, m, jumped, y, integers, reals, log, status)
+   end subroutine settle_contact
+
+   !> Which root functions of one tooth contact are past zero at a state, as far as they decide by themselves.
+   subroutine passed_now(gearbox, m, y, integers, reals, by, passed, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: m, integers(:)
+      real(wp), intent(in) :: y(gearbox%n_states), reals(:)
+      real(wp), intent(in) :: by !! as in `roots_passed`
+      logical, intent(out) :: passed(gearbox%contacts(m)%n_roots)
+      type(status_t), intent(inout) :: status
       type(contact_point) :: point
       type(mesh_mode) :: mode
       real(wp) :: roots(gearbox%contacts(m)%n_roots)
-      logical, dimension(gearbox%contacts(m)%n_roots) :: passed, crossed
 
+      passed = .false.
       associate (mesh => gearbox%contacts(m))
          call roots_of_contact(gearbox, m, y, integers, reals, mode, point, roots, status)
          if (has_failed(status)) return
-         passed = roots_passed(mesh, mode, roots, -tie)
+         passed = roots_passed(mesh, mode, roots, by)
          ! rigid flanks close by impacts, and their forces are found together
          if (mesh%rigid) passed([root_contact, root_force]) = .false.
          if (mode%contact == contact_open .and. parts(mesh, point)) passed(root_contact) = .false.
       end associate
-      if (present(fired)) then
-         crossed = fired .or. passed
-      else
-         crossed = .false.
-         crossed(may_jump) = passed(may_jump)
-      end if
-      if (.not. any(crossed)) return
-      settled = .false.
-      call contact_event(gearbox, m, crossed, y, integers, reals, log, status)
-   end subroutine settle_contact
+   end subroutine passed_now
 
    !> Which root functions of a tooth contact are past the zero that would end its mode.
    pure function roots_passed(mesh, mode, roots, by) result(passed)
