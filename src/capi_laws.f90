@@ -121,18 +121,22 @@ contains
       evl_law_penetration = first_error(codes)
    end function evl_law_penetration
 
-   integer(c_int) function evl_law_elastic_potential(n, choice, contexts, potential, codes) bind(c)
+   integer(c_int) function evl_law_elastic_potential(n, choice, contexts, potential, d_h, d_length, codes) bind(c)
       integer(c_int), intent(in), value :: n
       type(c_law_choice), intent(in) :: choice
       type(c_contact_context), intent(in) :: contexts(n)
-      real(c_double), intent(out) :: potential(n)
+      real(c_double), intent(out) :: potential(n), d_h(n), d_length(n)
       integer(c_int), intent(out) :: codes(n)
       type(law_choice) :: law
+      type(elastic_result) :: elastic
       integer :: i
 
       law = choice_from_c(choice)
       do i = 1, n
-         call elastic_potential(law, context_from_c(contexts(i)), potential(i), codes(i))
+         call elastic_potential(law, context_from_c(contexts(i)), potential(i))
+         call elastic_force(law, context_from_c(contexts(i)), elastic, codes(i))
+         d_h(i) = elastic%force + elastic%excess
+         d_length(i) = elastic%d_energy
       end do
       evl_law_elastic_potential = first_error(codes)
    end function evl_law_elastic_potential

@@ -6,7 +6,7 @@ module evl_capi_parts
    use evl_capi_types, only: c_status, first_error, status_to_c
    use evl_involute, only: involute_flank, involute_flank_housing, involute_flank_polar, involute_point
    use evl_johnson, only: johnson_force, johnson_force_limit, johnson_iteration, johnson_iteration_force, &
-                          johnson_penetration, johnson_penetration_limit, johnson_potential
+                          johnson_penetration, johnson_penetration_limit
    use evl_spur_geometry, only: spur_pair_derive, spur_pair_t
    use evl_status, only: status_t
    implicit none (type, external)
@@ -14,7 +14,7 @@ module evl_capi_parts
 
    public :: evl_involute_flank, evl_involute_flank_housing, evl_involute_flank_polar, evl_involute_points
    public :: evl_johnson_force, evl_johnson_iteration, evl_johnson_iteration_force, evl_johnson_limits
-   public :: evl_johnson_penetration, evl_johnson_potential, evl_spur_pair_derive
+   public :: evl_johnson_penetration, evl_spur_pair_derive
 
    !> evl_spur_pair
    type, bind(c) :: c_spur_pair
@@ -135,16 +135,6 @@ contains
       call johnson_penetration(force, rho_sum, e_star, h, codes)
       evl_johnson_penetration = first_error(codes)
    end function evl_johnson_penetration
-
-   integer(c_int) function evl_johnson_potential(n, h, rho_sum, e_star, potential, constant_radii, codes) bind(c)
-      integer(c_int), intent(in), value :: n
-      real(c_double), intent(in) :: h(n), rho_sum(n), e_star(n)
-      real(c_double), intent(out) :: potential(n), constant_radii(n)
-      integer(c_int), intent(out) :: codes(n)
-
-      call johnson_potential(h, rho_sum, e_star, 1.0_c_double, potential, constant_radii, codes)
-      evl_johnson_potential = first_error(codes)
-   end function evl_johnson_potential
 
    subroutine evl_johnson_limits(n, rho_sum, e_star, penetration, force) bind(c)
       integer(c_int), intent(in), value :: n

@@ -7,7 +7,7 @@ module evl_contact_laws
    use evl_damping, only: impact_damping, linear_damping, one_sided_damping
    use evl_friction, only: coulomb_factor, coulomb_knee, coulomb_mode, stribeck_factor, tanh_factor
    use evl_hunt_crossley, only: flores_factor, gonthier_factor, hunt_crossley_factor, lankarani_nikravesh_factor, lee_wang_factor
-   use evl_johnson, only: johnson_energy, johnson_force, johnson_limit_message, johnson_penetration, johnson_potential
+   use evl_johnson, only: johnson_energy, johnson_force, johnson_limit_message, johnson_penetration
    use evl_kinds, only: pi, wp
    use evl_law_info, only: is_left_open, law_info_t, law_name_length, law_parameter_t, law_text_length, max_law_parameters, &
                            parameter_range_error
@@ -16,7 +16,7 @@ module evl_contact_laws
                             damping_lankarani_nikravesh, damping_lee_wang, damping_linear, damping_none, damping_one_sided, &
                             friction_coulomb, friction_none, friction_stribeck, friction_tanh, law_count, law_describe, &
                             laws_contact, laws_damping, laws_friction
-   use evl_radzimovsky, only: radzimovsky_force, radzimovsky_limit_message, radzimovsky_penetration, radzimovsky_potential
+   use evl_radzimovsky, only: radzimovsky_force, radzimovsky_limit_message, radzimovsky_penetration
    use evl_springs, only: linear_spring, power_penetration, power_spring, yang_lin_stiffness
    use evl_status, only: code_invalid_input, code_ok, code_out_of_domain, message_length, quantity
    implicit none (type, external)
@@ -54,12 +54,14 @@ module evl_contact_laws
       real(wp) :: v0 = 0.0_wp      !! approach speed at the last closing [m/s]
    end type contact_context
 
-   !> An elastic force with its derivatives.
+   !> An elastic force with its derivatives, and those of the elastic energy V as `elastic_potential` has it. The radii enter
+   !> every law through their sum; r = rho_sum - h.
    type :: elastic_result
       real(wp) :: force = 0.0_wp !! [N], over the whole width
       real(wp) :: d_h = 0.0_wp   !! dF/dh at constant rho_sum [N/m]
-      real(wp) :: d_rho = 0.0_wp !! dF/d(rho_sum) at constant h [N/m]; the radii enter every law through their sum
-      real(wp) :: d_energy = 0.0_wp !! dV/d(rho_sum) of the elastic energy V at constant h [J/m]
+      real(wp) :: d_rho = 0.0_wp !! dF/d(rho_sum) at constant h, which is dF/dr [N/m]
+      real(wp) :: d_energy = 0.0_wp !! dV/dr at constant h [J/m]
+      real(wp) :: excess = 0.0_wp   !! dV/dh - F at constant r: what V, a series, gets wrong [N]
    end type elastic_result
 
    !> A viscous force with its derivatives, through the elastic force too.
@@ -83,10 +85,10 @@ contains
       select case (choice%law)
       case (contact_johnson)
          call johnson_force(ctx%h, ctx%rho_sum, ctx%e_star, result%force, result%d_h, result%d_rho, code)
-         call spread_over_width(ctx%width, ctx%e_star, ctx%rho_sum, result)
+         call spread_over_width(ctx%width, ctx%e_star, ctx%h, ctx%rho_sum, result)
       case (contact_radzimovsky)
          call radzimovsky_force(ctx%h, ctx%rho_sum, ctx%e_star, result%force, result%d_h, result%d_rho, code)
-         call spread_over_width(ctx%width, ctx%e_star, ctx%rho_sum, result)
+         call spread_over_width(ctx%width, ctx%e_star, ctx%h, ctx%rho_sum, result)
       case (contact_rigid)
          code = code_out_of_domain
       case default
@@ -194,29 +196,27 @@ contains
       end select
    end subroutine penetration_from_force
 
-   !> Elastic energy of the contact: dV = F dh along rho_sum = rho + h, as a mesh moves. Even in h.
+   !> Elastic energy of the contact: dV = F dh where rho_sum - h is constant, as in a mesh on fixed axles. Even in h.
    pure subroutine elastic_potential(choice, ctx, potential, code, elastic)
       type(law_choice), intent(in) :: choice   !! of family laws_contact
       type(contact_context), intent(in) :: ctx !! where
       real(wp), intent(out) :: potential       !! [J]; 0 on error
       integer, intent(out), optional :: code   !! code_ok or code_out_of_domain
       real(wp), intent(in), optional :: elastic !! elastic force there, if it is known [N]
-      real(wp) :: constant_radii, force, d_h
+      type(elastic_result) :: result
+      real(wp) :: force, d_h
       integer :: answer
 
       potential = 0.0_wp
       answer = code_ok
       select case (choice%law)
-      case (contact_johnson)
+      case (contact_johnson, contact_radzimovsky)
          if (present(elastic)) then
-            call johnson_energy(ctx%h, abs(elastic)/ctx%width, ctx%rho_sum, ctx%e_star, 1.0_wp, potential, constant_radii)
+            result%force = elastic
          else
-            call johnson_potential(ctx%h, ctx%rho_sum, ctx%e_star, 1.0_wp, potential, constant_radii, answer)
+            call elastic_force(choice, ctx, result, answer)
          end if
-         potential = ctx%width*potential
-      case (contact_radzimovsky)
-         call radzimovsky_potential(ctx%h, ctx%rho_sum, ctx%e_star, potential, answer)
-         potential = ctx%width*potential
+         potential = ctx%width*johnson_energy(ctx%h, abs(result%force)/ctx%width, ctx%rho_sum, ctx%e_star)
       case (contact_rigid)
          answer = code_out_of_domain
       case default

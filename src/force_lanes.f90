@@ -25,7 +25,7 @@ module evl_force_lanes
 
    !> Forces of a tooth contact in eight states; the components mean what those of `mesh_force` mean.
    type :: lane_force
-      real(wp), dimension(lanes) :: elastic, viscous, d_energy, factor
+      real(wp), dimension(lanes) :: elastic, viscous, d_energy, excess, factor
       real(wp), dimension(lanes) :: torque_a, torque_b, on_a_t, on_a_e, dissipation
    end type lane_force
 
@@ -118,17 +118,18 @@ contains
          !$omp simd
          do l = 1, lanes
             call johnson_lane(at%h(l), at%rho_a(l) + at%rho_b(l), e_star, width, force%elastic(l), &
-                              force%d_energy(l), answers(l))
+                              force%d_energy(l), force%excess(l), answers(l))
          end do
       case (contact_radzimovsky)
          !$omp simd
          do l = 1, lanes
-            call radzimovsky_lane(at%h(l), at%rho_a(l) + at%rho_b(l), e_star, width, force%elastic(l), force%d_energy(l), &
-                                  answers(l))
+            call radzimovsky_lane(at%h(l), at%rho_a(l) + at%rho_b(l), e_star, width, force%elastic(l), &
+                                  force%d_energy(l), force%excess(l), answers(l))
          end do
       case (contact_linear, contact_yang_lin)
          stiffness = linear_stiffness(mesh%contact, e_star, width)
          force%d_energy = 0
+         force%excess = 0
          !$omp simd
          do l = 1, lanes
             force%elastic(l) = linear_spring_lane(at%h(l), stiffness)
@@ -137,6 +138,7 @@ contains
          stiffness = mesh%contact%parameters(1)
          exponent = mesh%contact%parameters(2)
          force%d_energy = 0
+         force%excess = 0
          !$omp simd
          do l = 1, lanes
             force%elastic(l) = power_spring_lane(at%h(l), stiffness, exponent)
@@ -146,32 +148,34 @@ contains
    end subroutine elastic_in_lanes
 
    !> Johnson's force in one lane.
-   elemental subroutine johnson_lane(h, rho_sum, e_star, width, force, d_energy, answer)
+   elemental subroutine johnson_lane(h, rho_sum, e_star, width, force, d_energy, excess, answer)
       real(wp), intent(in) :: h, rho_sum, e_star, width
-      real(wp), intent(out) :: force, d_energy
+      real(wp), intent(out) :: force, d_energy, excess
       real(wp), intent(out) :: answer !! 1, or 0 outside the law's domain: integers are shorter, and vectors would be too
       type(elastic_result) :: elastic
       integer :: code
 
       call johnson_force(h, rho_sum, e_star, elastic%force, elastic%d_h, elastic%d_rho, code)
-      call spread_over_width(width, e_star, rho_sum, elastic)
+      call spread_over_width(width, e_star, h, rho_sum, elastic)
       force = elastic%force
       d_energy = elastic%d_energy
+      excess = elastic%excess
       answer = merge(1.0_wp, 0.0_wp, code == code_ok)
    end subroutine johnson_lane
 
    !> Radzimovsky's force in one lane.
-   elemental subroutine radzimovsky_lane(h, rho_sum, e_star, width, force, d_energy, answer)
+   elemental subroutine radzimovsky_lane(h, rho_sum, e_star, width, force, d_energy, excess, answer)
       real(wp), intent(in) :: h, rho_sum, e_star, width
-      real(wp), intent(out) :: force, d_energy
+      real(wp), intent(out) :: force, d_energy, excess
       real(wp), intent(out) :: answer !! 1, or 0 outside the law's domain: integers are shorter, and vectors would be too
       type(elastic_result) :: elastic
       integer :: code
 
       call radzimovsky_force(h, rho_sum, e_star, elastic%force, elastic%d_h, elastic%d_rho, code)
-      call spread_over_width(width, e_star, rho_sum, elastic)
+      call spread_over_width(width, e_star, h, rho_sum, elastic)
       force = elastic%force
       d_energy = elastic%d_energy
+      excess = elastic%excess
       answer = merge(1.0_wp, 0.0_wp, code == code_ok)
    end subroutine radzimovsky_lane
 
@@ -264,8 +268,7 @@ contains
       type(mesh_force) :: resolved
 
       call take_lane(at, l, point)
-      call resolve_forces(sigma, point, elastic_result(force=force%elastic(l), d_energy=force%d_energy(l)), force%viscous(l), &
-                          force%factor(l), resolved)
+      call resolve_forces(sigma, point, elastic_of_lane(l, force), force%viscous(l), force%factor(l), resolved)
       force%torque_a(l) = resolved%torque_a
       force%torque_b(l) = resolved%torque_b
       force%on_a_t(l) = resolved%on_a(1)
@@ -281,7 +284,15 @@ contains
       type(contact_point) :: point
 
       call take_lane(at, l, point)
-      force%dissipation(l) = unloaded_loss(point, elastic_result(force=force%elastic(l), d_energy=force%d_energy(l)))
+      force%dissipation(l) = unloaded_loss(point, elastic_of_lane(l, force))
    end subroutine lose_lane
+
+   !> One lane of the elastic force.
+   pure type(elastic_result) function elastic_of_lane(l, force) result(elastic)
+      integer, intent(in) :: l
+      type(lane_force), intent(in) :: force
+
+      elastic = elastic_result(force=force%elastic(l), d_energy=force%d_energy(l), excess=force%excess(l))
+   end function elastic_of_lane
 
 end module evl_force_lanes

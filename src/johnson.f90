@@ -21,7 +21,7 @@ module evl_johnson
 
    public :: johnson_force, johnson_force_limit, johnson_iteration, johnson_iteration_force, johnson_law
    public :: exp_minus_2, smallest_ratio
-   public :: johnson_limit_message, johnson_penetration, johnson_penetration_limit, johnson_potential, johnson_energy
+   public :: johnson_energy, johnson_limit_message, johnson_penetration, johnson_penetration_limit
 
    real(wp), parameter :: exp_minus_2 = 0.13533528323661269189399949497248_wp !! e**(-2)
 
@@ -53,49 +53,31 @@ contains
       h = force/(pi*e_star)*(-natural_logarithm(max(ratio, smallest_ratio)) - 1.0_wp)
    end subroutine johnson_penetration
 
-   !> Elastic energy per unit width at penetration h, reached with rho_sum growing in proportion to h.
+   !> Elastic energy per unit width at penetration h, reached with r = rho_sum - h constant.
    !>
-   !> In a mesh rho_A + rho_B = rho + h, rho being the length of the line of action, so dV = N dh along that path, with
-   !> growth g = 1. With L = ln(4 pi E* rho_sum/N):
+   !> In a mesh r is the length of the line of action, so dV = N dh along that path. With y = N/(pi E* rho_sum):
    !>
-   !>    V = N**2/(2 pi E*) (L - 3/2) + g N**3 (L - 5/3)/(6 (pi E*)**2 rho_sum)
-   !>        + g**2 N**4 (24 L**2 - 28 L - 23)/(576 (pi E*)**3 rho_sum**2) + ...
+   !>    V = N h/2 - N**2/(4 pi E*) + y N h/6 - y N**2/(9 pi E*) + N (24 h**2 + 20 h y rho_sum - 27 (y rho_sum)**2) y/(576 rho_sum)
    !>
-   !> The first term is the energy at constant radii; each further one is minus the integral over h of the derivative of
-   !> the one before it to rho_sum. What is left out is of the relative order (h/rho_sum)**3: below 1e-13 for
-   !> h < 3e-4 rho_sum, past what steel bears.
+   !> The first two terms are the energy at constant radii; of the further orders each is minus the integral over h of the
+   !> derivative of the one before it to rho_sum. What is left out is of the relative order (h/rho_sum)**3: below 1e-13 for
+   !> h < 3e-4 rho_sum, past what steel bears. `spread_over_width` has the derivatives of this V, so that no energy is lost
+   !> where it matters.
    !>
-   !> Source: integral of (13); the terms after the first are derived here.   Valid: as johnson_force; even in h
-   elemental subroutine johnson_potential(h, rho_sum, e_star, growth, potential, constant_radii, code)
-      real(wp), intent(in) :: h               !! penetration [m]
-      real(wp), intent(in) :: rho_sum         !! sum of the radii of curvature at h [m], > 0
-      real(wp), intent(in) :: e_star          !! effective modulus [Pa], > 0
-      real(wp), intent(in) :: growth          !! g = d(rho_sum)/dh along the path: 1 in a mesh, 0 at constant radii
-      real(wp), intent(out) :: potential      !! V along the path [J/m]; 0 on error
-      real(wp), intent(out) :: constant_radii !! the first term alone [J/m]; 0 on error
-      integer, intent(out) :: code            !! code_ok or code_out_of_domain
-      real(wp) :: force, d_h, d_rho
+   !> It holds for each law N = pi E* h/w with w - ln w = ln(rho_sum/h) + constant: for Radzimovsky's as well.
+   !>
+   !> Source: integral of (13); the terms after the first two are derived here.   Valid: as johnson_force; even in h
+   elemental real(wp) function johnson_energy(h, force, rho_sum, e_star) result(potential)
+      real(wp), intent(in) :: h       !! penetration [m]
+      real(wp), intent(in) :: force   !! N at |h| [N/m]
+      real(wp), intent(in) :: rho_sum !! sum of the radii of curvature at h [m], > 0
+      real(wp), intent(in) :: e_star  !! effective modulus [Pa], > 0
+      real(wp) :: x, y
 
-      call johnson_force(abs(h), rho_sum, e_star, force, d_h, d_rho, code)
-      call johnson_energy(h, force, rho_sum, e_star, growth, potential, constant_radii)
-   end subroutine johnson_potential
-
-   !> The same where the force is known already.
-   elemental subroutine johnson_energy(h, force, rho_sum, e_star, growth, potential, constant_radii)
-      real(wp), intent(in) :: h, force, rho_sum, e_star, growth !! force: that of johnson_force at |h| [N/m]
-      real(wp), intent(out) :: potential, constant_radii
-      real(wp) :: log_ratio, share
-
-      potential = 0.0_wp
-      constant_radii = 0.0_wp
-      if (.not. force > 0.0_wp) return
-      log_ratio = 1.0_wp + pi*e_star*abs(h)/force
-      share = growth*force/(pi*e_star*rho_sum)
-      constant_radii = force**2/(2.0_wp*pi*e_star)*(log_ratio - 1.5_wp)
-      potential = constant_radii + force**2/(2.0_wp*pi*e_star)*share &
-                  *((log_ratio - 5.0_wp/3.0_wp)/3.0_wp &
-                    + share*((24.0_wp*log_ratio - 28.0_wp)*log_ratio - 23.0_wp)/288.0_wp)
-   end subroutine johnson_energy
+      x = abs(h)/rho_sum
+      y = force/(pi*e_star*rho_sum)
+      potential = force*rho_sum*((x/2 - y/4) + (x/6 - y/9)*y + (24*x**2 + (20*x - 27*y)*y)*y/576)
+   end function johnson_energy
 
    !> Largest penetration of the model, 4 rho/e**2 [m]; itself outside. Source: Kosenko & Gusev 2011, (15).
    elemental real(wp) function johnson_penetration_limit(rho_sum)

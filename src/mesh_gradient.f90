@@ -6,7 +6,7 @@ module evl_mesh_gradient
    use evl_contact_tracking, only: gradient_points, track_points
    use evl_deviating_flanks, only: deviate, deviate_gradient, flank_value
    use evl_deviation, only: deviation
-   use evl_kinds, only: pi, wp
+   use evl_kinds, only: wp
    use evl_local_variables, only: at_normal, n_local, unit
    use evl_mesh, only: contact_law, contact_loaded, contact_t, contact_unloaded, flank_values, forces_of_laws, left_involute, &
                        mesh_force, mesh_mode, on_involutes, tracking_closed_form
@@ -51,12 +51,11 @@ contains
       if (mode%contact == contact_loaded) call friction_factor(mesh%friction, mode%friction, point%v_t, factor, d_v)
       call forces_of_laws(mesh, mode, point, elastic, viscous%force, factor, force)
       d_rho_sum = d%rho_a + d%rho_b
-      associate (rho_sum => point%rho_a + point%rho_b)
+      associate (r => point%rho_a + point%rho_b - point%h)
          d_elastic = elastic%d_h*d%h + elastic%d_rho*d_rho_sum
-         ! dV/drho_sum changes with h as the force does with rho_sum
-         d_energy = elastic%d_rho*d%h - (elastic%d_rho*elastic%force/(pi*mesh%e_star*mesh%width*rho_sum) &
-                                         + elastic%d_energy/rho_sum)*d_rho_sum
-         gradient%dissipation = -point%rho_dot*d_energy - elastic%d_energy*d%rho_dot
+         ! dV/dr changes with h as the force does with r, and is homogeneous in both; `excess` is constant enough
+         d_energy = elastic%d_rho*d%h + (elastic%d_energy - point%h*elastic%d_rho)/r*(d_rho_sum - d%h)
+         gradient%dissipation = -point%rho_dot*d_energy - elastic%d_energy*d%rho_dot - elastic%excess*d%h_dot
          if (mode%contact == contact_unloaded) then
             gradient%torque_a = 0
             gradient%torque_b = 0

@@ -13,7 +13,7 @@
 !> Source: E. I. Radzimovsky, Stress distribution and strength condition of two rolling cylinders pressed together,
 !> University of Illinois Engineering Experiment Station Bulletin 408, 1953.
 module evl_radzimovsky
-   use evl_johnson, only: johnson_force, johnson_penetration, johnson_penetration_limit, johnson_potential
+   use evl_johnson, only: johnson_force, johnson_penetration, johnson_penetration_limit
    use evl_kinds, only: wp
    use evl_law_info, only: law_info_t
    use evl_status, only: quantity
@@ -21,7 +21,7 @@ module evl_radzimovsky
    private
 
    public :: enlarged
-   public :: radzimovsky_force, radzimovsky_law, radzimovsky_limit_message, radzimovsky_penetration, radzimovsky_potential
+   public :: radzimovsky_force, radzimovsky_law, radzimovsky_limit_message, radzimovsky_penetration
 
    real(wp), parameter :: enlarged = 1.323622512617507341706843001049_wp !! exp(5/3)/4
 
@@ -39,18 +39,6 @@ contains
 
       call johnson_penetration(force, enlarged*rho_sum, e_star, h, code)
    end subroutine radzimovsky_penetration
-
-   !> Elastic energy per unit width along rho_sum = rho + h, as a mesh moves.   Valid: as radzimovsky_force; even in h
-   elemental subroutine radzimovsky_potential(h, rho_sum, e_star, potential, code)
-      real(wp), intent(in) :: h          !! penetration [m]
-      real(wp), intent(in) :: rho_sum    !! sum of the radii of curvature at h [m], > 0
-      real(wp), intent(in) :: e_star     !! effective modulus [Pa], > 0
-      real(wp), intent(out) :: potential !! [J/m]; 0 on error
-      integer, intent(out) :: code       !! code_ok or code_out_of_domain
-      real(wp) :: constant_radii
-
-      call johnson_potential(h, enlarged*rho_sum, e_star, enlarged, potential, constant_radii, code)
-   end subroutine radzimovsky_potential
 
    !> Why radzimovsky_force refuses h, as one sentence.
    pure subroutine radzimovsky_limit_message(h, rho_sum, message)

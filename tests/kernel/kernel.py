@@ -120,6 +120,15 @@ class Force(NamedTuple):
     code: Integers
 
 
+class Energy(NamedTuple):
+    """Elastic energy with its derivatives to h and to rho_sum - h."""
+
+    potential: Floats
+    d_h: Floats
+    d_length: Floats
+    code: Integers
+
+
 class Viscous(NamedTuple):
     """A viscous force with its derivatives."""
 
@@ -249,17 +258,6 @@ class Kernel:
         self.library.evl_johnson_penetration(n, *map(_at, given), _at(h), _at(codes))
         return h, codes
 
-    def johnson_potential(
-        self, h: ArrayLike, rho_sum: ArrayLike, e_star: ArrayLike
-    ) -> tuple[Floats, Floats, Integers]:
-        """Energy per unit width along the mesh's path, that at constant radii, and the codes."""
-        given = _floats(h, rho_sum, e_star)
-        n = len(given[0])
-        potential, constant, codes = np.empty(n), np.empty(n), np.empty(n, np.int32)
-        results = (potential, constant, codes)
-        self.library.evl_johnson_potential(n, *map(_at, given), *map(_at, results))
-        return results
-
     def johnson_limits(self, rho_sum: float, e_star: float) -> tuple[float, float]:
         """Return the limits (15) of penetration and force."""
         rho, modulus = _floats(rho_sum, e_star)
@@ -357,16 +355,12 @@ class Kernel:
         )
         return h, codes
 
-    def law_elastic_potential(
-        self, choice: LawChoice, **context: ArrayLike
-    ) -> tuple[Floats, Integers]:
-        """Elastic energy over the width, and the codes."""
+    def law_elastic_potential(self, choice: LawChoice, **context: ArrayLike) -> Energy:
+        """Elastic energy over the width."""
         n, contexts = _contexts(context)
-        potential, codes = np.empty(n), np.empty(n, np.int32)
-        self.library.evl_law_elastic_potential(
-            n, ctypes.byref(choice), contexts, _at(potential), _at(codes)
-        )
-        return potential, codes
+        result = Energy(np.empty(n), np.empty(n), np.empty(n), np.empty(n, np.int32))
+        self.library.evl_law_elastic_potential(n, ctypes.byref(choice), contexts, *map(_at, result))
+        return result
 
     def law_viscous_force(
         self, contact: LawChoice, damping: LawChoice, **context: ArrayLike

@@ -258,9 +258,8 @@ def test_energy_changes_by_the_work_of_the_loads_less_what_is_dissipated(
         d_dissipated = state.yp[gearbox.place("dissipated_energy")]
         d_work = state.yp[gearbox.place("load_work")]
         parts = [*d_kinetic, d_potential, d_dissipated, -d_work]
-        # the potential holds rho_A + rho_B - h constant, which moving axles change: V rho'/rho, at
-        # these speeds 1e-7 of the largest power
-        assert worst(np.sum(parts), 1e-7 * np.abs(parts).max()) <= 1
+        # Richardson differences of V over 1e-3 of h: 1e-10 of the largest power
+        assert worst(np.sum(parts), 1e-10 * np.abs(parts).max()) <= 1
         if mode == (LOADED, 0) and (o["normal_force"] >= 0).all():
             assert d_dissipated >= 0
 
@@ -307,7 +306,8 @@ def test_two_wheels_without_supports_loads_and_losses_keep_their_energy(kernel: 
     d_potential = rate_along_flow(gearbox, state, "potential_energy")
     # Richardson differences of V over 1e-3 of h: 1e-11 of it
     assert d_potential == pytest.approx(-d_kinetic.sum(), rel=1e-10)
-    assert state.yp[gearbox.place("dissipated_energy")] == 0
+    # a series for V: what it leaves out is (h/rho)^3 of the power, 1e-14 here
+    assert abs(state.yp[gearbox.place("dissipated_energy")]) <= 1e-14 * abs(d_potential)
     assert state.yp[gearbox.place("load_work")] == 0
 
 

@@ -11,7 +11,7 @@ from kernel.gearbox import LOADED, TRACKED, Gearbox
 from kernel.gearbox_cases import PAIRS, chain, in_mode, paper_gearbox, prescribed, scatter
 from kernel.gearbox_description import ALGEBRAIC, CLOSED_FORM, DIFFERENTIAL, load, mesh, wheel
 from kernel.housing import Housing, Pair
-from kernel.kernel import Kernel
+from kernel.kernel import CONTACT, Kernel
 
 TRACKINGS = pytest.mark.parametrize("tracking", [CLOSED_FORM, ALGEBRAIC, DIFFERENTIAL])
 # what docs/result_format.md promises beside the time
@@ -184,9 +184,10 @@ def test_potential_energy_is_that_of_contacts_and_springs(kernel: Kernel):
     contact = gearbox.outputs(state)["potential_energy"][0]
     h = gearbox.outputs(state)["penetration"][0]
     geometry = gearbox.mesh_geometry()
-    width, rho = geometry.common_width, geometry.line_of_action_length + h
-    potential, *_ = kernel.johnson_potential(h, rho, geometry.effective_modulus)
-    assert contact == pytest.approx(width * potential[0], rel=1e-13)
+    place = {"rho_sum": geometry.line_of_action_length + h, "width": geometry.common_width}
+    law = kernel.law(CONTACT, "johnson")
+    of_law = kernel.law_elastic_potential(law, h=h, e_star=geometry.effective_modulus, **place)
+    assert contact == pytest.approx(of_law.potential[0], rel=1e-13)
     gearbox.mode(state)[1] = 0
     state.y[gearbox.place("displacement_1")] = 2e-4
     assert gearbox.outputs(state)["potential_energy"][0] == pytest.approx(0.5 * 1e9 * 4e-8)

@@ -9,7 +9,7 @@ import pytest
 from kernel.gearbox import APART, COAST, DRIVE, LOADED, OFF, UNLOADED, Gearbox, State
 from kernel.gearbox_description import ALGEBRAIC, DIFFERENTIAL, SPEEDS, TORQUE, load
 from kernel.jacobian import check_jacobian
-from kernel.kernel import Floats, Kernel
+from kernel.kernel import CONTACT, Floats, Kernel
 from kernel.real_cases import DAMPING, FRICTION, GAPS, PAIRS, made
 from kernel.real_pairs import RealPair, Teeth
 
@@ -120,6 +120,7 @@ def test_forces_of_every_pair_follow_the_gradient_of_its_gap(
 def radius_power(kernel: Kernel, gearbox: Gearbox, teeth: Teeth) -> float:
     """Power by which energies change because radii of curvature do, beside the penetrations'."""
     power = 0.0
+    law = kernel.law(CONTACT, "johnson")
     geometry = gearbox.mesh_geometry()
     for contact in teeth.contacts:
         h = float(-contact.gap)
@@ -134,11 +135,12 @@ def radius_power(kernel: Kernel, gearbox: Gearbox, teeth: Teeth) -> float:
         rho = float(sum(contact.rho))
         excess = float((later - sum(contact.rho)) / step) - h_dot
         change = 1e-7 * rho
+        place = {"h": h, "e_star": geometry.effective_modulus, "width": geometry.common_width}
         values = [
-            kernel.johnson_potential(h, rho + sign * change, geometry.effective_modulus)[0][0]
+            kernel.law_elastic_potential(law, rho_sum=rho + sign * change, **place).potential[0]
             for sign in (1, -1)
         ]
-        power += geometry.common_width * (values[0] - values[1]) / (2 * change) * excess
+        power += (values[0] - values[1]) / (2 * change) * excess
     return power
 
 

@@ -820,10 +820,6 @@ EVL_API int evl_johnson_force(int n, const double *h, const double *rho_sum, con
 /** The inverse: penetrations [m] from forces per unit width [N/m], |N| < 4 pi e_star rho_sum/e^2. */
 EVL_API int evl_johnson_penetration(int n, const double *force, const double *rho_sum, const double *e_star, double *h,
                                     int *codes);
-/** Elastic energy per unit width [J/m] at h, with rho_sum there: `potential` along rho_sum - h = constant, as a mesh
- *  moves; `constant_radii` at constant rho_sum. */
-EVL_API int evl_johnson_potential(int n, const double *h, const double *rho_sum, const double *e_star,
-                                  double *potential, double *constant_radii, int *codes);
 /** The limits (15): of the penetration [m] and of the force per unit width [N/m]. */
 EVL_API void evl_johnson_limits(int n, const double *rho_sum, const double *e_star, double *penetration, double *force);
 /** One turn of the paper's iteration (18): nu (1 + eta ln eta). */
@@ -858,9 +854,9 @@ EVL_API void evl_law_elastic_limit(const evl_law_choice *contact, const evl_cont
 /** Penetration [m] at which the elastic force is `force` [N]; the h of the contexts is not used. */
 EVL_API int evl_law_penetration(int n, const evl_law_choice *contact, const evl_contact_context *contexts,
                                 const double *force, double *h, int *codes);
-/** Elastic energy [J] along rho_sum - h = constant. */
+/** Elastic energy [J] along the length rho_sum - h = constant, with its derivatives to h and to that length [N]. */
 EVL_API int evl_law_elastic_potential(int n, const evl_law_choice *contact, const evl_contact_context *contexts,
-                                      double *potential, int *codes);
+                                      double *potential, double *d_h, double *d_length, int *codes);
 /** Viscous normal force [N] with its derivatives to h and to rho_sum [N/m] and to h_dot [N s/m]; the contact law's
  *  force enters some laws. */
 EVL_API int evl_law_viscous_force(int n, const evl_law_choice *contact, const evl_law_choice *damping,
