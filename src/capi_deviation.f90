@@ -2,16 +2,20 @@
 module evl_capi_deviation
    use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_double, c_f_pointer, c_int, c_ptr
    use evl_capi_types, only: c_status, status_to_c
+   use evl_contact_point, only: contact_point
    use evl_deviation_description, only: deviation_create, deviation_input, profile_t, relief_input
    use evl_flank_deviation, only: deviation_at, deviation_borders, deviation_zone, flank_deviation_t
    use evl_gearbox, only: gearbox_t
+   use evl_mesh, only: mesh_mode, mesh_settle_zones
    use evl_pitch_errors, only: pitch_errors_generate, pitch_tolerances, single_pitch_deviation, total_pitch_deviation
    use evl_status, only: code_invalid_input, fail, has_failed, status_t, subject_wheel
+   use evl_touching_flanks, only: second_order_gap, touching_curvature
    implicit none (type, external)
    private
 
    public :: c_flank_deviation, deviation_from_c
    public :: evl_flank_deviation_at, evl_gearbox_deviation, evl_gearbox_flank_deviation
+   public :: evl_gearbox_touching_flanks
    public :: evl_pitch_error_sequence, evl_pitch_tolerances
 
    !> evl_relief
@@ -149,6 +153,29 @@ contains
       call c_f_pointer(handle, g)
       call evaluate(g%wheels(wheel + 1)%deviation, n, teeth, sides, rho, e=e, de=de, d2e=d2e)
    end subroutine evl_gearbox_flank_deviation
+
+   subroutine evl_gearbox_touching_flanks(handle, mesh, pair, n, rho, second_order, curvature) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: mesh, pair, n
+      real(c_double), intent(in) :: rho(n)
+      real(c_double), intent(out) :: second_order(n), curvature(n)
+      type(gearbox_t), pointer :: g
+      type(contact_point) :: point
+      type(mesh_mode) :: mode
+      integer :: i
+
+      call c_f_pointer(handle, g)
+      associate (contact => g%contacts(g%first(mesh + 1)))
+         mode%teeth = pair
+         do i = 1, n
+            point%rho_a = rho(i)
+            point%rho_b = contact%pair%rho_0 - rho(i)
+            call mesh_settle_zones(contact, point, mode)
+            second_order(i) = second_order_gap(contact, pair, rho(i))
+            curvature(i) = touching_curvature(contact, mode, point)
+         end do
+      end associate
+   end subroutine evl_gearbox_touching_flanks
 
    !> Each flank in its zone, or in the zone in which rho lies.
    pure subroutine evaluate(deviation, n, teeth, sides, rho, zones, e, de, d2e)

@@ -6,7 +6,7 @@ module evl_gearbox_build
    use evl_gear_pair, only: gear_pair_derive
    use evl_gearbox, only: gearbox_t, i_omega, i_theta, support_bearing, support_slider, support_t
    use evl_gearbox_description, only: check_description, mesh_input, shaft_input, wheel_input
-   use evl_gearbox_deviations, only: gearbox_set_deviations
+   use evl_gearbox_deviations, only: check_second_order, gearbox_set_deviations
    use evl_gearbox_references, only: gearbox_set_references
    use evl_gearbox_scaling, only: gearbox_set_scales
    use evl_gearbox_warnings, only: check_contact_width, warn_of_sizes
@@ -90,6 +90,7 @@ contains
       if (has_failed(status)) return
       do i = 1, size(meshes)
          call check_contact_width(gearbox, i)
+         call check_second_order(gearbox, i)
       end do
       call warn_of_sizes(gearbox)
       allocate (gearbox%output_offsets(n_outputs), gearbox%output_counts(n_outputs))

@@ -6,11 +6,14 @@ module evl_gearbox_deviations
    use evl_gearbox_description, only: mesh_input, wheel_input
    use evl_kinds, only: wp
    use evl_mesh, only: tracking_closed_form
-   use evl_status, only: code_invalid_input, fail, has_failed, status_t, subject_mesh, subject_wheel
+   use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel, warn
+   use evl_touching_flanks, only: largest_second_order
    implicit none (type, external)
    private
 
-   public :: gearbox_set_deviations
+   public :: check_second_order, gearbox_set_deviations
+
+   real(wp), parameter :: worth_knowing = 0.02_wp !! second order of the gap over the reference penetration: warn above
 
 contains
 
@@ -96,5 +99,24 @@ contains
                    //" deviations of its wheels out", subject_mesh, index, "contact.law")
       end if
    end subroutine check_mesh
+
+   !> The gap between deviating flanks is one of first order: say so where that matters.
+   subroutine check_second_order(gearbox, index)
+      type(gearbox_t), intent(inout) :: gearbox
+      integer, intent(in) :: index
+      real(wp) :: gap, rho_a
+      character(len=24) :: share
+
+      associate (mesh => gearbox%contacts(gearbox%first(index)))
+         if (.not. mesh%deviates) return
+         call largest_second_order(mesh, gap, rho_a)
+         if (.not. gap > worth_knowing*mesh%h_scale) return
+         write (share, "(f0.1)") 100*gap/mesh%h_scale
+         if (share(1:1) == ".") share = "0"//share
+         call warn(gearbox%warnings, "relieved flanks that their slopes turn touch beside the line of action: the gap, taken to" &
+                   //" first order, is up to "//quantity(gap, "m")//" too wide (at rho_A = "//quantity(rho_a, "m")//"), " &
+                   //trim(share)//" % of the penetration "//quantity(mesh%h_scale, "m")//" under the load", subject_mesh, index)
+      end associate
+   end subroutine check_second_order
 
 end module evl_gearbox_deviations

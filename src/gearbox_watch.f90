@@ -123,7 +123,7 @@ contains
             call raise(point%h, values(before + watch_penetration))
          if (mode%contact /= contact_loaded) return
          call raise(unclipped, values(before + watch_pair_normal))
-         call raise(contact_pressure(mesh, unclipped, point), values(before + watch_pair_pressure))
+         call raise(contact_pressure(mesh, mode, unclipped, point), values(before + watch_pair_pressure))
          values(before + watch_normal) = values(before + watch_normal) + unclipped
          if (mesh%flank /= flank_drive .or. mesh%friction%law == friction_none) return
          call friction_factor(mesh%friction, mode%friction, point%v_t, factor, d_v)
@@ -131,12 +131,12 @@ contains
       end associate
    end subroutine watch_contact
 
-   !> The larger of two.
+   !> The larger of two; what is no number, as the pressure of flanks too hollow to touch in one place, raises nothing.
    elemental subroutine raise(value, largest)
       real(wp), intent(in) :: value
       real(wp), intent(inout) :: largest
 
-      largest = max(largest, value)
+      if (value > largest) largest = value
    end subroutine raise
 
 end module evl_gearbox_watch

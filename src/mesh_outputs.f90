@@ -13,6 +13,7 @@ module evl_mesh_outputs
                        mesh_contact, mesh_energy, mesh_force, mesh_mode, mesh_nominal_rho, mesh_tooth_a, mesh_tooth_b, touches, &
                        tracking_closed_form
    use evl_output, only: dims_mesh, dims_mesh_axis, dims_mesh_pair, output_t
+   use evl_touching_flanks, only: touching_curvature
    implicit none (type, external)
    private
 
@@ -83,7 +84,8 @@ contains
                       dims_mesh_pair)
       t(3) = output_t("pair_position", "m", "rho_Ak", "radius of curvature of the driving flank at the contact; NaN off the path", &
                       dims_mesh_pair)
-      t(4) = output_t("pair_contact_pressure", "Pa", "p_k", "largest contact pressure", dims_mesh_pair)
+      t(4) = output_t("pair_contact_pressure", "Pa", "p_k", &
+                      "largest contact pressure; NaN where a hollow flank has no Hertzian one", dims_mesh_pair)
       t(5) = output_t("pair_on_path", "1", "", "1 if the tooth pair is on the path of contact", dims_mesh_pair, is_integer=.true.)
       t(6) = output_t("pair_number", "1", "k", "the tooth pair: pitches since the start", dims_mesh_pair, is_integer=.true.)
       t(7) = output_t("pair_tooth_driving", "1", "", "its tooth of the driving wheel, from 0, counterclockwise", dims_mesh_pair, &
@@ -157,7 +159,10 @@ contains
                          points(:, index, 2))
          lag = transmission_error(mesh%pair, q)
          curvature = gap_along(mesh%pair, q, line) + lag
-         if (.not. total%h(1) > -huge(1.0_wp)) total%h(1) = leading%h ! no pair is on the path
+         if (.not. total%h(1) > -huge(1.0_wp)) then ! no pair is on the path
+            total%h(1) = leading%h
+            if (mesh%deviates) total%deviation(1) = -closed_form_gap(mesh%pair, q) - leading%h
+         end if
          input = abs(total%torque_a*leading%omega_a)
          scalars(index, 1:9) = [lag, max(total%h(1), 0.0_wp), -total%h(1), curvature, total%normal, &
                                 total%friction, leading%v_t, leading%l_a, leading%l_b]
@@ -184,13 +189,14 @@ contains
    end function transmission_error
 
    !> Largest contact pressure of a tooth pair [Pa], Hertz's for a line contact.
-   pure real(wp) function contact_pressure(mesh, normal, point) result(pressure)
+   pure real(wp) function contact_pressure(mesh, mode, normal, point) result(pressure)
       type(contact_t), intent(in) :: mesh
+      type(mesh_mode), intent(in) :: mode
       real(wp), intent(in) :: normal !! F_n [N]
       type(contact_point), intent(in) :: point
 
       pressure = 0
-      if (normal > 0) pressure = sqrt(normal/mesh%width*mesh%e_star*(1/point%rho_a + 1/point%rho_b)/pi)
+      if (normal > 0) pressure = sqrt(normal/mesh%width*mesh%e_star*touching_curvature(mesh, mode, point)/pi)
    end function contact_pressure
 
    !> One tooth pair: its values, and what it adds to its mesh.
@@ -213,7 +219,7 @@ contains
          call add_mesh_reaction(gearbox, mesh, force%on_a, reactions)
          potential = potential + mesh_energy(mesh, mode, point, force%elastic)
          values(1:3) = [force%normal, force%friction, point%rho_a]
-         values(4) = contact_pressure(mesh, force%normal, point)
+         values(4) = contact_pressure(mesh, mode, force%normal, point)
          values(5) = 1
          total%normal = total%normal + force%normal
          if (mesh%flank == flank_coast) total%coast = total%coast + force%normal

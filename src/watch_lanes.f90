@@ -3,7 +3,7 @@
 module evl_watch_lanes
    use evl_contact_lanes, only: contact_in_lanes, lane_contact
    use evl_contact_laws, only: friction_none
-   use evl_contact_point, only: tracked_pair
+   use evl_contact_point, only: contact_point, tracked_pair
    use evl_extremes, only: watch_error, watch_friction, watch_normal, watch_pair_normal, watch_pair_pressure, &
                            watch_penetration, watch_sliding
    use evl_gearbox, only: gearbox_t, leading_contact
@@ -13,12 +13,16 @@ module evl_watch_lanes
    use evl_line_lanes, only: centre_turn_in_lanes, lane_line, line_in_lanes, motion_in_lanes
    use evl_mesh, only: contact_loaded, contact_t, flank_drive, touches
    use evl_ode_model, only: lanes
+   use evl_radau_coefficients, only: n_stages
+   use evl_touching_flanks, only: touching_curvature
    implicit none (type, external)
    private
 
    public :: most_rows, watched_in_lanes
 
 contains
+
+   include "formulas/lane_point.inc"
 
    !> How many rows there can be.
    pure integer function most_rows(gearbox) result(n)
@@ -82,7 +86,7 @@ contains
       integer, intent(inout) :: channels(:)
       real(wp), intent(inout) :: values(lanes, *)
       real(wp), dimension(lanes), intent(inout) :: normal, friction
-      real(wp) :: pressure(lanes), factor
+      real(wp) :: pressure(lanes), curvature(lanes), factor
       integer :: l
 
       associate (mesh => gearbox%contacts(c))
@@ -90,21 +94,45 @@ contains
          if (slot%mode%contact /= contact_loaded) return
          call put(channel_of(mesh%mesh, watch_pair_normal), slot%unclipped, n, channels, values)
          factor = mesh%e_star/(mesh%width*pi)
+         call curvature_in_lanes(mesh, slot, curvature)
          !$omp simd
          do l = 1, lanes
             normal(l) = normal(l) + slot%unclipped(l)
-            pressure(l) = pressure_in_lane(factor, slot%unclipped(l), slot%at%rho_a(l), slot%at%rho_b(l))
+            pressure(l) = pressure_in_lane(factor, slot%unclipped(l), curvature(l))
          end do
          call put(channel_of(mesh%mesh, watch_pair_pressure), pressure, n, channels, values)
          if (mesh%flank == flank_drive) friction = friction - slot%unclipped*slot%friction
       end associate
    end subroutine watch_pair
 
-   !> The contact pressure of one lane.
-   elemental real(wp) function pressure_in_lane(factor, force, rho_a, rho_b) result(pressure)
-      real(wp), intent(in) :: factor, force, rho_a, rho_b
+   !> Curvature of both flanks together; of flanks that deviate a little more than it is. That takes long, so it is found at both ends of
+   !> the step, and what changes less than evenly between them stays below: a place that looks like an extreme is looked at exactly.
+   pure subroutine curvature_in_lanes(mesh, slot, curvature)
+      type(contact_t), intent(in) :: mesh
+      type(lane_slot), intent(in) :: slot
+      real(wp), intent(out) :: curvature(lanes)
+      real(wp), parameter :: margin = 2.0e-3_wp
+      type(contact_point) :: point
+      real(wp) :: from, to, way
 
-      pressure = sqrt(factor*max(force, 0.0_wp)*(rho_a + rho_b)/(rho_a*rho_b))
+      associate (rho_a => slot%at%rho_a, rho_b => slot%at%rho_b)
+         curvature = (rho_a + rho_b)/(rho_a*rho_b)
+         if (.not. mesh%deviates) return
+         call take_lane(slot%at, lanes, point)
+         from = touching_curvature(mesh, slot%mode, point)
+         call take_lane(slot%at, n_stages, point)
+         to = touching_curvature(mesh, slot%mode, point)
+         way = rho_a(n_stages) - rho_a(lanes)
+         if (.not. (abs(way) > 0 .and. from > 0 .and. to > 0)) return
+         curvature = (1 + margin)*(from + (to - from)*((rho_a - rho_a(lanes))/way))
+      end associate
+   end subroutine curvature_in_lanes
+
+   !> The contact pressure of one lane.
+   elemental real(wp) function pressure_in_lane(factor, force, curvature) result(pressure)
+      real(wp), intent(in) :: factor, force, curvature
+
+      pressure = sqrt(factor*max(force, 0.0_wp)*curvature)
    end function pressure_in_lane
 
    !> What a mesh has whether it touches or not.

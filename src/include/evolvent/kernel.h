@@ -419,6 +419,10 @@ EVL_API bool evl_gearbox_deviation(const evl_gearbox *gearbox, int wheel, evl_de
 /** Deviation e [n] [m] of flanks of a wheel from the involute with its derivatives, as evl_flank_deviation_at without zones. */
 EVL_API void evl_gearbox_flank_deviation(const evl_gearbox *gearbox, int wheel, int n, const int *teeth,
                                          const int *sides, const double *rho, double *e, double *de, double *d2e);
+/** Drive flanks of a tooth pair at places of the line of action, radii of curvature of the driving flank [n] [m]: by how much the gap
+ *  of first order is wider than the real one [m], and the sum of the curvatures where they touch [1/m]. */
+EVL_API void evl_gearbox_touching_flanks(const evl_gearbox *gearbox, int mesh, int pair, int n, const double *rho,
+                                         double *second_order, double *curvature);
 
 /** Fill y, yp, integers and reals for time t. @return EVL_OK, EVL_INVALID_INPUT (initial values that contradict each other or the
  *  loads), EVL_NO_SOLUTION (steady state), EVL_OUT_OF_DOMAIN. */
