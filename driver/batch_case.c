@@ -183,8 +183,12 @@ static void conclude(const batch_sink *sink, const prepared_case *prepared, long
     const bool is_done = result->end == SIMULATE_DONE;
     double *results = xcalloc((size_t)plan->table.n, sizeof *results);
     statistics_finish(sink->statistics, &result->counts, is_done, results);
+    char *remark = result->held ? xstrdup(result->remark)
+                                : xasprintf("%s%sits own invariants are %s", result->remark,
+                                            result->remark[0] != '\0' ? "; " : "", result->invariants);
     char *message =
-        is_done ? remarks(prepared, result->remark) : xasprintf("failed at t = %.9g s: %s", result->t, result->message);
+        is_done ? remarks(prepared, remark) : xasprintf("failed at t = %.9g s: %s", result->t, result->message);
+    free(remark);
     write_row(plan, index, is_done ? JOURNAL_DONE : JOURNAL_FAILED, message, results, row);
     free(message);
     free(results);

@@ -149,13 +149,14 @@ static bool put_extremes(const run *run)
 }
 
 /** @return false if the history could not be completed; the reason is in run->message */
-static bool close_history(run *run, bool commit, const char *status, const char *message,
-                          const integrate_counts *counts)
+static bool close_history(run *run, bool commit, const char *status, const char *message, const simulate_result *result)
 {
+    const integrate_counts *counts = &result->counts;
     const bool by_stepper = simulate_options(&run->prepared).by_stepper;
     const history_attribute attributes[] = {
         text_attribute("status", status),
         text_attribute("status_message", message),
+        text_attribute("invariants", result->invariants),
         count_attribute("integrator_steps", counts->steps),
         count_attribute("integrator_residuals", counts->residuals),
         count_attribute("integrator_jacobians", counts->jacobians),
@@ -209,6 +210,15 @@ static void summarise(const integrate_counts *counts, const char *path)
              (double)clock() / CLOCKS_PER_SEC, path);
 }
 
+/** The last line of a run that cannot be trusted. */
+static void warn_of_invariants(const simulate_result *result)
+{
+    if (!result->held) {
+        log_warning("the run's own invariants are %s: lower simulation.tolerance or simulation.max_step",
+                    result->invariants);
+    }
+}
+
 /** The run ended: complete the history, and say how it went. */
 static void conclude(run *run, const simulate_result *result, const char *path, evl_error *error)
 {
@@ -232,10 +242,11 @@ static void conclude(run *run, const simulate_result *result, const char *path, 
                       partial);
     }
     const bool is_done = result->end == SIMULATE_DONE;
-    if (!close_history(run, is_done, status, is_done ? remark : reason, &result->counts)) {
+    if (!close_history(run, is_done, status, is_done ? remark : reason, result)) {
         evl_error_set(error, EVL_EXIT_IO, "", "%s", run->message);
     } else if (is_done) {
         summarise(&result->counts, path);
+        warn_of_invariants(result);
     }
     free(place);
     free(partial);

@@ -2,6 +2,7 @@
 
 #include "contact_watch.h"
 #include "interrupt.h"
+#include "invariant_watch.h"
 #include "memory.h"
 
 #include <math.h>
@@ -19,6 +20,7 @@ typedef struct {
     const simulate_sink *sink;
     progress *progress;
     contact_watch contact;
+    invariant_watch *invariants;
     double *values; /**< [model_n_values] */
     double t_given; /**< model time of the last outputs that the sink got */
     stop_reason stop;
@@ -33,6 +35,7 @@ static int on_output(void *self, const dae_state *state)
         return 1;
     }
     contact_watch_outputs(&s->contact, s->values);
+    invariant_watch_outputs(s->invariants, state->t, s->values);
     if (!s->sink->outputs(s->sink->self, state->t, s->values)) {
         s->stop = STOP_SINK;
         return 1;
@@ -78,6 +81,7 @@ static void give_last(simulation *s, const dae_state *state)
         return;
     }
     contact_watch_outputs(&s->contact, s->values);
+    invariant_watch_outputs(s->invariants, state->t, s->values);
     if (!s->sink->outputs(s->sink->self, state->t, s->values)) {
         s->stop = STOP_SINK;
     }
@@ -146,7 +150,10 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, progress
                                          .event = on_event,
                                          .step = on_step,
                                          .watch = sink->extremes == NULL ? NULL : on_watch};
-    contact_watch_init(&s.contact, prepared->model, case_description(prepared->file)->n_meshes);
+    const description *description = case_description(prepared->file);
+    contact_watch_init(&s.contact, prepared->model, description->n_meshes);
+    s.invariants =
+        invariant_watch_create(prepared->model, description->n_wheels, description->n_meshes, options.tolerance);
     const integrate_code code =
         integrate(model_dae(prepared->model), &options, &observer, state, &result->counts, result->message);
     if (code == INTEGRATE_DONE) {
@@ -159,6 +166,8 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, progress
                                                    : SIMULATE_FAILED;
     }
     result->t = state->t;
+    result->held = invariant_watch_tell(s.invariants, result->invariants, sizeof result->invariants);
+    invariant_watch_delete(&s.invariants);
     contact_watch_free(&s.contact);
     free(s.values);
 }

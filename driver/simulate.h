@@ -29,6 +29,8 @@ typedef struct {
     char message[DAE_MESSAGE_LENGTH]; /**< of SIMULATE_FAILED */
     /** What deserves a word at the end: contact lost for good, a vibration that feeds itself; "" if nothing does. */
     char remark[DAE_MESSAGE_LENGTH];
+    bool held;                           /**< whether it kept its invariants at all its outputs */
+    char invariants[DAE_MESSAGE_LENGTH]; /**< "held", or "broken: " and which ones by how much */
 } simulate_result;
 
 /** The integrator's options that a case asks for. */

@@ -302,7 +302,7 @@ def _print_verdicts(path: Path, verdicts: list[Verdict]) -> None:
         table.add_row(
             v.invariant.name,
             "" if v.worst is None else f"{v.worst:.2e}",
-            f"{v.invariant.bound:g}",
+            f"{v.bound:g}",
             v.invariant.relative_to,
             escape(v.reason or (", ".join(v.where.values()) if v.worst else "")),
             f"[{styles[v.verdict]}]{v.verdict}[/]",
@@ -319,7 +319,7 @@ def _verdicts_as_json(path: Path, warning: str | None, verdicts: list[Verdict]) 
                 "name": v.invariant.name,
                 "formula": v.invariant.formula,
                 "relative_to": v.invariant.relative_to,
-                "bound": v.invariant.bound,
+                "bound": v.bound,
                 "worst": _number(v.worst),
                 "where": v.where,
                 "verdict": v.verdict,

@@ -1,7 +1,9 @@
 """What must hold in every run, whatever the case: the invariants as a table, and their verdicts.
 
 Each invariant is a function of the history that gives the deviation from what should be, divided
-by its natural scale, so that one number bounds it. docs/theory.md explains them.
+by its natural scale, so that one number bounds it: a fixed one, or a multiple of the tolerance of
+the case where that is larger. docs/theory.md explains them. `evolvent run` holds its own run to
+some of them, with the same bounds, and writes the outcome down (`invariants`).
 """
 
 from __future__ import annotations
@@ -11,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
+import yaml
 
 from evolvent.contact_invariants import contradiction, has_modes, pull
 from evolvent.extremes import told_extremes
@@ -37,8 +40,13 @@ class Invariant:
     name: str
     formula: str  # text, as in docs/theory.md
     relative_to: str
-    bound: float
+    least_bound: float
     deviation: Callable[[xr.Dataset], xr.DataArray]
+    tolerances: float = 0.0  # the bound is at least so many times the tolerance of the case
+
+    def bound(self, tolerance: float) -> float:
+        """Largest deviation of a right run with that tolerance."""
+        return max(self.least_bound, self.tolerances * tolerance)
 
 
 @dataclass(frozen=True)
@@ -46,6 +54,7 @@ class Verdict:
     """What became of an invariant in one history."""
 
     invariant: Invariant
+    bound: float  # for the tolerance of the case
     verdict: str  # "pass", "fail" or "not applicable"
     worst: float | None  # largest deviation; None if not applicable
     where: dict[str, str]  # coordinates of the worst value, such as {"time": "1.25 s"}
@@ -78,12 +87,13 @@ def check_history(history: xr.Dataset) -> list[Verdict]:
 
 def check_invariant(history: xr.Dataset, invariant: Invariant) -> Verdict:
     """Check one invariant; a value that is no number breaks it."""
+    bound = invariant.bound(tolerance_of(history))
     try:
         if history.sizes["time"] == 0:
             raise NotApplicableError("the history has no output")
         deviation = abs(invariant.deviation(history))
     except NotApplicableError as error:
-        return Verdict(invariant, "not applicable", None, {}, str(error))
+        return Verdict(invariant, bound, "not applicable", None, {}, str(error))
     values = deviation.values
     broken = ~np.isfinite(values)
     position = np.unravel_index(
@@ -94,8 +104,15 @@ def check_invariant(history: xr.Dataset, invariant: Invariant) -> Verdict:
         str(dim): _place(deviation, str(dim), int(index))
         for dim, index in zip(deviation.dims, position, strict=True)
     }
-    passed = not broken.any() and worst <= invariant.bound
-    return Verdict(invariant, "pass" if passed else "fail", worst, where, "")
+    passed = not broken.any() and worst <= bound
+    return Verdict(invariant, bound, "pass" if passed else "fail", worst, where, "")
+
+
+def tolerance_of(history: xr.Dataset) -> float:
+    """Tolerance of the case, from the resolved case in the history."""
+    case = yaml.safe_load(history.attrs.get("case", ""))
+    simulation = case.get("simulation") if isinstance(case, dict) else None
+    return float(simulation["tolerance"]) if simulation else DEFAULT_TOLERANCE
 
 
 def gradient_ratio(history: xr.Dataset) -> xr.DataArray:
@@ -109,7 +126,7 @@ def gradient_ratio(history: xr.Dataset) -> xr.DataArray:
 
 
 def transmission_error_identity(history: xr.Dataset) -> xr.DataArray:
-    """Delta - h - e - R (inv alpha - inv alpha_0) over the largest h, dims (time, mesh).
+    """Delta - h - e - R (inv alpha - inv alpha_0) over the depth, dims (time, mesh).
 
     Source: Kosenko & Gusev 2011, (19), generalised to axles that move.
     """
@@ -120,7 +137,7 @@ def transmission_error_identity(history: xr.Dataset) -> xr.DataArray:
 
 
 def distance_from_flanks(history: xr.Dataset) -> xr.DataArray:
-    """Distance of the tracked points from their flanks, r_b g, over the largest h.
+    """Distance of the tracked points from their flanks, r_b g, over the depth.
 
     Dims (wheel_of_mesh, time, mesh).   Source: Kosenko & Gusev 2011, (1).
     """
@@ -128,7 +145,7 @@ def distance_from_flanks(history: xr.Dataset) -> xr.DataArray:
 
 
 def distance_from_line_of_action(history: xr.Dataset) -> xr.DataArray:
-    """Distance of the tracked points from the line of action, (r_P - K_A).t, over the largest h.
+    """Distance of the tracked points from the line of action, (r_P - K_A).t, over the depth.
 
     Dims (wheel_of_mesh, time, mesh).   Source: Kosenko & Gusev 2011, Assertion 1.
     """
@@ -136,27 +153,28 @@ def distance_from_line_of_action(history: xr.Dataset) -> xr.DataArray:
 
 
 def rigid_gap(history: xr.Dataset) -> xr.DataArray:
-    """Gap of closed rigid contacts over the reference penetration, dims (time, mesh).
+    """Gap of closed rigid contacts over the depth, dims (time, mesh).
 
     Source: Kosenko & Gusev 2011, section 7.3.
     """
     rigid, closed = _rigid(history)
-    gap = require(rigid, "gap") / require(rigid, "reference_penetration")
+    gap = require(rigid, "gap") / depth_scale(rigid)
     return gap.where(closed, 0.0).transpose("time", "mesh")
 
 
 def rigid_gap_rate(history: xr.Dataset) -> xr.DataArray:
     """Rate of the gap of closed rigid contacts over that of a vibration, dims (time, mesh).
 
-    The scale is the reference penetration h_0 times the natural frequency of a contact of stiffness
-    F_0/h_0 between the two wheels.
+    The scale is the depth times the natural frequency of a contact of stiffness F_0/h_0 between the
+    two wheels.
     """
     rigid, closed = _rigid(history)
     radii = _base_radii(rigid)
     inertias = _of_meshes(rigid, rotor_inertia(rigid))
     mobility = sum(r**2 / inertia for r, inertia in zip(radii, inertias, strict=True))
     force, depth = require(rigid, "reference_force"), require(rigid, "reference_penetration")
-    rate = require(rigid, "gap_rate") / np.sqrt(force * depth * mobility)
+    frequency = np.sqrt(force / depth * mobility)
+    rate = require(rigid, "gap_rate") / (depth_scale(rigid) * frequency)
     return rate.where(closed, 0.0).transpose("time", "mesh")
 
 
@@ -165,15 +183,16 @@ def energy_balance(history: xr.Dataset) -> xr.DataArray:
 
     T + V + dissipated - work of the loads is constant. What was put in is the gross work of the
     loads (the positive power on each wheel, integrated over the outputs) and the energy at the
-    start, or the largest kinetic energy if gravity or a moving housing puts in more.
+    start; or, where outputs are few or gravity or a moving housing puts in more, the largest of
+    these energies; and at least F_0 h_0, the work of the reference forces.
     """
     stored = require(history, "kinetic_energy") + require(history, "potential_energy")
     balance = stored + require(history, "dissipated_energy") - require(history, "load_work")
     power = require(history, "load_torque") * require(history, "angular_velocity")
     gross = float(power.clip(min=0.0).sum("wheel").integrate("time"))
-    scale = max(gross + abs(float(stored[0])), float(history["kinetic_energy"].max()))
-    if scale == 0.0:
-        raise NotApplicableError("no work is done and there is no energy")
+    largest = [float(abs(history[name]).max()) for name in ENERGIES]
+    least = float((require(history, "reference_force") * history["reference_penetration"]).sum())
+    scale = max(gross + abs(float(stored[0])), *largest, least)
     return (balance - balance[0]) / scale
 
 
@@ -282,33 +301,47 @@ TRACKED_ONLY = frozenset(
     }
 )
 
-LARGEST_DEPTH = "largest penetration"  # of a rigid contact, which has none: the reference one
+DEFAULT_TOLERANCE = 1e-9
+ENERGIES = ("kinetic_energy", "potential_energy", "dissipated_energy", "load_work")
+DEPTH = "penetration"  # the largest or the reference one, whichever is larger
+DEPTH_BOUND = 1e-10  # least bound of what is measured by it
+ROUNDING = 4 * float(np.finfo(float).eps)  # of a sum of lengths
 
 INVARIANTS = (
-    Invariant("gradient ratio", "lambda = -r_bB/r_bA", "itself", 1e-12, gradient_ratio),
+    Invariant("gradient ratio", "lambda = -r_bB/r_bA", "itself", 1e-12, gradient_ratio, 1e-3),
     Invariant(
         "transmission error",
         "Delta = h + e + R (inv alpha - inv alpha_0)",
-        LARGEST_DEPTH,
-        1e-10,
+        DEPTH,
+        DEPTH_BOUND,
         transmission_error_identity,
+        tolerances=1.0,
     ),
-    Invariant("points on flanks", "r_b g(r_P) = 0", LARGEST_DEPTH, 1e-10, distance_from_flanks),
+    Invariant(
+        "points on flanks",
+        "r_b g(r_P) = 0",
+        DEPTH,
+        DEPTH_BOUND,
+        distance_from_flanks,
+        tolerances=1.0,
+    ),
     Invariant(
         "points on line of action",
         "(r_P - K_A).t = 0",
-        LARGEST_DEPTH,
-        1e-10,
+        DEPTH,
+        DEPTH_BOUND,
         distance_from_line_of_action,
+        tolerances=1.0,
     ),
-    Invariant("rigid gap", "kappa = 0", "reference penetration", 1e-10, rigid_gap),
-    Invariant("rigid gap rate", "kappa' = 0", "vibration of h_0", 1e-10, rigid_gap_rate),
+    Invariant("rigid gap", "kappa = 0", DEPTH, 2 * DEPTH_BOUND, rigid_gap),
+    Invariant("rigid gap rate", "kappa' = 0", "vibration of that depth", 1e-10, rigid_gap_rate),
     Invariant(
         "energy balance",
         "T + V + dissipated - work of loads = constant",
         "energy put in",
-        1e-8,
+        1e-10,
         energy_balance,
+        tolerances=10.0,
     ),
     Invariant(
         "torque balance",
@@ -355,18 +388,30 @@ def _tracked(history: xr.Dataset) -> tuple[xr.Dataset, xr.DataArray]:
 
 
 def _pressed(history: xr.Dataset) -> tuple[xr.Dataset, xr.DataArray]:
-    """Keep the meshes that ever touch, and give their largest penetration [m], dim (mesh).
-
-    A rigid contact has no penetration; there it is the reference penetration.
-    """
-    depth = require(history, "penetration").max("time")
-    if (rigid := _is_rigid(history)).any():
-        ever = (require(history, "contact_mode") == LOADED).any("time")
-        depth = depth.where(~rigid, require(history, "reference_penetration").where(ever, 0.0))
-    touched = depth.values > 0.0
+    """Keep the meshes that ever touch, and give the depth that measures them [m], dim (mesh)."""
+    pressed = require(history, "penetration") > 0.0
+    loaded = require(history, "contact_mode") == LOADED
+    touched = (pressed | (loaded & _is_rigid(history))).any("time").values
     if not touched.any():
         raise NotApplicableError("the teeth never touch")
-    return history.isel(mesh=touched), depth.isel(mesh=touched)
+    kept = history.isel(mesh=touched)
+    return kept, depth_scale(kept)
+
+
+def depth_scale(history: xr.Dataset) -> xr.DataArray:
+    """Depth by which lengths in a mesh are measured [m], dim (mesh).
+
+    The largest penetration, or the reference one where the teeth hardly touch or are rigid: the
+    unit of the integrator's errors. It is at least so large that the rounding of the lengths of
+    which a gap is the sum stays within the bound.
+    """
+    depth = require(history, "penetration").max("time")
+    reference = require(history, "reference_penetration")
+    arcs = require(history, "base_radius") * abs(require(history, "angle_deviation")).max("time")
+    moved = abs(require(history, "centre_displacement")).max("time").sum("axis")
+    lengths = sum(_of_meshes(history, (arcs + moved).transpose("wheel")))
+    least = ROUNDING * lengths.values / DEPTH_BOUND
+    return depth.copy(data=np.max([depth.values, reference.values, least], axis=0))
 
 
 def _is_rigid(history: xr.Dataset) -> xr.DataArray:

@@ -58,7 +58,9 @@ class Profile:
         """Curvature of the real flank from its points."""
         with mp.workdps(40):
             at = mp.mpf(rho)
-            x, y = ([mp.diff(lambda s, i=i: self.point(s)[i], at, n) for n in (1, 2)] for i in (0, 1))
+            x, y = (
+                [mp.diff(lambda s, i=i: self.point(s)[i], at, n) for n in (1, 2)] for i in (0, 1)
+            )
             return float((x[0] * y[1] - y[0] * x[1]) / (x[0] ** 2 + y[0] ** 2) ** 1.5)
 
     def described(self) -> DeviationDescription:
@@ -81,7 +83,9 @@ class Touch:
     curvature: float
 
 
-def turned(flanks: tuple[Profile, Profile], rho: float, turn: float, s: float) -> tuple[float, float]:
+def turned(
+    flanks: tuple[Profile, Profile], rho: float, turn: float, s: float
+) -> tuple[float, float]:
     """Distance from the driven flank of the point s of the driving one, and the driven one's rho.
 
     The driving wheel has its axle at the origin, the line of action runs along x at the height of

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from evolvent import HistoryError, check_history
-from evolvent.invariants import INVARIANTS, Verdict
+from evolvent.invariants import DEFAULT_TOLERANCE, INVARIANTS, Verdict, depth_scale
 from evolvent.wheel_torques import contact_torque
 
 # A change just beyond the bound of an invariant, and one far enough below it.
@@ -19,7 +19,7 @@ def _verdict(history: xr.Dataset, name: str):
 
 
 def _bound(name: str) -> float:
-    return {i.name: i.bound for i in INVARIANTS}[name]
+    return {i.name: i.bound(DEFAULT_TOLERANCE) for i in INVARIANTS}[name]
 
 
 def _changed(history: xr.Dataset, name: str, change: float, **where: int) -> xr.Dataset:
@@ -67,7 +67,7 @@ def test_a_mesh_invariant_breaks_just_beyond_its_bound(
     friction_run, invariant, variable, scale, size
 ):
     history = friction_run.history
-    unit = 1.5 if scale == "ratio" else float(history["penetration"].max())
+    unit = 1.5 if scale == "ratio" else float(depth_scale(history)[0])
     change = size * _bound(invariant) * unit
     verdict = _verdict(_changed(history, variable, change, time=1234, mesh=0), invariant)
     assert verdict.failed == (abs(size) > 1.0)
