@@ -128,7 +128,7 @@ typedef struct {
     int n_wheels;
     double start, stored_at_start; /**< [J] */
     double gross, power;           /**< work that was put in [J], and the power at the last output [W] */
-    double largest_kinetic, largest_error;
+    double largest, largest_error;
 } energy_balance;
 
 struct statistics {
@@ -245,7 +245,10 @@ static void add_to_energy(energy_balance *energy, bool is_first, double dt, cons
         energy->gross += 0.5 * dt * (energy->power + power);
     }
     energy->power = power;
-    energy->largest_kinetic = fmax(energy->largest_kinetic, kinetic);
+    const int energies[] = {energy->kinetic, energy->potential, energy->dissipated, energy->work};
+    for (int i = 0; i < 4; i++) {
+        energy->largest = fmax(energy->largest, fabs(values[energies[i]]));
+    }
     energy->largest_error = fmax(energy->largest_error, fabs(balance - energy->start));
 }
 
@@ -273,7 +276,7 @@ void statistics_event(statistics *statistics, const event_record *record)
 /** Over what the energy that appeared or got lost is measured, as in evolvent-post check. */
 static double energy_residual(const energy_balance *energy)
 {
-    const double scale = fmax(energy->gross + fabs(energy->stored_at_start), energy->largest_kinetic);
+    const double scale = fmax(energy->gross + fabs(energy->stored_at_start), energy->largest);
     return scale > 0 ? energy->largest_error / scale : NAN;
 }
 

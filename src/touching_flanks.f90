@@ -2,11 +2,11 @@
 !>
 !> Flanks that are turned by their slopes touch beside the line of action, at x along the common tangent, where
 !>
-!>    g(x) = sum over A and B of  d**2 (rho/2 + d/3)/r_b**2 + e(rho + d),   (rho + d)**2 = rho**2 +- 2 r_b x,  + for A
+!>    g(x) = sum of  d**2 (rho/2 + d/3)/r_b**2 + e(rho + d)  over A and B,   (rho + d)**2 = rho**2 +- 2 r_b x,  + for A
 !>
-!> is smallest: along the arc of an involute ds = rho/r_b drho, and it turns by drho/r_b. The involute moved by e into the material has, with the derivatives of e
-!> along the arc, e_s = e' r_b/rho and e_ss = (r_b/rho)**2 (e'' - e'/rho), a = 1 - e/rho and a_s = -e_s/rho + e r_b/rho**3,
-!> the curvature
+!> is smallest: along the arc of an involute ds = rho/r_b drho, and it turns by drho/r_b. The involute moved by e into the material
+!> has, with the derivatives of e along the arc, e_s = e' r_b/rho and e_ss = (r_b/rho)**2 (e'' - e'/rho), a = 1 - e/rho and
+!> a_s = -e_s/rho + e r_b/rho**3, the curvature
 !>
 !>    ((a**2 + e_s**2)/rho + a e_ss - e_s a_s)/(a**2 + e_s**2)**(3/2)
 !>

@@ -257,9 +257,10 @@ def finiteness(history: xr.Dataset) -> xr.DataArray:
     """Share of the values that are no finite numbers, dim (variable).
 
     What only tracked points have is missing on purpose where none are tracked, position and
-    penetration of a tooth pair off the path of contact, the efficiency of a mesh without power,
-    the gap of coast flanks of a mesh that has none, what only real gears have, and the vibration
-    of a mesh whose contact is rigid, that has no load or whose wheels both have prescribed speeds.
+    penetration of a tooth pair off the path of contact, its pressure on a hollow flank, the
+    efficiency of a mesh without power, the gap of coast flanks of a mesh that has none, what only
+    real gears have, and the vibration of a mesh whose contact is rigid, that has no load or whose
+    wheels both have prescribed speeds.
     """
     shares: dict[str, float] = {}
     for name, variable in history.variables.items():
@@ -274,6 +275,8 @@ def finiteness(history: xr.Dataset) -> xr.DataArray:
             driving = require(history, "driving_wheel").values.astype(int)
             speed = require(history, "angular_velocity").values[:, driving]
             values = values.where(require(history, "mesh_torque_driving") * speed != 0.0, 0.0)
+        if name == "pair_contact_pressure":  # none where a hollow flank touches
+            values = values.fillna(0.0)
         if name == "coast_gap":
             values = values.where(values.notnull().any("time"), 0.0)
         if name in OF_REAL_GEARS | OF_VIBRATING_MESHES:
@@ -409,8 +412,8 @@ def depth_scale(history: xr.Dataset) -> xr.DataArray:
     reference = require(history, "reference_penetration")
     arcs = require(history, "base_radius") * abs(require(history, "angle_deviation")).max("time")
     moved = abs(require(history, "centre_displacement")).max("time").sum("axis")
-    lengths = sum(_of_meshes(history, (arcs + moved).transpose("wheel")))
-    least = ROUNDING * lengths.values / DEPTH_BOUND
+    driving, driven = _of_meshes(history, (arcs + moved).transpose("wheel"))
+    least = ROUNDING * (driving + driven).values / DEPTH_BOUND
     return depth.copy(data=np.max([depth.values, reference.values, least], axis=0))
 
 
