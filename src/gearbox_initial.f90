@@ -10,8 +10,8 @@ module evl_gearbox_initial
    use evl_kinds, only: wp
    use evl_load, only: load_segment
    use evl_local_variables, only: at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, n_local, n_track
-   use evl_mesh, only: contact_loaded, contact_off, contact_open, contact_t, contact_unloaded, mesh_mode, &
-                       mesh_settle_friction, mesh_settle_zones, mesh_unclipped_force
+   use evl_mesh, only: contact_apart, contact_loaded, contact_off, contact_open, contact_t, contact_unloaded, mesh_mode, &
+                       mesh_settle_friction, mesh_settle_zones, mesh_unclipped_force, tracking_closed_form
    use evl_multipliers, only: set_multipliers
    use evl_start_positions, only: closed_form_point, mesh_position_angle, place_pairs, prescribed_speed, set_gaps
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_initial, subject_load, subject_mesh, &
@@ -233,7 +233,9 @@ contains
             call closed_form_point(gearbox, m, y, integers(i_turns), mode%teeth, point)
             mode%contact = contact_open
             call mesh_settle_zones(mesh, point, mode)
-            if (mesh%rigid) then
+            if (mesh%tracking /= tracking_closed_form .and. point%h < -mesh%gap_apart) then
+               mode%contact = contact_apart
+            else if (mesh%rigid) then
                call settle_rigid(mesh, point, mode, status)
                if (has_failed(status)) return
             else if (point%h > 0) then

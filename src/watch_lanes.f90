@@ -11,7 +11,7 @@ module evl_watch_lanes
    use evl_kinds, only: pi, wp
    use evl_lane_slots, only: lane_slot
    use evl_line_lanes, only: centre_turn_in_lanes, lane_line, line_in_lanes, motion_in_lanes
-   use evl_mesh, only: contact_loaded, contact_t, flank_drive, touches
+   use evl_mesh, only: contact_loaded, contact_off, contact_open, contact_t, flank_drive, mesh_mode, touches
    use evl_ode_model, only: lanes
    use evl_radau_coefficients, only: n_stages
    use evl_touching_flanks, only: touching_curvature
@@ -148,6 +148,7 @@ contains
       type(lane_line) :: line
       type(lane_contact) :: at
       type(tracked_pair) :: pair
+      type(mesh_mode) :: mode
       real(wp), dimension(lanes) :: lag, turn
 
       pair = leader%pair
@@ -156,7 +157,9 @@ contains
          call motion_in_lanes(leader, y, line)
       else
          call line_in_lanes(leader, y, line)
-         call contact_in_lanes(leader, slot%mode, slot%rho_start, line, at)
+         mode = slot%mode
+         if (mode%contact == contact_off) mode%contact = contact_open ! else the radii alone would be found
+         call contact_in_lanes(leader, mode, slot%rho_start, line, at)
          call put(channel_of(m, watch_sliding), at%v_t, n, channels, values)
       end if
       call centre_turn_in_lanes(leader, line, turn)

@@ -145,7 +145,7 @@ def test_a_run_that_loses_contact_says_when(runs, kind):
 
 
 def test_flanks_that_rattle_are_not_lost(runs):
-    run = runs("rattle.yaml")
+    run = runs("rattle.yaml", "simulation.duration=0.239")
     assert not run.history["in_contact"].values[-1].any()  # the run ends in flight
     assert len(run.times("contact_closed")) > 10
     assert "warning" not in run.messages
