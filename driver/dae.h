@@ -5,7 +5,7 @@
 
 #include <stdbool.h>
 
-enum { DAE_MESSAGE_LENGTH = 320 };
+enum { DAE_MESSAGE_LENGTH = 400 };
 
 /** Answers of the model's procedures. DAE_RECOVERABLE: a trial state outside the model's domain; a smaller step may help. */
 typedef enum { DAE_OK = 0, DAE_RECOVERABLE = 1, DAE_FATAL = -1 } dae_code;

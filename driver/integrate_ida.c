@@ -337,7 +337,7 @@ static integrate_code start_anew(session *s, double step)
 /* An event in the last step was missed: start anew where it began, with a step that is a part of it. */
 static integrate_code take_back(session *s)
 {
-    double t, step;
+    double t = 0, step = 0;
     bool good = IDAGetCurrentTime(s->ida, &t) == IDA_SUCCESS && IDAGetLastStep(s->ida, &step) == IDA_SUCCESS;
     t -= step;
     good = good && IDAGetDky(s->ida, t, 0, s->y) == IDA_SUCCESS && IDAGetDky(s->ida, t, 1, s->yp) == IDA_SUCCESS;

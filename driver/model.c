@@ -283,6 +283,10 @@ model *model_create(const description *description, model_message *error)
         return NULL;
     }
     evl_gearbox_sizes(model->gearbox, &model->sizes);
+    model->mesh_names = xcalloc((size_t)description->n_meshes, sizeof *model->mesh_names);
+    for (int i = 0; i < description->n_meshes; i++) {
+        model->mesh_names[i] = xstrdup(description->meshes[i].name);
+    }
     model_describe_dae(model);
     model_describe_outputs(model);
     return model;
@@ -311,6 +315,10 @@ void model_delete(model **pointer)
     free((void *)model->dae.differential);
     free((void *)model->initial.speeds);
     free((void *)model->initial.gaps);
+    for (int i = 0; model->mesh_names != NULL && i < model->sizes.n_meshes; i++) {
+        free(model->mesh_names[i]);
+    }
+    free(model->mesh_names);
     free(model->wheel_of_load);
     free(model->load_of_load);
     free(model->outputs);

@@ -4,12 +4,18 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static int dae_answer(int code, const evl_status *status, char message[DAE_MESSAGE_LENGTH])
+int model_answer(const model *model, int code, const evl_status *status, char message[DAE_MESSAGE_LENGTH])
 {
     if (code == EVL_OK) {
         return DAE_OK;
     }
-    (void)snprintf(message, DAE_MESSAGE_LENGTH, "%s", status->message);
+    if (status->subject == EVL_SUBJECT_MESH && status->index >= 0) {
+        char *named = xasprintf("mesh '%s': %s", model->mesh_names[status->index], status->message);
+        (void)snprintf(message, DAE_MESSAGE_LENGTH, "%s", named);
+        free(named);
+    } else {
+        (void)snprintf(message, DAE_MESSAGE_LENGTH, "%s", status->message);
+    }
     return code == EVL_OUT_OF_DOMAIN ? DAE_RECOVERABLE : DAE_FATAL;
 }
 
@@ -19,7 +25,7 @@ static int residual(const void *self, const dae_state *state, double *values, ch
     evl_status status;
     const int code = evl_gearbox_residual(model->gearbox, state->t, state->y, state->yp, state->integers, state->reals,
                                           values, &status);
-    return dae_answer(code, &status, message);
+    return model_answer(model, code, &status, message);
 }
 
 static int jacobian(const void *self, const dae_state *state, double cj, double *matrix,
@@ -29,7 +35,7 @@ static int jacobian(const void *self, const dae_state *state, double cj, double 
     evl_status status;
     const int code = evl_gearbox_jacobian(model->gearbox, state->t, cj, state->y, state->yp, state->integers,
                                           state->reals, matrix, &status);
-    return dae_answer(code, &status, message);
+    return model_answer(model, code, &status, message);
 }
 
 static int derivative(const void *self, const dae_state *state, double *yp, char message[DAE_MESSAGE_LENGTH])
@@ -38,7 +44,7 @@ static int derivative(const void *self, const dae_state *state, double *yp, char
     evl_status status;
     const int code =
         evl_gearbox_derivative(model->gearbox, state->t, state->y, state->integers, state->reals, yp, &status);
-    return dae_answer(code, &status, message);
+    return model_answer(model, code, &status, message);
 }
 
 static int roots(const void *self, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH])
@@ -46,7 +52,7 @@ static int roots(const void *self, const dae_state *state, double *values, char 
     const model *model = self;
     evl_status status;
     const int code = evl_gearbox_roots(model->gearbox, state->y, state->integers, state->reals, values, &status);
-    return dae_answer(code, &status, message);
+    return model_answer(model, code, &status, message);
 }
 
 static int check(const void *self, const dae_state *state, char message[DAE_MESSAGE_LENGTH])
@@ -54,7 +60,7 @@ static int check(const void *self, const dae_state *state, char message[DAE_MESS
     const model *model = self;
     evl_status status;
     const int code = evl_gearbox_check_modes(model->gearbox, state->y, state->integers, state->reals, &status);
-    return dae_answer(code, &status, message);
+    return model_answer(model, code, &status, message);
 }
 
 static int watched(const void *self, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH])
@@ -62,7 +68,7 @@ static int watched(const void *self, const dae_state *state, double *values, cha
     const model *model = self;
     evl_status status;
     const int code = evl_gearbox_watched(model->gearbox, state->y, state->integers, state->reals, values, &status);
-    return dae_answer(code, &status, message);
+    return model_answer(model, code, &status, message);
 }
 
 static int roots_and_watched(const void *self, const dae_state *state, double *roots, double *values,
@@ -72,7 +78,7 @@ static int roots_and_watched(const void *self, const dae_state *state, double *r
     evl_status status;
     const int code =
         evl_gearbox_roots_and_watched(model->gearbox, state->y, state->integers, state->reals, roots, values, &status);
-    return dae_answer(code, &status, message);
+    return model_answer(model, code, &status, message);
 }
 
 static void root_directions(const void *self, const int *integers, int *directions)
@@ -100,7 +106,7 @@ static int apply_event(const void *self, dae_state *state, const int *fired, boo
         events[i] = (dae_event){happened[i].kind, happened[i].mesh, happened[i].flank, happened[i].tooth_pair};
     }
     free(happened);
-    return dae_answer(code, &status, message);
+    return model_answer(model, code, &status, message);
 }
 
 void model_describe_dae(model *model)
@@ -140,5 +146,5 @@ int model_outputs(const model *model, const dae_state *state, double *values, ch
     evl_status status;
     const int code =
         evl_gearbox_outputs(model->gearbox, state->t, state->y, state->integers, state->reals, values, &status);
-    return dae_answer(code, &status, message);
+    return model_answer(model, code, &status, message);
 }

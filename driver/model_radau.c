@@ -1,15 +1,18 @@
 /* The kernel's own integrator as the stepper of the gearbox's dae. */
+#include "memory.h"
 #include "model_kernel.h"
 
-#include <stdio.h>
+#include <stdlib.h>
 
-static int answer(int code, const evl_status *status, char message[DAE_MESSAGE_LENGTH])
+typedef struct {
+    const model *model;
+    evl_radau *radau;
+} radau_stepper;
+
+/** To a stepper no failure is recoverable: it has tried smaller steps. */
+static int answer(const radau_stepper *s, int code, const evl_status *status, char message[DAE_MESSAGE_LENGTH])
 {
-    if (code == EVL_OK) {
-        return DAE_OK;
-    }
-    (void)snprintf(message, DAE_MESSAGE_LENGTH, "%s", status->message);
-    return DAE_FATAL;
+    return model_answer(s->model, code, status, message) == DAE_OK ? DAE_OK : DAE_FATAL;
 }
 
 static void *create(const void *self, double tolerance, double max_step, char message[DAE_MESSAGE_LENGTH])
@@ -18,67 +21,79 @@ static void *create(const void *self, double tolerance, double max_step, char me
     evl_status status;
     evl_radau *radau = evl_radau_create(model->gearbox, model->dae.scale, tolerance, max_step, &status);
     if (radau == NULL) {
-        (void)snprintf(message, DAE_MESSAGE_LENGTH, "%s", status.message);
+        (void)model_answer(model, status.code, &status, message);
+        return NULL;
     }
-    return radau;
+    radau_stepper *s = xcalloc(1, sizeof *s);
+    *s = (radau_stepper){model, radau};
+    return s;
 }
 
 static void destroy(void *stepper)
 {
-    evl_radau *radau = stepper;
-    evl_radau_delete(&radau);
+    radau_stepper *s = stepper;
+    evl_radau_delete(&s->radau);
+    free(s);
 }
 
 static int start(void *stepper, const dae_state *state, char message[DAE_MESSAGE_LENGTH])
 {
+    const radau_stepper *s = stepper;
     evl_status status;
-    const int code = evl_radau_start(stepper, state->t, state->y, state->integers, state->reals, &status);
-    return answer(code, &status, message);
+    const int code = evl_radau_start(s->radau, state->t, state->y, state->integers, state->reals, &status);
+    return answer(s, code, &status, message);
 }
 
 static int advance(void *stepper, double t_stop, dae_state *state, int *fired, dae_outcome *outcome,
                    char message[DAE_MESSAGE_LENGTH])
 {
+    const radau_stepper *s = stepper;
     static const dae_outcome outcomes[] = {
         [EVL_RADAU_STEP] = DAE_STEPPED, [EVL_RADAU_EVENT] = DAE_AT_EVENT, [EVL_RADAU_STOP] = DAE_AT_STOP};
     evl_status status;
     int came_to = EVL_RADAU_STEP;
-    const int code = evl_radau_advance(stepper, t_stop, &state->t, state->y, fired, &came_to, &status);
+    const int code = evl_radau_advance(s->radau, t_stop, &state->t, state->y, fired, &came_to, &status);
     *outcome = outcomes[came_to];
-    return answer(code, &status, message);
+    return answer(s, code, &status, message);
 }
 
 static void interpolate(const void *stepper, double t, double *y)
 {
-    evl_radau_interpolate(stepper, t, y);
+    const radau_stepper *s = stepper;
+    evl_radau_interpolate(s->radau, t, y);
 }
 
 static int look(void *stepper, const double *high, const double *low)
 {
-    return evl_radau_look(stepper, high, low);
+    const radau_stepper *s = stepper;
+    return evl_radau_look(s->radau, high, low);
 }
 
 static void candidate(const void *stepper, int index, dae_candidate *candidate)
 {
+    const radau_stepper *s = stepper;
     evl_candidate from;
-    evl_radau_candidate(stepper, index, &from);
+    evl_radau_candidate(s->radau, index, &from);
     *candidate = (dae_candidate){from.channel, from.sense, from.t, from.left, from.right, from.value};
 }
 
 static void restart(void *stepper, const dae_state *state)
 {
-    evl_radau_restart(stepper, state->t, state->y, state->integers, state->reals);
+    const radau_stepper *s = stepper;
+    evl_radau_restart(s->radau, state->t, state->y, state->integers, state->reals);
 }
 
 static void redo(void *stepper, dae_state *state)
 {
-    evl_radau_redo(stepper, &state->t, state->y);
+    const radau_stepper *s = stepper;
+    evl_radau_redo(s->radau, &state->t, state->y);
 }
 
 static void counts(const void *stepper, dae_stepper_counts *counts)
 {
+    const radau_stepper *s = stepper;
     evl_radau_counts now;
-    evl_radau_get_counts(stepper, &now);
+    evl_radau_get_counts(s->radau, &now);
     *counts = (dae_stepper_counts){.steps = now.steps,
                                    .rejections = now.rejections,
                                    .evaluations = now.evaluations,
@@ -90,8 +105,9 @@ static void counts(const void *stepper, dae_stepper_counts *counts)
 
 static void growth(const void *stepper, dae_growth *growth)
 {
+    const radau_stepper *s = stepper;
     evl_radau_growth found;
-    evl_radau_get_growth(stepper, &found);
+    evl_radau_get_growth(s->radau, &found);
     *growth = (dae_growth){.t = found.t, .rate = found.rate, .frequency = found.frequency};
 }
 

@@ -112,7 +112,7 @@ contains
          call largest_second_order(mesh, gap, rho_a)
          if (.not. gap > worth_knowing*mesh%h_scale) return
          write (share, "(f0.1)") 100*gap/mesh%h_scale
-         if (share(1:1) == ".") share = "0"//share
+         if (share(1:1) == ".") share = "0"//share(:len(share) - 1)
          call warn(gearbox%warnings, "relieved flanks that their slopes turn touch beside the line of action: the gap, taken to" &
                    //" first order, is up to "//quantity(gap, "m")//" too wide (at rho_A = "//quantity(rho_a, "m")//"), " &
                    //trim(share)//" % of the penetration "//quantity(mesh%h_scale, "m")//" under the load", subject_mesh, index)

@@ -105,8 +105,8 @@ contains
       end associate
    end subroutine watch_pair
 
-   !> Curvature of both flanks together; of flanks that deviate a little more than it is. That takes long, so it is found at both ends of
-   !> the step, and what changes less than evenly between them stays below: a place that looks like an extreme is looked at exactly.
+   !> Curvature of both flanks together; of flanks that deviate a little more than it is. That takes long, so it is found at both
+   !> ends of the step and goes evenly between them; a place that looks like an extreme is looked at exactly.
    pure subroutine curvature_in_lanes(mesh, slot, curvature)
       type(contact_t), intent(in) :: mesh
       type(lane_slot), intent(in) :: slot
