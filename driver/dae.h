@@ -92,8 +92,6 @@ typedef struct dae {
     int (*roots)(const void *self, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH]);
     void (*root_directions)(const void *self, const int *integers, int *directions);
     double (*next_time_event)(const void *self, const dae_state *state);
-    /** Whether y agrees with the discrete state; DAE_RECOVERABLE: no, an event in the step was missed. NULL: it always does */
-    int (*check)(const void *self, const dae_state *state, char message[DAE_MESSAGE_LENGTH]);
     /** events: [n_events] */
     int (*apply_event)(const void *self, dae_state *state, const int *fired, bool time_event, dae_event *events,
                        int *n_events, char message[DAE_MESSAGE_LENGTH]);

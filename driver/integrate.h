@@ -28,11 +28,14 @@ typedef struct {
     void (*candidate)(const void *with, int index, dae_candidate *candidate);
 } integrate_step;
 
+/** An answer to an output: it shows that an event in the step was missed, and the step is made anew, smaller. */
+enum { INTEGRATE_ANEW = 2 };
+
 /** What the caller wants to hear. Each returns 0 to go on; anything else ends the integration with INTEGRATE_STOPPED. */
 typedef struct {
     void *self;
-    int (*output)(void *self,
-                  const dae_state *state); /**< grid points in order of time, the start and t_end among them */
+    /** grid points in order of time, the start and t_end among them; may answer INTEGRATE_ANEW, with a sentence in `reason` */
+    int (*output)(void *self, const dae_state *state, char reason[DAE_MESSAGE_LENGTH]);
     int (*event)(void *self, const event_record *record); /**< after it was applied */
     int (*step)(void *self, double t);                    /**< now and then, between steps: progress, interrupts */
     /** every step, in order of time: what happens between the outputs; NULL: nobody watches. Always goes on. */

@@ -72,16 +72,17 @@ double integration_output_time(const integration *run)
 
 integrate_code integration_give_output(integration *run, const dae_state *state, bool *missed)
 {
-    const dae *m = run->model;
-    const int code = m->check != NULL ? m->check(m->self, state, run->reason) : DAE_OK;
-    *missed = code == DAE_RECOVERABLE;
-    if (code == DAE_OK) {
+    const int answer = run->observer->output(run->observer->self, state, run->reason);
+    *missed = answer == INTEGRATE_ANEW;
+    if (answer == 0) {
         run->reason[0] = '\0';
-        return run->observer->output(run->observer->self, state) == 0 ? INTEGRATE_DONE : INTEGRATE_STOPPED;
+    }
+    if (!*missed) {
+        return answer == 0 ? INTEGRATE_DONE : INTEGRATE_STOPPED;
     }
     run->times_missed = state->t > run->t_missed ? 1 : run->times_missed + 1;
     run->t_missed = fmax(state->t, run->t_missed);
-    return *missed && run->times_missed <= most_times_missed ? INTEGRATE_DONE : INTEGRATE_FAILED;
+    return run->times_missed <= most_times_missed ? INTEGRATE_DONE : INTEGRATE_FAILED;
 }
 
 double integration_smallest_step(double t)

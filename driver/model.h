@@ -74,6 +74,8 @@ int model_output_offset(const model *model, const char *name);
 int model_n_values(const model *model);
 /** All outputs at a state [model_n_values]; integers as whole doubles. @return a dae_code */
 int model_outputs(const model *model, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH]);
+/** The same, but DAE_RECOVERABLE if y does not agree with the discrete state: an event before it was missed. */
+int model_checked_outputs(const model *model, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH]);
 
 /** An extreme over the run of an output of a mesh, or of its tooth pairs, and the time at which it was first reached. */
 typedef struct {

@@ -55,14 +55,6 @@ static int roots(const void *self, const dae_state *state, double *values, char 
     return model_answer(model, code, &status, message);
 }
 
-static int check(const void *self, const dae_state *state, char message[DAE_MESSAGE_LENGTH])
-{
-    const model *model = self;
-    evl_status status;
-    const int code = evl_gearbox_check_modes(model->gearbox, state->y, state->integers, state->reals, &status);
-    return model_answer(model, code, &status, message);
-}
-
 static int watched(const void *self, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH])
 {
     const model *model = self;
@@ -132,7 +124,6 @@ void model_describe_dae(model *model)
         .roots = roots,
         .root_directions = root_directions,
         .next_time_event = next_time_event,
-        .check = check,
         .apply_event = apply_event,
         .watched = watched,
         .roots_and_watched = roots_and_watched,
@@ -141,10 +132,21 @@ void model_describe_dae(model *model)
     };
 }
 
-int model_outputs(const model *model, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH])
+static int outputs(const model *model, const dae_state *state, bool check, double *values,
+                   char message[DAE_MESSAGE_LENGTH])
 {
     evl_status status;
     const int code =
-        evl_gearbox_outputs(model->gearbox, state->t, state->y, state->integers, state->reals, values, &status);
+        evl_gearbox_outputs(model->gearbox, state->t, state->y, state->integers, state->reals, check, values, &status);
     return model_answer(model, code, &status, message);
+}
+
+int model_outputs(const model *model, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH])
+{
+    return outputs(model, state, false, values, message);
+}
+
+int model_checked_outputs(const model *model, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH])
+{
+    return outputs(model, state, true, values, message);
 }

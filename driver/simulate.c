@@ -24,13 +24,16 @@ typedef struct {
     double *values; /**< [model_n_values] */
     double t_given; /**< model time of the last outputs that the sink got */
     stop_reason stop;
-    char *message;
 } simulation;
 
-static int on_output(void *self, const dae_state *state)
+static int on_output(void *self, const dae_state *state, char reason[DAE_MESSAGE_LENGTH])
 {
     simulation *s = self;
-    if (model_outputs(s->prepared->model, state, s->values, s->message) != DAE_OK) {
+    const int code = model_checked_outputs(s->prepared->model, state, s->values, reason);
+    if (code == DAE_RECOVERABLE) {
+        return INTEGRATE_ANEW;
+    }
+    if (code != DAE_OK) {
         s->stop = STOP_MODEL;
         return 1;
     }
@@ -142,8 +145,7 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, progress
                     .sink = sink,
                     .progress = progress,
                     .values = xcalloc((size_t)model_n_values(prepared->model), sizeof(double)),
-                    .t_given = -1.0,
-                    .message = result->message};
+                    .t_given = -1.0};
     const integrate_options options = simulate_options(prepared);
     const integrate_observer observer = {.self = &s,
                                          .output = on_output,

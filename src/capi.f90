@@ -365,18 +365,19 @@ contains
       code = answer(s, status)
    end function evl_gearbox_apply_event
 
-   integer(c_int) function evl_gearbox_outputs(handle, t, y, integers, reals, values, status) result(code) bind(c)
+   integer(c_int) function evl_gearbox_outputs(handle, t, y, integers, reals, check, values, status) result(code) bind(c)
       type(c_ptr), intent(in), value :: handle
       real(c_double), intent(in), value :: t
       real(c_double), intent(in) :: y(*), reals(*)
       integer(c_int), intent(in) :: integers(*)
+      logical(c_bool), intent(in), value :: check
       real(c_double), intent(inout) :: values(*)
       type(c_status), intent(out), optional :: status
       type(status_t) :: s
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
-      call gearbox_outputs(g, t, y(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), &
+      call gearbox_outputs(g, t, y(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), logical(check), &
                            values(:g%n_values), s)
       code = s%code
       if (code /= code_ok) code = answer(s, status)

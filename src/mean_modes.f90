@@ -50,7 +50,7 @@ contains
          call start_at((i - 0.5_wp)/n*span)
          if (has_failed(status)) return
          call linearised_matrix(gearbox, t, y, integers, reals, there, status)
-         if (.not. has_failed(status)) call gearbox_outputs(gearbox, t, y, integers, reals, outputs, status)
+         if (.not. has_failed(status)) call gearbox_outputs(gearbox, t, y, integers, reals, .false., outputs, status)
          if (has_failed(status)) return
          matrix = matrix + there/n
          values = values + outputs/n

@@ -7,12 +7,12 @@ module evl_mesh_roots
    use evl_kinds, only: wp
    use evl_local_variables, only: at_psi_a, n_local
    use evl_mesh, only: contact_apart, contact_loaded, contact_off, contact_open, contact_t, contact_unloaded, flank_drive, &
-                       mesh_mode, mesh_unclipped_force, touches, tracking_closed_form
+                       mesh_mode, mesh_unclipped_force, n_border_roots, n_mesh_roots, touches, tracking_closed_form
    use evl_status, only: status_t
    implicit none (type, external)
    private
 
-   public :: mesh_roots, mesh_root_directions, mesh_ends, mark_idle_roots, past
+   public :: mesh_roots, mesh_roots_of_force, mesh_root_directions, mesh_ends, mark_idle_roots, most_mesh_roots, past
    public :: root_contact, root_force, root_friction_high, root_friction_low, root_forward, root_back, root_apart, root_borders_a, &
              root_borders_b
 
@@ -29,6 +29,7 @@ module evl_mesh_roots
    !> Roots lie this far past the change of mode, relative to the size of the quantity: a root function never starts at zero.
    real(wp), parameter :: past = 1.0e-10_wp
 
+   integer, parameter :: most_mesh_roots = n_mesh_roots + n_border_roots !! of one tooth contact
    integer, parameter :: width = 1 !! states that the included formulas take at once
 
 contains
@@ -42,19 +43,32 @@ contains
       real(wp), intent(out) :: roots(mesh%n_roots)
       type(status_t), intent(inout) :: status
       real(wp), intent(out), optional :: unclipped !! elastic + viscous force where flanks overlap, else 0 [N]
-      real(wp) :: values(width, mesh%n_roots), force, moved(width)
+      real(wp) :: force
 
       force = 0
       if (touches(mode)) call mesh_unclipped_force(mesh, mode, point, force, status)
       if (present(unclipped)) unclipped = force
+      call mesh_roots_of_force(mesh, mode, rho_a0, q, point, force, roots)
+   end subroutine mesh_roots
+
+   !> The same where the force is known.
+   pure subroutine mesh_roots_of_force(mesh, mode, rho_a0, q, point, force, roots)
+      type(contact_t), intent(in) :: mesh
+      type(mesh_mode), intent(in) :: mode
+      real(wp), intent(in) :: rho_a0, q(n_local)
+      type(contact_point), intent(in) :: point
+      real(wp), intent(in) :: force                !! elastic + viscous, unclipped; of no meaning where flanks do not overlap [N]
+      real(wp), intent(out) :: roots(mesh%n_roots)
+      real(wp) :: values(width, most_mesh_roots), moved(width)
+
       moved = 0
       if (mesh%handover) moved = pitches_moved(mesh, [rho_a0], [q(at_psi_a)], [centre_line_turn(mesh%pair, q)])
       call contact_roots(mesh, mode, [point%h], [point%v_t], [point%rho_a], [point%rho_b], [force], moved, values)
-      roots = values(1, :)
+      roots = values(1, :mesh%n_roots)
       if (mesh%tracking == tracking_closed_form) return
       if (mode%contact == contact_open) roots(root_apart) = -point%h/mesh%gap_apart - 1
       if (mode%contact == contact_apart) roots(root_apart) = closed_form_gap(mesh%pair, q)/mesh%gap_apart - 1
-   end subroutine mesh_roots
+   end subroutine mesh_roots_of_force
 
    include "formulas/mesh_roots.inc"
 

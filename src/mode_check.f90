@@ -6,16 +6,18 @@
 module evl_mode_check
    use evl_contact_events, only: roots_of_contact
    use evl_contact_point, only: contact_point
-   use evl_gearbox, only: gearbox_t
+   use evl_gearbox, only: gearbox_t, i_theta, i_turns
    use evl_kinds, only: wp
-   use evl_mesh, only: contact_apart, contact_loaded, contact_off, contact_open, contact_t, mesh_mode, mesh_unclipped_force
-   use evl_mesh_roots, only: root_apart, root_back, root_contact, root_force, root_forward, root_friction_high, root_friction_low
-   use evl_settle_modes, only: roots_passed
+   use evl_mesh, only: contact_apart, contact_loaded, contact_off, contact_open, contact_state, contact_t, mesh_mode, &
+                       mesh_nominal_rho, mesh_unclipped_force
+   use evl_mesh_roots, only: mesh_roots_of_force, most_mesh_roots, root_apart, root_back, root_contact, root_force, root_forward, &
+                             root_friction_high, root_friction_low
+   use evl_settle_modes, only: mark_passed
    use evl_status, only: code_out_of_domain, fail, has_failed, message_length, quantity, status_t, subject_mesh
    implicit none (type, external)
    private
 
-   public :: check_modes
+   public :: check_known_contacts, check_modes
 
    !> How far past its zero a root function may be, in its own units: forces over the reference force, penetrations over the
    !> reference penetration, sliding over the knee of friction, places in pitches. It is far above how exactly events are located.
@@ -38,6 +40,33 @@ contains
       end do
    end subroutine check_modes
 
+   !> The same of a state at which the contacts are known: that costs little.
+   subroutine check_known_contacts(gearbox, y, integers, reals, contacts, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: y(gearbox%n_states)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: reals(:)
+      type(contact_state), intent(in) :: contacts(:) !! all of them, with their points and forces
+      type(status_t), intent(inout) :: status        !! as of `check_modes`
+      real(wp) :: roots(most_mesh_roots), rho_a0
+      integer :: m
+
+      do m = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(m), contact => contacts(m))
+            if (contact%mode%contact == contact_apart) then ! its point is not that of its tracking
+               call check_contact(gearbox, m, y, integers, reals, status)
+            else
+               rho_a0 = 0
+               if (mesh%handover) rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), contact%mode%teeth)
+               call mesh_roots_of_force(mesh, contact%mode, rho_a0, contact%q, contact%point, &
+                                        contact%force%elastic + contact%force%viscous, roots)
+               call judge(mesh, contact%mode, contact%point, roots, status)
+            end if
+         end associate
+         if (has_failed(status)) return
+      end do
+   end subroutine check_known_contacts
+
    !> Refuse a state that contradicts the modes of one tooth contact.
    subroutine check_contact(gearbox, m, y, integers, reals, status)
       type(gearbox_t), intent(in) :: gearbox
@@ -48,19 +77,28 @@ contains
       type(status_t), intent(inout) :: status
       type(contact_point) :: point
       type(mesh_mode) :: mode
-      character(len=message_length) :: message
-      real(wp) :: roots(gearbox%contacts(m)%n_roots)
-      integer :: worst
+      real(wp) :: roots(most_mesh_roots)
 
-      associate (mesh => gearbox%contacts(m))
-         call roots_of_contact(gearbox, m, y, integers, reals, mode, point, roots, status)
-         if (has_failed(status)) return
-         worst = findloc(roots_passed(mesh, mode, roots, slack), .true., dim=1)
-         if (worst == 0) return
-         call describe(mesh, mode, point, worst, message, status)
-         if (.not. has_failed(status)) call fail(status, code_out_of_domain, message, subject_mesh, mesh%mesh, "contact")
-      end associate
+      call roots_of_contact(gearbox, m, y, integers, reals, mode, point, roots, status)
+      if (.not. has_failed(status)) call judge(gearbox%contacts(m), mode, point, roots, status)
    end subroutine check_contact
+
+   !> Refuse root functions past the zeros that would have ended the modes.
+   subroutine judge(mesh, mode, point, roots, status)
+      type(contact_t), intent(in) :: mesh
+      type(mesh_mode), intent(in) :: mode
+      type(contact_point), intent(in) :: point
+      real(wp), intent(in) :: roots(mesh%n_roots)
+      type(status_t), intent(inout) :: status
+      character(len=message_length) :: message
+      logical :: passed(most_mesh_roots)
+
+      passed = .false.
+      call mark_passed(mesh, mode, roots, slack, passed)
+      if (.not. any(passed)) return
+      call describe(mesh, mode, point, findloc(passed, .true., dim=1), message, status)
+      if (.not. has_failed(status)) call fail(status, code_out_of_domain, message, subject_mesh, mesh%mesh, "contact")
+   end subroutine judge
 
    !> What a root function past its zero means.
    subroutine describe(mesh, mode, point, root, message, status)

@@ -9,6 +9,7 @@ module evl_output_table
    use evl_mesh, only: contact_state
    use evl_mesh_outputs, only: coast_histories, has_coast, mesh_histories, n_coast_histories, n_mesh_histories, &
                                n_pair_histories, pair_histories, pair_places, put_mesh
+   use evl_mode_check, only: check_known_contacts
    use evl_output, only: dims_mesh, dims_mesh_axis, dims_mesh_pair, dims_none, dims_quaternion, dims_shaft, dims_space, &
                          dims_wheel, dims_wheel_axis, dims_wheel_space, output_t
    use evl_shaft, only: shaft_energy
@@ -109,10 +110,11 @@ contains
    end function wheel_histories
 
    !> All values at a state, in the order of the table.
-   subroutine gearbox_outputs(gearbox, t, y, integers, reals, values, status)
+   subroutine gearbox_outputs(gearbox, t, y, integers, reals, check, values, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t, y(gearbox%n_states), reals(:)
       integer, intent(in) :: integers(:)
+      logical, intent(in) :: check !! whether to refuse a state that contradicts its modes, as `check_modes` does
       real(wp), intent(out) :: values(gearbox%n_values)
       type(status_t), intent(inout) :: status
       real(wp) :: f(gearbox%n_states), reactions(6, size(gearbox%wheels))
@@ -145,6 +147,8 @@ contains
                           values(at_meshes + nm*(n_mesh_histories - 2) + 1), values(at_pairs + 1), &
                           values(at_coast + 1:at_housing), potential)
          end do
+         if (check) call check_known_contacts(gearbox, y, integers, reals, contacts, status)
+         if (has_failed(status)) return
          call load_torques(gearbox, t, y, f, frame, integers, torque, load_torque)
          do i = 1, nw
             call put_wheel(gearbox, i, nw, y, f, load_torque(i), integers, values(at_wheels + 1), &

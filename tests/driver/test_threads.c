@@ -49,12 +49,12 @@ static void put(tape *tape, const double *values, int n)
 static void integrate_alone(case_run *run);
 static void forget(case_run *run);
 
-static int on_output(void *self, const dae_state *state)
+static int on_output(void *self, const dae_state *state, char *reason)
 {
     case_run *run = self;
-    char message[DAE_MESSAGE_LENGTH];
-    if (model_outputs(run->prepared.model, state, run->values, message) != DAE_OK) {
-        return 1;
+    const int code = model_checked_outputs(run->prepared.model, state, run->values, reason);
+    if (code != DAE_OK) {
+        return code == DAE_RECOVERABLE ? INTEGRATE_ANEW : 1;
     }
     put(&run->tape, &state->t, 1);
     put(&run->tape, run->values, model_n_values(run->prepared.model));

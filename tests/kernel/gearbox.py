@@ -410,11 +410,13 @@ class Gearbox:
 
     # ---- outputs
 
-    def values(self, state: State) -> Floats:
-        """All outputs in one array, as the kernel fills it."""
+    def values(self, state: State, *, check: bool = False) -> Floats:
+        """All outputs in one array, as the kernel fills it; with `check` modes have to agree."""
         result = np.empty(self.sizes.n_values)
-        arrays = (state.y, state.integers, state.reals, result)
-        self._call("evl_gearbox_outputs", _double(state.t), *map(_at, arrays))
+        arrays = (state.y, state.integers, state.reals)
+        self._call(
+            "evl_gearbox_outputs", _double(state.t), *map(_at, arrays), _bool(check), _at(result)
+        )
         return result
 
     def outputs(self, state: State) -> dict[str, Floats]:

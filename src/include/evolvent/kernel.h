@@ -625,9 +625,10 @@ EVL_API int evl_output_describe(int index, evl_output *output);
 /** Where the outputs of a gearbox stand in the array that evl_gearbox_outputs fills, in C order; [n_outputs] each. A count of 0:
  *  it is not there, as the pose of a fixed housing. */
 EVL_API void evl_gearbox_output_places(const evl_gearbox *gearbox, int *offsets, int *counts);
-/** All outputs at a state, [n_values]; integers as whole doubles, NaN where a quantity has no meaning. */
+/** All outputs at a state, [n_values]; integers as whole doubles, NaN where a quantity has no meaning. With `check` a state that
+ *  evl_gearbox_check_modes would refuse is refused, which here costs little. */
 EVL_API int evl_gearbox_outputs(const evl_gearbox *gearbox, double t, const double *y, const int *integers,
-                                const double *reals, double *values, evl_status *status);
+                                const double *reals, bool check, double *values, evl_status *status);
 
 /* ---- extremes -------------------------------------------------------------------------------------------------------------- */
 
