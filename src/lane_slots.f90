@@ -16,6 +16,8 @@ module evl_lane_slots
       type(lane_contact) :: at                !! the contact in eight states, if it touches
       real(wp), dimension(lanes) :: unclipped !! elastic + viscous force there [N]
       real(wp), dimension(lanes) :: friction  !! the friction law's factor of the normal force, where there is one
+      real(wp) :: rho_seen = 0                !! rho_A where the curvature of deviating flanks was found last; 0: nowhere yet [m]
+      real(wp) :: curvature_seen = 0          !! the curvature there [1/m]
    end type lane_slot
 
 contains
@@ -30,6 +32,7 @@ contains
 
       do i = 1, size(gearbox%contacts)
          slots(i)%mode = gearbox_mode(gearbox, i, integers, reals)
+         slots(i)%rho_seen = 0
          slots(i)%rho_start = mesh_nominal_start(gearbox%contacts(i), integers(i_turns), slots(i)%mode%teeth)
       end do
    end subroutine settle_slots

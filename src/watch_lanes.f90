@@ -37,7 +37,7 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: y(lanes, gearbox%n_states)
       integer, intent(in) :: integers(:)
-      type(lane_slot), intent(in) :: slots(:)    !! [tooth contacts] as the last rates left them
+      type(lane_slot), intent(inout) :: slots(:) !! [tooth contacts] as the last rates left them; curvatures are kept there
       integer, intent(out) :: n
       integer, intent(inout) :: channels(:)      !! the first n of these: which ones
       real(wp), intent(inout) :: values(lanes, *) !! of these
@@ -81,7 +81,7 @@ contains
    subroutine watch_pair(gearbox, c, slot, n, channels, values, normal, friction)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: c
-      type(lane_slot), intent(in) :: slot
+      type(lane_slot), intent(inout) :: slot
       integer, intent(inout) :: n
       integer, intent(inout) :: channels(:)
       real(wp), intent(inout) :: values(lanes, *)
@@ -105,23 +105,29 @@ contains
       end associate
    end subroutine watch_pair
 
-   !> Curvature of both flanks together; of flanks that deviate a little more than it is. That takes long, so it is found at both
-   !> ends of the step and goes evenly between them; a place that looks like an extreme is looked at exactly.
+   !> Curvature of both flanks together; of flanks that deviate a little more than it is. That takes long, so it is found at the end
+   !> of each step, where the next one begins, and goes evenly between; a place that looks like an extreme is looked at exactly.
    pure subroutine curvature_in_lanes(mesh, slot, curvature)
       type(contact_t), intent(in) :: mesh
-      type(lane_slot), intent(in) :: slot
+      type(lane_slot), intent(inout) :: slot
       real(wp), intent(out) :: curvature(lanes)
       real(wp), parameter :: margin = 2.0e-3_wp
+      real(wp), parameter :: same = 1.0e-6_wp !! of rho: places this near have the same curvature, to far less than the margin
       type(contact_point) :: point
       real(wp) :: from, to, way
 
       associate (rho_a => slot%at%rho_a, rho_b => slot%at%rho_b)
          curvature = (rho_a + rho_b)/(rho_a*rho_b)
          if (.not. mesh%deviates) return
-         call take_lane(slot%at, lanes, point)
-         from = touching_curvature(mesh, slot%mode, point)
+         from = slot%curvature_seen
+         if (abs(slot%rho_seen - rho_a(lanes)) > same*rho_a(lanes)) then
+            call take_lane(slot%at, lanes, point)
+            from = touching_curvature(mesh, slot%mode, point)
+         end if
          call take_lane(slot%at, n_stages, point)
          to = touching_curvature(mesh, slot%mode, point)
+         slot%rho_seen = rho_a(n_stages)
+         slot%curvature_seen = to
          way = rho_a(n_stages) - rho_a(lanes)
          if (.not. (abs(way) > 0 .and. from > 0 .and. to > 0)) return
          curvature = (1 + margin)*(from + (to - from)*((rho_a - rho_a(lanes))/way))
