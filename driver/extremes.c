@@ -23,6 +23,7 @@ struct extremes {
     double *high, *low;           /**< [n] so far; +INFINITY and -INFINITY if nobody asks */
     double *high_time, *low_time; /**< [n] */
     double *values;               /**< [n] at the state last asked */
+    double t_values;              /**< its time, if it is in the present step; else NAN */
     double *middle;               /**< [n] in the middle of a step */
     double *y;                    /**< [states] */
     channel_past past;
@@ -164,13 +165,24 @@ static bool see(extremes *extremes, const dae_state *state, const double *known)
 
 static bool see_at(extremes *extremes, const integrate_step *step, double t)
 {
-    if (!(t < step->t_to)) {
-        return see(extremes, step->state, step->watched);
+    const double place = fmin(t, step->t_to);
+    if (extremes->t_values >= place && extremes->t_values <= place) { /* as where several channels rise */
+        return true;
     }
-    dae_state state = *step->state;
-    state.t = t;
-    state.y = extremes->y;
-    return step->interpolate(step->with, t, extremes->y) && see(extremes, &state, NULL);
+    extremes->t_values = NAN;
+    bool good;
+    if (place < step->t_to) {
+        dae_state state = *step->state;
+        state.t = t;
+        state.y = extremes->y;
+        good = step->interpolate(step->with, t, extremes->y) && see(extremes, &state, NULL);
+    } else {
+        good = see(extremes, step->state, step->watched);
+    }
+    if (good) {
+        extremes->t_values = place;
+    }
+    return good;
 }
 
 /** A channel in a step, looked at in one sense. */
@@ -363,6 +375,7 @@ static void watch_by_ends(extremes *extremes, const integrate_step *step, double
 
 void extremes_watch(extremes *extremes, const integrate_step *step)
 {
+    extremes->t_values = NAN;
     if (step->t_to < extremes->from || step->t_from > extremes->to) {
         extremes->past.n_known = 0;
         return;
