@@ -49,6 +49,7 @@ contains
                   contact%n_slots = slots
                   contact%handover = slots == 1
                   contact%rigid = is_rigid(meshes(m)%contact)
+                  contact%damping = meshes(m)%damping
                   contact%deviates = any(gearbox%wheels([meshes(m)%driving, meshes(m)%driven])%deviation%exists)
                   contact%n_roots = n_mesh_roots + merge(n_border_roots, 0, contact%deviates)
                   ! the points of the coast flank follow from the wheels' positions, whatever tracks those of the drive flank

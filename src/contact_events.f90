@@ -12,7 +12,7 @@ module evl_contact_events
    use evl_mesh, only: contact_apart, contact_loaded, contact_off, contact_open, contact_t, contact_unloaded, mesh_contact, &
                        mesh_energy, mesh_mode, mesh_nominal_rho, mesh_settle_friction, mesh_settle_zones, touches
    use evl_mesh_roots, only: mesh_roots, root_apart, root_back, root_borders_a, root_borders_b, root_contact, root_force, &
-                             root_forward, root_friction_high, root_friction_low
+                             root_forward, root_friction_high, root_friction_low, root_side
    use evl_status, only: code_no_solution, fail, has_failed, quantity, status_t, subject_mesh
    implicit none (type, external)
    private
@@ -89,6 +89,7 @@ contains
             mode%friction = mesh_settle_friction(mesh, point)
          ! what comes or goes with the flanks counts in the balance as negative loss or as loss
          y(gearbox%i_dissipated) = y(gearbox%i_dissipated) + (energy - energy_of(gearbox, m, mode, y, integers))
+         if (fired(root_side)) mode%side = merge(-1, 1, mode%side > 0) ! nothing happens there that deserves an event
          if (fired(root_apart)) call change_distance(mesh, q, mode, y, log)
       end associate
       call gearbox_store_mode(gearbox, m, mode, integers, reals)
@@ -130,7 +131,7 @@ contains
       else
          call note(log, event_left, mesh, mode%teeth)
          if (forward) mode%teeth = mode%teeth + mesh%n_slots
-         mode = mesh_mode(teeth=mode%teeth, contact=contact_off)
+         mode = mesh_mode(teeth=mode%teeth, contact=contact_off, side=mode%side)
       end if
    end subroutine change_pair
 

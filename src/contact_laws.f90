@@ -4,7 +4,7 @@
 !> be evaluated for eight states at once, a formula in src/formulas and a loop in evl_force_lanes. A damping law that refers to the
 !> mesh is another law once the mesh is known: evl_mesh_damping says which.
 module evl_contact_laws
-   use evl_damping, only: impact_damping, linear_damping, one_sided_damping
+   use evl_damping, only: damping_share, impact_damping, linear_damping, one_sided_damping
    use evl_friction, only: coulomb_factor, coulomb_knee, coulomb_mode, stribeck_factor, tanh_factor
    use evl_hunt_crossley, only: flores_factor, gonthier_factor, hunt_crossley_factor, lankarani_nikravesh_factor, lee_wang_factor
    use evl_johnson, only: johnson_energy, johnson_force, johnson_limit_message, johnson_penetration
@@ -26,7 +26,7 @@ module evl_contact_laws
    public :: elastic_force, elastic_limit_message, elastic_potential, penetration_from_force, viscous_force
    public :: friction_factor, friction_knee, friction_mode, friction_acts, friction_falls
    public :: is_rigid, is_undamped, rigid_rest_velocity, rigid_restitution, undamped
-   public :: impact_share, linear_stiffness
+   public :: has_sides, impact_share, linear_stiffness
    public :: contact_johnson, contact_linear, contact_power, contact_radzimovsky, contact_yang_lin
    public :: damping_flores, damping_gonthier, damping_hunt_crossley, damping_lankarani_nikravesh, damping_lee_wang
    public :: damping_linear, damping_none, damping_one_sided
@@ -52,6 +52,7 @@ module evl_contact_laws
       real(wp) :: e_star = 0.0_wp  !! effective modulus E* [Pa]
       real(wp) :: width = 0.0_wp   !! common face width [m]
       real(wp) :: v0 = 0.0_wp      !! approach speed at the last closing [m/s]
+      integer :: side = 0          !! of h' = 0, for laws with two: +1 approach, -1 separation; 0: as h' says
    end type contact_context
 
    !> An elastic force with its derivatives, and those of the elastic energy V as `elastic_potential` has it. The radii enter
@@ -140,6 +141,13 @@ contains
 
       is_undamped = choice%law == damping_none
    end function is_undamped
+
+   !> Whether a damping law changes at h' = 0: it has a side of approach and one of separation.
+   pure logical function has_sides(choice)
+      type(law_choice), intent(in) :: choice !! of family laws_damping
+
+      has_sides = choice%law == damping_one_sided
+   end function has_sides
 
    !> Newton's coefficient of restitution of a rigid contact.
    pure real(wp) function rigid_restitution(choice)
@@ -237,7 +245,8 @@ contains
       case (damping_linear)
          call linear_damping(ctx%h_dot, choice%parameters(1), result%force, result%d_h_dot)
       case (damping_one_sided)
-         call one_sided_damping(ctx%h, ctx%h_dot, choice%parameters(1), result%force, result%d_h, result%d_h_dot)
+         call one_sided_damping(ctx%h, ctx%h_dot, choice%parameters(1), damping_share(ctx%side, ctx%h_dot), result%force, &
+                                result%d_h, result%d_h_dot)
       case (damping_hunt_crossley, damping_lankarani_nikravesh, damping_flores, damping_gonthier, damping_lee_wang)
          share = impact_share(choice, ctx%v0)
          result%d_h_dot = share*elastic%force

@@ -7,12 +7,21 @@ module evl_damping
    implicit none (type, external)
    private
 
-   public :: impact_damping, linear_damping, linear_damping_law, no_damping_law, one_sided_damping, one_sided_damping_law
+   public :: damping_share, impact_damping, linear_damping, one_sided_damping
+   public :: linear_damping_law, no_damping_law, one_sided_damping_law
    public :: ratio_damping, ratio_damping_law
 
 contains
 
    include "formulas/damping.inc"
+
+   !> Share of one-sided damping that acts: all on the side of approach, nothing on that of separation.
+   pure real(wp) function damping_share(side, h_dot) result(share)
+      integer, intent(in) :: side   !! +1 approach, -1 separation; 0: as the rate says
+      real(wp), intent(in) :: h_dot !! rate of penetration [m/s]
+
+      share = merge(1.0_wp, 0.0_wp, side > 0 .or. (side == 0 .and. h_dot > 0))
+   end function damping_share
 
    !> The entries of the law table.
    pure type(law_info_t) function no_damping_law() result(info)

@@ -11,6 +11,7 @@ module evl_force_lanes
                                friction_coulomb, friction_none, friction_stribeck, friction_tanh, impact_share, &
                                linear_stiffness
    use evl_contact_point, only: contact_point
+   use evl_damping, only: damping_share
    use evl_johnson, only: exp_minus_2, smallest_ratio
    use evl_kinds, only: pi, wp
    use evl_mesh, only: contact_t, contact_unloaded, mesh_force, mesh_mode
@@ -201,7 +202,7 @@ contains
       type(mesh_mode), intent(in) :: mode
       type(lane_contact), intent(in) :: at
       type(lane_force), intent(inout) :: force
-      real(wp) :: coefficient, d_h, d_h_dot
+      real(wp) :: coefficient, share, d_h, d_h_dot
       integer :: l
 
       select case (mesh%damping%law)
@@ -215,9 +216,10 @@ contains
          end do
       case (damping_one_sided)
          coefficient = mesh%damping%parameters(1)
+         share = damping_share(mode%side, 0.0_wp)
          !$omp simd private(d_h, d_h_dot)
          do l = 1, lanes
-            call one_sided_damping(at%h(l), at%h_dot(l), coefficient, force%viscous(l), d_h, d_h_dot)
+            call one_sided_damping(at%h(l), at%h_dot(l), coefficient, share, force%viscous(l), d_h, d_h_dot)
          end do
       case (damping_hunt_crossley, damping_lankarani_nikravesh, damping_flores, damping_gonthier, damping_lee_wang)
          coefficient = impact_share(mesh%damping, mode%v0)

@@ -140,6 +140,7 @@ contains
             mode%zone_b = integers(i + 4)
          end if
       end associate
+      if (gearbox%contacts(index)%i_side > 0) mode%side = integers(gearbox%contacts(index)%i_side)
       mode%v0 = reals(index)
       if (.not. gearbox%contacts(index)%rigid) return
       n = pairs_loaded(gearbox, index, integers)
@@ -213,6 +214,7 @@ contains
          integers(i:i + 2) = [mode%teeth, mode%contact, mode%friction]
          if (gearbox%contacts(index)%deviates) integers(i + 3:i + 4) = [mode%zone_a, mode%zone_b]
       end associate
+      if (gearbox%contacts(index)%i_side > 0) integers(gearbox%contacts(index)%i_side) = mode%side
       reals(index) = mode%v0
    end subroutine gearbox_store_mode
 

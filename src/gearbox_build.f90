@@ -2,6 +2,7 @@
 module evl_gearbox_build
    use evl_constant_outputs, only: n_constant_outputs, put_constants
    use evl_contact_build, only: find_dependents, list_contacts, take_contact
+   use evl_contact_laws, only: has_sides
    use evl_gear_build, only: gears_build
    use evl_gear_pair, only: gear_pair_derive
    use evl_gearbox, only: gearbox_t, i_omega, i_theta, support_bearing, support_slider, support_t
@@ -273,6 +274,11 @@ contains
       do i = 1, size(gearbox%loads)
          if (size(gearbox%loads(i)%time) == 0) cycle
          gearbox%loads(i)%i_segment = n + 1
+         n = n + 1
+      end do
+      do i = 1, size(gearbox%contacts)
+         if (.not. has_sides(gearbox%contacts(i)%damping)) cycle
+         gearbox%contacts(i)%i_side = n + 1
          n = n + 1
       end do
       gearbox%n_integers = n

@@ -249,6 +249,7 @@ contains
                          + q(at_v_b + 1) - q(at_v_a + 1)
                if (point%h_dot > 0 .or. (.not. point%h_dot < 0 .and. parting <= 0)) mode%contact = contact_loaded
             end if
+            mode%side = merge(1, -1, point%h_dot > 0)
             if (mode%contact == contact_loaded) then
                mode%friction = mesh_settle_friction(mesh, point)
                mode%v0 = max(point%h_dot, 0.0_wp)

@@ -38,6 +38,7 @@ contains
             mesh%force_scale = max(mesh_load(gearbox, mesh, gearbox_likely_speed(gearbox)), &
                                    smallest_load*pi*mesh%e_star*mesh%pair%rho_0*mesh%width)
             call static_penetration(mesh, mesh%force_scale, mesh%h_scale)
+            mesh%rate_scale = sqrt(mesh%force_scale*mesh%h_scale*mesh%mobility)
          end associate
       end do
    end subroutine gearbox_set_scales

@@ -45,7 +45,7 @@ module evl_mesh
    integer, parameter :: flank_drive = 0 !! the driving wheel pushes in its nominal sense of rotation
    integer, parameter :: flank_coast = 1 !! the other side of the teeth
 
-   integer, parameter :: n_mesh_roots = 7       !! root functions of a tooth contact
+   integer, parameter :: n_mesh_roots = 8       !! root functions of a tooth contact
    integer, parameter :: n_border_roots = 4     !! more of them where a flank deviates: borders of tip and root relief of A, of B
 
    type :: contact_t
@@ -72,6 +72,7 @@ module evl_mesh
       real(wp) :: k_a0(2) = 0.0_wp        !! K_A at the reference centre distance [m]
       real(wp) :: force_scale = 0.0_wp    !! normal force that the loads suggest [N]
       real(wp) :: h_scale = 0.0_wp        !! its penetration [m]
+      real(wp) :: rate_scale = 0.0_wp     !! its rate, if the contact vibrates that far [m/s]
       logical :: deviates = .false.       !! whether a flank deviates from the involute
       type(flank_deviation_t) :: deviation_a, deviation_b !! and how
       integer :: tooth_sign = 1           !! +1: tooth pairs come in the order of A's teeth, counted counterclockwise; -1: against
@@ -85,6 +86,7 @@ module evl_mesh
       integer :: i_dependent = 0          !! deviation of the wheel that a closed rigid contact determines
       real(wp) :: mobility = 0.0_wp       !! r_bA^2/J_A + r_bB^2/J_B [1/kg]
       integer :: i_track = 0              !! first tracked variable in the state; 0 if none
+      integer :: i_side = 0               !! place of the side of h' = 0 in the discrete state; 0 where the damping law has none
       integer :: i_mode = 0               !! place of its integers in the discrete state: three, and two zones if it deviates
       integer :: i_root = 0               !! place before its root functions
       integer :: n_roots = n_mesh_roots   !! how many there are
@@ -96,6 +98,7 @@ module evl_mesh
       integer :: contact = contact_open !! one of the contact modes
       integer :: friction = 0           !! branch of the friction law
       integer :: zone_a = 0, zone_b = 0 !! parts of the modified flanks
+      integer :: side = 0               !! of h' = 0, where the damping law has two: +1 approach, -1 separation
       real(wp) :: share = 1.0_wp        !! of a rigid flank's normal force that this pair carries
       real(wp) :: v0 = 0.0_wp           !! approach speed at the last closing [m/s]
    end type mesh_mode
@@ -198,10 +201,10 @@ contains
    end subroutine mesh_settle_zones
 
    !> What the laws may know.
-   pure type(contact_context) function context_of(mesh, point, v0) result(ctx)
+   pure type(contact_context) function context_of(mesh, mode, point) result(ctx)
       type(contact_t), intent(in) :: mesh
+      type(mesh_mode), intent(in) :: mode
       type(contact_point), intent(in) :: point
-      real(wp), intent(in) :: v0
 
       ctx%h = point%h
       ctx%h_dot = point%h_dot
@@ -210,7 +213,8 @@ contains
       ctx%rho_b = point%rho_b
       ctx%e_star = mesh%e_star
       ctx%width = mesh%width
-      ctx%v0 = v0
+      ctx%v0 = mode%v0
+      ctx%side = mode%side
    end function context_of
 
    !> Forces at a contact point. Nothing acts in the modes without contact.
@@ -280,7 +284,7 @@ contains
          viscous = viscous_result()
          return
       end if
-      ctx = context_of(mesh, point, mode%v0)
+      ctx = context_of(mesh, mode, point)
       call elastic_force(mesh%contact, ctx, elastic, code)
       if (code /= code_ok) then
          call elastic_limit_message(mesh%contact, ctx, message)
@@ -312,7 +316,7 @@ contains
 
       energy = 0
       if (mesh%rigid) return
-      if (touches(mode)) call elastic_potential(mesh%contact, context_of(mesh, point, mode%v0), energy, elastic=elastic)
+      if (touches(mode)) call elastic_potential(mesh%contact, context_of(mesh, mode, point), energy, elastic=elastic)
    end function mesh_energy
 
    !> Elastic + viscous force as if nothing were clipped [N].

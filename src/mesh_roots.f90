@@ -13,8 +13,8 @@ module evl_mesh_roots
    private
 
    public :: mesh_roots, mesh_roots_of_force, mesh_root_directions, mesh_ends, mark_idle_roots, most_mesh_roots, past
-   public :: root_contact, root_force, root_friction_high, root_friction_low, root_forward, root_back, root_apart, root_borders_a, &
-             root_borders_b
+   public :: root_contact, root_force, root_friction_high, root_friction_low, root_forward, root_back, root_apart, root_side, &
+             root_borders_a, root_borders_b, standstill
 
    integer, parameter :: root_contact = 1       !! the gap closes or opens
    integer, parameter :: root_force = 2         !! the unclipped force passes zero
@@ -23,11 +23,16 @@ module evl_mesh_roots
    integer, parameter :: root_forward = 5       !! the far end of the path is passed, or one pitch since the last switch
    integer, parameter :: root_back = 6          !! the near end of the path is passed, or one pitch back since the last switch
    integer, parameter :: root_apart = 7         !! the flanks part so far, or come so near, that tracking ends or begins
-   integer, parameter :: root_borders_a = 8     !! the contact passes the border of A's tip relief; of its root relief
-   integer, parameter :: root_borders_b = 10    !! the same for B
+   integer, parameter :: root_side = 8          !! the rate of the penetration passes zero, where a damping law changes
+   integer, parameter :: root_borders_a = 9     !! the contact passes the border of A's tip relief; of its root relief
+   integer, parameter :: root_borders_b = 11    !! the same for B
 
    !> Roots lie this far past the change of mode, relative to the size of the quantity: a root function never starts at zero.
    real(wp), parameter :: past = 1.0e-10_wp
+
+   !> The same for the side of a damping law, relative to the rate scale: a damper's force on the wrong side is nothing there, and
+   !> it is above what integration leaves of a rate that has come to rest, or sides would change for ever.
+   real(wp), parameter :: standstill = 1.0e-6_wp
 
    integer, parameter :: most_mesh_roots = n_mesh_roots + n_border_roots !! of one tooth contact
    integer, parameter :: width = 1 !! states that the included formulas take at once
@@ -63,7 +68,7 @@ contains
 
       moved = 0
       if (mesh%handover) moved = pitches_moved(mesh, [rho_a0], [q(at_psi_a)], [centre_line_turn(mesh%pair, q)])
-      call contact_roots(mesh, mode, [point%h], [point%v_t], [point%rho_a], [point%rho_b], [force], moved, values)
+      call contact_roots(mesh, mode, [point%h], [point%h_dot], [point%v_t], [point%rho_a], [point%rho_b], [force], moved, values)
       roots = values(1, :mesh%n_roots)
       if (mesh%tracking == tracking_closed_form) return
       if (mode%contact == contact_open) roots(root_apart) = -point%h/mesh%gap_apart - 1
@@ -84,6 +89,7 @@ contains
       directions(root_friction_low) = merge(1, -1, mode%friction == -1)
       directions(root_forward) = merge(1, -1, mesh%handover .or. mode%contact == contact_off)
       directions(root_back) = merge(1, -1, mode%contact == contact_off)
+      directions(root_side) = merge(-1, 1, mode%side > 0)
       directions(root_apart) = merge(-1, 1, mode%contact == contact_apart)
       if (.not. mesh%deviates) return
       directions(root_borders_a) = merge(-1, 1, mode%zone_a == zone_tip)
@@ -102,6 +108,7 @@ contains
 
       if (.not. (mode%contact == contact_open .or. (touches(mode) .and. .not. mesh%rigid))) directions(root_contact) = mark
       if (.not. touches(mode)) directions(root_force) = mark
+      if (mesh%i_side == 0 .or. .not. touches(mode)) directions(root_side) = mark
       slides = friction_knee(mesh%friction) > 0 .and. mode%contact == contact_loaded
       if (.not. slides .or. mode%friction == -1) directions(root_friction_high) = mark
       if (.not. slides .or. mode%friction == 1) directions(root_friction_low) = mark

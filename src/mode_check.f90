@@ -11,7 +11,7 @@ module evl_mode_check
    use evl_mesh, only: contact_apart, contact_loaded, contact_off, contact_open, contact_state, contact_t, mesh_mode, &
                        mesh_nominal_rho, mesh_unclipped_force
    use evl_mesh_roots, only: mesh_roots_of_force, most_mesh_roots, root_apart, root_back, root_contact, root_force, root_forward, &
-                             root_friction_high, root_friction_low
+                             root_friction_high, root_friction_low, root_side
    use evl_settle_modes, only: mark_passed
    use evl_status, only: code_out_of_domain, fail, has_failed, message_length, quantity, status_t, subject_mesh
    implicit none (type, external)
@@ -129,6 +129,8 @@ contains
          end if
       case (root_friction_high, root_friction_low)
          message = trim(message)//" slides at "//quantity(point%v_t, "m/s")//", which its branch of friction does not hold for"
+      case (root_side)
+         message = trim(message)//" moves at "//quantity(point%h_dot, "m/s")//", on the wrong side of its damping law"
       case (root_forward, root_back)
          message = trim(message)//trim(merge(" is on the path but counts as off it     ", &
                                              " is past an end of the path of contact   ", mode%contact == contact_off))

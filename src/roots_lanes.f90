@@ -12,7 +12,7 @@ module evl_roots_lanes
    use evl_line_lanes, only: centre_turn_in_lanes, lane_line, line_in_lanes, motion_in_lanes
    use evl_mesh, only: contact_loaded, contact_off, contact_open, contact_t, flank_drive, mesh_mode, touches
    use evl_mesh_roots, only: past, root_back, root_borders_a, root_borders_b, root_contact, root_force, root_forward, &
-                             root_friction_high, root_friction_low
+                             root_friction_high, root_friction_low, root_side, standstill
    use evl_ode_model, only: lanes
    use evl_status, only: code_out_of_domain, fail, has_failed, status_t
    implicit none (type, external)
@@ -81,7 +81,7 @@ contains
          unclipped = force%elastic + force%viscous
       end if
       call moved_in_lanes(mesh, line, at%rho_a0, moved)
-      call contact_roots(mesh, mode, at%h, at%v_t, at%rho_a, at%rho_b, unclipped, moved, roots)
+      call contact_roots(mesh, mode, at%h, at%h_dot, at%v_t, at%rho_a, at%rho_b, unclipped, moved, roots)
    end subroutine roots_of_contact
 
    !> Those of one that touched in states nearby.
@@ -95,7 +95,8 @@ contains
 
       if (mesh%handover) call motion_in_lanes(mesh, y, line)
       call moved_in_lanes(mesh, line, slot%at%rho_a0, moved)
-      call contact_roots(mesh, slot%mode, slot%at%h, slot%at%v_t, slot%at%rho_a, slot%at%rho_b, slot%unclipped, moved, roots)
+      call contact_roots(mesh, slot%mode, slot%at%h, slot%at%h_dot, slot%at%v_t, slot%at%rho_a, slot%at%rho_b, &
+                         slot%unclipped, moved, roots)
    end subroutine roots_of_touch
 
    !> How many pitches a pair that hands over has moved on; 0 for others.

@@ -12,7 +12,7 @@ module evl_settle_modes
    use evl_kinds, only: wp
    use evl_mesh, only: contact_open, contact_t, mesh_mode, tracking_closed_form
    use evl_mesh_roots, only: mark_idle_roots, mesh_root_directions, most_mesh_roots, past, root_contact, root_force, &
-                             root_friction_high, root_friction_low
+                             root_friction_high, root_friction_low, root_side
    use evl_status, only: code_no_solution, fail, has_failed, status_t, subject_mesh
    implicit none (type, external)
    private
@@ -21,6 +21,7 @@ module evl_settle_modes
 
    !> Root functions of what can jump at an event. Places on the path do not: they end a mode where they are crossed.
    integer, parameter :: pressing(2) = [root_contact, root_force], sliding(2) = [root_friction_high, root_friction_low]
+   integer, parameter :: approaching(1) = [root_side]
    !> A root function this near its zero has crossed it: what happens at one instant happens at once, whatever rounding says. It is
    !> less than roots lie past a change of mode.
    real(wp), parameter :: tie = past/2
@@ -115,6 +116,7 @@ contains
       jumped = .false.
       jumped(pressing) = passed(pressing, merge(by_far, at_all, any(crossed(pressing))))
       jumped(sliding) = passed(sliding, merge(by_far, at_all, any(crossed(sliding))))
+      jumped(approaching) = passed(approaching, at_all) .and. .not. crossed(approaching)
       if (.not. any(jumped)) return
       nothing = .false.
       call contact_event(gearbox, m, jumped, y, integers, reals, log, status)

@@ -31,7 +31,7 @@ DRIVE, COAST = range(2)
 NOTHING, WHEEL, MESH, LOAD, INITIAL, HOUSING, SHAFT = range(7)
 # root functions of a tooth contact, in the order of evl_gearbox_roots; the turns of the reference
 # wheel last
-ROOTS = ("contact", "force", "friction_high", "friction_low", "forward", "back", "apart")
+ROOTS = ("contact", "force", "friction_high", "friction_low", "forward", "back", "apart", "side")
 BORDERS = ("tip_a", "root_a", "tip_b", "root_b")  # more of them where flanks deviate
 TRACKED = ("turn", "zeta", "dr_t", "dr_e", "gradient_ratio", "mu")
 

@@ -402,7 +402,7 @@ def test_every_kind_of_event_has_a_name_of_its_own(kernel: Kernel):
         assert name.value == b""
 
 
-def test_there_are_seven_roots_a_mesh_and_one_for_the_turns(kernel: Kernel):
+def test_every_mesh_has_its_roots_and_there_is_one_for_the_turns(kernel: Kernel):
     for n in (2, 3, 4):
         gearbox = chain(kernel, n, DIFFERENTIAL)
         assert gearbox.sizes.n_roots == len(ROOTS) * (n - 1) + 1
