@@ -13,9 +13,9 @@
 
 /* ---- the motion up to a time ---- */
 
-static int on_output(void *self, const dae_state *state)
+static int on_output(void *self, const dae_state *state, char reason[DAE_MESSAGE_LENGTH])
 {
-    (void)self, (void)state;
+    (void)self, (void)state, (void)reason;
     return 0;
 }
 
