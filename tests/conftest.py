@@ -35,7 +35,22 @@ def _built(variable: str, name: str) -> Path:
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Offer the tests that take minutes."""
-    parser.addoption("--long", action="store_true", help="run the tests that take minutes, too")
+    parser.addoption("--long", action="store_true", help="run the tests marked `long`, too")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Declare the mark of the tests that only --long runs."""
+    config.addinivalue_line("markers", "long: part of a set that takes many minutes, see --long")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave out the tests marked `long` unless they are asked for."""
+    if config.getoption("--long"):
+        return
+    left_out = [item for item in items if item.get_closest_marker("long")]
+    if left_out:
+        items[:] = [item for item in items if not item.get_closest_marker("long")]
+        config.hook.pytest_deselected(items=left_out)
 
 
 @pytest.fixture(scope="session")

@@ -1,6 +1,6 @@
 """Tooth pairs push and never pull: modes of contact agree with the state after every event.
 
-``pytest tests/system/test_pushing.py --long`` runs 500 random pairs of gears; here are 60 of them.
+``pytest tests/system/test_pushing.py --long`` runs 500 random pairs of gears, without it 60.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import pytest
 from evolvent import check_history
 from kernel.kernel import Kernel
 from system.pushing_cases import FACTORS, levels, met, pushing_case, rows
+from system.random_sets import seeds
 from system.runs import Run
 
 SHORT, LONG = 60, 500  # cases
@@ -64,12 +65,6 @@ def test_check_tells_a_pair_that_pulls_and_a_mode_that_contradicts_the_gap(runs)
 # ---- every two entries of the tables
 
 
-def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
-    """500 cases with --long, else 60."""
-    if "seed" in metafunc.fixturenames:
-        metafunc.parametrize("seed", range(LONG if metafunc.config.getoption("--long") else SHORT))
-
-
 @pytest.fixture(scope="session")
 def tables(kernel_library: Path) -> Kernel:
     """Give the kernel's tables of laws."""
@@ -88,6 +83,7 @@ def test_every_two_entries_of_the_tables_meet(tables):
     assert everything == set(itertools.chain.from_iterable(map(met, rows(tables, SHORT))))
 
 
+@pytest.mark.parametrize("seed", seeds(range(SHORT), LONG))
 def test_no_tooth_pair_pulls_whatever_laws_and_deviations_meet(runs, tables, seed):
     row = rows(tables, LONG)[seed]
     run = runs(pushing_case(tables, row, seed))
