@@ -51,15 +51,18 @@ def test_its_force_swings_as_far_before_each_change_of_teeth(runs):
         assert swings[0] == pytest.approx(swings[1], rel=WITHIN)
 
 
-def test_what_the_run_says_agrees_with_the_modes_at_that_time(runs, evolvent, tmp_path):
+def test_what_the_run_says_agrees_with_the_modes_about_that_time(runs, evolvent, tmp_path):
+    """Within a period the vibration moves along the friction law, and its phase is uncertain."""
     case = self_excited()
     frequency, damping, t = map(float, SAID.search(runs(case).messages).groups())
     file = tmp_path / "case.yaml"
     file.write_text(json.dumps(case))
-    printed = evolvent("modes", file, "--at", str(t), "--json")
-    modes = [mode for mode in json.loads(printed.stdout)["modes"] if mode["damping_ratio"]]
+    modes = []
+    for eighth in range(8):
+        at = t + (eighth - 4) / 8 / frequency
+        printed = json.loads(evolvent("modes", file, "--at", str(at), "--json").stdout)
+        modes += [mode for mode in printed["modes"] if mode["damping_ratio"]]
     fastest = min(modes, key=lambda mode: mode["damping_ratio"])
-    # the mode changes within a period, since the vibration itself moves along the friction law
     assert fastest["natural_frequency"] == pytest.approx(frequency, rel=0.02)
     assert fastest["damping_ratio"] == pytest.approx(damping, rel=0.5)
 
