@@ -1,4 +1,5 @@
-!> Why there is no steady state: what the start does not allow, a load of the wrong sense, or a slope of flanks.
+!> Why there is no steady state: what the start does not allow, a load of the wrong sense, a slope of flanks, or a pair at the end
+!> of its path.
 module evl_steady_refusals
    use evl_contact_point, only: contact_point
    use evl_deviating_flanks, only: flank_value
@@ -14,7 +15,7 @@ module evl_steady_refusals
    implicit none (type, external)
    private
 
-   public :: check_pressed, check_steady, refuse_slope
+   public :: check_pressed, check_steady, refuse_alternation, refuse_slope
 
    real(wp), parameter :: touching = 1.0e-6_wp !! gap over the penetration scale of flanks that touch without a load
 
@@ -190,6 +191,26 @@ contains
       end do
    end function joined_without
 
+   !> The modes do not settle: name the tooth pair that is on its path where others carry the load, and off it where it does.
+   subroutine refuse_alternation(gearbox, before, integers, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: before(:), integers(:) !! modes of the last two turns
+      type(status_t), intent(inout) :: status
+      character(len=16) :: pair
+      integer :: m
+
+      do m = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(m), at => gearbox%contacts(m)%i_mode)
+            if (before(at + 1) == contact_off .eqv. integers(at + 1) == contact_off) cycle
+            write (pair, "(i0)") merge(before(at), integers(at), integers(at + 1) == contact_off)
+            call fail(status, code_no_solution, "there is no steady state: tooth pair "//trim(pair)//" is on the path of contact" &
+                      //" while others carry the load, and off it once it carries; start from rest or with given speeds", &
+                      subject_mesh, mesh%mesh)
+            return
+         end associate
+      end do
+   end subroutine refuse_alternation
+
    !> No steady state was found: where flanks deviate, name the tooth pair on the steepest slope.
    subroutine refuse_slope(gearbox, y, integers, reals, status)
       type(gearbox_t), intent(in) :: gearbox
@@ -215,7 +236,7 @@ contains
             if (point%h <= 0 .and. mode%contact /= contact_loaded) cycle
             call mesh_settle_zones(mesh, point, mode)
             call flank_values(mesh, mode, point, a, b)
-            if (worst > 0 .and. abs(a%de - b%de) <= abs(steepest)) cycle
+            if (.not. abs(a%de - b%de) > abs(steepest)) cycle
             steepest = a%de - b%de
             worst = m
             rate = point%h_dot

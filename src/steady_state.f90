@@ -12,7 +12,7 @@ module evl_steady_state
    use evl_start_positions, only: closed_form_point, place_pairs, prescribed_speed, set_gaps
    use evl_status, only: code_no_solution, fail, has_failed, quantity, status_t, subject_initial
    use evl_steady_newton, only: find_slopes, solve_steady, steady_system
-   use evl_steady_refusals, only: check_pressed, check_steady, refuse_slope
+   use evl_steady_refusals, only: check_pressed, check_steady, refuse_alternation, refuse_slope
    implicit none (type, external)
    private
 
@@ -149,7 +149,8 @@ contains
          if (has_failed(status)) return
          if (.not. found) exit
       end do
-      call refuse_slope(gearbox, y, integers, reals, status)
+      if (found) call refuse_alternation(gearbox, before, integers, status)
+      if (.not. has_failed(status)) call refuse_slope(gearbox, y, integers, reals, status)
    end subroutine settle_steady
 
    !> Speed at which the loads balance without friction [rad/s].

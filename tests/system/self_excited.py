@@ -24,6 +24,7 @@ WITHIN = 0.05  # of each statistic: what an onset that comes from below the tole
 
 RADAU = "simulation.integrator=radau"
 SMALL_STEPS = "simulation.max_step=1e-5"
+REFUSED = 3  # exit code of a case that is no case, or has no start
 OTHER_SMALL_STEPS = "simulation.max_step=8.3e-6"
 
 PITCH = 3.07e-2  # between two changes of the teeth [s]
@@ -98,20 +99,21 @@ def difference(history: Any, reference: Any) -> float:
 class Judged:
     """What became of a random gearbox."""
 
-    verdict: str  # "agrees", "differs", "chaotic" (small steps do not agree either) or "failed"
+    verdict: str  # "agrees", "differs", "chaotic" (nor do small steps), "refused" or "failed"
     said: str  # the warning that a vibration or a motion feeds itself, empty if there was none
     difference: float  # of the statistics
     words: str  # of the run, on the terminal
 
     @property
     def is_sound(self) -> bool:
-        """Whether the run came to its end, and was right or warned."""
-        return self.verdict in ("agrees", "chaotic") or (
-            self.verdict == "differs" and self.said != ""
-        )
+        """Whether the run was right or warned, or the case was refused."""
+        if self.verdict == "differs":
+            return self.said != ""
+        return self.verdict in ("agrees", "chaotic", "refused")
 
     def __str__(self) -> str:
-        return f"{self.verdict}, {self.difference:.2g} {self.said or 'silent'}"
+        words = self.said or self.words.strip().splitlines()[-1]
+        return f"{self.verdict}, {self.difference:.2g}: {words}"
 
 
 def judge(program: Path, seed: int) -> Judged:
@@ -123,26 +125,27 @@ def judge(program: Path, seed: int) -> Judged:
     with tempfile.TemporaryDirectory() as folder:
         case = Path(folder) / "case.yaml"
         case.write_text(json.dumps(stribeck_gearbox(seed)))
-        history, words = _run(program, case)
-        exact, _ = _run(program, case, SMALL_STEPS)
+        history, words, exit_code = _run(program, case)
+        exact, _, _ = _run(program, case, SMALL_STEPS)
         said = next((line for line in words.splitlines() if "feeds itself" in line), "")
         if history is None or exact is None:
-            return Judged("failed", said, float("nan"), words)
+            verdict = "refused" if exit_code == REFUSED else "failed"
+            return Judged(verdict, said, float("nan"), words)
         error = difference(history, exact)
         if error <= WITHIN:
             return Judged("agrees", said, error, words)
-        other, _ = _run(program, case, OTHER_SMALL_STEPS)
+        other, _, _ = _run(program, case, OTHER_SMALL_STEPS)
     chaotic = other is not None and difference(other, exact) > WITHIN
     return Judged("chaotic" if chaotic else "differs", said, error, words)
 
 
-def _run(program: Path, case: Path, *settings: str) -> tuple[Any, str]:
-    """Return the forces and the words; no forces if the run failed."""
+def _run(program: Path, case: Path, *settings: str) -> tuple[Any, str, int]:
+    """Return the forces, the words and the exit code; no forces if the run failed."""
     output = case.with_suffix(".h5")
     options = [word for setting in (RADAU, *settings) for word in ("--set", setting)]
     command = [program, "run", case, "-o", output, *options]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
-        return None, done.stderr
+        return None, done.stderr, done.returncode
     with xr.open_dataset(output, engine="netcdf4") as history:
-        return history[["normal_force"]].load(), done.stderr
+        return history[["normal_force"]].load(), done.stderr, 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 from system.cases import pair
 from system.runs import FRICTIONLESS, TRACKINGS, tracking
+from system.stribeck_gearboxes import stribeck_gearbox
 
 WIDTH = 0.1  # [m]
 EFFECTIVE_MODULUS = 2e11 / (2 * (1 - 0.3**2))  # [Pa]
@@ -53,3 +55,12 @@ def test_a_run_from_the_steady_state_stays_there(runs, kind):
     np.testing.assert_allclose(history["penetration"][:, 0], penetration(), rtol=1e-12)
     np.testing.assert_allclose(history["normal_force"][:, 0], FORCE, rtol=1e-12)
     np.testing.assert_allclose(history["angular_velocity"].sel(wheel="gear"), SPEED, rtol=1e-12)
+
+
+def test_a_pair_that_its_own_load_takes_off_the_path_is_named(evolvent, tmp_path):
+    """Friction halves the speed while it carries; the axle yields, and it is off the path."""
+    file = tmp_path / "case.yaml"
+    file.write_text(json.dumps(stribeck_gearbox(156)))
+    done = evolvent("run", file)
+    assert done.returncode == 3
+    assert "there is no steady state: tooth pair 0 is on the path of contact while" in done.stderr
