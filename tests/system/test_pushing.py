@@ -18,6 +18,9 @@ from system.random_sets import seeds
 from system.runs import Run
 
 SHORT, LONG = 60, 500  # cases
+# Energies off by more than ten times the tolerance. 36: 18 bounces within 0.5 ms; after each event
+# IDA starts anew at its first order, and the errors of these steps add up to 24 times (radau: 1.2).
+INEXACT_BY_IDA = {36: 5e-8}
 
 INTEGRATORS = ("radau", "ida")
 RELIEF = (
@@ -94,5 +97,4 @@ def test_no_tooth_pair_pulls_whatever_laws_and_deviations_meet(runs, tables, see
     verdicts = {v.invariant.name: v for v in check_history(run.history)}
     assert verdicts["contact modes"].verdict == "pass", row
     energy = verdicts["energy balance"]
-    # seed 36, by IDA, is at 2.4 of the bound: IDA's errors add up over its steps; and the run says so
-    assert not energy.failed or ("energy balance" in run.messages and energy.worst <= 1e-7), row
+    assert energy.worst <= INEXACT_BY_IDA.get(seed, energy.bound), row
