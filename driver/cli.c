@@ -1,5 +1,6 @@
 #include "cli.h"
 
+#include "cli_commands.h"
 #include "memory.h"
 #include "status.h"
 #include "suggest.h"
@@ -9,170 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { OF_RUN = 1, OF_SHOW = 2, OF_PROGRAM = 4, OF_MODES = 8, OF_BATCH = 16 };
-
-typedef struct {
-    int mask;
-    cli_command command;
-    const char *name, *synopsis, *summary, *text;
-    const char *file; /**< what it works on */
-} command_row;
-
-static const command_row program = {OF_PROGRAM,
-                                    CLI_NOTHING,
-                                    "",
-                                    "COMMAND ... | --help | --version",
-                                    "Dynamics of spur gearboxes with involute teeth in contact.",
-                                    "Example:\n"
-                                    "  evolvent run examples/paper.yaml        integrates the case, writes paper.h5\n"
-                                    "\n"
-                                    "'evolvent COMMAND --help' tells more about a command.\n",
-                                    ""};
-
-static const command_row commands[] = {
-    {OF_RUN, CLI_RUN, "run", "CASE.yaml [-o HISTORY.h5] [--set PATH=VALUE]... [-q]",
-     "integrate a case, write its history",
-     "Integrates the case and writes its time history, an HDF5 file that netCDF-4 readers open. It grows as\n"
-     "HISTORY.h5.partial and gets its name when the run is complete, replacing an older one. A run that fails or is\n"
-     "interrupted leaves the .partial, readable, with the reason in its attributes.\n"
-     "\n"
-     "Examples:\n"
-     "  evolvent run examples/paper.yaml\n"
-     "  evolvent run examples/paper.yaml -o f03.h5 --set meshes.0.friction.coefficient=0.3\n",
-     "case file"},
-    {OF_SHOW, CLI_SHOW, "show", "CASE.yaml [--set PATH=VALUE]... [--json] | --laws | --keys",
-     "print a case with its derived geometry",
-     "Prints the case with every default filled in and the geometry that follows from it. Nothing is integrated. Of a "
-     "case\n"
-     "that 'evolvent run' would refuse it prints what it can, and ends with the line and the exit code of 'run'.\n"
-     "\n"
-     "Examples:\n"
-     "  evolvent show examples/paper.yaml\n"
-     "  evolvent show examples/paper.yaml --set wheels.gear.teeth=40 --json\n"
-     "  evolvent show --laws\n",
-     "case file"},
-    {OF_MODES, CLI_MODES, "modes", "CASE.yaml [--at TIME | --mesh-position X | --mean] [--set PATH=VALUE]... [--json]",
-     "print natural frequencies, damping and mode shapes",
-     "Linearises the gearbox and prints its natural frequencies, damping ratios and mode shapes: at its steady state "
-     "under\n"
-     "load, whatever the case's initial state, with a tooth pair of the first mesh at the start of contact, or X "
-     "pitches\n"
-     "from it; with the mean over all positions of the meshes; or, with --at, where the motion of the case is at a "
-     "time.\n"
-     "\n"
-     "Examples:\n"
-     "  evolvent modes examples/paper.yaml\n"
-     "  evolvent modes examples/spur-pair.yaml --mesh-position 0.25\n"
-     "  evolvent modes examples/spur-pair.yaml --mean\n"
-     "  evolvent modes examples/paper-friction.yaml --at 0.5 --json\n",
-     "case file"},
-    {OF_BATCH, CLI_BATCH, "batch",
-     "DESIGN.h5 -o DIR [--shard I/N] [--jobs J] [--resume] [--cases FILE] [-q] | --check [--shard I/N]",
-     "run the cases of a design, or a share of them",
-     "Runs the cases of a design, which 'evolvent-sweep plan' writes: a base case, and a table of the values that "
-     "make\n"
-     "the cases. Each finished case is a line of DIR/shard-I-of-N.jsonl: what became of it, and its numbers over the\n"
-     "design's window of time. Histories, if the design asks for some, are in DIR/shard-I-of-N.h5. A case that fails "
-     "is a\n"
-     "line with its reason. Whatever ends the program, nothing recorded is lost: the same command with --resume runs\n"
-     "what is missing. SIGTERM, SIGUSR1 and SIGINT end it at once, with exit code 75.\n"
-     "\n"
-     "Examples:\n"
-     "  evolvent batch design.h5 -o results --jobs 2\n"
-     "  evolvent batch design.h5 -o results --shard 3/8 --resume      of 8 shares the third, as a job of an array\n"
-     "  evolvent batch design.h5 --check                               which cases would be refused; nothing is run\n",
-     "design"},
-};
-enum { N_COMMANDS = sizeof commands / sizeof *commands };
-
-typedef struct {
-    int mask;             /**< of which commands */
-    char letter;          /**< 0 if it has no short form */
-    const char *name;     /**< without the dashes */
-    const char *argument; /**< NULL: a flag */
-    size_t place;         /**< of its value in cli_options; that of `set` collects */
-    const char *text;
-} option_row;
-
-static const option_row option_rows[] = {
-    {OF_RUN, 'o', "output", "HISTORY.h5", offsetof(cli_options, output),
-     "file to write; the case's name with .h5 in the current folder if not given"},
-    {OF_MODES, 0, "at", "TIME", offsetof(cli_options, at),
-     "integrate the case from its initial state to this time [s] and linearise there"},
-    {OF_MODES, 0, "mesh-position", "X", offsetof(cli_options, mesh_position),
-     "linearise where a tooth pair of the first mesh is X pitches from the start of contact; 0 if not given"},
-    {OF_MODES, 0, "mean", NULL, offsetof(cli_options, mean),
-     "linearise at all positions of the meshes and take the mean"},
-    {OF_BATCH, 'o', "output", "DIR", offsetof(cli_options, output), "folder of the results, made if it is not there"},
-    {OF_BATCH, 0, "shard", "I/N", offsetof(cli_options, shard),
-     "only the cases i with i mod N = I - 1; 1/1 if not given"},
-    {OF_BATCH, 'j', "jobs", "J", offsetof(cli_options, jobs), "number of processes that run cases; 1 if not given"},
-    {OF_BATCH, 0, "resume", NULL, offsetof(cli_options, resume), "go on: run the cases that are not recorded yet"},
-    {OF_BATCH, 0, "check", NULL, offsetof(cli_options, check),
-     "run nothing: only say, as JSON, which cases would be refused and why"},
-    {OF_BATCH, 0, "cases", "FILE", offsetof(cli_options, cases),
-     "run these cases, one number a line, recorded or not; the later record counts"},
-    {OF_RUN | OF_SHOW | OF_MODES, 0, "set", "PATH=VALUE", offsetof(cli_options, set),
-     "change the case, such as wheels.pinion.teeth=25; VALUE is YAML; may be repeated"},
-    {OF_RUN | OF_BATCH, 'q', "quiet", NULL, offsetof(cli_options, quiet),
-     "no progress and no summary; warnings and errors only"},
-    {OF_SHOW | OF_MODES, 0, "json", NULL, offsetof(cli_options, json), "one JSON object, in SI units and radians"},
-    {OF_SHOW, 0, "laws", NULL, offsetof(cli_options, laws), "the laws of contact, damping and friction instead"},
-    {OF_SHOW, 0, "keys", NULL, offsetof(cli_options, keys), "every key of a case file, as Markdown, instead"},
-    {OF_RUN | OF_SHOW | OF_MODES | OF_BATCH | OF_PROGRAM, 'h', "help", NULL, offsetof(cli_options, help), "this text"},
-    {OF_PROGRAM, 'V', "version", NULL, offsetof(cli_options, version), "versions of the program and of its libraries"},
-};
-enum { N_OPTIONS = sizeof option_rows / sizeof *option_rows };
-
-static const char *separator(const command_row *command)
-{
-    return command->name[0] != '\0' ? " " : "";
-}
-
-static void print_usage(FILE *stream, const command_row *command)
-{
-    fprintf(stream, "Usage: evolvent %s%s%s\n", command->name, separator(command), command->synopsis);
-}
-
-static void print_commands(FILE *stream)
-{
-    fputs("Commands:\n", stream);
-    for (int i = 0; i < N_COMMANDS; i++) {
-        fprintf(stream, "  %-6s %s\n", commands[i].name, commands[i].summary);
-    }
-}
-
-static void print_options(FILE *stream, const command_row *command)
-{
-    fputs("Options:\n", stream);
-    for (int i = 0; i < N_OPTIONS; i++) {
-        const option_row *row = &option_rows[i];
-        if ((row->mask & command->mask) == 0) {
-            continue;
-        }
-        char *head = xasprintf("--%s%s%s", row->name, row->argument != NULL ? " " : "",
-                               row->argument != NULL ? row->argument : "");
-        const char letter[] = {'-', row->letter, ',', '\0'};
-        fprintf(stream, "  %3s %-20s %s\n", row->letter != 0 ? letter : "", head, row->text);
-        free(head);
-    }
-}
-
-static void print_help(const command_row *command)
-{
-    print_usage(stdout, command);
-    if (command == &program) {
-        printf("\n%s\n\n", command->summary);
-        print_commands(stdout);
-        printf("\n%s\n", command->text);
-    } else {
-        printf("\n%s\n", command->text);
-    }
-    print_options(stdout, command);
-    fputs("\nExit codes:\n", stdout);
-    evl_exit_print_table(stdout);
-}
 
 /** Complain in one line, remind of the usage in a few. */
 #if defined(__GNUC__)
@@ -188,11 +25,11 @@ static void misuse(cli_options *options, const command_row *command, const char 
     va_end(arguments);
     evl_error_set(&error, EVL_EXIT_USAGE, "", "%s", text);
     evl_error_print(stderr, &error);
-    print_usage(stderr, command);
-    if (command == &program) {
-        print_commands(stderr);
+    cli_print_usage(stderr, command);
+    if (command == &cli_program) {
+        cli_print_commands(stderr);
     }
-    fprintf(stderr, "'evolvent %s%s--help' tells more.\n", command->name, separator(command));
+    cli_print_hint(stderr, command);
     options->command = CLI_NOTHING;
     options->exit_code = EVL_EXIT_USAGE;
 }
@@ -200,8 +37,8 @@ static void misuse(cli_options *options, const command_row *command, const char 
 /** The option of a command by its name, or by its letter if `name` is NULL. */
 static const option_row *find_option(const command_row *command, const char *name, size_t length, char letter)
 {
-    for (int i = 0; i < N_OPTIONS; i++) {
-        const option_row *row = &option_rows[i];
+    for (int i = 0; i < CLI_N_OPTIONS; i++) {
+        const option_row *row = &cli_option_rows[i];
         const bool is_same = name == NULL ? row->letter == letter && letter != 0
                                           : strlen(row->name) == length && strncmp(row->name, name, length) == 0;
         if (is_same && (row->mask & command->mask) != 0) {
@@ -213,12 +50,12 @@ static const option_row *find_option(const command_row *command, const char *nam
 
 static void unknown_option(cli_options *options, const command_row *command, const char *word)
 {
-    char *names[N_OPTIONS];
-    const char *candidates[N_OPTIONS];
+    char *names[CLI_N_OPTIONS];
+    const char *candidates[CLI_N_OPTIONS];
     int n = 0;
-    for (int i = 0; i < N_OPTIONS; i++) {
-        if ((option_rows[i].mask & command->mask) != 0) {
-            names[n] = xasprintf("--%s", option_rows[i].name);
+    for (int i = 0; i < CLI_N_OPTIONS; i++) {
+        if ((cli_option_rows[i].mask & command->mask) != 0) {
+            names[n] = xasprintf("--%s", cli_option_rows[i].name);
             candidates[n] = names[n];
             n++;
         }
@@ -371,7 +208,7 @@ static void parse_command(cli_options *options, const command_row *command, word
         return;
     }
     if (options->help) {
-        print_help(command);
+        cli_print_help(command);
         options->command = CLI_NOTHING;
         options->exit_code = EVL_EXIT_OK;
         return;
@@ -382,16 +219,16 @@ static void parse_command(cli_options *options, const command_row *command, word
 static void parse_program(cli_options *options, const char *word)
 {
     const bool is_long = strncmp(word, "--", 2) == 0;
-    const option_row *row = is_long             ? find_option(&program, word + 2, strlen(word + 2), 0)
-                            : strlen(word) == 2 ? find_option(&program, NULL, 0, word[1])
+    const option_row *row = is_long             ? find_option(&cli_program, word + 2, strlen(word + 2), 0)
+                            : strlen(word) == 2 ? find_option(&cli_program, NULL, 0, word[1])
                                                 : NULL;
     if (row == NULL) {
-        unknown_option(options, &program, word);
+        unknown_option(options, &cli_program, word);
         return;
     }
     store(options, row, NULL);
     if (options->help) {
-        print_help(&program);
+        cli_print_help(&cli_program);
     }
     options->command = options->version ? CLI_VERSION : CLI_NOTHING;
 }
@@ -400,24 +237,24 @@ void cli_parse(int argc, char **argv, cli_options *options)
 {
     *options = (cli_options){.command = CLI_NOTHING};
     if (argc < 2) {
-        misuse(options, &program, "a command is missing");
+        misuse(options, &cli_program, "a command is missing");
         return;
     }
     if (argv[1][0] == '-') {
         parse_program(options, argv[1]);
         return;
     }
-    const char *names[N_COMMANDS];
+    const char *names[CLI_N_COMMANDS];
     word_list rest = {.n = argc - 2, .words = argv + 2};
-    for (int i = 0; i < N_COMMANDS; i++) {
-        names[i] = commands[i].name;
+    for (int i = 0; i < CLI_N_COMMANDS; i++) {
+        names[i] = cli_commands[i].name;
         if (strcmp(argv[1], names[i]) == 0) {
-            parse_command(options, &commands[i], &rest);
+            parse_command(options, &cli_commands[i], &rest);
             return;
         }
     }
-    char *phrase = suggest_phrase(argv[1], N_COMMANDS, names);
-    misuse(options, &program, "unknown command '%s'%s", argv[1], phrase);
+    char *phrase = suggest_phrase(argv[1], CLI_N_COMMANDS, names);
+    misuse(options, &cli_program, "unknown command '%s'%s", argv[1], phrase);
     free(phrase);
 }
 

@@ -1,4 +1,4 @@
-/** The command line: commands, options and help texts, each in one table. A leaf. */
+/** The command line, word by word; its commands and options stand in cli_commands.c. A leaf. */
 #ifndef EVOLVENT_CLI_H
 #define EVOLVENT_CLI_H
 
