@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { GRADIENT_RATIO, POINTS_ON_FLANKS, POINTS_ON_LINE, ENERGY_BALANCE, N_INVARIANTS };
+enum { GRADIENT_RATIO, TRANSMISSION_ERROR, POINTS_ON_FLANKS, POINTS_ON_LINE, RIGID_GAP, ENERGY_BALANCE, N_INVARIANTS };
 
 /** As in postprocess/evolvent/invariants.py; tests/system/test_run_invariants.py compares. */
 static const struct {
@@ -16,8 +16,10 @@ static const struct {
     double least_bound, tolerances; /**< the bound is at least so many times the tolerance */
 } invariants[N_INVARIANTS] = {
     [GRADIENT_RATIO] = {"gradient ratio", 1e-12, 1e-3},
+    [TRANSMISSION_ERROR] = {"transmission error", 1e-10, 1},
     [POINTS_ON_FLANKS] = {"points on flanks", 1e-10, 1},
     [POINTS_ON_LINE] = {"points on line of action", 1e-10, 1},
+    [RIGID_GAP] = {"rigid gap", 2e-10, 1},
     [ENERGY_BALANCE] = {"energy balance", 1e-10, 10},
 };
 static const double least_depth_bound = 1e-10, rounding = 4 * DBL_EPSILON;
@@ -37,6 +39,11 @@ enum {
     DRIVEN_WHEEL,
     TRACKING,
     CONTACT_MODE,
+    RIGID,
+    LAG,
+    GAP,
+    DEVIATION,
+    CURVATURE,
     PENETRATION,
     REFERENCE_PENETRATION,
     REFERENCE_FORCE,
@@ -61,6 +68,11 @@ static const char *const names[N_OUTPUTS] = {
     [DRIVEN_WHEEL] = "driven_wheel",
     [TRACKING] = "tracking",
     [CONTACT_MODE] = "contact_mode",
+    [RIGID] = "rigid_contact",
+    [LAG] = "transmission_error",
+    [GAP] = "gap",
+    [DEVIATION] = "flank_deviation",
+    [CURVATURE] = "separation_curvature",
     [PENETRATION] = "penetration",
     [REFERENCE_PENETRATION] = "reference_penetration",
     [REFERENCE_FORCE] = "reference_force",
@@ -87,7 +99,7 @@ struct invariant_watch {
     } *wheels;
     struct of_mesh {
         int driving, driven;
-        double depth, on_flanks, on_line; /**< largest ones [m] */
+        double depth, on_flanks, on_line, identity, closed_gap; /**< largest ones [m] */
         bool was_pressed;
     } *meshes;
 };
@@ -156,6 +168,10 @@ static void look_at_mesh(invariant_watch *watch, int i, const double *const of[N
     mesh->driven = (int)of[DRIVEN_WHEEL][i];
     mesh->depth = fmax(mesh->depth, fmax(of[PENETRATION][i], of[REFERENCE_PENETRATION][i]));
     mesh->was_pressed = mesh->was_pressed || of[PENETRATION][i] > 0 || of[CONTACT_MODE][i] == mode_loaded;
+    mesh->identity = larger(mesh->identity, of[LAG][i] + of[GAP][i] - of[DEVIATION][i] - of[CURVATURE][i]);
+    if (of[RIGID][i] == 1 && of[CONTACT_MODE][i] == mode_loaded) {
+        mesh->closed_gap = larger(mesh->closed_gap, of[GAP][i]);
+    }
     if (!(of[TRACKING][i] > 0) || of[CONTACT_MODE][i] == mode_apart) {
         return;
     }
@@ -198,12 +214,14 @@ static void find_deviations(const invariant_watch *watch, double worst[N_INVARIA
 {
     const double scale = fmax(fmax(watch->gross + watch->stored, watch->largest), watch->unit);
     worst[GRADIENT_RATIO] = watch->ratio;
-    worst[POINTS_ON_FLANKS] = worst[POINTS_ON_LINE] = 0;
+    worst[TRANSMISSION_ERROR] = worst[POINTS_ON_FLANKS] = worst[POINTS_ON_LINE] = worst[RIGID_GAP] = 0;
     worst[ENERGY_BALANCE] = watch->has_begun ? watch->drift / scale : 0;
     for (int i = 0; i < watch->n_meshes; i++) {
         const struct of_mesh *mesh = &watch->meshes[i];
         if (mesh->was_pressed) {
             const double depth = depth_of(watch, mesh);
+            worst[TRANSMISSION_ERROR] = larger(worst[TRANSMISSION_ERROR], mesh->identity / depth);
+            worst[RIGID_GAP] = larger(worst[RIGID_GAP], mesh->closed_gap / depth);
             worst[POINTS_ON_FLANKS] = larger(worst[POINTS_ON_FLANKS], mesh->on_flanks / depth);
             worst[POINTS_ON_LINE] = larger(worst[POINTS_ON_LINE], mesh->on_line / depth);
         }

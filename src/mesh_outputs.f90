@@ -159,13 +159,14 @@ contains
                          points(:, index, 2))
          lag = transmission_error(mesh%pair, q)
          curvature = gap_along(mesh%pair, q, line) + lag
-         if (.not. total%h(1) > -huge(1.0_wp)) then ! no pair is on the path
+         scalars(index, 2) = max(total%h(1), 0.0_wp)
+         if (.not. total%h(1) > -huge(1.0_wp)) then ! no pair is on the path: nothing overlaps, whatever the involutes would
             total%h(1) = leading%h
             if (mesh%deviates) total%deviation(1) = -closed_form_gap(mesh%pair, q) - leading%h
          end if
          input = abs(total%torque_a*leading%omega_a)
-         scalars(index, 1:9) = [lag, max(total%h(1), 0.0_wp), -total%h(1), curvature, total%normal, &
-                                total%friction, leading%v_t, leading%l_a, leading%l_b]
+         scalars(index, 1) = lag
+         scalars(index, 3:9) = [-total%h(1), curvature, total%normal, total%friction, leading%v_t, leading%l_a, leading%l_b]
          scalars(index, 10:14) = tracked
          scalars(index, 15:18) = [real(integers(mesh%i_mode), wp), merge(1.0_wp, 0.0_wp, total%touching), &
                                   real(integers(mesh%i_mode + 1), wp), -leading%h_dot]

@@ -107,11 +107,23 @@ static void test_points_off_their_places_are_found(void **state)
     check(f, "gradient_ratio", 1.5, 1e-12, "gradient ratio");
 }
 
+/* In differential tracking the gap is a state of its own: points may keep to their flanks while it drifts. */
+static void test_a_gap_that_drifts_from_the_positions_of_the_wheels_is_found(void **state)
+{
+    const fixture *f = *state;
+    const double depth = fmax(*output(f, "penetration"), *output(f, "reference_penetration"));
+    const char *const lengths[] = {"gap", "transmission_error", "flank_deviation", "separation_curvature"};
+    for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++) {
+        check(f, lengths[i], depth, tolerance, "transmission error");
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_right_outputs_keep_the_invariants),
         cmocka_unit_test(test_energy_that_appears_breaks_the_balance),
+        cmocka_unit_test(test_a_gap_that_drifts_from_the_positions_of_the_wheels_is_found),
         cmocka_unit_test(test_points_off_their_places_are_found),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 
-def seeds(always: Iterable[int], n: int) -> list[Any]:
+def seeds(always: Iterable[int], n: int, without: Iterable[int] = ()) -> list[Any]:
     """Give the first n seeds as parameters, those that are not tested `always` marked `long`."""
     short = sorted(set(always))
-    rest = [seed for seed in range(n) if seed not in short]
+    rest = [seed for seed in range(n) if seed not in {*short, *without}]
     return [*short, *(pytest.param(seed, marks=pytest.mark.long) for seed in rest)]
