@@ -27,7 +27,7 @@ module evl_radau
    use evl_stage_solver, only: factor_systems, forget, forget_start, move_start, newton_converged, predict_from, &
                                set_weights, solve_stages, stage_solver_create, stage_solver_t
    use evl_step_control, only: fit_step, next_step, step_control_t, step_after_error
-   use evl_status, only: clear, code_invalid_input, code_no_solution, code_out_of_domain, fail, has_failed, message_length, &
+   use evl_status, only: clear, code_invalid_input, code_no_solution, code_out_of_domain, fail, has_failed, &
                          quantity, status_t
    implicit none (type, external)
    private
@@ -285,7 +285,7 @@ contains
       integer, intent(out) :: outcome         !! one of the outcomes above; of no use on failure
       type(status_t), intent(inout) :: status !! `code_out_of_domain`: the model has no answer for any step, in its words;
                                               !! `code_no_solution`: the step became too small; else the model's
-      character(len=message_length) :: reason
+      type(status_t) :: why
       type(step_control_t) :: failed
       real(wp) :: h, h_wanted, error
       logical :: to_stop, done, refused
@@ -326,7 +326,7 @@ contains
             if (status%code /= code_out_of_domain) return
             self%h = h/4
             refused = .true.
-            reason = status%message
+            why = status
             call clear(status)
          end if
          self%rejected = .true.
@@ -335,7 +335,7 @@ contains
          self%counts%rejections = self%counts%rejections + 1
       end do
       if (refused) then
-         call fail(status, code_out_of_domain, reason)
+         status = why
          return
       end if
       call fail(status, code_no_solution, "the step fell to "//quantity(self%h, "")//" at time "//quantity(self%t, "")// &

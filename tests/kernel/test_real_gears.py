@@ -86,6 +86,8 @@ def test_forces_of_every_pair_follow_the_gradient_of_its_gap(
         power = abs(o["mesh_torque_driving"][0] * o["angular_velocity"][0])
         assert o["efficiency"][0] == pytest.approx(1 - o["friction_loss"][0] / power, abs=1e-14)
     for contact, force in zip(loaded, forces, strict=True):
+        if pair.deviates:
+            continue  # test_touching_flanks.py has the curvature of flanks that deviate
         curvature = sum(1 / float(r) for r in contact.rho)
         geometry = gearbox.mesh_geometry()
         pressure = np.sqrt(

@@ -308,7 +308,8 @@ def test_every_case_is_asked_about_and_those_that_would_be_refused_are_counted_b
     assert (code, out) == (1, f"d.h5: {n} cases\n")
     head, pulls, values = err.splitlines()
     assert head == f"evolvent-sweep: {path}: 5 of 40 cases would be refused:"
-    assert pulls.startswith(f"  3 x {PAPER}:")
+    assert pulls.startswith("  3 x --set wheels.pinion.loads.0.value=8: ")
+    assert "has the wrong sense" in pulls
     assert pulls.endswith("(first case 3: load = 8, brake = 10, simulation_initial_kind = steady)")
     assert values.startswith("  2 x --set wheels.gear.loads.0.coefficient=-5")
     assert "(first case 7: load = -8, brake = -5" in values

@@ -1,4 +1,4 @@
-"""One-sided damping has a kink where the flanks stop approaching: it is located, not stepped over."""
+"""One-sided damping has a kink where the flanks stop approaching: it is located."""
 
 from __future__ import annotations
 

@@ -179,7 +179,8 @@ def test_an_overload_ends_the_run_at_the_limit_of_the_johnson_force(runs, kind):
     run = runs(case)
     assert run.exit_code == 4
     said = re.search(
-        r": t = (\S+) s: penetration h = (\S+) m exceeds the limit .* = (\S+) m of the Johnson",
+        r": t = (\S+) s: mesh 'pinion-gear': penetration h = (\S+) m exceeds the limit .* = (\S+) m"
+        " of the Johnson",
         run.messages,
     )
     assert said
