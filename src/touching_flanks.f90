@@ -27,6 +27,7 @@ module evl_touching_flanks
    integer, parameter :: n_teeth = 60   !! tooth pairs that are looked at, where runout makes them differ
    integer, parameter :: n_sections = 60
    integer, parameter :: n_newton = 3   !! steps to the place where flanks touch, which lies within a millimetre
+   real(wp), parameter :: enough = 1.0e-9_wp !! step to that place over the radius of the contact: curvatures are as exact
    real(wp), parameter :: golden = 0.61803398874989485_wp
 
 contains
@@ -39,11 +40,11 @@ contains
       type(contact_point), intent(in) :: point !! on the line of action
       type(contact_point) :: there
       type(flank_value) :: a, b
-      real(wp) :: sharpness, x
+      real(wp) :: sharpness, step, x
       integer :: i
 
       curvature = 1/point%rho_a + 1/point%rho_b
-      if (.not. mesh%deviates) return
+      if (is_involute(mesh%deviation_a, mode%zone_a) .and. is_involute(mesh%deviation_b, mode%zone_b)) return
       associate (r_a => mesh%pair%r_ba, r_b => mesh%pair%r_bb)
          curvature = ieee_value(curvature, ieee_quiet_nan)
          there = point
@@ -52,8 +53,10 @@ contains
             call flank_values(mesh, mode, there, a, b)
             sharpness = 1/there%rho_a + 1/there%rho_b + arc_second(a, there%rho_a, r_a) + arc_second(b, there%rho_b, r_b)
             if (.not. sharpness > 0) return
-            x = x - ((there%rho_a - point%rho_a)/r_a + a%de*r_a/there%rho_a &
-                     - (there%rho_b - point%rho_b)/r_b - b%de*r_b/there%rho_b)/sharpness
+            step = ((there%rho_a - point%rho_a)/r_a + a%de*r_a/there%rho_a &
+                    - (there%rho_b - point%rho_b)/r_b - b%de*r_b/there%rho_b)/sharpness
+            if (abs(step)*sharpness < enough) exit
+            x = x - step
             there%rho_a = moved(point%rho_a, r_a, x)
             there%rho_b = moved(point%rho_b, r_b, -x)
          end do
@@ -64,6 +67,16 @@ contains
       end associate
       if (x > 0) curvature = x
    end function touching_curvature
+
+   !> Whether a flank is an involute in a zone, on its place.
+   pure logical function is_involute(deviation, zone)
+      type(flank_deviation_t), intent(in) :: deviation
+      integer, intent(in) :: zone
+
+      is_involute = .not. deviation%exists
+      if (is_involute .or. zone /= zone_none) return
+      is_involute = .not. (deviation%crowning > 0 .or. allocated(deviation%pitch) .or. deviation%eccentricity > 0)
+   end function is_involute
 
    !> Radius of curvature of an involute further along its arc, stopped short of its root [m].
    pure real(wp) function moved(rho, base_radius, arc)
