@@ -55,11 +55,11 @@ contains
       integer :: p
 
       self%n = n
-      self%entry = pack([(p, p=1, size(row))], row <= n)
-      self%row = row(self%entry)
-      self%column = column(self%entry)
-      self%scale = scale(:n)
-      self%x = self%scale
+      allocate (self%entry, source=pack([(p, p=1, size(row))], row <= n))
+      allocate (self%row, source=row(self%entry))
+      allocate (self%column, source=column(self%entry))
+      allocate (self%scale, source=scale(:n))
+      allocate (self%x, source=self%scale)
       allocate (self%product(n), self%matrix(n, n), self%eigenvalue_re(n), self%eigenvalue_im(n))
       allocate (self%difference(size(self%entry)), self%known(size(self%entry), n_known), self%jacobian(size(row)))
    end subroutine growth_create
