@@ -52,14 +52,16 @@ contains
       integer, intent(in) :: n
       integer, intent(in) :: row(:), column(:) !! of all entries
       real(wp), intent(in) :: scale(:)         !! of the states, > 0
-      integer :: p
+      integer :: p, n_entries
 
       self%n = n
-      allocate (self%entry, source=pack([(p, p=1, size(row))], row <= n))
-      allocate (self%row, source=row(self%entry))
-      allocate (self%column, source=column(self%entry))
-      allocate (self%scale, source=scale(:n))
-      allocate (self%x, source=self%scale)
+      n_entries = count(row <= n)
+      allocate (self%entry(n_entries), self%row(n_entries), self%column(n_entries), self%scale(n), self%x(n))
+      self%entry(:) = pack([(p, p=1, size(row))], row <= n)
+      self%row(:) = row(self%entry)
+      self%column(:) = column(self%entry)
+      self%scale(:) = scale(:n)
+      self%x(:) = scale(:n)
       allocate (self%product(n), self%matrix(n, n), self%eigenvalue_re(n), self%eigenvalue_im(n))
       allocate (self%difference(size(self%entry)), self%known(size(self%entry), n_known), self%jacobian(size(row)))
    end subroutine growth_create
