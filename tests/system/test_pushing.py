@@ -18,8 +18,8 @@ from system.random_sets import seeds
 from system.runs import Run
 
 SHORT, LONG = 60, 500  # cases
-# Energies off by more than ten times the tolerance. 36: 18 bounces within 0.5 ms; after each event
-# IDA starts anew at its first order, and the errors of these steps add up to 24 times (radau: 1.2).
+# Energies off by more than ten times the tolerance. 36: 18 bounces within 0.5 ms.
+# 24 times by IDA, probably by its restarts after events; 1.2 times by radau.
 INEXACT_BY_IDA = {36: 5e-8}
 
 INTEGRATORS = ("radau", "ida")
