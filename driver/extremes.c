@@ -149,21 +149,19 @@ static void take(extremes *extremes, double t)
     }
 }
 
-/** A state in the window. */
-static bool see(extremes *extremes, const dae_state *state, const double *known)
+/** The channels at a state. */
+static bool know(extremes *extremes, const dae_state *state, const double *known)
 {
     char message[DAE_MESSAGE_LENGTH];
     const dae *dae = extremes->dae;
     if (known != NULL) {
         memcpy(extremes->values, known, (size_t)extremes->n * sizeof(double));
-    } else if (dae->watched(dae->self, state, extremes->values, message) != DAE_OK) {
-        return false;
+        return true;
     }
-    take(extremes, state->t);
-    return true;
+    return dae->watched(dae->self, state, extremes->values, message) == DAE_OK;
 }
 
-static bool see_at(extremes *extremes, const integrate_step *step, double t)
+static bool know_at(extremes *extremes, const integrate_step *step, double t)
 {
     const double place = fmin(t, step->t_to);
     if (extremes->t_values >= place && extremes->t_values <= place) { /* as where several channels rise */
@@ -175,12 +173,21 @@ static bool see_at(extremes *extremes, const integrate_step *step, double t)
         dae_state state = *step->state;
         state.t = t;
         state.y = extremes->y;
-        good = step->interpolate(step->with, t, extremes->y) && see(extremes, &state, NULL);
+        good = step->interpolate(step->with, t, extremes->y) && know(extremes, &state, NULL);
     } else {
-        good = see(extremes, step->state, step->watched);
+        good = know(extremes, step->state, step->watched);
     }
     if (good) {
         extremes->t_values = place;
+    }
+    return good;
+}
+
+static bool see_at(extremes *extremes, const integrate_step *step, double t)
+{
+    const bool good = know_at(extremes, step, t);
+    if (good) {
+        take(extremes, extremes->t_values);
     }
     return good;
 }
@@ -316,6 +323,7 @@ static void take_ends(extremes *extremes, const integrate_step *step, double to)
     if (!any_may_exceed(extremes->n, past, ratio, extremes->high, extremes->low)) {
         return;
     }
+    take(extremes, to);
     for (int i = 0; i < extremes->n; i++) {
         for (int sense = -1; sense <= 1; sense += 2) {
             if (!may_exceed(extremes, i, ratio) || !may_turn(extremes, i, sense, ratio)) {
@@ -345,9 +353,9 @@ static void remember(channel_past *past, double t)
     past->n_known++;
 }
 
-static bool see_end(extremes *extremes, const integrate_step *step, double t)
+static bool know_end(extremes *extremes, const integrate_step *step, double t)
 {
-    const bool good = see_at(extremes, step, t);
+    const bool good = know_at(extremes, step, t);
     memcpy(extremes->past.ends, extremes->values, (size_t)extremes->n * sizeof(double));
     return good;
 }
@@ -358,15 +366,18 @@ static void watch_by_ends(extremes *extremes, const integrate_step *step, double
     if (!step->continues || past->t < from) {
         past->n_known = 0;
     }
-    if (past->n_known == 0 && from < to && see_end(extremes, step, from)) {
+    if (past->n_known == 0 && from < to && know_end(extremes, step, from)) {
+        take(extremes, from);
         remember(past, from);
     }
-    if (!see_end(extremes, step, to)) {
+    if (!know_end(extremes, step, to)) {
         past->n_known = 0;
         return;
     }
     if (past->n_known > 0) {
         take_ends(extremes, step, to);
+    } else {
+        take(extremes, to);
     }
     remember(past, to);
 }

@@ -10,7 +10,7 @@ module evl_closed_form
    private
 
    public :: track_closed_form, place_contact, gradient_closed_form, gradient_along, closed_form_gap, closed_form_line
-   public :: gap_along, points_along, points_from_closed_form
+   public :: gap_along, place_radii, points_along, points_from_closed_form
    public :: centre_line_angle, centre_line_turn, centre_line_turn_gradient
 
 contains

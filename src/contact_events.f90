@@ -1,7 +1,8 @@
 !> What changes in one tooth contact when something happens to it: its tooth pair, contact mode and friction branch.
 module evl_contact_events
+   use evl_closed_form, only: closed_form_line, place_radii, points_from_closed_form
    use evl_contact_point, only: contact_point
-   use evl_closed_form, only: points_from_closed_form
+   use evl_deviation, only: deviation
    use evl_event_log, only: event_apart, event_border, event_closed, event_entered, event_left, event_log, event_near, &
                             event_opened, event_returned, event_sliding_began, event_sliding_ended, event_switch, &
                             event_switch_back, event_vanished, note
@@ -10,7 +11,8 @@ module evl_contact_events
    use evl_kinds, only: wp
    use evl_local_variables, only: n_local, n_track
    use evl_mesh, only: contact_apart, contact_loaded, contact_off, contact_open, contact_t, contact_unloaded, mesh_contact, &
-                       mesh_energy, mesh_mode, mesh_nominal_rho, mesh_settle_friction, mesh_settle_zones, touches
+                       mesh_energy, mesh_mode, mesh_nominal_rho, mesh_settle_friction, mesh_settle_zones, touches, &
+                       tracking_closed_form
    use evl_mesh_roots, only: mesh_roots, root_apart, root_back, root_borders_a, root_borders_b, root_contact, root_force, &
                              root_forward, root_friction_high, root_friction_low, root_side
    use evl_status, only: code_no_solution, fail, has_failed, quantity, status_t, subject_mesh
@@ -24,6 +26,7 @@ module evl_contact_events
 contains
 
    !> Local variables and contact point of a tooth contact.
+   !> Of a pair off the path of contact the radii of curvature are all that closed form gives: they say when a pair enters.
    pure subroutine mesh_point(gearbox, index, y, integers, mode, q, rho_a0, point)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index, integers(:)
@@ -31,11 +34,18 @@ contains
       type(mesh_mode), intent(in) :: mode
       real(wp), intent(out) :: q(n_local), rho_a0
       type(contact_point), intent(out) :: point
+      type(deviation) :: line
 
       associate (mesh => gearbox%contacts(index))
          call gearbox_local(gearbox, mesh, y, q)
          rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
-         call mesh_contact(mesh, mode, rho_a0, q, point)
+         if (mode%contact == contact_off .and. mesh%tracking == tracking_closed_form) then
+            line = mesh%rest_line
+            if (.not. mesh%axles_rest) call closed_form_line(mesh%pair, q, line)
+            call place_radii(mesh%pair, rho_a0, q, line, point)
+         else
+            call mesh_contact(mesh, mode, rho_a0, q, point)
+         end if
       end associate
    end subroutine mesh_point
 
@@ -127,6 +137,7 @@ contains
          call note(log, merge(event_switch, event_switch_back, forward), mesh, mode%teeth)
       else if (mode%contact == contact_off) then
          if (forward) mode%teeth = mode%teeth - mesh%n_slots
+         mode%contact = contact_open
          call note(log, event_entered, mesh, mode%teeth)
       else
          call note(log, event_left, mesh, mode%teeth)
@@ -144,7 +155,6 @@ contains
       type(status_t), intent(inout) :: status
 
       associate (mesh => gearbox%contacts(m))
-         mode%contact = contact_open
          if (mesh%rigid) then
             if (pairs_loaded(gearbox, m, integers) > 0) then
                mode%contact = contact_loaded

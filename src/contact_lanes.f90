@@ -7,11 +7,11 @@ module evl_contact_lanes
    use evl_contact_point, only: contact_point, tracked_pair
    use evl_deviating_flanks, only: flank_value, radius_rates
    use evl_deviation, only: deviation
-   use evl_flank_deviation, only: deviation_branch, flank_branch
+   use evl_flank_deviation, only: flank_branch
    use evl_kinds, only: wp
    use evl_line_lanes, only: lane_line
    use evl_local_variables, only: at_normal, at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, n_local
-   use evl_mesh, only: contact_off, contact_t, mesh_mode, mesh_tooth_a, mesh_tooth_b
+   use evl_mesh, only: contact_off, contact_t, flank_branches, mesh_mode
    use evl_ode_model, only: lanes
    implicit none (type, external)
    private
@@ -150,14 +150,13 @@ contains
       type(lane_contact), intent(inout) :: at
       real(wp), dimension(lanes) :: e_a, de_a, e_b, de_b
       type(tracked_pair) :: pair
-      integer :: l, side
+      type(flank_branch) :: branch_a, branch_b
+      integer :: l
 
       pair = mesh%pair
-      side = nint(pair%sigma)
-      call deviation_in_lanes(deviation_branch(mesh%deviation_a, mesh_tooth_a(mesh, mode%teeth), side, mode%zone_a), &
-                              at%rho_a, e_a, de_a)
-      call deviation_in_lanes(deviation_branch(mesh%deviation_b, mesh_tooth_b(mesh, mode%teeth), side, mode%zone_b), &
-                              at%rho_b, e_b, de_b)
+      call flank_branches(mesh, mode, branch_a, branch_b)
+      call deviation_in_lanes(branch_a, at%rho_a, e_a, de_a)
+      call deviation_in_lanes(branch_b, at%rho_b, e_b, de_b)
       !$omp simd
       do l = 1, lanes
          call deviate_lane(pair, line, l, e_a(l), de_a(l), e_b(l), de_b(l), at)

@@ -17,7 +17,7 @@ module evl_flank_deviation
    private
 
    public :: flank_branch, flank_deviation_t, relief_t
-   public :: deviation_at, deviation_borders, deviation_branch, deviation_zone
+   public :: deviation_at, deviation_borders, deviation_branch, deviation_on, deviation_zone
    public :: zone_none, zone_root, zone_tip
 
    integer, parameter :: zone_root = -1 !! below the border of the root relief
@@ -80,9 +80,18 @@ contains
       type(flank_branch) :: branch
 
       branch = deviation_branch(deviation, tooth, side, zone)
+      call deviation_on(branch, rho, e, de, d2e)
+   end subroutine deviation_at
+
+   !> The same on a branch that is known.
+   pure subroutine deviation_on(branch, rho, e, de, d2e)
+      type(flank_branch), intent(in) :: branch
+      real(wp), intent(in) :: rho        !! radius of curvature [m]
+      real(wp), intent(out) :: e, de, d2e
+
       call profile_deviation(branch, rho, e, de, d2e)
       if (abs(branch%runout) > 0) call add_runout(branch, rho, e, de, d2e)
-   end subroutine deviation_at
+   end subroutine deviation_on
 
    !> The branch of one tooth's flank in a zone.
    pure type(flank_branch) function deviation_branch(deviation, tooth, side, zone) result(branch)

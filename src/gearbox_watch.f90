@@ -13,7 +13,7 @@ module evl_gearbox_watch
    use evl_gearbox_events, only: turns_root
    use evl_kinds, only: wp
    use evl_local_variables, only: n_local
-   use evl_mesh, only: contact_apart, contact_loaded, flank_drive, mesh_mode, mesh_unclipped_force, touches
+ use evl_mesh, only: contact_apart, contact_loaded, contact_off, flank_drive, mesh_contact, mesh_mode, mesh_unclipped_force, touches
    use evl_mesh_outputs, only: contact_pressure, transmission_error
    use evl_mesh_roots, only: mesh_roots
    use evl_status, only: has_failed, status_t
@@ -114,8 +114,9 @@ contains
          if (leads) then
             values(before + watch_error) = transmission_error(mesh%pair, q)
             values(before + watch_sliding) = point%v_t
-            if (mode%contact == contact_apart) then ! tracking rests
-               call track_closed_form(mesh%pair, rho_a0, q, far)
+            if (mode%contact == contact_apart .or. mode%contact == contact_off) then ! no pair's point is known
+               if (mode%contact == contact_apart) call track_closed_form(mesh%pair, rho_a0, q, far)
+               if (mode%contact == contact_off) call mesh_contact(mesh, mode, rho_a0, q, far)
                values(before + watch_sliding) = far%v_t
             end if
          end if

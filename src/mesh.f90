@@ -14,7 +14,7 @@ module evl_mesh
    use evl_contact_tracking, only: track_points
    use evl_deviating_flanks, only: deviate, flank_value
    use evl_deviation, only: deviation
-   use evl_flank_deviation, only: deviation_at, deviation_zone, flank_deviation_t
+   use evl_flank_deviation, only: deviation_branch, deviation_on, deviation_zone, flank_branch, flank_deviation_t
    use evl_kinds, only: wp
    use evl_local_variables, only: mesh_link, n_local, wheel_link
    use evl_rational, only: rational_pitches, rational_t
@@ -23,8 +23,8 @@ module evl_mesh
    private
 
    public :: contact_t, contact_state, mesh_mode, mesh_force
-   public :: contact_law, context_of, flank_values, forces_of_laws, left_involute, mesh_contact, mesh_forces, mesh_energy
-   public :: on_involutes
+   public :: contact_law, context_of, flank_branches, flank_values, forces_of_laws, left_involute, mesh_contact
+   public :: mesh_forces, mesh_energy, on_involutes
    public :: mesh_nominal_rho, mesh_nominal_start, mesh_unclipped_force, mesh_settle_friction, touches
    public :: tracking_closed_form, tracking_algebraic, tracking_differential
    public :: contact_open, contact_loaded, contact_unloaded, contact_apart, contact_off
@@ -167,11 +167,24 @@ contains
       type(contact_point), intent(in) :: point
       type(flank_value), intent(out) :: a, b
 
-      associate (side => nint(mesh%pair%sigma))
-         call deviation_at(mesh%deviation_a, mesh_tooth_a(mesh, mode%teeth), side, point%rho_a, mode%zone_a, a%e, a%de, a%d2e)
-         call deviation_at(mesh%deviation_b, mesh_tooth_b(mesh, mode%teeth), side, point%rho_b, mode%zone_b, b%e, b%de, b%d2e)
-      end associate
+      type(flank_branch) :: branch_a, branch_b
+
+      call flank_branches(mesh, mode, branch_a, branch_b)
+      call deviation_on(branch_a, point%rho_a, a%e, a%de, a%d2e)
+      call deviation_on(branch_b, point%rho_b, b%e, b%de, b%d2e)
    end subroutine flank_values
+
+   !> The branches of the deviations on which the flanks of a tooth pair lie.
+   pure subroutine flank_branches(mesh, mode, a, b)
+      type(contact_t), intent(in) :: mesh
+      type(mesh_mode), intent(in) :: mode
+      type(flank_branch), intent(out) :: a, b
+
+      associate (side => nint(mesh%pair%sigma))
+         a = deviation_branch(mesh%deviation_a, mesh_tooth_a(mesh, mode%teeth), side, mode%zone_a)
+         b = deviation_branch(mesh%deviation_b, mesh_tooth_b(mesh, mode%teeth), side, mode%zone_b)
+      end associate
+   end subroutine flank_branches
 
    !> The driving wheel's tooth of a pair, counted counterclockwise; any whole turn may be added.
    pure integer function mesh_tooth_a(mesh, pair) result(tooth)

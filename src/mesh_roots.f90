@@ -64,12 +64,11 @@ contains
       type(contact_point), intent(in) :: point
       real(wp), intent(in) :: force                !! elastic + viscous, unclipped; of no meaning where flanks do not overlap [N]
       real(wp), intent(out) :: roots(mesh%n_roots)
-      real(wp) :: values(width, most_mesh_roots), moved(width)
+      real(wp) :: moved(width)
 
       moved = 0
       if (mesh%handover) moved = pitches_moved(mesh, [rho_a0], [q(at_psi_a)], [centre_line_turn(mesh%pair, q)])
-      call contact_roots(mesh, mode, [point%h], [point%h_dot], [point%v_t], [point%rho_a], [point%rho_b], [force], moved, values)
-      roots = values(1, :mesh%n_roots)
+      call contact_roots(mesh, mode, [point%h], [point%h_dot], [point%v_t], [point%rho_a], [point%rho_b], [force], moved, roots)
       if (mesh%tracking == tracking_closed_form) return
       if (mode%contact == contact_open) roots(root_apart) = -point%h/mesh%gap_apart - 1
       if (mode%contact == contact_apart) roots(root_apart) = closed_form_gap(mesh%pair, q)/mesh%gap_apart - 1

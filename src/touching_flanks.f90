@@ -15,9 +15,10 @@ module evl_touching_flanks
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use evl_contact_point, only: contact_point
    use evl_deviating_flanks, only: flank_value
-   use evl_flank_deviation, only: deviation_borders, deviation_zone, flank_deviation_t, zone_none, zone_root, zone_tip
+   use evl_flank_deviation, only: deviation_borders, deviation_on, deviation_zone, flank_branch, flank_deviation_t, zone_none, &
+                                  zone_root, zone_tip
    use evl_kinds, only: wp
-   use evl_mesh, only: contact_t, flank_values, mesh_mode
+   use evl_mesh, only: contact_t, flank_branches, flank_values, mesh_mode
    implicit none (type, external)
    private
 
@@ -38,32 +39,37 @@ contains
       type(contact_t), intent(in) :: mesh
       type(mesh_mode), intent(in) :: mode
       type(contact_point), intent(in) :: point !! on the line of action
-      type(contact_point) :: there
+      type(flank_branch) :: branch_a, branch_b
       type(flank_value) :: a, b
-      real(wp) :: sharpness, step, x
+      real(wp) :: on_a, on_b, rho_a, rho_b, sharpness, step, x
       integer :: i
 
       curvature = 1/point%rho_a + 1/point%rho_b
       if (is_involute(mesh%deviation_a, mode%zone_a) .and. is_involute(mesh%deviation_b, mode%zone_b)) return
+      call flank_branches(mesh, mode, branch_a, branch_b)
       associate (r_a => mesh%pair%r_ba, r_b => mesh%pair%r_bb)
          curvature = ieee_value(curvature, ieee_quiet_nan)
-         there = point
+         rho_a = point%rho_a
+         rho_b = point%rho_b
          x = 0
          do i = 1, n_newton
-            call flank_values(mesh, mode, there, a, b)
-            sharpness = 1/there%rho_a + 1/there%rho_b + arc_second(a, there%rho_a, r_a) + arc_second(b, there%rho_b, r_b)
+            call deviation_on(branch_a, rho_a, a%e, a%de, a%d2e)
+            call deviation_on(branch_b, rho_b, b%e, b%de, b%d2e)
+            sharpness = 1/rho_a + 1/rho_b + arc_second(a, rho_a, r_a) + arc_second(b, rho_b, r_b)
             if (.not. sharpness > 0) return
-            step = ((there%rho_a - point%rho_a)/r_a + a%de*r_a/there%rho_a &
-                    - (there%rho_b - point%rho_b)/r_b - b%de*r_b/there%rho_b)/sharpness
+            step = ((rho_a - point%rho_a)/r_a + a%de*r_a/rho_a - (rho_b - point%rho_b)/r_b - b%de*r_b/rho_b)/sharpness
             if (abs(step)*sharpness < enough) exit
             x = x - step
-            there%rho_a = moved(point%rho_a, r_a, x)
-            there%rho_b = moved(point%rho_b, r_b, -x)
+            rho_a = moved(point%rho_a, r_a, x)
+            rho_b = moved(point%rho_b, r_b, -x)
          end do
-         there%rho_a = within(mesh%deviation_a, mode%zone_a, there%rho_a)
-         there%rho_b = within(mesh%deviation_b, mode%zone_b, there%rho_b)
-         call flank_values(mesh, mode, there, a, b)
-         x = flank_curvature(a, there%rho_a, r_a) + flank_curvature(b, there%rho_b, r_b)
+         on_a = within(mesh%deviation_a, mode%zone_a, rho_a)
+         on_b = within(mesh%deviation_b, mode%zone_b, rho_b)
+         if (i > n_newton .or. abs(on_a - rho_a) > 0 .or. abs(on_b - rho_b) > 0) then
+            call deviation_on(branch_a, on_a, a%e, a%de, a%d2e)
+            call deviation_on(branch_b, on_b, b%e, b%de, b%d2e)
+         end if
+         x = flank_curvature(a, on_a, r_a) + flank_curvature(b, on_b, r_b)
       end associate
       if (x > 0) curvature = x
    end function touching_curvature
