@@ -42,6 +42,7 @@ function(evolvent_add_kernel_variants sources)
         Fortran_MODULE_DIRECTORY "${PROJECT_BINARY_DIR}/modules/${processor}"
         LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/glibc-hwcaps/${processor}"
     )
+    target_include_directories(${variant} PRIVATE "${PROJECT_SOURCE_DIR}/src")
     target_compile_options(${variant} PRIVATE -march=${processor})
     add_dependencies(evolvent ${variant})
     install(

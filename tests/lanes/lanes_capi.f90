@@ -1,14 +1,15 @@
 !> The rates in lanes for their tests: a C interface that the kernel does not have.
 module lanes_capi
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_ptr
+   use evl_contacts_in_lanes, only: lane_slot, settle_slots
    use evl_elementary, only: exponential, hyperbolic_tangent, natural_logarithm, real_power, sine_cosine
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_events, only: gearbox_root, gearbox_root_directions
    use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
    use evl_gearbox_ode, only: gearbox_ode, gearbox_ode_create, gearbox_ode_set
    use evl_gearbox_rates, only: gearbox_rates
-   use evl_lane_slots, only: lane_slot, settle_slots
-   use evl_ode_model, only: lanes, never
+   use evl_kinds, only: lanes
+   use evl_ode_model, only: never
    use evl_roots_lanes, only: roots_in_lanes
    use evl_status, only: status_t
    implicit none (type, external)

@@ -1,8 +1,8 @@
 !> A model whose procedures are C functions, so that a test can write its problem where it writes its claim.
 module callback_model
    use, intrinsic :: iso_c_binding, only: c_double, c_f_procpointer, c_funptr, c_int
-   use evl_kinds, only: wp
-   use evl_ode_model, only: lanes, ode_model
+   use evl_kinds, only: lanes, wp
+   use evl_ode_model, only: ode_model
    use evl_status, only: code_ok, fail, status_t
    implicit none (type, external)
    private

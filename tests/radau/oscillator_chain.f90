@@ -3,8 +3,8 @@
 !> u_i'' = s(u_(i+1) - u_i) - s(u_i - u_(i-1)) + d (u_(i+1)' - 2 u_i' + u_(i-1)'),  s(e) = k (e + hardening e^3), ends fixed.
 !> States u, then u'; the root functions are the speeds, so that an event is a turning point. At times the first mass is kicked.
 module oscillator_chain
-   use evl_kinds, only: wp
-   use evl_ode_model, only: growth_by_damping, growth_never, lanes, ode_model
+   use evl_kinds, only: lanes, wp
+   use evl_ode_model, only: growth_by_damping, growth_never, ode_model
    use evl_status, only: status_t
    implicit none (type, external)
    private

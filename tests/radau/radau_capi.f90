@@ -9,8 +9,8 @@ module radau_capi
                                     condensed_solve_first, condensed_t
    use evl_dense_lu, only: dense_lu_create, dense_lu_factor, dense_lu_solve, dense_lu_solve_first, dense_lu_t
    use evl_eigenvalues, only: find_eigenvalues
-   use evl_kinds, only: wp
-   use evl_ode_model, only: lanes, ode_model
+   use evl_kinds, only: lanes, wp
+   use evl_ode_model, only: ode_model
    use evl_radau, only: radau_advance, radau_counts, radau_create, radau_get_counts, radau_get_growth, radau_growth, &
                         radau_interpolate, radau_options, radau_restart, radau_start, radau_t
    use evl_radau_coefficients, only: barycentric, from_stage, integral_to_node, n_systems, node, shift_im, shift_re, &

@@ -1,0 +1,262 @@
+!> The state at the start: rest, given speeds, or the steady state.
+module evl_gearbox_initial
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use evl_closed_form, only: closed_form_gap, points_from_closed_form
+   use evl_contact_point, only: contact_point
+   use evl_dae_residual, only: gearbox_derivative
+   use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_store_mode, gearbox_t, i_turns
+   use evl_housing, only: frame_t, housing_frame, housing_start
+   use evl_housing_dynamics, only: coupled_rates
+   use evl_kinds, only: wp
+   use evl_load, only: load_segment
+   use evl_local_variables, only: at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, i_omega, i_theta, n_local, n_track
+   use evl_rigid_forces, only: set_multipliers
+   use evl_start_positions, only: closed_form_point, mesh_position_angle, place_pairs, prescribed_speed, set_gaps
+   use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_initial, subject_load, subject_mesh, &
+                         subject_wheel
+   use evl_steady_state, only: find_steady_state
+   use evl_tooth_contact, only: contact_apart, contact_loaded, contact_off, contact_open, contact_t, contact_unloaded, &
+                                mesh_mode, mesh_settle_friction, mesh_settle_zones, mesh_unclipped_force, tracking_closed_form
+   implicit none (type, external)
+   private
+
+   public :: initial_t, gearbox_start, gearbox_initial_speeds
+   public :: initial_rest, initial_steady, initial_speeds
+
+   integer, parameter :: initial_rest = 0   !! nothing moves
+   integer, parameter :: initial_steady = 1 !! nothing accelerates
+   integer, parameter :: initial_speeds = 2 !! given speeds
+
+   real(wp), parameter :: rounding = 1.0e-14_wp  !! relative: speeds that differ less are the same
+   real(wp), parameter :: touching = 1.0e-9_wp   !! gap over the penetration scale below which rigid flanks touch
+   real(wp), parameter :: speed_agreement = 1.0e-12_wp !! relative: an initial and a prescribed speed that differ less agree
+
+   type :: initial_t
+      integer :: kind = initial_rest       !! one of the kinds above
+      real(wp), allocatable :: speeds(:)   !! of the wheels [rad/s], for initial_speeds; else size 0
+      real(wp), allocatable :: gaps(:)     !! of the meshes [m]; size 0: all touch
+      real(wp) :: mesh_position = 0.0_wp   !! of a steady start: pitches of the first mesh from the start of contact
+   end type initial_t
+
+contains
+
+   !> The wheels' speeds at the start [rad/s], as far as they are given: size 0 for a steady start.
+   pure function gearbox_initial_speeds(gearbox, initial) result(speeds)
+      type(gearbox_t), intent(in) :: gearbox
+      type(initial_t), intent(in) :: initial
+      real(wp), allocatable :: speeds(:)
+
+      select case (initial%kind)
+      case (initial_speeds)
+         speeds = initial%speeds
+      case (initial_rest)
+         allocate (speeds(size(gearbox%wheels)), source=0.0_wp)
+      case default
+         allocate (speeds(0))
+      end select
+   end function gearbox_initial_speeds
+
+   !> Fill the whole state for time t.
+   !> Errors: code_invalid_input, code_no_solution (steady), code_out_of_domain.
+   subroutine gearbox_start(gearbox, initial, t, y, yp, integers, reals, status)
+      type(gearbox_t), intent(in) :: gearbox
+      type(initial_t), intent(in) :: initial
+      real(wp), intent(in) :: t
+      real(wp), intent(out) :: y(gearbox%n_states), yp(gearbox%n_states)
+      integer, intent(out) :: integers(gearbox%n_integers)
+      real(wp), intent(out) :: reals(size(gearbox%contacts))
+      type(status_t), intent(inout) :: status
+      logical :: opened(size(gearbox%contacts))
+      integer :: i
+
+      y = 0
+      yp = 0
+      integers = 0
+      reals = 0
+      do i = 1, size(gearbox%loads)
+         associate (load => gearbox%loads(i))
+            if (load%i_segment > 0) integers(load%i_segment) = load_segment(load, t)
+         end associate
+      end do
+      call housing_start(gearbox%housing, y)
+      call check_initial(gearbox, initial, status)
+      if (has_failed(status)) return
+      if (initial%kind == initial_steady) then
+         y(i_theta) = mesh_position_angle(gearbox, initial%mesh_position)
+         call find_steady_state(gearbox, t, y, integers, reals, status)
+      else
+         call set_speeds(gearbox, gearbox_initial_speeds(gearbox, initial), t, y, integers, status)
+         if (has_failed(status)) return
+         if (size(initial%gaps) > 0) call set_gaps(gearbox, -initial%gaps, y)
+         call check_gaps(gearbox, initial, y, status)
+      end if
+      if (has_failed(status)) return
+      call set_tracked(gearbox, y)
+      call place_pairs(gearbox, y, integers)
+      call settle(gearbox, t, y, integers, reals, status)
+      if (has_failed(status)) return
+      if (initial%kind == initial_steady) reals = 0 ! it follows from no approach
+      call set_multipliers(gearbox, t, y, integers, reals, opened, status)
+      if (has_failed(status)) return
+      call gearbox_derivative(gearbox, t, y, integers, reals, yp, status)
+   end subroutine gearbox_start
+
+   !> The description of the start makes sense.
+   subroutine check_initial(gearbox, initial, status)
+      type(gearbox_t), intent(in) :: gearbox
+      type(initial_t), intent(in) :: initial
+      type(status_t), intent(inout) :: status
+
+      if (all(initial%kind /= [initial_rest, initial_steady, initial_speeds])) then
+         call fail(status, code_invalid_input, "there is no such kind of start", subject_initial, field="kind")
+      else if (initial%kind == initial_speeds .and. size(initial%speeds) /= size(gearbox%wheels)) then
+         call fail(status, code_invalid_input, "a start with given speeds needs one for each wheel", subject_initial, &
+                   field="speeds")
+      else if (.not. (all(ieee_is_finite(initial%speeds)) .and. all(ieee_is_finite(initial%gaps)))) then
+         call fail(status, code_invalid_input, "initial speeds and gaps must be finite numbers", subject_initial)
+      else if (size(initial%gaps) /= 0 .and. size(initial%gaps) /= size(gearbox%pairs)) then
+         call fail(status, code_invalid_input, "initial gaps need one for each mesh", subject_initial, field="gaps")
+      else if (initial%kind == initial_steady .and. any(abs(initial%gaps) > 0)) then
+         call fail(status, code_invalid_input, "a steady start has no gaps: its penetrations follow from the loads", &
+                   subject_initial, field="gaps")
+      end if
+   end subroutine check_initial
+
+   !> Speeds of the wheels; a prescribed speed has to be the given one.
+   subroutine set_speeds(gearbox, speeds, t, y, integers, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: speeds(:), t
+      real(wp), intent(inout) :: y(:)
+      integer, intent(in) :: integers(:)
+      type(status_t), intent(inout) :: status
+      real(wp) :: prescribed, spin
+      type(frame_t) :: frame
+      integer :: i
+
+      call housing_frame(gearbox%housing, t, y, frame)
+      y(i_omega) = speeds(gearbox%reference)
+      do i = 1, size(gearbox%wheels)
+         associate (wheel => gearbox%wheels(i))
+            if (wheel%i_psi > 0) y(wheel%i_psi + 1) = speeds(i) - wheel%ratio*y(i_omega)
+            if (abs(speeds(i) - speeds(wheel%leader)) > speed_agreement*abs(speeds(i))) then
+               call fail(status, code_invalid_input, "its initial speed "//quantity(speeds(i), "rad/s")//" does not agree with " &
+                         //quantity(speeds(wheel%leader), "rad/s")//", that of another wheel on the same rigid shaft", &
+                         subject_wheel, i, "speeds")
+               return
+            end if
+            if (wheel%prescribed == 0) cycle
+            spin = merge(0.0_wp, frame%omega(3), gearbox%loads(wheel%prescribed)%against_housing)
+            prescribed = prescribed_speed(gearbox, wheel%prescribed, t, integers) - spin
+            if (abs(prescribed - speeds(i)) <= speed_agreement*(abs(prescribed) + abs(spin))) cycle
+            call fail(status, code_invalid_input, "the prescribed speed "//quantity(prescribed, "rad/s")//" does not agree" &
+                      //" with the initial speed "//quantity(speeds(i), "rad/s")//" of its wheel: start with given speeds," &
+                      //" or from a steady state", subject_load, wheel%prescribed, "value")
+            return
+         end associate
+      end do
+   end subroutine set_speeds
+
+   !> In a ring of wheels the last gap follows from the others: it has to be the given one. Gaps are those of perfect flanks.
+   subroutine check_gaps(gearbox, initial, y, status)
+      type(gearbox_t), intent(in) :: gearbox
+      type(initial_t), intent(in) :: initial
+      real(wp), intent(in) :: y(:)
+      type(status_t), intent(inout) :: status
+      real(wp) :: q(n_local), gap
+      integer :: m
+
+      if (.not. any(abs(initial%gaps) > 0)) return ! all that can touch do
+      do m = 1, size(gearbox%pairs)
+         associate (mesh => gearbox%contacts(gearbox%first(m)))
+            call gearbox_local(gearbox, mesh, y, q)
+            gap = closed_form_gap(mesh%pair, q)
+         end associate
+         if (abs(gap - initial%gaps(m)) <= 1.0e-9_wp*maxval(abs(initial%gaps))) cycle
+         call fail(status, code_invalid_input, "its initial gap "//quantity(initial%gaps(m), "m")//" does not agree with " &
+                   //quantity(gap, "m")//", which the gaps of the other meshes in its ring leave", subject_mesh, m, "gaps")
+         return
+      end do
+   end subroutine check_gaps
+
+   !> Tracked variables that belong to the wheels' positions.
+   subroutine set_tracked(gearbox, y)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(inout) :: y(gearbox%n_states)
+      real(wp) :: q(n_local)
+      integer :: m
+
+      do m = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(m))
+            if (mesh%i_track == 0 .or. mesh%slot > 0) cycle
+            call gearbox_local(gearbox, mesh, y, q)
+            call points_from_closed_form(mesh%pair, q, y(mesh%i_track:mesh%i_track + n_track - 1))
+         end associate
+      end do
+   end subroutine set_tracked
+
+   !> A rigid contact is closed if the flanks touch and do not move relative to each other along the line of action. If they
+   !> approach it counts as open, and the first step finds the impact.
+   subroutine settle_rigid(mesh, point, mode, status)
+      type(contact_t), intent(in) :: mesh
+      type(contact_point), intent(in) :: point
+      type(mesh_mode), intent(inout) :: mode
+      type(status_t), intent(inout) :: status
+
+      if (abs(point%h_dot) <= rounding*(abs(mesh%pair%r_ba*point%omega_a) + abs(mesh%pair%r_bb*point%omega_b)) &
+          .and. abs(point%h) <= touching*mesh%h_scale) then
+         mode%contact = contact_loaded
+      else if (point%h > touching*mesh%h_scale) then
+         call fail(status, code_invalid_input, "a rigid contact cannot start with the penetration "//quantity(point%h, "m") &
+                   //": give a gap that is not negative", subject_mesh, mesh%mesh, "gaps")
+      end if
+   end subroutine settle_rigid
+
+   !> Contact modes and friction branches that belong to positions and speeds. Flanks that just touch count as loaded unless
+   !> they move apart, or would be accelerated apart.
+   subroutine settle(gearbox, t, y, integers, reals, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: t, y(gearbox%n_states)
+      integer, intent(inout) :: integers(:)
+      real(wp), intent(inout) :: reals(:)
+      type(status_t), intent(inout) :: status
+      type(contact_point) :: point
+      type(mesh_mode) :: mode
+      real(wp) :: free(gearbox%n_states), q(n_local), force, parting
+      integer :: m
+
+      call coupled_rates(gearbox, t, y, integers, reals, free, status)
+      if (has_failed(status)) return
+      do m = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(m))
+            mode = gearbox_mode(gearbox, m, integers, reals)
+            if (mode%contact == contact_off) cycle
+            call closed_form_point(gearbox, m, y, integers(i_turns), mode%teeth, point)
+            mode%contact = contact_open
+            call mesh_settle_zones(mesh, point, mode)
+            if (mesh%tracking /= tracking_closed_form .and. point%h < -mesh%gap_apart) then
+               mode%contact = contact_apart
+            else if (mesh%rigid) then
+               call settle_rigid(mesh, point, mode, status)
+               if (has_failed(status)) return
+            else if (point%h > 0) then
+               mode%contact = contact_loaded
+               call mesh_unclipped_force(mesh, mode, point, force, status)
+               if (has_failed(status)) return
+               if (force < 0) mode%contact = contact_unloaded
+            else if (.not. point%h < 0) then
+               call gearbox_local(gearbox, mesh, free, q)
+               parting = mesh%pair%sigma*(mesh%pair%r_ba*q(at_psi_dot_a) + mesh%pair%r_bb*q(at_psi_dot_b)) &
+                         + q(at_v_b + 1) - q(at_v_a + 1)
+               if (point%h_dot > 0 .or. (.not. point%h_dot < 0 .and. parting <= 0)) mode%contact = contact_loaded
+            end if
+            mode%side = merge(1, -1, point%h_dot > 0)
+            if (mode%contact == contact_loaded) then
+               mode%friction = mesh_settle_friction(mesh, point)
+               mode%v0 = max(point%h_dot, 0.0_wp)
+            end if
+            call gearbox_store_mode(gearbox, m, mode, integers, reals)
+         end associate
+      end do
+   end subroutine settle
+
+end module evl_gearbox_initial

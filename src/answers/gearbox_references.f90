@@ -1,0 +1,103 @@
+!> Every mesh at its nominal load, and the damping laws that refer to it.
+module evl_gearbox_references
+   use evl_gearbox, only: gearbox_t
+   use evl_gearbox_scaling, only: gearbox_likely_speed, mesh_load
+   use evl_kinds, only: pi, wp
+   use evl_mesh_damping, only: damping_left_to_mesh, damping_of_mesh
+   use evl_mesh_reference, only: reference_damping, reference_of
+   use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, warn
+   use evl_tooth_contact, only: contact_t
+   implicit none (type, external)
+   private
+
+   public :: gearbox_set_references
+
+   real(wp), parameter :: much = 0.3_wp !! damping ratio above which a mesh is said to be damped too much: measured ones reach 0.17
+
+contains
+
+   !> Find what every mesh is at its nominal load, complete the damping laws that refer to it, and warn of much damping.
+   !> Errors: code_invalid_input for a law that refers to what a mesh has not.
+   subroutine gearbox_set_references(gearbox, status)
+      type(gearbox_t), intent(inout) :: gearbox !! with its scales
+      type(status_t), intent(inout) :: status
+      logical :: has_load
+      integer :: m
+
+      allocate (gearbox%references(size(gearbox%pairs)))
+      do m = 1, size(gearbox%pairs)
+         associate (mesh => gearbox%contacts(gearbox%first(m)), reference => gearbox%references(m))
+            has_load = mesh_load(gearbox, mesh, gearbox_likely_speed(gearbox)) > 0
+            reference = reference_of(mesh, has_load, free_mobility(gearbox, mesh))
+            if (damping_left_to_mesh(reference%law) /= "") call complete(gearbox, m, status)
+            if (has_failed(status)) return
+            call reference_damping(mesh, reference)
+            if (reference%ratio > much) call warn_of_damping(gearbox, m)
+         end associate
+      end do
+   end subroutine gearbox_set_references
+
+   !> r_bA^2/J_A + r_bB^2/J_B [1/kg]; a prescribed speed is like an infinite inertia.
+   pure real(wp) function free_mobility(gearbox, mesh) result(mobility)
+      type(gearbox_t), intent(in) :: gearbox
+      type(contact_t), intent(in) :: mesh
+
+      mobility = 0
+      associate (a => gearbox%wheels(mesh%wheel_a), b => gearbox%wheels(mesh%wheel_b))
+         if (a%prescribed == 0) mobility = mobility + mesh%pair%r_ba**2/a%rotor_inertia
+         if (b%prescribed == 0) mobility = mobility + mesh%pair%r_bb**2/b%rotor_inertia
+      end associate
+   end function free_mobility
+
+   !> Give a mesh the damping law that its reference completes.
+   subroutine complete(gearbox, m, status)
+      type(gearbox_t), intent(inout) :: gearbox
+      integer, intent(in) :: m !! mesh
+      type(status_t), intent(inout) :: status
+      integer :: i
+
+      associate (reference => gearbox%references(m), first => gearbox%first(m), last => gearbox%first(m + 1) - 1)
+         if (.not. reference%stiffness > 0) then
+            call refuse("no load presses its flanks together, so there is no nominal load")
+         else if (.not. reference%mass > 0) then
+            call refuse("the speeds of both wheels are prescribed, so they do not vibrate on its stiffness")
+         else
+            call damping_of_mesh(reference%stiffness, reference%mass, gearbox%contacts(first)%h_scale, reference%law, &
+                                 gearbox%contacts(first)%damping)
+            do i = first + 1, last
+               gearbox%contacts(i)%damping = gearbox%contacts(first)%damping
+            end do
+         end if
+      end associate
+
+   contains
+
+      subroutine refuse(reason)
+         character(len=*), intent(in) :: reason
+
+         associate (name => damping_left_to_mesh(gearbox%references(m)%law))
+            if (name == "v0_min") then
+               call fail(status, code_invalid_input, "v0_min is missing, and it does not follow from the mesh: "//reason &
+                         //"; give v0_min", subject_mesh, m, "damping")
+            else
+               call fail(status, code_invalid_input, "a damping ratio needs a load and a wheel that is free to vibrate: "//reason &
+                         //"; take {law: linear, coefficient: ...}", subject_mesh, m, "damping.value")
+            end if
+         end associate
+      end subroutine refuse
+
+   end subroutine complete
+
+   !> Say that a mesh is damped more than gears are.
+   subroutine warn_of_damping(gearbox, m)
+      type(gearbox_t), intent(inout) :: gearbox
+      integer, intent(in) :: m !! mesh
+
+      associate (reference => gearbox%references(m))
+         call warn(gearbox%warnings, "its damping ratio at the nominal load is "//quantity(reference%ratio, "")//", but measured" &
+                   //" meshes have 0.03 to 0.17: vibrations at its natural frequency "//quantity(reference%frequency, "Hz") &
+                   //" die at once; {law: ratio, value: 0.07} damps like a real mesh", subject_mesh, m, "damping")
+      end associate
+   end subroutine warn_of_damping
+
+end module evl_gearbox_references

@@ -1,0 +1,300 @@
+!> What counts as large in a gearbox: forces, penetrations, speeds and energies that the loads and the start suggest.
+!>
+!> Error control is absolute, each state against its own scale: the static penetration h_0 for lengths, h_0 times the contact's
+!> natural frequency for their rates, the static twist of shafts likewise, a small part of a pitch for the reference angle.
+module evl_gearbox_scaling
+   use evl_contact_laws, only: contact_context, elastic_force, elastic_result, law_choice, penetration_from_force
+   use evl_gearbox, only: gearbox_t
+   use evl_housing, only: n_housing_states
+   use evl_housing_scaling, only: housing_scales
+   use evl_kinds, only: pi, wp
+   use evl_load, only: load_damping, load_largest, load_prescribed_speed, load_viscous
+   use evl_local_variables, only: i_omega, i_theta, n_track
+   use evl_mesh_reference, only: nominal_context
+   use evl_shaft, only: shaft_t
+   use evl_status, only: code_ok
+   use evl_tooth_contact, only: contact_t, tracking_algebraic
+   implicit none (type, external)
+   private
+
+   public :: gearbox_set_scales, gearbox_state_scales, gearbox_likely_speed, mesh_load
+
+   real(wp), parameter :: angle_share = 0.2_wp     !! scale of theta times the pitches that a turn makes: 1e-2 rad at 20 teeth
+   real(wp), parameter :: track_factor = 3.0_wp    !! scale of zeta, and of turn times rho, over h_0
+   real(wp), parameter :: multiplier_factor = 1.0e3_wp !! scale of a multiplier over the force: it follows from the rest
+   real(wp), parameter :: smallest_load = 1.0e-9_wp !! force scale of an unloaded mesh over b pi E* rho
+   real(wp), parameter :: smallest_twist = 1.0e-9_wp !! of an unloaded shaft [rad]
+   real(wp), parameter :: spin_up = 1.0_wp         !! time in which torques alone would give the speed scale [s]
+
+contains
+
+   !> Force and penetration scales of all meshes from the loads alone.
+   subroutine gearbox_set_scales(gearbox)
+      type(gearbox_t), intent(inout) :: gearbox
+      integer :: i
+
+      do i = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(i))
+            mesh%force_scale = max(mesh_load(gearbox, mesh, gearbox_likely_speed(gearbox)), &
+                                   smallest_load*pi*mesh%e_star*mesh%pair%rho_0*mesh%width)
+            call static_penetration(mesh, mesh%force_scale, mesh%h_scale)
+            mesh%rate_scale = sqrt(mesh%force_scale*mesh%h_scale*mesh%mobility)
+         end associate
+      end do
+   end subroutine gearbox_set_scales
+
+   !> Speed of the reference wheel that the loads suggest [rad/s], at least 0: the prescribed one, that at which viscous loads
+   !> balance the torques, or that after a second under the torques.
+   pure real(wp) function gearbox_likely_speed(gearbox) result(speed)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp) :: torque, damping, inertia
+      integer :: i
+
+      speed = 0
+      torque = 0
+      damping = 0
+      do i = 1, size(gearbox%loads)
+         associate (load => gearbox%loads(i))
+            associate (g => gearbox%wheels(load%wheel)%ratio)
+               damping = damping + load_damping(load)*g**2
+               if (load%kind == load_prescribed_speed) then
+                  speed = max(speed, load_largest(load)/abs(g))
+               else if (load%kind /= load_viscous) then
+                  torque = torque + abs(g)*load_largest(load)
+               end if
+            end associate
+         end associate
+      end do
+      if (speed > 0 .or. .not. torque > 0) return
+      inertia = sum(gearbox%wheels%inertia*gearbox%wheels%ratio**2)
+      if (damping > 0) then
+         speed = torque/damping
+      else
+         speed = torque/inertia*spin_up
+      end if
+   end function gearbox_likely_speed
+
+   !> Scale of theta: a share of the pitch of the mesh whose teeth pass fastest.
+   pure real(wp) function angle_scale(gearbox) result(scale)
+      type(gearbox_t), intent(in) :: gearbox
+      integer :: i
+
+      scale = angle_share
+      do i = 1, size(gearbox%wheels)
+         associate (wheel => gearbox%wheels(i))
+            if (wheel%teeth == 0) cycle
+            ! whole numbers before they are divided: alike for all wheels of a train without shafts
+            scale = min(scale, angle_share/(wheel%teeth*real(abs(wheel%exact_ratio%above), wp)/real(wheel%exact_ratio%below, wp)))
+         end associate
+      end do
+   end function angle_scale
+
+   !> Largest normal force that the load of one wheel can put on a mesh when the reference wheel turns at `speed` [N].
+   pure real(wp) function mesh_load(gearbox, mesh, speed) result(force)
+      type(gearbox_t), intent(in) :: gearbox
+      type(contact_t), intent(in) :: mesh
+      real(wp), intent(in) :: speed !! [rad/s]
+
+      force = largest_torque(gearbox, abs(mesh%pair%ratio_a), speed, mesh%pair%r_ba)
+   end function mesh_load
+
+   !> Largest torque that the load of one wheel can put on what turns at `ratio` times the speed of the reference wheel, over an
+   !> arm [N m], or its force [N].
+   pure real(wp) function largest_torque(gearbox, ratio, speed, arm) result(force)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: ratio
+      real(wp), intent(in) :: speed !! of the reference wheel [rad/s]
+      real(wp), intent(in) :: arm   !! [m]; 1 for the torque itself
+      real(wp) :: torque
+      integer :: i, j
+
+      force = 0
+      do i = 1, size(gearbox%wheels)
+         associate (g => abs(gearbox%wheels(i)%ratio))
+            torque = 0
+            do j = 1, size(gearbox%loads)
+               associate (load => gearbox%loads(j))
+                  if (load%wheel /= i .or. load%kind == load_prescribed_speed) cycle
+                  torque = torque + merge(load_damping(load)*g*speed, load_largest(load), load%kind == load_viscous)
+               end associate
+            end do
+            force = max(force, torque*g/(ratio*arm))
+         end associate
+      end do
+   end function largest_torque
+
+   !> Penetration under a force; a force beyond the law is halved until the law carries it.
+   subroutine static_penetration(mesh, force, h)
+      type(contact_t), intent(in) :: mesh
+      real(wp), intent(inout) :: force !! [N]
+      real(wp), intent(out) :: h       !! [m]
+      type(contact_context) :: ctx
+      integer :: code
+
+      ctx = nominal_context(mesh)
+      do
+         call penetration_from_force(elastic_law(mesh), ctx, force, h, code)
+         if (code == code_ok) exit
+         force = force/2
+      end do
+   end subroutine static_penetration
+
+   !> The law that tells how large penetrations are: the mesh's own, or the first of the table for a rigid contact.
+   pure type(law_choice) function elastic_law(mesh) result(choice)
+      type(contact_t), intent(in) :: mesh
+
+      if (.not. mesh%rigid) choice = mesh%contact
+   end function elastic_law
+
+   !> Scales of states and residuals for error control, and which states are differential.
+   subroutine gearbox_state_scales(gearbox, speeds, state, row, differential)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: speeds(:)      !! initial angular velocities of the wheels; size 0 if not given [rad/s]
+      real(wp), intent(out) :: state(gearbox%n_states), row(gearbox%n_states)
+      integer, intent(out) :: differential(gearbox%n_states)
+      real(wp) :: speed, h(size(gearbox%contacts)), rate(size(gearbox%contacts)), frequency
+      real(wp), dimension(2, size(gearbox%wheels)) :: arc, turn
+      real(wp) :: energy, housing_energy
+      real(wp), dimension(n_housing_states) :: housing_state, housing_row
+      integer :: i, j
+
+      speed = gearbox_likely_speed(gearbox)
+      if (size(speeds) > 0) speed = max(speed, maxval(abs(speeds/gearbox%wheels%ratio)))
+      energy = 0
+      do i = 1, size(gearbox%contacts)
+         call mesh_scales(gearbox, gearbox%contacts(i), speed, speeds, h(i), frequency, energy)
+         rate(i) = h(i)*frequency
+      end do
+      call wheel_scales(gearbox, speed, speeds, h, rate, arc, turn, energy)
+      differential = 1
+      state(i_theta) = angle_scale(gearbox)
+      state(i_omega) = merge(speed, 1.0_wp, speed > 0)
+      do i = 1, size(gearbox%wheels)
+         associate (wheel => gearbox%wheels(i))
+            if (wheel%i_psi > 0 .and. wheel%leader == i) state(wheel%i_psi:wheel%i_psi + 1) = turn(:, i)
+            do j = 1, wheel%support%n
+               state(wheel%support%i_state(j):wheel%support%i_state(j) + 1) = arc(:, i)
+            end do
+         end associate
+      end do
+      if (gearbox%housing%is_mounted) then
+         call housing_scales(gearbox, housing_state, housing_row, housing_energy)
+         energy = max(energy, housing_energy)
+         associate (first => gearbox%housing%i_state, last => gearbox%housing%i_state + n_housing_states - 1)
+            state(first:last) = housing_state
+         end associate
+      end if
+      state(gearbox%i_dissipated) = merge(energy, 1.0_wp, energy > 0)
+      state(gearbox%i_work) = state(gearbox%i_dissipated)
+      row = state
+      if (gearbox%housing%is_mounted) &
+         row(gearbox%housing%i_state:gearbox%housing%i_state + n_housing_states - 1) = housing_row
+      do i = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(i))
+            if (mesh%i_normal == 0) cycle
+            state(mesh%i_normal) = multiplier_factor*mesh%force_scale
+            row(mesh%i_normal) = mesh%force_scale
+            differential(mesh%i_normal) = 0
+         end associate
+      end do
+      do i = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(i), first => gearbox%contacts(i)%i_track)
+            if (first == 0) cycle
+            state(first:first + n_track - 1) = [track_factor*h(i)/mesh%pair%rho_0, track_factor*h(i), h(i), h(i), 1.0_wp, &
+                                                mesh%pair%r_bb*h(i)]
+            row(first:first + n_track - 1) = [h(i), 1.0_wp, h(i), h(i), h(i), h(i)]
+            if (mesh%tracking == tracking_algebraic) differential(first:first + n_track - 1) = 0
+         end associate
+      end do
+   end subroutine gearbox_state_scales
+
+   !> Penetration, natural frequency and energy scale of a mesh under its loads, or under the impact of the initial speeds.
+   subroutine mesh_scales(gearbox, mesh, speed, speeds, h, frequency, energy)
+      type(gearbox_t), intent(in) :: gearbox
+      type(contact_t), intent(in) :: mesh
+      real(wp), intent(in) :: speed, speeds(:) !! of the reference wheel; of the wheels at the start [rad/s]
+      real(wp), intent(out) :: h               !! [m]
+      real(wp), intent(out) :: frequency       !! [rad/s]
+      real(wp), intent(inout) :: energy        !! raised to the mesh's own, if that is larger [J]
+      type(contact_context) :: ctx
+      type(elastic_result) :: elastic
+      real(wp) :: force, mobility, approach
+      integer :: code
+
+      force = mesh_load(gearbox, mesh, speed)
+      energy = max(energy, angle_scale(gearbox)*force*abs(mesh%pair%advance))
+      force = max(force, mesh%force_scale)
+      call static_penetration(mesh, force, h)
+      ctx = nominal_context(mesh)
+      ctx%h = h
+      call elastic_force(elastic_law(mesh), ctx, elastic, code)
+      associate (a => gearbox%wheels(mesh%wheel_a), b => gearbox%wheels(mesh%wheel_b))
+         mobility = a%base_radius**2/a%rotor_inertia + b%base_radius**2/b%rotor_inertia
+         frequency = sqrt(elastic%d_h*mobility)
+         if (size(speeds) == 0) return
+         approach = abs(a%base_radius*speeds(mesh%wheel_a) + b%base_radius*speeds(mesh%wheel_b))
+      end associate
+      h = max(h, approach/frequency)
+      energy = max(energy, approach**2/mobility/2)
+   end subroutine mesh_scales
+
+   !> Scales of what moves with a wheel, value and rate: arcs [m], [m/s], the smallest among its meshes; angles of its rotor [rad],
+   !> [rad/s], the smallest among the meshes and shafts of the rotor's wheels, in the place of the leader. 1 where there are none.
+   pure subroutine wheel_scales(gearbox, speed, speeds, h, rate, arc, turn, energy)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: speed, speeds(:)   !! of the reference wheel; of the wheels at the start [rad/s]
+      real(wp), intent(in) :: h(:), rate(:)      !! of the meshes [m], [m/s]
+      real(wp), intent(out) :: arc(:, :), turn(:, :)
+      real(wp), intent(inout) :: energy          !! raised to those of the shafts, if they are larger [J]
+      real(wp) :: twist(2)
+      integer :: i, m
+
+      arc = huge(arc)
+      turn = huge(turn)
+      do m = 1, size(gearbox%contacts)
+         associate (a => gearbox%contacts(m)%wheel_a, b => gearbox%contacts(m)%wheel_b)
+            arc(:, a) = min(arc(:, a), [h(m), rate(m)])
+            arc(:, b) = min(arc(:, b), [h(m), rate(m)])
+         end associate
+      end do
+      do i = 1, size(gearbox%wheels)
+         associate (wheel => gearbox%wheels(i))
+            if (wheel%base_radius > 0) turn(:, wheel%leader) = min(turn(:, wheel%leader), arc(:, i)/wheel%base_radius)
+         end associate
+      end do
+      do i = 1, size(gearbox%shafts)
+         if (gearbox%shafts(i)%rigid) cycle
+         call shaft_scales(gearbox, gearbox%shafts(i), speed, speeds, twist, energy)
+         associate (a => gearbox%wheels(gearbox%shafts(i)%wheel_a)%leader, b => gearbox%wheels(gearbox%shafts(i)%wheel_b)%leader)
+            turn(:, a) = min(turn(:, a), twist)
+            turn(:, b) = min(turn(:, b), twist)
+         end associate
+      end do
+      where (arc >= huge(arc)) arc = 1
+      where (turn >= huge(turn)) turn = 1
+   end subroutine wheel_scales
+
+   !> Twist of an elastic shaft and its rate under the loads, or under the difference of the initial speeds of its wheels.
+   pure subroutine shaft_scales(gearbox, shaft, speed, speeds, twist, energy)
+      type(gearbox_t), intent(in) :: gearbox
+      type(shaft_t), intent(in) :: shaft
+      real(wp), intent(in) :: speed, speeds(:) !! as in wheel_scales
+      real(wp), intent(out) :: twist(2)        !! [rad], [rad/s]
+      real(wp), intent(inout) :: energy        !! raised to the shaft's own, if that is larger [J]
+      real(wp) :: angle, mobility, frequency, difference
+
+      associate (a => gearbox%wheels(shaft%wheel_a), b => gearbox%wheels(shaft%wheel_b))
+         angle = largest_torque(gearbox, abs(a%ratio), speed, 1.0_wp)/shaft%stiffness
+         mobility = 1/a%rotor_inertia + 1/b%rotor_inertia
+      end associate
+      if (.not. angle > 0) angle = smallest_twist
+      frequency = sqrt(shaft%stiffness*mobility)
+      if (size(speeds) > 0) then
+         difference = abs(speeds(shaft%wheel_a) - speeds(shaft%wheel_b))
+         angle = max(angle, difference/frequency)
+         energy = max(energy, difference**2/mobility/2)
+      end if
+      twist = angle*[1.0_wp, frequency]
+   end subroutine shaft_scales
+
+end module evl_gearbox_scaling

@@ -1,0 +1,96 @@
+!> Natural modes of the mean over the positions of the meshes.
+!>
+!> The stiffness of a mesh changes as tooth pairs come and go; vibrations that are faster than neither feel its mean. Meshes of
+!> several stages have pitches of their own. The positions are spread evenly over the least number of pitches of the first mesh in
+!> which every mesh passes whole pitches; since their number is prime and does not divide that of the pitches, every mesh is met
+!> at as many places of its own pitch, evenly spread too.
+module evl_mean_modes
+   use, intrinsic :: iso_fortran_env, only: int64
+   use evl_gearbox, only: gearbox_t
+   use evl_gearbox_initial, only: gearbox_start, initial_steady, initial_t
+   use evl_kinds, only: wp
+   use evl_modes, only: linearised_matrix, modes_of_matrix
+   use evl_outputs, only: gearbox_outputs
+   use evl_rational, only: divisor_of
+   use evl_status, only: has_failed, status_t
+   implicit none (type, external)
+   private
+
+   public :: gearbox_mean_modes
+
+   integer, parameter :: primes(2) = [997, 1009]        !! positions; the second if the first divides the number of pitches
+   integer(int64), parameter :: most_pitches = 10000    !! of the first mesh; whole pitches of all meshes may need more
+
+contains
+
+   !> Eigenvalues and eigenvectors of the mean of A over the steady states, as gearbox_modes gives them, and the mean outputs.
+   subroutine gearbox_mean_modes(gearbox, t, y, integers, reals, n_modes, n_rigid, eigenvalues, vectors, values, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: t                         !! [s]
+      real(wp), intent(out) :: y(gearbox%n_states)      !! the steady state half a pitch from the start of contact
+      integer, intent(out) :: integers(gearbox%n_integers)
+      real(wp), intent(out) :: reals(:)
+      integer, intent(out) :: n_modes, n_rigid
+      complex(wp), intent(out) :: eigenvalues(gearbox%n_states), vectors(gearbox%n_states, gearbox%n_states)
+      real(wp), intent(out) :: values(gearbox%n_values) !! outputs
+      type(status_t), intent(inout) :: status           !! as gearbox_modes, and of a steady start
+      real(wp) :: matrix(gearbox%n_states, gearbox%n_states), yp(gearbox%n_states), outputs(gearbox%n_values), span
+      real(wp), allocatable :: there(:, :)
+      integer :: i, n
+
+      n_modes = 0
+      n_rigid = 0
+      eigenvalues = 0
+      vectors = 0
+      matrix = 0
+      values = 0
+      span = real(whole_pitches(gearbox), wp)
+      n = primes(merge(2, 1, modulo(whole_pitches(gearbox), int(primes(1), int64)) == 0))
+      do i = 1, n
+         call start_at((i - 0.5_wp)/n*span)
+         if (has_failed(status)) return
+         call linearised_matrix(gearbox, t, y, integers, reals, there, status)
+         if (.not. has_failed(status)) call gearbox_outputs(gearbox, t, y, integers, reals, .false., outputs, status)
+         if (has_failed(status)) return
+         matrix = matrix + there/n
+         values = values + outputs/n
+      end do
+      call start_at(0.5_wp)
+      if (.not. has_failed(status)) call modes_of_matrix(gearbox, y, matrix, n_modes, n_rigid, eigenvalues, vectors, status)
+
+   contains
+
+      !> The steady state so many pitches of the first mesh from the start of contact.
+      subroutine start_at(pitches)
+         real(wp), intent(in) :: pitches
+
+         call gearbox_start(gearbox, initial_t(initial_steady, [real(wp) ::], [real(wp) ::], pitches), t, y, yp, integers, reals, &
+                            status)
+      end subroutine start_at
+
+   end subroutine gearbox_mean_modes
+
+   !> Pitches of the first mesh in which every mesh passes whole pitches, or most_pitches if that is less.
+   pure integer(int64) function whole_pitches(gearbox) result(pitches)
+      type(gearbox_t), intent(in) :: gearbox
+      integer(int64) :: above, below
+      integer :: m
+
+      pitches = 1
+      associate (first => gearbox%contacts(1)%pitches_per_turn)
+         do m = 2, size(gearbox%pairs)
+            associate (other => gearbox%contacts(gearbox%first(m))%pitches_per_turn)
+               ! the denominator of other/first in lowest terms, as two factors
+               above = abs(first%above)/divisor_of(first%above, other%above)
+               below = other%below/divisor_of(first%below, other%below)
+            end associate
+            if (real(above, wp)*real(below, wp) > real(most_pitches, wp)) then
+               pitches = most_pitches
+            else
+               pitches = min(most_pitches, pitches/divisor_of(pitches, above*below)*above*below)
+            end if
+         end do
+      end associate
+   end function whole_pitches
+
+end module evl_mean_modes

@@ -1,0 +1,229 @@
+!> Natural modes: the gearbox linearised at a state, with its eigenvalues and mode shapes.
+!>
+!> The motion is x' = A x with x = (omega, psi_i, psi_i', s_j, s_j') and A = -dF/dy of the explicit system, analytic. What is not
+!> in x: the energies, which nothing depends on; the variables of tracked contact points, which the wheels carry along, so every
+!> mesh is taken in closed form; the angle theta, whose place in the mesh is held; speeds that are prescribed. Contact modes and
+!> friction branches stay as they are: no event takes part. A mounted housing adds its 12 states, see evl_housing_modes.
+module evl_modes
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use evl_dae_jacobian, only: gearbox_jacobian
+   use evl_dae_residual, only: gearbox_derivative
+   use evl_gearbox, only: gearbox_t
+   use evl_gearbox_scaling, only: gearbox_state_scales
+   use evl_housing, only: at_omega, at_orientation, at_position, at_velocity
+   use evl_housing_modes, only: explicit_matrix, quaternion_shape
+   use evl_kinds, only: wp
+   use evl_lapack, only: dgeevx, dgesvd
+   use evl_local_variables, only: i_omega, i_theta
+   use evl_status, only: code_no_solution, code_out_of_domain, fail, has_failed, status_t, subject_mesh
+   use evl_tooth_contact, only: tracking_closed_form
+   implicit none (type, external)
+   private
+
+   public :: gearbox_modes, linearised_matrix, modes_of_matrix
+
+   real(wp), parameter :: rounding = 10*epsilon(1.0_wp) !! of a number that went through a decomposition, times its order
+
+contains
+
+   !> Eigenvalues and eigenvectors of the gearbox at a state, from slow to fast, complex pairs side by side.
+   !>
+   !> An eigenvalue that cannot be told from 0 is 0. In the vectors the angle theta follows from the speed, theta = omega/lambda;
+   !> it is 0 where lambda is. The rigid-body modes are the independent motions that nothing restores, the turning of the whole
+   !> gearbox by theta among them unless its speed is prescribed.
+   subroutine gearbox_modes(gearbox, t, y, integers, reals, n_modes, n_rigid, eigenvalues, vectors, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: t                      !! [s]
+      real(wp), intent(in) :: y(gearbox%n_states)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: reals(:)
+      integer, intent(out) :: n_modes                !! eigenvalues found, at most n_states
+      integer, intent(out) :: n_rigid                !! rigid-body modes
+      complex(wp), intent(out) :: eigenvalues(gearbox%n_states) !! [1/s]; 0 past n_modes
+      complex(wp), intent(out) :: vectors(gearbox%n_states, gearbox%n_states) !! column k in the states' units; 0 past n_modes
+      type(status_t), intent(inout) :: status        !! code_out_of_domain, code_no_solution
+      real(wp), allocatable :: matrix(:, :)
+
+      n_modes = 0
+      n_rigid = 0
+      eigenvalues = 0
+      vectors = 0
+      call linearised_matrix(gearbox, t, y, integers, reals, matrix, status)
+      if (has_failed(status)) return
+      call modes_of_matrix(gearbox, y, matrix, n_modes, n_rigid, eigenvalues, vectors, status)
+   end subroutine gearbox_modes
+
+   !> The modes of A, each state in units of its scale, as gearbox_modes gives them.
+   subroutine modes_of_matrix(gearbox, y, matrix, n_modes, n_rigid, eigenvalues, vectors, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: y(gearbox%n_states)
+      real(wp), intent(in) :: matrix(:, :) !! of linearised_matrix
+      integer, intent(out) :: n_modes, n_rigid
+      complex(wp), intent(inout) :: eigenvalues(gearbox%n_states), vectors(gearbox%n_states, gearbox%n_states) !! 0
+      type(status_t), intent(inout) :: status
+      integer, allocatable :: speeds(:), positions(:), moving(:)
+      complex(wp), allocatable :: shapes(:, :)
+      real(wp) :: scale(gearbox%n_states)
+      integer :: k
+
+      n_modes = 0
+      n_rigid = 0
+      scale = state_scales(gearbox)
+      call free_states(gearbox, speeds, positions)
+      call find_nullity(matrix(speeds, positions), n_rigid, status)
+      if (has_failed(status)) return
+      if (gearbox%wheels(gearbox%reference)%prescribed == 0) n_rigid = n_rigid + 1
+      n_modes = size(speeds) + size(positions)
+      allocate (moving(n_modes), shapes(n_modes, n_modes))
+      moving(:) = [speeds, positions]
+      call decompose(matrix(moving, moving), eigenvalues(:n_modes), shapes, status)
+      if (has_failed(status)) return
+      call sort_by_size(eigenvalues(:n_modes), shapes)
+      do k = 1, n_modes
+         vectors(moving, k) = shapes(:, k)*scale(moving)
+         if (gearbox%housing%is_mounted) call quaternion_shape(gearbox%housing, y, vectors(:, k))
+         if (abs(eigenvalues(k)) > 0) vectors(i_theta, k) = vectors(i_omega, k)/eigenvalues(k)
+      end do
+   end subroutine modes_of_matrix
+
+   !> The units in which the matrix counts the states.
+   function state_scales(gearbox) result(scale)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), dimension(gearbox%n_states) :: scale, row_scale
+      integer :: differential(gearbox%n_states)
+
+      call gearbox_state_scales(gearbox, [real(wp) ::], scale, row_scale, differential)
+   end function state_scales
+
+   !> The places of the speeds and of the positions that are free to move.
+   subroutine free_states(gearbox, speeds, positions)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, allocatable, intent(out) :: speeds(:), positions(:)
+      integer :: i
+
+      allocate (speeds(0), positions(0))
+      do i = 1, size(gearbox%wheels)
+         associate (wheel => gearbox%wheels(i), support => gearbox%wheels(i)%support)
+            if (wheel%prescribed == 0 .and. wheel%leader == i) then
+               speeds = [speeds, wheel%i_speed]
+               if (wheel%i_psi > 0) positions = [positions, wheel%i_psi]
+            end if
+            positions = [positions, support%i_state(:support%n)]
+            speeds = [speeds, support%i_state(:support%n) + 1]
+         end associate
+      end do
+      if (.not. gearbox%housing%is_mounted) return
+      associate (first => gearbox%housing%i_state)
+         positions = [positions, (first + at_position + i, i=0, 2), (first + at_orientation + i, i=1, 3)]
+         speeds = [speeds, (first + at_velocity + i, i=0, 2), (first + at_omega + i, i=0, 2)]
+      end associate
+   end subroutine free_states
+
+   !> -dF/dy of the closed form, each state in units of its scale [1/s].
+   subroutine linearised_matrix(gearbox, t, y, integers, reals, matrix, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(gearbox%n_states), reals(:)
+      integer, intent(in) :: integers(:)
+      real(wp), allocatable, intent(out) :: matrix(:, :)
+      type(status_t), intent(inout) :: status
+      type(gearbox_t) :: closed
+      real(wp), dimension(gearbox%n_states) :: yp, scale
+      integer :: k, n
+
+      k = findloc(gearbox%contacts(gearbox%first(:size(gearbox%pairs)))%rigid, .true., dim=1)
+      if (k > 0) then
+         call fail(status, code_no_solution, "natural modes need a stiffness, but this contact is rigid: give it an elastic law", &
+                   subject_mesh, k, "contact.law")
+         return
+      end if
+      n = gearbox%n_states
+      scale = state_scales(gearbox)
+      closed = gearbox
+      closed%contacts%tracking = tracking_closed_form
+      closed%contacts%i_track = 0
+      yp = 0 ! y' plays no part: F is y' - f, but for a mounted housing
+      if (closed%housing%is_mounted) call gearbox_derivative(closed, t, y, integers, reals, yp, status)
+      if (has_failed(status)) return
+      allocate (matrix(n, n))
+      call gearbox_jacobian(closed, t, 0.0_wp, y, yp, integers, reals, matrix, status)
+      if (has_failed(status)) return
+      if (closed%housing%is_mounted) call explicit_matrix(closed, t, y, yp, matrix, status)
+      if (has_failed(status)) return
+      matrix = -matrix*spread(scale, 1, n)/spread(scale, 2, n)
+      if (.not. all(ieee_is_finite(matrix))) &
+         call fail(status, code_out_of_domain, "the forces have no finite derivatives at this state")
+   end subroutine linearised_matrix
+
+   !> Eigenvalues and right eigenvectors of a matrix.
+   !>
+   !> Source: LAPACK Users' Guide, 3rd ed., section 4.8: rounding moves an eigenvalue by eps |A|/s, s its reciprocal condition
+   !> number; those of a double zero by sqrt(eps) |A|.
+   subroutine decompose(matrix, eigenvalues, shapes, status)
+      real(wp), intent(in) :: matrix(:, :)
+      complex(wp), intent(out) :: eigenvalues(:), shapes(:, :)
+      type(status_t), intent(inout) :: status
+      real(wp), dimension(size(matrix, 1)) :: re, im, balance, condition, condition_vectors
+      real(wp), dimension(size(matrix, 1), size(matrix, 1)) :: a, left, right
+      real(wp) :: norm, slack, work(size(matrix, 1)*(size(matrix, 1) + 6))
+      integer :: n, i, low, high, info, unused(1)
+
+      n = size(matrix, 1)
+      if (n == 0) return
+      a = matrix
+      call dgeevx("B", "V", "V", "E", n, a, n, re, im, left, n, right, n, low, high, balance, norm, condition, &
+                  condition_vectors, work, size(work), unused, info)
+      if (info /= 0) then
+         call fail(status, code_no_solution, "the eigenvalues were not found: the QR algorithm did not converge")
+         return
+      end if
+      eigenvalues = cmplx(re, im, wp)
+      shapes = cmplx(right, 0, wp)
+      do i = 1, n - 1
+         if (.not. im(i) > 0) cycle
+         shapes(:, i) = cmplx(right(:, i), right(:, i + 1), wp)
+         shapes(:, i + 1) = conjg(shapes(:, i))
+      end do
+      slack = n*rounding
+      where (abs(eigenvalues) <= norm*min(slack/max(condition, tiny(norm)), sqrt(slack))) eigenvalues = 0
+   end subroutine decompose
+
+   !> Number of independent columns x with matrix x = 0; the entries are of one size.
+   subroutine find_nullity(matrix, nullity, status)
+      real(wp), intent(in) :: matrix(:, :)
+      integer, intent(out) :: nullity
+      type(status_t), intent(inout) :: status
+      real(wp) :: a(size(matrix, 1), size(matrix, 2)), values(min(size(matrix, 1), size(matrix, 2))), u(1, 1), vt(1, 1)
+      real(wp) :: work(5*(size(matrix, 1) + size(matrix, 2)))
+      integer :: info
+
+      nullity = size(matrix, 2)
+      if (size(values) == 0) return
+      a = matrix
+      call dgesvd("N", "N", size(a, 1), size(a, 2), a, size(a, 1), values, u, 1, vt, 1, work, size(work), info)
+      if (info /= 0) call fail(status, code_no_solution, "the singular values of the stiffness matrix were not found")
+      nullity = nullity - count(values > maxval(shape(a))*rounding*values(1))
+   end subroutine find_nullity
+
+   !> Ascending absolute values; equal ones keep their order, and so pairs stay side by side.
+   pure subroutine sort_by_size(eigenvalues, shapes)
+      complex(wp), intent(inout) :: eigenvalues(:), shapes(:, :)
+      complex(wp) :: value, shape(size(shapes, 1))
+      integer :: i, k
+
+      do i = 2, size(eigenvalues)
+         value = eigenvalues(i)
+         shape = shapes(:, i)
+         k = i
+         do while (k > 1)
+            if (.not. abs(eigenvalues(k - 1)) > abs(value)) exit
+            eigenvalues(k) = eigenvalues(k - 1)
+            shapes(:, k) = shapes(:, k - 1)
+            k = k - 1
+         end do
+         eigenvalues(k) = value
+         shapes(:, k) = shape
+      end do
+   end subroutine sort_by_size
+
+end module evl_modes

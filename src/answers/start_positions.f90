@@ -1,0 +1,154 @@
+!> Positions and speeds that a start is made of.
+module evl_start_positions
+   use evl_closed_form, only: track_closed_form
+   use evl_contact_point, only: contact_point
+   use evl_contact_roots, only: mesh_ends
+   use evl_gearbox, only: gearbox_local, gearbox_t, i_turns
+   use evl_kinds, only: wp
+   use evl_load, only: load_speed
+   use evl_local_variables, only: i_theta, n_local
+   use evl_tooth_contact, only: contact_off, contact_open, mesh_contact, mesh_mode, mesh_nominal_rho, mesh_settle_zones
+   implicit none (type, external)
+   private
+
+   public :: closed_form_point, mesh_position, mesh_position_angle, place_pairs, prescribed_speed, set_gaps
+
+   real(wp), parameter :: at_the_end = 1.0e-10_wp !! in pitches: a pair that is no farther outside the path is on it
+
+contains
+
+   !> Angle of the reference wheel at which a tooth pair of the first mesh, unloaded, is so many pitches from the start of contact.
+   pure real(wp) function mesh_position_angle(gearbox, pitches) result(theta)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: pitches
+
+      associate (mesh => gearbox%contacts(1))
+         theta = pitches*mesh%base_pitch/mesh%pair%advance
+      end associate
+   end function mesh_position_angle
+
+   !> How many pitches, from 0 to 1, the tooth pair of a mesh that came last is, unloaded, from the start of contact.
+   pure real(wp) function mesh_position(gearbox, index, theta, turns) result(pitches)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index    !! of the mesh
+      real(wp), intent(in) :: theta   !! [rad]
+      integer, intent(in) :: turns
+
+      associate (mesh => gearbox%contacts(gearbox%first(index)))
+         pitches = (mesh_nominal_rho(mesh, theta, turns, 0) - mesh%rho_entry)/mesh%base_pitch
+      end associate
+      pitches = pitches - floor(pitches + at_the_end)
+      if (abs(pitches) < at_the_end) pitches = 0
+   end function mesh_position
+
+   !> The speed that a load prescribes at t [rad/s].
+   pure real(wp) function prescribed_speed(gearbox, load, t, integers) result(speed)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: load, integers(:)
+      real(wp), intent(in) :: t
+
+      associate (l => gearbox%loads(load))
+         if (l%i_segment > 0) then
+            speed = load_speed(l, t, integers(l%i_segment))
+         else
+            speed = load_speed(l, t, 0)
+         end if
+      end associate
+   end function prescribed_speed
+
+   !> Turn the wheels, from the reference wheel on, until every mesh has the given penetration; no shaft is twisted.
+   pure subroutine set_gaps(gearbox, penetrations, y)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: penetrations(:) !! of the meshes [m]
+      real(wp), intent(inout) :: y(:)
+      logical :: placed(size(gearbox%wheels)), found
+      real(wp) :: psi(size(gearbox%wheels)), arc
+      integer :: m
+
+      placed = .false.
+      placed(gearbox%reference) = .true.
+      psi = 0
+      found = .true.
+      do while (found)
+         found = .false.
+         do m = 1, size(gearbox%pairs)
+            associate (mesh => gearbox%contacts(gearbox%first(m)))
+               associate (a => mesh%wheel_a, b => mesh%wheel_b)
+                  if (placed(a) .eqv. placed(b)) cycle
+                  arc = -mesh%pair%sigma*penetrations(m) ! r_bA psi_A + r_bB psi_B
+                  if (placed(a)) then
+                     psi(b) = (arc - mesh%pair%r_ba*psi(a))/mesh%pair%r_bb
+                  else
+                     psi(a) = (arc - mesh%pair%r_bb*psi(b))/mesh%pair%r_ba
+                  end if
+                  placed(a) = .true.
+                  placed(b) = .true.
+               end associate
+            end associate
+            found = .true.
+         end do
+         do m = 1, size(gearbox%shafts)
+            associate (a => gearbox%shafts(m)%wheel_a, b => gearbox%shafts(m)%wheel_b)
+               if (placed(a) .eqv. placed(b)) cycle
+               psi(merge(b, a, placed(a))) = psi(merge(a, b, placed(a)))
+               placed([a, b]) = .true.
+               found = .true.
+            end associate
+         end do
+      end do
+      do m = 1, size(gearbox%wheels)
+         if (gearbox%wheels(m)%i_psi > 0) y(gearbox%wheels(m)%i_psi) = psi(m)
+      end do
+   end subroutine set_gaps
+
+   !> Put into every slot the tooth pair that is on the path of contact, or the next one that will be.
+   subroutine place_pairs(gearbox, y, integers)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: y(:)
+      integer, intent(inout) :: integers(:)
+      type(contact_point) :: point
+      real(wp) :: near, far
+      integer :: m
+
+      do m = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(m), teeth => integers(gearbox%contacts(m)%i_mode), &
+                    contact => integers(gearbox%contacts(m)%i_mode + 1))
+            contact = contact_open
+            teeth = mesh%slot
+            if (mesh%handover .and. .not. abs(y(i_theta)) > 0) cycle
+            call closed_form_point(gearbox, m, y, integers(i_turns), teeth, point)
+            ! a pair is this many pitches on from where pairs enter, and n_slots pitches later the next one is there
+            call mesh_ends(mesh, point, near, far)
+            teeth = teeth + mesh%n_slots*floor((near + at_the_end)/mesh%n_slots)
+            if (mesh%handover) cycle
+            call closed_form_point(gearbox, m, y, integers(i_turns), teeth, point)
+            call mesh_ends(mesh, point, near, far)
+            if (far >= -at_the_end) cycle
+            contact = contact_off
+            teeth = teeth + mesh%n_slots
+         end associate
+      end do
+   end subroutine place_pairs
+
+   !> The contact of a mesh by the closed form, whatever its tracking.
+   subroutine closed_form_point(gearbox, index, y, turns, teeth, point)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index, turns, teeth
+      real(wp), intent(in) :: y(:)
+      type(contact_point), intent(out) :: point
+      type(mesh_mode) :: mode
+      real(wp) :: q(n_local)
+
+      associate (mesh => gearbox%contacts(index))
+         call gearbox_local(gearbox, mesh, y, q)
+         associate (rho_a0 => mesh_nominal_rho(mesh, y(i_theta), turns, teeth))
+            call track_closed_form(mesh%pair, rho_a0, q, point)
+            if (.not. mesh%deviates) return
+            mode%teeth = teeth
+            call mesh_settle_zones(mesh, point, mode)
+            call mesh_contact(mesh, mode, rho_a0, q, point)
+         end associate
+      end associate
+   end subroutine closed_form_point
+
+end module evl_start_positions

@@ -1,0 +1,195 @@
+!> Newton's method for the steady state: positions at which nothing accelerates, while speeds follow the slopes of flanks.
+!>
+!> With q the positions that the contacts determine (psi of the rotors, s of the supports, multipliers of rigid contacts), the
+!> static equilibrium a(theta, omega, q) = 0 changes along theta by
+!>
+!>    da/dtheta + da/dq dq/dtheta = 0
+!>
+!> and the speeds are q' = omega dq/dtheta.
+!>
+!> Source: docs/theory.md, section 9.
+module evl_steady_newton
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use evl_dae_jacobian, only: gearbox_jacobian
+   use evl_dae_residual, only: gearbox_residual
+   use evl_gearbox, only: gearbox_t
+   use evl_gearbox_scaling, only: gearbox_state_scales
+   use evl_housing, only: housing_take_turn, housing_turn_columns
+   use evl_kinds, only: wp
+   use evl_lapack, only: dgesv
+   use evl_load, only: load_damping
+   use evl_local_variables, only: i_omega, i_theta
+   use evl_status, only: clear, code_no_solution, fail, has_failed, status_t, subject_initial
+   implicit none (type, external)
+   private
+
+   public :: find_slopes, solve_steady, steady_system
+
+   integer, parameter :: max_newton = 60               !! corrections; a start from rest needs about five
+   real(wp), parameter :: newton_tolerance = 1.0e-13_wp !! last correction, relative to the scales of the states
+
+   !> What is looked for, and what determines it.
+   type :: steady_system
+      integer, allocatable :: unknown(:)   !! places in the state; those of q come first
+      integer, allocatable :: row(:)       !! rows that have to vanish, as many
+      integer, allocatable :: speed(:)     !! place of the rate of each of q in the state; 0 if it has none
+      real(wp), allocatable :: slopes(:)   !! dq/dtheta
+   end type steady_system
+
+contains
+
+   !> Solve F(row) = 0 for y(unknown) with q' = omega dq/dtheta, halving corrections that leave the domain or do not reduce the
+   !> scaled residual.
+   !> Errors: code_no_solution, code_out_of_domain.
+   subroutine solve_steady(gearbox, system, t, y, integers, reals, found, status)
+      type(gearbox_t), intent(in) :: gearbox
+      type(steady_system), intent(in) :: system
+      real(wp), intent(in) :: t
+      real(wp), intent(inout) :: y(gearbox%n_states)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: reals(:)
+      logical, intent(out) :: found !! false if the corrections do not end
+      type(status_t), intent(inout) :: status
+      real(wp), dimension(gearbox%n_states) :: f, trial, scale, row_scale
+      real(wp) :: matrix(size(system%row), size(system%row)), step(size(system%row), 1)
+      real(wp) :: size_now, size_trial, share, last
+      integer :: differential(gearbox%n_states), pivots(size(system%row)), info, turn
+
+      found = .false.
+      call gearbox_state_scales(gearbox, [real(wp) ::], scale, row_scale, differential)
+      last = huge(last)
+      call follow(system, y)
+      call steady_residual(gearbox, t, y, integers, reals, f, status)
+      associate (row => system%row, unknown => system%unknown)
+         do turn = 1, max_newton
+            if (has_failed(status)) return
+            size_now = norm2(f(row)/row_scale(row))
+            call steady_matrix(gearbox, system, t, y, integers, reals, scale, row_scale, matrix, status)
+            if (has_failed(status)) return
+            step(:, 1) = -f(row)/row_scale(row)
+            call dgesv(size(row), 1, matrix, size(row), pivots, step, size(row), info)
+            if (info /= 0 .or. .not. all(ieee_is_finite(step))) then
+               call undetermined(gearbox, status)
+               return
+            end if
+            share = 1
+            do
+               trial = y
+               trial(unknown) = y(unknown) + share*step(:, 1)*scale(unknown)
+               if (gearbox%housing%is_mounted) call housing_take_turn(gearbox%housing, trial)
+               call follow(system, trial)
+               call clear(status)
+               call steady_residual(gearbox, t, trial, integers, reals, f, status)
+               size_trial = norm2(f(row)/row_scale(row))
+               if (.not. has_failed(status) .and. (size_trial < size_now .or. norm2(step) < 1.0e-6_wp)) exit
+               share = share/2
+               if (share < 1.0e-6_wp) exit
+            end do
+            if (has_failed(status)) return
+            y = trial
+            found = norm2(step) < newton_tolerance .or. (norm2(step) < 1.0e-9_wp .and. norm2(step) >= last)
+            if (found) return
+            last = norm2(step)
+         end do
+      end associate
+   end subroutine solve_steady
+
+   !> How the equilibrium at y changes along theta: the slopes dq/dtheta.
+   subroutine find_slopes(gearbox, system, t, y, integers, reals, status)
+      type(gearbox_t), intent(in) :: gearbox
+      type(steady_system), intent(inout) :: system
+      real(wp), intent(in) :: t, y(gearbox%n_states)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: reals(:)
+      type(status_t), intent(inout) :: status
+      real(wp), dimension(gearbox%n_states) :: zero, scale, row_scale
+      real(wp) :: jacobian(gearbox%n_states, gearbox%n_states)
+      real(wp) :: matrix(size(system%speed), size(system%speed)), slopes(size(system%speed), 1)
+      integer :: differential(gearbox%n_states), pivots(size(system%speed)), info
+
+      zero = 0
+      call gearbox_jacobian(gearbox, t, 0.0_wp, y, zero, integers, reals, jacobian, status)
+      if (has_failed(status)) return
+      call gearbox_state_scales(gearbox, [real(wp) ::], scale, row_scale, differential)
+      associate (n => size(system%speed))
+         associate (row => system%row(:n), q => system%unknown(:n))
+            matrix = jacobian(row, q)*spread(scale(q), 1, n)/spread(row_scale(row), 2, n)
+            slopes(:, 1) = -jacobian(row, i_theta)/row_scale(row)
+            call dgesv(n, 1, matrix, n, pivots, slopes, n, info)
+            if (info /= 0 .or. .not. all(ieee_is_finite(slopes))) then
+               call undetermined(gearbox, status)
+               return
+            end if
+            system%slopes = slopes(:, 1)*scale(q)
+         end associate
+      end associate
+   end subroutine find_slopes
+
+   !> The speeds that belong to omega.
+   pure subroutine follow(system, y)
+      type(steady_system), intent(in) :: system
+      real(wp), intent(inout) :: y(:)
+      integer :: i
+
+      do i = 1, size(system%speed)
+         if (system%speed(i) > 0) y(system%speed(i)) = system%slopes(i)*y(i_omega)
+      end do
+   end subroutine follow
+
+   !> The matrix of Newton's method in units of the scales.
+   subroutine steady_matrix(gearbox, system, t, y, integers, reals, scale, row_scale, matrix, status)
+      type(gearbox_t), intent(in) :: gearbox
+      type(steady_system), intent(in) :: system
+      real(wp), intent(in) :: t, y(gearbox%n_states), reals(:), scale(:), row_scale(:)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(out) :: matrix(:, :)
+      type(status_t), intent(inout) :: status
+      real(wp) :: jacobian(gearbox%n_states, gearbox%n_states), zero(gearbox%n_states)
+      integer :: i
+
+      zero = 0
+      call gearbox_jacobian(gearbox, t, 0.0_wp, y, zero, integers, reals, jacobian, status)
+      if (has_failed(status)) return
+      do i = 1, size(system%speed)
+         if (system%speed(i) > 0) &
+            jacobian(:, i_omega) = jacobian(:, i_omega) + system%slopes(i)*jacobian(:, system%speed(i))
+      end do
+      if (gearbox%housing%is_mounted) call housing_turn_columns(gearbox%housing, y, jacobian)
+      associate (row => system%row, unknown => system%unknown)
+         matrix = jacobian(row, unknown)*spread(scale(unknown), 1, size(row))/spread(row_scale(row), 2, size(row))
+      end associate
+   end subroutine steady_matrix
+
+   !> The residual where no speed changes.
+   subroutine steady_residual(gearbox, t, y, integers, reals, residual, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: t, y(gearbox%n_states), reals(:)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(out) :: residual(gearbox%n_states)
+      type(status_t), intent(inout) :: status
+      real(wp) :: yp(gearbox%n_states)
+
+      yp = 0
+      yp(i_theta) = y(i_omega)
+      call gearbox_residual(gearbox, t, y, yp, integers, reals, residual, status)
+   end subroutine steady_residual
+
+   !> The linear system of Newton's method has no solution.
+   subroutine undetermined(gearbox, status)
+      type(gearbox_t), intent(in) :: gearbox
+      type(status_t), intent(inout) :: status
+
+      if (gearbox%housing%is_mounted) then
+         call fail(status, code_no_solution, "the steady state is not determined: no load depends on the speed, and none is" &
+                   //" prescribed; or the mount leaves the housing free to move", subject_initial, field="kind")
+      else if (gearbox%wheels(gearbox%reference)%prescribed > 0 .or. any(load_damping(gearbox%loads) > 0)) then
+         call fail(status, code_no_solution, "the steady state is not determined: no load presses the flanks of a mesh together," &
+                   //" or a support holds its axle by no spring; start from rest or with given speeds", subject_initial, &
+                   field="kind")
+      else
+         call fail(status, code_no_solution, "the steady speed is not determined: no load depends on the speed, and none is" &
+                   //" prescribed", subject_initial, field="kind")
+      end if
+   end subroutine undetermined
+
+end module evl_steady_newton

@@ -1,0 +1,257 @@
+!> Why there is no steady state: what the start does not allow, a load of the wrong sense, a slope of flanks, or a pair at the end
+!> of its path.
+module evl_steady_refusals
+   use evl_contact_point, only: contact_point
+   use evl_deviating_flanks, only: flank_value
+   use evl_gearbox, only: gearbox_mode, gearbox_t, segment_of, wheel_speed
+   use evl_housing, only: housing_prescribed
+   use evl_kinds, only: wp
+   use evl_load, only: load_acceleration, load_prescribed_speed, load_table, load_torque, load_viscous
+   use evl_start_positions, only: closed_form_point
+   use evl_status, only: code_no_solution, fail, message_length, quantity, status_t, subject_housing, subject_initial, &
+                         subject_load, subject_mesh
+   use evl_tooth_contact, only: contact_loaded, contact_off, contact_t, flank_coast, flank_values, mesh_mode, mesh_settle_zones, &
+                                mesh_unclipped_force
+   implicit none (type, external)
+   private
+
+   public :: check_pressed, check_steady, refuse_alternation, refuse_slope
+
+   real(wp), parameter :: touching = 1.0e-6_wp !! gap over the penetration scale of flanks that touch without a load
+
+contains
+
+   !> A steady state can exist: no prescribed speed changes, and at most one is prescribed.
+   subroutine check_steady(gearbox, integers, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: integers(:)
+      type(status_t), intent(inout) :: status
+      integer :: i
+
+      if (gearbox%housing%kind == housing_prescribed) then
+         call fail(status, code_no_solution, "a steady start needs a housing that is at rest or mounted, but its motion is" &
+                   //" prescribed: start from rest or with given speeds", subject_initial, field="kind")
+         return
+      else if (norm2([gearbox%housing%velocity, gearbox%housing%omega]) > 0) then
+         call fail(status, code_no_solution, "a steady start has a housing without velocity", subject_housing, field="velocity")
+         return
+      end if
+      if (count(gearbox%loads%kind == load_prescribed_speed) > 1) then
+         call fail(status, code_no_solution, "a steady start needs wheels that are free to find their positions, but the speeds" &
+                   //" of several are prescribed: start with given speeds", subject_initial, field="kind")
+         return
+      end if
+      do i = 1, size(gearbox%loads)
+         associate (load => gearbox%loads(i))
+            if (load%i_segment == 0) cycle
+            if (.not. abs(load_acceleration(load, integers(load%i_segment))) > 0 .or. &
+                gearbox%wheels(load%wheel)%prescribed /= i) cycle
+            call fail(status, code_no_solution, "the prescribed speed of a wheel changes at the start: that is no steady state", &
+                      subject_load, i, "time")
+            return
+         end associate
+      end do
+   end subroutine check_steady
+
+   !> In the steady state every tooth pair that carries load pushes.
+   !> Errors: code_no_solution with the load that has the wrong sense, the mesh that nothing presses, or the pair that pulls.
+   subroutine check_pressed(gearbox, t, y, integers, reals, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: t, y(:), reals(:)
+      integer, intent(in) :: integers(:)
+      type(status_t), intent(inout) :: status
+      type(contact_point) :: point
+      real(wp) :: force
+      integer :: m
+
+      do m = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(m), at => gearbox%contacts(m)%i_mode)
+            if (integers(at + 1) /= contact_loaded .or. mesh%flank == flank_coast) cycle
+            call closed_form_point(gearbox, m, y, 0, integers(at), point)
+            if (mesh%rigid) then
+               if (y(mesh%i_normal) > 0) cycle
+            else if (point%h > -touching*mesh%h_scale) then
+               call mesh_unclipped_force(mesh, gearbox_mode(gearbox, m, integers, reals), point, force, status)
+               if (force >= 0 .or. .not. point%h > 0) cycle
+               call refuse_slope(gearbox, y, integers, reals, status)
+               return
+            end if
+            call refuse_pull(gearbox, mesh, t, y, integers, reals, point%h, status)
+            return
+         end associate
+      end do
+   end subroutine check_pressed
+
+   !> The drive flanks of a mesh would have to pull: say which load has the wrong sense.
+   subroutine refuse_pull(gearbox, mesh, t, y, integers, reals, h, status)
+      type(gearbox_t), intent(in) :: gearbox
+      type(contact_t), intent(in) :: mesh
+      real(wp), intent(in) :: t, y(:), reals(:), h
+      integer, intent(in) :: integers(:)
+      type(status_t), intent(inout) :: status
+      character(len=16) :: number
+      character(len=message_length) :: consequence
+      integer :: i
+
+      write (number, "(a, i0)") "meshes.", mesh%mesh - 1
+      i = wrong_load(gearbox, mesh, t, y, integers)
+      if (i == 0 .and. mesh%deviates) then
+         call refuse_slope(gearbox, y, integers, reals, status)
+         return
+      else if (i == 0) then
+         call fail(status, code_no_solution, "there is no steady state: nothing presses its drive flanks together, which would" &
+                   //" have to pull (penetration "//quantity(h, "m")//"); start from rest or with given speeds", subject_mesh, &
+                   mesh%mesh, "driving_rotation")
+         return
+      end if
+      consequence = "has the wrong sense for a steady state: it parts the drive flanks of "//trim(number)//", and the coast" &
+                    //" flanks would carry; change its sign, or driving_rotation of that mesh"
+      associate (load => gearbox%loads(i))
+         if (load%kind == load_prescribed_speed) then
+            call fail(status, code_no_solution, "the prescribed speed " &
+                      //quantity(wheel_speed(gearbox%wheels(load%wheel), y), "rad/s")//" "//trim(consequence), subject_load, i, &
+                      trim(merge("speed", "value", size(load%time) > 0)))
+         else
+            call fail(status, code_no_solution, "its torque "//quantity(torque_of(gearbox, i, t, y, integers), "N m") &
+                      //" "//trim(consequence), subject_load, i, trim(merge("torque", "value ", load%kind == load_table)))
+         end if
+      end associate
+   end subroutine refuse_pull
+
+   !> The load that parts the drive flanks of a mesh; 0 if none does, or if the loads' ways to the mesh close a loop.
+   !>
+   !> The contact turns A by sigma F r_bA and B by sigma F r_bB, F > 0: the loads on either side, carried over to A or B by the
+   !> speed ratios, have to turn against sigma. Torques that follow the speed have the sense that others give them, so they are
+   !> named last.
+   integer function wrong_load(gearbox, mesh, t, y, integers) result(wrong)
+      type(gearbox_t), intent(in) :: gearbox
+      type(contact_t), intent(in) :: mesh
+      real(wp), intent(in) :: t, y(:)
+      integer, intent(in) :: integers(:)
+      logical :: beside_a(size(gearbox%wheels)), viscous_parts
+      real(wp) :: share, largest, ratio
+      integer :: i
+
+      wrong = 0
+      beside_a = joined_without(gearbox, mesh)
+      if (beside_a(mesh%wheel_b)) return
+      largest = 0
+      viscous_parts = .false.
+      do i = 1, size(gearbox%loads)
+         associate (load => gearbox%loads(i))
+            ratio = merge(mesh%pair%ratio_a, mesh%pair%ratio_b, beside_a(load%wheel))
+            share = mesh%pair%sigma*torque_of(gearbox, i, t, y, integers)*gearbox%wheels(load%wheel)%ratio/ratio
+            if (.not. share > 0) cycle
+            if (load%kind == load_viscous) then
+               viscous_parts = .true.
+            else if (share*abs(ratio) > largest) then
+               largest = share*abs(ratio)
+               wrong = i
+            end if
+         end associate
+      end do
+      if (wrong == 0 .and. viscous_parts) wrong = max(0, findloc(gearbox%loads%kind, load_prescribed_speed, dim=1))
+   end function wrong_load
+
+   !> Torque of a load [N m]; a prescribed speed has none of its own.
+   pure real(wp) function torque_of(gearbox, index, t, y, integers) result(torque)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      real(wp), intent(in) :: t, y(:)
+      integer, intent(in) :: integers(:)
+
+      associate (load => gearbox%loads(index))
+         torque = load_torque(load, t, wheel_speed(gearbox%wheels(load%wheel), y), segment_of(load, integers))
+      end associate
+   end function torque_of
+
+   !> Wheels that shafts and other meshes join to the driving wheel of a mesh.
+   pure function joined_without(gearbox, mesh) result(joined)
+      type(gearbox_t), intent(in) :: gearbox
+      type(contact_t), intent(in) :: mesh
+      logical :: joined(size(gearbox%wheels))
+      integer :: before, i
+
+      joined = .false.
+      joined(mesh%wheel_a) = .true.
+      do
+         before = count(joined)
+         do i = 1, size(gearbox%pairs)
+            if (i == mesh%mesh) cycle
+            associate (other => gearbox%contacts(gearbox%first(i)))
+               if (any(joined([other%wheel_a, other%wheel_b]))) joined([other%wheel_a, other%wheel_b]) = .true.
+            end associate
+         end do
+         do i = 1, size(gearbox%shafts)
+            associate (ends => [gearbox%shafts(i)%wheel_a, gearbox%shafts(i)%wheel_b])
+               if (any(joined(ends))) joined(ends) = .true.
+            end associate
+         end do
+         if (count(joined) == before) exit
+      end do
+   end function joined_without
+
+   !> The modes do not settle: name the tooth pair that is on its path where others carry the load, and off it where it does.
+   subroutine refuse_alternation(gearbox, before, integers, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: before(:), integers(:) !! modes of the last two turns
+      type(status_t), intent(inout) :: status
+      character(len=16) :: pair
+      integer :: m
+
+      do m = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(m), at => gearbox%contacts(m)%i_mode)
+            if (before(at + 1) == contact_off .eqv. integers(at + 1) == contact_off) cycle
+            write (pair, "(i0)") merge(before(at), integers(at), integers(at + 1) == contact_off)
+            call fail(status, code_no_solution, "there is no steady state: tooth pair "//trim(pair)//" is on the path of contact" &
+                      //" while others carry the load, and off it once it carries; start from rest or with given speeds", &
+                      subject_mesh, mesh%mesh)
+            return
+         end associate
+      end do
+   end subroutine refuse_alternation
+
+   !> No steady state was found: where flanks deviate, name the tooth pair on the steepest slope.
+   subroutine refuse_slope(gearbox, y, integers, reals, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: y(:), reals(:)
+      integer, intent(in) :: integers(:)
+      type(status_t), intent(inout) :: status
+      type(contact_point) :: point
+      type(mesh_mode) :: mode
+      type(flank_value) :: a, b
+      real(wp) :: steepest, rate
+      character(len=16) :: pair
+      integer :: m, worst
+
+      worst = 0
+      steepest = 0
+      rate = 0
+      pair = ""
+      do m = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(m))
+            mode = gearbox_mode(gearbox, m, integers, reals)
+            if (.not. mesh%deviates .or. mode%contact == contact_off) cycle
+            call closed_form_point(gearbox, m, y, 0, mode%teeth, point)
+            if (point%h <= 0 .and. mode%contact /= contact_loaded) cycle
+            call mesh_settle_zones(mesh, point, mode)
+            call flank_values(mesh, mode, point, a, b)
+            if (.not. abs(a%de - b%de) > abs(steepest)) cycle
+            steepest = a%de - b%de
+            worst = m
+            rate = point%h_dot
+            write (pair, "(i0)") mode%teeth
+         end associate
+      end do
+      if (worst == 0) then
+         call fail(status, code_no_solution, "no steady state was found: start from rest or with given speeds", subject_initial, &
+                   field="kind")
+         return
+      end if
+      call fail(status, code_no_solution, "no steady state was found: tooth pair "//trim(pair)//" is on a slope of its deviating" &
+                //" flanks, "//quantity(steepest*1.0e3_wp, "um/mm")//", on which its penetration would change by " &
+                //quantity(rate, "m/s")//"; start from rest or with given speeds, or with less damping", subject_mesh, &
+                gearbox%contacts(worst)%mesh, "damping")
+   end subroutine refuse_slope
+
+end module evl_steady_refusals

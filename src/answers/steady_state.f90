@@ -1,0 +1,261 @@
+!> The steady state of a gearbox: nothing accelerates, and where flanks deviate the wheels follow their slopes.
+module evl_steady_state
+   use evl_contact_laws, only: undamped
+   use evl_contact_point, only: contact_point
+   use evl_gearbox, only: gearbox_mode, gearbox_store_mode, gearbox_t
+   use evl_gearbox_scaling, only: gearbox_likely_speed
+   use evl_housing, only: at_omega, at_position, at_velocity
+   use evl_kinds, only: wp
+   use evl_load, only: load_damping, load_torque
+   use evl_local_variables, only: i_omega
+   use evl_start_positions, only: closed_form_point, place_pairs, prescribed_speed, set_gaps
+   use evl_status, only: code_no_solution, fail, has_failed, quantity, status_t, subject_initial
+   use evl_steady_newton, only: find_slopes, solve_steady, steady_system
+   use evl_steady_refusals, only: check_pressed, check_steady, refuse_alternation, refuse_slope
+   use evl_tooth_contact, only: contact_loaded, contact_off, contact_t, contact_unloaded, flank_drive, mesh_mode, &
+                                mesh_settle_friction, mesh_settle_zones, mesh_unclipped_force, tracking_closed_form
+   implicit none (type, external)
+   private
+
+   public :: find_steady_state
+
+   integer, parameter :: max_modes = 30 !! sets of pairs in contact and friction branches that are tried
+
+contains
+
+   !> Positions and speeds at which nothing accelerates, by Newton's method on the closed form. Approach speeds are 0.
+   !>
+   !> Where flanks deviate, the static equilibrium comes first: positions at which the forces balance without damping of the
+   !> contacts. How they change along theta gives the speeds, and then the dampers take part.
+   !> Errors: code_no_solution, code_out_of_domain.
+   subroutine find_steady_state(gearbox, t, y, integers, reals, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: t
+      real(wp), intent(inout) :: y(gearbox%n_states)
+      integer, intent(inout) :: integers(:)
+      real(wp), intent(inout) :: reals(:)
+      type(status_t), intent(inout) :: status
+      type(gearbox_t) :: closed, elastic
+      type(steady_system) :: system
+
+      call check_steady(gearbox, integers, status)
+      if (has_failed(status)) return
+      closed = gearbox
+      closed%contacts%tracking = tracking_closed_form
+      closed%contacts%i_track = 0
+      call list_unknowns(gearbox, system)
+      associate (driver => gearbox%wheels(gearbox%reference)%prescribed)
+         if (driver > 0) then
+            y(i_omega) = prescribed_speed(gearbox, driver, t, integers)
+         else
+            y(i_omega) = free_speed(gearbox, t, integers)
+         end if
+      end associate
+      call press_flanks(gearbox, y, integers)
+      reals = 0
+      if (any(gearbox%contacts%deviates)) then
+         elastic = closed
+         elastic%contacts%damping = undamped
+         call settle_steady(elastic, system, t, y, integers, reals, status)
+         if (.not. has_failed(status)) call check_pressed(elastic, t, y, integers, reals, status)
+         if (.not. has_failed(status)) call find_slopes(elastic, system, t, y, integers, reals, status)
+         if (has_failed(status)) return
+      end if
+      call settle_steady(closed, system, t, y, integers, reals, status)
+      if (.not. has_failed(status)) call check_pressed(closed, t, y, integers, reals, status)
+   end subroutine find_steady_state
+
+   !> What is looked for. A mounted housing has a pose to be found, but it rests.
+   subroutine list_unknowns(gearbox, system)
+      type(gearbox_t), intent(in) :: gearbox
+      type(steady_system), intent(out) :: system
+      integer, allocatable :: unknown(:), row(:), speed(:), leaders(:)
+      integer :: i
+
+      leaders = pack([(i, i=1, size(gearbox%wheels))], gearbox%wheels%leader == [(i, i=1, size(gearbox%wheels))])
+      leaders = pack(leaders, leaders /= gearbox%reference)
+      unknown = gearbox%wheels(leaders)%i_psi
+      row = unknown + 1
+      do i = 1, size(gearbox%contacts)
+         ! a rigid contact determines a position by kappa = 0, and its multiplier is unknown instead
+         if (gearbox%contacts(i)%leads) row = merge(unknown, row, unknown == gearbox%contacts(i)%i_dependent)
+      end do
+      speed = unknown + 1
+      do i = 1, size(gearbox%wheels)
+         associate (support => gearbox%wheels(i)%support)
+            unknown = [unknown, support%i_state(:support%n)]
+            row = [row, support%i_state(:support%n) + 1]
+            speed = [speed, support%i_state(:support%n) + 1]
+         end associate
+      end do
+      unknown = [unknown, pack(gearbox%contacts%i_normal, gearbox%contacts%leads)]
+      row = [row, pack(gearbox%contacts%i_normal, gearbox%contacts%leads)]
+      speed = [speed, (0, i=1, count(gearbox%contacts%leads))]
+      system%speed = speed
+      allocate (system%slopes(size(speed)), source=0.0_wp)
+      if (gearbox%wheels(gearbox%reference)%prescribed == 0) then
+         unknown = [unknown, i_omega]
+         row = [row, i_omega]
+      end if
+      if (gearbox%housing%is_mounted) then
+         ! the turns of the pose stand in the places of Omega, which is 0
+         unknown = [unknown, (gearbox%housing%i_state + at_position + i, i=0, 2), (gearbox%housing%i_state + at_omega + i, i=0, 2)]
+         row = [row, (gearbox%housing%i_state + at_velocity + i, i=0, 5)]
+      end if
+      system%unknown = unknown
+      system%row = row
+   end subroutine list_unknowns
+
+   !> Positions to begin with: every mesh has about its static penetration, on the pair that is nearest to it.
+   subroutine press_flanks(gearbox, y, integers)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(inout) :: y(:)
+      integer, intent(inout) :: integers(:)
+      real(wp) :: penetrations(size(gearbox%pairs)), wanted(size(gearbox%pairs)), largest(size(gearbox%pairs))
+      type(contact_point) :: points(size(gearbox%contacts))
+      integer :: i
+
+      wanted = merge(0.0_wp, gearbox%contacts(gearbox%first(:size(wanted)))%h_scale, &
+                     gearbox%contacts(gearbox%first(:size(wanted)))%rigid)
+      penetrations = wanted
+      do i = 1, merge(2, 1, any(gearbox%contacts%deviates))
+         call set_gaps(gearbox, penetrations, y)
+         call look_at_pairs(gearbox, y, integers, points, largest)
+         where (largest > -huge(largest)) penetrations = penetrations + wanted - largest
+      end do
+      do i = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(i))
+            if (mesh%leads .and. mesh%flank == flank_drive) y(mesh%i_normal) = mesh%force_scale
+         end associate
+      end do
+   end subroutine press_flanks
+
+   !> Positions, speeds and modes that belong together: modes depend on positions and speeds, these on the modes.
+   subroutine settle_steady(gearbox, system, t, y, integers, reals, status)
+      type(gearbox_t), intent(in) :: gearbox
+      type(steady_system), intent(in) :: system
+      real(wp), intent(in) :: t
+      real(wp), intent(inout) :: y(:), reals(:)
+      integer, intent(inout) :: integers(:)
+      type(status_t), intent(inout) :: status
+      integer :: before(gearbox%n_integers), turn
+      logical :: found
+
+      do turn = 1, max_modes
+         before = integers
+         call load_all(gearbox, y, integers, reals, status)
+         if (has_failed(status)) return
+         if (turn > 1 .and. all(integers == before)) return
+         call solve_steady(gearbox, system, t, y, integers, reals, found, status)
+         if (has_failed(status)) return
+         if (.not. found) exit
+      end do
+      if (found) call refuse_alternation(gearbox, before, integers, status)
+      if (.not. has_failed(status)) call refuse_slope(gearbox, y, integers, reals, status)
+   end subroutine settle_steady
+
+   !> Speed at which the loads balance without friction [rad/s].
+   pure real(wp) function free_speed(gearbox, t, integers) result(speed)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: t
+      integer, intent(in) :: integers(:)
+      real(wp) :: torque, damping
+      integer :: i, segment
+
+      torque = 0
+      damping = 0
+      do i = 1, size(gearbox%loads)
+         associate (load => gearbox%loads(i))
+            segment = 0
+            if (load%i_segment > 0) segment = integers(load%i_segment)
+            associate (g => gearbox%wheels(load%wheel)%ratio)
+               torque = torque + g*load_torque(load, t, 0.0_wp, segment)
+               damping = damping + g**2*load_damping(load)
+            end associate
+         end associate
+      end do
+      speed = gearbox_likely_speed(gearbox)
+      if (damping > 0) speed = torque/damping
+   end function free_speed
+
+   !> The tooth pairs that carry load at y: those that overlap and push, and on every drive flank at least the nearest one; every
+   !> friction branch as the speeds say.
+   subroutine load_all(gearbox, y, integers, reals, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: y(:)
+      integer, intent(inout) :: integers(:)
+      real(wp), intent(inout) :: reals(:)
+      type(status_t), intent(inout) :: status
+      type(contact_point) :: points(size(gearbox%contacts))
+      real(wp) :: largest(size(gearbox%pairs))
+      logical :: carried(size(gearbox%pairs))
+      type(mesh_mode) :: mode
+      integer :: m, pass
+
+      call look_at_pairs(gearbox, y, integers, points, largest)
+      m = minloc(largest, dim=1)
+      if (.not. largest(m) > -huge(largest)) then
+         call fail(status, code_no_solution, "there is no steady state: under load no tooth pair of a mesh of contact ratio " &
+                   //quantity(gearbox%pairs(m)%contact_ratio, "")//" is on the path of contact at the start; start from rest or" &
+                   //" with given speeds", subject_initial, field="kind")
+         return
+      end if
+      carried = .false.
+      do pass = 1, 2 ! first what overlaps and pushes, then the nearest pair where that is nothing
+         do m = 1, size(gearbox%contacts)
+            associate (mesh => gearbox%contacts(m), drives => gearbox%contacts(m)%flank == flank_drive)
+               mode = gearbox_mode(gearbox, m, integers, reals)
+               if (mode%contact == contact_off .or. (mesh%rigid .and. .not. drives)) cycle
+               if (pass == 1) then
+                  call mesh_settle_zones(mesh, points(m), mode)
+                  call overlap(mesh, points(m), mode, status)
+                  if (has_failed(status)) return
+                  if (drives .and. mode%contact == contact_loaded) carried(mesh%mesh) = .true.
+               else if (drives .and. .not. carried(mesh%mesh) .and. points(m)%h >= largest(mesh%mesh)) then
+                  mode%contact = contact_loaded
+               end if
+               if (mode%contact == contact_loaded) mode%friction = mesh_settle_friction(mesh, points(m))
+            end associate
+            call gearbox_store_mode(gearbox, m, mode, integers, reals)
+         end do
+      end do
+   end subroutine load_all
+
+   !> Whether a pair overlaps, and then whether it pushes. A rigid one on the path does.
+   subroutine overlap(mesh, point, mode, status)
+      type(contact_t), intent(in) :: mesh
+      type(contact_point), intent(in) :: point
+      type(mesh_mode), intent(inout) :: mode
+      type(status_t), intent(inout) :: status
+      real(wp) :: force
+
+      if (mesh%rigid) then
+         mode%contact = contact_loaded
+      else if (point%h > 0) then
+         call mesh_unclipped_force(mesh, mode, point, force, status)
+         mode%contact = merge(contact_unloaded, contact_loaded, force < 0)
+      end if
+   end subroutine overlap
+
+   !> Put the tooth pairs that are on the path into their slots, and find their contacts and the largest penetration of every
+   !> mesh's drive flank; -huge if none is on the path.
+   subroutine look_at_pairs(gearbox, y, integers, points, largest)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: y(:)
+      integer, intent(inout) :: integers(:)
+      type(contact_point), intent(out) :: points(:)
+      real(wp), intent(out) :: largest(:) !! [m]
+      integer :: m
+
+      call place_pairs(gearbox, y, integers)
+      largest = -huge(largest)
+      do m = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(m), at => gearbox%contacts(m)%i_mode)
+            if (integers(at + 1) == contact_off) cycle
+            call closed_form_point(gearbox, m, y, 0, integers(at), points(m))
+            if (mesh%flank == flank_drive) largest(mesh%mesh) = max(largest(mesh%mesh), points(m)%h)
+         end associate
+      end do
+   end subroutine look_at_pairs
+
+end module evl_steady_state

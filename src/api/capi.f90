@@ -1,0 +1,386 @@
+!> C interface of the gearbox: creation, states, residual, events and outputs.
+!>
+!> The header documents each procedure; here is only the passage from C to Fortran. A handle is the address of a gearbox.
+module evl_capi
+   use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_char, c_null_ptr, c_ptr
+   use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
+   use evl_capi_description, only: c_housing, c_initial, c_load, c_mesh, c_shaft, c_wheel, housing_from_c, initial_from_c, &
+                                   load_from_c, mesh_from_c, shaft_from_c, wheel_from_c
+   use evl_capi_deviation, only: deviation_from_c
+   use evl_capi_types, only: c_name_length, c_status, status_to_c, to_c
+   use evl_dae_jacobian, only: gearbox_jacobian
+   use evl_dae_residual, only: gearbox_derivative, gearbox_residual
+   use evl_event_kinds, only: event_name, event_t, n_event_kinds
+   use evl_gearbox, only: gearbox_t
+   use evl_gearbox_build, only: gearbox_create
+   use evl_gearbox_description, only: wheel_input
+   use evl_gearbox_events, only: gearbox_apply_event, gearbox_event_room, gearbox_next_time_event, gearbox_root_directions, &
+                                 gearbox_roots
+   use evl_gearbox_initial, only: gearbox_initial_speeds, gearbox_start
+   use evl_gearbox_scaling, only: gearbox_state_scales
+   use evl_housing_description, only: housing_input
+   use evl_kinds, only: pi
+   use evl_load, only: load_t
+   use evl_mesh_outputs, only: pair_places
+   use evl_mode_check, only: check_modes
+   use evl_outputs, only: gearbox_outputs
+   use evl_state_names, only: gearbox_state_name
+   use evl_status, only: code_invalid_input, code_no_memory, code_ok, fail, has_failed, status_t
+   implicit none (type, external)
+   private
+
+   public :: evl_gearbox_create, evl_gearbox_delete, evl_gearbox_sizes
+   public :: evl_gearbox_wheel_geometry, evl_gearbox_mesh_geometry, evl_gearbox_initial_state, evl_gearbox_scales
+   public :: evl_gearbox_state_name, evl_gearbox_residual, evl_gearbox_jacobian, evl_gearbox_derivative
+   public :: evl_event_count, evl_event_name, evl_gearbox_roots, evl_gearbox_root_directions, evl_gearbox_next_time_event
+   public :: evl_gearbox_apply_event, evl_gearbox_check_modes, evl_gearbox_outputs
+
+   !> evl_sizes
+   type, bind(c) :: c_sizes
+      integer(c_int) :: n_wheels, n_meshes, n_loads, n_states, n_integers, n_reals, n_roots, n_outputs, n_values, n_warnings, &
+                        n_pair_places, n_drive_places, n_shafts, n_events
+   end type c_sizes
+
+   !> evl_wheel_geometry
+   type, bind(c) :: c_wheel_geometry
+      real(c_double) :: pitch_radius, base_radius, tip_radius, angular_pitch, mass, inertia, centre(2), speed_ratio
+      logical(c_bool) :: is_reference
+   end type c_wheel_geometry
+
+   !> evl_mesh_geometry
+   type, bind(c) :: c_mesh_geometry
+      integer(c_int) :: sigma
+      real(c_double) :: transmission_ratio, centre_distance, centre_line_angle, minimum_pressure_angle, working_pressure_angle
+      real(c_double) :: base_pitch, contact_ratio, line_of_action_length
+      real(c_double), dimension(2) :: point_k_a, point_k_b, point_a, point_b, pitch_point
+      real(c_double) :: tip_radius_driving, tip_radius_driven, rho_start_driving, rho_start_driven
+      real(c_double) :: common_width, effective_modulus, elastic_share_driving, reference_force, reference_penetration
+      real(c_double) :: reference_stiffness, reference_mass, natural_frequency, damping_coefficient, damping_ratio
+   end type c_mesh_geometry
+
+   !> evl_event
+   type, bind(c) :: c_event
+      integer(c_int) :: kind, mesh, tooth_pair, flank
+   end type c_event
+
+contains
+
+   !> The gearbox behind a handle.
+   function gearbox_of(handle) result(gearbox)
+      type(c_ptr), intent(in) :: handle
+      type(gearbox_t), pointer :: gearbox
+
+      call c_f_pointer(handle, gearbox)
+   end function gearbox_of
+
+   !> Hand a status over, and its code.
+   integer(c_int) function answer(status, c) result(code)
+      type(status_t), intent(in) :: status
+      type(c_status), intent(out), optional :: c
+
+      if (present(c)) call status_to_c(status, c)
+      code = status%code
+   end function answer
+
+   type(c_ptr) function evl_gearbox_create(n_wheels, wheels, n_loads, loads, n_meshes, meshes, n_shafts, shafts, housing, &
+                                           status) result(handle) bind(c)
+      integer(c_int), intent(in), value :: n_wheels, n_loads, n_meshes, n_shafts
+      type(c_wheel), intent(in) :: wheels(n_wheels)
+      type(c_load), intent(in) :: loads(n_loads)
+      type(c_mesh), intent(in) :: meshes(n_meshes)
+      type(c_shaft), intent(in) :: shafts(n_shafts)
+      type(c_housing), intent(in), optional :: housing
+      type(c_status), intent(out), optional :: status
+      type(gearbox_t), pointer :: gearbox
+      type(housing_input) :: kernel_housing
+      type(load_t), allocatable :: kernel_loads(:)
+      type(wheel_input), allocatable :: kernel_wheels(:)
+      type(status_t) :: s
+      integer :: i, stat
+
+      handle = c_null_ptr
+      allocate (gearbox, stat=stat)
+      if (stat /= 0) then
+         call fail(s, code_no_memory, "there is no memory for a gearbox")
+         if (present(status)) call status_to_c(s, status)
+         return
+      end if
+      allocate (kernel_loads(n_loads), kernel_wheels(n_wheels))
+      do i = 1, n_wheels
+         kernel_wheels(i) = wheel_from_c(wheels(i))
+         call deviation_from_c(wheels(i)%deviation, i, kernel_wheels(i)%deviation, s)
+         if (has_failed(s)) exit
+      end do
+      do i = 1, n_loads
+         if (has_failed(s)) exit
+         call load_from_c(loads(i), i, kernel_loads(i), s)
+      end do
+      if (present(housing) .and. .not. has_failed(s)) call housing_from_c(housing, kernel_housing, s)
+      if (.not. has_failed(s)) &
+         call gearbox_create(kernel_wheels, kernel_loads, mesh_from_c(meshes), shaft_from_c(shafts), kernel_housing, gearbox, s)
+      if (has_failed(s)) then
+         deallocate (gearbox)
+      else
+         handle = c_loc(gearbox)
+      end if
+      if (present(status)) call status_to_c(s, status)
+   end function evl_gearbox_create
+
+   subroutine evl_gearbox_delete(handle) bind(c)
+      type(c_ptr), intent(inout), optional :: handle
+      type(gearbox_t), pointer :: gearbox
+
+      if (.not. present(handle)) return
+      call c_f_pointer(handle, gearbox)
+      if (associated(gearbox)) deallocate (gearbox)
+      handle = c_null_ptr
+   end subroutine evl_gearbox_delete
+
+   subroutine evl_gearbox_sizes(handle, sizes) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      type(c_sizes), intent(out) :: sizes
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      sizes = c_sizes(size(g%wheels), size(g%pairs), size(g%loads), g%n_states, g%n_integers, size(g%contacts), &
+                      g%n_roots, size(g%output_counts), g%n_values, size(g%warnings), pair_places(g), maxval(g%contacts%n_slots), &
+                      size(g%shafts), gearbox_event_room(g))
+   end subroutine evl_gearbox_sizes
+
+   subroutine evl_gearbox_wheel_geometry(handle, index, geometry) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: index
+      type(c_wheel_geometry), intent(out) :: geometry
+      type(gearbox_t), pointer :: g
+      real(c_double) :: pitch
+
+      g => gearbox_of(handle)
+      associate (wheel => g%wheels(index + 1))
+         pitch = 0
+         if (wheel%teeth > 0) pitch = 2*pi/wheel%teeth
+         geometry = c_wheel_geometry(wheel%pitch_radius, wheel%base_radius, wheel%tip_radius, pitch, wheel%mass, wheel%inertia, &
+                                     wheel%centre, wheel%ratio, logical(index + 1 == g%reference, c_bool))
+      end associate
+   end subroutine evl_gearbox_wheel_geometry
+
+   subroutine evl_gearbox_mesh_geometry(handle, index, geometry) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: index
+      type(c_mesh_geometry), intent(out) :: geometry
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      associate (mesh => g%contacts(g%first(index + 1)), pair => g%pairs(index + 1), at => g%references(index + 1))
+         geometry = c_mesh_geometry( &
+                    sigma=pair%sigma, transmission_ratio=pair%ratio, centre_distance=pair%centre_distance, &
+                    centre_line_angle=pair%chi, minimum_pressure_angle=pair%alpha_inf, &
+                    working_pressure_angle=pair%alpha_w, base_pitch=pair%base_pitch, &
+                    contact_ratio=norm2(pair%point_b - pair%point_a)/pair%base_pitch, line_of_action_length=pair%rho, &
+                    point_k_a=pair%point_k_a, point_k_b=pair%point_k_b, point_a=pair%point_a, point_b=pair%point_b, &
+                    pitch_point=pair%pitch_point, tip_radius_driving=pair%tip_radius_a, &
+                    tip_radius_driven=pair%tip_radius_b, rho_start_driving=pair%rho_start_a, &
+                    rho_start_driven=pair%rho_start_b, common_width=mesh%width, effective_modulus=mesh%e_star, &
+                    elastic_share_driving=mesh%pair%share_a, reference_force=mesh%force_scale, &
+                    reference_penetration=mesh%h_scale, reference_stiffness=at%stiffness, reference_mass=at%mass, &
+                    natural_frequency=at%frequency, damping_coefficient=at%damping, damping_ratio=at%ratio)
+      end associate
+   end subroutine evl_gearbox_mesh_geometry
+
+   integer(c_int) function evl_gearbox_initial_state(handle, initial, t, y, yp, integers, reals, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      type(c_initial), intent(in) :: initial
+      real(c_double), intent(in), value :: t
+      real(c_double), intent(inout) :: y(*), yp(*), reals(*)
+      integer(c_int), intent(inout) :: integers(*)
+      type(c_status), intent(out), optional :: status
+      type(status_t) :: s
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      call gearbox_start(g, initial_from_c(initial, size(g%wheels), size(g%pairs)), t, y(:g%n_states), yp(:g%n_states), &
+                         integers(:g%n_integers), reals(:size(g%contacts)), s)
+      code = answer(s, status)
+   end function evl_gearbox_initial_state
+
+   subroutine evl_gearbox_scales(handle, initial, state, row, differential) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      type(c_initial), intent(in) :: initial
+      real(c_double), intent(inout) :: state(*), row(*)
+      integer(c_int), intent(inout) :: differential(*)
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      call gearbox_state_scales(g, gearbox_initial_speeds(g, initial_from_c(initial, size(g%wheels), size(g%pairs))), &
+                                state(:g%n_states), row(:g%n_states), differential(:g%n_states))
+   end subroutine evl_gearbox_scales
+
+   subroutine evl_gearbox_state_name(handle, index, name, units) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: index
+      character(kind=c_char), intent(out) :: name(c_name_length), units(c_name_length)
+      character(len=c_name_length) :: text, unit
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      call gearbox_state_name(g, index + 1, text, unit)
+      call to_c(text, name)
+      call to_c(unit, units)
+   end subroutine evl_gearbox_state_name
+
+   integer(c_int) function evl_gearbox_residual(handle, t, y, yp, integers, reals, residual, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in), value :: t
+      real(c_double), intent(in) :: y(*), yp(*), reals(*)
+      integer(c_int), intent(in) :: integers(*)
+      real(c_double), intent(inout) :: residual(*)
+      type(c_status), intent(out), optional :: status
+      type(status_t) :: s
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      call gearbox_residual(g, t, y(:g%n_states), yp(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), &
+                            residual(:g%n_states), s)
+      code = s%code
+      if (code /= code_ok) code = answer(s, status)
+   end function evl_gearbox_residual
+
+   integer(c_int) function evl_gearbox_jacobian(handle, t, cj, y, yp, integers, reals, jacobian, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in), value :: t, cj
+      real(c_double), intent(in) :: y(*), yp(*), reals(*)
+      integer(c_int), intent(in) :: integers(*)
+      real(c_double), intent(inout), target :: jacobian(*)
+      type(c_status), intent(out), optional :: status
+      type(status_t) :: s
+      real(c_double), pointer :: matrix(:, :)
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      call c_f_pointer(c_loc(jacobian), matrix, [g%n_states, g%n_states])
+      call gearbox_jacobian(g, t, cj, y(:g%n_states), yp(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), &
+                            matrix, s)
+      code = s%code
+      if (code /= code_ok) code = answer(s, status)
+   end function evl_gearbox_jacobian
+
+   integer(c_int) function evl_gearbox_derivative(handle, t, y, integers, reals, yp, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in), value :: t
+      real(c_double), intent(in) :: y(*), reals(*)
+      integer(c_int), intent(in) :: integers(*)
+      real(c_double), intent(inout) :: yp(*)
+      type(c_status), intent(out), optional :: status
+      type(status_t) :: s
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      call gearbox_derivative(g, t, y(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), yp(:g%n_states), s)
+      code = answer(s, status)
+   end function evl_gearbox_derivative
+
+   integer(c_int) function evl_event_count() bind(c)
+      evl_event_count = n_event_kinds
+   end function evl_event_count
+
+   subroutine evl_event_name(kind, name) bind(c)
+      integer(c_int), intent(in), value :: kind
+      character(kind=c_char), intent(out) :: name(c_name_length)
+
+      call to_c(event_name(kind), name)
+   end subroutine evl_event_name
+
+   integer(c_int) function evl_gearbox_roots(handle, y, integers, reals, values, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in) :: y(*), reals(*)
+      integer(c_int), intent(in) :: integers(*)
+      real(c_double), intent(inout) :: values(*)
+      type(c_status), intent(out), optional :: status
+      type(status_t) :: s
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      call gearbox_roots(g, y(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), &
+                         values(:g%n_roots), s)
+      code = s%code
+      if (code /= code_ok) code = answer(s, status)
+   end function evl_gearbox_roots
+
+   integer(c_int) function evl_gearbox_check_modes(handle, y, integers, reals, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in) :: y(*), reals(*)
+      integer(c_int), intent(in) :: integers(*)
+      type(c_status), intent(out), optional :: status
+      type(status_t) :: s
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      call check_modes(g, y(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), s)
+      code = s%code
+      if (code /= code_ok) code = answer(s, status)
+   end function evl_gearbox_check_modes
+
+   subroutine evl_gearbox_root_directions(handle, integers, directions) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in) :: integers(*)
+      integer(c_int), intent(inout) :: directions(*)
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      call gearbox_root_directions(g, integers(:g%n_integers), directions(:g%n_roots))
+   end subroutine evl_gearbox_root_directions
+
+   real(c_double) function evl_gearbox_next_time_event(handle, integers) result(time) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in) :: integers(*)
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      time = gearbox_next_time_event(g, integers(:g%n_integers))
+      if (time >= huge(time)) time = ieee_value(time, ieee_positive_inf)
+   end function evl_gearbox_next_time_event
+
+   integer(c_int) function evl_gearbox_apply_event(handle, t, fired, time_event, y, yp, integers, reals, events, n_events, &
+                                                   status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in), value :: t
+      integer(c_int), intent(in) :: fired(*)
+      logical(c_bool), intent(in), value :: time_event
+      real(c_double), intent(inout) :: y(*), yp(*), reals(*)
+      integer(c_int), intent(inout) :: integers(*)
+      type(c_event), intent(inout) :: events(*)
+      integer(c_int), intent(out) :: n_events
+      type(c_status), intent(out), optional :: status
+      type(event_t), allocatable :: log(:)
+      type(status_t) :: s
+      integer :: i
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      allocate (log(gearbox_event_room(g)))
+      call gearbox_apply_event(g, t, fired(:g%n_roots), logical(time_event), y(:g%n_states), yp(:g%n_states), &
+                               integers(:g%n_integers), reals(:size(g%contacts)), log, n_events, s)
+      do i = 1, n_events
+         events(i) = c_event(log(i)%kind, log(i)%mesh - 1, log(i)%tooth_pair, log(i)%flank)
+      end do
+      code = answer(s, status)
+   end function evl_gearbox_apply_event
+
+   integer(c_int) function evl_gearbox_outputs(handle, t, y, integers, reals, check, values, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in), value :: t
+      real(c_double), intent(in) :: y(*), reals(*)
+      integer(c_int), intent(in) :: integers(*)
+      logical(c_bool), intent(in), value :: check
+      real(c_double), intent(inout) :: values(*)
+      type(c_status), intent(out), optional :: status
+      type(status_t) :: s
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      call gearbox_outputs(g, t, y(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), logical(check), &
+                           values(:g%n_values), s)
+      code = s%code
+      if (code /= code_ok) code = answer(s, status)
+   end function evl_gearbox_outputs
+
+end module evl_capi

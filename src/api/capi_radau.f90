@@ -1,0 +1,263 @@
+!> C interface of the integrator of gearboxes in closed form.
+!>
+!> The header's section "integration" documents each procedure; here is only the passage from C to Fortran. A handle is the
+!> address of a model and its integrator.
+module evl_capi_radau
+   use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_loc, c_null_ptr, c_ptr
+   use evl_capi_types, only: c_status, status_to_c
+   use evl_extreme_finder, only: candidate_t, most_candidates
+   use evl_gearbox, only: gearbox_t
+   use evl_gearbox_ode, only: gearbox_ode, gearbox_ode_create, gearbox_ode_delete, gearbox_ode_serves, gearbox_ode_set
+   use evl_kinds, only: lanes, wp
+   use evl_radau, only: radau_advance, radau_counts, radau_create, radau_get_counts, radau_get_growth, radau_growth, &
+                        radau_interpolate, radau_look, radau_options, radau_redo, radau_restart, radau_start, radau_step, radau_t
+   use evl_radau_coefficients, only: n_stages
+   use evl_status, only: clear, code_no_memory, code_ok, fail, has_failed, status_t
+   implicit none (type, external)
+   private
+
+   public :: evl_radau_serves, evl_radau_create, evl_radau_delete, evl_radau_start, evl_radau_advance, evl_radau_interpolate, &
+             evl_radau_candidate, evl_radau_look, evl_radau_restart, evl_radau_redo, evl_radau_get_counts, evl_radau_get_growth, &
+             evl_radau_model
+
+   !> evl_radau
+   type :: integration_t
+      type(gearbox_ode) :: model
+      type(radau_t) :: solver
+      type(candidate_t), allocatable :: found(:) !! room for a look at a step
+      type(status_t) :: status !! of the last advance: to make one anew each time takes longer than a look at it
+   end type integration_t
+
+   !> evl_radau_counts
+   type, bind(c) :: c_counts
+      integer(c_int) :: steps, rejections, evaluations, iterations, jacobians, factorisations, root_evaluations
+   end type c_counts
+
+   !> evl_radau_growth
+   type, bind(c) :: c_growth
+      real(c_double) :: t, rate, frequency
+   end type c_growth
+
+   !> evl_candidate
+   type, bind(c) :: c_candidate
+      integer(c_int) :: channel, sense
+      real(c_double) :: t, left, right, value
+   end type c_candidate
+
+contains
+
+   integer(c_int) function evl_radau_serves(handle, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      type(c_status), intent(out), optional :: status
+      type(gearbox_t), pointer :: gearbox
+      type(status_t) :: s
+
+      call c_f_pointer(handle, gearbox)
+      call gearbox_ode_serves(gearbox, s)
+      code = answer(s, status)
+   end function evl_radau_serves
+
+   type(c_ptr) function evl_radau_create(gearbox_handle, scale, tolerance, max_step, status) result(handle) bind(c)
+      type(c_ptr), intent(in), value :: gearbox_handle
+      real(c_double), intent(in) :: scale(*)
+      real(c_double), intent(in), value :: tolerance, max_step
+      type(c_status), intent(out), optional :: status
+      type(gearbox_t), pointer :: gearbox
+      type(integration_t), pointer :: self
+      type(status_t) :: s
+      integer :: stat, code
+
+      handle = c_null_ptr
+      self => null()
+      call c_f_pointer(gearbox_handle, gearbox)
+      call gearbox_ode_serves(gearbox, s)
+      if (.not. has_failed(s)) then
+         allocate (self, stat=stat)
+         if (stat /= 0) call fail(s, code_no_memory, "there is no memory for an integrator")
+      end if
+      if (.not. has_failed(s)) then
+         call gearbox_ode_create(self%model, gearbox, scale(:gearbox%n_states))
+         call radau_create(self%solver, self%model, radau_options(tolerance=tolerance, max_step=max_step), s)
+         allocate (self%found(most_candidates*self%model%n_rows))
+      end if
+      code = answer(s, status)
+      if (code == code_ok) then
+         handle = c_loc(self)
+      else if (associated(self)) then
+         call gearbox_ode_delete(self%model)
+         deallocate (self)
+      end if
+   end function evl_radau_create
+
+   subroutine evl_radau_delete(handle) bind(c)
+      type(c_ptr), intent(inout), optional :: handle
+      type(integration_t), pointer :: self
+
+      if (.not. present(handle)) return
+      call c_f_pointer(handle, self)
+      if (associated(self)) then
+         call gearbox_ode_delete(self%model)
+         deallocate (self)
+      end if
+      handle = c_null_ptr
+   end subroutine evl_radau_delete
+
+   integer(c_int) function evl_radau_start(handle, t, y, integers, reals, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in), value :: t
+      real(c_double), intent(in) :: y(*), reals(*)
+      integer(c_int), intent(in) :: integers(*)
+      type(c_status), intent(out), optional :: status
+      type(integration_t), pointer :: self
+      type(status_t) :: s
+
+      call c_f_pointer(handle, self)
+      call gearbox_ode_set(self%model, integers, reals)
+      call radau_start(self%solver, self%model, t, y(:self%model%n), s)
+      code = answer(s, status)
+   end function evl_radau_start
+
+   integer(c_int) function evl_radau_advance(handle, t_stop, t, y, fired, outcome, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in), value :: t_stop
+      real(c_double), intent(out) :: t
+      real(c_double), intent(inout) :: y(*)
+      integer(c_int), intent(inout) :: fired(*)
+      integer(c_int), intent(out) :: outcome
+      type(c_status), intent(out), optional :: status
+      type(integration_t), pointer :: self
+
+      call c_f_pointer(handle, self)
+      if (has_failed(self%status)) call clear(self%status)
+      call radau_advance(self%solver, self%model, t_stop, outcome, self%status)
+      t = self%solver%t
+      y(:self%model%n) = self%solver%y
+      fired(:self%model%n_roots) = self%solver%fired
+      code = self%status%code
+      if (code /= code_ok) code = answer(self%status, status)
+   end function evl_radau_advance
+
+   subroutine evl_radau_interpolate(handle, t, y) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in), value :: t
+      real(c_double), intent(inout) :: y(*)
+      type(integration_t), pointer :: self
+
+      call c_f_pointer(handle, self)
+      call radau_interpolate(self%solver, t, y(:self%model%n))
+   end subroutine evl_radau_interpolate
+
+   integer(c_int) function evl_radau_look(handle, high, low) result(n) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in) :: high(*), low(*)
+      type(integration_t), pointer :: self
+
+      call c_f_pointer(handle, self)
+      associate (n_watched => self%model%n_watched)
+         call radau_look(self%solver, self%model, high(:n_watched), low(:n_watched), n, self%found)
+      end associate
+   end function evl_radau_look
+
+   subroutine evl_radau_candidate(handle, index, candidate) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: index
+      type(c_candidate), intent(out) :: candidate
+      type(integration_t), pointer :: self
+      real(wp) :: h
+
+      call c_f_pointer(handle, self)
+      h = radau_step(self%solver)
+      associate (one => self%found(index + 1), before => self%solver%t_before, now => self%solver%t)
+         candidate = c_candidate(one%channel - 1, one%sense, min(before + one%place*h, now), min(before + one%left*h, now), &
+                                 min(before + one%right*h, now), one%value)
+      end associate
+   end subroutine evl_radau_candidate
+
+   subroutine evl_radau_restart(handle, t, y, integers, reals) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in), value :: t
+      real(c_double), intent(in) :: y(*), reals(*)
+      integer(c_int), intent(in) :: integers(*)
+      type(integration_t), pointer :: self
+
+      call c_f_pointer(handle, self)
+      call gearbox_ode_set(self%model, integers, reals)
+      call radau_restart(self%solver, self%model, t, y(:self%model%n))
+   end subroutine evl_radau_restart
+
+   subroutine evl_radau_redo(handle, t, y) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(out) :: t
+      real(c_double), intent(inout) :: y(*)
+      type(integration_t), pointer :: self
+
+      call c_f_pointer(handle, self)
+      call radau_redo(self%solver, self%model)
+      t = self%solver%t
+      y(:self%model%n) = self%solver%y
+   end subroutine evl_radau_redo
+
+   subroutine evl_radau_get_counts(handle, counts) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      type(c_counts), intent(out) :: counts
+      type(integration_t), pointer :: self
+      type(radau_counts) :: c
+
+      call c_f_pointer(handle, self)
+      c = radau_get_counts(self%solver)
+      counts = c_counts(c%steps, c%rejections, c%evaluations + n_stages*c%lane_evaluations, c%lane_evaluations, c%jacobians, &
+                        c%factorisations, c%root_evaluations)
+   end subroutine evl_radau_get_counts
+
+   subroutine evl_radau_get_growth(handle, growth) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      type(c_growth), intent(out) :: growth
+      type(integration_t), pointer :: self
+      type(radau_growth) :: g
+
+      call c_f_pointer(handle, self)
+      g = radau_get_growth(self%solver)
+      growth = c_growth(g%t, g%re, g%im)
+   end subroutine evl_radau_get_growth
+
+   integer(c_int) function evl_radau_model(handle, t, y, integers, reals, f, jacobian, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in) :: t(lanes)
+      real(c_double), intent(in), target :: y(*)
+      real(c_double), intent(in) :: reals(*)
+      integer(c_int), intent(in) :: integers(*)
+      real(c_double), intent(inout), target :: f(*), jacobian(*)
+      type(c_status), intent(out), optional :: status
+      real(c_double), pointer :: y_lanes(:, :), f_lanes(:, :), matrix(:, :)
+      real(c_double), allocatable :: values(:)
+      type(integration_t), pointer :: self
+      type(status_t) :: s
+      integer :: p
+
+      call c_f_pointer(handle, self)
+      associate (model => self%model)
+         call c_f_pointer(c_loc(y), y_lanes, [lanes, model%n])
+         call c_f_pointer(c_loc(f), f_lanes, [lanes, model%n])
+         call c_f_pointer(c_loc(jacobian), matrix, [model%n, model%n])
+         allocate (values(size(model%jacobian_row)))
+         call gearbox_ode_set(model, integers, reals)
+         call model%rhs_lanes(t, y_lanes, f_lanes, s)
+         if (.not. has_failed(s)) call model%jacobian(t(1), y_lanes(1, :), values, s)
+         matrix = 0
+         do p = 1, size(values)
+            if (.not. has_failed(s)) matrix(model%jacobian_row(p), model%jacobian_column(p)) = values(p)
+         end do
+      end associate
+      code = answer(s, status)
+   end function evl_radau_model
+
+   !> The code of a status, told to C if it asks.
+   integer(c_int) function answer(s, status) result(code)
+      type(status_t), intent(in) :: s
+      type(c_status), intent(out), optional :: status
+
+      code = s%code
+      if (present(status)) call status_to_c(s, status)
+   end function answer
+
+end module evl_capi_radau

@@ -1,0 +1,200 @@
+!> The closed form of a tooth contact for eight states at once.
+!>
+!> The formulas are those of the scalar kernel, included here a second time so that the compiler can put them into loops over the
+!> lanes: what it cannot see it cannot turn into vector instructions. Each loop calls a procedure with its own scalars and holds
+!> no branch.
+module evl_contact_lanes
+   use evl_contact_point, only: contact_point, tracked_pair
+   use evl_deviating_flanks, only: flank_value, radius_rates
+   use evl_flank_deviation, only: flank_branch
+   use evl_kinds, only: lanes, wp
+   use evl_line_lanes, only: lane_line
+   use evl_local_variables, only: at_normal, at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, n_local
+   use evl_tangent_line, only: deviation
+   use evl_tooth_contact, only: contact_off, contact_t, flank_branches, mesh_mode
+   implicit none (type, external)
+   private
+
+   public :: lane_contact, contact_in_lanes
+
+   !> A tooth contact in eight states; the components mean what those of `contact_point` mean.
+   type :: lane_contact
+      real(wp), dimension(lanes) :: rho_a0 !! nominal radius of curvature on A [m]
+      real(wp), dimension(lanes) :: h, h_dot, rho_a, rho_b, s, c, l_a, l_b, v_t, arm_a, arm_b, tilt, rho_dot, omega_a, omega_b
+   end type lane_contact
+
+contains
+
+   include "contact/contact_point.inc"
+   include "contact/closed_form.inc"
+   include "contact/deviating_flanks.inc"
+   include "geometry/flank_branch.inc"
+   include "numerics/sine_cosine.inc"
+   include "contact/lane_point.inc"
+
+   !> The contact along its line of action. Of a slot without a pair on the path the radii of curvature are all that is set.
+   subroutine contact_in_lanes(mesh, mode, rho_start, line, at)
+      type(contact_t), intent(in) :: mesh
+      type(mesh_mode), intent(in) :: mode
+      real(wp), intent(in) :: rho_start             !! nominal radius of curvature on A at theta = 0 [m]
+      type(lane_line), intent(in) :: line
+      type(lane_contact), intent(out) :: at
+      real(wp) :: advance
+      type(tracked_pair) :: pair
+      integer :: l
+
+      pair = mesh%pair
+      advance = pair%advance
+      if (mode%contact == contact_off) then
+         !$omp simd
+         do l = 1, lanes
+            at%rho_a0(l) = rho_start + advance*line%theta(l)
+            call place_radii_lane(pair, line, l, at)
+         end do
+         return
+      end if
+      !$omp simd
+      do l = 1, lanes
+         at%rho_a0(l) = rho_start + advance*line%theta(l)
+         call place_lane(pair, line, l, at)
+      end do
+      if (mesh%deviates) call deviate_lanes(mesh, mode, line, at)
+   end subroutine contact_in_lanes
+
+   !> One lane of a contact along its line of action.
+   pure subroutine place_lane(pair, line, l, at)
+      type(tracked_pair), intent(in) :: pair
+      type(lane_line), intent(in) :: line
+      integer, intent(in) :: l
+      type(lane_contact), intent(inout) :: at
+      type(contact_point) :: point
+
+      call lane_point(pair, line, l, at%rho_a0(l), point)
+      call store_lane(point, l, at)
+   end subroutine place_lane
+
+   !> The radii of curvature alone: the rest of the point is computed for nobody, which the compiler sees.
+   pure subroutine place_radii_lane(pair, line, l, at)
+      type(tracked_pair), intent(in) :: pair
+      type(lane_line), intent(in) :: line
+      integer, intent(in) :: l
+      type(lane_contact), intent(inout) :: at
+      type(contact_point) :: point
+
+      call lane_point(pair, line, l, at%rho_a0(l), point)
+      at%rho_a(l) = point%rho_a
+      at%rho_b(l) = point%rho_b
+   end subroutine place_radii_lane
+
+   !> The contact of one lane.
+   pure subroutine lane_point(pair, line, l, rho_a0, point)
+      type(tracked_pair), intent(in) :: pair
+      type(lane_line), intent(in) :: line
+      integer, intent(in) :: l
+      real(wp), intent(in) :: rho_a0
+      type(contact_point), intent(out) :: point
+      real(wp) :: q(n_local)
+
+      call lane_local(line, l, q)
+      call place_contact(pair, rho_a0, q, deviation(.true., line%d_rho(l), line%rho(l), line%angle(l), line%s(l), line%c(l)), &
+                         point)
+   end subroutine lane_point
+
+   !> Local variables of one lane; of the axles the motion of B against A is known, which is all that enters.
+   pure subroutine lane_local(line, l, q)
+      type(lane_line), intent(in) :: line
+      integer, intent(in) :: l
+      real(wp), intent(out) :: q(n_local)
+
+      q(at_psi_a) = line%psi_a(l)
+      q(at_psi_b) = line%psi_b(l)
+      q(at_omega) = line%omega(l)
+      q(at_psi_dot_a) = line%psi_dot_a(l)
+      q(at_psi_dot_b) = line%psi_dot_b(l)
+      q(at_v_a) = 0
+      q(at_v_a + 1) = 0
+      q(at_v_b) = line%v_t(l)
+      q(at_v_b + 1) = line%v_e(l)
+      q(at_normal) = 0
+   end subroutine lane_local
+
+   !> Put a point into its lane.
+   pure subroutine store_lane(point, l, at)
+      type(contact_point), intent(in) :: point
+      integer, intent(in) :: l
+      type(lane_contact), intent(inout) :: at
+
+      at%h(l) = point%h
+      at%h_dot(l) = point%h_dot
+      at%rho_a(l) = point%rho_a
+      at%rho_b(l) = point%rho_b
+      at%s(l) = point%s
+      at%c(l) = point%c
+      at%l_a(l) = point%l_a
+      at%l_b(l) = point%l_b
+      at%v_t(l) = point%v_t
+      at%arm_a(l) = point%arm_a
+      at%arm_b(l) = point%arm_b
+      at%tilt(l) = point%tilt
+      at%rho_dot(l) = point%rho_dot
+      at%omega_a(l) = point%omega_a
+      at%omega_b(l) = point%omega_b
+   end subroutine store_lane
+
+   !> From the contact of perfect involutes to that of deviating flanks.
+   subroutine deviate_lanes(mesh, mode, line, at)
+      type(contact_t), intent(in) :: mesh
+      type(mesh_mode), intent(in) :: mode
+      type(lane_line), intent(in) :: line
+      type(lane_contact), intent(inout) :: at
+      real(wp), dimension(lanes) :: e_a, de_a, e_b, de_b
+      type(tracked_pair) :: pair
+      type(flank_branch) :: branch_a, branch_b
+      integer :: l
+
+      pair = mesh%pair
+      call flank_branches(mesh, mode, branch_a, branch_b)
+      call deviation_in_lanes(branch_a, at%rho_a, e_a, de_a)
+      call deviation_in_lanes(branch_b, at%rho_b, e_b, de_b)
+      !$omp simd
+      do l = 1, lanes
+         call deviate_lane(pair, line, l, e_a(l), de_a(l), e_b(l), de_b(l), at)
+      end do
+   end subroutine deviate_lanes
+
+   !> What one flank lacks in material.
+   pure subroutine deviation_in_lanes(branch, rho, e, de)
+      type(flank_branch), intent(in) :: branch
+      real(wp), intent(in) :: rho(lanes)
+      real(wp), intent(out) :: e(lanes), de(lanes)
+      real(wp) :: d2e(lanes)
+      integer :: l
+
+      !$omp simd
+      do l = 1, lanes
+         call profile_deviation(branch, rho(l), e(l), de(l), d2e(l))
+      end do
+      if (.not. abs(branch%runout) > 0) return
+      !$omp simd
+      do l = 1, lanes
+         call add_runout(branch, rho(l), e(l), de(l), d2e(l))
+      end do
+   end subroutine deviation_in_lanes
+
+   !> One lane of it.
+   pure subroutine deviate_lane(pair, line, l, e_a, de_a, e_b, de_b, at)
+      type(tracked_pair), intent(in) :: pair
+      type(lane_line), intent(in) :: line
+      integer, intent(in) :: l
+      real(wp), intent(in) :: e_a, de_a, e_b, de_b
+      type(lane_contact), intent(inout) :: at
+      type(contact_point) :: point
+      real(wp) :: q(n_local)
+
+      call lane_local(line, l, q)
+      call take_lane(at, l, point)
+      call deviate(pair, flank_value(e_a, de_a, 0.0_wp), flank_value(e_b, de_b, 0.0_wp), q, point)
+      call store_lane(point, l, at)
+   end subroutine deviate_lane
+
+end module evl_contact_lanes

@@ -1,0 +1,76 @@
+!> What deviations of the two flanks change in a contact.
+!>
+!> The gap of a tooth pair is kappa + e_A(rho_A) + e_B(rho_B), and the forces follow its gradient: with the slope e' of a flank,
+!> the normal force has the arm r_b (1 - e') about its axle, and the part -(e_A' r_bA + e_B' r_bB)/rho of itself along t on A,
+!> rho being the length of the line of action. With the arms left at r_b, energy would be lost.
+!>
+!> What bends the flanks also changes their radii of curvature, by e'' rho of themselves; the force law does not see that.
+!>
+!> Source: derivatives of the closed form (Kosenko & Gusev 2011, Assertions 1 and 2) with the gap above; docs/deviations.md.
+module evl_deviating_flanks
+   use evl_contact_point, only: contact_gradient, contact_point, tracked_pair
+   use evl_kinds, only: wp
+   use evl_local_variables, only: at_omega, at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, n_local
+   implicit none (type, external)
+   private
+
+   public :: flank_value, radius_rates, deviate, deviate_gradient
+
+   !> Deviation of one flank at its contact point.
+   type :: flank_value
+      real(wp) :: e = 0.0_wp   !! [m], > 0: less material
+      real(wp) :: de = 0.0_wp  !! de/drho
+      real(wp) :: d2e = 0.0_wp !! d2e/drho2 [1/m]
+   end type flank_value
+
+   !> Rates of the radii of curvature, and what they are made of.
+   type :: radius_rates
+      real(wp) :: line  !! length of the line of action [m]
+      real(wp) :: along !! relative velocity of the axles along t [m/s]
+      real(wp) :: a, b  !! rates of rho_A and rho_B [m/s]
+   end type radius_rates
+
+contains
+
+   include "contact/deviating_flanks.inc"
+
+   !> Derivatives of `deviate`; in: those of the contact of perfect involutes.
+   pure subroutine deviate_gradient(pair, a, b, q, perfect, point, gradient)
+      type(tracked_pair), intent(in) :: pair
+      type(flank_value), intent(in) :: a, b
+      real(wp), intent(in) :: q(n_local)
+      type(contact_point), intent(in) :: perfect, point !! before and after `deviate`
+      type(contact_gradient), intent(inout) :: gradient
+      type(radius_rates) :: rate
+      real(wp), dimension(n_local) :: line, along, turn_rate, rate_a, rate_b, e_dot
+
+      rate = rates_of(pair, q, perfect)
+      associate (v_t => q(at_v_b) - q(at_v_a), v_e => q(at_v_b + 1) - q(at_v_a + 1))
+         along = (v_e*point%c - v_t*point%s)*gradient%angle
+      end associate
+      along(at_v_b:at_v_b + 1) = [point%c, point%s]
+      along(at_v_a:at_v_a + 1) = -[point%c, point%s]
+      line = gradient%rho_a + gradient%rho_b - gradient%h
+      turn_rate = -along/rate%line + rate%along/rate%line**2*line
+      rate_a = -pair%r_ba*turn_rate
+      rate_b = -pair%r_bb*turn_rate
+      rate_a(at_omega) = pair%advance
+      rate_b(at_omega) = -pair%advance
+      rate_a(at_psi_dot_a) = -pair%r_ba*pair%sigma
+      rate_b(at_psi_dot_b) = -pair%r_bb*pair%sigma
+      e_dot = a%d2e*rate%a*gradient%rho_a + a%de*rate_a + b%d2e*rate%b*gradient%rho_b + b%de*rate_b
+      gradient%h = gradient%h - a%de*gradient%rho_a - b%de*gradient%rho_b
+      gradient%h_dot = gradient%h_dot - e_dot
+      gradient%rho_dot = gradient%rho_dot + e_dot
+      gradient%l_a = (1 - a%de)*gradient%rho_a - pair%share_a*gradient%h
+      gradient%l_b = (1 - b%de)*gradient%rho_b - pair%share_b*gradient%h
+      gradient%v_t = pair%sigma*(point%omega_a*gradient%l_a + point%omega_b*gradient%l_b) - along
+      gradient%v_t(at_omega) = pair%sigma*(pair%ratio_a*point%l_a + pair%ratio_b*point%l_b)
+      gradient%v_t(at_psi_dot_a) = pair%sigma*point%l_a
+      gradient%v_t(at_psi_dot_b) = pair%sigma*point%l_b
+      gradient%arm_a = -pair%r_ba*a%d2e*gradient%rho_a
+      gradient%arm_b = -pair%r_bb*b%d2e*gradient%rho_b
+      gradient%tilt = -(pair%r_ba*a%d2e*gradient%rho_a + pair%r_bb*b%d2e*gradient%rho_b)/rate%line - point%tilt/rate%line*line
+   end subroutine deviate_gradient
+
+end module evl_deviating_flanks

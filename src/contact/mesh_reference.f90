@@ -1,0 +1,83 @@
+!> What a mesh is at its nominal load: the oscillator that one perfect tooth pair at the pitch point makes of its two wheels.
+module evl_mesh_reference
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use evl_contact_laws, only: contact_context, elastic_force, elastic_result, law_choice, viscous_force, viscous_result
+   use evl_kinds, only: pi, wp
+   use evl_status, only: code_ok
+   use evl_tooth_contact, only: contact_t
+   implicit none (type, external)
+   private
+
+   public :: mesh_reference_t, nominal_context, reference_damping, reference_of
+
+   real(wp), parameter :: slow = 1.0e-6_wp !! rate of penetration at which dampers are asked, over that of the mesh mode
+
+   !> NaN where there is none: of a rigid contact and without load all, of wheels whose speeds are prescribed all but the stiffness.
+   type :: mesh_reference_t
+      real(wp) :: stiffness = 0.0_wp !! k: dF/dh of one tooth pair under the whole nominal load [N/m]
+      real(wp) :: mass = 0.0_wp      !! m: that it accelerates, 1/(r_bA^2/J_A + r_bB^2/J_B) [kg]
+      real(wp) :: frequency = 0.0_wp !! of the mesh mode, sqrt(k/m)/(2 pi) [Hz]
+      real(wp) :: damping = 0.0_wp   !! c: dF/dh' of its damper [N s/m]
+      real(wp) :: ratio = 0.0_wp     !! damping ratio c/(2 sqrt(k m))
+      type(law_choice) :: law        !! the damping law as it was stated, with what the mesh gives
+   end type mesh_reference_t
+
+contains
+
+   !> A perfect tooth pair at the pitch point. The radii of curvature enter the laws through their sum alone.
+   pure type(contact_context) function nominal_context(mesh) result(ctx)
+      type(contact_t), intent(in) :: mesh
+
+      ctx%rho_sum = mesh%pair%rho_0
+      ctx%rho_a = mesh%pair%rho_0/2
+      ctx%rho_b = mesh%pair%rho_0/2
+      ctx%e_star = mesh%e_star
+      ctx%width = mesh%width
+   end function nominal_context
+
+   !> Stiffness, mass and frequency of an elastic contact.
+   pure type(mesh_reference_t) function reference_of(mesh, has_load, mobility) result(reference)
+      type(contact_t), intent(in) :: mesh  !! with its scales
+      logical, intent(in) :: has_load      !! its scales are those of a load
+      real(wp), intent(in) :: mobility     !! r_bA^2/J_A + r_bB^2/J_B [1/kg], 1/J of a prescribed speed 0
+      type(contact_context) :: ctx
+      type(elastic_result) :: elastic
+      real(wp) :: none
+      integer :: code
+
+      none = ieee_value(1.0_wp, ieee_quiet_nan)
+      reference = mesh_reference_t(none, none, none, none, none, mesh%damping)
+      if (mesh%rigid .or. .not. has_load) return
+      ctx = nominal_context(mesh)
+      ctx%h = mesh%h_scale
+      call elastic_force(mesh%contact, ctx, elastic, code)
+      if (code /= code_ok) return
+      reference%stiffness = elastic%d_h
+      if (.not. mobility > 0) return
+      reference%mass = 1/mobility
+      reference%frequency = sqrt(reference%stiffness*mobility)/(2*pi)
+   end function reference_of
+
+   !> Coefficient and ratio of the damper that acts. A law with another slope on approach than on separation counts with the mean of
+   !> both, which takes as much from a small vibration.
+   pure subroutine reference_damping(mesh, reference)
+      type(contact_t), intent(in) :: mesh !! with the damping law that acts
+      type(mesh_reference_t), intent(inout) :: reference
+      type(contact_context) :: ctx
+      type(elastic_result) :: elastic
+      type(viscous_result) :: approach, separation
+      integer :: code
+
+      if (.not. reference%frequency > 0) return
+      ctx = nominal_context(mesh)
+      ctx%h = mesh%h_scale
+      call elastic_force(mesh%contact, ctx, elastic, code)
+      ctx%h_dot = slow*2*pi*reference%frequency*ctx%h
+      call viscous_force(mesh%damping, ctx, elastic, approach)
+      ctx%h_dot = -ctx%h_dot
+      call viscous_force(mesh%damping, ctx, elastic, separation)
+      reference%damping = (approach%d_h_dot + separation%d_h_dot)/2
+      reference%ratio = reference%damping/(2*sqrt(reference%stiffness*reference%mass))
+   end subroutine reference_damping
+
+end module evl_mesh_reference

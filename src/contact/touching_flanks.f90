@@ -1,0 +1,229 @@
+!> Where deviating flanks really touch, how they are curved there, and by how much the gap of first order is too wide.
+!>
+!> Flanks that are turned by their slopes touch beside the line of action, at x along the common tangent, where
+!>
+!>    g(x) = sum of  d**2 (rho/2 + d/3)/r_b**2 + e(rho + d)  over A and B,   (rho + d)**2 = rho**2 +- 2 r_b x,  + for A
+!>
+!> is smallest: along the arc of an involute ds = rho/r_b drho, and it turns by drho/r_b. The involute moved by e into the material
+!> has, with the derivatives of e along the arc, e_s = e' r_b/rho and e_ss = (r_b/rho)**2 (e'' - e'/rho), a = 1 - e/rho and
+!> a_s = -e_s/rho + e r_b/rho**3, the curvature
+!>
+!>    ((a**2 + e_s**2)/rho + a e_ss - e_s a_s)/(a**2 + e_s**2)**(3/2)
+!>
+!> Source: derived in docs/deviations.md.
+module evl_touching_flanks
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use evl_contact_point, only: contact_point
+   use evl_deviating_flanks, only: flank_value
+   use evl_flank_deviation, only: deviation_borders, deviation_on, deviation_zone, flank_branch, flank_deviation_t, zone_none, &
+                                  zone_root, zone_tip
+   use evl_kinds, only: pi, wp
+   use evl_tooth_contact, only: contact_t, flank_branches, flank_values, mesh_mode
+   implicit none (type, external)
+   private
+
+   public :: contact_pressure, largest_second_order, second_order_gap, touching_curvature
+
+   integer, parameter :: n_places = 200 !! of the path that are looked at
+   integer, parameter :: n_teeth = 60   !! tooth pairs that are looked at, where runout makes them differ
+   integer, parameter :: n_sections = 60
+   integer, parameter :: n_newton = 3   !! steps to the place where flanks touch, which lies within a millimetre
+   real(wp), parameter :: enough = 1.0e-9_wp !! step to that place over the radius of the contact: curvatures are as exact
+   real(wp), parameter :: golden = 0.61803398874989485_wp
+
+contains
+
+   !> Largest contact pressure of a tooth pair [Pa], Hertz's for a line contact.
+   pure real(wp) function contact_pressure(mesh, mode, normal, point) result(pressure)
+      type(contact_t), intent(in) :: mesh
+      type(mesh_mode), intent(in) :: mode
+      real(wp), intent(in) :: normal !! F_n [N]
+      type(contact_point), intent(in) :: point
+
+      pressure = 0
+      if (normal > 0) pressure = sqrt(normal/mesh%width*mesh%e_star*touching_curvature(mesh, mode, point)/pi)
+   end function contact_pressure
+
+   !> Sum of the curvatures of two flanks where they touch [1/m]; NaN if it is not positive, as where one is more hollow than the
+   !> other is round. At the corner of a linear relief, that of the relief.
+   pure real(wp) function touching_curvature(mesh, mode, point) result(curvature)
+      type(contact_t), intent(in) :: mesh
+      type(mesh_mode), intent(in) :: mode
+      type(contact_point), intent(in) :: point !! on the line of action
+      type(flank_branch) :: branch_a, branch_b
+      type(flank_value) :: a, b
+      real(wp) :: on_a, on_b, rho_a, rho_b, sharpness, step, x
+      integer :: i
+
+      curvature = 1/point%rho_a + 1/point%rho_b
+      if (is_involute(mesh%deviation_a, mode%zone_a) .and. is_involute(mesh%deviation_b, mode%zone_b)) return
+      call flank_branches(mesh, mode, branch_a, branch_b)
+      associate (r_a => mesh%pair%r_ba, r_b => mesh%pair%r_bb)
+         curvature = ieee_value(curvature, ieee_quiet_nan)
+         rho_a = point%rho_a
+         rho_b = point%rho_b
+         x = 0
+         do i = 1, n_newton
+            call deviation_on(branch_a, rho_a, a%e, a%de, a%d2e)
+            call deviation_on(branch_b, rho_b, b%e, b%de, b%d2e)
+            sharpness = 1/rho_a + 1/rho_b + arc_second(a, rho_a, r_a) + arc_second(b, rho_b, r_b)
+            if (.not. sharpness > 0) return
+            step = ((rho_a - point%rho_a)/r_a + a%de*r_a/rho_a - (rho_b - point%rho_b)/r_b - b%de*r_b/rho_b)/sharpness
+            if (abs(step)*sharpness < enough) exit
+            x = x - step
+            rho_a = moved(point%rho_a, r_a, x)
+            rho_b = moved(point%rho_b, r_b, -x)
+         end do
+         on_a = within(mesh%deviation_a, mode%zone_a, rho_a)
+         on_b = within(mesh%deviation_b, mode%zone_b, rho_b)
+         if (i > n_newton .or. abs(on_a - rho_a) > 0 .or. abs(on_b - rho_b) > 0) then
+            call deviation_on(branch_a, on_a, a%e, a%de, a%d2e)
+            call deviation_on(branch_b, on_b, b%e, b%de, b%d2e)
+         end if
+         x = flank_curvature(a, on_a, r_a) + flank_curvature(b, on_b, r_b)
+      end associate
+      if (x > 0) curvature = x
+   end function touching_curvature
+
+   !> Whether a flank is an involute in a zone, on its place.
+   pure logical function is_involute(deviation, zone)
+      type(flank_deviation_t), intent(in) :: deviation
+      integer, intent(in) :: zone
+
+      is_involute = .not. deviation%exists
+      if (is_involute .or. zone /= zone_none) return
+      is_involute = .not. (deviation%crowning > 0 .or. allocated(deviation%pitch) .or. deviation%eccentricity > 0)
+   end function is_involute
+
+   !> Radius of curvature of an involute further along its arc, stopped short of its root [m].
+   pure real(wp) function moved(rho, base_radius, arc)
+      real(wp), intent(in) :: rho, base_radius, arc !! [m]
+
+      moved = sqrt(max(rho**2 + 2*base_radius*arc, (rho/10)**2))
+   end function moved
+
+   !> A radius of curvature, stopped at the borders of a zone.
+   pure real(wp) function within(deviation, zone, rho)
+      type(flank_deviation_t), intent(in) :: deviation
+      integer, intent(in) :: zone
+      real(wp), intent(in) :: rho
+      real(wp) :: rho_root, rho_tip
+
+      call deviation_borders(deviation, rho_root, rho_tip)
+      within = rho
+      if (zone == zone_tip) within = max(rho, rho_tip)
+      if (zone == zone_root) within = min(rho, rho_root)
+      if (zone == zone_none) within = min(max(rho, rho_root), rho_tip)
+   end function within
+
+   !> Second derivative of a deviation to the arc of its involute [1/m].
+   pure real(wp) function arc_second(flank, rho, base_radius)
+      type(flank_value), intent(in) :: flank
+      real(wp), intent(in) :: rho, base_radius
+
+      arc_second = (base_radius/rho)**2*(flank%d2e - flank%de/rho)
+   end function arc_second
+
+   !> Curvature of a deviating flank [1/m].
+   pure real(wp) function flank_curvature(flank, rho, base_radius) result(curvature)
+      type(flank_value), intent(in) :: flank
+      real(wp), intent(in) :: rho, base_radius
+      real(wp) :: slope, a, a_slope
+
+      slope = flank%de*base_radius/rho
+      a = 1 - flank%e/rho
+      a_slope = -slope/rho + flank%e*base_radius/rho**3
+      associate (length => a**2 + slope**2)
+         curvature = (length/rho + a*arc_second(flank, rho, base_radius) - slope*a_slope)/(length*sqrt(length))
+      end associate
+   end function flank_curvature
+
+   !> By how much the gap of first order of a tooth pair is wider than that of the real flanks [m], at least 0.
+   !>
+   !> The smallest g by golden sections: reliefs and crowning make it convex.
+   pure real(wp) function second_order_gap(mesh, pair, rho_a) result(gap)
+      type(contact_t), intent(in) :: mesh
+      integer, intent(in) :: pair      !! its tooth pair
+      real(wp), intent(in) :: rho_a    !! where on the line of action at its nominal length [m]
+      real(wp) :: low, high, left, right, at_left, at_right
+      integer :: i
+
+      associate (rho_b => mesh%pair%rho_0 - rho_a)
+         low = -0.45_wp*rho_a**2/mesh%pair%r_ba ! nine tenths of the arc to the root
+         high = 0.45_wp*rho_b**2/mesh%pair%r_bb
+         left = high - golden*(high - low)
+         right = low + golden*(high - low)
+         at_left = gap_beside(mesh, pair, rho_a, rho_b, left)
+         at_right = gap_beside(mesh, pair, rho_a, rho_b, right)
+         do i = 1, n_sections
+            if (at_left < at_right) then
+               high = right
+               right = left
+               at_right = at_left
+               left = high - golden*(high - low)
+               at_left = gap_beside(mesh, pair, rho_a, rho_b, left)
+            else
+               low = left
+               left = right
+               at_left = at_right
+               right = low + golden*(high - low)
+               at_right = gap_beside(mesh, pair, rho_a, rho_b, right)
+            end if
+         end do
+         gap = max(gap_beside(mesh, pair, rho_a, rho_b, 0.0_wp) - min(at_left, at_right), 0.0_wp)
+      end associate
+   end function second_order_gap
+
+   !> g(x) of a tooth pair [m].
+   pure real(wp) function gap_beside(mesh, pair, rho_a, rho_b, x) result(gap)
+      type(contact_t), intent(in) :: mesh
+      integer, intent(in) :: pair
+      real(wp), intent(in) :: rho_a, rho_b, x !! [m]
+      type(contact_point) :: there
+      type(flank_value) :: a, b
+      type(mesh_mode) :: mode
+
+      there%rho_a = moved(rho_a, mesh%pair%r_ba, x)
+      there%rho_b = moved(rho_b, mesh%pair%r_bb, -x)
+      mode = mesh_mode(teeth=pair, zone_a=deviation_zone(mesh%deviation_a, there%rho_a), &
+                       zone_b=deviation_zone(mesh%deviation_b, there%rho_b))
+      call flank_values(mesh, mode, there, a, b)
+      gap = turned_away(rho_a, there%rho_a - rho_a, mesh%pair%r_ba) + a%e &
+            + turned_away(rho_b, there%rho_b - rho_b, mesh%pair%r_bb) + b%e
+   end function gap_beside
+
+   !> How far an involute has turned away from its tangent at rho [m].
+   pure real(wp) function turned_away(rho, d, base_radius)
+      real(wp), intent(in) :: rho, d, base_radius !! d: further than rho [m]
+
+      turned_away = (d/base_radius)**2*(rho/2 + d/3)
+   end function turned_away
+
+   !> The largest on the path of contact.
+   pure subroutine largest_second_order(mesh, gap, rho_a)
+      type(contact_t), intent(in) :: mesh
+      real(wp), intent(out) :: gap   !! [m]
+      real(wp), intent(out) :: rho_a !! where [m]
+      real(wp) :: here, found
+      integer :: i, pair, pairs
+
+      gap = 0
+      rho_a = mesh%rho_tip_a
+      pairs = 1
+      if (max(mesh%deviation_a%eccentricity, mesh%deviation_b%eccentricity) > 0) pairs = n_teeth
+      associate (first => mesh%pair%rho_0 - mesh%rho_tip_b, last => mesh%rho_tip_a)
+         do i = 0, n_places
+            here = first + (last - first)*i/n_places
+            if (.not. min(here, mesh%pair%rho_0 - here) > 0) cycle
+            do pair = 0, pairs - 1
+               found = second_order_gap(mesh, pair, here)
+               if (found > gap) then
+                  gap = found
+                  rho_a = here
+               end if
+            end do
+         end do
+      end associate
+   end subroutine largest_second_order
+
+end module evl_touching_flanks

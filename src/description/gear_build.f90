@@ -1,0 +1,184 @@
+!> The real gears of a gearbox and their meshes, from its description.
+module evl_gear_build
+   use evl_gear, only: agreement, gear_derive, gear_input, gear_t, thin_tip
+   use evl_gearbox_description, only: mesh_input, wheel_input
+   use evl_gears_in_mesh, only: gear_mesh_derive, gear_mesh_input, gear_mesh_overlap, gear_mesh_t
+   use evl_kinds, only: wp
+   use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel, warn
+   implicit none (type, external)
+   private
+
+   public :: gears_build
+
+   real(wp), parameter :: rounded_data = 0.5e-6_wp !! overlap of teeth that rounded numbers of a catalogue explain [m]
+
+contains
+
+   !> Derive all gears and meshes, and write warnings down. Wheels and meshes that are no real gears get initial values.
+   !>
+   !> Errors: code_invalid_input with subject, index and field.
+   pure subroutine gears_build(wheels, meshes, gears, gear_meshes, warnings, status)
+      type(wheel_input), intent(in) :: wheels(:)
+      type(mesh_input), intent(in) :: meshes(:)
+      type(gear_t), intent(out) :: gears(size(wheels))
+      type(gear_mesh_t), intent(out) :: gear_meshes(size(meshes))
+      type(status_t), allocatable, intent(inout) :: warnings(:) !! grows
+      type(status_t), intent(inout) :: status
+      real(wp) :: overlaps(size(meshes))
+      integer :: i
+
+      do i = 1, size(wheels)
+         if (.not. wheels(i)%has_gear) cycle
+         call gear_derive(wheels(i)%teeth, wheels(i)%gear, gears(i), status)
+         if (.not. has_failed(status)) call check_pitch_radius(wheels(i), gears(i), status)
+         if (has_failed(status)) then
+            status%index = i
+            return
+         end if
+      end do
+      do i = 1, size(meshes)
+         call give_way(wheels, meshes(i), gears, overlaps(i))
+      end do
+      do i = 1, size(wheels)
+         if (gears(i)%tip_thickness < thin_tip*gears(i)%normal_module) &
+            call warn(warnings, "the tooth is "//quantity(gears(i)%tip_thickness, "m")//" thick on the tip circle, less than " &
+                      //quantity(thin_tip, "")//" modules: such a tip breaks easily", subject_wheel, i)
+      end do
+      do i = 1, size(meshes)
+         call build_mesh(wheels, gears, meshes(i), gear_meshes(i), status)
+         if (has_failed(status)) then
+            status%subject = subject_mesh
+            status%index = i
+            return
+         end if
+         if (overlaps(i) > 0) &
+            call warn(warnings, "at its centre distance the normal backlash would be "//quantity(-overlaps(i), "m") &
+                      //", as rounded data give it: it is taken as 0, and the thickness_allowance of the driven wheel as " &
+                      //quantity(gears(meshes(i)%driven)%thickness_allowance, "m"), subject_mesh, i)
+         if (gear_meshes(i)%exists .and. gear_meshes(i)%contact_ratio < 1) &
+            call warn(warnings, "its contact ratio is "//quantity(gear_meshes(i)%contact_ratio, "")//", less than 1: contact is" &
+                      //" lost in every pitch", subject_mesh, i)
+      end do
+   end subroutine gears_build
+
+   !> Where the teeth of a mesh overlap by no more than rounded data explain, thinner teeth of its driven gear. Its other meshes
+   !> get the backlash of these.
+   pure subroutine give_way(wheels, mesh, gears, overlap)
+      type(wheel_input), intent(in) :: wheels(:)
+      type(mesh_input), intent(in) :: mesh
+      type(gear_t), intent(inout) :: gears(:)
+      real(wp), intent(out) :: overlap !! by which the driven gear gave way; 0 if it did not [m]
+      type(gear_t) :: thinner
+      type(status_t) :: status
+
+      overlap = 0
+      associate (a => mesh%driving, b => mesh%driven)
+         if (.not. (wheels(a)%has_gear .and. wheels(b)%has_gear .and. mesh%has_centre_distance)) return
+         overlap = gear_mesh_overlap(gears(a), gears(b), mesh%centre_distance)
+         if (overlap > 0 .and. overlap <= rounded_data) then
+            call thin_out(wheels(b), thinner_by(gears(b), overlap), thinner, status)
+            if (.not. has_failed(status)) then
+               gears(b) = thinner
+               return
+            end if
+         end if
+      end associate
+      overlap = 0
+   end subroutine give_way
+
+   !> The allowance with which a gear's teeth are thinner by an arc of its base circle [m].
+   pure real(wp) function thinner_by(gear, arc) result(allowance)
+      type(gear_t), intent(in) :: gear
+      real(wp), intent(in) :: arc !! [m]
+
+      allowance = gear%thickness_allowance - arc/cos(gear%pressure_angle)
+   end function thinner_by
+
+   !> A gear with another allowance of its tooth thickness.
+   pure subroutine thin_out(wheel, allowance, gear, status)
+      type(wheel_input), intent(in) :: wheel
+      real(wp), intent(in) :: allowance !! [m]
+      type(gear_t), intent(out) :: gear
+      type(status_t), intent(inout) :: status
+      type(gear_input) :: given
+
+      given = wheel%gear
+      given%thickness_allowance = allowance
+      call gear_derive(wheel%teeth, given, gear, status)
+   end subroutine thin_out
+
+   !> To the refusal of a centre distance at which teeth overlap, add the allowance of the driven wheel with which they fit, in
+   !> digits that are enough; nothing if no such wheel can be made.
+   pure subroutine name_remedy(driven, a, b, given, status)
+      type(wheel_input), intent(in) :: driven
+      type(gear_t), intent(in) :: a, b
+      type(gear_mesh_input), intent(in) :: given
+      type(status_t), intent(inout) :: status
+      type(gear_t) :: thinner
+      type(gear_mesh_t) :: mesh
+      type(status_t) :: trial
+      real(wp) :: overlap, allowance, digit
+
+      overlap = 0
+      if (given%has_centre_distance) overlap = gear_mesh_overlap(a, b, given%centre_distance)
+      if (.not. overlap > 0) return
+      allowance = thinner_by(b, overlap)
+      digit = 10.0_wp**(floor(log10(-allowance)) - 5) ! the last one of six, as messages have them
+      allowance = -ceiling(-allowance/digit)*digit
+      call thin_out(driven, allowance, thinner, trial)
+      if (.not. has_failed(trial)) call gear_mesh_derive(a, thinner, given, mesh, trial)
+      if (.not. has_failed(trial)) &
+         status%message = trim(status%message)//"; or teeth of the driven wheel with thickness_allowance "//quantity(allowance, "m")
+   end subroutine name_remedy
+
+   !> The mesh of two real gears, if it is one; no mesh of one real gear with another wheel.
+   pure subroutine build_mesh(wheels, gears, given, mesh, status)
+      type(wheel_input), intent(in) :: wheels(:)
+      type(gear_t), intent(in) :: gears(:)
+      type(mesh_input), intent(in) :: given
+      type(gear_mesh_t), intent(inout) :: mesh
+      type(status_t), intent(inout) :: status
+      type(gear_mesh_input) :: distances
+
+      associate (a => given%driving, b => given%driven)
+         if (wheels(a)%has_gear .neqv. wheels(b)%has_gear) then
+            call refuse(status, "", "one of its wheels has a module and the other has none: give both a module, or none of them" &
+                        //" and the mesh a pressure angle")
+         else if (.not. wheels(a)%has_gear .and. given%has_centre_distance) then
+            call refuse(status, "centre_distance", "a centre distance is for two wheels with a module; the pitch radii of" &
+                        //" these give theirs")
+         else if (.not. wheels(a)%has_gear .and. given%has_backlash .and. .not. given%backlash >= 0) then
+            call refuse(status, "backlash", "backlash "//quantity(given%backlash, "m")//" must not be negative")
+         else if (wheels(a)%has_gear .and. (given%paper_rule .or. abs(given%pressure_angle) > 0)) then
+            call refuse(status, "pressure_angle", "a pressure angle of the mesh is for wheels without module; the working" &
+                        //" pressure angle of these follows from their centre distance")
+         else if (wheels(a)%has_gear) then
+            distances = gear_mesh_input(given%has_centre_distance, given%has_backlash, given%centre_distance, given%backlash)
+            call gear_mesh_derive(gears(a), gears(b), distances, mesh, status)
+            if (has_failed(status)) call name_remedy(wheels(b), gears(a), gears(b), distances, status)
+         end if
+      end associate
+   end subroutine build_mesh
+
+   !> A pitch radius that is given beside a module is the reference radius.
+   pure subroutine check_pitch_radius(wheel, gear, status)
+      type(wheel_input), intent(in) :: wheel
+      type(gear_t), intent(in) :: gear
+      type(status_t), intent(inout) :: status
+
+      if (.not. wheel%has_pitch_radius) return
+      if (abs(wheel%pitch_radius - gear%reference_radius) <= agreement*gear%reference_radius) return
+      call fail(status, code_invalid_input, "pitch radius "//quantity(wheel%pitch_radius, "m")//" does not agree with the" &
+                //" reference radius "//quantity(gear%reference_radius, "m")//", which teeth and module give", subject_wheel, &
+                field="pitch_radius")
+   end subroutine check_pitch_radius
+
+   !> Refuse something of a mesh.
+   pure subroutine refuse(status, field, message)
+      type(status_t), intent(inout) :: status
+      character(len=*), intent(in) :: field, message
+
+      call fail(status, code_invalid_input, message, subject_mesh, field=field)
+   end subroutine refuse
+
+end module evl_gear_build

@@ -1,0 +1,387 @@
+!> Makes a gearbox from its description: checks every number, finds the layout, derives the geometry, numbers the states.
+module evl_gearbox_build
+   use evl_constant_outputs, only: n_constant_outputs, put_constants
+   use evl_contact_build, only: find_dependents, list_contacts, take_contact
+   use evl_contact_laws, only: has_sides
+   use evl_first_tooth_pair, only: find_tooth_phases, tooth_mesh_t
+   use evl_gear_build, only: gears_build
+   use evl_gearbox, only: gearbox_t, support_bearing, support_slider, support_t
+   use evl_gearbox_description, only: check_description, mesh_input, shaft_input, wheel_input
+   use evl_gearbox_deviations, only: check_second_order, gearbox_set_deviations
+   use evl_gearbox_references, only: gearbox_set_references
+   use evl_gearbox_scaling, only: gearbox_set_scales
+   use evl_gearbox_warnings, only: check_contact_width, warn_of_sizes
+   use evl_housing, only: n_housing_states
+   use evl_housing_description, only: housing_create, housing_input
+   use evl_kinds, only: pi, wp
+   use evl_load, only: load_t
+   use evl_local_variables, only: i_omega, i_theta, n_track
+   use evl_mesh_geometry, only: spur_pair_derive
+   use evl_mesh_of_gears, only: gear_pair_derive
+   use evl_outputs, only: gearbox_output_places, n_outputs
+   use evl_rational, only: rational_value
+   use evl_rotors, only: rotors_join
+   use evl_shaft, only: shaft_t
+   use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel, warn
+   use evl_tooth_contact, only: tracking_closed_form
+   use evl_train_layout, only: layout_resolve, layout_t
+   implicit none (type, external)
+   private
+
+   public :: gearbox_create
+
+   real(wp), parameter :: agreement = 1.0e-9_wp !! relative: base radii from two meshes that differ less are the same
+
+contains
+
+   !> Make a gearbox. Loads come with `wheel` from 1 and without `i_segment`.
+   !> Errors: code_invalid_input with subject, index and field.
+   subroutine gearbox_create(wheels, loads, meshes, shafts, housing, gearbox, status)
+      type(wheel_input), intent(in) :: wheels(:)
+      type(load_t), intent(in) :: loads(:)
+      type(mesh_input), intent(in) :: meshes(:)
+      type(shaft_input), intent(in) :: shafts(:)
+      type(housing_input), intent(in) :: housing
+      type(gearbox_t), intent(out) :: gearbox
+      type(status_t), intent(inout) :: status
+      type(layout_t) :: layout
+      integer :: i
+
+      call check_description(wheels, loads, meshes, shafts, status)
+      if (has_failed(status)) return
+      call housing_create(housing, gearbox%housing, status)
+      if (has_failed(status)) return
+      allocate (gearbox%wheels(size(wheels)), gearbox%pairs(size(meshes)))
+      allocate (gearbox%warnings(0))
+      gearbox%loads = loads
+      call take_shafts(shafts, gearbox)
+      call rotors_join(gearbox, status)
+      if (has_failed(status)) return
+      allocate (gearbox%gears(size(wheels)), gearbox%gear_meshes(size(meshes)))
+      call gears_build(wheels, meshes, gearbox%gears, gearbox%gear_meshes, gearbox%warnings, status)
+      if (has_failed(status)) return
+      call start_layout(wheels, meshes, shafts, gearbox, layout)
+      call layout_resolve(layout, gearbox%reference, status)
+      if (has_failed(status)) return
+      call take_wheels(wheels, layout, gearbox, status)
+      if (has_failed(status)) return
+      do i = 1, size(wheels)
+         gearbox%wheels(i)%rotor_inertia = sum(gearbox%wheels%inertia, mask=gearbox%wheels%leader == gearbox%wheels(i)%leader)
+         gearbox%wheels(i)%per_inertia = 1/gearbox%wheels(i)%rotor_inertia
+         gearbox%wheels(i)%is_loaded = any(gearbox%loads%wheel == i)
+      end do
+      do i = 1, size(meshes)
+         call take_pair(gearbox, wheels, meshes, layout, i, status)
+         if (has_failed(status)) return
+      end do
+      call place_teeth(meshes, gearbox, status)
+      if (has_failed(status)) return
+      call gearbox_set_deviations(gearbox, wheels, meshes, status)
+      if (has_failed(status)) return
+      call list_contacts(gearbox, meshes)
+      call number_states(gearbox)
+      do i = 1, size(gearbox%contacts)
+         call take_contact(gearbox, wheels, meshes(gearbox%contacts(i)%mesh), i, status)
+         if (has_failed(status)) return
+      end do
+      call find_dependents(gearbox, status)
+      if (has_failed(status)) return
+      call gearbox_set_scales(gearbox)
+      call gearbox_set_references(gearbox, status)
+      if (has_failed(status)) return
+      do i = 1, size(meshes)
+         call check_contact_width(gearbox, i)
+         call check_second_order(gearbox, i)
+      end do
+      call warn_of_sizes(gearbox)
+      allocate (gearbox%output_offsets(n_outputs), gearbox%output_counts(n_outputs))
+      call gearbox_output_places(gearbox, gearbox%output_offsets, gearbox%output_counts)
+      gearbox%n_values = sum(gearbox%output_counts)
+      allocate (gearbox%constants(sum(gearbox%output_counts(:n_constant_outputs))))
+      call put_constants(gearbox, gearbox%constants)
+   end subroutine gearbox_create
+
+   !> The shafts; their places in the state are found later.
+   subroutine take_shafts(shafts, gearbox)
+      type(shaft_input), intent(in) :: shafts(:)
+      type(gearbox_t), intent(inout) :: gearbox
+      integer :: i
+
+      allocate (gearbox%shafts(size(shafts)))
+      do i = 1, size(shafts)
+         gearbox%shafts(i) = shaft_t(wheel_a=shafts(i)%wheel_a, wheel_b=shafts(i)%wheel_b, rigid=shafts(i)%rigid, &
+                                     stiffness=shafts(i)%stiffness, damping=shafts(i)%damping)
+      end do
+   end subroutine take_shafts
+
+   !> What the description says of the layout.
+   subroutine start_layout(wheels, meshes, shafts, gearbox, layout)
+      type(wheel_input), intent(in) :: wheels(:)
+      type(mesh_input), intent(in) :: meshes(:)
+      type(shaft_input), intent(in) :: shafts(:)
+      type(gearbox_t), intent(in) :: gearbox !! its gears
+      type(layout_t), intent(out) :: layout
+      integer :: i
+
+      layout%teeth = wheels%teeth
+      layout%has_radius = wheels%has_pitch_radius .or. wheels%has_gear
+      layout%pitch_radius = merge(gearbox%gears%reference_radius, wheels%pitch_radius, wheels%has_gear)
+      layout%has_centre = wheels%has_centre
+      allocate (layout%centre(2, size(wheels)))
+      do i = 1, size(wheels)
+         layout%centre(:, i) = wheels(i)%centre
+      end do
+      layout%driving = meshes%driving
+      layout%driven = meshes%driven
+      layout%has_angle = meshes%has_centre_line_angle
+      layout%angle = meshes%centre_line_angle
+      layout%has_distance = gearbox%gear_meshes%exists
+      layout%distance = gearbox%gear_meshes%centre_distance
+      layout%shaft_a = shafts%wheel_a
+      layout%shaft_b = shafts%wheel_b
+      where (wheels%teeth == 0 .and. .not. wheels%has_pitch_radius)
+         ! a solid disc of this mass and inertia
+         layout%pitch_radius = sqrt(2*wheels%inertia/wheels%mass)
+         layout%has_radius = .true.
+      end where
+   end subroutine start_layout
+
+   !> Mass, inertia, support and speed ratio of every wheel. A solid disc of the pitch radius, less
+   !> the bore of a real gear, unless mass and inertia are given.
+   subroutine take_wheels(wheels, layout, gearbox, status)
+      type(wheel_input), intent(in) :: wheels(:)
+      type(layout_t), intent(in) :: layout
+      type(gearbox_t), intent(inout) :: gearbox
+      type(status_t), intent(inout) :: status
+      integer :: i
+
+      do i = 1, size(wheels)
+         associate (wheel => gearbox%wheels(i), given => wheels(i))
+            wheel%teeth = given%teeth
+            wheel%pitch_radius = layout%pitch_radius(i)
+            wheel%centre = layout%centre(:, i)
+            wheel%exact_ratio = layout%ratio(i)
+            wheel%ratio = rational_value(layout%ratio(i))
+            wheel%mass = given%density*pi*(wheel%pitch_radius**2 - gearbox%gears(i)%bore_radius**2)*given%width
+            if (given%has_mass) wheel%mass = given%mass
+            wheel%inertia = wheel%mass*(wheel%pitch_radius**2 + gearbox%gears(i)%bore_radius**2)/2
+            if (given%has_inertia) wheel%inertia = given%inertia
+            wheel%axial_position = given%axial_position
+            call take_transverse(given, i, wheel%mass, wheel%inertia, wheel%transverse_inertia, status)
+            call take_support(given, wheel%mass, wheel%support)
+         end associate
+      end do
+   end subroutine take_wheels
+
+   !> Inertia about a diameter: given, or that of any axisymmetric body that is alike over its width, as a disc or a ring is.
+   subroutine take_transverse(given, index, mass, inertia, transverse_inertia, status)
+      type(wheel_input), intent(in) :: given
+      integer, intent(in) :: index
+      real(wp), intent(in) :: mass, inertia         !! [kg], [kg m^2]
+      real(wp), intent(out) :: transverse_inertia   !! [kg m^2]
+      type(status_t), intent(inout) :: status
+
+      transverse_inertia = inertia/2 + mass*given%width**2/12
+      if (.not. given%has_transverse_inertia) return
+      transverse_inertia = given%transverse_inertia
+      if (transverse_inertia >= inertia/2*(1 - agreement)) return
+      call fail(status, code_invalid_input, "transverse_inertia "//quantity(transverse_inertia, "kg m^2")//" is less than half" &
+                //" the moment of inertia about the axle "//quantity(inertia, "kg m^2")//", which no body has", subject_wheel, &
+                index, "transverse_inertia")
+   end subroutine take_transverse
+
+   !> A support's directions, springs and dampers.
+   subroutine take_support(given, wheel_mass, support)
+      type(wheel_input), intent(in) :: given
+      real(wp), intent(in) :: wheel_mass !! [kg]
+      type(support_t), intent(out) :: support
+
+      support%kind = given%support_kind
+      support%mass = wheel_mass + given%support_mass
+      support%per_mass = 1/support%mass
+      support%stiffness = given%support_stiffness
+      support%damping = given%support_damping
+      select case (support%kind)
+      case (support_slider)
+         support%n = 1
+         support%direction(:, 1) = [cos(given%support_direction), sin(given%support_direction)]
+      case (support_bearing)
+         support%n = 2
+         support%direction(:, 1) = [1, 0]
+         support%direction(:, 2) = [0, 1]
+      end select
+   end subroutine take_support
+
+   !> Give every quantity its place in the state and in the discrete state.
+   subroutine number_states(gearbox)
+      type(gearbox_t), intent(inout) :: gearbox
+      integer :: i, j, n
+
+      n = i_omega
+      do i = 1, size(gearbox%wheels)
+         associate (wheel => gearbox%wheels(i))
+            wheel%i_speed = i_omega
+            if (i == gearbox%reference .or. wheel%leader /= i) cycle
+            wheel%i_psi = n + 1
+            wheel%i_speed = n + 2
+            n = n + 2
+         end associate
+      end do
+      gearbox%wheels%i_psi = gearbox%wheels(gearbox%wheels%leader)%i_psi
+      gearbox%wheels%i_speed = gearbox%wheels(gearbox%wheels%leader)%i_speed
+      gearbox%shafts%i_psi_a = gearbox%wheels(gearbox%shafts%wheel_a)%i_psi
+      gearbox%shafts%i_psi_b = gearbox%wheels(gearbox%shafts%wheel_b)%i_psi
+      do i = 1, size(gearbox%wheels)
+         do j = 1, gearbox%wheels(i)%support%n
+            gearbox%wheels(i)%support%i_state(j) = n + 1
+            n = n + 2
+         end do
+      end do
+      do i = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(i))
+            if (mesh%tracking == tracking_closed_form) cycle
+            mesh%i_track = n + 1 - merge(n_track, 0, mesh%slot > 0)
+            if (mesh%slot == 0) n = n + n_track
+         end associate
+      end do
+      if (gearbox%housing%is_mounted) then
+         gearbox%housing%i_state = n + 1
+         n = n + n_housing_states
+      end if
+      do i = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(i))
+            if (.not. mesh%rigid) cycle
+            mesh%leads = mesh%slot == 0
+            if (mesh%leads) n = n + 1
+            mesh%i_normal = n
+            if (mesh%leads) gearbox%n_multipliers = gearbox%n_multipliers + 1
+         end associate
+      end do
+      gearbox%i_dissipated = n + 1
+      gearbox%i_work = n + 2
+      gearbox%n_states = n + 2
+
+      n = 1
+      do i = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(i))
+            mesh%i_mode = n + 1
+            n = n + merge(5, 3, mesh%deviates)
+            mesh%i_root = gearbox%n_roots
+            gearbox%n_roots = gearbox%n_roots + mesh%n_roots
+         end associate
+      end do
+      gearbox%n_roots = gearbox%n_roots + 1 ! turns of the reference wheel
+      do i = 1, size(gearbox%loads)
+         if (size(gearbox%loads(i)%time) == 0) cycle
+         gearbox%loads(i)%i_segment = n + 1
+         n = n + 1
+      end do
+      do i = 1, size(gearbox%contacts)
+         if (.not. has_sides(gearbox%contacts(i)%damping)) cycle
+         gearbox%contacts(i)%i_side = n + 1
+         n = n + 1
+      end do
+      gearbox%n_integers = n
+   end subroutine number_states
+
+   !> Geometry of one mesh; base and tip radii of its wheels.
+   subroutine take_pair(gearbox, wheels, meshes, layout, index, status)
+      type(gearbox_t), intent(inout) :: gearbox
+      type(wheel_input), intent(in) :: wheels(:)
+      type(mesh_input), intent(in) :: meshes(:)
+      type(layout_t), intent(in) :: layout
+      integer, intent(in) :: index
+      type(status_t), intent(inout) :: status
+
+      associate (pair => gearbox%pairs(index), given => meshes(index), a => meshes(index)%driving, b => meshes(index)%driven)
+         if (gearbox%gear_meshes(index)%exists) then
+            call gear_pair_derive(gearbox%gears(a), gearbox%gears(b), gearbox%gear_meshes(index), layout%angle(index), &
+                                  -given%driving_rotation, layout%centre(:, a), pair)
+         else
+            call spur_pair_derive(wheels(a)%teeth, wheels(b)%teeth, layout%pitch_radius(a), given%paper_rule, &
+                                  given%pressure_angle, layout%angle(index), -given%driving_rotation, layout%centre(:, a), pair, &
+                                  status)
+            pair%has_coast = given%has_backlash
+            pair%backlash = given%backlash
+         end if
+         if (has_failed(status)) then
+            status%subject = subject_mesh
+            status%index = index
+            return
+         end if
+         call take_radii(gearbox, a, pair%base_radius_a, pair%tip_radius_a, index, status)
+         call take_radii(gearbox, b, pair%base_radius_b, pair%tip_radius_b, index, status)
+         if (has_failed(status)) return
+         if (.not. pair%contains_pitch_point) call warn(gearbox%warnings, "its path of contact does not contain the pitch" &
+                                                        //" point: the teeth slide in one sense only", subject_mesh, index)
+         if (index > 1) call check_senses(gearbox, layout, meshes(1), given, index)
+      end associate
+   end subroutine take_pair
+
+   !> Where the first tooth pair of each mesh is.
+   subroutine place_teeth(meshes, gearbox, status)
+      type(mesh_input), intent(in) :: meshes(:)
+      type(gearbox_t), intent(inout) :: gearbox
+      type(status_t), intent(inout) :: status
+      type(tooth_mesh_t) :: teeth(size(meshes))
+      real(wp) :: tooth_angle(size(gearbox%wheels))
+      integer :: m
+
+      tooth_angle = 0
+      do m = 1, size(meshes)
+         associate (pair => gearbox%pairs(m), a => meshes(m)%driving, b => meshes(m)%driven)
+            teeth(m) = tooth_mesh_t(a, b, pair%sigma, pair%chi, pair%alpha_w, pair%rho, pair%base_pitch, pair%rho_start_a, &
+                                    pair%backlash)
+            tooth_angle([a, b]) = [pair%tooth_angle_a, pair%tooth_angle_b]
+         end associate
+      end do
+      allocate (gearbox%phases(size(meshes)))
+      call find_tooth_phases(gearbox%wheels%base_radius, tooth_angle, gearbox%wheels%teeth, teeth, gearbox%phases, status)
+      if (has_failed(status)) return
+      m = findloc(gearbox%phases%gap > 0 .and. meshes%tracking /= tracking_closed_form, .true., dim=1)
+      if (m > 0) call fail(status, code_invalid_input, "its flanks start with a gap of "//quantity(gearbox%phases(m)%gap, "m") &
+                           //", which the teeth around the loop leave: only closed_form carries it", subject_mesh, m, "tracking")
+   end subroutine place_teeth
+
+   !> Whether the flank of a mesh fits the sense of rotation that the first mesh gives the wheels.
+   subroutine check_senses(gearbox, layout, first_mesh, given, index)
+      type(gearbox_t), intent(inout) :: gearbox
+      type(layout_t), intent(in) :: layout
+      type(mesh_input), intent(in) :: first_mesh, given
+      integer, intent(in) :: index
+      integer :: first
+
+      first = -gearbox%pairs(1)%sigma*turn(first_mesh%driving)
+      if (first*turn(given%driving) /= given%driving_rotation) &
+         call warn(gearbox%warnings, "its driving wheel turns against driving_rotation when the first mesh turns as it says", &
+                   subject_mesh, index)
+
+   contains
+
+      !> +1 if a wheel turns like the reference wheel, -1 if against it.
+      pure integer function turn(wheel)
+         integer, intent(in) :: wheel
+
+         turn = merge(1, -1, layout%ratio(wheel)%above > 0)
+      end function turn
+
+   end subroutine check_senses
+
+   !> A wheel has one base circle, whatever it meshes with.
+   subroutine take_radii(gearbox, index, base_radius, tip_radius, mesh, status)
+      type(gearbox_t), intent(inout) :: gearbox
+      integer, intent(in) :: index, mesh
+      real(wp), intent(in) :: base_radius, tip_radius !! from the mesh [m]
+      type(status_t), intent(inout) :: status
+
+      associate (wheel => gearbox%wheels(index))
+         wheel%tip_radius = max(wheel%tip_radius, tip_radius)
+         if (.not. wheel%base_radius > 0) wheel%base_radius = base_radius
+         if (abs(wheel%base_radius - base_radius) <= agreement*base_radius) return
+         call fail(status, code_invalid_input, "its pressure angle gives a wheel the base radius "//quantity(base_radius, "m") &
+                   //", but another mesh gives the same wheel "//quantity(wheel%base_radius, "m")//": a wheel has one base" &
+                   //" circle, so give the pressure angles", subject_mesh, mesh, "pressure_angle")
+      end associate
+   end subroutine take_radii
+
+end module evl_gearbox_build

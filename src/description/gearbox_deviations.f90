@@ -1,0 +1,122 @@
+!> Gives the wheels of a gearbox the deviations of their flanks, and refuses meshes that cannot have any.
+module evl_gearbox_deviations
+   use evl_contact_laws, only: is_rigid
+   use evl_deviation_description, only: deviation_create, has_deviation, profile_t
+   use evl_gearbox, only: gearbox_t
+   use evl_gearbox_description, only: mesh_input, wheel_input
+   use evl_kinds, only: wp
+   use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel, warn
+   use evl_tooth_contact, only: tracking_closed_form
+   use evl_touching_flanks, only: largest_second_order
+   implicit none (type, external)
+   private
+
+   public :: check_second_order, gearbox_set_deviations
+
+   real(wp), parameter :: worth_knowing = 0.02_wp !! second order of the gap over the reference penetration: warn above
+
+contains
+
+   !> Make the deviations of all wheels, once the geometry of all meshes is known.
+   !>
+   !> The active profile of a wheel goes from its lowest start in any of its meshes to its tip.
+   !> Errors: code_invalid_input with the wheel or the mesh and the field.
+   subroutine gearbox_set_deviations(gearbox, wheels, meshes, status)
+      type(gearbox_t), intent(inout) :: gearbox
+      type(wheel_input), intent(in) :: wheels(:)
+      type(mesh_input), intent(in) :: meshes(:)
+      type(status_t), intent(inout) :: status
+      type(profile_t) :: profile
+      integer :: i
+
+      do i = 1, size(wheels)
+         if (.not. has_deviation(wheels(i)%deviation)) cycle
+         call find_profile(gearbox, wheels, meshes, i, profile, status)
+         if (has_failed(status)) return
+         call deviation_create(wheels(i)%deviation, profile, gearbox%wheels(i)%deviation, status)
+         if (has_failed(status)) then
+            status%index = i
+            return
+         end if
+      end do
+      do i = 1, size(meshes)
+         call check_mesh(gearbox, meshes(i), i, status)
+         if (has_failed(status)) return
+      end do
+   end subroutine gearbox_set_deviations
+
+   !> The profile of a wheel. Errors: a wheel that is no real gear, or that meshes with none.
+   subroutine find_profile(gearbox, wheels, meshes, index, profile, status)
+      type(gearbox_t), intent(in) :: gearbox
+      type(wheel_input), intent(in) :: wheels(:)
+      type(mesh_input), intent(in) :: meshes(:)
+      integer, intent(in) :: index
+      type(profile_t), intent(out) :: profile
+      type(status_t), intent(inout) :: status
+      integer :: i
+
+      if (.not. wheels(index)%has_gear) then
+         call fail(status, code_invalid_input, "the flanks of a wheel that is stated by its pitch radius have no deviations: give" &
+                   //" it a module", subject_wheel, index, "module")
+         return
+      end if
+      associate (gear => gearbox%gears(index))
+         profile%teeth = gear%teeth
+         profile%base_radius = gear%base_radius
+         profile%reference_radius = gear%reference_radius
+         profile%tooth_angle = gear%tooth_angle
+      end associate
+      profile%rho_start = huge(1.0_wp)
+      do i = 1, size(meshes)
+         associate (pair => gearbox%pairs(i))
+            if (meshes(i)%driving == index) then
+               profile%rho_start = min(profile%rho_start, pair%rho - pair%rho_tip_b)
+               profile%rho_tip = max(profile%rho_tip, pair%rho_tip_a)
+            else if (meshes(i)%driven == index) then
+               profile%rho_start = min(profile%rho_start, pair%rho - pair%rho_tip_a)
+               profile%rho_tip = max(profile%rho_tip, pair%rho_tip_b)
+            end if
+         end associate
+      end do
+      if (profile%rho_start < profile%rho_tip) return
+      call fail(status, code_invalid_input, "deviations of flanks need an active profile, but no mesh gives this wheel one", &
+                subject_wheel, index, "teeth")
+   end subroutine find_profile
+
+   !> Only the closed form of an elastic contact knows deviating flanks.
+   subroutine check_mesh(gearbox, mesh, index, status)
+      type(gearbox_t), intent(in) :: gearbox
+      type(mesh_input), intent(in) :: mesh
+      integer, intent(in) :: index
+      type(status_t), intent(inout) :: status
+
+      if (.not. any(gearbox%wheels([mesh%driving, mesh%driven])%deviation%exists)) return
+      if (mesh%tracking /= tracking_closed_form) then
+         call fail(status, code_invalid_input, "flanks with deviations cannot be tracked: take tracking closed_form, or leave the" &
+                   //" deviations of its wheels out", subject_mesh, index, "tracking")
+      else if (is_rigid(mesh%contact)) then
+         call fail(status, code_invalid_input, "flanks with deviations need an elastic contact: take another law, or leave the" &
+                   //" deviations of its wheels out", subject_mesh, index, "contact.law")
+      end if
+   end subroutine check_mesh
+
+   !> The gap between deviating flanks is one of first order: say so where that matters.
+   subroutine check_second_order(gearbox, index)
+      type(gearbox_t), intent(inout) :: gearbox
+      integer, intent(in) :: index
+      real(wp) :: gap, rho_a
+      character(len=24) :: share
+
+      associate (mesh => gearbox%contacts(gearbox%first(index)))
+         if (.not. mesh%deviates) return
+         call largest_second_order(mesh, gap, rho_a)
+         if (.not. gap > worth_knowing*mesh%h_scale) return
+         write (share, "(f0.1)") 100*gap/mesh%h_scale
+         if (share(1:1) == ".") share = "0"//share(:len(share) - 1)
+         call warn(gearbox%warnings, "relieved flanks that their slopes turn touch beside the line of action: the gap, taken to" &
+                   //" first order, is up to "//quantity(gap, "m")//" too wide (at rho_A = "//quantity(rho_a, "m")//"), " &
+                   //trim(share)//" % of the penetration "//quantity(mesh%h_scale, "m")//" under the load", subject_mesh, index)
+      end associate
+   end subroutine check_second_order
+
+end module evl_gearbox_deviations

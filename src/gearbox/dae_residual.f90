@@ -1,0 +1,116 @@
+!> The gearbox as a differential-algebraic system F(t, y, y') = 0, and the y' that belongs to y.
+module evl_dae_residual
+   use evl_contact_tracking, only: algebraic_residual, differential_rates, differential_residual
+   use evl_gearbox, only: carries_points, gearbox_local, gearbox_mode, gearbox_t, i_turns, is_closed
+   use evl_gearbox_rates, only: gearbox_rates
+   use evl_housing_dynamics, only: coupled_rates, housing_residual
+   use evl_kinds, only: wp
+   use evl_local_variables, only: i_theta, n_local, n_track
+   use evl_rigid_contact, only: rigid_constraint
+   use evl_rigid_forces, only: multiplier_rates
+   use evl_status, only: code_out_of_domain, code_singular, fail, has_failed, status_t, subject_mesh
+   use evl_tooth_contact, only: contact_apart, mesh_mode, mesh_nominal_rho, tracking_algebraic
+   implicit none (type, external)
+   private
+
+   public :: gearbox_residual, gearbox_derivative
+
+contains
+
+   !> Residual F(t, y, y') of the whole system.
+   subroutine gearbox_residual(gearbox, t, y, yp, integers, reals, residual, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(gearbox%n_states), yp(gearbox%n_states)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: reals(:)
+      real(wp), intent(out) :: residual(gearbox%n_states)
+      type(status_t), intent(inout) :: status
+      real(wp) :: q(n_local), rho_a0
+      type(mesh_mode) :: mode
+      logical :: exists
+      integer :: i
+
+      call gearbox_rates(gearbox, t, y, integers, reals, residual, status, yp)
+      if (has_failed(status)) return
+      ! the places of the multipliers, which stand together before the energies, hold their rows already
+      associate (before => gearbox%i_dissipated - gearbox%n_multipliers - 1, behind => gearbox%i_dissipated)
+         residual(:before) = yp(:before) - residual(:before)
+         residual(behind:) = yp(behind:) - residual(behind:)
+      end associate
+      if (gearbox%housing%is_mounted) call housing_residual(gearbox, t, y, yp, residual)
+      do i = 1, size(gearbox%contacts)
+         if (gearbox%n_multipliers == 0) exit
+         associate (mesh => gearbox%contacts(i), row => gearbox%contacts(i)%i_dependent)
+            if (.not. is_closed(gearbox, i, integers)) cycle
+            call gearbox_local(gearbox, mesh, y, q)
+            residual(row:row + 1) = rigid_constraint(mesh%pair, q)
+         end associate
+      end do
+      do i = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(i))
+            if (.not. carries_points(gearbox, i, integers)) cycle
+            mode = gearbox_mode(gearbox, i, integers, reals)
+            if (mode%contact == contact_apart) cycle ! the tracked variables rest: their rows are y' = 0
+            call gearbox_local(gearbox, mesh, y, q)
+            rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
+            associate (first => mesh%i_track, last => mesh%i_track + n_track - 1)
+               if (mesh%tracking == tracking_algebraic) then
+                  call algebraic_residual(mesh%pair, rho_a0, q, residual(first:last), exists)
+               else
+                  call differential_residual(mesh%pair, rho_a0, q, yp(first:last), residual(first:last), exists)
+               end if
+            end associate
+            if (.not. exists) then
+               call lost_points(mesh%mesh, status)
+               return
+            end if
+         end associate
+      end do
+   end subroutine gearbox_residual
+
+   !> The tracked points have left the involutes.
+   pure subroutine lost_points(index, status)
+      integer, intent(in) :: index
+      type(status_t), intent(inout) :: status
+
+      call fail(status, code_out_of_domain, "a tracked contact point lies inside its wheel's base circle: the tooth pair has" &
+                //" turned back too far", subject_mesh, index, "tracking")
+   end subroutine lost_points
+
+   !> The y' that belongs to y; tracked variables by the differential form, solved with LAPACK. y has its multipliers already.
+   subroutine gearbox_derivative(gearbox, t, y, integers, reals, yp, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(gearbox%n_states)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: reals(:)
+      real(wp), intent(out) :: yp(gearbox%n_states)
+      type(status_t), intent(inout) :: status !! code_out_of_domain or code_singular
+      real(wp) :: q(n_local), rho_a0
+      type(mesh_mode) :: mode
+      logical :: solved
+      integer :: i
+
+      call coupled_rates(gearbox, t, y, integers, reals, yp, status)
+      if (has_failed(status)) return
+      if (gearbox%n_multipliers > 0) call multiplier_rates(gearbox, t, y, integers, reals, yp, status)
+      if (has_failed(status)) return
+      do i = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(i))
+            if (.not. carries_points(gearbox, i, integers)) cycle
+            mode = gearbox_mode(gearbox, i, integers, reals)
+            if (mode%contact == contact_apart) cycle
+            call gearbox_local(gearbox, mesh, y, q)
+            rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
+            call differential_rates(mesh%pair, rho_a0, q, yp(mesh%i_track:mesh%i_track + n_track - 1), solved)
+            if (.not. solved) then
+               call fail(status, code_singular, "the contact points' velocities are not determined at this state", &
+                         subject_mesh, mesh%mesh, "tracking")
+               return
+            end if
+         end associate
+      end do
+   end subroutine gearbox_derivative
+
+end module evl_dae_residual

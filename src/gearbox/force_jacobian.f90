@@ -1,0 +1,261 @@
+!> What wheels, supports, shafts and tooth contacts add to dF/dy, F being y' - f: the one source of these derivatives, for the
+!> full matrix of an implicit integrator and for the listed entries of radau's.
+!>
+!> A row of psi' holds what acts on its rotor until `couple_reference` completes it.
+module evl_force_jacobian
+   use evl_closed_form, only: closed_form_line
+   use evl_contact_gradient, only: mesh_force_gradient, mesh_gradient
+   use evl_gearbox, only: add_speed, gearbox_local, gearbox_mode, gearbox_t, i_turns, segment_of, wheel_acceleration, &
+                          wheel_follows_ground, wheel_speed, wheel_t
+   use evl_housing, only: at_omega, frame_t
+   use evl_housing_jacobian, only: ride_gradient
+   use evl_jacobian_places, only: add_entry, entry_place, jacobian_places
+   use evl_kinds, only: wp
+   use evl_load, only: load_damping, load_torque
+   use evl_local_variables, only: i_omega, i_theta, mesh_link, n_local, wheel_link
+   use evl_shaft_jacobian, only: add_shaft, add_shaft_torque
+   use evl_status, only: has_failed, status_t
+   use evl_tangent_line, only: deviation
+   use evl_tooth_contact, only: contact_t, mesh_force, mesh_mode, mesh_nominal_rho, touches, tracking_closed_form
+   implicit none (type, external)
+   private
+
+   public :: add_constants, add_forces, couple_reference, scatter
+
+   !> What the contacts of a flank share: those of the last one stay for the next.
+   type :: flank_state
+      integer :: mesh = 0, flank = 0 !! of the gearbox; 0: none yet
+      real(wp) :: q(n_local)         !! local variables
+      type(deviation) :: line        !! of action; not set where points are tracked
+   end type flank_state
+
+contains
+
+   !> Add what neither time nor the state changes: rates that are states themselves, supports, dampers and elastic shafts.
+   pure subroutine add_constants(gearbox, places, values)
+      type(gearbox_t), intent(in) :: gearbox
+      type(jacobian_places), intent(in) :: places
+      real(wp), intent(inout) :: values(places%n_entries)
+      integer :: i, j
+
+      do i = 1, size(gearbox%wheels)
+         associate (wheel => gearbox%wheels(i), support => gearbox%wheels(i)%support)
+            if (wheel%leader == i .and. wheel%i_psi > 0) call add_entry(places, wheel%i_psi, wheel%i_psi + 1, -1.0_wp, values)
+            do j = 1, support%n
+               associate (s => support%i_state(j))
+                  call add_entry(places, s, s + 1, -1.0_wp, values)
+                  call add_entry(places, s + 1, s, support%stiffness(j)*support%per_mass, values)
+                  call add_entry(places, s + 1, s + 1, support%damping(j)*support%per_mass, values)
+               end associate
+            end do
+         end associate
+      end do
+      call add_entry(places, i_theta, i_omega, -1.0_wp, values)
+      do i = 1, size(gearbox%loads)
+         associate (wheel => gearbox%wheels(gearbox%loads(i)%wheel))
+            if (wheel%prescribed == 0) &
+               call add_speed(wheel, wheel%i_speed, load_damping(gearbox%loads(i))*wheel%per_inertia, places, values)
+         end associate
+      end do
+      do i = 1, size(gearbox%shafts)
+         call add_shaft_torque(gearbox, i, places, values)
+      end do
+   end subroutine add_constants
+
+   !> Add all else that the forces bring.
+   subroutine add_forces(gearbox, t, y, integers, reals, frame, places, values, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: t, y(gearbox%n_states), reals(:)
+      integer, intent(in) :: integers(:)
+      type(frame_t), intent(in) :: frame !! of a housing that acts
+      type(jacobian_places), intent(in) :: places
+      real(wp), intent(inout) :: values(places%n_entries)
+      type(status_t), intent(inout) :: status
+      type(flank_state) :: at
+      real(wp) :: spin
+      integer :: i
+
+      spin = 0
+      if (gearbox%housing%acts) spin = frame%omega(3)
+      do i = 1, size(gearbox%contacts)
+         call add_contact(gearbox, i, y, spin, integers, reals, at, places, values, status)
+         if (has_failed(status)) return
+      end do
+      do i = 1, size(gearbox%shafts)
+         call add_shaft(gearbox, i, y, spin, places, values)
+      end do
+      do i = 1, size(gearbox%wheels)
+         call add_powers(gearbox, i, y, integers, places, values)
+         if (gearbox%housing%acts) call ride_gradient(gearbox, i, y, frame, places, values)
+      end do
+      do i = 1, size(gearbox%loads)
+         call add_load_power(gearbox, i, t, y, integers, places, values)
+      end do
+   end subroutine add_forces
+
+   !> What the dampers of a wheel's support take, and the power that drives a prescribed speed.
+   pure subroutine add_powers(gearbox, index, y, integers, places, values)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      real(wp), intent(in) :: y(gearbox%n_states)
+      integer, intent(in) :: integers(:)
+      type(jacobian_places), intent(in) :: places
+      real(wp), intent(inout) :: values(places%n_entries)
+      integer :: j
+
+      associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support)
+         do j = 1, support%n
+            associate (rate => support%i_state(j) + 1)
+               call add_entry(places, gearbox%i_dissipated, rate, -2*support%damping(j)*y(rate), values)
+            end associate
+         end do
+         if (wheel%prescribed > 0) &
+            call add_speed(wheel, gearbox%i_work, -wheel%inertia*wheel_acceleration(gearbox, index, 0.0_wp, integers), places, &
+                           values)
+      end associate
+   end subroutine add_powers
+
+   !> The power of a load on a wheel whose speed is not prescribed.
+   pure subroutine add_load_power(gearbox, index, t, y, integers, places, values)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index !! of the load
+      real(wp), intent(in) :: t, y(gearbox%n_states)
+      integer, intent(in) :: integers(:)
+      type(jacobian_places), intent(in) :: places
+      real(wp), intent(inout) :: values(places%n_entries)
+      real(wp) :: omega
+
+      associate (load => gearbox%loads(index), wheel => gearbox%wheels(gearbox%loads(index)%wheel))
+         if (wheel%prescribed > 0) return
+         omega = wheel_speed(wheel, y)
+         call add_speed(wheel, gearbox%i_work, load_damping(load)*omega - load_torque(load, t, omega, segment_of(load, integers)), &
+                        places, values)
+      end associate
+   end subroutine add_load_power
+
+   !> A tooth contact, if it touches, in the rows of its wheels, their supports and the energies.
+   subroutine add_contact(gearbox, index, y, spin, integers, reals, at, places, values, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      real(wp), intent(in) :: y(gearbox%n_states), spin, reals(:)
+      integer, intent(in) :: integers(:)
+      type(flank_state), intent(inout) :: at !! of an earlier contact, or none
+      type(jacobian_places), intent(in) :: places
+      real(wp), intent(inout) :: values(places%n_entries)
+      type(status_t), intent(inout) :: status
+      real(wp) :: rho_a0
+      type(mesh_force) :: force
+      type(mesh_force_gradient) :: gradient
+      type(mesh_mode) :: mode
+
+      mode = gearbox_mode(gearbox, index, integers, reals)
+      if (.not. touches(mode)) return
+      associate (mesh => gearbox%contacts(index))
+         if (at%mesh /= mesh%mesh .or. at%flank /= mesh%flank) call look_at_flank(gearbox, mesh, y, at)
+         rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
+         call mesh_gradient(mesh, mode, rho_a0, at%q, at%line, force, gradient, status)
+         if (has_failed(status)) return
+         call add_torque(gearbox, mesh, mesh%wheel_a, force%torque_a, gradient%torque_a, y, spin, places, values)
+         call add_torque(gearbox, mesh, mesh%wheel_b, force%torque_b, gradient%torque_b, y, spin, places, values)
+         call add_push(mesh%links, mesh%link_a, gearbox%wheels(mesh%wheel_a)%support%per_mass, gradient%on_a, places, values)
+         call add_push(mesh%links, mesh%link_b, -gearbox%wheels(mesh%wheel_b)%support%per_mass, gradient%on_a, places, values)
+         call scatter(mesh%links, gearbox%i_dissipated, -1.0_wp, gradient%dissipation, places, values)
+      end associate
+   end subroutine add_contact
+
+   !> Local variables and line of action, for all contacts of a flank.
+   pure subroutine look_at_flank(gearbox, mesh, y, at)
+      type(gearbox_t), intent(in) :: gearbox
+      type(contact_t), intent(in) :: mesh !! one of them
+      real(wp), intent(in) :: y(gearbox%n_states)
+      type(flank_state), intent(inout) :: at
+
+      at%mesh = mesh%mesh
+      at%flank = mesh%flank
+      call gearbox_local(gearbox, mesh, y, at%q)
+      if (mesh%tracking /= tracking_closed_form) return
+      if (mesh%axles_rest) then
+         at%line = mesh%rest_line
+      else
+         call closed_form_line(mesh%pair, at%q, at%line)
+      end if
+   end subroutine look_at_flank
+
+   !> A contact's torque on a wheel: it accelerates the wheel, or, if its speed is prescribed, is carried by the load.
+   pure subroutine add_torque(gearbox, mesh, index, torque, gradient, y, spin, places, values)
+      type(gearbox_t), intent(in) :: gearbox
+      type(contact_t), intent(in) :: mesh
+      integer, intent(in) :: index !! of the wheel
+      real(wp), intent(in) :: torque, gradient(n_local), y(gearbox%n_states), spin
+      type(jacobian_places), intent(in) :: places
+      real(wp), intent(inout) :: values(places%n_entries)
+
+      associate (wheel => gearbox%wheels(index), work => gearbox%i_work)
+         if (wheel%prescribed == 0) then
+            call scatter(mesh%links, wheel%i_speed, -wheel%per_inertia, gradient, places, values)
+            return
+         end if
+         call scatter(mesh%links, work, wheel_speed(wheel, y), gradient, places, values)
+         call add_speed(wheel, work, torque, places, values)
+         if (.not. (gearbox%housing%is_mounted .and. wheel_follows_ground(gearbox, index))) return
+         ! the torque of a speed prescribed against the ground balances the contacts, and acts on the housing
+         associate (o => gearbox%housing%i_state + at_omega + 2)
+            call scatter(mesh%links, work, spin, gradient, places, values)
+            call scatter(mesh%links, o, 1.0_wp, gradient, places, values)
+            call add_entry(places, work, o, torque, values)
+         end associate
+      end associate
+   end subroutine add_torque
+
+   !> A contact's force on the support of a wheel.
+   pure subroutine add_push(links, wheel, per_mass, gradient, places, values)
+      type(mesh_link), intent(in), contiguous :: links(:)
+      type(wheel_link), intent(in) :: wheel
+      real(wp), intent(in) :: per_mass !! inverse mass, negative for B, which feels the opposite
+      real(wp), intent(in) :: gradient(n_local, 2)
+      type(jacobian_places), intent(in) :: places
+      real(wp), intent(inout) :: values(places%n_entries)
+      real(wp) :: along(n_local)
+      integer :: j
+
+      do j = 1, wheel%n
+         along = wheel%along_t(j)*gradient(:, 1) + wheel%along_e(j)*gradient(:, 2)
+         call scatter(links, wheel%i_state(j) + 1, -per_mass, along, places, values)
+      end do
+   end subroutine add_push
+
+   !> Add a multiple of derivatives with respect to local variables to a row.
+   pure subroutine scatter(links, row, factor, gradient, places, values)
+      type(mesh_link), intent(in), contiguous :: links(:)
+      integer, intent(in) :: row
+      real(wp), intent(in) :: factor, gradient(n_local)
+      type(jacobian_places), intent(in) :: places
+      real(wp), intent(inout) :: values(places%n_entries)
+      integer :: i
+
+      do i = 1, size(links)
+         call add_entry(places, row, links(i)%state, factor*links(i)%weight*gradient(links(i)%local), values)
+      end do
+   end subroutine scatter
+
+   !> Complete the rows of the rotors' speeds: psi'' = phi'' - g theta''.
+   pure subroutine couple_reference(gearbox, places, values)
+      type(gearbox_t), intent(in) :: gearbox
+      type(jacobian_places), intent(in) :: places
+      real(wp), intent(inout) :: values(places%n_entries)
+      integer :: i, j, from, to
+
+      do i = 1, size(gearbox%wheels)
+         associate (wheel => gearbox%wheels(i))
+            if (wheel%leader /= i .or. wheel%i_psi == 0) cycle
+            do j = 1, places%n
+               from = entry_place(places, i_omega, j)
+               if (from == 0) cycle
+               to = entry_place(places, wheel%i_speed, j)
+               values(to) = values(to) - wheel%ratio*values(from)
+            end do
+         end associate
+      end do
+   end subroutine couple_reference
+
+end module evl_force_jacobian

@@ -1,0 +1,356 @@
+!> A gearbox: wheels on supports with loads, the shafts and the meshes between them, as one differential-algebraic system.
+!>
+!> Wheels that rigid shafts join are one rotor: they share psi and psi', their inertias and torques add. The rotor's leader, one of
+!> its wheels, stands for it where something is done once a rotor.
+!>
+!> State, in this order:
+!>
+!>    theta, omega               angle and speed of the reference wheel
+!>    psi_i, psi_i'              of every rotor but that of the reference wheel: phi_i = g_i theta + psi_i, g_i the kinematic speed
+!>                               ratio
+!>    s_j, s_j'                  of every degree of freedom of a support, from its reference position
+!>    turn, zeta, dr, lambda, mu   of every mesh that tracks its contact points, see evl_contact_tracking
+!>    r, p, v, Omega             of a mounted housing, see evl_housing
+!>    multiplier                 of every flank with rigid contact: its normal force
+!>    dissipated energy, work of the loads
+!>
+!> Discrete integers: turns of the reference wheel beside theta; tooth pair, contact mode and friction branch of every tooth
+!> contact; knots passed of every table. Discrete reals: the approach speed at the last closing of every tooth contact.
+module evl_gearbox
+   use evl_first_tooth_pair, only: tooth_phase_t
+   use evl_flank_deviation, only: flank_deviation_t
+   use evl_gear, only: gear_t
+   use evl_gears_in_mesh, only: gear_mesh_t
+   use evl_housing, only: housing_t
+   use evl_jacobian_places, only: add_entry, jacobian_places
+   use evl_kinds, only: wp
+   use evl_load, only: load_acceleration, load_damping, load_t, load_torque
+   use evl_local_variables, only: i_omega, n_local
+   use evl_mesh_geometry, only: spur_pair_t
+   use evl_mesh_reference, only: mesh_reference_t
+   use evl_rational, only: rational_t
+   use evl_shaft, only: shaft_t
+   use evl_status, only: status_t
+   use evl_tooth_contact, only: contact_loaded, contact_off, contact_t, mesh_mode
+   implicit none (type, external)
+   private
+
+   public :: add_speed, segment_of
+   public :: gearbox_t, wheel_t, support_t
+   public :: is_closed, pairs_loaded, carries_points, leading_contact
+   public :: gearbox_local, gearbox_mode, gearbox_store_mode, wheel_speed, wheel_load_torque, wheel_acceleration
+   public :: wheel_spin_torque, wheel_housing_torque, wheel_position, wheel_follows_ground
+   public :: support_fixed, support_slider, support_bearing, i_turns
+
+   integer, parameter :: support_fixed = 0   !! the axle does not move
+   integer, parameter :: support_slider = 1  !! it moves in one direction
+   integer, parameter :: support_bearing = 2 !! it moves in x and y
+
+   integer, parameter :: i_turns = 1 !! place of the turns in the discrete state
+
+   !> What carries an axle: up to two directions, each with spring and damper.
+   type :: support_t
+      integer :: kind = support_fixed
+      integer :: n = 0                       !! degrees of freedom
+      real(wp) :: direction(2, 2) = 0.0_wp   !! column j: unit vector of degree of freedom j in the housing frame
+      real(wp) :: mass = 0.0_wp              !! that moves: wheel and support [kg]
+      real(wp) :: per_mass = 0.0_wp          !! its inverse
+      real(wp) :: stiffness(2) = 0.0_wp      !! [N/m]
+      real(wp) :: damping(2) = 0.0_wp        !! [N s/m]
+      integer :: i_state(2) = 0              !! place of s_j in the state; s_j' follows
+   end type support_t
+
+   type :: wheel_t
+      integer :: teeth = 0                   !! 0: a disc
+      real(wp) :: pitch_radius = 0.0_wp, base_radius = 0.0_wp, tip_radius = 0.0_wp !! [m]; base and tip 0 without a mesh
+      real(wp) :: centre(2) = 0.0_wp         !! reference position of the axle [m]
+      real(wp) :: mass = 0.0_wp              !! of the wheel alone [kg]
+      real(wp) :: inertia = 0.0_wp           !! about the axle [kg m^2]
+      real(wp) :: transverse_inertia = 0.0_wp !! about a diameter [kg m^2]
+      real(wp) :: axial_position = 0.0_wp    !! z of its middle plane [m]
+      type(rational_t) :: exact_ratio        !! g: nominal speed over that of the reference wheel
+      real(wp) :: ratio = 0.0_wp             !! g as a real number
+      integer :: leader = 0                  !! wheel that stands for its rotor
+      real(wp) :: rotor_inertia = 0.0_wp     !! of all wheels of its rotor about the axle [kg m^2]
+      real(wp) :: per_inertia = 0.0_wp       !! its inverse
+      logical :: is_loaded = .false.         !! whether there is a load on it
+      integer :: i_psi = 0                   !! place of psi in the state, psi' follows; 0 in the rotor of the reference wheel
+      integer :: i_speed = 0                 !! place of its speed's rate among the rows: i_omega or i_psi + 1
+      integer :: prescribed = 0              !! load that prescribes the speed of its rotor; 0: none
+      type(support_t) :: support
+      type(flank_deviation_t) :: deviation   !! of its flanks from the involute
+   end type wheel_t
+
+   type :: gearbox_t
+      type(wheel_t), allocatable :: wheels(:)
+      type(load_t), allocatable :: loads(:)
+      type(shaft_t), allocatable :: shafts(:)
+      type(contact_t), allocatable :: contacts(:) !! tooth contacts, mesh by mesh: slots of the drive flank, then of the coast flank
+      type(spur_pair_t), allocatable :: pairs(:)  !! geometry of each mesh
+      type(tooth_phase_t), allocatable :: phases(:) !! first tooth pair of each mesh
+      integer, allocatable :: first(:)            !! first tooth contact of each mesh; behind the last mesh, one more than all
+      type(gear_t), allocatable :: gears(:)            !! of each wheel, initial values if it is no real gear
+      type(gear_mesh_t), allocatable :: gear_meshes(:) !! of each mesh, the same
+      type(mesh_reference_t), allocatable :: references(:) !! each mesh at its nominal load
+      type(housing_t) :: housing
+      integer, allocatable :: output_offsets(:), output_counts(:) !! places of what it tells among the values, offsets from 0
+      real(wp), allocatable :: constants(:)             !! values of the outputs at its beginning, which do not change
+      type(status_t), allocatable :: warnings(:) !! of the creation
+      integer :: reference = 1               !! wheel whose angle is theta, the leader of its rotor
+      integer :: n_states = 0, n_integers = 0, n_values = 0 !! lengths of the state, the discrete state and the outputs
+      integer :: n_multipliers = 0            !! flanks with rigid contact
+      integer :: n_roots = 0                  !! root functions
+      integer :: i_dissipated = 0, i_work = 0 !! places of the two energies in the state
+   end type gearbox_t
+
+contains
+
+   !> Local variables of a mesh from the state.
+   pure subroutine gearbox_local(gearbox, mesh, y, q)
+      type(gearbox_t), intent(in) :: gearbox
+      type(contact_t), intent(in) :: mesh
+      real(wp), intent(in) :: y(gearbox%n_states)
+      real(wp), intent(out) :: q(n_local)
+      integer :: i
+
+      q = 0
+      do i = 1, size(mesh%links)
+         associate (link => mesh%links(i))
+            q(link%local) = q(link%local) + link%weight*y(link%state)
+         end associate
+      end do
+   end subroutine gearbox_local
+
+   !> Discrete state of a tooth contact.
+   pure type(mesh_mode) function gearbox_mode(gearbox, index, integers, reals) result(mode)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index    !! of the tooth contact
+      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: reals(:)
+      integer :: n
+
+      associate (i => gearbox%contacts(index)%i_mode)
+         mode%teeth = integers(i)
+         mode%contact = integers(i + 1)
+         mode%friction = integers(i + 2)
+         if (gearbox%contacts(index)%deviates) then
+            mode%zone_a = integers(i + 3)
+            mode%zone_b = integers(i + 4)
+         end if
+      end associate
+      if (gearbox%contacts(index)%i_side > 0) mode%side = integers(gearbox%contacts(index)%i_side)
+      mode%v0 = reals(index)
+      if (.not. gearbox%contacts(index)%rigid) return
+      n = pairs_loaded(gearbox, index, integers)
+      if (n > 1) mode%share = 1/real(n, wp)
+   end function gearbox_mode
+
+   !> How many tooth pairs of a contact's flank carry load.
+   pure integer function pairs_loaded(gearbox, index, integers) result(n)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index    !! of any tooth contact of the flank
+      integer, intent(in) :: integers(:)
+      integer :: m
+
+      n = 0
+      associate (first => index - gearbox%contacts(index)%slot)
+         do m = first, first + gearbox%contacts(index)%n_slots - 1
+            if (integers(gearbox%contacts(m)%i_mode + 1) == contact_loaded) n = n + 1
+         end do
+      end associate
+   end function pairs_loaded
+
+   !> Whether a flank's tracked points are those of this contact's tooth pair: the first one of the flank that is on the path.
+   pure logical function carries_points(gearbox, index, integers)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index    !! of the tooth contact
+      integer, intent(in) :: integers(:)
+      integer :: m
+
+      carries_points = .false.
+      if (gearbox%contacts(index)%i_track == 0) return
+      associate (first => index - gearbox%contacts(index)%slot, n => gearbox%contacts(index)%n_slots)
+         do m = first, first + n - 1
+            if (integers(gearbox%contacts(m)%i_mode + 1) == contact_off) cycle
+            carries_points = m == index
+            return
+         end do
+         carries_points = first == index
+      end associate
+   end function carries_points
+
+   !> The tooth contact that speaks for a mesh: the pair that has been longest on the path of the drive flank, or waits for it.
+   pure integer function leading_contact(gearbox, mesh, integers) result(index)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: mesh
+      integer, intent(in) :: integers(:)
+      logical :: on, best_on
+      integer :: m
+
+      index = gearbox%first(mesh)
+      best_on = integers(gearbox%contacts(index)%i_mode + 1) /= contact_off
+      do m = index + 1, gearbox%first(mesh) + gearbox%contacts(index)%n_slots - 1
+         associate (mine => gearbox%contacts(m)%i_mode, best => gearbox%contacts(index)%i_mode)
+            on = integers(mine + 1) /= contact_off
+            if (best_on .and. .not. on) cycle
+            if ((on .eqv. best_on) .and. integers(mine) > integers(best)) cycle
+         end associate
+         index = m
+         best_on = on
+      end do
+   end function leading_contact
+
+   !> Put the discrete state of a tooth contact back.
+   pure subroutine gearbox_store_mode(gearbox, index, mode, integers, reals)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      type(mesh_mode), intent(in) :: mode
+      integer, intent(inout) :: integers(:)
+      real(wp), intent(inout) :: reals(:)
+
+      associate (i => gearbox%contacts(index)%i_mode)
+         integers(i:i + 2) = [mode%teeth, mode%contact, mode%friction]
+         if (gearbox%contacts(index)%deviates) integers(i + 3:i + 4) = [mode%zone_a, mode%zone_b]
+      end associate
+      if (gearbox%contacts(index)%i_side > 0) integers(gearbox%contacts(index)%i_side) = mode%side
+      reals(index) = mode%v0
+   end subroutine gearbox_store_mode
+
+   !> Angular velocity of a wheel [rad/s].
+   pure real(wp) function wheel_speed(wheel, y) result(omega)
+      type(wheel_t), intent(in) :: wheel
+      real(wp), intent(in) :: y(:)
+
+      omega = wheel%ratio*y(i_omega)
+      if (wheel%i_psi > 0) omega = omega + y(wheel%i_psi + 1)
+   end function wheel_speed
+
+   !> Add a multiple of a wheel's speed gradient to a row.
+   pure subroutine add_speed(wheel, row, factor, places, values)
+      type(wheel_t), intent(in) :: wheel
+      integer, intent(in) :: row !! of a Jacobian
+      real(wp), intent(in) :: factor
+      type(jacobian_places), intent(in) :: places
+      real(wp), intent(inout) :: values(places%n_entries)
+
+      call add_entry(places, row, i_omega, wheel%ratio*factor, values)
+      if (wheel%i_psi > 0) call add_entry(places, row, wheel%i_psi + 1, factor, values)
+   end subroutine add_speed
+
+   !> Sum of the torques that the loads of a wheel know; that of a prescribed speed is not among them [N m].
+   pure real(wp) function wheel_load_torque(gearbox, index, t, omega, integers) result(torque)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      real(wp), intent(in) :: t, omega
+      integer, intent(in) :: integers(:)
+      integer :: i
+
+      torque = 0
+      do i = 1, size(gearbox%loads)
+         if (gearbox%loads(i)%wheel == index) &
+            torque = torque + load_torque(gearbox%loads(i), t, omega, segment_of(gearbox%loads(i), integers))
+      end do
+   end function wheel_load_torque
+
+   !> What the turning of the housing adds to it: torques against the ground follow the speed seen from there [N m].
+   pure real(wp) function wheel_spin_torque(gearbox, index, spin) result(torque)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      real(wp), intent(in) :: spin !! Omega_z of the housing [rad/s]
+      integer :: i
+
+      torque = 0
+      do i = 1, size(gearbox%loads)
+         associate (load => gearbox%loads(i))
+            if (load%wheel == index .and. .not. load%against_housing) torque = torque - load_damping(load)*spin
+         end associate
+      end do
+   end function wheel_spin_torque
+
+   !> The part of the torque of a wheel's loads whose reaction goes to the housing [N m].
+   pure real(wp) function wheel_housing_torque(gearbox, index, t, omega, spin, total, integers) result(torque)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      real(wp), intent(in) :: t, omega, spin
+      real(wp), intent(in) :: total !! of all loads, with that of a prescribed speed [N m]
+      integer, intent(in) :: integers(:)
+      logical :: follows
+      integer :: i
+
+      follows = wheel_follows_ground(gearbox, index)
+      torque = merge(0.0_wp, total, follows)
+      do i = 1, size(gearbox%loads)
+         associate (load => gearbox%loads(i))
+            if (load%wheel /= index .or. (load%against_housing .neqv. follows)) cycle
+            torque = torque + merge(1.0_wp, -1.0_wp, follows)*load_torque(load, t, omega, segment_of(load, integers))
+         end associate
+      end do
+      if (.not. follows) torque = torque - wheel_spin_torque(gearbox, index, spin)
+   end function wheel_housing_torque
+
+   !> Whether phi'' + Omega_z', not phi'', follows from torques or a prescribed speed: all but a speed against the housing.
+   pure logical function wheel_follows_ground(gearbox, index) result(follows)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+
+      follows = .true.
+      associate (driver => gearbox%wheels(index)%prescribed)
+         if (driver > 0) follows = .not. gearbox%loads(driver)%against_housing
+      end associate
+   end function wheel_follows_ground
+
+   !> Centre of a wheel in the housing frame and its velocity there [m], [m/s].
+   pure subroutine wheel_position(wheel, y, centre, velocity)
+      type(wheel_t), intent(in) :: wheel
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(out) :: centre(3), velocity(3)
+      integer :: j
+
+      centre = [wheel%centre, wheel%axial_position]
+      velocity = 0
+      do j = 1, wheel%support%n
+         associate (i => wheel%support%i_state(j), d => wheel%support%direction(:, j))
+            centre(1:2) = centre(1:2) + y(i)*d
+            velocity(1:2) = velocity(1:2) + y(i + 1)*d
+         end associate
+      end do
+   end subroutine wheel_position
+
+   !> Knots that a load's table has passed; 0 without a table.
+   pure integer function segment_of(load, integers) result(segment)
+      type(load_t), intent(in) :: load
+      integer, intent(in) :: integers(:)
+
+      segment = 0
+      if (load%i_segment > 0) segment = integers(load%i_segment)
+   end function segment_of
+
+   !> Angular acceleration of a rotor under the torque of its meshes, shafts and loads, or the prescribed one [rad/s^2].
+   pure real(wp) function wheel_acceleration(gearbox, index, torque, integers) result(acceleration)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index       !! of one of its wheels
+      real(wp), intent(in) :: torque     !! on the rotor [N m]
+      integer, intent(in) :: integers(:)
+
+      associate (wheel => gearbox%wheels(index))
+         if (wheel%prescribed > 0) then
+            associate (load => gearbox%loads(wheel%prescribed))
+               acceleration = load_acceleration(load, segment_of(load, integers))
+            end associate
+         else
+            acceleration = torque*wheel%per_inertia
+         end if
+      end associate
+   end function wheel_acceleration
+
+   !> Whether a tooth contact leads a rigid flank that is closed.
+   pure logical function is_closed(gearbox, index, integers)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      integer, intent(in) :: integers(:)
+
+      is_closed = gearbox%contacts(index)%leads
+      if (is_closed) is_closed = pairs_loaded(gearbox, index, integers) > 0
+   end function is_closed
+
+end module evl_gearbox

@@ -1,0 +1,192 @@
+!> When something happens to a gearbox, and what changes when it does.
+module evl_gearbox_events
+   use evl_contact_events, only: roots_of_contact
+   use evl_contact_point, only: contact_point
+   use evl_contact_roots, only: mark_idle_roots, mesh_root_directions
+   use evl_contact_tracking, only: project_points
+   use evl_dae_residual, only: gearbox_derivative
+   use evl_event_kinds, only: event_knot, event_log, event_opened, event_revolution, event_t, note
+   use evl_gearbox, only: carries_points, gearbox_local, gearbox_mode, gearbox_t, i_turns
+   use evl_housing, only: housing_renormalise
+   use evl_kinds, only: pi, wp
+   use evl_load, only: load_next_knot
+   use evl_local_variables, only: at_track, i_theta, n_local, n_track
+   use evl_rigid_events, only: closed_flanks, settle_rigid
+   use evl_settle_modes, only: most_settling, settle_modes
+   use evl_status, only: has_failed, status_t
+   use evl_tooth_contact, only: contact_apart, mesh_mode, mesh_nominal_rho
+   implicit none (type, external)
+   private
+
+   public :: gearbox_event_room, turns_root
+   public :: gearbox_root, gearbox_roots, gearbox_root_directions, gearbox_next_time_event, gearbox_apply_event
+
+   integer, parameter :: most_turns = 2       !! theta is reduced at events past one turn, and at this many at the latest
+
+contains
+
+   !> Root functions at a state: those of the tooth contacts, and the turns of the reference wheel.
+   subroutine gearbox_roots(gearbox, y, integers, reals, roots, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: y(gearbox%n_states), reals(:)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(out) :: roots(gearbox%n_roots)
+      type(status_t), intent(inout) :: status
+      type(contact_point) :: point
+      type(mesh_mode) :: mode
+      integer :: m
+
+      do m = 1, size(gearbox%contacts)
+         associate (first => gearbox%contacts(m)%i_root + 1, last => gearbox%contacts(m)%i_root + gearbox%contacts(m)%n_roots)
+            call roots_of_contact(gearbox, m, y, integers, reals, mode, point, roots(first:last), status)
+         end associate
+         if (has_failed(status)) return
+      end do
+      roots(gearbox%n_roots) = turns_root(y(i_theta))
+   end subroutine gearbox_roots
+
+   !> One root function at a state, as `gearbox_roots` gives it; the other places of `roots` may change to theirs.
+   subroutine gearbox_root(gearbox, index, y, integers, reals, roots, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index               !! which one: 1 .. n_roots
+      real(wp), intent(in) :: y(gearbox%n_states), reals(:)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(inout) :: roots(gearbox%n_roots)
+      type(status_t), intent(inout) :: status
+      type(contact_point) :: point
+      type(mesh_mode) :: mode
+      integer :: m
+
+      do m = 1, size(gearbox%contacts)
+         associate (first => gearbox%contacts(m)%i_root + 1, last => gearbox%contacts(m)%i_root + gearbox%contacts(m)%n_roots)
+            if (index > last) cycle
+            call roots_of_contact(gearbox, m, y, integers, reals, mode, point, roots(first:last), status)
+         end associate
+         return
+      end do
+      roots(gearbox%n_roots) = turns_root(y(i_theta))
+   end subroutine gearbox_root
+
+   !> The root function of the turns of the reference wheel.
+   elemental real(wp) function turns_root(theta) result(root)
+      real(wp), intent(in) :: theta !! [rad]
+
+      root = 1 - (theta/(2*pi*most_turns))**2
+   end function turns_root
+
+   !> Directions that count in the present modes.
+   pure subroutine gearbox_root_directions(gearbox, integers, directions, idle)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: integers(:)
+      integer, intent(out) :: directions(gearbox%n_roots)
+      integer, intent(in), optional :: idle !! given to root functions without meaning in the present modes, which are 1
+      type(mesh_mode) :: mode
+      real(wp) :: no_reals(size(gearbox%contacts))
+      integer :: m
+
+      no_reals = 0
+      do m = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(m))
+            associate (mine => directions(mesh%i_root + 1:mesh%i_root + mesh%n_roots))
+               mode = gearbox_mode(gearbox, m, integers, no_reals)
+               call mesh_root_directions(mesh, mode, mine)
+               if (present(idle)) call mark_idle_roots(mesh, mode, idle, mine)
+            end associate
+         end associate
+      end do
+      directions(gearbox%n_roots) = -1
+   end subroutine gearbox_root_directions
+
+   !> The most that can be noted at one event: of each contact once and in every turn of settling, after an impact again; what
+   !> impacts and rigid forces bring; a knot and a revolution.
+   pure integer function gearbox_event_room(gearbox) result(room)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, parameter :: of_contact = 5 !! pair, border, sliding, contact, distance
+      integer, parameter :: of_flank = 4   !! opened, impact or closed, impacts ended, opened
+
+      room = size(gearbox%contacts)*(of_contact*(1 + 2*most_settling) + of_flank) + 2
+   end function gearbox_event_room
+
+   !> Time of the next knot of a table [s]; huge if there is none.
+   pure real(wp) function gearbox_next_time_event(gearbox, integers) result(time)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: integers(:)
+      integer :: i
+
+      time = huge(time)
+      do i = 1, size(gearbox%loads)
+         associate (load => gearbox%loads(i))
+            if (load%i_segment > 0) time = min(time, load_next_knot(load, integers(load%i_segment)))
+         end associate
+      end do
+   end function gearbox_next_time_event
+
+   !> Apply what happened at t and make y' consistent.
+   subroutine gearbox_apply_event(gearbox, t, fired, time_event, y, yp, integers, reals, events, n_events, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: t
+      integer, intent(in) :: fired(gearbox%n_roots) !! not 0 where a root function passed zero
+      logical, intent(in) :: time_event      !! t is the time of the next knot
+      real(wp), intent(inout) :: y(gearbox%n_states)
+      real(wp), intent(out) :: yp(gearbox%n_states)
+      integer, intent(inout) :: integers(:)
+      real(wp), intent(inout) :: reals(:)
+      type(event_t), intent(out) :: events(:) !! [gearbox_event_room]
+      integer, intent(out) :: n_events
+      type(status_t), intent(inout) :: status
+      type(event_log) :: log
+      logical :: was_closed(size(gearbox%contacts))
+      integer :: i
+
+      allocate (log%events(size(events)))
+      was_closed = closed_flanks(gearbox, integers)
+      if (time_event) then
+         do i = 1, size(gearbox%loads)
+            associate (load => gearbox%loads(i))
+               if (load%i_segment == 0) cycle
+               if (load_next_knot(load, integers(load%i_segment)) <= t) &
+                  integers(load%i_segment) = integers(load%i_segment) + 1
+            end associate
+         end do
+         call note(log, event_knot)
+      end if
+      call settle_modes(gearbox, fired, y, integers, reals, log, status)
+      if (abs(y(i_theta)) >= 2*pi .or. fired(gearbox%n_roots) /= 0) then
+         i = int(y(i_theta)/(2*pi)*(1 + epsilon(pi)))
+         integers(i_turns) = integers(i_turns) + i
+         y(i_theta) = y(i_theta) - 2*pi*i
+         call note(log, event_revolution)
+      end if
+      if (gearbox%n_multipliers > 0 .and. .not. has_failed(status)) &
+         call settle_rigid(gearbox, t, was_closed, y, integers, reals, log, status)
+      call project_tracked(gearbox, y, integers, reals)
+      call housing_renormalise(gearbox%housing, y)
+      events(:log%n) = log%events(:log%n)
+      n_events = log%n
+      if (.not. has_failed(status)) call gearbox_derivative(gearbox, t, y, integers, reals, yp, status)
+   end subroutine gearbox_apply_event
+
+   !> Restart with the tracked points exactly on their flanks; where they cannot be put, the derivative says why.
+   subroutine project_tracked(gearbox, y, integers, reals)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(inout) :: y(gearbox%n_states)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: reals(:)
+      type(mesh_mode) :: mode
+      real(wp) :: q(n_local)
+      logical :: solved
+      integer :: m
+
+      do m = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(m))
+            if (.not. carries_points(gearbox, m, integers)) cycle
+            mode = gearbox_mode(gearbox, m, integers, reals)
+            if (mode%contact == contact_apart) cycle
+            call gearbox_local(gearbox, mesh, y, q)
+            call project_points(mesh%pair, mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth), q, solved)
+            if (solved) y(mesh%i_track:mesh%i_track + n_track - 1) = q(at_track:)
+         end associate
+      end do
+   end subroutine project_tracked
+
+end module evl_gearbox_events

@@ -1,0 +1,340 @@
+!> The rates of a gearbox for eight states at once, as `gearbox_rates` gives them for one.
+!>
+!> It serves tooth contacts in closed form with a force law, in a fixed housing without gravity: see `lanes_serve`.
+module evl_gearbox_lanes
+   use evl_contact_lanes, only: contact_in_lanes
+   use evl_contacts_in_lanes, only: lane_slot
+   use evl_force_lanes, only: forces_in_lanes, lane_force, laws_have_lanes
+   use evl_gearbox, only: gearbox_t, segment_of, wheel_acceleration, wheel_t
+   use evl_gearbox_rates, only: gearbox_rates
+   use evl_kinds, only: lanes, wp
+   use evl_line_lanes, only: lane_line, line_in_lanes, turn_wheel
+   use evl_load, only: load_damping, load_table, load_torque, load_varies
+   use evl_local_variables, only: i_omega, i_theta, wheel_link
+   use evl_shaft, only: shaft_t
+   use evl_status, only: code_out_of_domain, fail, has_failed, status_t
+   use evl_tooth_contact, only: contact_loaded, contact_t, touches, tracking_closed_form
+   implicit none (type, external)
+   private
+
+   public :: lanes_serve, rates_in_lanes
+
+contains
+
+   include "parts/between_knots.inc"
+   include "parts/springs_and_dampers.inc"
+
+   !> Whether a gearbox can be evaluated here; if not, its states are asked one by one.
+   pure logical function lanes_serve(gearbox) result(serve)
+      type(gearbox_t), intent(in) :: gearbox
+      integer :: i
+
+      serve = .not. gearbox%housing%acts
+      do i = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(i))
+            serve = serve .and. .not. mesh%rigid .and. mesh%tracking == tracking_closed_form .and. laws_have_lanes(mesh)
+         end associate
+      end do
+   end function lanes_serve
+
+   !> Rates of all states: y' = f(t, y).
+   subroutine rates_in_lanes(gearbox, t, y, integers, reals, slots, f, status)
+      type(gearbox_t), intent(in) :: gearbox           !! one that `lanes_serve` accepts
+      real(wp), intent(in) :: t(lanes)                 !! [s]
+      real(wp), intent(in) :: y(lanes, gearbox%n_states)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: reals(:)
+      type(lane_slot), intent(inout) :: slots(:)       !! [tooth contacts] settled; those that touch are put down
+      real(wp), intent(out) :: f(lanes, gearbox%n_states)
+      type(status_t), intent(inout) :: status          !! code_out_of_domain if a law has no answer in one of the lanes
+      type(lane_line) :: line
+      logical :: answered
+      integer :: i
+
+      f = 0
+      do i = 1, size(gearbox%contacts)
+         call add_contact(gearbox, gearbox%contacts(i), y, line, slots(i), f, answered)
+         if (.not. answered) then
+            call say_why(gearbox, t, y, integers, reals, status)
+            return
+         end if
+      end do
+      do i = 1, size(gearbox%shafts)
+         if (.not. gearbox%shafts(i)%rigid) &
+            call twist_shaft(gearbox%shafts(i), gearbox%wheels(gearbox%shafts(i)%wheel_a)%i_speed, &
+                             gearbox%wheels(gearbox%shafts(i)%wheel_b)%i_speed, gearbox%i_dissipated, y, f)
+      end do
+      do i = 1, size(gearbox%wheels)
+         call load_wheel(gearbox, i, t, y, integers, f)
+      end do
+      do i = 1, size(gearbox%wheels)
+         if (gearbox%wheels(i)%leader == i) call accelerate_rotor(gearbox, i, y, integers, f)
+      end do
+      f(:, i_theta) = y(:, i_omega)
+      do i = 1, size(gearbox%wheels)
+         associate (psi => gearbox%wheels(i)%i_psi, speed => gearbox%wheels(i)%i_speed)
+            if (psi == 0 .or. gearbox%wheels(i)%leader /= i) cycle
+            call deviate(gearbox%wheels(i)%ratio, y(:, psi + 1), f(:, i_omega), f(:, psi), f(:, speed))
+         end associate
+      end do
+   end subroutine rates_in_lanes
+
+   !> The first lane without an answer says why, in the words of the scalar kernel.
+   subroutine say_why(gearbox, t, y, integers, reals, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: t(lanes), y(lanes, gearbox%n_states), reals(:)
+      integer, intent(in) :: integers(:)
+      type(status_t), intent(inout) :: status
+      real(wp) :: f(gearbox%n_states)
+      integer :: l
+
+      do l = 1, lanes
+         call gearbox_rates(gearbox, t(l), y(l, :), integers, reals, f, status)
+         if (has_failed(status)) return
+      end do
+      call fail(status, code_out_of_domain, "a contact law has no answer at one of the states")
+   end subroutine say_why
+
+   !> Forces of a tooth contact in the rows of its wheels, their supports and the dissipated energy.
+   subroutine add_contact(gearbox, mesh, y, line, slot, f, answered)
+      type(gearbox_t), intent(in) :: gearbox
+      type(contact_t), intent(in) :: mesh
+      real(wp), intent(in) :: y(lanes, gearbox%n_states)
+      type(lane_line), intent(inout) :: line    !! of an earlier contact, or nobody's
+      type(lane_slot), intent(inout) :: slot
+      real(wp), intent(inout) :: f(lanes, gearbox%n_states)
+      logical, intent(out) :: answered
+      type(lane_force) :: force
+
+      answered = .true.
+      if (.not. touches(slot%mode)) return
+      call line_in_lanes(mesh, y, line)
+      call contact_in_lanes(mesh, slot%mode, slot%rho_start, line, slot%at)
+      call forces_in_lanes(mesh, slot%mode, line%margin, slot%at, force, answered)
+      if (.not. answered) return
+      slot%unclipped = force%elastic + force%viscous
+      if (slot%mode%contact == contact_loaded) slot%friction = force%factor
+      call add(force%torque_a, f(:, gearbox%wheels(mesh%wheel_a)%i_speed))
+      call add(force%torque_b, f(:, gearbox%wheels(mesh%wheel_b)%i_speed))
+      call push_axle(mesh%link_a, 1.0_wp, force, f)
+      call push_axle(mesh%link_b, -1.0_wp, force, f)
+      call add(force%dissipation, f(:, gearbox%i_dissipated))
+   end subroutine add_contact
+
+   !> Add to a row of the rates.
+   pure subroutine add(x, row)
+      real(wp), intent(in) :: x(lanes)
+      real(wp), intent(inout) :: row(lanes)
+      integer :: l
+
+      !$omp simd
+      do l = 1, lanes
+         row(l) = row(l) + x(l)
+      end do
+   end subroutine add
+
+   !> Add to a row of the rates what is multiplied.
+   pure subroutine add_product(a, b, row)
+      real(wp), intent(in) :: a(lanes), b(lanes)
+      real(wp), intent(inout) :: row(lanes)
+      integer :: l
+
+      !$omp simd
+      do l = 1, lanes
+         row(l) = row(l) + a(l)*b(l)
+      end do
+   end subroutine add_product
+
+   !> Force of a tooth contact on an axle.
+   pure subroutine push_axle(link, sign, force, f)
+      type(wheel_link), intent(in) :: link
+      real(wp), intent(in) :: sign !! +1 on A, -1 on B
+      type(lane_force), intent(in) :: force
+      real(wp), intent(inout) :: f(lanes, *)
+      integer :: j
+
+      do j = 1, link%n
+         call push(sign*link%along_t(j), sign*link%along_e(j), force%on_a_t, force%on_a_e, f(:, link%i_state(j) + 1))
+      end do
+   end subroutine push_axle
+
+   !> Force in one direction.
+   pure subroutine push(along_t, along_e, force_t, force_e, row)
+      real(wp), intent(in) :: along_t, along_e, force_t(lanes), force_e(lanes)
+      real(wp), intent(inout) :: row(lanes)
+      integer :: l
+
+      !$omp simd
+      do l = 1, lanes
+         row(l) = row(l) + force_t(l)*along_t + force_e(l)*along_e
+      end do
+   end subroutine push
+
+   !> Torque of an elastic shaft on its two wheels, and what its damping takes.
+   pure subroutine twist_shaft(shaft, row_a, row_b, row_dissipated, y, f)
+      type(shaft_t), intent(in) :: shaft
+      integer, intent(in) :: row_a, row_b, row_dissipated
+      real(wp), intent(in) :: y(lanes, *)
+      real(wp), intent(inout) :: f(lanes, *)
+      real(wp), dimension(lanes) :: psi_a, psi_b, rate_a, rate_b, torque, power
+      real(wp) :: stiffness, damping
+      integer :: l
+
+      call turn_wheel(shaft%i_psi_a, y, psi_a, rate_a)
+      call turn_wheel(shaft%i_psi_b, y, psi_b, rate_b)
+      stiffness = shaft%stiffness
+      damping = shaft%damping
+      !$omp simd
+      do l = 1, lanes
+         torque(l) = spring_damper(stiffness, damping, psi_a(l) - psi_b(l), rate_a(l) - rate_b(l))
+         power(l) = damper_power(damping, rate_a(l) - rate_b(l))
+      end do
+      call add(-torque, f(:, row_a))
+      call add(torque, f(:, row_b))
+      call add(power, f(:, row_dissipated))
+   end subroutine twist_shaft
+
+   !> Torque and power of a wheel's loads; acceleration of its support.
+   subroutine load_wheel(gearbox, index, t, y, integers, f)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      real(wp), intent(in) :: t(lanes), y(lanes, gearbox%n_states)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(inout) :: f(lanes, gearbox%n_states)
+      real(wp), dimension(lanes) :: omega, torque
+      integer :: j
+
+      associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support)
+         if (wheel%is_loaded) then
+            call speed_of(wheel, y, omega)
+            torque = 0
+            do j = 1, size(gearbox%loads)
+               if (gearbox%loads(j)%wheel == index) call add_load(gearbox, j, t, omega, integers, torque)
+            end do
+            call add(torque, f(:, wheel%i_speed))
+            call add_product(torque, omega, f(:, gearbox%i_work))
+         end if
+         do j = 1, support%n
+            associate (i => support%i_state(j))
+               call move_support(support%stiffness(j), support%damping(j), support%per_mass, y(:, i), y(:, i + 1), &
+                                 f(:, i), f(:, i + 1), f(:, gearbox%i_dissipated))
+            end associate
+         end do
+      end associate
+   end subroutine load_wheel
+
+   !> One degree of freedom of a support.
+   pure subroutine move_support(stiffness, damping, per_mass, s, s_dot, rate, acceleration, power)
+      real(wp), intent(in) :: stiffness, damping, per_mass
+      real(wp), intent(in) :: s(lanes), s_dot(lanes)
+      real(wp), intent(out) :: rate(lanes)
+      real(wp), intent(inout) :: acceleration(lanes) !! the force; the acceleration
+      real(wp), intent(inout) :: power(lanes)        !! dissipated
+      integer :: l
+
+      !$omp simd
+      do l = 1, lanes
+         rate(l) = s_dot(l)
+         acceleration(l) = support_acceleration(acceleration(l), stiffness, damping, per_mass, s(l), s_dot(l))
+         power(l) = power(l) + damper_power(damping, s_dot(l))
+      end do
+   end subroutine move_support
+
+   !> Add the torque of a load: of a table by the time of each lane, else linear in the speed.
+   subroutine add_load(gearbox, index, t, omega, integers, torque)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      real(wp), intent(in) :: t(lanes), omega(lanes)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(inout) :: torque(lanes)
+      real(wp) :: constant, damping, t_1, t_2, value_1, value_2
+      integer :: l, segment
+
+      associate (load => gearbox%loads(index))
+         segment = segment_of(load, integers)
+         if (load%kind == load_table .and. load_varies(load, segment)) then
+            t_1 = load%time(segment)
+            t_2 = load%time(segment + 1)
+            value_1 = load%values(segment)
+            value_2 = load%values(segment + 1)
+            !$omp simd
+            do l = 1, lanes
+               torque(l) = torque(l) + between_knots(t(l), t_1, t_2, value_1, value_2)
+            end do
+         else
+            constant = load_torque(load, t(1), 0.0_wp, segment)
+            damping = load_damping(load)
+            !$omp simd
+            do l = 1, lanes
+               torque(l) = torque(l) + (constant - damping*omega(l))
+            end do
+         end if
+      end associate
+   end subroutine add_load
+
+   !> From the torque on a rotor to its acceleration; a load that prescribes its speed brings the power that is missing.
+   subroutine accelerate_rotor(gearbox, leader, y, integers, f)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: leader
+      real(wp), intent(in) :: y(lanes, gearbox%n_states)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(inout) :: f(lanes, gearbox%n_states)
+      real(wp) :: missing(lanes), omega(lanes), acceleration
+
+      associate (wheel => gearbox%wheels(leader))
+         if (wheel%prescribed == 0) then
+            call scale(wheel%per_inertia, f(:, wheel%i_speed))
+            return
+         end if
+         acceleration = wheel_acceleration(gearbox, leader, 0.0_wp, integers)
+         missing = -f(:, wheel%i_speed) + wheel%rotor_inertia*acceleration
+         f(:, wheel%i_speed) = acceleration
+         call speed_of(wheel, y, omega)
+         call add_product(missing, omega, f(:, gearbox%i_work))
+      end associate
+   end subroutine accelerate_rotor
+
+   !> Multiply a row of the rates.
+   pure subroutine scale(factor, row)
+      real(wp), intent(in) :: factor
+      real(wp), intent(inout) :: row(lanes)
+      integer :: l
+
+      !$omp simd
+      do l = 1, lanes
+         row(l) = factor*row(l)
+      end do
+   end subroutine scale
+
+   !> From the accelerations to those of the deviations: psi'' = phi'' - g theta''; and the rate of psi.
+   pure subroutine deviate(ratio, psi_dot, reference, rate, acceleration)
+      real(wp), intent(in) :: ratio
+      real(wp), intent(in) :: psi_dot(lanes), reference(lanes)
+      real(wp), intent(out) :: rate(lanes)
+      real(wp), intent(inout) :: acceleration(lanes)
+      integer :: l
+
+      !$omp simd
+      do l = 1, lanes
+         rate(l) = psi_dot(l)
+         acceleration(l) = acceleration(l) - ratio*reference(l)
+      end do
+   end subroutine deviate
+
+   !> Angular velocity of a wheel [rad/s].
+   pure subroutine speed_of(wheel, y, omega)
+      type(wheel_t), intent(in) :: wheel
+      real(wp), intent(in) :: y(lanes, *)
+      real(wp), intent(out) :: omega(lanes)
+      real(wp) :: psi(lanes), psi_dot(lanes), ratio
+      integer :: l
+
+      call turn_wheel(wheel%i_psi, y, psi, psi_dot)
+      ratio = wheel%ratio
+      !$omp simd
+      do l = 1, lanes
+         omega(l) = ratio*y(l, i_omega) + psi_dot(l)
+      end do
+   end subroutine speed_of
+
+end module evl_gearbox_lanes

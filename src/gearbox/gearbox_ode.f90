@@ -1,0 +1,411 @@
+!> A gearbox in closed form as y' = f(t, y) for the integrator of evl_radau.
+!>
+!> The gearbox itself does not change, and several models may share it: the discrete state is the model's own, put there between
+!> steps by gearbox_ode_set.
+module evl_gearbox_ode
+   use evl_contact_laws, only: friction_acts, friction_falls
+   use evl_contacts_in_lanes, only: lane_slot, put_down, settle_slots
+   use evl_force_jacobian, only: add_constants, add_forces, couple_reference
+   use evl_gearbox, only: gearbox_t, wheel_t
+   use evl_gearbox_events, only: gearbox_root, gearbox_root_directions, gearbox_roots
+   use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
+   use evl_gearbox_rates, only: gearbox_rates
+   use evl_gearbox_watch, only: n_channels
+   use evl_housing, only: frame_t, housing_fixed, housing_frame
+   use evl_jacobian_places, only: jacobian_places, listed_entries
+   use evl_kinds, only: lanes, wp
+   use evl_local_variables, only: i_omega, i_theta
+   use evl_ode_model, only: growth_by_coupling, growth_by_damping, growth_never, never, ode_model
+   use evl_roots_lanes, only: roots_in_lanes
+   use evl_status, only: code_invalid_input, fail, has_failed, status_t, subject_housing, subject_mesh
+   use evl_tooth_contact, only: contact_state, contact_t, tracking_closed_form
+   use evl_watch_lanes, only: most_rows, watched_in_lanes
+   implicit none (type, external)
+   private
+
+   public :: gearbox_ode, gearbox_ode_serves, gearbox_ode_create, gearbox_ode_delete, gearbox_ode_set
+
+   !> Small errors of theta and omega shift the time at which a tooth pair enters, and with it a motion of 1 kHz: they count
+   !> more than what moves at that frequency.
+   real(wp), parameter :: theta_weight = 1.0e4_wp, omega_weight = 300.0_wp
+   !> All count a little more: the mean over many states is small when the error of one is not.
+   real(wp), parameter :: weight = 2
+
+   type, extends(ode_model) :: gearbox_ode
+      type(gearbox_t), pointer, private :: gearbox => null()
+      integer, allocatable, private :: integers(:) !! discrete state
+      real(wp), allocatable, private :: reals(:)   !! discrete state
+      type(jacobian_places), private :: places     !! of the entries of the Jacobian
+      real(wp), allocatable, private :: constants(:) !! [nnz] what never changes in dF/dy, psi'' not yet coupled with theta''
+      logical, private :: in_lanes = .false.       !! whether eight states can be evaluated at once
+      type(lane_slot), pointer, private :: slots(:) => null() !! [tooth contacts] for evaluations in lanes, which change them
+   contains
+      procedure :: rhs
+      procedure :: rhs_lanes
+      procedure :: jacobian
+      procedure :: root
+      procedure :: roots
+      procedure :: roots_lanes
+      procedure :: roots_nearby
+      procedure :: watched_nearby
+      procedure :: root_directions
+   end type gearbox_ode
+
+contains
+
+   !> Refuse a gearbox that is no y' = f(t, y) of differential states alone.
+   pure subroutine gearbox_ode_serves(gearbox, status)
+      type(gearbox_t), intent(in) :: gearbox
+      type(status_t), intent(inout) :: status !! `code_invalid_input`: it says why, and the place is what stands in the way
+      integer :: i
+
+      do i = 1, size(gearbox%contacts)
+         associate (mesh => gearbox%contacts(i))
+            if (mesh%rigid) then
+               call fail(status, code_invalid_input, "a rigid contact is a constraint, which radau does not integrate: take" &
+                         //" integrator ida, or another contact law", subject_mesh, mesh%mesh, "contact")
+            else if (mesh%tracking /= tracking_closed_form) then
+               call fail(status, code_invalid_input, "tracked contact points are algebraic states, which radau does not" &
+                         //" integrate: take integrator ida, or tracking closed_form", subject_mesh, mesh%mesh, "tracking")
+            end if
+         end associate
+         if (has_failed(status)) return
+      end do
+      if (gearbox%housing%is_mounted) &
+         call fail(status, code_invalid_input, "the accelerations of a mounted housing are coupled, which radau does not" &
+                   //" integrate: take integrator ida", subject_housing, field="kind")
+   end subroutine gearbox_ode_serves
+
+   !> Make the model of a gearbox that is served; the gearbox has to outlive it.
+   subroutine gearbox_ode_create(self, gearbox, scale)
+      type(gearbox_ode), intent(out) :: self
+      type(gearbox_t), intent(in), target :: gearbox
+      real(wp), intent(in) :: scale(:) !! [n_states] of the states, as from gearbox_state_scales
+
+      self%gearbox => gearbox
+      self%in_lanes = lanes_serve(gearbox)
+      self%n = gearbox%n_states
+      self%n_roots = gearbox%n_roots
+      self%growth = kind_of_growth(gearbox)
+      self%n_watched = n_channels(gearbox)
+      self%n_rows = most_rows(gearbox)
+      allocate (self%scale(gearbox%n_states), source=scale/weight)
+      self%scale(i_theta) = self%scale(i_theta)/theta_weight
+      self%scale(i_omega) = self%scale(i_omega)/omega_weight
+      allocate (self%integers(gearbox%n_integers), self%reals(size(gearbox%contacts)), self%slots(size(gearbox%contacts)))
+      self%integers = 0
+      self%reals = 0
+      call find_pattern(gearbox, self%jacobian_row, self%jacobian_column)
+      call listed_entries(gearbox%n_states, self%jacobian_row, self%jacobian_column, self%places)
+      allocate (self%constants(self%places%n_entries), source=0.0_wp)
+      call add_constants(gearbox, self%places, self%constants)
+   end subroutine gearbox_ode_create
+
+   !> Whether a vibration may feed itself: where friction falls, by friction at all, or by what a moving housing adds. Loads,
+   !> supports, shafts and the dampers of contacts take energy only.
+   pure integer function kind_of_growth(gearbox) result(growth)
+      type(gearbox_t), intent(in) :: gearbox
+
+      growth = growth_never
+      if (gearbox%housing%kind /= housing_fixed .or. any(friction_acts(gearbox%contacts%friction))) growth = growth_by_coupling
+      if (any(friction_falls(gearbox%contacts%friction))) growth = growth_by_damping
+   end function kind_of_growth
+
+   !> Free what it holds beside its components.
+   subroutine gearbox_ode_delete(self)
+      type(gearbox_ode), intent(inout) :: self
+
+      if (associated(self%slots)) deallocate (self%slots)
+   end subroutine gearbox_ode_delete
+
+   !> Give the model its discrete state.
+   subroutine gearbox_ode_set(self, integers, reals)
+      type(gearbox_ode), intent(inout) :: self
+      integer, intent(in) :: integers(*) !! [n_integers]
+      real(wp), intent(in) :: reals(*)   !! [one a tooth contact]
+
+      self%integers = integers(:size(self%integers))
+      self%reals = reals(:size(self%reals))
+      call settle_slots(self%gearbox, self%integers, self%reals, self%slots)
+   end subroutine gearbox_ode_set
+
+   !> f(t, y)
+   subroutine rhs(self, t, y, f, status)
+      class(gearbox_ode), intent(in) :: self
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(self%n)
+      real(wp), intent(out) :: f(self%n)
+      type(status_t), intent(inout) :: status
+
+      call gearbox_rates(self%gearbox, t, y, self%integers, self%reals, f, status)
+   end subroutine rhs
+
+   !> f of eight states.
+   subroutine rhs_lanes(self, t, y, f, status)
+      class(gearbox_ode), intent(in) :: self
+      real(wp), intent(in) :: t(lanes)
+      real(wp), intent(in) :: y(lanes, self%n)
+      real(wp), intent(out) :: f(lanes, self%n)
+      type(status_t), intent(inout) :: status
+
+      if (self%in_lanes) then
+         call rates_in_lanes(self%gearbox, t, y, self%integers, self%reals, self%slots, f, status)
+      else
+         call rhs_one_by_one(self, t, y, f, status)
+      end if
+   end subroutine rhs_lanes
+
+   !> f of eight states, each by itself; the arrays of its own cost an allocation that `rhs_lanes` can do without.
+   subroutine rhs_one_by_one(self, t, y, f, status)
+      class(gearbox_ode), intent(in) :: self
+      real(wp), intent(in) :: t(lanes)
+      real(wp), intent(in) :: y(lanes, self%n)
+      real(wp), intent(out) :: f(lanes, self%n)
+      type(status_t), intent(inout) :: status
+      real(wp) :: y_lane(self%n), f_lane(self%n)
+      type(contact_state) :: contacts(size(self%gearbox%contacts))
+      integer :: lane
+
+      do lane = 1, lanes
+         y_lane = y(lane, :)
+         call gearbox_rates(self%gearbox, t(lane), y_lane, self%integers, self%reals, f_lane, status, contacts=contacts)
+         if (has_failed(status)) return
+         f(lane, :) = f_lane
+         call put_down(contacts, lane, self%slots)
+      end do
+   end subroutine rhs_one_by_one
+
+   !> df/dy, from that of the residual y' - f.
+   subroutine jacobian(self, t, y, values, status)
+      class(gearbox_ode), intent(in) :: self
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(self%n)
+      real(wp), intent(out) :: values(:)
+      type(status_t), intent(inout) :: status
+      type(frame_t) :: frame
+
+      if (self%gearbox%housing%acts) call housing_frame(self%gearbox%housing, t, y, frame)
+      values = self%constants
+      call add_forces(self%gearbox, t, y, self%integers, self%reals, frame, self%places, values, status)
+      if (has_failed(status)) return
+      call couple_reference(self%gearbox, self%places, values)
+      values = -values
+   end subroutine jacobian
+
+   !> Root functions at a state.
+   subroutine roots(self, t, y, values, status)
+      class(gearbox_ode), intent(in) :: self
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(self%n)
+      real(wp), intent(out) :: values(self%n_roots)
+      type(status_t), intent(inout) :: status
+
+      associate (unused => t) ! none depends on time alone: knots of tables are stop times
+         call gearbox_roots(self%gearbox, y, self%integers, self%reals, values, status)
+      end associate
+   end subroutine roots
+
+   !> One root function at a state.
+   subroutine root(self, index, t, y, values, status)
+      class(gearbox_ode), intent(in) :: self
+      integer, intent(in) :: index
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(self%n)
+      real(wp), intent(inout) :: values(self%n_roots)
+      type(status_t), intent(inout) :: status
+
+      associate (unused => t)
+         call gearbox_root(self%gearbox, index, y, self%integers, self%reals, values, status)
+      end associate
+   end subroutine root
+
+   !> Root functions of eight states.
+   subroutine roots_lanes(self, t, y, values, status)
+      class(gearbox_ode), intent(in) :: self
+      real(wp), intent(in) :: t(lanes)
+      real(wp), intent(in) :: y(lanes, self%n)
+      real(wp), intent(out) :: values(lanes, self%n_roots)
+      type(status_t), intent(inout) :: status
+
+      if (self%in_lanes) then
+         call roots_in_lanes(self%gearbox, y, self%integers, self%reals, self%slots, .false., values, status)
+      else
+         call roots_one_by_one(self, t, y, values, status)
+      end if
+   end subroutine roots_lanes
+
+   !> Root functions of eight states near those of the last evaluation in lanes, which knows the contacts that touch.
+   subroutine roots_nearby(self, t, y, values, exact, status)
+      class(gearbox_ode), intent(in) :: self
+      real(wp), intent(in) :: t(lanes)
+      real(wp), intent(in) :: y(lanes, self%n)
+      real(wp), intent(out) :: values(lanes, self%n_roots)
+      logical, intent(out) :: exact
+      type(status_t), intent(inout) :: status
+
+      exact = .not. self%in_lanes
+      if (exact) then
+         call self%roots_lanes(t, y, values, status)
+      else
+         call roots_in_lanes(self%gearbox, y, self%integers, self%reals, self%slots, .true., values, status)
+      end if
+   end subroutine roots_nearby
+
+   !> Watched channels of eight states near those of the last evaluation.
+   subroutine watched_nearby(self, y, n, channels, values)
+      class(gearbox_ode), intent(in) :: self
+      real(wp), intent(in) :: y(lanes, self%n)
+      integer, intent(out) :: n
+      integer, intent(inout) :: channels(:)
+      real(wp), intent(inout) :: values(lanes, *)
+
+      call watched_in_lanes(self%gearbox, y, self%integers, self%slots, n, channels, values)
+   end subroutine watched_nearby
+
+   !> Root functions of eight states, each by itself.
+   subroutine roots_one_by_one(self, t, y, values, status)
+      class(gearbox_ode), intent(in) :: self
+      real(wp), intent(in) :: t(lanes)
+      real(wp), intent(in) :: y(lanes, self%n)
+      real(wp), intent(out) :: values(lanes, self%n_roots)
+      type(status_t), intent(inout) :: status
+      real(wp) :: y_lane(self%n), lane_values(self%n_roots)
+      integer :: lane
+
+      do lane = 1, lanes
+         y_lane = y(lane, :)
+         call self%roots(t(lane), y_lane, lane_values, status)
+         if (has_failed(status)) return
+         values(lane, :) = lane_values
+      end do
+   end subroutine roots_one_by_one
+
+   !> Which crossings count in the present modes.
+   subroutine root_directions(self, directions)
+      class(gearbox_ode), intent(in) :: self
+      integer, intent(out) :: directions(self%n_roots)
+
+      call gearbox_root_directions(self%gearbox, self%integers, directions, idle=never)
+   end subroutine root_directions
+
+   !> Entries that df/dy may have in any discrete state.
+   pure subroutine find_pattern(gearbox, rows, columns)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, allocatable, intent(out) :: rows(:), columns(:)
+      logical :: taken(gearbox%n_states, gearbox%n_states)
+      integer :: i, j, n
+
+      taken = .false.
+      do i = 1, size(gearbox%wheels)
+         call mark_wheel(gearbox, gearbox%wheels(i), taken)
+      end do
+      do i = 1, size(gearbox%contacts)
+         call mark_contact(gearbox, gearbox%contacts(i), taken)
+      end do
+      do i = 1, size(gearbox%shafts)
+         call mark_shaft(gearbox, i, taken)
+      end do
+      do i = 1, size(gearbox%wheels)
+         associate (wheel => gearbox%wheels(i)) ! psi'' = phi'' - g theta''
+            if (wheel%i_psi > 0) taken(wheel%i_speed, :) = taken(wheel%i_speed, :) .or. taken(i_omega, :)
+         end associate
+      end do
+      n = count(taken)
+      allocate (rows(n), columns(n))
+      n = 0
+      do j = 1, gearbox%n_states
+         do i = 1, gearbox%n_states
+            if (.not. taken(i, j)) cycle
+            n = n + 1
+            rows(n) = i
+            columns(n) = j
+         end do
+      end do
+   end subroutine find_pattern
+
+   !> A wheel with its loads and its support, in a housing that is at rest or moves as prescribed.
+   pure subroutine mark_wheel(gearbox, wheel, taken)
+      type(gearbox_t), intent(in) :: gearbox
+      type(wheel_t), intent(in) :: wheel
+      logical, intent(inout) :: taken(:, :)
+      integer :: j, k
+
+      taken(i_theta, i_omega) = .true.
+      if (wheel%i_psi > 0) taken(wheel%i_psi, wheel%i_psi + 1) = .true.
+      call mark_speed(wheel, wheel%i_speed, taken)
+      call mark_speed(wheel, gearbox%i_work, taken)
+      do j = 1, wheel%support%n
+         associate (s => wheel%support%i_state(j))
+            taken(s, s + 1) = .true.
+            taken(s + 1, s:s + 1) = .true.
+            taken(gearbox%i_dissipated, s + 1) = .true.
+            if (.not. gearbox%housing%acts) cycle
+            taken(gearbox%i_work, s:s + 1) = .true.
+            do k = 1, wheel%support%n
+               associate (other => wheel%support%i_state(k))
+                  taken(s + 1, other:other + 1) = .true.
+               end associate
+            end do
+         end associate
+      end do
+   end subroutine mark_wheel
+
+   !> The force of a tooth contact: on its wheels, their supports, and in the energies.
+   pure subroutine mark_contact(gearbox, mesh, taken)
+      type(gearbox_t), intent(in) :: gearbox
+      type(contact_t), intent(in) :: mesh
+      logical, intent(inout) :: taken(:, :)
+      logical :: row(gearbox%n_states)
+      integer :: i, j, side
+
+      row = .false.
+      row(gearbox%i_dissipated) = .true.
+      do side = 1, 2
+         associate (wheel => gearbox%wheels(merge(mesh%wheel_a, mesh%wheel_b, side == 1)))
+            row(merge(wheel%i_speed, gearbox%i_work, wheel%prescribed == 0)) = .true.
+            do j = 1, wheel%support%n
+               row(wheel%support%i_state(j) + 1) = .true.
+            end do
+         end associate
+      end do
+      do i = 1, size(mesh%links)
+         taken(:, mesh%links(i)%state) = taken(:, mesh%links(i)%state) .or. row
+      end do
+   end subroutine mark_contact
+
+   !> The torque of an elastic shaft on its two wheels, and in the energies.
+   pure subroutine mark_shaft(gearbox, index, taken)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      logical, intent(inout) :: taken(:, :)
+      logical :: row(gearbox%n_states)
+      integer :: columns(4), i
+
+      associate (shaft => gearbox%shafts(index))
+         if (shaft%rigid) return
+         associate (a => gearbox%wheels(shaft%wheel_a), b => gearbox%wheels(shaft%wheel_b))
+            row = .false.
+            row(gearbox%i_dissipated) = .true.
+            row(merge(a%i_speed, gearbox%i_work, a%prescribed == 0)) = .true.
+            row(merge(b%i_speed, gearbox%i_work, b%prescribed == 0)) = .true.
+         end associate
+         columns = [shaft%i_psi_a, shaft%i_psi_a + 1, shaft%i_psi_b, shaft%i_psi_b + 1]
+         if (shaft%i_psi_a == 0) columns(1:2) = 0
+         if (shaft%i_psi_b == 0) columns(3:4) = 0
+      end associate
+      do i = 1, size(columns)
+         if (columns(i) > 0) taken(:, columns(i)) = taken(:, columns(i)) .or. row
+      end do
+   end subroutine mark_shaft
+
+   !> A row that depends on a wheel's speed.
+   pure subroutine mark_speed(wheel, row, taken)
+      type(wheel_t), intent(in) :: wheel
+      integer, intent(in) :: row
+      logical, intent(inout) :: taken(:, :)
+
+      taken(row, i_omega) = .true.
+      if (wheel%i_psi > 0) taken(row, wheel%i_psi + 1) = .true.
+   end subroutine mark_speed
+
+end module evl_gearbox_ode

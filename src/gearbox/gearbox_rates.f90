@@ -1,0 +1,255 @@
+!> The equations of motion of a gearbox: accelerations of wheels and supports, and the powers, from forces and torques.
+module evl_gearbox_rates
+   use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_t, i_turns, is_closed, wheel_acceleration, wheel_follows_ground, &
+                          wheel_housing_torque, wheel_load_torque, wheel_position, wheel_speed, wheel_spin_torque
+   use evl_housing, only: apparent_acceleration, at_omega, frame_acceleration, frame_t, housing_frame, housing_rates
+   use evl_kinds, only: wp
+   use evl_local_variables, only: i_omega, i_theta, n_local, wheel_link
+   use evl_rigid_contact, only: rigid_acceleration
+   use evl_shaft, only: shaft_loss, shaft_torque
+   use evl_springs_and_dampers, only: damper_power, support_acceleration
+   use evl_status, only: has_failed, status_t
+   use evl_tooth_contact, only: contact_state, mesh_contact, mesh_forces, mesh_nominal_rho, touches
+   implicit none (type, external)
+   private
+
+   public :: gearbox_rates, multiplier_row
+
+contains
+
+   !> Rates of all states but the tracked ones, whose places are set to zero: y' = f(t, y). In the place of a multiplier stands what
+   !> has to vanish: kappa'' times the mesh's inertia in a closed rigid contact, the multiplier itself in an open one [N].
+   !>
+   !> With a mounted housing f depends on v' and Omega' as well, and the places of these two hold the force and the moment that
+   !> act from the ground.
+   subroutine gearbox_rates(gearbox, t, y, integers, reals, f, status, yp, contacts)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: t                     !! [s]
+      real(wp), intent(in) :: y(gearbox%n_states)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: reals(:)
+      real(wp), intent(out) :: f(gearbox%n_states)
+      type(status_t), intent(inout) :: status       !! code_out_of_domain if a law has no solution there
+      real(wp), intent(in), optional :: yp(:)       !! of a mounted housing; v' = Omega' = 0 if not given
+      type(contact_state), intent(inout), optional :: contacts(:) !! all tooth contacts; of those that do not touch only the mode
+      type(contact_state) :: contact
+      type(frame_t) :: frame
+      real(wp) :: torques(size(gearbox%wheels)), spin, alpha, dissipation, power
+      integer :: i
+
+      spin = 0
+      alpha = 0
+      if (gearbox%housing%acts) then
+         call housing_frame(gearbox%housing, t, y, frame, yp)
+         spin = frame%omega(3)
+         alpha = frame%alpha(3)
+      end if
+      f = 0
+      do i = 1, size(gearbox%contacts)
+         call contact_at(gearbox, i, y, integers, reals, contact, status)
+         if (has_failed(status)) return
+         if (present(contacts)) contacts(i) = contact
+         if (.not. touches(contact%mode)) cycle
+         associate (mesh => gearbox%contacts(i), force => contact%force)
+            associate (a => gearbox%wheels(mesh%wheel_a), b => gearbox%wheels(mesh%wheel_b))
+               f(a%i_speed) = f(a%i_speed) + force%torque_a
+               f(b%i_speed) = f(b%i_speed) + force%torque_b
+               call push_axle(mesh%link_a, force%on_a, f)
+               call push_axle(mesh%link_b, -force%on_a, f)
+            end associate
+            f(gearbox%i_dissipated) = f(gearbox%i_dissipated) + force%dissipation
+         end associate
+      end do
+      do i = 1, size(gearbox%shafts)
+         call twist_shaft(gearbox, i, y, f)
+      end do
+      do i = 1, size(gearbox%wheels)
+         call load_wheel(gearbox, i, t, y, integers, spin, f, torques(i))
+      end do
+      do i = 1, size(gearbox%wheels)
+         if (gearbox%wheels(i)%leader == i) call accelerate_rotor(gearbox, i, y, integers, alpha, f, torques)
+      end do
+      if (gearbox%housing%acts) then
+         do i = 1, size(gearbox%wheels)
+            call ride_along(gearbox, i, t, torques(i), y, integers, frame, f)
+         end do
+      end if
+      if (gearbox%housing%is_mounted) then
+         call housing_rates(gearbox%housing, frame, f, dissipation, power)
+         f(gearbox%i_dissipated) = f(gearbox%i_dissipated) + dissipation
+         f(gearbox%i_work) = f(gearbox%i_work) + power
+      end if
+      f(i_theta) = y(i_omega)
+      do i = 1, size(gearbox%wheels)
+         associate (wheel => gearbox%wheels(i))
+            if (wheel%i_psi == 0 .or. wheel%leader /= i) cycle
+            f(wheel%i_psi) = y(wheel%i_psi + 1)
+            f(wheel%i_speed) = f(wheel%i_speed) - wheel%ratio*f(i_omega)
+         end associate
+      end do
+      do i = 1, size(gearbox%contacts)
+         if (gearbox%contacts(i)%leads) call multiplier_row(gearbox, i, y, integers, f)
+      end do
+   end subroutine gearbox_rates
+
+   !> What has to vanish in the place of a multiplier.
+   pure subroutine multiplier_row(gearbox, index, y, integers, f)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      real(wp), intent(in) :: y(:)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(inout) :: f(:)
+      real(wp) :: q(n_local), rates(n_local)
+
+      associate (mesh => gearbox%contacts(index))
+         f(mesh%i_normal) = y(mesh%i_normal)
+         if (.not. is_closed(gearbox, index, integers)) return
+         call gearbox_local(gearbox, mesh, y, q)
+         call gearbox_local(gearbox, mesh, f, rates)
+         f(mesh%i_normal) = rigid_acceleration(mesh%pair, q, rates)/mesh%mobility
+      end associate
+   end subroutine multiplier_row
+
+   !> A tooth contact at a state; of one that does not touch only the mode.
+   subroutine contact_at(gearbox, index, y, integers, reals, contact, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      real(wp), intent(in) :: y(:), reals(:)
+      integer, intent(in) :: integers(:)
+      type(contact_state), intent(inout) :: contact
+      type(status_t), intent(inout) :: status
+      real(wp) :: rho_a0
+
+      contact%mode = gearbox_mode(gearbox, index, integers, reals)
+      if (.not. touches(contact%mode)) return
+      associate (mesh => gearbox%contacts(index), mode => contact%mode)
+         call gearbox_local(gearbox, mesh, y, contact%q)
+         rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
+         call mesh_contact(mesh, mode, rho_a0, contact%q, contact%point)
+         call mesh_forces(mesh, mode, contact%point, contact%force, status)
+      end associate
+   end subroutine contact_at
+
+   !> Add a mesh's force to the rows of an axle's degrees of freedom [N].
+   pure subroutine push_axle(link, force, f)
+      type(wheel_link), intent(in) :: link
+      real(wp), intent(in) :: force(2) !! (t_0, e_0)
+      real(wp), intent(inout) :: f(:)
+      integer :: j
+
+      do j = 1, link%n
+         associate (row => link%i_state(j) + 1)
+            f(row) = f(row) + force(1)*link%along_t(j) + force(2)*link%along_e(j)
+         end associate
+      end do
+   end subroutine push_axle
+
+   !> Add an elastic shaft's torque to the rows of its two wheels, and what its damping takes.
+   pure subroutine twist_shaft(gearbox, index, y, f)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(inout) :: f(:)
+      real(wp) :: torque
+
+      associate (shaft => gearbox%shafts(index))
+         if (shaft%rigid) return
+         torque = shaft_torque(shaft, y)
+         associate (row_a => gearbox%wheels(shaft%wheel_a)%i_speed, row_b => gearbox%wheels(shaft%wheel_b)%i_speed)
+            f(row_a) = f(row_a) - torque
+            f(row_b) = f(row_b) + torque
+         end associate
+         f(gearbox%i_dissipated) = f(gearbox%i_dissipated) + shaft_loss(shaft, y)
+      end associate
+   end subroutine twist_shaft
+
+   !> Add the torque of a wheel's loads to the row of its rotor, and its power; accelerate its support by the forces of the meshes.
+   pure subroutine load_wheel(gearbox, index, t, y, integers, spin, f, torque)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      real(wp), intent(in) :: t, y(gearbox%n_states)
+      integer, intent(in) :: integers(gearbox%n_integers)
+      real(wp), intent(in) :: spin    !! Omega_z of the housing [rad/s]
+      real(wp), intent(inout) :: f(gearbox%n_states)
+      real(wp), intent(out) :: torque !! of the loads; that of a prescribed speed is not among them [N m]
+      real(wp) :: omega
+      integer :: j
+
+      associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support)
+         omega = wheel_speed(wheel, y)
+         torque = wheel_load_torque(gearbox, index, t, omega, integers)
+         if (gearbox%housing%acts) torque = torque + wheel_spin_torque(gearbox, index, spin)
+         f(wheel%i_speed) = f(wheel%i_speed) + torque
+         f(gearbox%i_work) = f(gearbox%i_work) + torque*omega
+         do j = 1, support%n
+            associate (i => support%i_state(j))
+               f(i) = y(i + 1)
+               f(gearbox%i_dissipated) = f(gearbox%i_dissipated) + damper_power(support%damping(j), y(i + 1))
+               f(i + 1) = support_acceleration(f(i + 1), support%stiffness(j), support%damping(j), support%per_mass, y(i), y(i + 1))
+            end associate
+         end do
+      end associate
+   end subroutine load_wheel
+
+   !> From the torque on a rotor to its acceleration relative to the housing; a load that prescribes its speed brings the torque
+   !> that is missing.
+   pure subroutine accelerate_rotor(gearbox, leader, y, integers, alpha, f, torques)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: leader
+      real(wp), intent(in) :: y(:)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: alpha         !! Omega_z' of the housing [rad/s^2]
+      real(wp), intent(inout) :: f(:)
+      real(wp), intent(inout) :: torques(:) !! of the loads of each wheel [N m]
+      real(wp) :: omega, missing
+
+      associate (wheel => gearbox%wheels(leader))
+         missing = -f(wheel%i_speed)
+         f(wheel%i_speed) = wheel_acceleration(gearbox, leader, f(wheel%i_speed), integers)
+         if (wheel%prescribed > 0) then
+            omega = wheel_speed(wheel, y)
+            missing = missing + wheel%rotor_inertia*f(wheel%i_speed)
+            if (.not. wheel_follows_ground(gearbox, leader)) missing = missing + wheel%rotor_inertia*alpha
+            associate (driver => gearbox%loads(wheel%prescribed)%wheel)
+               torques(driver) = torques(driver) + missing
+            end associate
+            f(gearbox%i_work) = f(gearbox%i_work) + missing*omega
+         end if
+         if (gearbox%housing%acts .and. wheel_follows_ground(gearbox, leader)) f(wheel%i_speed) = f(wheel%i_speed) - alpha
+      end associate
+   end subroutine accelerate_rotor
+
+   !> What the motion of the housing and gravity add to the acceleration of a wheel's support, and to the powers.
+   pure subroutine ride_along(gearbox, index, t, torque, y, integers, frame, f)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: torque !! of all loads of the wheel [N m]
+      real(wp), intent(in) :: y(:)
+      integer, intent(in) :: integers(:)
+      type(frame_t), intent(in) :: frame
+      real(wp), intent(inout) :: f(:)
+      real(wp) :: omega, centre(3), velocity(3), apparent(3)
+      integer :: j
+
+      associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support, power => f(gearbox%i_work))
+         omega = wheel_speed(wheel, y)
+         call wheel_position(wheel, y, centre, velocity)
+         apparent = apparent_acceleration(frame, centre, velocity)
+         do j = 1, support%n
+            f(support%i_state(j) + 1) = f(support%i_state(j) + 1) - dot_product(support%direction(:, j), apparent(1:2))
+         end do
+         if (gearbox%housing%is_mounted) then
+            associate (moment => f(gearbox%housing%i_state + at_omega + 2), &
+                       ground => torque - wheel_housing_torque(gearbox, index, t, omega, frame%omega(3), torque, integers))
+               power = power + ground*frame%omega(3)
+               moment = moment + ground
+            end associate
+         else
+            power = power - wheel%inertia*frame%alpha(3)*omega &
+                    - support%mass*dot_product(velocity, frame_acceleration(frame, centre))
+         end if
+      end associate
+   end subroutine ride_along
+
+end module evl_gearbox_rates

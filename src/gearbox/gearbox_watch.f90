@@ -1,0 +1,144 @@
+!> The watched outputs of a gearbox at a state, without all that its other outputs need.
+!>
+!> They come in channels: each watched output of each mesh is one. That of an output of tooth pairs is the largest of the pairs:
+!> where one pair takes over from another it has a kink, but such a kink is no maximum.
+module evl_gearbox_watch
+   use evl_closed_form, only: track_closed_form, transmission_error
+   use evl_contact_events, only: mesh_point
+   use evl_contact_laws, only: friction_factor, friction_none
+   use evl_contact_point, only: contact_point
+   use evl_contact_roots, only: mesh_roots
+   use evl_extremes, only: n_watched_outputs, watch_error, watch_friction, watch_normal, watch_pair_normal, watch_pair_pressure, &
+                           watch_penetration, watch_sliding
+   use evl_gearbox, only: gearbox_mode, gearbox_t, leading_contact
+   use evl_gearbox_events, only: turns_root
+   use evl_kinds, only: wp
+   use evl_local_variables, only: i_theta, n_local
+   use evl_status, only: has_failed, status_t
+   use evl_tooth_contact, only: contact_apart, contact_loaded, contact_off, flank_drive, mesh_contact, mesh_mode, &
+                                mesh_unclipped_force, touches
+   use evl_touching_flanks, only: contact_pressure
+   implicit none (type, external)
+   private
+
+   public :: channel_of, n_channels, roots_and_watched, watched_at
+
+contains
+
+   !> How many channels there are.
+   pure integer function n_channels(gearbox) result(n)
+      type(gearbox_t), intent(in) :: gearbox
+
+      n = n_watched_outputs*size(gearbox%pairs)
+   end function n_channels
+
+   !> The channel of an output of a mesh.
+   pure integer function channel_of(mesh, watched) result(channel)
+      integer, intent(in) :: mesh, watched
+
+      channel = n_watched_outputs*(mesh - 1) + watched
+   end function channel_of
+
+   !> All channels at a state; what only flanks that touch have is 0 without.
+   subroutine watched_at(gearbox, y, integers, reals, values, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: y(gearbox%n_states), reals(:)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(out) :: values(:) !! [n_channels]
+      type(status_t), intent(inout) :: status
+      type(contact_point) :: point
+      type(mesh_mode) :: mode
+      real(wp) :: q(n_local), rho_a0, unclipped
+      integer :: c, leader, m
+
+      values = 0
+      do m = 1, size(gearbox%pairs)
+         leader = leading_contact(gearbox, m, integers)
+         do c = gearbox%first(m), gearbox%first(m + 1) - 1
+            mode = gearbox_mode(gearbox, c, integers, reals)
+            if (c /= leader .and. .not. touches(mode)) cycle
+            call mesh_point(gearbox, c, y, integers, mode, q, rho_a0, point)
+            unclipped = 0
+            if (touches(mode)) call mesh_unclipped_force(gearbox%contacts(c), mode, point, unclipped, status)
+            if (has_failed(status)) return
+            call watch_contact(gearbox, c, mode, rho_a0, q, point, unclipped, c == leader, values)
+         end do
+      end do
+   end subroutine watched_at
+
+   !> Root functions and, since they know most of it, all channels at a state.
+   subroutine roots_and_watched(gearbox, y, integers, reals, roots, values, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: y(gearbox%n_states), reals(:)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(out) :: roots(gearbox%n_roots) !! as of `gearbox_roots`
+      real(wp), intent(out) :: values(:)              !! [n_channels]
+      type(status_t), intent(inout) :: status
+      type(contact_point) :: point
+      type(mesh_mode) :: mode
+      real(wp) :: q(n_local), rho_a0, unclipped
+      integer :: c, leader, m
+
+      values = 0
+      do m = 1, size(gearbox%pairs)
+         leader = leading_contact(gearbox, m, integers)
+         do c = gearbox%first(m), gearbox%first(m + 1) - 1
+            mode = gearbox_mode(gearbox, c, integers, reals)
+            call mesh_point(gearbox, c, y, integers, mode, q, rho_a0, point)
+            associate (first => gearbox%contacts(c)%i_root + 1, last => gearbox%contacts(c)%i_root + gearbox%contacts(c)%n_roots)
+               call mesh_roots(gearbox%contacts(c), mode, rho_a0, q, point, roots(first:last), status, unclipped)
+            end associate
+            if (has_failed(status)) return
+            if (c == leader .or. touches(mode)) &
+               call watch_contact(gearbox, c, mode, rho_a0, q, point, unclipped, c == leader, values)
+         end do
+      end do
+      roots(gearbox%n_roots) = turns_root(y(i_theta))
+   end subroutine roots_and_watched
+
+   !> What a tooth contact adds to the channels.
+   pure subroutine watch_contact(gearbox, c, mode, rho_a0, q, point, unclipped, leads, values)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: c
+      type(mesh_mode), intent(in) :: mode
+      real(wp), intent(in) :: rho_a0, q(n_local)
+      type(contact_point), intent(in) :: point
+      real(wp), intent(in) :: unclipped !! elastic + viscous force [N]
+      logical, intent(in) :: leads      !! whether it speaks for its mesh
+      real(wp), intent(inout) :: values(:)
+      type(contact_point) :: far
+      real(wp) :: factor, d_v
+      integer :: before
+
+      before = channel_of(gearbox%contacts(c)%mesh, 0)
+      associate (mesh => gearbox%contacts(c))
+         if (leads) then
+            values(before + watch_error) = transmission_error(mesh%pair, q)
+            values(before + watch_sliding) = point%v_t
+            if (mode%contact == contact_apart .or. mode%contact == contact_off) then ! no pair's point is known
+               if (mode%contact == contact_apart) call track_closed_form(mesh%pair, rho_a0, q, far)
+               if (mode%contact == contact_off) call mesh_contact(mesh, mode, rho_a0, q, far)
+               values(before + watch_sliding) = far%v_t
+            end if
+         end if
+         if (mesh%flank == flank_drive .and. touches(mode)) &
+            call raise(point%h, values(before + watch_penetration))
+         if (mode%contact /= contact_loaded) return
+         call raise(unclipped, values(before + watch_pair_normal))
+         call raise(contact_pressure(mesh, mode, unclipped, point), values(before + watch_pair_pressure))
+         values(before + watch_normal) = values(before + watch_normal) + unclipped
+         if (mesh%flank /= flank_drive .or. mesh%friction%law == friction_none) return
+         call friction_factor(mesh%friction, mode%friction, point%v_t, factor, d_v)
+         values(before + watch_friction) = values(before + watch_friction) - unclipped*factor
+      end associate
+   end subroutine watch_contact
+
+   !> The larger of two; what is no number, as the pressure of flanks too hollow to touch in one place, raises nothing.
+   elemental subroutine raise(value, largest)
+      real(wp), intent(in) :: value
+      real(wp), intent(inout) :: largest
+
+      if (value > largest) largest = value
+   end subroutine raise
+
+end module evl_gearbox_watch

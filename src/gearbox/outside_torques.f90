@@ -1,0 +1,109 @@
+!> Torques that follow from a motion: of a load that prescribes a speed, and in shafts.
+module evl_outside_torques
+   use evl_gearbox, only: gearbox_t, wheel_load_torque, wheel_speed, wheel_spin_torque
+   use evl_housing, only: frame_t
+   use evl_kinds, only: wp
+   use evl_shaft, only: shaft_torque
+   implicit none (type, external)
+   private
+
+   public :: load_torques, shaft_torques
+
+contains
+
+   !> Torque of the loads of every wheel; a load that prescribes a speed brings what its rotor needs [N m].
+   pure subroutine load_torques(gearbox, t, y, f, frame, integers, mesh_torque, load_torque)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: t, y(:), f(:)    !! f: rates of the states
+      type(frame_t), intent(in) :: frame       !! of the housing there
+      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: mesh_torque(:)   !! of the meshes on every wheel [N m]
+      real(wp), intent(out) :: load_torque(:)
+      real(wp) :: needed(size(gearbox%wheels))
+      integer :: i
+
+      do i = 1, size(gearbox%wheels)
+         load_torque(i) = wheel_load_torque(gearbox, i, t, wheel_speed(gearbox%wheels(i), y), integers)
+         if (gearbox%housing%acts) load_torque(i) = load_torque(i) + wheel_spin_torque(gearbox, i, frame%omega(3))
+      end do
+      if (.not. any(gearbox%wheels%prescribed > 0)) return
+      call needed_torques(gearbox, y, f, frame, mesh_torque + load_torque, needed)
+      do i = 1, size(gearbox%wheels)
+         associate (wheel => gearbox%wheels(i))
+            if (wheel%prescribed == 0 .or. wheel%leader /= i) cycle
+            associate (driver => gearbox%loads(wheel%prescribed)%wheel)
+               load_torque(driver) = load_torque(driver) + sum(needed, mask=gearbox%wheels%leader == i)
+            end associate
+         end associate
+      end do
+   end subroutine load_torques
+
+   !> Torque that every wheel needs for its motion beside that of its meshes, loads and elastic shafts [N m].
+   pure subroutine needed_torques(gearbox, y, f, frame, torque, needed)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: y(:), f(:)
+      type(frame_t), intent(in) :: frame
+      real(wp), intent(in) :: torque(:)    !! of meshes and loads on every wheel
+      real(wp), intent(out) :: needed(:)
+      real(wp) :: carried
+      integer :: i
+
+      do i = 1, size(gearbox%wheels)
+         needed(i) = gearbox%wheels(i)%inertia*(wheel_speed(gearbox%wheels(i), f) + frame%alpha(3)) - torque(i)
+      end do
+      do i = 1, size(gearbox%shafts)
+         associate (shaft => gearbox%shafts(i))
+            if (shaft%rigid) cycle
+            carried = shaft_torque(shaft, y)
+            needed(shaft%wheel_a) = needed(shaft%wheel_a) + carried
+            needed(shaft%wheel_b) = needed(shaft%wheel_b) - carried
+         end associate
+      end do
+   end subroutine needed_torques
+
+   !> Torque of every shaft on its second wheel: by its law, or, if it is rigid, what the wheels behind it need [N m].
+   pure subroutine shaft_torques(gearbox, y, f, frame, torque, carried)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: y(:), f(:)
+      type(frame_t), intent(in) :: frame
+      real(wp), intent(in) :: torque(:)    !! of meshes and all loads on every wheel [N m]
+      real(wp), intent(out) :: carried(:)
+      real(wp) :: needed(size(gearbox%wheels))
+      logical :: behind(size(gearbox%wheels))
+      integer :: i
+
+      call needed_torques(gearbox, y, f, frame, torque, needed)
+      do i = 1, size(gearbox%shafts)
+         if (gearbox%shafts(i)%rigid) then
+            call wheels_behind(gearbox, i, behind)
+            carried(i) = sum(needed, mask=behind)
+         else
+            carried(i) = shaft_torque(gearbox%shafts(i), y)
+         end if
+      end do
+   end subroutine shaft_torques
+
+   !> The wheels that turn with the second wheel of a rigid shaft by other rigid shafts: a rotor's shafts form no ring.
+   pure subroutine wheels_behind(gearbox, index, behind)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      logical, intent(out) :: behind(:)
+      logical :: found
+      integer :: i
+
+      behind = .false.
+      behind(gearbox%shafts(index)%wheel_b) = .true.
+      found = .true.
+      do while (found)
+         found = .false.
+         do i = 1, size(gearbox%shafts)
+            associate (shaft => gearbox%shafts(i))
+               if (i == index .or. .not. shaft%rigid .or. (behind(shaft%wheel_a) .eqv. behind(shaft%wheel_b))) cycle
+               behind([shaft%wheel_a, shaft%wheel_b]) = .true.
+               found = .true.
+            end associate
+         end do
+      end do
+   end subroutine wheels_behind
+
+end module evl_outside_torques

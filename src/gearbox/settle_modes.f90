@@ -1,0 +1,174 @@
+!> The one door through which modes come to agree with the state after something has happened.
+!>
+!> At an event more can change than what made it: the slope of a flank jumps at the border of a relief, and with it the rate of
+!> the penetration and the damper's force; speeds jump in an impact; another tooth pair with other flanks takes over. A mode whose
+!> root function is past its zero then would never end, because that zero is never crossed. So after every event the root functions
+!> of contact, force and sliding are looked at in all tooth contacts, and what they say is done, until none is past its zero.
+module evl_settle_modes
+   use evl_contact_events, only: contact_event, parts, roots_of_contact
+   use evl_contact_point, only: contact_point
+   use evl_contact_roots, only: mark_idle_roots, mesh_root_directions, most_mesh_roots, past, root_contact, root_force, &
+                                root_friction_high, root_friction_low, root_side
+   use evl_event_kinds, only: event_log
+   use evl_gearbox, only: gearbox_mode, gearbox_t
+   use evl_kinds, only: wp
+   use evl_status, only: code_no_solution, fail, has_failed, status_t, subject_mesh
+   use evl_tooth_contact, only: contact_open, contact_t, mesh_mode, tracking_closed_form
+   implicit none (type, external)
+   private
+
+   public :: mark_passed, most_settling, settle_modes
+
+   !> Root functions of what can jump at an event. Places on the path do not: they end a mode where they are crossed.
+   integer, parameter :: pressing(2) = [root_contact, root_force], sliding(2) = [root_friction_high, root_friction_low]
+   integer, parameter :: approaching(1) = [root_side]
+   !> A root function this near its zero has crossed it: what happens at one instant happens at once, whatever rounding says. It is
+   !> less than roots lie past a change of mode.
+   real(wp), parameter :: tie = past/2
+   !> How far from zero a root function may be that was located there, in its own units.
+   real(wp), parameter :: located = 1.0e-8_wp
+   integer, parameter :: idle = 0       !! as a direction: the root function has no meaning
+   integer, parameter :: most_settling = 8 !! looks at all contacts; a jump of speeds needs three
+
+contains
+
+   !> Do what the root functions that crossed zero say, and go on until none is past its zero.
+   subroutine settle_modes(gearbox, fired, y, integers, reals, log, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: fired(gearbox%n_roots)  !! not 0 where a root function passed zero
+      real(wp), intent(inout) :: y(gearbox%n_states) !! its energies, where flanks that overlap come or go
+      integer, intent(inout) :: integers(:)
+      real(wp), intent(inout) :: reals(:)
+      type(event_log), intent(inout) :: log
+      type(status_t), intent(inout) :: status        !! code_no_solution if two modes contradict each other for ever
+      logical :: settled, nothing, crossed(gearbox%n_roots), quiet(size(gearbox%contacts))
+      integer :: m, turn, restless
+
+      crossed = fired /= 0
+      do m = 1, size(gearbox%contacts)
+         associate (mine => crossed(gearbox%contacts(m)%i_root + 1:gearbox%contacts(m)%i_root + gearbox%contacts(m)%n_roots))
+            call cross(gearbox, m, y, integers, reals, mine, quiet(m), log, status)
+            if (has_failed(status)) return
+         end associate
+      end do
+      restless = 0
+      do turn = 1, most_settling
+         settled = .true.
+         do m = 1, size(gearbox%contacts)
+            if (quiet(m)) cycle
+            associate (mine => crossed(gearbox%contacts(m)%i_root + 1:gearbox%contacts(m)%i_root + gearbox%contacts(m)%n_roots))
+               call settle_contact(gearbox, m, mine, y, integers, reals, nothing, log, status)
+               if (has_failed(status)) return
+            end associate
+            quiet(m) = nothing .and. stands_alone(gearbox%contacts(m))
+            if (nothing) cycle
+            settled = .false.
+            restless = m
+         end do
+         if (settled) return
+      end do
+      call fail(status, code_no_solution, "the contact of a tooth pair does not settle: at this state every mode of it asks for" &
+                //" another", subject_mesh, gearbox%contacts(restless)%mesh, "contact")
+   end subroutine settle_modes
+
+   !> Do what the root functions of one tooth contact say that crossed zero.
+   subroutine cross(gearbox, m, y, integers, reals, crossed, quiet, log, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: m
+      real(wp), intent(inout) :: y(gearbox%n_states)
+      integer, intent(inout) :: integers(:)
+      real(wp), intent(inout) :: reals(:)
+      logical, intent(inout) :: crossed(:) !! those located; those that cross at the same instant come to them
+      logical, intent(out) :: quiet        !! nothing crosses, and what happens to other contacts does not change that
+      type(event_log), intent(inout) :: log
+      type(status_t), intent(inout) :: status
+      logical :: passed(most_mesh_roots, 1)
+
+      quiet = .false.
+      call passed_now(gearbox, m, y, integers, reals, [-tie], passed, status)
+      if (has_failed(status)) return
+      crossed = crossed .or. passed(:size(crossed), 1)
+      if (any(crossed)) then
+         call contact_event(gearbox, m, crossed, y, integers, reals, log, status)
+      else
+         quiet = stands_alone(gearbox%contacts(m))
+      end if
+   end subroutine cross
+
+   !> Do what the root functions of one tooth contact say that have jumped past zero. What has just crossed zero lies on one side of
+   !> it or the other, as exactly as events are located, and is not taken back for that.
+   subroutine settle_contact(gearbox, m, crossed, y, integers, reals, nothing, log, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: m
+      logical, intent(in) :: crossed(:) !! root functions that crossed zero at this event
+      real(wp), intent(inout) :: y(gearbox%n_states)
+      integer, intent(inout) :: integers(:)
+      real(wp), intent(inout) :: reals(:)
+      logical, intent(out) :: nothing   !! to do
+      type(event_log), intent(inout) :: log
+      type(status_t), intent(inout) :: status
+      integer, parameter :: at_all = 1, by_far = 2
+      logical :: passed(most_mesh_roots, 2), jumped(size(crossed))
+
+      nothing = .true.
+      call passed_now(gearbox, m, y, integers, reals, [0.0_wp, located], passed, status)
+      if (has_failed(status)) return
+      jumped = .false.
+      jumped(pressing) = passed(pressing, merge(by_far, at_all, any(crossed(pressing))))
+      jumped(sliding) = passed(sliding, merge(by_far, at_all, any(crossed(sliding))))
+      jumped(approaching) = passed(approaching, at_all) .and. .not. crossed(approaching)
+      if (.not. any(jumped)) return
+      nothing = .false.
+      call contact_event(gearbox, m, jumped, y, integers, reals, log, status)
+   end subroutine settle_contact
+
+   !> Whether what happens to other contacts changes nothing for this one: rigid ones share a force, tracked ones their points.
+   pure logical function stands_alone(mesh)
+      type(contact_t), intent(in) :: mesh
+
+      stands_alone = .not. mesh%rigid .and. mesh%tracking == tracking_closed_form
+   end function stands_alone
+
+   !> Which root functions of one tooth contact are past zero at a state, as far as they decide by themselves.
+   subroutine passed_now(gearbox, m, y, integers, reals, by, passed, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: m, integers(:)
+      real(wp), intent(in) :: y(gearbox%n_states), reals(:)
+      real(wp), intent(in) :: by(:)                               !! as in `mark_passed`
+      logical, intent(out) :: passed(most_mesh_roots, size(by))   !! of each of them; false behind the last root function
+      type(status_t), intent(inout) :: status
+      type(contact_point) :: point
+      type(mesh_mode) :: mode
+      real(wp) :: roots(most_mesh_roots)
+      integer :: i
+
+      passed = .false.
+      associate (mesh => gearbox%contacts(m))
+         call roots_of_contact(gearbox, m, y, integers, reals, mode, point, roots, status)
+         if (has_failed(status)) return
+         do i = 1, size(by)
+            call mark_passed(mesh, mode, roots, by(i), passed(:, i))
+         end do
+         ! rigid flanks close by impacts, and their forces are found together
+         if (mesh%rigid) passed([root_contact, root_force], :) = .false.
+         if (mode%contact == contact_open .and. parts(mesh, point)) passed(root_contact, :) = .false.
+      end associate
+   end subroutine passed_now
+
+   !> Mark the root functions of a tooth contact that are past the zero that would end its mode.
+   pure subroutine mark_passed(mesh, mode, roots, by, passed)
+      type(contact_t), intent(in) :: mesh
+      type(mesh_mode), intent(in) :: mode
+      real(wp), intent(in) :: roots(mesh%n_roots)
+      real(wp), intent(in) :: by !! at least how far, in their own units; < 0: or how near
+      logical, intent(out) :: passed(mesh%n_roots)
+      integer :: directions(most_mesh_roots), i
+
+      call mesh_root_directions(mesh, mode, directions)
+      call mark_idle_roots(mesh, mode, idle, directions)
+      do i = 1, mesh%n_roots
+         passed(i) = directions(i) /= idle .and. directions(i)*roots(i) > by
+      end do
+   end subroutine mark_passed
+
+end module evl_settle_modes

@@ -1,0 +1,175 @@
+!> The watched outputs of a gearbox in eight states at once, as `watched_at` gives them for one: from what the last rates in lanes
+!> knew of the tooth contacts, so that they cost little. They are almost those of the states.
+module evl_watch_lanes
+   use evl_contact_lanes, only: contact_in_lanes, lane_contact
+   use evl_contact_laws, only: friction_none
+   use evl_contact_point, only: contact_point, tracked_pair
+   use evl_contacts_in_lanes, only: lane_slot
+   use evl_extremes, only: watch_error, watch_friction, watch_normal, watch_pair_normal, watch_pair_pressure, watch_penetration, &
+                           watch_sliding
+   use evl_gearbox, only: gearbox_t, leading_contact
+   use evl_gearbox_watch, only: channel_of
+   use evl_kinds, only: lanes, pi, wp
+   use evl_line_lanes, only: centre_turn_in_lanes, lane_line, line_in_lanes, motion_in_lanes
+   use evl_radau_coefficients, only: n_stages
+   use evl_tooth_contact, only: contact_loaded, contact_off, contact_open, contact_t, flank_drive, mesh_mode, touches
+   use evl_touching_flanks, only: touching_curvature
+   implicit none (type, external)
+   private
+
+   public :: most_rows, watched_in_lanes
+
+contains
+
+   include "contact/lane_point.inc"
+
+   !> How many rows there can be.
+   pure integer function most_rows(gearbox) result(n)
+      type(gearbox_t), intent(in) :: gearbox
+
+      n = 4*size(gearbox%pairs) + 3*size(gearbox%contacts)
+   end function most_rows
+
+   !> Rows of channels that are not 0 in the present discrete state, less those that others stand for; each pair has its own,
+   !> smooth between events.
+   subroutine watched_in_lanes(gearbox, y, integers, slots, n, channels, values)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: y(lanes, gearbox%n_states)
+      integer, intent(in) :: integers(:)
+      type(lane_slot), intent(inout) :: slots(:) !! [tooth contacts] as the last rates left them; curvatures are kept there
+      integer, intent(out) :: n
+      integer, intent(inout) :: channels(:)      !! the first n of these: which ones
+      real(wp), intent(inout) :: values(lanes, *) !! of these
+      real(wp), dimension(lanes) :: normal, friction
+      integer :: c, m
+      integer :: loaded
+
+      n = 0
+      do m = 1, size(gearbox%pairs)
+         normal = 0
+         friction = 0
+         loaded = 0
+         do c = gearbox%first(m), gearbox%first(m + 1) - 1
+            if (.not. touches(slots(c)%mode)) cycle
+            if (slots(c)%mode%contact == contact_loaded) loaded = loaded + 1
+            call watch_pair(gearbox, c, slots(c), n, channels, values, normal, friction)
+         end do
+         ! the force of a single pair exceeds that of its mesh only where it exceeds that of all pairs
+         if (loaded > 1) call put(channel_of(m, watch_normal), normal, n, channels, values)
+         if (loaded > 0 .and. gearbox%contacts(gearbox%first(m))%friction%law /= friction_none) &
+            call put(channel_of(m, watch_friction), friction, n, channels, values)
+         call watch_mesh(gearbox, m, y, slots(leading_contact(gearbox, m, integers)), &
+                         gearbox%contacts(leading_contact(gearbox, m, integers)), n, channels, values)
+      end do
+   end subroutine watched_in_lanes
+
+   !> One more row.
+   pure subroutine put(channel, of_lanes, n, channels, values)
+      integer, intent(in) :: channel
+      real(wp), intent(in) :: of_lanes(lanes)
+      integer, intent(inout) :: n
+      integer, intent(inout) :: channels(:)
+      real(wp), intent(inout) :: values(lanes, *)
+
+      n = n + 1
+      channels(n) = channel
+      values(:, n) = of_lanes
+   end subroutine put
+
+   !> A tooth contact that touches: its rows, and what it adds to its mesh.
+   subroutine watch_pair(gearbox, c, slot, n, channels, values, normal, friction)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: c
+      type(lane_slot), intent(inout) :: slot
+      integer, intent(inout) :: n
+      integer, intent(inout) :: channels(:)
+      real(wp), intent(inout) :: values(lanes, *)
+      real(wp), dimension(lanes), intent(inout) :: normal, friction
+      real(wp) :: pressure(lanes), curvature(lanes), factor
+      integer :: l
+
+      associate (mesh => gearbox%contacts(c))
+         if (mesh%flank == flank_drive) call put(channel_of(mesh%mesh, watch_penetration), slot%at%h, n, channels, values)
+         if (slot%mode%contact /= contact_loaded) return
+         call put(channel_of(mesh%mesh, watch_pair_normal), slot%unclipped, n, channels, values)
+         factor = mesh%e_star/(mesh%width*pi)
+         call curvature_in_lanes(mesh, slot, curvature)
+         !$omp simd
+         do l = 1, lanes
+            normal(l) = normal(l) + slot%unclipped(l)
+            pressure(l) = pressure_in_lane(factor, slot%unclipped(l), curvature(l))
+         end do
+         call put(channel_of(mesh%mesh, watch_pair_pressure), pressure, n, channels, values)
+         if (mesh%flank == flank_drive) friction = friction - slot%unclipped*slot%friction
+      end associate
+   end subroutine watch_pair
+
+   !> Curvature of both flanks together; of flanks that deviate a little more than it is. That takes long, so it is found at the end
+   !> of each step, where the next one begins, and goes evenly between; a place that looks like an extreme is looked at exactly.
+   pure subroutine curvature_in_lanes(mesh, slot, curvature)
+      type(contact_t), intent(in) :: mesh
+      type(lane_slot), intent(inout) :: slot
+      real(wp), intent(out) :: curvature(lanes)
+      real(wp), parameter :: margin = 2.0e-3_wp
+      real(wp), parameter :: same = 1.0e-6_wp !! of rho: places this near have the same curvature, to far less than the margin
+      type(contact_point) :: point
+      real(wp) :: from, to, way
+
+      associate (rho_a => slot%at%rho_a, rho_b => slot%at%rho_b)
+         curvature = (rho_a + rho_b)/(rho_a*rho_b)
+         if (.not. mesh%deviates) return
+         from = slot%curvature_seen
+         if (abs(slot%rho_seen - rho_a(lanes)) > same*rho_a(lanes)) then
+            call take_lane(slot%at, lanes, point)
+            from = touching_curvature(mesh, slot%mode, point)
+         end if
+         call take_lane(slot%at, n_stages, point)
+         to = touching_curvature(mesh, slot%mode, point)
+         slot%rho_seen = rho_a(n_stages)
+         slot%curvature_seen = to
+         way = rho_a(n_stages) - rho_a(lanes)
+         if (.not. (abs(way) > 0 .and. from > 0 .and. to > 0)) return
+         curvature = (1 + margin)*(from + (to - from)*((rho_a - rho_a(lanes))/way))
+      end associate
+   end subroutine curvature_in_lanes
+
+   !> The contact pressure of one lane.
+   elemental real(wp) function pressure_in_lane(factor, force, curvature) result(pressure)
+      real(wp), intent(in) :: factor, force, curvature
+
+      pressure = sqrt(factor*max(force, 0.0_wp)*curvature)
+   end function pressure_in_lane
+
+   !> What a mesh has whether it touches or not.
+   subroutine watch_mesh(gearbox, m, y, slot, leader, n, channels, values)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: m
+      real(wp), intent(in) :: y(lanes, gearbox%n_states)
+      type(lane_slot), intent(in) :: slot      !! of the leading contact
+      type(contact_t), intent(in) :: leader
+      integer, intent(inout) :: n
+      integer, intent(inout) :: channels(:)
+      real(wp), intent(inout) :: values(lanes, *)
+      type(lane_line) :: line
+      type(lane_contact) :: at
+      type(tracked_pair) :: pair
+      type(mesh_mode) :: mode
+      real(wp), dimension(lanes) :: lag, turn
+
+      pair = leader%pair
+      if (touches(slot%mode)) then
+         call put(channel_of(m, watch_sliding), slot%at%v_t, n, channels, values)
+         call motion_in_lanes(leader, y, line)
+      else
+         call line_in_lanes(leader, y, line)
+         mode = slot%mode
+         if (mode%contact == contact_off) mode%contact = contact_open ! else the radii alone would be found
+         call contact_in_lanes(leader, mode, slot%rho_start, line, at)
+         call put(channel_of(m, watch_sliding), at%v_t, n, channels, values)
+      end if
+      call centre_turn_in_lanes(leader, line, turn)
+      lag = -pair%sigma*(pair%r_ba*line%psi_a + pair%r_bb*line%psi_b - (pair%r_ba + pair%r_bb)*turn)
+      call put(channel_of(m, watch_error), lag, n, channels, values)
+   end subroutine watch_mesh
+
+end module evl_watch_lanes

@@ -1,0 +1,162 @@
+!> What a flank lacks in material: tip and root relief, crowning of the profile, pitch errors and runout of one wheel.
+!>
+!> The real flank is the involute moved into the material by e(rho) along its normal; e < 0 is too much material. With e_1 and
+!> e_2 of both flanks the gap of a tooth pair is kappa + e_1(rho_1) + e_2(rho_2). Over the radius of curvature rho = r_b xi, xi
+!> the roll angle, for tooth k (counted counterclockwise) and side s (+1: the flank that faces clockwise, which pushes when the
+!> wheel drives clockwise; -1: the other one):
+!>
+!>    e = C_a u_a**p_a [tip]  or  C_f u_f**p_f [root]  or  0     u = (rho - rho_s)/(rho_end - rho_s), p = 1 linear, 2 parabolic
+!>      + C_alpha ((rho - rho_m)/((rho_tip - rho_start)/2))**2
+!>      + s p_k - s e_c sin(k gamma - s psi_b/2 + s rho/r_b - psi_c)
+!>
+!> docs/deviations.md derives the last line.
+module evl_flank_deviation
+   use evl_elementary, only: sine_cosine
+   use evl_kinds, only: pi, wp
+   implicit none (type, external)
+   private
+
+   public :: flank_branch, flank_deviation_t, relief_t
+   public :: deviation_at, deviation_borders, deviation_branch, deviation_on, deviation_zone
+   public :: zone_none, zone_root, zone_tip
+
+   integer, parameter :: zone_root = -1 !! below the border of the root relief
+   integer, parameter :: zone_none = 0  !! between the borders
+   integer, parameter :: zone_tip = 1   !! beyond the border of the tip relief
+
+   !> Relief from its border on.
+   type :: relief_t
+      real(wp) :: amount = 0.0_wp        !! C_a or C_f at the end of the profile [m]; 0: no relief
+      real(wp) :: border = 0.0_wp        !! rho_s, radius of curvature at which it begins [m]
+      real(wp) :: length = 1.0_wp        !! from the border to the end of the profile [m], negative for root relief
+      logical :: parabolic = .false.     !! with the slope 0 at its border
+   end type relief_t
+
+   !> Deviations of all flanks of one wheel; the initial values are those of a perfect one.
+   type :: flank_deviation_t
+      logical :: exists = .false.        !! whether there is any deviation
+      type(relief_t) :: tip, root
+      real(wp) :: crowning = 0.0_wp      !! C_alpha at both ends of the profile [m]
+      real(wp) :: middle = 0.0_wp        !! rho_m, radius of curvature in the middle of the profile [m]
+      real(wp) :: half_length = 1.0_wp   !! from there to its ends [m]
+      integer :: teeth = 1               !! z
+      real(wp), allocatable :: pitch(:)  !! p_k of teeth 0 to z-1 along the normal [m], (0:teeth-1); not allocated: no errors
+      real(wp) :: eccentricity = 0.0_wp  !! e_c of the teeth's centre to the axle [m]
+      real(wp) :: phase = 0.0_wp         !! psi_c, direction of the eccentricity from the middle of tooth 0 [rad]
+      real(wp) :: base_radius = 1.0_wp   !! r_b [m]
+      real(wp) :: half_tooth = 0.0_wp    !! psi_b/2, half of the angle that a tooth fills on the base circle [rad]
+   end type flank_deviation_t
+
+   !> The flank of one tooth in one zone: all that does not depend on rho. The initial values are those of a perfect one.
+   type :: flank_branch
+      real(wp) :: border = 0.0_wp          !! rho_s of the relief [m]
+      real(wp) :: per_length = 0.0_wp      !! 1/(rho_end - rho_s) [1/m]
+      real(wp) :: linear = 0.0_wp          !! C of linear relief, else 0 [m]
+      real(wp) :: parabolic = 0.0_wp       !! C of parabolic relief, else 0 [m]
+      real(wp) :: crowning = 0.0_wp        !! C_alpha [m]
+      real(wp) :: middle = 0.0_wp          !! rho_m [m]
+      real(wp) :: per_half_length = 0.0_wp !! 2/(rho_tip - rho_start) [1/m]
+      real(wp) :: offset = 0.0_wp          !! s p_k [m]
+      real(wp) :: runout = 0.0_wp          !! s e_c [m]
+      real(wp) :: angle = 0.0_wp           !! k gamma - s psi_b/2 - psi_c [rad]
+      real(wp) :: turn = 0.0_wp            !! s/r_b [rad/m]
+   end type flank_branch
+
+contains
+
+   include "geometry/flank_branch.inc"
+
+   !> Deviation e of a flank with its derivatives to rho. Every formula holds for all rho: a zone that is held continues its
+   !> branch beyond the border.   Valid: rho near the profile of the wheel
+   pure subroutine deviation_at(deviation, tooth, side, rho, zone, e, de, d2e)
+      type(flank_deviation_t), intent(in) :: deviation
+      integer, intent(in) :: tooth    !! k, any integer; taken modulo z
+      integer, intent(in) :: side     !! s, +1 or -1
+      real(wp), intent(in) :: rho     !! radius of curvature [m]
+      integer, intent(in) :: zone     !! zone_root, zone_none or zone_tip
+      real(wp), intent(out) :: e      !! [m]
+      real(wp), intent(out) :: de     !! de/drho
+      real(wp), intent(out) :: d2e    !! d2e/drho2 [1/m]
+      type(flank_branch) :: branch
+
+      branch = deviation_branch(deviation, tooth, side, zone)
+      call deviation_on(branch, rho, e, de, d2e)
+   end subroutine deviation_at
+
+   !> The same on a branch that is known.
+   pure subroutine deviation_on(branch, rho, e, de, d2e)
+      type(flank_branch), intent(in) :: branch
+      real(wp), intent(in) :: rho        !! radius of curvature [m]
+      real(wp), intent(out) :: e, de, d2e
+
+      call profile_deviation(branch, rho, e, de, d2e)
+      if (abs(branch%runout) > 0) call add_runout(branch, rho, e, de, d2e)
+   end subroutine deviation_on
+
+   !> The branch of one tooth's flank in a zone.
+   pure type(flank_branch) function deviation_branch(deviation, tooth, side, zone) result(branch)
+      type(flank_deviation_t), intent(in) :: deviation
+      integer, intent(in) :: tooth    !! k, any integer; taken modulo z
+      integer, intent(in) :: side     !! s, +1 or -1
+      integer, intent(in) :: zone     !! zone_root, zone_none or zone_tip
+      integer :: k
+
+      if (.not. deviation%exists) return
+      select case (zone)
+      case (zone_tip)
+         call relieve(deviation%tip, branch)
+      case (zone_root)
+         call relieve(deviation%root, branch)
+      end select
+      if (deviation%crowning > 0) then
+         branch%crowning = deviation%crowning
+         branch%middle = deviation%middle
+         branch%per_half_length = 1/deviation%half_length
+      end if
+      k = modulo(tooth, deviation%teeth)
+      if (allocated(deviation%pitch)) branch%offset = side*deviation%pitch(k)
+      if (deviation%eccentricity > 0) then
+         branch%runout = side*deviation%eccentricity
+         branch%angle = 2*pi*k/deviation%teeth - deviation%phase - side*deviation%half_tooth
+         branch%turn = side/deviation%base_radius
+      end if
+   end function deviation_branch
+
+   !> Relief of a branch.
+   pure subroutine relieve(relief, branch)
+      type(relief_t), intent(in) :: relief
+      type(flank_branch), intent(inout) :: branch
+
+      branch%border = relief%border
+      branch%per_length = 1/relief%length
+      if (relief%parabolic) then
+         branch%parabolic = relief%amount
+      else
+         branch%linear = relief%amount
+      end if
+   end subroutine relieve
+
+   !> Radii of curvature at which root relief ends and tip relief begins [m]; -huge and huge if there is none.
+   pure subroutine deviation_borders(deviation, rho_root, rho_tip)
+      type(flank_deviation_t), intent(in) :: deviation
+      real(wp), intent(out) :: rho_root, rho_tip
+
+      rho_root = -huge(rho_root)
+      rho_tip = huge(rho_tip)
+      if (deviation%root%amount > 0) rho_root = deviation%root%border
+      if (deviation%tip%amount > 0) rho_tip = deviation%tip%border
+   end subroutine deviation_borders
+
+   !> The zone in which rho lies; the borders themselves belong to zone_none.
+   pure integer function deviation_zone(deviation, rho) result(zone)
+      type(flank_deviation_t), intent(in) :: deviation
+      real(wp), intent(in) :: rho !! radius of curvature [m]
+      real(wp) :: rho_root, rho_tip
+
+      call deviation_borders(deviation, rho_root, rho_tip)
+      zone = zone_none
+      if (rho < rho_root) zone = zone_root
+      if (rho > rho_tip) zone = zone_tip
+   end function deviation_zone
+
+end module evl_flank_deviation

@@ -1,0 +1,276 @@
+!> Two real gears in mesh: working pressure angle, path of contact, contact ratio, backlash, and whether they can mesh.
+!>
+!> Gear A drives gear B; r_b their base radii, R = r_bA + r_bB, psi their tooth angles, p_b their common base pitch:
+!>
+!>    cos alpha_w = R/a_w    j_bn = p_b + 2 R inv alpha_w - r_bA psi_A - r_bB psi_B    T1T2 = a_w sin alpha_w
+!>    g_alpha = rho_aA + rho_aB - T1T2, rho_a = sqrt(r_a^2 - r_b^2)    eps_alpha = g_alpha/p_b
+!>
+!> With the same module and pressure angle, and without allowances, j_bn = 0 is inv alpha_w = inv alpha + 2 tan alpha
+!> (x_A + x_B)/(z_A + z_B).
+!>
+!> Source: ISO 21771:2007, section 5.
+module evl_gears_in_mesh
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use evl_gear, only: agreement, gear_radius_of_curvature, gear_t
+   use evl_involute_angle, only: involute_of_tangent, tangent_of_involute
+   use evl_kinds, only: pi, wp
+   use evl_status, only: clear, code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh
+   implicit none (type, external)
+   private
+
+   public :: gear_mesh_derive, gear_mesh_input, gear_mesh_overlap, gear_mesh_t
+
+   real(wp), parameter :: vanishing = 16*epsilon(1.0_wp) !! backlash over the centre distance that is rounding
+
+   !> What may be given of a mesh: none of both, one, or both if they agree.
+   type :: gear_mesh_input
+      logical :: has_centre_distance = .false., has_backlash = .false.
+      real(wp) :: centre_distance = 0.0_wp !! a_w [m]
+      real(wp) :: backlash = 0.0_wp        !! j_bn [m]
+   end type gear_mesh_input
+
+   !> All that follows from two gears and their centre distance.
+   type :: gear_mesh_t
+      logical :: exists = .false.                 !! whether this mesh is one of two real gears
+      real(wp) :: centre_distance = 0.0_wp        !! a_w [m]
+      real(wp) :: reference_distance = 0.0_wp     !! a, sum of the reference radii [m]
+      real(wp) :: tight_distance = 0.0_wp         !! from the profile shifts, without backlash [m]
+      real(wp) :: working_pressure_angle = 0.0_wp !! alpha_w [rad]
+      real(wp) :: pitch_radius_a = 0.0_wp         !! r_w of A [m]
+      real(wp) :: pitch_radius_b = 0.0_wp         !! the same of B [m]
+      real(wp) :: line_of_action = 0.0_wp         !! T1T2 [m]
+      real(wp) :: base_pitch = 0.0_wp             !! p_b [m]
+      real(wp) :: path_of_contact = 0.0_wp        !! g_alpha [m]
+      real(wp) :: approach = 0.0_wp               !! g_f, path before the pitch point while A drives [m]
+      real(wp) :: recess = 0.0_wp                 !! g_a, path behind it [m]
+      real(wp) :: contact_ratio = 0.0_wp          !! eps_alpha
+      real(wp) :: rho_tip_a = 0.0_wp              !! radius of curvature at the tip of A [m]
+      real(wp) :: rho_tip_b = 0.0_wp              !! the same of B [m]
+      real(wp) :: active_radius_a = 0.0_wp        !! r_Nf, where the active profile of A begins [m]
+      real(wp) :: active_radius_b = 0.0_wp        !! the same of B [m]
+      real(wp) :: clearance_a = 0.0_wp            !! c, from the tip of B to the root circle of A [m]
+      real(wp) :: clearance_b = 0.0_wp            !! from the tip of A to the root circle of B [m]
+      real(wp) :: backlash = 0.0_wp               !! j_bn, normal [m]
+      real(wp) :: circumferential_backlash = 0.0_wp !! j_wt, on the working pitch circles [m]
+      real(wp) :: radial_backlash = 0.0_wp        !! j_r, about the approach of the axles that takes it all [m]
+   end type gear_mesh_t
+
+contains
+
+   !> Derive the geometry of a mesh.
+   !>
+   !> The centre distance is the given one, or that of the given backlash, or that of the profile shifts without backlash (where
+   !> allowances of the thickness leave one).
+   !> Errors: code_invalid_input with subject_mesh, without index; field centre_distance, backlash or none.
+   pure subroutine gear_mesh_derive(a, b, given, mesh, status)
+      type(gear_t), intent(in) :: a, b        !! the driving and the driven gear
+      type(gear_mesh_input), intent(in) :: given
+      type(gear_mesh_t), intent(out) :: mesh  !! initial values on error
+      type(status_t), intent(inout) :: status !! filled on error, else cleared
+      type(gear_mesh_t) :: m
+      real(wp) :: tangent
+
+      call clear(status)
+      call check_given(a, b, given, status)
+      if (has_failed(status)) return
+      m%exists = .true.
+      m%base_pitch = a%base_pitch
+      m%reference_distance = a%reference_radius + b%reference_radius
+      associate (base_sum => a%base_radius + b%base_radius)
+         call find_distance(a, b, given, m, tangent, status)
+         if (has_failed(status)) return
+         m%working_pressure_angle = atan(tangent)
+         m%pitch_radius_a = m%centre_distance*a%teeth/(a%teeth + b%teeth)
+         m%pitch_radius_b = m%centre_distance*b%teeth/(a%teeth + b%teeth)
+         m%line_of_action = base_sum*tangent
+         m%circumferential_backlash = m%backlash*hypot(1.0_wp, tangent)
+         m%radial_backlash = m%circumferential_backlash/(2*tangent)
+      end associate
+      m%rho_tip_a = gear_radius_of_curvature(a, a%tip_radius)
+      m%rho_tip_b = gear_radius_of_curvature(b, b%tip_radius)
+      m%path_of_contact = m%rho_tip_a + m%rho_tip_b - m%line_of_action
+      m%recess = m%rho_tip_a - a%base_radius*tangent
+      m%approach = m%rho_tip_b - b%base_radius*tangent
+      m%contact_ratio = m%path_of_contact/m%base_pitch
+      m%active_radius_a = hypot(a%base_radius, m%line_of_action - m%rho_tip_b)
+      m%active_radius_b = hypot(b%base_radius, m%line_of_action - m%rho_tip_a)
+      m%clearance_a = m%centre_distance - b%tip_radius - a%root_radius
+      m%clearance_b = m%centre_distance - a%tip_radius - b%root_radius
+      call check_path(a, b, m, status)
+      if (.not. has_failed(status)) mesh = m
+   end subroutine gear_mesh_derive
+
+   !> Centre distance, backlash and tan alpha_w.
+   pure subroutine find_distance(a, b, given, mesh, tangent, status)
+      type(gear_t), intent(in) :: a, b
+      type(gear_mesh_input), intent(in) :: given
+      type(gear_mesh_t), intent(inout) :: mesh
+      real(wp), intent(out) :: tangent !! tan alpha_w
+      type(status_t), intent(inout) :: status
+      real(wp) :: base_sum, allowances, tight, involute
+
+      tangent = 0
+      base_sum = a%base_radius + b%base_radius
+      allowances = allowed_arc(a, b)
+      tight = tight_arc(a, b)
+      if (tight > 0) mesh%tight_distance = base_sum*hypot(1.0_wp, tangent_of_involute(tight/(2*base_sum)))
+      if (given%has_centre_distance) then
+         mesh%centre_distance = given%centre_distance
+         if (.not. mesh%centre_distance > base_sum) then
+            call refuse(status, "centre_distance", "centre distance "//quantity(mesh%centre_distance, "m")//" must be greater" &
+                        //" than "//quantity(base_sum, "m")//", the sum of the base radii")
+            return
+         end if
+         tangent = sqrt((mesh%centre_distance - base_sum)*(mesh%centre_distance + base_sum))/base_sum
+         mesh%backlash = backlash_at(a, b, tangent)
+         call check_backlash(given, mesh, status)
+         return
+      end if
+      mesh%backlash = allowances
+      if (given%has_backlash) mesh%backlash = given%backlash
+      involute = (tight - allowances + mesh%backlash)/(2*base_sum)
+      if (.not. involute > 0) then
+         call refuse(status, "", "the teeth are so thin that no centre distance gives this backlash: the involute of the working" &
+                     //" pressure angle would be "//quantity(involute, "")//"; larger profile shifts are needed")
+         return
+      end if
+      tangent = tangent_of_involute(involute)
+      mesh%centre_distance = base_sum*hypot(1.0_wp, tangent)
+   end subroutine find_distance
+
+   !> Normal backlash where the working pressure angle has this tangent; negative if the teeth overlap [m].
+   pure real(wp) function backlash_at(a, b, tangent) result(backlash)
+      type(gear_t), intent(in) :: a, b
+      real(wp), intent(in) :: tangent
+
+      backlash = 2*(a%base_radius + b%base_radius)*involute_of_tangent(tangent) - tight_arc(a, b) + allowed_arc(a, b)
+   end function backlash_at
+
+   !> By how much the teeth overlap at a given centre distance, more than rounding: minus the normal backlash, at least 0 [m].
+   pure real(wp) function gear_mesh_overlap(a, b, centre_distance) result(overlap)
+      type(gear_t), intent(in) :: a, b            !! gears of the same base pitch
+      real(wp), intent(in) :: centre_distance     !! [m]
+      real(wp) :: base_sum
+
+      overlap = 0
+      base_sum = a%base_radius + b%base_radius
+      if (.not. (ieee_is_finite(centre_distance) .and. centre_distance > base_sum)) return
+      overlap = -backlash_at(a, b, sqrt((centre_distance - base_sum)*(centre_distance + base_sum))/base_sum)
+      if (.not. overlap > agreement*centre_distance) overlap = 0
+   end function gear_mesh_overlap
+
+   !> 2 R inv alpha_w of full teeth without backlash [m].
+   pure real(wp) function tight_arc(a, b)
+      type(gear_t), intent(in) :: a, b
+
+      tight_arc = full_arc(a) + full_arc(b) - a%base_pitch
+   end function tight_arc
+
+   !> What the allowances take from the teeth, on the base circles [m].
+   pure real(wp) function allowed_arc(a, b)
+      type(gear_t), intent(in) :: a, b
+
+      allowed_arc = abs(a%thickness_allowance)*cos(a%pressure_angle) + abs(b%thickness_allowance)*cos(b%pressure_angle)
+   end function allowed_arc
+
+   !> Arc of the base circle under a tooth without allowance [m].
+   pure real(wp) function full_arc(gear)
+      type(gear_t), intent(in) :: gear
+
+      full_arc = gear%base_radius*gear%tooth_angle - gear%thickness_allowance*cos(gear%pressure_angle)
+   end function full_arc
+
+   !> The backlash at a given centre distance is not negative, and it is the given one if there is one. Rounding of the given
+   !> numbers is forgiven.
+   pure subroutine check_backlash(given, mesh, status)
+      type(gear_mesh_input), intent(in) :: given
+      type(gear_mesh_t), intent(inout) :: mesh !! a backlash that is negative, or not 0, by rounding becomes 0
+      type(status_t), intent(inout) :: status
+
+      associate (rounding => agreement*mesh%centre_distance)
+         if (mesh%backlash < -rounding) then
+            call refuse(status, "centre_distance", "the teeth do not fit at the centre distance " &
+                        //quantity(mesh%centre_distance, "m")//": the normal backlash would be "//quantity(mesh%backlash, "m") &
+                        //"; without backlash full teeth need "//quantity(mesh%tight_distance, "m"))
+         else if (given%has_backlash .and. abs(given%backlash - mesh%backlash) > rounding) then
+            call refuse(status, "backlash", "backlash "//quantity(given%backlash, "m")//" does not agree with " &
+                        //quantity(mesh%backlash, "m")//", which follows from the centre distance: give one of the two")
+         end if
+         if (mesh%backlash < vanishing*mesh%centre_distance) mesh%backlash = 0
+      end associate
+   end subroutine check_backlash
+
+   !> Two real gears with the same base pitch, and numbers in their range.
+   pure subroutine check_given(a, b, given, status)
+      type(gear_t), intent(in) :: a, b
+      type(gear_mesh_input), intent(in) :: given
+      type(status_t), intent(inout) :: status
+
+      if (abs(a%base_pitch - b%base_pitch) > agreement*a%base_pitch) then
+         call refuse(status, "", "its wheels cannot mesh: the base pitch pi m cos(alpha) of the driving wheel is " &
+                     //quantity(a%base_pitch, "m")//", that of the driven wheel "//quantity(b%base_pitch, "m"))
+      else if (given%has_centre_distance .and. .not. (ieee_is_finite(given%centre_distance) .and. given%centre_distance > 0)) then
+         call refuse(status, "centre_distance", "centre distance "//quantity(given%centre_distance, "m") &
+                     //" must be a finite number greater than 0")
+      else if (given%has_backlash .and. .not. (ieee_is_finite(given%backlash) .and. given%backlash >= 0)) then
+         call refuse(status, "backlash", "backlash "//quantity(given%backlash, "m")//" must be a finite number, not negative")
+      end if
+   end subroutine check_given
+
+   !> Involutes meet all along the path of contact, and nothing else does.
+   pure subroutine check_path(a, b, mesh, status)
+      type(gear_t), intent(in) :: a, b
+      type(gear_mesh_t), intent(in) :: mesh
+      type(status_t), intent(inout) :: status
+
+      if (.not. mesh%path_of_contact > 0) then
+         call refuse(status, "", "its teeth do not reach each other: the path of contact would be " &
+                     //quantity(mesh%path_of_contact, "m")//" long at the centre distance "//quantity(mesh%centre_distance, "m"))
+         return
+      end if
+      call check_foot(a, b, mesh%rho_tip_b, mesh%active_radius_a, mesh%clearance_a, mesh%line_of_action, "driving", "driven", &
+                      status)
+      call check_foot(b, a, mesh%rho_tip_a, mesh%active_radius_b, mesh%clearance_b, mesh%line_of_action, "driven", "driving", &
+                      status)
+   end subroutine check_path
+
+   !> The tip of a mate meets involute on a gear, not its fillet, nothing below its base circle, and not its root circle.
+   pure subroutine check_foot(gear, mate, rho_tip, active_radius, clearance, line_of_action, name, mate_name, status)
+      type(gear_t), intent(in) :: gear, mate
+      real(wp), intent(in) :: rho_tip        !! radius of curvature at the mate's tip [m]
+      real(wp), intent(in) :: active_radius  !! where the mate's tip meets the gear [m]
+      real(wp), intent(in) :: clearance      !! from the mate's tip to the gear's root circle [m]
+      real(wp), intent(in) :: line_of_action !! T1T2 [m]
+      character(len=*), intent(in) :: name, mate_name
+      type(status_t), intent(inout) :: status !! an earlier error stays
+
+      if (has_failed(status)) return
+      if (rho_tip > line_of_action*(1 + agreement)) then
+         call refuse(status, "", "the path of contact leaves the line of action: the tip of the "//mate_name//" wheel, diameter " &
+                     //quantity(2*mate%tip_radius, "m")//", reaches past the point where that line touches the base circle of" &
+                     //" the "//name//" wheel; a tip diameter of at most " &
+                     //quantity(2*hypot(mate%base_radius, line_of_action), "m")//" avoids it")
+      else if (active_radius < gear%form_radius*(1 - agreement) .and. gear%is_undercut) then
+         call refuse(status, "", "undercut cuts the active profile of the "//name//" wheel: it leaves involute from the diameter " &
+                     //quantity(2*gear%form_radius, "m")//" on, but the mate's tip needs it from "//quantity(2*active_radius, "m") &
+                     //" on; the generating profile shift "//quantity(gear%generating_shift, "")//" is below "// &
+                     quantity(gear%undercut_shift, "")//", where undercut begins")
+      else if (active_radius < gear%form_radius*(1 - agreement)) then
+         call refuse(status, "", "tip interference: the tip of the "//mate_name//" wheel meets the "//name//" wheel at the" &
+                     //" diameter "//quantity(2*active_radius, "m")//", in the fillet below its form diameter " &
+                     //quantity(2*gear%form_radius, "m")//", where the involute begins")
+      else if (.not. clearance > 0) then
+         call refuse(status, "", "the tip of the "//mate_name//" wheel runs into the root circle of the "//name//" wheel: the tip" &
+                     //" clearance would be "//quantity(clearance, "m"))
+      end if
+   end subroutine check_foot
+
+   !> Refuse something of a mesh.
+   pure subroutine refuse(status, field, message)
+      type(status_t), intent(inout) :: status
+      character(len=*), intent(in) :: field, message
+
+      call fail(status, code_invalid_input, message, subject_mesh, field=field)
+   end subroutine refuse
+
+end module evl_gears_in_mesh

@@ -1,0 +1,198 @@
+!> Geometry of one pair of meshing spur wheels, from teeth, one pitch radius and the pressure angle.
+!>
+!> Wheel A drives wheel B. c = O_B - O_A has the direction chi; sigma = +1 if A turns clockwise (or B drives with the
+!> other flank), -1 for the mirror image. With e along the line of action and t across it:
+!>
+!>    t = T(chi) (cos alpha_w, sigma sin alpha_w)   e = T(chi) (sin alpha_w, -sigma cos alpha_w)
+!>    K_A = O_A + r_bA t   K_B = O_B - r_bB t   K_B - K_A = rho e
+!>
+!> The path of contact a-b is one base pitch long, centred on K_A K_B: the contact ratio is exactly 1.
+!>
+!> Source: I. Kosenko, I. Gusev, Implementation of the spur involute gear model on Modelica, 2011, section 7.1.
+module evl_mesh_geometry
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use evl_kinds, only: pi, wp
+   use evl_status, only: clear, code_invalid_input, degrees, fail, has_failed, quantity, status_t
+   implicit none (type, external)
+   private
+
+   public :: spur_pair_derive, spur_pair_least_radius, spur_pair_place, spur_pair_t
+   public :: maximum_teeth, minimum_teeth
+
+   integer, parameter :: minimum_teeth = 3     !! fewer make no wheel
+   integer, parameter :: maximum_teeth = 10000 !! more is a slip of the keyboard
+   real(wp), parameter :: paper_factor = 1.05_wp !! alpha_w/alpha_inf of the paper
+
+   !> All that follows from teeth, pitch radius, pressure angle and the place of the pair. Points in the housing frame.
+   type :: spur_pair_t
+      integer :: teeth_a = 0, teeth_b = 0      !! z
+      integer :: sigma = 1                     !! flank, see above
+      real(wp) :: ratio = 0.0_wp               !! n = z_B/z_A
+      real(wp) :: pitch_radius_a = 0.0_wp      !! r_A [m]
+      real(wp) :: pitch_radius_b = 0.0_wp      !! r_B = n r_A [m]
+      real(wp) :: centre_distance = 0.0_wp     !! L = r_A + r_B [m]
+      real(wp) :: chi = 0.0_wp                 !! direction of the centre line [rad]
+      real(wp) :: gamma_a = 0.0_wp             !! angular pitch 2 pi/z_A [rad]
+      real(wp) :: gamma_b = 0.0_wp             !! angular pitch 2 pi/z_B [rad]
+      real(wp) :: alpha_inf = 0.0_wp           !! pressure angle at which K_A K_B is one base pitch long [rad]
+      real(wp) :: alpha_w = 0.0_wp             !! working pressure angle [rad]
+      real(wp) :: base_radius_a = 0.0_wp       !! r_bA = r_A cos alpha_w [m]
+      real(wp) :: base_radius_b = 0.0_wp       !! r_bB [m]
+      real(wp) :: base_radius_sum = 0.0_wp     !! R = r_bA + r_bB [m]
+      real(wp) :: rho = 0.0_wp                 !! |K_A K_B|, length of the line of action [m]
+      real(wp) :: base_pitch = 0.0_wp          !! |ab| = r_bA gamma_A = r_bB gamma_B [m]
+      real(wp) :: tip_radius_a = 0.0_wp        !! |b - O_A| [m]
+      real(wp) :: tip_radius_b = 0.0_wp        !! |a - O_B| [m]
+      real(wp) :: rho_start_a = 0.0_wp         !! radius of curvature of A at a, (rho - |ab|)/2 [m]
+      real(wp) :: rho_start_b = 0.0_wp         !! radius of curvature of B at a, (rho + |ab|)/2 [m]
+      real(wp) :: phi_a = 0.0_wp               !! angle of A's involute root when the teeth touch at a [rad]
+      real(wp) :: phi_b = 0.0_wp               !! the same of B [rad]
+      real(wp) :: centre_a(2) = 0.0_wp         !! O_A [m]
+      real(wp) :: centre_b(2) = 0.0_wp         !! O_B [m]
+      real(wp) :: t(2) = 0.0_wp                !! unit vector across the line of action, from O_A to K_A
+      real(wp) :: e(2) = 0.0_wp                !! unit vector along it, from K_A to K_B: A pushes B along e
+      real(wp) :: point_k_a(2) = 0.0_wp        !! K_A, where the line of action touches A's base circle [m]
+      real(wp) :: point_k_b(2) = 0.0_wp        !! K_B [m]
+      real(wp) :: point_a(2) = 0.0_wp          !! start of contact [m]
+      real(wp) :: point_b(2) = 0.0_wp          !! end of contact [m]
+      real(wp) :: pitch_point(2) = 0.0_wp      !! where the pitch circles touch [m]
+      logical :: contains_pitch_point = .false. !! whether a-b does
+      logical :: handover = .true.             !! contact ratio exactly 1: a pair hands its load to the next one pitch on
+      real(wp) :: contact_ratio = 1.0_wp       !! path of contact over base pitch
+      real(wp) :: rho_tip_a = 0.0_wp           !! radius of curvature at A's tip, sqrt(r_aA^2 - r_bA^2) [m]
+      real(wp) :: rho_tip_b = 0.0_wp           !! the same of B [m]
+      logical :: has_coast = .false.           !! whether the flanks on the other side can touch
+      real(wp) :: backlash = 0.0_wp            !! normal backlash j_bn at the reference centre distance [m]
+      real(wp) :: tooth_angle_a = 0.0_wp       !! angle that a tooth of A fills on the base circle [rad]; 0 if not known
+      real(wp) :: tooth_angle_b = 0.0_wp       !! the same of B [rad]
+   end type spur_pair_t
+
+contains
+
+   !> Derive all geometry of a pair.
+   !>
+   !> Source: Kosenko & Gusev 2011, section 7.1, for any direction of the centre line and either flank.
+   !> Errors: code_invalid_input with field teeth, pitch_radius, pressure_angle, centre_line_angle, driving_rotation or
+   !> centre; for the first two, status%index is 1 for wheel A and 2 for wheel B.
+   pure subroutine spur_pair_derive(teeth_a, teeth_b, pitch_radius_a, paper_rule, alpha_w, chi, sigma, centre_a, &
+                                    pair, status)
+      integer, intent(in) :: teeth_a         !! z_A, minimum_teeth to maximum_teeth
+      integer, intent(in) :: teeth_b         !! z_B, the same
+      real(wp), intent(in) :: pitch_radius_a !! operating pitch radius of A [m], > 0
+      logical, intent(in) :: paper_rule      !! alpha_w = 1.05 alpha_inf, whatever is given
+      real(wp), intent(in) :: alpha_w        !! working pressure angle [rad], alpha_inf < alpha_w < pi/2
+      real(wp), intent(in) :: chi            !! direction from O_A to O_B [rad]
+      integer, intent(in) :: sigma           !! +1 or -1
+      real(wp), intent(in) :: centre_a(2)    !! O_A in the housing frame [m]
+      type(spur_pair_t), intent(out) :: pair !! initial values on error
+      type(status_t), intent(inout) :: status !! filled on error, else cleared
+      real(wp) :: alpha_inf, angle
+
+      call clear(status)
+      call check_teeth(teeth_a, 1, status)
+      if (has_failed(status)) return
+      call check_teeth(teeth_b, 2, status)
+      if (has_failed(status)) return
+      if (.not. (ieee_is_finite(pitch_radius_a) .and. pitch_radius_a > 0.0_wp)) then
+         call fail(status, code_invalid_input, "pitch radius "//quantity(pitch_radius_a, "m") &
+                   //" must be a finite number greater than 0", index=1, field="pitch_radius")
+      else if (.not. ieee_is_finite(chi)) then
+         call fail(status, code_invalid_input, "centre line angle "//quantity(chi, "rad") &
+                   //" must be a finite number", field="centre_line_angle")
+      else if (abs(sigma) /= 1) then
+         call fail(status, code_invalid_input, "sense of rotation must be -1 or +1", field="driving_rotation")
+      else if (.not. all(ieee_is_finite(centre_a))) then
+         call fail(status, code_invalid_input, "centre ("//quantity(centre_a(1), "m")//", " &
+                   //quantity(centre_a(2), "m")//") must be two finite numbers", index=1, field="centre")
+      end if
+      if (has_failed(status)) return
+
+      alpha_inf = atan(2.0_wp*pi/(real(teeth_a, wp) + real(teeth_b, wp)))
+      angle = alpha_w
+      if (paper_rule) angle = paper_factor*alpha_inf
+      if (.not. (angle > alpha_inf .and. angle < 0.5_wp*pi)) then
+         call fail(status, code_invalid_input, "working pressure angle alpha_w = "//degrees(angle) &
+                   //" must be greater than alpha_inf = "//degrees(alpha_inf)//", tan(alpha_inf) = 2 pi/(z_A + z_B)," &
+                   //" and less than 90 deg", field="pressure_angle")
+         return
+      end if
+
+      pair%teeth_a = teeth_a
+      pair%teeth_b = teeth_b
+      pair%sigma = sigma
+      pair%chi = chi
+      pair%pitch_radius_a = pitch_radius_a
+      pair%alpha_inf = alpha_inf
+      pair%alpha_w = angle
+      pair%centre_a = centre_a
+      call derive_lengths(pair)
+      call spur_pair_place(pair)
+   end subroutine spur_pair_derive
+
+   !> Lengths and angles that do not depend on where the pair lies.
+   pure subroutine derive_lengths(pair)
+      type(spur_pair_t), intent(inout) :: pair !! teeth, pitch_radius_a and alpha_w given
+
+      pair%ratio = real(pair%teeth_b, wp)/real(pair%teeth_a, wp)
+      pair%pitch_radius_b = pair%ratio*pair%pitch_radius_a
+      pair%centre_distance = pair%pitch_radius_a + pair%pitch_radius_b
+      pair%gamma_a = 2.0_wp*pi/real(pair%teeth_a, wp)
+      pair%gamma_b = 2.0_wp*pi/real(pair%teeth_b, wp)
+      pair%base_radius_a = pair%pitch_radius_a*cos(pair%alpha_w)
+      pair%base_radius_b = pair%pitch_radius_b*cos(pair%alpha_w)
+      pair%base_radius_sum = pair%base_radius_a + pair%base_radius_b
+      pair%rho = pair%centre_distance*sin(pair%alpha_w)
+      pair%base_pitch = pair%base_radius_a*pair%gamma_a
+      pair%rho_start_a = 0.5_wp*(pair%rho - pair%base_pitch)
+      pair%rho_start_b = 0.5_wp*(pair%rho + pair%base_pitch)
+      pair%rho_tip_a = pair%rho_start_b
+      pair%rho_tip_b = pair%rho_start_b
+      ! at b the radii of curvature are those at a, exchanged
+      pair%tip_radius_a = hypot(pair%base_radius_a, pair%rho_start_b)
+      pair%tip_radius_b = hypot(pair%base_radius_b, pair%rho_start_b)
+      associate (rho_pitch => pair%pitch_radius_a*sin(pair%alpha_w))
+         pair%contains_pitch_point = rho_pitch >= pair%rho_start_a .and. rho_pitch <= pair%rho_start_b
+      end associate
+   end subroutine derive_lengths
+
+   !> Points, directions and initial angles in the housing frame, from the lengths.
+   pure subroutine spur_pair_place(pair)
+      type(spur_pair_t), intent(inout) :: pair !! all lengths, chi, sigma and centre_a given
+
+      associate (direction => pair%chi + pair%sigma*pair%alpha_w)
+         pair%t = [cos(direction), sin(direction)]
+         pair%e = pair%sigma*[sin(direction), -cos(direction)]
+      end associate
+      associate (centre_line => [cos(pair%chi), sin(pair%chi)])
+         pair%centre_b = pair%centre_a + pair%centre_distance*centre_line
+         pair%pitch_point = pair%centre_a + pair%pitch_radius_a*centre_line
+      end associate
+      pair%point_k_a = pair%centre_a + pair%base_radius_a*pair%t
+      pair%point_k_b = pair%centre_b - pair%base_radius_b*pair%t
+      pair%point_a = pair%point_k_a + pair%rho_start_a*pair%e
+      pair%point_b = pair%point_k_a + pair%rho_tip_a*pair%e
+      pair%phi_a = pair%chi + pair%sigma*(pair%alpha_w - pair%rho_start_a/pair%base_radius_a)
+      pair%phi_b = pair%chi + pair%sigma*(pi + pair%alpha_w - pair%rho_start_b/pair%base_radius_b)
+   end subroutine spur_pair_place
+
+   !> The smallest radius of curvature of either flank on the path of contact [m]: that of A at its start, or of B at its end.
+   pure real(wp) function spur_pair_least_radius(pair) result(least)
+      type(spur_pair_t), intent(in) :: pair
+
+      least = min(pair%rho_start_a, pair%rho - pair%rho_tip_a)
+   end function spur_pair_least_radius
+
+   !> Refuse a number of teeth out of range.
+   pure subroutine check_teeth(teeth, wheel, status)
+      integer, intent(in) :: teeth            !! z
+      integer, intent(in) :: wheel            !! 1 for A, 2 for B
+      type(status_t), intent(inout) :: status !! filled on error
+      character(len=96) :: message
+
+      if (teeth >= minimum_teeth .and. teeth <= maximum_teeth) return
+      write (message, "(a, i0, a, i0, a, i0)") "number of teeth ", teeth, " must be from ", minimum_teeth, " to ", &
+         maximum_teeth
+      call fail(status, code_invalid_input, trim(message), index=wheel, field="teeth")
+   end subroutine check_teeth
+
+end module evl_mesh_geometry

@@ -1,0 +1,159 @@
+!> The collocation polynomial of a step: values in lanes at its eight nodes, evaluated, differentiated, moved to another step.
+!>
+!> A polynomial of degree 7 is given by its values at the nodes; tau is the time since the start of the step in units of the
+!> step. Sums run over fixed counts of lanes, so that the compiler turns each into vector instructions.
+module evl_collocation
+   use evl_kinds, only: lanes, wp
+   use evl_radau_coefficients, only: barycentric, node, slope_at_node
+   implicit none (type, external)
+   private
+
+   public :: combine, lagrange_at, lagrange_matrix, node_slopes, polynomial_at, extremum_between, weighted_sum, zero_between
+
+   real(wp), parameter :: slopes_of(lanes, lanes) = slope_at_node !! columns are added up lane by lane
+
+contains
+
+   !> to(:, i) = matrix from(:, i) for each of n components.
+   pure subroutine combine(n, matrix, from, to)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: matrix(lanes, lanes)
+      real(wp), intent(in) :: from(lanes, n)
+      real(wp), intent(out) :: to(lanes, n)
+      real(wp) :: total(lanes)
+      integer :: i, k, l
+
+      do i = 1, n
+         total = 0
+         do k = 1, lanes
+            !$omp simd
+            do l = 1, lanes
+               total(l) = total(l) + matrix(l, k)*from(k, i)
+            end do
+         end do
+         to(:, i) = total
+      end do
+   end subroutine combine
+
+   !> Values at tau of the eight Lagrange polynomials: the polynomial there is the sum of these times its values at the nodes.
+   !>
+   !> Products from both ends, so that nothing is divided by tau - node.
+   pure subroutine lagrange_at(tau, basis)
+      real(wp), intent(in) :: tau
+      real(wp), intent(out) :: basis(lanes)
+      real(wp) :: product
+      integer :: k
+
+      product = 1
+      do k = 1, lanes
+         basis(k) = product*barycentric(k)
+         product = product*(tau - node(k))
+      end do
+      product = 1
+      do k = lanes, 1, -1
+         basis(k) = basis(k)*product
+         product = product*(tau - node(k))
+      end do
+   end subroutine lagrange_at
+
+   !> The same at eight places: combine(matrix, values at the nodes) gives the values at tau.
+   pure subroutine lagrange_matrix(tau, matrix)
+      real(wp), intent(in) :: tau(lanes)
+      real(wp), intent(out) :: matrix(lanes, lanes)
+      real(wp) :: product(lanes)
+      integer :: k
+
+      product = 1
+      do k = 1, lanes
+         matrix(:, k) = product*barycentric(k)
+         product = product*(tau - node(k))
+      end do
+      product = 1
+      do k = lanes, 1, -1
+         matrix(:, k) = matrix(:, k)*product
+         product = product*(tau - node(k))
+      end do
+   end subroutine lagrange_matrix
+
+   !> Value at tau from the values at the nodes.
+   pure real(wp) function polynomial_at(tau, values) result(value)
+      real(wp), intent(in) :: tau
+      real(wp), intent(in) :: values(lanes)
+      real(wp) :: basis(lanes)
+
+      call lagrange_at(tau, basis)
+      value = weighted_sum(basis, values)
+   end function polynomial_at
+
+   !> Sum of weights times values, added up by halves: a chain of seven additions would have each wait for the one before.
+   pure real(wp) function weighted_sum(weights, values) result(total)
+      real(wp), intent(in) :: weights(lanes), values(lanes)
+      integer, parameter :: half = lanes/2
+      real(wp) :: part(half)
+      integer :: k
+
+      !$omp simd
+      do k = 1, half
+         part(k) = weights(k)*values(k) + weights(k + half)*values(k + half)
+      end do
+      total = (part(1) + part(3)) + (part(2) + part(4))
+   end function weighted_sum
+
+   !> Derivatives with respect to tau at the nodes, for each of n polynomials.
+   pure subroutine node_slopes(n, values, slopes)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: values(lanes, n)
+      real(wp), intent(out) :: slopes(lanes, n)
+
+      call combine(n, slopes_of, values, slopes)
+   end subroutine node_slopes
+
+   !> Where the polynomial with these slopes at the nodes has an extremum between left and right, where its slope differs in
+   !> sign, to a thousandth of the interval.
+   pure real(wp) function extremum_between(left, right, slopes) result(tau)
+      real(wp), intent(in) :: left, right
+      real(wp), intent(in) :: slopes(lanes) !! a polynomial of degree 6, so it too is given by its values at the nodes
+      real(wp), parameter :: accuracy = 1.0e-3_wp
+
+      tau = zero_between(left, right, slopes, accuracy)
+   end function extremum_between
+
+   !> A zero of the polynomial with these values at the nodes between left and right, where it differs in sign: false position with
+   !> halving (Illinois). It ends inside the interval, or where the polynomial is accuracy**2 of its largest value at the ends.
+   pure real(wp) function zero_between(left, right, values, accuracy) result(tau)
+      real(wp), intent(in) :: left, right
+      real(wp), intent(in) :: values(lanes)
+      real(wp), intent(in) :: accuracy !! of the place, over the interval
+      integer, parameter :: most_turns = 40
+      real(wp) :: a, b, at_a, at_b, value, small
+      integer :: side, turn
+
+      a = left
+      b = right
+      at_a = polynomial_at(a, values)
+      at_b = polynomial_at(b, values)
+      small = accuracy**2*max(abs(at_a), abs(at_b))
+      side = 0
+      tau = (a + b)/2
+      do turn = 1, most_turns
+         if (b - a <= accuracy*(right - left) .or. .not. abs(at_b - at_a) > 0) exit
+         tau = b - at_b*((b - a)/(at_b - at_a))
+         if (.not. (tau > a .and. tau < b)) exit
+         value = polynomial_at(tau, values)
+         if (abs(value) <= small) exit
+         if (value*at_a > 0) then
+            a = tau
+            at_a = value
+            if (side == -1) at_b = at_b/2
+            side = -1
+         else
+            b = tau
+            at_b = value
+            if (side == 1) at_a = at_a/2
+            side = 1
+         end if
+      end do
+      tau = min(max(tau, left), right)
+   end function zero_between
+
+end module evl_collocation

@@ -1,0 +1,56 @@
+!> Root functions that stay far from zero in a step: their values at its nodes already say so.
+module evl_distant_roots
+   use, intrinsic :: iso_fortran_env, only: int64
+   use evl_kinds, only: lanes, wp
+   implicit none (type, external)
+   private
+
+   public :: list_near, near_zero, sign_of
+
+   !> Of a function's largest value: how near an extremum has to come to be looked at.
+   real(wp), parameter :: near_zero = 0.05_wp
+   real(wp), parameter :: most_between = 2.33_wp !! largest sum of |Lagrange polynomial k| on the step, k = 1 .. 7
+   !> Of the value at the start: if no other node differs by more, the interpolant keeps its distance from zero.
+   real(wp), parameter :: little = (1 - near_zero)/(most_between + near_zero)
+
+contains
+
+   !> List the functions that may come near zero. The others have one sign at all nodes, that of the step before, which is
+   !> put down, and change so little that their interpolants come nowhere near zero.
+   pure subroutine list_near(n, n_live, live, g, sign_now, sign_after, n_near, near)
+      integer, intent(in) :: n                    !! functions
+      integer, intent(in) :: n_live, live(n_live) !! those looked at
+      real(wp), intent(in) :: g(lanes, n)         !! values at the nodes, the last one the start
+      integer, intent(in) :: sign_now(n)          !! at the end of the step before; 0: not known
+      integer, intent(inout) :: sign_after(n)
+      integer, intent(out) :: n_near
+      integer, intent(inout) :: near(n)           !! the first n_near of these: which ones
+      integer(int64) :: others ! as long as a real: vectors of both have the same lanes
+      real(wp) :: at_start, most
+      integer :: i, k, l
+
+      n_near = 0
+      do k = 1, n_live
+         i = live(k)
+         at_start = g(lanes, i)
+         most = little*abs(at_start)
+         others = 0
+         !$omp simd reduction(ior:others)
+         do l = 1, lanes
+            others = ior(others, merge(0_int64, 1_int64, abs(g(l, i) - at_start) <= most))
+         end do
+         sign_after(i) = sign_of(at_start)
+         if (others == 0 .and. abs(at_start) > 0 .and. sign_now(i)*at_start >= 0) cycle
+         n_near = n_near + 1
+         near(n_near) = i
+      end do
+   end subroutine list_near
+
+   !> -1, 0 or 1
+   pure integer function sign_of(value)
+      real(wp), intent(in) :: value
+
+      sign_of = merge(1, 0, value > 0) - merge(1, 0, value < 0)
+   end function sign_of
+
+end module evl_distant_roots

@@ -1,0 +1,232 @@
+!> What an integrator has to know of a model: y' = f(t, y) with discrete states, root functions and events.
+!>
+!> Nothing here knows what is being modelled. A model extends `ode_model`, keeps its discrete state in its own components, and
+!> overrides what it has: right-hand side and Jacobian always, root functions and time events if there are any.
+!>
+!> A procedure that has no answer for a trial state (outside a law's domain) reports `code_out_of_domain`: the integrator tries
+!> a smaller step. But a step reaches beyond an event before that is located: in each discrete state f has to go on smoothly for
+!> some way past the event that ends it. Any other code ends the integration with the model's message. Procedures should not
+!> allocate.
+module evl_ode_model
+   use evl_kinds, only: lanes, wp
+   use evl_status, only: code_ok, fail, code_invalid_input, has_failed, quantity, status_t
+   implicit none (type, external)
+   private
+
+   public :: never, ode_model, check_model
+   public :: growth_by_coupling, growth_by_damping, growth_never
+
+   integer, parameter :: never = 2 !! as a direction: the root function has no zero in this discrete state and is not looked at
+
+   integer, parameter :: growth_never = 0       !! no eigenvalue of J has a positive real part, but for slow motions
+   integer, parameter :: growth_by_coupling = 1 !! some may have, since forces do not all come from a potential
+   integer, parameter :: growth_by_damping = 2  !! and since damping can become negative along the motion
+
+   !> A model; the components are set before the integrator is created and stay.
+   type, abstract :: ode_model
+      integer :: n = 0                        !! states
+      integer :: n_roots = 0                  !! root functions
+      integer :: n_watched = 0                !! channels whose extremes may be asked for
+      integer :: n_rows = 0                   !! most rows of `watched_nearby`
+      integer, allocatable :: jacobian_row(:) !! [nnz] row of each entry that df/dy may have, from 1; no entry twice
+      integer, allocatable :: jacobian_column(:) !! [nnz] its column
+      real(wp), allocatable :: scale(:)       !! [n] unit in which an error of y(i) counts, > 0
+      integer :: growth = growth_never        !! whether modes may grow, one of the constants above
+   contains
+      procedure(rhs_interface), deferred :: rhs
+      procedure(rhs_lanes_interface), deferred :: rhs_lanes
+      procedure(jacobian_interface), deferred :: jacobian
+      procedure :: root => root_of_all
+      procedure :: roots => no_roots
+      procedure :: roots_lanes => no_roots_lanes
+      procedure :: roots_nearby => exact_roots
+      procedure :: watched_nearby => nothing_watched
+      procedure :: root_directions => no_directions
+      procedure :: next_time_event => no_time_event
+      procedure :: apply_event => no_event
+   end type ode_model
+
+   abstract interface
+      !> f(t, y)
+      subroutine rhs_interface(self, t, y, f, status)
+         import :: ode_model, status_t, wp
+         implicit none (type, external)
+         class(ode_model), intent(in) :: self
+         real(wp), intent(in) :: t
+         real(wp), intent(in) :: y(self%n)
+         real(wp), intent(out) :: f(self%n)
+         type(status_t), intent(inout) :: status !! touched on failure only
+      end subroutine rhs_interface
+
+      !> f of eight states at once: the lanes are independent of each other, and each gives what `rhs` gives.
+      subroutine rhs_lanes_interface(self, t, y, f, status)
+         import :: lanes, ode_model, status_t, wp
+         implicit none (type, external)
+         class(ode_model), intent(in) :: self
+         real(wp), intent(in) :: t(lanes)
+         real(wp), intent(in) :: y(lanes, self%n)
+         real(wp), intent(out) :: f(lanes, self%n)
+         type(status_t), intent(inout) :: status !! touched on failure only; no answer for one lane is a failure
+      end subroutine rhs_lanes_interface
+
+      !> df/dy, the entries in the order of `jacobian_row` and `jacobian_column`
+      subroutine jacobian_interface(self, t, y, values, status)
+         import :: ode_model, status_t, wp
+         implicit none (type, external)
+         class(ode_model), intent(in) :: self
+         real(wp), intent(in) :: t
+         real(wp), intent(in) :: y(self%n)
+         real(wp), intent(out) :: values(:) !! [nnz]
+         type(status_t), intent(inout) :: status !! touched on failure only
+      end subroutine jacobian_interface
+   end interface
+
+contains
+
+   !> Refuse a model that the integrator could not work with.
+   subroutine check_model(model, status)
+      class(ode_model), intent(in) :: model
+      type(status_t), intent(inout) :: status
+      integer :: i, p
+      logical :: taken(model%n, model%n)
+
+      if (model%n < 1) then
+         call fail(status, code_invalid_input, "the model has no states")
+         return
+      end if
+      if (.not. (allocated(model%scale) .and. allocated(model%jacobian_row) .and. allocated(model%jacobian_column))) then
+         call fail(status, code_invalid_input, "the model lacks its scales or the pattern of its Jacobian")
+         return
+      end if
+      if (size(model%scale) /= model%n .or. size(model%jacobian_row) /= size(model%jacobian_column)) then
+         call fail(status, code_invalid_input, "the model's scales or the pattern of its Jacobian have the wrong length")
+         return
+      end if
+      do i = 1, model%n
+         if (.not. (model%scale(i) > 0 .and. model%scale(i) <= huge(1.0_wp))) then
+            call fail(status, code_invalid_input, "scale "//quantity(model%scale(i), "")//" of a state is not positive", &
+                      index=i, field="scale")
+            return
+         end if
+      end do
+      taken = .false.
+      do p = 1, size(model%jacobian_row)
+         associate (i => model%jacobian_row(p), j => model%jacobian_column(p))
+            if (min(i, j) < 1 .or. max(i, j) > model%n) then
+               call fail(status, code_invalid_input, "an entry of the Jacobian lies outside the matrix", index=p, &
+                         field="jacobian_row")
+            else if (taken(i, j)) then
+               call fail(status, code_invalid_input, "an entry of the Jacobian is listed twice", index=p, field="jacobian_row")
+            else
+               taken(i, j) = .true.
+            end if
+         end associate
+         if (has_failed(status)) return
+      end do
+   end subroutine check_model
+
+   !> Values of the root functions: an event is where one of them passes through zero. Each must be smooth between events.
+   subroutine no_roots(self, t, y, values, status)
+      class(ode_model), intent(in) :: self
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(self%n)
+      real(wp), intent(out) :: values(self%n_roots)
+      type(status_t), intent(inout) :: status !! touched on failure only
+
+      associate (unused_t => t, unused_y => y)
+         values = 0
+      end associate
+      if (self%n_roots > 0) call fail(status, code_invalid_input, "the model counts root functions but has none")
+   end subroutine no_roots
+
+   !> Value of one root function, in its place; the others may change to theirs. For a model that needs less for one than for all.
+   subroutine root_of_all(self, index, t, y, values, status)
+      class(ode_model), intent(in) :: self
+      integer, intent(in) :: index !! which one: 1 .. n_roots
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(self%n)
+      real(wp), intent(inout) :: values(self%n_roots)
+      type(status_t), intent(inout) :: status !! touched on failure only
+
+      associate (unused => index)
+         call self%roots(t, y, values, status)
+      end associate
+   end subroutine root_of_all
+
+   !> Root functions of eight states at once.
+   subroutine no_roots_lanes(self, t, y, values, status)
+      class(ode_model), intent(in) :: self
+      real(wp), intent(in) :: t(lanes)
+      real(wp), intent(in) :: y(lanes, self%n)
+      real(wp), intent(out) :: values(lanes, self%n_roots)
+      type(status_t), intent(inout) :: status !! touched on failure only
+
+      associate (unused_t => t, unused_y => y)
+         values = 0
+      end associate
+      if (self%n_roots > 0) call fail(status, code_invalid_input, "the model counts root functions but has none")
+   end subroutine no_roots_lanes
+
+   !> Root functions of eight states that are almost those of the last `rhs_lanes`, for a first look: a model that knows most of
+   !> them from there may give them as they were there. Where one comes near zero `roots_lanes` is asked as well.
+   subroutine exact_roots(self, t, y, values, exact, status)
+      class(ode_model), intent(in) :: self
+      real(wp), intent(in) :: t(lanes)
+      real(wp), intent(in) :: y(lanes, self%n)
+      real(wp), intent(out) :: values(lanes, self%n_roots)
+      logical, intent(out) :: exact           !! whether they are what `roots_lanes` gives
+      type(status_t), intent(inout) :: status !! touched on failure only
+
+      exact = .true.
+      call self%roots_lanes(t, y, values, status)
+   end subroutine exact_roots
+
+   !> Watched channels in eight states that are almost those of the last `rhs_lanes`, in rows that are smooth between events: a
+   !> channel is the largest of its rows. What is 0 may be left out.
+   subroutine nothing_watched(self, y, n, channels, values)
+      class(ode_model), intent(in) :: self
+      real(wp), intent(in) :: y(lanes, self%n)
+      integer, intent(out) :: n
+      integer, intent(inout) :: channels(:)       !! [n_rows] the first n of these: to which channel a row belongs
+      real(wp), intent(inout) :: values(lanes, *) !! [n_rows] of these
+
+      associate (unused_y => y, unused_channels => channels, unused_values => values(:, 1))
+         n = 0
+      end associate
+   end subroutine nothing_watched
+
+   !> Which crossings count in the present discrete state: +1 rising, -1 falling, 0 both, or `never`.
+   subroutine no_directions(self, directions)
+      class(ode_model), intent(in) :: self
+      integer, intent(out) :: directions(self%n_roots)
+
+      directions = 0
+   end subroutine no_directions
+
+   !> Time of the next event that depends on time alone, after now; huge if there is none.
+   real(wp) function no_time_event(self, t) result(next)
+      class(ode_model), intent(in) :: self
+      real(wp), intent(in) :: t !! now
+
+      associate (unused => self)
+         next = huge(t)
+      end associate
+   end function no_time_event
+
+   !> Change the discrete state, and y if it jumps.
+   subroutine no_event(self, t, y, fired, time_event, status)
+      class(ode_model), intent(inout) :: self
+      real(wp), intent(in) :: t
+      real(wp), intent(inout) :: y(self%n)
+      integer, intent(in) :: fired(self%n_roots) !! +1 risen through zero, -1 fallen, 0 nothing
+      logical, intent(in) :: time_event          !! whether the time of `next_time_event` has come
+      type(status_t), intent(inout) :: status
+
+      associate (unused => y)
+         if (time_event .or. any(fired /= 0)) then
+            call fail(status, code_invalid_input, "the model has no answer to its event at time "//quantity(t, ""))
+         end if
+      end associate
+   end subroutine no_event
+
+end module evl_ode_model

@@ -1,0 +1,126 @@
+!> States on which nothing depends, such as work and dissipated energy: integrals of what the others do.
+!>
+!> They take no part in Newton's iteration. When the others have converged, with dz the last change of their stages, one more
+!> iteration for the integrals alone would end at
+!>
+!>     z = h A (f + J dz)
+!>
+!> where they are put at once: as exactly as if they had been iterated with the others.
+module evl_quadrature_states
+   use evl_kinds, only: lanes, wp
+   use evl_radau_coefficients, only: shift_re
+   use evl_stage_transforms, only: change_of_stages, integrate
+   implicit none (type, external)
+   private
+
+   public :: pure_integrals_t, find_pure_integrals, integrate_stages, integrate_error
+
+   !> Which states they are: the last ones, so that the coupled ones before them lie together.
+   type :: pure_integrals_t
+      integer :: n_coupled = 0             !! states before them, at least 1
+      integer :: n = 0                     !! of them
+      integer, allocatable :: coupled(:)   !! entries of J in the rows of the coupled states
+      integer, allocatable :: start(:)     !! [n + 1] first entry in the row of each integral
+      integer, allocatable :: entry(:)     !! entries of J in these rows, row by row
+      integer, allocatable :: column(:)    !! which coupled state
+      real(wp), allocatable :: rate(:, :), change(:, :) !! [8, n] scratch: f of the integrals, and how it changes
+   end type pure_integrals_t
+
+contains
+
+   !> Find them from the pattern of J.
+   pure subroutine find_pure_integrals(self, n, row, column)
+      type(pure_integrals_t), intent(out) :: self
+      integer, intent(in) :: n !! states
+      integer, intent(in) :: row(:), column(:)
+      integer :: i, p
+
+      self%n_coupled = max(1, maxval([0, column]))
+      self%n = n - self%n_coupled
+      self%coupled = pack([(p, p=1, size(row))], row <= self%n_coupled)
+      allocate (self%start(self%n + 1), self%entry(0), self%rate(lanes, self%n), self%change(lanes, self%n))
+      do i = 1, self%n
+         self%start(i) = size(self%entry) + 1
+         self%entry = [self%entry, pack([(p, p=1, size(row))], row == self%n_coupled + i)]
+      end do
+      self%start(self%n + 1) = size(self%entry) + 1
+      self%column = column(self%entry)
+   end subroutine find_pure_integrals
+
+   !> Their stages.
+   pure subroutine integrate_stages(self, n, h, jacobian, dw, y, f, z, stage_y)
+      type(pure_integrals_t), intent(inout) :: self       !! its scratch changes
+      integer, intent(in) :: n                            !! states
+      real(wp), intent(in) :: h
+      real(wp), intent(in) :: jacobian(*)                 !! entries of J
+      real(wp), intent(in) :: dw(lanes, self%n_coupled)   !! last change of the stages of the coupled states, transformed
+      real(wp), intent(in) :: y(n)                        !! states at the start
+      real(wp), intent(in) :: f(lanes, n)                 !! f at the stages before that change
+      real(wp), intent(inout) :: z(lanes, n)              !! increments
+      real(wp), intent(inout) :: stage_y(lanes, n)        !! states at the stages
+      integer :: i
+
+      if (self%n == 0) return
+      call change_of_rates(self%n, self%start, self%entry, self%column, jacobian, dw, self%rate)
+      call change_of_stages(self%n, self%rate, self%change)
+      do i = 1, self%n
+         self%rate(:, i) = f(:, self%n_coupled + i) + self%change(:, i)
+      end do
+      call integrate(self%n, h, self%rate, z(:, self%n_coupled + 1:))
+      do i = self%n_coupled + 1, n
+         stage_y(:, i) = y(i) + z(:, i)
+      end do
+   end subroutine integrate_stages
+
+   !> J dw in the rows of the integrals: J is the same at all stages, so it does not matter whether they are transformed.
+   pure subroutine change_of_rates(n, start, entry, column, jacobian, dw, rate)
+      integer, intent(in) :: n
+      integer, intent(in) :: start(n + 1), entry(*), column(*)
+      real(wp), intent(in) :: jacobian(*), dw(lanes, *)
+      real(wp), intent(out) :: rate(lanes, n)
+      real(wp) :: total(lanes)
+      integer :: i, l, p
+
+      do i = 1, n
+         total = 0
+         do p = start(i), start(i + 1) - 1
+            !$omp simd
+            do l = 1, lanes
+               total(l) = total(l) + jacobian(entry(p))*dw(l, column(p))
+            end do
+         end do
+         rate(:, i) = total
+      end do
+   end subroutine change_of_rates
+
+   !> Their rows of (gamma/h I - J) error = right: the error of the coupled states is known, that of the integrals follows.
+   pure subroutine integrate_error(self, n, h, jacobian, error)
+      type(pure_integrals_t), intent(in) :: self
+      integer, intent(in) :: n                !! states
+      real(wp), intent(in) :: h
+      real(wp), intent(in) :: jacobian(*)
+      real(wp), intent(inout) :: error(n) !! errors of the coupled states, right-hand sides of the integrals; all errors
+
+      call add_rows(self%n, self%n_coupled, self%start, self%entry, self%column, h/shift_re(1), jacobian, error)
+   end subroutine integrate_error
+
+   !> The same with arrays of known shape.
+   pure subroutine add_rows(n, n_coupled, start, entry, column, factor, jacobian, error)
+      integer, intent(in) :: n, n_coupled
+      integer, intent(in) :: start(n + 1), entry(*), column(*)
+      real(wp), intent(in) :: factor !! inverse of the first shift
+      real(wp), intent(in) :: jacobian(*)
+      real(wp), intent(inout) :: error(n_coupled + n)
+      real(wp) :: total
+      integer :: i, p
+
+      do i = 1, n
+         total = error(n_coupled + i)
+         do p = start(i), start(i + 1) - 1
+            total = total + jacobian(entry(p))*error(column(p))
+         end do
+         error(n_coupled + i) = factor*total
+      end do
+   end subroutine add_rows
+
+end module evl_quadrature_states

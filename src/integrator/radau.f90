@@ -1,0 +1,405 @@
+!> Integrator for y' = f(t, y) with located events: Radau IIA with seven stages, order 13, stages in lanes.
+!>
+!>     call radau_create(solver, model, options, status)
+!>     call radau_start(solver, model, t, y, status)
+!>     do: call radau_advance(solver, model, t_stop, outcome, status)
+!>         radau_interpolate gives the state anywhere in the step just made, in solver%t_before .. solver%t
+!>         outcome_event: change the model's discrete state and y as solver%fired says, then call radau_restart
+!>
+!> `evl_radau_run` does this loop with an output grid. All that changes is in `radau_t` and in the model: integrations may be
+!> interleaved, or run in threads, and give the bits of single ones. Nothing is allocated after `radau_create`.
+!>
+!> Error control: a step is accepted if its error estimate, in units of the model's scales, is at most
+!> 0.0022 tolerance^(4/7) in root mean square. The estimate has order 7 and the result order 13, which this translates; the
+!> dense output is held to 5 tolerance by an estimate of its own. So errors stay within 10 times the tolerance, at the steps
+!> and between them, unless the problem amplifies them (docs/radau.md).
+!>
+!> Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8 (step control, predictor).
+module evl_radau
+   use evl_collocation, only: lagrange_at, weighted_sum
+   use evl_elementary, only: real_power
+   use evl_extreme_finder, only: candidate_t, extreme_finder_create, extreme_finder_t
+   use evl_growth, only: growth_create, growth_forget, growth_t, limit_step
+   use evl_kinds, only: lanes, wp
+   use evl_ode_model, only: check_model, growth_never, ode_model
+   use evl_root_finder, only: root_finder_create, root_finder_restart, root_finder_t
+   use evl_root_forecast, only: forecast_crossing
+   use evl_stage_solver, only: factor_systems, forget, forget_start, move_start, newton_converged, predict_from, set_weights, &
+                               solve_stages, stage_solver_create, stage_solver_t
+   use evl_status, only: clear, code_invalid_input, code_no_solution, code_out_of_domain, fail, has_failed, quantity, status_t
+   use evl_step_control, only: fit_step, next_step, step_after_error, step_control_t
+   implicit none (type, external)
+   private
+
+   public :: radau_t, radau_options, radau_counts, radau_growth
+   public :: radau_create, radau_start, radau_advance, radau_restart, radau_redo, radau_interpolate, radau_get_counts, &
+             radau_get_growth, radau_look, radau_step
+   public :: outcome_step, outcome_event, outcome_stop
+
+   integer, parameter :: outcome_step = 0  !! a step was made
+   integer, parameter :: outcome_event = 1 !! a step was made that ends at an event
+   integer, parameter :: outcome_stop = 2  !! a step was made that ends at t_stop
+
+   real(wp), parameter :: eps = epsilon(1.0_wp)
+   real(wp), parameter :: share = 0.0022_wp     !! internal tolerance over tolerance^(4/7)
+   integer, parameter :: most_rejections = 200  !! of one step
+   real(wp), parameter :: smallest_step = 16*eps !! over the present time
+
+   !> What the user chooses.
+   type :: radau_options
+      real(wp) :: tolerance = 1.0e-9_wp       !! error of a step in units of the scales, in 1e-13 .. 0.1
+      real(wp) :: max_step = huge(1.0_wp)     !! > 0
+      real(wp) :: first_step = 0              !! 0: chosen from f
+   end type radau_options
+
+   !> What it cost.
+   type :: radau_counts
+      integer :: steps = 0                    !! accepted
+      integer :: rejections = 0               !! steps repeated for their error, or because Newton failed
+      integer :: lane_evaluations = 0         !! of f, lane-wise: as many as Newton iterations
+      integer :: evaluations = 0              !! of f, scalar
+      integer :: jacobians = 0
+      integer :: factorisations = 0           !! of the four systems at once
+      integer :: dense_factorisations = 0     !! those of them that needed row exchanges
+      integer :: root_evaluations = 0         !! of the root functions, scalar; lane-wise: once a step
+      integer :: events = 0                   !! located
+      integer :: growth_cuts = 0              !! rejections of steps that would not have followed a mode that grows
+   end type radau_counts
+
+   !> A mode that grows.
+   type :: radau_growth
+      real(wp) :: t = 0                       !! when
+      real(wp) :: re = 0, im = 0              !! its eigenvalue; re = 0: there is none
+   end type radau_growth
+
+   !> An integration in progress.
+   type :: radau_t
+      real(wp) :: t = 0                       !! present time
+      real(wp), allocatable :: y(:)           !! [n] present state
+      real(wp) :: t_before = 0                !! where the last step started
+      integer, allocatable :: fired(:)        !! [n_roots] at the event: +1 risen through zero, -1 fallen, 0 nothing
+      type(radau_options), private :: options
+      type(stage_solver_t), private :: stages
+      type(root_finder_t), private :: roots
+      type(extreme_finder_t), private :: watched
+      real(wp), allocatable, private :: y_before(:) !! [n] where the last step started
+      real(wp), allocatable, private :: old_z(:, :) !! [8, n] increments of the last step
+      real(wp), private :: old_h = 0          !! step of its polynomial; 0: there is none
+      real(wp), private :: h = 0              !! step to try next
+      integer, allocatable, private :: came_from(:) !! [n_roots] `fired` at the event where the integration was started anew
+      real(wp), allocatable, private :: step_after(:, :) !! [-1:1, n_roots] first step after the last such event; huge: none
+      type(step_control_t), private :: control
+      type(growth_t), private :: growth
+      type(radau_growth), private :: fastest_growth !! that was seen
+      logical, private :: jacobian_is_new = .false. !! evaluated at the present state
+      logical, private :: jacobian_is_ahead = .false. !! evaluated a little ahead of it, where the next step will be
+      logical, private :: jacobian_may_stay = .false. !! that of an earlier step is good enough for the next one
+      logical, private :: matrix_may_stay = .false. !! and so are the factors, if the step is the same
+      logical, private :: restarted = .true.  !! nothing is known of the step from here on
+      logical, private :: rejected = .true.   !! the step is repeated, or is the first one
+      type(radau_counts), private :: counts
+   end type radau_t
+
+   interface
+      !> Whether the step just solved follows the modes that grow; if not, the step to try next is set.
+      module subroutine follow_growth(self, model, h, followed, status)
+         implicit none (type, external)
+         type(radau_t), intent(inout) :: self
+         class(ode_model), intent(in) :: model
+         real(wp), intent(in) :: h
+         logical, intent(out) :: followed
+         type(status_t), intent(inout) :: status
+      end subroutine follow_growth
+
+      !> Try a step of h; if it fails for Newton, error is huge and the step to try next is set.
+      module subroutine attempt(self, model, h, error, status)
+         implicit none (type, external)
+         type(radau_t), intent(inout) :: self
+         class(ode_model), intent(in) :: model
+         real(wp), intent(in) :: h
+         real(wp), intent(out) :: error !! weighted estimate: the step is good below 1
+         type(status_t), intent(inout) :: status
+      end subroutine attempt
+
+      !> Take the step just solved, or the part of it before the first event.
+      module subroutine finish(self, model, h, to_stop, t_stop, done, outcome, status)
+         implicit none (type, external)
+         type(radau_t), intent(inout) :: self
+         class(ode_model), intent(in) :: model
+         real(wp), intent(in) :: h       !! the step
+         logical, intent(in) :: to_stop  !! it ends at t_stop
+         real(wp), intent(in) :: t_stop
+         logical, intent(out) :: done    !! false: the step has to be tried anew
+         integer, intent(out) :: outcome !! one of the outcomes above
+         type(status_t), intent(inout) :: status
+      end subroutine finish
+
+      !> A first step in which the state moves by about a hundredth of its scales, judged by f and, along an Euler step, by its
+      module subroutine choose_first_step(self, model, status)
+         implicit none (type, external)
+         type(radau_t), intent(inout) :: self
+         class(ode_model), intent(in) :: model
+         type(status_t), intent(inout) :: status
+      end subroutine choose_first_step
+
+      !> The step to try after a start or an event, from f and J; the step before the event bounds it, for what J does not tell.
+      module subroutine choose_step(self, model, status)
+         implicit none (type, external)
+         type(radau_t), intent(inout) :: self
+         class(ode_model), intent(in) :: model
+         type(status_t), intent(inout) :: status
+      end subroutine choose_step
+
+      !> df/dy at the present state.
+      module subroutine refresh_jacobian(self, model, status)
+         implicit none (type, external)
+         type(radau_t), intent(inout) :: self
+         class(ode_model), intent(in) :: model
+         type(status_t), intent(inout) :: status
+      end subroutine refresh_jacobian
+
+      !> Candidates for new extremes of the watched channels in the step just made, before `radau_restart`.
+      module subroutine radau_look(self, model, high, low, n, found)
+         implicit none (type, external)
+         type(radau_t), intent(inout) :: self
+         class(ode_model), intent(in) :: model
+         real(wp), intent(in) :: high(:), low(:)      !! [n_watched] extremes so far; +huge and -huge if nobody asks
+         integer, intent(out) :: n
+         type(candidate_t), intent(inout) :: found(:) !! [most_candidates n_rows] places in units of `radau_step`
+      end subroutine radau_look
+
+      !> Keep what the first step after an event could be: the same event comes again.
+      pure module subroutine remember_step(self, h, error)
+         implicit none (type, external)
+         type(radau_t), intent(inout) :: self
+         real(wp), intent(in) :: h, error !! the step and its error, < 1
+      end subroutine remember_step
+   end interface
+
+contains
+
+   !> Check model and options, allocate all arrays.
+   subroutine radau_create(self, model, options, status)
+      type(radau_t), intent(out) :: self
+      class(ode_model), intent(in) :: model
+      type(radau_options), intent(in) :: options
+      type(status_t), intent(inout) :: status
+
+      call check_model(model, status)
+      if (has_failed(status)) return
+      if (.not. (options%tolerance >= 1.0e-13_wp .and. options%tolerance <= 0.1_wp)) then
+         call fail(status, code_invalid_input, "tolerance "//quantity(options%tolerance, "")//" is not in 1e-13 .. 0.1", &
+                   field="tolerance")
+      else if (.not. options%max_step > 0) then
+         call fail(status, code_invalid_input, "largest step "//quantity(options%max_step, "")//" is not positive", &
+                   field="max_step")
+      else if (.not. (options%first_step >= 0 .and. options%first_step <= huge(1.0_wp))) then
+         call fail(status, code_invalid_input, "first step "//quantity(options%first_step, "")//" is negative", &
+                   field="first_step")
+      end if
+      if (has_failed(status)) return
+      self%options = options
+      allocate (self%y(model%n), self%y_before(model%n), self%old_z(lanes, model%n), self%fired(model%n_roots))
+      allocate (self%came_from(model%n_roots), self%step_after(-1:1, model%n_roots))
+      self%old_z = 0
+      call stage_solver_create(self%stages, model, share*real_power(options%tolerance, 4.0_wp/7), options%tolerance)
+      call root_finder_create(self%roots, model)
+      if (model%growth /= growth_never) call growth_create(self%growth, self%stages%integrals%n_coupled, model%jacobian_row, &
+                                                           model%jacobian_column, model%scale)
+      call extreme_finder_create(self%watched, model%n_rows)
+   end subroutine radau_create
+
+   !> Begin at (t, y).
+   subroutine radau_start(self, model, t, y, status)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:) !! [n]
+      type(status_t), intent(inout) :: status
+
+      self%fired = 1 ! a function that is zero at the start has not fired by that
+      self%step_after = huge(t)
+      call radau_restart(self, model, t, y)
+      self%came_from = 0
+      self%counts = radau_counts()
+      self%roots%evaluations = 0
+      call forget(self%stages)
+      self%fastest_growth = radau_growth()
+      if (model%growth /= growth_never) call growth_forget(self%growth)
+      self%h = self%options%first_step
+      self%restarted = .not. self%h > 0
+      if (self%h > 0) return
+      call choose_first_step(self, model, status)
+   end subroutine radau_start
+
+   !> Go on from (t, y) after an event: f or y may have jumped there, so nothing is continued from before.
+   subroutine radau_restart(self, model, t, y)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:) !! [n]
+
+      self%t = t
+      self%y = y
+      self%t_before = t
+      self%y_before = y
+      self%old_z = 0
+      self%old_h = 0
+      self%control = step_control_t()
+      self%jacobian_is_new = .false.
+      self%jacobian_is_ahead = .false.
+      self%jacobian_may_stay = .false.
+      self%matrix_may_stay = .false.
+      self%rejected = .true.
+      self%restarted = .true.
+      call forget_start(self%stages)
+      call root_finder_restart(self%roots, model, self%fired)
+      self%came_from = self%fired
+      self%fired = 0
+   end subroutine radau_restart
+
+   !> Take the last step back, which went past an event unseen, and go on from its start in smaller ones. Each call takes a smaller
+   !> one, until a step is kept.
+   subroutine radau_redo(self, model)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), parameter :: part = 0.25_wp !! of the step
+      real(wp) :: t, y(model%n), h
+
+      h = part*(self%t - self%t_before)
+      t = self%t_before
+      y = self%y_before
+      self%fired = 0
+      call radau_restart(self, model, t, y)
+      self%h = h
+      self%restarted = .false.
+      self%counts%rejections = self%counts%rejections + 1
+   end subroutine radau_redo
+
+   !> Make one step, at most to t_stop and at most to the next event.
+   subroutine radau_advance(self, model, t_stop, outcome, status)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: t_stop          !! after the present time
+      integer, intent(out) :: outcome         !! one of the outcomes above; of no use on failure
+      type(status_t), intent(inout) :: status !! `code_out_of_domain`: the model has no answer for any step, in its words;
+                                              !! `code_no_solution`: the step became too small; else the model's
+      type(status_t) :: why
+      type(step_control_t) :: failed
+      real(wp) :: h, h_wanted, error
+      logical :: to_stop, done, refused
+      integer :: try
+
+      outcome = outcome_step
+      refused = .false.
+      self%fired = 0
+      call set_weights(self%stages, model%scale, self%y)
+      if (self%restarted) call choose_step(self, model, status)
+      if (has_failed(status)) return
+      do try = 1, most_rejections
+         h_wanted = min(self%h, self%options%max_step)
+         call limit_step(self%growth, h_wanted)
+         if (.not. h_wanted > smallest_step*abs(self%t)) exit
+         call fit_step(t_stop - self%t, h_wanted, h, to_stop)
+         call fit_event(self, h, to_stop)
+         call attempt(self, model, h, error, status)
+         done = .not. has_failed(status) .and. error < 1
+         if (done .and. model%growth /= growth_never) call follow_growth(self, model, h, done, status)
+         if (done) then
+            call finish(self, model, h, to_stop, t_stop, done, outcome, status)
+            if (done .and. .not. has_failed(status)) then
+               self%rejected = .false.
+               if (.not. self%control%h > 0) call remember_step(self, h, error)
+               if (outcome /= outcome_event) &
+                  call next_step(self%control, h, h_wanted, error, self%stages%rate, self%stages%iterations, self%h, &
+                                 self%jacobian_may_stay, self%matrix_may_stay)
+               self%jacobian_may_stay = self%jacobian_may_stay .and. .not. self%growth%wants_jacobian
+               self%matrix_may_stay = self%matrix_may_stay .and. .not. self%growth%wants_jacobian
+               self%growth%wants_jacobian = .false.
+               return
+            end if
+         else if (.not. has_failed(status) .and. error >= 1 .and. error < huge(error)) then
+            call step_after_error(failed, h, error, self%h)
+         end if
+         if (has_failed(status)) then
+            if (status%code /= code_out_of_domain) return
+            self%h = h/4
+            refused = .true.
+            why = status
+            call clear(status)
+         end if
+         self%rejected = .true.
+         self%jacobian_may_stay = .false.
+         self%matrix_may_stay = .false.
+         self%counts%rejections = self%counts%rejections + 1
+      end do
+      if (refused) then
+         status = why
+         return
+      end if
+      call fail(status, code_no_solution, "the step fell to "//quantity(self%h, "")//" at time "//quantity(self%t, "")// &
+                ": errors or iterations do not let it grow")
+   end subroutine radau_advance
+
+   !> End the step just past the event that is in sight, so that it need not be made anew to end there.
+   pure subroutine fit_event(self, h, to_stop)
+      type(radau_t), intent(in) :: self
+      real(wp), intent(inout) :: h
+      logical, intent(inout) :: to_stop
+      real(wp), parameter :: past = 5.0e-5_wp      !! of the way to the event
+      real(wp), parameter :: nearest = 1.0e-6_wp   !! of the step: an event that is as near needs no step of its own
+      real(wp) :: place
+
+      if (.not. self%old_h > 0 .or. self%roots%n == 0) return
+      place = forecast_crossing(self%roots, h/self%old_h)
+      if (place*(1 + past) >= 1 .or. place < nearest .or. place*h < 4*smallest_step*abs(self%t)) return
+      h = place*(1 + past)*h
+      to_stop = .false.
+   end subroutine fit_event
+
+   !> State at time t in the last step: the collocation polynomial, of order 8 inside the step.
+   pure subroutine radau_interpolate(self, t, y)
+      type(radau_t), intent(in) :: self
+      real(wp), intent(in) :: t   !! t_before <= t <= self%t
+      real(wp), intent(out) :: y(:) !! [n]
+      real(wp) :: basis(lanes)
+      integer :: i
+
+      if (.not. self%old_h > 0) then
+         y = self%y
+         return
+      end if
+      call lagrange_at((t - self%t_before)/self%old_h, basis)
+      do i = 1, size(y)
+         y(i) = self%y_before(i) + weighted_sum(basis, self%old_z(:, i))
+      end do
+   end subroutine radau_interpolate
+
+   !> Length of the last step's polynomial, of which the step is all or, before an event, almost all.
+   pure real(wp) function radau_step(self) result(h)
+      type(radau_t), intent(in) :: self
+
+      h = self%old_h
+   end function radau_step
+
+   !> What the integration has cost since `radau_start`.
+   pure type(radau_counts) function radau_get_counts(self) result(counts)
+      type(radau_t), intent(in) :: self
+
+      counts = self%counts
+      counts%lane_evaluations = self%stages%counts%iterations
+      counts%evaluations = self%stages%counts%evaluations
+      counts%factorisations = self%stages%counts%factorisations
+      counts%dense_factorisations = self%stages%counts%dense
+      counts%root_evaluations = self%roots%evaluations
+   end function radau_get_counts
+
+   !> Of the modes that grow the one that does so fastest since `radau_start`, a vibration if any does, if steps were cut for one.
+   pure type(radau_growth) function radau_get_growth(self) result(growth)
+      type(radau_t), intent(in) :: self
+
+      growth = radau_growth()
+      if (self%counts%growth_cuts > 0) growth = self%fastest_growth
+   end function radau_get_growth
+
+end module evl_radau

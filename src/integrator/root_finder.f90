@@ -1,0 +1,378 @@
+!> Where root functions pass through zero inside a step.
+!>
+!> All root functions are known at the eight nodes of the step. A change of sign between two nodes is a crossing. A function
+!> that touches zero and returns between two nodes shows no change of sign: then its interpolant falls towards zero at the
+!> left node, rises at the right one, and the two tangents meet beyond zero. Only in that case the extremum of the interpolant
+!> is sought, and if it comes near zero, the model is asked there and on the way to the extremum of its own function. A change
+!> of sign found splits the interval. Missed is what two extrema between two neighbouring nodes hide, or a dip below the
+!> accuracy of the dense output.
+!>
+!> Most functions change little in a step: where the values at the nodes already say that no interpolant through them comes near
+!> zero, nothing else is looked at. Those that the model says are `never` zero in its discrete state cost nothing.
+!>
+!> A function that has just fired is zero at the start up to rounding: its sign there is that of its slope.
+module evl_root_finder
+   use evl_collocation, only: extremum_between, lagrange_at, node_slopes, polynomial_at, weighted_sum
+   use evl_distant_roots, only: list_near, near_zero, sign_of
+   use evl_kinds, only: lanes, wp
+   use evl_ode_model, only: never, ode_model
+   use evl_radau_coefficients, only: n_stages, node
+   use evl_status, only: has_failed, status_t
+   implicit none (type, external)
+   private
+
+   public :: root_finder_t, root_finder_create, root_finder_restart, find_crossings, step_state, values_at
+
+   real(wp), parameter :: nearly_zero = 1.0e-8_wp !! of a function's largest value: where one that has fired is still zero
+   real(wp), parameter :: tie = 1.0e-13_wp        !! crossings that lie nearer together, in units of the step, are one
+   integer, parameter :: in_time(0:n_stages) = [lanes, 1, 2, 3, 4, 5, 6, 7] !! nodes from left to right
+
+   !> Signs, and the first crossing of each function in the step last searched.
+   type :: root_finder_t
+      integer :: n = 0
+      real(wp), allocatable :: g(:, :)      !! [8, n] values at the nodes
+      real(wp), allocatable :: slope(:, :)  !! [8, n] slopes of their interpolants, per step
+      real(wp), allocatable :: value(:)     !! [n] values at one place
+      real(wp), allocatable :: y(:)         !! state there
+      integer, allocatable :: sign_now(:)   !! [n] at the end of the last step; 0: not known yet
+      integer, allocatable :: sign_after(:) !! [n] at the end of the step last searched
+      integer, allocatable :: direction(:)  !! [n] of the crossings that count, 0: both
+      integer :: n_live = 0                 !! functions that may become zero before the next event
+      integer, allocatable :: live(:)       !! [n] the first n_live of these: which ones
+      integer :: n_near = 0                 !! those of them that came near zero in the step last searched, or changed much
+      integer, allocatable :: near(:)       !! [n] the first n_near of these: which ones
+      logical, allocatable :: fresh(:)      !! [n] has fired where the step starts
+      integer, allocatable :: change(:)     !! [n] first crossing that counts: +1 rising, -1 falling, 0 none
+      real(wp), allocatable :: left(:), right(:) !! [n] bracket of that crossing, in units of the step
+      real(wp), allocatable :: at_left(:), at_right(:) !! [n] values there, of different sign
+      real(wp), allocatable :: place(:)     !! [n] the crossing, of a function with a `change`
+      integer :: evaluations = 0            !! of the root functions, scalar ones
+   end type root_finder_t
+
+   !> A step to look into: y(t + tau h) = y + sum of basis(tau) z.
+   type :: step_state
+      real(wp) :: t = 0, h = 0
+   end type step_state
+
+contains
+
+   !> Room for the root functions of a model.
+   subroutine root_finder_create(self, model)
+      type(root_finder_t), intent(out) :: self
+      class(ode_model), intent(in) :: model
+      integer :: n
+
+      n = model%n_roots
+      self%n = n
+      allocate (self%g(lanes, n), self%slope(lanes, n), self%value(n), self%y(model%n), self%sign_now(n), self%sign_after(n), &
+                self%direction(n), self%live(n), self%near(n), self%fresh(n), self%change(n), self%left(n), self%right(n), &
+                self%at_left(n), self%at_right(n), self%place(n))
+      self%fresh = .false.
+      self%sign_now = 0
+   end subroutine root_finder_create
+
+   !> Start anew after an event, or with nothing fired.
+   subroutine root_finder_restart(self, model, fired)
+      type(root_finder_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      integer, intent(in) :: fired(:)
+      integer :: i
+
+      self%fresh = fired /= 0
+      self%sign_now = 0
+      self%sign_after = 0
+      self%change = 0
+      call model%root_directions(self%direction)
+      self%n_live = 0
+      do i = 1, self%n
+         if (self%direction(i) == never) cycle
+         self%n_live = self%n_live + 1
+         self%live(self%n_live) = i
+      end do
+   end subroutine root_finder_restart
+
+   !> Find the first crossing of each function in a step and locate it on the collocation polynomial.
+   subroutine find_crossings(self, model, step, y, z, stage_y, first, status)
+      type(root_finder_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      type(step_state), intent(in) :: step
+      real(wp), intent(in) :: y(model%n)        !! at the start
+      real(wp), intent(in) :: z(lanes, model%n) !! increments
+      real(wp), intent(in) :: stage_y(lanes, model%n) !! states at the nodes
+      integer, intent(out) :: first             !! function that crosses zero first, 0: none does
+      type(status_t), intent(inout) :: status
+      real(wp) :: earliest, time(lanes)
+      logical :: exact
+      integer :: i, k
+
+      first = 0
+      time = step%t + step%h*node
+      self%change = 0
+      call model%roots_nearby(time, stage_y, self%g, exact, status)
+      if (has_failed(status)) return
+      call list_near(self%n, self%n_live, self%live, self%g, self%sign_now, self%sign_after, self%n_near, self%near)
+      if (self%n_near == 0) return
+      if (.not. exact) then
+         call model%roots_lanes(time, stage_y, self%g, status)
+         if (has_failed(status)) return
+         call list_near(self%n, self%n_live, self%live, self%g, self%sign_now, self%sign_after, self%n_near, self%near)
+      end if
+      earliest = huge(earliest)
+      do k = 1, self%n_near
+         i = self%near(k)
+         call node_slopes(1, self%g(:, i), self%slope(:, i))
+         call scan(self, model, step, y, z, i, status)
+         if (has_failed(status)) return
+         if (self%change(i) == 0) cycle
+         call locate(self, model, step, y, z, i, status)
+         if (has_failed(status)) return
+         if (self%place(i) < earliest) then
+            first = i
+            earliest = self%place(i)
+         end if
+      end do
+   end subroutine find_crossings
+
+   !> Bracket the first crossing of function i that counts.
+   subroutine scan(self, model, step, y, z, i, status)
+      type(root_finder_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      type(step_state), intent(in) :: step
+      real(wp), intent(in) :: y(:), z(:, :)
+      integer, intent(in) :: i
+      type(status_t), intent(inout) :: status
+      integer :: k, l, r, s
+      real(wp) :: last, at_last, middle, at_middle
+
+      s = self%sign_now(i)
+      if (s == 0) s = sign_of(self%g(lanes, i))
+      last = 0
+      at_last = self%g(lanes, i)
+      if (starts_at_zero()) then
+         s = sign_of(self%slope(lanes, i))
+         if (s*self%g(1, i) < 0) then ! away from zero and back before the first stage, or rounding
+            s = 0
+            if (self%slope(lanes, i)*self%slope(1, i) < 0) then
+               last = extremum_between(0.0_wp, node(1), self%slope(:, i))
+               call value_at(self, model, step, y, z, i, last, status)
+               if (has_failed(status)) return
+               at_last = self%value(i)
+               if (at_last*self%slope(lanes, i) > 0) s = sign_of(at_last)
+            end if
+         end if
+      else if (s*at_last < 0) then
+         at_last = 0 ! rounding moved it across; the crossing is at the start
+      end if
+      do k = 1, n_stages
+         l = in_time(k - 1)
+         r = in_time(k)
+         if (s*self%g(r, i) < 0) then
+            if (counts(-s)) then
+               call bracket(last, node(r), at_last, self%g(r, i), -s)
+               return
+            end if
+            s = -s
+         else if (s /= 0 .and. may_dip()) then
+            middle = extremum_between(node(l), node(r), self%slope(:, i))
+            if (s*polynomial_at(middle, self%g(:, i)) < near_zero*maxval(abs(self%g(:, i)))) then
+               call approach(self, model, step, y, z, i, s, l, r, middle, at_middle, status)
+               if (has_failed(status)) return
+               if (s*at_middle < 0) then
+                  if (counts(-s)) then
+                     call bracket(last, middle, at_last, at_middle, -s)
+                  else
+                     call bracket(middle, node(r), at_middle, self%g(r, i), s)
+                  end if
+                  return
+               end if
+            end if
+         end if
+         if (s == 0) s = sign_of(self%g(r, i))
+         if (abs(self%g(r, i)) > 0) then
+            last = node(r)
+            at_last = self%g(r, i)
+         end if
+      end do
+      self%sign_after(i) = s
+
+   contains
+
+      !> Whether the sign at the start has to be taken from the slope.
+      pure logical function starts_at_zero()
+
+         starts_at_zero = self%sign_now(i) == 0 .and. .not. abs(self%g(lanes, i)) > 0
+         if (self%fresh(i)) starts_at_zero = abs(self%g(lanes, i)) <= nearly_zero*maxval(abs(self%g(:, i)))
+      end function starts_at_zero
+
+      !> Whether a crossing in this direction is an event.
+      pure logical function counts(change)
+         integer, intent(in) :: change
+
+         counts = self%direction(i) == 0 .or. self%direction(i) == change
+      end function counts
+
+      !> Whether the tangents at two neighbouring nodes meet beyond zero.
+      pure logical function may_dip()
+         real(wp) :: width, slope_l, slope_r, x
+
+         width = node(r) - node(l)
+         slope_l = s*self%slope(l, i)
+         slope_r = s*self%slope(r, i)
+         may_dip = .false.
+         if (.not. (slope_l < 0 .and. slope_r > 0)) return
+         x = (s*(self%g(r, i) - self%g(l, i)) - slope_r*width)/(slope_l - slope_r)
+         may_dip = s*self%g(l, i) + slope_l*x <= 0
+      end function may_dip
+
+      !> Note the crossing.
+      subroutine bracket(left, right, at_left, at_right, change)
+         real(wp), intent(in) :: left, right, at_left, at_right
+         integer, intent(in) :: change
+
+         self%left(i) = left
+         self%right(i) = right
+         self%at_left(i) = at_left
+         self%at_right(i) = at_right
+         self%change(i) = change
+         self%sign_after(i) = change
+      end subroutine bracket
+
+   end subroutine scan
+
+   !> Follow function i from a place between two nodes towards its extremum, until it has crossed zero or is as near as it gets:
+   !> parabolas through three values of the model itself, since its interpolant may be too rough to tell.
+   subroutine approach(self, model, step, y, z, i, s, l, r, middle, at_middle, status)
+      type(root_finder_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      type(step_state), intent(in) :: step
+      real(wp), intent(in) :: y(:), z(:, :)
+      integer, intent(in) :: i, s, l, r       !! function, its sign at both nodes, the nodes
+      real(wp), intent(inout) :: middle       !! where to begin, where it ended
+      real(wp), intent(out) :: at_middle      !! the function there
+      type(status_t), intent(inout) :: status
+      integer, parameter :: most_turns = 5
+      real(wp), parameter :: near = 1.0e-3_wp !! of the interval: no use in coming nearer
+      real(wp) :: a, b, f_a, f_b, f_middle, f, place, slope_a, slope_b
+      integer :: turn
+
+      a = node(l)
+      b = node(r)
+      f_a = s*self%g(l, i)
+      f_b = s*self%g(r, i)
+      call value_at(self, model, step, y, z, i, middle, status)
+      if (has_failed(status)) return
+      at_middle = self%value(i)
+      do turn = 1, most_turns
+         f_middle = s*at_middle
+         if (f_middle < 0 .or. f_middle >= min(f_a, f_b)) return
+         slope_a = (f_middle - f_a)/(middle - a)
+         slope_b = (f_b - f_middle)/(b - middle)
+         place = (a + middle)/2 - slope_a*(b - a)/(2*(slope_b - slope_a))
+         if (abs(place - middle) < near*(node(r) - node(l))) return
+         call value_at(self, model, step, y, z, i, place, status)
+         if (has_failed(status)) return
+         f = s*self%value(i)
+         if (f < f_middle) then
+            if (place < middle) then
+               b = middle
+               f_b = f_middle
+            else
+               a = middle
+               f_a = f_middle
+            end if
+            middle = place
+            at_middle = self%value(i)
+         else if (place < middle) then
+            a = place
+            f_a = f
+         else
+            b = place
+            f_b = f
+         end if
+      end do
+   end subroutine approach
+
+   !> Locate the crossing of function i in its bracket: false position with halving (Illinois), the model asked at each place.
+   subroutine locate(self, model, step, y, z, i, status)
+      type(root_finder_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      type(step_state), intent(in) :: step
+      real(wp), intent(in) :: y(:), z(:, :)
+      integer, intent(in) :: i
+      type(status_t), intent(inout) :: status
+      integer, parameter :: most_turns = 60
+      real(wp) :: a, b, at_a, at_b, tau
+      integer :: side, turn
+
+      a = self%left(i)
+      b = self%right(i)
+      at_a = self%at_left(i)
+      at_b = self%at_right(i)
+      side = 0
+      do turn = 1, most_turns
+         if (.not. abs(at_a) > 0) b = a
+         if (b - a <= tie) exit
+         tau = b - at_b*((b - a)/(at_b - at_a))
+         if (tau <= a + tie/4) tau = a + tie/2 ! a step past the end of the bracket closes it
+         if (tau >= b - tie/4) tau = b - tie/2
+         call value_at(self, model, step, y, z, i, tau, status)
+         if (has_failed(status)) return
+         if (self%value(i)*self%change(i) >= 0) then
+            b = tau
+            at_b = self%value(i)
+            if (.not. abs(at_b) > 0) exit
+            if (side == 1) at_a = at_a/2
+            side = 1
+         else
+            a = tau
+            at_a = self%value(i)
+            if (side == -1) at_b = at_b/2
+            side = -1
+         end if
+      end do
+      self%place(i) = b
+   end subroutine locate
+
+   !> Root function i at one place of a step, in `value(i)`.
+   subroutine value_at(self, model, step, y, z, i, tau, status)
+      type(root_finder_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      type(step_state), intent(in) :: step
+      real(wp), intent(in) :: y(:), z(:, :)
+      integer, intent(in) :: i
+      real(wp), intent(in) :: tau
+      type(status_t), intent(inout) :: status
+
+      call go_to(self, y, z, tau)
+      call model%root(i, step%t + tau*step%h, self%y, self%value, status)
+   end subroutine value_at
+
+   !> All root functions at one place of a step.
+   subroutine values_at(self, model, step, y, z, tau, status)
+      type(root_finder_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      type(step_state), intent(in) :: step
+      real(wp), intent(in) :: y(:), z(:, :)
+      real(wp), intent(in) :: tau
+      type(status_t), intent(inout) :: status
+
+      call go_to(self, y, z, tau)
+      call model%roots(step%t + tau*step%h, self%y, self%value, status)
+   end subroutine values_at
+
+   !> The state at one place of a step, where root functions are about to be evaluated.
+   pure subroutine go_to(self, y, z, tau)
+      type(root_finder_t), intent(inout) :: self
+      real(wp), intent(in) :: y(:), z(:, :)
+      real(wp), intent(in) :: tau
+      real(wp) :: basis(lanes)
+      integer :: i
+
+      call lagrange_at(tau, basis)
+      do i = 1, size(y)
+         self%y(i) = y(i) + weighted_sum(basis, z(:, i))
+      end do
+      self%evaluations = self%evaluations + 1
+   end subroutine go_to
+
+end module evl_root_finder

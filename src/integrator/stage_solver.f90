@@ -1,0 +1,369 @@
+!> The stages of one step of the seven-stage Radau IIA method: simplified Newton on the transformed systems, and the error
+!> estimate of the step.
+!>
+!> Unknown are the increments z of the stages over the state at the start of the step; lane 8 is the start itself, so its
+!> increment is 0 and lane 8 of f is f at the start. With w = T^-1 z an iteration solves, for each eigenvalue mu of A^-1,
+!>
+!>     (mu/h I - J) dw = T^-1 f(t + c h, y + z) - Lambda/h w
+!>
+!> for the states that depend on each other; the integrals of them follow at the end (evl_quadrature_states).
+!>
+!> Error estimate: err = (gamma/h I - J)^-1 (f(t, y) - p'(t)), p the collocation polynomial, gamma the real eigenvalue. This
+!> is the embedded formula of order 7, filtered: its weights are those of p'(t) (docs/radau.md).
+!>
+!> For very stiff components the filter lets any step pass: the stages are right, however far apart, and what lies between them
+!> is not. So the dense output has an estimate of its own: the Chebyshev coefficients of the polynomial, continued by one.
+!>
+!> Sources: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8.
+module evl_stage_solver
+   use evl_condensed_systems, only: condensed_create, condensed_factor, condensed_solve, condensed_t
+   use evl_dense_lu, only: dense_lu_create, dense_lu_factor, dense_lu_solve, dense_lu_t
+   use evl_elementary, only: real_power
+   use evl_kinds, only: lanes, wp
+   use evl_ode_model, only: ode_model
+   use evl_quadrature_states, only: find_pure_integrals, integrate_stages, pure_integrals_t
+   use evl_radau_coefficients, only: n_stages, n_systems, node, shift_im, shift_re
+   use evl_stage_transforms, only: add_change, change_of_stages, residual
+   use evl_status, only: has_failed, status_t
+   implicit none (type, external)
+   private
+
+   public :: stage_solver_t, stage_solver_create, forget, set_weights, factor_systems, solve_stages
+   public :: predict_nothing, predict_from, predict_linearly, linear_is_better, move_start, forget_start
+   public :: estimate_error, foresee_step, most_iterations
+   public :: solve_systems ! for the submodules: gfortran 12 makes what is private unknown to them
+   public :: newton_converged, newton_slow, newton_diverged, newton_refused
+
+   integer, parameter :: newton_converged = 0 !! the stages are found
+   integer, parameter :: newton_slow = 1      !! it would take too many iterations: `advice` says how much smaller a step
+   integer, parameter :: newton_diverged = 2  !! it does not converge
+   integer, parameter :: newton_refused = 3   !! the model has no answer at a stage: the status says why
+
+   integer, parameter :: most_iterations = 10
+   real(wp), parameter :: eps = epsilon(1.0_wp)
+   real(wp), parameter :: rounding = 4*eps !! least error that may be asked for, relative to a state
+
+   !> Of the change of a first iteration: a rate that was measured on the error of another component promises too much.
+   real(wp), parameter :: least_left_over = 1.0e-4_wp
+   real(wp), parameter :: rate_growth = 2       !! of the rate, with every step that goes on with the same factors
+   real(wp), parameter :: output_share = 5      !! error of the dense output over the user's tolerance, as it is estimated
+
+   type :: stage_counts
+      integer :: iterations = 0     !! of Newton: lane-wise evaluations of f
+      integer :: evaluations = 0    !! scalar ones
+      integer :: factorisations = 0 !! of the four systems at once
+      integer :: dense = 0          !! those of them with row exchanges
+   end type stage_counts
+
+   !> How a polynomial is continued.
+   type :: continuation_t
+      real(wp) :: start = 0, ratio = 0       !! as of `predict_from`; ratio 0: none yet
+      real(wp) :: matrix(lanes, lanes) = 0   !! from increments to increments
+   end type continuation_t
+
+   !> What is known of predictions by the linear model.
+   type :: linear_prediction_t
+      logical :: is_used = .false. !! the present step started from it
+      real(wp) :: error = 0        !! of the last one, weighted; 0: there was none
+      real(wp) :: h = 1            !! its step
+   end type linear_prediction_t
+
+   !> All arrays of a step; sizes never change.
+   type :: stage_solver_t
+      integer :: n = 0
+      type(pure_integrals_t) :: integrals
+      integer, allocatable :: row(:), column(:) !! pattern of J in the coupled states
+      real(wp), allocatable :: coupled(:)   !! entries of J there
+      real(wp) :: tolerance = 0  !! on the error estimate of a step, in units of the model's scales
+      real(wp) :: output_factor = 1 !! how much tighter the dense output is held
+      real(wp) :: newton_stop = 0 !! share of it that may be left in the stages
+      real(wp), allocatable :: weight(:)    !! [n] inverse of the error that counts as 1
+      real(wp), allocatable :: z(:, :)      !! [8, n] increments of the stages
+      real(wp), allocatable :: shifted(:, :) !! [8, n] Lambda/h w, the same transformed
+      real(wp), allocatable :: y(:, :)      !! [8, n] states at the stages
+      real(wp), allocatable :: f(:, :)      !! [8, n] f there
+      real(wp), allocatable :: change(:, :) !! [8, n] of an iteration
+      real(wp), allocatable :: jacobian(:)  !! [nnz] entries of df/dy
+      real(wp), allocatable :: error(:)     !! [n] estimate
+      real(wp), allocatable :: slope(:), slope_at_end(:) !! [n] of the polynomial at its start and end, per step
+      real(wp), allocatable :: last(:), before(:) !! [n] squares of its last coefficients
+      real(wp) :: next_coefficient = 0      !! weighted size of the Chebyshev coefficient that would come next
+      real(wp), allocatable :: start(:)     !! [n] f at the start
+      logical :: start_is_known = .false.   !! before the first iteration
+      real(wp), allocatable :: moved(:)     !! [n] state at which the estimate is taken again
+      real(wp), allocatable :: moved_f(:)   !! [n] f there
+      type(condensed_t) :: condensed
+      type(dense_lu_t) :: dense
+      logical :: is_dense = .false.
+      type(continuation_t) :: continuation
+      type(linear_prediction_t) :: linear
+      real(wp) :: h_factored = 0 !! step for which the factors hold; 0: none
+      logical :: factors_are_new = .false. !! since the last solution
+      real(wp) :: rate = 0       !! of convergence in the last solution
+      real(wp) :: rate_sum = 1   !! rate/(1 - rate), carried from step to step
+      real(wp) :: advice = 1     !! factor on the step after `newton_slow`
+      integer :: iterations = 0  !! of the last solution
+      type(stage_counts) :: counts
+   end type stage_solver_t
+
+   interface
+      !> Start Newton without a guess.
+      pure module subroutine predict_nothing(self, y)
+         implicit none (type, external)
+         type(stage_solver_t), intent(inout) :: self
+         real(wp), intent(in) :: y(self%n)
+      end subroutine predict_nothing
+
+      !> Start Newton from the polynomial of a step, continued.
+      pure module subroutine predict_from(self, y, old_z, start, h, old_h)
+         implicit none (type, external)
+         type(stage_solver_t), intent(inout) :: self
+         real(wp), intent(in) :: y(self%n)
+         real(wp), intent(in) :: old_z(lanes, self%n) !! increments of that step over its own start
+         real(wp), intent(in) :: start !! where in that step, in units of it, the new one starts: its node 0 or 1
+         real(wp), intent(in) :: h     !! new step
+         real(wp), intent(in) :: old_h !! that one
+      end subroutine predict_from
+
+      !> Start Newton from the linear model z' = f(start) + J z; the factors are those of h, and f at the start is known.
+      module subroutine predict_linearly(self, y, h)
+         implicit none (type, external)
+         type(stage_solver_t), intent(inout) :: self
+         real(wp), intent(in) :: y(self%n)
+         real(wp), intent(in) :: h
+      end subroutine predict_linearly
+
+      !> Whether the linear model is expected to predict the next step better than the polynomial of the last one.
+      pure module logical function linear_is_better(self, h, old_h)
+         implicit none (type, external)
+         type(stage_solver_t), intent(in) :: self
+         real(wp), intent(in) :: h, old_h !! next step, last step
+      end function linear_is_better
+
+      !> The step just solved was taken to its end, where f is known by that.
+      pure module subroutine move_start(self, h)
+         implicit none (type, external)
+         type(stage_solver_t), intent(inout) :: self
+         real(wp), intent(in) :: h
+      end subroutine move_start
+
+      !> After an event: f at the start is not known, nor how good the linear model and Newton's iteration are.
+      pure module subroutine forget_start(self)
+         implicit none (type, external)
+         type(stage_solver_t), intent(inout) :: self
+      end subroutine forget_start
+
+      !> Weighted size of the error estimate of the step just solved.
+      module subroutine estimate_error(self, model, t, y, h, again, error, status)
+         implicit none (type, external)
+         type(stage_solver_t), intent(inout) :: self
+         class(ode_model), intent(in) :: model
+         real(wp), intent(in) :: t, h
+         real(wp), intent(in) :: y(self%n)
+         logical, intent(in) :: again   !! filter once more if the error is above 1: for a first step and after a rejection
+         real(wp), intent(out) :: error !! root mean square; a step is good below 1
+         type(status_t), intent(inout) :: status
+      end subroutine estimate_error
+
+      !> A step whose error would be about 1, before any is made.
+      pure module subroutine foresee_step(self, model, h)
+         implicit none (type, external)
+         type(stage_solver_t), intent(inout) :: self !! f at the start in `start`, J in `jacobian`; its scratch changes
+         class(ode_model), intent(in) :: model
+         real(wp), intent(out) :: h !! 0 if the derivative is not finite
+      end subroutine foresee_step
+   end interface
+
+contains
+
+   !> Allocate all arrays and analyse the pattern; the model has been checked.
+   subroutine stage_solver_create(self, model, tolerance, user_tolerance)
+      type(stage_solver_t), intent(out) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: tolerance        !! on the estimate of a step
+      real(wp), intent(in) :: user_tolerance   !! what the user asked for: measure of the dense output
+
+      self%n = model%n
+      self%tolerance = tolerance
+      self%output_factor = max(1.0_wp, tolerance/(output_share*user_tolerance))
+      self%newton_stop = max(10*eps/tolerance, min(0.03_wp, sqrt(tolerance)))
+      allocate (self%weight(model%n), self%error(model%n), self%slope(model%n), self%slope_at_end(model%n), &
+                self%last(model%n), self%before(model%n), self%start(model%n), self%moved(model%n), self%moved_f(model%n))
+      allocate (self%z(lanes, model%n), self%shifted(lanes, model%n), self%y(lanes, model%n), self%f(lanes, model%n))
+      allocate (self%change(lanes, model%n), self%jacobian(size(model%jacobian_row)))
+      self%z = 0
+      self%shifted = 0
+      call find_pure_integrals(self%integrals, model%n, model%jacobian_row, model%jacobian_column)
+      associate (n => size(self%integrals%coupled))
+         allocate (self%row(n), self%column(n), self%coupled(n))
+      end associate
+      self%row(:) = model%jacobian_row(self%integrals%coupled)
+      self%column(:) = model%jacobian_column(self%integrals%coupled)
+      call condensed_create(self%condensed, self%integrals%n_coupled, self%row, self%column)
+      call dense_lu_create(self%dense, self%integrals%n_coupled)
+   end subroutine stage_solver_create
+
+   !> Be as after creation: counts and the rate of convergence belong to one integration.
+   pure subroutine forget(self)
+      type(stage_solver_t), intent(inout) :: self
+
+      self%h_factored = 0
+      self%rate = 0
+      self%counts = stage_counts()
+   end subroutine forget
+
+   !> Errors count in units of tolerance and scale, but never below rounding.
+   pure subroutine set_weights(self, scale, y)
+      type(stage_solver_t), intent(inout) :: self
+      real(wp), intent(in) :: scale(self%n)
+      real(wp), intent(in) :: y(self%n)
+
+      self%weight = 1/max(self%tolerance*scale, rounding*abs(y))
+   end subroutine set_weights
+
+   !> Factor the four systems for a step of h; with row exchanges if diagonal pivots will not do.
+   subroutine factor_systems(self, h, good)
+      type(stage_solver_t), intent(inout) :: self
+      real(wp), intent(in) :: h
+      logical, intent(out) :: good !! false if a matrix is singular
+      integer :: p
+
+      self%counts%factorisations = self%counts%factorisations + 1
+      self%factors_are_new = .true.
+      do p = 1, size(self%coupled)
+         self%coupled(p) = self%jacobian(self%integrals%coupled(p))
+      end do
+      call condensed_factor(self%condensed, reshape([shift_re, shift_im], [n_systems, 2])/h, self%coupled, good)
+      self%is_dense = .not. good
+      if (self%is_dense) then
+         self%counts%dense = self%counts%dense + 1
+         call dense_lu_factor(self%dense, shift_re/h, shift_im/h, self%row, self%column, self%coupled, good)
+      end if
+      self%h_factored = merge(h, 0.0_wp, good)
+   end subroutine factor_systems
+
+   !> Find the stages of the step from (t, y) to t + h, from the prediction in z and w; the factors are those of h.
+   subroutine solve_stages(self, model, t, y, h, outcome, status)
+      type(stage_solver_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: t, h
+      real(wp), intent(in) :: y(self%n)
+      integer, intent(out) :: outcome         !! one of the codes newton_...
+      type(status_t), intent(inout) :: status
+
+      call iterate_to_end(self, model, t, y, h, outcome, status)
+      if (outcome /= newton_converged) return
+      call integrate_stages(self%integrals, self%n, h, self%jacobian, self%change, y, self%f, self%z, self%y)
+   end subroutine solve_stages
+
+   !> Newton's iteration for the coupled states; the last change is left in `change`, transformed.
+   subroutine iterate_to_end(self, model, t, y, h, outcome, status)
+      type(stage_solver_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: t, h
+      real(wp), intent(in) :: y(self%n)
+      integer, intent(out) :: outcome
+      type(status_t), intent(inout) :: status
+      real(wp) :: times(lanes), size_now, size_before, ratio, ratio_before, left_over
+      integer :: i
+
+      times = t + node*h
+      if (self%factors_are_new) then
+         self%rate_sum = max(sqrt(self%rate_sum*sqrt(self%rate_sum)), least_left_over) ! to the power of 3/4
+      else
+         self%rate_sum = max(min(rate_growth*self%rate_sum, 1.0_wp), least_left_over)
+      end if
+      self%factors_are_new = .false.
+      self%advice = 0.5_wp
+      size_before = 0
+      ratio_before = 1
+      do i = 1, most_iterations
+         self%iterations = i
+         self%counts%iterations = self%counts%iterations + 1
+         call model%rhs_lanes(times, self%y, self%f, status)
+         if (has_failed(status)) then
+            outcome = newton_refused
+            return
+         end if
+         if (i == 1) call take_start(self%n, self%f, self%start)
+         call iterate(self, y, h, size_now)
+         if (i == 1 .and. self%linear%is_used) then
+            self%linear%error = size_now
+            self%linear%h = h
+         end if
+         if (i > 1) then
+            ratio = size_now/size_before
+            self%rate = merge(ratio, sqrt(ratio*ratio_before), i == 2)
+            ratio_before = ratio
+            if (.not. self%rate < 0.99_wp) then
+               outcome = merge(newton_converged, newton_diverged, is_rounding(self))
+               return
+            end if
+            self%rate_sum = self%rate/(1 - self%rate)
+            left_over = self%rate_sum*size_now*self%rate**(most_iterations - 1 - i)
+            if (left_over >= self%newton_stop .and. i < most_iterations) then
+               outcome = merge(newton_converged, newton_slow, is_rounding(self))
+               self%advice = 0.8_wp/real_power(max(1.0e-4_wp, min(20.0_wp, left_over/self%newton_stop)), &
+                                               1.0_wp/(4 + most_iterations - 1 - i))
+               return
+            end if
+         end if
+         size_before = max(size_now, eps)
+         if (self%rate_sum*size_now <= self%newton_stop) then
+            outcome = newton_converged
+            return
+         end if
+      end do
+      outcome = merge(newton_converged, newton_diverged, is_rounding(self))
+   end subroutine iterate_to_end
+
+   !> f at the start, which lane 8 has.
+   pure subroutine take_start(n, f, start)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: f(lanes, n)
+      real(wp), intent(out) :: start(n)
+
+      start = f(lanes, :)
+   end subroutine take_start
+
+   !> One iteration: change z, w and the states; its weighted size.
+   subroutine iterate(self, y, h, length)
+      type(stage_solver_t), intent(inout) :: self
+      real(wp), intent(in) :: y(self%n)
+      real(wp), intent(in) :: h
+      real(wp), intent(out) :: length !! root mean square over stages and components
+
+      integer :: n
+
+      n = self%integrals%n_coupled
+      call residual(n, self%f, self%shifted, self%change)
+      call solve_systems(self)
+      call add_change(n, shift_re/h, shift_im/h, y, self%weight, self%change, self%shifted, self%z, self%y, length)
+      length = sqrt(length/(n_stages*n))
+   end subroutine iterate
+
+   !> Solve the four systems for `change`.
+   subroutine solve_systems(self)
+      type(stage_solver_t), intent(inout) :: self
+
+      if (self%is_dense) then
+         call dense_lu_solve(self%dense, self%change)
+      else
+         call condensed_solve(self%condensed, self%change)
+      end if
+   end subroutine solve_systems
+
+   !> Whether the last change was no larger than rounding makes it: no iteration can do better.
+   pure logical function is_rounding(self)
+      type(stage_solver_t), intent(in) :: self
+      real(wp) :: dz(lanes)
+      integer :: i
+
+      do i = 1, self%integrals%n_coupled
+         call change_of_stages(1, self%change(:, i), dz)
+         is_rounding = all(abs(dz) <= 8*rounding*(abs(self%y(:, i)) + abs(self%z(:, i))))
+         if (.not. is_rounding) return
+      end do
+   end function is_rounding
+
+end module evl_stage_solver

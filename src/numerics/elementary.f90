@@ -1,0 +1,19 @@
+!> Elementary functions in plain arithmetic, for loops that become vector instructions.
+!>
+!> Unlike those of the C library they give the same bits on every machine.
+module evl_elementary
+   use, intrinsic :: iso_fortran_env, only: int64
+   use evl_kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: exponential, hyperbolic_tangent, natural_logarithm, real_power, sine_cosine
+
+contains
+
+   include "numerics/logarithm.inc"
+   include "numerics/exponential.inc"
+   include "numerics/power.inc"
+   include "numerics/sine_cosine.inc"
+
+end module evl_elementary

@@ -1,0 +1,13 @@
+!> Kinds and constants of the whole kernel.
+module evl_kinds
+   use, intrinsic :: iso_fortran_env, only: real64
+   implicit none (type, external)
+   private
+
+   public :: lanes, pi, wp
+
+   integer, parameter :: wp = real64                             !! working precision: IEEE double
+   real(wp), parameter :: pi = 3.14159265358979323846264338328_wp !! circle constant
+   integer, parameter :: lanes = 8                               !! states that the procedures in lanes take at once
+
+end module evl_kinds
