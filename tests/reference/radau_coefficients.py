@@ -1,4 +1,4 @@
-"""Radau IIA with seven stages: the tables of src/radau_coefficients.f90 come from here.
+"""Radau IIA with seven stages: the tables of src/integrator/radau_coefficients.f90 come from here.
 
 Everything follows from the nodes by collocation (Hairer & Wanner, Solving Ordinary Differential
 Equations II, 2nd ed., IV.5 and IV.8), computed with 60 digits:
