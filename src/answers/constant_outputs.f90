@@ -118,11 +118,12 @@ contains
       integer :: i
 
       do i = 1, n
-         associate (mesh => gearbox%contacts(gearbox%first(i)), pair => gearbox%pairs(i), at => gearbox%references(i))
-            values(i, :) = [real(mesh%wheel_a - 1, wp), real(mesh%wheel_b - 1, wp), mesh%pair%sigma, real(mesh%tracking, wp), &
-                            pair%chi, pair%alpha_w, mesh%base_pitch, mesh%pair%rho_0, pair%rho_start_a, pair%rho_start_b, &
-                            mesh%width, mesh%e_star, mesh%pair%share_a, mesh%force_scale, mesh%h_scale, &
-                            merge(1.0_wp, 0.0_wp, mesh%rigid), at%stiffness, at%mass, at%frequency, at%damping, at%ratio]
+         associate (contact => gearbox%contacts(gearbox%first(i)), pair => gearbox%pairs(i), at => gearbox%references(i))
+            values(i, :) = [real(contact%wheel_a - 1, wp), real(contact%wheel_b - 1, wp), contact%pair%sigma, &
+                            real(contact%tracking, wp), &
+                            pair%chi, pair%alpha_w, contact%base_pitch, contact%pair%rho_0, pair%rho_start_a, pair%rho_start_b, &
+                            contact%width, contact%e_star, contact%pair%share_a, contact%force_scale, contact%h_scale, &
+                            merge(1.0_wp, 0.0_wp, contact%rigid), at%stiffness, at%mass, at%frequency, at%damping, at%ratio]
          end associate
       end do
    end subroutine put_mesh_constants

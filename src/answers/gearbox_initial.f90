@@ -15,8 +15,8 @@ module evl_gearbox_initial
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_initial, subject_load, subject_mesh, &
                          subject_wheel
    use evl_steady_state, only: find_steady_state
-   use evl_tooth_contact, only: contact_apart, contact_loaded, contact_off, contact_open, contact_t, contact_unloaded, &
-                                mesh_mode, mesh_settle_friction, mesh_settle_zones, mesh_unclipped_force, tracking_closed_form
+   use evl_tooth_contact, only: contact_mode, flanks_apart, flanks_loaded, flanks_off, flanks_open, flanks_unloaded, &
+                                settle_friction, settle_zones, tooth_contact_t, tracking_closed_form, unclipped_force
    implicit none (type, external)
    private
 
@@ -167,9 +167,9 @@ contains
 
       if (.not. any(abs(initial%gaps) > 0)) return ! all that can touch do
       do m = 1, size(gearbox%pairs)
-         associate (mesh => gearbox%contacts(gearbox%first(m)))
-            call gearbox_local(gearbox, mesh, y, q)
-            gap = closed_form_gap(mesh%pair, q)
+         associate (contact => gearbox%contacts(gearbox%first(m)))
+            call gearbox_local(gearbox, contact, y, q)
+            gap = closed_form_gap(contact%pair, q)
          end associate
          if (abs(gap - initial%gaps(m)) <= 1.0e-9_wp*maxval(abs(initial%gaps))) cycle
          call fail(status, code_invalid_input, "its initial gap "//quantity(initial%gaps(m), "m")//" does not agree with " &
@@ -186,28 +186,28 @@ contains
       integer :: m
 
       do m = 1, size(gearbox%contacts)
-         associate (mesh => gearbox%contacts(m))
-            if (mesh%i_track == 0 .or. mesh%slot > 0) cycle
-            call gearbox_local(gearbox, mesh, y, q)
-            call points_from_closed_form(mesh%pair, q, y(mesh%i_track:mesh%i_track + n_track - 1))
+         associate (contact => gearbox%contacts(m))
+            if (contact%i_track == 0 .or. contact%slot > 0) cycle
+            call gearbox_local(gearbox, contact, y, q)
+            call points_from_closed_form(contact%pair, q, y(contact%i_track:contact%i_track + n_track - 1))
          end associate
       end do
    end subroutine set_tracked
 
    !> A rigid contact is closed if the flanks touch and do not move relative to each other along the line of action. If they
    !> approach it counts as open, and the first step finds the impact.
-   subroutine settle_rigid(mesh, point, mode, status)
-      type(contact_t), intent(in) :: mesh
+   subroutine settle_rigid(contact, point, mode, status)
+      type(tooth_contact_t), intent(in) :: contact
       type(contact_point), intent(in) :: point
-      type(mesh_mode), intent(inout) :: mode
+      type(contact_mode), intent(inout) :: mode
       type(status_t), intent(inout) :: status
 
-      if (abs(point%h_dot) <= rounding*(abs(mesh%pair%r_ba*point%omega_a) + abs(mesh%pair%r_bb*point%omega_b)) &
-          .and. abs(point%h) <= touching*mesh%h_scale) then
-         mode%contact = contact_loaded
-      else if (point%h > touching*mesh%h_scale) then
+      if (abs(point%h_dot) <= rounding*(abs(contact%pair%r_ba*point%omega_a) + abs(contact%pair%r_bb*point%omega_b)) &
+          .and. abs(point%h) <= touching*contact%h_scale) then
+         mode%flanks = flanks_loaded
+      else if (point%h > touching*contact%h_scale) then
          call fail(status, code_invalid_input, "a rigid contact cannot start with the penetration "//quantity(point%h, "m") &
-                   //": give a gap that is not negative", subject_mesh, mesh%mesh, "gaps")
+                   //": give a gap that is not negative", subject_mesh, contact%mesh, "gaps")
       end if
    end subroutine settle_rigid
 
@@ -220,38 +220,38 @@ contains
       real(wp), intent(inout) :: reals(:)
       type(status_t), intent(inout) :: status
       type(contact_point) :: point
-      type(mesh_mode) :: mode
+      type(contact_mode) :: mode
       real(wp) :: free(gearbox%n_states), q(n_local), force, parting
       integer :: m
 
       call coupled_rates(gearbox, t, y, integers, reals, free, status)
       if (has_failed(status)) return
       do m = 1, size(gearbox%contacts)
-         associate (mesh => gearbox%contacts(m))
+         associate (contact => gearbox%contacts(m))
             mode = gearbox_mode(gearbox, m, integers, reals)
-            if (mode%contact == contact_off) cycle
-            call closed_form_point(gearbox, m, y, integers(i_turns), mode%teeth, point)
-            mode%contact = contact_open
-            call mesh_settle_zones(mesh, point, mode)
-            if (mesh%tracking /= tracking_closed_form .and. point%h < -mesh%gap_apart) then
-               mode%contact = contact_apart
-            else if (mesh%rigid) then
-               call settle_rigid(mesh, point, mode, status)
+            if (mode%flanks == flanks_off) cycle
+            call closed_form_point(gearbox, m, y, integers(i_turns), mode%tooth_pair, point)
+            mode%flanks = flanks_open
+            call settle_zones(contact, point, mode)
+            if (contact%tracking /= tracking_closed_form .and. point%h < -contact%gap_apart) then
+               mode%flanks = flanks_apart
+            else if (contact%rigid) then
+               call settle_rigid(contact, point, mode, status)
                if (has_failed(status)) return
             else if (point%h > 0) then
-               mode%contact = contact_loaded
-               call mesh_unclipped_force(mesh, mode, point, force, status)
+               mode%flanks = flanks_loaded
+               call unclipped_force(contact, mode, point, force, status)
                if (has_failed(status)) return
-               if (force < 0) mode%contact = contact_unloaded
+               if (force < 0) mode%flanks = flanks_unloaded
             else if (.not. point%h < 0) then
-               call gearbox_local(gearbox, mesh, free, q)
-               parting = mesh%pair%sigma*(mesh%pair%r_ba*q(at_psi_dot_a) + mesh%pair%r_bb*q(at_psi_dot_b)) &
+               call gearbox_local(gearbox, contact, free, q)
+               parting = contact%pair%sigma*(contact%pair%r_ba*q(at_psi_dot_a) + contact%pair%r_bb*q(at_psi_dot_b)) &
                          + q(at_v_b + 1) - q(at_v_a + 1)
-               if (point%h_dot > 0 .or. (.not. point%h_dot < 0 .and. parting <= 0)) mode%contact = contact_loaded
+               if (point%h_dot > 0 .or. (.not. point%h_dot < 0 .and. parting <= 0)) mode%flanks = flanks_loaded
             end if
             mode%side = merge(1, -1, point%h_dot > 0)
-            if (mode%contact == contact_loaded) then
-               mode%friction = mesh_settle_friction(mesh, point)
+            if (mode%flanks == flanks_loaded) then
+               mode%friction = settle_friction(contact, point)
                mode%v0 = max(point%h_dot, 0.0_wp)
             end if
             call gearbox_store_mode(gearbox, m, mode, integers, reals)

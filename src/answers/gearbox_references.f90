@@ -6,7 +6,7 @@ module evl_gearbox_references
    use evl_mesh_damping, only: damping_left_to_mesh, damping_of_mesh
    use evl_mesh_reference, only: reference_damping, reference_of
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, warn
-   use evl_tooth_contact, only: contact_t
+   use evl_tooth_contact, only: tooth_contact_t
    implicit none (type, external)
    private
 
@@ -26,26 +26,26 @@ contains
 
       allocate (gearbox%references(size(gearbox%pairs)))
       do m = 1, size(gearbox%pairs)
-         associate (mesh => gearbox%contacts(gearbox%first(m)), reference => gearbox%references(m))
-            has_load = mesh_load(gearbox, mesh, gearbox_likely_speed(gearbox)) > 0
-            reference = reference_of(mesh, has_load, free_mobility(gearbox, mesh))
+         associate (contact => gearbox%contacts(gearbox%first(m)), reference => gearbox%references(m))
+            has_load = mesh_load(gearbox, contact, gearbox_likely_speed(gearbox)) > 0
+            reference = reference_of(contact, has_load, free_mobility(gearbox, contact))
             if (damping_left_to_mesh(reference%law) /= "") call complete(gearbox, m, status)
             if (has_failed(status)) return
-            call reference_damping(mesh, reference)
+            call reference_damping(contact, reference)
             if (reference%ratio > much) call warn_of_damping(gearbox, m)
          end associate
       end do
    end subroutine gearbox_set_references
 
    !> r_bA^2/J_A + r_bB^2/J_B [1/kg]; a prescribed speed is like an infinite inertia.
-   pure real(wp) function free_mobility(gearbox, mesh) result(mobility)
+   pure real(wp) function free_mobility(gearbox, contact) result(mobility)
       type(gearbox_t), intent(in) :: gearbox
-      type(contact_t), intent(in) :: mesh
+      type(tooth_contact_t), intent(in) :: contact
 
       mobility = 0
-      associate (a => gearbox%wheels(mesh%wheel_a), b => gearbox%wheels(mesh%wheel_b))
-         if (a%prescribed == 0) mobility = mobility + mesh%pair%r_ba**2/a%rotor_inertia
-         if (b%prescribed == 0) mobility = mobility + mesh%pair%r_bb**2/b%rotor_inertia
+      associate (a => gearbox%wheels(contact%wheel_a), b => gearbox%wheels(contact%wheel_b))
+         if (a%prescribed == 0) mobility = mobility + contact%pair%r_ba**2/a%rotor_inertia
+         if (b%prescribed == 0) mobility = mobility + contact%pair%r_bb**2/b%rotor_inertia
       end associate
    end function free_mobility
 

@@ -13,7 +13,7 @@ module evl_gearbox_scaling
    use evl_mesh_reference, only: nominal_context
    use evl_shaft, only: shaft_t
    use evl_status, only: code_ok
-   use evl_tooth_contact, only: contact_t, tracking_algebraic
+   use evl_tooth_contact, only: tooth_contact_t, tracking_algebraic
    implicit none (type, external)
    private
 
@@ -34,11 +34,11 @@ contains
       integer :: i
 
       do i = 1, size(gearbox%contacts)
-         associate (mesh => gearbox%contacts(i))
-            mesh%force_scale = max(mesh_load(gearbox, mesh, gearbox_likely_speed(gearbox)), &
-                                   smallest_load*pi*mesh%e_star*mesh%pair%rho_0*mesh%width)
-            call static_penetration(mesh, mesh%force_scale, mesh%h_scale)
-            mesh%rate_scale = sqrt(mesh%force_scale*mesh%h_scale*mesh%mobility)
+         associate (contact => gearbox%contacts(i))
+            contact%force_scale = max(mesh_load(gearbox, contact, gearbox_likely_speed(gearbox)), &
+                                      smallest_load*pi*contact%e_star*contact%pair%rho_0*contact%width)
+            call static_penetration(contact, contact%force_scale, contact%h_scale)
+            contact%rate_scale = sqrt(contact%force_scale*contact%h_scale*contact%mobility)
          end associate
       end do
    end subroutine gearbox_set_scales
@@ -90,12 +90,12 @@ contains
    end function angle_scale
 
    !> Largest normal force that the load of one wheel can put on a mesh when the reference wheel turns at `speed` [N].
-   pure real(wp) function mesh_load(gearbox, mesh, speed) result(force)
+   pure real(wp) function mesh_load(gearbox, contact, speed) result(force)
       type(gearbox_t), intent(in) :: gearbox
-      type(contact_t), intent(in) :: mesh
+      type(tooth_contact_t), intent(in) :: contact
       real(wp), intent(in) :: speed !! [rad/s]
 
-      force = largest_torque(gearbox, abs(mesh%pair%ratio_a), speed, mesh%pair%r_ba)
+      force = largest_torque(gearbox, abs(contact%pair%ratio_a), speed, contact%pair%r_ba)
    end function mesh_load
 
    !> Largest torque that the load of one wheel can put on what turns at `ratio` times the speed of the reference wheel, over an
@@ -124,26 +124,26 @@ contains
    end function largest_torque
 
    !> Penetration under a force; a force beyond the law is halved until the law carries it.
-   subroutine static_penetration(mesh, force, h)
-      type(contact_t), intent(in) :: mesh
+   subroutine static_penetration(contact, force, h)
+      type(tooth_contact_t), intent(in) :: contact
       real(wp), intent(inout) :: force !! [N]
       real(wp), intent(out) :: h       !! [m]
       type(contact_context) :: ctx
       integer :: code
 
-      ctx = nominal_context(mesh)
+      ctx = nominal_context(contact)
       do
-         call penetration_from_force(elastic_law(mesh), ctx, force, h, code)
+         call penetration_from_force(elastic_law(contact), ctx, force, h, code)
          if (code == code_ok) exit
          force = force/2
       end do
    end subroutine static_penetration
 
    !> The law that tells how large penetrations are: the mesh's own, or the first of the table for a rigid contact.
-   pure type(law_choice) function elastic_law(mesh) result(choice)
-      type(contact_t), intent(in) :: mesh
+   pure type(law_choice) function elastic_law(contact) result(choice)
+      type(tooth_contact_t), intent(in) :: contact
 
-      if (.not. mesh%rigid) choice = mesh%contact
+      if (.not. contact%rigid) choice = contact%elastic
    end function elastic_law
 
    !> Scales of states and residuals for error control, and which states are differential.
@@ -190,28 +190,28 @@ contains
       if (gearbox%housing%is_mounted) &
          row(gearbox%housing%i_state:gearbox%housing%i_state + n_housing_states - 1) = housing_row
       do i = 1, size(gearbox%contacts)
-         associate (mesh => gearbox%contacts(i))
-            if (mesh%i_normal == 0) cycle
-            state(mesh%i_normal) = multiplier_factor*mesh%force_scale
-            row(mesh%i_normal) = mesh%force_scale
-            differential(mesh%i_normal) = 0
+         associate (contact => gearbox%contacts(i))
+            if (contact%i_normal == 0) cycle
+            state(contact%i_normal) = multiplier_factor*contact%force_scale
+            row(contact%i_normal) = contact%force_scale
+            differential(contact%i_normal) = 0
          end associate
       end do
       do i = 1, size(gearbox%contacts)
-         associate (mesh => gearbox%contacts(i), first => gearbox%contacts(i)%i_track)
+         associate (contact => gearbox%contacts(i), first => gearbox%contacts(i)%i_track)
             if (first == 0) cycle
-            state(first:first + n_track - 1) = [track_factor*h(i)/mesh%pair%rho_0, track_factor*h(i), h(i), h(i), 1.0_wp, &
-                                                mesh%pair%r_bb*h(i)]
+            state(first:first + n_track - 1) = [track_factor*h(i)/contact%pair%rho_0, track_factor*h(i), h(i), h(i), 1.0_wp, &
+                                                contact%pair%r_bb*h(i)]
             row(first:first + n_track - 1) = [h(i), 1.0_wp, h(i), h(i), h(i), h(i)]
-            if (mesh%tracking == tracking_algebraic) differential(first:first + n_track - 1) = 0
+            if (contact%tracking == tracking_algebraic) differential(first:first + n_track - 1) = 0
          end associate
       end do
    end subroutine gearbox_state_scales
 
    !> Penetration, natural frequency and energy scale of a mesh under its loads, or under the impact of the initial speeds.
-   subroutine mesh_scales(gearbox, mesh, speed, speeds, h, frequency, energy)
+   subroutine mesh_scales(gearbox, contact, speed, speeds, h, frequency, energy)
       type(gearbox_t), intent(in) :: gearbox
-      type(contact_t), intent(in) :: mesh
+      type(tooth_contact_t), intent(in) :: contact
       real(wp), intent(in) :: speed, speeds(:) !! of the reference wheel; of the wheels at the start [rad/s]
       real(wp), intent(out) :: h               !! [m]
       real(wp), intent(out) :: frequency       !! [rad/s]
@@ -221,18 +221,18 @@ contains
       real(wp) :: force, mobility, approach
       integer :: code
 
-      force = mesh_load(gearbox, mesh, speed)
-      energy = max(energy, angle_scale(gearbox)*force*abs(mesh%pair%advance))
-      force = max(force, mesh%force_scale)
-      call static_penetration(mesh, force, h)
-      ctx = nominal_context(mesh)
+      force = mesh_load(gearbox, contact, speed)
+      energy = max(energy, angle_scale(gearbox)*force*abs(contact%pair%advance))
+      force = max(force, contact%force_scale)
+      call static_penetration(contact, force, h)
+      ctx = nominal_context(contact)
       ctx%h = h
-      call elastic_force(elastic_law(mesh), ctx, elastic, code)
-      associate (a => gearbox%wheels(mesh%wheel_a), b => gearbox%wheels(mesh%wheel_b))
+      call elastic_force(elastic_law(contact), ctx, elastic, code)
+      associate (a => gearbox%wheels(contact%wheel_a), b => gearbox%wheels(contact%wheel_b))
          mobility = a%base_radius**2/a%rotor_inertia + b%base_radius**2/b%rotor_inertia
          frequency = sqrt(elastic%d_h*mobility)
          if (size(speeds) == 0) return
-         approach = abs(a%base_radius*speeds(mesh%wheel_a) + b%base_radius*speeds(mesh%wheel_b))
+         approach = abs(a%base_radius*speeds(contact%wheel_a) + b%base_radius*speeds(contact%wheel_b))
       end associate
       h = max(h, approach/frequency)
       energy = max(energy, approach**2/mobility/2)

@@ -28,13 +28,13 @@ contains
       integer, intent(in) :: index
       real(wp) :: least, other, half_width
 
-      associate (mesh => gearbox%contacts(gearbox%first(index)))
-         if (mesh%rigid) return
+      associate (contact => gearbox%contacts(gearbox%first(index)))
+         if (contact%rigid) return
          least = spur_pair_least_radius(gearbox%pairs(index))
          other = gearbox%pairs(index)%rho - least
-         half_width = sqrt(4*mesh%force_scale/mesh%width*least*other/(pi*mesh%e_star*(least + other)))
+         half_width = sqrt(4*contact%force_scale/contact%width*least*other/(pi*contact%e_star*(least + other)))
          if (half_width > narrow*least) &
-            call warn(gearbox%warnings, "under its load of about "//quantity(mesh%force_scale, "N")//" the contact strip is " &
+            call warn(gearbox%warnings, "under its load of about "//quantity(contact%force_scale, "N")//" the contact strip is " &
                       //quantity(half_width, "m")//" wide to either side, more than a tenth of the smallest radius of" &
                       //" curvature "//quantity(least, "m")//": the force law is stretched", subject_mesh, index)
       end associate

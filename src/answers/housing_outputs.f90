@@ -8,7 +8,7 @@ module evl_housing_outputs
    use evl_kinds, only: wp
    use evl_output, only: dims_mesh, dims_quaternion, dims_space, dims_wheel, dims_wheel_space, output_t
    use evl_rotation, only: cross, turned
-   use evl_tooth_contact, only: contact_t
+   use evl_tooth_contact, only: tooth_contact_t
    implicit none (type, external)
    private
 
@@ -39,17 +39,17 @@ contains
    end function housing_outputs
 
    !> Add a mesh's force to the reactions of its two wheels.
-   pure subroutine add_mesh_reaction(gearbox, mesh, on_a, reactions)
+   pure subroutine add_mesh_reaction(gearbox, contact, on_a, reactions)
       type(gearbox_t), intent(in) :: gearbox
-      type(contact_t), intent(in) :: mesh
+      type(tooth_contact_t), intent(in) :: contact
       real(wp), intent(in) :: on_a(2)               !! force on the driving wheel in (t_0, e_0) [N]
       real(wp), intent(inout) :: reactions(:, :)    !! (6, wheel): force [N], moment [N m]
       real(wp) :: force(3), arm_a(3), arm_b(3)
 
-      associate (a => mesh%wheel_a, b => mesh%wheel_b)
-         force = [on_a(1)*mesh%t_0 + on_a(2)*mesh%e_0, 0.0_wp]
-         arm_a = [0.0_wp, 0.0_wp, mesh%axial_position - gearbox%wheels(a)%axial_position]
-         arm_b = [0.0_wp, 0.0_wp, mesh%axial_position - gearbox%wheels(b)%axial_position]
+      associate (a => contact%wheel_a, b => contact%wheel_b)
+         force = [on_a(1)*contact%t_0 + on_a(2)*contact%e_0, 0.0_wp]
+         arm_a = [0.0_wp, 0.0_wp, contact%axial_position - gearbox%wheels(a)%axial_position]
+         arm_b = [0.0_wp, 0.0_wp, contact%axial_position - gearbox%wheels(b)%axial_position]
          reactions(:, a) = reactions(:, a) + [force, cross(arm_a, force)]
          reactions(:, b) = reactions(:, b) - [force, cross(arm_b, force)]
       end associate

@@ -8,9 +8,9 @@ module evl_mesh_outputs
    use evl_kinds, only: wp
    use evl_local_variables, only: at_lambda, at_track, i_theta, n_local, n_track
    use evl_output, only: dims_mesh, dims_mesh_axis, dims_mesh_pair, output_t
-   use evl_tangent_line, only: deviation
-   use evl_tooth_contact, only: contact_apart, contact_loaded, contact_off, contact_state, flank_coast, flank_drive, &
-                                mesh_contact, mesh_energy, mesh_force, mesh_mode, mesh_nominal_rho, mesh_tooth_a, mesh_tooth_b, &
+   use evl_tangent_line, only: tangent_line_t
+   use evl_tooth_contact, only: contact_energy, contact_force, contact_mode, contact_state, flank_coast, flank_drive, &
+                                flanks_apart, flanks_loaded, flanks_off, locate_contact, nominal_rho, tooth_of_a, tooth_of_b, &
                                 touches, tracking_closed_form
    use evl_touching_flanks, only: contact_pressure
    implicit none (type, external)
@@ -133,7 +133,7 @@ contains
       real(wp), intent(inout) :: coast(:)   !! (n, n_coast_histories) as a vector, or of size 0
       real(wp), intent(inout) :: potential  !! energy so far [J]
       type(mesh_sum) :: total
-      type(deviation) :: line
+      type(tangent_line_t) :: line
       real(wp) :: tracked(5), lag, curvature, input, q(n_local)
       integer :: m, place, leader, drive_slots
 
@@ -141,7 +141,7 @@ contains
       pairs(:, index, 1:2) = 0
       pairs(:, index, 3) = ieee_value(0.0_wp, ieee_quiet_nan)
       pairs(:, index, 4:8) = 0
-      pairs(:, index, 9) = contact_off
+      pairs(:, index, 9) = flanks_off
       pairs(:, index, 10) = ieee_value(0.0_wp, ieee_quiet_nan)
       drive_slots = maxval(gearbox%contacts%n_slots)
       do m = gearbox%first(index), gearbox%first(index + 1) - 1
@@ -149,26 +149,26 @@ contains
          if (.not. touches(contacts(m)%mode)) call complete(gearbox, m, y, integers, contacts(m))
          call put_pair(gearbox, m, contacts(m), reactions, pairs(place, index, :), potential, total)
       end do
-      associate (mesh => gearbox%contacts(leader), leading => contacts(leader)%point)
-         torque(mesh%wheel_a) = torque(mesh%wheel_a) + total%torque_a
-         torque(mesh%wheel_b) = torque(mesh%wheel_b) + total%torque_b
+      associate (contact => gearbox%contacts(leader), leading => contacts(leader)%point)
+         torque(contact%wheel_a) = torque(contact%wheel_a) + total%torque_a
+         torque(contact%wheel_b) = torque(contact%wheel_b) + total%torque_b
          q = contacts(leader)%q
-         call closed_form_line(mesh%pair, q, line)
+         call closed_form_line(contact%pair, q, line)
          call put_points(gearbox, leader, y, integers, contacts(leader)%mode, line, q, tracked, points(:, index, 1), &
                          points(:, index, 2))
-         lag = transmission_error(mesh%pair, q)
-         curvature = gap_along(mesh%pair, q, line) + lag
+         lag = transmission_error(contact%pair, q)
+         curvature = gap_along(contact%pair, q, line) + lag
          scalars(index, 2) = max(total%h(1), 0.0_wp)
          if (.not. total%h(1) > -huge(1.0_wp)) then ! no pair is on the path: nothing overlaps, whatever the involutes would
             total%h(1) = leading%h
-            if (mesh%deviates) total%deviation(1) = -closed_form_gap(mesh%pair, q) - leading%h
+            if (contact%deviates) total%deviation(1) = -closed_form_gap(contact%pair, q) - leading%h
          end if
          input = abs(total%torque_a*leading%omega_a)
          scalars(index, 1) = lag
          scalars(index, 3:9) = [-total%h(1), curvature, total%normal, total%friction, leading%v_t, leading%l_a, leading%l_b]
          scalars(index, 10:14) = tracked
-         scalars(index, 15:18) = [real(integers(mesh%i_mode), wp), merge(1.0_wp, 0.0_wp, total%touching), &
-                                  real(integers(mesh%i_mode + 1), wp), -leading%h_dot]
+         scalars(index, 15:18) = [real(integers(contact%i_mode), wp), merge(1.0_wp, 0.0_wp, total%touching), &
+                                  real(integers(contact%i_mode + 1), wp), -leading%h_dot]
          scalars(index, 19) = total%deviation(1)
       end associate
       scalars(index, 20:23) = [real(total%loaded, wp), total%torque_a, total%torque_b, total%loss]
@@ -181,60 +181,60 @@ contains
    end subroutine put_mesh
 
    !> One tooth pair: its values, and what it adds to its mesh.
-   subroutine put_pair(gearbox, m, contact, reactions, values, potential, total)
+   subroutine put_pair(gearbox, m, at, reactions, values, potential, total)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: m !! tooth contact
-      type(contact_state), intent(in) :: contact
+      integer, intent(in) :: m !! tooth at
+      type(contact_state), intent(in) :: at
       real(wp), intent(inout) :: reactions(:, :)
       real(wp), intent(inout) :: values(n_pair_histories)
       real(wp), intent(inout) :: potential
       type(mesh_sum), intent(inout) :: total
 
-      associate (mesh => gearbox%contacts(m), mode => contact%mode, point => contact%point, force => contact%force)
-         values(6) = mode%teeth
-         values(7) = modulo(mesh_tooth_a(mesh, mode%teeth), gearbox%wheels(mesh%wheel_a)%teeth)
-         values(8) = modulo(mesh_tooth_b(mesh, mode%teeth), gearbox%wheels(mesh%wheel_b)%teeth)
-         values(9) = mode%contact
-         if (mode%contact == contact_off) return
+      associate (contact => gearbox%contacts(m), mode => at%mode, point => at%point, force => at%force)
+         values(6) = mode%tooth_pair
+         values(7) = modulo(tooth_of_a(contact, mode%tooth_pair), gearbox%wheels(contact%wheel_a)%teeth)
+         values(8) = modulo(tooth_of_b(contact, mode%tooth_pair), gearbox%wheels(contact%wheel_b)%teeth)
+         values(9) = mode%flanks
+         if (mode%flanks == flanks_off) return
          values(10) = point%h
-         call add_mesh_reaction(gearbox, mesh, force%on_a, reactions)
-         potential = potential + mesh_energy(mesh, mode, point, force%elastic)
+         call add_mesh_reaction(gearbox, contact, force%on_a, reactions)
+         potential = potential + contact_energy(contact, mode, point, force%elastic)
          values(1:3) = [force%normal, force%friction, point%rho_a]
-         values(4) = contact_pressure(mesh, mode, force%normal, point)
+         values(4) = contact_pressure(contact, mode, force%normal, point)
          values(5) = 1
          total%normal = total%normal + force%normal
-         if (mesh%flank == flank_coast) total%coast = total%coast + force%normal
-         if (mesh%flank == flank_drive) total%friction = total%friction + force%friction
+         if (contact%flank == flank_coast) total%coast = total%coast + force%normal
+         if (contact%flank == flank_drive) total%friction = total%friction + force%friction
          total%torque_a = total%torque_a + force%torque_a
          total%torque_b = total%torque_b + force%torque_b
          total%loss = total%loss - force%friction*point%v_t
-         if (mode%contact == contact_loaded) total%loaded = total%loaded + 1
-         if (point%h > total%h(1 + mesh%flank)) then
-            total%h(1 + mesh%flank) = point%h
-            if (mesh%deviates) total%deviation(1 + mesh%flank) = -closed_form_gap(mesh%pair, contact%q) - point%h
+         if (mode%flanks == flanks_loaded) total%loaded = total%loaded + 1
+         if (point%h > total%h(1 + contact%flank)) then
+            total%h(1 + contact%flank) = point%h
+            if (contact%deviates) total%deviation(1 + contact%flank) = -closed_form_gap(contact%pair, at%q) - point%h
          end if
-         total%touching = total%touching .or. merge(mode%contact == contact_loaded, point%h > 0, mesh%rigid)
+         total%touching = total%touching .or. merge(mode%flanks == flanks_loaded, point%h > 0, contact%rigid)
       end associate
    end subroutine put_pair
 
    !> Fill in what the rates leave out of a contact that does not touch: the point as its tracking sees it, or in closed form where
    !> tracking rests.
-   pure subroutine complete(gearbox, m, y, integers, contact)
+   pure subroutine complete(gearbox, m, y, integers, at)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m, integers(:)
       real(wp), intent(in) :: y(:)
-      type(contact_state), intent(inout) :: contact
+      type(contact_state), intent(inout) :: at
       real(wp) :: rho_a0
 
-      associate (mesh => gearbox%contacts(m))
-         call gearbox_local(gearbox, mesh, y, contact%q)
-         rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), contact%mode%teeth)
-         if (contact%mode%contact == contact_apart) then
-            call track_closed_form(mesh%pair, rho_a0, contact%q, contact%point)
+      associate (contact => gearbox%contacts(m))
+         call gearbox_local(gearbox, contact, y, at%q)
+         rho_a0 = nominal_rho(contact, y(i_theta), integers(i_turns), at%mode%tooth_pair)
+         if (at%mode%flanks == flanks_apart) then
+            call track_closed_form(contact%pair, rho_a0, at%q, at%point)
          else
-            call mesh_contact(mesh, contact%mode, rho_a0, contact%q, contact%point)
+            call locate_contact(contact, at%mode, rho_a0, at%q, at%point)
          end if
-         contact%force = mesh_force()
+         at%force = contact_force()
       end associate
    end subroutine complete
 
@@ -244,26 +244,26 @@ contains
       integer, intent(in) :: m !! tooth contact
       real(wp), intent(in) :: y(:)
       integer, intent(in) :: integers(:)
-      type(mesh_mode), intent(in) :: mode
-      type(deviation), intent(in) :: line   !! of action
+      type(contact_mode), intent(in) :: mode
+      type(tangent_line_t), intent(in) :: line   !! of action
       real(wp), intent(inout) :: q(n_local) !! its local variables; those of the points are filled in where they are not tracked
       real(wp), intent(out) :: tracked(5), driving(2), driven(2)
       real(wp) :: rho_a0, residual(n_track), point_a(2), point_b(2)
       logical :: exists
 
-      associate (mesh => gearbox%contacts(m))
-         rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
+      associate (contact => gearbox%contacts(m))
+         rho_a0 = nominal_rho(contact, y(i_theta), integers(i_turns), mode%tooth_pair)
          tracked = ieee_value(tracked, ieee_quiet_nan)
-         if (mesh%tracking == tracking_closed_form .or. mode%contact == contact_apart) then
-            call points_along(mesh%pair, q, line, q(at_track:))
+         if (contact%tracking == tracking_closed_form .or. mode%flanks == flanks_apart) then
+            call points_along(contact%pair, q, line, q(at_track:))
          else
-            call algebraic_residual(mesh%pair, rho_a0, q, residual, exists)
+            call algebraic_residual(contact%pair, rho_a0, q, residual, exists)
             tracked(1:3) = [q(at_lambda), residual(5), residual(6)]
-            call line_distance(mesh%pair, rho_a0, q, tracked(4), tracked(5))
+            call line_distance(contact%pair, rho_a0, q, tracked(4), tracked(5))
          end if
-         call tracked_positions(mesh%pair, rho_a0, q, point_a, point_b)
-         driving = mesh%k_a0 + point_a(1)*mesh%t_0 + point_a(2)*mesh%e_0
-         driven = mesh%k_a0 + point_b(1)*mesh%t_0 + point_b(2)*mesh%e_0
+         call tracked_positions(contact%pair, rho_a0, q, point_a, point_b)
+         driving = contact%k_a0 + point_a(1)*contact%t_0 + point_a(2)*contact%e_0
+         driven = contact%k_a0 + point_b(1)*contact%t_0 + point_b(2)*contact%e_0
       end associate
    end subroutine put_points
 

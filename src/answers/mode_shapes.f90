@@ -5,7 +5,7 @@ module evl_mode_shapes
    use evl_gearbox, only: gearbox_local, gearbox_t
    use evl_kinds, only: wp
    use evl_local_variables, only: at_psi_a, at_psi_b, i_theta, n_local
-   use evl_tooth_contact, only: contact_t
+   use evl_tooth_contact, only: tooth_contact_t
    implicit none (type, external)
    private
 
@@ -40,19 +40,19 @@ contains
    end subroutine gearbox_shape
 
    !> Changes of penetration and transmission error of one mesh.
-   pure subroutine mesh_shape(gearbox, mesh, y, dy, penetration, transmission_error)
+   pure subroutine mesh_shape(gearbox, contact, y, dy, penetration, transmission_error)
       type(gearbox_t), intent(in) :: gearbox
-      type(contact_t), intent(in) :: mesh
+      type(tooth_contact_t), intent(in) :: contact
       real(wp), intent(in) :: y(:), dy(:)
       real(wp), intent(out) :: penetration, transmission_error
       real(wp), dimension(n_local) :: q, dq
       type(contact_point) :: point
       type(contact_gradient) :: gradient
 
-      call gearbox_local(gearbox, mesh, y, q)
-      call gearbox_local(gearbox, mesh, dy, dq)
-      associate (pair => mesh%pair)
-         call track_closed_form(pair, mesh%rho_start, q, point) ! neither h nor Delta depends on the place on the path
+      call gearbox_local(gearbox, contact, y, q)
+      call gearbox_local(gearbox, contact, dy, dq)
+      associate (pair => contact%pair)
+         call track_closed_form(pair, contact%rho_start, q, point) ! neither h nor Delta depends on the place on the path
          call gradient_closed_form(pair, q, point, gradient)
          penetration = dot_product(gradient%h, dq)
          transmission_error = (pair%r_ba + pair%r_bb)*dot_product(centre_line_turn_gradient(pair, q), dq) &

@@ -2,12 +2,12 @@
 module evl_start_positions
    use evl_closed_form, only: track_closed_form
    use evl_contact_point, only: contact_point
-   use evl_contact_roots, only: mesh_ends
+   use evl_contact_roots, only: ends_of_path
    use evl_gearbox, only: gearbox_local, gearbox_t, i_turns
    use evl_kinds, only: wp
    use evl_load, only: load_speed
    use evl_local_variables, only: i_theta, n_local
-   use evl_tooth_contact, only: contact_off, contact_open, mesh_contact, mesh_mode, mesh_nominal_rho, mesh_settle_zones
+   use evl_tooth_contact, only: contact_mode, flanks_off, flanks_open, locate_contact, nominal_rho, settle_zones
    implicit none (type, external)
    private
 
@@ -22,8 +22,8 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: pitches
 
-      associate (mesh => gearbox%contacts(1))
-         theta = pitches*mesh%base_pitch/mesh%pair%advance
+      associate (contact => gearbox%contacts(1))
+         theta = pitches*contact%base_pitch/contact%pair%advance
       end associate
    end function mesh_position_angle
 
@@ -34,8 +34,8 @@ contains
       real(wp), intent(in) :: theta   !! [rad]
       integer, intent(in) :: turns
 
-      associate (mesh => gearbox%contacts(gearbox%first(index)))
-         pitches = (mesh_nominal_rho(mesh, theta, turns, 0) - mesh%rho_entry)/mesh%base_pitch
+      associate (contact => gearbox%contacts(gearbox%first(index)))
+         pitches = (nominal_rho(contact, theta, turns, 0) - contact%rho_entry)/contact%base_pitch
       end associate
       pitches = pitches - floor(pitches + at_the_end)
       if (abs(pitches) < at_the_end) pitches = 0
@@ -72,14 +72,14 @@ contains
       do while (found)
          found = .false.
          do m = 1, size(gearbox%pairs)
-            associate (mesh => gearbox%contacts(gearbox%first(m)))
-               associate (a => mesh%wheel_a, b => mesh%wheel_b)
+            associate (contact => gearbox%contacts(gearbox%first(m)))
+               associate (a => contact%wheel_a, b => contact%wheel_b)
                   if (placed(a) .eqv. placed(b)) cycle
-                  arc = -mesh%pair%sigma*penetrations(m) ! r_bA psi_A + r_bB psi_B
+                  arc = -contact%pair%sigma*penetrations(m) ! r_bA psi_A + r_bB psi_B
                   if (placed(a)) then
-                     psi(b) = (arc - mesh%pair%r_ba*psi(a))/mesh%pair%r_bb
+                     psi(b) = (arc - contact%pair%r_ba*psi(a))/contact%pair%r_bb
                   else
-                     psi(a) = (arc - mesh%pair%r_bb*psi(b))/mesh%pair%r_ba
+                     psi(a) = (arc - contact%pair%r_bb*psi(b))/contact%pair%r_ba
                   end if
                   placed(a) = .true.
                   placed(b) = .true.
@@ -111,21 +111,21 @@ contains
       integer :: m
 
       do m = 1, size(gearbox%contacts)
-         associate (mesh => gearbox%contacts(m), teeth => integers(gearbox%contacts(m)%i_mode), &
-                    contact => integers(gearbox%contacts(m)%i_mode + 1))
-            contact = contact_open
-            teeth = mesh%slot
-            if (mesh%handover .and. .not. abs(y(i_theta)) > 0) cycle
-            call closed_form_point(gearbox, m, y, integers(i_turns), teeth, point)
+         associate (contact => gearbox%contacts(m), tooth_pair => integers(gearbox%contacts(m)%i_mode), &
+                    flanks => integers(gearbox%contacts(m)%i_mode + 1))
+            flanks = flanks_open
+            tooth_pair = contact%slot
+            if (contact%handover .and. .not. abs(y(i_theta)) > 0) cycle
+            call closed_form_point(gearbox, m, y, integers(i_turns), tooth_pair, point)
             ! a pair is this many pitches on from where pairs enter, and n_slots pitches later the next one is there
-            call mesh_ends(mesh, point, near, far)
-            teeth = teeth + mesh%n_slots*floor((near + at_the_end)/mesh%n_slots)
-            if (mesh%handover) cycle
-            call closed_form_point(gearbox, m, y, integers(i_turns), teeth, point)
-            call mesh_ends(mesh, point, near, far)
+            call ends_of_path(contact, point, near, far)
+            tooth_pair = tooth_pair + contact%n_slots*floor((near + at_the_end)/contact%n_slots)
+            if (contact%handover) cycle
+            call closed_form_point(gearbox, m, y, integers(i_turns), tooth_pair, point)
+            call ends_of_path(contact, point, near, far)
             if (far >= -at_the_end) cycle
-            contact = contact_off
-            teeth = teeth + mesh%n_slots
+            flanks = flanks_off
+            tooth_pair = tooth_pair + contact%n_slots
          end associate
       end do
    end subroutine place_pairs
@@ -136,17 +136,17 @@ contains
       integer, intent(in) :: index, turns, teeth
       real(wp), intent(in) :: y(:)
       type(contact_point), intent(out) :: point
-      type(mesh_mode) :: mode
+      type(contact_mode) :: mode
       real(wp) :: q(n_local)
 
-      associate (mesh => gearbox%contacts(index))
-         call gearbox_local(gearbox, mesh, y, q)
-         associate (rho_a0 => mesh_nominal_rho(mesh, y(i_theta), turns, teeth))
-            call track_closed_form(mesh%pair, rho_a0, q, point)
-            if (.not. mesh%deviates) return
-            mode%teeth = teeth
-            call mesh_settle_zones(mesh, point, mode)
-            call mesh_contact(mesh, mode, rho_a0, q, point)
+      associate (contact => gearbox%contacts(index))
+         call gearbox_local(gearbox, contact, y, q)
+         associate (rho_a0 => nominal_rho(contact, y(i_theta), turns, teeth))
+            call track_closed_form(contact%pair, rho_a0, q, point)
+            if (.not. contact%deviates) return
+            mode%tooth_pair = teeth
+            call settle_zones(contact, point, mode)
+            call locate_contact(contact, mode, rho_a0, q, point)
          end associate
       end associate
    end subroutine closed_form_point

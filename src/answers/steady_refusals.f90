@@ -10,8 +10,8 @@ module evl_steady_refusals
    use evl_start_positions, only: closed_form_point
    use evl_status, only: code_no_solution, fail, message_length, quantity, status_t, subject_housing, subject_initial, &
                          subject_load, subject_mesh
-   use evl_tooth_contact, only: contact_loaded, contact_off, contact_t, flank_coast, flank_values, mesh_mode, mesh_settle_zones, &
-                                mesh_unclipped_force
+   use evl_tooth_contact, only: contact_mode, flank_coast, flank_values, flanks_loaded, flanks_off, settle_zones, &
+                                tooth_contact_t, unclipped_force
    implicit none (type, external)
    private
 
@@ -65,27 +65,27 @@ contains
       integer :: m
 
       do m = 1, size(gearbox%contacts)
-         associate (mesh => gearbox%contacts(m), at => gearbox%contacts(m)%i_mode)
-            if (integers(at + 1) /= contact_loaded .or. mesh%flank == flank_coast) cycle
+         associate (contact => gearbox%contacts(m), at => gearbox%contacts(m)%i_mode)
+            if (integers(at + 1) /= flanks_loaded .or. contact%flank == flank_coast) cycle
             call closed_form_point(gearbox, m, y, 0, integers(at), point)
-            if (mesh%rigid) then
-               if (y(mesh%i_normal) > 0) cycle
-            else if (point%h > -touching*mesh%h_scale) then
-               call mesh_unclipped_force(mesh, gearbox_mode(gearbox, m, integers, reals), point, force, status)
+            if (contact%rigid) then
+               if (y(contact%i_normal) > 0) cycle
+            else if (point%h > -touching*contact%h_scale) then
+               call unclipped_force(contact, gearbox_mode(gearbox, m, integers, reals), point, force, status)
                if (force >= 0 .or. .not. point%h > 0) cycle
                call refuse_slope(gearbox, y, integers, reals, status)
                return
             end if
-            call refuse_pull(gearbox, mesh, t, y, integers, reals, point%h, status)
+            call refuse_pull(gearbox, contact, t, y, integers, reals, point%h, status)
             return
          end associate
       end do
    end subroutine check_pressed
 
    !> The drive flanks of a mesh would have to pull: say which load has the wrong sense.
-   subroutine refuse_pull(gearbox, mesh, t, y, integers, reals, h, status)
+   subroutine refuse_pull(gearbox, contact, t, y, integers, reals, h, status)
       type(gearbox_t), intent(in) :: gearbox
-      type(contact_t), intent(in) :: mesh
+      type(tooth_contact_t), intent(in) :: contact
       real(wp), intent(in) :: t, y(:), reals(:), h
       integer, intent(in) :: integers(:)
       type(status_t), intent(inout) :: status
@@ -93,15 +93,15 @@ contains
       character(len=message_length) :: consequence
       integer :: i
 
-      write (number, "(a, i0)") "meshes.", mesh%mesh - 1
-      i = wrong_load(gearbox, mesh, t, y, integers)
-      if (i == 0 .and. mesh%deviates) then
+      write (number, "(a, i0)") "meshes.", contact%mesh - 1
+      i = wrong_load(gearbox, contact, t, y, integers)
+      if (i == 0 .and. contact%deviates) then
          call refuse_slope(gearbox, y, integers, reals, status)
          return
       else if (i == 0) then
          call fail(status, code_no_solution, "there is no steady state: nothing presses its drive flanks together, which would" &
                    //" have to pull (penetration "//quantity(h, "m")//"); start from rest or with given speeds", subject_mesh, &
-                   mesh%mesh, "driving_rotation")
+                   contact%mesh, "driving_rotation")
          return
       end if
       consequence = "has the wrong sense for a steady state: it parts the drive flanks of "//trim(number)//", and the coast" &
@@ -123,9 +123,9 @@ contains
    !> The contact turns A by sigma F r_bA and B by sigma F r_bB, F > 0: the loads on either side, carried over to A or B by the
    !> speed ratios, have to turn against sigma. Torques that follow the speed have the sense that others give them, so they are
    !> named last.
-   integer function wrong_load(gearbox, mesh, t, y, integers) result(wrong)
+   integer function wrong_load(gearbox, contact, t, y, integers) result(wrong)
       type(gearbox_t), intent(in) :: gearbox
-      type(contact_t), intent(in) :: mesh
+      type(tooth_contact_t), intent(in) :: contact
       real(wp), intent(in) :: t, y(:)
       integer, intent(in) :: integers(:)
       logical :: beside_a(size(gearbox%wheels)), viscous_parts
@@ -133,14 +133,14 @@ contains
       integer :: i
 
       wrong = 0
-      beside_a = joined_without(gearbox, mesh)
-      if (beside_a(mesh%wheel_b)) return
+      beside_a = joined_without(gearbox, contact)
+      if (beside_a(contact%wheel_b)) return
       largest = 0
       viscous_parts = .false.
       do i = 1, size(gearbox%loads)
          associate (load => gearbox%loads(i))
-            ratio = merge(mesh%pair%ratio_a, mesh%pair%ratio_b, beside_a(load%wheel))
-            share = mesh%pair%sigma*torque_of(gearbox, i, t, y, integers)*gearbox%wheels(load%wheel)%ratio/ratio
+            ratio = merge(contact%pair%ratio_a, contact%pair%ratio_b, beside_a(load%wheel))
+            share = contact%pair%sigma*torque_of(gearbox, i, t, y, integers)*gearbox%wheels(load%wheel)%ratio/ratio
             if (.not. share > 0) cycle
             if (load%kind == load_viscous) then
                viscous_parts = .true.
@@ -166,18 +166,18 @@ contains
    end function torque_of
 
    !> Wheels that shafts and other meshes join to the driving wheel of a mesh.
-   pure function joined_without(gearbox, mesh) result(joined)
+   pure function joined_without(gearbox, contact) result(joined)
       type(gearbox_t), intent(in) :: gearbox
-      type(contact_t), intent(in) :: mesh
+      type(tooth_contact_t), intent(in) :: contact
       logical :: joined(size(gearbox%wheels))
       integer :: before, i
 
       joined = .false.
-      joined(mesh%wheel_a) = .true.
+      joined(contact%wheel_a) = .true.
       do
          before = count(joined)
          do i = 1, size(gearbox%pairs)
-            if (i == mesh%mesh) cycle
+            if (i == contact%mesh) cycle
             associate (other => gearbox%contacts(gearbox%first(i)))
                if (any(joined([other%wheel_a, other%wheel_b]))) joined([other%wheel_a, other%wheel_b]) = .true.
             end associate
@@ -200,12 +200,12 @@ contains
       integer :: m
 
       do m = 1, size(gearbox%contacts)
-         associate (mesh => gearbox%contacts(m), at => gearbox%contacts(m)%i_mode)
-            if (before(at + 1) == contact_off .eqv. integers(at + 1) == contact_off) cycle
-            write (pair, "(i0)") merge(before(at), integers(at), integers(at + 1) == contact_off)
+         associate (contact => gearbox%contacts(m), at => gearbox%contacts(m)%i_mode)
+            if (before(at + 1) == flanks_off .eqv. integers(at + 1) == flanks_off) cycle
+            write (pair, "(i0)") merge(before(at), integers(at), integers(at + 1) == flanks_off)
             call fail(status, code_no_solution, "there is no steady state: tooth pair "//trim(pair)//" is on the path of contact" &
                       //" while others carry the load, and off it once it carries; start from rest or with given speeds", &
-                      subject_mesh, mesh%mesh)
+                      subject_mesh, contact%mesh)
             return
          end associate
       end do
@@ -218,7 +218,7 @@ contains
       integer, intent(in) :: integers(:)
       type(status_t), intent(inout) :: status
       type(contact_point) :: point
-      type(mesh_mode) :: mode
+      type(contact_mode) :: mode
       type(flank_value) :: a, b
       real(wp) :: steepest, rate
       character(len=16) :: pair
@@ -229,18 +229,18 @@ contains
       rate = 0
       pair = ""
       do m = 1, size(gearbox%contacts)
-         associate (mesh => gearbox%contacts(m))
+         associate (contact => gearbox%contacts(m))
             mode = gearbox_mode(gearbox, m, integers, reals)
-            if (.not. mesh%deviates .or. mode%contact == contact_off) cycle
-            call closed_form_point(gearbox, m, y, 0, mode%teeth, point)
-            if (point%h <= 0 .and. mode%contact /= contact_loaded) cycle
-            call mesh_settle_zones(mesh, point, mode)
-            call flank_values(mesh, mode, point, a, b)
+            if (.not. contact%deviates .or. mode%flanks == flanks_off) cycle
+            call closed_form_point(gearbox, m, y, 0, mode%tooth_pair, point)
+            if (point%h <= 0 .and. mode%flanks /= flanks_loaded) cycle
+            call settle_zones(contact, point, mode)
+            call flank_values(contact, mode, point, a, b)
             if (.not. abs(a%de - b%de) > abs(steepest)) cycle
             steepest = a%de - b%de
             worst = m
             rate = point%h_dot
-            write (pair, "(i0)") mode%teeth
+            write (pair, "(i0)") mode%tooth_pair
          end associate
       end do
       if (worst == 0) then

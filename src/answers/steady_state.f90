@@ -12,8 +12,8 @@ module evl_steady_state
    use evl_status, only: code_no_solution, fail, has_failed, quantity, status_t, subject_initial
    use evl_steady_newton, only: find_slopes, solve_steady, steady_system
    use evl_steady_refusals, only: check_pressed, check_steady, refuse_alternation, refuse_slope
-   use evl_tooth_contact, only: contact_loaded, contact_off, contact_t, contact_unloaded, flank_drive, mesh_mode, &
-                                mesh_settle_friction, mesh_settle_zones, mesh_unclipped_force, tracking_closed_form
+   use evl_tooth_contact, only: contact_mode, flank_drive, flanks_loaded, flanks_off, flanks_unloaded, settle_friction, &
+                                settle_zones, tooth_contact_t, tracking_closed_form, unclipped_force
    implicit none (type, external)
    private
 
@@ -124,8 +124,8 @@ contains
          where (largest > -huge(largest)) penetrations = penetrations + wanted - largest
       end do
       do i = 1, size(gearbox%contacts)
-         associate (mesh => gearbox%contacts(i))
-            if (mesh%leads .and. mesh%flank == flank_drive) y(mesh%i_normal) = mesh%force_scale
+         associate (contact => gearbox%contacts(i))
+            if (contact%leads .and. contact%flank == flank_drive) y(contact%i_normal) = contact%force_scale
          end associate
       end do
    end subroutine press_flanks
@@ -189,7 +189,7 @@ contains
       type(contact_point) :: points(size(gearbox%contacts))
       real(wp) :: largest(size(gearbox%pairs))
       logical :: carried(size(gearbox%pairs))
-      type(mesh_mode) :: mode
+      type(contact_mode) :: mode
       integer :: m, pass
 
       call look_at_pairs(gearbox, y, integers, points, largest)
@@ -203,18 +203,18 @@ contains
       carried = .false.
       do pass = 1, 2 ! first what overlaps and pushes, then the nearest pair where that is nothing
          do m = 1, size(gearbox%contacts)
-            associate (mesh => gearbox%contacts(m), drives => gearbox%contacts(m)%flank == flank_drive)
+            associate (contact => gearbox%contacts(m), drives => gearbox%contacts(m)%flank == flank_drive)
                mode = gearbox_mode(gearbox, m, integers, reals)
-               if (mode%contact == contact_off .or. (mesh%rigid .and. .not. drives)) cycle
+               if (mode%flanks == flanks_off .or. (contact%rigid .and. .not. drives)) cycle
                if (pass == 1) then
-                  call mesh_settle_zones(mesh, points(m), mode)
-                  call overlap(mesh, points(m), mode, status)
+                  call settle_zones(contact, points(m), mode)
+                  call overlap(contact, points(m), mode, status)
                   if (has_failed(status)) return
-                  if (drives .and. mode%contact == contact_loaded) carried(mesh%mesh) = .true.
-               else if (drives .and. .not. carried(mesh%mesh) .and. points(m)%h >= largest(mesh%mesh)) then
-                  mode%contact = contact_loaded
+                  if (drives .and. mode%flanks == flanks_loaded) carried(contact%mesh) = .true.
+               else if (drives .and. .not. carried(contact%mesh) .and. points(m)%h >= largest(contact%mesh)) then
+                  mode%flanks = flanks_loaded
                end if
-               if (mode%contact == contact_loaded) mode%friction = mesh_settle_friction(mesh, points(m))
+               if (mode%flanks == flanks_loaded) mode%friction = settle_friction(contact, points(m))
             end associate
             call gearbox_store_mode(gearbox, m, mode, integers, reals)
          end do
@@ -222,18 +222,18 @@ contains
    end subroutine load_all
 
    !> Whether a pair overlaps, and then whether it pushes. A rigid one on the path does.
-   subroutine overlap(mesh, point, mode, status)
-      type(contact_t), intent(in) :: mesh
+   subroutine overlap(contact, point, mode, status)
+      type(tooth_contact_t), intent(in) :: contact
       type(contact_point), intent(in) :: point
-      type(mesh_mode), intent(inout) :: mode
+      type(contact_mode), intent(inout) :: mode
       type(status_t), intent(inout) :: status
       real(wp) :: force
 
-      if (mesh%rigid) then
-         mode%contact = contact_loaded
+      if (contact%rigid) then
+         mode%flanks = flanks_loaded
       else if (point%h > 0) then
-         call mesh_unclipped_force(mesh, mode, point, force, status)
-         mode%contact = merge(contact_unloaded, contact_loaded, force < 0)
+         call unclipped_force(contact, mode, point, force, status)
+         mode%flanks = merge(flanks_unloaded, flanks_loaded, force < 0)
       end if
    end subroutine overlap
 
@@ -250,10 +250,10 @@ contains
       call place_pairs(gearbox, y, integers)
       largest = -huge(largest)
       do m = 1, size(gearbox%contacts)
-         associate (mesh => gearbox%contacts(m), at => gearbox%contacts(m)%i_mode)
-            if (integers(at + 1) == contact_off) cycle
+         associate (contact => gearbox%contacts(m), at => gearbox%contacts(m)%i_mode)
+            if (integers(at + 1) == flanks_off) cycle
             call closed_form_point(gearbox, m, y, 0, integers(at), points(m))
-            if (mesh%flank == flank_drive) largest(mesh%mesh) = max(largest(mesh%mesh), points(m)%h)
+            if (contact%flank == flank_drive) largest(contact%mesh) = max(largest(contact%mesh), points(m)%h)
          end associate
       end do
    end subroutine look_at_pairs

@@ -65,9 +65,9 @@ contains
          end associate
       end do
       do m = 1, size(gearbox%pairs)
-         associate (mesh => gearbox%contacts(gearbox%first(m)), pair => gearbox%pairs(m))
-            call take_smallest(hypot(pair%base_radius_a, pair%rho - pair%rho_tip_b), values(mesh%wheel_a, 3))
-            call take_smallest(hypot(pair%base_radius_b, pair%rho - pair%rho_tip_a), values(mesh%wheel_b, 3))
+         associate (contact => gearbox%contacts(gearbox%first(m)), pair => gearbox%pairs(m))
+            call take_smallest(hypot(pair%base_radius_a, pair%rho - pair%rho_tip_b), values(contact%wheel_a, 3))
+            call take_smallest(hypot(pair%base_radius_b, pair%rho - pair%rho_tip_a), values(contact%wheel_b, 3))
          end associate
       end do
    end subroutine put_wheel_teeth
@@ -100,11 +100,11 @@ contains
       integer :: m
 
       do m = 1, n
-         associate (mesh => gearbox%contacts(gearbox%first(m)), pair => gearbox%pairs(m))
-            rho_b = pair%rho - mesh%rho_start - mesh%pair%gap_0
+         associate (contact => gearbox%contacts(gearbox%first(m)), pair => gearbox%pairs(m))
+            rho_b = pair%rho - contact%rho_start - contact%pair%gap_0
             values(m, :) = [pair%contact_ratio, merge(pair%backlash, 0.0_wp, pair%has_coast), &
                             merge(1.0_wp, 0.0_wp, pair%has_coast), &
-                            pair%chi + pair%sigma*(pair%alpha_w - mesh%rho_start/pair%base_radius_a), &
+                            pair%chi + pair%sigma*(pair%alpha_w - contact%rho_start/pair%base_radius_a), &
                             pair%chi + pair%sigma*(pi + pair%alpha_w - rho_b/pair%base_radius_b)]
          end associate
       end do

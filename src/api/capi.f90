@@ -170,7 +170,7 @@ contains
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
-      associate (mesh => g%contacts(g%first(index + 1)), pair => g%pairs(index + 1), at => g%references(index + 1))
+      associate (contact => g%contacts(g%first(index + 1)), pair => g%pairs(index + 1), at => g%references(index + 1))
          geometry = c_mesh_geometry( &
                     sigma=pair%sigma, transmission_ratio=pair%ratio, centre_distance=pair%centre_distance, &
                     centre_line_angle=pair%chi, minimum_pressure_angle=pair%alpha_inf, &
@@ -179,9 +179,9 @@ contains
                     point_k_a=pair%point_k_a, point_k_b=pair%point_k_b, point_a=pair%point_a, point_b=pair%point_b, &
                     pitch_point=pair%pitch_point, tip_radius_driving=pair%tip_radius_a, &
                     tip_radius_driven=pair%tip_radius_b, rho_start_driving=pair%rho_start_a, &
-                    rho_start_driven=pair%rho_start_b, common_width=mesh%width, effective_modulus=mesh%e_star, &
-                    elastic_share_driving=mesh%pair%share_a, reference_force=mesh%force_scale, &
-                    reference_penetration=mesh%h_scale, reference_stiffness=at%stiffness, reference_mass=at%mass, &
+                    rho_start_driven=pair%rho_start_b, common_width=contact%width, effective_modulus=contact%e_star, &
+                    elastic_share_driving=contact%pair%share_a, reference_force=contact%force_scale, &
+                    reference_penetration=contact%h_scale, reference_stiffness=at%stiffness, reference_mass=at%mass, &
                     natural_frequency=at%frequency, damping_coefficient=at%damping, damping_ratio=at%ratio)
       end associate
    end subroutine evl_gearbox_mesh_geometry

@@ -8,7 +8,7 @@ module evl_capi_deviation
    use evl_gearbox, only: gearbox_t
    use evl_pitch_errors, only: pitch_errors_generate, pitch_tolerances, single_pitch_deviation, total_pitch_deviation
    use evl_status, only: code_invalid_input, fail, has_failed, status_t, subject_wheel
-   use evl_tooth_contact, only: mesh_mode, mesh_settle_zones
+   use evl_tooth_contact, only: contact_mode, settle_zones
    use evl_touching_flanks, only: second_order_gap, touching_curvature
    implicit none (type, external)
    private
@@ -161,16 +161,16 @@ contains
       real(c_double), intent(out) :: second_order(n), curvature(n)
       type(gearbox_t), pointer :: g
       type(contact_point) :: point
-      type(mesh_mode) :: mode
+      type(contact_mode) :: mode
       integer :: i
 
       call c_f_pointer(handle, g)
       associate (contact => g%contacts(g%first(mesh + 1)))
-         mode%teeth = pair
+         mode%tooth_pair = pair
          do i = 1, n
             point%rho_a = rho(i)
             point%rho_b = contact%pair%rho_0 - rho(i)
-            call mesh_settle_zones(contact, point, mode)
+            call settle_zones(contact, point, mode)
             second_order(i) = second_order_gap(contact, pair, rho(i))
             curvature(i) = touching_curvature(contact, mode, point)
          end do

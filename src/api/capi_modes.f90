@@ -11,7 +11,7 @@ module evl_capi_modes
    use evl_modes, only: gearbox_modes
    use evl_start_positions, only: mesh_position
    use evl_status, only: status_t
-   use evl_tooth_contact, only: mesh_mode
+   use evl_tooth_contact, only: contact_mode
    implicit none (type, external)
    private
 
@@ -31,12 +31,12 @@ contains
       real(c_double), intent(in) :: reals(*)
       type(c_mesh_mode), intent(out) :: mode
       type(gearbox_t), pointer :: g
-      type(mesh_mode) :: m
+      type(contact_mode) :: m
 
       call c_f_pointer(handle, g)
       m = gearbox_mode(g, leading_contact(g, mesh + 1, integers(:g%n_integers)), integers(:g%n_integers), &
                        reals(:size(g%contacts)))
-      mode = c_mesh_mode(m%teeth, m%contact, m%friction)
+      mode = c_mesh_mode(m%tooth_pair, m%flanks, m%friction)
    end subroutine evl_gearbox_mesh_mode
 
    integer(c_int) function evl_gearbox_modes(handle, t, y, integers, reals, n_modes, n_rigid, eigenvalues, vectors, &

@@ -5,7 +5,7 @@ module evl_closed_form
    use evl_contact_point, only: complete_gradient, complete_point, contact_gradient, contact_point, tracked_pair
    use evl_kinds, only: wp
    use evl_local_variables, only: at_psi_a, at_psi_b, at_theta, at_u_a, at_u_b, n_local, n_track
-   use evl_tangent_line, only: deviation, deviation_find, small_sine
+   use evl_tangent_line, only: find_tangent_line, small_sine, tangent_line_t
    implicit none (type, external)
    private
 
@@ -21,7 +21,7 @@ contains
       real(wp), intent(in) :: rho_a0      !! nominal radius of curvature on A at theta [m]
       real(wp), intent(in) :: q(n_local)  !! local variables
       type(contact_point), intent(out) :: point
-      type(deviation) :: line
+      type(tangent_line_t) :: line
 
       call closed_form_line(pair, q, line)
       call place_contact(pair, rho_a0, q, line, point)
@@ -33,16 +33,16 @@ contains
    pure subroutine closed_form_line(pair, q, line)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: q(n_local)
-      type(deviation), intent(out) :: line
+      type(tangent_line_t), intent(out) :: line
 
-      call deviation_find(pair%r_ba + pair%r_bb, pair%rho_0, q(at_u_b) - q(at_u_a), q(at_u_b + 1) - q(at_u_a + 1), line)
+      call find_tangent_line(pair%r_ba + pair%r_bb, pair%rho_0, q(at_u_b) - q(at_u_a), q(at_u_b + 1) - q(at_u_a + 1), line)
    end subroutine closed_form_line
 
    !> Gap kappa in closed form [m].
    pure real(wp) function closed_form_gap(pair, q) result(kappa)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: q(n_local)
-      type(deviation) :: line
+      type(tangent_line_t) :: line
 
       call closed_form_line(pair, q, line)
       kappa = gap_along(pair, q, line)
@@ -61,7 +61,7 @@ contains
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: q(n_local)       !! local variables; the tracked ones are not looked at
       real(wp), intent(out) :: track(n_track)  !! turn, zeta, dr, lambda, mu
-      type(deviation) :: line
+      type(tangent_line_t) :: line
 
       call closed_form_line(pair, q, line)
       call points_along(pair, q, line, track)
@@ -71,7 +71,7 @@ contains
    pure subroutine points_along(pair, q, line, track)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: q(n_local)
-      type(deviation), intent(in) :: line      !! at q
+      type(tangent_line_t), intent(in) :: line      !! at q
       real(wp), intent(out) :: track(n_track)
       real(wp) :: kappa
 
@@ -89,7 +89,7 @@ contains
       real(wp), intent(in) :: q(n_local)
       type(contact_point), intent(in) :: point !! at q
       type(contact_gradient), intent(out) :: gradient
-      type(deviation) :: line
+      type(tangent_line_t) :: line
 
       call closed_form_line(pair, q, line)
       call gradient_along(pair, q, line, point, gradient)
@@ -99,7 +99,7 @@ contains
    pure subroutine gradient_along(pair, q, line, point, gradient)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: q(n_local)
-      type(deviation), intent(in) :: line      !! at q
+      type(tangent_line_t), intent(in) :: line      !! at q
       type(contact_point), intent(in) :: point !! at q
       type(contact_gradient), intent(out) :: gradient
 

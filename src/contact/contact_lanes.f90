@@ -10,8 +10,8 @@ module evl_contact_lanes
    use evl_kinds, only: lanes, wp
    use evl_line_lanes, only: lane_line
    use evl_local_variables, only: at_normal, at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, n_local
-   use evl_tangent_line, only: deviation
-   use evl_tooth_contact, only: contact_off, contact_t, flank_branches, mesh_mode
+   use evl_tangent_line, only: tangent_line_t
+   use evl_tooth_contact, only: contact_mode, flank_branches, flanks_off, tooth_contact_t
    implicit none (type, external)
    private
 
@@ -33,9 +33,9 @@ contains
    include "contact/lane_point.inc"
 
    !> The contact along its line of action. Of a slot without a pair on the path the radii of curvature are all that is set.
-   subroutine contact_in_lanes(mesh, mode, rho_start, line, at)
-      type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
+   subroutine contact_in_lanes(contact, mode, rho_start, line, at)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
       real(wp), intent(in) :: rho_start             !! nominal radius of curvature on A at theta = 0 [m]
       type(lane_line), intent(in) :: line
       type(lane_contact), intent(out) :: at
@@ -43,9 +43,9 @@ contains
       type(tracked_pair) :: pair
       integer :: l
 
-      pair = mesh%pair
+      pair = contact%pair
       advance = pair%advance
-      if (mode%contact == contact_off) then
+      if (mode%flanks == flanks_off) then
          !$omp simd
          do l = 1, lanes
             at%rho_a0(l) = rho_start + advance*line%theta(l)
@@ -58,7 +58,7 @@ contains
          at%rho_a0(l) = rho_start + advance*line%theta(l)
          call place_lane(pair, line, l, at)
       end do
-      if (mesh%deviates) call deviate_lanes(mesh, mode, line, at)
+      if (contact%deviates) call deviate_lanes(contact, mode, line, at)
    end subroutine contact_in_lanes
 
    !> One lane of a contact along its line of action.
@@ -96,7 +96,7 @@ contains
       real(wp) :: q(n_local)
 
       call lane_local(line, l, q)
-      call place_contact(pair, rho_a0, q, deviation(.true., line%d_rho(l), line%rho(l), line%angle(l), line%s(l), line%c(l)), &
+      call place_contact(pair, rho_a0, q, tangent_line_t(.true., line%d_rho(l), line%rho(l), line%angle(l), line%s(l), line%c(l)), &
                          point)
    end subroutine lane_point
 
@@ -142,9 +142,9 @@ contains
    end subroutine store_lane
 
    !> From the contact of perfect involutes to that of deviating flanks.
-   subroutine deviate_lanes(mesh, mode, line, at)
-      type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
+   subroutine deviate_lanes(contact, mode, line, at)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
       type(lane_line), intent(in) :: line
       type(lane_contact), intent(inout) :: at
       real(wp), dimension(lanes) :: e_a, de_a, e_b, de_b
@@ -152,8 +152,8 @@ contains
       type(flank_branch) :: branch_a, branch_b
       integer :: l
 
-      pair = mesh%pair
-      call flank_branches(mesh, mode, branch_a, branch_b)
+      pair = contact%pair
+      call flank_branches(contact, mode, branch_a, branch_b)
       call deviation_in_lanes(branch_a, at%rho_a, e_a, de_a)
       call deviation_in_lanes(branch_b, at%rho_b, e_b, de_b)
       !$omp simd

@@ -7,13 +7,13 @@ module evl_contact_roots
    use evl_kinds, only: wp
    use evl_local_variables, only: at_psi_a, n_local
    use evl_status, only: status_t
-   use evl_tooth_contact, only: contact_apart, contact_loaded, contact_off, contact_open, contact_t, contact_unloaded, &
-                                flank_drive, mesh_mode, mesh_unclipped_force, n_border_roots, n_mesh_roots, touches, &
-                                tracking_closed_form
+   use evl_tooth_contact, only: contact_mode, flank_drive, flanks_apart, flanks_loaded, flanks_off, flanks_open, &
+                                flanks_unloaded, n_border_roots, n_contact_roots, tooth_contact_t, touches, &
+                                tracking_closed_form, unclipped_force
    implicit none (type, external)
    private
 
-   public :: mesh_roots, mesh_roots_of_force, mesh_root_directions, mesh_ends, mark_idle_roots, most_mesh_roots, past
+   public :: contact_roots, contact_roots_of_force, contact_root_directions, ends_of_path, mark_idle_roots, most_contact_roots, past
    public :: root_contact, root_force, root_friction_high, root_friction_low, root_forward, root_back, root_apart, root_side, &
              root_borders_a, root_borders_b, standstill
 
@@ -35,91 +35,92 @@ module evl_contact_roots
    !> it is above what integration leaves of a rate that has come to rest, or sides would change for ever.
    real(wp), parameter :: standstill = 1.0e-6_wp
 
-   integer, parameter :: most_mesh_roots = n_mesh_roots + n_border_roots !! of one tooth contact
+   integer, parameter :: most_contact_roots = n_contact_roots + n_border_roots !! of one tooth contact
    integer, parameter :: width = 1 !! states that the included formulas take at once
 
 contains
 
    !> Root functions, of order 1; those without meaning in the mode are 1.
-   subroutine mesh_roots(mesh, mode, rho_a0, q, point, roots, status, unclipped)
-      type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
+   subroutine contact_roots(contact, mode, rho_a0, q, point, roots, status, unclipped)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
       real(wp), intent(in) :: rho_a0, q(n_local)
       type(contact_point), intent(in) :: point
-      real(wp), intent(out) :: roots(mesh%n_roots)
+      real(wp), intent(out) :: roots(contact%n_roots)
       type(status_t), intent(inout) :: status
       real(wp), intent(out), optional :: unclipped !! elastic + viscous force where flanks overlap, else 0 [N]
       real(wp) :: force
 
       force = 0
-      if (touches(mode)) call mesh_unclipped_force(mesh, mode, point, force, status)
+      if (touches(mode)) call unclipped_force(contact, mode, point, force, status)
       if (present(unclipped)) unclipped = force
-      call mesh_roots_of_force(mesh, mode, rho_a0, q, point, force, roots)
-   end subroutine mesh_roots
+      call contact_roots_of_force(contact, mode, rho_a0, q, point, force, roots)
+   end subroutine contact_roots
 
    !> The same where the force is known.
-   pure subroutine mesh_roots_of_force(mesh, mode, rho_a0, q, point, force, roots)
-      type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
+   pure subroutine contact_roots_of_force(contact, mode, rho_a0, q, point, force, roots)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
       real(wp), intent(in) :: rho_a0, q(n_local)
       type(contact_point), intent(in) :: point
       real(wp), intent(in) :: force                !! elastic + viscous, unclipped; of no meaning where flanks do not overlap [N]
-      real(wp), intent(out) :: roots(mesh%n_roots)
+      real(wp), intent(out) :: roots(contact%n_roots)
       real(wp) :: moved(width)
 
       moved = 0
-      if (mesh%handover) moved = pitches_moved(mesh, [rho_a0], [q(at_psi_a)], [centre_line_turn(mesh%pair, q)])
-      call contact_roots(mesh, mode, [point%h], [point%h_dot], [point%v_t], [point%rho_a], [point%rho_b], [force], moved, roots)
-      if (mesh%tracking == tracking_closed_form) return
-      if (mode%contact == contact_open) roots(root_apart) = -point%h/mesh%gap_apart - 1
-      if (mode%contact == contact_apart) roots(root_apart) = closed_form_gap(mesh%pair, q)/mesh%gap_apart - 1
-   end subroutine mesh_roots_of_force
+      if (contact%handover) moved = pitches_moved(contact, [rho_a0], [q(at_psi_a)], [centre_line_turn(contact%pair, q)])
+      call closed_form_roots(contact, mode, [point%h], [point%h_dot], [point%v_t], [point%rho_a], [point%rho_b], [force], moved, &
+                             roots)
+      if (contact%tracking == tracking_closed_form) return
+      if (mode%flanks == flanks_open) roots(root_apart) = -point%h/contact%gap_apart - 1
+      if (mode%flanks == flanks_apart) roots(root_apart) = closed_form_gap(contact%pair, q)/contact%gap_apart - 1
+   end subroutine contact_roots_of_force
 
    include "contact/contact_roots.inc"
 
    !> The direction in which each root counts.
-   pure subroutine mesh_root_directions(mesh, mode, directions)
-      type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
-      integer, intent(out) :: directions(mesh%n_roots)
+   pure subroutine contact_root_directions(contact, mode, directions)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
+      integer, intent(out) :: directions(contact%n_roots)
 
-      directions(root_contact) = merge(1, -1, mode%contact == contact_open)
-      directions(root_force) = merge(1, -1, mode%contact == contact_unloaded)
+      directions(root_contact) = merge(1, -1, mode%flanks == flanks_open)
+      directions(root_force) = merge(1, -1, mode%flanks == flanks_unloaded)
       directions(root_friction_high) = merge(-1, 1, mode%friction == 1)
       directions(root_friction_low) = merge(1, -1, mode%friction == -1)
-      directions(root_forward) = merge(1, -1, mesh%handover .or. mode%contact == contact_off)
-      directions(root_back) = merge(1, -1, mode%contact == contact_off)
+      directions(root_forward) = merge(1, -1, contact%handover .or. mode%flanks == flanks_off)
+      directions(root_back) = merge(1, -1, mode%flanks == flanks_off)
       directions(root_side) = merge(-1, 1, mode%side > 0)
-      directions(root_apart) = merge(-1, 1, mode%contact == contact_apart)
-      if (.not. mesh%deviates) return
+      directions(root_apart) = merge(-1, 1, mode%flanks == flanks_apart)
+      if (.not. contact%deviates) return
       directions(root_borders_a) = merge(-1, 1, mode%zone_a == zone_tip)
       directions(root_borders_a + 1) = merge(1, -1, mode%zone_a == zone_root)
       directions(root_borders_b) = merge(-1, 1, mode%zone_b == zone_tip)
       directions(root_borders_b + 1) = merge(1, -1, mode%zone_b == zone_root)
-   end subroutine mesh_root_directions
+   end subroutine contact_root_directions
 
    !> Mark the root functions without meaning in the mode, which are 1 at any state.
-   pure subroutine mark_idle_roots(mesh, mode, mark, directions)
-      type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
+   pure subroutine mark_idle_roots(contact, mode, mark, directions)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
       integer, intent(in) :: mark                        !! put in place of their direction
-      integer, intent(inout) :: directions(mesh%n_roots)
+      integer, intent(inout) :: directions(contact%n_roots)
       logical :: slides
 
-      if (.not. (mode%contact == contact_open .or. (touches(mode) .and. .not. mesh%rigid))) directions(root_contact) = mark
+      if (.not. (mode%flanks == flanks_open .or. (touches(mode) .and. .not. contact%rigid))) directions(root_contact) = mark
       if (.not. touches(mode)) directions(root_force) = mark
-      if (mesh%i_side == 0 .or. .not. touches(mode)) directions(root_side) = mark
-      slides = friction_knee(mesh%friction) > 0 .and. mode%contact == contact_loaded
+      if (contact%i_side == 0 .or. .not. touches(mode)) directions(root_side) = mark
+      slides = friction_knee(contact%friction) > 0 .and. mode%flanks == flanks_loaded
       if (.not. slides .or. mode%friction == -1) directions(root_friction_high) = mark
       if (.not. slides .or. mode%friction == 1) directions(root_friction_low) = mark
-      if (mesh%tracking == tracking_closed_form .or. touches(mode) .or. mode%contact == contact_off) directions(root_apart) = mark
-      if (.not. mesh%deviates) return
-      if (mode%contact == contact_off) then
+      if (contact%tracking == tracking_closed_form .or. touches(mode) .or. mode%flanks == flanks_off) directions(root_apart) = mark
+      if (.not. contact%deviates) return
+      if (mode%flanks == flanks_off) then
          directions(root_borders_a:root_borders_b + 1) = mark
          return
       end if
-      call mark_idle_borders(mesh%deviation_a, mode%zone_a, mark, directions(root_borders_a:root_borders_a + 1))
-      call mark_idle_borders(mesh%deviation_b, mode%zone_b, mark, directions(root_borders_b:root_borders_b + 1))
+      call mark_idle_borders(contact%deviation_a, mode%zone_a, mark, directions(root_borders_a:root_borders_a + 1))
+      call mark_idle_borders(contact%deviation_b, mode%zone_b, mark, directions(root_borders_b:root_borders_b + 1))
    end subroutine mark_idle_roots
 
    !> The same for the borders of tip and root relief on one flank.
@@ -135,15 +136,15 @@ contains
    end subroutine mark_idle_borders
 
    !> How far a tooth pair is from the ends of the path of contact, in pitches; not negative while it is on the path.
-   pure subroutine mesh_ends(mesh, point, near, far)
-      type(contact_t), intent(in) :: mesh
+   pure subroutine ends_of_path(contact, point, near, far)
+      type(tooth_contact_t), intent(in) :: contact
       type(contact_point), intent(in) :: point
       real(wp), intent(out) :: near, far !! from the end where pairs enter in the nominal sense of rotation, and from the other
       real(wp), dimension(width) :: to_near, to_far
 
-      call path_ends(mesh, [point%rho_a], [point%rho_b], 0, to_near, to_far)
+      call path_ends(contact, [point%rho_a], [point%rho_b], 0, to_near, to_far)
       near = to_near(1)
       far = to_far(1)
-   end subroutine mesh_ends
+   end subroutine ends_of_path
 
 end module evl_contact_roots

@@ -13,7 +13,7 @@ module evl_contact_tracking
    use evl_lapack, only: dgesv
    use evl_local_variables, only: at_dr, at_lambda, at_mu, at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_theta, &
                                   at_track, at_turn, at_u_a, at_u_b, at_v_a, at_v_b, at_zeta, n_local, n_track, unit
-   use evl_tangent_line, only: deviation, deviation_find, deviation_gradients, versine
+   use evl_tangent_line, only: find_tangent_line, tangent_line_gradients, tangent_line_t, versine
    implicit none (type, external)
    private
 
@@ -28,7 +28,7 @@ contains
       real(wp), intent(in) :: rho_a0
       real(wp), intent(in) :: q(n_local)
       type(contact_point), intent(out) :: point
-      type(deviation) :: on_a, on_b
+      type(tangent_line_t) :: on_a, on_b
 
       call points_on_wheels(pair, rho_a0, q, on_a, on_b)
       point%exists = on_a%exists .and. on_b%exists
@@ -45,19 +45,19 @@ contains
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: rho_a0
       real(wp), intent(in) :: q(n_local)
-      type(deviation), intent(out) :: on_a, on_b
+      type(tangent_line_t), intent(out) :: on_a, on_b
       real(wp) :: a(2), b(2)
 
       call point_on_driving(rho_a0, q, on_a)
       call point_positions(pair, on_a, q, a, b)
-      call deviation_find(pair%r_bb, pair%rho_0 - rho_a0, b(1), b(2), on_b)
+      call find_tangent_line(pair%r_bb, pair%rho_0 - rho_a0, b(1), b(2), on_b)
    end subroutine points_on_wheels
 
    !> Where the tracked point of the driving wheel lies relative to its base circle.
    pure subroutine point_on_driving(rho_a0, q, on_a)
       real(wp), intent(in) :: rho_a0
       real(wp), intent(in) :: q(n_local)
-      type(deviation), intent(out) :: on_a
+      type(tangent_line_t), intent(out) :: on_a
 
       on_a%angle = q(at_turn)
       on_a%s = sin(on_a%angle)
@@ -70,7 +70,7 @@ contains
    !> Positions of the tracked points seen from their axles, less the nominal ones; that on B with opposite sign [m].
    pure subroutine point_positions(pair, on_a, q, a, b)
       type(tracked_pair), intent(in) :: pair
-      type(deviation), intent(in) :: on_a
+      type(tangent_line_t), intent(in) :: on_a
       real(wp), intent(in) :: q(n_local)
       real(wp), intent(out) :: a(2), b(2) !! (t_0, e_0)
 
@@ -82,7 +82,7 @@ contains
    !> Derivatives of rho_A0, of the radius of curvature at P_A, and of the position of P_B.
    pure subroutine position_gradients(pair, on_a, rho_0, rho, b)
       type(tracked_pair), intent(in) :: pair
-      type(deviation), intent(in) :: on_a
+      type(tangent_line_t), intent(in) :: on_a
       real(wp), intent(out) :: rho_0(n_local), rho(n_local), b(n_local, 2)
       real(wp) :: along(n_local), across(n_local)
 
@@ -102,13 +102,13 @@ contains
       real(wp), intent(in) :: q(n_local)
       type(contact_point), intent(in) :: point !! at q
       type(contact_gradient), intent(out) :: gradient
-      type(deviation) :: on_a, on_b
+      type(tangent_line_t) :: on_a, on_b
       real(wp), dimension(n_local) :: angle_b, distance_b, rho_0
       real(wp) :: b(n_local, 2)
 
       call points_on_wheels(pair, rho_a0, q, on_a, on_b)
       call position_gradients(pair, on_a, rho_0, gradient%rho_a, b)
-      call deviation_gradients(on_b, b, -rho_0, angle_b, distance_b)
+      call tangent_line_gradients(on_b, b, -rho_0, angle_b, distance_b)
       gradient%angle = unit(at_turn, 1.0_wp)
       gradient%h = 0
       gradient%h(at_mu) = -1/pair%r_bb
@@ -126,7 +126,7 @@ contains
       real(wp), intent(in) :: q(n_local)
       real(wp), intent(out) :: residual(n_track) !! [m, 1, m, m, m, m]
       logical, intent(out) :: exists             !! false if a point lies inside a base circle
-      type(deviation) :: on_a, on_b
+      type(tangent_line_t) :: on_a, on_b
       real(wp) :: big_lambda, kappa
 
       call points_on_wheels(pair, rho_a0, q, on_a, on_b)
@@ -147,13 +147,13 @@ contains
       real(wp), intent(in) :: rho_a0
       real(wp), intent(in) :: q(n_local)
       real(wp), intent(out) :: jacobian(n_track, n_local)
-      type(deviation) :: on_a, on_b
+      type(tangent_line_t) :: on_a, on_b
       real(wp), dimension(n_local) :: angle_a, angle_b, distance_b, rho_0, rho, rho_b, lambda
       real(wp) :: b(n_local, 2), big_lambda, kappa
 
       call points_on_wheels(pair, rho_a0, q, on_a, on_b)
       call position_gradients(pair, on_a, rho_0, rho, b)
-      call deviation_gradients(on_b, b, -rho_0, angle_b, distance_b)
+      call tangent_line_gradients(on_b, b, -rho_0, angle_b, distance_b)
       angle_a = unit(at_turn, 1.0_wp)
       big_lambda = q(at_lambda)*pair%r_ba/pair%r_bb
       kappa = q(at_mu)/pair%r_bb
@@ -184,7 +184,7 @@ contains
       real(wp), intent(in) :: rates(n_track) !! turn', zeta', dr', lambda', mu'
       real(wp), intent(out) :: residual(n_track)
       logical, intent(out) :: exists
-      type(deviation) :: on_a, on_b
+      type(tangent_line_t) :: on_a, on_b
       real(wp) :: big_lambda, kappa, b_dot(2), rho_dot, turn_b, lambda_dot, kappa_dot
 
       call points_on_wheels(pair, rho_a0, q, on_a, on_b)
@@ -207,7 +207,7 @@ contains
    !> Rate of the position of P_B as in `point_positions`.
    pure subroutine point_rate(pair, on_a, q, rates, rho_dot, b_dot)
       type(tracked_pair), intent(in) :: pair
-      type(deviation), intent(in) :: on_a
+      type(tangent_line_t), intent(in) :: on_a
       real(wp), intent(in) :: q(n_local), rates(n_track)
       real(wp), intent(in) :: rho_dot   !! of rho_A0 [m/s]
       real(wp), intent(out) :: b_dot(2) !! (t_0, e_0) [m/s]
@@ -222,7 +222,7 @@ contains
 
    !> Rate of a deviation's angle.
    pure real(wp) function turn_rate(on, rate, rho_dot)
-      type(deviation), intent(in) :: on
+      type(tangent_line_t), intent(in) :: on
       real(wp), intent(in) :: rate(2), rho_dot !! of the point and of its nominal distance [m/s]
 
       turn_rate = -(rate(1)*on%c + (rate(2) + rho_dot)*on%s)/on%rho
@@ -234,7 +234,7 @@ contains
       real(wp), intent(in) :: rho_a0
       real(wp), intent(in) :: q(n_local), rates(n_track), cj
       real(wp), intent(out) :: jacobian(n_track, n_local)
-      type(deviation) :: on_a, on_b
+      type(tangent_line_t) :: on_a, on_b
       real(wp), dimension(n_local) :: angle_a, angle_b, distance_b, turn_a, turn_b, along, across
       real(wp), dimension(n_local) :: lambda, kappa, lambda_dot, kappa_dot, rho_0, rho, rho_b, rho_dot
       real(wp), dimension(n_local, 2) :: b, b_dot
@@ -242,7 +242,7 @@ contains
 
       call points_on_wheels(pair, rho_a0, q, on_a, on_b)
       call position_gradients(pair, on_a, rho_0, rho, b)
-      call deviation_gradients(on_b, b, -rho_0, angle_b, distance_b)
+      call tangent_line_gradients(on_b, b, -rho_0, angle_b, distance_b)
       angle_a = unit(at_turn, 1.0_wp)
       turn = rates(1)
       turn_a = unit(at_turn, cj)
@@ -288,7 +288,7 @@ contains
 
    !> Derivatives of `turn_rate`.
    pure function turn_gradient(on, rate, rho_rate, angle, dot, rho_dot, rho) result(turn)
-      type(deviation), intent(in) :: on
+      type(tangent_line_t), intent(in) :: on
       real(wp), intent(in) :: rate(2), rho_rate
       real(wp), intent(in) :: angle(n_local), dot(n_local, 2), rho_dot(n_local), rho(n_local) !! derivatives
       real(wp) :: turn(n_local)
@@ -345,7 +345,7 @@ contains
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: rho_a0, q(n_local)
       real(wp), intent(out) :: point_a(2), point_b(2) !! (t_0, e_0)
-      type(deviation) :: on_a
+      type(tangent_line_t) :: on_a
       real(wp) :: a(2), b(2)
 
       call point_on_driving(rho_a0, q, on_a)
@@ -360,7 +360,7 @@ contains
       real(wp), intent(in) :: rho_a0
       real(wp), intent(in) :: q(n_local)
       real(wp), intent(out) :: distance_a, distance_b
-      type(deviation) :: line, on_a, on_b
+      type(tangent_line_t) :: line, on_a, on_b
       real(wp) :: a(2), b(2), off
 
       call closed_form_line(pair, q, line)

@@ -16,13 +16,13 @@ module evl_force_lanes
    use evl_mesh_damping, only: is_impact_damping
    use evl_radzimovsky, only: enlarged
    use evl_status, only: code_ok, code_out_of_domain
-   use evl_tooth_contact, only: contact_t, contact_unloaded, mesh_force, mesh_mode
+   use evl_tooth_contact, only: contact_force, contact_mode, flanks_unloaded, tooth_contact_t
    implicit none (type, external)
    private
 
    public :: lane_force, forces_in_lanes, laws_have_lanes, laws_in_lanes
 
-   !> Forces of a tooth contact in eight states; the components mean what those of `mesh_force` mean.
+   !> Forces of a tooth contact in eight states; the components mean what those of `contact_force` mean.
    type :: lane_force
       real(wp), dimension(lanes) :: elastic, viscous, d_energy, excess, factor
       real(wp), dimension(lanes) :: torque_a, torque_b, on_a_t, on_a_e, dissipation
@@ -44,19 +44,19 @@ contains
    include "contact/contact_forces.inc"
 
    !> Whether each law of a contact has its loop below.
-   pure logical function laws_have_lanes(mesh)
-      type(contact_t), intent(in) :: mesh
+   pure logical function laws_have_lanes(contact)
+      type(tooth_contact_t), intent(in) :: contact
 
-      laws_have_lanes = mesh%contact%law >= contact_johnson .and. mesh%contact%law <= contact_power &
-                        .and. (any(mesh%damping%law == [damping_none, damping_linear, damping_one_sided]) &
-                               .or. is_impact_damping(mesh%damping)) &
-                        .and. mesh%friction%law >= friction_none .and. mesh%friction%law <= friction_stribeck
+      laws_have_lanes = contact%elastic%law >= contact_johnson .and. contact%elastic%law <= contact_power &
+                        .and. (any(contact%damping%law == [damping_none, damping_linear, damping_one_sided]) &
+                               .or. is_impact_damping(contact%damping)) &
+                        .and. contact%friction%law >= friction_none .and. contact%friction%law <= friction_stribeck
    end function laws_have_lanes
 
    !> Forces of flanks that overlap.
-   subroutine forces_in_lanes(mesh, mode, margin, at, force, answered)
-      type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
+   subroutine forces_in_lanes(contact, mode, margin, at, force, answered)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
       real(wp), intent(in) :: margin(lanes) !! of the line of action
       type(lane_contact), intent(in) :: at
       type(lane_force), intent(out) :: force
@@ -64,10 +64,10 @@ contains
       real(wp) :: sigma
       integer :: l
 
-      call laws_in_lanes(mesh, mode, margin, at, force, answered)
+      call laws_in_lanes(contact, mode, margin, at, force, answered)
       if (.not. answered) return
-      sigma = mesh%pair%sigma
-      if (mode%contact == contact_unloaded) then
+      sigma = contact%pair%sigma
+      if (mode%flanks == flanks_unloaded) then
          force%torque_a = 0
          force%torque_b = 0
          force%on_a_t = 0
@@ -77,7 +77,7 @@ contains
          end do
          return
       end if
-      call friction_in_lanes(mesh, mode, at, force)
+      call friction_in_lanes(contact, mode, at, force)
       !$omp simd
       do l = 1, lanes
          call resolve_lane(sigma, at, l, force)
@@ -85,9 +85,9 @@ contains
    end subroutine forces_in_lanes
 
    !> Elastic and viscous force.
-   subroutine laws_in_lanes(mesh, mode, margin, at, force, answered)
-      type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
+   subroutine laws_in_lanes(contact, mode, margin, at, force, answered)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
       real(wp), intent(in) :: margin(lanes) !! of the line of action
       type(lane_contact), intent(in) :: at
       type(lane_force), intent(inout) :: force
@@ -95,13 +95,13 @@ contains
 
       answered = all_positive(margin) .and. all_positive(at%rho_a) .and. all_positive(at%rho_b)
       if (.not. answered) return
-      call elastic_in_lanes(mesh, at, force, answered)
-      call viscous_in_lanes(mesh, mode, at, force)
+      call elastic_in_lanes(contact, at, force, answered)
+      call viscous_in_lanes(contact, mode, at, force)
    end subroutine laws_in_lanes
 
    !> Elastic force.
-   subroutine elastic_in_lanes(mesh, at, force, answered)
-      type(contact_t), intent(in) :: mesh
+   subroutine elastic_in_lanes(contact, at, force, answered)
+      type(tooth_contact_t), intent(in) :: contact
       type(lane_contact), intent(in) :: at
       type(lane_force), intent(inout) :: force
       logical, intent(out) :: answered
@@ -110,9 +110,9 @@ contains
       integer :: l
 
       answers = 1
-      e_star = mesh%e_star
-      width = mesh%width
-      select case (mesh%contact%law)
+      e_star = contact%e_star
+      width = contact%width
+      select case (contact%elastic%law)
       case (contact_johnson)
          !$omp simd
          do l = 1, lanes
@@ -126,7 +126,7 @@ contains
                                   force%d_energy(l), force%excess(l), answers(l))
          end do
       case (contact_linear, contact_yang_lin)
-         stiffness = linear_stiffness(mesh%contact, e_star, width)
+         stiffness = linear_stiffness(contact%elastic, e_star, width)
          force%d_energy = 0
          force%excess = 0
          !$omp simd
@@ -134,8 +134,8 @@ contains
             force%elastic(l) = linear_spring_lane(at%h(l), stiffness)
          end do
       case (contact_power)
-         stiffness = mesh%contact%parameters(1)
-         exponent = mesh%contact%parameters(2)
+         stiffness = contact%elastic%parameters(1)
+         exponent = contact%elastic%parameters(2)
          force%d_energy = 0
          force%excess = 0
          !$omp simd
@@ -195,48 +195,48 @@ contains
    end function power_spring_lane
 
    !> Viscous force.
-   subroutine viscous_in_lanes(mesh, mode, at, force)
-      type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
+   subroutine viscous_in_lanes(contact, mode, at, force)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
       type(lane_contact), intent(in) :: at
       type(lane_force), intent(inout) :: force
       real(wp) :: coefficient, share, d_h, d_h_dot
       integer :: l
 
-      select case (mesh%damping%law)
+      select case (contact%damping%law)
       case (damping_none)
          force%viscous = 0
       case (damping_linear)
-         coefficient = mesh%damping%parameters(1)
+         coefficient = contact%damping%parameters(1)
          !$omp simd private(d_h_dot)
          do l = 1, lanes
             call linear_damping(at%h_dot(l), coefficient, force%viscous(l), d_h_dot)
          end do
       case (damping_one_sided)
-         coefficient = mesh%damping%parameters(1)
+         coefficient = contact%damping%parameters(1)
          share = damping_share(mode%side, 0.0_wp)
          !$omp simd private(d_h, d_h_dot)
          do l = 1, lanes
             call one_sided_damping(at%h(l), at%h_dot(l), coefficient, share, force%viscous(l), d_h, d_h_dot)
          end do
       case (damping_hunt_crossley, damping_lankarani_nikravesh, damping_flores, damping_gonthier, damping_lee_wang)
-         coefficient = impact_share(mesh%damping, mode%v0)
+         coefficient = impact_share(contact%damping, mode%v0)
          force%viscous = impact_damping(coefficient, force%elastic, at%h_dot)
       end select
    end subroutine viscous_in_lanes
 
    !> The friction law's factor of the normal force.
-   subroutine friction_in_lanes(mesh, mode, at, force)
-      type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
+   subroutine friction_in_lanes(contact, mode, at, force)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
       type(lane_contact), intent(in) :: at
       type(lane_force), intent(inout) :: force
-      real(wp), dimension(size(mesh%friction%parameters)) :: p
+      real(wp), dimension(size(contact%friction%parameters)) :: p
       real(wp) :: d_v
       integer :: branch, l
 
-      p = mesh%friction%parameters
-      select case (mesh%friction%law)
+      p = contact%friction%parameters
+      select case (contact%friction%law)
       case (friction_none)
          force%factor = 0
       case (friction_coulomb)
@@ -265,7 +265,7 @@ contains
       integer, intent(in) :: l
       type(lane_force), intent(inout) :: force
       type(contact_point) :: point
-      type(mesh_force) :: resolved
+      type(contact_force) :: resolved
 
       call take_lane(at, l, point)
       call resolve_forces(sigma, point, elastic_of_lane(l, force), force%viscous(l), force%factor(l), resolved)

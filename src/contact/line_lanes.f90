@@ -5,8 +5,8 @@ module evl_line_lanes
    use evl_contact_point, only: tracked_pair
    use evl_kinds, only: lanes, wp
    use evl_local_variables, only: at_theta, i_omega, i_theta, unit, wheel_link
-   use evl_tangent_line, only: deviation, small_sine, tangent_angle
-   use evl_tooth_contact, only: contact_t
+   use evl_tangent_line, only: small_sine, tangent_angle, tangent_line_t
+   use evl_tooth_contact, only: tooth_contact_t
    implicit none (type, external)
    private
 
@@ -28,23 +28,23 @@ contains
    include "contact/centre_line.inc"
 
    !> Motion and line of action of the flank of a tooth contact; nothing to do if they are there already.
-   subroutine line_in_lanes(mesh, y, line)
-      type(contact_t), intent(in) :: mesh
+   subroutine line_in_lanes(contact, y, line)
+      type(tooth_contact_t), intent(in) :: contact
       real(wp), intent(in) :: y(lanes, *)       !! (lanes, states)
       type(lane_line), intent(inout) :: line    !! of nobody, or of a flank in the same states
       real(wp) :: r, rho_0
       integer :: l
 
-      if (line%mesh == mesh%mesh .and. line%flank == mesh%flank) return
-      line%mesh = mesh%mesh
-      line%flank = mesh%flank
-      call motion_in_lanes(mesh, y, line)
-      if (mesh%axles_rest) then
-         call rest_line(mesh%rest_line, line)
+      if (line%mesh == contact%mesh .and. line%flank == contact%flank) return
+      line%mesh = contact%mesh
+      line%flank = contact%flank
+      call motion_in_lanes(contact, y, line)
+      if (contact%axles_rest) then
+         call rest_line(contact%rest_line, line)
          return
       end if
-      r = mesh%pair%r_ba + mesh%pair%r_bb
-      rho_0 = mesh%pair%rho_0
+      r = contact%pair%r_ba + contact%pair%r_bb
+      rho_0 = contact%pair%rho_0
       !$omp simd
       do l = 1, lanes
          call tangent_line(r, rho_0, line%u_t(l), line%u_e(l), line%margin(l), line%d_rho(l), line%rho(l), line%s(l), &
@@ -55,16 +55,16 @@ contains
    end subroutine line_in_lanes
 
    !> Motion of the wheels alone.
-   pure subroutine motion_in_lanes(mesh, y, line)
-      type(contact_t), intent(in) :: mesh
+   pure subroutine motion_in_lanes(contact, y, line)
+      type(tooth_contact_t), intent(in) :: contact
       real(wp), intent(in) :: y(lanes, *)       !! (lanes, states)
       type(lane_line), intent(inout) :: line
 
       line%theta = y(:, i_theta)
       line%omega = y(:, i_omega)
-      call turn_wheel(mesh%link_a%i_psi, y, line%psi_a, line%psi_dot_a)
-      call turn_wheel(mesh%link_b%i_psi, y, line%psi_b, line%psi_dot_b)
-      call move_axles(mesh%link_a, mesh%link_b, y, line)
+      call turn_wheel(contact%link_a%i_psi, y, line%psi_a, line%psi_dot_a)
+      call turn_wheel(contact%link_b%i_psi, y, line%psi_b, line%psi_dot_b)
+      call move_axles(contact%link_a, contact%link_b, y, line)
    end subroutine motion_in_lanes
 
    !> Deviation of a wheel from its nominal rotation, and its rate.
@@ -128,7 +128,7 @@ contains
 
    !> The line of action between fixed axles.
    pure subroutine rest_line(at_rest, line)
-      type(deviation), intent(in) :: at_rest
+      type(tangent_line_t), intent(in) :: at_rest
       type(lane_line), intent(inout) :: line
 
       line%margin = merge(1.0_wp, 0.0_wp, at_rest%exists)
@@ -152,16 +152,16 @@ contains
    end subroutine large_angles
 
    !> How far the centre line has turned [rad].
-   subroutine centre_turn_in_lanes(mesh, line, turn)
-      type(contact_t), intent(in) :: mesh
+   subroutine centre_turn_in_lanes(contact, line, turn)
+      type(tooth_contact_t), intent(in) :: contact
       type(lane_line), intent(in) :: line
       real(wp), intent(out) :: turn(lanes)
       real(wp), dimension(lanes) :: along, across
       type(tracked_pair) :: pair
       integer :: l
 
-      pair = mesh%pair
-      if (mesh%axles_rest) then
+      pair = contact%pair
+      if (contact%axles_rest) then
          turn = centre_line_turn(pair, unit(at_theta, 0.0_wp))
          return
       end if

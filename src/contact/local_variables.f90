@@ -7,7 +7,7 @@ module evl_local_variables
    implicit none (type, external)
    private
 
-   public :: i_omega, i_theta, n_local, n_track, unit, mesh_link, wheel_link
+   public :: i_omega, i_theta, n_local, n_track, unit, local_link, wheel_link
    public :: at_theta, at_psi_a, at_psi_b, at_u_a, at_u_b, at_omega, at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b
    public :: at_track, at_turn, at_zeta, at_dr, at_lambda, at_mu, at_normal
 
@@ -35,11 +35,11 @@ module evl_local_variables
    integer, parameter :: at_track = at_turn !! first tracked variable
 
    !> Couples a local variable of the mesh with a state of the gearbox.
-   type :: mesh_link
+   type :: local_link
       integer :: local = 0           !! place in the local variables
       integer :: state = 0           !! place in the state
       real(wp) :: weight = 0.0_wp    !! d local/d state
-   end type mesh_link
+   end type local_link
 
    !> The same for one of its wheels, all at once.
    type :: wheel_link

@@ -4,7 +4,7 @@ module evl_mesh_reference
    use evl_contact_laws, only: contact_context, elastic_force, elastic_result, law_choice, viscous_force, viscous_result
    use evl_kinds, only: pi, wp
    use evl_status, only: code_ok
-   use evl_tooth_contact, only: contact_t
+   use evl_tooth_contact, only: tooth_contact_t
    implicit none (type, external)
    private
 
@@ -25,19 +25,19 @@ module evl_mesh_reference
 contains
 
    !> A perfect tooth pair at the pitch point. The radii of curvature enter the laws through their sum alone.
-   pure type(contact_context) function nominal_context(mesh) result(ctx)
-      type(contact_t), intent(in) :: mesh
+   pure type(contact_context) function nominal_context(contact) result(ctx)
+      type(tooth_contact_t), intent(in) :: contact
 
-      ctx%rho_sum = mesh%pair%rho_0
-      ctx%rho_a = mesh%pair%rho_0/2
-      ctx%rho_b = mesh%pair%rho_0/2
-      ctx%e_star = mesh%e_star
-      ctx%width = mesh%width
+      ctx%rho_sum = contact%pair%rho_0
+      ctx%rho_a = contact%pair%rho_0/2
+      ctx%rho_b = contact%pair%rho_0/2
+      ctx%e_star = contact%e_star
+      ctx%width = contact%width
    end function nominal_context
 
    !> Stiffness, mass and frequency of an elastic contact.
-   pure type(mesh_reference_t) function reference_of(mesh, has_load, mobility) result(reference)
-      type(contact_t), intent(in) :: mesh  !! with its scales
+   pure type(mesh_reference_t) function reference_of(contact, has_load, mobility) result(reference)
+      type(tooth_contact_t), intent(in) :: contact  !! with its scales
       logical, intent(in) :: has_load      !! its scales are those of a load
       real(wp), intent(in) :: mobility     !! r_bA^2/J_A + r_bB^2/J_B [1/kg], 1/J of a prescribed speed 0
       type(contact_context) :: ctx
@@ -46,11 +46,11 @@ contains
       integer :: code
 
       none = ieee_value(1.0_wp, ieee_quiet_nan)
-      reference = mesh_reference_t(none, none, none, none, none, mesh%damping)
-      if (mesh%rigid .or. .not. has_load) return
-      ctx = nominal_context(mesh)
-      ctx%h = mesh%h_scale
-      call elastic_force(mesh%contact, ctx, elastic, code)
+      reference = mesh_reference_t(none, none, none, none, none, contact%damping)
+      if (contact%rigid .or. .not. has_load) return
+      ctx = nominal_context(contact)
+      ctx%h = contact%h_scale
+      call elastic_force(contact%elastic, ctx, elastic, code)
       if (code /= code_ok) return
       reference%stiffness = elastic%d_h
       if (.not. mobility > 0) return
@@ -60,8 +60,8 @@ contains
 
    !> Coefficient and ratio of the damper that acts. A law with another slope on approach than on separation counts with the mean of
    !> both, which takes as much from a small vibration.
-   pure subroutine reference_damping(mesh, reference)
-      type(contact_t), intent(in) :: mesh !! with the damping law that acts
+   pure subroutine reference_damping(contact, reference)
+      type(tooth_contact_t), intent(in) :: contact !! with the damping law that acts
       type(mesh_reference_t), intent(inout) :: reference
       type(contact_context) :: ctx
       type(elastic_result) :: elastic
@@ -69,13 +69,13 @@ contains
       integer :: code
 
       if (.not. reference%frequency > 0) return
-      ctx = nominal_context(mesh)
-      ctx%h = mesh%h_scale
-      call elastic_force(mesh%contact, ctx, elastic, code)
+      ctx = nominal_context(contact)
+      ctx%h = contact%h_scale
+      call elastic_force(contact%elastic, ctx, elastic, code)
       ctx%h_dot = slow*2*pi*reference%frequency*ctx%h
-      call viscous_force(mesh%damping, ctx, elastic, approach)
+      call viscous_force(contact%damping, ctx, elastic, approach)
       ctx%h_dot = -ctx%h_dot
-      call viscous_force(mesh%damping, ctx, elastic, separation)
+      call viscous_force(contact%damping, ctx, elastic, separation)
       reference%damping = (approach%d_h_dot + separation%d_h_dot)/2
       reference%ratio = reference%damping/(2*sqrt(reference%stiffness*reference%mass))
    end subroutine reference_damping

@@ -10,7 +10,7 @@ module evl_rigid_contact
    use evl_contact_point, only: contact_gradient, contact_point, tracked_pair
    use evl_kinds, only: wp
    use evl_local_variables, only: at_psi_dot_a, at_psi_dot_b, at_u_a, at_u_b, at_v_a, at_v_b, n_local
-   use evl_tangent_line, only: deviation
+   use evl_tangent_line, only: tangent_line_t
    implicit none (type, external)
    private
 
@@ -55,7 +55,7 @@ contains
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: q(n_local)     !! local variables
       real(wp), intent(in) :: rates(n_local) !! and their rates
-      type(deviation) :: line
+      type(tangent_line_t) :: line
       real(wp) :: v(2), a(2)
 
       call closed_form_line(pair, q, line)
@@ -70,7 +70,7 @@ contains
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: q(n_local), rates(n_local)
       real(wp), intent(out) :: gradient(n_local)
-      type(deviation) :: line
+      type(tangent_line_t) :: line
       real(wp) :: t(2), e(2), v(2), a(2), v_t, by_u(2), by_v(2)
 
       call closed_form_line(pair, q, line)

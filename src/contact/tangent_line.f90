@@ -9,29 +9,29 @@ module evl_tangent_line
    implicit none (type, external)
    private
 
-   public :: deviation, deviation_find, deviation_gradients, small_sine, tangent_angle, versine
+   public :: find_tangent_line, tangent_line_gradients, small_sine, tangent_angle, tangent_line_t, versine
 
    real(wp), parameter :: small_sine = 1.0e-2_wp !! below which an angle comes from a series
 
-   !> Where a point lies relative to a circle's tangents, see `deviation_find`.
-   type :: deviation
+   !> Where a point lies relative to a circle's tangents, see `find_tangent_line`.
+   type :: tangent_line_t
       logical :: exists   !! false if the point lies inside the circle
       real(wp) :: d_rho   !! rho - rho_0 [m]
       real(wp) :: rho     !! distance from the point of tangency [m]
       real(wp) :: angle   !! from e_0 to e, such that t = cos t_0 + sin e_0, e = -sin t_0 + cos e_0 [rad]
       real(wp) :: s, c    !! sine and cosine of `angle`
-   end type deviation
+   end type tangent_line_t
 
 contains
 
    include "contact/tangent_line.inc"
 
    !> Tangent to a circle of radius r_b through the point (r_b + a_t, rho_0 + a_e), and its angle: see `tangent_line`.
-   pure subroutine deviation_find(r_b, rho_0, a_t, a_e, found)
+   pure subroutine find_tangent_line(r_b, rho_0, a_t, a_e, found)
       real(wp), intent(in) :: r_b      !! radius of the circle [m]
       real(wp), intent(in) :: rho_0    !! nominal distance from the point of tangency [m]
       real(wp), intent(in) :: a_t, a_e !! deviation from the nominal point [m]
-      type(deviation), intent(out) :: found
+      type(tangent_line_t), intent(out) :: found
       real(wp) :: margin
 
       call tangent_line(r_b, rho_0, a_t, a_e, margin, found%d_rho, found%rho, found%s, found%c)
@@ -45,7 +45,7 @@ contains
       else
          found%angle = tangent_angle(found%s, found%c)
       end if
-   end subroutine deviation_find
+   end subroutine find_tangent_line
 
    !> An angle from its sine and cosine [rad].
    elemental real(wp) function tangent_angle(s, c) result(angle)
@@ -60,19 +60,19 @@ contains
 
    !> 1 - cos of a deviation's angle, without cancellation.
    pure real(wp) function versine(found)
-      type(deviation), intent(in) :: found
+      type(tangent_line_t), intent(in) :: found
 
       versine = found%s**2/(1 + found%c)
    end function versine
 
    !> Derivatives of a deviation: of its angle, and of rho - rho_0 + r_b angle.
-   pure subroutine deviation_gradients(on, position, rho_0, angle, distance)
-      type(deviation), intent(in) :: on
+   pure subroutine tangent_line_gradients(on, position, rho_0, angle, distance)
+      type(tangent_line_t), intent(in) :: on
       real(wp), intent(in) :: position(n_local, 2), rho_0(n_local) !! derivatives of the point and of the nominal distance
       real(wp), intent(out) :: angle(n_local), distance(n_local)
 
       angle = -(position(:, 1)*on%c + (position(:, 2) + rho_0)*on%s)/on%rho
       distance = -position(:, 1)*on%s + position(:, 2)*on%c - versine(on)*rho_0
-   end subroutine deviation_gradients
+   end subroutine tangent_line_gradients
 
 end module evl_tangent_line

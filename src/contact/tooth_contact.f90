@@ -15,47 +15,47 @@ module evl_tooth_contact
    use evl_deviating_flanks, only: deviate, flank_value
    use evl_flank_deviation, only: deviation_branch, deviation_on, deviation_zone, flank_branch, flank_deviation_t
    use evl_kinds, only: wp
-   use evl_local_variables, only: mesh_link, n_local, wheel_link
+   use evl_local_variables, only: local_link, n_local, wheel_link
    use evl_rational, only: rational_pitches, rational_t
    use evl_status, only: code_ok, code_out_of_domain, fail, quantity, status_t, subject_mesh
-   use evl_tangent_line, only: deviation
+   use evl_tangent_line, only: tangent_line_t
    implicit none (type, external)
    private
 
-   public :: contact_t, contact_state, mesh_mode, mesh_force
-   public :: contact_law, context_of, flank_branches, flank_values, forces_of_laws, left_involute, mesh_contact
-   public :: mesh_forces, mesh_energy, on_involutes
-   public :: mesh_nominal_rho, mesh_nominal_start, mesh_unclipped_force, mesh_settle_friction, touches
+   public :: tooth_contact_t, contact_state, contact_mode, contact_force
+   public :: contact_law, context_of, flank_branches, flank_values, forces_of_laws, left_involute, locate_contact
+   public :: contact_forces, contact_energy, on_involutes
+   public :: nominal_rho, nominal_start, unclipped_force, settle_friction, touches
    public :: tracking_closed_form, tracking_algebraic, tracking_differential
-   public :: contact_open, contact_loaded, contact_unloaded, contact_apart, contact_off
-   public :: n_mesh_roots, n_border_roots
+   public :: flanks_open, flanks_loaded, flanks_unloaded, flanks_apart, flanks_off
+   public :: n_contact_roots, n_border_roots
    public :: flank_drive, flank_coast
-   public :: mesh_settle_zones, mesh_tooth_a, mesh_tooth_b
+   public :: settle_zones, tooth_of_a, tooth_of_b
 
    integer, parameter :: tracking_closed_form = 0  !! contact from the wheels' positions
    integer, parameter :: tracking_algebraic = 1    !! contact from (1)
    integer, parameter :: tracking_differential = 2 !! contact from (2)-(3)
 
-   integer, parameter :: contact_open = 0     !! a gap
-   integer, parameter :: contact_loaded = 1   !! penetration and force
-   integer, parameter :: contact_unloaded = 2 !! penetration, but the damper would pull: no force
-   integer, parameter :: contact_apart = 3    !! tracked flanks so far apart that no two points face each other
-   integer, parameter :: contact_off = 4      !! no tooth pair of this slot is on the path of contact
+   integer, parameter :: flanks_open = 0     !! a gap
+   integer, parameter :: flanks_loaded = 1   !! penetration and force
+   integer, parameter :: flanks_unloaded = 2 !! penetration, but the damper would pull: no force
+   integer, parameter :: flanks_apart = 3    !! tracked flanks so far apart that no two points face each other
+   integer, parameter :: flanks_off = 4      !! no tooth pair of this slot is on the path of contact
 
    integer, parameter :: flank_drive = 0 !! the driving wheel pushes in its nominal sense of rotation
    integer, parameter :: flank_coast = 1 !! the other side of the teeth
 
-   integer, parameter :: n_mesh_roots = 8       !! root functions of a tooth contact
+   integer, parameter :: n_contact_roots = 8       !! root functions of a tooth contact
    integer, parameter :: n_border_roots = 4     !! more of them where a flank deviates: borders of tip and root relief of A, of B
 
-   type :: contact_t
+   type :: tooth_contact_t
       integer :: mesh = 0                 !! of the gearbox, to which the contact belongs
       integer :: flank = flank_drive      !! drive or coast
       integer :: slot = 0, n_slots = 1    !! which of the flank's slots, from 0, and how many
       logical :: handover = .true.        !! one slot, and pairs change one pitch on; else at the ends of the path
       integer :: wheel_a = 0, wheel_b = 0 !! driving and driven wheel
       type(tracked_pair) :: pair          !! geometry for the tracking
-      type(law_choice) :: contact, damping, friction
+      type(law_choice) :: elastic, damping, friction
       logical :: rigid = .false.          !! contact is a constraint
       integer :: tracking = tracking_closed_form
       real(wp) :: e_star = 0.0_wp         !! effective modulus [Pa]
@@ -77,10 +77,10 @@ module evl_tooth_contact
       type(flank_deviation_t) :: deviation_a, deviation_b !! and how
       integer :: tooth_sign = 1           !! +1: tooth pairs come in the order of A's teeth, counted counterclockwise; -1: against
       integer :: tooth_a = 0, tooth_b = 0 !! teeth of pair 0, counted counterclockwise from the first ones of the wheels
-      type(mesh_link), allocatable :: links(:) !! local variables in terms of the state
+      type(local_link), allocatable :: links(:) !! local variables in terms of the state
       type(wheel_link) :: link_a, link_b  !! the same, wheel by wheel
       logical :: axles_rest = .false.     !! both axles are fixed, and the line of action with them
-      type(deviation) :: rest_line        !! where it is then
+      type(tangent_line_t) :: rest_line        !! where it is then
       logical :: leads = .false.          !! the first slot of a rigid flank: the flank's constraint is its
       integer :: i_normal = 0             !! multiplier of a rigid flank in the state; 0 if none
       integer :: i_dependent = 0          !! deviation of the wheel that a closed rigid contact determines
@@ -89,22 +89,22 @@ module evl_tooth_contact
       integer :: i_side = 0               !! place of the side of h' = 0 in the discrete state; 0 where the damping law has none
       integer :: i_mode = 0               !! place of its integers in the discrete state: three, and two zones if it deviates
       integer :: i_root = 0               !! place before its root functions
-      integer :: n_roots = n_mesh_roots   !! how many there are
-   end type contact_t
+      integer :: n_roots = n_contact_roots   !! how many there are
+   end type tooth_contact_t
 
-   !> Discrete state of a mesh.
-   type :: mesh_mode
-      integer :: teeth = 0              !! pitches since the start
-      integer :: contact = contact_open !! one of the contact modes
+   !> Discrete state of a tooth contact.
+   type :: contact_mode
+      integer :: tooth_pair = 0         !! pitches since the start
+      integer :: flanks = flanks_open   !! open, loaded, unloaded, apart, or off the path
       integer :: friction = 0           !! branch of the friction law
       integer :: zone_a = 0, zone_b = 0 !! parts of the modified flanks
       integer :: side = 0               !! of h' = 0, where the damping law has two: +1 approach, -1 separation
       real(wp) :: share = 1.0_wp        !! of a rigid flank's normal force that this pair carries
       real(wp) :: v0 = 0.0_wp           !! approach speed at the last closing [m/s]
-   end type mesh_mode
+   end type contact_mode
 
-   !> Forces of a mesh.
-   type :: mesh_force
+   !> Forces of a tooth contact.
+   type :: contact_force
       real(wp) :: normal = 0.0_wp   !! F_n >= 0 [N]
       real(wp) :: elastic = 0.0_wp  !! its elastic part before clipping [N]
       real(wp) :: viscous = 0.0_wp  !! its viscous part before clipping [N]
@@ -112,111 +112,111 @@ module evl_tooth_contact
       real(wp) :: torque_a = 0.0_wp, torque_b = 0.0_wp !! on the wheels [N m]
       real(wp) :: on_a(2) = 0.0_wp  !! force on A in (t_0, e_0) [N]
       real(wp) :: dissipation = 0.0_wp !! power lost to damping, clipping, friction and changing radii [W]
-   end type mesh_force
+   end type contact_force
 
    !> A tooth contact at a state of the gearbox.
    type :: contact_state
-      type(mesh_mode) :: mode
+      type(contact_mode) :: mode
       real(wp) :: q(n_local)      !! local variables
       type(contact_point) :: point
-      type(mesh_force) :: force
+      type(contact_force) :: force
    end type contact_state
 
 contains
 
    !> Nominal radius of curvature rho_A0 of the tooth pair in mesh [m]; teeth and turns are whole numbers and stay exact.
-   pure real(wp) function mesh_nominal_rho(mesh, theta, turns, teeth) result(rho_a0)
-      type(contact_t), intent(in) :: mesh
+   pure real(wp) function nominal_rho(contact, theta, turns, teeth) result(rho_a0)
+      type(tooth_contact_t), intent(in) :: contact
       real(wp), intent(in) :: theta  !! reference angle [rad]
       integer, intent(in) :: turns   !! whole turns of the reference wheel beside theta
       integer, intent(in) :: teeth   !! tooth pair: pitches since the start
 
-      rho_a0 = mesh_nominal_start(mesh, turns, teeth) + mesh%pair%advance*theta
-   end function mesh_nominal_rho
+      rho_a0 = nominal_start(contact, turns, teeth) + contact%pair%advance*theta
+   end function nominal_rho
 
    !> The same at theta = 0.
-   pure real(wp) function mesh_nominal_start(mesh, turns, teeth) result(rho_a0)
-      type(contact_t), intent(in) :: mesh
+   pure real(wp) function nominal_start(contact, turns, teeth) result(rho_a0)
+      type(tooth_contact_t), intent(in) :: contact
       integer, intent(in) :: turns, teeth
 
-      rho_a0 = mesh%rho_start + mesh%step*rational_pitches(mesh%pitches_per_turn, turns, teeth)
-   end function mesh_nominal_start
+      rho_a0 = contact%rho_start + contact%step*rational_pitches(contact%pitches_per_turn, turns, teeth)
+   end function nominal_start
 
    !> The contact as the mesh's tracking sees it.
-   pure subroutine mesh_contact(mesh, mode, rho_a0, q, point)
-      type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
+   pure subroutine locate_contact(contact, mode, rho_a0, q, point)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
       real(wp), intent(in) :: rho_a0, q(n_local)
       type(contact_point), intent(out) :: point
       type(flank_value) :: a, b
 
-      if (mesh%tracking == tracking_closed_form) then
-         call track_closed_form(mesh%pair, rho_a0, q, point)
+      if (contact%tracking == tracking_closed_form) then
+         call track_closed_form(contact%pair, rho_a0, q, point)
       else
-         call track_points(mesh%pair, rho_a0, q, point)
+         call track_points(contact%pair, rho_a0, q, point)
       end if
-      if (.not. mesh%deviates) return
-      call flank_values(mesh, mode, point, a, b)
-      call deviate(mesh%pair, a, b, q, point)
-   end subroutine mesh_contact
+      if (.not. contact%deviates) return
+      call flank_values(contact, mode, point, a, b)
+      call deviate(contact%pair, a, b, q, point)
+   end subroutine locate_contact
 
    !> What the flanks of a tooth pair lack in material.
-   pure subroutine flank_values(mesh, mode, point, a, b)
-      type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
+   pure subroutine flank_values(contact, mode, point, a, b)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
       type(contact_point), intent(in) :: point
       type(flank_value), intent(out) :: a, b
 
       type(flank_branch) :: branch_a, branch_b
 
-      call flank_branches(mesh, mode, branch_a, branch_b)
+      call flank_branches(contact, mode, branch_a, branch_b)
       call deviation_on(branch_a, point%rho_a, a%e, a%de, a%d2e)
       call deviation_on(branch_b, point%rho_b, b%e, b%de, b%d2e)
    end subroutine flank_values
 
    !> The branches of the deviations on which the flanks of a tooth pair lie.
-   pure subroutine flank_branches(mesh, mode, a, b)
-      type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
+   pure subroutine flank_branches(contact, mode, a, b)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
       type(flank_branch), intent(out) :: a, b
 
-      associate (side => nint(mesh%pair%sigma))
-         a = deviation_branch(mesh%deviation_a, mesh_tooth_a(mesh, mode%teeth), side, mode%zone_a)
-         b = deviation_branch(mesh%deviation_b, mesh_tooth_b(mesh, mode%teeth), side, mode%zone_b)
+      associate (side => nint(contact%pair%sigma))
+         a = deviation_branch(contact%deviation_a, tooth_of_a(contact, mode%tooth_pair), side, mode%zone_a)
+         b = deviation_branch(contact%deviation_b, tooth_of_b(contact, mode%tooth_pair), side, mode%zone_b)
       end associate
    end subroutine flank_branches
 
    !> The driving wheel's tooth of a pair, counted counterclockwise; any whole turn may be added.
-   pure integer function mesh_tooth_a(mesh, pair) result(tooth)
-      type(contact_t), intent(in) :: mesh
+   pure integer function tooth_of_a(contact, pair) result(tooth)
+      type(tooth_contact_t), intent(in) :: contact
       integer, intent(in) :: pair
 
-      tooth = mesh%tooth_a + mesh%tooth_sign*pair
-   end function mesh_tooth_a
+      tooth = contact%tooth_a + contact%tooth_sign*pair
+   end function tooth_of_a
 
    !> The driven wheel's tooth of a pair, counted counterclockwise.
-   pure integer function mesh_tooth_b(mesh, pair) result(tooth)
-      type(contact_t), intent(in) :: mesh
+   pure integer function tooth_of_b(contact, pair) result(tooth)
+      type(tooth_contact_t), intent(in) :: contact
       integer, intent(in) :: pair
 
-      tooth = mesh%tooth_b - mesh%tooth_sign*pair
-   end function mesh_tooth_b
+      tooth = contact%tooth_b - contact%tooth_sign*pair
+   end function tooth_of_b
 
    !> The parts of its modified flanks on which a contact lies.
-   pure subroutine mesh_settle_zones(mesh, point, mode)
-      type(contact_t), intent(in) :: mesh
+   pure subroutine settle_zones(contact, point, mode)
+      type(tooth_contact_t), intent(in) :: contact
       type(contact_point), intent(in) :: point
-      type(mesh_mode), intent(inout) :: mode
+      type(contact_mode), intent(inout) :: mode
 
-      if (.not. mesh%deviates) return
-      mode%zone_a = deviation_zone(mesh%deviation_a, point%rho_a)
-      mode%zone_b = deviation_zone(mesh%deviation_b, point%rho_b)
-   end subroutine mesh_settle_zones
+      if (.not. contact%deviates) return
+      mode%zone_a = deviation_zone(contact%deviation_a, point%rho_a)
+      mode%zone_b = deviation_zone(contact%deviation_b, point%rho_b)
+   end subroutine settle_zones
 
    !> What the laws may know.
-   pure type(contact_context) function context_of(mesh, mode, point) result(ctx)
-      type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
+   pure type(contact_context) function context_of(contact, mode, point) result(ctx)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
       type(contact_point), intent(in) :: point
 
       ctx%h = point%h
@@ -224,18 +224,18 @@ contains
       ctx%rho_sum = point%rho_a + point%rho_b
       ctx%rho_a = point%rho_a
       ctx%rho_b = point%rho_b
-      ctx%e_star = mesh%e_star
-      ctx%width = mesh%width
+      ctx%e_star = contact%e_star
+      ctx%width = contact%width
       ctx%v0 = mode%v0
       ctx%side = mode%side
    end function context_of
 
    !> Forces at a contact point. Nothing acts in the modes without contact.
-   subroutine mesh_forces(mesh, mode, point, force, status)
-      type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
+   subroutine contact_forces(contact, mode, point, force, status)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
       type(contact_point), intent(in) :: point
-      type(mesh_force), intent(out) :: force
+      type(contact_force), intent(out) :: force
       type(status_t), intent(inout) :: status !! code_out_of_domain if a limit of the law or of the involutes is passed
       type(elastic_result) :: elastic
       type(viscous_result) :: viscous
@@ -243,14 +243,14 @@ contains
 
       if (.not. touches(mode)) return
       if (.not. on_involutes(point)) then
-         call left_involute(mesh, point, status)
+         call left_involute(contact, point, status)
          return
       end if
-      call contact_law(mesh, mode, point, elastic, viscous, status)
+      call contact_law(contact, mode, point, elastic, viscous, status)
       factor = 0
-      if (mode%contact == contact_loaded) call friction_factor(mesh%friction, mode%friction, point%v_t, factor, d_v)
-      call forces_of_laws(mesh, mode, point, elastic, viscous%force, factor, force)
-   end subroutine mesh_forces
+      if (mode%flanks == flanks_loaded) call friction_factor(contact%friction, mode%friction, point%v_t, factor, d_v)
+      call forces_of_laws(contact, mode, point, elastic, viscous%force, factor, force)
+   end subroutine contact_forces
 
    !> Whether a contact lies on both involutes.
    pure logical function on_involutes(point)
@@ -260,30 +260,30 @@ contains
    end function on_involutes
 
    !> Forces from what the laws say where flanks overlap.
-   pure subroutine forces_of_laws(mesh, mode, point, elastic, viscous, factor, force)
-      type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
+   pure subroutine forces_of_laws(contact, mode, point, elastic, viscous, factor, force)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
       type(contact_point), intent(in) :: point
       type(elastic_result), intent(in) :: elastic
       real(wp), intent(in) :: viscous !! [N]
       real(wp), intent(in) :: factor  !! phi of the friction law
-      type(mesh_force), intent(out) :: force
+      type(contact_force), intent(out) :: force
 
-      if (mode%contact == contact_unloaded) then
+      if (mode%flanks == flanks_unloaded) then
          force%elastic = elastic%force
          force%viscous = viscous
          force%dissipation = unloaded_loss(point, elastic)
       else
-         call resolve_forces(mesh%pair%sigma, point, elastic, viscous, factor, force)
+         call resolve_forces(contact%pair%sigma, point, elastic, viscous, factor, force)
       end if
    end subroutine forces_of_laws
 
    include "contact/contact_forces.inc"
 
    !> Elastic and viscous force with derivatives.
-   subroutine contact_law(mesh, mode, point, elastic, viscous, status)
-      type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
+   subroutine contact_law(contact, mode, point, elastic, viscous, status)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
       type(contact_point), intent(in) :: point
       type(elastic_result), intent(out) :: elastic
       type(viscous_result), intent(out) :: viscous
@@ -292,23 +292,23 @@ contains
       character(len=len(status%message)) :: message
       integer :: code
 
-      if (mesh%rigid) then
+      if (contact%rigid) then
          elastic = elastic_result(force=mode%share*point%multiplier)
          viscous = viscous_result()
          return
       end if
-      ctx = context_of(mesh, mode, point)
-      call elastic_force(mesh%contact, ctx, elastic, code)
+      ctx = context_of(contact, mode, point)
+      call elastic_force(contact%elastic, ctx, elastic, code)
       if (code /= code_ok) then
-         call elastic_limit_message(mesh%contact, ctx, message)
-         call fail(status, code, message, subject_mesh, mesh%mesh, "contact")
+         call elastic_limit_message(contact%elastic, ctx, message)
+         call fail(status, code, message, subject_mesh, contact%mesh, "contact")
       end if
-      call viscous_force(mesh%damping, ctx, elastic, viscous)
+      call viscous_force(contact%damping, ctx, elastic, viscous)
    end subroutine contact_law
 
    !> The contact has left an involute: say which radius of curvature ran out.
-   pure subroutine left_involute(mesh, point, status)
-      type(contact_t), intent(in) :: mesh
+   pure subroutine left_involute(contact, point, status)
+      type(tooth_contact_t), intent(in) :: contact
       type(contact_point), intent(in) :: point
       type(status_t), intent(inout) :: status
       character(len=7) :: which
@@ -317,48 +317,48 @@ contains
       if (point%rho_a <= 0 .or. .not. point%exists) which = "driving"
       call fail(status, code_out_of_domain, "the contact has left the involute of the "//trim(which)//" wheel below its base" &
                 //" circle (radii of curvature rho_A = "//quantity(point%rho_a, "m")//", rho_B = "//quantity(point%rho_b, "m") &
-                //"): the tooth pair has turned back too far, or the gap is too wide", subject_mesh, mesh%mesh, "tracking")
+                //"): the tooth pair has turned back too far, or the gap is too wide", subject_mesh, contact%mesh, "tracking")
    end subroutine left_involute
 
    !> Elastic energy stored in the contact [J]; 0 without penetration.
-   pure real(wp) function mesh_energy(mesh, mode, point, elastic) result(energy)
-      type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
+   pure real(wp) function contact_energy(contact, mode, point, elastic) result(energy)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
       type(contact_point), intent(in) :: point
       real(wp), intent(in), optional :: elastic !! elastic force there, if it is known [N]
 
       energy = 0
-      if (mesh%rigid) return
-      if (touches(mode)) call elastic_potential(mesh%contact, context_of(mesh, mode, point), energy, elastic=elastic)
-   end function mesh_energy
+      if (contact%rigid) return
+      if (touches(mode)) call elastic_potential(contact%elastic, context_of(contact, mode, point), energy, elastic=elastic)
+   end function contact_energy
 
    !> Elastic + viscous force as if nothing were clipped [N].
-   subroutine mesh_unclipped_force(mesh, mode, point, force, status)
-      type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
+   subroutine unclipped_force(contact, mode, point, force, status)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
       type(contact_point), intent(in) :: point
       real(wp), intent(out) :: force
       type(status_t), intent(inout) :: status
       type(elastic_result) :: elastic
       type(viscous_result) :: viscous
 
-      call contact_law(mesh, mode, point, elastic, viscous, status)
+      call contact_law(contact, mode, point, elastic, viscous, status)
       force = elastic%force + viscous%force
-   end subroutine mesh_unclipped_force
+   end subroutine unclipped_force
 
    !> Whether the flanks of a tooth pair overlap, so that the laws say what acts.
    pure logical function touches(mode)
-      type(mesh_mode), intent(in) :: mode
+      type(contact_mode), intent(in) :: mode
 
-      touches = mode%contact == contact_loaded .or. mode%contact == contact_unloaded
+      touches = mode%flanks == flanks_loaded .or. mode%flanks == flanks_unloaded
    end function touches
 
    !> The friction branch that belongs to a contact.
-   pure integer function mesh_settle_friction(mesh, point) result(branch)
-      type(contact_t), intent(in) :: mesh
+   pure integer function settle_friction(contact, point) result(branch)
+      type(tooth_contact_t), intent(in) :: contact
       type(contact_point), intent(in) :: point
 
-      branch = friction_mode(mesh%friction, point%v_t)
-   end function mesh_settle_friction
+      branch = friction_mode(contact%friction, point%v_t)
+   end function settle_friction
 
 end module evl_tooth_contact

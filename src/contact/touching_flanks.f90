@@ -18,7 +18,7 @@ module evl_touching_flanks
    use evl_flank_deviation, only: deviation_borders, deviation_on, deviation_zone, flank_branch, flank_deviation_t, zone_none, &
                                   zone_root, zone_tip
    use evl_kinds, only: pi, wp
-   use evl_tooth_contact, only: contact_t, flank_branches, flank_values, mesh_mode
+   use evl_tooth_contact, only: contact_mode, flank_branches, flank_values, tooth_contact_t
    implicit none (type, external)
    private
 
@@ -34,21 +34,21 @@ module evl_touching_flanks
 contains
 
    !> Largest contact pressure of a tooth pair [Pa], Hertz's for a line contact.
-   pure real(wp) function contact_pressure(mesh, mode, normal, point) result(pressure)
-      type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
+   pure real(wp) function contact_pressure(contact, mode, normal, point) result(pressure)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
       real(wp), intent(in) :: normal !! F_n [N]
       type(contact_point), intent(in) :: point
 
       pressure = 0
-      if (normal > 0) pressure = sqrt(normal/mesh%width*mesh%e_star*touching_curvature(mesh, mode, point)/pi)
+      if (normal > 0) pressure = sqrt(normal/contact%width*contact%e_star*touching_curvature(contact, mode, point)/pi)
    end function contact_pressure
 
    !> Sum of the curvatures of two flanks where they touch [1/m]; NaN if it is not positive, as where one is more hollow than the
    !> other is round. At the corner of a linear relief, that of the relief.
-   pure real(wp) function touching_curvature(mesh, mode, point) result(curvature)
-      type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
+   pure real(wp) function touching_curvature(contact, mode, point) result(curvature)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
       type(contact_point), intent(in) :: point !! on the line of action
       type(flank_branch) :: branch_a, branch_b
       type(flank_value) :: a, b
@@ -56,9 +56,9 @@ contains
       integer :: i
 
       curvature = 1/point%rho_a + 1/point%rho_b
-      if (is_involute(mesh%deviation_a, mode%zone_a) .and. is_involute(mesh%deviation_b, mode%zone_b)) return
-      call flank_branches(mesh, mode, branch_a, branch_b)
-      associate (r_a => mesh%pair%r_ba, r_b => mesh%pair%r_bb)
+      if (is_involute(contact%deviation_a, mode%zone_a) .and. is_involute(contact%deviation_b, mode%zone_b)) return
+      call flank_branches(contact, mode, branch_a, branch_b)
+      associate (r_a => contact%pair%r_ba, r_b => contact%pair%r_bb)
          curvature = ieee_value(curvature, ieee_quiet_nan)
          rho_a = point%rho_a
          rho_b = point%rho_b
@@ -74,8 +74,8 @@ contains
             rho_a = moved(point%rho_a, r_a, x)
             rho_b = moved(point%rho_b, r_b, -x)
          end do
-         on_a = within(mesh%deviation_a, mode%zone_a, rho_a)
-         on_b = within(mesh%deviation_b, mode%zone_b, rho_b)
+         on_a = within(contact%deviation_a, mode%zone_a, rho_a)
+         on_b = within(contact%deviation_b, mode%zone_b, rho_b)
          if (i > n_newton .or. abs(on_a - rho_a) > 0 .or. abs(on_b - rho_b) > 0) then
             call deviation_on(branch_a, on_a, a%e, a%de, a%d2e)
             call deviation_on(branch_b, on_b, b%e, b%de, b%d2e)
@@ -141,55 +141,55 @@ contains
    !> By how much the gap of first order of a tooth pair is wider than that of the real flanks [m], at least 0.
    !>
    !> The smallest g by golden sections: reliefs and crowning make it convex.
-   pure real(wp) function second_order_gap(mesh, pair, rho_a) result(gap)
-      type(contact_t), intent(in) :: mesh
+   pure real(wp) function second_order_gap(contact, pair, rho_a) result(gap)
+      type(tooth_contact_t), intent(in) :: contact
       integer, intent(in) :: pair      !! its tooth pair
       real(wp), intent(in) :: rho_a    !! where on the line of action at its nominal length [m]
       real(wp) :: low, high, left, right, at_left, at_right
       integer :: i
 
-      associate (rho_b => mesh%pair%rho_0 - rho_a)
-         low = -0.45_wp*rho_a**2/mesh%pair%r_ba ! nine tenths of the arc to the root
-         high = 0.45_wp*rho_b**2/mesh%pair%r_bb
+      associate (rho_b => contact%pair%rho_0 - rho_a)
+         low = -0.45_wp*rho_a**2/contact%pair%r_ba ! nine tenths of the arc to the root
+         high = 0.45_wp*rho_b**2/contact%pair%r_bb
          left = high - golden*(high - low)
          right = low + golden*(high - low)
-         at_left = gap_beside(mesh, pair, rho_a, rho_b, left)
-         at_right = gap_beside(mesh, pair, rho_a, rho_b, right)
+         at_left = gap_beside(contact, pair, rho_a, rho_b, left)
+         at_right = gap_beside(contact, pair, rho_a, rho_b, right)
          do i = 1, n_sections
             if (at_left < at_right) then
                high = right
                right = left
                at_right = at_left
                left = high - golden*(high - low)
-               at_left = gap_beside(mesh, pair, rho_a, rho_b, left)
+               at_left = gap_beside(contact, pair, rho_a, rho_b, left)
             else
                low = left
                left = right
                at_left = at_right
                right = low + golden*(high - low)
-               at_right = gap_beside(mesh, pair, rho_a, rho_b, right)
+               at_right = gap_beside(contact, pair, rho_a, rho_b, right)
             end if
          end do
-         gap = max(gap_beside(mesh, pair, rho_a, rho_b, 0.0_wp) - min(at_left, at_right), 0.0_wp)
+         gap = max(gap_beside(contact, pair, rho_a, rho_b, 0.0_wp) - min(at_left, at_right), 0.0_wp)
       end associate
    end function second_order_gap
 
    !> g(x) of a tooth pair [m].
-   pure real(wp) function gap_beside(mesh, pair, rho_a, rho_b, x) result(gap)
-      type(contact_t), intent(in) :: mesh
+   pure real(wp) function gap_beside(contact, pair, rho_a, rho_b, x) result(gap)
+      type(tooth_contact_t), intent(in) :: contact
       integer, intent(in) :: pair
       real(wp), intent(in) :: rho_a, rho_b, x !! [m]
       type(contact_point) :: there
       type(flank_value) :: a, b
-      type(mesh_mode) :: mode
+      type(contact_mode) :: mode
 
-      there%rho_a = moved(rho_a, mesh%pair%r_ba, x)
-      there%rho_b = moved(rho_b, mesh%pair%r_bb, -x)
-      mode = mesh_mode(teeth=pair, zone_a=deviation_zone(mesh%deviation_a, there%rho_a), &
-                       zone_b=deviation_zone(mesh%deviation_b, there%rho_b))
-      call flank_values(mesh, mode, there, a, b)
-      gap = turned_away(rho_a, there%rho_a - rho_a, mesh%pair%r_ba) + a%e &
-            + turned_away(rho_b, there%rho_b - rho_b, mesh%pair%r_bb) + b%e
+      there%rho_a = moved(rho_a, contact%pair%r_ba, x)
+      there%rho_b = moved(rho_b, contact%pair%r_bb, -x)
+      mode = contact_mode(tooth_pair=pair, zone_a=deviation_zone(contact%deviation_a, there%rho_a), &
+                          zone_b=deviation_zone(contact%deviation_b, there%rho_b))
+      call flank_values(contact, mode, there, a, b)
+      gap = turned_away(rho_a, there%rho_a - rho_a, contact%pair%r_ba) + a%e &
+            + turned_away(rho_b, there%rho_b - rho_b, contact%pair%r_bb) + b%e
    end function gap_beside
 
    !> How far an involute has turned away from its tangent at rho [m].
@@ -200,23 +200,23 @@ contains
    end function turned_away
 
    !> The largest on the path of contact.
-   pure subroutine largest_second_order(mesh, gap, rho_a)
-      type(contact_t), intent(in) :: mesh
+   pure subroutine largest_second_order(contact, gap, rho_a)
+      type(tooth_contact_t), intent(in) :: contact
       real(wp), intent(out) :: gap   !! [m]
       real(wp), intent(out) :: rho_a !! where [m]
       real(wp) :: here, found
       integer :: i, pair, pairs
 
       gap = 0
-      rho_a = mesh%rho_tip_a
+      rho_a = contact%rho_tip_a
       pairs = 1
-      if (max(mesh%deviation_a%eccentricity, mesh%deviation_b%eccentricity) > 0) pairs = n_teeth
-      associate (first => mesh%pair%rho_0 - mesh%rho_tip_b, last => mesh%rho_tip_a)
+      if (max(contact%deviation_a%eccentricity, contact%deviation_b%eccentricity) > 0) pairs = n_teeth
+      associate (first => contact%pair%rho_0 - contact%rho_tip_b, last => contact%rho_tip_a)
          do i = 0, n_places
             here = first + (last - first)*i/n_places
-            if (.not. min(here, mesh%pair%rho_0 - here) > 0) cycle
+            if (.not. min(here, contact%pair%rho_0 - here) > 0) cycle
             do pair = 0, pairs - 1
-               found = second_order_gap(mesh, pair, here)
+               found = second_order_gap(contact, pair, here)
                if (found > gap) then
                   gap = found
                   rho_a = here

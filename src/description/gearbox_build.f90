@@ -238,10 +238,10 @@ contains
          end do
       end do
       do i = 1, size(gearbox%contacts)
-         associate (mesh => gearbox%contacts(i))
-            if (mesh%tracking == tracking_closed_form) cycle
-            mesh%i_track = n + 1 - merge(n_track, 0, mesh%slot > 0)
-            if (mesh%slot == 0) n = n + n_track
+         associate (contact => gearbox%contacts(i))
+            if (contact%tracking == tracking_closed_form) cycle
+            contact%i_track = n + 1 - merge(n_track, 0, contact%slot > 0)
+            if (contact%slot == 0) n = n + n_track
          end associate
       end do
       if (gearbox%housing%is_mounted) then
@@ -249,12 +249,12 @@ contains
          n = n + n_housing_states
       end if
       do i = 1, size(gearbox%contacts)
-         associate (mesh => gearbox%contacts(i))
-            if (.not. mesh%rigid) cycle
-            mesh%leads = mesh%slot == 0
-            if (mesh%leads) n = n + 1
-            mesh%i_normal = n
-            if (mesh%leads) gearbox%n_multipliers = gearbox%n_multipliers + 1
+         associate (contact => gearbox%contacts(i))
+            if (.not. contact%rigid) cycle
+            contact%leads = contact%slot == 0
+            if (contact%leads) n = n + 1
+            contact%i_normal = n
+            if (contact%leads) gearbox%n_multipliers = gearbox%n_multipliers + 1
          end associate
       end do
       gearbox%i_dissipated = n + 1
@@ -263,11 +263,11 @@ contains
 
       n = 1
       do i = 1, size(gearbox%contacts)
-         associate (mesh => gearbox%contacts(i))
-            mesh%i_mode = n + 1
-            n = n + merge(5, 3, mesh%deviates)
-            mesh%i_root = gearbox%n_roots
-            gearbox%n_roots = gearbox%n_roots + mesh%n_roots
+         associate (contact => gearbox%contacts(i))
+            contact%i_mode = n + 1
+            n = n + merge(5, 3, contact%deviates)
+            contact%i_root = gearbox%n_roots
+            gearbox%n_roots = gearbox%n_roots + contact%n_roots
          end associate
       end do
       gearbox%n_roots = gearbox%n_roots + 1 ! turns of the reference wheel

@@ -107,15 +107,15 @@ contains
       real(wp) :: gap, rho_a
       character(len=24) :: share
 
-      associate (mesh => gearbox%contacts(gearbox%first(index)))
-         if (.not. mesh%deviates) return
-         call largest_second_order(mesh, gap, rho_a)
-         if (.not. gap > worth_knowing*mesh%h_scale) return
-         write (share, "(f0.1)") 100*gap/mesh%h_scale
+      associate (contact => gearbox%contacts(gearbox%first(index)))
+         if (.not. contact%deviates) return
+         call largest_second_order(contact, gap, rho_a)
+         if (.not. gap > worth_knowing*contact%h_scale) return
+         write (share, "(f0.1)") 100*gap/contact%h_scale
          if (share(1:1) == ".") share = "0"//share(:len(share) - 1)
          call warn(gearbox%warnings, "relieved flanks that their slopes turn touch beside the line of action: the gap, taken to" &
                    //" first order, is up to "//quantity(gap, "m")//" too wide (at rho_A = "//quantity(rho_a, "m")//"), " &
-                   //trim(share)//" % of the penetration "//quantity(mesh%h_scale, "m")//" under the load", subject_mesh, index)
+                   //trim(share)//" % of the penetration "//quantity(contact%h_scale, "m")//" under the load", subject_mesh, index)
       end associate
    end subroutine check_second_order
 

@@ -2,7 +2,7 @@
 module evl_contact_events
    use evl_closed_form, only: closed_form_line, place_radii, points_from_closed_form
    use evl_contact_point, only: contact_point
-   use evl_contact_roots, only: mesh_roots, root_apart, root_back, root_borders_a, root_borders_b, root_contact, root_force, &
+   use evl_contact_roots, only: contact_roots, root_apart, root_back, root_borders_a, root_borders_b, root_contact, root_force, &
                                 root_forward, root_friction_high, root_friction_low, root_side
    use evl_event_kinds, only: event_apart, event_border, event_closed, event_entered, event_left, event_log, event_near, &
                               event_opened, event_returned, event_sliding_began, event_sliding_ended, event_switch, &
@@ -12,14 +12,14 @@ module evl_contact_events
    use evl_kinds, only: wp
    use evl_local_variables, only: i_theta, n_local, n_track
    use evl_status, only: code_no_solution, fail, has_failed, quantity, status_t, subject_mesh
-   use evl_tangent_line, only: deviation
-   use evl_tooth_contact, only: contact_apart, contact_loaded, contact_off, contact_open, contact_t, contact_unloaded, &
-                                mesh_contact, mesh_energy, mesh_mode, mesh_nominal_rho, mesh_settle_friction, mesh_settle_zones, &
+   use evl_tangent_line, only: tangent_line_t
+   use evl_tooth_contact, only: contact_energy, contact_mode, flanks_apart, flanks_loaded, flanks_off, flanks_open, &
+                                flanks_unloaded, locate_contact, nominal_rho, settle_friction, settle_zones, tooth_contact_t, &
                                 touches, tracking_closed_form
    implicit none (type, external)
    private
 
-   public :: contact_event, mesh_point, parts, roots_of_contact
+   public :: contact_event, point_of_contact, parts, roots_of_contact
 
    real(wp), parameter :: grazing = 1.0e-6_wp !! penetration over its scale: below it flanks that part have lost contact
 
@@ -27,42 +27,42 @@ contains
 
    !> Local variables and contact point of a tooth contact.
    !> Of a pair off the path of contact the radii of curvature are all that closed form gives: they say when a pair enters.
-   pure subroutine mesh_point(gearbox, index, y, integers, mode, q, rho_a0, point)
+   pure subroutine point_of_contact(gearbox, index, y, integers, mode, q, rho_a0, point)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index, integers(:)
       real(wp), intent(in) :: y(:)
-      type(mesh_mode), intent(in) :: mode
+      type(contact_mode), intent(in) :: mode
       real(wp), intent(out) :: q(n_local), rho_a0
       type(contact_point), intent(out) :: point
-      type(deviation) :: line
+      type(tangent_line_t) :: line
 
-      associate (mesh => gearbox%contacts(index))
-         call gearbox_local(gearbox, mesh, y, q)
-         rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
-         if (mode%contact == contact_off .and. mesh%tracking == tracking_closed_form) then
-            line = mesh%rest_line
-            if (.not. mesh%axles_rest) call closed_form_line(mesh%pair, q, line)
-            call place_radii(mesh%pair, rho_a0, q, line, point)
+      associate (contact => gearbox%contacts(index))
+         call gearbox_local(gearbox, contact, y, q)
+         rho_a0 = nominal_rho(contact, y(i_theta), integers(i_turns), mode%tooth_pair)
+         if (mode%flanks == flanks_off .and. contact%tracking == tracking_closed_form) then
+            line = contact%rest_line
+            if (.not. contact%axles_rest) call closed_form_line(contact%pair, q, line)
+            call place_radii(contact%pair, rho_a0, q, line, point)
          else
-            call mesh_contact(mesh, mode, rho_a0, q, point)
+            call locate_contact(contact, mode, rho_a0, q, point)
          end if
       end associate
-   end subroutine mesh_point
+   end subroutine point_of_contact
 
    !> The mode, the point and the root functions of one tooth contact.
    subroutine roots_of_contact(gearbox, index, y, integers, reals, mode, point, roots, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index, integers(:)
       real(wp), intent(in) :: y(:), reals(:)
-      type(mesh_mode), intent(out) :: mode
+      type(contact_mode), intent(out) :: mode
       type(contact_point), intent(out) :: point
       real(wp), intent(out) :: roots(gearbox%contacts(index)%n_roots)
       type(status_t), intent(inout) :: status
       real(wp) :: q(n_local), rho_a0
 
       mode = gearbox_mode(gearbox, index, integers, reals)
-      call mesh_point(gearbox, index, y, integers, mode, q, rho_a0, point)
-      call mesh_roots(gearbox%contacts(index), mode, rho_a0, q, point, roots, status)
+      call point_of_contact(gearbox, index, y, integers, mode, q, rho_a0, point)
+      call contact_roots(gearbox%contacts(index), mode, rho_a0, q, point, roots, status)
    end subroutine roots_of_contact
 
    !> What happened to one tooth contact.
@@ -76,31 +76,31 @@ contains
       type(event_log), intent(inout) :: log
       type(status_t), intent(inout) :: status
       type(contact_point) :: point
-      type(mesh_mode) :: mode
+      type(contact_mode) :: mode
       real(wp) :: q(n_local), rho_a0, energy
       logical :: changed, entered
 
       mode = gearbox_mode(gearbox, m, integers, reals)
-      associate (mesh => gearbox%contacts(m))
+      associate (contact => gearbox%contacts(m))
          changed = fired(root_forward) .or. fired(root_back)
-         entered = changed .and. mode%contact == contact_off
+         entered = changed .and. mode%flanks == flanks_off
          energy = energy_of(gearbox, m, mode, y, integers)
-         if (changed) call change_pair(mesh, fired(root_forward), mode, log)
-         if (mesh%deviates) call change_zones(gearbox, m, changed, fired, y, integers, mode, log)
-         call mesh_point(gearbox, m, y, integers, mode, q, rho_a0, point)
+         if (changed) call change_pair(contact, fired(root_forward), mode, log)
+         if (contact%deviates) call change_zones(gearbox, m, changed, fired, y, integers, mode, log)
+         call point_of_contact(gearbox, m, y, integers, mode, q, rho_a0, point)
          if (entered) then
             call enter(gearbox, m, integers, point, mode, status)
-         else if (mode%contact /= contact_off) then
-            if (fired(root_friction_high) .or. fired(root_friction_low)) call change_friction(mesh, fired, mode, log)
-            call change_contact(mesh, fired, point, mode, log)
+         else if (mode%flanks /= flanks_off) then
+            if (fired(root_friction_high) .or. fired(root_friction_low)) call change_friction(contact, fired, mode, log)
+            call change_contact(contact, fired, point, mode, log)
          end if
          ! the radii of curvature jump at a switch, and friction starts anew with a contact
-         if (mode%contact == contact_loaded .and. (changed .or. fired(root_contact) .or. fired(root_force))) &
-            mode%friction = mesh_settle_friction(mesh, point)
+         if (mode%flanks == flanks_loaded .and. (changed .or. fired(root_contact) .or. fired(root_force))) &
+            mode%friction = settle_friction(contact, point)
          ! what comes or goes with the flanks counts in the balance as negative loss or as loss
          y(gearbox%i_dissipated) = y(gearbox%i_dissipated) + (energy - energy_of(gearbox, m, mode, y, integers))
          if (fired(root_side)) mode%side = merge(-1, 1, mode%side > 0) ! nothing happens there that deserves an event
-         if (fired(root_apart)) call change_distance(mesh, q, mode, y, log)
+         if (fired(root_apart)) call change_distance(contact, q, mode, y, log)
       end associate
       call gearbox_store_mode(gearbox, m, mode, integers, reals)
    end subroutine contact_event
@@ -110,39 +110,39 @@ contains
    pure real(wp) function energy_of(gearbox, m, mode, y, integers) result(energy)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m, integers(:)
-      type(mesh_mode), intent(in) :: mode
+      type(contact_mode), intent(in) :: mode
       real(wp), intent(in) :: y(gearbox%n_states)
       type(contact_point) :: point
       real(wp) :: q(n_local), rho_a0
 
       energy = 0
-      associate (mesh => gearbox%contacts(m))
-         if (.not. touches(mode) .or. mesh%rigid) return
-         if (mesh%handover .and. .not. mesh%deviates) return ! the next pair has the same energy
-         call mesh_point(gearbox, m, y, integers, mode, q, rho_a0, point)
-         if (abs(point%h) > grazing*mesh%h_scale) energy = mesh_energy(mesh, mode, point)
+      associate (contact => gearbox%contacts(m))
+         if (.not. touches(mode) .or. contact%rigid) return
+         if (contact%handover .and. .not. contact%deviates) return ! the next pair has the same energy
+         call point_of_contact(gearbox, m, y, integers, mode, q, rho_a0, point)
+         if (abs(point%h) > grazing*contact%h_scale) energy = contact_energy(contact, mode, point)
       end associate
    end function energy_of
 
    !> An end of the path, or a pitch, is passed: the next tooth pair takes the slot, or the one before.
-   pure subroutine change_pair(mesh, forward, mode, log)
-      type(contact_t), intent(in) :: mesh
+   pure subroutine change_pair(contact, forward, mode, log)
+      type(tooth_contact_t), intent(in) :: contact
       logical, intent(in) :: forward !! at the end where pairs leave in the nominal sense of rotation
-      type(mesh_mode), intent(inout) :: mode
+      type(contact_mode), intent(inout) :: mode
       type(event_log), intent(inout) :: log
 
-      if (mesh%handover) then
+      if (contact%handover) then
          ! both tracked points move by one base pitch along e, and so does rho_A0: turn, zeta, dr, lambda and mu stay
-         mode%teeth = mode%teeth + merge(1, -1, forward)
-         call note(log, merge(event_switch, event_switch_back, forward), mesh, mode%teeth)
-      else if (mode%contact == contact_off) then
-         if (forward) mode%teeth = mode%teeth - mesh%n_slots
-         mode%contact = contact_open
-         call note(log, event_entered, mesh, mode%teeth)
+         mode%tooth_pair = mode%tooth_pair + merge(1, -1, forward)
+         call note(log, merge(event_switch, event_switch_back, forward), contact, mode%tooth_pair)
+      else if (mode%flanks == flanks_off) then
+         if (forward) mode%tooth_pair = mode%tooth_pair - contact%n_slots
+         mode%flanks = flanks_open
+         call note(log, event_entered, contact, mode%tooth_pair)
       else
-         call note(log, event_left, mesh, mode%teeth)
-         if (forward) mode%teeth = mode%teeth + mesh%n_slots
-         mode = mesh_mode(teeth=mode%teeth, contact=contact_off, side=mode%side)
+         call note(log, event_left, contact, mode%tooth_pair)
+         if (forward) mode%tooth_pair = mode%tooth_pair + contact%n_slots
+         mode = contact_mode(tooth_pair=mode%tooth_pair, flanks=flanks_off, side=mode%side)
       end if
    end subroutine change_pair
 
@@ -151,22 +151,22 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m, integers(:)
       type(contact_point), intent(in) :: point
-      type(mesh_mode), intent(inout) :: mode
+      type(contact_mode), intent(inout) :: mode
       type(status_t), intent(inout) :: status
 
-      associate (mesh => gearbox%contacts(m))
-         if (mesh%rigid) then
+      associate (contact => gearbox%contacts(m))
+         if (contact%rigid) then
             if (pairs_loaded(gearbox, m, integers) > 0) then
-               mode%contact = contact_loaded
-            else if (point%h > grazing*mesh%h_scale) then
+               mode%flanks = flanks_loaded
+            else if (point%h > grazing*contact%h_scale) then
                call fail(status, code_no_solution, "a tooth pair enters a rigid contact with flanks that overlap by " &
                          //quantity(point%h, "m")//": no other pair was on the path to keep them apart", subject_mesh, &
-                         mesh%mesh, "contact.law")
+                         contact%mesh, "contact.law")
             end if
          else if (flank_rests(gearbox, m, integers)) then
-            mode%contact = contact_apart
+            mode%flanks = flanks_apart
          else if (point%h > 0) then
-            mode%contact = contact_loaded
+            mode%flanks = flanks_loaded
             mode%v0 = max(point%h_dot, 0.0_wp)
          end if
       end associate
@@ -178,7 +178,7 @@ contains
       integer, intent(in) :: m, integers(:)
 
       associate (first => m - gearbox%contacts(m)%slot, n => gearbox%contacts(m)%n_slots)
-         flank_rests = any(integers(gearbox%contacts(first:first + n - 1)%i_mode + 1) == contact_apart)
+         flank_rests = any(integers(gearbox%contacts(first:first + n - 1)%i_mode + 1) == flanks_apart)
       end associate
    end function flank_rests
 
@@ -188,90 +188,90 @@ contains
       integer, intent(in) :: m, integers(:)
       logical, intent(in) :: changed, fired(:)
       real(wp), intent(in) :: y(:)
-      type(mesh_mode), intent(inout) :: mode
+      type(contact_mode), intent(inout) :: mode
       type(event_log), intent(inout) :: log
       type(contact_point) :: point
       real(wp) :: q(n_local), rho_a0
 
-      associate (mesh => gearbox%contacts(m))
+      associate (contact => gearbox%contacts(m))
          if (changed) then
-            call mesh_point(gearbox, m, y, integers, mode, q, rho_a0, point)
-            call mesh_settle_zones(mesh, point, mode)
+            call point_of_contact(gearbox, m, y, integers, mode, q, rho_a0, point)
+            call settle_zones(contact, point, mode)
          else if (any(fired(root_borders_a:root_borders_b + 1))) then
             if (fired(root_borders_a)) mode%zone_a = merge(zone_none, zone_tip, mode%zone_a == zone_tip)
             if (fired(root_borders_a + 1)) mode%zone_a = merge(zone_none, zone_root, mode%zone_a == zone_root)
             if (fired(root_borders_b)) mode%zone_b = merge(zone_none, zone_tip, mode%zone_b == zone_tip)
             if (fired(root_borders_b + 1)) mode%zone_b = merge(zone_none, zone_root, mode%zone_b == zone_root)
-            call note(log, event_border, mesh, mode%teeth)
+            call note(log, event_border, contact, mode%tooth_pair)
          end if
       end associate
    end subroutine change_zones
 
    !> The sliding velocity passed an end of the linear part of the friction law.
-   pure subroutine change_friction(mesh, fired, mode, log)
-      type(contact_t), intent(in) :: mesh
+   pure subroutine change_friction(contact, fired, mode, log)
+      type(tooth_contact_t), intent(in) :: contact
       logical, intent(in) :: fired(:)
-      type(mesh_mode), intent(inout) :: mode
+      type(contact_mode), intent(inout) :: mode
       type(event_log), intent(inout) :: log
 
       if (mode%friction /= 0) then
          mode%friction = 0
-         call note(log, event_sliding_ended, mesh, mode%teeth)
+         call note(log, event_sliding_ended, contact, mode%tooth_pair)
       else
          mode%friction = merge(1, -1, fired(root_friction_high))
-         call note(log, event_sliding_began, mesh, mode%teeth)
+         call note(log, event_sliding_began, contact, mode%tooth_pair)
       end if
    end subroutine change_friction
 
    !> Closing, opening, and the clip of the force.
-   pure subroutine change_contact(mesh, fired, point, mode, log)
-      type(contact_t), intent(in) :: mesh
+   pure subroutine change_contact(contact, fired, point, mode, log)
+      type(tooth_contact_t), intent(in) :: contact
       logical, intent(in) :: fired(:)
       type(contact_point), intent(in) :: point
-      type(mesh_mode), intent(inout) :: mode
+      type(contact_mode), intent(inout) :: mode
       type(event_log), intent(inout) :: log
 
-      select case (mode%contact)
-      case (contact_open)
+      select case (mode%flanks)
+      case (flanks_open)
          if (.not. fired(root_contact)) return
-         mode%contact = contact_loaded
+         mode%flanks = flanks_loaded
          mode%v0 = max(point%h_dot, 0.0_wp)
-         if (.not. mesh%rigid) call note(log, event_closed, mesh, mode%teeth) ! else an impact decides
-      case (contact_loaded, contact_unloaded)
-         if (fired(root_contact) .or. (fired(root_force) .and. parts(mesh, point))) then
-            mode%contact = contact_open
-            call note(log, event_opened, mesh, mode%teeth)
+         if (.not. contact%rigid) call note(log, event_closed, contact, mode%tooth_pair) ! else an impact decides
+      case (flanks_loaded, flanks_unloaded)
+         if (fired(root_contact) .or. (fired(root_force) .and. parts(contact, point))) then
+            mode%flanks = flanks_open
+            call note(log, event_opened, contact, mode%tooth_pair)
          else if (fired(root_force)) then
-            call note(log, merge(event_vanished, event_returned, mode%contact == contact_loaded), mesh, mode%teeth)
-            mode%contact = merge(contact_unloaded, contact_loaded, mode%contact == contact_loaded)
+            call note(log, merge(event_vanished, event_returned, mode%flanks == flanks_loaded), contact, mode%tooth_pair)
+            mode%flanks = merge(flanks_unloaded, flanks_loaded, mode%flanks == flanks_loaded)
          end if
       end select
    end subroutine change_contact
 
    !> Whether the flanks lose contact at this instant: force and penetration vanish together, which of them first is rounding.
-   pure logical function parts(mesh, point)
-      type(contact_t), intent(in) :: mesh
+   pure logical function parts(contact, point)
+      type(tooth_contact_t), intent(in) :: contact
       type(contact_point), intent(in) :: point
 
-      parts = point%h < grazing*mesh%h_scale .and. (point%h_dot < 0 .or. mesh%rigid)
+      parts = point%h < grazing*contact%h_scale .and. (point%h_dot < 0 .or. contact%rigid)
    end function parts
 
    !> Tracking ends where the flanks are too far apart for two of their points to face each other, and begins anew when they
    !> come near.
-   pure subroutine change_distance(mesh, q, mode, y, log)
-      type(contact_t), intent(in) :: mesh
+   pure subroutine change_distance(contact, q, mode, y, log)
+      type(tooth_contact_t), intent(in) :: contact
       real(wp), intent(in) :: q(n_local)
-      type(mesh_mode), intent(inout) :: mode
+      type(contact_mode), intent(inout) :: mode
       real(wp), intent(inout) :: y(:)
       type(event_log), intent(inout) :: log
 
-      if (mode%contact == contact_apart) then
-         mode%contact = contact_open
-         call points_from_closed_form(mesh%pair, q, y(mesh%i_track:mesh%i_track + n_track - 1))
-         call note(log, event_near, mesh, mode%teeth)
-      else if (mode%contact == contact_open) then
-         mode%contact = contact_apart
-         call note(log, event_apart, mesh, mode%teeth)
+      if (mode%flanks == flanks_apart) then
+         mode%flanks = flanks_open
+         call points_from_closed_form(contact%pair, q, y(contact%i_track:contact%i_track + n_track - 1))
+         call note(log, event_near, contact, mode%tooth_pair)
+      else if (mode%flanks == flanks_open) then
+         mode%flanks = flanks_apart
+         call note(log, event_apart, contact, mode%tooth_pair)
       end if
    end subroutine change_distance
 

@@ -3,14 +3,14 @@ module evl_contacts_in_lanes
    use evl_contact_lanes, only: lane_contact
    use evl_gearbox, only: gearbox_mode, gearbox_t, i_turns
    use evl_kinds, only: lanes, wp
-   use evl_tooth_contact, only: contact_state, mesh_mode, mesh_nominal_start, touches
+   use evl_tooth_contact, only: contact_mode, contact_state, nominal_start, touches
    implicit none (type, external)
    private
 
    public :: lane_slot, put_down, settle_slots
 
    type :: lane_slot
-      type(mesh_mode) :: mode
+      type(contact_mode) :: mode
       real(wp) :: rho_start = 0               !! nominal radius of curvature on A at theta = 0 [m]
       type(lane_contact) :: at                !! the contact in eight states, if it touches
       real(wp), dimension(lanes) :: unclipped !! elastic + viscous force there [N]
@@ -32,7 +32,7 @@ contains
       do i = 1, size(gearbox%contacts)
          slots(i)%mode = gearbox_mode(gearbox, i, integers, reals)
          slots(i)%rho_seen = 0
-         slots(i)%rho_start = mesh_nominal_start(gearbox%contacts(i), integers(i_turns), slots(i)%mode%teeth)
+         slots(i)%rho_start = nominal_start(gearbox%contacts(i), integers(i_turns), slots(i)%mode%tooth_pair)
       end do
    end subroutine settle_slots
 

@@ -13,7 +13,7 @@ module evl_dae_jacobian
    use evl_local_variables, only: at_psi_dot_a, at_v_b, i_theta, n_local, n_track
    use evl_rigid_contact, only: rigid_acceleration_gradient, rigid_gradient
    use evl_status, only: has_failed, status_t
-   use evl_tooth_contact, only: contact_apart, contact_t, mesh_mode, mesh_nominal_rho, tracking_algebraic
+   use evl_tooth_contact, only: contact_mode, flanks_apart, nominal_rho, tooth_contact_t, tracking_algebraic
    implicit none (type, external)
    private
 
@@ -89,31 +89,31 @@ contains
       type(contact_gradient) :: gradient
       integer :: i
 
-      associate (mesh => gearbox%contacts(index), row => gearbox%contacts(index)%i_normal)
+      associate (contact => gearbox%contacts(index), row => gearbox%contacts(index)%i_normal)
          jacobian(row, :) = 0
          if (.not. is_closed(gearbox, index, integers)) then
             jacobian(row, row) = 1
             return
          end if
          call gearbox_rates(gearbox, t, y, integers, reals, f, status, yp)
-         call gearbox_local(gearbox, mesh, y, q)
-         call gearbox_local(gearbox, mesh, f, rates)
-         call rigid_gradient(mesh%pair, q, point, gradient)
-         do i = 1, size(mesh%links)
-            associate (link => mesh%links(i))
+         call gearbox_local(gearbox, contact, y, q)
+         call gearbox_local(gearbox, contact, f, rates)
+         call rigid_gradient(contact%pair, q, point, gradient)
+         do i = 1, size(contact%links)
+            associate (link => contact%links(i))
                if (link%local < at_psi_dot_a .or. link%local > at_v_b + 1) cycle
-               jacobian(row, :) = jacobian(row, :) + gradient%h_dot(link%local)*link%weight/mesh%mobility*jacobian(link%state, :)
+               jacobian(row, :) = jacobian(row, :) + gradient%h_dot(link%local)*link%weight/contact%mobility*jacobian(link%state, :)
             end associate
          end do
-         call rigid_acceleration_gradient(mesh%pair, q, rates, direct)
-         call scatter(mesh%links, row, 1/mesh%mobility, direct, places, jacobian)
+         call rigid_acceleration_gradient(contact%pair, q, rates, direct)
+         call scatter(contact%links, row, 1/contact%mobility, direct, places, jacobian)
       end associate
    end subroutine add_multiplier
 
    !> The rows of the wheel that a closed rigid contact determines: kappa and kappa'.
-   pure subroutine add_constraint(gearbox, mesh, y, places, jacobian)
+   pure subroutine add_constraint(gearbox, contact, y, places, jacobian)
       type(gearbox_t), intent(in) :: gearbox
-      type(contact_t), intent(in) :: mesh
+      type(tooth_contact_t), intent(in) :: contact
       real(wp), intent(in) :: y(:)
       type(jacobian_places), intent(in) :: places
       real(wp), intent(inout) :: jacobian(gearbox%n_states, gearbox%n_states)
@@ -121,12 +121,12 @@ contains
       type(contact_point) :: point
       type(contact_gradient) :: gradient
 
-      call gearbox_local(gearbox, mesh, y, q)
-      call rigid_gradient(mesh%pair, q, point, gradient)
-      associate (row => mesh%i_dependent)
+      call gearbox_local(gearbox, contact, y, q)
+      call rigid_gradient(contact%pair, q, point, gradient)
+      associate (row => contact%i_dependent)
          jacobian(row:row + 1, :) = 0
-         call scatter(mesh%links, row, -1.0_wp, gradient%h, places, jacobian)
-         call scatter(mesh%links, row + 1, -1.0_wp, gradient%h_dot, places, jacobian)
+         call scatter(contact%links, row, -1.0_wp, gradient%h, places, jacobian)
+         call scatter(contact%links, row + 1, -1.0_wp, gradient%h_dot, places, jacobian)
       end associate
    end subroutine add_constraint
 
@@ -139,22 +139,22 @@ contains
       type(jacobian_places), intent(in) :: places
       real(wp), intent(inout) :: jacobian(gearbox%n_states, gearbox%n_states)
       real(wp) :: q(n_local), rho_a0, local(n_track, n_local)
-      type(mesh_mode) :: mode
+      type(contact_mode) :: mode
       integer :: row
 
       mode = gearbox_mode(gearbox, index, integers, reals)
-      if (mode%contact == contact_apart) return
-      associate (mesh => gearbox%contacts(index))
-         call gearbox_local(gearbox, mesh, y, q)
-         rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
-         if (mesh%tracking == tracking_algebraic) then
-            call algebraic_jacobian(mesh%pair, rho_a0, q, local)
+      if (mode%flanks == flanks_apart) return
+      associate (contact => gearbox%contacts(index))
+         call gearbox_local(gearbox, contact, y, q)
+         rho_a0 = nominal_rho(contact, y(i_theta), integers(i_turns), mode%tooth_pair)
+         if (contact%tracking == tracking_algebraic) then
+            call algebraic_jacobian(contact%pair, rho_a0, q, local)
          else
-            call differential_jacobian(mesh%pair, rho_a0, q, yp(mesh%i_track:mesh%i_track + n_track - 1), cj, local)
+            call differential_jacobian(contact%pair, rho_a0, q, yp(contact%i_track:contact%i_track + n_track - 1), cj, local)
          end if
          do row = 1, n_track
-            jacobian(mesh%i_track + row - 1, :) = 0
-            call scatter(mesh%links, mesh%i_track + row - 1, 1.0_wp, local(row, :), places, jacobian)
+            jacobian(contact%i_track + row - 1, :) = 0
+            call scatter(contact%links, contact%i_track + row - 1, 1.0_wp, local(row, :), places, jacobian)
          end do
       end associate
    end subroutine add_tracking

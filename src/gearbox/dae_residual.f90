@@ -9,7 +9,7 @@ module evl_dae_residual
    use evl_rigid_contact, only: rigid_constraint
    use evl_rigid_forces, only: multiplier_rates
    use evl_status, only: code_out_of_domain, code_singular, fail, has_failed, status_t, subject_mesh
-   use evl_tooth_contact, only: contact_apart, mesh_mode, mesh_nominal_rho, tracking_algebraic
+   use evl_tooth_contact, only: contact_mode, flanks_apart, nominal_rho, tracking_algebraic
    implicit none (type, external)
    private
 
@@ -27,7 +27,7 @@ contains
       real(wp), intent(out) :: residual(gearbox%n_states)
       type(status_t), intent(inout) :: status
       real(wp) :: q(n_local), rho_a0
-      type(mesh_mode) :: mode
+      type(contact_mode) :: mode
       logical :: exists
       integer :: i
 
@@ -41,28 +41,28 @@ contains
       if (gearbox%housing%is_mounted) call housing_residual(gearbox, t, y, yp, residual)
       do i = 1, size(gearbox%contacts)
          if (gearbox%n_multipliers == 0) exit
-         associate (mesh => gearbox%contacts(i), row => gearbox%contacts(i)%i_dependent)
+         associate (contact => gearbox%contacts(i), row => gearbox%contacts(i)%i_dependent)
             if (.not. is_closed(gearbox, i, integers)) cycle
-            call gearbox_local(gearbox, mesh, y, q)
-            residual(row:row + 1) = rigid_constraint(mesh%pair, q)
+            call gearbox_local(gearbox, contact, y, q)
+            residual(row:row + 1) = rigid_constraint(contact%pair, q)
          end associate
       end do
       do i = 1, size(gearbox%contacts)
-         associate (mesh => gearbox%contacts(i))
+         associate (contact => gearbox%contacts(i))
             if (.not. carries_points(gearbox, i, integers)) cycle
             mode = gearbox_mode(gearbox, i, integers, reals)
-            if (mode%contact == contact_apart) cycle ! the tracked variables rest: their rows are y' = 0
-            call gearbox_local(gearbox, mesh, y, q)
-            rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
-            associate (first => mesh%i_track, last => mesh%i_track + n_track - 1)
-               if (mesh%tracking == tracking_algebraic) then
-                  call algebraic_residual(mesh%pair, rho_a0, q, residual(first:last), exists)
+            if (mode%flanks == flanks_apart) cycle ! the tracked variables rest: their rows are y' = 0
+            call gearbox_local(gearbox, contact, y, q)
+            rho_a0 = nominal_rho(contact, y(i_theta), integers(i_turns), mode%tooth_pair)
+            associate (first => contact%i_track, last => contact%i_track + n_track - 1)
+               if (contact%tracking == tracking_algebraic) then
+                  call algebraic_residual(contact%pair, rho_a0, q, residual(first:last), exists)
                else
-                  call differential_residual(mesh%pair, rho_a0, q, yp(first:last), residual(first:last), exists)
+                  call differential_residual(contact%pair, rho_a0, q, yp(first:last), residual(first:last), exists)
                end if
             end associate
             if (.not. exists) then
-               call lost_points(mesh%mesh, status)
+               call lost_points(contact%mesh, status)
                return
             end if
          end associate
@@ -88,7 +88,7 @@ contains
       real(wp), intent(out) :: yp(gearbox%n_states)
       type(status_t), intent(inout) :: status !! code_out_of_domain or code_singular
       real(wp) :: q(n_local), rho_a0
-      type(mesh_mode) :: mode
+      type(contact_mode) :: mode
       logical :: solved
       integer :: i
 
@@ -97,16 +97,16 @@ contains
       if (gearbox%n_multipliers > 0) call multiplier_rates(gearbox, t, y, integers, reals, yp, status)
       if (has_failed(status)) return
       do i = 1, size(gearbox%contacts)
-         associate (mesh => gearbox%contacts(i))
+         associate (contact => gearbox%contacts(i))
             if (.not. carries_points(gearbox, i, integers)) cycle
             mode = gearbox_mode(gearbox, i, integers, reals)
-            if (mode%contact == contact_apart) cycle
-            call gearbox_local(gearbox, mesh, y, q)
-            rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
-            call differential_rates(mesh%pair, rho_a0, q, yp(mesh%i_track:mesh%i_track + n_track - 1), solved)
+            if (mode%flanks == flanks_apart) cycle
+            call gearbox_local(gearbox, contact, y, q)
+            rho_a0 = nominal_rho(contact, y(i_theta), integers(i_turns), mode%tooth_pair)
+            call differential_rates(contact%pair, rho_a0, q, yp(contact%i_track:contact%i_track + n_track - 1), solved)
             if (.not. solved) then
                call fail(status, code_singular, "the contact points' velocities are not determined at this state", &
-                         subject_mesh, mesh%mesh, "tracking")
+                         subject_mesh, contact%mesh, "tracking")
                return
             end if
          end associate

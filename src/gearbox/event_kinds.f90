@@ -1,6 +1,6 @@
 !> What can happen to a gearbox, by name, and the list of what happened at one event.
 module evl_event_kinds
-   use evl_tooth_contact, only: contact_t
+   use evl_tooth_contact, only: tooth_contact_t
    implicit none (type, external)
    private
 
@@ -50,7 +50,7 @@ contains
    pure subroutine note(log, kind, contact, tooth_pair)
       type(event_log), intent(inout) :: log
       integer, intent(in) :: kind
-      type(contact_t), intent(in), optional :: contact
+      type(tooth_contact_t), intent(in), optional :: contact
       integer, intent(in), optional :: tooth_pair
 
       log%n = log%n + 1

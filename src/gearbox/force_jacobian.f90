@@ -4,7 +4,7 @@
 !> A row of psi' holds what acts on its rotor until `couple_reference` completes it.
 module evl_force_jacobian
    use evl_closed_form, only: closed_form_line
-   use evl_contact_gradient, only: mesh_force_gradient, mesh_gradient
+   use evl_contact_gradient, only: contact_gradient_at, mesh_force_gradient
    use evl_gearbox, only: add_speed, gearbox_local, gearbox_mode, gearbox_t, i_turns, segment_of, wheel_acceleration, &
                           wheel_follows_ground, wheel_speed, wheel_t
    use evl_housing, only: at_omega, frame_t
@@ -12,11 +12,11 @@ module evl_force_jacobian
    use evl_jacobian_places, only: add_entry, entry_place, jacobian_places
    use evl_kinds, only: wp
    use evl_load, only: load_damping, load_torque
-   use evl_local_variables, only: i_omega, i_theta, mesh_link, n_local, wheel_link
+   use evl_local_variables, only: i_omega, i_theta, local_link, n_local, wheel_link
    use evl_shaft_jacobian, only: add_shaft, add_shaft_torque
    use evl_status, only: has_failed, status_t
-   use evl_tangent_line, only: deviation
-   use evl_tooth_contact, only: contact_t, mesh_force, mesh_mode, mesh_nominal_rho, touches, tracking_closed_form
+   use evl_tangent_line, only: tangent_line_t
+   use evl_tooth_contact, only: contact_force, contact_mode, nominal_rho, tooth_contact_t, touches, tracking_closed_form
    implicit none (type, external)
    private
 
@@ -26,7 +26,7 @@ module evl_force_jacobian
    type :: flank_state
       integer :: mesh = 0, flank = 0 !! of the gearbox; 0: none yet
       real(wp) :: q(n_local)         !! local variables
-      type(deviation) :: line        !! of action; not set where points are tracked
+      type(tangent_line_t) :: line        !! of action; not set where points are tracked
    end type flank_state
 
 contains
@@ -144,47 +144,49 @@ contains
       real(wp), intent(inout) :: values(places%n_entries)
       type(status_t), intent(inout) :: status
       real(wp) :: rho_a0
-      type(mesh_force) :: force
+      type(contact_force) :: force
       type(mesh_force_gradient) :: gradient
-      type(mesh_mode) :: mode
+      type(contact_mode) :: mode
 
       mode = gearbox_mode(gearbox, index, integers, reals)
       if (.not. touches(mode)) return
-      associate (mesh => gearbox%contacts(index))
-         if (at%mesh /= mesh%mesh .or. at%flank /= mesh%flank) call look_at_flank(gearbox, mesh, y, at)
-         rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
-         call mesh_gradient(mesh, mode, rho_a0, at%q, at%line, force, gradient, status)
+      associate (contact => gearbox%contacts(index))
+         if (at%mesh /= contact%mesh .or. at%flank /= contact%flank) call look_at_flank(gearbox, contact, y, at)
+         rho_a0 = nominal_rho(contact, y(i_theta), integers(i_turns), mode%tooth_pair)
+         call contact_gradient_at(contact, mode, rho_a0, at%q, at%line, force, gradient, status)
          if (has_failed(status)) return
-         call add_torque(gearbox, mesh, mesh%wheel_a, force%torque_a, gradient%torque_a, y, spin, places, values)
-         call add_torque(gearbox, mesh, mesh%wheel_b, force%torque_b, gradient%torque_b, y, spin, places, values)
-         call add_push(mesh%links, mesh%link_a, gearbox%wheels(mesh%wheel_a)%support%per_mass, gradient%on_a, places, values)
-         call add_push(mesh%links, mesh%link_b, -gearbox%wheels(mesh%wheel_b)%support%per_mass, gradient%on_a, places, values)
-         call scatter(mesh%links, gearbox%i_dissipated, -1.0_wp, gradient%dissipation, places, values)
+         call add_torque(gearbox, contact, contact%wheel_a, force%torque_a, gradient%torque_a, y, spin, places, values)
+         call add_torque(gearbox, contact, contact%wheel_b, force%torque_b, gradient%torque_b, y, spin, places, values)
+         call add_push(contact%links, contact%link_a, gearbox%wheels(contact%wheel_a)%support%per_mass, gradient%on_a, places, &
+                       values)
+         call add_push(contact%links, contact%link_b, -gearbox%wheels(contact%wheel_b)%support%per_mass, gradient%on_a, places, &
+                       values)
+         call scatter(contact%links, gearbox%i_dissipated, -1.0_wp, gradient%dissipation, places, values)
       end associate
    end subroutine add_contact
 
    !> Local variables and line of action, for all contacts of a flank.
-   pure subroutine look_at_flank(gearbox, mesh, y, at)
+   pure subroutine look_at_flank(gearbox, contact, y, at)
       type(gearbox_t), intent(in) :: gearbox
-      type(contact_t), intent(in) :: mesh !! one of them
+      type(tooth_contact_t), intent(in) :: contact !! one of them
       real(wp), intent(in) :: y(gearbox%n_states)
       type(flank_state), intent(inout) :: at
 
-      at%mesh = mesh%mesh
-      at%flank = mesh%flank
-      call gearbox_local(gearbox, mesh, y, at%q)
-      if (mesh%tracking /= tracking_closed_form) return
-      if (mesh%axles_rest) then
-         at%line = mesh%rest_line
+      at%mesh = contact%mesh
+      at%flank = contact%flank
+      call gearbox_local(gearbox, contact, y, at%q)
+      if (contact%tracking /= tracking_closed_form) return
+      if (contact%axles_rest) then
+         at%line = contact%rest_line
       else
-         call closed_form_line(mesh%pair, at%q, at%line)
+         call closed_form_line(contact%pair, at%q, at%line)
       end if
    end subroutine look_at_flank
 
    !> A contact's torque on a wheel: it accelerates the wheel, or, if its speed is prescribed, is carried by the load.
-   pure subroutine add_torque(gearbox, mesh, index, torque, gradient, y, spin, places, values)
+   pure subroutine add_torque(gearbox, contact, index, torque, gradient, y, spin, places, values)
       type(gearbox_t), intent(in) :: gearbox
-      type(contact_t), intent(in) :: mesh
+      type(tooth_contact_t), intent(in) :: contact
       integer, intent(in) :: index !! of the wheel
       real(wp), intent(in) :: torque, gradient(n_local), y(gearbox%n_states), spin
       type(jacobian_places), intent(in) :: places
@@ -192,16 +194,16 @@ contains
 
       associate (wheel => gearbox%wheels(index), work => gearbox%i_work)
          if (wheel%prescribed == 0) then
-            call scatter(mesh%links, wheel%i_speed, -wheel%per_inertia, gradient, places, values)
+            call scatter(contact%links, wheel%i_speed, -wheel%per_inertia, gradient, places, values)
             return
          end if
-         call scatter(mesh%links, work, wheel_speed(wheel, y), gradient, places, values)
+         call scatter(contact%links, work, wheel_speed(wheel, y), gradient, places, values)
          call add_speed(wheel, work, torque, places, values)
          if (.not. (gearbox%housing%is_mounted .and. wheel_follows_ground(gearbox, index))) return
          ! the torque of a speed prescribed against the ground balances the contacts, and acts on the housing
          associate (o => gearbox%housing%i_state + at_omega + 2)
-            call scatter(mesh%links, work, spin, gradient, places, values)
-            call scatter(mesh%links, o, 1.0_wp, gradient, places, values)
+            call scatter(contact%links, work, spin, gradient, places, values)
+            call scatter(contact%links, o, 1.0_wp, gradient, places, values)
             call add_entry(places, work, o, torque, values)
          end associate
       end associate
@@ -209,7 +211,7 @@ contains
 
    !> A contact's force on the support of a wheel.
    pure subroutine add_push(links, wheel, per_mass, gradient, places, values)
-      type(mesh_link), intent(in), contiguous :: links(:)
+      type(local_link), intent(in), contiguous :: links(:)
       type(wheel_link), intent(in) :: wheel
       real(wp), intent(in) :: per_mass !! inverse mass, negative for B, which feels the opposite
       real(wp), intent(in) :: gradient(n_local, 2)
@@ -226,7 +228,7 @@ contains
 
    !> Add a multiple of derivatives with respect to local variables to a row.
    pure subroutine scatter(links, row, factor, gradient, places, values)
-      type(mesh_link), intent(in), contiguous :: links(:)
+      type(local_link), intent(in), contiguous :: links(:)
       integer, intent(in) :: row
       real(wp), intent(in) :: factor, gradient(n_local)
       type(jacobian_places), intent(in) :: places

@@ -31,7 +31,7 @@ module evl_gearbox
    use evl_rational, only: rational_t
    use evl_shaft, only: shaft_t
    use evl_status, only: status_t
-   use evl_tooth_contact, only: contact_loaded, contact_off, contact_t, mesh_mode
+   use evl_tooth_contact, only: contact_mode, flanks_loaded, flanks_off, tooth_contact_t
    implicit none (type, external)
    private
 
@@ -85,7 +85,7 @@ module evl_gearbox
       type(wheel_t), allocatable :: wheels(:)
       type(load_t), allocatable :: loads(:)
       type(shaft_t), allocatable :: shafts(:)
-      type(contact_t), allocatable :: contacts(:) !! tooth contacts, mesh by mesh: slots of the drive flank, then of the coast flank
+      type(tooth_contact_t), allocatable :: contacts(:) !! mesh by mesh: slots of the drive flank, then of the coast flank
       type(spur_pair_t), allocatable :: pairs(:)  !! geometry of each mesh
       type(tooth_phase_t), allocatable :: phases(:) !! first tooth pair of each mesh
       integer, allocatable :: first(:)            !! first tooth contact of each mesh; behind the last mesh, one more than all
@@ -106,23 +106,23 @@ module evl_gearbox
 contains
 
    !> Local variables of a mesh from the state.
-   pure subroutine gearbox_local(gearbox, mesh, y, q)
+   pure subroutine gearbox_local(gearbox, contact, y, q)
       type(gearbox_t), intent(in) :: gearbox
-      type(contact_t), intent(in) :: mesh
+      type(tooth_contact_t), intent(in) :: contact
       real(wp), intent(in) :: y(gearbox%n_states)
       real(wp), intent(out) :: q(n_local)
       integer :: i
 
       q = 0
-      do i = 1, size(mesh%links)
-         associate (link => mesh%links(i))
+      do i = 1, size(contact%links)
+         associate (link => contact%links(i))
             q(link%local) = q(link%local) + link%weight*y(link%state)
          end associate
       end do
    end subroutine gearbox_local
 
    !> Discrete state of a tooth contact.
-   pure type(mesh_mode) function gearbox_mode(gearbox, index, integers, reals) result(mode)
+   pure type(contact_mode) function gearbox_mode(gearbox, index, integers, reals) result(mode)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index    !! of the tooth contact
       integer, intent(in) :: integers(:)
@@ -130,8 +130,8 @@ contains
       integer :: n
 
       associate (i => gearbox%contacts(index)%i_mode)
-         mode%teeth = integers(i)
-         mode%contact = integers(i + 1)
+         mode%tooth_pair = integers(i)
+         mode%flanks = integers(i + 1)
          mode%friction = integers(i + 2)
          if (gearbox%contacts(index)%deviates) then
             mode%zone_a = integers(i + 3)
@@ -155,7 +155,7 @@ contains
       n = 0
       associate (first => index - gearbox%contacts(index)%slot)
          do m = first, first + gearbox%contacts(index)%n_slots - 1
-            if (integers(gearbox%contacts(m)%i_mode + 1) == contact_loaded) n = n + 1
+            if (integers(gearbox%contacts(m)%i_mode + 1) == flanks_loaded) n = n + 1
          end do
       end associate
    end function pairs_loaded
@@ -171,7 +171,7 @@ contains
       if (gearbox%contacts(index)%i_track == 0) return
       associate (first => index - gearbox%contacts(index)%slot, n => gearbox%contacts(index)%n_slots)
          do m = first, first + n - 1
-            if (integers(gearbox%contacts(m)%i_mode + 1) == contact_off) cycle
+            if (integers(gearbox%contacts(m)%i_mode + 1) == flanks_off) cycle
             carries_points = m == index
             return
          end do
@@ -188,10 +188,10 @@ contains
       integer :: m
 
       index = gearbox%first(mesh)
-      best_on = integers(gearbox%contacts(index)%i_mode + 1) /= contact_off
+      best_on = integers(gearbox%contacts(index)%i_mode + 1) /= flanks_off
       do m = index + 1, gearbox%first(mesh) + gearbox%contacts(index)%n_slots - 1
          associate (mine => gearbox%contacts(m)%i_mode, best => gearbox%contacts(index)%i_mode)
-            on = integers(mine + 1) /= contact_off
+            on = integers(mine + 1) /= flanks_off
             if (best_on .and. .not. on) cycle
             if ((on .eqv. best_on) .and. integers(mine) > integers(best)) cycle
          end associate
@@ -204,12 +204,12 @@ contains
    pure subroutine gearbox_store_mode(gearbox, index, mode, integers, reals)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
-      type(mesh_mode), intent(in) :: mode
+      type(contact_mode), intent(in) :: mode
       integer, intent(inout) :: integers(:)
       real(wp), intent(inout) :: reals(:)
 
       associate (i => gearbox%contacts(index)%i_mode)
-         integers(i:i + 2) = [mode%teeth, mode%contact, mode%friction]
+         integers(i:i + 2) = [mode%tooth_pair, mode%flanks, mode%friction]
          if (gearbox%contacts(index)%deviates) integers(i + 3:i + 4) = [mode%zone_a, mode%zone_b]
       end associate
       if (gearbox%contacts(index)%i_side > 0) integers(gearbox%contacts(index)%i_side) = mode%side

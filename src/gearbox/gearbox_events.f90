@@ -2,7 +2,7 @@
 module evl_gearbox_events
    use evl_contact_events, only: roots_of_contact
    use evl_contact_point, only: contact_point
-   use evl_contact_roots, only: mark_idle_roots, mesh_root_directions
+   use evl_contact_roots, only: contact_root_directions, mark_idle_roots
    use evl_contact_tracking, only: project_points
    use evl_dae_residual, only: gearbox_derivative
    use evl_event_kinds, only: event_knot, event_log, event_opened, event_revolution, event_t, note
@@ -14,7 +14,7 @@ module evl_gearbox_events
    use evl_rigid_events, only: closed_flanks, settle_rigid
    use evl_settle_modes, only: most_settling, settle_modes
    use evl_status, only: has_failed, status_t
-   use evl_tooth_contact, only: contact_apart, mesh_mode, mesh_nominal_rho
+   use evl_tooth_contact, only: contact_mode, flanks_apart, nominal_rho
    implicit none (type, external)
    private
 
@@ -33,7 +33,7 @@ contains
       real(wp), intent(out) :: roots(gearbox%n_roots)
       type(status_t), intent(inout) :: status
       type(contact_point) :: point
-      type(mesh_mode) :: mode
+      type(contact_mode) :: mode
       integer :: m
 
       do m = 1, size(gearbox%contacts)
@@ -54,7 +54,7 @@ contains
       real(wp), intent(inout) :: roots(gearbox%n_roots)
       type(status_t), intent(inout) :: status
       type(contact_point) :: point
-      type(mesh_mode) :: mode
+      type(contact_mode) :: mode
       integer :: m
 
       do m = 1, size(gearbox%contacts)
@@ -80,17 +80,17 @@ contains
       integer, intent(in) :: integers(:)
       integer, intent(out) :: directions(gearbox%n_roots)
       integer, intent(in), optional :: idle !! given to root functions without meaning in the present modes, which are 1
-      type(mesh_mode) :: mode
+      type(contact_mode) :: mode
       real(wp) :: no_reals(size(gearbox%contacts))
       integer :: m
 
       no_reals = 0
       do m = 1, size(gearbox%contacts)
-         associate (mesh => gearbox%contacts(m))
-            associate (mine => directions(mesh%i_root + 1:mesh%i_root + mesh%n_roots))
+         associate (contact => gearbox%contacts(m))
+            associate (mine => directions(contact%i_root + 1:contact%i_root + contact%n_roots))
                mode = gearbox_mode(gearbox, m, integers, no_reals)
-               call mesh_root_directions(mesh, mode, mine)
-               if (present(idle)) call mark_idle_roots(mesh, mode, idle, mine)
+               call contact_root_directions(contact, mode, mine)
+               if (present(idle)) call mark_idle_roots(contact, mode, idle, mine)
             end associate
          end associate
       end do
@@ -172,19 +172,19 @@ contains
       real(wp), intent(inout) :: y(gearbox%n_states)
       integer, intent(in) :: integers(:)
       real(wp), intent(in) :: reals(:)
-      type(mesh_mode) :: mode
+      type(contact_mode) :: mode
       real(wp) :: q(n_local)
       logical :: solved
       integer :: m
 
       do m = 1, size(gearbox%contacts)
-         associate (mesh => gearbox%contacts(m))
+         associate (contact => gearbox%contacts(m))
             if (.not. carries_points(gearbox, m, integers)) cycle
             mode = gearbox_mode(gearbox, m, integers, reals)
-            if (mode%contact == contact_apart) cycle
-            call gearbox_local(gearbox, mesh, y, q)
-            call project_points(mesh%pair, mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth), q, solved)
-            if (solved) y(mesh%i_track:mesh%i_track + n_track - 1) = q(at_track:)
+            if (mode%flanks == flanks_apart) cycle
+            call gearbox_local(gearbox, contact, y, q)
+            call project_points(contact%pair, nominal_rho(contact, y(i_theta), integers(i_turns), mode%tooth_pair), q, solved)
+            if (solved) y(contact%i_track:contact%i_track + n_track - 1) = q(at_track:)
          end associate
       end do
    end subroutine project_tracked

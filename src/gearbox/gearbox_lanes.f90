@@ -13,7 +13,7 @@ module evl_gearbox_lanes
    use evl_local_variables, only: i_omega, i_theta, wheel_link
    use evl_shaft, only: shaft_t
    use evl_status, only: code_out_of_domain, fail, has_failed, status_t
-   use evl_tooth_contact, only: contact_loaded, contact_t, touches, tracking_closed_form
+   use evl_tooth_contact, only: flanks_loaded, tooth_contact_t, touches, tracking_closed_form
    implicit none (type, external)
    private
 
@@ -31,8 +31,8 @@ contains
 
       serve = .not. gearbox%housing%acts
       do i = 1, size(gearbox%contacts)
-         associate (mesh => gearbox%contacts(i))
-            serve = serve .and. .not. mesh%rigid .and. mesh%tracking == tracking_closed_form .and. laws_have_lanes(mesh)
+         associate (contact => gearbox%contacts(i))
+            serve = serve .and. .not. contact%rigid .and. contact%tracking == tracking_closed_form .and. laws_have_lanes(contact)
          end associate
       end do
    end function lanes_serve
@@ -96,9 +96,9 @@ contains
    end subroutine say_why
 
    !> Forces of a tooth contact in the rows of its wheels, their supports and the dissipated energy.
-   subroutine add_contact(gearbox, mesh, y, line, slot, f, answered)
+   subroutine add_contact(gearbox, contact, y, line, slot, f, answered)
       type(gearbox_t), intent(in) :: gearbox
-      type(contact_t), intent(in) :: mesh
+      type(tooth_contact_t), intent(in) :: contact
       real(wp), intent(in) :: y(lanes, gearbox%n_states)
       type(lane_line), intent(inout) :: line    !! of an earlier contact, or nobody's
       type(lane_slot), intent(inout) :: slot
@@ -108,16 +108,16 @@ contains
 
       answered = .true.
       if (.not. touches(slot%mode)) return
-      call line_in_lanes(mesh, y, line)
-      call contact_in_lanes(mesh, slot%mode, slot%rho_start, line, slot%at)
-      call forces_in_lanes(mesh, slot%mode, line%margin, slot%at, force, answered)
+      call line_in_lanes(contact, y, line)
+      call contact_in_lanes(contact, slot%mode, slot%rho_start, line, slot%at)
+      call forces_in_lanes(contact, slot%mode, line%margin, slot%at, force, answered)
       if (.not. answered) return
       slot%unclipped = force%elastic + force%viscous
-      if (slot%mode%contact == contact_loaded) slot%friction = force%factor
-      call add(force%torque_a, f(:, gearbox%wheels(mesh%wheel_a)%i_speed))
-      call add(force%torque_b, f(:, gearbox%wheels(mesh%wheel_b)%i_speed))
-      call push_axle(mesh%link_a, 1.0_wp, force, f)
-      call push_axle(mesh%link_b, -1.0_wp, force, f)
+      if (slot%mode%flanks == flanks_loaded) slot%friction = force%factor
+      call add(force%torque_a, f(:, gearbox%wheels(contact%wheel_a)%i_speed))
+      call add(force%torque_b, f(:, gearbox%wheels(contact%wheel_b)%i_speed))
+      call push_axle(contact%link_a, 1.0_wp, force, f)
+      call push_axle(contact%link_b, -1.0_wp, force, f)
       call add(force%dissipation, f(:, gearbox%i_dissipated))
    end subroutine add_contact
 

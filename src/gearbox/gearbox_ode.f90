@@ -18,7 +18,7 @@ module evl_gearbox_ode
    use evl_ode_model, only: growth_by_coupling, growth_by_damping, growth_never, never, ode_model
    use evl_roots_lanes, only: roots_in_lanes
    use evl_status, only: code_invalid_input, fail, has_failed, status_t, subject_housing, subject_mesh
-   use evl_tooth_contact, only: contact_state, contact_t, tracking_closed_form
+   use evl_tooth_contact, only: contact_state, tooth_contact_t, tracking_closed_form
    use evl_watch_lanes, only: most_rows, watched_in_lanes
    implicit none (type, external)
    private
@@ -60,13 +60,13 @@ contains
       integer :: i
 
       do i = 1, size(gearbox%contacts)
-         associate (mesh => gearbox%contacts(i))
-            if (mesh%rigid) then
+         associate (contact => gearbox%contacts(i))
+            if (contact%rigid) then
                call fail(status, code_invalid_input, "a rigid contact is a constraint, which radau does not integrate: take" &
-                         //" integrator ida, or another contact law", subject_mesh, mesh%mesh, "contact")
-            else if (mesh%tracking /= tracking_closed_form) then
+                         //" integrator ida, or another contact law", subject_mesh, contact%mesh, "contact")
+            else if (contact%tracking /= tracking_closed_form) then
                call fail(status, code_invalid_input, "tracked contact points are algebraic states, which radau does not" &
-                         //" integrate: take integrator ida, or tracking closed_form", subject_mesh, mesh%mesh, "tracking")
+                         //" integrate: take integrator ida, or tracking closed_form", subject_mesh, contact%mesh, "tracking")
             end if
          end associate
          if (has_failed(status)) return
@@ -351,9 +351,9 @@ contains
    end subroutine mark_wheel
 
    !> The force of a tooth contact: on its wheels, their supports, and in the energies.
-   pure subroutine mark_contact(gearbox, mesh, taken)
+   pure subroutine mark_contact(gearbox, contact, taken)
       type(gearbox_t), intent(in) :: gearbox
-      type(contact_t), intent(in) :: mesh
+      type(tooth_contact_t), intent(in) :: contact
       logical, intent(inout) :: taken(:, :)
       logical :: row(gearbox%n_states)
       integer :: i, j, side
@@ -361,15 +361,15 @@ contains
       row = .false.
       row(gearbox%i_dissipated) = .true.
       do side = 1, 2
-         associate (wheel => gearbox%wheels(merge(mesh%wheel_a, mesh%wheel_b, side == 1)))
+         associate (wheel => gearbox%wheels(merge(contact%wheel_a, contact%wheel_b, side == 1)))
             row(merge(wheel%i_speed, gearbox%i_work, wheel%prescribed == 0)) = .true.
             do j = 1, wheel%support%n
                row(wheel%support%i_state(j) + 1) = .true.
             end do
          end associate
       end do
-      do i = 1, size(mesh%links)
-         taken(:, mesh%links(i)%state) = taken(:, mesh%links(i)%state) .or. row
+      do i = 1, size(contact%links)
+         taken(:, contact%links(i)%state) = taken(:, contact%links(i)%state) .or. row
       end do
    end subroutine mark_contact
 

@@ -9,7 +9,7 @@ module evl_gearbox_rates
    use evl_shaft, only: shaft_loss, shaft_torque
    use evl_springs_and_dampers, only: damper_power, support_acceleration
    use evl_status, only: has_failed, status_t
-   use evl_tooth_contact, only: contact_state, mesh_contact, mesh_forces, mesh_nominal_rho, touches
+   use evl_tooth_contact, only: contact_forces, contact_state, locate_contact, nominal_rho, touches
    implicit none (type, external)
    private
 
@@ -32,7 +32,7 @@ contains
       type(status_t), intent(inout) :: status       !! code_out_of_domain if a law has no solution there
       real(wp), intent(in), optional :: yp(:)       !! of a mounted housing; v' = Omega' = 0 if not given
       type(contact_state), intent(inout), optional :: contacts(:) !! all tooth contacts; of those that do not touch only the mode
-      type(contact_state) :: contact
+      type(contact_state) :: at
       type(frame_t) :: frame
       real(wp) :: torques(size(gearbox%wheels)), spin, alpha, dissipation, power
       integer :: i
@@ -46,16 +46,16 @@ contains
       end if
       f = 0
       do i = 1, size(gearbox%contacts)
-         call contact_at(gearbox, i, y, integers, reals, contact, status)
+         call contact_at(gearbox, i, y, integers, reals, at, status)
          if (has_failed(status)) return
-         if (present(contacts)) contacts(i) = contact
-         if (.not. touches(contact%mode)) cycle
-         associate (mesh => gearbox%contacts(i), force => contact%force)
-            associate (a => gearbox%wheels(mesh%wheel_a), b => gearbox%wheels(mesh%wheel_b))
+         if (present(contacts)) contacts(i) = at
+         if (.not. touches(at%mode)) cycle
+         associate (contact => gearbox%contacts(i), force => at%force)
+            associate (a => gearbox%wheels(contact%wheel_a), b => gearbox%wheels(contact%wheel_b))
                f(a%i_speed) = f(a%i_speed) + force%torque_a
                f(b%i_speed) = f(b%i_speed) + force%torque_b
-               call push_axle(mesh%link_a, force%on_a, f)
-               call push_axle(mesh%link_b, -force%on_a, f)
+               call push_axle(contact%link_a, force%on_a, f)
+               call push_axle(contact%link_b, -force%on_a, f)
             end associate
             f(gearbox%i_dissipated) = f(gearbox%i_dissipated) + force%dissipation
          end associate
@@ -101,32 +101,32 @@ contains
       real(wp), intent(inout) :: f(:)
       real(wp) :: q(n_local), rates(n_local)
 
-      associate (mesh => gearbox%contacts(index))
-         f(mesh%i_normal) = y(mesh%i_normal)
+      associate (contact => gearbox%contacts(index))
+         f(contact%i_normal) = y(contact%i_normal)
          if (.not. is_closed(gearbox, index, integers)) return
-         call gearbox_local(gearbox, mesh, y, q)
-         call gearbox_local(gearbox, mesh, f, rates)
-         f(mesh%i_normal) = rigid_acceleration(mesh%pair, q, rates)/mesh%mobility
+         call gearbox_local(gearbox, contact, y, q)
+         call gearbox_local(gearbox, contact, f, rates)
+         f(contact%i_normal) = rigid_acceleration(contact%pair, q, rates)/contact%mobility
       end associate
    end subroutine multiplier_row
 
    !> A tooth contact at a state; of one that does not touch only the mode.
-   subroutine contact_at(gearbox, index, y, integers, reals, contact, status)
+   subroutine contact_at(gearbox, index, y, integers, reals, at, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
       real(wp), intent(in) :: y(:), reals(:)
       integer, intent(in) :: integers(:)
-      type(contact_state), intent(inout) :: contact
+      type(contact_state), intent(inout) :: at
       type(status_t), intent(inout) :: status
       real(wp) :: rho_a0
 
-      contact%mode = gearbox_mode(gearbox, index, integers, reals)
-      if (.not. touches(contact%mode)) return
-      associate (mesh => gearbox%contacts(index), mode => contact%mode)
-         call gearbox_local(gearbox, mesh, y, contact%q)
-         rho_a0 = mesh_nominal_rho(mesh, y(i_theta), integers(i_turns), mode%teeth)
-         call mesh_contact(mesh, mode, rho_a0, contact%q, contact%point)
-         call mesh_forces(mesh, mode, contact%point, contact%force, status)
+      at%mode = gearbox_mode(gearbox, index, integers, reals)
+      if (.not. touches(at%mode)) return
+      associate (contact => gearbox%contacts(index), mode => at%mode)
+         call gearbox_local(gearbox, contact, y, at%q)
+         rho_a0 = nominal_rho(contact, y(i_theta), integers(i_turns), mode%tooth_pair)
+         call locate_contact(contact, mode, rho_a0, at%q, at%point)
+         call contact_forces(contact, mode, at%point, at%force, status)
       end associate
    end subroutine contact_at
 

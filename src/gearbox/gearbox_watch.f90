@@ -4,10 +4,10 @@
 !> where one pair takes over from another it has a kink, but such a kink is no maximum.
 module evl_gearbox_watch
    use evl_closed_form, only: track_closed_form, transmission_error
-   use evl_contact_events, only: mesh_point
+   use evl_contact_events, only: point_of_contact
    use evl_contact_laws, only: friction_factor, friction_none
    use evl_contact_point, only: contact_point
-   use evl_contact_roots, only: mesh_roots
+   use evl_contact_roots, only: contact_roots
    use evl_extremes, only: n_watched_outputs, watch_error, watch_friction, watch_normal, watch_pair_normal, watch_pair_pressure, &
                            watch_penetration, watch_sliding
    use evl_gearbox, only: gearbox_mode, gearbox_t, leading_contact
@@ -15,8 +15,8 @@ module evl_gearbox_watch
    use evl_kinds, only: wp
    use evl_local_variables, only: i_theta, n_local
    use evl_status, only: has_failed, status_t
-   use evl_tooth_contact, only: contact_apart, contact_loaded, contact_off, flank_drive, mesh_contact, mesh_mode, &
-                                mesh_unclipped_force, touches
+   use evl_tooth_contact, only: contact_mode, flank_drive, flanks_apart, flanks_loaded, flanks_off, locate_contact, touches, &
+                                unclipped_force
    use evl_touching_flanks, only: contact_pressure
    implicit none (type, external)
    private
@@ -47,7 +47,7 @@ contains
       real(wp), intent(out) :: values(:) !! [n_channels]
       type(status_t), intent(inout) :: status
       type(contact_point) :: point
-      type(mesh_mode) :: mode
+      type(contact_mode) :: mode
       real(wp) :: q(n_local), rho_a0, unclipped
       integer :: c, leader, m
 
@@ -57,9 +57,9 @@ contains
          do c = gearbox%first(m), gearbox%first(m + 1) - 1
             mode = gearbox_mode(gearbox, c, integers, reals)
             if (c /= leader .and. .not. touches(mode)) cycle
-            call mesh_point(gearbox, c, y, integers, mode, q, rho_a0, point)
+            call point_of_contact(gearbox, c, y, integers, mode, q, rho_a0, point)
             unclipped = 0
-            if (touches(mode)) call mesh_unclipped_force(gearbox%contacts(c), mode, point, unclipped, status)
+            if (touches(mode)) call unclipped_force(gearbox%contacts(c), mode, point, unclipped, status)
             if (has_failed(status)) return
             call watch_contact(gearbox, c, mode, rho_a0, q, point, unclipped, c == leader, values)
          end do
@@ -75,7 +75,7 @@ contains
       real(wp), intent(out) :: values(:)              !! [n_channels]
       type(status_t), intent(inout) :: status
       type(contact_point) :: point
-      type(mesh_mode) :: mode
+      type(contact_mode) :: mode
       real(wp) :: q(n_local), rho_a0, unclipped
       integer :: c, leader, m
 
@@ -84,9 +84,9 @@ contains
          leader = leading_contact(gearbox, m, integers)
          do c = gearbox%first(m), gearbox%first(m + 1) - 1
             mode = gearbox_mode(gearbox, c, integers, reals)
-            call mesh_point(gearbox, c, y, integers, mode, q, rho_a0, point)
+            call point_of_contact(gearbox, c, y, integers, mode, q, rho_a0, point)
             associate (first => gearbox%contacts(c)%i_root + 1, last => gearbox%contacts(c)%i_root + gearbox%contacts(c)%n_roots)
-               call mesh_roots(gearbox%contacts(c), mode, rho_a0, q, point, roots(first:last), status, unclipped)
+               call contact_roots(gearbox%contacts(c), mode, rho_a0, q, point, roots(first:last), status, unclipped)
             end associate
             if (has_failed(status)) return
             if (c == leader .or. touches(mode)) &
@@ -100,7 +100,7 @@ contains
    pure subroutine watch_contact(gearbox, c, mode, rho_a0, q, point, unclipped, leads, values)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: c
-      type(mesh_mode), intent(in) :: mode
+      type(contact_mode), intent(in) :: mode
       real(wp), intent(in) :: rho_a0, q(n_local)
       type(contact_point), intent(in) :: point
       real(wp), intent(in) :: unclipped !! elastic + viscous force [N]
@@ -111,24 +111,24 @@ contains
       integer :: before
 
       before = channel_of(gearbox%contacts(c)%mesh, 0)
-      associate (mesh => gearbox%contacts(c))
+      associate (contact => gearbox%contacts(c))
          if (leads) then
-            values(before + watch_error) = transmission_error(mesh%pair, q)
+            values(before + watch_error) = transmission_error(contact%pair, q)
             values(before + watch_sliding) = point%v_t
-            if (mode%contact == contact_apart .or. mode%contact == contact_off) then ! no pair's point is known
-               if (mode%contact == contact_apart) call track_closed_form(mesh%pair, rho_a0, q, far)
-               if (mode%contact == contact_off) call mesh_contact(mesh, mode, rho_a0, q, far)
+            if (mode%flanks == flanks_apart .or. mode%flanks == flanks_off) then ! no pair's point is known
+               if (mode%flanks == flanks_apart) call track_closed_form(contact%pair, rho_a0, q, far)
+               if (mode%flanks == flanks_off) call locate_contact(contact, mode, rho_a0, q, far)
                values(before + watch_sliding) = far%v_t
             end if
          end if
-         if (mesh%flank == flank_drive .and. touches(mode)) &
+         if (contact%flank == flank_drive .and. touches(mode)) &
             call raise(point%h, values(before + watch_penetration))
-         if (mode%contact /= contact_loaded) return
+         if (mode%flanks /= flanks_loaded) return
          call raise(unclipped, values(before + watch_pair_normal))
-         call raise(contact_pressure(mesh, mode, unclipped, point), values(before + watch_pair_pressure))
+         call raise(contact_pressure(contact, mode, unclipped, point), values(before + watch_pair_pressure))
          values(before + watch_normal) = values(before + watch_normal) + unclipped
-         if (mesh%flank /= flank_drive .or. mesh%friction%law == friction_none) return
-         call friction_factor(mesh%friction, mode%friction, point%v_t, factor, d_v)
+         if (contact%flank /= flank_drive .or. contact%friction%law == friction_none) return
+         call friction_factor(contact%friction, mode%friction, point%v_t, factor, d_v)
          values(before + watch_friction) = values(before + watch_friction) - unclipped*factor
       end associate
    end subroutine watch_contact

@@ -7,7 +7,7 @@ module evl_rigid_events
    use evl_rigid_forces, only: impact, open_flank, set_multipliers
    use evl_settle_modes, only: settle_modes
    use evl_status, only: has_failed, status_t
-   use evl_tooth_contact, only: contact_off
+   use evl_tooth_contact, only: flanks_off
    implicit none (type, external)
    private
 
@@ -46,13 +46,14 @@ contains
          if (has_failed(status)) return
          do m = 1, size(gearbox%contacts)
             if (.not. gearbox%contacts(m)%leads) cycle
-            associate (mesh => gearbox%contacts(m), pair => first_pair(gearbox, m, integers))
+            associate (contact => gearbox%contacts(m), pair => first_pair(gearbox, m, integers))
                if (opened(m) .and. .not. was_closed(m)) cycle
-               if (opened(m)) call note(log, event_opened, mesh, pair)
+               if (opened(m)) call note(log, event_opened, contact, pair)
                if (.not. closing(m)) cycle
                if (rebounds(m)) call open_flank(gearbox, m, y, integers)
-               call note(log, merge(event_impact, event_closed, rebounds(m)), mesh, pair)
-               if (.not. rebounds(m) .and. rigid_restitution(mesh%contact) > 0) call note(log, event_impacts_ended, mesh, pair)
+               call note(log, merge(event_impact, event_closed, rebounds(m)), contact, pair)
+               if (.not. rebounds(m) .and. rigid_restitution(contact%elastic) > 0) call note(log, event_impacts_ended, contact, &
+                                                                                             pair)
             end associate
          end do
          call settle_modes(gearbox, nothing, y, integers, reals, log, status) ! speeds have jumped
@@ -73,7 +74,7 @@ contains
       pair = huge(pair)
       do m = leader, leader + gearbox%contacts(leader)%n_slots - 1
          associate (i => gearbox%contacts(m)%i_mode)
-            if (integers(i + 1) /= contact_off) pair = min(pair, integers(i))
+            if (integers(i + 1) /= flanks_off) pair = min(pair, integers(i))
          end associate
       end do
       if (pair == huge(pair)) pair = integers(gearbox%contacts(leader)%i_mode)

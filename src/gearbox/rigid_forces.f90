@@ -13,7 +13,7 @@ module evl_rigid_forces
    use evl_local_variables, only: i_omega, n_local
    use evl_rigid_contact, only: rigid_closing_rate, rigid_gradient
    use evl_status, only: code_singular, fail, has_failed, quantity, status_t, subject_mesh
-   use evl_tooth_contact, only: contact_loaded, contact_open
+   use evl_tooth_contact, only: flanks_loaded, flanks_open
    implicit none (type, external)
    private
 
@@ -67,7 +67,7 @@ contains
 
       do m = index, index + gearbox%contacts(index)%n_slots - 1
          associate (contact => integers(gearbox%contacts(m)%i_mode + 1))
-            if (contact == contact_loaded) contact = contact_open
+            if (contact == flanks_loaded) contact = flanks_open
          end associate
       end do
       y(gearbox%contacts(index)%i_normal) = 0
@@ -87,11 +87,11 @@ contains
       do turn = 1, size(gearbox%contacts)
          do m = 1, size(gearbox%contacts)
             if (.not. is_closed(gearbox, m, integers)) cycle
-            associate (mesh => gearbox%contacts(m))
-               call gearbox_local(gearbox, mesh, y, q)
-               call rigid_gradient(mesh%pair, q, point, gradient)
-               do i = 1, size(mesh%links)
-                  associate (link => mesh%links(i), dependent => mesh%i_dependent)
+            associate (contact => gearbox%contacts(m))
+               call gearbox_local(gearbox, contact, y, q)
+               call rigid_gradient(contact%pair, q, point, gradient)
+               do i = 1, size(contact%links)
+                  associate (link => contact%links(i), dependent => contact%i_dependent)
                      if (link%state == dependent) y(dependent) = y(dependent) - point%h/gradient%h(link%local)
                      if (link%state == dependent + 1) y(dependent + 1) = y(dependent + 1) - point%h_dot/gradient%h_dot(link%local)
                   end associate
@@ -129,13 +129,13 @@ contains
       call coupled_rates(gearbox, t, y, integers, reals, f0, status)
       if (has_failed(status)) return
       do k = 1, n
-         associate (mesh => gearbox%contacts(closed(k)))
-            offset(k) = f0(mesh%i_normal)
-            y(mesh%i_normal) = mesh%force_scale
+         associate (contact => gearbox%contacts(closed(k)))
+            offset(k) = f0(contact%i_normal)
+            y(contact%i_normal) = contact%force_scale
             call coupled_rates(gearbox, t, y, integers, reals, f, status)
-            y(mesh%i_normal) = 0
+            y(contact%i_normal) = 0
             if (has_failed(status)) return
-            velocity(:, k) = (f - f0)/mesh%force_scale
+            velocity(:, k) = (f - f0)/contact%force_scale
          end associate
          response(:n, k) = velocity(gearbox%contacts(closed(:n))%i_normal, k)
          if (response(k, k) > 0) cycle
@@ -218,14 +218,14 @@ contains
          call responses(gearbox, t, y, integers, reals, closed, n, offset, response, velocity, status)
          if (has_failed(status) .or. n == 0) return
          do k = 1, n
-            associate (mesh => gearbox%contacts(closed(k)))
+            associate (contact => gearbox%contacts(closed(k)))
                impulse(k) = 0
                if (.not. closing(closed(k))) cycle
-               call gearbox_local(gearbox, mesh, y, q)
-               approach = rigid_closing_rate(mesh%pair, q)
-               rebounds(closed(k)) = rigid_restitution(mesh%contact) > 0 .and. approach > rigid_rest_velocity(mesh%contact)
-               impulse(k) = approach/mesh%mobility
-               if (rebounds(closed(k))) impulse(k) = (1 + rigid_restitution(mesh%contact))*impulse(k)
+               call gearbox_local(gearbox, contact, y, q)
+               approach = rigid_closing_rate(contact%pair, q)
+               rebounds(closed(k)) = rigid_restitution(contact%elastic) > 0 .and. approach > rigid_rest_velocity(contact%elastic)
+               impulse(k) = approach/contact%mobility
+               if (rebounds(closed(k))) impulse(k) = (1 + rigid_restitution(contact%elastic))*impulse(k)
             end associate
          end do
          call solve(gearbox, closed(:n), response(:n, :n), impulse(:n), status)

@@ -14,7 +14,7 @@ module evl_roots_lanes
    use evl_line_lanes, only: centre_turn_in_lanes, lane_line, line_in_lanes, motion_in_lanes
    use evl_local_variables, only: i_theta
    use evl_status, only: code_out_of_domain, fail, has_failed, status_t
-   use evl_tooth_contact, only: contact_loaded, contact_off, contact_open, contact_t, flank_drive, mesh_mode, touches
+   use evl_tooth_contact, only: contact_mode, flank_drive, flanks_loaded, flanks_off, flanks_open, tooth_contact_t, touches
    implicit none (type, external)
    private
 
@@ -58,59 +58,59 @@ contains
    end subroutine roots_in_lanes
 
    !> Those of one tooth contact.
-   subroutine roots_of_contact(mesh, mode, rho_start, y, line, roots, answered)
-      type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
+   subroutine roots_of_contact(contact, mode, rho_start, y, line, roots, answered)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
       real(wp), intent(in) :: rho_start            !! nominal radius of curvature on A at theta = 0 [m]
       real(wp), intent(in) :: y(lanes, *)
       type(lane_line), intent(inout) :: line       !! of the contact before, or nobody's
-      real(wp), intent(out) :: roots(lanes, mesh%n_roots)
+      real(wp), intent(out) :: roots(lanes, contact%n_roots)
       logical, intent(out) :: answered
       type(lane_contact) :: at
       type(lane_force) :: force
       real(wp), dimension(lanes) :: unclipped, moved
 
-      call line_in_lanes(mesh, y, line)
+      call line_in_lanes(contact, y, line)
       answered = all_positive(line%margin)
       if (.not. answered) return
-      call contact_in_lanes(mesh, mode, rho_start, line, at)
+      call contact_in_lanes(contact, mode, rho_start, line, at)
       unclipped = 0
       if (touches(mode)) then
-         call laws_in_lanes(mesh, mode, line%margin, at, force, answered)
+         call laws_in_lanes(contact, mode, line%margin, at, force, answered)
          if (.not. answered) return
          unclipped = force%elastic + force%viscous
       end if
-      call moved_in_lanes(mesh, line, at%rho_a0, moved)
-      call contact_roots(mesh, mode, at%h, at%h_dot, at%v_t, at%rho_a, at%rho_b, unclipped, moved, roots)
+      call moved_in_lanes(contact, line, at%rho_a0, moved)
+      call closed_form_roots(contact, mode, at%h, at%h_dot, at%v_t, at%rho_a, at%rho_b, unclipped, moved, roots)
    end subroutine roots_of_contact
 
    !> Those of one that touched in states nearby.
-   subroutine roots_of_touch(mesh, slot, y, line, roots)
-      type(contact_t), intent(in) :: mesh
+   subroutine roots_of_touch(contact, slot, y, line, roots)
+      type(tooth_contact_t), intent(in) :: contact
       type(lane_slot), intent(in) :: slot
       real(wp), intent(in) :: y(lanes, *)
       type(lane_line), intent(inout) :: line       !! its motion may be needed
-      real(wp), intent(out) :: roots(lanes, mesh%n_roots)
+      real(wp), intent(out) :: roots(lanes, contact%n_roots)
       real(wp) :: moved(lanes)
 
-      if (mesh%handover) call motion_in_lanes(mesh, y, line)
-      call moved_in_lanes(mesh, line, slot%at%rho_a0, moved)
-      call contact_roots(mesh, slot%mode, slot%at%h, slot%at%h_dot, slot%at%v_t, slot%at%rho_a, slot%at%rho_b, &
-                         slot%unclipped, moved, roots)
+      if (contact%handover) call motion_in_lanes(contact, y, line)
+      call moved_in_lanes(contact, line, slot%at%rho_a0, moved)
+      call closed_form_roots(contact, slot%mode, slot%at%h, slot%at%h_dot, slot%at%v_t, slot%at%rho_a, slot%at%rho_b, &
+                             slot%unclipped, moved, roots)
    end subroutine roots_of_touch
 
    !> How many pitches a pair that hands over has moved on; 0 for others.
-   subroutine moved_in_lanes(mesh, line, rho_a0, moved)
-      type(contact_t), intent(in) :: mesh
+   subroutine moved_in_lanes(contact, line, rho_a0, moved)
+      type(tooth_contact_t), intent(in) :: contact
       type(lane_line), intent(in) :: line
       real(wp), intent(in) :: rho_a0(lanes)
       real(wp), intent(out) :: moved(lanes)
       real(wp) :: turn(lanes)
 
       moved = 0
-      if (.not. mesh%handover) return
-      call centre_turn_in_lanes(mesh, line, turn)
-      moved = pitches_moved(mesh, rho_a0, line%psi_a, turn)
+      if (.not. contact%handover) return
+      call centre_turn_in_lanes(contact, line, turn)
+      moved = pitches_moved(contact, rho_a0, line%psi_a, turn)
    end subroutine moved_in_lanes
 
    !> The first lane without an answer says why, in the words of the scalar kernel.

@@ -7,13 +7,13 @@
 module evl_settle_modes
    use evl_contact_events, only: contact_event, parts, roots_of_contact
    use evl_contact_point, only: contact_point
-   use evl_contact_roots, only: mark_idle_roots, mesh_root_directions, most_mesh_roots, past, root_contact, root_force, &
+   use evl_contact_roots, only: contact_root_directions, mark_idle_roots, most_contact_roots, past, root_contact, root_force, &
                                 root_friction_high, root_friction_low, root_side
    use evl_event_kinds, only: event_log
    use evl_gearbox, only: gearbox_mode, gearbox_t
    use evl_kinds, only: wp
    use evl_status, only: code_no_solution, fail, has_failed, status_t, subject_mesh
-   use evl_tooth_contact, only: contact_open, contact_t, mesh_mode, tracking_closed_form
+   use evl_tooth_contact, only: contact_mode, flanks_open, tooth_contact_t, tracking_closed_form
    implicit none (type, external)
    private
 
@@ -82,7 +82,7 @@ contains
       logical, intent(out) :: quiet        !! nothing crosses, and what happens to other contacts does not change that
       type(event_log), intent(inout) :: log
       type(status_t), intent(inout) :: status
-      logical :: passed(most_mesh_roots, 1)
+      logical :: passed(most_contact_roots, 1)
 
       quiet = .false.
       call passed_now(gearbox, m, y, integers, reals, [-tie], passed, status)
@@ -108,7 +108,7 @@ contains
       type(event_log), intent(inout) :: log
       type(status_t), intent(inout) :: status
       integer, parameter :: at_all = 1, by_far = 2
-      logical :: passed(most_mesh_roots, 2), jumped(size(crossed))
+      logical :: passed(most_contact_roots, 2), jumped(size(crossed))
 
       nothing = .true.
       call passed_now(gearbox, m, y, integers, reals, [0.0_wp, located], passed, status)
@@ -123,10 +123,10 @@ contains
    end subroutine settle_contact
 
    !> Whether what happens to other contacts changes nothing for this one: rigid ones share a force, tracked ones their points.
-   pure logical function stands_alone(mesh)
-      type(contact_t), intent(in) :: mesh
+   pure logical function stands_alone(contact)
+      type(tooth_contact_t), intent(in) :: contact
 
-      stands_alone = .not. mesh%rigid .and. mesh%tracking == tracking_closed_form
+      stands_alone = .not. contact%rigid .and. contact%tracking == tracking_closed_form
    end function stands_alone
 
    !> Which root functions of one tooth contact are past zero at a state, as far as they decide by themselves.
@@ -135,38 +135,38 @@ contains
       integer, intent(in) :: m, integers(:)
       real(wp), intent(in) :: y(gearbox%n_states), reals(:)
       real(wp), intent(in) :: by(:)                               !! as in `mark_passed`
-      logical, intent(out) :: passed(most_mesh_roots, size(by))   !! of each of them; false behind the last root function
+      logical, intent(out) :: passed(most_contact_roots, size(by))   !! of each of them; false behind the last root function
       type(status_t), intent(inout) :: status
       type(contact_point) :: point
-      type(mesh_mode) :: mode
-      real(wp) :: roots(most_mesh_roots)
+      type(contact_mode) :: mode
+      real(wp) :: roots(most_contact_roots)
       integer :: i
 
       passed = .false.
-      associate (mesh => gearbox%contacts(m))
+      associate (contact => gearbox%contacts(m))
          call roots_of_contact(gearbox, m, y, integers, reals, mode, point, roots, status)
          if (has_failed(status)) return
          do i = 1, size(by)
-            call mark_passed(mesh, mode, roots, by(i), passed(:, i))
+            call mark_passed(contact, mode, roots, by(i), passed(:, i))
          end do
          ! rigid flanks close by impacts, and their forces are found together
-         if (mesh%rigid) passed([root_contact, root_force], :) = .false.
-         if (mode%contact == contact_open .and. parts(mesh, point)) passed(root_contact, :) = .false.
+         if (contact%rigid) passed([root_contact, root_force], :) = .false.
+         if (mode%flanks == flanks_open .and. parts(contact, point)) passed(root_contact, :) = .false.
       end associate
    end subroutine passed_now
 
    !> Mark the root functions of a tooth contact that are past the zero that would end its mode.
-   pure subroutine mark_passed(mesh, mode, roots, by, passed)
-      type(contact_t), intent(in) :: mesh
-      type(mesh_mode), intent(in) :: mode
-      real(wp), intent(in) :: roots(mesh%n_roots)
+   pure subroutine mark_passed(contact, mode, roots, by, passed)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
+      real(wp), intent(in) :: roots(contact%n_roots)
       real(wp), intent(in) :: by !! at least how far, in their own units; < 0: or how near
-      logical, intent(out) :: passed(mesh%n_roots)
-      integer :: directions(most_mesh_roots), i
+      logical, intent(out) :: passed(contact%n_roots)
+      integer :: directions(most_contact_roots), i
 
-      call mesh_root_directions(mesh, mode, directions)
-      call mark_idle_roots(mesh, mode, idle, directions)
-      do i = 1, mesh%n_roots
+      call contact_root_directions(contact, mode, directions)
+      call mark_idle_roots(contact, mode, idle, directions)
+      do i = 1, contact%n_roots
          passed(i) = directions(i) /= idle .and. directions(i)*roots(i) > by
       end do
    end subroutine mark_passed

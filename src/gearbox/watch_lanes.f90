@@ -12,7 +12,7 @@ module evl_watch_lanes
    use evl_kinds, only: lanes, pi, wp
    use evl_line_lanes, only: centre_turn_in_lanes, lane_line, line_in_lanes, motion_in_lanes
    use evl_radau_coefficients, only: n_stages
-   use evl_tooth_contact, only: contact_loaded, contact_off, contact_open, contact_t, flank_drive, mesh_mode, touches
+   use evl_tooth_contact, only: contact_mode, flank_drive, flanks_loaded, flanks_off, flanks_open, tooth_contact_t, touches
    use evl_touching_flanks, only: touching_curvature
    implicit none (type, external)
    private
@@ -51,7 +51,7 @@ contains
          loaded = 0
          do c = gearbox%first(m), gearbox%first(m + 1) - 1
             if (.not. touches(slots(c)%mode)) cycle
-            if (slots(c)%mode%contact == contact_loaded) loaded = loaded + 1
+            if (slots(c)%mode%flanks == flanks_loaded) loaded = loaded + 1
             call watch_pair(gearbox, c, slots(c), n, channels, values, normal, friction)
          end do
          ! the force of a single pair exceeds that of its mesh only where it exceeds that of all pairs
@@ -88,26 +88,26 @@ contains
       real(wp) :: pressure(lanes), curvature(lanes), factor
       integer :: l
 
-      associate (mesh => gearbox%contacts(c))
-         if (mesh%flank == flank_drive) call put(channel_of(mesh%mesh, watch_penetration), slot%at%h, n, channels, values)
-         if (slot%mode%contact /= contact_loaded) return
-         call put(channel_of(mesh%mesh, watch_pair_normal), slot%unclipped, n, channels, values)
-         factor = mesh%e_star/(mesh%width*pi)
-         call curvature_in_lanes(mesh, slot, curvature)
+      associate (contact => gearbox%contacts(c))
+         if (contact%flank == flank_drive) call put(channel_of(contact%mesh, watch_penetration), slot%at%h, n, channels, values)
+         if (slot%mode%flanks /= flanks_loaded) return
+         call put(channel_of(contact%mesh, watch_pair_normal), slot%unclipped, n, channels, values)
+         factor = contact%e_star/(contact%width*pi)
+         call curvature_in_lanes(contact, slot, curvature)
          !$omp simd
          do l = 1, lanes
             normal(l) = normal(l) + slot%unclipped(l)
             pressure(l) = pressure_in_lane(factor, slot%unclipped(l), curvature(l))
          end do
-         call put(channel_of(mesh%mesh, watch_pair_pressure), pressure, n, channels, values)
-         if (mesh%flank == flank_drive) friction = friction - slot%unclipped*slot%friction
+         call put(channel_of(contact%mesh, watch_pair_pressure), pressure, n, channels, values)
+         if (contact%flank == flank_drive) friction = friction - slot%unclipped*slot%friction
       end associate
    end subroutine watch_pair
 
    !> Curvature of both flanks together; of flanks that deviate a little more than it is. That takes long, so it is found at the end
    !> of each step, where the next one begins, and goes evenly between; a place that looks like an extreme is looked at exactly.
-   pure subroutine curvature_in_lanes(mesh, slot, curvature)
-      type(contact_t), intent(in) :: mesh
+   pure subroutine curvature_in_lanes(contact, slot, curvature)
+      type(tooth_contact_t), intent(in) :: contact
       type(lane_slot), intent(inout) :: slot
       real(wp), intent(out) :: curvature(lanes)
       real(wp), parameter :: margin = 2.0e-3_wp
@@ -117,14 +117,14 @@ contains
 
       associate (rho_a => slot%at%rho_a, rho_b => slot%at%rho_b)
          curvature = (rho_a + rho_b)/(rho_a*rho_b)
-         if (.not. mesh%deviates) return
+         if (.not. contact%deviates) return
          from = slot%curvature_seen
          if (abs(slot%rho_seen - rho_a(lanes)) > same*rho_a(lanes)) then
             call take_lane(slot%at, lanes, point)
-            from = touching_curvature(mesh, slot%mode, point)
+            from = touching_curvature(contact, slot%mode, point)
          end if
          call take_lane(slot%at, n_stages, point)
-         to = touching_curvature(mesh, slot%mode, point)
+         to = touching_curvature(contact, slot%mode, point)
          slot%rho_seen = rho_a(n_stages)
          slot%curvature_seen = to
          way = rho_a(n_stages) - rho_a(lanes)
@@ -146,14 +146,14 @@ contains
       integer, intent(in) :: m
       real(wp), intent(in) :: y(lanes, gearbox%n_states)
       type(lane_slot), intent(in) :: slot      !! of the leading contact
-      type(contact_t), intent(in) :: leader
+      type(tooth_contact_t), intent(in) :: leader
       integer, intent(inout) :: n
       integer, intent(inout) :: channels(:)
       real(wp), intent(inout) :: values(lanes, *)
       type(lane_line) :: line
       type(lane_contact) :: at
       type(tracked_pair) :: pair
-      type(mesh_mode) :: mode
+      type(contact_mode) :: mode
       real(wp), dimension(lanes) :: lag, turn
 
       pair = leader%pair
@@ -163,7 +163,7 @@ contains
       else
          call line_in_lanes(leader, y, line)
          mode = slot%mode
-         if (mode%contact == contact_off) mode%contact = contact_open ! else the radii alone would be found
+         if (mode%flanks == flanks_off) mode%flanks = flanks_open ! else the radii alone would be found
          call contact_in_lanes(leader, mode, slot%rho_start, line, at)
          call put(channel_of(m, watch_sliding), at%v_t, n, channels, values)
       end if
