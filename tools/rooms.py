@@ -1,0 +1,211 @@
+#!/usr/bin/env python3
+"""Rooms of the code and the arrows between them, read off the lines that name another file.
+
+usage: tools/rooms.py [--write]
+
+Without an argument: one line for every arrow that docs/rooms.toml does not allow, and exit code 1 if there is any. With --write the
+drawing of the rooms in docs/architecture.md is made anew.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+import tomllib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+BEGIN, END = "<!-- rooms: made by tools/rooms.py -->", "<!-- end of rooms -->"
+
+
+@dataclass(frozen=True)
+class Tree:
+    """One source tree: its table, and where it stands."""
+
+    root: Path
+    name: str
+    title: str
+    language: str
+    floors: list[list[str]]
+    rooms: dict[str, str]
+    outside: dict[str, list[str]]
+
+    @property
+    def folder(self) -> Path:
+        """Where its files are."""
+        return self.root / self.name
+
+    def files(self) -> list[Path]:
+        """Files of the language, relative to the tree."""
+        endings = {"Fortran": ("f90", "inc"), "C": ("c", "h"), "Python": ("py",)}[self.language]
+        found = (path for ending in endings for path in self.folder.rglob(f"*.{ending}"))
+        return sorted(path.relative_to(self.folder) for path in found)
+
+    def room(self, file: Path) -> str | None:
+        """Room of a file: its folder, or of a file at the top of the tree its name."""
+        name = file.parts[0] if len(file.parts) > 1 else file.stem
+        return name if name in self.rooms else None
+
+    def floor(self, room: str) -> int:
+        """Floor of a room, from the ground up."""
+        return next(i for i, rooms in enumerate(self.floors) if room in rooms)
+
+    def allows(self, start: str, end: str) -> bool:
+        """Whether one room may know another."""
+        return start == end or self.floor(end) < self.floor(start)
+
+
+@dataclass(frozen=True)
+class Arrow:
+    """One line of a file that names another file, or something from outside of the tree."""
+
+    file: Path
+    line: int
+    target: str
+    room: str | None
+
+
+def trees(root: Path) -> list[Tree]:
+    """All trees of the table of a checkout."""
+    table = tomllib.loads((root / "docs" / "rooms.toml").read_text())
+    return [
+        Tree(
+            root,
+            name,
+            entry["title"],
+            entry["language"],
+            entry["floors"],
+            entry["rooms"],
+            entry.get("outside", {}),
+        )
+        for name, entry in table.items()
+    ]
+
+
+def _fortran(tree: Tree, file: Path, text: str) -> Iterator[tuple[int, str, Path | None]]:
+    for match in re.finditer(
+        r'^ *(?:use +(?:, *\w+ *:: *)?evl_(\w+)|include "([^"]+)")', text, re.MULTILINE
+    ):
+        line = text.count("\n", 0, match.start()) + 1
+        module, included = match.groups()
+        if included:
+            yield line, included, Path(included)
+        else:
+            found = next(tree.folder.rglob(f"{module}.f90"), None)
+            yield line, f"evl_{module}", found.relative_to(tree.folder) if found else None
+
+
+def _c(tree: Tree, file: Path, text: str) -> Iterator[tuple[int, str, Path | None]]:
+    for match in re.finditer(r'^ *# *include *[<"]([^>"]+)[>"]', text, re.MULTILINE):
+        line, name = text.count("\n", 0, match.start()) + 1, match.group(1)
+        inside = [path for path in (file.parent / name, Path(name)) if (tree.folder / path).is_file()]
+        yield line, name, inside[0] if inside else None
+
+
+def _python(tree: Tree, file: Path, text: str) -> Iterator[tuple[int, str, Path | None]]:
+    package = tree.folder.name
+    for match in re.finditer(
+        rf"^ *(?:from +((?:{package}|\.)[\w.]*) +import +(?:\(([^)]*)\)|(.*))|import +({package}[\w.]*))",
+        text,
+        re.MULTILINE,
+    ):
+        line = text.count("\n", 0, match.start()) + 1
+        source, several, one, plain = match.groups()
+        dotted = plain or source
+        if dotted.startswith("."):
+            level = len(dotted) - len(dotted.lstrip("."))
+            base = [package, *file.parts[:-1]]
+            dotted = ".".join([*base[: len(base) - level + 1], *filter(None, [dotted.lstrip(".")])])
+        parts = dotted.split(".")[1:]
+        names = [name.split(" as ")[0].strip() for name in (several or one or "").split(",")]
+        if not parts:  # names of the package itself: each is a room or a name of its __init__
+            for name in names:
+                yield line, f"{dotted}.{name}", Path(name, "__init__.py")
+        else:
+            yield line, dotted, Path(*parts, "__init__.py")
+
+
+READERS = {"Fortran": _fortran, "C": _c, "Python": _python}
+
+
+def arrows(tree: Tree) -> Iterator[Arrow]:
+    """Every arrow of a tree."""
+    for file in tree.files():
+        text = (tree.folder / file).read_text()
+        for line, name, target in READERS[tree.language](tree, file, text):
+            yield Arrow(file, line, name, tree.room(target) if target else None)
+
+
+def faults(root: Path) -> list[str]:
+    """What the table does not allow, one line each."""
+    found = []
+    for tree in trees(root):
+        listed = [room for rooms in tree.floors for room in rooms]
+        if sorted(listed) != sorted(tree.rooms):
+            found.append(f"docs/rooms.toml: the floors of {tree.name} are not its rooms")
+        top = {"__init__.py", "py.typed"}
+        for file in tree.files():
+            if tree.room(file) is None and file.name not in top:
+                found.append(f"{tree.name}/{file}: stands in no room")
+        for arrow in arrows(tree):
+            start = tree.room(arrow.file)
+            place = f"{tree.name}/{arrow.file}:{arrow.line}: {arrow.target}"
+            if start is None:
+                continue
+            if arrow.room is not None and not tree.allows(start, arrow.room):
+                found.append(f"{place}: {start} may not know {arrow.room}")
+            for beginning, allowed in tree.outside.items():
+                if arrow.room is None and arrow.target.startswith(beginning) and start not in allowed:
+                    found.append(f"{place}: only {', '.join(allowed)} may know {beginning}")
+    return found
+
+
+def drawing(tree: Tree) -> str:
+    """A tree as a diagram and a list; an arrow stands for every pair of rooms that know each other."""
+    known = {
+        (tree.room(arrow.file), arrow.room)
+        for arrow in arrows(tree)
+        if arrow.room is not None and tree.room(arrow.file) not in {None, arrow.room}
+    }
+    lines = [f"## {tree.title} (`{tree.name}/`)", "", "```mermaid", "flowchart BT"]
+    for i, rooms in enumerate(tree.floors):
+        lines.append(f'  subgraph floor{i}[" "]')
+        lines.append("    direction LR")
+        lines += [f"    {room}" for room in rooms]
+        lines.append("  end")
+    # Of the arrows that pass a room on their way, the drawing leaves those out that others imply.
+    for start, end in sorted(known, key=lambda pair: (tree.floor(pair[0]), pair)):
+        between = {b for a, b in known if a == start and b != end}
+        if not any((middle, end) in known for middle in between):
+            lines.append(f"  {start} --> {end}")
+    lines += ["```", ""]
+    lines += [f"- **{room}**: {says}." for room, says in tree.rooms.items()]
+    return "\n".join(lines) + "\n"
+
+
+def page(text: str, root: Path) -> str:
+    """A page with the drawings between its marks made anew."""
+    before, rest = text.split(BEGIN, 1)
+    _, after = rest.split(END, 1)
+    body = "\n".join(drawing(tree) for tree in trees(root))
+    return f"{before}{BEGIN}\n\n{body}\n{END}{after}"
+
+
+def main(arguments: list[str]) -> int:
+    """Check, or draw."""
+    root = Path(__file__).parents[1]
+    if arguments == ["--write"]:
+        file = root / "docs" / "architecture.md"
+        file.write_text(page(file.read_text(), root))
+        return 0
+    if arguments:
+        print(__doc__)
+        return 0 if arguments == ["--help"] else 2
+    found = faults(root)
+    print(*found, sep="\n", end="\n" if found else "")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
