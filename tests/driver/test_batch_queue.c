@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-#include "batch_queue.h"
+#include "batch/batch_queue.h"
 
 enum { PLACES = 20000, WORKERS = 4 };
 

@@ -12,9 +12,9 @@
 
 #include <cmocka.h>
 
-#include "case.h"
-#include "case_tree.h"
-#include "memory.h"
+#include "base/memory.h"
+#include "case/case.h"
+#include "case/case_tree.h"
 
 static const law_info contact_laws[] = {{.name = "johnson", .text = "a contact"}};
 static const law_info damping_laws[] = {

@@ -9,9 +9,9 @@
 
 #include <cmocka.h>
 
-#include "case.h"
-#include "case_tree.h"
-#include "model.h"
+#include "case/case.h"
+#include "case/case_tree.h"
+#include "model/model.h"
 
 enum { MOST_OPTIONS = 4 };
 

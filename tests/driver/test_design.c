@@ -13,7 +13,7 @@
 #include <hdf5.h>
 #include <unistd.h>
 
-#include "design.h"
+#include "files/design.h"
 
 static const char path[] = "test_design.tmp.h5";
 enum { N_CASES = 3 };

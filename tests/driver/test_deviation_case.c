@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "case.h"
+#include "case/case.h"
 
 static const law_info contact_laws[] = {{.name = "johnson", .text = "a contact"}};
 static const law_info other_laws[] = {{.name = "none", .text = "nothing"}};

@@ -1,5 +1,5 @@
 /** The history's file, read back with HDF5 itself; the readers of users are tested in tests/cli. */
-#include "history.h"
+#include "files/history.h"
 
 #include <hdf5.h>
 #include <hdf5_hl.h>

@@ -1,5 +1,5 @@
 /* The integrator on problems without gears, whose solutions are known. */
-#include "integrate.h"
+#include "integrate/integrate.h"
 
 #include <math.h>
 #include <setjmp.h>

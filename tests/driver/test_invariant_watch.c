@@ -1,7 +1,7 @@
 /* A run whose outputs are right keeps its invariants; one value that is wrong breaks the one that it belongs to. */
-#include "invariant_watch.h"
-#include "memory.h"
-#include "prepare.h"
+#include "base/memory.h"
+#include "simulate/invariant_watch.h"
+#include "simulate/prepare.h"
 
 #include <math.h>
 #include <setjmp.h>

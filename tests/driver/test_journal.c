@@ -15,8 +15,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "journal.h"
-#include "lock.h"
+#include "base/lock.h"
+#include "batch/journal.h"
 
 enum { N_CASES = 4 };
 static const char path[] = "test_journal.tmp.jsonl";

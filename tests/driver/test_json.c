@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "json.h"
+#include "base/json.h"
 
 static void assert_written(void (*write)(json_writer *writer), const char *expected)
 {

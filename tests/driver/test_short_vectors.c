@@ -1,5 +1,5 @@
 /* Operations on short vectors against those of SUNDIALS itself: the same bits, whichever factors and places. */
-#include "short_vectors.h"
+#include "integrate/short_vectors.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,8 +1,8 @@
 /* Two cases at once, in two threads or in turns, give the bits that each gives alone. No history is written: that is a
  * matter of HDF5, which has its own locks. */
-#include "integrate.h"
-#include "memory.h"
-#include "prepare.h"
+#include "base/memory.h"
+#include "integrate/integrate.h"
+#include "simulate/prepare.h"
 
 #include <pthread.h>
 #include <setjmp.h>

@@ -10,9 +10,9 @@
 
 #include <cmocka.h>
 
-#include "number.h"
-#include "status.h"
-#include "suggest.h"
+#include "base/number.h"
+#include "base/status.h"
+#include "base/suggest.h"
 
 static void numbers_are_those_of_yaml_1_2(void **state)
 {

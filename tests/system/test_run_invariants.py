@@ -15,11 +15,11 @@ WATCHED = (
     *("gradient ratio", "transmission error", "points on flanks", "points on line of action"),
     *("rigid gap", "energy balance"),
 )
-SOURCE = Path(__file__).parents[2] / "driver" / "invariant_watch.c"
+SOURCE = Path(__file__).parents[2] / "driver" / "simulate" / "invariant_watch.c"
 
 
 def test_both_have_the_same_bounds() -> None:
-    """The table in driver/invariant_watch.c against that of the package."""
+    """The table in driver/simulate/invariant_watch.c against that of the package."""
     rows = re.findall(r'\] = \{"([^"]+)", ([0-9.e-]+), ([0-9.e-]+)\}', SOURCE.read_text())
     watched = {name: (float(least), float(tolerances)) for name, least, tolerances in rows}
     assert set(watched) == set(WATCHED)

@@ -1,0 +1,57 @@
+#include "base/status.h"
+
+#include <stdarg.h>
+#include <string.h>
+
+static const struct {
+    evl_exit code;
+    const char *text;
+} exits[] = {
+#define EVL_EXIT_ROW(name, number, text) {name, text},
+    EVL_EXIT_CODES(EVL_EXIT_ROW)
+#undef EVL_EXIT_ROW
+};
+
+const char *evl_exit_text(int code)
+{
+    for (size_t i = 0; i < sizeof exits / sizeof *exits; i++) {
+        if ((int)exits[i].code == code) {
+            return exits[i].text;
+        }
+    }
+    return "unknown";
+}
+
+void evl_exit_print_table(FILE *stream)
+{
+    for (size_t i = 0; i < sizeof exits / sizeof *exits; i++) {
+        fprintf(stream, "  %2d  %s\n", (int)exits[i].code, exits[i].text);
+    }
+}
+
+static void keep_one_line(char *text)
+{
+    for (; *text != '\0'; text++) {
+        const unsigned char c = (unsigned char)*text;
+        if (c < 0x20 || c == 0x7f) {
+            *text = ' ';
+        }
+    }
+}
+
+void evl_error_set(evl_error *error, evl_exit code, const char *place, const char *format, ...)
+{
+    error->code = code;
+    (void)snprintf(error->place, sizeof error->place, "%s", place);
+    va_list arguments;
+    va_start(arguments, format);
+    (void)vsnprintf(error->message, sizeof error->message, format, arguments);
+    va_end(arguments);
+    keep_one_line(error->place);
+    keep_one_line(error->message);
+}
+
+void evl_error_print(FILE *stream, const evl_error *error)
+{
+    fprintf(stream, "%s: %s\n", error->place[0] != '\0' ? error->place : "evolvent", error->message);
+}

@@ -1,0 +1,47 @@
+#include "base/words.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/memory.h"
+
+bool words_contain(const char *words, const char *word)
+{
+    const size_t length = strlen(word);
+    for (const char *start = words; *start != '\0' && length > 0;) {
+        const size_t n = strcspn(start, " ");
+        if (n == length && strncmp(start, word, n) == 0) {
+            return true;
+        }
+        start += n + strspn(start + n, " ");
+    }
+    return false;
+}
+
+int words_split(const char *words, char ***list)
+{
+    char *copy = xstrdup(words);
+    char **items = xcalloc(strlen(words) / 2 + 2, sizeof *items);
+    int n = 0;
+    items[0] = copy;
+    for (char *start = copy; *start != '\0';) {
+        items[n++] = start;
+        start += strcspn(start, " ");
+        if (*start == ' ') {
+            *start++ = '\0';
+        }
+    }
+    *list = items;
+    return n;
+}
+
+char *words_join(int n, const char *const *words, const char *separator)
+{
+    char *joined = xstrdup("");
+    for (int i = 0; i < n; i++) {
+        char *longer = xasprintf("%s%s%s", joined, i == 0 ? "" : separator, words[i]);
+        free(joined);
+        joined = longer;
+    }
+    return joined;
+}

@@ -1,0 +1,267 @@
+#include "batch/batch.h"
+
+#include "base/interrupt.h"
+#include "base/lock.h"
+#include "base/log.h"
+#include "base/memory.h"
+#include "batch/batch_check.h"
+#include "batch/batch_pool.h"
+#include "batch/batch_todo.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { MOST_JOBS = 1024, MOST_SHARDS = 1000000 };
+
+typedef struct {
+    int shard, n_shards, jobs;
+} batch_share;
+
+/* ---- the command line ---- */
+
+/** A count from 1 on at the start of a text. @return what follows, NULL if there is no such count */
+static const char *read_count(const char *text, int most, int *count)
+{
+    char *end = NULL;
+    errno = 0;
+    const long value = strtol(text, &end, 10);
+    if (end == text || text[0] < '0' || text[0] > '9' || errno != 0 || value < 1 || value > most) {
+        return NULL;
+    }
+    *count = (int)value;
+    return end;
+}
+
+static bool read_share(const batch_options *options, batch_share *share, evl_error *error)
+{
+    *share = (batch_share){.shard = 1, .n_shards = 1, .jobs = 1};
+    if (options->shard != NULL) {
+        const char *rest = read_count(options->shard, MOST_SHARDS, &share->shard);
+        rest = rest != NULL && rest[0] == '/' ? read_count(rest + 1, MOST_SHARDS, &share->n_shards) : NULL;
+        if (rest == NULL || rest[0] != '\0' || share->shard > share->n_shards) {
+            evl_error_set(error, EVL_EXIT_USAGE, "", "--shard %s: write I/N, the shard I of N, from 1/N to N/N",
+                          options->shard);
+            return false;
+        }
+    }
+    if (options->jobs != NULL) {
+        const char *rest = read_count(options->jobs, MOST_JOBS, &share->jobs);
+        if (rest == NULL || rest[0] != '\0') {
+            evl_error_set(error, EVL_EXIT_USAGE, "", "--jobs %s: write a number of processes from 1 to %d",
+                          options->jobs, MOST_JOBS);
+            return false;
+        }
+    }
+    return true;
+}
+
+/* ---- the folder ---- */
+
+/** The first line of a file, without its newline; NULL, with errno, if it cannot be read. */
+static char *read_line(const char *path)
+{
+    FILE *file = fopen(path, "rb");
+    if (file == NULL) {
+        return NULL;
+    }
+    char *line = NULL;
+    size_t room = 0;
+    ssize_t length = getline(&line, &room, file);
+    (void)fclose(file);
+    if (length < 0) {
+        free(line);
+        return xstrdup("");
+    }
+    while (length > 0 && line[length - 1] == '\n') {
+        line[--length] = '\0';
+    }
+    return line;
+}
+
+static bool fail_folder(const char *path, evl_error *error)
+{
+    evl_error_set(error, EVL_EXIT_IO, path, "cannot be written: %s", strerror(errno));
+    return false;
+}
+
+/** Write the mark under another name first: shards that start together find all of it or nothing. */
+static bool mark_folder(const char *mark, const char *hash, evl_error *error)
+{
+    char *partial = xasprintf("%s.%ld", mark, (long)getpid());
+    FILE *file = fopen(partial, "wb");
+    bool good = file != NULL && fprintf(file, "%s\n", hash) > 0 && fflush(file) == 0 && fsync(fileno(file)) == 0;
+    good = (file == NULL || fclose(file) == 0) && good;
+    good = (good && (link(partial, mark) == 0 || errno == EEXIST || rename(partial, mark) == 0)) ||
+           fail_folder(mark, error);
+    (void)unlink(partial);
+    free(partial);
+    return good;
+}
+
+/** A folder holds the results of one design. */
+static bool claim_folder(const char *folder, const char *hash, evl_error *error)
+{
+    if (mkdir(folder, 0777) != 0 && errno != EEXIST) {
+        return fail_folder(folder, error);
+    }
+    char *mark = xasprintf("%s/design.txt", folder);
+    char *found = read_line(mark);
+    bool good = found != NULL || errno != ENOENT || mark_folder(mark, hash, error);
+    if (good && found == NULL) {
+        found = read_line(mark);
+    }
+    if (good && found == NULL) {
+        good = fail_folder(mark, error);
+    } else if (good && strcmp(found, hash) != 0) {
+        evl_error_set(error, EVL_EXIT_CASE, mark,
+                      "this folder holds the results of another design (%.16s..., not "
+                      "%.16s...); choose another folder",
+                      found, hash);
+        good = false;
+    }
+    free(found);
+    free(mark);
+    return good;
+}
+
+/* ---- the shard ---- */
+
+typedef struct {
+    const batch_options *options;
+    batch_share share;
+    design *design;
+    batch_plan plan;
+    batch_state state;
+    char *stem;      /**< FOLDER/shard-I-of-N */
+    long n_recorded; /**< cases, by runs before this one */
+} shard_run;
+
+static bool open_histories(shard_run *run, evl_error *error)
+{
+    const batch_histories *histories = &run->plan.histories;
+    if (histories->n_variables == 0) {
+        return true;
+    }
+    char *path = xasprintf("%s.h5", run->stem);
+    if (run->n_recorded > 0 && access(path, F_OK) != 0) {
+        log_warning("%s is gone, and with it the histories of the %ld cases recorded before", path, run->n_recorded);
+    }
+    const stack_layout layout = {.path = path,
+                                 .hash = run->design->hash,
+                                 .first_case = run->plan.first_case,
+                                 .stride = run->plan.stride,
+                                 .n_rows = batch_shard_size(&run->plan),
+                                 .n_times = histories->n_times,
+                                 .times = histories->times,
+                                 .n_variables = histories->n_variables,
+                                 .variables = histories->variables,
+                                 .n_wheels = histories->n_wheels,
+                                 .n_meshes = histories->n_meshes,
+                                 .n_shafts = histories->n_shafts,
+                                 .n_pairs = histories->n_pairs,
+                                 .n_drive_pairs = histories->n_drive_pairs,
+                                 .shaft_names = (const char *const *)histories->shaft_names,
+                                 .wheel_names = (const char *const *)histories->wheel_names,
+                                 .mesh_names = (const char *const *)histories->mesh_names};
+    const bool good = stack_open(&run->plan.stack, &layout, error);
+    free(path);
+    return good;
+}
+
+static bool open_journal(shard_run *run, evl_error *error)
+{
+    batch_state *state = &run->state;
+    char *path = xasprintf("%s.jsonl", run->stem);
+    char *head = batch_plan_head(&run->plan, run->share.shard, run->share.n_shards);
+    state->status = xcalloc((size_t)run->design->n_cases, sizeof *state->status);
+    bool good = journal_open(&state->journal, path, head, run->design->n_cases, state->status, &run->n_recorded, error);
+    if (good && run->n_recorded > 0 && !run->options->resume && run->options->cases == NULL) {
+        evl_error_set(error, EVL_EXIT_CASE, path,
+                      "%ld cases are recorded here already; go on with --resume, or choose another folder",
+                      run->n_recorded);
+        good = false;
+    }
+    free(head);
+    free(path);
+    return good;
+}
+
+static evl_exit summarise(const shard_run *run, double seconds)
+{
+    const long n = batch_shard_size(&run->plan);
+    long counts[JOURNAL_REFUSED + 1] = {0};
+    for (long i = 0; i < n; i++) {
+        counts[run->state.status[run->plan.first_case + i * run->plan.stride]]++;
+    }
+    const long bad = counts[JOURNAL_FAILED] + counts[JOURNAL_REFUSED];
+    log_note("shard %d of %d: %ld cases, %ld done, %ld did not finish (%ld failed, %ld refused); %ld of them now, in "
+             "%.3g s: %s.jsonl",
+             run->share.shard, run->share.n_shards, n, counts[JOURNAL_DONE], bad, counts[JOURNAL_FAILED],
+             counts[JOURNAL_REFUSED], run->state.n_finished, seconds, run->stem);
+    return bad > 0 ? EVL_EXIT_PARTIAL : EVL_EXIT_OK;
+}
+
+/** With the lock held. */
+static evl_exit run_locked(shard_run *run, evl_error *error)
+{
+    batch_state *state = &run->state;
+    evl_exit code = EVL_EXIT_OK;
+    if (open_journal(run, error) &&
+        batch_todo(&run->plan, run->options->cases, state->status, &state->todo, &state->n_todo, error) &&
+        (state->n_todo == 0 || open_histories(run, error))) {
+        const double start = batch_clock();
+        batch_pool_run(&run->plan, run->share.jobs, run->options->show_progress, state, error);
+        code = error->code == EVL_EXIT_OK ? summarise(run, batch_clock() - start) : error->code;
+    } else {
+        code = error->code;
+    }
+    free(state->todo);
+    free(state->status);
+    journal_close(&state->journal);
+    return code;
+}
+
+static evl_exit run_shard(shard_run *run, evl_error *error)
+{
+    file_lock lock;
+    evl_exit code = EVL_EXIT_OK;
+    run->state.journal.descriptor = -1;
+    run->stem = xasprintf("%s/shard-%d-of-%d", run->options->folder, run->share.shard, run->share.n_shards);
+    char *lock_path = xasprintf("%s.lock", run->stem);
+    if (claim_folder(run->options->folder, run->design->hash, error) && file_lock_take(&lock, lock_path, error)) {
+        code = run_locked(run, error);
+        file_lock_release(&lock);
+    } else {
+        code = error->code;
+    }
+    free(lock_path);
+    free(run->stem);
+    return code;
+}
+
+evl_exit batch(const batch_options *options, evl_error *error)
+{
+    shard_run run = {.options = options};
+    *error = (evl_error){.code = EVL_EXIT_OK};
+    if (!read_share(options, &run.share, error)) {
+        return error->code;
+    }
+    run.design = design_read(options->design, error);
+    if (run.design == NULL) {
+        return error->code;
+    }
+    evl_exit code = EVL_EXIT_CASE;
+    if (batch_plan_init(&run.plan, run.design, error)) {
+        run.plan.first_case = run.share.shard - 1;
+        run.plan.stride = run.share.n_shards;
+        code = options->check ? batch_check(&run.plan, error) : run_shard(&run, error);
+        batch_plan_free(&run.plan);
+    }
+    design_delete(&run.design);
+    return code;
+}

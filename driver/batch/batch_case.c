@@ -1,0 +1,241 @@
+#include "batch/batch_case.h"
+
+#include "base/json.h"
+#include "base/memory.h"
+#include "simulate/simulate.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+typedef struct {
+    const batch_plan *plan;
+    statistics *statistics;
+    float *history; /**< a row of the stack; NULL if there are no histories */
+    int *offsets;   /**< of the history's variables among the outputs */
+    long n_outputs; /**< so far */
+} batch_sink;
+
+/* ---- the row ---- */
+
+/** @param results  [n scalars], NULL: none */
+static void write_row(const batch_plan *plan, long index, journal_status status, const char *message,
+                      const double *results, batch_row *row)
+{
+    static const int exits[] = {
+        [JOURNAL_DONE] = EVL_EXIT_OK, [JOURNAL_FAILED] = EVL_EXIT_INTEGRATION, [JOURNAL_REFUSED] = EVL_EXIT_CASE};
+    struct timespec now = {0};
+    (void)clock_gettime(CLOCK_REALTIME, &now);
+    *row = (batch_row){.status = status};
+    json_writer writer = {.stream = open_memstream(&row->line, &row->length), .is_line = true};
+    json_open(&writer, NULL, '{');
+    json_integer(&writer, "case", index);
+    json_text(&writer, "status", journal_status_name(status));
+    json_integer(&writer, "exit", exits[status]);
+    json_text(&writer, "message", message);
+    for (int i = 0; i < plan->table.n; i++) {
+        json_number(&writer, plan->table.scalars[i].name, results == NULL ? NAN : results[i]);
+    }
+    json_number(&writer, "at", (double)now.tv_sec + floor(1e-6 * (double)now.tv_nsec) / 1000);
+    json_close(&writer, '}');
+    (void)fclose(writer.stream);
+}
+
+void batch_case_lost(const batch_plan *plan, long index, const char *message, batch_row *row)
+{
+    write_row(plan, index, JOURNAL_FAILED, message, NULL, row);
+}
+
+char *batch_case_refusal(const evl_error *refusal)
+{
+    return xasprintf("%s: %s", refusal->place, refusal->message);
+}
+
+/* ---- what a case has to have ---- */
+
+/** The window of a case, the design's NaNs filled in. @return false if no output lies in it */
+static bool find_window(const batch_plan *plan, const integrate_options *options, double *from, double *to)
+{
+    const double *window = plan->design->window, dt = options->output_interval, slack = 1e-6;
+    *from = isnan(window[0]) ? options->t_end / 2 : window[0];
+    *to = isnan(window[1]) ? options->t_end : window[1];
+    const double first = ceil(*from / dt - slack) * dt; /* on the grid */
+    const bool has_grid_point = first <= fmin(*to, options->t_end) + slack * dt;
+    const bool has_end = *from <= options->t_end && options->t_end <= *to;
+    return has_grid_point || has_end;
+}
+
+static bool has_history_shape(const batch_plan *plan, const model *model, const integrate_options *options)
+{
+    const batch_histories *histories = &plan->histories;
+    bool good = options->t_end == histories->duration && options->output_interval == histories->output_interval;
+    for (int i = 0; i < histories->n_variables && good; i++) {
+        const model_output *wanted = &histories->variables[i];
+        good = false;
+        for (int k = 0; k < model_n_outputs(model) && !good; k++) {
+            const model_output *output = &model_outputs_table(model)[k];
+            good = strcmp(output->name, wanted->name) == 0 && output->count == wanted->count;
+        }
+    }
+    return good;
+}
+
+/** @return false with the reason in `refusal` */
+static bool check_case(const batch_plan *plan, const prepared_case *prepared, double *from, double *to,
+                       evl_error *refusal)
+{
+    const integrate_options options = simulate_options(prepared);
+    const int n_meshes = case_description(prepared->file)->n_meshes;
+    const char *place = case_path(prepared->file);
+    if (n_meshes != plan->table.n_meshes) {
+        evl_error_set(
+            refusal, EVL_EXIT_CASE, place,
+            "the number of meshes is %d, that of the base case %d; all cases of a design have the same meshes",
+            n_meshes, plan->table.n_meshes);
+        return false;
+    }
+    if (!find_window(plan, &options, from, to)) {
+        evl_error_set(refusal, EVL_EXIT_CASE, place,
+                      "the window from %g to %g s holds no output of this case, which ends at %g s", *from, *to,
+                      options.t_end);
+        return false;
+    }
+    if (!has_history_shape(plan, prepared->model, &options) && plan->histories.n_variables > 0) {
+        evl_error_set(refusal, EVL_EXIT_CASE, place,
+                      "its history has other times or sizes than those of the other cases; plan it without histories");
+        return false;
+    }
+    return true;
+}
+
+/* ---- what the simulation tells ---- */
+
+/** One time of a history that is stacked, if it is one of those. */
+static void keep_time(const batch_sink *sink, double t, const double *values)
+{
+    const batch_histories *histories = &sink->plan->histories;
+    const long every = sink->plan->design->history_every, k = sink->n_outputs / every;
+    if (sink->n_outputs % every != 0 || k >= histories->n_times ||
+        fabs(t - histories->times[k]) > 1e-6 * histories->output_interval) { /* the last state of a run that fails */
+        return;
+    }
+    float *to = sink->history;
+    for (int i = 0; i < histories->n_variables; i++) {
+        const int count = histories->variables[i].count;
+        for (int j = 0; j < count; j++) {
+            to[k * count + j] = (float)values[sink->offsets[i] + j];
+        }
+        to += (long)histories->n_times * count;
+    }
+}
+
+static bool on_outputs(void *self, double t, const double *values)
+{
+    batch_sink *sink = self;
+    statistics_outputs(sink->statistics, t, values);
+    if (sink->history != NULL) {
+        keep_time(sink, t, values);
+    }
+    sink->n_outputs++;
+    return true;
+}
+
+static bool on_event(void *self, const event_record *record)
+{
+    const batch_sink *sink = self;
+    statistics_event(sink->statistics, record);
+    return true;
+}
+
+static void start_history(batch_sink *sink, const model *model)
+{
+    const batch_histories *histories = &sink->plan->histories;
+    if (histories->n_variables == 0) {
+        return;
+    }
+    const long n = stack_row_length(&sink->plan->stack);
+    sink->history = xcalloc((size_t)n, sizeof *sink->history);
+    sink->offsets = xcalloc((size_t)histories->n_variables, sizeof *sink->offsets);
+    for (long i = 0; i < n; i++) {
+        sink->history[i] = NAN;
+    }
+    for (int i = 0; i < histories->n_variables; i++) {
+        sink->offsets[i] = model_output_offset(model, histories->variables[i].name);
+    }
+}
+
+/* ---- the case ---- */
+
+/** What `evolvent run` would warn of. */
+static char *remarks(const prepared_case *prepared, const char *remark)
+{
+    char *warnings = prepare_warnings(prepared, "; ");
+    char *text = xasprintf("%s%s%s", warnings, warnings[0] != '\0' && remark[0] != '\0' ? "; " : "", remark);
+    free(warnings);
+    return text;
+}
+
+static void conclude(const batch_sink *sink, const prepared_case *prepared, long index, const simulate_result *result,
+                     batch_row *row)
+{
+    const batch_plan *plan = sink->plan;
+    const bool is_done = result->end == SIMULATE_DONE;
+    double *results = xcalloc((size_t)plan->table.n, sizeof *results);
+    statistics_finish(sink->statistics, &result->counts, is_done, results);
+    char *remark = result->held ? xstrdup(result->remark)
+                                : xasprintf("%s%sits own invariants are %s", result->remark,
+                                            result->remark[0] != '\0' ? "; " : "", result->invariants);
+    char *message =
+        is_done ? remarks(prepared, remark) : xasprintf("failed at t = %.9g s: %s", result->t, result->message);
+    free(remark);
+    write_row(plan, index, is_done ? JOURNAL_DONE : JOURNAL_FAILED, message, results, row);
+    free(message);
+    free(results);
+}
+
+static bool simulate_prepared(const batch_plan *plan, long index, const prepared_case *prepared, batch_start *start,
+                              batch_row *row, evl_error *error)
+{
+    const double interval = case_description(prepared->file)->simulation.output_interval;
+    batch_sink batch = {
+        .plan = plan, .statistics = statistics_create(&plan->table, prepared->model, start->from, start->to, interval)};
+    start_history(&batch, prepared->model);
+    const simulate_sink sink = {
+        .self = &batch, .outputs = on_outputs, .event = on_event, .extremes = statistics_extremes(batch.statistics)};
+    simulate_result result;
+    progress progress;
+    progress_start(&progress, false, 0, 1);
+    simulate(prepared, &sink, &progress, &start->state, &result);
+    conclude(&batch, prepared, index, &result, row);
+    const bool good = batch.history == NULL ||
+                      stack_write(&plan->stack, (index - plan->first_case) / plan->stride, batch.history, error);
+    statistics_delete(&batch.statistics);
+    free(batch.history);
+    free(batch.offsets);
+    return good;
+}
+
+bool batch_case_prepare(const batch_plan *plan, long index, prepared_case *prepared, batch_start *start,
+                        evl_error *refusal)
+{
+    *start = (batch_start){.from = 0};
+    return batch_prepare(plan, index, prepared, refusal) &&
+           check_case(plan, prepared, &start->from, &start->to, refusal) &&
+           prepare_start(prepared, &start->state, refusal);
+}
+
+bool batch_case_run(const batch_plan *plan, long index, prepared_case *prepared, batch_row *row, evl_error *error)
+{
+    evl_error refusal;
+    batch_start start;
+    if (!batch_case_prepare(plan, index, prepared, &start, &refusal)) {
+        char *message = batch_case_refusal(&refusal);
+        write_row(plan, index, JOURNAL_REFUSED, message, NULL, row);
+        free(message);
+        return true;
+    }
+    const bool good = simulate_prepared(plan, index, prepared, &start, row, error);
+    dae_state_free(&start.state);
+    return good;
+}

@@ -1,0 +1,62 @@
+#include "batch/batch_check.h"
+
+#include "base/interrupt.h"
+#include "base/json.h"
+#include "batch/batch_case.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+/** What was found so far. */
+typedef struct {
+    long checked, refused;
+    double shortest; /**< duration of the cases that would run [s], NaN if there are none */
+} findings;
+
+static void write_refusal(long index, const evl_error *refusal)
+{
+    char *text = batch_case_refusal(refusal);
+    json_writer writer = {.stream = stdout, .is_line = true};
+    json_open(&writer, NULL, '{');
+    json_integer(&writer, "case", index);
+    json_text(&writer, "message", text);
+    json_close(&writer, '}');
+    free(text);
+}
+
+static void write_findings(const findings *found)
+{
+    json_writer writer = {.stream = stdout, .is_line = true};
+    json_open(&writer, NULL, '{');
+    json_integer(&writer, "checked", found->checked);
+    json_integer(&writer, "refused", found->refused);
+    json_number(&writer, "shortest", found->shortest);
+    json_close(&writer, '}');
+}
+
+evl_exit batch_check(const batch_plan *plan, evl_error *error)
+{
+    findings found = {.shortest = NAN};
+    prepared_case prepared = {0};
+    for (long i = plan->first_case; i < plan->design->n_cases && interrupt_signal == 0; i += plan->stride) {
+        evl_error refusal;
+        batch_start start;
+        found.checked++;
+        if (batch_case_prepare(plan, i, &prepared, &start, &refusal)) {
+            found.shortest = fmin(found.shortest, case_description(prepared.file)->simulation.duration);
+            dae_state_free(&start.state);
+        } else {
+            found.refused++;
+            write_refusal(i, &refusal);
+        }
+    }
+    prepared_case_free(&prepared);
+    if (interrupt_signal != 0) {
+        evl_error_set(error, EVL_EXIT_INTERRUPTED, plan->design->file, "interrupted by %s",
+                      interrupt_name((int)interrupt_signal));
+        return EVL_EXIT_INTERRUPTED;
+    }
+    write_findings(&found);
+    return found.refused > 0 ? EVL_EXIT_PARTIAL : EVL_EXIT_OK;
+}

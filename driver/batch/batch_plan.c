@@ -1,0 +1,226 @@
+#include "batch/batch_plan.h"
+
+#include "base/json.h"
+#include "base/memory.h"
+#include "base/suggest.h"
+#include "simulate/simulate.h"
+
+#include <evolvent_version.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/** A path that no case has is a fault of the design; a value that is refused is one of its row. */
+static bool check_paths(const batch_plan *plan, evl_error *error)
+{
+    const design *design = plan->design;
+    for (int i = 0; i < design->n_columns; i++) {
+        evl_error reason;
+        const char *path = design->columns[i].path;
+        if (strchr(path, '=') != NULL || !case_base_has_path(plan->base, path, &reason)) {
+            evl_error_set(error, EVL_EXIT_CASE, design->file, "no case has the path '%.200s': %s", path,
+                          strchr(path, '=') != NULL ? "it contains '='" : reason.message);
+            return false;
+        }
+    }
+    return true;
+}
+
+static void take_table(batch_plan *plan)
+{
+    const int n = case_base_elements(plan->base, "meshes", NULL);
+    char **names = xcalloc((size_t)n, sizeof *names);
+    (void)case_base_elements(plan->base, "meshes", names);
+    statistics_table_init(&plan->table, n, names);
+    for (int i = 0; i < n; i++) {
+        free(names[i]);
+    }
+    free(names);
+}
+
+bool batch_prepare(const batch_plan *plan, long index, prepared_case *prepared, evl_error *error)
+{
+    const design *design = plan->design;
+    char **options = xcalloc((size_t)design->n_columns, sizeof *options);
+    for (int i = 0; i < design->n_columns; i++) {
+        options[i] = design_option(design, i, index);
+    }
+    const bool good = prepare_edited(prepared, plan->base, design->n_columns, (const char *const *)options, error);
+    for (int i = 0; i < design->n_columns; i++) {
+        free(options[i]);
+    }
+    free(options);
+    return good;
+}
+
+/* ---- histories ---- */
+
+static bool refuse_variable(const batch_plan *plan, const model *model, const char *name, evl_error *error)
+{
+    const int n = model_n_outputs(model);
+    const char **names = xcalloc((size_t)n, sizeof *names);
+    int n_names = 0;
+    for (int i = 0; i < n; i++) {
+        const model_output *output = &model_outputs_table(model)[i];
+        if (!output->is_static && output->count > 0) {
+            names[n_names++] = output->name;
+        }
+    }
+    char *hint = suggest_phrase(name, n_names, names);
+    evl_error_set(error, EVL_EXIT_CASE, plan->design->file,
+                  "history_variables: a history of these cases has no '%.64s' over time%s", name, hint);
+    free(hint);
+    free(names);
+    return false;
+}
+
+/** Find the variables by the names that stand in the design. */
+static bool choose_variables(batch_plan *plan, const model *model, evl_error *error)
+{
+    batch_histories *histories = &plan->histories;
+    char *names = xstrdup(plan->design->history_variables), *rest = NULL;
+    histories->variables = xcalloc((size_t)model_n_outputs(model), sizeof *histories->variables);
+    bool good = true;
+    for (char *name = strtok_r(names, " ", &rest); name != NULL && good; name = strtok_r(NULL, " ", &rest)) {
+        const model_output *found = NULL;
+        bool is_new = true;
+        for (int i = 0; i < model_n_outputs(model) && found == NULL; i++) {
+            const model_output *output = &model_outputs_table(model)[i];
+            const bool is_it = strcmp(output->name, name) == 0 && !output->is_static && output->count > 0;
+            found = is_it ? output : NULL;
+        }
+        for (int i = 0; i < histories->n_variables; i++) {
+            is_new = is_new && strcmp(histories->variables[i].name, name) != 0;
+        }
+        if (found == NULL) {
+            good = refuse_variable(plan, model, name, error);
+        } else if (is_new) {
+            histories->variables[histories->n_variables++] = *found;
+        }
+    }
+    free(names);
+    return good;
+}
+
+static void take_times(batch_plan *plan, const prepared_case *prepared)
+{
+    batch_histories *histories = &plan->histories;
+    const integrate_options options = simulate_options(prepared);
+    const long last = integrate_n_outputs(&options, 0) - 1, every = plan->design->history_every;
+    histories->duration = options.t_end;
+    histories->output_interval = options.output_interval;
+    histories->n_times = (int)(last / every) + 1;
+    histories->times = xcalloc((size_t)histories->n_times, sizeof *histories->times);
+    for (int i = 0; i < histories->n_times; i++) {
+        const long k = i * every;
+        histories->times[i] = k == last ? options.t_end : (double)k * options.output_interval;
+    }
+}
+
+static void take_names(batch_histories *histories, const description *description)
+{
+    histories->n_wheels = description->n_wheels;
+    histories->n_meshes = description->n_meshes;
+    histories->wheel_names = xcalloc((size_t)description->n_wheels, sizeof *histories->wheel_names);
+    histories->mesh_names = xcalloc((size_t)description->n_meshes, sizeof *histories->mesh_names);
+    for (int i = 0; i < description->n_wheels; i++) {
+        histories->wheel_names[i] = xstrdup(description->wheels[i].name);
+    }
+    for (int i = 0; i < description->n_meshes; i++) {
+        histories->mesh_names[i] = xstrdup(description->meshes[i].name);
+    }
+    histories->n_shafts = description->n_shafts;
+    histories->shaft_names = xcalloc((size_t)description->n_shafts, sizeof *histories->shaft_names);
+    for (int i = 0; i < description->n_shafts; i++) {
+        histories->shaft_names[i] = xstrdup(description->shafts[i].name);
+    }
+}
+
+/** Every shard has to come to the same layout: the design's first case that is not refused decides. */
+static bool plan_histories(batch_plan *plan, evl_error *error)
+{
+    prepared_case prepared = {0};
+    evl_error refusal;
+    long i = 0;
+    while (i < plan->design->n_cases && !batch_prepare(plan, i, &prepared, &refusal)) {
+        i++;
+    }
+    bool good = true;
+    if (i < plan->design->n_cases) { /* else no case at all will have a history */
+        good = choose_variables(plan, prepared.model, error);
+        take_times(plan, &prepared);
+        take_names(&plan->histories, case_description(prepared.file));
+        model_pair_places(prepared.model, &plan->histories.n_pairs, &plan->histories.n_drive_pairs);
+    }
+    prepared_case_free(&prepared);
+    return good;
+}
+
+/* ---- the whole plan ---- */
+
+bool batch_plan_init(batch_plan *plan, const design *design, evl_error *error)
+{
+    *plan = (batch_plan){.design = design, .stack = {.descriptor = -1}};
+    char *name = xasprintf("%s: base case", design->file);
+    plan->base = case_base_parse(name, design->base_case, model_laws(), error);
+    free(name);
+    if (plan->base == NULL) {
+        return false;
+    }
+    take_table(plan);
+    if (!check_paths(plan, error) || (design->history_variables[0] != '\0' && !plan_histories(plan, error))) {
+        batch_plan_free(plan);
+        return false;
+    }
+    return true;
+}
+
+void batch_plan_free(batch_plan *plan)
+{
+    batch_histories *histories = &plan->histories;
+    for (int i = 0; i < histories->n_wheels; i++) {
+        free(histories->wheel_names[i]);
+    }
+    for (int i = 0; i < histories->n_meshes; i++) {
+        free(histories->mesh_names[i]);
+    }
+    for (int i = 0; i < histories->n_shafts; i++) {
+        free(histories->shaft_names[i]);
+    }
+    free(histories->shaft_names);
+    free(histories->wheel_names);
+    free(histories->mesh_names);
+    free(histories->variables);
+    free(histories->times);
+    stack_close(&plan->stack);
+    statistics_table_free(&plan->table);
+    case_base_delete(&plan->base);
+}
+
+char *batch_plan_head(const batch_plan *plan, int shard, int n_shards)
+{
+    char *text = NULL;
+    size_t length = 0;
+    json_writer writer = {.stream = open_memstream(&text, &length), .is_line = true};
+    json_open(&writer, NULL, '{');
+    json_integer(&writer, "journal", 1);
+    json_text(&writer, "design", plan->design->hash);
+    json_integer(&writer, "shard", shard);
+    json_integer(&writer, "of", n_shards);
+    json_integer(&writer, "n_cases", plan->design->n_cases);
+    json_text(&writer, "evolvent", EVOLVENT_VERSION);
+    json_open(&writer, "scalars", '[');
+    for (int i = 0; i < plan->table.n; i++) {
+        const statistics_scalar *scalar = &plan->table.scalars[i];
+        json_open(&writer, NULL, '{');
+        json_text(&writer, "name", scalar->name);
+        json_text(&writer, "units", scalar->units);
+        json_text(&writer, "long_name", scalar->long_name);
+        json_close(&writer, '}');
+    }
+    json_close(&writer, ']');
+    json_close(&writer, '}');
+    (void)fclose(writer.stream);
+    text[length - 1] = '\0'; /* the newline */
+    return text;
+}

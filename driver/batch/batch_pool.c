@@ -1,0 +1,300 @@
+#include "batch/batch_pool.h"
+
+#include "base/interrupt.h"
+#include "base/log.h"
+#include "base/memory.h"
+#include "batch/batch_worker.h"
+
+#include <errno.h>
+#include <poll.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { MOST_TRIES = 2, LOOK_MILLISECONDS = 200 };
+static const struct timespec rest = {
+    .tv_nsec = 10000000};                      /* between two looks at the answers: each look costs the workers time */
+static const double sync_interval = 1.0;       /* [s] between two times that all is brought to the disk */
+static const double terminal_interval = 1.0;   /* [s] between two lines of progress on a terminal */
+static const double elsewhere_interval = 60.0; /* [s] and in a log */
+
+typedef struct {
+    batch_work work; /**< its list is what is left of that of the state */
+    batch_state *state;
+    evl_error *error;
+    int n_workers;
+    batch_worker *workers;
+    long n_left;  /**< length of the list */
+    long *left;   /**< the list of the work */
+    int *n_tries; /**< [n_left] how often the process died that ran it; -1: the case is recorded */
+    long n_bad;   /**< failed or refused in this run */
+    double started, synced, shown;
+    bool show_progress, is_terminal;
+} pool;
+
+double batch_clock(void)
+{
+    struct timespec now;
+    (void)clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* ---- what is to be seen and to be safe ---- */
+
+static void show_progress(const pool *pool, double now)
+{
+    const batch_state *state = pool->state;
+    const double rate = (double)state->n_finished / (now - pool->started);
+    char left[48] = "";
+    if (rate > 0) {
+        const double seconds = (double)(state->n_todo - state->n_finished) / rate;
+        (void)snprintf(left, sizeof left, seconds < 3600 ? ", %.0f s left" : ", %.1f h left",
+                       seconds < 3600 ? seconds : seconds / 3600);
+    }
+    char text[200];
+    (void)snprintf(text, sizeof text, "%ld of %ld done, %ld of them did not finish, %.3g a second%s", state->n_finished,
+                   state->n_todo, pool->n_bad, rate, left);
+    if (pool->is_terminal) {
+        fprintf(stderr, "\r%s\x1b[K", text);
+        (void)fflush(stderr);
+    } else {
+        log_note("%s", text);
+    }
+}
+
+static void wipe_progress(const pool *pool)
+{
+    if (pool->is_terminal && pool->show_progress) {
+        fputs("\r\x1b[K", stderr);
+        (void)fflush(stderr);
+    }
+}
+
+/** Histories first: a row that is recorded has one. @return false if the disk does not take it */
+static bool sync_all(pool *pool)
+{
+    const stack *stack = &pool->work.plan->stack;
+    journal *journal = &pool->state->journal;
+    if (!journal->is_dirty) {
+        return true;
+    }
+    return (stack->descriptor < 0 || stack_sync(stack, pool->error)) && journal_sync(journal, pool->error);
+}
+
+static bool look_at_clock(pool *pool)
+{
+    const double now = batch_clock();
+    if (pool->show_progress && now - pool->shown >= (pool->is_terminal ? terminal_interval : elsewhere_interval)) {
+        show_progress(pool, now);
+        pool->shown = now;
+    }
+    if (now - pool->synced < sync_interval) {
+        return true;
+    }
+    pool->synced = now;
+    return sync_all(pool);
+}
+
+/* ---- rows ---- */
+
+static bool record(pool *pool, long place, batch_row *row)
+{
+    const bool good = journal_append(&pool->state->journal, row->line, row->length, pool->error);
+    if (good) {
+        pool->state->status[pool->left[place]] = row->status;
+        pool->state->n_finished++;
+        pool->n_bad += row->status == JOURNAL_DONE ? 0 : 1;
+        pool->n_tries[place] = -1;
+    }
+    free(row->line);
+    return good;
+}
+
+static bool record_lost(pool *pool, long place, int wait_status)
+{
+    char message[128];
+    batch_row row;
+    if (WIFSIGNALED(wait_status)) {
+        (void)snprintf(message, sizeof message, "the process that ran it was ended by signal %d (%s), twice",
+                       WTERMSIG(wait_status), strsignal(WTERMSIG(wait_status)));
+    } else {
+        (void)snprintf(message, sizeof message, "the process that ran it ended with exit code %d, twice",
+                       WEXITSTATUS(wait_status));
+    }
+    batch_case_lost(pool->work.plan, pool->left[place], message, &row);
+    return record(pool, place, &row);
+}
+
+/* ---- workers ---- */
+
+static bool start_worker(pool *pool, int number, long first)
+{
+    return batch_worker_start(&pool->workers[number], &pool->work, number, first, pool->workers, pool->n_workers,
+                              pool->error);
+}
+
+/** A worker is gone: because there is nothing left to do, or in the middle of a case. Once that may be anyone's fault, twice it
+ *  is the case's. */
+static bool replace_worker(pool *pool, int number)
+{
+    const long place = batch_queue_last(pool->work.queue, number);
+    const int status = batch_worker_end(&pool->workers[number]);
+    const bool in_case = place >= 0 && pool->n_tries[place] >= 0;
+    if (!in_case && WIFEXITED(status) && WEXITSTATUS(status) == 0) {
+        return true;
+    }
+    if (in_case && ++pool->n_tries[place] == MOST_TRIES) {
+        return record_lost(pool, place, status) && start_worker(pool, number, -1);
+    }
+    return start_worker(pool, number, in_case ? place : -1);
+}
+
+/** Record all that a worker has sent. @return false to end the batch, with the reason in pool->error */
+static bool attend(pool *pool, int number, batch_worker_news *news)
+{
+    batch_answer answer;
+    bool good = true;
+    while (good && (*news = batch_worker_hear(&pool->workers[number], &answer)) == WORKER_ANSWERED) {
+        if (answer.is_lost) {
+            *pool->error = answer.error;
+        }
+        good = !answer.is_lost && record(pool, answer.place, &answer.row);
+    }
+    return good;
+}
+
+static bool has_workers(const pool *pool)
+{
+    for (int i = 0; i < pool->n_workers; i++) {
+        if (pool->workers[i].pid != 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/** Record what the workers say until they are all gone. */
+static bool listen_to_all(pool *pool)
+{
+    struct pollfd *ends = xcalloc((size_t)pool->n_workers, sizeof *ends);
+    bool good = true;
+    while (good && interrupt_signal == 0 && has_workers(pool)) {
+        for (int i = 0; i < pool->n_workers; i++) {
+            ends[i] = (struct pollfd){.fd = pool->workers[i].socket, .events = POLLIN};
+        }
+        const int n = poll(ends, (nfds_t)pool->n_workers, LOOK_MILLISECONDS);
+        for (int i = 0; i < pool->n_workers && n > 0 && good; i++) {
+            batch_worker_news news = WORKER_SILENT;
+            good = ends[i].revents == 0 || attend(pool, i, &news);
+            good = good && (news != WORKER_GONE || replace_worker(pool, i));
+        }
+        good = good && look_at_clock(pool);
+        if (good && n > 0 && has_workers(pool)) {
+            (void)nanosleep(&rest, NULL);
+        }
+    }
+    free(ends);
+    return good;
+}
+
+static bool start_all(pool *pool)
+{
+    bool good = true;
+    batch_queue_restart(pool->work.queue, pool->n_left);
+    for (int i = 0; i < pool->n_workers && good; i++) {
+        good = start_worker(pool, i, -1);
+    }
+    return good;
+}
+
+/** End the workers that are still there. `good`: the disk takes what they have sent. */
+static bool stop_all(pool *pool, bool good)
+{
+    for (int i = 0; i < pool->n_workers; i++) {
+        if (pool->workers[i].pid != 0) {
+            batch_worker_news news;
+            batch_worker_kill(&pool->workers[i]);
+            good = good && attend(pool, i, &news);
+            (void)batch_worker_end(&pool->workers[i]);
+        }
+    }
+    return good;
+}
+
+/* ---- the whole run ---- */
+
+static bool begin(pool *pool, int jobs)
+{
+    const long n = pool->state->n_todo;
+    pool->n_workers = jobs < n ? jobs : (int)n;
+    pool->workers = xcalloc((size_t)pool->n_workers, sizeof *pool->workers);
+    for (int i = 0; i < pool->n_workers; i++) {
+        pool->workers[i].socket = -1;
+    }
+    pool->n_left = n;
+    pool->left = xcalloc((size_t)n, sizeof *pool->left);
+    pool->n_tries = xcalloc((size_t)n, sizeof *pool->n_tries);
+    for (long i = 0; i < n; i++) {
+        pool->left[i] = pool->state->todo[i];
+    }
+    pool->work.todo = pool->left;
+    pool->work.queue = batch_queue_create(n, pool->n_workers);
+    if (pool->work.queue == NULL) {
+        evl_error_set(pool->error, EVL_EXIT_INTERRUPTED, "", "cannot share memory with the workers: %s",
+                      strerror(errno));
+    }
+    return pool->work.queue != NULL;
+}
+
+static void end(pool *pool)
+{
+    batch_queue_delete(&pool->work.queue);
+    free(pool->workers);
+    free(pool->left);
+    free(pool->n_tries);
+}
+
+/** Of the list only what is not recorded: all if the run was interrupted; else a case that a worker was just taking when it
+ *  died, if any. */
+static void keep_unrecorded(pool *pool)
+{
+    long n = 0;
+    for (long i = 0; i < pool->n_left; i++) {
+        if (pool->n_tries[i] >= 0) {
+            pool->left[n] = pool->left[i];
+            pool->n_tries[n++] = pool->n_tries[i];
+        }
+    }
+    pool->n_left = n;
+}
+
+void batch_pool_run(const batch_plan *plan, int jobs, bool show_progress, batch_state *state, evl_error *error)
+{
+    const double now = batch_clock();
+    pool pool = {.work = {.plan = plan},
+                 .state = state,
+                 .error = error,
+                 .started = now,
+                 .synced = now,
+                 .shown = now,
+                 .show_progress = show_progress,
+                 .is_terminal = isatty(STDERR_FILENO) == 1};
+    bool good = begin(&pool, jobs);
+    while (good && pool.n_left > 0 && interrupt_signal == 0) {
+        good = start_all(&pool) && listen_to_all(&pool);
+        good = stop_all(&pool, good);
+        keep_unrecorded(&pool);
+    }
+    wipe_progress(&pool);
+    if (good && sync_all(&pool) && pool.n_left > 0) {
+        evl_error_set(error, EVL_EXIT_INTERRUPTED, state->journal.path,
+                      "interrupted by %s; %ld of %ld cases were finished, --resume runs the others",
+                      interrupt_name((int)interrupt_signal), state->n_finished, state->n_todo);
+    } else if (!good) {
+        (void)fsync(state->journal.descriptor); /* the reason that ended the batch is worth more than that of a sync */
+    }
+    end(&pool);
+}

@@ -1,0 +1,23 @@
+/** The parent of a batch's workers: starts and replaces them, records what they send. */
+#ifndef EVOLVENT_BATCH_POOL_H
+#define EVOLVENT_BATCH_POOL_H
+
+#include "batch/batch_plan.h"
+#include "batch/journal.h"
+
+typedef struct {
+    journal journal;
+    journal_status *status; /**< [n_cases] */
+    long *todo;             /**< numbers of the cases to run, in their order */
+    long n_todo;
+    long n_finished; /**< of them, so far */
+} batch_state;
+
+/** Run all that is to do in `jobs` workers. Interrupted by a signal, or if something cannot be written, it ends what runs,
+ *  brings to the disk what is recorded, and says so in `error`. */
+void batch_pool_run(const batch_plan *plan, int jobs, bool show_progress, batch_state *state, evl_error *error);
+
+/** Seconds of a clock that never goes back. */
+double batch_clock(void);
+
+#endif

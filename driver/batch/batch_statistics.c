@@ -1,0 +1,316 @@
+#include "batch/batch_statistics.h"
+
+#include "base/memory.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/** How outputs become one number. Means and shares weight each output with its part of the time (trapezoidal rule). */
+typedef enum {
+    MEAN,
+    RANGE, /**< largest less smallest */
+    LARGEST,
+    SHARE_OF,  /**< of the time with exactly `pairs` */
+    SHARE_FROM /**< of the time with `pairs` or more */
+} reduction;
+
+/** The table of what is kept of each mesh. */
+static const struct {
+    const char *name, *units, *long_name, *output;
+    reduction reduction;
+    int pairs;
+} of_mesh[] = {
+    {"transmission_error_mean", "m", "mean transmission error", "transmission_error", MEAN, 0},
+    {"transmission_error_peak_to_peak", "m", "peak-to-peak transmission error", "transmission_error", RANGE, 0},
+    {"normal_force_mean", "N", "mean normal force", "normal_force", MEAN, 0},
+    {"normal_force_max", "N", "largest normal force", "normal_force", LARGEST, 0},
+    {"penetration_max", "m", "largest penetration", "penetration", LARGEST, 0},
+    {"share_no_contact", "1", "share of the time without contact", "pairs_in_contact", SHARE_OF, 0},
+    {"share_one_pair", "1", "share of the time with one pair in contact", "pairs_in_contact", SHARE_OF, 1},
+    {"share_two_pairs", "1", "share of the time with two pairs in contact", "pairs_in_contact", SHARE_OF, 2},
+    {"share_more_pairs", "1", "share of the time with three or more pairs in contact", "pairs_in_contact", SHARE_FROM,
+     3},
+};
+enum { N_OF_MESH = sizeof of_mesh / sizeof *of_mesh };
+
+/** And of the whole case, before a count of the events of each kind. */
+enum { ENERGY_RESIDUAL, STEPS, CPU_TIME, N_OF_CASE };
+static const struct {
+    const char *name, *units, *long_name;
+    bool is_count;
+} of_case[N_OF_CASE] = {
+    [ENERGY_RESIDUAL] = {"energy_residual", "1", "largest error of the energy balance over the energy put in", false},
+    [STEPS] = {"steps", "1", "steps of the integrator", true},
+    [CPU_TIME] = {"cpu_time", "s", "processor time of the integration", false},
+};
+
+/* ---- the table ---- */
+
+static bool is_taken(const statistics_table *table, const char *name)
+{
+    for (int i = 0; i < table->n; i++) {
+        if (strcmp(table->scalars[i].name, name) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/** NAME_MESH, with letters that a name in a program cannot have as underscores, and a number if that name is taken. */
+static char *name_of_mesh(const statistics_table *table, const char *name, int mesh, const char *mesh_name)
+{
+    char *full = xasprintf("%s_%s", name, mesh_name);
+    for (char *c = full; *c != '\0'; c++) {
+        *c = (char)(isalnum((unsigned char)*c) ? *c : '_');
+    }
+    if (is_taken(table, full)) {
+        char *other = xasprintf("%s_%d", full, mesh);
+        free(full);
+        full = other;
+    }
+    return full;
+}
+
+static void add(statistics_table *table, char *name, const char *units, char *long_name, bool is_count)
+{
+    table->scalars[table->n++] =
+        (statistics_scalar){.name = name, .units = xstrdup(units), .long_name = long_name, .is_count = is_count};
+}
+
+void statistics_table_init(statistics_table *table, int n_meshes, char *const *mesh_names)
+{
+    const int n_kinds = model_n_event_kinds();
+    *table = (statistics_table){.n_meshes = n_meshes};
+    table->scalars = xcalloc((size_t)n_meshes * N_OF_MESH + N_OF_CASE + (size_t)n_kinds, sizeof *table->scalars);
+    for (int mesh = 0; mesh < n_meshes; mesh++) {
+        for (int i = 0; i < N_OF_MESH; i++) {
+            if (n_meshes == 1) {
+                add(table, xstrdup(of_mesh[i].name), of_mesh[i].units, xstrdup(of_mesh[i].long_name), false);
+            } else {
+                add(table, name_of_mesh(table, of_mesh[i].name, mesh, mesh_names[mesh]), of_mesh[i].units,
+                    xasprintf("%s, mesh '%s'", of_mesh[i].long_name, mesh_names[mesh]), false);
+            }
+        }
+    }
+    for (int i = 0; i < N_OF_CASE; i++) {
+        add(table, xstrdup(of_case[i].name), of_case[i].units, xstrdup(of_case[i].long_name), of_case[i].is_count);
+    }
+    for (int kind = 0; kind < n_kinds; kind++) {
+        const char *name = model_event_kind(kind);
+        add(table, xasprintf("events_%s", name), "1", xasprintf("number of events %s", name), true);
+    }
+}
+
+void statistics_table_free(statistics_table *table)
+{
+    for (int i = 0; i < table->n; i++) {
+        free(table->scalars[i].name);
+        free(table->scalars[i].units);
+        free(table->scalars[i].long_name);
+    }
+    free(table->scalars);
+    *table = (statistics_table){0};
+}
+
+/* ---- one case ---- */
+
+typedef struct {
+    int offset;  /**< of the output among the values; -1 if the model has none */
+    double sum;  /**< integral over time [unit s] */
+    double last; /**< of the output before */
+} accumulator;
+
+/** Terms of the energy balance T + V + dissipated - work = constant, over the whole case. */
+typedef struct {
+    int kinetic, potential, dissipated, work, torque, speed; /**< offsets */
+    int n_wheels;
+    double start, stored_at_start; /**< [J] */
+    double gross, power;           /**< work that was put in [J], and the power at the last output [W] */
+    double largest, largest_error;
+} energy_balance;
+
+struct statistics {
+    const statistics_table *table;
+    double from, to;
+    double t;        /**< of the last output */
+    bool has_output; /**< any at all */
+    double t_first;  /**< of the window */
+    double t_last;
+    bool is_in_window;    /**< the last output was */
+    accumulator *of_mesh; /**< [n_meshes * N_OF_MESH] */
+    energy_balance energy;
+    extremes *extremes; /**< in the window */
+    long *events;       /**< [kinds] */
+};
+
+static const char *resolve_output(const model *model, const char *name)
+{
+    const bool counts_pairs = strcmp(name, "pairs_in_contact") == 0;
+    /* A model of one pair a mesh tells only whether that is in contact. */
+    return counts_pairs && model_output_offset(model, name) < 0 ? "in_contact" : name;
+}
+
+static int count_wheels(const model *model)
+{
+    for (int i = 0; i < model_n_outputs(model); i++) {
+        const model_output *output = &model_outputs_table(model)[i];
+        if (output->dims == MODEL_DIMS_WHEEL) {
+            return output->count;
+        }
+    }
+    return 0;
+}
+
+statistics *statistics_create(const statistics_table *table, const model *model, double from, double to,
+                              double output_interval)
+{
+    static const double slack = 1e-6; /* of an output interval: times that differ by rounding are the same */
+    statistics *statistics = xcalloc(1, sizeof *statistics);
+    *statistics = (struct statistics){.table = table,
+                                      .from = from - slack * output_interval,
+                                      .to = to + slack * output_interval,
+                                      .t_first = NAN,
+                                      .of_mesh = xcalloc((size_t)table->n_meshes * N_OF_MESH, sizeof(accumulator)),
+                                      .extremes = extremes_create(model, table->n_meshes, from, to),
+                                      .events = xcalloc((size_t)model_n_event_kinds(), sizeof(long))};
+    for (int mesh = 0; mesh < table->n_meshes; mesh++) {
+        for (int i = 0; i < N_OF_MESH; i++) {
+            const int offset = model_output_offset(model, resolve_output(model, of_mesh[i].output));
+            statistics->of_mesh[mesh * N_OF_MESH + i] = (accumulator){.offset = offset < 0 ? -1 : offset + mesh};
+        }
+    }
+    statistics->energy = (energy_balance){.kinetic = model_output_offset(model, "kinetic_energy"),
+                                          .potential = model_output_offset(model, "potential_energy"),
+                                          .dissipated = model_output_offset(model, "dissipated_energy"),
+                                          .work = model_output_offset(model, "load_work"),
+                                          .torque = model_output_offset(model, "load_torque"),
+                                          .speed = model_output_offset(model, "angular_velocity"),
+                                          .n_wheels = count_wheels(model)};
+    return statistics;
+}
+
+void statistics_delete(statistics **pointer)
+{
+    statistics *statistics = *pointer;
+    *pointer = NULL;
+    if (statistics != NULL) {
+        free(statistics->of_mesh);
+        free(statistics->events);
+        extremes_delete(&statistics->extremes);
+        free(statistics);
+    }
+}
+
+extremes *statistics_extremes(const statistics *statistics)
+{
+    return statistics->extremes;
+}
+
+static double reduced_value(int row, double value)
+{
+    switch (of_mesh[row].reduction) {
+    case SHARE_OF:
+        return lround(value) == of_mesh[row].pairs ? 1.0 : 0.0;
+    case SHARE_FROM:
+        return lround(value) >= of_mesh[row].pairs ? 1.0 : 0.0;
+    default:
+        return value;
+    }
+}
+
+static void add_to_meshes(statistics *statistics, double dt, const double *values)
+{
+    for (int i = 0; i < statistics->table->n_meshes * N_OF_MESH; i++) {
+        accumulator *a = &statistics->of_mesh[i];
+        const double value = a->offset < 0 ? NAN : reduced_value(i % N_OF_MESH, values[a->offset]);
+        a->sum += 0.5 * dt * (a->last + value);
+        a->last = value;
+    }
+}
+
+static void add_to_energy(energy_balance *energy, bool is_first, double dt, const double *values)
+{
+    const double kinetic = values[energy->kinetic], stored = kinetic + values[energy->potential];
+    const double balance = stored + values[energy->dissipated] - values[energy->work];
+    double power = 0;
+    for (int i = 0; i < energy->n_wheels; i++) {
+        power += fmax(values[energy->torque + i] * values[energy->speed + i], 0.0);
+    }
+    if (is_first) {
+        energy->start = balance;
+        energy->stored_at_start = stored;
+    } else {
+        energy->gross += 0.5 * dt * (energy->power + power);
+    }
+    energy->power = power;
+    const int energies[] = {energy->kinetic, energy->potential, energy->dissipated, energy->work};
+    for (int i = 0; i < 4; i++) {
+        energy->largest = fmax(energy->largest, fabs(values[energies[i]]));
+    }
+    energy->largest_error = fmax(energy->largest_error, fabs(balance - energy->start));
+}
+
+void statistics_outputs(statistics *statistics, double t, const double *values)
+{
+    add_to_energy(&statistics->energy, !statistics->has_output, t - statistics->t, values);
+    const bool is_in_window = t >= statistics->from && t <= statistics->to;
+    if (is_in_window) {
+        add_to_meshes(statistics, statistics->is_in_window ? t - statistics->t : 0.0, values);
+        statistics->t_first = statistics->is_in_window ? statistics->t_first : t;
+        statistics->t_last = t;
+    }
+    statistics->is_in_window = is_in_window;
+    statistics->has_output = true;
+    statistics->t = t;
+}
+
+void statistics_event(statistics *statistics, const event_record *record)
+{
+    if (record->what.kind >= 0 && record->what.kind < model_n_event_kinds()) {
+        statistics->events[record->what.kind]++;
+    }
+}
+
+/** Over what the energy that appeared or got lost is measured, as in evolvent-post check. */
+static double energy_residual(const energy_balance *energy)
+{
+    const double scale = fmax(energy->gross + fabs(energy->stored_at_start), energy->largest);
+    return scale > 0 ? energy->largest_error / scale : NAN;
+}
+
+/** An extreme in the window. */
+static double extreme_of(const statistics *statistics, int row, int mesh, bool is_largest)
+{
+    return extremes_value(statistics->extremes, extremes_find(of_mesh[row].output, is_largest), mesh);
+}
+
+static double reduce(const statistics *statistics, int row, int mesh, double span)
+{
+    const accumulator *a = &statistics->of_mesh[mesh * N_OF_MESH + row];
+    switch (of_mesh[row].reduction) {
+    case LARGEST:
+        return extreme_of(statistics, row, mesh, true);
+    case RANGE:
+        return extreme_of(statistics, row, mesh, true) - extreme_of(statistics, row, mesh, false);
+    default:
+        return isnan(span) ? NAN : span > 0 ? a->sum / span : a->last;
+    }
+}
+
+void statistics_finish(const statistics *statistics, const integrate_counts *counts, bool is_complete, double *results)
+{
+    const double span = statistics->t_last - statistics->t_first;
+    int n = 0;
+    for (int i = 0; i < statistics->table->n_meshes * N_OF_MESH; i++) {
+        results[n++] = is_complete ? reduce(statistics, i % N_OF_MESH, i / N_OF_MESH, span) : NAN;
+    }
+    results[n + ENERGY_RESIDUAL] = statistics->has_output ? energy_residual(&statistics->energy) : NAN;
+    results[n + STEPS] = (double)counts->steps;
+    results[n + CPU_TIME] = counts->cpu_seconds;
+    n += N_OF_CASE;
+    for (int kind = 0; kind < model_n_event_kinds(); kind++) {
+        results[n++] = (double)statistics->events[kind];
+    }
+}

@@ -1,0 +1,46 @@
+/** The numbers that a batch keeps of each case, accumulated while it is simulated: one table says which. */
+#ifndef EVOLVENT_BATCH_STATISTICS_H
+#define EVOLVENT_BATCH_STATISTICS_H
+
+#include "integrate/events.h"
+#include "integrate/integrate.h"
+#include "model/model.h"
+#include "simulate/extremes.h"
+
+#include <stdbool.h>
+
+/** One number of a case. */
+typedef struct {
+    char *name, *units, *long_name;
+    bool is_count;
+} statistics_scalar;
+
+/** What all cases of a batch have in common. */
+typedef struct {
+    int n_meshes, n;
+    statistics_scalar *scalars; /**< [n] those of a mesh together, then those of the whole case */
+} statistics_table;
+
+/** The table for cases with these meshes. With several, each has its own numbers: NAME_MESH. */
+void statistics_table_init(statistics_table *table, int n_meshes, char *const *mesh_names);
+void statistics_table_free(statistics_table *table);
+
+typedef struct statistics statistics;
+
+/** Begin a case with n_meshes as in the table.
+ *  @param from, to  window of time of all numbers of a mesh [s], both ends included */
+statistics *statistics_create(const statistics_table *table, const model *model, double from, double to,
+                              double output_interval);
+void statistics_delete(statistics **statistics);
+/** The extremes in the window, which the simulation finds between the outputs. */
+extremes *statistics_extremes(const statistics *statistics);
+
+/** @param values  of model_outputs */
+void statistics_outputs(statistics *statistics, double t, const double *values);
+void statistics_event(statistics *statistics, const event_record *record);
+/** The numbers of the table; NaN where there was nothing to accumulate.
+ *  @param is_complete  the case came to its end; otherwise the numbers of the meshes, whose window is not full, are NaN
+ *  @param results      [table.n] */
+void statistics_finish(const statistics *statistics, const integrate_counts *counts, bool is_complete, double *results);
+
+#endif

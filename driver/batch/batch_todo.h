@@ -1,0 +1,17 @@
+/** Which cases a run of a shard has to do. */
+#ifndef EVOLVENT_BATCH_TODO_H
+#define EVOLVENT_BATCH_TODO_H
+
+#include "batch/batch_plan.h"
+#include "batch/journal.h"
+
+/** Number of the shard's cases. */
+long batch_shard_size(const batch_plan *plan);
+/** The shard's cases of which nothing is recorded; or those that a file names, one number a line, recorded or not.
+ *  @param cases_path  NULL: no such file
+ *  @param todo        a new array
+ *  @return false with the reason in `error` */
+bool batch_todo(const batch_plan *plan, const char *cases_path, const journal_status *status, long **todo, long *n_todo,
+                evl_error *error);
+
+#endif

@@ -1,0 +1,213 @@
+#include "batch/batch_worker.h"
+
+#include "base/memory.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#ifdef __linux__
+#include <sys/prctl.h>
+#endif
+
+/** What goes before the text of an answer. */
+typedef struct {
+    long place;
+    bool is_lost;
+    journal_status status;
+    size_t length;
+} answer_head;
+
+/* ---- in the worker ---- */
+
+static bool send_bytes(int socket, const void *bytes, size_t length)
+{
+    const char *from = bytes;
+    while (length > 0) {
+        const ssize_t n = send(socket, from, length, MSG_NOSIGNAL);
+        if (n < 0 && errno == EINTR) {
+            continue;
+        }
+        if (n <= 0) {
+            return false;
+        }
+        from += n;
+        length -= (size_t)n;
+    }
+    return true;
+}
+
+/** With one call: each wakes the parent. */
+static bool send_answer(int socket, answer_head head, const char *text)
+{
+    char *message = xcalloc(sizeof head + head.length, 1);
+    memcpy(message, &head, sizeof head);
+    memcpy(message + sizeof head, text, head.length);
+    const bool good = send_bytes(socket, message, sizeof head + head.length);
+    free(message);
+    return good;
+}
+
+/** Only the parent decides when a job ends: it is told as well. */
+static void leave_signals_to_parent(pid_t parent)
+{
+    static const int signals[] = {SIGINT, SIGTERM, SIGUSR1, SIGHUP};
+    struct sigaction ignoring = {.sa_handler = SIG_IGN};
+    (void)sigemptyset(&ignoring.sa_mask);
+    for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) {
+        (void)sigaction(signals[i], &ignoring, NULL);
+    }
+#ifdef __linux__
+    (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
+#endif
+    if (getppid() != parent) {
+        _exit(0); /* it died before that was set up */
+    }
+}
+
+/** @return false if the parent is gone */
+static bool run_case(const batch_work *work, long place, int socket, prepared_case *prepared)
+{
+    batch_row row = {0};
+    evl_error error;
+    answer_head head = {.place = place};
+    char *text = NULL;
+    head.is_lost = !batch_case_run(work->plan, work->todo[place], prepared, &row, &error);
+    if (head.is_lost) {
+        text = xasprintf("%s: %s", error.place, error.message);
+        head.length = strlen(text);
+        free(row.line);
+    } else {
+        text = row.line;
+        head.length = row.length;
+    }
+    head.status = row.status;
+    const bool good = send_answer(socket, head, text);
+    free(text);
+    return good;
+}
+
+static void run_cases(const batch_work *work, int number, long first, int socket)
+{
+    prepared_case prepared = {0};
+    long place = first >= 0 ? first : batch_queue_take(work->queue, number);
+    while (place >= 0 && run_case(work, place, socket, &prepared)) {
+        place = batch_queue_take(work->queue, number);
+    }
+    prepared_case_free(&prepared);
+}
+
+/* ---- in the parent ---- */
+
+static bool fail_start(evl_error *error)
+{
+    evl_error_set(error, EVL_EXIT_INTERRUPTED, "", "cannot start a worker: %s; use fewer --jobs", strerror(errno));
+    return false;
+}
+
+bool batch_worker_start(batch_worker *worker, const batch_work *work, int number, long first, const batch_worker *all,
+                        int n_all, evl_error *error)
+{
+    int ends[2];
+    const pid_t parent = getpid();
+    if (socketpair(AF_UNIX, SOCK_STREAM, 0, ends) != 0) {
+        return fail_start(error);
+    }
+    const pid_t pid = fork();
+    if (pid < 0) {
+        (void)fail_start(error);
+        (void)close(ends[0]);
+        (void)close(ends[1]);
+        return false;
+    }
+    if (pid == 0) {
+        (void)close(ends[0]);
+        for (int i = 0; i < n_all; i++) {
+            if (all[i].pid != 0) {
+                (void)close(all[i].socket);
+            }
+        }
+        leave_signals_to_parent(parent);
+        run_cases(work, number, first, ends[1]);
+        _exit(0);
+    }
+    (void)close(ends[1]);
+    *worker = (batch_worker){.pid = pid, .socket = ends[0]};
+    return true;
+}
+
+static int wait_for(pid_t pid)
+{
+    int status = 0;
+    while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+    }
+    return status;
+}
+
+/** A whole message at the start of the buffer? Then hand its text over. */
+static bool take_answer(batch_worker *worker, batch_answer *answer)
+{
+    answer_head head;
+    if (worker->n_bytes < sizeof head) {
+        return false;
+    }
+    memcpy(&head, worker->buffer, sizeof head);
+    const size_t length = sizeof head + head.length;
+    if (worker->n_bytes < length) {
+        return false;
+    }
+    char *text = xcalloc(head.length + 1, 1);
+    memcpy(text, worker->buffer + sizeof head, head.length);
+    worker->n_bytes -= length;
+    memmove(worker->buffer, worker->buffer + length, worker->n_bytes);
+    *answer = (batch_answer){.place = head.place, .is_lost = head.is_lost};
+    if (head.is_lost) {
+        evl_error_set(&answer->error, EVL_EXIT_IO, "", "%s", text);
+        free(text);
+    } else {
+        answer->row = (batch_row){.status = head.status, .line = text, .length = head.length};
+    }
+    return true;
+}
+
+batch_worker_news batch_worker_hear(batch_worker *worker, batch_answer *answer)
+{
+    enum { PIECE = 64 * 1024 };
+    while (!take_answer(worker, answer)) {
+        if (worker->room - worker->n_bytes < PIECE) {
+            worker->room += PIECE;
+            worker->buffer = xrealloc(worker->buffer, worker->room, 1);
+        }
+        const ssize_t n = recv(worker->socket, worker->buffer + worker->n_bytes, PIECE, MSG_DONTWAIT);
+        if (n < 0 && errno == EINTR) {
+            continue;
+        }
+        if (n < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) {
+            return WORKER_SILENT;
+        }
+        if (n <= 0) {
+            return WORKER_GONE;
+        }
+        worker->n_bytes += (size_t)n;
+    }
+    return WORKER_ANSWERED;
+}
+
+void batch_worker_kill(batch_worker *worker)
+{
+    (void)kill(worker->pid, SIGKILL);
+    worker->wait_status = wait_for(worker->pid);
+    worker->is_over = true;
+}
+
+int batch_worker_end(batch_worker *worker)
+{
+    const int status = worker->is_over ? worker->wait_status : wait_for(worker->pid);
+    (void)close(worker->socket);
+    free(worker->buffer);
+    *worker = (batch_worker){.socket = -1};
+    return status;
+}

@@ -1,0 +1,37 @@
+/** The journal of a shard: what became of its cases, one JSON object a line, appended as they finish. A leaf.
+ *
+ *  The first line tells what the others are about. A line counts only when it is complete: whatever ends the program, at
+ *  most the last line is torn, and that is closed by a newline before the next one. */
+#ifndef EVOLVENT_JOURNAL_H
+#define EVOLVENT_JOURNAL_H
+
+#include "base/status.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+typedef enum { JOURNAL_MISSING, JOURNAL_DONE, JOURNAL_FAILED, JOURNAL_REFUSED } journal_status;
+
+/** "done", "failed", "refused" */
+const char *journal_status_name(journal_status status);
+
+typedef struct journal {
+    char *path;
+    int descriptor;
+    bool is_dirty; /**< something was written since the last journal_sync */
+} journal;
+
+/** Open the journal, creating it with the line `head` (without its newline) if it does not exist or has no complete line.
+ *  @param status  [n_cases] what is recorded of each case; the later of two lines counts
+ *  @param n_recorded  number of cases of which something is recorded
+ *  @return false with the reason in `error`: EVL_EXIT_CASE if it has another head, EVL_EXIT_IO */
+bool journal_open(journal *journal, const char *path, const char *head, long n_cases, journal_status *status,
+                  long *n_recorded, evl_error *error);
+/** Append a line, its newline included, with one write. A line that does not fit on the disk leaves nothing behind. */
+bool journal_append(journal *journal, const char *line, size_t length, evl_error *error);
+/** Bring to the disk what was appended. */
+bool journal_sync(journal *journal, evl_error *error);
+/** Close without a sync. */
+void journal_close(journal *journal);
+
+#endif

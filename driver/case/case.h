@@ -1,0 +1,81 @@
+/** A case file: read, edited by --set options, checked against the schema, and resolved to a description. */
+#ifndef EVOLVENT_CASE_H
+#define EVOLVENT_CASE_H
+
+#include "base/status.h"
+#include "case/description.h"
+
+#include <stdbool.h>
+
+typedef struct case_file case_file;
+/** A case that was parsed once, to be edited and read any number of times. */
+typedef struct case_base case_base;
+
+/** Parse the text of a case; nothing is checked yet.
+ *  @param name  what errors call it, such as a path
+ *  @param laws  the laws that the model offers; they have to outlive the base
+ *  @return NULL with the reason in `error` */
+case_base *case_base_parse(const char *name, const char *text, const law_tables *laws, evl_error *error);
+void case_base_delete(case_base **base);
+/** The same as case_read with the base's text for a file. The base stays as it is and has to outlive the result.
+ *  @param[in,out] file  a case of this base that is not needed any more, or NULL: becomes the new case. A case like it,
+ *                       with other numbers, is made in a small part of the time that a new one takes
+ *  @return false with the reason in `error`; then `file` serves for the next call and for nothing else */
+bool case_edit(const case_base *base, int n_set, const char *const *set_options, case_file **file, evl_error *error);
+/** Names of the base's elements of a list such as "meshes", as paths call them, and as many as there are.
+ *  @param names  NULL, or room for all; each is a new string, the index where an element has no name */
+int case_base_elements(const case_base *base, const char *list, char **names);
+/** Whether a --set path leads to a key that a case may have, in whatever variant, and to elements that the base has.
+ *  @return false with what is wrong with the path in error->message */
+bool case_base_has_path(const case_base *base, const char *path, evl_error *error);
+
+/** Read the case at `path`, apply the options in their order, check and resolve.
+ *  @param set_options  [n_set] each "PATH=VALUE"
+ *  @param laws         the laws that the model offers; used during the call only
+ *  @return NULL with the first thing that is wrong in `error`: EVL_EXIT_USAGE for a malformed option,
+ *  else EVL_EXIT_CASE */
+case_file *case_read(const char *path, int n_set, const char *const *set_options, const law_tables *laws,
+                     evl_error *error);
+/** Free a case and set the pointer to NULL. Nothing happens if it is NULL already. */
+void case_delete(case_file **file);
+
+/** The case as plain data; lives as long as the case. */
+const description *case_description(const case_file *file);
+/** The file as it was given to case_read. */
+const char *case_path(const case_file *file);
+/** The whole case as YAML text: options applied, every default filled in (those that the
+ *  model decides by case_settle_...), nothing derived. Reading it gives the same description. NULL for a case of case_edit, which spares the time. */
+const char *case_text(const case_file *file);
+
+/** Fill in the integrator of a case that does not name one. */
+void case_settle_integrator(case_file *file, integrator_kind integrator);
+
+/** Fill in what the damping law of a mesh leaves to the model, from the same law without gaps. */
+void case_settle_damping(case_file *file, int mesh, const law_tables *laws, const law_choice *settled);
+
+/** The checked tree itself, with the file's own keys and units. */
+const struct case_node *case_root(const case_file *file);
+
+typedef enum {
+    CASE_ABOUT_NOTHING,
+    CASE_ABOUT_WHEEL,
+    CASE_ABOUT_MESH,
+    CASE_ABOUT_LOAD,
+    CASE_ABOUT_INITIAL,
+    CASE_ABOUT_HOUSING,
+    CASE_ABOUT_SHAFT
+} case_subject;
+
+/** A message of the model with the name of what it is about in front, such as "meshes.pinion-gear.backlash: ...". Its arguments are
+ *  those of case_refuse. @return a new string */
+char *case_message(const case_file *file, case_subject subject, int index, int load, const char *field,
+                   const char *message);
+/** Turn a refusal by the model into an error that names the place in the file or the option.
+ *  @param index    wheel (also of a load), mesh or shaft, from 0; -1 if none
+ *  @param load     which load of that wheel, from 0; -1 if none
+ *  @param field    key in the block, may be a dotted path such as "support.stiffness"; "" for the whole block.
+ *                  A key that the case does not give leads to the place of its block. */
+void case_refuse(const case_file *file, case_subject subject, int index, int load, const char *field,
+                 const char *message, evl_error *error);
+
+#endif

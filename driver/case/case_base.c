@@ -1,0 +1,101 @@
+/* A case parsed once: what a batch asks of it before its rows are tried. */
+#include "case/case_base.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "base/suggest.h"
+
+case_base *case_base_parse(const char *name, const char *text, const law_tables *laws, evl_error *error)
+{
+    memset(error, 0, sizeof *error);
+    case_node *root = tree_load_named(name, text, error);
+    if (root == NULL) {
+        return NULL;
+    }
+    case_base *base = xcalloc(1, sizeof *base);
+    *base = (case_base){.name = xstrdup(name), .laws = laws, .schema = schema_create(laws), .root = root};
+    return base;
+}
+
+void case_base_delete(case_base **base)
+{
+    if (*base == NULL) {
+        return;
+    }
+    schema_delete(&(*base)->schema);
+    node_delete(&(*base)->root);
+    free((*base)->name);
+    free(*base);
+    *base = NULL;
+}
+
+int case_base_elements(const case_base *base, const char *list, char **names)
+{
+    const case_node *node = node_get(base->root, list);
+    const int n = node == NULL || node->kind != NODE_SEQUENCE ? 0 : node->n;
+    for (int i = 0; i < n && names != NULL; i++) {
+        char *name = node_element_name(node->entries[i].value);
+        names[i] = name != NULL ? name : xasprintf("%d", i);
+    }
+    return n;
+}
+
+/** Say that a block, of whatever variant, has no such key. */
+static void refuse_key(const case_schema *schema, const char *block, const char *parent, const char *key,
+                       evl_error *error)
+{
+    const char **keys = xcalloc((size_t)schema->n, sizeof *keys);
+    int n = 0;
+    for (int i = 0; i < schema->n; i++) {
+        if (strcmp(schema->keys[i].block, block) == 0) {
+            keys[n++] = schema->keys[i].key;
+        }
+    }
+    char *hint = suggest_phrase(key, n, keys);
+    evl_error_set(error, EVL_EXIT_CASE, "", "%s has no key '%s'%s", parent[0] == '\0' ? "a case" : parent, key, hint);
+    free(hint);
+    free(keys);
+}
+
+/** What a path leads to: from a block of the schema down, `parent` being the part that was walked already. */
+static bool walk(const case_schema *schema, const char *block, const char *parent, const char *path, evl_error *error)
+{
+    const size_t length = strcspn(path, ".");
+    char *segment = xasprintf("%.*s", (int)length, path);
+    const char *rest = path[length] == '.' ? path + length + 1 : NULL;
+    bool good = false, is_known = false;
+    for (int i = 0; i < schema->n && !good; i++) {
+        const case_key *key = &schema->keys[i];
+        if (strcmp(key->block, block) != 0 || strcmp(key->key, segment) != 0) {
+            continue;
+        }
+        is_known = true;
+        const char *inner = rest;
+        if (inner != NULL && (key->type == KEY_LIST || key->type == KEY_MAP)) { /* its element: the base knows those */
+            const char *dot = strchr(inner, '.');
+            inner = dot == NULL ? NULL : dot + 1;
+        }
+        const int walked = (int)(inner == NULL ? strlen(path) : (size_t)(inner - path) - 1);
+        char *here = xasprintf("%s%s%.*s", parent, parent[0] == '\0' ? "" : ".", walked, path);
+        good = inner == NULL || key->holds[0] == '\0' || walk(schema, key->holds, here, inner, error);
+        free(here);
+    }
+    if (!is_known) {
+        refuse_key(schema, block, parent, segment, error);
+    }
+    free(segment);
+    return good;
+}
+
+bool case_base_has_path(const case_base *base, const char *path, evl_error *error)
+{
+    memset(error, 0, sizeof *error);
+    case_node *copy = node_copy(base->root);
+    char *option = xasprintf("%s=0", path);
+    const bool good = tree_set(copy, option, error) && walk(base->schema, CASE_ROOT, "", path, error);
+    node_delete(&copy);
+    free(option);
+    return good;
+}

@@ -1,0 +1,16 @@
+/** A case parsed once and read many times: shared by case.c and case_base.c. */
+#ifndef EVOLVENT_CASE_BASE_H
+#define EVOLVENT_CASE_BASE_H
+
+#include "case/case.h"
+#include "case/case_schema.h"
+#include "case/case_tree.h"
+
+struct case_base {
+    char *name;
+    const law_tables *laws;
+    case_schema *schema;
+    case_node *root;
+};
+
+#endif

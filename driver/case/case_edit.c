@@ -1,0 +1,128 @@
+/* Case after case of one base. A case that differs from the one before in numbers only is made from it in place: a tree
+ * that was checked stays good if each new number is one that its key allows. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "base/number.h"
+#include "case/case_base.h"
+#include "case/case_check.h"
+#include "case/case_file.h"
+#include "case/case_resolve.h"
+
+/* ---- where the numbers are ---- */
+
+static bool holds_numbers(key_type type)
+{
+    return type == KEY_NUMBER || type == KEY_INTEGER || type == KEY_PAIR || type == KEY_TRIPLE ||
+           type == KEY_QUATERNION || type == KEY_SERIES || type == KEY_NAMED;
+}
+
+/** The block whose keys the value of a key, or an element of it, has; NULL if there is none. */
+static const char *block_below(const case_key *key, bool is_element)
+{
+    const bool has_elements = key->type == KEY_LIST || key->type == KEY_MAP;
+    return has_elements == is_element && (has_elements || key->type == KEY_BLOCK) ? key->holds : NULL;
+}
+
+/** Follow the path of an option through a checked tree. */
+static case_number find_number(const case_schema *schema, case_node *root, const char *option)
+{
+    char *path = xasprintf("%.*s", (int)strcspn(option, "="), option), *rest = NULL;
+    const char *block = CASE_ROOT;
+    case_number number = {.node = root};
+    for (char *segment = strtok_r(path, ".", &rest); segment != NULL && number.node != NULL;
+         segment = strtok_r(NULL, ".", &rest)) {
+        const bool is_key = block != NULL;
+        if (is_key) {
+            number.key = schema_find(schema, block, schema_variant(schema, block, number.node), segment);
+        }
+        const int i = number.key == NULL ? -1 : node_step(number.node, segment);
+        number.node = i < 0 ? NULL : number.node->entries[i].value;
+        block = i < 0 ? NULL : block_below(number.key, !is_key);
+    }
+    free(path);
+    const bool is_value = number.key != NULL && number.node != NULL && number.node->kind == NODE_SCALAR;
+    const bool is_number = is_value && number.node->place.option == option && holds_numbers(number.key->type);
+    return is_number ? number : (case_number){NULL, NULL};
+}
+
+/** Note where the options of a case have put numbers, and give these nodes room for others. */
+static void find_numbers(const case_schema *schema, case_file *file)
+{
+    file->numbers = xcalloc((size_t)file->n_options, sizeof *file->numbers);
+    for (int i = 0; i < file->n_options; i++) {
+        case_number *number = &file->numbers[i];
+        *number = find_number(schema, file->root, file->options[i]);
+        if (number->node != NULL) {
+            number->node->text = xrealloc(number->node->text, strlen(number->node->text) + NUMBER_TEXT_LENGTH, 1);
+        }
+    }
+}
+
+/* ---- other numbers ---- */
+
+/** The text of a number in an option that differs from `option` in that number only; NULL if it is none. */
+static const char *other_number(const char *option, const char *other)
+{
+    const size_t path_length = strcspn(option, "=") + 1;
+    double value = 0;
+    if (strncmp(option, other, path_length) != 0) {
+        return NULL;
+    }
+    const char *text = other + path_length;
+    return strlen(text) < NUMBER_TEXT_LENGTH && number_read(text, &value) == NUMBER_FINITE ? text : NULL;
+}
+
+static bool differs_in_numbers_only(const case_file *file, int n_set, const char *const *set_options)
+{
+    bool good = file->n_options == n_set;
+    for (int i = 0; i < n_set && good; i++) {
+        good = file->numbers[i].node == NULL ? strcmp(file->options[i], set_options[i]) == 0
+                                             : other_number(file->options[i], set_options[i]) != NULL;
+    }
+    return good;
+}
+
+/** @return false if one of the numbers is refused, or all of them together are: `file` cannot say that as well as a new
+ *  case does, and keeps numbers that do not belong together */
+static bool exchange_numbers(const case_base *base, case_file *file, const char *const *set_options)
+{
+    evl_error ignored = {.code = EVL_EXIT_OK};
+    const checker checker = {.schema = base->schema, .path = file->path, .error = &ignored};
+    for (int i = 0; i < file->n_options; i++) {
+        const case_number *number = &file->numbers[i];
+        if (number->node != NULL) {
+            const char *text = other_number(file->options[i], set_options[i]);
+            const size_t size = strlen(text) + 1;
+            memcpy(file->options[i] + (text - set_options[i]), text, size);
+            memcpy(number->node->text, text, size);
+            number->node->plain = true;
+        }
+    }
+    bool good = true;
+    for (int i = 0; i < file->n_options && good; i++) {
+        good = file->numbers[i].node == NULL || check_number_of(&checker, file->numbers[i].key, file->numbers[i].node);
+    }
+    description_clear(&file->description);
+    return good && case_resolve(file->path, file->root, base->laws, &file->description, &ignored);
+}
+
+bool case_edit(const case_base *base, int n_set, const char *const *set_options, case_file **file, evl_error *error)
+{
+    memset(error, 0, sizeof *error);
+    if (*file != NULL && differs_in_numbers_only(*file, n_set, set_options) &&
+        exchange_numbers(base, *file, set_options)) {
+        return true;
+    }
+    case_file *made = case_file_create(base->name, n_set, set_options);
+    made->root = node_copy(base->root);
+    if (!case_file_resolve(made, base->schema, base->laws, error)) {
+        case_delete(&made);
+        return false;
+    }
+    find_numbers(base->schema, made);
+    case_delete(file);
+    *file = made;
+    return true;
+}

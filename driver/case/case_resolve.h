@@ -1,0 +1,14 @@
+/** A checked case tree to a description: what goes beyond single keys (references, tables, names) is checked here. */
+#ifndef EVOLVENT_CASE_RESOLVE_H
+#define EVOLVENT_CASE_RESOLVE_H
+
+#include "case/case_tree.h"
+#include "case/description.h"
+
+/** Fill `description` from a tree that schema_check accepted; gaps that are not given are added to the tree as 0.
+ *  @param path  the case file, for the places in messages
+ *  @return false with the reason in `error`; `description` can be freed in any case */
+bool case_resolve(const char *path, case_node *root, const law_tables *laws, description *description,
+                  evl_error *error);
+
+#endif

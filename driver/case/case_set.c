@@ -1,0 +1,128 @@
+/* --set PATH=VALUE: one edit of the tree. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "base/suggest.h"
+#include "case/case_tree.h"
+
+typedef struct {
+    const char *option;
+    char place[EVL_ERROR_PLACE_LENGTH];
+    evl_error *error;
+} set_edit;
+
+static void refuse_element(const set_edit *edit, const case_node *sequence, const char *parent, const char *segment)
+{
+    const char **names = xcalloc((size_t)sequence->n, sizeof *names);
+    int n = 0;
+    for (int i = 0; i < sequence->n; i++) {
+        char *name = node_element_name(sequence->entries[i].value);
+        if (name != NULL) {
+            names[n++] = name;
+        }
+    }
+    if (n == 0) {
+        evl_error_set(edit->error, EVL_EXIT_CASE, edit->place, "%s has no element '%s'; it has %d, counted from 0",
+                      parent, segment, sequence->n);
+    } else {
+        char *hint = suggest_phrase(segment, n, names);
+        evl_error_set(edit->error, EVL_EXIT_CASE, edit->place, "%s has no '%s'%s", parent, segment, hint);
+        free(hint);
+    }
+    for (int i = 0; i < n; i++) {
+        free((void *)names[i]);
+    }
+    free(names);
+}
+
+/** The entry of `node` that `segment` names, made (with a NULL value) if it is not there yet. NULL if refused. */
+static case_entry *enter(const set_edit *edit, case_node *node, const char *parent, const char *segment)
+{
+    const case_place place = {.option = edit->option};
+    if (node->kind == NODE_SCALAR) {
+        evl_error_set(edit->error, EVL_EXIT_CASE, edit->place, "%s is a single value and has no '%s'", parent, segment);
+        return NULL;
+    }
+    const bool is_mapping = node->kind == NODE_MAPPING;
+    const int i = node_step(node, segment);
+    const bool is_next = !is_mapping && node_index(segment) == node->n; /* the element behind the last one */
+    if (i < 0 && !is_mapping && !is_next) {
+        refuse_element(edit, node, parent, segment);
+        return NULL;
+    }
+    if (i < 0) {
+        node_append(node, is_mapping ? segment : NULL, place, NULL);
+        return &node->entries[node->n - 1];
+    }
+    return &node->entries[i];
+}
+
+/** Walk along the path, which is cut up on the way, and put `value` at its end.
+ *  @return false if refused: then `value` stays with the caller */
+static bool put(const set_edit *edit, case_node *root, char *path, case_node *value)
+{
+    case_node *node = root;
+    char *parent = xstrdup("");
+    char *segment = path;
+    bool done = false;
+    while (!done) {
+        char *dot = strchr(segment, '.');
+        if (dot != NULL) {
+            *dot = '\0';
+        }
+        case_entry *entry = enter(edit, node, parent, segment);
+        if (entry == NULL) {
+            break;
+        }
+        if (dot == NULL) {
+            node_delete(&entry->value);
+            entry->value = value;
+            entry->key_place = value->place;
+            done = true;
+        } else {
+            if (entry->value == NULL || node_is_null(entry->value)) {
+                /* a number cannot be a key: what follows is a list */
+                const bool is_list = node_index(dot + 1) >= 0;
+                node_delete(&entry->value);
+                entry->value = node_create(is_list ? NODE_SEQUENCE : NODE_MAPPING, value->place);
+            }
+            node = entry->value;
+            char *longer = xasprintf("%s%s%s", parent, parent[0] == '\0' ? "" : ".", segment);
+            free(parent);
+            parent = longer;
+            segment = dot + 1;
+        }
+    }
+    free(parent);
+    return done;
+}
+
+static bool has_empty_segment(const char *path)
+{
+    const size_t length = strlen(path);
+    return length == 0 || path[0] == '.' || path[length - 1] == '.' || strstr(path, "..") != NULL;
+}
+
+bool tree_set(case_node *root, const char *option, evl_error *error)
+{
+    set_edit edit = {.option = option, .error = error};
+    const case_place place = {.option = option};
+    place_text("", place, edit.place);
+    const char *equals = strchr(option, '=');
+    char *path = equals == NULL ? NULL : xasprintf("%.*s", (int)(equals - option), option);
+    if (path == NULL || has_empty_segment(path)) {
+        evl_error_set(error, EVL_EXIT_USAGE, edit.place,
+                      "%s; write --set PATH=VALUE, such as --set wheels.pinion.teeth=20",
+                      path == NULL ? "has no '='" : "has an empty part in its path");
+        free(path);
+        return false;
+    }
+    case_node *value = tree_load_text(equals + 1, place, error);
+    const bool done = value != NULL && put(&edit, root, path, value);
+    if (!done) {
+        node_delete(&value);
+    }
+    free(path);
+    return done;
+}

@@ -1,0 +1,193 @@
+#include "case/case_tree.h"
+
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "base/number.h"
+
+case_node *node_create(node_kind kind, case_place place)
+{
+    case_node *node = xcalloc(1, sizeof *node);
+    node->kind = kind;
+    node->place = place;
+    return node;
+}
+
+case_node *node_create_scalar(const char *text, bool plain, case_place place)
+{
+    case_node *node = node_create(NODE_SCALAR, place);
+    node->text = xstrdup(text);
+    node->plain = plain;
+    return node;
+}
+
+void node_delete(case_node **node)
+{
+    if (*node == NULL) {
+        return;
+    }
+    for (int i = 0; i < (*node)->n; i++) {
+        free((*node)->entries[i].key);
+        node_delete(&(*node)->entries[i].value);
+    }
+    free((*node)->entries);
+    free((*node)->text);
+    free(*node);
+    *node = NULL;
+}
+
+case_node *node_copy(const case_node *node)
+{
+    case_node *copy = node_create(node->kind, node->place);
+    copy->text = node->text == NULL ? NULL : xstrdup(node->text);
+    copy->plain = node->plain;
+    copy->n = copy->capacity = node->n;
+    copy->entries = node->n == 0 ? NULL : xcalloc((size_t)node->n, sizeof *copy->entries);
+    for (int i = 0; i < node->n; i++) {
+        const case_entry *entry = &node->entries[i];
+        copy->entries[i] = (case_entry){.key = entry->key == NULL ? NULL : xstrdup(entry->key),
+                                        .key_place = entry->key_place,
+                                        .value = node_copy(entry->value)};
+    }
+    return copy;
+}
+
+void node_append(case_node *node, const char *key, case_place key_place, case_node *value)
+{
+    if (node->n == node->capacity) {
+        node->capacity = node->capacity == 0 ? 4 : 2 * node->capacity;
+        node->entries = xrealloc(node->entries, (size_t)node->capacity, sizeof *node->entries);
+    }
+    node->entries[node->n++] =
+        (case_entry){.key = key == NULL ? NULL : xstrdup(key), .key_place = key_place, .value = value};
+}
+
+int node_find(const case_node *mapping, const char *key)
+{
+    for (int i = 0; mapping->kind == NODE_MAPPING && i < mapping->n; i++) {
+        if (strcmp(mapping->entries[i].key, key) == 0) {
+            return i;
+        }
+    }
+    return -1;
+}
+
+case_node *node_get(const case_node *mapping, const char *key)
+{
+    const int i = node_find(mapping, key);
+    return i < 0 ? NULL : mapping->entries[i].value;
+}
+
+const char *node_get_text(const case_node *mapping, const char *key)
+{
+    const case_node *value = node_get(mapping, key);
+    return value == NULL ? NULL : value->text;
+}
+
+double node_number(const case_node *node)
+{
+    double value = 0;
+    (void)number_read(node->text, &value);
+    return value;
+}
+
+double node_get_number(const case_node *mapping, const char *key)
+{
+    return node_number(node_get(mapping, key));
+}
+
+bool node_get_is(const case_node *mapping, const char *key, const char *word)
+{
+    return strcmp(node_get_text(mapping, key), word) == 0;
+}
+
+int node_get_choice(const case_node *mapping, const char *key, int n, const char *const *words)
+{
+    for (int i = 0; i < n; i++) {
+        if (node_get_is(mapping, key, words[i])) {
+            return i;
+        }
+    }
+    return 0; /* not reached: the schema offers the same words */
+}
+
+bool node_is_null(const case_node *node)
+{
+    static const char *const nulls[] = {"", "~", "null", "Null", "NULL"};
+    for (size_t i = 0; node->kind == NODE_SCALAR && node->plain && i < sizeof nulls / sizeof *nulls; i++) {
+        if (strcmp(node->text, nulls[i]) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void node_describe(const case_node *node, char text[64])
+{
+    enum { SHOWN = 40 };
+    if (node->kind == NODE_SEQUENCE) {
+        (void)snprintf(text, 64, "a list");
+    } else if (node->kind == NODE_MAPPING) {
+        (void)snprintf(text, 64, "a block of keys");
+    } else if (node_is_null(node)) {
+        (void)snprintf(text, 64, "nothing");
+    } else if (strlen(node->text) <= SHOWN) {
+        (void)snprintf(text, 64, "'%s'", node->text);
+    } else {
+        int shown = SHOWN;
+        while (shown > 0 && ((unsigned char)node->text[shown] & 0xC0) == 0x80) {
+            shown--; /* not into the middle of a UTF-8 character */
+        }
+        (void)snprintf(text, 64, "'%.*s...'", shown, node->text);
+    }
+}
+
+char *node_element_name(const case_node *element)
+{
+    const char *name = node_get_text(element, "name");
+    if (name != NULL) {
+        return xstrdup(name);
+    }
+    const char *driving = node_get_text(element, "driving"), *driven = node_get_text(element, "driven");
+    return driving == NULL || driven == NULL ? NULL : xasprintf("%s-%s", driving, driven);
+}
+
+int node_index(const char *path)
+{
+    const size_t length = strcspn(path, ".");
+    if (length == 0 || strspn(path, "0123456789") != length) {
+        return -1;
+    }
+    const long index = strtol(path, NULL, 10);
+    return index > INT_MAX ? INT_MAX : (int)index;
+}
+
+int node_step(const case_node *node, const char *segment)
+{
+    if (node->kind != NODE_SEQUENCE) {
+        return node_find(node, segment);
+    }
+    for (int i = 0; i < node->n; i++) {
+        char *name = node_element_name(node->entries[i].value);
+        const bool found = name != NULL && strcmp(name, segment) == 0;
+        free(name);
+        if (found) {
+            return i;
+        }
+    }
+    const int index = node_index(segment);
+    return index < node->n ? index : -1;
+}
+
+void place_text(const char *path, case_place place, char text[EVL_ERROR_PLACE_LENGTH])
+{
+    if (place.option != NULL) {
+        (void)snprintf(text, EVL_ERROR_PLACE_LENGTH, "--set %s", place.option);
+    } else if (place.line > 0) {
+        (void)snprintf(text, EVL_ERROR_PLACE_LENGTH, "%s:%d:%d", path, place.line, place.column);
+    } else {
+        (void)snprintf(text, EVL_ERROR_PLACE_LENGTH, "%s", path);
+    }
+}

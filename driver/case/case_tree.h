@@ -1,0 +1,96 @@
+/** The case file as a tree of nodes, each of which knows where it comes from: a line of the file or a --set option.
+ *  libyaml is used by case_load.c and case_emit.c only. */
+#ifndef EVOLVENT_CASE_TREE_H
+#define EVOLVENT_CASE_TREE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/status.h"
+
+/** Where a node comes from. */
+typedef struct {
+    int line, column;   /**< from 1; 0 if not from the file */
+    const char *option; /**< "PATH=VALUE" of the --set option, not owned; NULL if from the file */
+} case_place;
+
+typedef enum { NODE_SCALAR, NODE_SEQUENCE, NODE_MAPPING } node_kind;
+
+typedef struct case_node case_node;
+
+/** One entry of a sequence (key NULL) or mapping. */
+typedef struct {
+    char *key;
+    case_place key_place;
+    case_node *value;
+} case_entry;
+
+struct case_node {
+    node_kind kind;
+    case_place place;
+    char *text; /**< of a scalar, else NULL */
+    bool plain; /**< scalar without quotes: may be a number or null */
+    int n;      /**< entries of a sequence or mapping */
+    int capacity;
+    case_entry *entries;
+};
+
+/* ---- nodes ---- */
+
+case_node *node_create(node_kind kind, case_place place);
+case_node *node_create_scalar(const char *text, bool plain, case_place place);
+void node_delete(case_node **node);
+/** The same tree once more, at the same places. */
+case_node *node_copy(const case_node *node);
+
+/** Append; takes `value` over, copies `key` (NULL in a sequence). */
+void node_append(case_node *node, const char *key, case_place key_place, case_node *value);
+/** Index of the entry with this key, or -1. */
+int node_find(const case_node *mapping, const char *key);
+/** The value of a key, or NULL. */
+case_node *node_get(const case_node *mapping, const char *key);
+/** The text of a scalar value of a key, or NULL. */
+const char *node_get_text(const case_node *mapping, const char *key);
+/* Of blocks that the schema has checked: the key is there and has the type. */
+double node_number(const case_node *node);
+double node_get_number(const case_node *mapping, const char *key);
+bool node_get_is(const case_node *mapping, const char *key, const char *word);
+/** Index of the value among the words. */
+int node_get_choice(const case_node *mapping, const char *key, int n, const char *const *words);
+
+/** Nothing was written where a value belongs: null, ~ or empty. */
+bool node_is_null(const case_node *node);
+/** "a list", "a block", "nothing" or the quoted start of the scalar, for messages. */
+void node_describe(const case_node *node, char text[64]);
+
+/** The name by which paths call an element of a list of blocks: its `name`, else "driving-driven" of a mesh.
+ *  @return a new string, or NULL if it has none */
+char *node_element_name(const case_node *element);
+
+/** Index that the first segment of a path means: digits only, else -1. */
+int node_index(const char *path);
+/** Index of the entry to which a segment of a path leads, an element of a list by its name or number; -1 if none. */
+int node_step(const case_node *node, const char *segment);
+
+/** "PATH:LINE:COLUMN" or "--set OPTION". */
+void place_text(const char *path, case_place place, char text[EVL_ERROR_PLACE_LENGTH]);
+
+/* ---- reading, editing, writing ---- */
+
+/** Read the one YAML document of a file. @return NULL with the reason in `error` */
+case_node *tree_load_file(const char *path, evl_error *error);
+/** Read the one YAML document of a text, whose lines count as those of a file called `name`. */
+case_node *tree_load_named(const char *name, const char *text, evl_error *error);
+/** Read a YAML text; all of its nodes get `place`, which errors name as well.
+ *  @return NULL with the reason in `error`; empty text gives a null scalar */
+case_node *tree_load_text(const char *text, case_place place, evl_error *error);
+
+/** Apply one --set option "PATH=VALUE" to the tree. The nodes it makes point to `option`, which has to outlive
+ *  the tree. Keys that do not exist are added; the schema refuses them later if it does not know them.
+ *  @return false with the reason in `error`: EVL_EXIT_USAGE if malformed, EVL_EXIT_CASE if refused */
+bool tree_set(case_node *root, const char *option, evl_error *error);
+
+/** The tree as YAML text, a new string. */
+char *tree_text(const case_node *root);
+
+#endif

@@ -1,0 +1,252 @@
+/* Single values against their key: type, range, choice; and the words of a refusal. */
+#include <limits.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "base/number.h"
+#include "base/suggest.h"
+#include "base/words.h"
+#include "case/case_check.h"
+
+size_t checker_enter(checker *checker, const char *step)
+{
+    const size_t above = strnlen(checker->label, LABEL_LENGTH - 1);
+    size_t length = above;
+    if (length > 0 && length < LABEL_LENGTH - 1) {
+        checker->label[length++] = '.';
+    }
+    const size_t added = strnlen(step, LABEL_LENGTH - 1 - length);
+    memcpy(checker->label + length, step, added);
+    checker->label[length + added] = '\0';
+    return above;
+}
+
+void checker_leave(checker *checker, size_t length)
+{
+    checker->label[length] = '\0';
+}
+
+bool checker_refuse(const checker *checker, case_place place, const char *format, ...)
+{
+    char message[EVL_ERROR_MESSAGE_LENGTH], where[EVL_ERROR_PLACE_LENGTH];
+    va_list arguments;
+    va_start(arguments, format);
+    (void)vsnprintf(message, sizeof message, format, arguments);
+    va_end(arguments);
+    place_text(checker->path, place, where);
+    evl_error_set(checker->error, EVL_EXIT_CASE, where, "%s%s%s", checker->label, checker->label[0] == '\0' ? "" : ": ",
+                  message);
+    return false;
+}
+
+bool refuse_type(const checker *checker, const case_node *node, const char *wanted, const char *unit)
+{
+    char found[64];
+    node_describe(node, found);
+    return checker_refuse(checker, node->place, "must be %s%s%s%s, not %s%s", wanted, unit[0] == '\0' ? "" : " [", unit,
+                          unit[0] == '\0' ? "" : "]", found,
+                          node->kind == NODE_SCALAR && !node->plain ? ", which is text because of its quotes" : "");
+}
+
+static bool refuse_word(const checker *checker, const case_key *key, const case_node *node)
+{
+    char **words = NULL;
+    const int n = words_split(key->words, &words);
+    char *hint = suggest_phrase(node->text, n, (const char *const *)words);
+    char *list = words_join(n, (const char *const *)words, ", ");
+    char found[64];
+    node_describe(node, found);
+    if (key->type == KEY_NUMBER) {
+        (void)checker_refuse(checker, node->place, "must be a number [%s] or %s, not %s%s", key->unit, list, found,
+                             hint);
+    } else {
+        (void)checker_refuse(checker, node->place, "must be %s%s, not %s%s", n > 1 ? "one of " : "", list, found, hint);
+    }
+    free(list);
+    free(hint);
+    free(words[0]);
+    free(words);
+    return false;
+}
+
+static bool is_in_range(const case_key *key, double value)
+{
+    return (key->minimum_open ? value > key->minimum : value >= key->minimum) &&
+           (key->maximum_open ? value < key->maximum : value <= key->maximum);
+}
+
+static bool check_number(const checker *checker, const case_key *key, const case_node *node, double *value)
+{
+    const number_kind kind = node->kind == NODE_SCALAR && node->plain ? number_read(node->text, value) : NUMBER_NONE;
+    if (kind == NUMBER_NONE) {
+        return refuse_type(checker, node, key->type == KEY_INTEGER ? "a whole number" : "a number", key->unit);
+    }
+    const char *gap = key->unit[0] == '\0' ? "" : " ";
+    if (kind == NUMBER_NOT_FINITE) {
+        return checker_refuse(checker, node->place, "is %s, which is not a finite number", node->text);
+    }
+    if (!is_in_range(key, *value)) {
+        char range[128];
+        key_range_text(key, range);
+        return checker_refuse(checker, node->place, "is %s%s%s, must be %s%s%s%s", node->text, gap, key->unit,
+                              key->type == KEY_INTEGER ? "a whole number " : "", range, gap, key->unit);
+    }
+    return true;
+}
+
+static bool check_integer(const checker *checker, const case_key *key, const case_node *node)
+{
+    double value = 0;
+    if (!check_number(checker, key, node, &value)) {
+        return false;
+    }
+    if (value == floor(value) && fabs(value) <= INT_MAX) {
+        return true;
+    }
+    char range[128];
+    key_range_text(key, range);
+    return checker_refuse(checker, node->place, "is %s, must be a whole number%s%s", node->text,
+                          range[0] == '\0' ? "" : " ", range);
+}
+
+bool check_number_of(const checker *checker, const case_key *key, const case_node *node)
+{
+    double value = 0;
+    return key->type == KEY_INTEGER ? check_integer(checker, key, node) : check_number(checker, key, node, &value);
+}
+
+/** A list of so many numbers, which `wanted` describes. */
+static bool check_components(checker *checker, const case_key *key, const case_node *node, int n, const char *wanted)
+{
+    if (node->kind != NODE_SEQUENCE) {
+        return refuse_type(checker, node, wanted, key->unit);
+    }
+    if (node->n != n) {
+        return checker_refuse(checker, node->place, "has %d %s, must be %s", node->n, node->n == 1 ? "value" : "values",
+                              wanted);
+    }
+    double value = 0;
+    bool good = true;
+    for (int i = 0; i < n && good; i++) {
+        good = check_number(checker, key, node->entries[i].value, &value);
+    }
+    return good;
+}
+
+static bool check_numbers(checker *checker, const case_key *key, const case_node *node)
+{
+    const bool is_series = key->type == KEY_SERIES;
+    if (node->kind != (is_series ? NODE_SEQUENCE : NODE_MAPPING)) {
+        return refuse_type(checker, node, is_series ? "a list of numbers" : "numbers by name, {name: number}",
+                           key->unit);
+    }
+    for (int i = 0; i < node->n; i++) {
+        char index[16];
+        (void)snprintf(index, sizeof index, "%d", i);
+        const size_t above = checker_enter(checker, is_series ? index : node->entries[i].key);
+        double value = 0;
+        if (!check_number(checker, key, node->entries[i].value, &value)) {
+            return false;
+        }
+        checker_leave(checker, above);
+    }
+    return true;
+}
+
+/** Text that another YAML reader would take for a number, a truth value or nothing gets quotes when it is written. */
+static void keep_as_text(case_node *node)
+{
+    static const char *const words[] = {"true", "false", "yes", "no", "on", "off", "y", "n", NULL};
+    double value = 0;
+    bool is_special = node_is_null(node) || number_read(node->text, &value) != NUMBER_NONE;
+    for (int i = 0; words[i] != NULL && !is_special; i++) {
+        const char *nearest = suggest_nearest(node->text, 1, &words[i]);
+        is_special = nearest != NULL && strlen(node->text) == strlen(nearest);
+    }
+    node->plain = node->plain && !is_special;
+}
+
+static bool check_text(const checker *checker, case_node *node)
+{
+    if (node->kind != NODE_SCALAR || node_is_null(node)) {
+        return refuse_type(checker, node, "text", "");
+    }
+    keep_as_text(node);
+    return true;
+}
+
+bool check_name(const checker *checker, case_place place, const char *name)
+{
+    double value = 0;
+    if (name[0] == '\0') {
+        return checker_refuse(checker, place, "the name is empty");
+    }
+    if (strlen(name) > NAME_BYTES) {
+        return checker_refuse(checker, place, "the name is longer than %d bytes", NAME_BYTES);
+    }
+    if (number_read(name, &value) != NUMBER_NONE) {
+        return checker_refuse(checker, place, "the name '%s' is a number; paths would take it for an index", name);
+    }
+    for (const char *c = name; *c != '\0'; c++) {
+        if (strchr(".=/", *c) != NULL || (unsigned char)*c <= ' ' || *c == 0x7f) {
+            return checker_refuse(checker, place,
+                                  "the name '%s' has a '%c' in it; blanks, '.', '=' and '/' are not allowed", name,
+                                  (unsigned char)*c < ' ' ? ' ' : *c);
+        }
+    }
+    return true;
+}
+
+bool check_choice(const checker *checker, const case_key *key, const case_node *node)
+{
+    if (node->kind != NODE_SCALAR || node_is_null(node)) {
+        return refuse_type(checker, node, "a word", "");
+    }
+    return words_contain(key->words, node->text) || refuse_word(checker, key, node);
+}
+
+static bool check_two_names(checker *checker, case_node *node)
+{
+    if (node->kind != NODE_SEQUENCE || node->n != 2) {
+        return refuse_type(checker, node, "two names [a, b]", "");
+    }
+    return check_text(checker, node->entries[0].value) && check_text(checker, node->entries[1].value);
+}
+
+bool check_single_value(checker *checker, const case_key *key, case_node *node)
+{
+    double value = 0;
+    switch (key->type) {
+    case KEY_NUMBER:
+        if (key->words[0] != '\0' && node->kind == NODE_SCALAR && !node_is_null(node) &&
+            number_read(node->text, &value) == NUMBER_NONE) {
+            return words_contain(key->words, node->text) || refuse_word(checker, key, node);
+        }
+        return check_number(checker, key, node, &value);
+    case KEY_INTEGER:
+        return check_integer(checker, key, node);
+    case KEY_PAIR:
+        return check_components(checker, key, node, 2, "a pair [x, y]");
+    case KEY_TRIPLE:
+        return check_components(checker, key, node, 3, "a vector [x, y, z]");
+    case KEY_QUATERNION:
+        return check_components(checker, key, node, 4, "a quaternion [w, x, y, z]");
+    case KEY_SERIES:
+    case KEY_NAMED:
+        return check_numbers(checker, key, node);
+    case KEY_TEXT:
+    case KEY_REFERENCE:
+        return check_text(checker, node);
+    case KEY_REFERENCES:
+        return check_two_names(checker, node);
+    case KEY_NAME:
+        return check_text(checker, node) && check_name(checker, node->place, node->text);
+    case KEY_CHOICE:
+        return check_choice(checker, key, node);
+    default:
+        return checker_refuse(checker, node->place, "must be a single value");
+    }
+}

@@ -1,0 +1,210 @@
+#include "commands/modes.h"
+
+#include "base/interrupt.h"
+#include "base/memory.h"
+#include "base/number.h"
+#include "base/progress.h"
+#include "commands/modes_print.h"
+#include "integrate/integrate.h"
+#include "simulate/prepare.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* ---- the motion up to a time ---- */
+
+static int on_output(void *self, const dae_state *state, char reason[DAE_MESSAGE_LENGTH])
+{
+    (void)self, (void)state, (void)reason;
+    return 0;
+}
+
+static int on_event(void *self, const event_record *record)
+{
+    (void)self, (void)record;
+    return 0;
+}
+
+static int on_step(void *self, double t)
+{
+    progress_step(self, t);
+    return interrupt_signal != 0;
+}
+
+static bool move_to(const prepared_case *prepared, double time, dae_state *state, evl_error *error)
+{
+    const simulation_description *simulation = &case_description(prepared->file)->simulation;
+    const integrate_options options = {.t_end = time,
+                                       .output_interval = time,
+                                       .tolerance = simulation->tolerance,
+                                       .max_step = simulation->max_step,
+                                       .by_stepper = simulation->integrator == INTEGRATOR_RADAU};
+    progress progress;
+    const integrate_observer observer = {.self = &progress, .output = on_output, .event = on_event, .step = on_step};
+    integrate_counts counts;
+    char reason[DAE_MESSAGE_LENGTH];
+    progress_start(&progress, true, state->t, time);
+    const integrate_code code = integrate(model_dae(prepared->model), &options, &observer, state, &counts, reason);
+    progress_end(&progress);
+    if (code == INTEGRATE_DONE) {
+        return true;
+    }
+    char *place = xasprintf("%s: t = %.9g s", case_path(prepared->file), state->t);
+    if (code == INTEGRATE_STOPPED) {
+        evl_error_set(error, EVL_EXIT_INTERRUPTED, place, "interrupted by %s", interrupt_name((int)interrupt_signal));
+    } else {
+        evl_error_set(error, EVL_EXIT_INTEGRATION, place, "%s", reason);
+    }
+    free(place);
+    return false;
+}
+
+/* ---- the state ---- */
+
+/** The number of an option; none if the option was not given. */
+static bool read_number(const char *option, const char *text, double most, const char *range, double *number,
+                        evl_error *error)
+{
+    if (text == NULL || (number_read(text, number) == NUMBER_FINITE && *number >= 0.0 && *number <= most)) {
+        return true;
+    }
+    char *place = xasprintf("--%s %s", option, text);
+    evl_error_set(error, EVL_EXIT_USAGE, place, "%s", range);
+    free(place);
+    return false;
+}
+
+static void refuse_steady_state(const prepared_case *prepared, const model_message *refusal, evl_error *error)
+{
+    if (refusal->subject ==
+        MODEL_ABOUT_INITIAL) { /* the case need not ask for a steady start: its lines are not to blame */
+        evl_error_set(error, EVL_EXIT_CASE, case_path(prepared->file),
+                      "there is no steady state to linearise at: %s; --at TIME linearises the motion at a time instead",
+                      refusal->message);
+    } else {
+        prepare_refuse(prepared, refusal, error);
+    }
+}
+
+static bool find_steady_state(const prepared_case *prepared, double mesh_position, dae_state *state, evl_error *error)
+{
+    model_message refusal;
+    if (model_steady_state(prepared->model, mesh_position, state, &refusal)) {
+        return true;
+    }
+    refuse_steady_state(prepared, &refusal, error);
+    return false;
+}
+
+static bool find_state_at(const prepared_case *prepared, const char *at, double time, dae_state *state,
+                          evl_error *error)
+{
+    const double duration = case_description(prepared->file)->simulation.duration;
+    if (time > duration) {
+        char *place = xasprintf("--at %s", at);
+        evl_error_set(error, EVL_EXIT_CASE, place,
+                      "the case ends at %.9g s; --set simulation.duration=%s makes it longer", duration, at);
+        free(place);
+        return false;
+    }
+    if (!prepare_start(prepared, state, error)) {
+        return false;
+    }
+    if (time > state->t && !move_to(prepared, time, state, error)) {
+        dae_state_free(state);
+        return false;
+    }
+    return true;
+}
+
+/* ---- the command ---- */
+
+static evl_exit print_modes(modes_report *report, bool as_json, FILE *stream)
+{
+    const evl_exit code = (evl_exit)(as_json ? modes_print_json(stream, report) : modes_print_text(stream, report));
+    natural_modes_free(&report->modes);
+    return code;
+}
+
+/** The modes at one state. */
+static bool linearise(const prepared_case *prepared, const dae_state *state, double *values, natural_modes *modes,
+                      evl_error *error)
+{
+    char message[DAE_MESSAGE_LENGTH];
+    if (model_outputs(prepared->model, state, values, message) == DAE_OK &&
+        model_modes(prepared->model, state, modes, message)) {
+        return true;
+    }
+    evl_error_set(error, EVL_EXIT_CASE, case_path(prepared->file), "cannot be linearised at t = %.9g s: %s", state->t,
+                  message);
+    return false;
+}
+
+static bool linearise_mean(const prepared_case *prepared, dae_state *state, double *values, natural_modes *modes,
+                           evl_error *error)
+{
+    model_message refusal;
+    if (model_mean_modes(prepared->model, state, values, modes, &refusal)) {
+        return true;
+    }
+    refuse_steady_state(prepared, &refusal, error);
+    return false;
+}
+
+/** Whether the case could run: what cannot has no modes either. */
+static bool check_start(const prepared_case *prepared, evl_error *error)
+{
+    dae_state start;
+    if (!prepare_start(prepared, &start, error)) {
+        return false;
+    }
+    dae_state_free(&start);
+    return true;
+}
+
+static evl_exit modes_of(const prepared_case *prepared, const modes_options *options, double time, double position,
+                         FILE *stream, evl_error *error)
+{
+    dae_state state = {.t = 0.0};
+    double *values = xcalloc((size_t)model_n_values(prepared->model), sizeof *values);
+    modes_report report = {.file = prepared->file,
+                           .model = prepared->model,
+                           .state = &state,
+                           .values = values,
+                           .kind = options->mean         ? MODES_MEAN
+                                   : options->at != NULL ? MODES_AT
+                                                         : MODES_STEADY,
+                           .mesh_position = position};
+    bool good = options->at != NULL || check_start(prepared, error);
+    if (good && options->mean) {
+        good = linearise_mean(prepared, &state, values, &report.modes, error);
+    } else if (good) {
+        good = (options->at != NULL ? find_state_at(prepared, options->at, time, &state, error)
+                                    : find_steady_state(prepared, position, &state, error)) &&
+               linearise(prepared, &state, values, &report.modes, error);
+    }
+    if (good) {
+        prepare_warn(prepared);
+    }
+    const evl_exit code = good ? print_modes(&report, options->json, stream) : error->code;
+    dae_state_free(&state);
+    free(values);
+    return code;
+}
+
+evl_exit modes_case(const modes_options *options, FILE *stream, evl_error *error)
+{
+    static const double most_pitches = 1e6;
+    prepared_case prepared;
+    double time = 0.0, position = 0.0;
+    *error = (evl_error){.code = EVL_EXIT_OK};
+    if (!read_number("at", options->at, HUGE_VAL, "the time must be a number of seconds, at least 0", &time, error) ||
+        !read_number("mesh-position", options->mesh_position, most_pitches,
+                     "the position must be a number of pitches, from 0 to 1e6", &position, error) ||
+        !prepare_case(&prepared, options->case_path, options->n_set, options->set, error)) {
+        return error->code;
+    }
+    const evl_exit code = modes_of(&prepared, options, time, position, stream, error);
+    prepared_case_free(&prepared);
+    return code;
+}

@@ -1,0 +1,309 @@
+#include "commands/modes_print.h"
+
+#include "base/json.h"
+#include "base/status.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double PI = 3.14159265358979323846;
+
+/** Whether all of it got through, also to a full disk or a closed pipe. */
+static int finish(FILE *stream)
+{
+    return fflush(stream) == 0 && !ferror(stream) ? EVL_EXIT_OK : EVL_EXIT_IO;
+}
+
+/** An output at the state; `part` is which wheel or mesh. */
+static double value_of(const modes_report *report, const char *output, int part)
+{
+    return report->values[model_output_offset(report->model, output) + part];
+}
+
+static bool is_oscillation(const natural_mode *mode)
+{
+    return cimag(mode->eigenvalue) > 0.0;
+}
+
+/** |lambda|/(2 pi) [Hz]; NaN for a mode that does not oscillate. */
+static double natural_frequency(const natural_mode *mode)
+{
+    return is_oscillation(mode) ? cabs(mode->eigenvalue) / (2.0 * PI) : NAN;
+}
+
+/** NaN for a mode that does not oscillate. */
+static double damping_ratio(const natural_mode *mode)
+{
+    return is_oscillation(mode) ? -creal(mode->eigenvalue) / cabs(mode->eigenvalue) : NAN;
+}
+
+/** In which it falls to 1/e [s]; negative if it grows. Infinite without damping. */
+static double time_constant(const natural_mode *mode)
+{
+    return -1.0 / creal(mode->eigenvalue);
+}
+
+/* ---- for reading ---- */
+
+/* Below this damping ratio there is no damping, but rounding. */
+static const double no_damping = 1e-12;
+
+static int longer(int width, const char *text)
+{
+    const int length = (int)strlen(text);
+    return length > width ? length : width;
+}
+
+static int name_width(const description *description)
+{
+    int width = (int)strlen("wheel");
+    for (int i = 0; i < description->n_wheels; i++) {
+        width = longer(width, description->wheels[i].name);
+    }
+    for (int i = 0; i < description->n_meshes; i++) {
+        width = longer(width, description->meshes[i].name);
+    }
+    return width;
+}
+
+/** A number in a column, or a dash if there is none. */
+static void print_cell(FILE *stream, int width, int digits, double value)
+{
+    if (isfinite(value)) {
+        fprintf(stream, "  %*.*g", width, digits, value);
+    } else {
+        fprintf(stream, "  %*s", width, "-");
+    }
+}
+
+/** Which state it is. */
+static void print_what(FILE *stream, const modes_report *report)
+{
+    const char *first = case_description(report->file)->meshes[0].name;
+    fprintf(stream, "Case %s, linearised ", case_path(report->file));
+    switch (report->kind) {
+    case MODES_AT:
+        fprintf(stream, "at t = %.9g s\n\n", report->state->t);
+        break;
+    case MODES_MEAN:
+        fputs("with the mean over one pitch of its steady states under load\n\n", stream);
+        break;
+    case MODES_STEADY:
+        fprintf(stream,
+                "at its steady state under load\n"
+                "A tooth pair of mesh %s would stand, unloaded, %.9g pitches from the start of contact\n\n",
+                first, report->mesh_position);
+        break;
+    }
+}
+
+static void print_mesh(FILE *stream, const modes_report *report, int mesh, int width)
+{
+    const mesh_standing standing = model_mesh_standing(report->model, report->state, mesh);
+    const bool is_mean = report->kind == MODES_MEAN;
+    fprintf(stream, "  %-*s  %9s", width, case_description(report->file)->meshes[mesh].name,
+            is_mean ? "mean" : standing.contact);
+    print_cell(stream, 8, 4, is_mean ? NAN : standing.position);
+    print_cell(stream, 5, 4, value_of(report, "pairs_in_contact", mesh));
+    print_cell(stream, 15, 6, value_of(report, "penetration", mesh));
+    print_cell(stream, 16, 6, value_of(report, "normal_force", mesh));
+    print_cell(stream, 15, 1, is_mean ? (double)NAN : (double)standing.friction_branch);
+    print_cell(stream, 14, 6, value_of(report, "sliding_velocity", mesh));
+    fputc('\n', stream);
+}
+
+static void print_state(FILE *stream, const modes_report *report)
+{
+    const description *description = case_description(report->file);
+    const int width = name_width(description);
+    print_what(stream, report);
+    fprintf(stream, "  %-*s  %14s\n", width, "wheel", "speed [rad/s]");
+    for (int i = 0; i < description->n_wheels; i++) {
+        fprintf(stream, "  %-*s  %14.6g\n", width, description->wheels[i].name,
+                value_of(report, "angular_velocity", i));
+    }
+    fprintf(stream, "\n  %-*s  %9s  %8s  %5s  %15s  %16s  %15s  %14s\n", width, "mesh", "contact", "position", "pairs",
+            "penetration [m]", "normal force [N]", "friction branch", "sliding [m/s]");
+    for (int i = 0; i < description->n_meshes; i++) {
+        print_mesh(stream, report, i, width);
+    }
+}
+
+static void print_frequencies(FILE *stream, const natural_modes *modes)
+{
+    bool grows = false;
+    fprintf(stream, "\n  %4s  %22s  %13s  %17s  %s\n", "mode", "natural frequency [Hz]", "damping ratio",
+            "time constant [s]", "eigenvalue [1/s]");
+    for (int i = 0; i < modes->n; i++) {
+        const natural_mode *mode = &modes->modes[i];
+        const double complex lambda = mode->eigenvalue;
+        const bool is_damped = fabs(creal(lambda)) > no_damping * cabs(lambda);
+        fprintf(stream, "  %4d", i + 1);
+        print_cell(stream, 22, 6, natural_frequency(mode));
+        print_cell(stream, 13, 4, is_damped ? damping_ratio(mode) : is_oscillation(mode) ? 0.0 : NAN);
+        print_cell(stream, 17, 4, is_damped ? time_constant(mode) : NAN);
+        fprintf(stream, "  %.6g", is_damped ? creal(lambda) : 0.0);
+        if (is_oscillation(mode)) {
+            fprintf(stream, " +- %.6gi", cimag(lambda));
+        }
+        fputc('\n', stream);
+        grows = grows || (is_damped && creal(lambda) > 0.0);
+    }
+    if (modes->n == 0) {
+        fputs("  none\n", stream);
+    }
+    if (modes->n_rigid == 0) {
+        fputs("\n  There is no rigid-body mode.\n", stream);
+    } else {
+        fprintf(stream, "\n  %d rigid-body mode%s, which nothing restores, %s left out.\n", modes->n_rigid,
+                modes->n_rigid == 1 ? "" : "s", modes->n_rigid == 1 ? "is" : "are");
+    }
+    if (grows) {
+        fputs("  Modes with a negative time constant grow: this state is unstable.\n", stream);
+    }
+}
+
+static void print_coordinate(FILE *stream, int width, const char *name, const char *what, double complex value)
+{
+    const double amplitude = cabs(value);
+    fprintf(stream, amplitude >= 1e-3 || amplitude == 0.0 ? "  %-*s  %-28s  %9.4f" : "  %-*s  %-28s  %9.2e", width,
+            name, what, amplitude);
+    if (amplitude > 0.0) {
+        const double phase = carg(value) * 180.0 / PI;
+        fprintf(stream, "  %11.1f", fabs(phase) < 0.05 ? 0.0 : phase < -179.95 ? 180.0 : phase);
+    }
+    fputc('\n', stream);
+}
+
+static void print_wheel(FILE *stream, int width, const wheel_description *wheel, double complex arc,
+                        const double complex displacement[2])
+{
+    print_coordinate(stream, width, wheel->name, wheel->teeth > 0 ? "rotation r_b phi" : "rotation r phi", arc);
+    if (wheel->support.kind == SUPPORT_SLIDER) {
+        print_coordinate(stream, width, "", "displacement of the slider",
+                         displacement[0] * cos(wheel->support.direction) +
+                             displacement[1] * sin(wheel->support.direction));
+    } else if (wheel->support.kind == SUPPORT_BEARING) {
+        print_coordinate(stream, width, "", "displacement x", displacement[0]);
+        print_coordinate(stream, width, "", "displacement y", displacement[1]);
+    }
+}
+
+static void print_shapes(FILE *stream, const modes_report *report)
+{
+    const description *description = case_description(report->file);
+    const int width = name_width(description);
+    if (report->modes.n > 0) {
+        fputs(
+            "\nMode shapes, as lengths: the largest motion of a wheel or axle is 1; rotations count counterclockwise,\n"
+            "as arcs of the base circle, or of the rim of a disc.\n",
+            stream);
+    }
+    for (int k = 0; k < report->modes.n; k++) {
+        const natural_mode *mode = &report->modes.modes[k];
+        char title[16];
+        (void)snprintf(title, sizeof title, "mode %d", k + 1);
+        fprintf(stream, "\n  %-*s  %-28s  %9s  %11s\n", width, title, "", "amplitude", "phase [deg]");
+        for (int i = 0; i < description->n_wheels; i++) {
+            print_wheel(stream, width, &description->wheels[i], mode->arcs[i], mode->displacements[i]);
+        }
+        for (int i = 0; i < description->n_meshes; i++) {
+            print_coordinate(stream, width, description->meshes[i].name, "penetration h", mode->penetrations[i]);
+            print_coordinate(stream, width, "", "transmission error Delta", mode->transmission_errors[i]);
+        }
+    }
+}
+
+int modes_print_text(FILE *stream, const modes_report *report)
+{
+    print_state(stream, report);
+    print_frequencies(stream, &report->modes);
+    print_shapes(stream, report);
+    return finish(stream);
+}
+
+/* ---- for scripts ---- */
+
+static void write_complex(json_writer *writer, const char *key, double complex value)
+{
+    const double parts[] = {creal(value) + 0.0, cimag(value) + 0.0}; /* no negative zeros */
+    json_numbers(writer, key, 2, parts);
+}
+
+static void write_state(json_writer *writer, const modes_report *report)
+{
+    const description *description = case_description(report->file);
+    json_open(writer, "state", '{');
+    static const char *const kinds[] = {[MODES_STEADY] = "steady", [MODES_MEAN] = "mean", [MODES_AT] = "at"};
+    const bool is_mean = report->kind == MODES_MEAN;
+    json_text(writer, "kind", kinds[report->kind]);
+    json_number(writer, "time", report->state->t);
+    json_number(writer, "mesh_position", report->kind == MODES_STEADY ? report->mesh_position : NAN);
+    json_open(writer, "wheels", '{');
+    for (int i = 0; i < description->n_wheels; i++) {
+        json_open(writer, description->wheels[i].name, '{');
+        json_number(writer, "angular_velocity", value_of(report, "angular_velocity", i));
+        json_close(writer, '}');
+    }
+    json_close(writer, '}');
+    json_open(writer, "meshes", '{');
+    for (int i = 0; i < description->n_meshes; i++) {
+        const mesh_standing standing = model_mesh_standing(report->model, report->state, i);
+        json_open(writer, description->meshes[i].name, '{');
+        json_text(writer, "contact", is_mean ? "mean" : standing.contact);
+        json_number(writer, "position", is_mean ? NAN : standing.position);
+        json_number(writer, "pairs_in_contact", value_of(report, "pairs_in_contact", i));
+        json_number(writer, "friction_branch", is_mean ? (double)NAN : (double)standing.friction_branch);
+        json_number(writer, "tooth_pair", is_mean ? (double)NAN : (double)standing.tooth_pair);
+        json_number(writer, "penetration", value_of(report, "penetration", i));
+        json_number(writer, "normal_force", value_of(report, "normal_force", i));
+        json_number(writer, "sliding_velocity", value_of(report, "sliding_velocity", i));
+        json_close(writer, '}');
+    }
+    json_close(writer, '}');
+    json_close(writer, '}');
+}
+
+static void write_mode(json_writer *writer, const description *description, const natural_mode *mode)
+{
+    json_open(writer, NULL, '{');
+    write_complex(writer, "eigenvalue", mode->eigenvalue);
+    json_number(writer, "natural_frequency", natural_frequency(mode));
+    json_number(writer, "damped_frequency", is_oscillation(mode) ? cimag(mode->eigenvalue) / (2.0 * PI) : NAN);
+    json_number(writer, "damping_ratio", damping_ratio(mode));
+    json_number(writer, "time_constant", time_constant(mode));
+    json_open(writer, "wheels", '{');
+    for (int i = 0; i < description->n_wheels; i++) {
+        json_open(writer, description->wheels[i].name, '{');
+        write_complex(writer, "arc", mode->arcs[i]);
+        write_complex(writer, "displacement_x", mode->displacements[i][0]);
+        write_complex(writer, "displacement_y", mode->displacements[i][1]);
+        json_close(writer, '}');
+    }
+    json_close(writer, '}');
+    json_open(writer, "meshes", '{');
+    for (int i = 0; i < description->n_meshes; i++) {
+        json_open(writer, description->meshes[i].name, '{');
+        write_complex(writer, "penetration", mode->penetrations[i]);
+        write_complex(writer, "transmission_error", mode->transmission_errors[i]);
+        json_close(writer, '}');
+    }
+    json_close(writer, '}');
+    json_close(writer, '}');
+}
+
+int modes_print_json(FILE *stream, const modes_report *report)
+{
+    json_writer writer = {.stream = stream};
+    json_open(&writer, NULL, '{');
+    json_text(&writer, "path", case_path(report->file));
+    write_state(&writer, report);
+    json_number(&writer, "rigid_body_modes", report->modes.n_rigid);
+    json_open(&writer, "modes", '[');
+    for (int i = 0; i < report->modes.n; i++) {
+        write_mode(&writer, case_description(report->file), &report->modes.modes[i]);
+    }
+    json_close(&writer, ']');
+    json_close(&writer, '}');
+    return finish(stream);
+}

@@ -1,0 +1,34 @@
+/** What `evolvent modes` prints. */
+#ifndef EVOLVENT_MODES_PRINT_H
+#define EVOLVENT_MODES_PRINT_H
+
+#include "case/case.h"
+#include "model/model_modes.h"
+
+#include <stdio.h>
+
+/** What was linearised. */
+typedef enum {
+    MODES_STEADY, /**< a steady state under load */
+    MODES_MEAN,   /**< the steady states at all positions of the meshes, with the mean of the matrices */
+    MODES_AT      /**< the motion at a time */
+} modes_kind;
+
+typedef struct {
+    const case_file *file;
+    const model *model;
+    const dae_state *state; /**< at which the gearbox is linearised; of MODES_MEAN one of them */
+    const double *values;   /**< [model_n_values] the outputs there, or their means */
+    modes_kind kind;
+    double mesh_position; /**< of MODES_STEADY: pitches of the first mesh from the start of contact */
+    natural_modes modes;
+} modes_report;
+
+/* Each returns EVL_EXIT_OK, or EVL_EXIT_IO if the stream could not be written. */
+
+/** Tables for reading. */
+int modes_print_text(FILE *stream, const modes_report *report);
+/** One JSON object in SI units and in full precision, for scripts. */
+int modes_print_json(FILE *stream, const modes_report *report);
+
+#endif

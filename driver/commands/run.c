@@ -1,0 +1,311 @@
+#include "commands/run.h"
+
+#include "base/interrupt.h"
+#include "base/log.h"
+#include "base/memory.h"
+#include "files/history.h"
+#include "simulate/extremes.h"
+#include "simulate/simulate.h"
+
+#include <evolvent_version.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+
+typedef struct {
+    prepared_case prepared;
+    history *history;
+    extremes *extremes;
+    const char **wheel_names, **mesh_names, **shaft_names;
+    progress progress;
+    char message[DAE_MESSAGE_LENGTH]; /**< of a failure */
+} run;
+
+/* What the simulation tells. */
+
+static bool on_outputs(void *self, double t, const double *values)
+{
+    const run *run = self;
+    return history_append(run->history, t, values);
+}
+
+static bool on_event(void *self, const event_record *record)
+{
+    const run *run = self;
+    return history_add_event(run->history, record);
+}
+
+/* Where the history goes. */
+
+static char *default_output(const char *case_path)
+{
+    const char *slash = strrchr(case_path, '/');
+    const char *name = slash == NULL ? case_path : slash + 1;
+    const char *dot = strrchr(name, '.');
+    const size_t length = dot == NULL || dot == name ? strlen(name) : (size_t)(dot - name);
+    return xasprintf("%.*s.h5", (int)length, name);
+}
+
+static bool is_same_file(const char *a, const char *b)
+{
+    struct stat first, second;
+    return stat(a, &first) == 0 && stat(b, &second) == 0 && first.st_dev == second.st_dev &&
+           first.st_ino == second.st_ino;
+}
+
+/* The history's head and end. */
+
+static history_attribute text_attribute(const char *key, const char *text)
+{
+    return (history_attribute){.key = key, .kind = HISTORY_TEXT, .text = text};
+}
+
+static history_attribute count_attribute(const char *key, long count)
+{
+    return (history_attribute){.key = key, .kind = HISTORY_INTEGER, .integer = count};
+}
+
+static bool create_history(run *run, const char *path)
+{
+    const model *model = run->prepared.model;
+    const description *description = case_description(run->prepared.file);
+    const integrate_options options = simulate_options(&run->prepared);
+    const int n_states = model_dae(model)->n, n_kinds = model_n_event_kinds();
+    const char **state_names = xcalloc((size_t)n_states, sizeof *state_names);
+    const char **state_units = xcalloc((size_t)n_states, sizeof *state_units);
+    const char **kinds = xcalloc((size_t)n_kinds, sizeof *kinds);
+    model_state *states = model_states(model);
+    for (int i = 0; i < n_states; i++) {
+        state_names[i] = states[i].name;
+        state_units[i] = states[i].units;
+    }
+    for (int i = 0; i < n_kinds; i++) {
+        kinds[i] = model_event_kind(i);
+    }
+    char *warnings = prepare_warnings(&run->prepared, "\n");
+    char *versions = xasprintf("evolvent %s, %s, %s, C compiler %s, Fortran compiler %s", EVOLVENT_VERSION,
+                               integrate_version(), history_version(), EVOLVENT_C_COMPILER, model_compiler());
+    const history_attribute attributes[] = {
+        text_attribute("title", description->title), text_attribute("case", case_text(run->prepared.file)),
+        text_attribute("versions", versions),        text_attribute("warnings", warnings),
+        text_attribute("status", "running"),         text_attribute("status_message", ""),
+    };
+    int n_pairs, n_drive_pairs;
+    model_pair_places(model, &n_pairs, &n_drive_pairs);
+    const history_layout layout = {
+        .path = path,
+        .n_wheels = description->n_wheels,
+        .n_meshes = description->n_meshes,
+        .n_pairs = n_pairs,
+        .n_drive_pairs = n_drive_pairs,
+        .n_shafts = description->n_shafts,
+        .wheel_names = run->wheel_names,
+        .mesh_names = run->mesh_names,
+        .shaft_names = run->shaft_names,
+        .n_outputs = model_n_outputs(model),
+        .outputs = model_outputs_table(model),
+        .n_states = n_states,
+        .state_names = state_names,
+        .state_units = state_units,
+        .n_event_kinds = n_kinds,
+        .event_kinds = kinds,
+        .max_rows = integrate_n_outputs(&options, 0),
+        .n_attributes = sizeof attributes / sizeof *attributes,
+        .attributes = attributes,
+    };
+    run->history = history_create(&layout, run->message);
+    free(versions);
+    free(warnings);
+    free(kinds);
+    free(state_units);
+    free(state_names);
+    free(states);
+    return run->history != NULL;
+}
+
+/** The extremes over the run, as variables of the meshes. */
+static bool put_extremes(const run *run)
+{
+    const int n = model_n_extremes(), n_meshes = case_description(run->prepared.file)->n_meshes;
+    model_output *outputs = xcalloc(2 * (size_t)n, sizeof *outputs);
+    double *values = xcalloc(2 * (size_t)n * (size_t)n_meshes, sizeof *values);
+    for (int i = 0; i < 2 * n; i++) {
+        const model_extreme *extreme = &model_extremes()[i / 2];
+        outputs[i] = i % 2 == 0 ? extreme->value : extreme->time;
+        outputs[i].count = n_meshes;
+        outputs[i].offset = i * n_meshes;
+        for (int mesh = 0; mesh < n_meshes; mesh++) {
+            values[outputs[i].offset + mesh] =
+                i % 2 == 0 ? extremes_value(run->extremes, i / 2, mesh) : extremes_time(run->extremes, i / 2, mesh);
+        }
+    }
+    const bool good = history_put_finals(run->history, 2 * n, outputs, values);
+    free(values);
+    free(outputs);
+    return good;
+}
+
+/** @return false if the history could not be completed; the reason is in run->message */
+static bool close_history(run *run, bool commit, const char *status, const char *message, const simulate_result *result)
+{
+    const integrate_counts *counts = &result->counts;
+    const bool by_stepper = simulate_options(&run->prepared).by_stepper;
+    const history_attribute attributes[] = {
+        text_attribute("status", status),
+        text_attribute("status_message", message),
+        text_attribute("invariants", result->invariants),
+        count_attribute("integrator_steps", counts->steps),
+        count_attribute("integrator_residuals", counts->residuals),
+        count_attribute("integrator_jacobians", counts->jacobians),
+        count_attribute("integrator_linear_setups", counts->linear_setups),
+        count_attribute("integrator_newton_iterations", counts->newton_iterations),
+        count_attribute("integrator_root_evaluations", counts->roots_evaluated),
+        count_attribute("integrator_events", counts->events),
+        by_stepper ? count_attribute("integrator_rejections", counts->rejections)
+                   : count_attribute("integrator_error_test_failures", counts->error_test_failures),
+        count_attribute("integrator_convergence_failures", counts->convergence_failures),
+    };
+    const int n = (int)(sizeof attributes / sizeof *attributes) - (by_stepper ? 1 : 0);
+    return history_close(&run->history, commit, n, attributes, run->message);
+}
+
+/* The run itself. */
+
+static void take_names(run *run)
+{
+    const description *description = case_description(run->prepared.file);
+    run->wheel_names = xcalloc((size_t)description->n_wheels, sizeof *run->wheel_names);
+    run->mesh_names = xcalloc((size_t)description->n_meshes, sizeof *run->mesh_names);
+    run->shaft_names = xcalloc((size_t)description->n_shafts, sizeof *run->shaft_names);
+    for (int i = 0; i < description->n_wheels; i++) {
+        run->wheel_names[i] = description->wheels[i].name;
+    }
+    for (int i = 0; i < description->n_meshes; i++) {
+        run->mesh_names[i] = description->meshes[i].name;
+    }
+    for (int i = 0; i < description->n_shafts; i++) {
+        run->shaft_names[i] = description->shafts[i].name;
+    }
+}
+
+/** What the meshes' stiffness and damping come to. */
+static void tell_vibrations(const run *run)
+{
+    const description *description = case_description(run->prepared.file);
+    for (int i = 0; i < description->n_meshes; i++) {
+        const mesh_vibration mesh = model_mesh_vibration(run->prepared.model, i);
+        if (!isnan(mesh.damping_ratio)) {
+            log_note("mesh %s at %.5g N, one tooth pair: natural frequency %.5g Hz, damping ratio %.3g",
+                     description->meshes[i].name, mesh.force, mesh.natural_frequency, mesh.damping_ratio);
+        }
+    }
+}
+
+static void summarise(const integrate_counts *counts, const char *path)
+{
+    log_note("%ld steps, %ld event%s, %.3g s CPU: %s", counts->steps, counts->events, counts->events == 1 ? "" : "s",
+             (double)clock() / CLOCKS_PER_SEC, path);
+}
+
+/** The last line of a run that cannot be trusted. */
+static void warn_of_invariants(const simulate_result *result)
+{
+    if (!result->held) {
+        log_warning("the run's own invariants are %s: lower simulation.tolerance or simulation.max_step",
+                    result->invariants);
+    }
+}
+
+/** The run ended: complete the history, and say how it went. */
+static void conclude(run *run, const simulate_result *result, const char *path, evl_error *error)
+{
+    char reason[2 * DAE_MESSAGE_LENGTH] = "";
+    const char *status = "done", *remark = result->remark;
+    char *partial = xstrdup(history_partial_path(run->history));
+    char *place = xasprintf("%s: t = %.9g s", case_path(run->prepared.file), result->t);
+    if (remark[0] != '\0') {
+        log_warning("%s", remark);
+    }
+    if (result->end == SIMULATE_INTERRUPTED) {
+        status = "interrupted";
+        (void)snprintf(reason, sizeof reason, "interrupted by %s at t = %.9g s", interrupt_name((int)interrupt_signal),
+                       result->t);
+        evl_error_set(error, EVL_EXIT_INTERRUPTED, place, "interrupted by %s; the history up to there is in '%s'",
+                      interrupt_name((int)interrupt_signal), partial);
+    } else if (result->end == SIMULATE_FAILED) {
+        status = "failed";
+        (void)snprintf(reason, sizeof reason, "failed at t = %.9g s: %s", result->t, result->message);
+        evl_error_set(error, EVL_EXIT_INTEGRATION, place, "%s; the history up to there is in '%s'", result->message,
+                      partial);
+    }
+    const bool is_done = result->end == SIMULATE_DONE;
+    if (!close_history(run, is_done, status, is_done ? remark : reason, result)) {
+        evl_error_set(error, EVL_EXIT_IO, "", "%s", run->message);
+    } else if (is_done) {
+        summarise(&result->counts, path);
+        warn_of_invariants(result);
+    }
+    free(place);
+    free(partial);
+}
+
+static void simulate_case(run *run, const char *path, dae_state *state, evl_error *error)
+{
+    simulate_result result;
+    run->extremes =
+        extremes_create(run->prepared.model, case_description(run->prepared.file)->n_meshes, -INFINITY, INFINITY);
+    const simulate_sink sink = {.self = run, .outputs = on_outputs, .event = on_event, .extremes = run->extremes};
+    simulate(&run->prepared, &sink, &run->progress, state, &result);
+    progress_end(&run->progress);
+    if (result.end == SIMULATE_SINK_FAILED || !put_extremes(run)) {
+        evl_error_set(error, EVL_EXIT_IO, "", "%s", history_error(run->history));
+        history_abandon(&run->history);
+    } else {
+        conclude(run, &result, path, error);
+    }
+    extremes_delete(&run->extremes);
+}
+
+static void run_prepared(run *run, const run_options *options, const char *path, evl_error *error)
+{
+    dae_state state;
+    if (!prepare_start(&run->prepared, &state, error)) {
+        return;
+    }
+    prepare_warn(&run->prepared);
+    tell_vibrations(run);
+    take_names(run);
+    progress_start(&run->progress, options->show_progress, state.t,
+                   case_description(run->prepared.file)->simulation.duration);
+    if (create_history(run, path)) {
+        simulate_case(run, path, &state, error);
+    } else {
+        evl_error_set(error, EVL_EXIT_IO, "", "%s", run->message);
+    }
+    free(run->shaft_names);
+    free(run->mesh_names);
+    free(run->wheel_names);
+    dae_state_free(&state);
+}
+
+evl_exit run_case(const run_options *options, evl_error *error)
+{
+    run run = {0};
+    *error = (evl_error){.code = EVL_EXIT_OK};
+    if (!prepare_case(&run.prepared, options->case_path, options->n_set, options->set, error)) {
+        return error->code;
+    }
+    char *path = options->output != NULL ? xstrdup(options->output) : default_output(options->case_path);
+    if (is_same_file(path, options->case_path)) {
+        evl_error_set(error, EVL_EXIT_USAGE, "", "the history would replace the case '%s'; name another file with -o",
+                      path);
+    } else {
+        run_prepared(&run, options, path, error);
+    }
+    free(path);
+    prepared_case_free(&run.prepared);
+    return error->code;
+}

@@ -1,0 +1,228 @@
+#include "commands/show.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/json.h"
+#include "base/memory.h"
+#include "base/number.h"
+#include "case/case_schema.h"
+#include "commands/show_deviations.h"
+#include "commands/show_gears.h"
+
+static const double DEGREES_PER_RADIAN = 57.295779513082320877;
+
+/** Whether all of it got through, also to a full disk or a closed pipe. */
+static int finish(FILE *stream)
+{
+    return fflush(stream) == 0 && !ferror(stream) ? EVL_EXIT_OK : EVL_EXIT_IO;
+}
+
+/* ---- for reading ---- */
+
+static const char *unit_text(const char *units)
+{
+    return strcmp(units, "1") == 0 ? "" : units;
+}
+
+static int longer(int width, const char *text)
+{
+    const int length = (int)strlen(text);
+    return length > width ? length : width;
+}
+
+static void print_rows(FILE *stream, int n, const model_quantity *rows)
+{
+    int name_width = 0, symbol_width = 0;
+    for (int i = 0; i < n; i++) {
+        name_width = longer(name_width, rows[i].long_name);
+        symbol_width = longer(symbol_width, rows[i].symbol);
+    }
+    for (int i = 0; i < n; i++) {
+        const model_quantity *row = &rows[i];
+        const char *unit = unit_text(row->units);
+        fprintf(stream, "  %-*s  %-*s  ", name_width, row->long_name, symbol_width, row->symbol);
+        if (row->n == 2) {
+            fprintf(stream, "(%.10g, %.10g)", row->value[0], row->value[1]);
+        } else if (isnan(row->value[0])) {
+            fputs("-\n", stream);
+            continue;
+        } else {
+            fprintf(stream, "%.10g", row->value[0]);
+        }
+        fprintf(stream, "%s%s", unit[0] == '\0' ? "" : " ", unit);
+        if (row->is_angle) {
+            fprintf(stream, " = %.8g deg", row->value[0] * DEGREES_PER_RADIAN);
+        }
+        fputc('\n', stream);
+    }
+}
+
+static void print_indented(FILE *stream, const char *text)
+{
+    for (const char *line = text; *line != '\0';) {
+        const size_t n = strcspn(line, "\n");
+        fprintf(stream, "  %.*s\n", (int)n, line);
+        line += n + (line[n] == '\n' ? 1 : 0);
+    }
+}
+
+static void print_model(FILE *stream, const prepared_case *prepared)
+{
+    const model *model = prepared->model;
+    const description *description = case_description(prepared->file);
+    model_quantity rows[MODEL_MOST_ROWS];
+    for (int i = 0; i < description->n_wheels; i++) {
+        fprintf(stream, "\nWheel %s\n", description->wheels[i].name);
+        print_rows(stream, model_wheel_geometry(model, i, rows), rows);
+    }
+    for (int i = 0; i < description->n_meshes; i++) {
+        fprintf(stream, "\nMesh %s\n", description->meshes[i].name);
+        print_rows(stream, model_mesh_geometry(model, i, rows), rows);
+    }
+    show_gears(stream, description, model);
+    show_deviations(stream, description, model);
+    for (int i = 0; i < model_n_warnings(model); i++) {
+        char *text = prepare_warning(prepared, i);
+        fprintf(stream, "%s  %s\n", i == 0 ? "\nWarnings\n" : "", text);
+        free(text);
+    }
+}
+
+int show_text(FILE *stream, const prepared_case *prepared)
+{
+    fprintf(stream, "Case %s, with all defaults (angles in degrees)\n\n", case_path(prepared->file));
+    print_indented(stream, case_text(prepared->file));
+    if (prepared->model != NULL) {
+        print_model(stream, prepared);
+    }
+    return finish(stream);
+}
+
+/* ---- for scripts ---- */
+
+static void write_node(json_writer *writer, const char *key, const case_node *node)
+{
+    double value = 0;
+    if (node->kind == NODE_SCALAR && node->plain && number_read(node->text, &value) == NUMBER_FINITE) {
+        json_number(writer, key, value);
+    } else if (node->kind == NODE_SCALAR) {
+        json_text(writer, key, node->text);
+    } else {
+        json_open(writer, key, node->kind == NODE_SEQUENCE ? '[' : '{');
+        for (int i = 0; i < node->n; i++) {
+            write_node(writer, node->entries[i].key, node->entries[i].value);
+        }
+        json_close(writer, node->kind == NODE_SEQUENCE ? ']' : '}');
+    }
+}
+
+/** A wheel or mesh, and within it what it is as a gear, if it is a real one. */
+static void write_rows(json_writer *writer, const char *key, int n, const model_quantity *rows, int n_gear,
+                       const model_quantity *gear_rows)
+{
+    json_open(writer, key, '{');
+    for (int i = 0; i < n; i++) {
+        if (rows[i].n == 2) {
+            json_numbers(writer, rows[i].name, 2, rows[i].value);
+        } else {
+            json_number(writer, rows[i].name, rows[i].value[0]);
+        }
+    }
+    if (n_gear > 0) {
+        write_rows(writer, "gear", n_gear, gear_rows, 0, NULL);
+    }
+    json_close(writer, '}');
+}
+
+static void write_model(json_writer *writer, const prepared_case *prepared)
+{
+    const model *model = prepared->model;
+    const description *description = case_description(prepared->file);
+    model_quantity rows[MODEL_MOST_ROWS], gear_rows[MODEL_MOST_ROWS];
+    json_open(writer, "wheels", '{');
+    for (int i = 0; i < description->n_wheels; i++) {
+        const int n = model_wheel_geometry(model, i, rows), n_gear = model_gear(model, i, gear_rows);
+        write_rows(writer, description->wheels[i].name, n, rows, n_gear, gear_rows);
+    }
+    json_close(writer, '}');
+    json_open(writer, "meshes", '{');
+    for (int i = 0; i < description->n_meshes; i++) {
+        const int n = model_mesh_geometry(model, i, rows), n_gear = model_gear_mesh(model, i, gear_rows);
+        write_rows(writer, description->meshes[i].name, n, rows, n_gear, gear_rows);
+    }
+    json_close(writer, '}');
+    write_deviations(writer, description, model);
+    json_open(writer, "warnings", '[');
+    for (int i = 0; i < model_n_warnings(model); i++) {
+        char *text = prepare_warning(prepared, i);
+        json_text(writer, NULL, text);
+        free(text);
+    }
+    json_close(writer, ']');
+}
+
+int show_json(FILE *stream, const prepared_case *prepared, const evl_error *refusal)
+{
+    json_writer writer = {.stream = stream};
+    json_open(&writer, NULL, '{');
+    json_text(&writer, "path", case_path(prepared->file));
+    write_node(&writer, "case", case_root(prepared->file));
+    if (prepared->model != NULL) {
+        write_model(&writer, prepared);
+    }
+    char *line = refusal->code == EVL_EXIT_OK ? xstrdup("") : xasprintf("%s: %s", refusal->place, refusal->message);
+    json_text(&writer, "refusal", line);
+    json_close(&writer, '}');
+    free(line);
+    return finish(stream);
+}
+
+/* ---- laws and keys ---- */
+
+static void print_parameter(FILE *stream, const law_parameter *parameter)
+{
+    const case_key range = {.minimum = parameter->minimum,
+                            .maximum = parameter->maximum,
+                            .minimum_open = parameter->minimum_open,
+                            .maximum_open = parameter->maximum_open};
+    char range_text[128], value[NUMBER_TEXT_LENGTH] = "from the mesh";
+    key_range_text(&range, range_text);
+    if (isfinite(parameter->default_value)) {
+        number_write(value, parameter->default_value);
+    }
+    const char *unit = unit_text(parameter->units);
+    fprintf(stream, "      %s%s%s%s: %s\n", parameter->name, unit[0] == '\0' ? "" : " [", unit,
+            unit[0] == '\0' ? "" : "]", parameter->text);
+    fprintf(stream, "        %s%s%s%s\n", parameter->required ? "required" : "default ",
+            parameter->required ? "" : value, range_text[0] == '\0' ? "" : ", ", range_text);
+}
+
+int show_laws(FILE *stream, const law_tables *laws)
+{
+    static const char *const families[LAWS_FAMILIES] = {
+        [LAWS_CONTACT] = "contact", [LAWS_DAMPING] = "damping", [LAWS_FRICTION] = "friction"};
+    for (int family = 0; family < LAWS_FAMILIES; family++) {
+        fprintf(stream, "%s%s:\n", family == 0 ? "" : "\n", families[family]);
+        for (int i = 0; i < laws->count[family]; i++) {
+            const law_info *law = &laws->laws[family][i];
+            fprintf(stream, "  {law: %s}  %s\n", law->name, law->text);
+            if (law->source[0] != '\0') {
+                fprintf(stream, "      source: %s\n", law->source);
+            }
+            for (int k = 0; k < law->n_parameters; k++) {
+                print_parameter(stream, &law->parameters[k]);
+            }
+        }
+    }
+    return finish(stream);
+}
+
+int show_keys(FILE *stream, const law_tables *laws)
+{
+    case_schema *schema = schema_create(laws);
+    schema_print(stream, schema);
+    schema_delete(&schema);
+    return finish(stream);
+}

@@ -1,0 +1,321 @@
+#include "files/design.h"
+
+#include "base/memory.h"
+#include "base/number.h"
+
+#include <errno.h>
+#include <evolvent_version.h>
+#include <hdf5.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { FORMAT = 1 };
+
+typedef struct {
+    const char *path;
+    hid_t file, parameters;
+    hid_t text; /**< datatype: variable-length UTF-8 */
+    evl_error *error;
+} reader;
+
+/** @return false */
+static bool refuse(const reader *reader, const char *what, const char *message)
+{
+    evl_error_set(reader->error, EVL_EXIT_CASE, reader->path, "%s%s%s", what, what[0] == '\0' ? "" : ": ", message);
+    return false;
+}
+
+/* ---- attributes ---- */
+
+/** A text attribute, of variable or fixed length, as a new string. NULL if there is none. */
+static char *read_text(const reader *reader, hid_t object, const char *name)
+{
+    if (H5Aexists(object, name) <= 0) {
+        return NULL;
+    }
+    const hid_t attribute = H5Aopen(object, name, H5P_DEFAULT);
+    const hid_t type = H5Aget_type(attribute), space = H5Aget_space(attribute);
+    char *result = NULL;
+    if (H5Tget_class(type) == H5T_STRING && H5Sget_simple_extent_npoints(space) == 1) {
+        if (H5Tis_variable_str(type) > 0) {
+            char *value = NULL;
+            if (H5Aread(attribute, type, &value) >= 0) {
+                result = xstrdup(value == NULL ? "" : value);
+                (void)H5Dvlen_reclaim(type, space, H5P_DEFAULT, &value);
+            }
+        } else {
+            char *value = xcalloc(H5Tget_size(type) + 1, 1);
+            if (H5Aread(attribute, type, value) >= 0) {
+                result = value;
+            } else {
+                free(value);
+            }
+        }
+    } else if (H5Sget_simple_extent_type(space) == H5S_NULL && H5Tget_class(type) == H5T_STRING) {
+        result = xstrdup(""); /* how h5py writes an empty text of fixed length */
+    }
+    (void)reader;
+    (void)H5Sclose(space);
+    (void)H5Tclose(type);
+    (void)H5Aclose(attribute);
+    return result;
+}
+
+/** Numbers of an attribute, converted. @return false if it is not there or holds another number of them */
+static bool read_numbers(hid_t object, const char *name, hid_t type, int n, void *values)
+{
+    if (H5Aexists(object, name) <= 0) {
+        return false;
+    }
+    const hid_t attribute = H5Aopen(object, name, H5P_DEFAULT);
+    const hid_t space = H5Aget_space(attribute), stored = H5Aget_type(attribute);
+    const H5T_class_t class = H5Tget_class(stored);
+    const bool good = (class == H5T_INTEGER || class == H5T_FLOAT) && H5Sget_simple_extent_npoints(space) == n &&
+                      H5Aread(attribute, type, values) >= 0;
+    (void)H5Tclose(stored);
+    (void)H5Sclose(space);
+    (void)H5Aclose(attribute);
+    return good;
+}
+
+static bool need_text(const reader *reader, const char *name, char **text)
+{
+    *text = read_text(reader, reader->file, name);
+    return *text != NULL || refuse(reader, name, "this attribute of the design is missing, or no text");
+}
+
+/** What must be known before anything else is looked at. */
+static bool check_maker(const reader *reader)
+{
+    long long format = 0;
+    if (!read_numbers(reader->file, "evolvent_design_format", H5T_NATIVE_LLONG, 1, &format)) {
+        return refuse(reader, "", "is no design (no attribute evolvent_design_format); evolvent-sweep plan writes one");
+    }
+    if (format != FORMAT) {
+        evl_error_set(reader->error, EVL_EXIT_CASE, reader->path,
+                      "is a design of format %lld, but this evolvent reads format %d only; plan it again", format,
+                      FORMAT);
+        return false;
+    }
+    char *version = NULL;
+    if (!need_text(reader, "evolvent_version", &version)) {
+        return false;
+    }
+    const bool is_ours = strcmp(version, EVOLVENT_VERSION) == 0;
+    if (!is_ours) {
+        evl_error_set(reader->error, EVL_EXIT_CASE, reader->path,
+                      "was made by evolvent %.32s, this is %s; plan it again, so that one version makes all results",
+                      version, EVOLVENT_VERSION);
+    }
+    free(version);
+    return is_ours;
+}
+
+static bool read_head(const reader *reader, design *design)
+{
+    long long n_cases = 0, every = 1;
+    if (!check_maker(reader) || !need_text(reader, "case", &design->base_case) ||
+        !need_text(reader, "hash", &design->hash) ||
+        !need_text(reader, "history_variables", &design->history_variables)) {
+        return false;
+    }
+    design->title = read_text(reader, reader->file, "title");
+    design->title = design->title == NULL ? xstrdup("") : design->title;
+    if (!read_numbers(reader->file, "n_cases", H5T_NATIVE_LLONG, 1, &n_cases) || n_cases < 0) {
+        return refuse(reader, "n_cases", "this attribute of the design is missing, or no count");
+    }
+    if (n_cases == 0) {
+        return refuse(reader, "", "is an empty design: it has no case");
+    }
+    if (!read_numbers(reader->file, "window", H5T_NATIVE_DOUBLE, 2, design->window)) {
+        return refuse(reader, "window", "this attribute of the design is missing, or not two times [s]");
+    }
+    if (design->window[0] > design->window[1] || design->window[1] < 0) {
+        evl_error_set(reader->error, EVL_EXIT_CASE, reader->path,
+                      "window: from %g to %g s is no span of time in a case", design->window[0], design->window[1]);
+        return false;
+    }
+    if (!read_numbers(reader->file, "history_every", H5T_NATIVE_LLONG, 1, &every) || every < 1 || every > 1000000000) {
+        return refuse(reader, "history_every", "this attribute of the design is missing, or less than 1");
+    }
+    if (design->hash[0] == '\0' || strpbrk(design->hash, "\n\"\\") != NULL) {
+        return refuse(reader, "hash", "is no hash");
+    }
+    design->n_cases = (long)n_cases;
+    design->history_every = (long)every;
+    return true;
+}
+
+/* ---- columns ---- */
+
+static bool read_values(const reader *reader, hid_t dataset, const char *name, long n, design_column *column)
+{
+    const hid_t type = H5Dget_type(dataset);
+    bool good = false;
+    switch (H5Tget_class(type)) {
+    case H5T_FLOAT:
+        column->type = DESIGN_REAL;
+        column->values.reals = xcalloc((size_t)n, sizeof *column->values.reals);
+        good = H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, column->values.reals) >= 0;
+        break;
+    case H5T_INTEGER:
+        column->type = DESIGN_INTEGER;
+        column->values.integers = xcalloc((size_t)n, sizeof *column->values.integers);
+        good = H5Dread(dataset, H5T_NATIVE_LLONG, H5S_ALL, H5S_ALL, H5P_DEFAULT, column->values.integers) >= 0;
+        break;
+    case H5T_STRING:
+        column->type = DESIGN_TEXT;
+        column->values.texts = xcalloc((size_t)n, sizeof *column->values.texts);
+        good = H5Tis_variable_str(type) > 0 &&
+               H5Dread(dataset, reader->text, H5S_ALL, H5S_ALL, H5P_DEFAULT, column->values.texts) >= 0;
+        break;
+    default:
+        break;
+    }
+    (void)H5Tclose(type);
+    return good || refuse(reader, name, "cannot be read; a column holds floats, integers, or texts of variable length");
+}
+
+/** The column of a dataset, if it has a path. */
+static bool read_column(const reader *reader, const char *name, design *design)
+{
+    const hid_t dataset = H5Dopen2(reader->parameters, name, H5P_DEFAULT);
+    if (dataset < 0) {
+        return refuse(reader, name, "this column is missing; columns are parameters/p0, p1, ...");
+    }
+    const hid_t space = H5Dget_space(dataset);
+    const bool fits = H5Sget_simple_extent_ndims(space) == 1 && H5Sget_simple_extent_npoints(space) == design->n_cases;
+    char *path = read_text(reader, dataset, "path");
+    bool good = fits && path != NULL;
+    if (!fits) {
+        evl_error_set(reader->error, EVL_EXIT_CASE, reader->path, "%s: has not one value for each of the %ld cases",
+                      name, design->n_cases);
+    } else if (path == NULL) {
+        (void)refuse(reader, name, "has no attribute path");
+    } else if (path[0] != '\0') { /* a derived quantity has none: no case depends on it */
+        design_column *column = &design->columns[design->n_columns++];
+        *column = (design_column){.path = path};
+        path = NULL;
+        good = read_values(reader, dataset, name, design->n_cases, column);
+    }
+    free(path);
+    (void)H5Sclose(space);
+    (void)H5Dclose(dataset);
+    return good;
+}
+
+static bool read_columns(reader *reader, design *design)
+{
+    H5G_info_t info = {0};
+    reader->parameters =
+        H5Lexists(reader->file, "parameters", H5P_DEFAULT) > 0 ? H5Gopen2(reader->file, "parameters", H5P_DEFAULT) : -1;
+    if (reader->parameters < 0 || H5Gget_info(reader->parameters, &info) < 0) {
+        return refuse(reader, "", "has no group parameters");
+    }
+    design->columns = xcalloc((size_t)info.nlinks, sizeof *design->columns);
+    bool good = true;
+    for (hsize_t i = 0; i < info.nlinks && good; i++) {
+        char name[32];
+        (void)snprintf(name, sizeof name, "p%llu", (unsigned long long)i);
+        good = read_column(reader, name, design);
+    }
+    (void)H5Gclose(reader->parameters);
+    return good;
+}
+
+/* ---- the file ---- */
+
+static bool open_file(reader *reader)
+{
+    if (access(reader->path, R_OK) != 0) {
+        evl_error_set(reader->error, EVL_EXIT_CASE, reader->path, "cannot be read: %s", strerror(errno));
+        return false;
+    }
+    (void)setenv("HDF5_USE_FILE_LOCKING", "FALSE", 1); /* shards read it at one time, from folders that may not lock */
+    (void)H5dont_atexit();
+    (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+    reader->file = H5Fopen(reader->path, H5F_ACC_RDONLY, H5P_DEFAULT);
+    return reader->file >= 0 || refuse(reader, "", "is no HDF5 file; evolvent-sweep plan writes a design");
+}
+
+design *design_read(const char *path, evl_error *error)
+{
+    memset(error, 0, sizeof *error);
+    reader reader = {.path = path, .error = error};
+    if (!open_file(&reader)) {
+        return NULL;
+    }
+    design *design = xcalloc(1, sizeof *design);
+    design->file = xstrdup(path);
+    reader.text = H5Tcopy(H5T_C_S1);
+    (void)H5Tset_size(reader.text, H5T_VARIABLE);
+    (void)H5Tset_cset(reader.text, H5T_CSET_UTF8);
+    if (!read_head(&reader, design) || !read_columns(&reader, design)) {
+        design_delete(&design);
+    }
+    (void)H5Tclose(reader.text);
+    (void)H5Fclose(reader.file);
+    return design;
+}
+
+static void free_column(design_column *column, long n_cases)
+{
+    if (column->type == DESIGN_TEXT && column->values.texts != NULL) {
+        for (long i = 0; i < n_cases; i++) {
+            (void)H5free_memory(column->values.texts[i]);
+        }
+    }
+    free(column->path);
+    free(column->values.reals); /* whichever of the three it is */
+}
+
+void design_delete(design **pointer)
+{
+    design *design = *pointer;
+    *pointer = NULL;
+    if (design == NULL) {
+        return;
+    }
+    for (int i = 0; i < design->n_columns; i++) {
+        free_column(&design->columns[i], design->n_cases);
+    }
+    free(design->columns);
+    free(design->file);
+    free(design->hash);
+    free(design->title);
+    free(design->base_case);
+    free(design->history_variables);
+    free(design);
+}
+
+/** "PATH=VALUE" as a new string. */
+static char *make_option(const char *path, const char *value)
+{
+    const size_t length = strlen(path), size = strlen(value) + 1;
+    char *option = xcalloc(length + 1 + size, 1);
+    memcpy(option, path, length + 1);
+    option[length] = '=';
+    memcpy(option + length + 1, value, size);
+    return option;
+}
+
+char *design_option(const design *design, int column, long index)
+{
+    const design_column *from = &design->columns[column];
+    if (from->type == DESIGN_TEXT) {
+        const char *text = from->values.texts[index];
+        return make_option(from->path, text == NULL ? "" : text);
+    }
+    char text[NUMBER_TEXT_LENGTH] = ".nan";
+    if (from->type == DESIGN_INTEGER) {
+        (void)snprintf(text, sizeof text, "%lld", from->values.integers[index]);
+    } else if (isinf(from->values.reals[index])) {
+        (void)snprintf(text, sizeof text, from->values.reals[index] > 0 ? ".inf" : "-.inf");
+    } else if (!isnan(from->values.reals[index])) {
+        number_write(text, from->values.reals[index]);
+    }
+    return make_option(from->path, text);
+}

@@ -1,0 +1,54 @@
+/** The time history of a run, on file. The interface knows nothing of HDF5; history_hdf5.c does.
+ *
+ *  A history grows as NAME.partial and gets NAME only by history_commit, which replaces an older one. Every function that can fail returns false and
+ *  keeps one sentence for history_error(); after a failure only history_abandon may follow. */
+#ifndef EVOLVENT_HISTORY_H
+#define EVOLVENT_HISTORY_H
+
+#include "integrate/events.h"
+#include "model/model.h"
+
+typedef struct {
+    const char *key;
+    enum { HISTORY_TEXT, HISTORY_INTEGER, HISTORY_REAL } kind;
+    const char *text;
+    long long integer;
+    double real;
+} history_attribute;
+
+typedef struct {
+    const char *path; /**< final name */
+    int n_wheels, n_meshes, n_shafts;
+    const char *const *wheel_names, *const *mesh_names, *const *shaft_names;
+    int n_pairs, n_drive_pairs; /**< places for tooth pairs of a mesh; the first are those of the drive flank */
+    int n_outputs;
+    const model_output *outputs;
+    int n_states;
+    const char *const *state_names, *const *state_units;
+    int n_event_kinds;
+    const char *const *event_kinds;
+    long max_rows; /**< the most that history_append will be called; 0 if that is not known */
+    int n_attributes;
+    const history_attribute *attributes; /**< of the root, known at the start */
+} history_layout;
+
+typedef struct history history;
+
+history *history_create(const history_layout *layout, char message[DAE_MESSAGE_LENGTH]);
+/** One row; static variables are taken from the first one. */
+bool history_append(history *history, double t, const double *values);
+bool history_add_event(history *history, const event_record *record);
+/** Static variables that are known at the end only; `values` as their offsets say. */
+bool history_put_finals(history *history, int n, const model_output *outputs, const double *values);
+/** Set further root attributes, flush, close, fsync; then rename if `commit`, else leave NAME.partial. Frees the history. */
+bool history_close(history **history, bool commit, int n_attributes, const history_attribute *attributes,
+                   char message[DAE_MESSAGE_LENGTH]);
+/** Drop what cannot be written any more, free, leave NAME.partial as it is. */
+void history_abandon(history **history);
+const char *history_error(const history *history);
+/** NAME.partial */
+const char *history_partial_path(const history *history);
+/** Version of the library, such as "HDF5 1.10.8". */
+const char *history_version(void);
+
+#endif

@@ -1,0 +1,348 @@
+#include "files/netcdf_hdf5.h"
+
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/** The system's reason inside an HDF5 message such as "..., errno = 28, error message = '...', ..."; 0 if there is none. */
+static int system_error(const char *description)
+{
+    static const char mark[] = "errno = ";
+    const char *at = description == NULL ? NULL : strstr(description, mark);
+    return at == NULL ? 0 : (int)strtol(at + sizeof mark - 1, NULL, 10);
+}
+
+/** The innermost message comes first; one with a system error is worth more than any other. */
+static herr_t collect_reason(unsigned index, const H5E_error2_t *error, void *data)
+{
+    netcdf_file *file = data;
+    file->system_error = system_error(error->desc);
+    if (file->system_error != 0) {
+        (void)snprintf(file->reason, sizeof file->reason, "%s", strerror(file->system_error));
+        return 1;
+    }
+    if (index == 0) {
+        (void)snprintf(file->reason, sizeof file->reason, "HDF5: %s", error->desc == NULL ? "no reason" : error->desc);
+    }
+    return 0;
+}
+
+bool netcdf_fail(netcdf_file *file)
+{
+    if (file->reason[0] == '\0') {
+        (void)H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, collect_reason, file);
+    }
+    if (file->reason[0] == '\0') {
+        (void)snprintf(file->reason, sizeof file->reason, "HDF5 gives no reason");
+    }
+    return false;
+}
+
+static bool checked(netcdf_file *file, herr_t result)
+{
+    return result < 0 ? netcdf_fail(file) : true;
+}
+
+/** Reproducible files: members in order of creation, as netCDF wants them, and no times. */
+static bool set_group_properties(hid_t properties)
+{
+    const unsigned order = H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED;
+    return H5Pset_link_creation_order(properties, order) >= 0 && H5Pset_obj_track_times(properties, 0) >= 0;
+}
+
+/** To come before every other call of the library. After a failed write it could not clean up at exit, and would crash;
+ *  and a lock of its own would meet that of the caller, who holds one before the file is emptied. */
+static void prepare_library(void)
+{
+    (void)H5dont_atexit();
+    (void)setenv("HDF5_USE_FILE_LOCKING", "FALSE", 1);
+}
+
+void netcdf_library_version(unsigned version[3])
+{
+    prepare_library();
+    (void)H5get_libversion(&version[0], &version[1], &version[2]);
+}
+
+/* The indices of a long run's chunks would fill the library's cache: 32 megabytes for rows that are never looked at again. */
+static bool limit_metadata_cache(hid_t access)
+{
+    const size_t bytes = 512 * 1024;
+    H5AC_cache_config_t config = {.version = H5AC__CURR_CACHE_CONFIG_VERSION};
+    if (H5Pget_mdc_config(access, &config) < 0) {
+        return false;
+    }
+    config.set_initial_size = true;
+    config.initial_size = config.min_size = config.max_size = bytes;
+    return H5Pset_mdc_config(access, &config) >= 0;
+}
+
+/** How variables are stored; a growing one gets its chunks when it is created. */
+static bool prepare_storage(netcdf_file *file)
+{
+    const double missing = NAN;
+    /* Rows come in order and in whole chunks: a cache would only cost memory, a megabyte a variable, and to fill a chunk
+     * beforehand would only cost a copy of each. */
+    file->access = H5Pcreate(H5P_DATASET_ACCESS);
+    bool good = file->access >= 0 && H5Pset_chunk_cache(file->access, 1, 0, 1.0) >= 0;
+    for (int grows = 0; grows < 2; grows++) {
+        for (int is_real = 0; is_real < 2; is_real++) {
+            const hid_t creation = file->creation[grows][is_real] = H5Pcreate(H5P_DATASET_CREATE);
+            good = good && creation >= 0 && H5Pset_obj_track_times(creation, 0) >= 0 &&
+                   (!grows || H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER) >= 0) &&
+                   (!is_real || H5Pset_fill_value(creation, H5T_NATIVE_DOUBLE, &missing) >= 0);
+        }
+    }
+    return good;
+}
+
+bool netcdf_create(netcdf_file *file, const char *path)
+{
+    const hsize_t one = 1;
+    prepare_library();
+    const int kept = 64 * 1024; /* bytes of a kind of memory that the library may hoard */
+    if (H5open() < 0 || H5Eset_auto2(H5E_DEFAULT, NULL, NULL) < 0 ||
+        H5set_free_list_limits(kept, kept, kept, kept, kept, kept) < 0) {
+        return netcdf_fail(file);
+    }
+    const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+    const hid_t creation = H5Pcreate(H5P_FILE_CREATE);
+    file->text = H5Tcopy(H5T_C_S1);
+    file->scalar = H5Screate(H5S_SCALAR);
+    file->single = H5Screate_simple(1, &one, NULL);
+    file->transfer = H5Pcreate(H5P_DATASET_XFER);
+    /* Format 1.8: later ones mark a file as open for writing, and a killed run's flushed file could not be read. */
+    const bool ready = access >= 0 && creation >= 0 && file->text >= 0 && file->scalar >= 0 && file->single >= 0 &&
+                       file->transfer >= 0 && prepare_storage(file) &&
+                       H5Pset_buffer(file->transfer, 16 * 1024, NULL, NULL) >= 0 &&
+                       H5Tset_size(file->text, H5T_VARIABLE) >= 0 && H5Tset_cset(file->text, H5T_CSET_UTF8) >= 0 &&
+                       H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18) >= 0 &&
+                       H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) >= 0 && limit_metadata_cache(access) &&
+                       set_group_properties(creation);
+    file->id = ready ? H5Fcreate(path, H5F_ACC_TRUNC, creation, access) : H5I_INVALID_HID;
+    const bool good = checked(file, file->id < 0 ? -1 : 0);
+    (void)H5Pclose(creation);
+    (void)H5Pclose(access);
+    return good;
+}
+
+bool netcdf_flush(netcdf_file *file)
+{
+    return checked(file, H5Fflush(file->id, H5F_SCOPE_GLOBAL));
+}
+
+bool netcdf_close(netcdf_file *file)
+{
+    const bool good = checked(file, H5Fclose(file->id));
+    (void)H5Tclose(file->text);
+    (void)H5Sclose(file->scalar);
+    (void)H5Sclose(file->single);
+    (void)H5Pclose(file->transfer);
+    (void)H5Pclose(file->access);
+    for (int grows = 0; grows < 2; grows++) {
+        for (int is_real = 0; is_real < 2; is_real++) {
+            (void)H5Pclose(file->creation[grows][is_real]);
+        }
+    }
+    return good;
+}
+
+hid_t netcdf_create_group(netcdf_file *file, const char *name)
+{
+    const hid_t creation = H5Pcreate(H5P_GROUP_CREATE);
+    const bool ready = creation >= 0 && set_group_properties(creation);
+    const hid_t group = ready ? H5Gcreate2(file->id, name, H5P_DEFAULT, creation, H5P_DEFAULT) : H5I_INVALID_HID;
+    (void)checked(file, group < 0 ? -1 : 0);
+    (void)H5Pclose(creation);
+    return group;
+}
+
+/** Add an attribute that the object does not have yet. */
+static bool add(netcdf_file *file, hid_t object, const char *name, hid_t type, hid_t space, const void *value)
+{
+    const hid_t attribute = H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
+    const bool good = attribute >= 0 && H5Awrite(attribute, type, value) >= 0;
+    (void)checked(file, good ? 0 : -1);
+    (void)(attribute >= 0 && H5Aclose(attribute));
+    return good;
+}
+
+static bool put(netcdf_file *file, hid_t object, const char *name, hid_t type, hid_t space, const void *value)
+{
+    const htri_t exists = H5Aexists(object, name);
+    if (exists < 0 || (exists > 0 && H5Adelete(object, name) < 0)) {
+        return netcdf_fail(file);
+    }
+    return add(file, object, name, type, space, value);
+}
+
+bool netcdf_put_text(netcdf_file *file, hid_t object, const char *name, const char *text)
+{
+    return put(file, object, name, file->text, file->scalar, &text);
+}
+
+bool netcdf_put_integer(netcdf_file *file, hid_t object, const char *name, long long value)
+{
+    return put(file, object, name, H5T_NATIVE_LLONG, file->scalar, &value);
+}
+
+bool netcdf_put_real(netcdf_file *file, hid_t object, const char *name, double value)
+{
+    return put(file, object, name, H5T_NATIVE_DOUBLE, file->scalar, &value);
+}
+
+static bool add_text(netcdf_file *file, hid_t dataset, const char *name, const char *text)
+{
+    return add(file, dataset, name, file->text, file->scalar, &text);
+}
+
+/** The CF attributes by which a reader turns numbers into words. */
+static bool add_flags(netcdf_file *file, hid_t dataset, const netcdf_variable *variable)
+{
+    const hsize_t length = (hsize_t)variable->n_flags;
+    const hid_t space = H5Screate_simple(1, &length, NULL);
+    int *values = xcalloc((size_t)variable->n_flags, sizeof *values);
+    for (int i = 0; i < variable->n_flags; i++) {
+        values[i] = i;
+    }
+    bool good = space >= 0 ? add(file, dataset, "flag_values", H5T_NATIVE_INT, space, values) : netcdf_fail(file);
+    good = good && add_text(file, dataset, "flag_meanings", variable->flag_meanings);
+    (void)(space >= 0 && H5Sclose(space));
+    free(values);
+    return good;
+}
+
+static hid_t element_type(const netcdf_file *file, netcdf_type type)
+{
+    switch (type) {
+    case NETCDF_TEXT:
+        return file->text;
+    case NETCDF_INTEGER:
+        return H5T_NATIVE_INT;
+    case NETCDF_LONG:
+        return H5T_NATIVE_INT64;
+    case NETCDF_FLOAT:
+        return H5T_NATIVE_FLOAT;
+    default:
+        return H5T_NATIVE_DOUBLE;
+    }
+}
+
+static bool grows(const netcdf_variable *variable)
+{
+    return variable->rank > 0 && variable->dimensions[0]->grows;
+}
+
+static hid_t create_space(const netcdf_variable *variable)
+{
+    hsize_t extent[NETCDF_MAX_RANK], limit[NETCDF_MAX_RANK];
+    for (int i = 0; i < variable->rank; i++) {
+        extent[i] = limit[i] = variable->dimensions[i]->length;
+    }
+    if (grows(variable)) {
+        extent[0] = 0;
+        /* Readers take a limited dimension at its word; an unlimited one some of them look for in every variable. */
+        limit[0] = limit[0] == 0 ? H5S_UNLIMITED : limit[0];
+    }
+    return variable->rank == 0 ? H5Screate(H5S_SCALAR) : H5Screate_simple(variable->rank, extent, limit);
+}
+
+static bool set_chunks(const netcdf_variable *variable, hsize_t chunk_rows, hid_t creation)
+{
+    hsize_t chunk[NETCDF_MAX_RANK] = {chunk_rows};
+    for (int i = 1; i < variable->rank; i++) {
+        chunk[i] = variable->dimensions[i]->length;
+    }
+    return H5Pset_chunk(creation, variable->rank, chunk) >= 0;
+}
+
+/** All of the place in the file, filled with NaN: for rows that are written past the library. */
+static hid_t take_place_early(const netcdf_file *file)
+{
+    const hid_t creation = H5Pcopy(file->creation[false][true]);
+    (void)H5Pset_alloc_time(creation, H5D_ALLOC_TIME_EARLY);
+    return creation;
+}
+
+static hid_t create_dataset(netcdf_file *file, hid_t group, const netcdf_variable *variable, hsize_t chunk_rows)
+{
+    const bool is_growing = grows(variable), is_early = variable->type == NETCDF_FLOAT;
+    const hid_t creation =
+        is_early ? take_place_early(file) : file->creation[is_growing][variable->type == NETCDF_REAL];
+    const hid_t access = is_growing ? file->access : H5P_DEFAULT;
+    const hid_t space = create_space(variable);
+    const bool ready = space >= 0 && (!is_growing || set_chunks(variable, chunk_rows, creation));
+    const hid_t dataset = ready ? H5Dcreate2(group, variable->name, element_type(file, variable->type), space,
+                                             H5P_DEFAULT, creation, access)
+                                : H5I_INVALID_HID;
+    (void)checked(file, dataset < 0 ? -1 : 0);
+    (void)H5Sclose(space);
+    (void)(is_early && H5Pclose(creation));
+    return dataset;
+}
+
+static bool add_variable_attributes(netcdf_file *file, hid_t dataset, const netcdf_variable *variable)
+{
+    const double missing = NAN;
+    const float missing_float = NAN;
+    return add_text(file, dataset, "units", variable->units) &&
+           add_text(file, dataset, "long_name", variable->long_name) &&
+           add_text(file, dataset, "symbol", variable->symbol) &&
+           (variable->type != NETCDF_REAL ||
+            add(file, dataset, "_FillValue", H5T_NATIVE_DOUBLE, file->single, &missing)) &&
+           (variable->type != NETCDF_FLOAT ||
+            add(file, dataset, "_FillValue", H5T_NATIVE_FLOAT, file->single, &missing_float)) &&
+           (variable->n_flags == 0 || add_flags(file, dataset, variable));
+}
+
+netcdf_variable netcdf_describe(netcdf_type type, const char *name, const char *units, const char *symbol,
+                                const char *long_name)
+{
+    netcdf_variable variable = {.type = type};
+    (void)snprintf(variable.name, sizeof variable.name, "%s", name);
+    (void)snprintf(variable.units, sizeof variable.units, "%s", units);
+    (void)snprintf(variable.symbol, sizeof variable.symbol, "%s", symbol);
+    (void)snprintf(variable.long_name, sizeof variable.long_name, "%s", long_name);
+    return variable;
+}
+
+hid_t netcdf_define(netcdf_file *file, hid_t group, const netcdf_variable *variable, hsize_t chunk_rows)
+{
+    const hid_t dataset = create_dataset(file, group, variable, chunk_rows);
+    if (dataset < 0 || !add_variable_attributes(file, dataset, variable)) {
+        return H5I_INVALID_HID;
+    }
+    dimension_scale *scales[NETCDF_MAX_RANK];
+    for (int i = 0; i < variable->rank; i++) {
+        scales[i] = &variable->dimensions[i]->scale;
+    }
+    if (!scales_attach(dataset, variable->rank, scales)) {
+        (void)netcdf_fail(file);
+        return H5I_INVALID_HID;
+    }
+    return dataset;
+}
+
+bool netcdf_define_dimension(netcdf_file *file, hid_t group, const netcdf_variable *coordinate,
+                             netcdf_dimension *dimension, hsize_t chunk_rows)
+{
+    netcdf_variable variable = *coordinate;
+    variable.rank = 1;
+    variable.dimensions[0] = dimension;
+    const hid_t dataset = create_dataset(file, group, &variable, chunk_rows);
+    if (dataset < 0) {
+        return false;
+    }
+    if (!scale_make(&dimension->scale, dataset, variable.name)) {
+        return netcdf_fail(file);
+    }
+    return add_variable_attributes(file, dataset, &variable);
+}
+
+bool netcdf_finish_dimension(netcdf_file *file, netcdf_dimension *dimension)
+{
+    return scale_list_users(&dimension->scale) ? true : netcdf_fail(file);
+}

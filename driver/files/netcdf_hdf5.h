@@ -1,0 +1,81 @@
+/** The conventions of netCDF-4 that a history needs, on plain HDF5: named dimensions attached to every axis, attributes
+ *  as the readers expect them.
+ *
+ *  Every function that can fail returns false, or a negative identifier, and keeps the reason of the first failure in
+ *  the netcdf_file. Nothing is printed. */
+#ifndef EVOLVENT_NETCDF_HDF5_H
+#define EVOLVENT_NETCDF_HDF5_H
+
+#include "files/scales_hdf5.h"
+
+#include <hdf5.h>
+#include <stdbool.h>
+
+enum { NETCDF_MAX_RANK = 4, NETCDF_REASON_LENGTH = 200 };
+
+typedef struct {
+    hid_t id;
+    hid_t text;           /**< datatype: variable-length UTF-8 */
+    hid_t scalar;         /**< dataspace */
+    hid_t single;         /**< dataspace of one element in one dimension */
+    hid_t access;         /**< properties of a growing variable */
+    hid_t creation[2][2]; /**< properties by whether a variable grows, and whether it is real: dear to make */
+    hid_t transfer;       /**< properties of a small transfer: the usual buffer is a megabyte, zeroed each time */
+    int system_error;     /**< errno of the first failure, 0 if it was none of the system's */
+    char reason[NETCDF_REASON_LENGTH]; /**< of the first failure; "" if there was none */
+} netcdf_file;
+
+/** A named dimension; its coordinate variable has the same name. */
+typedef struct {
+    dimension_scale scale;
+    bool grows;     /**< empty at first */
+    hsize_t length; /**< the most it can have; 0 for a growing one without a limit */
+} netcdf_dimension;
+
+typedef enum {
+    NETCDF_REAL,
+    NETCDF_FLOAT, /**< 32 bits, all of its place in the file taken at once */
+    NETCDF_INTEGER,
+    NETCDF_LONG, /**< 64 bits */
+    NETCDF_TEXT
+} netcdf_type;
+
+typedef struct {
+    char name[64], units[32], symbol[64], long_name[128];
+    netcdf_type type;
+    int rank;
+    netcdf_dimension *dimensions[NETCDF_MAX_RANK]; /**< only the first may grow */
+    int n_flags;               /**< the values 0..n_flags-1 have a meaning; 0 if they are plain numbers */
+    const char *flag_meanings; /**< n_flags words */
+} netcdf_variable;
+
+/** Major, minor, release of the HDF5 library. */
+void netcdf_library_version(unsigned version[3]);
+/** Create the file, or empty the one that is there. */
+bool netcdf_create(netcdf_file *file, const char *path);
+bool netcdf_flush(netcdf_file *file);
+/** Close the file with everything in it that is still open. */
+bool netcdf_close(netcdf_file *file);
+/** Keep the reason of a failed HDF5 call, unless there is an earlier one. @return false */
+bool netcdf_fail(netcdf_file *file);
+
+hid_t netcdf_create_group(netcdf_file *file, const char *name);
+
+/* Set an attribute of a group or variable; an older value is replaced. */
+bool netcdf_put_text(netcdf_file *file, hid_t object, const char *name, const char *text);
+bool netcdf_put_integer(netcdf_file *file, hid_t object, const char *name, long long value);
+bool netcdf_put_real(netcdf_file *file, hid_t object, const char *name, double value);
+
+/** A variable without dimensions yet; texts that are too long are cut. */
+netcdf_variable netcdf_describe(netcdf_type type, const char *name, const char *units, const char *symbol,
+                                const char *long_name);
+/** Create a variable with its attributes, its axes attached to their dimensions.
+ *  @param chunk_rows  rows of a chunk if the first dimension grows */
+hid_t netcdf_define(netcdf_file *file, hid_t group, const netcdf_variable *variable, hsize_t chunk_rows);
+/** Create a dimension, whose length is set, with its coordinate variable. */
+bool netcdf_define_dimension(netcdf_file *file, hid_t group, const netcdf_variable *coordinate,
+                             netcdf_dimension *dimension, hsize_t chunk_rows);
+/** To come after the last variable of a dimension, and before a flush: tell the dimension who uses it. */
+bool netcdf_finish_dimension(netcdf_file *file, netcdf_dimension *dimension);
+
+#endif

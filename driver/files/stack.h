@@ -1,0 +1,47 @@
+/** The histories of a shard's cases, stacked along a dimension case, on file. The interface knows nothing of HDF5;
+ *  stack_hdf5.c does.
+ *
+ *  The whole file is made before the first case runs. After that rows are written in their place, past HDF5: whatever
+ *  ends the program, the file can be read. */
+#ifndef EVOLVENT_STACK_H
+#define EVOLVENT_STACK_H
+
+#include "base/status.h"
+#include "model/model.h"
+
+#include <stdbool.h>
+
+typedef struct {
+    const char *path;
+    const char *hash;        /**< of the design */
+    long first_case, stride; /**< row r is that of case first_case + r stride */
+    long n_rows;
+    int n_times;
+    const double *times; /**< [s] */
+    int n_variables;
+    const model_output *variables;
+    int n_wheels, n_meshes, n_shafts;
+    const char *const *wheel_names, *const *mesh_names, *const *shaft_names;
+    int n_pairs, n_drive_pairs; /**< places for tooth pairs of a mesh; the first are those of the drive flank */
+} stack_layout;
+
+typedef struct stack {
+    char *path;
+    int descriptor;
+    int n_times, n_variables;
+    int *counts;        /**< [n_variables] values a time */
+    long long *offsets; /**< [n_variables] of row 0 in the file, bytes */
+} stack;
+
+/** Open the file, or make it, all NaN. @return false with the reason in `error`: EVL_EXIT_CASE for another design's file,
+ *  EVL_EXIT_IO */
+bool stack_open(stack *stack, const stack_layout *layout, evl_error *error);
+/** Number of values of a row. */
+long stack_row_length(const stack *stack);
+/** Write a row: all times of the first variable, then of the next. Any process may, each its own rows. */
+bool stack_write(const stack *stack, long row, const float *values, evl_error *error);
+/** Bring to the disk what was written. */
+bool stack_sync(const stack *stack, evl_error *error);
+void stack_close(stack *stack);
+
+#endif

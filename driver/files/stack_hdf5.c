@@ -1,0 +1,304 @@
+#include "files/stack.h"
+
+#include "base/memory.h"
+#include "files/netcdf_hdf5.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+typedef struct {
+    netcdf_file netcdf;
+    netcdf_dimension cases, time, wheel, mesh, shaft, axis, space, quaternion, pair;
+} builder;
+
+/* ---- making the file ---- */
+
+/** A dimension with its coordinate variable and the values of that. */
+static bool define_coordinate(builder *b, netcdf_dimension *dimension, const netcdf_variable *variable, long n,
+                              const void *values)
+{
+    const hid_t type = variable->type == NETCDF_TEXT   ? b->netcdf.text
+                       : variable->type == NETCDF_LONG ? H5T_NATIVE_LONG
+                                                       : H5T_NATIVE_DOUBLE;
+    *dimension = (netcdf_dimension){.length = (hsize_t)n};
+    if (!netcdf_define_dimension(&b->netcdf, b->netcdf.id, variable, dimension, 0)) {
+        return false;
+    }
+    return n == 0 || H5Dwrite(dimension->scale.dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0 ||
+           netcdf_fail(&b->netcdf);
+}
+
+static bool define_names(builder *b, netcdf_dimension *dimension, const char *name, const char *long_name, int n,
+                         const char *const *names)
+{
+    const netcdf_variable variable = netcdf_describe(NETCDF_TEXT, name, "1", name, long_name);
+    return define_coordinate(b, dimension, &variable, n, names);
+}
+
+/** Places of tooth pairs: drive_0, drive_1, ..., coast_0, ... */
+static bool define_pairs(builder *b, const stack_layout *layout)
+{
+    char (*texts)[24] = xcalloc((size_t)layout->n_pairs, sizeof *texts);
+    const char **names = xcalloc((size_t)layout->n_pairs, sizeof *names);
+    for (int i = 0; i < layout->n_pairs; i++) {
+        const bool is_drive = i < layout->n_drive_pairs;
+        (void)snprintf(texts[i], sizeof texts[i], "%s_%d", is_drive ? "drive" : "coast",
+                       is_drive ? i : i - layout->n_drive_pairs);
+        names[i] = texts[i];
+    }
+    const bool good =
+        define_names(b, &b->pair, "pair", "place of a tooth pair: flank and slot", layout->n_pairs, names);
+    free(names);
+    free(texts);
+    return good;
+}
+
+static bool define_dimensions(builder *b, const stack_layout *layout)
+{
+    static const char *const axes[] = {"x", "y", "z"}, *const parts[] = {"w", "x", "y", "z"};
+    const netcdf_variable cases = netcdf_describe(NETCDF_LONG, "case", "1", "", "number of the case in its design");
+    const netcdf_variable time = netcdf_describe(NETCDF_REAL, "time", "s", "t", "model time");
+    long *numbers = xcalloc((size_t)layout->n_rows, sizeof *numbers);
+    for (long row = 0; row < layout->n_rows; row++) {
+        numbers[row] = layout->first_case + row * layout->stride;
+    }
+    const bool good = define_coordinate(b, &b->cases, &cases, layout->n_rows, numbers) &&
+                      define_coordinate(b, &b->time, &time, layout->n_times, layout->times) &&
+                      define_names(b, &b->wheel, "wheel", "name of the wheel", layout->n_wheels, layout->wheel_names) &&
+                      define_names(b, &b->mesh, "mesh", "name of the mesh", layout->n_meshes, layout->mesh_names) &&
+                      define_names(b, &b->shaft, "shaft", "name of the shaft", layout->n_shafts, layout->shaft_names) &&
+                      define_names(b, &b->axis, "axis", "axis of the housing frame", 2, axes) &&
+                      define_names(b, &b->space, "space", "axis of a frame", 3, axes) &&
+                      define_names(b, &b->quaternion, "quaternion", "part of a quaternion", 4, parts) &&
+                      define_pairs(b, layout);
+    free(numbers);
+    return good;
+}
+
+/** The dimensions behind case and time; the compiler complains if the model has others. */
+static int inner_dimensions(builder *b, model_dims dims, netcdf_dimension *inner[2])
+{
+    inner[0] = inner[1] = NULL;
+    switch (dims) {
+    case MODEL_DIMS_NONE:
+        break;
+    case MODEL_DIMS_WHEEL:
+        inner[0] = &b->wheel;
+        break;
+    case MODEL_DIMS_MESH:
+        inner[0] = &b->mesh;
+        break;
+    case MODEL_DIMS_WHEEL_AXIS:
+        inner[0] = &b->wheel;
+        inner[1] = &b->axis;
+        break;
+    case MODEL_DIMS_MESH_AXIS:
+        inner[0] = &b->mesh;
+        inner[1] = &b->axis;
+        break;
+    case MODEL_DIMS_SPACE:
+        inner[0] = &b->space;
+        break;
+    case MODEL_DIMS_QUATERNION:
+        inner[0] = &b->quaternion;
+        break;
+    case MODEL_DIMS_WHEEL_SPACE:
+        inner[0] = &b->wheel;
+        inner[1] = &b->space;
+        break;
+    case MODEL_DIMS_MESH_PAIR:
+        inner[0] = &b->mesh;
+        inner[1] = &b->pair;
+        break;
+    case MODEL_DIMS_SHAFT:
+        inner[0] = &b->shaft;
+        break;
+    }
+    return (inner[0] != NULL) + (inner[1] != NULL);
+}
+
+static bool define_variable(builder *b, const model_output *output)
+{
+    netcdf_dimension *inner[2];
+    const int n = inner_dimensions(b, output->dims, inner);
+    netcdf_variable variable =
+        netcdf_describe(NETCDF_FLOAT, output->name, output->units, output->symbol, output->long_name);
+    variable.rank = 2 + n;
+    variable.dimensions[0] = &b->cases;
+    variable.dimensions[1] = &b->time;
+    for (int i = 0; i < n; i++) {
+        variable.dimensions[2 + i] = inner[i];
+    }
+    const hid_t dataset = netcdf_define(&b->netcdf, b->netcdf.id, &variable, 0);
+    return dataset >= 0 && H5Dclose(dataset) >= 0;
+}
+
+static bool fill_file(builder *b, const stack_layout *layout)
+{
+    netcdf_dimension *const all[] = {&b->cases, &b->time,  &b->wheel,      &b->mesh, &b->shaft,
+                                     &b->axis,  &b->space, &b->quaternion, &b->pair};
+    netcdf_file *netcdf = &b->netcdf;
+    bool good = netcdf_put_text(netcdf, netcdf->id, "Conventions", "CF-1.8") &&
+                netcdf_put_text(netcdf, netcdf->id, "design", layout->hash) && define_dimensions(b, layout);
+    for (int i = 0; i < layout->n_variables && good; i++) {
+        good = define_variable(b, &layout->variables[i]);
+    }
+    for (size_t i = 0; i < sizeof all / sizeof *all && good; i++) {
+        good = netcdf_finish_dimension(netcdf, all[i]);
+    }
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
+        scale_free(&all[i]->scale);
+    }
+    return good;
+}
+
+static bool sync_file(const char *path)
+{
+    const int descriptor = open(path, O_RDONLY | O_CLOEXEC);
+    const bool good = descriptor >= 0 && (fsync(descriptor) == 0 || errno == EINVAL);
+    if (descriptor >= 0) {
+        (void)close(descriptor);
+    }
+    return good;
+}
+
+/** The file gets its name when it is complete. */
+static bool make_file(const stack_layout *layout, evl_error *error)
+{
+    char *partial = xasprintf("%s.partial", layout->path);
+    builder b = {0};
+    bool good = netcdf_create(&b.netcdf, partial) && fill_file(&b, layout);
+    good = netcdf_close(&b.netcdf) && good;
+    if (!good) {
+        evl_error_set(error, EVL_EXIT_IO, layout->path, "cannot be written: %s; ask for fewer histories, or make room",
+                      b.netcdf.reason);
+    } else if (!sync_file(partial) || rename(partial, layout->path) != 0) {
+        evl_error_set(error, EVL_EXIT_IO, layout->path, "cannot be written: %s", strerror(errno));
+        good = false;
+    }
+    if (!good) {
+        (void)unlink(partial);
+    }
+    free(partial);
+    return good;
+}
+
+/* ---- finding the rows ---- */
+
+static bool has_hash(hid_t file, const char *hash)
+{
+    char *found = NULL;
+    const hid_t attribute = H5Aexists(file, "design") > 0 ? H5Aopen(file, "design", H5P_DEFAULT) : H5I_INVALID_HID;
+    const hid_t type = H5Aget_type(attribute);
+    const bool good = H5Aread(attribute, type, &found) >= 0 && found != NULL && strcmp(found, hash) == 0;
+    (void)H5free_memory(found);
+    (void)H5Tclose(type);
+    (void)H5Aclose(attribute);
+    return good;
+}
+
+static bool find_rows(stack *stack, hid_t file, const stack_layout *layout)
+{
+    bool good = has_hash(file, layout->hash);
+    for (int i = 0; i < layout->n_variables && good; i++) {
+        const hid_t dataset = H5Dopen2(file, layout->variables[i].name, H5P_DEFAULT);
+        const haddr_t offset = dataset < 0 ? HADDR_UNDEF : H5Dget_offset(dataset);
+        const hsize_t bytes =
+            (hsize_t)layout->n_rows * (hsize_t)layout->n_times * (hsize_t)layout->variables[i].count * sizeof(float);
+        good = offset != HADDR_UNDEF && H5Dget_storage_size(dataset) == bytes;
+        stack->offsets[i] = (long long)offset;
+        stack->counts[i] = layout->variables[i].count;
+        (void)H5Dclose(dataset);
+    }
+    return good;
+}
+
+bool stack_open(stack *stack, const stack_layout *layout, evl_error *error)
+{
+    *stack = (struct stack){.path = xstrdup(layout->path),
+                            .descriptor = -1,
+                            .n_times = layout->n_times,
+                            .n_variables = layout->n_variables,
+                            .counts = xcalloc((size_t)layout->n_variables, sizeof(int)),
+                            .offsets = xcalloc((size_t)layout->n_variables, sizeof(long long))};
+    bool good = access(layout->path, F_OK) == 0 || make_file(layout, error);
+    if (good) {
+        const hid_t file = H5Fopen(layout->path, H5F_ACC_RDONLY, H5P_DEFAULT);
+        good = file >= 0 && find_rows(stack, file, layout);
+        (void)(file >= 0 && H5Fclose(file));
+        if (!good) {
+            evl_error_set(error, EVL_EXIT_CASE, layout->path,
+                          "does not hold the histories of this shard and design; remove it, or choose another folder");
+        }
+    }
+    if (good) {
+        stack->descriptor = open(layout->path, O_WRONLY | O_CLOEXEC);
+        good = stack->descriptor >= 0;
+        if (!good) {
+            evl_error_set(error, EVL_EXIT_IO, layout->path, "cannot be written: %s", strerror(errno));
+        }
+    }
+    if (!good) {
+        stack_close(stack);
+    }
+    return good;
+}
+
+/* ---- rows ---- */
+
+long stack_row_length(const stack *stack)
+{
+    long n = 0;
+    for (int i = 0; i < stack->n_variables; i++) {
+        n += (long)stack->n_times * stack->counts[i];
+    }
+    return n;
+}
+
+bool stack_write(const stack *stack, long row, const float *values, evl_error *error)
+{
+    for (int i = 0; i < stack->n_variables; i++) {
+        const size_t n = (size_t)stack->n_times * (size_t)stack->counts[i], bytes = n * sizeof *values;
+        const off_t start = (off_t)stack->offsets[i] + (off_t)row * (off_t)bytes;
+        size_t done = 0;
+        while (done < bytes) {
+            const ssize_t more =
+                pwrite(stack->descriptor, (const char *)values + done, bytes - done, start + (off_t)done);
+            if (more < 0 && errno == EINTR) {
+                continue;
+            }
+            if (more <= 0) {
+                evl_error_set(error, EVL_EXIT_IO, stack->path, "cannot be written: %s",
+                              strerror(more < 0 ? errno : ENOSPC));
+                return false;
+            }
+            done += (size_t)more;
+        }
+        values += n;
+    }
+    return true;
+}
+
+bool stack_sync(const stack *stack, evl_error *error)
+{
+    if (fdatasync(stack->descriptor) == 0 || errno == EINVAL) {
+        return true;
+    }
+    evl_error_set(error, EVL_EXIT_IO, stack->path, "cannot be written: %s", strerror(errno));
+    return false;
+}
+
+void stack_close(stack *stack)
+{
+    if (stack->descriptor >= 0) {
+        (void)close(stack->descriptor);
+    }
+    free(stack->path);
+    free(stack->counts);
+    free(stack->offsets);
+    *stack = (struct stack){.descriptor = -1};
+}

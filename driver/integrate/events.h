@@ -1,0 +1,14 @@
+/** A record of one located event: what happened, and the state on both sides of it. */
+#ifndef EVOLVENT_EVENTS_H
+#define EVOLVENT_EVENTS_H
+
+#include "integrate/dae.h"
+
+typedef struct {
+    double t;
+    dae_event what;
+    int n;                           /**< length of the states */
+    const dae_state *before, *after; /**< valid during the call only */
+} event_record;
+
+#endif

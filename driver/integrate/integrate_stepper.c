@@ -1,0 +1,177 @@
+/* Integration by the stepper that a model brings along: it steps as it likes, the grid is interpolated. */
+#include "integrate/integration.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double longest_step = 0.02; /* of the whole time: longer ones were seen to misjudge a slow start */
+
+/* The grid points that the last step passed; the end itself is handed over at the end. An event that an output shows to have been
+ * missed is looked for again in smaller steps. */
+static integrate_code give_outputs(integration *run, void *stepper, bool *missed)
+{
+    *missed = false;
+    const dae_stepper *with = run->model->stepper;
+    for (;;) {
+        const double t_out = integration_output_time(run);
+        if (integration_is_later(t_out, run->state->t) || t_out >= run->options->t_end) {
+            return INTEGRATE_DONE;
+        }
+        dae_state state = integration_borrowed(run);
+        state.t = t_out;
+        with->interpolate(stepper, fmin(t_out, run->state->t), state.y);
+        const integrate_code code = integration_give_output(run, &state, missed);
+        if (code == INTEGRATE_STOPPED) {
+            run->state->t = t_out;
+            memcpy(run->state->y, state.y, (size_t)run->model->n * sizeof(double));
+        }
+        if (*missed) {
+            with->redo(stepper, run->state);
+        }
+        if (code != INTEGRATE_DONE || *missed) {
+            return code;
+        }
+        run->next_output++;
+    }
+}
+
+typedef struct {
+    const dae_stepper *with;
+    void *stepper;
+} stepper_step;
+
+static bool interpolate(const void *with, double t, double *y)
+{
+    const stepper_step *step = with;
+    step->with->interpolate(step->stepper, t, y);
+    return true;
+}
+
+static int look(void *with, const double *high, const double *low)
+{
+    const stepper_step *step = with;
+    return step->with->look(step->stepper, high, low);
+}
+
+static void candidate(const void *with, int index, dae_candidate *candidate)
+{
+    const stepper_step *step = with;
+    step->with->candidate(step->stepper, index, candidate);
+}
+
+/* Let the observer look into the step just made. */
+static void watch(integration *run, void *stepper)
+{
+    const double t_before = run->t_unwatched;
+    run->t_unwatched = run->state->t;
+    if (run->observer->watch == NULL || !(run->state->t > t_before)) {
+        return;
+    }
+    stepper_step with = {run->model->stepper, stepper};
+    const integrate_step step = {.t_from = t_before,
+                                 .t_to = run->state->t,
+                                 .state = run->state,
+                                 .with = &with,
+                                 .interpolate = interpolate,
+                                 .look = look,
+                                 .candidate = candidate};
+    run->observer->watch(run->observer->self, &step);
+}
+
+/* One step, and what happened at its end. */
+static integrate_code advance(integration *run, void *stepper)
+{
+    const dae *m = run->model;
+    const double t_event = m->next_time_event(m->self, run->state);
+    const double t_stop = fmin(run->options->t_end, t_event);
+    dae_outcome outcome = DAE_AT_STOP;
+    if (!integration_is_later(t_stop, run->state->t)) {
+        run->state->t = t_stop;
+        memset(run->fired, 0, (size_t)m->n_roots * sizeof *run->fired);
+    } else {
+        run->t_unwatched = run->state->t;
+        if (m->stepper->advance(stepper, t_stop, run->state, run->fired, &outcome, run->reason) != DAE_OK) {
+            return INTEGRATE_FAILED;
+        }
+        bool missed;
+        const integrate_code code = give_outputs(run, stepper, &missed);
+        if (code != INTEGRATE_DONE || missed) {
+            return code;
+        }
+        if (run->state->t < run->options->t_end || outcome == DAE_AT_EVENT) {
+            watch(run, stepper); /* the end has not proved good yet */
+        }
+        if (run->observer->step(run->observer->self, run->state->t) != 0) {
+            return INTEGRATE_STOPPED;
+        }
+    }
+    const bool time_event = run->state->t >= t_event;
+    if (outcome != DAE_AT_EVENT && !time_event) {
+        return INTEGRATE_DONE;
+    }
+    watch(run, stepper);
+    const integrate_code code = integration_apply_event(run, time_event);
+    if (code == INTEGRATE_DONE) {
+        m->stepper->restart(stepper, run->state);
+    }
+    return code;
+}
+
+static integrate_code step_to_the_end(integration *run, void *stepper)
+{
+    integrate_code code = INTEGRATE_DONE;
+    bool missed = false;
+    do {
+        while (code == INTEGRATE_DONE && run->state->t < run->options->t_end) {
+            code = advance(run, stepper);
+        }
+        if (code == INTEGRATE_DONE) {
+            code = integration_give_output(run, run->state, &missed);
+        }
+        if (missed) {
+            run->model->stepper->redo(stepper, run->state);
+        }
+    } while (code == INTEGRATE_DONE && missed);
+    if (code != INTEGRATE_FAILED) {
+        watch(run, stepper);
+        integration_watch_state(run);
+    }
+    return code;
+}
+
+static void count(const integration *run, const void *stepper)
+{
+    dae_stepper_counts now;
+    run->model->stepper->counts(stepper, &now);
+    run->counts->steps = now.steps;
+    run->counts->rejections = now.rejections;
+    run->counts->residuals = now.evaluations;
+    run->counts->newton_iterations = now.iterations;
+    run->counts->jacobians = now.jacobians;
+    run->counts->linear_setups = now.factorisations;
+    run->counts->roots_evaluated = now.root_evaluations;
+    run->model->stepper->growth(stepper, &run->counts->growth);
+}
+
+integrate_code integrate_by_stepper(integration *run)
+{
+    const dae *m = run->model;
+    const integrate_options *options = run->options;
+    const double max_step = fmin(options->max_step, longest_step * (options->t_end - run->t_start));
+    bool missed;
+    integrate_code code = integration_give_output(run, run->state, &missed);
+    if (code != INTEGRATE_DONE || missed) {
+        return missed ? INTEGRATE_FAILED : code;
+    }
+    void *stepper = m->stepper->create(m->self, options->tolerance, max_step, run->reason);
+    if (!stepper) {
+        return INTEGRATE_FAILED;
+    }
+    code = INTEGRATE_FAILED;
+    if (m->stepper->start(stepper, run->state, run->reason) == DAE_OK) {
+        code = step_to_the_end(run, stepper);
+        count(run, stepper);
+    }
+    m->stepper->destroy(stepper);
+    return code;
+}

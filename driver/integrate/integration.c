@@ -1,0 +1,177 @@
+#include "integrate/integration.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+/* Of the present time: towards a limit of the model the steps shrink for ever unless they may not pass rounding. */
+static const double smallest_step = 64 * DBL_EPSILON;
+static const int most_events_at_once = 1000; /* events without progress in time before giving up */
+static const int most_times_missed = 12; /* an event at one output: each time the step is a quarter of what it was */
+static const double grid_slack = 1e-6;   /* of an output interval: a grid point this near the end is the end */
+
+static bool allocate_state(const dae *m, dae_state *state)
+{
+    state->y = calloc((size_t)m->n, sizeof(double));
+    state->yp = calloc((size_t)m->n, sizeof(double));
+    state->integers = calloc((size_t)m->n_integers + 1, sizeof(int));
+    state->reals = calloc((size_t)m->n_reals + 1, sizeof(double));
+    return state->y && state->yp && state->integers && state->reals;
+}
+
+static void free_state(dae_state *state)
+{
+    free(state->y);
+    free(state->yp);
+    free(state->integers);
+    free(state->reals);
+}
+
+static void copy_state(const dae *m, dae_state *to, const dae_state *from)
+{
+    to->t = from->t;
+    memcpy(to->y, from->y, (size_t)m->n * sizeof(double));
+    memcpy(to->yp, from->yp, (size_t)m->n * sizeof(double));
+    memcpy(to->integers, from->integers, (size_t)m->n_integers * sizeof(int));
+    memcpy(to->reals, from->reals, (size_t)m->n_reals * sizeof(double));
+}
+
+bool integration_begin(integration *run)
+{
+    const dae *m = run->model;
+    run->fired = calloc((size_t)m->n_roots + 1, sizeof *run->fired);
+    run->events = calloc((size_t)m->n_events + 1, sizeof *run->events);
+    const bool has_states = allocate_state(m, &run->trial) && allocate_state(m, &run->old);
+    return run->fired && run->events && has_states;
+}
+
+void integration_end(integration *run)
+{
+    free_state(&run->trial);
+    free_state(&run->old);
+    free(run->fired);
+    free(run->events);
+}
+
+dae_state integration_borrowed(const integration *run)
+{
+    dae_state state = run->trial;
+    state.integers = run->state->integers;
+    state.reals = run->state->reals;
+    return state;
+}
+
+double integration_output_time(const integration *run)
+{
+    const double t = run->t_start + (double)run->next_output * run->options->output_interval;
+    return t > run->options->t_end - grid_slack * run->options->output_interval ? run->options->t_end : t;
+}
+
+integrate_code integration_give_output(integration *run, const dae_state *state, bool *missed)
+{
+    const int answer = run->observer->output(run->observer->self, state, run->reason);
+    *missed = answer == INTEGRATE_ANEW;
+    if (answer == 0) {
+        run->reason[0] = '\0';
+    }
+    if (!*missed) {
+        return answer == 0 ? INTEGRATE_DONE : INTEGRATE_STOPPED;
+    }
+    run->times_missed = state->t > run->t_missed ? 1 : run->times_missed + 1;
+    run->t_missed = fmax(state->t, run->t_missed);
+    return run->times_missed <= most_times_missed ? INTEGRATE_DONE : INTEGRATE_FAILED;
+}
+
+double integration_smallest_step(double t)
+{
+    return smallest_step * t;
+}
+
+bool integration_is_later(double later, double t)
+{
+    return later - t > smallest_step * (t < 0 ? -t : t);
+}
+
+static bool know_nothing(const void *with, double t, double *y)
+{
+    (void)with, (void)t, (void)y;
+    return false;
+}
+
+void integration_watch_state(const integration *run)
+{
+    if (run->observer->watch != NULL) {
+        const integrate_step step = {
+            .t_from = run->state->t, .t_to = run->state->t, .state = run->state, .interpolate = know_nothing};
+        run->observer->watch(run->observer->self, &step);
+    }
+}
+
+integrate_code integration_apply_event(integration *run, bool time_event)
+{
+    const dae *m = run->model;
+    int n_events = 0;
+    run->events_at_once = run->state->t > run->t_event ? 1 : run->events_at_once + 1;
+    run->t_event = run->state->t;
+    if (run->events_at_once > most_events_at_once) {
+        (void)snprintf(run->reason, DAE_MESSAGE_LENGTH, "%d events at one time: the model chatters",
+                       most_events_at_once);
+        return INTEGRATE_FAILED;
+    }
+    copy_state(m, &run->old, run->state);
+    if (m->apply_event(m->self, run->state, run->fired, time_event, run->events, &n_events, run->reason) != DAE_OK) {
+        copy_state(m, run->state, &run->old);
+        return INTEGRATE_FAILED;
+    }
+    for (int i = 0; i < n_events; i++) {
+        const event_record record = {run->state->t, run->events[i], m->n, &run->old, run->state};
+        run->counts->events++;
+        if (run->observer->event(run->observer->self, &record) != 0) {
+            return INTEGRATE_STOPPED;
+        }
+    }
+    return INTEGRATE_DONE;
+}
+
+static double cpu_now(void)
+{
+    struct timespec now;
+    return clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now) == 0 ? (double)now.tv_sec + 1e-9 * (double)now.tv_nsec : 0;
+}
+
+integrate_code integrate(const dae *model, const integrate_options *options, const integrate_observer *observer,
+                         dae_state *state, integrate_counts *counts, char reason[DAE_MESSAGE_LENGTH])
+{
+    integration run = {.model = model,
+                       .options = options,
+                       .observer = observer,
+                       .state = state,
+                       .counts = counts,
+                       .reason = reason,
+                       .t_start = state->t,
+                       .t_event = -DBL_MAX,
+                       .t_unwatched = state->t,
+                       .t_missed = -DBL_MAX,
+                       .next_output = 1};
+    const double cpu_start = cpu_now();
+    integrate_code code = INTEGRATE_FAILED;
+    reason[0] = '\0';
+    *counts = (integrate_counts){0};
+    if (integration_begin(&run)) {
+        integration_watch_state(&run);
+        code = options->by_stepper ? integrate_by_stepper(&run) : integrate_by_ida(&run);
+    } else {
+        (void)snprintf(reason, DAE_MESSAGE_LENGTH, "there is not enough memory for the integrator");
+    }
+    integration_end(&run);
+    counts->cpu_seconds = cpu_now() - cpu_start;
+    return code;
+}
+
+long integrate_n_outputs(const integrate_options *options, double t_start)
+{
+    return (long)((options->t_end - t_start) / options->output_interval - grid_slack) + 2;
+}

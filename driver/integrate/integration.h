@@ -1,0 +1,56 @@
+/** What every integration has, whatever makes its steps: the output grid, events and their observers. Private to integrate*.c. */
+#ifndef EVOLVENT_INTEGRATION_H
+#define EVOLVENT_INTEGRATION_H
+
+#include "integrate/integrate.h"
+
+typedef struct {
+    const dae *model;
+    const integrate_options *options;
+    const integrate_observer *observer;
+    dae_state *state; /**< what the caller sees: at the last accepted time */
+    integrate_counts *counts;
+    char *reason;
+    int *fired;        /**< [n_roots] */
+    dae_event *events; /**< [n_events] */
+    dae_state trial;   /**< what the model is asked at; its discrete state is not used */
+    dae_state old;     /**< state before an event */
+    double t_start;
+    long next_output; /**< index of the next grid point */
+    double t_event;   /**< of the last event */
+    double
+        t_unwatched; /**< where the step began that the observer has not watched yet; the present time if there is none */
+    int events_at_once; /**< there */
+    double
+        t_missed; /**< of the output at which an event was found to be missed; the steps are made anew until past it */
+    int times_missed; /**< how often, without coming past it */
+} integration;
+
+/** Whether there was memory; integration_end is due in any case. */
+bool integration_begin(integration *run);
+void integration_end(integration *run);
+
+/** The trial state with the discrete state of the present one. */
+dae_state integration_borrowed(const integration *run);
+
+/** The next output time; the last one is the end itself. */
+double integration_output_time(const integration *run);
+/** Whether there is room for a step from t to `later`: times that differ by rounding are the same. */
+bool integration_is_later(double later, double t);
+/** Of the present time: the smallest step. */
+double integration_smallest_step(double t);
+
+/** Hand an output to the observer, if it agrees with the discrete state. *missed: it does not, since an event was passed unseen,
+ *  and the step that it lies in is to be made anew. */
+integrate_code integration_give_output(integration *run, const dae_state *state, bool *missed);
+/** Let the observer watch the present state; of a whole integration it is the first thing seen and the last. */
+void integration_watch_state(const integration *run);
+
+/** Apply what happened at the present state, and tell. */
+integrate_code integration_apply_event(integration *run, bool time_event);
+
+/** By IDA; the other by the model's stepper. `reason` is empty, counts are zero. */
+integrate_code integrate_by_ida(integration *run);
+integrate_code integrate_by_stepper(integration *run);
+
+#endif

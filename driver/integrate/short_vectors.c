@@ -1,0 +1,153 @@
+#include "integrate/short_vectors.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <sunmatrix/sunmatrix_dense.h>
+
+static sunindextype length(N_Vector x)
+{
+    return NV_LENGTH_S(x);
+}
+
+/* Equal factors multiply the sum once, as SUNDIALS does it: its rounding, and with factors of one the sign of its zeros. */
+static void linear_sum(sunrealtype a, N_Vector x, sunrealtype b, N_Vector y, N_Vector z)
+{
+    const sunindextype n = length(x);
+    const sunrealtype *from_x = NV_DATA_S(x), *from_y = NV_DATA_S(y);
+    sunrealtype *to = NV_DATA_S(z);
+    const bool is_one = fabs(b) == 1;
+    if (a == b && !is_one) {
+        for (sunindextype i = 0; i < n; i++)
+            to[i] = a * (from_x[i] + from_y[i]);
+    } else if (a == -b && !is_one) {
+        for (sunindextype i = 0; i < n; i++)
+            to[i] = a * (from_x[i] - from_y[i]);
+    } else {
+        for (sunindextype i = 0; i < n; i++)
+            to[i] = a * from_x[i] + b * from_y[i];
+    }
+}
+
+static void scale(sunrealtype c, N_Vector x, N_Vector z)
+{
+    const sunindextype n = length(x);
+    const sunrealtype *from = NV_DATA_S(x);
+    sunrealtype *to = NV_DATA_S(z);
+    for (sunindextype i = 0; i < n; i++)
+        to[i] = c * from[i];
+}
+
+static void set_constant(sunrealtype c, N_Vector z)
+{
+    const sunindextype n = length(z);
+    sunrealtype *to = NV_DATA_S(z);
+    for (sunindextype i = 0; i < n; i++)
+        to[i] = c;
+}
+
+static sunrealtype wrms_norm(N_Vector x, N_Vector weight)
+{
+    const sunindextype n = length(x);
+    const sunrealtype *value = NV_DATA_S(x), *by = NV_DATA_S(weight);
+    sunrealtype sum = 0;
+    for (sunindextype i = 0; i < n; i++) {
+        const sunrealtype product = value[i] * by[i];
+        sum += product * product;
+    }
+    return sqrt(sum / (sunrealtype)n);
+}
+
+/* Four rows at a time, so that the sums stay in registers. */
+static int linear_combination(int n_vectors, sunrealtype *c, N_Vector *x, N_Vector z)
+{
+    enum { ROWS = 4 };
+    if (n_vectors == 2) {
+        linear_sum(c[0], x[0], c[1], x[1], z);
+        return 0;
+    }
+    const sunindextype n = length(z);
+    sunrealtype *to = NV_DATA_S(z);
+    sunindextype i = 0;
+    for (; i + ROWS <= n; i += ROWS) {
+        sunrealtype sum[ROWS];
+        const sunrealtype *from = NV_DATA_S(x[0]) + i;
+        for (int j = 0; j < ROWS; j++)
+            sum[j] = c[0] * from[j];
+        for (int k = 1; k < n_vectors; k++) {
+            from = NV_DATA_S(x[k]) + i;
+            for (int j = 0; j < ROWS; j++)
+                sum[j] += c[k] * from[j];
+        }
+        for (int j = 0; j < ROWS; j++)
+            to[i + j] = sum[j];
+    }
+    for (; i < n; i++) {
+        sunrealtype sum = c[0] * NV_DATA_S(x[0])[i];
+        for (int k = 1; k < n_vectors; k++)
+            sum += c[k] * NV_DATA_S(x[k])[i];
+        to[i] = sum;
+    }
+    return 0;
+}
+
+static int linear_sums(int n_vectors, sunrealtype a, N_Vector *x, sunrealtype b, N_Vector *y, N_Vector *z)
+{
+    for (int k = 0; k < n_vectors; k++)
+        linear_sum(a, x[k], b, y[k], z[k]);
+    return 0;
+}
+
+static int scale_each(int n_vectors, sunrealtype *c, N_Vector *x, N_Vector *z)
+{
+    for (int k = 0; k < n_vectors; k++)
+        scale(c[k], x[k], z[k]);
+    return 0;
+}
+
+void short_vectors_use(N_Vector vector)
+{
+    vector->ops->nvlinearsum = linear_sum;
+    vector->ops->nvscale = scale;
+    vector->ops->nvconst = set_constant;
+    vector->ops->nvwrmsnorm = wrms_norm;
+    vector->ops->nvlinearcombination = linear_combination;
+    vector->ops->nvlinearsumvectorarray = linear_sums;
+    vector->ops->nvscalevectorarray = scale_each;
+}
+
+/* L is unit lower, U upper triangular; pivots[k] is the row that changed places with row k. */
+static int solve(SUNLinearSolver solver, SUNMatrix matrix, N_Vector x, N_Vector b, sunrealtype tolerance)
+{
+    (void)tolerance;
+    SUNLinearSolverContent_Dense content = solver->content;
+    const sunindextype n = content->N;
+    sunrealtype *const *columns = SM_COLS_D(matrix);
+    sunrealtype *restrict row = NV_DATA_S(x);
+    scale(1, b, x);
+    for (sunindextype k = 0; k < n; k++) {
+        const sunindextype other = content->pivots[k];
+        const sunrealtype kept = row[k];
+        row[k] = row[other];
+        row[other] = kept;
+    }
+    for (sunindextype k = 0; k < n - 1; k++) {
+        const sunrealtype *restrict column = columns[k];
+        const sunrealtype by = row[k];
+        for (sunindextype i = k + 1; i < n; i++)
+            row[i] -= column[i] * by;
+    }
+    for (sunindextype k = n - 1; k >= 0; k--) {
+        const sunrealtype *restrict column = columns[k];
+        const sunrealtype by = row[k] / column[k];
+        row[k] = by;
+        for (sunindextype i = 0; i < k; i++)
+            row[i] -= column[i] * by;
+    }
+    content->last_flag = 0;
+    return 0;
+}
+
+void short_vectors_solve(SUNLinearSolver solver)
+{
+    solver->ops->solve = solve;
+}

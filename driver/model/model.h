@@ -1,0 +1,141 @@
+/** The gearbox as a dae and as a table of outputs: the driver's only door to the kernel. */
+#ifndef EVOLVENT_MODEL_H
+#define EVOLVENT_MODEL_H
+
+#include "case/description.h"
+#include "integrate/dae.h"
+
+typedef enum {
+    MODEL_DIMS_NONE,
+    MODEL_DIMS_WHEEL,
+    MODEL_DIMS_MESH,
+    MODEL_DIMS_WHEEL_AXIS,
+    MODEL_DIMS_MESH_AXIS,
+    MODEL_DIMS_SPACE,
+    MODEL_DIMS_QUATERNION,
+    MODEL_DIMS_WHEEL_SPACE,
+    MODEL_DIMS_MESH_PAIR,
+    MODEL_DIMS_SHAFT
+} model_dims;
+
+/** One variable of the history: constant over time (is_static) or one value, or array of values, a time. */
+typedef struct {
+    const char *name, *units, *symbol, *long_name; /**< live as long as the program */
+    model_dims dims;
+    bool is_static, is_integer;
+    int offset, count; /**< place in the array that model_outputs fills; count 0: the case has no such variable */
+} model_output;
+
+/** Why a description was refused, or what it is warned of; with what it is about, so that the case file can be shown at the place. */
+typedef struct {
+    enum {
+        MODEL_ABOUT_NOTHING,
+        MODEL_ABOUT_WHEEL,
+        MODEL_ABOUT_MESH,
+        MODEL_ABOUT_LOAD,
+        MODEL_ABOUT_INITIAL,
+        MODEL_ABOUT_HOUSING,
+        MODEL_ABOUT_SHAFT
+    } subject;
+    int index;      /**< wheel, mesh, shaft, or wheel of the load; -1 if none */
+    int load;       /**< which load of that wheel, -1 if none */
+    char field[48]; /**< key in the case file's block, "" if the whole block */
+    char message[DAE_MESSAGE_LENGTH];
+} model_message;
+
+typedef struct model model;
+
+/** The laws that the kernel offers; lives as long as the program. */
+const law_tables *model_laws(void);
+
+/** Make the gearbox. @return NULL with the reason in `error`. */
+model *model_create(const description *description, model_message *error);
+void model_delete(model **model);
+
+/** dae.stepper is the kernel's integrator radau, if it serves the model. */
+const dae *model_dae(const model *model);
+/** Why it does not, if so. */
+void model_explain_no_stepper(const model *model, model_message *error);
+
+/** State at t = 0; its arrays belong to the caller, who frees them with dae_state_free. @return false with the reason in `error`. */
+bool model_initial_state(const model *model, dae_state *state, model_message *error);
+/** The same for the steady state under the loads at t = 0, whatever initial state the description gives.
+ *  @param mesh_position  pitches of the first mesh from the start of contact, where the case starts with 0 */
+bool model_steady_state(const model *model, double mesh_position, dae_state *state, model_message *error);
+void dae_state_free(dae_state *state);
+
+int model_n_warnings(const model *model);
+void model_warning(const model *model, int index, model_message *warning);
+
+int model_n_outputs(const model *model);
+const model_output *model_outputs_table(const model *model);
+/** Place of an output, by its name, in the array that model_outputs fills; -1 if there is none. */
+int model_output_offset(const model *model, const char *name);
+int model_n_values(const model *model);
+/** All outputs at a state [model_n_values]; integers as whole doubles. @return a dae_code */
+int model_outputs(const model *model, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH]);
+/** The same, but DAE_RECOVERABLE if y does not agree with the discrete state: an event before it was missed. */
+int model_checked_outputs(const model *model, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH]);
+
+/** An extreme over the run of an output of a mesh, or of its tooth pairs, and the time at which it was first reached. */
+typedef struct {
+    const char *output;       /**< of which output */
+    model_output value, time; /**< variables of the meshes, static, without places */
+    int watched;              /**< which of the watched outputs */
+    bool is_largest;          /**< else the smallest */
+} model_extreme;
+int model_n_extremes(void);
+const model_extreme *model_extremes(void);
+/** How many outputs are watched: channel n * mesh + watched of model_dae is one of a mesh. */
+int model_n_watched(void);
+
+/** Places that the outputs have for the tooth pairs of a mesh, and how many of them, the first, are for the drive flank. */
+void model_pair_places(const model *model, int *n, int *n_drive);
+
+int model_n_event_kinds(void);
+const char *model_event_kind(int kind);
+
+typedef struct {
+    char name[32], units[32];
+} model_state;
+/** What the states are, a new array of as many as its dae has. */
+model_state *model_states(const model *model);
+
+/** The vibration of a mesh with one tooth pair in contact at the nominal load. */
+typedef struct {
+    double force;                            /**< [N] */
+    double natural_frequency, damping_ratio; /**< [Hz], 1; NaN where nothing vibrates or no load is known */
+} mesh_vibration;
+mesh_vibration model_mesh_vibration(const model *model, int mesh);
+
+/** The damping law of a mesh, with what the case left open filled in. */
+law_choice model_damping(const model *model, int mesh);
+
+/** Derived geometry as (name, unit, symbol, long name, value) rows, for `evolvent show`. */
+typedef struct {
+    const char *name, *units, *symbol, *long_name;
+    int n; /**< 1, or 2 for a point */
+    double value[2];
+    bool is_angle; /**< shown in degrees as well */
+} model_quantity;
+enum { MODEL_MOST_ROWS = 40 };
+/* Each returns the number of rows written. */
+int model_wheel_geometry(const model *model, int wheel, model_quantity rows[MODEL_MOST_ROWS]);
+int model_mesh_geometry(const model *model, int mesh, model_quantity rows[MODEL_MOST_ROWS]);
+/** What ISO 21771 says of a real gear; no rows if the wheel is none. */
+int model_gear(const model *model, int wheel, model_quantity rows[MODEL_MOST_ROWS]);
+/** The same of two real gears in mesh. */
+int model_gear_mesh(const model *model, int mesh, model_quantity rows[MODEL_MOST_ROWS]);
+
+/** Where the deviations of a wheel's flanks begin and how large its pitch errors are; no rows if it has none. */
+int model_deviation(const model *model, int wheel, model_quantity rows[MODEL_MOST_ROWS]);
+/** Cumulative position deviations of its teeth [teeth] [m]. @return whether it has pitch errors */
+bool model_pitch_errors(const model *model, int wheel, double *errors);
+
+/** The compiler that built the kernel. */
+const char *model_compiler(void);
+
+/** The processor the kernel was compiled for, as -march names it; "" if none was named. */
+const char *model_processor(void);
+
+#endif

@@ -1,0 +1,152 @@
+#include "base/memory.h"
+#include "model/model_kernel.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+int model_answer(const model *model, int code, const evl_status *status, char message[DAE_MESSAGE_LENGTH])
+{
+    if (code == EVL_OK) {
+        return DAE_OK;
+    }
+    if (status->subject == EVL_SUBJECT_MESH && status->index >= 0) {
+        char *named = xasprintf("mesh '%s': %s", model->mesh_names[status->index], status->message);
+        (void)snprintf(message, DAE_MESSAGE_LENGTH, "%s", named);
+        free(named);
+    } else {
+        (void)snprintf(message, DAE_MESSAGE_LENGTH, "%s", status->message);
+    }
+    return code == EVL_OUT_OF_DOMAIN ? DAE_RECOVERABLE : DAE_FATAL;
+}
+
+static int residual(const void *self, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH])
+{
+    const model *model = self;
+    evl_status status;
+    const int code = evl_gearbox_residual(model->gearbox, state->t, state->y, state->yp, state->integers, state->reals,
+                                          values, &status);
+    return model_answer(model, code, &status, message);
+}
+
+static int jacobian(const void *self, const dae_state *state, double cj, double *matrix,
+                    char message[DAE_MESSAGE_LENGTH])
+{
+    const model *model = self;
+    evl_status status;
+    const int code = evl_gearbox_jacobian(model->gearbox, state->t, cj, state->y, state->yp, state->integers,
+                                          state->reals, matrix, &status);
+    return model_answer(model, code, &status, message);
+}
+
+static int derivative(const void *self, const dae_state *state, double *yp, char message[DAE_MESSAGE_LENGTH])
+{
+    const model *model = self;
+    evl_status status;
+    const int code =
+        evl_gearbox_derivative(model->gearbox, state->t, state->y, state->integers, state->reals, yp, &status);
+    return model_answer(model, code, &status, message);
+}
+
+static int roots(const void *self, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH])
+{
+    const model *model = self;
+    evl_status status;
+    const int code = evl_gearbox_roots(model->gearbox, state->y, state->integers, state->reals, values, &status);
+    return model_answer(model, code, &status, message);
+}
+
+static int watched(const void *self, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH])
+{
+    const model *model = self;
+    evl_status status;
+    const int code = evl_gearbox_watched(model->gearbox, state->y, state->integers, state->reals, values, &status);
+    return model_answer(model, code, &status, message);
+}
+
+static int roots_and_watched(const void *self, const dae_state *state, double *roots, double *values,
+                             char message[DAE_MESSAGE_LENGTH])
+{
+    const model *model = self;
+    evl_status status;
+    const int code =
+        evl_gearbox_roots_and_watched(model->gearbox, state->y, state->integers, state->reals, roots, values, &status);
+    return model_answer(model, code, &status, message);
+}
+
+static void root_directions(const void *self, const int *integers, int *directions)
+{
+    const model *model = self;
+    evl_gearbox_root_directions(model->gearbox, integers, directions);
+}
+
+static double next_time_event(const void *self, const dae_state *state)
+{
+    const model *model = self;
+    return evl_gearbox_next_time_event(model->gearbox, state->integers);
+}
+
+static int apply_event(const void *self, dae_state *state, const int *fired, bool time_event, dae_event *events,
+                       int *n_events, char message[DAE_MESSAGE_LENGTH])
+{
+    const model *model = self;
+    evl_status status;
+    evl_event *happened = xcalloc((size_t)model->sizes.n_events, sizeof *happened);
+    *n_events = 0;
+    const int code = evl_gearbox_apply_event(model->gearbox, state->t, fired, time_event, state->y, state->yp,
+                                             state->integers, state->reals, happened, n_events, &status);
+    for (int i = 0; i < *n_events; i++) {
+        events[i] = (dae_event){happened[i].kind, happened[i].mesh, happened[i].flank, happened[i].tooth_pair};
+    }
+    free(happened);
+    return model_answer(model, code, &status, message);
+}
+
+void model_describe_dae(model *model)
+{
+    const evl_sizes *sizes = &model->sizes;
+    const size_t n = (size_t)sizes->n_states;
+    double *scale = xcalloc(n, sizeof *scale), *row_scale = xcalloc(n, sizeof *row_scale);
+    int *differential = xcalloc(n, sizeof *differential);
+    evl_gearbox_scales(model->gearbox, &model->initial, scale, row_scale, differential);
+    model->dae = (dae){
+        .self = model,
+        .n = sizes->n_states,
+        .n_integers = sizes->n_integers,
+        .n_reals = sizes->n_reals,
+        .n_roots = sizes->n_roots,
+        .n_events = sizes->n_events,
+        .scale = scale,
+        .row_scale = row_scale,
+        .differential = differential,
+        .residual = residual,
+        .jacobian = jacobian,
+        .derivative = derivative,
+        .roots = roots,
+        .root_directions = root_directions,
+        .next_time_event = next_time_event,
+        .apply_event = apply_event,
+        .watched = watched,
+        .roots_and_watched = roots_and_watched,
+        .n_watched = evl_watched_count() * sizes->n_meshes,
+        .stepper = model_radau(model),
+    };
+}
+
+static int outputs(const model *model, const dae_state *state, bool check, double *values,
+                   char message[DAE_MESSAGE_LENGTH])
+{
+    evl_status status;
+    const int code =
+        evl_gearbox_outputs(model->gearbox, state->t, state->y, state->integers, state->reals, check, values, &status);
+    return model_answer(model, code, &status, message);
+}
+
+int model_outputs(const model *model, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH])
+{
+    return outputs(model, state, false, values, message);
+}
+
+int model_checked_outputs(const model *model, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH])
+{
+    return outputs(model, state, true, values, message);
+}

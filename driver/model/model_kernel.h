@@ -1,0 +1,36 @@
+/** What the files of the model share: the only include of the kernel's header. Private to model*.c. */
+#ifndef EVOLVENT_MODEL_KERNEL_H
+#define EVOLVENT_MODEL_KERNEL_H
+
+#include "model/model.h"
+
+#include <evolvent/kernel.h>
+
+struct model {
+    evl_gearbox *gearbox;
+    dae dae;
+    evl_sizes sizes;
+    evl_initial initial;               /**< its arrays are owned */
+    int *wheel_of_load, *load_of_load; /**< [n_loads] where a load of the kernel's list stands in the description */
+    model_output *outputs;             /**< [n_outputs] */
+    char **mesh_names;                 /**< [n_meshes] for messages during a run */
+};
+
+/** The terms of a prescribed motion for the kernel; the caller frees the array, whose tables are the description's. */
+evl_motion_term *model_translate_motion(const housing_description *housing);
+/** The housing for the kernel; `terms` as from model_translate_motion. */
+evl_housing model_translate_housing(const description *description, const evl_motion_term *terms);
+/** What the kernel says at run time, with the name of the mesh that it is about; a dae_code. */
+int model_answer(const model *model, int code, const evl_status *status, char message[DAE_MESSAGE_LENGTH]);
+/** Fill model->dae; its arrays are owned by the model. */
+void model_describe_dae(model *model);
+/** The kernel's integrator for the model's dae; NULL if it does not serve the gearbox. */
+const dae_stepper *model_radau(const model *model);
+/** A state of zeros; its arrays belong to the caller. */
+dae_state model_create_state(const model *model);
+/** Why there is no state to start from; what is about nothing else is about the case's initial state. */
+void model_explain_start(const model *model, const evl_status *status, model_message *error);
+/** Fill the table of outputs. */
+void model_describe_outputs(model *model);
+
+#endif

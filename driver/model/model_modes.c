@@ -1,0 +1,163 @@
+#include "model/model_modes.h"
+
+#include "base/memory.h"
+#include "model/model_kernel.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+/* Amplitudes that differ by less are equal: which of them is the largest shall not depend on rounding. */
+static const double equal_amplitudes = 1e-9;
+
+static void shape_part(const model *model, const dae_state *state, const double *change, double complex unit,
+                       natural_mode *mode)
+{
+    const size_t n_wheels = (size_t)model->sizes.n_wheels, n_meshes = (size_t)model->sizes.n_meshes;
+    const size_t n = 3 * n_wheels + 2 * n_meshes;
+    double *values = xcalloc(n, sizeof *values);
+    double *displacements = values + n_wheels, *penetrations = values + 3 * n_wheels;
+    evl_gearbox_shape(model->gearbox, state->y, change, values, displacements, penetrations, penetrations + n_meshes);
+    for (size_t i = 0; i < n; i++) {
+        mode->arcs[i] += unit * values[i]; /* the other parts stand behind the arcs */
+    }
+    free(values);
+}
+
+/** The value that everything is divided by: that of the wheel or axle that moves most, with the phase of its larger coordinate. */
+static double complex largest_motion(const model *model, const natural_mode *mode)
+{
+    double complex unit = 0.0;
+    for (int i = 0; i < model->sizes.n_wheels; i++) {
+        const double complex arc = mode->arcs[i], x = mode->displacements[i][0], y = mode->displacements[i][1];
+        const double complex larger = cabs(y) > (1.0 + equal_amplitudes) * cabs(x) ? y : x;
+        const double amplitude = hypot(cabs(x), cabs(y));
+        if (cabs(arc) > (1.0 + equal_amplitudes) * cabs(unit)) {
+            unit = arc;
+        }
+        if (amplitude > (1.0 + equal_amplitudes) * cabs(unit)) {
+            unit = larger * (amplitude / cabs(larger));
+        }
+    }
+    return unit;
+}
+
+static void normalise(const model *model, natural_mode *mode)
+{
+    const double complex unit = largest_motion(model, mode);
+    const int n = 3 * model->sizes.n_wheels + 2 * model->sizes.n_meshes;
+    for (int i = 0; i < n && cabs(unit) > 0.0; i++) {
+        mode->arcs[i] = mode->arcs[i] == unit ? 1.0 : mode->arcs[i] / unit;
+    }
+}
+
+/** @param vector  [2 n_states] a change of the state, real and imaginary parts by turns */
+static natural_mode create_mode(const model *model, const dae_state *state, const double eigenvalue[2],
+                                const double *vector)
+{
+    const size_t n_wheels = (size_t)model->sizes.n_wheels, n_meshes = (size_t)model->sizes.n_meshes;
+    double complex *values = xcalloc(3 * n_wheels + 2 * n_meshes, sizeof *values);
+    natural_mode mode = {.eigenvalue = eigenvalue[0] + eigenvalue[1] * I,
+                         .arcs = values,
+                         .displacements = (double complex(*)[2])(values + n_wheels),
+                         .penetrations = values + 3 * n_wheels,
+                         .transmission_errors = values + 3 * n_wheels + n_meshes};
+    double *change = xcalloc((size_t)model->sizes.n_states, sizeof *change);
+    for (int part = 0; part < 2; part++) {
+        for (int i = 0; i < model->sizes.n_states; i++) {
+            change[i] = vector[2 * i + part];
+        }
+        shape_part(model, state, change, part == 0 ? 1.0 : I, &mode);
+    }
+    free(change);
+    normalise(model, &mode);
+    return mode;
+}
+
+/** What the kernel finds of a matrix. */
+typedef struct {
+    int n; /**< eigenvalues */
+    double *eigenvalues, *vectors;
+} eigenproblem;
+
+static eigenproblem create_problem(const model *model)
+{
+    const size_t n = (size_t)model->sizes.n_states;
+    return (eigenproblem){.eigenvalues = xcalloc(2 * n, sizeof(double)), .vectors = xcalloc(2 * n * n, sizeof(double))};
+}
+
+static void free_problem(eigenproblem *problem)
+{
+    free(problem->vectors);
+    free(problem->eigenvalues);
+}
+
+static void take_modes(const model *model, const dae_state *state, const eigenproblem *problem, natural_modes *modes)
+{
+    const size_t n = (size_t)model->sizes.n_states;
+    modes->modes = xcalloc(n, sizeof *modes->modes);
+    for (int k = 0; k < problem->n; k++) {
+        const double *eigenvalue = &problem->eigenvalues[2 * k];
+        if (eigenvalue[1] > 0.0 || (eigenvalue[1] == 0.0 && eigenvalue[0] != 0.0)) {
+            modes->modes[modes->n++] = create_mode(model, state, eigenvalue, &problem->vectors[2 * n * (size_t)k]);
+        }
+    }
+}
+
+bool model_modes(const model *model, const dae_state *state, natural_modes *modes, char message[DAE_MESSAGE_LENGTH])
+{
+    eigenproblem problem = create_problem(model);
+    evl_status status;
+    *modes = (natural_modes){.n = 0};
+    const int code = evl_gearbox_modes(model->gearbox, state->t, state->y, state->integers, state->reals, &problem.n,
+                                       &modes->n_rigid, problem.eigenvalues, problem.vectors, &status);
+    if (code == EVL_OK) {
+        take_modes(model, state, &problem, modes);
+    } else {
+        (void)snprintf(message, DAE_MESSAGE_LENGTH, "%s", status.message);
+    }
+    free_problem(&problem);
+    return code == EVL_OK;
+}
+
+bool model_mean_modes(const model *model, dae_state *state, double *values, natural_modes *modes, model_message *error)
+{
+    eigenproblem problem = create_problem(model);
+    evl_status status = {.index = -1};
+    *modes = (natural_modes){.n = 0};
+    *state = model_create_state(model);
+    const int code =
+        evl_gearbox_mean_modes(model->gearbox, state->t, state->y, state->integers, state->reals, &problem.n,
+                               &modes->n_rigid, problem.eigenvalues, problem.vectors, values, &status);
+    if (code == EVL_OK) {
+        take_modes(model, state, &problem, modes);
+    } else {
+        model_explain_start(model, &status, error);
+        dae_state_free(state);
+    }
+    free_problem(&problem);
+    return code == EVL_OK;
+}
+
+void natural_modes_free(natural_modes *modes)
+{
+    for (int i = 0; i < modes->n; i++) {
+        free(modes->modes[i].arcs);
+    }
+    free(modes->modes);
+    *modes = (natural_modes){.n = 0};
+}
+
+mesh_standing model_mesh_standing(const model *model, const dae_state *state, int mesh)
+{
+    static const char *const contacts[] = {[EVL_CONTACT_OPEN] = "open",
+                                           [EVL_CONTACT_LOADED] = "loaded",
+                                           [EVL_CONTACT_UNLOADED] = "unloaded",
+                                           [EVL_CONTACT_APART] = "apart"};
+    evl_mesh_mode mode;
+    evl_gearbox_mesh_mode(model->gearbox, mesh, state->integers, state->reals, &mode);
+    return (mesh_standing){.contact = contacts[mode.contact],
+                           .friction_branch = mode.friction,
+                           .tooth_pair = mode.tooth_pair,
+                           .position = evl_gearbox_mesh_position(model->gearbox, mesh, state->y, state->integers)};
+}

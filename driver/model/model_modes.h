@@ -1,0 +1,42 @@
+/** Natural modes of the gearbox at a state. */
+#ifndef EVOLVENT_MODEL_MODES_H
+#define EVOLVENT_MODEL_MODES_H
+
+#include "model/model.h"
+
+#include <complex.h>
+
+/** One mode, standing for its conjugate too: each coordinate moves as the real part of its value times exp(eigenvalue t).
+ *  All values are lengths. The wheel or axle that moves most moves by 1; an axle by the root of |x|^2 + |y|^2. */
+typedef struct {
+    double complex eigenvalue;           /**< [1/s], imaginary part >= 0, never 0 */
+    double complex *arcs;                /**< [n_wheels] r_b phi, counterclockwise */
+    double complex (*displacements)[2];  /**< [n_wheels] of the axles, x and y */
+    double complex *penetrations;        /**< [n_meshes] h */
+    double complex *transmission_errors; /**< [n_meshes] Delta */
+} natural_mode;
+
+typedef struct {
+    int n_rigid; /**< independent motions that nothing restores, such as turning as a whole; not among the modes */
+    int n;
+    natural_mode *modes; /**< [n] from slow to fast */
+} natural_modes;
+
+/** The gearbox linearised at a state. @return false with the reason in `message`; then there is nothing to free */
+bool model_modes(const model *model, const dae_state *state, natural_modes *modes, char message[DAE_MESSAGE_LENGTH]);
+/** The gearbox linearised at the steady states at all positions of its meshes, with the mean of the matrices.
+ *  @param[out] state   the steady state to which the shapes belong; its arrays belong to the caller
+ *  @param[out] values  [model_n_values] mean outputs
+ *  @return false with the reason in `error`; then there is nothing to free */
+bool model_mean_modes(const model *model, dae_state *state, double *values, natural_modes *modes, model_message *error);
+void natural_modes_free(natural_modes *modes);
+
+/** How a mesh stands at a state. */
+typedef struct {
+    const char *contact; /**< "open", "loaded", "unloaded", "apart" */
+    int friction_branch, tooth_pair;
+    double position; /**< pitches from the start of contact, from 0 to 1, of the tooth pair that came last */
+} mesh_standing;
+mesh_standing model_mesh_standing(const model *model, const dae_state *state, int mesh);
+
+#endif

@@ -1,0 +1,128 @@
+/* The kernel's own integrator as the stepper of the gearbox's dae. */
+#include "base/memory.h"
+#include "model/model_kernel.h"
+
+#include <stdlib.h>
+
+typedef struct {
+    const model *model;
+    evl_radau *radau;
+} radau_stepper;
+
+/** To a stepper no failure is recoverable: it has tried smaller steps. */
+static int answer(const radau_stepper *s, int code, const evl_status *status, char message[DAE_MESSAGE_LENGTH])
+{
+    return model_answer(s->model, code, status, message) == DAE_OK ? DAE_OK : DAE_FATAL;
+}
+
+static void *create(const void *self, double tolerance, double max_step, char message[DAE_MESSAGE_LENGTH])
+{
+    const model *model = self;
+    evl_status status;
+    evl_radau *radau = evl_radau_create(model->gearbox, model->dae.scale, tolerance, max_step, &status);
+    if (radau == NULL) {
+        (void)model_answer(model, status.code, &status, message);
+        return NULL;
+    }
+    radau_stepper *s = xcalloc(1, sizeof *s);
+    *s = (radau_stepper){model, radau};
+    return s;
+}
+
+static void destroy(void *stepper)
+{
+    radau_stepper *s = stepper;
+    evl_radau_delete(&s->radau);
+    free(s);
+}
+
+static int start(void *stepper, const dae_state *state, char message[DAE_MESSAGE_LENGTH])
+{
+    const radau_stepper *s = stepper;
+    evl_status status;
+    const int code = evl_radau_start(s->radau, state->t, state->y, state->integers, state->reals, &status);
+    return answer(s, code, &status, message);
+}
+
+static int advance(void *stepper, double t_stop, dae_state *state, int *fired, dae_outcome *outcome,
+                   char message[DAE_MESSAGE_LENGTH])
+{
+    const radau_stepper *s = stepper;
+    static const dae_outcome outcomes[] = {
+        [EVL_RADAU_STEP] = DAE_STEPPED, [EVL_RADAU_EVENT] = DAE_AT_EVENT, [EVL_RADAU_STOP] = DAE_AT_STOP};
+    evl_status status;
+    int came_to = EVL_RADAU_STEP;
+    const int code = evl_radau_advance(s->radau, t_stop, &state->t, state->y, fired, &came_to, &status);
+    *outcome = outcomes[came_to];
+    return answer(s, code, &status, message);
+}
+
+static void interpolate(const void *stepper, double t, double *y)
+{
+    const radau_stepper *s = stepper;
+    evl_radau_interpolate(s->radau, t, y);
+}
+
+static int look(void *stepper, const double *high, const double *low)
+{
+    const radau_stepper *s = stepper;
+    return evl_radau_look(s->radau, high, low);
+}
+
+static void candidate(const void *stepper, int index, dae_candidate *candidate)
+{
+    const radau_stepper *s = stepper;
+    evl_candidate from;
+    evl_radau_candidate(s->radau, index, &from);
+    *candidate = (dae_candidate){from.channel, from.sense, from.t, from.left, from.right, from.value};
+}
+
+static void restart(void *stepper, const dae_state *state)
+{
+    const radau_stepper *s = stepper;
+    evl_radau_restart(s->radau, state->t, state->y, state->integers, state->reals);
+}
+
+static void redo(void *stepper, dae_state *state)
+{
+    const radau_stepper *s = stepper;
+    evl_radau_redo(s->radau, &state->t, state->y);
+}
+
+static void counts(const void *stepper, dae_stepper_counts *counts)
+{
+    const radau_stepper *s = stepper;
+    evl_radau_counts now;
+    evl_radau_get_counts(s->radau, &now);
+    *counts = (dae_stepper_counts){.steps = now.steps,
+                                   .rejections = now.rejections,
+                                   .evaluations = now.evaluations,
+                                   .iterations = now.iterations,
+                                   .jacobians = now.jacobians,
+                                   .factorisations = now.factorisations,
+                                   .root_evaluations = now.root_evaluations};
+}
+
+static void growth(const void *stepper, dae_growth *growth)
+{
+    const radau_stepper *s = stepper;
+    evl_radau_growth found;
+    evl_radau_get_growth(s->radau, &found);
+    *growth = (dae_growth){.t = found.t, .rate = found.rate, .frequency = found.frequency};
+}
+
+const dae_stepper *model_radau(const model *model)
+{
+    static const dae_stepper radau = {.create = create,
+                                      .destroy = destroy,
+                                      .start = start,
+                                      .advance = advance,
+                                      .interpolate = interpolate,
+                                      .look = look,
+                                      .candidate = candidate,
+                                      .restart = restart,
+                                      .redo = redo,
+                                      .counts = counts,
+                                      .growth = growth};
+    return evl_radau_serves(model->gearbox, NULL) == EVL_OK ? &radau : NULL;
+}

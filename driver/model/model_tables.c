@@ -1,0 +1,327 @@
+#include "base/memory.h"
+#include "model/model_kernel.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+/** Both have room for the kernel's texts. Formatting them would cost more than all the rest of a short case's set-up. */
+static void copy_text(char *to, size_t size, const char *from)
+{
+    const size_t length = strnlen(from, size - 1);
+    memcpy(to, from, length);
+    to[length] = '\0';
+}
+
+static law_info *translate_laws(int family, int n)
+{
+    law_info *laws = xcalloc((size_t)n, sizeof *laws);
+    for (int i = 0; i < n; i++) {
+        evl_law_info from;
+        law_info *to = &laws[i];
+        if (evl_law_describe(family, i, &from) != EVL_OK) {
+            continue;
+        }
+        copy_text(to->name, sizeof to->name, from.name);
+        copy_text(to->text, sizeof to->text, from.description);
+        copy_text(to->source, sizeof to->source, from.source);
+        to->n_parameters = from.n_parameters;
+        for (int j = 0; j < from.n_parameters; j++) {
+            const evl_law_parameter *parameter = &from.parameters[j];
+            law_parameter *copy = &to->parameters[j];
+            *copy = (law_parameter){.required = parameter->required,
+                                    .default_value = parameter->default_value,
+                                    .minimum = parameter->minimum,
+                                    .maximum = parameter->maximum,
+                                    .minimum_open = parameter->minimum_open,
+                                    .maximum_open = parameter->maximum_open};
+            copy_text(copy->name, sizeof copy->name, parameter->name);
+            copy_text(copy->units, sizeof copy->units, parameter->units);
+            copy_text(copy->text, sizeof copy->text, parameter->description);
+        }
+    }
+    return laws;
+}
+
+/* What is the same for all models is copied from the kernel once, whichever thread asks first. */
+static pthread_once_t once = PTHREAD_ONCE_INIT;
+static law_tables tables;
+enum { EVENT_ROOM = 32 };
+static char event_names[EVENT_ROOM][EVL_NAME_LENGTH];
+static evl_output *output_texts; /**< [evl_output_count()] */
+static model_output *outputs;    /**< [evl_output_count()] without places */
+static int *outputs_by_name;     /**< [evl_output_count()] in the order of their names */
+static model_extreme *extremes;  /**< [evl_extreme_count()] */
+
+static void copy_outputs(void)
+{
+    static const model_dims dims[] = {
+        [EVL_DIMS_NONE] = MODEL_DIMS_NONE,
+        [EVL_DIMS_WHEEL] = MODEL_DIMS_WHEEL,
+        [EVL_DIMS_MESH] = MODEL_DIMS_MESH,
+        [EVL_DIMS_WHEEL_AXIS] = MODEL_DIMS_WHEEL_AXIS,
+        [EVL_DIMS_MESH_AXIS] = MODEL_DIMS_MESH_AXIS,
+        [EVL_DIMS_SPACE] = MODEL_DIMS_SPACE,
+        [EVL_DIMS_QUATERNION] = MODEL_DIMS_QUATERNION,
+        [EVL_DIMS_WHEEL_SPACE] = MODEL_DIMS_WHEEL_SPACE,
+        [EVL_DIMS_MESH_PAIR] = MODEL_DIMS_MESH_PAIR,
+        [EVL_DIMS_SHAFT] = MODEL_DIMS_SHAFT,
+    };
+    const int n = evl_output_count();
+    output_texts = xcalloc((size_t)n, sizeof *output_texts);
+    outputs = xcalloc((size_t)n, sizeof *outputs);
+    for (int i = 0; i < n; i++) {
+        const evl_output *from = &output_texts[i];
+        (void)evl_output_describe(i, &output_texts[i]);
+        outputs[i] = (model_output){.name = from->name,
+                                    .units = from->units,
+                                    .symbol = from->symbol,
+                                    .long_name = from->long_name,
+                                    .dims = dims[from->dims],
+                                    .is_static = from->is_static,
+                                    .is_integer = from->is_integer};
+    }
+}
+
+static model_output describe_extreme(const evl_extreme *from, bool is_time)
+{
+    const char *which = from->is_largest ? "max" : "min";
+    return (model_output){.name = xasprintf("%s_%s%s", from->output, which, is_time ? "_time" : ""),
+                          .units = is_time ? "s" : xstrdup(from->units),
+                          .symbol = is_time ? "t" : xasprintf("%s %s", which, from->symbol),
+                          .long_name =
+                              is_time ? xasprintf("first time of the %s", from->long_name) : xstrdup(from->long_name),
+                          .dims = MODEL_DIMS_MESH,
+                          .is_static = true};
+}
+
+static void copy_extremes(void)
+{
+    extremes = xcalloc((size_t)evl_extreme_count(), sizeof *extremes);
+    for (int i = 0; i < evl_extreme_count(); i++) {
+        evl_extreme from;
+        (void)evl_extreme_describe(i, &from);
+        extremes[i] = (model_extreme){.output = xstrdup(from.output),
+                                      .value = describe_extreme(&from, false),
+                                      .time = describe_extreme(&from, true),
+                                      .watched = from.watched,
+                                      .is_largest = from.is_largest};
+    }
+}
+
+static int compare_outputs(const void *a, const void *b)
+{
+    return strcmp(outputs[*(const int *)a].name, outputs[*(const int *)b].name);
+}
+
+static int compare_with_name(const void *name, const void *index)
+{
+    return strcmp(name, outputs[*(const int *)index].name);
+}
+
+static void sort_outputs(void)
+{
+    const int n = evl_output_count();
+    outputs_by_name = xcalloc((size_t)n, sizeof *outputs_by_name);
+    for (int i = 0; i < n; i++) {
+        outputs_by_name[i] = i;
+    }
+    qsort(outputs_by_name, (size_t)n, sizeof *outputs_by_name, compare_outputs);
+}
+
+static void copy_tables(void)
+{
+    static const int families[LAWS_FAMILIES] = {
+        [LAWS_CONTACT] = EVL_LAWS_CONTACT,
+        [LAWS_DAMPING] = EVL_LAWS_DAMPING,
+        [LAWS_FRICTION] = EVL_LAWS_FRICTION,
+    };
+    for (int i = 0; i < LAWS_FAMILIES; i++) {
+        tables.count[i] = evl_law_count(families[i]);
+        tables.laws[i] = translate_laws(families[i], tables.count[i]);
+    }
+    for (int kind = 0; kind < EVENT_ROOM; kind++) {
+        evl_event_name(kind, event_names[kind]);
+    }
+    copy_outputs();
+    copy_extremes();
+    sort_outputs();
+}
+
+const law_tables *model_laws(void)
+{
+    (void)pthread_once(&once, copy_tables);
+    return &tables;
+}
+
+void model_describe_outputs(model *model)
+{
+    const evl_sizes *sizes = &model->sizes;
+    const size_t n = (size_t)sizes->n_outputs;
+    (void)pthread_once(&once, copy_tables);
+    model->outputs = memcpy(xcalloc(n, sizeof *model->outputs), outputs, n * sizeof *model->outputs);
+    int *offsets = xcalloc(n, sizeof *offsets), *counts = xcalloc(n, sizeof *counts);
+    evl_gearbox_output_places(model->gearbox, offsets, counts);
+    for (int i = 0; i < sizes->n_outputs; i++) {
+        model->outputs[i].offset = offsets[i];
+        model->outputs[i].count = counts[i];
+    }
+    free(offsets);
+    free(counts);
+}
+
+void model_pair_places(const model *model, int *n, int *n_drive)
+{
+    *n = model->sizes.n_pair_places;
+    *n_drive = model->sizes.n_drive_places;
+}
+
+int model_n_outputs(const model *model)
+{
+    return model->sizes.n_outputs;
+}
+
+const model_output *model_outputs_table(const model *model)
+{
+    return model->outputs;
+}
+
+int model_output_offset(const model *model, const char *name)
+{
+    const int *found =
+        bsearch(name, outputs_by_name, (size_t)model->sizes.n_outputs, sizeof *outputs_by_name, compare_with_name);
+    return found == NULL ? -1 : model->outputs[*found].offset;
+}
+
+int model_n_values(const model *model)
+{
+    return model->sizes.n_values;
+}
+
+int model_n_extremes(void)
+{
+    return evl_extreme_count();
+}
+
+const model_extreme *model_extremes(void)
+{
+    (void)pthread_once(&once, copy_tables);
+    return extremes;
+}
+
+int model_n_watched(void)
+{
+    return evl_watched_count();
+}
+
+int model_n_event_kinds(void)
+{
+    return evl_event_count();
+}
+
+const char *model_event_kind(int kind)
+{
+    (void)pthread_once(&once, copy_tables);
+    return kind < 0 || kind >= EVENT_ROOM ? "" : event_names[kind];
+}
+
+model_state *model_states(const model *model)
+{
+    model_state *states = xcalloc((size_t)model->sizes.n_states, sizeof *states);
+    for (int i = 0; i < model->sizes.n_states; i++) {
+        char name[EVL_NAME_LENGTH], units[EVL_NAME_LENGTH];
+        evl_gearbox_state_name(model->gearbox, i, name, units);
+        copy_text(states[i].name, sizeof states[i].name, name);
+        copy_text(states[i].units, sizeof states[i].units, units);
+    }
+    return states;
+}
+
+const char *model_compiler(void)
+{
+    return evl_kernel_compiler();
+}
+
+const char *model_processor(void)
+{
+    return evl_kernel_processor();
+}
+
+static model_quantity number(const char *name, const char *units, const char *symbol, const char *long_name,
+                             double value)
+{
+    const bool is_angle = strcmp(units, "rad") == 0;
+    return (model_quantity){name, units, symbol, long_name, 1, {value, 0.0}, is_angle};
+}
+
+static model_quantity point(const char *name, const char *symbol, const char *long_name, const double value[2])
+{
+    return (model_quantity){name, "m", symbol, long_name, 2, {value[0], value[1]}, false};
+}
+
+int model_wheel_geometry(const model *model, int wheel, model_quantity rows[MODEL_MOST_ROWS])
+{
+    evl_wheel_geometry g;
+    evl_gearbox_wheel_geometry(model->gearbox, wheel, &g);
+    int n = 0;
+    rows[n++] = number("pitch_radius", "m", "r", "pitch radius", g.pitch_radius);
+    rows[n++] = number("base_radius", "m", "r_b", "base radius", g.base_radius);
+    rows[n++] = number("tip_radius", "m", "r_a", "tip radius, the largest over its meshes", g.tip_radius);
+    rows[n++] = number("angular_pitch", "rad", "gamma", "angular pitch", g.angular_pitch);
+    rows[n++] = number("mass", "kg", "m", "mass of the wheel", g.mass);
+    rows[n++] = number("inertia", "kg m2", "J", "moment of inertia about the axle", g.inertia);
+    rows[n++] = point("centre", "O", "reference position of the axle", g.centre);
+    rows[n++] = number("speed_ratio", "1", "g", "nominal speed over that of the reference wheel", g.speed_ratio);
+    return n;
+}
+
+mesh_vibration model_mesh_vibration(const model *model, int mesh)
+{
+    evl_mesh_geometry g;
+    evl_gearbox_mesh_geometry(model->gearbox, mesh, &g);
+    return (mesh_vibration){
+        .force = g.reference_force, .natural_frequency = g.natural_frequency, .damping_ratio = g.damping_ratio};
+}
+
+int model_mesh_geometry(const model *model, int mesh, model_quantity rows[MODEL_MOST_ROWS])
+{
+    evl_mesh_geometry g;
+    evl_gearbox_mesh_geometry(model->gearbox, mesh, &g);
+    int n = 0;
+    rows[n++] = number("flank", "1", "sigma", "+1: the driving wheel turns clockwise, -1: counterclockwise", g.sigma);
+    rows[n++] =
+        number("transmission_ratio", "1", "n", "teeth of the driven over the driving wheel", g.transmission_ratio);
+    rows[n++] = number("centre_distance", "m", "d", "distance of the axles", g.centre_distance);
+    rows[n++] =
+        number("centre_line_angle", "rad", "chi", "direction from the driving to the driven axle", g.centre_line_angle);
+    rows[n++] =
+        number("minimum_pressure_angle", "rad", "alpha_inf", "least working pressure angle", g.minimum_pressure_angle);
+    rows[n++] = number("working_pressure_angle", "rad", "alpha_w", "working pressure angle", g.working_pressure_angle);
+    rows[n++] = number("base_pitch", "m", "p_b", "base pitch", g.base_pitch);
+    rows[n++] = number("contact_ratio", "1", "epsilon_alpha", "transverse contact ratio", g.contact_ratio);
+    rows[n++] =
+        number("line_of_action_length", "m", "rho", "length |K_A K_B| of the line of action", g.line_of_action_length);
+    rows[n++] = point("point_k_a", "K_A", "line of action at the driving wheel's base circle", g.point_k_a);
+    rows[n++] = point("point_k_b", "K_B", "line of action at the driven wheel's base circle", g.point_k_b);
+    rows[n++] = point("point_a", "a", "nominal start of contact", g.point_a);
+    rows[n++] = point("point_b", "b", "nominal end of contact", g.point_b);
+    rows[n++] = point("pitch_point", "C", "pitch point", g.pitch_point);
+    rows[n++] = number("tip_radius_driving", "m", "r_aA", "tip radius of the driving wheel", g.tip_radius_driving);
+    rows[n++] = number("tip_radius_driven", "m", "r_aB", "tip radius of the driven wheel", g.tip_radius_driven);
+    rows[n++] =
+        number("rho_start_driving", "m", "rho_A", "radius of curvature of the driving flank at a", g.rho_start_driving);
+    rows[n++] =
+        number("rho_start_driven", "m", "rho_B", "radius of curvature of the driven flank at a", g.rho_start_driven);
+    rows[n++] = number("common_width", "m", "b", "common face width", g.common_width);
+    rows[n++] = number("effective_modulus", "Pa", "E*", "effective modulus of elasticity", g.effective_modulus);
+    rows[n++] = number("elastic_share_driving", "1", "w_A", "share of the driving wheel in the compliance",
+                       g.elastic_share_driving);
+    rows[n++] = number("reference_force", "N", "F_0", "normal force that the loads suggest", g.reference_force);
+    rows[n++] = number("reference_penetration", "m", "h_0", "its penetration", g.reference_penetration);
+    rows[n++] = number("reference_stiffness", "N/m", "k", "stiffness of one tooth pair there", g.reference_stiffness);
+    rows[n++] = number("reference_mass", "kg", "m", "mass of the wheels along the line of action", g.reference_mass);
+    rows[n++] = number("natural_frequency", "Hz", "f_0", "natural frequency with one tooth pair", g.natural_frequency);
+    rows[n++] = number("damping_coefficient", "N s/m", "c", "coefficient of its damper", g.damping_coefficient);
+    rows[n++] = number("damping_ratio", "1", "zeta", "damping ratio with one tooth pair", g.damping_ratio);
+    return n;
+}

@@ -1,0 +1,31 @@
+/** Whether the flanks of each mesh meet: a run that ends apart for good deserves a word. Teeth that rattle end many a run in
+ *  flight; they are taken to be apart for good once this flight has lasted longer than each before it. */
+#ifndef EVOLVENT_CONTACT_WATCH_H
+#define EVOLVENT_CONTACT_WATCH_H
+
+#include "integrate/events.h"
+#include "model/model.h"
+
+#include <stddef.h>
+
+typedef struct {
+    int n_meshes;
+    int opened, closed, impact; /**< event kinds, -1 if the model has none; after an impact the flanks part again */
+    int offset;                 /**< of in_contact among the outputs, -1 if the model has none */
+    struct contact_watch_mesh {
+        bool had_contact, is_open; /**< is_open: in the last outputs */
+        double t_opened;           /**< of the last opening, 0 before the first [s] */
+        double longest;            /**< from an opening to the next closing [s] */
+    } *meshes;
+} contact_watch;
+
+void contact_watch_init(contact_watch *watch, const model *model, int n_meshes);
+void contact_watch_outputs(contact_watch *watch, const double *values);
+void contact_watch_event(contact_watch *watch, const event_record *record);
+/** Say of the first mesh that is apart for good at t_end how that came; mesh_names [n_meshes].
+ *  @return false, with an empty text, if every mesh regained contact, never lost it or rattles */
+bool contact_watch_lost(const contact_watch *watch, double t_end, const char *const *mesh_names, char *text,
+                        size_t size);
+void contact_watch_free(contact_watch *watch);
+
+#endif

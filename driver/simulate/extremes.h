@@ -1,0 +1,25 @@
+/** The extremes of the watched outputs over a run, or over a window of it: found between the outputs, from every step of the
+ *  integration, on both sides of every event. The kernel's table says which there are. */
+#ifndef EVOLVENT_EXTREMES_H
+#define EVOLVENT_EXTREMES_H
+
+#include "integrate/integrate.h"
+#include "model/model.h"
+
+typedef struct extremes extremes;
+
+/** @param from, to  the window [s], both ends included; infinite for the whole run */
+extremes *extremes_create(const model *model, int n_meshes, double from, double to);
+void extremes_delete(extremes **extremes);
+
+/** What observer.watch hears. */
+void extremes_watch(extremes *extremes, const integrate_step *step);
+
+/** An extreme of the table model_extremes, of a mesh; NaN if nothing was seen. */
+double extremes_value(const extremes *extremes, int index, int mesh);
+/** When it was first reached [s]. */
+double extremes_time(const extremes *extremes, int index, int mesh);
+/** Place of an extreme in the table; -1 if there is none. */
+int extremes_find(const char *output, bool is_largest);
+
+#endif

@@ -1,0 +1,247 @@
+#include "simulate/invariant_watch.h"
+
+#include "base/memory.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { GRADIENT_RATIO, TRANSMISSION_ERROR, POINTS_ON_FLANKS, POINTS_ON_LINE, RIGID_GAP, ENERGY_BALANCE, N_INVARIANTS };
+
+/** As in postprocess/evolvent/invariants.py; tests/system/test_run_invariants.py compares. */
+static const struct {
+    const char *name;
+    double least_bound, tolerances; /**< the bound is at least so many times the tolerance */
+} invariants[N_INVARIANTS] = {
+    [GRADIENT_RATIO] = {"gradient ratio", 1e-12, 1e-3},
+    [TRANSMISSION_ERROR] = {"transmission error", 1e-10, 1},
+    [POINTS_ON_FLANKS] = {"points on flanks", 1e-10, 1},
+    [POINTS_ON_LINE] = {"points on line of action", 1e-10, 1},
+    [RIGID_GAP] = {"rigid gap", 2e-10, 1},
+    [ENERGY_BALANCE] = {"energy balance", 1e-10, 10},
+};
+static const double least_depth_bound = 1e-10, rounding = 4 * DBL_EPSILON;
+
+/** Outputs that are looked at. */
+enum {
+    KINETIC,
+    POTENTIAL,
+    DISSIPATED,
+    WORK,
+    TORQUE,
+    ANGULAR_VELOCITY,
+    ANGLE_DEVIATION,
+    CENTRE_DISPLACEMENT,
+    BASE_RADIUS,
+    DRIVING_WHEEL,
+    DRIVEN_WHEEL,
+    TRACKING,
+    CONTACT_MODE,
+    RIGID,
+    LAG,
+    GAP,
+    DEVIATION,
+    CURVATURE,
+    PENETRATION,
+    REFERENCE_PENETRATION,
+    REFERENCE_FORCE,
+    RATIO,
+    RESIDUAL_DRIVING,
+    RESIDUAL_DRIVEN,
+    LINE_DRIVING,
+    LINE_DRIVEN,
+    N_OUTPUTS
+};
+static const char *const names[N_OUTPUTS] = {
+    [KINETIC] = "kinetic_energy",
+    [POTENTIAL] = "potential_energy",
+    [DISSIPATED] = "dissipated_energy",
+    [WORK] = "load_work",
+    [TORQUE] = "load_torque",
+    [ANGULAR_VELOCITY] = "angular_velocity",
+    [ANGLE_DEVIATION] = "angle_deviation",
+    [CENTRE_DISPLACEMENT] = "centre_displacement",
+    [BASE_RADIUS] = "base_radius",
+    [DRIVING_WHEEL] = "driving_wheel",
+    [DRIVEN_WHEEL] = "driven_wheel",
+    [TRACKING] = "tracking",
+    [CONTACT_MODE] = "contact_mode",
+    [RIGID] = "rigid_contact",
+    [LAG] = "transmission_error",
+    [GAP] = "gap",
+    [DEVIATION] = "flank_deviation",
+    [CURVATURE] = "separation_curvature",
+    [PENETRATION] = "penetration",
+    [REFERENCE_PENETRATION] = "reference_penetration",
+    [REFERENCE_FORCE] = "reference_force",
+    [RATIO] = "gradient_ratio",
+    [RESIDUAL_DRIVING] = "tracking_residual_driving",
+    [RESIDUAL_DRIVEN] = "tracking_residual_driven",
+    [LINE_DRIVING] = "line_distance_driving",
+    [LINE_DRIVEN] = "line_distance_driven",
+};
+static const double mode_loaded = 1, mode_apart = 3; /**< apart: the flanks are too far apart to track points on them */
+
+struct invariant_watch {
+    int n_wheels, n_meshes;
+    double tolerance;
+    int offsets[N_OUTPUTS]; /**< -1: the model has no such output */
+    bool has_begun;
+    double t, power;                    /**< of the outputs before */
+    double start, stored;               /**< balance and stored energy at the start */
+    double drift, gross, largest, unit; /**< of the energy [J] */
+    double ratio;                       /**< largest error */
+    struct of_wheel {
+        double arc, moved[2]; /**< largest ones [m] */
+        double base_radius;
+    } *wheels;
+    struct of_mesh {
+        int driving, driven;
+        double depth, on_flanks, on_line, identity, closed_gap; /**< largest ones [m] */
+        bool was_pressed;
+    } *meshes;
+};
+
+invariant_watch *invariant_watch_create(const model *model, int n_wheels, int n_meshes, double tolerance)
+{
+    invariant_watch *watch = xcalloc(1, sizeof *watch);
+    *watch = (invariant_watch){.n_wheels = n_wheels, .n_meshes = n_meshes, .tolerance = tolerance};
+    watch->wheels = xcalloc((size_t)n_wheels, sizeof *watch->wheels);
+    watch->meshes = xcalloc((size_t)n_meshes, sizeof *watch->meshes);
+    for (int i = 0; i < N_OUTPUTS; i++) {
+        watch->offsets[i] = model_output_offset(model, names[i]);
+    }
+    return watch;
+}
+
+void invariant_watch_delete(invariant_watch **watch)
+{
+    if (*watch != NULL) {
+        free((*watch)->wheels);
+        free((*watch)->meshes);
+        free(*watch);
+        *watch = NULL;
+    }
+}
+
+static double larger(double largest, double value)
+{
+    return isnan(largest) || fabs(value) <= largest ? largest : fabs(value); /* what is no number stays */
+}
+
+static void look_at_energy(invariant_watch *watch, double t, const double *const of[N_OUTPUTS])
+{
+    const double stored = of[KINETIC][0] + of[POTENTIAL][0], balance = stored + of[DISSIPATED][0] - of[WORK][0];
+    double power = 0;
+    for (int i = 0; i < watch->n_wheels; i++) {
+        power += fmax(of[TORQUE][i] * of[ANGULAR_VELOCITY][i], 0.0);
+    }
+    if (!watch->has_begun) {
+        watch->start = balance;
+        watch->stored = fabs(stored);
+    } else {
+        watch->gross += (t - watch->t) * (power + watch->power) / 2;
+    }
+    watch->drift = larger(watch->drift, balance - watch->start);
+    for (int i = KINETIC; i <= WORK; i++) {
+        watch->largest = fmax(watch->largest, fabs(of[i][0]));
+    }
+    watch->t = t;
+    watch->power = power;
+}
+
+static void look_at_wheel(struct of_wheel *wheel, int i, const double *const of[N_OUTPUTS])
+{
+    wheel->base_radius = of[BASE_RADIUS][i];
+    wheel->arc = fmax(wheel->arc, fabs(wheel->base_radius * of[ANGLE_DEVIATION][i]));
+    for (int axis = 0; axis < 2; axis++) {
+        wheel->moved[axis] = fmax(wheel->moved[axis], fabs(of[CENTRE_DISPLACEMENT][2 * i + axis]));
+    }
+}
+
+static void look_at_mesh(invariant_watch *watch, int i, const double *const of[N_OUTPUTS])
+{
+    struct of_mesh *mesh = &watch->meshes[i];
+    mesh->driving = (int)of[DRIVING_WHEEL][i];
+    mesh->driven = (int)of[DRIVEN_WHEEL][i];
+    mesh->depth = fmax(mesh->depth, fmax(of[PENETRATION][i], of[REFERENCE_PENETRATION][i]));
+    mesh->was_pressed = mesh->was_pressed || of[PENETRATION][i] > 0 || of[CONTACT_MODE][i] == mode_loaded;
+    mesh->identity = larger(mesh->identity, of[LAG][i] + of[GAP][i] - of[DEVIATION][i] - of[CURVATURE][i]);
+    if (of[RIGID][i] == 1 && of[CONTACT_MODE][i] == mode_loaded) {
+        mesh->closed_gap = larger(mesh->closed_gap, of[GAP][i]);
+    }
+    if (!(of[TRACKING][i] > 0) || of[CONTACT_MODE][i] == mode_apart) {
+        return;
+    }
+    const double radii = watch->wheels[mesh->driving].base_radius / watch->wheels[mesh->driven].base_radius;
+    watch->ratio = larger(watch->ratio, of[RATIO][i] * radii + 1);
+    mesh->on_flanks = larger(larger(mesh->on_flanks, of[RESIDUAL_DRIVING][i]), of[RESIDUAL_DRIVEN][i]);
+    mesh->on_line = larger(larger(mesh->on_line, of[LINE_DRIVING][i]), of[LINE_DRIVEN][i]);
+}
+
+void invariant_watch_outputs(invariant_watch *watch, double t, const double *values)
+{
+    const double *of[N_OUTPUTS];
+    for (int i = 0; i < N_OUTPUTS; i++) {
+        if (watch->offsets[i] < 0) {
+            return; /* a model without gears, as tests have */
+        }
+        of[i] = values + watch->offsets[i];
+    }
+    look_at_energy(watch, t, of);
+    for (int i = 0; i < watch->n_wheels; i++) {
+        look_at_wheel(&watch->wheels[i], i, of);
+    }
+    watch->unit = 0;
+    for (int i = 0; i < watch->n_meshes; i++) {
+        look_at_mesh(watch, i, of);
+        watch->unit += of[REFERENCE_FORCE][i] * of[REFERENCE_PENETRATION][i];
+    }
+    watch->has_begun = true;
+}
+
+/** What lengths in a mesh are measured by: the penetration, but no less than what rounding leaves of the lengths around it. */
+static double depth_of(const invariant_watch *watch, const struct of_mesh *mesh)
+{
+    const struct of_wheel *a = &watch->wheels[mesh->driving], *b = &watch->wheels[mesh->driven];
+    const double lengths = a->arc + a->moved[0] + a->moved[1] + b->arc + b->moved[0] + b->moved[1];
+    return fmax(mesh->depth, rounding * lengths / least_depth_bound);
+}
+
+static void find_deviations(const invariant_watch *watch, double worst[N_INVARIANTS])
+{
+    const double scale = fmax(fmax(watch->gross + watch->stored, watch->largest), watch->unit);
+    worst[GRADIENT_RATIO] = watch->ratio;
+    worst[TRANSMISSION_ERROR] = worst[POINTS_ON_FLANKS] = worst[POINTS_ON_LINE] = worst[RIGID_GAP] = 0;
+    worst[ENERGY_BALANCE] = watch->has_begun ? watch->drift / scale : 0;
+    for (int i = 0; i < watch->n_meshes; i++) {
+        const struct of_mesh *mesh = &watch->meshes[i];
+        if (mesh->was_pressed) {
+            const double depth = depth_of(watch, mesh);
+            worst[TRANSMISSION_ERROR] = larger(worst[TRANSMISSION_ERROR], mesh->identity / depth);
+            worst[RIGID_GAP] = larger(worst[RIGID_GAP], mesh->closed_gap / depth);
+            worst[POINTS_ON_FLANKS] = larger(worst[POINTS_ON_FLANKS], mesh->on_flanks / depth);
+            worst[POINTS_ON_LINE] = larger(worst[POINTS_ON_LINE], mesh->on_line / depth);
+        }
+    }
+}
+
+bool invariant_watch_tell(const invariant_watch *watch, char *text, size_t size)
+{
+    double worst[N_INVARIANTS];
+    bool held = true;
+    find_deviations(watch, worst);
+    (void)snprintf(text, size, "held");
+    for (int i = 0; i < N_INVARIANTS; i++) {
+        const double bound = fmax(invariants[i].least_bound, invariants[i].tolerances * watch->tolerance);
+        if (!(worst[i] <= bound)) {
+            const size_t length = held ? 0 : strlen(text);
+            (void)snprintf(text + length, size - length, "%s%s %.3g, bound %.3g", held ? "broken: " : "; ",
+                           invariants[i].name, worst[i], bound);
+            held = false;
+        }
+    }
+    return held;
+}

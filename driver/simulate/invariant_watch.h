@@ -1,0 +1,22 @@
+/** Whether a run keeps its own invariants, seen at its outputs: the cheap ones of `evolvent-post check`, with the same scales and
+ *  bounds. */
+#ifndef EVOLVENT_INVARIANT_WATCH_H
+#define EVOLVENT_INVARIANT_WATCH_H
+
+#include "model/model.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+typedef struct invariant_watch invariant_watch;
+
+/** @param tolerance  of the case, to which the bounds relate */
+invariant_watch *invariant_watch_create(const model *model, int n_wheels, int n_meshes, double tolerance);
+void invariant_watch_delete(invariant_watch **watch);
+/** @param values  of model_outputs, in order of time */
+void invariant_watch_outputs(invariant_watch *watch, double t, const double *values);
+/** "held", or "broken: " and what is broken by how much.
+ *  @return whether all held */
+bool invariant_watch_tell(const invariant_watch *watch, char *text, size_t size);
+
+#endif

@@ -1,0 +1,131 @@
+#include "simulate/prepare.h"
+
+#include "base/log.h"
+#include "base/memory.h"
+#include "base/words.h"
+
+#include <stdlib.h>
+
+static const case_subject subjects[] = {
+    [MODEL_ABOUT_NOTHING] = CASE_ABOUT_NOTHING, [MODEL_ABOUT_WHEEL] = CASE_ABOUT_WHEEL,
+    [MODEL_ABOUT_MESH] = CASE_ABOUT_MESH,       [MODEL_ABOUT_LOAD] = CASE_ABOUT_LOAD,
+    [MODEL_ABOUT_INITIAL] = CASE_ABOUT_INITIAL, [MODEL_ABOUT_HOUSING] = CASE_ABOUT_HOUSING,
+    [MODEL_ABOUT_SHAFT] = CASE_ABOUT_SHAFT,
+};
+
+void prepare_refuse(const prepared_case *prepared, const model_message *refusal, evl_error *error)
+{
+    case_refuse(prepared->file, subjects[refusal->subject], refusal->index, refusal->load, refusal->field,
+                refusal->message, error);
+}
+
+char *prepare_warning(const prepared_case *prepared, int index)
+{
+    model_message warning;
+    model_warning(prepared->model, index, &warning);
+    return case_message(prepared->file, subjects[warning.subject], warning.index, warning.load, warning.field,
+                        warning.message);
+}
+
+char *prepare_warnings(const prepared_case *prepared, const char *separator)
+{
+    const int n = model_n_warnings(prepared->model);
+    char **warnings = xcalloc((size_t)n, sizeof *warnings);
+    for (int i = 0; i < n; i++) {
+        warnings[i] = prepare_warning(prepared, i);
+    }
+    char *text = words_join(n, (const char *const *)warnings, separator);
+    for (int i = 0; i < n; i++) {
+        free(warnings[i]);
+    }
+    free(warnings);
+    return text;
+}
+
+void prepare_warn(const prepared_case *prepared)
+{
+    for (int i = 0; i < model_n_warnings(prepared->model); i++) {
+        char *text = prepare_warning(prepared, i);
+        log_warning("%s", text);
+        free(text);
+    }
+}
+
+/** The case's integrator, or the one that suits the model. @return false if it asks for one that does not serve */
+static bool settle_integrator(const prepared_case *prepared, model_message *refusal)
+{
+    const simulation_description *simulation = &case_description(prepared->file)->simulation;
+    const bool serves = model_dae(prepared->model)->stepper != NULL;
+    if (simulation->integrator == INTEGRATOR_RADAU && !serves) {
+        model_explain_no_stepper(prepared->model, refusal);
+        return false;
+    }
+    case_settle_integrator(prepared->file, serves && simulation->tolerance >= RADAU_SMALLEST_TOLERANCE
+                                               ? INTEGRATOR_RADAU
+                                               : INTEGRATOR_IDA);
+    return true;
+}
+
+/** What the damping laws leave to the mesh. */
+static void settle_damping(const prepared_case *prepared)
+{
+    for (int i = 0; i < case_description(prepared->file)->n_meshes; i++) {
+        const law_choice settled = model_damping(prepared->model, i);
+        case_settle_damping(prepared->file, i, model_laws(), &settled);
+    }
+}
+
+/** The model of a case that was read. */
+static bool make_model(prepared_case *prepared, evl_error *error)
+{
+    model_message refusal;
+    prepared->model = model_create(case_description(prepared->file), &refusal);
+    const bool good = prepared->model != NULL && settle_integrator(prepared, &refusal);
+    if (good) {
+        settle_damping(prepared);
+    } else {
+        prepare_refuse(prepared, &refusal, error);
+    }
+    return good;
+}
+
+bool prepare_case(prepared_case *prepared, const char *path, int n_set, const char *const *set, evl_error *error)
+{
+    *prepared = (prepared_case){.file = case_read(path, n_set, set, model_laws(), error)};
+    const bool good = prepared->file != NULL && make_model(prepared, error);
+    if (!good) {
+        prepared_case_free(prepared);
+    }
+    return good;
+}
+
+bool prepare_to_show(prepared_case *prepared, const char *path, int n_set, const char *const *set, evl_error *error)
+{
+    dae_state state = {0};
+    *prepared = (prepared_case){.file = case_read(path, n_set, set, model_laws(), error)};
+    const bool good = prepared->file != NULL && make_model(prepared, error) && prepare_start(prepared, &state, error);
+    dae_state_free(&state);
+    return good;
+}
+
+bool prepare_start(const prepared_case *prepared, dae_state *state, evl_error *error)
+{
+    model_message refusal;
+    const bool good = model_initial_state(prepared->model, state, &refusal);
+    if (!good) {
+        prepare_refuse(prepared, &refusal, error);
+    }
+    return good;
+}
+
+bool prepare_edited(prepared_case *prepared, const case_base *base, int n_set, const char *const *set, evl_error *error)
+{
+    model_delete(&prepared->model);
+    return case_edit(base, n_set, set, &prepared->file, error) && make_model(prepared, error);
+}
+
+void prepared_case_free(prepared_case *prepared)
+{
+    model_delete(&prepared->model);
+    case_delete(&prepared->file);
+}

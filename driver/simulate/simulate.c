@@ -1,0 +1,175 @@
+#include "simulate/simulate.h"
+
+#include "base/interrupt.h"
+#include "base/memory.h"
+#include "simulate/contact_watch.h"
+#include "simulate/invariant_watch.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double two_pi = 6.283185307179586;
+
+/** Why the observer ended an integration. */
+typedef enum { STOP_NONE, STOP_INTERRUPTED, STOP_MODEL, STOP_SINK } stop_reason;
+
+typedef struct {
+    const prepared_case *prepared;
+    const simulate_sink *sink;
+    progress *progress;
+    contact_watch contact;
+    invariant_watch *invariants;
+    double *values; /**< [model_n_values] */
+    double t_given; /**< model time of the last outputs that the sink got */
+    stop_reason stop;
+} simulation;
+
+static int on_output(void *self, const dae_state *state, char reason[DAE_MESSAGE_LENGTH])
+{
+    simulation *s = self;
+    const int code = model_checked_outputs(s->prepared->model, state, s->values, reason);
+    if (code == DAE_RECOVERABLE) {
+        return INTEGRATE_ANEW;
+    }
+    if (code != DAE_OK) {
+        s->stop = STOP_MODEL;
+        return 1;
+    }
+    contact_watch_outputs(&s->contact, s->values);
+    invariant_watch_outputs(s->invariants, state->t, s->values);
+    if (!s->sink->outputs(s->sink->self, state->t, s->values)) {
+        s->stop = STOP_SINK;
+        return 1;
+    }
+    s->t_given = state->t;
+    return 0;
+}
+
+static int on_event(void *self, const event_record *record)
+{
+    simulation *s = self;
+    contact_watch_event(&s->contact, record);
+    if (!s->sink->event(s->sink->self, record)) {
+        s->stop = STOP_SINK;
+        return 1;
+    }
+    return 0;
+}
+
+static void on_watch(void *self, const integrate_step *step)
+{
+    const simulation *s = self;
+    extremes_watch(s->sink->extremes, step);
+}
+
+static int on_step(void *self, double t)
+{
+    simulation *s = self;
+    progress_step(s->progress, t);
+    if (interrupt_signal != 0) {
+        s->stop = STOP_INTERRUPTED;
+        return 1;
+    }
+    return 0;
+}
+
+/** A run that ends early ends with its last good state, if its outputs exist and were not given yet. */
+static void give_last(simulation *s, const dae_state *state)
+{
+    char message[DAE_MESSAGE_LENGTH];
+    if (s->stop == STOP_MODEL || s->stop == STOP_SINK || !(state->t > s->t_given) ||
+        model_outputs(s->prepared->model, state, s->values, message) != DAE_OK) {
+        return;
+    }
+    contact_watch_outputs(&s->contact, s->values);
+    invariant_watch_outputs(s->invariants, state->t, s->values);
+    if (!s->sink->outputs(s->sink->self, state->t, s->values)) {
+        s->stop = STOP_SINK;
+    }
+}
+
+/** Only a run that came to its end tells whether contact was lost for good. */
+static void remark_contact(const simulation *s, simulate_result *result)
+{
+    const description *description = case_description(s->prepared->file);
+    const char **names = xcalloc((size_t)description->n_meshes, sizeof *names);
+    for (int i = 0; i < description->n_meshes; i++) {
+        names[i] = description->meshes[i].name;
+    }
+    (void)contact_watch_lost(&s->contact, s->t_given, names, result->remark, sizeof result->remark);
+    free(names);
+}
+
+/** A vibration that feeds itself begins with what the tolerance leaves of it: the user has to know. */
+static void remark_growth(const dae_growth *growth, simulate_result *result)
+{
+    const double size = hypot(growth->rate, growth->frequency);
+    const size_t length = strlen(result->remark), left = sizeof result->remark - length;
+    char *end = result->remark + length;
+    const char *separator = length > 0 ? "; " : "";
+    if (!(growth->rate > 0.0)) {
+        return;
+    }
+    if (growth->frequency > 0.0) {
+        (void)snprintf(
+            end, left,
+            "%sa vibration feeds itself: %.4g Hz, damping ratio %.2g at t = %.4g s; steps were shortened for "
+            "it, but it grows from less than the tolerance, so when it comes up is uncertain",
+            separator, size / two_pi, -growth->rate / size, growth->t);
+    } else {
+        (void)snprintf(
+            end, left,
+            "%sa motion feeds itself: it grows by %.4g 1/s at t = %.4g s; steps were shortened for it, but it "
+            "grows from less than the tolerance, so when it comes up is uncertain",
+            separator, growth->rate, growth->t);
+    }
+}
+
+integrate_options simulate_options(const prepared_case *prepared)
+{
+    const simulation_description *simulation = &case_description(prepared->file)->simulation;
+    return (integrate_options){.t_end = simulation->duration,
+                               .output_interval = simulation->output_interval,
+                               .tolerance = simulation->tolerance,
+                               .max_step = simulation->max_step,
+                               .by_stepper = simulation->integrator == INTEGRATOR_RADAU};
+}
+
+void simulate(const prepared_case *prepared, const simulate_sink *sink, progress *progress, dae_state *state,
+              simulate_result *result)
+{
+    *result = (simulate_result){.end = SIMULATE_DONE};
+    simulation s = {.prepared = prepared,
+                    .sink = sink,
+                    .progress = progress,
+                    .values = xcalloc((size_t)model_n_values(prepared->model), sizeof(double)),
+                    .t_given = -1.0};
+    const integrate_options options = simulate_options(prepared);
+    const integrate_observer observer = {.self = &s,
+                                         .output = on_output,
+                                         .event = on_event,
+                                         .step = on_step,
+                                         .watch = sink->extremes == NULL ? NULL : on_watch};
+    const description *description = case_description(prepared->file);
+    contact_watch_init(&s.contact, prepared->model, description->n_meshes);
+    s.invariants =
+        invariant_watch_create(prepared->model, description->n_wheels, description->n_meshes, options.tolerance);
+    const integrate_code code =
+        integrate(model_dae(prepared->model), &options, &observer, state, &result->counts, result->message);
+    if (code == INTEGRATE_DONE) {
+        remark_contact(&s, result);
+        remark_growth(&result->counts.growth, result);
+    } else {
+        give_last(&s, state);
+        result->end = s.stop == STOP_SINK          ? SIMULATE_SINK_FAILED
+                      : s.stop == STOP_INTERRUPTED ? SIMULATE_INTERRUPTED
+                                                   : SIMULATE_FAILED;
+    }
+    result->t = state->t;
+    result->held = invariant_watch_tell(s.invariants, result->invariants, sizeof result->invariants);
+    invariant_watch_delete(&s.invariants);
+    contact_watch_free(&s.contact);
+    free(s.values);
+}

@@ -1,0 +1,45 @@
+/** The integration of a prepared case, its outputs handed to whoever wants them: a history, statistics. */
+#ifndef EVOLVENT_SIMULATE_H
+#define EVOLVENT_SIMULATE_H
+
+#include "base/progress.h"
+#include "integrate/integrate.h"
+#include "simulate/extremes.h"
+#include "simulate/prepare.h"
+
+/** Where the outputs of a simulation go. A procedure that returns false ends the simulation with SIMULATE_SINK_FAILED. */
+typedef struct {
+    void *self;
+    bool (*outputs)(void *self, double t, const double *values); /**< [model_n_values], in order of time */
+    bool (*event)(void *self, const event_record *record);
+    extremes *extremes; /**< to be found between the outputs; NULL: none */
+} simulate_sink;
+
+typedef enum {
+    SIMULATE_DONE,
+    SIMULATE_FAILED,      /**< the integration or the model; the message says why */
+    SIMULATE_INTERRUPTED, /**< by a signal */
+    SIMULATE_SINK_FAILED
+} simulate_end;
+
+typedef struct {
+    simulate_end end;
+    double t; /**< where it ended [s] */
+    integrate_counts counts;
+    char message[DAE_MESSAGE_LENGTH]; /**< of SIMULATE_FAILED */
+    /** What deserves a word at the end: contact lost for good, a vibration that feeds itself; "" if nothing does. */
+    char remark[DAE_MESSAGE_LENGTH];
+    bool held;                           /**< whether it kept its invariants at all its outputs */
+    char invariants[DAE_MESSAGE_LENGTH]; /**< "held", or "broken: " and which ones by how much */
+} simulate_result;
+
+/** The integrator's options that a case asks for. */
+integrate_options simulate_options(const prepared_case *prepared);
+
+/** Integrate from `state`, which is that of the end afterwards. A simulation that ends early hands over its last good state too,
+ *  if its outputs exist.
+ *  @param progress  started by the caller */
+void simulate(const prepared_case *prepared, const simulate_sink *sink, progress *progress, dae_state *state,
+              simulate_result *result);
+
+#endif
