@@ -3,6 +3,7 @@
 #include "base/json.h"
 #include "base/memory.h"
 #include "base/suggest.h"
+#include "integrate/output_grid.h"
 #include "simulate/simulate.h"
 
 #include <evolvent_version.h>
@@ -106,7 +107,7 @@ static void take_times(batch_plan *plan, const prepared_case *prepared)
 {
     batch_histories *histories = &plan->histories;
     const integrate_options options = simulate_options(prepared);
-    const long last = integrate_n_outputs(&options, 0) - 1, every = plan->design->history_every;
+    const long last = output_grid_size(&options, 0) - 1, every = plan->design->history_every;
     histories->duration = options.t_end;
     histories->output_interval = options.output_interval;
     histories->n_times = (int)(last / every) + 1;

@@ -3,7 +3,7 @@
 #define EVOLVENT_BATCH_STATISTICS_H
 
 #include "integrate/events.h"
-#include "integrate/integrate.h"
+#include "integrate/integrate_types.h"
 #include "model/model.h"
 #include "simulate/extremes.h"
 

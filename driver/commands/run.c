@@ -4,6 +4,8 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "files/history.h"
+#include "integrate/integrate.h"
+#include "integrate/output_grid.h"
 #include "simulate/extremes.h"
 #include "simulate/simulate.h"
 
@@ -112,7 +114,7 @@ static bool create_history(run *run, const char *path)
         .state_units = state_units,
         .n_event_kinds = n_kinds,
         .event_kinds = kinds,
-        .max_rows = integrate_n_outputs(&options, 0),
+        .max_rows = output_grid_size(&options, 0),
         .n_attributes = sizeof attributes / sizeof *attributes,
         .attributes = attributes,
     };

@@ -3,62 +3,12 @@
 #ifndef EVOLVENT_INTEGRATE_H
 #define EVOLVENT_INTEGRATE_H
 
-#include "integrate/dae.h"
-#include "integrate/events.h"
-
-typedef struct {
-    double t_end;           /**< [s] */
-    double output_interval; /**< [s] outputs at start + k * output_interval, and at t_end */
-    double tolerance;       /**< relative to dae.scale */
-    double max_step;        /**< [s] */
-    bool by_stepper;        /**< by dae.stepper, which there is, instead of IDA */
-} integrate_options;
-
-/** A step, or the part of one up to an event, without a change of the discrete state: the state is known everywhere on it. */
-typedef struct {
-    double t_from, t_to;    /**< the same: a single state, at the start or the end of an integration */
-    bool continues;         /**< the step before ended at t_from, and nothing happened there */
-    const dae_state *state; /**< at t_to */
-    const double *watched;  /**< the channels there, if they are known, and then y is of no meaning; else NULL */
-    void *with;
-    /** y at t in t_from .. t_to. @return false if it is not known after all */
-    bool (*interpolate)(const void *with, double t, double *y);
-    /** as of dae_stepper; NULL: it knows no candidates */
-    int (*look)(void *with, const double *high, const double *low);
-    void (*candidate)(const void *with, int index, dae_candidate *candidate);
-} integrate_step;
-
-/** An answer to an output: it shows that an event in the step was missed, and the step is made anew, smaller. */
-enum { INTEGRATE_ANEW = 2 };
-
-/** What the caller wants to hear. Each returns 0 to go on; anything else ends the integration with INTEGRATE_STOPPED. */
-typedef struct {
-    void *self;
-    /** grid points in order of time, the start and t_end among them; may answer INTEGRATE_ANEW, with a sentence in `reason` */
-    int (*output)(void *self, const dae_state *state, char reason[DAE_MESSAGE_LENGTH]);
-    int (*event)(void *self, const event_record *record); /**< after it was applied */
-    int (*step)(void *self, double t);                    /**< now and then, between steps: progress, interrupts */
-    /** every step, in order of time: what happens between the outputs; NULL: nobody watches. Always goes on. */
-    void (*watch)(void *self, const integrate_step *step);
-} integrate_observer;
-
-typedef struct {
-    long steps, residuals, jacobians, linear_setups, newton_iterations, roots_evaluated, events;
-    long error_test_failures, convergence_failures; /**< of IDA; a stepper counts both as rejections */
-    long rejections;
-    dae_growth growth;  /**< the fastest, if a stepper made shorter steps for one */
-    double cpu_seconds; /**< of the integration with its observers */
-} integrate_counts;
-
-typedef enum { INTEGRATE_DONE = 0, INTEGRATE_STOPPED = 1, INTEGRATE_FAILED = 2 } integrate_code;
+#include "integrate/integrate_types.h"
 
 /** Integrate from `state` to options->t_end. The state is that of the end, or the last good one. `reason` gets one sentence on failure.
  *  With a stepper, y' of the states that the observer is given is that of the last event. Re-entrant. */
 integrate_code integrate(const dae *model, const integrate_options *options, const integrate_observer *observer,
                          dae_state *state, integrate_counts *counts, char reason[DAE_MESSAGE_LENGTH]);
-
-/** Number of outputs of a whole integration from t_start. */
-long integrate_n_outputs(const integrate_options *options, double t_start);
 
 /** Version of the integrator's library, such as "SUNDIALS 6.4.1". */
 const char *integrate_version(void);

@@ -1,5 +1,5 @@
-/* Integration by the stepper that a model brings along: it steps as it likes, the grid is interpolated. */
-#include "integrate/integration.h"
+/* A stepper goes as it likes, the grid is interpolated. */
+#include "integrate/integrate_stepper.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,17 +1,17 @@
 #include "integrate/integration.h"
 
+#include "integrate/output_grid.h"
+
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 /* Of the present time: towards a limit of the model the steps shrink for ever unless they may not pass rounding. */
 static const double smallest_step = 64 * DBL_EPSILON;
 static const int most_events_at_once = 1000; /* events without progress in time before giving up */
 static const int most_times_missed = 12; /* an event at one output: each time the step is a quarter of what it was */
-static const double grid_slack = 1e-6;   /* of an output interval: a grid point this near the end is the end */
 
 static bool allocate_state(const dae *m, dae_state *state)
 {
@@ -66,8 +66,7 @@ dae_state integration_borrowed(const integration *run)
 
 double integration_output_time(const integration *run)
 {
-    const double t = run->t_start + (double)run->next_output * run->options->output_interval;
-    return t > run->options->t_end - grid_slack * run->options->output_interval ? run->options->t_end : t;
+    return output_grid_time(run->options, run->t_start, run->next_output);
 }
 
 integrate_code integration_give_output(integration *run, const dae_state *state, bool *missed)
@@ -134,44 +133,4 @@ integrate_code integration_apply_event(integration *run, bool time_event)
         }
     }
     return INTEGRATE_DONE;
-}
-
-static double cpu_now(void)
-{
-    struct timespec now;
-    return clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now) == 0 ? (double)now.tv_sec + 1e-9 * (double)now.tv_nsec : 0;
-}
-
-integrate_code integrate(const dae *model, const integrate_options *options, const integrate_observer *observer,
-                         dae_state *state, integrate_counts *counts, char reason[DAE_MESSAGE_LENGTH])
-{
-    integration run = {.model = model,
-                       .options = options,
-                       .observer = observer,
-                       .state = state,
-                       .counts = counts,
-                       .reason = reason,
-                       .t_start = state->t,
-                       .t_event = -DBL_MAX,
-                       .t_unwatched = state->t,
-                       .t_missed = -DBL_MAX,
-                       .next_output = 1};
-    const double cpu_start = cpu_now();
-    integrate_code code = INTEGRATE_FAILED;
-    reason[0] = '\0';
-    *counts = (integrate_counts){0};
-    if (integration_begin(&run)) {
-        integration_watch_state(&run);
-        code = options->by_stepper ? integrate_by_stepper(&run) : integrate_by_ida(&run);
-    } else {
-        (void)snprintf(reason, DAE_MESSAGE_LENGTH, "there is not enough memory for the integrator");
-    }
-    integration_end(&run);
-    counts->cpu_seconds = cpu_now() - cpu_start;
-    return code;
-}
-
-long integrate_n_outputs(const integrate_options *options, double t_start)
-{
-    return (long)((options->t_end - t_start) / options->output_interval - grid_slack) + 2;
 }

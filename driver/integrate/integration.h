@@ -1,8 +1,9 @@
-/** What every integration has, whatever makes its steps: the output grid, events and their observers. Private to integrate*.c. */
+/** What every integration has, whatever makes its steps: the output grid, events and their observers. Private to
+ *  integrate/. */
 #ifndef EVOLVENT_INTEGRATION_H
 #define EVOLVENT_INTEGRATION_H
 
-#include "integrate/integrate.h"
+#include "integrate/integrate_types.h"
 
 typedef struct {
     const dae *model;
@@ -48,9 +49,5 @@ void integration_watch_state(const integration *run);
 
 /** Apply what happened at the present state, and tell. */
 integrate_code integration_apply_event(integration *run, bool time_event);
-
-/** By IDA; the other by the model's stepper. `reason` is empty, counts are zero. */
-integrate_code integrate_by_ida(integration *run);
-integrate_code integrate_by_stepper(integration *run);
 
 #endif

@@ -3,7 +3,7 @@
 #ifndef EVOLVENT_EXTREMES_H
 #define EVOLVENT_EXTREMES_H
 
-#include "integrate/integrate.h"
+#include "integrate/integrate_types.h"
 #include "model/model.h"
 
 typedef struct extremes extremes;

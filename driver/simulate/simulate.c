@@ -2,6 +2,7 @@
 
 #include "base/interrupt.h"
 #include "base/memory.h"
+#include "integrate/integrate.h"
 #include "simulate/contact_watch.h"
 #include "simulate/invariant_watch.h"
 

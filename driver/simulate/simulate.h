@@ -3,7 +3,7 @@
 #define EVOLVENT_SIMULATE_H
 
 #include "base/progress.h"
-#include "integrate/integrate.h"
+#include "integrate/integrate_types.h"
 #include "simulate/extremes.h"
 #include "simulate/prepare.h"
 

@@ -1,0 +1,125 @@
+#include "integrate/ida_callbacks.h"
+
+#include <float.h>
+#include <ida/ida.h>
+#include <math.h>
+#include <sunmatrix/sunmatrix_dense.h>
+
+/* Only for what grows beyond all scales, such as the gap of flanks that never meet again: asks for no more than rounding allows. */
+static const double relative_tolerance = 16 * DBL_EPSILON;
+
+/* The discrete state cannot change while IDA steps: trial states borrow the caller's. */
+static void take_trial(ida_session *s, double t, N_Vector y, N_Vector yp)
+{
+    const double *scale = s->run->model->scale;
+    const double *from = N_VGetArrayPointer(y);
+    s->run->trial.t = t;
+    for (int i = 0; i < s->run->model->n; i++)
+        s->run->trial.y[i] = from[i] * scale[i];
+    if (!yp)
+        return;
+    const double *rates = N_VGetArrayPointer(yp);
+    for (int i = 0; i < s->run->model->n; i++)
+        s->run->trial.yp[i] = rates[i] * scale[i];
+}
+
+static void note_refusal(ida_session *s, int code)
+{
+    if (code != DAE_OK) {
+        s->t_refused = s->run->trial.t;
+    }
+}
+
+int ida_residual(sunrealtype t, N_Vector y, N_Vector yp, N_Vector r, void *data)
+{
+    ida_session *s = data;
+    take_trial(s, t, y, yp);
+    const dae_state state = integration_borrowed(s->run);
+    double *rows = N_VGetArrayPointer(r);
+    const int code = s->run->model->residual(s->run->model->self, &state, rows, s->run->reason);
+    note_refusal(s, code);
+    for (int i = 0; i < s->run->model->n; i++)
+        rows[i] *= s->row_units[i];
+    return code;
+}
+
+int ida_jacobian(sunrealtype t, sunrealtype cj, N_Vector y, N_Vector yp, N_Vector r, SUNMatrix matrix, void *data,
+                 N_Vector a, N_Vector b, N_Vector c)
+{
+    (void)r, (void)a, (void)b, (void)c;
+    ida_session *s = data;
+    const int n = s->run->model->n;
+    take_trial(s, t, y, yp);
+    const dae_state state = integration_borrowed(s->run);
+    double *entries = SUNDenseMatrix_Data(matrix);
+    const int code = s->run->model->jacobian(s->run->model->self, &state, cj, entries, s->run->reason);
+    note_refusal(s, code);
+    for (int j = 0; j < n; j++)
+        for (int i = 0; i < n; i++)
+            entries[j * n + i] *= s->row_units[i] * s->run->model->scale[j];
+    return code;
+}
+
+int ida_roots(sunrealtype t, N_Vector y, N_Vector yp, sunrealtype *values, void *data)
+{
+    ida_session *s = data;
+    take_trial(s, t, y, yp);
+    const dae_state state = integration_borrowed(s->run);
+    const dae *m = s->run->model;
+    const bool watches = s->run->observer->watch != NULL;
+    const int code = watches ? m->roots_and_watched(m->self, &state, values, s->channels, s->run->reason)
+                             : m->roots(m->self, &state, values, s->run->reason);
+    s->t_channels = watches && code == DAE_OK ? t : NAN;
+    note_refusal(s, code);
+    return code;
+}
+
+static bool interpolate(const void *with, double t, double *y)
+{
+    const ida_session *s = with;
+    if (IDAGetDky(s->ida, t, 0, s->between) != IDA_SUCCESS) {
+        return false;
+    }
+    ida_session_from_scaled(s, s->between, y);
+    return true;
+}
+
+void ida_watch_to(ida_session *s, double t, N_Vector y)
+{
+    if (s->run->observer->watch == NULL || !(t > s->t_watched)) {
+        return;
+    }
+    const bool is_known = s->t_channels >= t && s->t_channels <= t;
+    if (!is_known) {
+        ida_session_from_scaled(s, y, s->watched_y);
+    }
+    dae_state state = *s->run->state;
+    state.t = t;
+    state.y = s->watched_y;
+    const integrate_step step = {.t_from = s->t_watched,
+                                 .t_to = t,
+                                 .continues = s->continues,
+                                 .state = &state,
+                                 .watched = is_known ? s->channels : NULL,
+                                 .with = s,
+                                 .interpolate = interpolate};
+    s->run->observer->watch(s->run->observer->self, &step);
+    s->t_watched = t;
+    s->continues = true;
+}
+
+/* Error weights as IDA would make them, in one loop instead of four. IDA asks for them before each step, when the one before is
+ * complete and no event lies in it: the place to look at that. */
+int ida_weights(N_Vector y, N_Vector weight, void *data)
+{
+    ida_session *s = data;
+    double t;
+    if (IDAGetCurrentTime(s->ida, &t) == IDA_SUCCESS) {
+        ida_watch_to(s, t, y);
+    }
+    const double *values = N_VGetArrayPointer(y);
+    double *to = N_VGetArrayPointer(weight);
+    for (int i = 0; i < s->run->model->n; i++)
+        to[i] = 1 / (relative_tolerance * fabs(values[i]) + s->run->options->tolerance);
+    return 0;
+}

@@ -1,0 +1,139 @@
+/* Differences between SUNDIALS 6 and 7 stay here. */
+#include "integrate/ida_session.h"
+
+#include "integrate/short_vectors.h"
+
+#include <ida/ida.h>
+#include <nvector/nvector_serial.h>
+#include <stdlib.h>
+#include <sundials/sundials_config.h>
+#include <sunlinsol/sunlinsol_dense.h>
+#include <sunmatrix/sunmatrix_dense.h>
+
+#if SUNDIALS_VERSION_MAJOR < 7
+#define SUN_COMM_NULL NULL
+#endif
+
+void ida_session_from_scaled(const ida_session *s, N_Vector from, double *to)
+{
+    const double *values = N_VGetArrayPointer(from);
+    for (int i = 0; i < s->run->model->n; i++) {
+        to[i] = values[i] * s->run->model->scale[i];
+    }
+}
+
+void ida_session_to_scaled(const ida_session *s, const double *from, N_Vector to)
+{
+    double *values = N_VGetArrayPointer(to);
+    for (int i = 0; i < s->run->model->n; i++) {
+        values[i] = from[i] / s->run->model->scale[i];
+    }
+}
+
+#if SUNDIALS_VERSION_MAJOR < 7
+/* The driver prints the one line about a failure. */
+static void be_silent(int code, const char *module, const char *function, char *message, void *data)
+{
+    (void)code, (void)module, (void)function, (void)message, (void)data;
+}
+#endif
+
+static void silence(ida_session *s)
+{
+#if SUNDIALS_VERSION_MAJOR < 7
+    IDASetErrHandlerFn(s->ida, be_silent, NULL);
+#else
+    SUNContext_ClearErrHandlers(s->context);
+#endif
+}
+
+static bool allocate_arrays(ida_session *s)
+{
+    const dae *m = s->run->model;
+    s->row_units = calloc((size_t)m->n, sizeof(double));
+    s->directions = calloc((size_t)m->n_roots + 1, sizeof(int));
+    s->watched_y = calloc((size_t)m->n, sizeof(double));
+    s->channels = calloc((size_t)m->n_watched + 1, sizeof(double));
+    if (!s->row_units || !s->directions || !s->watched_y || !s->channels) {
+        return false;
+    }
+    for (int i = 0; i < m->n; i++) {
+        s->row_units[i] = 1 / m->row_scale[i];
+    }
+    return true;
+}
+
+static bool create_solver(ida_session *s)
+{
+    const dae *m = s->run->model;
+    if (SUNContext_Create(SUN_COMM_NULL, &s->context) != 0) {
+        return false;
+    }
+    s->y = N_VNew_Serial(m->n, s->context);
+    if (!s->y) {
+        return false;
+    }
+    short_vectors_use(s->y);
+    s->yp = N_VClone(s->y);
+    s->id = N_VClone(s->y);
+    s->between = N_VClone(s->y);
+    s->matrix = SUNDenseMatrix(m->n, m->n, s->context);
+    s->ida = IDACreate(s->context);
+    if (!s->yp || !s->id || !s->between || !s->matrix || !s->ida) {
+        return false;
+    }
+    s->solver = SUNLinSol_Dense(s->y, s->matrix, s->context);
+    if (!s->solver) {
+        return false;
+    }
+    short_vectors_solve(s->solver);
+    return true;
+}
+
+bool ida_session_open(ida_session *s)
+{
+    if (!allocate_arrays(s) || !create_solver(s)) {
+        return false;
+    }
+    silence(s);
+    return true;
+}
+
+void ida_session_close(ida_session *s)
+{
+    IDAFree(&s->ida);
+    SUNLinSolFree(s->solver);
+    SUNMatDestroy(s->matrix);
+    N_VDestroy(s->y);
+    N_VDestroy(s->yp);
+    N_VDestroy(s->id);
+    N_VDestroy(s->between);
+    SUNContext_Free(&s->context);
+    free(s->row_units);
+    free(s->directions);
+    free(s->watched_y);
+    free(s->channels);
+}
+
+void ida_session_count(ida_session *s)
+{
+    integrate_counts now = {0};
+    IDAGetNumSteps(s->ida, &now.steps);
+    IDAGetNumResEvals(s->ida, &now.residuals);
+    IDAGetNumJacEvals(s->ida, &now.jacobians);
+    IDAGetNumLinSolvSetups(s->ida, &now.linear_setups);
+    IDAGetNumNonlinSolvIters(s->ida, &now.newton_iterations);
+    IDAGetNumErrTestFails(s->ida, &now.error_test_failures);
+    IDAGetNumNonlinSolvConvFails(s->ida, &now.convergence_failures);
+    IDAGetNumGEvals(s->ida, &now.roots_evaluated);
+    integrate_counts *total = s->run->counts;
+    const integrate_counts *before = &s->before;
+    total->steps = before->steps + now.steps;
+    total->residuals = before->residuals + now.residuals;
+    total->jacobians = before->jacobians + now.jacobians;
+    total->linear_setups = before->linear_setups + now.linear_setups;
+    total->newton_iterations = before->newton_iterations + now.newton_iterations;
+    total->error_test_failures = before->error_test_failures + now.error_test_failures;
+    total->convergence_failures = before->convergence_failures + now.convergence_failures;
+    total->roots_evaluated = before->roots_evaluated + now.roots_evaluated;
+}

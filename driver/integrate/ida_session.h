@@ -1,0 +1,41 @@
+/** What an integration with IDA has beside an integration. IDA gets states in units of their scales, so that one absolute tolerance
+ *  holds for all of them. Private to integrate/. */
+#ifndef EVOLVENT_IDA_SESSION_H
+#define EVOLVENT_IDA_SESSION_H
+
+#include "integrate/integration.h"
+
+#include <sundials/sundials_linearsolver.h>
+#include <sundials/sundials_matrix.h>
+#include <sundials/sundials_nvector.h>
+
+typedef struct {
+    integration *run;        /**< the states in it are in physical units */
+    integrate_counts before; /**< until the last restart: IDAReInit starts its counters anew */
+    double *row_units;       /**< 1/row_scale */
+    int *directions;
+    SUNContext context;
+    void *ida;
+    N_Vector y, yp, id;
+    N_Vector between;  /**< state inside a step, for who watches */
+    double *watched_y; /**< [n] */
+    double t_watched;  /**< up to which the observer has seen the motion */
+    double *channels;  /**< [n_watched] watched channels where the roots were asked last */
+    double t_channels; /**< when that was */
+    bool continues;    /**< nothing happened there */
+    SUNMatrix matrix;
+    SUNLinearSolver solver;
+    double t_refused; /**< latest time at which the model had no answer */
+} ida_session;
+
+/** Everything that takes memory. @return whether there was enough; ida_session_close is due in any case */
+bool ida_session_open(ida_session *s);
+void ida_session_close(ida_session *s);
+
+void ida_session_from_scaled(const ida_session *s, N_Vector from, double *to);
+void ida_session_to_scaled(const ida_session *s, const double *from, N_Vector to);
+
+/** Bring the run's counts up to date. */
+void ida_session_count(ida_session *s);
+
+#endif

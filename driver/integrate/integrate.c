@@ -1,0 +1,49 @@
+#include "integrate/integrate.h"
+
+#include "integrate/integrate_ida.h"
+#include "integrate/integrate_stepper.h"
+#include "integrate/integration.h"
+
+#include <float.h>
+#include <stdio.h>
+#include <time.h>
+
+static double cpu_now(void)
+{
+    struct timespec now;
+    return clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now) == 0 ? (double)now.tv_sec + 1e-9 * (double)now.tv_nsec : 0;
+}
+
+integrate_code integrate(const dae *model, const integrate_options *options, const integrate_observer *observer,
+                         dae_state *state, integrate_counts *counts, char reason[DAE_MESSAGE_LENGTH])
+{
+    integration run = {.model = model,
+                       .options = options,
+                       .observer = observer,
+                       .state = state,
+                       .counts = counts,
+                       .reason = reason,
+                       .t_start = state->t,
+                       .t_event = -DBL_MAX,
+                       .t_unwatched = state->t,
+                       .t_missed = -DBL_MAX,
+                       .next_output = 1};
+    const double cpu_start = cpu_now();
+    integrate_code code = INTEGRATE_FAILED;
+    reason[0] = '\0';
+    *counts = (integrate_counts){0};
+    if (integration_begin(&run)) {
+        integration_watch_state(&run);
+        code = options->by_stepper ? integrate_by_stepper(&run) : integrate_by_ida(&run);
+    } else {
+        (void)snprintf(reason, DAE_MESSAGE_LENGTH, "there is not enough memory for the integrator");
+    }
+    integration_end(&run);
+    counts->cpu_seconds = cpu_now() - cpu_start;
+    return code;
+}
+
+const char *integrate_version(void)
+{
+    return integrate_ida_version();
+}
