@@ -37,7 +37,15 @@ static bool on_outputs(void *self, double t, const double *values)
 static bool on_event(void *self, const event_record *record)
 {
     const run *run = self;
-    return history_add_event(run->history, record);
+    const dae_event *what = &record->what;
+    const history_event event = {.t = record->t,
+                                 .kind = what->kind,
+                                 .mesh = what->subject,
+                                 .flank = what->side,
+                                 .tooth_pair = what->count,
+                                 .before = record->before->y,
+                                 .after = record->after->y};
+    return history_add_event(run->history, &event);
 }
 
 /* Where the history goes. */

@@ -1,11 +1,10 @@
-/** The time history of a run, on file. The interface knows nothing of HDF5; history_hdf5.c does.
+/** The time history of a run, on file. The interface knows nothing of HDF5; history*_hdf5.c do.
  *
- *  A history grows as NAME.partial and gets NAME only by history_commit, which replaces an older one. Every function that can fail returns false and
+ *  A history grows as NAME.partial and gets NAME only by history_close, which replaces an older one. Every function that can fail returns false and
  *  keeps one sentence for history_error(); after a failure only history_abandon may follow. */
 #ifndef EVOLVENT_HISTORY_H
 #define EVOLVENT_HISTORY_H
 
-#include "integrate/events.h"
 #include "model/model.h"
 
 typedef struct {
@@ -32,12 +31,19 @@ typedef struct {
     const history_attribute *attributes; /**< of the root, known at the start */
 } history_layout;
 
+/** Something that happened; mesh, flank and tooth_pair are -1 where it concerns none. */
+typedef struct {
+    double t;
+    int kind, mesh, flank, tooth_pair;
+    const double *before, *after; /**< [n_states] the states on both sides */
+} history_event;
+
 typedef struct history history;
 
 history *history_create(const history_layout *layout, char message[DAE_MESSAGE_LENGTH]);
 /** One row; static variables are taken from the first one. */
 bool history_append(history *history, double t, const double *values);
-bool history_add_event(history *history, const event_record *record);
+bool history_add_event(history *history, const history_event *event);
 /** Static variables that are known at the end only; `values` as their offsets say. */
 bool history_put_finals(history *history, int n, const model_output *outputs, const double *values);
 /** Set further root attributes, flush, close, fsync; then rename if `commit`, else leave NAME.partial. Frees the history. */

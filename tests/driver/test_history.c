@@ -98,9 +98,8 @@ static bool append(history *history, long row)
 static bool add_event(history *history, double t)
 {
     double before[N_STATES] = {1.0 + t, 2.0}, after[N_STATES] = {3.0 + t, 4.0};
-    const dae_state a = {.t = t, .y = before}, b = {.t = t, .y = after};
-    const event_record record = {.t = t, .what = {1, 0, 3}, .n = N_STATES, .before = &a, .after = &b};
-    return history_add_event(history, &record);
+    const history_event event = {.t = t, .kind = 1, .mesh = 0, .flank = 3, .before = before, .after = after};
+    return history_add_event(history, &event);
 }
 
 static bool close_as(history **history, bool commit, const char *status, char *message)

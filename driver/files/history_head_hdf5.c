@@ -1,0 +1,205 @@
+/* docs/result_format.md describes what this file and history_hdf5.c write. */
+#include "files/history_head_hdf5.h"
+
+#include "base/memory.h"
+#include "base/words.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { FORMAT = 1, ROWS = 8192, EVENT_ROWS = 256 };
+
+static void set_dimensions(history *history, const model_output *output, netcdf_variable *variable)
+{
+    const struct {
+        int rank;
+        netcdf_dimension *first, *second;
+    } dims[] = {
+        [MODEL_DIMS_NONE] = {0, NULL, NULL},
+        [MODEL_DIMS_WHEEL] = {1, &history->wheel, NULL},
+        [MODEL_DIMS_MESH] = {1, &history->mesh, NULL},
+        [MODEL_DIMS_WHEEL_AXIS] = {2, &history->wheel, &history->axis},
+        [MODEL_DIMS_MESH_AXIS] = {2, &history->mesh, &history->axis},
+        [MODEL_DIMS_SPACE] = {1, &history->space, NULL},
+        [MODEL_DIMS_QUATERNION] = {1, &history->quaternion, NULL},
+        [MODEL_DIMS_WHEEL_SPACE] = {2, &history->wheel, &history->space},
+        [MODEL_DIMS_MESH_PAIR] = {2, &history->mesh, &history->pair},
+        [MODEL_DIMS_SHAFT] = {1, &history->shaft, NULL},
+    };
+    variable->rank = dims[output->dims].rank;
+    variable->dimensions[0] = dims[output->dims].first;
+    variable->dimensions[1] = dims[output->dims].second;
+}
+
+netcdf_variable history_describe_output(history *history, const model_output *output)
+{
+    netcdf_variable variable = netcdf_describe(output->is_integer ? NETCDF_INTEGER : NETCDF_REAL, output->name,
+                                               output->units, output->symbol, output->long_name);
+    set_dimensions(history, output, &variable);
+    return variable;
+}
+
+/** A dimension whose coordinate variable holds names. */
+static bool define_names(history *history, hid_t group, netcdf_dimension *dimension, const char *name,
+                         const char *long_name, int n, const char *const *names)
+{
+    const netcdf_variable variable = netcdf_describe(NETCDF_TEXT, name, "1", name, long_name);
+    *dimension = (netcdf_dimension){.length = (hsize_t)n};
+    if (!netcdf_define_dimension(&history->netcdf, group, &variable, dimension, 0)) {
+        return false;
+    }
+    const herr_t result = n == 0 ? 0
+                                 : H5Dwrite(dimension->scale.dataset, history->netcdf.text, H5S_ALL, H5S_ALL,
+                                            history->netcdf.transfer, names);
+    return result < 0 ? netcdf_fail(&history->netcdf) : true;
+}
+
+bool history_put_attributes(history *history, int n, const history_attribute *attributes)
+{
+    netcdf_file *netcdf = &history->netcdf;
+    bool good = true;
+    for (int i = 0; i < n && good; i++) {
+        const history_attribute *attribute = &attributes[i];
+        switch (attribute->kind) {
+        case HISTORY_TEXT:
+            good = netcdf_put_text(netcdf, netcdf->id, attribute->key, attribute->text);
+            break;
+        case HISTORY_INTEGER:
+            good = netcdf_put_integer(netcdf, netcdf->id, attribute->key, attribute->integer);
+            break;
+        case HISTORY_REAL:
+            good = netcdf_put_real(netcdf, netcdf->id, attribute->key, attribute->real);
+            break;
+        }
+    }
+    return good;
+}
+
+static void plan_times(history *history, hsize_t max_rows)
+{
+    series *times = &history->times;
+    series_init(times, &history->netcdf, history->netcdf.id, 1 + history->n_outputs, max_rows);
+    const netcdf_variable time = netcdf_describe(NETCDF_REAL, "time", "s", "t", "model time");
+    series_add_column(times, &time, 0, 1);
+    for (int i = 0; i < history->n_outputs; i++) {
+        const model_output *output = &history->outputs[i];
+        if (!output->is_static && output->count > 0) {
+            const netcdf_variable variable = history_describe_output(history, output);
+            series_add_column(times, &variable, 1 + output->offset, output->count);
+        }
+    }
+    series_start(times, ROWS);
+}
+
+/** A state's name as CF wants it: angle_deviation[1] becomes angle_deviation_1. */
+static void make_name(const char *state, char *name, size_t size)
+{
+    size_t length = 0;
+    bool is_gap = false;
+    for (; *state != '\0' && length + 2 < size; state++) {
+        const bool is_letter = isalnum((unsigned char)*state) != 0;
+        if (is_letter && is_gap && length > 0) {
+            name[length++] = '_';
+        }
+        if (is_letter) {
+            name[length++] = *state;
+        }
+        is_gap = !is_letter;
+    }
+    name[length] = '\0';
+}
+
+static void plan_events(history *history, hid_t group, const history_layout *layout)
+{
+    series *events = &history->events;
+    series_init(events, &history->netcdf, group, EVENT_STATES + layout->n_states, 0);
+    netcdf_variable columns[EVENT_STATES] = {
+        [EVENT_NUMBER] = netcdf_describe(NETCDF_INTEGER, "event", "1", "event", "number of the event, from 0"),
+        [EVENT_TIME] = netcdf_describe(NETCDF_REAL, "time", "s", "t", "model time of the event"),
+        [EVENT_KIND] = netcdf_describe(NETCDF_INTEGER, "kind", "1", "kind", "what happened"),
+        [EVENT_MESH] =
+            netcdf_describe(NETCDF_INTEGER, "mesh", "1", "mesh", "index of the mesh, -1 if it concerns none"),
+        [EVENT_FLANK] =
+            netcdf_describe(NETCDF_INTEGER, "flank", "1", "flank", "0 drive, 1 coast, -1 if it concerns no mesh"),
+        [EVENT_TOOTH_PAIR] = netcdf_describe(NETCDF_INTEGER, "tooth_pair", "1", "tooth_pair",
+                                             "pitches since the start, after the event; -1 if it concerns no mesh"),
+    };
+    history->event_kinds = words_join(layout->n_event_kinds, layout->event_kinds, " ");
+    columns[EVENT_KIND].n_flags = layout->n_event_kinds;
+    columns[EVENT_KIND].flag_meanings = history->event_kinds;
+    for (int i = 0; i < EVENT_STATES; i++) {
+        series_add_column(events, &columns[i], i, 1);
+    }
+    for (int i = 0; i < layout->n_states; i++) {
+        const char *state = layout->state_names[i];
+        char name[64], long_name[128];
+        make_name(state, name, sizeof name);
+        (void)snprintf(long_name, sizeof long_name, "state %s on both sides of the event", state);
+        netcdf_variable variable = netcdf_describe(NETCDF_REAL, name, layout->state_units[i], state, long_name);
+        variable.rank = 1;
+        variable.dimensions[0] = &history->side;
+        series_add_column(events, &variable, EVENT_STATES + 2 * i, 2);
+    }
+    series_start(events, EVENT_ROWS);
+}
+
+/** Whether there are outputs of these dimensions. */
+static bool has_dims(const history_layout *layout, model_dims dims)
+{
+    bool has = false;
+    for (int i = 0; i < layout->n_outputs; i++) {
+        has = has || (layout->outputs[i].dims == dims && layout->outputs[i].count > 0);
+    }
+    return has;
+}
+
+/** Places of tooth pairs: drive_0, drive_1, ..., coast_0, ... */
+static bool define_pairs(history *history, hid_t root, const history_layout *layout)
+{
+    char (*texts)[24] = xcalloc((size_t)layout->n_pairs, sizeof *texts);
+    const char **names = xcalloc((size_t)layout->n_pairs, sizeof *names);
+    for (int i = 0; i < layout->n_pairs; i++) {
+        const bool is_drive = i < layout->n_drive_pairs;
+        (void)snprintf(texts[i], sizeof texts[i], "%s_%d", is_drive ? "drive" : "coast",
+                       is_drive ? i : i - layout->n_drive_pairs);
+        names[i] = texts[i];
+    }
+    const bool good = define_names(history, root, &history->pair, "pair", "place of a tooth pair: flank and slot",
+                                   layout->n_pairs, names);
+    free(names);
+    free(texts);
+    return good;
+}
+
+bool history_write_head(history *history, const history_layout *layout)
+{
+    static const char *const axes[] = {"x", "y"}, *const sides[] = {"before", "after"};
+    static const char *const directions[] = {"x", "y", "z"}, *const components[] = {"w", "x", "y", "z"};
+    netcdf_file *netcdf = &history->netcdf;
+    if (!netcdf_create(netcdf, history->file.partial_path)) {
+        return false;
+    }
+    const hid_t root = netcdf->id;
+    const bool good =
+        netcdf_put_text(netcdf, root, "Conventions", "CF-1.10") &&
+        netcdf_put_integer(netcdf, root, "evolvent_format", FORMAT) &&
+        history_put_attributes(history, layout->n_attributes, layout->attributes) &&
+        define_names(history, root, &history->wheel, "wheel", "wheel", layout->n_wheels, layout->wheel_names) &&
+        define_names(history, root, &history->mesh, "mesh", "mesh", layout->n_meshes, layout->mesh_names) &&
+        (layout->n_shafts == 0 ||
+         define_names(history, root, &history->shaft, "shaft", "shaft", layout->n_shafts, layout->shaft_names)) &&
+        define_names(history, root, &history->axis, "axis", "axis of the housing frame", 2, axes) &&
+        (!has_dims(layout, MODEL_DIMS_WHEEL_SPACE) ||
+         define_names(history, root, &history->space, "space", "component of a vector in space", 3, directions)) &&
+        (!has_dims(layout, MODEL_DIMS_QUATERNION) ||
+         define_names(history, root, &history->quaternion, "quaternion", "component of a quaternion", 4, components)) &&
+        (!has_dims(layout, MODEL_DIMS_MESH_PAIR) || define_pairs(history, root, layout));
+    const hid_t group = good ? netcdf_create_group(netcdf, "events") : H5I_INVALID_HID;
+    if (group < 0 || !define_names(history, group, &history->side, "side", "side of the event", 2, sides)) {
+        return false;
+    }
+    plan_times(history, (hsize_t)layout->max_rows);
+    plan_events(history, group, layout);
+    return true;
+}
