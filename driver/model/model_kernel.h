@@ -1,4 +1,4 @@
-/** What the files of the model share: the only include of the kernel's header. Private to model*.c. */
+/** What the files of the model share: the only include of the kernel's header. Private to model/. */
 #ifndef EVOLVENT_MODEL_KERNEL_H
 #define EVOLVENT_MODEL_KERNEL_H
 
@@ -16,6 +16,10 @@ struct model {
     char **mesh_names;                 /**< [n_meshes] for messages during a run */
 };
 
+/** The gearbox of a description; fills model->wheel_of_load and load_of_load. @return NULL with the reason in `status` */
+evl_gearbox *model_create_gearbox(model *model, const description *description, evl_status *status);
+/** How the description starts; its arrays are new. */
+evl_initial model_translate_initial(const description *description);
 /** The terms of a prescribed motion for the kernel; the caller frees the array, whose tables are the description's. */
 evl_motion_term *model_translate_motion(const housing_description *housing);
 /** The housing for the kernel; `terms` as from model_translate_motion. */
