@@ -1,8 +1,8 @@
 #include "base/json.h"
 
-#include <math.h>
-
 #include "base/number.h"
+
+#include <math.h>
 
 /** Bytes of the UTF-8 character at the start of a text; 0 if there is none. */
 static int character_length(const char *text)

@@ -1,10 +1,10 @@
 #include "base/suggest.h"
 
+#include "base/memory.h"
+
 #include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "base/memory.h"
 
 enum { LONGEST_WORD = 64 };
 

@@ -1,9 +1,9 @@
 #include "base/words.h"
 
+#include "base/memory.h"
+
 #include <stdlib.h>
 #include <string.h>
-
-#include "base/memory.h"
 
 bool words_contain(const char *words, const char *word)
 {

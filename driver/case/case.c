@@ -1,13 +1,13 @@
 #include "case/case.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/memory.h"
 #include "base/number.h"
 #include "case/case_file.h"
 #include "case/case_resolve.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 enum { FORMAT = 1 };
 

@@ -1,11 +1,11 @@
 /* A case parsed once: what a batch asks of it before its rows are tried. */
 #include "case/case_base.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/memory.h"
 #include "base/suggest.h"
+
+#include <stdlib.h>
+#include <string.h>
 
 case_base *case_base_parse(const char *name, const char *text, const law_tables *laws, evl_error *error)
 {

@@ -1,12 +1,12 @@
 /* A tree against the schema, block by block: unknown keys, missing keys; defaults filled in, the table's order. */
-#include <ctype.h>
-#include <stdlib.h>
-#include <string.h>
-
+#include "case/case_check.h"
 #include "base/memory.h"
 #include "base/suggest.h"
 #include "base/words.h"
-#include "case/case_check.h"
+
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
 
 static bool check_block(checker *checker, const char *block, case_node *node);
 

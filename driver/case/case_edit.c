@@ -1,14 +1,14 @@
 /* Case after case of one base. A case that differs from the one before in numbers only is made from it in place: a tree
  * that was checked stays good if each new number is one that its key allows. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/memory.h"
 #include "base/number.h"
 #include "case/case_base.h"
 #include "case/case_check.h"
 #include "case/case_file.h"
 #include "case/case_resolve.h"
+
+#include <stdlib.h>
+#include <string.h>
 
 /* ---- where the numbers are ---- */
 

@@ -1,11 +1,11 @@
 /* Nodes to YAML text. */
-#include <stdlib.h>
-#include <string.h>
-#include <yaml.h>
-
 #include "base/memory.h"
 #include "base/number.h"
 #include "case/case_tree.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <yaml.h>
 
 typedef struct {
     char *text;

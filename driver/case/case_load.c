@@ -1,12 +1,12 @@
 /* YAML text to nodes: the file's bytes, libyaml's document, a copy of it without aliases. */
+#include "base/memory.h"
+#include "case/case_tree.h"
+
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <yaml.h>
-
-#include "base/memory.h"
-#include "case/case_tree.h"
 
 enum {
     MOST_BYTES = 32 * 1024 * 1024, /* a case of that size is a mistake, such as a history in place of a case */

@@ -1,11 +1,11 @@
 #include "case/case_names.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/memory.h"
 #include "base/suggest.h"
 #include "base/words.h"
+
+#include <stdlib.h>
+#include <string.h>
 
 const char **case_names(const case_node *node)
 {

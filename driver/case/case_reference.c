@@ -1,7 +1,7 @@
 /* The table of all keys as a Markdown reference. */
-#include <string.h>
-
 #include "case/case_schema.h"
+
+#include <string.h>
 
 static const char *type_text(const case_key *key)
 {

@@ -1,9 +1,5 @@
 #include "case/case_resolve.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/memory.h"
 #include "base/suggest.h"
 #include "case/case_check.h"
@@ -11,6 +7,10 @@
 #include "case/case_housing.h"
 #include "case/case_loads.h"
 #include "case/case_names.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 /* more rows than that is a slip of the keyboard, not a history */
 static const double MOST_OUTPUTS = 1e9;

@@ -1,14 +1,14 @@
 /* The table of all keys: those of case_keys.c and those of the laws. */
 #include "case/case_schema.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/memory.h"
 #include "base/number.h"
 #include "base/words.h"
 #include "case/case_keys.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 static const char *const family_blocks[LAWS_FAMILIES] = {
     [LAWS_CONTACT] = "contact", [LAWS_DAMPING] = "damping", [LAWS_FRICTION] = "friction"};

@@ -1,10 +1,10 @@
 /* --set PATH=VALUE: one edit of the tree. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/memory.h"
 #include "base/suggest.h"
 #include "case/case_tree.h"
+
+#include <stdlib.h>
+#include <string.h>
 
 typedef struct {
     const char *option;

@@ -1,11 +1,11 @@
 #include "case/case_tree.h"
 
+#include "base/memory.h"
+#include "base/number.h"
+
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "base/memory.h"
-#include "base/number.h"
 
 case_node *node_create(node_kind kind, case_place place)
 {

@@ -3,10 +3,10 @@
 #ifndef EVOLVENT_CASE_TREE_H
 #define EVOLVENT_CASE_TREE_H
 
+#include "base/status.h"
+
 #include <stdbool.h>
 #include <stddef.h>
-
-#include "base/status.h"
 
 /** Where a node comes from. */
 typedef struct {

@@ -1,15 +1,15 @@
 /* Single values against their key: type, range, choice; and the words of a refusal. */
-#include <limits.h>
-#include <math.h>
-#include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/memory.h"
 #include "base/number.h"
 #include "base/suggest.h"
 #include "base/words.h"
 #include "case/case_check.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
 
 size_t checker_enter(checker *checker, const char *step)
 {

@@ -5,6 +5,7 @@
 #include "base/number.h"
 #include "base/progress.h"
 #include "commands/modes_print.h"
+#include "commands/warn.h"
 #include "integrate/integrate.h"
 #include "simulate/prepare.h"
 
@@ -184,7 +185,7 @@ static evl_exit modes_of(const prepared_case *prepared, const modes_options *opt
                linearise(prepared, &state, values, &report.modes, error);
     }
     if (good) {
-        prepare_warn(prepared);
+        warn_of_case(prepared);
     }
     const evl_exit code = good ? print_modes(&report, options->json, stream) : error->code;
     dae_state_free(&state);

@@ -3,6 +3,7 @@
 #include "base/interrupt.h"
 #include "base/log.h"
 #include "base/memory.h"
+#include "commands/warn.h"
 #include "files/history.h"
 #include "integrate/integrate.h"
 #include "integrate/output_grid.h"
@@ -285,7 +286,7 @@ static void run_prepared(run *run, const run_options *options, const char *path,
     if (!prepare_start(&run->prepared, &state, error)) {
         return;
     }
-    prepare_warn(&run->prepared);
+    warn_of_case(&run->prepared);
     tell_vibrations(run);
     take_names(run);
     progress_start(&run->progress, options->show_progress, state.t,

@@ -1,15 +1,15 @@
 #include "commands/show.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/json.h"
 #include "base/memory.h"
 #include "base/number.h"
 #include "case/case_schema.h"
 #include "commands/show_deviations.h"
 #include "commands/show_gears.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 static const double DEGREES_PER_RADIAN = 57.295779513082320877;
 

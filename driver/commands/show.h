@@ -2,9 +2,9 @@
 #ifndef EVOLVENT_SHOW_H
 #define EVOLVENT_SHOW_H
 
-#include <stdio.h>
-
 #include "simulate/prepare.h"
+
+#include <stdio.h>
 
 /* Each returns EVL_EXIT_OK, or EVL_EXIT_IO if the stream could not be written. */
 

@@ -1,8 +1,8 @@
 #include "commands/show_deviations.h"
 
-#include <stdlib.h>
-
 #include "base/memory.h"
+
+#include <stdlib.h>
 
 enum { ERRORS_A_LINE = 10 };
 

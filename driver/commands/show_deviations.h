@@ -2,11 +2,11 @@
 #ifndef EVOLVENT_SHOW_DEVIATIONS_H
 #define EVOLVENT_SHOW_DEVIATIONS_H
 
-#include <stdio.h>
-
 #include "base/json.h"
 #include "case/description.h"
 #include "model/model.h"
+
+#include <stdio.h>
 
 /** A table for each wheel that has any: lengths in mm, angles in degrees, pitch errors in um. */
 void show_deviations(FILE *stream, const description *description, const model *model);

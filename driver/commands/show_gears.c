@@ -1,9 +1,9 @@
 #include "commands/show_gears.h"
 
+#include "base/memory.h"
+
 #include <stdlib.h>
 #include <string.h>
-
-#include "base/memory.h"
 
 enum { MOST_COLUMNS = 4, COLUMN_WIDTH = 16 };
 

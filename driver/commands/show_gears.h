@@ -2,10 +2,10 @@
 #ifndef EVOLVENT_SHOW_GEARS_H
 #define EVOLVENT_SHOW_GEARS_H
 
-#include <stdio.h>
-
 #include "case/description.h"
 #include "model/model.h"
+
+#include <stdio.h>
 
 /** Symbols of ISO 21771, lengths in mm, angles in degrees. Prints nothing if the case has no real gears. */
 void show_gears(FILE *stream, const description *description, const model *model);

@@ -1,6 +1,5 @@
 #include "simulate/prepare.h"
 
-#include "base/log.h"
 #include "base/memory.h"
 #include "base/words.h"
 
@@ -40,15 +39,6 @@ char *prepare_warnings(const prepared_case *prepared, const char *separator)
     }
     free(warnings);
     return text;
-}
-
-void prepare_warn(const prepared_case *prepared)
-{
-    for (int i = 0; i < model_n_warnings(prepared->model); i++) {
-        char *text = prepare_warning(prepared, i);
-        log_warning("%s", text);
-        free(text);
-    }
 }
 
 /** The case's integrator, or the one that suits the model. @return false if it asks for one that does not serve */

@@ -28,8 +28,6 @@ void prepare_refuse(const prepared_case *prepared, const model_message *refusal,
 char *prepare_warning(const prepared_case *prepared, int index);
 /** All of them in one new string, "" if there are none. */
 char *prepare_warnings(const prepared_case *prepared, const char *separator);
-/** Say them on stderr. */
-void prepare_warn(const prepared_case *prepared);
 void prepared_case_free(prepared_case *prepared);
 
 #endif

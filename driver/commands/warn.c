@@ -1,0 +1,14 @@
+#include "commands/warn.h"
+
+#include "base/log.h"
+
+#include <stdlib.h>
+
+void warn_of_case(const prepared_case *prepared)
+{
+    for (int i = 0; i < model_n_warnings(prepared->model); i++) {
+        char *text = prepare_warning(prepared, i);
+        log_warning("%s", text);
+        free(text);
+    }
+}
