@@ -15,22 +15,10 @@ from evolvent.sweep.errors import USAGE, SweepError
 from evolvent.sweep.estimate import seconds_per_case
 from evolvent.sweep.journal import read_records
 from evolvent.sweep.program import cores, find_program, program_version
-
-# Of the jobs that Slurm runs.
-Cores = Annotated[int, typer.Option("--cores", metavar="K", min=1, help="Cores of a shard.")]
-Submit = Annotated[bool, typer.Option("--submit", help="Submit the scripts as well.")]
-PassedOn = Annotated[str | None, typer.Option(help="Passed on to Slurm.")]
-TimeLimit = Annotated[str | None, typer.Option(help="Time limit of a shard, passed on.")]
-Options = Annotated[
-    list[str] | None,
-    typer.Option(metavar="KEY=VALUE", help="Another #SBATCH option; may be repeated."),
-]
-Lines = Annotated[
-    list[str] | None,
-    typer.Option(metavar="SHELL", help="Line of the scripts, as 'module load X'; repeatable."),
-]
+from evolvent.sweep.slurm_options import Order, with_options_of_slurm
 
 
+@with_options_of_slurm
 def slurm(
     design_file: DesignFile,
     output: Into,
@@ -40,13 +28,8 @@ def slurm(
             "--shards", metavar="N", min=1, help="Split into N shards; of ten minutes if not given."
         ),
     ] = None,
-    cpus: Cores = 1,
-    submit: Submit = False,
-    account: PassedOn = None,
-    partition: PassedOn = None,
-    time: TimeLimit = None,
-    option: Options = None,
-    line: Lines = None,
+    *,
+    order: Order,
 ) -> None:
     """Write job arrays of shards and a job that collects, for Slurm, and submit them.
 
@@ -62,17 +45,17 @@ def slurm(
     split = shards or folder.common_split(output)
     if split is None:
         seconds, _ = seconds_per_case(design, program)
-        split = scripts.shard_count(design.n_cases, seconds, cpus)
+        split = scripts.shard_count(design.n_cases, seconds, order.cpus)
     if split > design.n_cases:
         raise SweepError(f"--shards {split}: the design has only {design.n_cases} cases", USAGE)
     todo = folder.remaining_shards(read_records(output, design, scalars=False).recorded, split)
     if not todo:
         typer.echo(f"{output}: all {design.n_cases} cases are recorded; there is nothing to run")
         return
-    site = scripts.Site(account, partition, time, tuple(option or ()), tuple(line or ()))
-    _to_slurm(program, output, todo, cpus, site, submit)
+    _to_slurm(program, output, todo, order)
 
 
+@with_options_of_slurm
 def retry(
     directory: Folder,
     failed: Annotated[
@@ -85,13 +68,8 @@ def retry(
     on_slurm: Annotated[
         bool, typer.Option("--slurm", help="As jobs of Slurm; the options below are for them.")
     ] = False,
-    cpus: Cores = 1,
-    submit: Submit = False,
-    account: PassedOn = None,
-    partition: PassedOn = None,
-    time: TimeLimit = None,
-    option: Options = None,
-    line: Lines = None,
+    *,
+    order: Order,
 ) -> None:
     """Run cases again that are recorded already; the new records count.
 
@@ -106,8 +84,7 @@ def retry(
 
     if not failed and not case:
         raise typer.BadParameter("say what to run again: --failed, or --case NUMBER")
-    site = scripts.Site(account, partition, time, tuple(option or ()), tuple(line or ()))
-    if not on_slurm and (submit or cpus != 1 or site != scripts.Site()):
+    if not on_slurm and order != Order():
         raise typer.BadParameter("options of Slurm go with --slurm only", param_hint="--slurm")
     if on_slurm and jobs is not None:
         raise typer.BadParameter("has no meaning with --slurm; take --cores", param_hint="--jobs")
@@ -128,7 +105,7 @@ def retry(
         return
     if on_slurm:
         lists, shards = write_lists(records, directory, sorted(wanted))
-        _to_slurm(program, directory, shards, cpus, site, submit, lists)
+        _to_slurm(program, directory, shards, order, lists)
         return
     code = retry_cases(program, directory, records, sorted(wanted), jobs or cores())
     raise typer.Exit(told(directory, code))
@@ -138,18 +115,18 @@ def _to_slurm(
     program: Path,
     directory: Path,
     shards: list[folder.Shard],
-    cpus: int,
-    site: scripts.Site,
-    submit: bool,
+    order: Order,
     lists: Path | None = None,
 ) -> None:
     """Write the scripts for these shards, and submit them if asked."""
     arrays = scripts.split_arrays(shards, scripts.tasks_of_an_array())
     kept = directory / folder.COPY  # the copy stays as it is while the jobs wait
-    files, collector = scripts.write_scripts(program, kept, directory, arrays, cpus, site, lists)
+    files, collector = scripts.write_scripts(
+        program, kept, directory, arrays, order.cpus, order.site, lists
+    )
     for file in (*files, collector):
         typer.echo(file)
-    if submit:
+    if order.submit:
         jobs, last = scripts.submit(files, collector)
         kind = "job" if len(jobs) == 1 else f"{len(jobs)} arrays,"
         number = f"{len(shards)} shard{'s' if len(shards) > 1 else ''}"

@@ -1,0 +1,67 @@
+"""The options that all commands have which make jobs of Slurm."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import wraps
+from inspect import Parameter, Signature, signature
+from typing import Annotated, Any, get_type_hints
+
+import typer
+
+from evolvent.sweep.slurm import Site
+
+
+@dataclass(frozen=True)
+class Order:
+    """What jobs Slurm is asked for."""
+
+    cpus: int = 1  # of a shard
+    submit: bool = False
+    site: Site = field(default_factory=Site)
+
+
+def asked(
+    cpus: Annotated[int, typer.Option("--cores", metavar="K", min=1, help="Cores of a shard.")] = 1,
+    submit: Annotated[bool, typer.Option("--submit", help="Submit the scripts as well.")] = False,
+    account: Annotated[str | None, typer.Option(help="Passed on to Slurm.")] = None,
+    partition: Annotated[str | None, typer.Option(help="Passed on to Slurm.")] = None,
+    time: Annotated[str | None, typer.Option(help="Time limit of a shard, passed on.")] = None,
+    option: Annotated[
+        list[str] | None,
+        typer.Option(metavar="KEY=VALUE", help="Another #SBATCH option; may be repeated."),
+    ] = None,
+    line: Annotated[
+        list[str] | None,
+        typer.Option(metavar="SHELL", help="Line of the scripts, as 'module load X'; repeatable."),
+    ] = None,
+) -> Order:
+    """Take the options."""
+    site = Site(account, partition, time, tuple(option or ()), tuple(line or ()))
+    return Order(cpus, submit, site)
+
+
+def with_options_of_slurm(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command the options of `asked`, whose answer it gets as its argument `order`."""
+    of_slurm = _parameters(asked)
+    own = {name: one for name, one in _parameters(command).items() if name != "order"}
+
+    @wraps(command)
+    def with_options(**values: Any) -> None:
+        order = asked(**{name: values[name] for name in of_slurm})
+        command(**{name: values[name] for name in own}, order=order)
+
+    shown = {**own, **of_slurm}
+    with_options.__signature__ = Signature(list(shown.values()))  # type: ignore[attr-defined]
+    with_options.__annotations__ = {name: one.annotation for name, one in shown.items()}
+    return with_options
+
+
+def _parameters(function: Callable[..., Any]) -> dict[str, Parameter]:
+    """Return the parameters by name, to be given by name, their annotations as they are meant."""
+    hints = get_type_hints(function, include_extras=True)
+    return {
+        name: one.replace(annotation=hints[name], kind=Parameter.KEYWORD_ONLY)
+        for name, one in signature(function).parameters.items()
+    }
