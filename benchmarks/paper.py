@@ -21,8 +21,8 @@ from pathlib import Path
 from process import ROOT, cost
 
 from evolvent import check_history, open_events, open_history
-from evolvent.figures import save
-from evolvent.paper import (
+from evolvent.figures.over_time import save
+from evolvent.pages.paper import (
     PaperRun,
     PaperRuns,
     claims,
@@ -30,7 +30,7 @@ from evolvent.paper import (
     figure_normal_force,
     figure_transmission_error,
 )
-from evolvent.paper_page import RINGING, Costs, page
+from evolvent.pages.paper_page import RINGING, Costs, page
 
 CASES = {
     "compliant": "paper.yaml",

@@ -10,7 +10,7 @@
 
 enum { GRADIENT_RATIO, TRANSMISSION_ERROR, POINTS_ON_FLANKS, POINTS_ON_LINE, RIGID_GAP, ENERGY_BALANCE, N_INVARIANTS };
 
-/** As in postprocess/evolvent/invariants.py; tests/system/test_run_invariants.py compares. */
+/** As in postprocess/evolvent/physics/invariants.py; tests/system/test_run_invariants.py compares. */
 static const struct {
     const char *name;
     double least_bound, tolerances; /**< the bound is at least so many times the tolerance */

@@ -57,9 +57,11 @@ def workplace(tmp_path_factory: pytest.TempPathFactory, executable: Path) -> Pat
     shutil.copytree(ROOT / "examples", folder / "examples")
     (folder / "bin").mkdir()
     (folder / "bin" / "evolvent").symlink_to(executable)
-    for name, module in (("evolvent-post", "cli"), ("evolvent-sweep", "sweep.cli")):
-        script = folder / "bin" / name
-        script.write_text(f"#!{sys.executable}\nfrom evolvent.{module} import main\n\nmain()\n")
+    for name in ("post", "sweep"):
+        script = folder / "bin" / f"evolvent-{name}"
+        script.write_text(
+            f"#!{sys.executable}\nfrom evolvent.commands.{name}.app import main\n\nmain()\n"
+        )
         script.chmod(0o755)
     return folder
 

@@ -34,9 +34,9 @@ def program(
     tmp_path: Path,
 ) -> Program:
     """Run a command line of any of the three programs: exit code, stdout, stderr."""
-    from evolvent import animation
-    from evolvent.cli import main as post
-    from evolvent.sweep.cli import main as sweep
+    from evolvent.commands.post.app import main as post
+    from evolvent.commands.sweep.app import main as sweep
+    from evolvent.pages import animation
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("EVOLVENT_EXECUTABLE", str(executable))

@@ -7,7 +7,8 @@ import pytest
 from PIL import Image
 from real_gears import RealPair
 
-from evolvent.animation import (
+from evolvent.history import HistoryError
+from evolvent.pages.animation import (
     MAX_FRAMES,
     USUAL_ADVANCE,
     USUAL_FRAMES,
@@ -16,8 +17,7 @@ from evolvent.animation import (
     animate,
     choose_clip,
 )
-from evolvent.history import HistoryError
-from evolvent.scene import Scene
+from evolvent.pages.scene import Scene
 
 
 @pytest.fixture(scope="module")

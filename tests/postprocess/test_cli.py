@@ -12,7 +12,7 @@ from PIL import Image
 from real_gears import RealPair, no_events
 from synthetic import write_history
 
-from evolvent.cli import main
+from evolvent.commands.post.app import main
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from evolvent import open_events
-from evolvent.figures import (
+from evolvent.figures.over_time import (
     MAX_MARKS,
     MAX_POINTS,
     figure_normal_force,

@@ -7,8 +7,8 @@ import pytest
 import xarray as xr
 
 from evolvent import HistoryError, check_history
-from evolvent.invariants import DEFAULT_TOLERANCE, INVARIANTS, Verdict, depth_scale
-from evolvent.wheel_torques import contact_torque
+from evolvent.physics.invariants import DEFAULT_TOLERANCE, INVARIANTS, Verdict, depth_scale
+from evolvent.physics.wheel_torques import contact_torque
 
 # A change just beyond the bound of an invariant, and one far enough below it.
 BEYOND, WITHIN = 1.1, 0.5

@@ -7,8 +7,8 @@ import pytest
 import xarray as xr
 from real_gears import RealPair
 
-from evolvent.mesh_summary import mesh_summaries
-from evolvent.pair_figure import figure_pairs, last_pitches, roll_angle
+from evolvent.pages.pair_figure import figure_pairs, last_pitches, roll_angle
+from evolvent.physics.mesh_summary import mesh_summaries
 
 PITCH = 2 * np.pi / 20
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from evolvent import open_events, open_history
-from evolvent.report import event_counts, report, static_table
+from evolvent.pages.report import event_counts, report, static_table
 
 VOID = {"meta", "img", "br", "link", "input", "hr"}
 

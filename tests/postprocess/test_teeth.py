@@ -10,8 +10,8 @@ import xarray as xr
 from matplotlib.path import Path as Outline
 from real_gears import ALPHA, RealPair, involute
 
-from evolvent.scene import loaded_pairs
-from evolvent.teeth import drawn_meshes, drawn_wheels
+from evolvent.pages.scene import loaded_pairs
+from evolvent.physics.teeth import drawn_meshes, drawn_wheels
 
 ROLLED = np.linspace(0.0, 1.0, 14)  # more than three pitches
 CHORD = 1e-6  # by how much a drawn chord may leave its involute [m]

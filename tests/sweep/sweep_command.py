@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from evolvent.sweep.cli import main
+from evolvent.commands.sweep.app import main
 
 Sweep = Callable[..., tuple[int, str, str]]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from evolvent.teeth import drawn_meshes, drawn_wheels
+from evolvent.physics.teeth import drawn_meshes, drawn_wheels
 
 CHORD = 1e-6  # by how much a drawn chord may leave its involute [m]
 PITCH_ERRORS = 2e-6  # of class 1; they are not drawn [m]

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from evolvent.history import HistoryError
-from evolvent.paper import (
+from evolvent.pages.paper import (
     PaperRun,
     PaperRuns,
     calm,
@@ -28,7 +28,7 @@ from evolvent.paper import (
     mean_force,
     quasi_static,
 )
-from evolvent.paper_page import Costs, page
+from evolvent.pages.paper_page import Costs, page
 from system.runs import FRICTION, FRICTIONLESS
 
 RIGID, RIGID_FRICTION = "paper-rigid.yaml", "paper-rigid-friction.yaml"

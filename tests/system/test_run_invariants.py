@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from evolvent import check_history
-from evolvent.invariants import INVARIANTS
+from evolvent.physics.invariants import INVARIANTS
 from system.runs import FRICTION, RIGID, TRACKINGS, Runs, tracking
 
 WATCHED = (

@@ -1,5 +1,5 @@
 """`python -m evolvent.sweep`: the command evolvent-sweep."""
 
-from evolvent.sweep.cli import main
+from evolvent.commands.sweep.app import main
 
 main()

@@ -11,11 +11,11 @@ import h5py
 import numpy as np
 import xarray as xr
 
-import evolvent
 from evolvent.sweep.design import TEXT, Design
 from evolvent.sweep.errors import NOT_WRITTEN, SweepError
 from evolvent.sweep.histories import add_histories
 from evolvent.sweep.journal import STATUSES, Counts, Records, read_records
+from evolvent.version import __version__
 
 FORMAT = 1
 
@@ -119,7 +119,7 @@ def _write_attributes(file: h5py.File, design: Design, records: Records) -> None
             "title": design.title,
             "evolvent_summary_format": np.int64(FORMAT),
             "evolvent_version": " ".join(sorted(records.versions)) or design.version,
-            "collected_by": f"evolvent-sweep {evolvent.__version__}",
+            "collected_by": f"evolvent-sweep {__version__}",
             "case": design.case,
             "design": design.hash,
             "plan": design.plan,

@@ -13,13 +13,14 @@ from jinja2 import Environment, PackageLoader
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from evolvent import figures
-from evolvent.extremes import extremes, extremes_table, is_extreme
+from evolvent.figures import over_time as figures
 from evolvent.history import run_warning, source_name
-from evolvent.invariants import check_history
-from evolvent.mesh_summary import mesh_summaries
-from evolvent.pair_figure import figure_pairs, last_pitches
-from evolvent.scheme import figure_mesh_scheme
+from evolvent.pages.pair_figure import figure_pairs, last_pitches
+from evolvent.pages.scheme import figure_mesh_scheme
+from evolvent.physics.extremes import extremes, extremes_table
+from evolvent.physics.invariants import check_history
+from evolvent.physics.mesh_summary import mesh_summaries
+from evolvent.told_extremes import is_extreme
 from evolvent.units import quantity
 
 # Attributes of a history that have a place of their own on the page.
@@ -55,7 +56,10 @@ def report(history: xr.Dataset, events: xr.Dataset) -> str:
     HTML with style and figures inside; it needs no other file and no network.
     """
     environment = Environment(
-        loader=PackageLoader("evolvent"), autoescape=True, trim_blocks=True, lstrip_blocks=True
+        loader=PackageLoader("evolvent.pages"),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
     )
     attributes = {k: v for k, v in history.attrs.items() if k not in PLACED_ATTRIBUTES}
     numbers = {k: v for k, v in attributes.items() if isinstance(v, int | float | np.number)}

@@ -15,10 +15,15 @@ import numpy as np
 import xarray as xr
 import yaml
 
-from evolvent.contact_invariants import contradiction, has_modes, pull
-from evolvent.extremes import told_extremes
 from evolvent.history import require
-from evolvent.wheel_torques import contact_torque, largest_shaft_torque, rotor_inertia, shaft_torque
+from evolvent.physics.contact_invariants import contradiction, has_modes, pull
+from evolvent.physics.wheel_torques import (
+    contact_torque,
+    largest_shaft_torque,
+    rotor_inertia,
+    shaft_torque,
+)
+from evolvent.told_extremes import told_extremes
 
 CLOSED_FORM = 0  # value of `tracking`
 LOADED = 1  # value of `contact_mode`: the flanks press on each other

@@ -10,9 +10,9 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from evolvent.figures import ABOVE, BELOW, LINES, MAX_MARKS, STYLE
+from evolvent.figures.over_time import ABOVE, BELOW, LINES, MAX_MARKS, STYLE
 from evolvent.history import require
-from evolvent.teeth import pitches_passed
+from evolvent.physics.teeth import pitches_passed
 from evolvent.units import prefixed
 
 SHOWN_PITCHES = 6.0  # as many as can be told apart if no window is given

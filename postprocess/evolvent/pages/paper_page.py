@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from evolvent.paper import (
+from evolvent.pages.paper import (
     MEAN_FROM,
     SETTLING,
     Claim,
@@ -72,7 +72,7 @@ class JumpRow:
 def page(runs: PaperRuns, claims: Sequence[Claim], costs: Costs) -> str:
     """Make the page, Markdown; its figures lie beside it."""
     environment = Environment(
-        loader=PackageLoader("evolvent"),
+        loader=PackageLoader("evolvent.pages"),
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,

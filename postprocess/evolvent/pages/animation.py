@@ -13,8 +13,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
 from evolvent.history import require
-from evolvent.scene import Scene, check_teeth
-from evolvent.teeth import pitches_passed
+from evolvent.pages.scene import Scene, check_teeth
+from evolvent.physics.teeth import pitches_passed
 
 MAX_FRAMES = 1500
 USUAL_FRAMES = 120

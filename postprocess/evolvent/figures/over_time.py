@@ -13,8 +13,8 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from evolvent.extremes import peaks
 from evolvent.history import require
+from evolvent.told_extremes import peaks
 from evolvent.units import prefixed
 
 # Told apart by lightness and by dashes, so that they survive a grey printer.

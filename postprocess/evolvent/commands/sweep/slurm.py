@@ -8,14 +8,14 @@ from typing import Annotated
 import numpy as np
 import typer
 
+from evolvent.commands.sweep.common import DesignFile, Folder, Into, Jobs, told
+from evolvent.commands.sweep.slurm_options import Order, with_options_of_slurm
 from evolvent.sweep import folder
 from evolvent.sweep import slurm as scripts
-from evolvent.sweep.cli_common import DesignFile, Folder, Into, Jobs, told
 from evolvent.sweep.errors import USAGE, SweepError
 from evolvent.sweep.estimate import seconds_per_case
 from evolvent.sweep.journal import read_records
 from evolvent.sweep.program import cores, find_program, program_version
-from evolvent.sweep.slurm_options import Order, with_options_of_slurm
 
 
 @with_options_of_slurm

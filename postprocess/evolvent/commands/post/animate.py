@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-from evolvent import animation
-from evolvent.cli_common import complain, fail_to_write, open_with_warning, refuse
+from evolvent.commands.post.common import complain, fail_to_write, open_with_warning, refuse
 from evolvent.history import file_label
+from evolvent.pages import animation
 
 
 def animate(

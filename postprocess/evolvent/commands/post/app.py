@@ -17,9 +17,8 @@ from rich.markup import escape
 from rich.table import Table
 
 import evolvent
-from evolvent import figures, pair_figure
-from evolvent.cli_animate import animate
-from evolvent.cli_common import (
+from evolvent.commands.post.animate import animate
+from evolvent.commands.post.common import (
     BROKEN,
     UNREADABLE,
     complain,
@@ -27,8 +26,10 @@ from evolvent.cli_common import (
     open_with_warning,
     refuse,
 )
+from evolvent.figures import over_time as figures
 from evolvent.history import HistoryError, file_label, open_events, open_history, run_warning
-from evolvent.invariants import Verdict, check_history
+from evolvent.pages import pair_figure
+from evolvent.physics.invariants import Verdict, check_history
 from evolvent.units import displayed
 
 app = typer.Typer(
@@ -232,7 +233,7 @@ def report(
     Example:
       evolvent-post report paper.h5 -o paper.html
     """  # noqa: D301 - \b keeps click from filling the lines
-    from evolvent.report import report as make_report
+    from evolvent.pages.report import report as make_report
 
     path = output if output is not None else Path(f"{file_label(file)}.html")
     with open_with_warning(file) as history, open_events(file) as events:

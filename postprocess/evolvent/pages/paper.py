@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from evolvent.figures import Curve, Panel, figure_over_time
+from evolvent.figures.over_time import Curve, Panel, figure_over_time
 from evolvent.history import HistoryError, require
 
 MEAN_FROM = 2.0  # mean forces are taken over the whole pitches after this time [s]

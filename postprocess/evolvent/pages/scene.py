@@ -15,9 +15,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon
 
-from evolvent.figures import STYLE
+from evolvent.figures.over_time import STYLE
 from evolvent.history import HistoryError, require, source_name
-from evolvent.teeth import DrawnMesh, DrawnWheel, drawn_meshes, drawn_wheels
+from evolvent.physics.teeth import DrawnMesh, DrawnWheel, drawn_meshes, drawn_wheels
 from evolvent.units import quantity
 
 # Light enough for the arrows on them, and told apart by a grey printer.

@@ -11,9 +11,9 @@ from typing import Annotated
 import typer
 
 import evolvent
+from evolvent.commands.sweep.common import DesignFile, Folder, Into, Jobs, OtherDesign, told
+from evolvent.commands.sweep.slurm import retry, slurm
 from evolvent.sweep import console, dask, folder
-from evolvent.sweep.cli_common import DesignFile, Folder, Into, Jobs, OtherDesign, told
-from evolvent.sweep.cli_slurm import retry, slurm
 from evolvent.sweep.design import write_design
 from evolvent.sweep.errors import FAILED_CASES, NOT_WRITTEN, SweepError
 from evolvent.sweep.estimate import seconds_per_case
@@ -246,7 +246,7 @@ def plot(
       evolvent-sweep plot torque-summary.h5 --response penetration_max --against torque
       evolvent-sweep plot torque-summary.h5 -a torque -a friction -o map.png
     """  # noqa: D301
-    from evolvent.figures import save
+    from evolvent.figures.over_time import save
     from evolvent.sweep import figures
     from evolvent.sweep.collect import open_summary
     from evolvent.sweep.sensitivity import sobol_indices

@@ -1,0 +1,1 @@
+"""The command lines: evolvent-post and evolvent-sweep."""

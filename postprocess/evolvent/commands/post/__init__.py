@@ -1,0 +1,1 @@
+"""The commands of evolvent-post, a file each; `app` lists them."""

@@ -1,0 +1,1 @@
+"""The commands of evolvent-sweep, a file each; `app` lists them."""

@@ -1,0 +1,1 @@
+"""What is drawn of histories over time; `table` lists it."""

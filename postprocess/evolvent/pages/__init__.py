@@ -1,0 +1,1 @@
+"""What takes physics and figures together: pictures of gears, moving pictures, reports."""

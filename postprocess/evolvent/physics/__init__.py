@@ -1,0 +1,1 @@
+"""What a history says of the mechanics: numbers, not figures."""
