@@ -38,7 +38,7 @@ import xarray as xr
 from accuracy import penetration_error
 from process import ROOT
 
-from evolvent.physics.invariants import energy_balance
+from evolvent.physics.balance_invariants import energy_balance
 
 sys.path.insert(0, str(ROOT / "tests"))
 from system.random_gearboxes import loses_contact, random_gearbox

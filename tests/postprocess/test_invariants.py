@@ -7,7 +7,8 @@ import pytest
 import xarray as xr
 
 from evolvent import HistoryError, check_history
-from evolvent.physics.invariants import DEFAULT_TOLERANCE, INVARIANTS, Verdict, depth_scale
+from evolvent.physics.applicable import depth_scale
+from evolvent.physics.invariants import DEFAULT_TOLERANCE, INVARIANTS, Verdict
 from evolvent.physics.wheel_torques import contact_torque
 
 # A change just beyond the bound of an invariant, and one far enough below it.

@@ -1,14 +1,23 @@
-"""What must hold of every contact at every output: forces push, and modes agree with the gaps.
+"""What must hold of every contact: forces push, modes agree with gaps, rigid ones stay closed.
 
-A run ends with exit code 4 where it breaks one of these itself; here they are looked at again in
-what was written.
+A run ends with exit code 4 where forces pull or modes contradict the gaps; here they are looked at
+again in what was written.
 """
 
 from __future__ import annotations
 
+import numpy as np
 import xarray as xr
 
 from evolvent.history import require
+from evolvent.physics.applicable import (
+    NotApplicableError,
+    base_radii,
+    depth_scale,
+    of_meshes,
+    rigid_meshes,
+)
+from evolvent.physics.wheel_torques import rotor_inertia
 
 OPEN, LOADED, UNLOADED = 0, 1, 2  # values of `pair_contact_mode`
 
@@ -23,17 +32,15 @@ def pull(history: xr.Dataset) -> xr.DataArray:
     return (-force).clip(min=0.0) / require(history, "reference_force")
 
 
-def has_modes(history: xr.Dataset) -> bool:
-    """Tell whether a history says the mode of each tooth pair; earlier versions did not."""
-    return "pair_contact_mode" in history
+def agreement_of_modes(history: xr.Dataset) -> xr.DataArray:
+    """How far gaps and forces of tooth pairs contradict their modes, dims (time, mesh, pair).
 
-
-def contradiction(history: xr.Dataset) -> xr.DataArray:
-    """Penetration of open pairs, gap of pairs in contact, over the reference penetration.
-
-    Force of pairs that count as open or unloaded, over the reference force. The largest of these,
-    dims (time, mesh, pair). A rigid contact keeps its gap by another invariant.
+    The largest of: penetration of open pairs and gap of pairs in contact, over the reference
+    penetration; force of pairs that count as open or unloaded, over the reference force. A rigid
+    contact keeps its gap by another invariant.
     """
+    if "pair_contact_mode" not in history:  # earlier versions
+        raise NotApplicableError("the history does not tell the modes of its tooth pairs")
     mode, depth = require(history, "pair_contact_mode"), require(history, "pair_penetration")
     elastic = require(history, "rigid_contact") != 1
     touching = (mode == LOADED) | (mode == UNLOADED)
@@ -42,3 +49,29 @@ def contradiction(history: xr.Dataset) -> xr.DataArray:
     force = abs(require(history, "pair_normal_force")).where(mode != LOADED, 0.0)
     force = force / require(history, "reference_force")
     return length.where(length > force, force).transpose("time", "mesh", "pair")
+
+
+def rigid_gap(history: xr.Dataset) -> xr.DataArray:
+    """Gap of closed rigid contacts over the depth, dims (time, mesh).
+
+    Source: Kosenko & Gusev 2011, section 7.3.
+    """
+    rigid, closed = rigid_meshes(history)
+    gap = require(rigid, "gap") / depth_scale(rigid)
+    return gap.where(closed, 0.0).transpose("time", "mesh")
+
+
+def rigid_gap_rate(history: xr.Dataset) -> xr.DataArray:
+    """Rate of the gap of closed rigid contacts over that of a vibration, dims (time, mesh).
+
+    The scale is the depth times the natural frequency of a contact of stiffness F_0/h_0 between the
+    two wheels.
+    """
+    rigid, closed = rigid_meshes(history)
+    radii = base_radii(rigid)
+    inertias = of_meshes(rigid, rotor_inertia(rigid))
+    mobility = sum(r**2 / inertia for r, inertia in zip(radii, inertias, strict=True))
+    force, depth = require(rigid, "reference_force"), require(rigid, "reference_penetration")
+    frequency = np.sqrt(force / depth * mobility)
+    rate = require(rigid, "gap_rate") / (depth_scale(rigid) * frequency)
+    return rate.where(closed, 0.0).transpose("time", "mesh")
