@@ -3,8 +3,8 @@
 
 usage: tools/rooms.py [--write]
 
-Without an argument: one line for every arrow that docs/rooms.toml does not allow, and exit code 1 if there is any. With --write the
-drawing of the rooms in docs/architecture.md is made anew.
+Without an argument: one line for every arrow that docs/rooms.toml does not allow, and exit code 1
+if there is any. With --write: what docs/architecture.md shows of the code is made anew.
 """
 
 from __future__ import annotations
@@ -14,9 +14,11 @@ import sys
 import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
-BEGIN, END = "<!-- rooms: made by tools/rooms.py -->", "<!-- end of rooms -->"
+ROOMS = "rooms"
+VARIABLES = "variables"
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,11 @@ class Tree:
     def folder(self) -> Path:
         """Where its files are."""
         return self.root / self.name
+
+    @cached_property
+    def named(self) -> dict[str, Path]:
+        """Its files by their names."""
+        return {file.name: file for file in self.files()}
 
     def files(self) -> list[Path]:
         """Files of the language, relative to the tree."""
@@ -85,28 +92,30 @@ def trees(root: Path) -> list[Tree]:
 
 def _fortran(tree: Tree, file: Path, text: str) -> Iterator[tuple[int, str, Path | None]]:
     for match in re.finditer(
-        r'^ *(?:use +(?:, *\w+ *:: *)?evl_(\w+)|include "([^"]+)")', text, re.MULTILINE
+        r'^ *(?:use +evl_(\w+)|submodule *\( *evl_(\w+)|include "([^"]+)")', text, re.MULTILINE
     ):
         line = text.count("\n", 0, match.start()) + 1
-        module, included = match.groups()
-        if included:
-            yield line, included, Path(included)
+        module = match.group(1) or match.group(2)
+        if module:
+            yield line, f"evl_{module}", tree.named.get(f"{module}.f90")
         else:
-            found = next(tree.folder.rglob(f"{module}.f90"), None)
-            yield line, f"evl_{module}", found.relative_to(tree.folder) if found else None
+            yield line, match.group(3), Path(match.group(3))
 
 
 def _c(tree: Tree, file: Path, text: str) -> Iterator[tuple[int, str, Path | None]]:
     for match in re.finditer(r'^ *# *include *[<"]([^>"]+)[>"]', text, re.MULTILINE):
         line, name = text.count("\n", 0, match.start()) + 1, match.group(1)
-        inside = [path for path in (file.parent / name, Path(name)) if (tree.folder / path).is_file()]
+        inside = [
+            path for path in (file.parent / name, Path(name)) if (tree.folder / path).is_file()
+        ]
         yield line, name, inside[0] if inside else None
 
 
 def _python(tree: Tree, file: Path, text: str) -> Iterator[tuple[int, str, Path | None]]:
     package = tree.folder.name
     for match in re.finditer(
-        rf"^ *(?:from +((?:{package}|\.)[\w.]*) +import +(?:\(([^)]*)\)|(.*))|import +({package}[\w.]*))",
+        rf"^ *(?:from +((?:{package}|\.)[\w.]*) +import +(?:\(([^)]*)\)|(.*))"
+        rf"|import +({package}[\w.]*))",
         text,
         re.MULTILINE,
     ):
@@ -156,13 +165,17 @@ def faults(root: Path) -> list[str]:
             if arrow.room is not None and not tree.allows(start, arrow.room):
                 found.append(f"{place}: {start} may not know {arrow.room}")
             for beginning, allowed in tree.outside.items():
-                if arrow.room is None and arrow.target.startswith(beginning) and start not in allowed:
+                if (
+                    arrow.room is None
+                    and arrow.target.startswith(beginning)
+                    and start not in allowed
+                ):
                     found.append(f"{place}: only {', '.join(allowed)} may know {beginning}")
     return found
 
 
 def drawing(tree: Tree) -> str:
-    """A tree as a diagram and a list; an arrow stands for every pair of rooms that know each other."""
+    """A tree as a diagram and a list; an arrow says that a room knows another."""
     known = {
         (tree.room(arrow.file), arrow.room)
         for arrow in arrows(tree)
@@ -184,12 +197,39 @@ def drawing(tree: Tree) -> str:
     return "\n".join(lines) + "\n"
 
 
+def variables(root: Path) -> str:
+    """Which file of the kernel gives which variable of a history, as a table."""
+    text = (root / "docs" / "result_format.md").read_text()
+    names = {
+        name
+        for row in re.findall(
+            r"^\|((?: *`\w+`,?)+) *\| [^|]*(?:wheel|mesh|shaft|time)\b", text, re.MULTILINE
+        )
+        for name in re.findall(r"`(\w+)`", row)
+    }
+    files: dict[str, list[str]] = {}
+    for file in sorted((root / "src" / "answers").glob("*.f90")):
+        told = set(re.findall(r'"(\w+)"', file.read_text()))
+        for name in sorted(names & told):
+            files.setdefault(file.relative_to(root / "src").as_posix(), []).append(name)
+    lines = ["| file (`src/`) | variables |", "|---|---|"]
+    lines += [
+        f"| `{file}` | {', '.join(f'`{name}`' for name in told)} |" for file, told in files.items()
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _between(text: str, what: str, body: str) -> str:
+    begin, end = f"<!-- {what}: made by tools/rooms.py -->", f"<!-- end of {what} -->"
+    before, rest = text.split(begin, 1)
+    _, after = rest.split(end, 1)
+    return f"{before}{begin}\n\n{body}\n{end}{after}"
+
+
 def page(text: str, root: Path) -> str:
-    """A page with the drawings between its marks made anew."""
-    before, rest = text.split(BEGIN, 1)
-    _, after = rest.split(END, 1)
-    body = "\n".join(drawing(tree) for tree in trees(root))
-    return f"{before}{BEGIN}\n\n{body}\n{END}{after}"
+    """The page with all that is made from the code made anew."""
+    text = _between(text, ROOMS, "\n".join(drawing(tree) for tree in trees(root)))
+    return _between(text, VARIABLES, variables(root))
 
 
 def main(arguments: list[str]) -> int:

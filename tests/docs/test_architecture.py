@@ -1,0 +1,169 @@
+"""No arrow runs up: every use, include and import against the table of rooms."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = ROOT / "docs" / "architecture.md"
+TREES = ["src", "driver", "postprocess"]
+
+
+@pytest.fixture(scope="module")
+def rooms() -> ModuleType:
+    """Give tools/rooms.py as a module."""
+    spec = importlib.util.spec_from_file_location("rooms", ROOT / "tools" / "rooms.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture
+def copy(tmp_path: Path) -> Path:
+    """Give a copy of the code and its table, to be spoiled."""
+    for tree in TREES:
+        shutil.copytree(ROOT / tree, tmp_path / tree, ignore=shutil.ignore_patterns("__pycache__"))
+    (tmp_path / "docs").mkdir()
+    shutil.copy(ROOT / "docs" / "rooms.toml", tmp_path / "docs")
+    return tmp_path
+
+
+def test_no_arrow_runs_up(rooms: ModuleType) -> None:
+    assert rooms.faults(ROOT) == []
+
+
+def test_the_command_says_nothing_and_ends_well() -> None:
+    run = subprocess.run(
+        [sys.executable, ROOT / "tools" / "rooms.py"], capture_output=True, text=True, check=False
+    )
+    assert (run.returncode, run.stdout) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("file", "line", "said"),
+    [
+        (
+            "src/laws/johnson.f90",
+            "   use evl_gearbox, only: gearbox_t",
+            "laws may not know gearbox",
+        ),
+        ("src/geometry/gear.f90", "   use evl_law_table", "geometry may not know laws"),
+        ("src/numerics/kinds.f90", '   include "laws/x.inc"', "numerics may not know laws"),
+        ("driver/base/log.c", '#include "case/case.h"', "base may not know case"),
+        ("driver/integrate/integrate.c", '#include "case/case.h"', "integrate may not know case"),
+        ("driver/case/case.c", "#include <evolvent/kernel.h>", "only model may know"),
+        ("driver/model/model.c", "#include <ida/ida.h>", "only integrate may know ida/"),
+        ("driver/batch/batch.c", "#include <hdf5.h>", "only files may know hdf5"),
+        ("postprocess/evolvent/history.py", "from .pages import report", "history may not know"),
+        (
+            "postprocess/evolvent/physics/teeth.py",
+            "import evolvent.figures",
+            "may not know figures",
+        ),
+        (
+            "postprocess/evolvent/physics/teeth.py",
+            "from evolvent import (\n    pages,\n)",
+            "may not know pages",
+        ),
+    ],
+)
+def test_an_arrow_that_runs_up_is_named(
+    rooms: ModuleType, copy: Path, file: str, line: str, said: str
+) -> None:
+    spoiled = copy / file
+    spoiled.write_text(line + "\n" + spoiled.read_text())
+    found = rooms.faults(copy)
+    assert len(found) == 1
+    assert said in found[0]
+    assert found[0].startswith(f"{file}:1: ")
+
+
+@pytest.mark.parametrize(
+    "file", ["src/stray.f90", "driver/new/stray.c", "postprocess/evolvent/stray.py"]
+)
+def test_a_file_that_stands_in_no_room_is_named(rooms: ModuleType, copy: Path, file: str) -> None:
+    (copy / file).parent.mkdir(exist_ok=True)
+    (copy / file).write_text("\n")
+    assert rooms.faults(copy) == [f"{file}: stands in no room"]
+
+
+def test_every_arrow_of_the_code_is_read(rooms: ModuleType) -> None:
+    """As many as a plain count of the lines finds: none escapes for its form."""
+    for tree in rooms.trees(ROOT):
+        pattern = {
+            "Fortran": r"^ *(?:use +evl_|submodule|include )",
+            "C": r"^ *# *include ",
+            "Python": r"^ *(?:from +(?:\.|evolvent)|import +evolvent)",
+        }[tree.language]
+        for file in tree.files():
+            lines = re.findall(pattern, (tree.folder / file).read_text(), re.MULTILINE)
+            read = (
+                {arrow.line for arrow in rooms.arrows(tree) if arrow.file == file}
+                if lines
+                else set()
+            )
+            assert len(read) == len(lines), file
+
+
+def test_a_module_is_named_as_its_file() -> None:
+    for file in (ROOT / "src").glob("*/*.f90"):
+        assert re.search(
+            rf"^(?:submodule.*|module) evl_{file.stem}$", file.read_text(), re.MULTILINE
+        ), file
+
+
+def test_what_is_made_from_the_code_is_the_codes(rooms: ModuleType) -> None:
+    assert rooms.page(PAGE.read_text(), ROOT) == PAGE.read_text()
+
+
+def test_every_result_variable_has_one_file(rooms: ModuleType) -> None:
+    """But for extremes, which stand where their outputs stand."""
+    listed = re.findall(r"`(\w+)`", rooms.variables(ROOT).split("|---|---|")[1])
+    names = [name for name in listed if "/" not in name]
+    assert sorted(set(names)) == sorted(names)
+    text = (ROOT / "docs" / "result_format.md").read_text()
+    section = text.split("## Variables")[1].split("## Extremes")[0]
+    told = {
+        name
+        for cell in re.findall(r"^\| ([^|]*) \|", section, re.MULTILINE)
+        for name in re.findall(r"`(\w+)`", cell)
+    }
+    assert told - set(names) == set()
+
+
+def test_every_block_of_a_case_is_in_the_table_of_keys() -> None:
+    text = (ROOT / "docs" / "case_format.md").read_text()
+    blocks = re.findall(r"^### (\w+)$", text.split("## All keys")[1], re.MULTILINE)
+    section = PAGE.read_text().split("## Where a case key lives")[1].split("\n## ")[0]
+    assert re.findall(r"^\| (\w+) \|", section, re.MULTILINE)[1:] == blocks
+
+
+def _is_file(name: str) -> bool:
+    return any(
+        (ROOT / base / name).exists() for base in ("", "src", "driver", "postprocess/evolvent")
+    )
+
+
+@pytest.mark.parametrize(
+    "page",
+    [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))],
+    ids=lambda page: page.name,
+)
+def test_files_that_a_page_names_exist(page: Path) -> None:
+    text = re.sub(r"^```.*?^```$", "", page.read_text(), flags=re.MULTILINE | re.DOTALL)
+    named = re.findall(r"`([\w.-]+/[\w./-]+\.(?:f90|inc|c|h))`", text)
+    named += re.findall(
+        r"`((?:src|driver|tests|tools|cmake|benchmarks|postprocess)/[\w./-]*)`", text
+    )
+    assert [name for name in named if not _is_file(name) and not (ROOT / name).exists()] == []
