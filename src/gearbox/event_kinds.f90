@@ -32,6 +32,7 @@ module evl_event_kinds
    !> What happens at one event, in the order in which it is applied.
    type :: event_log
       integer :: n = 0
+      logical :: once = .false. !! what is noted again stands only where it happened last
       type(event_t), allocatable :: events(:)
    end type event_log
 
@@ -52,12 +53,28 @@ contains
       integer, intent(in) :: kind
       type(tooth_contact_t), intent(in), optional :: contact
       integer, intent(in), optional :: tooth_pair
+      type(event_t) :: event
+      integer :: i, kept
 
-      log%n = log%n + 1
-      log%events(log%n) = event_t(kind)
-      if (present(contact)) log%events(log%n)%mesh = contact%mesh
-      if (present(contact)) log%events(log%n)%flank = contact%flank
-      if (present(tooth_pair)) log%events(log%n)%tooth_pair = tooth_pair
+      event = event_t(kind)
+      if (present(contact)) event%mesh = contact%mesh
+      if (present(contact)) event%flank = contact%flank
+      if (present(tooth_pair)) event%tooth_pair = tooth_pair
+      kept = 0
+      do i = 1, log%n
+         if (log%once .and. same(log%events(i), event)) cycle
+         kept = kept + 1
+         log%events(kept) = log%events(i)
+      end do
+      log%n = kept + 1
+      log%events(log%n) = event
    end subroutine note
+
+   !> Whether two events are of one kind and of one tooth pair.
+   elemental logical function same(a, b)
+      type(event_t), intent(in) :: a, b
+
+      same = a%kind == b%kind .and. a%mesh == b%mesh .and. a%flank == b%flank .and. a%tooth_pair == b%tooth_pair
+   end function same
 
 end module evl_event_kinds

@@ -5,7 +5,7 @@ module evl_gearbox_events
    use evl_contact_roots, only: contact_root_directions, mark_idle_roots
    use evl_contact_tracking, only: project_points
    use evl_dae_residual, only: gearbox_derivative
-   use evl_event_kinds, only: event_knot, event_log, event_opened, event_revolution, event_t, note
+   use evl_event_kinds, only: event_knot, event_log, event_opened, event_revolution, event_t, n_event_kinds, note
    use evl_gearbox, only: carries_points, gearbox_local, gearbox_mode, gearbox_t, i_turns
    use evl_housing, only: housing_renormalise
    use evl_kinds, only: pi, wp
@@ -98,13 +98,14 @@ contains
    end subroutine gearbox_root_directions
 
    !> The most that can be noted at one event: of each contact once and in every turn of settling, after an impact again; what
-   !> impacts and rigid forces bring; a knot and a revolution.
+   !> impacts and rigid forces bring; what further impacts bring, each kind once; a knot and a revolution.
    pure integer function gearbox_event_room(gearbox) result(room)
       type(gearbox_t), intent(in) :: gearbox
       integer, parameter :: of_contact = 5 !! pair, border, sliding, contact, distance
       integer, parameter :: of_flank = 4   !! opened, impact or closed, impacts ended, opened
+      integer, parameter :: of_pairs = 3   !! a pair that left, one that entered, none
 
-      room = size(gearbox%contacts)*(of_contact*(1 + 2*most_settling) + of_flank) + 2
+      room = size(gearbox%contacts)*(of_contact*(1 + 2*most_settling) + of_flank + n_event_kinds*of_pairs) + 2
    end function gearbox_event_room
 
    !> Time of the next knot of a table [s]; huge if there is none.

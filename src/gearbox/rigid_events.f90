@@ -1,17 +1,28 @@
-!> What an event does to rigid contacts: impacts of the flanks that closed, normal forces of all, flanks that have to open.
+!> What an event does to rigid contacts: impacts of the flanks that close, normal forces of all, flanks that have to open.
+!>
+!> The flanks share wheels, so the impact of one can drive another that touches into its partner, or take it along. Whatever
+!> changed the speeds, impacts follow one another at the same instant until no flank that touches approaches. Flanks that would
+!> part so slowly that their load presses them together again stay closed: else they open each other in turn, ever faster.
 module evl_rigid_events
-   use evl_contact_laws, only: rigid_restitution
+   use evl_contact_events, only: contact_event
+   use evl_contact_laws, only: rigid_rest_velocity, rigid_restitution
+   use evl_contact_roots, only: most_contact_roots, past, root_contact
    use evl_event_kinds, only: event_closed, event_impact, event_impacts_ended, event_log, event_opened, note
-   use evl_gearbox, only: gearbox_t, is_closed
+   use evl_gearbox, only: gearbox_local, gearbox_t, is_closed
+   use evl_housing_dynamics, only: coupled_rates
    use evl_kinds, only: wp
+   use evl_local_variables, only: n_local
+   use evl_rigid_contact, only: rigid_acceleration, rigid_constraint
    use evl_rigid_forces, only: impact, open_flank, set_multipliers
-   use evl_settle_modes, only: settle_modes
-   use evl_status, only: has_failed, status_t
-   use evl_tooth_contact, only: flanks_off
+   use evl_settle_modes, only: located, settle_modes, tie
+   use evl_status, only: code_no_solution, fail, has_failed, status_t, subject_mesh
+   use evl_tooth_contact, only: flanks_off, flanks_open
    implicit none (type, external)
    private
 
    public :: closed_flanks, settle_rigid
+
+   integer, parameter :: most_blows = 1000 !! at one instant; two flanks of restitution 0.9 that wedge a wheel need some hundred
 
 contains
 
@@ -25,7 +36,7 @@ contains
       closed = [(is_closed(gearbox, m, integers), m=1, size(closed))]
    end function closed_flanks
 
-   !> Impacts of the flanks that closed, then the normal forces of all; those that would have to pull open.
+   !> Impacts until no flank that touches approaches, then the normal forces; flanks that would have to pull open.
    subroutine settle_rigid(gearbox, t, was_closed, y, integers, reals, log, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t
@@ -35,35 +46,242 @@ contains
       real(wp), intent(inout) :: reals(:)
       type(event_log), intent(inout) :: log
       type(status_t), intent(inout) :: status
-      integer :: nothing(gearbox%n_roots)
-      logical, dimension(size(gearbox%contacts)) :: closing, rebounds, opened
+      logical, dimension(size(gearbox%contacts)) :: closed, closing, held, opened, rebounded
+      logical :: free(size(gearbox%contacts)) !! their force has not parted these flanks, nor have they been held
+      integer :: blow, m
+
+      closed = was_closed
+      rebounded = .false.
+      ! one whose force has fallen through zero parts, whatever rounding says of it now
+      free = closed_flanks(gearbox, integers) .or. .not. was_closed
+      do blow = 1, most_blows
+         call close_approaching(gearbox, y, integers, reals, log, status)
+         if (has_failed(status)) return
+         closing = closed_flanks(gearbox, integers) .and. .not. closed
+         if (any(closing)) then
+            call strike(gearbox, t, closed, closing, rebounded, y, integers, reals, log, status)
+            if (has_failed(status)) return
+         else
+            call set_multipliers(gearbox, t, y, integers, reals, opened, status)
+            do m = 1, size(gearbox%contacts)
+               if (opened(m)) call note(log, event_opened, gearbox%contacts(m), first_pair(gearbox, m, integers))
+            end do
+            if (has_failed(status)) return
+            free = free .and. .not. opened
+            call come_back(gearbox, t, free, y, integers, reals, held, status)
+            if (has_failed(status)) return
+            held = held .or. (free .and. .not. rebounded .and. slow(gearbox, y, integers))
+            if (.not. any(held)) return
+            call hold(gearbox, t, held, y, integers, reals, log)
+            if (.not. any(held)) return
+            free = free .and. .not. held
+         end if
+         closed = closed_flanks(gearbox, integers)
+         log%once = .true.
+      end do
+      call fail(status, code_no_solution, "the impacts of its rigid flanks and those of other meshes do not end at this instant;" &
+                //" a larger rest_velocity or a smaller restitution ends them", subject_mesh, &
+                gearbox%contacts(max(findloc(closing, .true., dim=1), 1))%mesh, "contact")
+   end subroutine settle_rigid
+
+   !> Impacts of the flanks that close.
+   subroutine strike(gearbox, t, was_closed, closing, rebounded, y, integers, reals, log, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: t
+      logical, intent(in) :: was_closed(:), closing(:) !! closed_flanks before the impact; those that close in it
+      logical, intent(inout) :: rebounded(:)           !! flanks that have rebounded at this instant
+      real(wp), intent(inout) :: y(gearbox%n_states)
+      integer, intent(inout) :: integers(:)
+      real(wp), intent(inout) :: reals(:)
+      type(event_log), intent(inout) :: log
+      type(status_t), intent(inout) :: status
+      logical, dimension(size(gearbox%contacts)) :: rebounds, opened
+      integer :: nothing(gearbox%n_roots), m
+
+      call impact(gearbox, t, closing, .false., y, integers, reals, rebounds, opened, status)
+      if (has_failed(status)) return
+      do m = 1, size(gearbox%contacts)
+         if (.not. gearbox%contacts(m)%leads) cycle
+         associate (contact => gearbox%contacts(m), pair => first_pair(gearbox, m, integers))
+            if (opened(m) .and. .not. was_closed(m)) cycle
+            if (opened(m)) call note(log, event_opened, contact, pair)
+            if (.not. closing(m)) cycle
+            if (rebounds(m)) call open_flank(gearbox, m, y, integers)
+            call note(log, merge(event_impact, event_closed, rebounds(m)), contact, pair)
+            if (.not. rebounds(m) .and. rigid_restitution(contact%elastic) > 0) call note(log, event_impacts_ended, contact, pair)
+         end associate
+      end do
+      rebounded = rebounded .or. rebounds
+      nothing = 0
+      call settle_modes(gearbox, nothing, y, integers, reals, log, status) ! speeds have jumped
+   end subroutine strike
+
+   !> Close the flanks whose gap is past its zero and that approach: that zero will not be crossed again. Farther past it an event
+   !> was missed, which `check_modes` finds.
+   subroutine close_approaching(gearbox, y, integers, reals, log, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(inout) :: y(gearbox%n_states)
+      integer, intent(inout) :: integers(:)
+      real(wp), intent(inout) :: reals(:)
+      type(event_log), intent(inout) :: log
+      type(status_t), intent(inout) :: status
+      real(wp) :: gap(2)
       integer :: m
 
-      nothing = 0
-      closing = closed_flanks(gearbox, integers) .and. .not. was_closed
-      if (any(closing)) then
-         call impact(gearbox, t, closing, y, integers, reals, rebounds, opened, status)
-         if (has_failed(status)) return
-         do m = 1, size(gearbox%contacts)
-            if (.not. gearbox%contacts(m)%leads) cycle
-            associate (contact => gearbox%contacts(m), pair => first_pair(gearbox, m, integers))
-               if (opened(m) .and. .not. was_closed(m)) cycle
-               if (opened(m)) call note(log, event_opened, contact, pair)
-               if (.not. closing(m)) cycle
-               if (rebounds(m)) call open_flank(gearbox, m, y, integers)
-               call note(log, merge(event_impact, event_closed, rebounds(m)), contact, pair)
-               if (.not. rebounds(m) .and. rigid_restitution(contact%elastic) > 0) call note(log, event_impacts_ended, contact, &
-                                                                                             pair)
-            end associate
-         end do
-         call settle_modes(gearbox, nothing, y, integers, reals, log, status) ! speeds have jumped
-         if (has_failed(status)) return
-      end if
-      call set_multipliers(gearbox, t, y, integers, reals, opened, status)
       do m = 1, size(gearbox%contacts)
-         if (opened(m)) call note(log, event_opened, gearbox%contacts(m), first_pair(gearbox, m, integers))
+         if (.not. may_close(gearbox, m, integers)) cycle
+         gap = gap_of(gearbox, m, y)
+         gap(1) = -gap(1)/gearbox%contacts(m)%h_scale
+         if (gap(1) > past - tie .and. gap(1) < located .and. gap(2) < 0) &
+            call close_flank(gearbox, m, y, integers, reals, log, status)
+         if (has_failed(status)) return
       end do
-   end subroutine settle_rigid
+   end subroutine close_approaching
+
+   !> Which open flanks touch and part so slowly that they would not rebound, were they to approach as fast.
+   pure function slow(gearbox, y, integers) result(is_slow)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: y(gearbox%n_states)
+      integer, intent(in) :: integers(:)
+      logical :: is_slow(size(gearbox%contacts))
+      real(wp) :: gap(2)
+      integer :: m
+
+      is_slow = .false.
+      do m = 1, size(gearbox%contacts)
+         if (.not. may_close(gearbox, m, integers)) cycle
+         gap = gap_of(gearbox, m, y)
+         is_slow(m) = abs(gap(1)) <= located*gearbox%contacts(m)%h_scale &
+                      .and. gap(2) >= 0 .and. gap(2) <= rigid_rest_velocity(gearbox%contacts(m)%elastic)
+      end do
+   end function slow
+
+   !> Which flanks that part come back before they are as far apart as events are located exactly.
+   subroutine come_back(gearbox, t, free, y, integers, reals, back, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: t
+      logical, intent(in) :: free(:) !! flanks that are looked at
+      real(wp), intent(in) :: y(gearbox%n_states), reals(:)
+      integer, intent(in) :: integers(:)
+      logical, intent(out) :: back(:)
+      type(status_t), intent(inout) :: status
+      real(wp) :: gap(2, size(gearbox%contacts)), rates(gearbox%n_states), q(n_local), local_rates(n_local)
+      integer :: m
+
+      back = .false.
+      do m = 1, size(gearbox%contacts)
+         if (.not. free(m)) cycle
+         if (.not. may_close(gearbox, m, integers)) cycle
+         gap(:, m) = gap_of(gearbox, m, y)
+         back(m) = abs(gap(1, m)) <= located*gearbox%contacts(m)%h_scale .and. gap(2, m) >= 0
+      end do
+      if (.not. any(back)) return
+      call coupled_rates(gearbox, t, y, integers, reals, rates, status)
+      if (has_failed(status)) return
+      do m = 1, size(gearbox%contacts)
+         if (.not. back(m)) cycle
+         associate (contact => gearbox%contacts(m))
+            call gearbox_local(gearbox, contact, y, q)
+            call gearbox_local(gearbox, contact, rates, local_rates)
+            back(m) = gap(2, m)**2 <= -2*rigid_acceleration(contact%pair, q, local_rates)*located*contact%h_scale
+         end associate
+      end do
+   end subroutine come_back
+
+   !> Close flanks that touch and hardly move, if that presses them together; the others stay as they are.
+   !>
+   !> Their speeds and those of all closed flanks become 0, which takes energy away. Then the forces decide.
+   subroutine hold(gearbox, t, held, y, integers, reals, log)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: t
+      logical, intent(inout) :: held(:) !! in: flanks to be tried; out: those that are closed now
+      real(wp), intent(inout) :: y(gearbox%n_states)
+      integer, intent(inout) :: integers(:)
+      real(wp), intent(inout) :: reals(:)
+      type(event_log), intent(inout) :: log
+      type(event_log) :: new_log
+      type(status_t) :: status !! of a trial: where it has no solution, nothing is held
+      real(wp) :: new_y(gearbox%n_states), new_reals(size(reals))
+      integer :: new_integers(size(integers)), nothing(gearbox%n_roots), m
+      logical, dimension(size(gearbox%contacts)) :: rebounds, opened, closed, was_closed
+
+      nothing = 0
+      was_closed = closed_flanks(gearbox, integers)
+      do while (any(held))
+         new_y = y
+         new_integers = integers
+         new_reals = reals
+         new_log = log
+         new_log%once = .true.
+         do m = 1, size(held)
+            if (held(m)) call close_flank(gearbox, m, new_y, new_integers, new_reals, new_log, status)
+         end do
+         if (.not. has_failed(status)) &
+            call impact(gearbox, t, held, .true., new_y, new_integers, new_reals, rebounds, opened, status)
+         if (.not. has_failed(status)) call settle_modes(gearbox, nothing, new_y, new_integers, new_reals, new_log, status)
+         if (.not. has_failed(status)) call set_multipliers(gearbox, t, new_y, new_integers, new_reals, opened, status)
+         if (has_failed(status)) held = .false.
+         closed = closed_flanks(gearbox, new_integers)
+         if (all(closed .or. .not. held)) exit
+         held = held .and. closed
+      end do
+      if (.not. any(held)) return
+      y = new_y
+      integers = new_integers
+      reals = new_reals
+      log = new_log
+      do m = 1, size(held)
+         if (held(m)) call note(log, event_closed, gearbox%contacts(m), first_pair(gearbox, m, integers))
+         if (held(m) .and. rigid_restitution(gearbox%contacts(m)%elastic) > 0) &
+            call note(log, event_impacts_ended, gearbox%contacts(m), first_pair(gearbox, m, integers))
+         if (was_closed(m) .and. .not. closed(m)) &
+            call note(log, event_opened, gearbox%contacts(m), first_pair(gearbox, m, integers))
+      end do
+   end subroutine hold
+
+   !> Whether a tooth contact leads a rigid flank that is open, with a tooth pair on the path.
+   pure logical function may_close(gearbox, leader, integers)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: leader, integers(:)
+      integer :: m
+
+      may_close = gearbox%contacts(leader)%leads
+      if (.not. may_close) return
+      may_close = .not. is_closed(gearbox, leader, integers) &
+                  .and. any([(integers(gearbox%contacts(m)%i_mode + 1) == flanks_open, &
+                              m=leader, leader + gearbox%contacts(leader)%n_slots - 1)])
+   end function may_close
+
+   !> Gap of a rigid flank and its rate [m], [m/s].
+   pure function gap_of(gearbox, leader, y) result(gap)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: leader
+      real(wp), intent(in) :: y(gearbox%n_states)
+      real(wp) :: gap(2), q(n_local)
+
+      call gearbox_local(gearbox, gearbox%contacts(leader), y, q)
+      gap = rigid_constraint(gearbox%contacts(leader)%pair, q)
+   end function gap_of
+
+   !> The tooth pairs of an open flank that are on the path close.
+   subroutine close_flank(gearbox, leader, y, integers, reals, log, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: leader
+      real(wp), intent(inout) :: y(gearbox%n_states)
+      integer, intent(inout) :: integers(:)
+      real(wp), intent(inout) :: reals(:)
+      type(event_log), intent(inout) :: log
+      type(status_t), intent(inout) :: status
+      logical :: fired(most_contact_roots)
+      integer :: m
+
+      fired = .false.
+      fired(root_contact) = .true.
+      do m = leader, leader + gearbox%contacts(leader)%n_slots - 1
+         if (integers(gearbox%contacts(m)%i_mode + 1) == flanks_open) &
+            call contact_event(gearbox, m, fired, y, integers, reals, log, status)
+      end do
+   end subroutine close_flank
 
    !> The tooth pair of a flank that has been longest on the path; that of the first slot if none is.
    pure integer function first_pair(gearbox, leader, integers) result(pair)

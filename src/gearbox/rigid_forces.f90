@@ -193,13 +193,15 @@ contains
    end subroutine multiplier_rates
 
    !> Newton's impact in the contacts that close: kappa' becomes -e times what it was, that of the closed contacts stays 0. The
-   !> friction factors are those of this instant. A contact that would have to pull takes no part and is open afterwards.
+   !> friction factors are those of this instant. A contact that would have to pull takes no part and is open afterwards; or, where
+   !> flanks that hardly move are held, none opens here: their normal forces decide.
    !>
    !> P solves G M^-1 D P = -(1 + e) kappa'; modes: the contacts that close count as closed already.
-   subroutine impact(gearbox, t, closing, y, integers, reals, rebounds, opened, status)
+   subroutine impact(gearbox, t, closing, holds, y, integers, reals, rebounds, opened, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t
       logical, intent(in) :: closing(:)     !! [contacts] true for those that lead a flank that closes
+      logical, intent(in) :: holds          !! those that close are held whichever way they move
       real(wp), intent(inout) :: y(gearbox%n_states)
       integer, intent(inout) :: integers(:)
       real(wp), intent(in) :: reals(:)
@@ -231,7 +233,7 @@ contains
          call solve(gearbox, closed(:n), response(:n, :n), impulse(:n), status)
          if (has_failed(status)) return
          worst = minloc(impulse(:n), dim=1)
-         if (impulse(worst) >= 0) exit
+         if (holds .or. impulse(worst) >= 0) exit
          call open_flank(gearbox, closed(worst), y, integers)
          rebounds(closed(worst)) = .false.
          opened(closed(worst)) = .true.

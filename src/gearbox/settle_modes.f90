@@ -17,7 +17,7 @@ module evl_settle_modes
    implicit none (type, external)
    private
 
-   public :: mark_passed, most_settling, settle_modes
+   public :: located, mark_passed, most_settling, settle_modes, tie
 
    !> Root functions of what can jump at an event. Places on the path do not: they end a mode where they are crossed.
    integer, parameter :: pressing(2) = [root_contact, root_force], sliding(2) = [root_friction_high, root_friction_low]
