@@ -21,7 +21,7 @@ from pathlib import Path
 from process import ROOT, cost
 
 from evolvent import check_history, open_events, open_history
-from evolvent.figures.over_time import save
+from evolvent.figures.style import save
 from evolvent.pages.paper import (
     PaperRun,
     PaperRuns,

@@ -8,15 +8,12 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from evolvent import open_events
-from evolvent.figures.over_time import (
-    MAX_MARKS,
-    MAX_POINTS,
-    figure_normal_force,
-    figure_penetration,
-    figure_speeds,
-    figure_transmission_error,
-    save,
-)
+from evolvent.figures.normal_force import figure_normal_force
+from evolvent.figures.over_time import MAX_POINTS
+from evolvent.figures.penetration import figure_penetration
+from evolvent.figures.speeds import figure_speeds
+from evolvent.figures.style import MAX_MARKS, save
+from evolvent.figures.transmission_error import figure_transmission_error
 
 
 @pytest.fixture

@@ -1,10 +1,9 @@
-"""Figures of one or several histories over time. They take datasets and return figures."""
+"""Panels over time below each other, with their events: what all figures over time share."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,29 +12,9 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from evolvent.history import require
-from evolvent.told_extremes import peaks
+from evolvent.figures.style import ABOVE, BELOW, LINES, MAX_MARKS, STYLE
 from evolvent.units import prefixed
 
-# Told apart by lightness and by dashes, so that they survive a grey printer.
-LINES = (
-    {"color": "#10243e", "linestyle": "-"},
-    {"color": "#d1681c", "linestyle": (0, (5, 2))},
-    {"color": "#3f8fc4", "linestyle": (0, (1.2, 1.2))},
-    {"color": "#7a9a2b", "linestyle": (0, (6, 1.5, 1.2, 1.5))},
-    {"color": "#b78bc0", "linestyle": (0, (3, 1, 1, 1, 1, 1))},
-)
-STYLE: dict[Any, Any] = {
-    "font.size": 12,
-    "axes.labelsize": 12,
-    "legend.fontsize": 11,
-    "axes.grid": True,
-    "grid.color": "#dddddd",
-    "grid.linewidth": 0.6,
-    "lines.linewidth": 1.3,
-    "legend.frameon": False,
-    "svg.hashsalt": "evolvent",  # the same figure gives the same file
-}
 # Events that a reader of the figures asks about, with their marks at the lower edge.
 EVENT_MARKS = {
     "tooth_switch": ("tooth switch", "^"),
@@ -45,11 +24,7 @@ EVENT_MARKS = {
     "sliding_began": ("sliding began", "|"),
     "sliding_ended": ("sliding ended", "x"),
 }
-# matplotlib's type hints do not know these places.
-ABOVE: Any = "outside upper left"
-BELOW: Any = "outside lower left"
 PEAK = "extreme over the run"
-MAX_MARKS = 40  # of one kind of event; more would run into each other and hide the curves
 MAX_POINTS = 6000  # of a line; more cannot be seen and make an SVG of many megabytes
 
 
@@ -74,93 +49,6 @@ class Panel:
     window: tuple[float, float] | None = None  # the times that are shown [s]; all if None
 
 
-def figure_penetration(history: xr.Dataset, events: xr.Dataset | None = None) -> Figure:
-    """Draw transmission error Delta and penetration h over time, one panel a mesh.
-
-    Parameters
-    ----------
-    history : with transmission_error and penetration [m], dims (time, mesh).
-    events : as from `open_events`; marked if given.
-
-    Source: Kosenko & Gusev 2011, Figure 3.
-    """
-    panels = [
-        Panel(
-            "length along the line of action",
-            [
-                Curve(
-                    f"{label} ${symbol}$",
-                    require(history, name).isel(mesh=mesh),
-                    peaks=peaks(history, name, mesh),
-                )
-                for name, label, symbol in (
-                    ("transmission_error", "transmission error", r"\Delta"),
-                    ("penetration", "penetration", "h"),
-                )
-            ],
-            _panel_title(history, mesh),
-            _of_mesh(events, mesh),
-        )
-        for mesh in range(history.sizes["mesh"])
-    ]
-    return figure_over_time(panels)
-
-
-def figure_transmission_error(
-    histories: Sequence[xr.Dataset], labels: Sequence[str], events: xr.Dataset | None = None
-) -> Figure:
-    """Draw the transmission error Delta of several runs together, one panel a mesh.
-
-    Parameters
-    ----------
-    histories : with transmission_error [m], dims (time, mesh), and the same number of meshes.
-    labels : one a history.
-    events : of one of them; marked if given.
-
-    Source: Kosenko & Gusev 2011, (19) and Figure 4.
-    """
-    panels = [
-        Panel(
-            r"transmission error $\Delta$",
-            [
-                Curve(
-                    label,
-                    require(history, "transmission_error").isel(mesh=mesh),
-                    peaks=peaks(history, "transmission_error", mesh),
-                )
-                for history, label in zip(histories, labels, strict=True)
-            ],
-            _panel_title(histories[0], mesh),
-            _of_mesh(events, mesh),
-        )
-        for mesh in range(histories[0].sizes["mesh"])
-    ]
-    return figure_over_time(panels)
-
-
-def figure_normal_force(history: xr.Dataset, events: xr.Dataset | None = None) -> Figure:
-    """Draw the normal force F_n [N] of every mesh over time, dims (time, mesh)."""
-    force = require(history, "normal_force")
-    curves = [
-        Curve(
-            _name(history, "mesh", m),
-            force.isel(mesh=m),
-            peaks=peaks(history, "normal_force", m),
-        )
-        for m in range(force.mesh.size)
-    ]
-    return figure_over_time([Panel("normal force $F_n$", curves, events=events)])
-
-
-def figure_speeds(history: xr.Dataset, events: xr.Dataset | None = None) -> Figure:
-    """Draw the angular velocity [rad/s] of every wheel over time, dims (time, wheel)."""
-    speed = require(history, "angular_velocity")
-    curves = [
-        Curve(_name(history, "wheel", w), speed.isel(wheel=w)) for w in range(speed.wheel.size)
-    ]
-    return figure_over_time([Panel(r"angular velocity $\omega$", curves, events=events)])
-
-
 def figure_over_time(panels: Sequence[Panel]) -> Figure:
     """Draw panels below each other, their curves named above and their events below.
 
@@ -181,13 +69,6 @@ def figure_over_time(panels: Sequence[Panel]) -> Figure:
                 axis.set_xlabel("time [s]")
         _legends(figure, list(axes), marks)
     return figure
-
-
-def save(figure: Figure, path: Path) -> None:
-    """Write a figure in the format of the file's ending; the same data give the same bytes."""
-    undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
-    with rc_context(STYLE):
-        figure.savefig(path, dpi=150, metadata=undated.get(path.suffix.lstrip(".").lower()))
 
 
 def _draw(axis: Axes, panel: Panel) -> None:
@@ -310,15 +191,18 @@ def _largest(values: xr.DataArray) -> float:
     return float(finite.max(initial=0.0))
 
 
-def _of_mesh(events: xr.Dataset | None, mesh: int) -> xr.Dataset | None:
+def of_mesh(events: xr.Dataset | None, mesh: int) -> xr.Dataset | None:
+    """Keep the events of a mesh and those that concern none."""
     if events is None:
         return None
     return events.isel(event=np.isin(events["mesh"].values, [-1, mesh]))
 
 
-def _name(history: xr.Dataset, dim: str, index: int) -> str:
+def name_of(history: xr.Dataset, dim: str, index: int) -> str:
+    """Name a wheel or a mesh."""
     return str(history[dim].values[index])
 
 
-def _panel_title(history: xr.Dataset, mesh: int) -> str:
-    return f"mesh {_name(history, 'mesh', mesh)}"
+def panel_title(history: xr.Dataset, mesh: int) -> str:
+    """Name the mesh that a panel shows."""
+    return f"mesh {name_of(history, 'mesh', mesh)}"

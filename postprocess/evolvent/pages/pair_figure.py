@@ -10,7 +10,7 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from evolvent.figures.over_time import ABOVE, BELOW, LINES, MAX_MARKS, STYLE
+from evolvent.figures.style import ABOVE, BELOW, LINES, MAX_MARKS, STYLE
 from evolvent.history import require
 from evolvent.physics.teeth import pitches_passed
 from evolvent.units import prefixed

@@ -13,7 +13,8 @@ from jinja2 import Environment, PackageLoader
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from evolvent.figures import over_time as figures
+from evolvent.figures.style import STYLE
+from evolvent.figures.table import DRAWINGS
 from evolvent.history import run_warning, source_name
 from evolvent.pages.pair_figure import figure_pairs, last_pitches
 from evolvent.pages.scheme import figure_mesh_scheme
@@ -170,12 +171,11 @@ def _scheme(history: xr.Dataset, mesh: int) -> Picture:
 def _figures(history: xr.Dataset, events: xr.Dataset) -> list[Picture]:
     if history.sizes["time"] == 0:
         return []
-    drawn = {
-        "Transmission error and penetration": figures.figure_penetration(history, events),
-        "Normal force": figures.figure_normal_force(history, events),
-        "Speeds": figures.figure_speeds(history, events),
-    }
-    pictures = [_picture(title, f"{title.lower()} over time", drawn[title]) for title in drawn]
+    pictures = [
+        _picture(row.title, f"{row.title.lower()} over time", row.one(history, events))
+        for row in DRAWINGS
+        if row.one is not None and row.title
+    ]
     if "pair_normal_force" in history:
         text = "normal force and contact pressure of each tooth pair over the roll angle"
         figure = figure_pairs(last_pitches(history), events)
@@ -186,7 +186,7 @@ def _figures(history: xr.Dataset, events: xr.Dataset) -> list[Picture]:
 def _picture(title: str, alternative: str, figure: Figure) -> Picture:
     # As an image of its own each SVG keeps its identifiers to itself.
     buffer = io.BytesIO()
-    with rc_context(figures.STYLE):
+    with rc_context(STYLE):
         figure.savefig(buffer, format="svg", metadata={"Date": None})
     encoded = base64.b64encode(buffer.getvalue()).decode("ascii")
     return Picture(title, alternative, f"data:image/svg+xml;base64,{encoded}")

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon
 
-from evolvent.figures.over_time import STYLE
+from evolvent.figures.style import STYLE
 from evolvent.history import HistoryError, require, source_name
 from evolvent.physics.teeth import DrawnMesh, DrawnWheel, drawn_meshes, drawn_wheels
 from evolvent.units import quantity

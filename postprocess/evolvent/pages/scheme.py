@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
-from evolvent.figures.over_time import BELOW, STYLE
+from evolvent.figures.style import BELOW, STYLE
 from evolvent.history import require
 
 DRIVING_COLOR, DRIVEN_COLOR, ACTION_COLOR = "#10243e", "#b8530f", "#2b7bb0"

@@ -15,7 +15,7 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from evolvent.figures.over_time import LINES, STYLE
+from evolvent.figures.style import LINES, STYLE
 from evolvent.sweep.errors import USAGE, SweepError
 from evolvent.sweep.journal import DONE, did_not_finish
 from evolvent.units import displayed, prefixed

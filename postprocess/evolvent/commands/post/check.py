@@ -1,0 +1,90 @@
+"""The command evolvent-post check."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import typer
+from rich.markup import escape
+from rich.table import Table
+
+from evolvent.commands.post.common import (
+    BROKEN,
+    UNREADABLE,
+    AsJson,
+    Files,
+    complain,
+    json_number,
+    new_console,
+)
+from evolvent.history import HistoryError, open_history, run_warning
+from evolvent.physics.invariants import Verdict, check_history
+
+
+def check(files: Files, as_json: AsJson = False) -> None:
+    """Check the invariants of runs: what must hold whatever the case.
+
+    \b
+    Exit code 1 if one is broken, 3 if a file cannot be read.
+    Example:
+      evolvent-post check paper.h5 paper-friction.h5
+    """  # noqa: D301 - \b keeps click from filling the lines
+    checked: list[tuple[Path, str | None, list[Verdict]]] = []
+    unreadable = False
+    for path in files:
+        try:
+            with open_history(path) as history:
+                checked.append((path, run_warning(history), check_history(history)))
+        except HistoryError as error:
+            complain(str(error))
+            unreadable = True
+    if as_json:
+        typer.echo(json.dumps([_verdicts_as_json(*one) for one in checked], indent=2))
+    else:
+        for path, warning, verdicts in checked:
+            if warning:
+                complain(f"{path}: {warning}")
+            _print_verdicts(path, verdicts)
+    if unreadable:
+        raise typer.Exit(UNREADABLE)
+    if any(verdict.failed for _, _, verdicts in checked for verdict in verdicts):
+        raise typer.Exit(BROKEN)
+
+
+def _print_verdicts(path: Path, verdicts: list[Verdict]) -> None:
+    table = Table(title=escape(str(path)), title_justify="left", title_style="bold", box=None)
+    for column in ("invariant", "worst", "bound", "relative to", "where", "verdict"):
+        table.add_column(column, justify="right" if column in ("worst", "bound") else "left")
+    styles = {"pass": "green", "fail": "bold red", "not applicable": "dim"}
+    for v in verdicts:
+        table.add_row(
+            v.invariant.name,
+            "" if v.worst is None else f"{v.worst:.2e}",
+            f"{v.bound:g}",
+            v.invariant.relative_to,
+            escape(v.reason or (", ".join(v.where.values()) if v.worst else "")),
+            f"[{styles[v.verdict]}]{v.verdict}[/]",
+        )
+    new_console().print(table)
+
+
+def _verdicts_as_json(path: Path, warning: str | None, verdicts: list[Verdict]) -> dict[str, Any]:
+    return {
+        "file": str(path),
+        "warning": warning,
+        "invariants": [
+            {
+                "name": v.invariant.name,
+                "formula": v.invariant.formula,
+                "relative_to": v.invariant.relative_to,
+                "bound": v.bound,
+                "worst": json_number(v.worst),
+                "where": v.where,
+                "verdict": v.verdict,
+                "reason": v.reason,
+            }
+            for v in verdicts
+        ],
+    }

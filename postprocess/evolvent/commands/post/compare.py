@@ -1,0 +1,103 @@
+"""The command evolvent-post compare."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+import xarray as xr
+from rich.markup import escape
+from rich.table import Table
+
+from evolvent.commands.post.common import (
+    BROKEN,
+    AsJson,
+    complain,
+    json_number,
+    new_console,
+    open_with_warning,
+)
+from evolvent.physics.compare import compare_histories
+from evolvent.units import displayed
+
+
+def compare(
+    first: Annotated[Path, typer.Argument(metavar="A", help="History (.h5).")],
+    second: Annotated[Path, typer.Argument(metavar="B", help="History (.h5) of a like run.")],
+    tolerance: Annotated[
+        float | None,
+        typer.Option(metavar="X", min=0.0, help="Largest relative difference accepted."),
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Show the largest difference of every variable of two runs.
+
+    \b
+    Relative differences refer to the variable's largest absolute value in both runs.
+    Exit code 1 if one is beyond the tolerance.
+    Example:
+      evolvent-post compare closed_form.h5 differential.h5 --tolerance 1e-6
+    """  # noqa: D301 - \b keeps click from filling the lines
+    with open_with_warning(first) as one, open_with_warning(second) as two:
+        result = compare_histories(one, two)
+    relative = result["relative"].values
+    beyond = relative > tolerance if tolerance is not None else relative < 0.0
+    if as_json:
+        typer.echo(json.dumps(_differences_as_json(result), indent=2))
+    else:
+        _print_differences(result, beyond.tolist())
+    if beyond.any():
+        worst = result.isel(variable=int(relative.argmax()))
+        complain(
+            f"{int(beyond.sum())} variables differ by more than {tolerance:g}, most of all "
+            f"{worst['variable'].item()} by {worst['relative'].item():.3g} of its largest value"
+        )
+        raise typer.Exit(BROKEN)
+
+
+def _print_differences(result: xr.Dataset, beyond: list[bool]) -> None:
+    table = Table(box=None)
+    for column in ("variable", "largest difference", "relative", "where"):
+        is_number = column in ("largest difference", "relative")
+        table.add_column(column, justify="right" if is_number else "left")
+    same = 0
+    for number, name in enumerate(result["variable"].values):
+        row = result.isel(variable=number)
+        if row["absolute"].item() == 0.0:
+            same += 1
+            continue
+        style = "bold red" if beyond[number] else None
+        units = row["units"].item()
+        table.add_row(
+            escape(str(name)),
+            f"{row['absolute'].item():.3e} {displayed(units)}".rstrip(),
+            f"{row['relative'].item():.2e}",
+            escape(row["where"].item()),
+            style=style,
+        )
+    console = new_console()
+    console.print(f"Compared on {result.attrs['times']}.", highlight=False)
+    if table.row_count:
+        console.print(table)
+    console.print(f"{same} variables are the same to the bit.", highlight=False)
+    for side, names in (("first", "only_in_first"), ("second", "only_in_second")):
+        if result.attrs[names]:
+            console.print(
+                f"Only in the {side}: {result.attrs[names]}", highlight=False, markup=False
+            )
+
+
+def _differences_as_json(result: xr.Dataset) -> dict[str, Any]:
+    variables = {
+        str(name): {
+            "absolute": json_number(result["absolute"].values[i]),
+            "relative": json_number(result["relative"].values[i]),
+            "largest": json_number(result["largest"].values[i]),
+            "units": str(result["units"].values[i]),
+            "where": str(result["where"].values[i]),
+        }
+        for i, name in enumerate(result["variable"].values)
+    }
+    return {**result.attrs, "variables": variables}

@@ -1,0 +1,39 @@
+"""The command evolvent-post report."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from evolvent.commands.post.common import File, fail_to_write, open_with_warning
+from evolvent.history import file_label, open_events
+
+
+def report(
+    file: File,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--output", metavar="HTML", help="Page; the history's name if not given."
+        ),
+    ] = None,
+) -> None:
+    """Write one self-contained HTML page about a run.
+
+    \b
+    The case, its geometry, invariants, figures, events, solver counts and versions.
+    Example:
+      evolvent-post report paper.h5 -o paper.html
+    """  # noqa: D301 - \b keeps click from filling the lines
+    from evolvent.pages.report import report as make_report
+
+    path = output if output is not None else Path(f"{file_label(file)}.html")
+    with open_with_warning(file) as history, open_events(file) as events:
+        page = make_report(history, events)
+    try:
+        path.write_text(page, encoding="utf-8")
+    except OSError as error:
+        fail_to_write(path, error)
+    typer.echo(path)

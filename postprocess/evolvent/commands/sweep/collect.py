@@ -1,0 +1,39 @@
+"""The command evolvent-sweep collect."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from evolvent.commands.sweep.common import Folder, OtherDesign
+from evolvent.sweep import console, folder
+from evolvent.sweep.collect import collect as make_summary
+
+
+def collect(
+    directory: Folder,
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="SUMMARY", help="Summary (.h5).")
+    ],
+    copy_histories: Annotated[
+        bool,
+        typer.Option("--copy-histories", help="Copy histories; else the summary refers to them."),
+    ] = False,
+    parquet: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="A copy as Parquet, without histories.")
+    ] = None,
+    other_design: OtherDesign = None,
+) -> None:
+    """Write one file of all results, for xarray. Missing cases are reported and stay empty.
+
+    \b
+    Example:
+      evolvent-sweep collect torque -o torque-summary.h5 --parquet torque.parquet
+    """  # noqa: D301
+    design = folder.design_of(directory, other_design)
+    collected = make_summary(
+        directory, design, output, copy_histories=copy_histories, parquet=parquet
+    )
+    console.show_collected(output, collected)

@@ -1,0 +1,55 @@
+"""The command evolvent-sweep plan."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from evolvent.sweep import console
+from evolvent.sweep.design import write_design
+from evolvent.sweep.errors import FAILED_CASES
+from evolvent.sweep.estimate import seconds_per_case
+from evolvent.sweep.program import cores, find_program
+
+
+def plan(
+    sweep: Annotated[Path, typer.Argument(metavar="SWEEP", help="Plan (.yaml).")],
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="DESIGN", help="Design; SWEEP.h5 if not given."),
+    ] = None,
+    dry_run: Annotated[
+        bool,
+        typer.Option("--dry-run", help="Show the cases and how long they take; write nothing."),
+    ] = False,
+    keep_refused: Annotated[
+        bool,
+        typer.Option("--keep-refused", help="Exit code 0 also if cases would be refused."),
+    ] = False,
+) -> None:
+    """Make a design, the table of all cases, from a plan.
+
+    \b
+    The program is asked about every case. What it would refuse is told, stays in the design and
+    becomes rows with their reason; the exit code is 1 then, and 3 if it would refuse all cases.
+    Example:
+      evolvent-sweep plan examples/sweep-torque.yaml --dry-run
+      evolvent-sweep plan examples/sweep-torque.yaml -o torque.h5
+    """  # noqa: D301 - \b keeps click from filling the lines
+    from evolvent.sweep.plan import make_plan
+
+    program = find_program()
+    design, checked = make_plan(sweep, program)
+    path = output if output is not None else Path(f"{sweep.stem}.h5")
+    if dry_run:
+        console.show_design(design)
+        seconds, is_bound = seconds_per_case(design, program)
+        console.show_estimate(design.n_cases, seconds, is_bound, cores())
+    else:
+        write_design(design, path)
+        typer.echo(f"{path}: {design.n_cases} cases")
+    if checked.refused:
+        console.show_refusals(sweep, design, checked)
+        raise typer.Exit(0 if keep_refused else FAILED_CASES)

@@ -1,0 +1,62 @@
+"""The command evolvent-sweep plot."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from evolvent.sweep import console
+from evolvent.sweep.errors import NOT_WRITTEN, SweepError
+
+
+def plot(
+    file: Annotated[Path, typer.Argument(metavar="SUMMARY", help="Summary (.h5).")],
+    response: Annotated[
+        str | None,
+        typer.Option("-r", "--response", metavar="NAME", help="Result to draw; the first one."),
+    ] = None,
+    against: Annotated[
+        list[str] | None,
+        typer.Option("-a", "--against", metavar="NAME", help="Parameter; give it twice for a map."),
+    ] = None,
+    indices: Annotated[bool, typer.Option("--indices", help="Draw Sobol indices instead.")] = False,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="FILE", help="Figure (png, svg, pdf).")
+    ] = None,
+) -> None:
+    """Draw a result against one or two parameters. Cases that did not finish are marked.
+
+    \b
+    The figure is named after summary and result unless -o is given.
+    Example:
+      evolvent-sweep plot torque-summary.h5 --response penetration_max --against torque
+      evolvent-sweep plot torque-summary.h5 -a torque -a friction -o map.png
+    """  # noqa: D301
+    from evolvent.figures.style import Format, save
+    from evolvent.sweep import figures
+    from evolvent.sweep.collect import open_summary
+    from evolvent.sweep.sensitivity import sobol_indices
+
+    if indices and against:
+        raise typer.BadParameter("has no meaning with --indices", param_hint="--against")
+    with open_summary(file) as summary:
+        known = figures.results(summary)
+        if not known:
+            raise SweepError(f"{file}: has no results; no case is recorded")
+        name = response or known[0]
+        if indices:
+            found = sobol_indices(summary, name)
+            console.show_indices(found)
+            figure = figures.figure_indices(found)
+        else:
+            figure = figures.figure_response(summary, name, against or ())
+    path = output or Path(f"{file.stem}-{name}{'-indices' if indices else ''}.png")
+    if path.suffix.lstrip(".").lower() not in list(Format):
+        raise typer.BadParameter(f"{path} must end in .png, .svg or .pdf", param_hint="--output")
+    try:
+        save(figure, path)
+    except OSError as error:
+        raise SweepError(f"{path}: cannot be written ({error.strerror})", NOT_WRITTEN) from error
+    typer.echo(path)

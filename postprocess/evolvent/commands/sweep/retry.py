@@ -1,0 +1,71 @@
+"""The command evolvent-sweep retry."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import numpy as np
+import typer
+
+from evolvent.commands.sweep.common import Folder, Jobs, told
+from evolvent.commands.sweep.slurm_jobs import to_slurm
+from evolvent.commands.sweep.slurm_options import Order, with_options_of_slurm
+from evolvent.sweep import folder
+from evolvent.sweep.errors import SweepError
+from evolvent.sweep.journal import read_records
+from evolvent.sweep.program import cores, find_program, program_version
+from evolvent.sweep.retry import retry_cases, write_lists
+
+
+@with_options_of_slurm
+def retry(
+    directory: Folder,
+    failed: Annotated[
+        bool, typer.Option("--failed", help="All cases that did not finish.")
+    ] = False,
+    case: Annotated[
+        list[int] | None, typer.Option(metavar="NUMBER", help="This case; may be repeated.")
+    ] = None,
+    jobs: Jobs = None,
+    on_slurm: Annotated[
+        bool, typer.Option("--slurm", help="As jobs of Slurm; the options below are for them.")
+    ] = False,
+    *,
+    order: Order,
+) -> None:
+    """Run cases again that are recorded already; the new records count.
+
+    \b
+    With --slurm the cases go into job arrays, a task for each shard that recorded some of them, and
+    the summary is collected again.
+    Example:
+      evolvent-sweep retry torque --failed
+      evolvent-sweep retry torque --case 17 --slurm --time 00:30:00
+    """  # noqa: D301
+    if not failed and not case:
+        raise typer.BadParameter("say what to run again: --failed, or --case NUMBER")
+    if not on_slurm and order != Order():
+        raise typer.BadParameter("options of Slurm go with --slurm only", param_hint="--slurm")
+    if on_slurm and jobs is not None:
+        raise typer.BadParameter("has no meaning with --slurm; take --cores", param_hint="--jobs")
+    program = find_program()
+    if not (directory / folder.COPY).exists():
+        what = f"has no {folder.COPY}" if directory.is_dir() else "no such folder"
+        raise SweepError(f"{directory}: {what}; nothing was run there")
+    design = folder.open_for_run(directory / folder.COPY, directory, program_version(program))
+    records = read_records(directory, design, scalars=False)
+    wanted = set(np.flatnonzero(records.unfinished).tolist() if failed else []) | set(case or [])
+    outside = [number for number in wanted if not 0 <= number < design.n_cases]
+    if outside:
+        raise typer.BadParameter(
+            f"{outside[0]}: the cases are 0 to {design.n_cases - 1}", param_hint="--case"
+        )
+    if not wanted:
+        typer.echo(f"{directory}: no case failed or was refused")
+        return
+    if on_slurm:
+        lists, shards = write_lists(records, directory, sorted(wanted))
+        to_slurm(program, directory, shards, order, lists)
+        return
+    code = retry_cases(program, directory, records, sorted(wanted), jobs or cores())
+    raise typer.Exit(told(directory, code))

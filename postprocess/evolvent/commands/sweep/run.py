@@ -1,0 +1,70 @@
+"""The command evolvent-sweep run."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import Annotated
+
+import typer
+
+from evolvent.commands.sweep.common import DesignFile, Into, Jobs, told
+from evolvent.sweep import dask, folder
+from evolvent.sweep.journal import read_records
+from evolvent.sweep.program import cores, find_program, program_version
+from evolvent.sweep.run import Tally, run_shards
+
+
+class ExecutorName(StrEnum):
+    """Who runs the cases."""
+
+    EMBEDDED = "embedded"
+    DASK = "dask"
+
+
+def run(
+    design_file: DesignFile,
+    output: Into,
+    jobs: Jobs = None,
+    executor: Annotated[
+        ExecutorName, typer.Option(help="Who runs the cases: this machine, or a Dask cluster.")
+    ] = ExecutorName.EMBEDDED,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS", help="Dask scheduler; workers on this machine if not given."
+        ),
+    ] = None,
+    shards: Annotated[
+        int | None,
+        typer.Option(
+            "--shards",
+            metavar="N",
+            min=1,
+            help="Split into N shards; 1, or as the folder is, if not given.",
+        ),
+    ] = None,
+) -> None:
+    """Run what is missing of a design, here and now.
+
+    \b
+    Interrupt it at any time; the same command goes on. With a Dask cluster all workers have to
+    see the folder.
+    Example:
+      evolvent-sweep run torque.h5 -o torque
+    """  # noqa: D301
+    if scheduler is not None and executor is not ExecutorName.DASK:
+        raise typer.BadParameter("only with --executor dask", param_hint="--scheduler")
+    program = find_program()
+    design = folder.open_for_run(design_file, output, program_version(program))
+    workers = jobs or cores()
+    split = shards or folder.common_split(output)
+    if executor is ExecutorName.DASK:
+        split = split or dask.split(design, program, workers)
+    records = read_records(output, design, scalars=False)
+    todo = folder.remaining_shards(records.recorded, split or 1)
+    tally = Tally(output, todo, records)
+    if executor is ExecutorName.DASK:
+        code = dask.run(program, design_file, output, todo, workers, scheduler, tally)
+    else:
+        code = run_shards(program, design_file, output, todo, workers, tally)
+    raise typer.Exit(told(output, code))

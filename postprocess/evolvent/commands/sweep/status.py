@@ -1,0 +1,30 @@
+"""The command evolvent-sweep status."""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated
+
+import typer
+
+from evolvent.commands.sweep.common import Folder, OtherDesign
+from evolvent.sweep import console, folder
+from evolvent.sweep.status import read_status
+
+
+def status(
+    directory: Folder,
+    as_json: Annotated[bool, typer.Option("--json", help="Write JSON, for scripts.")] = False,
+    other_design: OtherDesign = None,
+) -> None:
+    """Show what is done, what failed and why, what is missing, and when it will be finished.
+
+    \b
+    Example:
+      evolvent-sweep status torque
+    """  # noqa: D301
+    found = read_status(directory, folder.design_of(directory, other_design))
+    if as_json:
+        typer.echo(json.dumps(console.status_as_json(found), indent=2))
+    else:
+        console.show_status(directory, found)
