@@ -72,7 +72,7 @@ def reference(sweep, design, summary) -> xr.Dataset:
 
 def evolvent_sweep(*arguments: object, **options: object) -> subprocess.Popen[str]:
     """Start evolvent-sweep as a process of its own."""
-    command = [sys.executable, "-m", "evolvent.sweep", *map(str, arguments)]
+    command = [sys.executable, "-m", "evolvent.commands.sweep", *map(str, arguments)]
     return subprocess.Popen(command, text=True, **options)  # type: ignore[call-overload]
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -34,6 +36,23 @@ def test_as_few_arrays_as_fit():
     arrays = slurm.split_arrays([Shard(2500, i) for i in range(1, 2501)], 1000)
     assert [(a.offset, len(a.tasks)) for a in arrays] == [(0, 1000), (1000, 1000), (2000, 500)]
     assert len(slurm.split_arrays([Shard(2500, 2400)], 1000)) == 1
+
+
+def test_every_python_module_that_a_script_starts_can_be_started(tmp_path):
+    arrays = slurm.split_arrays([Shard(2, 1), Shard(2, 2)], 1000)
+    design, lists = tmp_path / "design.h5", tmp_path / "lists"
+    files, collector = slurm.write_scripts(
+        Path("evolvent"), design, tmp_path, arrays, 1, slurm.Site(), lists
+    )
+    texts = "".join(file.read_text() for file in (*files, collector))
+    modules = set(re.findall(r" -m (evolvent\S*)", texts))
+    assert len(modules) == 2  # what is left of a list, and collect
+    for module in modules:
+        done = subprocess.run(
+            [sys.executable, "-m", module, "--help"], capture_output=True, text=True, check=False
+        )
+        assert "No module" not in done.stderr
+        assert "cannot be directly executed" not in done.stderr
 
 
 @pytest.mark.parametrize(

@@ -158,7 +158,7 @@ def write_scripts(
     """
     folder = folder.absolute()
     place = folder / SCRIPTS
-    python = [sys.executable, "-m", "evolvent.sweep"]
+    python = [sys.executable, "-m", "evolvent.commands.sweep"]
     batch = [str(program), "batch", str(design.absolute()), "-o", str(folder), "--resume"]
     collect = [*python, "collect", str(folder), "-o", str(folder / "summary.h5")]
     common = {
