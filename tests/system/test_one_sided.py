@@ -1,4 +1,4 @@
-"""One-sided damping has a kink where the flanks stop approaching: it is located."""
+"""One-sided damping is accurate; that steps end at its kink is a test of the driver."""
 
 from __future__ import annotations
 
