@@ -11,17 +11,19 @@ double peak_of_parabola(const double t[3], const double f[3])
 }
 
 /** Three places around x, in order, x among them, inside the bracket. @return false if they are not apart */
-static bool surround(const peak_bracket *bracket, double x, double width, double t[3])
+static bool surround(const peak_bracket *bracket, double x, double wanted_width, double t[3])
 {
+    /* three of them fit in the bracket: x at most one from its end, and two beyond x */
+    const double width = fmin(wanted_width, (bracket->right - bracket->left) / 3);
     double middle = x;
     if (x - width < bracket->left) {
         middle = x + width;
     } else if (x + width > bracket->right) {
         middle = x - width;
     }
-    t[0] = middle > x ? x : middle - width;
+    t[0] = middle > x ? x : fmax(middle - width, bracket->left);
     t[1] = middle;
-    t[2] = middle < x ? x : middle + width;
+    t[2] = middle < x ? x : fmin(middle + width, bracket->right);
     return t[0] < t[1] && t[1] < t[2];
 }
 
@@ -44,10 +46,11 @@ void peak_climb(peak_function function, void *with, const peak_bracket *bracket)
         for (int i = 0; i < 3; i++) {
             f[i] = t[i] < x || t[i] > x ? function(with, t[i]) : top;
         }
-        const double to = fmin(fmax(peak_of_parabola(t, f), bracket->left), bracket->right);
-        if (isnan(to)) {
+        const double peak = peak_of_parabola(t, f);
+        if (isnan(peak)) {
             return;
         }
+        const double to = fmin(fmax(peak, bracket->left), bracket->right);
         const double reached = function(with, to), moved = fabs(to - x);
         const bool gains = reached - top > small * fabs(top);
         x = to;

@@ -7,7 +7,7 @@ typedef double (*peak_function)(void *with, double t);
 
 typedef struct {
     double left, right; /**< the same: there is nothing to climb */
-    double start;       /**< where to begin */
+    double start;       /**< where to begin; the search ends if the first parabola leads lower from there */
     double width;       /**< of the first parabola */
     double expected;    /**< about what the function is at the start; NaN if that is not known */
     double wanted;      /**< a peak that stays below this need not be found */
