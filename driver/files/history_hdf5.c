@@ -99,6 +99,9 @@ static bool flush_if_due(history *history)
 static bool write_static(history *history, const model_output *output, const double *values)
 {
     const netcdf_variable variable = history_describe_output(history, output);
+    if (output->is_integer && !netcdf_check_integers(&history->netcdf, output->name, output->count, values)) {
+        return false; /* HDF5 would write the nearest one */
+    }
     const hid_t dataset = netcdf_define(&history->netcdf, history->netcdf.id, &variable, 0);
     if (dataset < 0) {
         return false;

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -307,6 +308,20 @@ netcdf_variable netcdf_describe(netcdf_type type, const char *name, const char *
     (void)snprintf(variable.symbol, sizeof variable.symbol, "%s", symbol);
     (void)snprintf(variable.long_name, sizeof variable.long_name, "%s", long_name);
     return variable;
+}
+
+bool netcdf_check_integers(netcdf_file *file, const char *name, int n, const double *values)
+{
+    for (int i = 0; i < n; i++) {
+        if (!(values[i] >= INT_MIN && values[i] <= INT_MAX)) {
+            if (file->reason[0] == '\0') {
+                (void)snprintf(file->reason, sizeof file->reason, "%s = %g is not an integer of 32 bits", name,
+                               values[i]);
+            }
+            return false;
+        }
+    }
+    return true;
 }
 
 hid_t netcdf_define(netcdf_file *file, hid_t group, const netcdf_variable *variable, hsize_t chunk_rows)

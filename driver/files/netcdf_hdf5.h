@@ -69,6 +69,8 @@ bool netcdf_put_real(netcdf_file *file, hid_t object, const char *name, double v
 /** A variable without dimensions yet; texts that are too long are cut. */
 netcdf_variable netcdf_describe(netcdf_type type, const char *name, const char *units, const char *symbol,
                                 const char *long_name);
+/** Whether all values of an integer variable are in the range of one. */
+bool netcdf_check_integers(netcdf_file *file, const char *name, int n, const double *values);
 /** Create a variable with its attributes, its axes attached to their dimensions.
  *  @param chunk_rows  rows of a chunk if the first dimension grows */
 hid_t netcdf_define(netcdf_file *file, hid_t group, const netcdf_variable *variable, hsize_t chunk_rows);

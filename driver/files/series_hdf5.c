@@ -2,9 +2,7 @@
 
 #include "base/memory.h"
 
-#include <limits.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -55,14 +53,10 @@ void series_start(series *rows, size_t max_rows)
 static bool copy_integers(series *rows, const series_column *column, const double *values)
 {
     int *to = (int *)column->block + rows->filled * (size_t)column->count;
+    if (!netcdf_check_integers(rows->file, column->variable.name, column->count, values)) {
+        return false;
+    }
     for (int i = 0; i < column->count; i++) {
-        if (!(values[i] >= INT_MIN && values[i] <= INT_MAX)) {
-            if (rows->file->reason[0] == '\0') {
-                (void)snprintf(rows->file->reason, sizeof rows->file->reason, "%s = %g is not an integer of 32 bits",
-                               column->variable.name, values[i]);
-            }
-            return false;
-        }
         to[i] = (int)lrint(values[i]);
     }
     return true;

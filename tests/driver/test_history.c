@@ -3,6 +3,7 @@
 
 #include <hdf5.h>
 #include <hdf5_hl.h>
+#include <math.h>
 #include <setjmp.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -133,6 +134,18 @@ static bool exists(const char *path)
     return stat(path, &status) == 0;
 }
 
+static void read_bytes(const char *path, unsigned char **bytes, size_t *size)
+{
+    FILE *stream = fopen(path, "rb");
+    assert_non_null(stream);
+    struct stat status;
+    assert_int_equal(fstat(fileno(stream), &status), 0);
+    *size = (size_t)status.st_size;
+    *bytes = calloc(*size, 1);
+    assert_int_equal(fread(*bytes, 1, *size, stream), *size);
+    (void)fclose(stream);
+}
+
 /** The dataset's values as doubles, to be freed; its extents in `extent`. */
 static double *read_all(hid_t file, const char *name, int rank, hsize_t *extent)
 {
@@ -238,6 +251,76 @@ static void every_axis_is_attached_to_its_dimension_in_the_eyes_of_hdf5(void **s
     (void)H5Fclose(file);
 }
 
+static void check_text(hid_t file, const char *variable, const char *attribute, const char *expected)
+{
+    char *text = NULL;
+    const hid_t id = H5Aopen_by_name(file, variable, attribute, H5P_DEFAULT, H5P_DEFAULT), type = H5Aget_type(id);
+    assert_true(H5Tis_variable_str(type) > 0);
+    assert_true(H5Aread(id, type, (void *)&text) >= 0);
+    assert_string_equal(text, expected);
+    (void)H5free_memory(text);
+    (void)H5Tclose(type);
+    (void)H5Aclose(id);
+}
+
+/* What is known at the end only: a value, one that is none, and a whole number, of the wheels and of the mesh. */
+static const model_output finals[] = {
+    {"gap_max", "m", "kappa_max", "largest gap", MODEL_DIMS_MESH, true, false, 1, 1},
+    {"speed_max", "rad s-1", "omega_max", "largest speed", MODEL_DIMS_WHEEL, true, false, 2, 2},
+    {"times_passed", "1", "n", "how often", MODEL_DIMS_WHEEL, true, true, 4, 2},
+};
+static const double final_values[] = {-99, 0.1, 1e300, NAN, 3, -4}; /* the first is of no variable */
+
+static void finals_are_read_back_with_their_attributes(void **state)
+{
+    const place *place = *state;
+    char message[DAE_MESSAGE_LENGTH] = "";
+    history *history = create(place->path, message);
+    assert_true(append(history, 0) && append(history, 1));
+    assert_true(history_put_finals(history, sizeof finals / sizeof *finals, finals, final_values));
+    assert_true(close_as(&history, true, "done", message));
+    check_rows(place->path, 2);
+    const hid_t file = H5Fopen(place->path, H5F_ACC_RDONLY, H5P_DEFAULT);
+    hsize_t n;
+    for (size_t i = 0; i < sizeof finals / sizeof *finals; i++) {
+        const model_output *output = &finals[i];
+        double *values = read_all(file, output->name, 1, &n);
+        assert_int_equal(n, output->count);
+        for (hsize_t k = 0; k < n; k++) { /* to the bit */
+            const double expected = final_values[output->offset + (int)k];
+            assert_true(isnan(expected) ? isnan(values[k]) : values[k] >= expected && values[k] <= expected);
+        }
+        free(values);
+        check_text(file, output->name, "units", output->units);
+        check_text(file, output->name, "long_name", output->long_name);
+        check_text(file, output->name, "symbol", output->symbol);
+        assert_int_equal(H5Aexists_by_name(file, output->name, "_FillValue", H5P_DEFAULT), !output->is_integer);
+        check_attached(file, output->name, 0, output->dims == MODEL_DIMS_MESH ? "mesh" : "wheel");
+    }
+    (void)H5Fclose(file);
+}
+
+static void no_finals_change_nothing(void **state)
+{
+    const place *place = *state;
+    char message[DAE_MESSAGE_LENGTH] = "";
+    unsigned char *without, *with;
+    size_t n, m;
+    write_run(place, 3, 0, true);
+    read_bytes(place->path, &without, &n);
+    history *history = create(place->path, message);
+    for (long i = 0; i < 3; i++) {
+        assert_true(append(history, i));
+    }
+    assert_true(history_put_finals(history, 0, NULL, NULL));
+    assert_true(close_as(&history, true, "done", message));
+    read_bytes(place->path, &with, &m);
+    assert_int_equal(n, m);
+    assert_memory_equal(without, with, n);
+    free(without);
+    free(with);
+}
+
 static void only_a_commit_replaces_an_older_file(void **state)
 {
     const place *place = *state;
@@ -248,18 +331,6 @@ static void only_a_commit_replaces_an_older_file(void **state)
     write_run(place, 9, 0, true);
     check_rows(place->path, 9);
     assert_false(exists(place->partial));
-}
-
-static void read_bytes(const char *path, unsigned char **bytes, size_t *size)
-{
-    FILE *stream = fopen(path, "rb");
-    assert_non_null(stream);
-    struct stat status;
-    assert_int_equal(fstat(fileno(stream), &status), 0);
-    *size = (size_t)status.st_size;
-    *bytes = calloc(*size, 1);
-    assert_int_equal(fread(*bytes, 1, *size, stream), *size);
-    (void)fclose(stream);
 }
 
 static void the_same_run_gives_the_same_file_to_the_byte(void **state)
@@ -363,6 +434,23 @@ const char *__lsan_default_suppressions(void)  // NOLINT(bugprone-reserved-ident
     return "leak:libhdf5\n";
 }
 
+static void a_final_integer_that_is_none_is_refused_by_name(void **state)
+{
+    const place *place = *state;
+    const double nones[] = {1e300, -3e9, NAN};
+    for (size_t i = 0; i < sizeof nones / sizeof *nones; i++) {
+        const double values[] = {0, 0.1, 1, 2, 3, nones[i]};
+        char path[120], message[DAE_MESSAGE_LENGTH] = "";
+        (void)snprintf(path, sizeof path, "%s.%zu", place->path, i); /* HDF5 keeps one that was abandoned */
+        history *history = create(path, message);
+        assert_true(append(history, 0));
+        assert_false(history_put_finals(history, sizeof finals / sizeof *finals, finals, values));
+        assert_non_null(strstr(history_error(history), "times_passed"));
+        (void)unlink(history_partial_path(history));
+        history_abandon(&history);
+    }
+}
+
 static void a_write_that_fails_is_reported_and_leaves_the_older_file(void **state)
 {
     const place *place = *state;
@@ -388,12 +476,15 @@ int main(void)
         TEST(every_row_is_read_back_whatever_their_number),
         TEST(events_keep_both_sides_of_the_state),
         TEST(every_axis_is_attached_to_its_dimension_in_the_eyes_of_hdf5),
+        TEST(finals_are_read_back_with_their_attributes),
+        TEST(no_finals_change_nothing),
         TEST(only_a_commit_replaces_an_older_file),
         TEST(the_same_run_gives_the_same_file_to_the_byte),
         TEST(a_short_run_makes_a_small_file),
         TEST(a_path_that_cannot_be_written_is_refused_with_its_reason),
         TEST(a_second_run_to_the_same_name_is_refused_while_the_first_writes),
         TEST(an_integer_that_is_none_is_refused_by_name),
+        TEST(a_final_integer_that_is_none_is_refused_by_name),
         TEST(a_write_that_fails_is_reported_and_leaves_the_older_file),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
