@@ -6,7 +6,7 @@ module evl_capi_extremes
    use evl_capi_types, only: c_name_length, c_status, c_text_length, status_to_c, to_c
    use evl_extremes, only: extreme_t, extremes_table, n_extremes, n_watched_outputs
    use evl_gearbox, only: gearbox_t
-   use evl_gearbox_watch, only: n_channels, roots_and_watched, watched_at
+   use evl_gearbox_watch, only: n_channels, watched_at
    use evl_status, only: code_invalid_input, code_ok, status_t
    implicit none (type, external)
    private
@@ -74,8 +74,8 @@ contains
       type(status_t) :: s
 
       call c_f_pointer(handle, g)
-      call roots_and_watched(g, y(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), roots(:g%n_roots), &
-                             values(:n_channels(g)), s)
+      call watched_at(g, y(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), values(:n_channels(g)), s, &
+                      roots(:g%n_roots))
       code = s%code
       if (code /= code_ok .and. present(status)) call status_to_c(s, status)
    end function evl_gearbox_roots_and_watched

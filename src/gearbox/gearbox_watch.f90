@@ -21,7 +21,7 @@ module evl_gearbox_watch
    implicit none (type, external)
    private
 
-   public :: channel_of, n_channels, roots_and_watched, watched_at
+   public :: channel_of, n_channels, watched_at
 
 contains
 
@@ -39,62 +39,42 @@ contains
       channel = n_watched_outputs*(mesh - 1) + watched
    end function channel_of
 
-   !> All channels at a state; what only flanks that touch have is 0 without.
-   subroutine watched_at(gearbox, y, integers, reals, values, status)
+   !> All channels at a state, what only flanks that touch have is 0 without; and, since they know most of it, its root functions.
+   subroutine watched_at(gearbox, y, integers, reals, values, status, roots)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: y(gearbox%n_states), reals(:)
       integer, intent(in) :: integers(:)
       real(wp), intent(out) :: values(:) !! [n_channels]
       type(status_t), intent(inout) :: status
+      real(wp), intent(out), optional :: roots(gearbox%n_roots) !! as of `gearbox_roots`
       type(contact_point) :: point
       type(contact_mode) :: mode
       real(wp) :: q(n_local), rho_a0, unclipped
       integer :: c, leader, m
+      logical :: is_watched
 
       values = 0
       do m = 1, size(gearbox%pairs)
          leader = leading_contact(gearbox, m, integers)
          do c = gearbox%first(m), gearbox%first(m + 1) - 1
             mode = gearbox_mode(gearbox, c, integers, reals)
-            if (c /= leader .and. .not. touches(mode)) cycle
+            is_watched = c == leader .or. touches(mode)
+            if (.not. (is_watched .or. present(roots))) cycle
             call point_of_contact(gearbox, c, y, integers, mode, q, rho_a0, point)
             unclipped = 0
-            if (touches(mode)) call unclipped_force(gearbox%contacts(c), mode, point, unclipped, status)
+            if (present(roots)) then
+               associate (first => gearbox%contacts(c)%i_root + 1, n => gearbox%contacts(c)%n_roots)
+                  call contact_roots(gearbox%contacts(c), mode, rho_a0, q, point, roots(first:first + n - 1), status, unclipped)
+               end associate
+            else if (touches(mode)) then
+               call unclipped_force(gearbox%contacts(c), mode, point, unclipped, status)
+            end if
             if (has_failed(status)) return
-            call watch_contact(gearbox, c, mode, rho_a0, q, point, unclipped, c == leader, values)
+            if (is_watched) call watch_contact(gearbox, c, mode, rho_a0, q, point, unclipped, c == leader, values)
          end do
       end do
+      if (present(roots)) roots(gearbox%n_roots) = turns_root(y(i_theta))
    end subroutine watched_at
-
-   !> Root functions and, since they know most of it, all channels at a state.
-   subroutine roots_and_watched(gearbox, y, integers, reals, roots, values, status)
-      type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: y(gearbox%n_states), reals(:)
-      integer, intent(in) :: integers(:)
-      real(wp), intent(out) :: roots(gearbox%n_roots) !! as of `gearbox_roots`
-      real(wp), intent(out) :: values(:)              !! [n_channels]
-      type(status_t), intent(inout) :: status
-      type(contact_point) :: point
-      type(contact_mode) :: mode
-      real(wp) :: q(n_local), rho_a0, unclipped
-      integer :: c, leader, m
-
-      values = 0
-      do m = 1, size(gearbox%pairs)
-         leader = leading_contact(gearbox, m, integers)
-         do c = gearbox%first(m), gearbox%first(m + 1) - 1
-            mode = gearbox_mode(gearbox, c, integers, reals)
-            call point_of_contact(gearbox, c, y, integers, mode, q, rho_a0, point)
-            associate (first => gearbox%contacts(c)%i_root + 1, last => gearbox%contacts(c)%i_root + gearbox%contacts(c)%n_roots)
-               call contact_roots(gearbox%contacts(c), mode, rho_a0, q, point, roots(first:last), status, unclipped)
-            end associate
-            if (has_failed(status)) return
-            if (c == leader .or. touches(mode)) &
-               call watch_contact(gearbox, c, mode, rho_a0, q, point, unclipped, c == leader, values)
-         end do
-      end do
-      roots(gearbox%n_roots) = turns_root(y(i_theta))
-   end subroutine roots_and_watched
 
    !> What a tooth contact adds to the channels.
    pure subroutine watch_contact(gearbox, c, mode, rho_a0, q, point, unclipped, leads, values)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import re
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -408,23 +409,37 @@ def test_every_mesh_has_its_roots_and_there_is_one_for_the_turns(kernel: Kernel)
         assert gearbox.sizes.n_roots == len(ROOTS) * (n - 1) + 1
 
 
-# Modes with gap [m], its rate [m/s] and speed of the driving wheel [rad/s] that belong to them.
+Mode = tuple[int, int]  # of the contact, and the branch of friction
+
+
+class Belonging(NamedTuple):
+    """A mode, and what the state is to which it belongs."""
+
+    mode: Mode
+    gap: float  # [m]
+    rate: float  # of the gap [m/s]
+    speed: float  # of the driving wheel [rad/s]
+
+
 BELONGING = {
-    "open": ((OPEN, 0), 1e-9, 0.0, -0.3),
-    "loaded, sliding": ((LOADED, 1), -1e-9, 0.0, -0.3),
-    "loaded, sliding the other way": ((LOADED, -1), -1e-9, 0.0, 0.3),
-    "loaded, not sliding": ((LOADED, 0), -1e-9, 0.0, -0.001),
-    "pulled apart": ((UNLOADED, 0), -1e-9, 1e-3, -0.3),
+    "open": Belonging((OPEN, 0), 1e-9, 0.0, -0.3),
+    "loaded, sliding": Belonging((LOADED, 1), -1e-9, 0.0, -0.3),
+    "loaded, sliding the other way": Belonging((LOADED, -1), -1e-9, 0.0, 0.3),
+    "loaded, not sliding": Belonging((LOADED, 0), -1e-9, 0.0, -0.001),
+    "pulled apart": Belonging((UNLOADED, 0), -1e-9, 1e-3, -0.3),
 }
+EVERY_BELONGING = pytest.mark.parametrize("belongs", BELONGING.values(), ids=BELONGING.keys())
+WRONG = pytest.mark.parametrize(
+    "wrong", [(OPEN, 0), (LOADED, 0), (LOADED, 1), (LOADED, -1), (UNLOADED, 0)]
+)
 
 
 @TRACKINGS
-@pytest.mark.parametrize(("mode", "gap", "rate", "speed"), BELONGING.values(), ids=BELONGING.keys())
+@EVERY_BELONGING
 def test_an_event_that_did_not_happen_changes_nothing(
-    kernel: Kernel, tracking: int, mode: tuple[int, int], gap: float, rate: float, speed: float
+    kernel: Kernel, tracking: int, belongs: Belonging
 ):
-    gearbox, state = belonging(kernel, tracking, gap, rate, speed)
-    press(gearbox, state, 0, *mode)
+    gearbox, state = belonging(kernel, tracking, belongs, belongs.mode)
     state.yp = gearbox.derivative(state)
     after, events = gearbox.apply(state)
     assert events == []
@@ -434,49 +449,32 @@ def test_an_event_that_did_not_happen_changes_nothing(
 
 
 @TRACKINGS
-@pytest.mark.parametrize(
-    "wrong", [(OPEN, 0), (LOADED, 0), (LOADED, 1), (LOADED, -1), (UNLOADED, 0)]
-)
-@pytest.mark.parametrize(("mode", "gap", "rate", "speed"), BELONGING.values(), ids=BELONGING.keys())
+@WRONG
+@EVERY_BELONGING
 def test_after_any_event_every_mode_is_the_one_that_belongs_to_the_state(
-    kernel: Kernel,
-    tracking: int,
-    mode: tuple[int, int],
-    gap: float,
-    rate: float,
-    speed: float,
-    wrong: tuple[int, int],
+    kernel: Kernel, tracking: int, belongs: Belonging, wrong: Mode
 ):
     """Whatever mode an event leaves, as where a slope of the flank jumps or a speed."""
-    gearbox, state = belonging(kernel, tracking, gap, rate, speed)
-    press(gearbox, state, 0, *wrong)
+    gearbox, state = belonging(kernel, tracking, belongs, wrong)
     state.yp = gearbox.derivative(state)
     after, events = gearbox.apply(state)
-    assert gearbox.mode(after)[1] == mode[0]
-    if mode[0] == LOADED:
-        assert gearbox.mode(after)[2] == mode[1]
+    contact, friction = belongs.mode
+    assert gearbox.mode(after)[1] == contact
+    if contact == LOADED:
+        assert gearbox.mode(after)[2] == friction
     assert all(not has_passed(gearbox, after, name) for name in CAN_JUMP)
     assert (events == []) == (gearbox.mode(after).tolist() == gearbox.mode(state).tolist())
     assert is_consistent(gearbox, after)
 
 
 @TRACKINGS
-@pytest.mark.parametrize(
-    "wrong", [(OPEN, 0), (LOADED, 0), (LOADED, 1), (LOADED, -1), (UNLOADED, 0)]
-)
-@pytest.mark.parametrize(("mode", "gap", "rate", "speed"), BELONGING.values(), ids=BELONGING.keys())
+@WRONG
+@EVERY_BELONGING
 def test_a_mode_that_contradicts_the_state_is_refused(
-    kernel: Kernel,
-    tracking: int,
-    mode: tuple[int, int],
-    gap: float,
-    rate: float,
-    speed: float,
-    wrong: tuple[int, int],
+    kernel: Kernel, tracking: int, belongs: Belonging, wrong: Mode
 ):
-    gearbox, state = belonging(kernel, tracking, gap, rate, speed)
-    press(gearbox, state, 0, *wrong)
-    if wrong == mode:
+    gearbox, state = belonging(kernel, tracking, belongs, wrong)
+    if wrong == belongs.mode:
         gearbox.check_modes(state)
         gearbox.values(state, check=True)
     else:
@@ -493,11 +491,13 @@ CAN_JUMP = ("contact", "force", "friction_high", "friction_low")
 
 
 def belonging(
-    kernel: Kernel, tracking: int, gap: float, rate: float, speed: float
+    kernel: Kernel, tracking: int, belongs: Belonging, mode: Mode
 ) -> tuple[Gearbox, State]:
-    """Make the paper's gearbox with damping and friction, and a state of it."""
+    """Make the paper's gearbox with damping and friction, and a state of it in any mode."""
     gearbox = paper_gearbox(kernel, tracking=tracking, friction=FRICTION, damping=DAMPING)
-    state = gearbox.start(SPEEDS, speeds=[speed, -speed * 20 / 30], gaps=[gap])
-    part(gearbox, state, rate)
+    speeds = [belongs.speed, -belongs.speed * 20 / 30]
+    state = gearbox.start(SPEEDS, speeds=speeds, gaps=[belongs.gap])
+    part(gearbox, state, belongs.rate)
     face(gearbox, state)
+    press(gearbox, state, 0, *mode)
     return gearbox, state
