@@ -9,12 +9,17 @@ import pytest
 
 from evolvent import check_history
 from evolvent.physics.invariants import INVARIANTS
-from system.runs import FRICTION, RIGID, TRACKINGS, Runs, tracking
+from system.random_sets import seeds
+from system.runs import FRICTION, RIGID, TRACKINGS, Run, Runs, tracking
+from system.wild_gearboxes import tracked_gearbox
 
 WATCHED = (
     *("gradient ratio", "transmission error", "points on flanks", "points on line of action"),
     *("rigid gap", "energy balance"),
 )
+# Wild gearboxes in differential tracking at tolerance 1e-4: of the first 200, 86 breaks two
+# invariants, and 46, 55 and 113 end with exit code 4
+TRACKED_SEEDS, ENDED = (*range(12), 86), {46, 55, 113}
 SOURCE = Path(__file__).parents[2] / "driver" / "simulate" / "invariant_watch.c"
 
 
@@ -28,6 +33,17 @@ def test_both_have_the_same_bounds() -> None:
             assert (invariant.least_bound, invariant.tolerances) == watched[invariant.name]
 
 
+def assert_agreement(run: Run) -> list[str]:
+    """What the check finds broken of what a run watches, the run says, and the other way round."""
+    said = run.history.attrs["invariants"]
+    failed = [v.invariant.name for v in check_history(run.history) if v.failed]
+    watched = [name for name in failed if name in WATCHED]
+    names = [part.rsplit(" ", 3)[0] for part in said.removeprefix("broken: ").split("; ")]
+    assert (names if said != "held" else []) == watched
+    assert ("own invariants are broken" in run.messages.splitlines()[-1]) == bool(watched)
+    return failed
+
+
 @pytest.mark.parametrize("tolerance", ["1e-3", "1e-5", "1e-9"])
 @pytest.mark.parametrize("contact", [(), RIGID], ids=["elastic", "rigid"])
 @pytest.mark.parametrize("kind", TRACKINGS)
@@ -35,10 +51,13 @@ def test_a_run_and_the_check_agree(
     runs: Runs, kind: str, contact: tuple[str, ...], tolerance: str
 ) -> None:
     run = runs(FRICTION, tracking(kind), *contact, f"simulation.tolerance={tolerance}")
-    said = run.history.attrs["invariants"]
-    verdicts = check_history(run.history)
-    failed = [v.invariant.name for v in verdicts if v.failed and v.invariant.name in WATCHED]
-    assert (said == "held") == (not failed)
-    assert all(name in said for name in failed)
-    assert ("own invariants are broken" in run.messages.splitlines()[-1]) == bool(failed)
-    assert [v.invariant.name for v in verdicts if v.failed] == failed  # the rest hold
+    failed = assert_agreement(run)
+    assert set(failed) <= set(WATCHED)  # the rest hold
+
+
+@pytest.mark.parametrize("seed", seeds(TRACKED_SEEDS, 200, without=ENDED))
+def test_a_tracked_run_at_a_loose_tolerance_and_the_check_agree(runs: Runs, seed: int) -> None:
+    """Points that are tracked differentially drift; axles, housings, impacts and rattle."""
+    run = runs(tracked_gearbox(seed), "simulation.tolerance=1e-4")
+    assert run.exit_code == 0, run.messages
+    assert_agreement(run)

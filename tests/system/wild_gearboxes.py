@@ -176,3 +176,15 @@ class _WildGearbox(Gearbox):
                 **{"rotational_damping": [turning * damping] * 3},
             },
         }
+
+
+def tracked_gearbox(seed: int) -> Block:
+    """Make a wild gearbox whose points of contact are all tracked in differential form."""
+    return _TrackedGearbox(seed).case()
+
+
+class _TrackedGearbox(_WildGearbox):
+    def draw_size(self) -> None:
+        super().draw_size()
+        self.modified = False  # deviations ask for the closed form
+        self.tracking = "differential"
