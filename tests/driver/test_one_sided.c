@@ -1,8 +1,8 @@
 /* One-sided damping has a kink where the flanks stop approaching: steps end there, and none goes over it. */
-#include "integrate.h"
-#include "memory.h"
-#include "prepare.h"
-#include "simulate.h"
+#include "base/memory.h"
+#include "integrate/integrate.h"
+#include "simulate/prepare.h"
+#include "simulate/simulate.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
 /* The climber on functions whose maxima are known. */
-#include "peak.h"
+#include "base/peak.h"
 
 #include <float.h>
 #include <math.h>
