@@ -204,9 +204,7 @@ static bool simulate_prepared(const batch_plan *plan, long index, const prepared
     const simulate_sink sink = {
         .self = &batch, .outputs = on_outputs, .event = on_event, .extremes = statistics_extremes(batch.statistics)};
     simulate_result result;
-    progress progress;
-    progress_start(&progress, false, 0, 1);
-    simulate(prepared, &sink, &progress, &start->state, &result);
+    simulate(prepared, &sink, &start->state, &result);
     conclude(&batch, prepared, index, &result, row);
     const bool good = batch.history == NULL ||
                       stack_write(&plan->stack, (index - plan->first_case) / plan->stride, batch.history, error);

@@ -3,6 +3,7 @@
 #include "base/interrupt.h"
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/progress.h"
 #include "commands/warn.h"
 #include "files/history.h"
 #include "integrate/integrate.h"
@@ -47,6 +48,12 @@ static bool on_event(void *self, const event_record *record)
                                  .before = record->before->y,
                                  .after = record->after->y};
     return history_add_event(run->history, &event);
+}
+
+static void on_step(void *self, double t)
+{
+    run *run = self;
+    progress_step(&run->progress, t);
 }
 
 /* Where the history goes. */
@@ -268,8 +275,9 @@ static void simulate_case(run *run, const char *path, dae_state *state, evl_erro
     simulate_result result;
     run->extremes =
         extremes_create(run->prepared.model, case_description(run->prepared.file)->n_meshes, -INFINITY, INFINITY);
-    const simulate_sink sink = {.self = run, .outputs = on_outputs, .event = on_event, .extremes = run->extremes};
-    simulate(&run->prepared, &sink, &run->progress, state, &result);
+    const simulate_sink sink = {
+        .self = run, .outputs = on_outputs, .event = on_event, .step = on_step, .extremes = run->extremes};
+    simulate(&run->prepared, &sink, state, &result);
     progress_end(&run->progress);
     if (result.end == SIMULATE_SINK_FAILED || !put_extremes(run)) {
         evl_error_set(error, EVL_EXIT_IO, "", "%s", history_error(run->history));

@@ -19,7 +19,6 @@ typedef enum { STOP_NONE, STOP_INTERRUPTED, STOP_MODEL, STOP_SINK } stop_reason;
 typedef struct {
     const prepared_case *prepared;
     const simulate_sink *sink;
-    progress *progress;
     contact_watch contact;
     invariant_watch *invariants;
     double *values; /**< [model_n_values] */
@@ -68,7 +67,9 @@ static void on_watch(void *self, const integrate_step *step)
 static int on_step(void *self, double t)
 {
     simulation *s = self;
-    progress_step(s->progress, t);
+    if (s->sink->step != NULL) {
+        s->sink->step(s->sink->self, t);
+    }
     if (interrupt_signal != 0) {
         s->stop = STOP_INTERRUPTED;
         return 1;
@@ -138,13 +139,11 @@ integrate_options simulate_options(const prepared_case *prepared)
                                .by_stepper = simulation->integrator == INTEGRATOR_RADAU};
 }
 
-void simulate(const prepared_case *prepared, const simulate_sink *sink, progress *progress, dae_state *state,
-              simulate_result *result)
+void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_state *state, simulate_result *result)
 {
     *result = (simulate_result){.end = SIMULATE_DONE};
     simulation s = {.prepared = prepared,
                     .sink = sink,
-                    .progress = progress,
                     .values = xcalloc((size_t)model_n_values(prepared->model), sizeof(double)),
                     .t_given = -1.0};
     const integrate_options options = simulate_options(prepared);

@@ -2,7 +2,6 @@
 #ifndef EVOLVENT_SIMULATE_H
 #define EVOLVENT_SIMULATE_H
 
-#include "base/progress.h"
 #include "integrate/integrate_types.h"
 #include "simulate/extremes.h"
 #include "simulate/prepare.h"
@@ -12,7 +11,8 @@ typedef struct {
     void *self;
     bool (*outputs)(void *self, double t, const double *values); /**< [model_n_values], in order of time */
     bool (*event)(void *self, const event_record *record);
-    extremes *extremes; /**< to be found between the outputs; NULL: none */
+    void (*step)(void *self, double t); /**< now and then, between steps: how far it is; NULL: nobody asks */
+    extremes *extremes;                 /**< to be found between the outputs; NULL: none */
 } simulate_sink;
 
 typedef enum {
@@ -37,9 +37,7 @@ typedef struct {
 integrate_options simulate_options(const prepared_case *prepared);
 
 /** Integrate from `state`, which is that of the end afterwards. A simulation that ends early hands over its last good state too,
- *  if its outputs exist.
- *  @param progress  started by the caller */
-void simulate(const prepared_case *prepared, const simulate_sink *sink, progress *progress, dae_state *state,
-              simulate_result *result);
+ *  if its outputs exist. */
+void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_state *state, simulate_result *result);
 
 #endif
