@@ -21,17 +21,17 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(out) :: state(n_housing_states), row(n_housing_states)
       real(wp), intent(out) :: energy !! [J]
-      real(wp) :: mass, inertia, force, moment, place, speed, angle, turn
+      real(wp) :: mass, inertia, force, moment, position, speed, angle, turn
 
       associate (housing => gearbox%housing)
          mass = housing%mass + sum(gearbox%wheels%support%mass)
          inertia = (housing%inertia(1, 1) + housing%inertia(2, 2) + housing%inertia(3, 3))/3
          force = sum(gearbox%contacts%force_scale) + mass*norm2(housing%gravity) + norm2(housing%force)
          moment = force*maxval(gearbox%wheels%pitch_radius) + norm2(housing%moment)
-         call response(force, mass, minval(housing%stiffness), norm2(housing%velocity), place, speed)
+         call response(force, mass, minval(housing%stiffness), norm2(housing%velocity), position, speed)
          call response(moment, inertia, minval(housing%turn_stiffness), norm2(housing%omega), angle, turn)
       end associate
-      state(at_position + 1:at_position + 3) = place
+      state(at_position + 1:at_position + 3) = position
       state(at_orientation + 1:at_orientation + 4) = min(angle, 1.0_wp)/2
       state(at_velocity + 1:at_velocity + 3) = speed
       state(at_omega + 1:at_omega + 3) = turn

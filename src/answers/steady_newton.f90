@@ -32,7 +32,7 @@ module evl_steady_newton
    type :: steady_system
       integer, allocatable :: unknown(:)   !! places in the state; those of q come first
       integer, allocatable :: row(:)       !! rows that have to vanish, as many
-      integer, allocatable :: speed(:)     !! place of the rate of each of q in the state; 0 if it has none
+      integer, allocatable :: speed(:)     !! index of the rate of each of q in the state; 0 if it has none
       real(wp), allocatable :: slopes(:)   !! dq/dtheta
    end type steady_system
 

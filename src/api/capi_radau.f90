@@ -168,7 +168,7 @@ contains
       call c_f_pointer(handle, self)
       h = radau_step(self%solver)
       associate (one => self%found(index + 1), before => self%solver%t_before, now => self%solver%t)
-         candidate = c_candidate(one%channel - 1, one%sense, min(before + one%place*h, now), min(before + one%left*h, now), &
+         candidate = c_candidate(one%channel - 1, one%sense, min(before + one%tau*h, now), min(before + one%left*h, now), &
                                  min(before + one%right*h, now), one%value)
       end associate
    end subroutine evl_radau_candidate

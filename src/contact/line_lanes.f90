@@ -69,7 +69,7 @@ contains
 
    !> Deviation of a wheel from its nominal rotation, and its rate.
    pure subroutine turn_wheel(i_psi, y, psi, psi_dot)
-      integer, intent(in) :: i_psi         !! place of psi in the state, psi' follows; 0: there is none, as in the reference rotor
+      integer, intent(in) :: i_psi         !! index of psi in the state, psi' follows; 0: there is none, as in the reference rotor
       real(wp), intent(in) :: y(lanes, *)
       real(wp), intent(out) :: psi(lanes), psi_dot(lanes)
 

@@ -86,9 +86,9 @@ module evl_tooth_contact
       integer :: i_dependent = 0          !! deviation of the wheel that a closed rigid contact determines
       real(wp) :: mobility = 0.0_wp       !! r_bA^2/J_A + r_bB^2/J_B [1/kg]
       integer :: i_track = 0              !! first tracked variable in the state; 0 if none
-      integer :: i_side = 0               !! place of the side of h' = 0 in the discrete state; 0 where the damping law has none
-      integer :: i_mode = 0               !! place of its integers in the discrete state: three, and two zones if it deviates
-      integer :: i_root = 0               !! place before its root functions
+      integer :: i_side = 0               !! index of the side of h' = 0 in the discrete state; 0 where the damping law has none
+      integer :: i_mode = 0               !! index of its integers in the discrete state: three, and two zones if it deviates
+      integer :: i_root = 0               !! index before its root functions
       integer :: n_roots = n_contact_roots   !! how many there are
    end type tooth_contact_t
 

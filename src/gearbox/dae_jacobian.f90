@@ -8,7 +8,7 @@ module evl_dae_jacobian
    use evl_housing, only: frame_t, housing_frame
    use evl_housing_dynamics, only: housing_coupling
    use evl_housing_jacobian, only: housing_gradient, mounted_gradient
-   use evl_jacobian_places, only: full_matrix, jacobian_places
+   use evl_jacobian_entries, only: full_matrix, jacobian_entries
    use evl_kinds, only: wp
    use evl_local_variables, only: at_psi_dot_a, at_v_b, i_theta, n_local, n_track
    use evl_rigid_contact, only: rigid_acceleration_gradient, rigid_gradient
@@ -31,24 +31,24 @@ contains
       real(wp), intent(out) :: jacobian(gearbox%n_states, gearbox%n_states)
       type(status_t), intent(inout) :: status
       type(frame_t) :: frame
-      type(jacobian_places) :: places
+      type(jacobian_entries) :: entries
       integer :: i
 
       if (gearbox%housing%acts) call housing_frame(gearbox%housing, t, y, frame, yp)
-      call full_matrix(gearbox%n_states, places)
+      call full_matrix(gearbox%n_states, entries)
       jacobian = 0
-      call add_constants(gearbox, places, jacobian)
-      call add_forces(gearbox, t, y, integers, reals, frame, places, jacobian, status)
+      call add_constants(gearbox, entries, jacobian)
+      call add_forces(gearbox, t, y, integers, reals, frame, entries, jacobian, status)
       if (has_failed(status)) return
       if (gearbox%housing%is_mounted) then
          do i = 1, size(gearbox%wheels)
             call mounted_gradient(gearbox, i, t, y, integers, frame, jacobian)
          end do
       end if
-      call couple_reference(gearbox, places, jacobian)
+      call couple_reference(gearbox, entries, jacobian)
       if (gearbox%housing%is_mounted) call add_housing(gearbox, cj, y, yp, frame, jacobian)
       do i = 1, size(gearbox%contacts)
-         if (gearbox%contacts(i)%leads) call add_multiplier(gearbox, i, t, y, yp, integers, reals, places, jacobian, status)
+         if (gearbox%contacts(i)%leads) call add_multiplier(gearbox, i, t, y, yp, integers, reals, entries, jacobian, status)
       end do
       associate (before => gearbox%i_dissipated - gearbox%n_multipliers - 1, behind => gearbox%i_dissipated)
          do i = 1, gearbox%n_states
@@ -56,10 +56,10 @@ contains
          end do
       end associate
       do i = 1, size(gearbox%contacts)
-         if (is_closed(gearbox, i, integers)) call add_constraint(gearbox, gearbox%contacts(i), y, places, jacobian)
+         if (is_closed(gearbox, i, integers)) call add_constraint(gearbox, gearbox%contacts(i), y, entries, jacobian)
       end do
       do i = 1, size(gearbox%contacts)
-         if (carries_points(gearbox, i, integers)) call add_tracking(gearbox, i, cj, y, yp, integers, reals, places, jacobian)
+         if (carries_points(gearbox, i, integers)) call add_tracking(gearbox, i, cj, y, yp, integers, reals, entries, jacobian)
       end do
    end subroutine gearbox_jacobian
 
@@ -77,11 +77,11 @@ contains
    end subroutine add_housing
 
    !> The row of a multiplier: kappa'' in terms of the rows of the velocities, which hold minus their derivatives.
-   subroutine add_multiplier(gearbox, index, t, y, yp, integers, reals, places, jacobian, status)
+   subroutine add_multiplier(gearbox, index, t, y, yp, integers, reals, entries, jacobian, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index, integers(:)
       real(wp), intent(in) :: t, y(gearbox%n_states), yp(gearbox%n_states), reals(:)
-      type(jacobian_places), intent(in) :: places
+      type(jacobian_entries), intent(in) :: entries
       real(wp), intent(inout) :: jacobian(gearbox%n_states, gearbox%n_states)
       type(status_t), intent(inout) :: status
       real(wp) :: f(gearbox%n_states), q(n_local), rates(n_local), direct(n_local)
@@ -106,16 +106,16 @@ contains
             end associate
          end do
          call rigid_acceleration_gradient(contact%pair, q, rates, direct)
-         call scatter(contact%links, row, 1/contact%mobility, direct, places, jacobian)
+         call scatter(contact%links, row, 1/contact%mobility, direct, entries, jacobian)
       end associate
    end subroutine add_multiplier
 
    !> The rows of the wheel that a closed rigid contact determines: kappa and kappa'.
-   pure subroutine add_constraint(gearbox, contact, y, places, jacobian)
+   pure subroutine add_constraint(gearbox, contact, y, entries, jacobian)
       type(gearbox_t), intent(in) :: gearbox
       type(tooth_contact_t), intent(in) :: contact
       real(wp), intent(in) :: y(:)
-      type(jacobian_places), intent(in) :: places
+      type(jacobian_entries), intent(in) :: entries
       real(wp), intent(inout) :: jacobian(gearbox%n_states, gearbox%n_states)
       real(wp) :: q(n_local)
       type(contact_point) :: point
@@ -125,18 +125,18 @@ contains
       call rigid_gradient(contact%pair, q, point, gradient)
       associate (row => contact%i_dependent)
          jacobian(row:row + 1, :) = 0
-         call scatter(contact%links, row, -1.0_wp, gradient%h, places, jacobian)
-         call scatter(contact%links, row + 1, -1.0_wp, gradient%h_dot, places, jacobian)
+         call scatter(contact%links, row, -1.0_wp, gradient%h, entries, jacobian)
+         call scatter(contact%links, row + 1, -1.0_wp, gradient%h_dot, entries, jacobian)
       end associate
    end subroutine add_constraint
 
    !> The rows of a mesh's tracked variables.
-   pure subroutine add_tracking(gearbox, index, cj, y, yp, integers, reals, places, jacobian)
+   pure subroutine add_tracking(gearbox, index, cj, y, yp, integers, reals, entries, jacobian)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
       real(wp), intent(in) :: cj, y(:), yp(:), reals(:)
       integer, intent(in) :: integers(:)
-      type(jacobian_places), intent(in) :: places
+      type(jacobian_entries), intent(in) :: entries
       real(wp), intent(inout) :: jacobian(gearbox%n_states, gearbox%n_states)
       real(wp) :: q(n_local), rho_a0, local(n_track, n_local)
       type(contact_mode) :: mode
@@ -154,7 +154,7 @@ contains
          end if
          do row = 1, n_track
             jacobian(contact%i_track + row - 1, :) = 0
-            call scatter(contact%links, contact%i_track + row - 1, 1.0_wp, local(row, :), places, jacobian)
+            call scatter(contact%links, contact%i_track + row - 1, 1.0_wp, local(row, :), entries, jacobian)
          end do
       end associate
    end subroutine add_tracking

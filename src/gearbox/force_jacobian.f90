@@ -9,7 +9,7 @@ module evl_force_jacobian
                           wheel_follows_ground, wheel_speed, wheel_t
    use evl_housing, only: at_omega, frame_t
    use evl_housing_jacobian, only: ride_gradient
-   use evl_jacobian_places, only: add_entry, entry_place, jacobian_places
+   use evl_jacobian_entries, only: add_entry, entry_index, jacobian_entries
    use evl_kinds, only: wp
    use evl_load, only: load_damping, load_torque
    use evl_local_variables, only: i_omega, i_theta, local_link, n_local, wheel_link
@@ -32,44 +32,44 @@ module evl_force_jacobian
 contains
 
    !> Add what neither time nor the state changes: rates that are states themselves, supports, dampers and elastic shafts.
-   pure subroutine add_constants(gearbox, places, values)
+   pure subroutine add_constants(gearbox, entries, values)
       type(gearbox_t), intent(in) :: gearbox
-      type(jacobian_places), intent(in) :: places
-      real(wp), intent(inout) :: values(places%n_entries)
+      type(jacobian_entries), intent(in) :: entries
+      real(wp), intent(inout) :: values(entries%n_entries)
       integer :: i, j
 
       do i = 1, size(gearbox%wheels)
          associate (wheel => gearbox%wheels(i), support => gearbox%wheels(i)%support)
-            if (wheel%leader == i .and. wheel%i_psi > 0) call add_entry(places, wheel%i_psi, wheel%i_psi + 1, -1.0_wp, values)
+            if (wheel%leader == i .and. wheel%i_psi > 0) call add_entry(entries, wheel%i_psi, wheel%i_psi + 1, -1.0_wp, values)
             do j = 1, support%n
                associate (s => support%i_state(j))
-                  call add_entry(places, s, s + 1, -1.0_wp, values)
-                  call add_entry(places, s + 1, s, support%stiffness(j)*support%per_mass, values)
-                  call add_entry(places, s + 1, s + 1, support%damping(j)*support%per_mass, values)
+                  call add_entry(entries, s, s + 1, -1.0_wp, values)
+                  call add_entry(entries, s + 1, s, support%stiffness(j)*support%per_mass, values)
+                  call add_entry(entries, s + 1, s + 1, support%damping(j)*support%per_mass, values)
                end associate
             end do
          end associate
       end do
-      call add_entry(places, i_theta, i_omega, -1.0_wp, values)
+      call add_entry(entries, i_theta, i_omega, -1.0_wp, values)
       do i = 1, size(gearbox%loads)
          associate (wheel => gearbox%wheels(gearbox%loads(i)%wheel))
             if (wheel%prescribed == 0) &
-               call add_speed(wheel, wheel%i_speed, load_damping(gearbox%loads(i))*wheel%per_inertia, places, values)
+               call add_speed(wheel, wheel%i_speed, load_damping(gearbox%loads(i))*wheel%per_inertia, entries, values)
          end associate
       end do
       do i = 1, size(gearbox%shafts)
-         call add_shaft_torque(gearbox, i, places, values)
+         call add_shaft_torque(gearbox, i, entries, values)
       end do
    end subroutine add_constants
 
    !> Add all else that the forces bring.
-   subroutine add_forces(gearbox, t, y, integers, reals, frame, places, values, status)
+   subroutine add_forces(gearbox, t, y, integers, reals, frame, entries, values, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t, y(gearbox%n_states), reals(:)
       integer, intent(in) :: integers(:)
       type(frame_t), intent(in) :: frame !! of a housing that acts
-      type(jacobian_places), intent(in) :: places
-      real(wp), intent(inout) :: values(places%n_entries)
+      type(jacobian_entries), intent(in) :: entries
+      real(wp), intent(inout) :: values(entries%n_entries)
       type(status_t), intent(inout) :: status
       type(flank_state) :: at
       real(wp) :: spin
@@ -78,70 +78,70 @@ contains
       spin = 0
       if (gearbox%housing%acts) spin = frame%omega(3)
       do i = 1, size(gearbox%contacts)
-         call add_contact(gearbox, i, y, spin, integers, reals, at, places, values, status)
+         call add_contact(gearbox, i, y, spin, integers, reals, at, entries, values, status)
          if (has_failed(status)) return
       end do
       do i = 1, size(gearbox%shafts)
-         call add_shaft(gearbox, i, y, spin, places, values)
+         call add_shaft(gearbox, i, y, spin, entries, values)
       end do
       do i = 1, size(gearbox%wheels)
-         call add_powers(gearbox, i, y, integers, places, values)
-         if (gearbox%housing%acts) call ride_gradient(gearbox, i, y, frame, places, values)
+         call add_powers(gearbox, i, y, integers, entries, values)
+         if (gearbox%housing%acts) call ride_gradient(gearbox, i, y, frame, entries, values)
       end do
       do i = 1, size(gearbox%loads)
-         call add_load_power(gearbox, i, t, y, integers, places, values)
+         call add_load_power(gearbox, i, t, y, integers, entries, values)
       end do
    end subroutine add_forces
 
    !> What the dampers of a wheel's support take, and the power that drives a prescribed speed.
-   pure subroutine add_powers(gearbox, index, y, integers, places, values)
+   pure subroutine add_powers(gearbox, index, y, integers, entries, values)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
       real(wp), intent(in) :: y(gearbox%n_states)
       integer, intent(in) :: integers(:)
-      type(jacobian_places), intent(in) :: places
-      real(wp), intent(inout) :: values(places%n_entries)
+      type(jacobian_entries), intent(in) :: entries
+      real(wp), intent(inout) :: values(entries%n_entries)
       integer :: j
 
       associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support)
          do j = 1, support%n
             associate (rate => support%i_state(j) + 1)
-               call add_entry(places, gearbox%i_dissipated, rate, -2*support%damping(j)*y(rate), values)
+               call add_entry(entries, gearbox%i_dissipated, rate, -2*support%damping(j)*y(rate), values)
             end associate
          end do
          if (wheel%prescribed > 0) &
-            call add_speed(wheel, gearbox%i_work, -wheel%inertia*wheel_acceleration(gearbox, index, 0.0_wp, integers), places, &
+            call add_speed(wheel, gearbox%i_work, -wheel%inertia*wheel_acceleration(gearbox, index, 0.0_wp, integers), entries, &
                            values)
       end associate
    end subroutine add_powers
 
    !> The power of a load on a wheel whose speed is not prescribed.
-   pure subroutine add_load_power(gearbox, index, t, y, integers, places, values)
+   pure subroutine add_load_power(gearbox, index, t, y, integers, entries, values)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index !! of the load
       real(wp), intent(in) :: t, y(gearbox%n_states)
       integer, intent(in) :: integers(:)
-      type(jacobian_places), intent(in) :: places
-      real(wp), intent(inout) :: values(places%n_entries)
+      type(jacobian_entries), intent(in) :: entries
+      real(wp), intent(inout) :: values(entries%n_entries)
       real(wp) :: omega
 
       associate (load => gearbox%loads(index), wheel => gearbox%wheels(gearbox%loads(index)%wheel))
          if (wheel%prescribed > 0) return
          omega = wheel_speed(wheel, y)
          call add_speed(wheel, gearbox%i_work, load_damping(load)*omega - load_torque(load, t, omega, segment_of(load, integers)), &
-                        places, values)
+                        entries, values)
       end associate
    end subroutine add_load_power
 
    !> A tooth contact, if it touches, in the rows of its wheels, their supports and the energies.
-   subroutine add_contact(gearbox, index, y, spin, integers, reals, at, places, values, status)
+   subroutine add_contact(gearbox, index, y, spin, integers, reals, at, entries, values, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
       real(wp), intent(in) :: y(gearbox%n_states), spin, reals(:)
       integer, intent(in) :: integers(:)
       type(flank_state), intent(inout) :: at !! of an earlier contact, or none
-      type(jacobian_places), intent(in) :: places
-      real(wp), intent(inout) :: values(places%n_entries)
+      type(jacobian_entries), intent(in) :: entries
+      real(wp), intent(inout) :: values(entries%n_entries)
       type(status_t), intent(inout) :: status
       real(wp) :: rho_a0
       type(contact_force) :: force
@@ -155,13 +155,13 @@ contains
          rho_a0 = nominal_rho(contact, y(i_theta), integers(i_turns), mode%tooth_pair)
          call contact_gradient_at(contact, mode, rho_a0, at%q, at%line, force, gradient, status)
          if (has_failed(status)) return
-         call add_torque(gearbox, contact, contact%wheel_a, force%torque_a, gradient%torque_a, y, spin, places, values)
-         call add_torque(gearbox, contact, contact%wheel_b, force%torque_b, gradient%torque_b, y, spin, places, values)
-         call add_push(contact%links, contact%link_a, gearbox%wheels(contact%wheel_a)%support%per_mass, gradient%on_a, places, &
+         call add_torque(gearbox, contact, contact%wheel_a, force%torque_a, gradient%torque_a, y, spin, entries, values)
+         call add_torque(gearbox, contact, contact%wheel_b, force%torque_b, gradient%torque_b, y, spin, entries, values)
+         call add_push(contact%links, contact%link_a, gearbox%wheels(contact%wheel_a)%support%per_mass, gradient%on_a, entries, &
                        values)
-         call add_push(contact%links, contact%link_b, -gearbox%wheels(contact%wheel_b)%support%per_mass, gradient%on_a, places, &
+         call add_push(contact%links, contact%link_b, -gearbox%wheels(contact%wheel_b)%support%per_mass, gradient%on_a, entries, &
                        values)
-         call scatter(contact%links, gearbox%i_dissipated, -1.0_wp, gradient%dissipation, places, values)
+         call scatter(contact%links, gearbox%i_dissipated, -1.0_wp, gradient%dissipation, entries, values)
       end associate
    end subroutine add_contact
 
@@ -184,76 +184,76 @@ contains
    end subroutine look_at_flank
 
    !> A contact's torque on a wheel: it accelerates the wheel, or, if its speed is prescribed, is carried by the load.
-   pure subroutine add_torque(gearbox, contact, index, torque, gradient, y, spin, places, values)
+   pure subroutine add_torque(gearbox, contact, index, torque, gradient, y, spin, entries, values)
       type(gearbox_t), intent(in) :: gearbox
       type(tooth_contact_t), intent(in) :: contact
       integer, intent(in) :: index !! of the wheel
       real(wp), intent(in) :: torque, gradient(n_local), y(gearbox%n_states), spin
-      type(jacobian_places), intent(in) :: places
-      real(wp), intent(inout) :: values(places%n_entries)
+      type(jacobian_entries), intent(in) :: entries
+      real(wp), intent(inout) :: values(entries%n_entries)
 
       associate (wheel => gearbox%wheels(index), work => gearbox%i_work)
          if (wheel%prescribed == 0) then
-            call scatter(contact%links, wheel%i_speed, -wheel%per_inertia, gradient, places, values)
+            call scatter(contact%links, wheel%i_speed, -wheel%per_inertia, gradient, entries, values)
             return
          end if
-         call scatter(contact%links, work, wheel_speed(wheel, y), gradient, places, values)
-         call add_speed(wheel, work, torque, places, values)
+         call scatter(contact%links, work, wheel_speed(wheel, y), gradient, entries, values)
+         call add_speed(wheel, work, torque, entries, values)
          if (.not. (gearbox%housing%is_mounted .and. wheel_follows_ground(gearbox, index))) return
          ! the torque of a speed prescribed against the ground balances the contacts, and acts on the housing
          associate (o => gearbox%housing%i_state + at_omega + 2)
-            call scatter(contact%links, work, spin, gradient, places, values)
-            call scatter(contact%links, o, 1.0_wp, gradient, places, values)
-            call add_entry(places, work, o, torque, values)
+            call scatter(contact%links, work, spin, gradient, entries, values)
+            call scatter(contact%links, o, 1.0_wp, gradient, entries, values)
+            call add_entry(entries, work, o, torque, values)
          end associate
       end associate
    end subroutine add_torque
 
    !> A contact's force on the support of a wheel.
-   pure subroutine add_push(links, wheel, per_mass, gradient, places, values)
+   pure subroutine add_push(links, wheel, per_mass, gradient, entries, values)
       type(local_link), intent(in), contiguous :: links(:)
       type(wheel_link), intent(in) :: wheel
       real(wp), intent(in) :: per_mass !! inverse mass, negative for B, which feels the opposite
       real(wp), intent(in) :: gradient(n_local, 2)
-      type(jacobian_places), intent(in) :: places
-      real(wp), intent(inout) :: values(places%n_entries)
+      type(jacobian_entries), intent(in) :: entries
+      real(wp), intent(inout) :: values(entries%n_entries)
       real(wp) :: along(n_local)
       integer :: j
 
       do j = 1, wheel%n
          along = wheel%along_t(j)*gradient(:, 1) + wheel%along_e(j)*gradient(:, 2)
-         call scatter(links, wheel%i_state(j) + 1, -per_mass, along, places, values)
+         call scatter(links, wheel%i_state(j) + 1, -per_mass, along, entries, values)
       end do
    end subroutine add_push
 
    !> Add a multiple of derivatives with respect to local variables to a row.
-   pure subroutine scatter(links, row, factor, gradient, places, values)
+   pure subroutine scatter(links, row, factor, gradient, entries, values)
       type(local_link), intent(in), contiguous :: links(:)
       integer, intent(in) :: row
       real(wp), intent(in) :: factor, gradient(n_local)
-      type(jacobian_places), intent(in) :: places
-      real(wp), intent(inout) :: values(places%n_entries)
+      type(jacobian_entries), intent(in) :: entries
+      real(wp), intent(inout) :: values(entries%n_entries)
       integer :: i
 
       do i = 1, size(links)
-         call add_entry(places, row, links(i)%state, factor*links(i)%weight*gradient(links(i)%local), values)
+         call add_entry(entries, row, links(i)%state, factor*links(i)%weight*gradient(links(i)%local), values)
       end do
    end subroutine scatter
 
    !> Complete the rows of the rotors' speeds: psi'' = phi'' - g theta''.
-   pure subroutine couple_reference(gearbox, places, values)
+   pure subroutine couple_reference(gearbox, entries, values)
       type(gearbox_t), intent(in) :: gearbox
-      type(jacobian_places), intent(in) :: places
-      real(wp), intent(inout) :: values(places%n_entries)
+      type(jacobian_entries), intent(in) :: entries
+      real(wp), intent(inout) :: values(entries%n_entries)
       integer :: i, j, from, to
 
       do i = 1, size(gearbox%wheels)
          associate (wheel => gearbox%wheels(i))
             if (wheel%leader /= i .or. wheel%i_psi == 0) cycle
-            do j = 1, places%n
-               from = entry_place(places, i_omega, j)
+            do j = 1, entries%n
+               from = entry_index(entries, i_omega, j)
                if (from == 0) cycle
-               to = entry_place(places, wheel%i_speed, j)
+               to = entry_index(entries, wheel%i_speed, j)
                values(to) = values(to) - wheel%ratio*values(from)
             end do
          end associate

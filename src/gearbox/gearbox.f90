@@ -22,7 +22,7 @@ module evl_gearbox
    use evl_gear, only: gear_t
    use evl_gears_in_mesh, only: gear_mesh_t
    use evl_housing, only: housing_t
-   use evl_jacobian_places, only: add_entry, jacobian_places
+   use evl_jacobian_entries, only: add_entry, jacobian_entries
    use evl_kinds, only: wp
    use evl_load, only: load_acceleration, load_damping, load_t, load_torque
    use evl_local_variables, only: i_omega, n_local
@@ -46,7 +46,7 @@ module evl_gearbox
    integer, parameter :: support_slider = 1  !! it moves in one direction
    integer, parameter :: support_bearing = 2 !! it moves in x and y
 
-   integer, parameter :: i_turns = 1 !! place of the turns in the discrete state
+   integer, parameter :: i_turns = 1 !! index of the turns in the discrete state
 
    !> What carries an axle: up to two directions, each with spring and damper.
    type :: support_t
@@ -57,7 +57,7 @@ module evl_gearbox
       real(wp) :: per_mass = 0.0_wp          !! its inverse
       real(wp) :: stiffness(2) = 0.0_wp      !! [N/m]
       real(wp) :: damping(2) = 0.0_wp        !! [N s/m]
-      integer :: i_state(2) = 0              !! place of s_j in the state; s_j' follows
+      integer :: i_state(2) = 0              !! index of s_j in the state; s_j' follows
    end type support_t
 
    type :: wheel_t
@@ -74,8 +74,8 @@ module evl_gearbox
       real(wp) :: rotor_inertia = 0.0_wp     !! of all wheels of its rotor about the axle [kg m^2]
       real(wp) :: per_inertia = 0.0_wp       !! its inverse
       logical :: is_loaded = .false.         !! whether there is a load on it
-      integer :: i_psi = 0                   !! place of psi in the state, psi' follows; 0 in the rotor of the reference wheel
-      integer :: i_speed = 0                 !! place of its speed's rate among the rows: i_omega or i_psi + 1
+      integer :: i_psi = 0                   !! index of psi in the state, psi' follows; 0 in the rotor of the reference wheel
+      integer :: i_speed = 0                 !! index of its speed's rate among the rows: i_omega or i_psi + 1
       integer :: prescribed = 0              !! load that prescribes the speed of its rotor; 0: none
       type(support_t) :: support
       type(flank_deviation_t) :: deviation   !! of its flanks from the involute
@@ -93,14 +93,14 @@ module evl_gearbox
       type(gear_mesh_t), allocatable :: gear_meshes(:) !! of each mesh, the same
       type(mesh_reference_t), allocatable :: references(:) !! each mesh at its nominal load
       type(housing_t) :: housing
-      integer, allocatable :: output_offsets(:), output_counts(:) !! places of what it tells among the values, offsets from 0
+      integer, allocatable :: output_offsets(:), output_counts(:) !! indices of what it tells among the values, offsets from 0
       real(wp), allocatable :: constants(:)             !! values of the outputs at its beginning, which do not change
       type(status_t), allocatable :: warnings(:) !! of the creation
       integer :: reference = 1               !! wheel whose angle is theta, the leader of its rotor
       integer :: n_states = 0, n_integers = 0, n_values = 0 !! lengths of the state, the discrete state and the outputs
       integer :: n_multipliers = 0            !! flanks with rigid contact
       integer :: n_roots = 0                  !! root functions
-      integer :: i_dissipated = 0, i_work = 0 !! places of the two energies in the state
+      integer :: i_dissipated = 0, i_work = 0 !! indices of the two energies in the state
    end type gearbox_t
 
 contains
@@ -226,15 +226,15 @@ contains
    end function wheel_speed
 
    !> Add a multiple of a wheel's speed gradient to a row.
-   pure subroutine add_speed(wheel, row, factor, places, values)
+   pure subroutine add_speed(wheel, row, factor, entries, values)
       type(wheel_t), intent(in) :: wheel
       integer, intent(in) :: row !! of a Jacobian
       real(wp), intent(in) :: factor
-      type(jacobian_places), intent(in) :: places
-      real(wp), intent(inout) :: values(places%n_entries)
+      type(jacobian_entries), intent(in) :: entries
+      real(wp), intent(inout) :: values(entries%n_entries)
 
-      call add_entry(places, row, i_omega, wheel%ratio*factor, values)
-      if (wheel%i_psi > 0) call add_entry(places, row, wheel%i_psi + 1, factor, values)
+      call add_entry(entries, row, i_omega, wheel%ratio*factor, values)
+      if (wheel%i_psi > 0) call add_entry(entries, row, wheel%i_psi + 1, factor, values)
    end subroutine add_speed
 
    !> Sum of the torques that the loads of a wheel know; that of a prescribed speed is not among them [N m].

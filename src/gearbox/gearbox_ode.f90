@@ -12,7 +12,7 @@ module evl_gearbox_ode
    use evl_gearbox_rates, only: gearbox_rates
    use evl_gearbox_watch, only: n_channels
    use evl_housing, only: frame_t, housing_fixed, housing_frame
-   use evl_jacobian_places, only: jacobian_places, listed_entries
+   use evl_jacobian_entries, only: jacobian_entries, listed_entries
    use evl_kinds, only: lanes, wp
    use evl_local_variables, only: i_omega, i_theta
    use evl_ode_model, only: growth_by_coupling, growth_by_damping, growth_never, never, ode_model
@@ -35,7 +35,7 @@ module evl_gearbox_ode
       type(gearbox_t), pointer, private :: gearbox => null()
       integer, allocatable, private :: integers(:) !! discrete state
       real(wp), allocatable, private :: reals(:)   !! discrete state
-      type(jacobian_places), private :: places     !! of the entries of the Jacobian
+      type(jacobian_entries), private :: entries     !! of the Jacobian
       real(wp), allocatable, private :: constants(:) !! [nnz] what never changes in dF/dy, psi'' not yet coupled with theta''
       logical, private :: in_lanes = .false.       !! whether eight states can be evaluated at once
       type(lane_slot), pointer, private :: slots(:) => null() !! [tooth contacts] for evaluations in lanes, which change them
@@ -96,9 +96,9 @@ contains
       self%integers = 0
       self%reals = 0
       call find_pattern(gearbox, self%jacobian_row, self%jacobian_column)
-      call listed_entries(gearbox%n_states, self%jacobian_row, self%jacobian_column, self%places)
-      allocate (self%constants(self%places%n_entries), source=0.0_wp)
-      call add_constants(gearbox, self%places, self%constants)
+      call listed_entries(gearbox%n_states, self%jacobian_row, self%jacobian_column, self%entries)
+      allocate (self%constants(self%entries%n_entries), source=0.0_wp)
+      call add_constants(gearbox, self%entries, self%constants)
    end subroutine gearbox_ode_create
 
    !> Whether a vibration may feed itself: where friction falls, by friction at all, or by what a moving housing adds. Loads,
@@ -186,9 +186,9 @@ contains
 
       if (self%gearbox%housing%acts) call housing_frame(self%gearbox%housing, t, y, frame)
       values = self%constants
-      call add_forces(self%gearbox, t, y, self%integers, self%reals, frame, self%places, values, status)
+      call add_forces(self%gearbox, t, y, self%integers, self%reals, frame, self%entries, values, status)
       if (has_failed(status)) return
-      call couple_reference(self%gearbox, self%places, values)
+      call couple_reference(self%gearbox, self%entries, values)
       values = -values
    end subroutine jacobian
 

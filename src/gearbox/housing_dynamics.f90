@@ -230,17 +230,17 @@ contains
    contains
 
       !> m |velocity seen from the ground|^2/2.
-      pure real(wp) function mass_energy(mass, place, rate) result(energy)
-         real(wp), intent(in) :: mass, place(3), rate(3)
+      pure real(wp) function mass_energy(mass, position, rate) result(energy)
+         real(wp), intent(in) :: mass, position(3), rate(3)
 
-         energy = mass*sum((turned_back(frame%rotation, frame%velocity) + cross(frame%omega, place) + rate)**2)/2
+         energy = mass*sum((turned_back(frame%rotation, frame%velocity) + cross(frame%omega, position) + rate)**2)/2
       end function mass_energy
 
       !> m g . position.
-      pure real(wp) function weight(mass, place) result(energy)
-         real(wp), intent(in) :: mass, place(3)
+      pure real(wp) function weight(mass, position) result(energy)
+         real(wp), intent(in) :: mass, position(3)
 
-         energy = mass*dot_product(gearbox%housing%gravity, frame%position + turned(frame%rotation, place))
+         energy = mass*dot_product(gearbox%housing%gravity, frame%position + turned(frame%rotation, position))
       end function weight
 
    end subroutine ground_energies

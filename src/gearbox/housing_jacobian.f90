@@ -7,7 +7,7 @@ module evl_housing_jacobian
    use evl_housing, only: apparent_acceleration, at_omega, at_orientation, at_position, at_velocity, frame_acceleration, &
                           frame_t, housing_t, mount_force, n_housing_states, norm_rate
    use evl_housing_dynamics, only: wheel_accelerations
-   use evl_jacobian_places, only: add_entry, full_matrix, jacobian_places
+   use evl_jacobian_entries, only: add_entry, full_matrix, jacobian_entries
    use evl_kinds, only: wp
    use evl_load, only: load_damping
    use evl_local_variables, only: i_omega
@@ -20,38 +20,38 @@ module evl_housing_jacobian
 contains
 
    !> Add what one wheel and its support feel, before the rows of psi' are coupled with that of the reference wheel.
-   pure subroutine ride_gradient(gearbox, index, y, frame, places, values)
+   pure subroutine ride_gradient(gearbox, index, y, frame, entries, values)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
       real(wp), intent(in) :: y(:)
       type(frame_t), intent(in) :: frame !! at y, y'
-      type(jacobian_places), intent(in) :: places
-      real(wp), intent(inout) :: values(places%n_entries)
+      type(jacobian_entries), intent(in) :: entries
+      real(wp), intent(inout) :: values(entries%n_entries)
       real(wp) :: centre(3), velocity(3), by_centre(3, 3), row(3), d(3)
       integer :: j, k
 
       associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support, work => gearbox%i_work)
          call wheel_position(wheel, y, centre, velocity)
          if (wheel%prescribed == 0) &
-            call add_speed(wheel, work, -wheel_spin_torque(gearbox, index, frame%omega(3)), places, values)
+            call add_speed(wheel, work, -wheel_spin_torque(gearbox, index, frame%omega(3)), entries, values)
          by_centre = gradient_by_centre(frame)
          do j = 1, support%n
             row = [support%direction(:, j), 0.0_wp]
             do k = 1, support%n
                d = [support%direction(:, k), 0.0_wp]
                associate (i => support%i_state(j) + 1, s => support%i_state(k))
-                  call add_entry(places, i, s, dot_product(row, turned(by_centre, d)), values)
-                  call add_entry(places, i, s + 1, 2*dot_product(row, cross(frame%omega, d)), values)
+                  call add_entry(entries, i, s, dot_product(row, turned(by_centre, d)), values)
+                  call add_entry(entries, i, s + 1, 2*dot_product(row, cross(frame%omega, d)), values)
                end associate
             end do
          end do
          if (gearbox%housing%is_mounted) return
-         if (wheel_follows_ground(gearbox, index)) call add_speed(wheel, work, wheel%inertia*frame%alpha(3), places, values)
+         if (wheel_follows_ground(gearbox, index)) call add_speed(wheel, work, wheel%inertia*frame%alpha(3), entries, values)
          do k = 1, support%n
             d = [support%direction(:, k), 0.0_wp]
             associate (s => support%i_state(k))
-               call add_entry(places, work, s, support%mass*dot_product(velocity, turned(by_centre, d)), values)
-               call add_entry(places, work, s + 1, support%mass*dot_product(d, frame_acceleration(frame, centre)), values)
+               call add_entry(entries, work, s, support%mass*dot_product(velocity, turned(by_centre, d)), values)
+               call add_entry(entries, work, s + 1, support%mass*dot_product(d, frame_acceleration(frame, centre)), values)
             end associate
          end do
       end associate
@@ -92,11 +92,11 @@ contains
       integer, intent(in) :: integers(:)
       type(frame_t), intent(in) :: frame
       real(wp), intent(inout) :: jacobian(gearbox%n_states, gearbox%n_states)
-      type(jacobian_places) :: places
+      type(jacobian_entries) :: entries
       real(wp) :: damping, damping_housing, omega, total, ground, by_speed, by_spin
       integer :: i
 
-      call full_matrix(gearbox%n_states, places)
+      call full_matrix(gearbox%n_states, entries)
       damping = 0
       damping_housing = 0
       do i = 1, size(gearbox%loads)
@@ -124,11 +124,11 @@ contains
             jacobian(wheel%i_speed, o) = jacobian(wheel%i_speed, o) + damping/wheel%rotor_inertia
             jacobian(work, o) = jacobian(work, o) + damping*omega
          else
-            call add_speed(wheel, work, -wheel%inertia*frame%alpha(3), places, jacobian)
+            call add_speed(wheel, work, -wheel%inertia*frame%alpha(3), entries, jacobian)
          end if
-         call add_speed(wheel, work, -spin*by_speed, places, jacobian)
+         call add_speed(wheel, work, -spin*by_speed, entries, jacobian)
          jacobian(work, o) = jacobian(work, o) - ground - spin*by_spin
-         call add_speed(wheel, o, -by_speed, places, jacobian)
+         call add_speed(wheel, o, -by_speed, entries, jacobian)
          jacobian(o, o) = jacobian(o, o) - by_spin
       end associate
    end subroutine ground_gradient
@@ -301,14 +301,14 @@ contains
       real(wp), intent(in) :: y(:), yp(:)
       real(wp), intent(inout) :: wrench(6, n_housing_states)
       real(wp), intent(inout) :: jacobian(gearbox%n_states, gearbox%n_states)
-      type(jacobian_places) :: places
+      type(jacobian_entries) :: entries
       real(wp) :: centre(3), velocity(3), acceleration(3), total(3), turn, spin, d(3), by_place(3), by_rate(3)
       integer, parameter :: o = at_omega + 1
       integer :: j
 
       associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support, omega => frame%omega, &
                  row => gearbox%housing%i_state + at_velocity)
-         call full_matrix(gearbox%n_states, places)
+         call full_matrix(gearbox%n_states, entries)
          call wheel_position(wheel, y, centre, velocity)
          call wheel_accelerations(wheel, yp, turn, acceleration)
          total = apparent_acceleration(frame, centre, velocity) + acceleration
@@ -319,8 +319,8 @@ contains
             wrench(5, o) = wrench(5, o) - spin
             wrench(5, o + 2) = wrench(5, o + 2) - omega(1)*difference
          end associate
-         call add_speed(wheel, row + 3, wheel%inertia*omega(2), places, jacobian)
-         call add_speed(wheel, row + 4, -wheel%inertia*omega(1), places, jacobian)
+         call add_speed(wheel, row + 3, wheel%inertia*omega(2), entries, jacobian)
+         call add_speed(wheel, row + 4, -wheel%inertia*omega(1), entries, jacobian)
          do j = 1, support%n
             d = [support%direction(:, j), 0.0_wp]
             by_place = turned(gradient_by_centre(frame), d)

@@ -28,7 +28,7 @@ contains
    !> by its leader.
    subroutine gearbox_state_name(gearbox, index, name, units)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index            !! place in the state
+      integer, intent(in) :: index            !! index in the state
       character(len=*), intent(out) :: name   !! such as "angle_deviation_1"
       character(len=*), intent(out) :: units  !! "1" if without
       integer :: i, j

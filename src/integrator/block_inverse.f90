@@ -57,12 +57,12 @@ contains
       end do
    end subroutine invert_blocks
 
-   !> x = a b, each row in its place.
-   pure subroutine apply_inverse(n, a, b, place, x)
+   !> x = a b, each row where it belongs.
+   pure subroutine apply_inverse(n, a, b, row_of, x)
       integer, intent(in) :: n
       real(wp), intent(in) :: a(n_systems, 2, n, n) !! as above
       real(wp), intent(in) :: b(n_systems, 2, n)
-      integer, intent(in) :: place(n) !! of row i in x
+      integer, intent(in) :: row_of(n) !! of row i in x
       real(wp), intent(inout) :: x(n_systems, 2, *)
       real(wp) :: total(n_systems, 2)
       integer :: i, j
@@ -72,7 +72,7 @@ contains
          do j = 1, n
             call add_product(a(:, :, j, i), b(:, :, j), total)
          end do
-         x(:, :, place(i)) = total
+         x(:, :, row_of(i)) = total
       end do
    end subroutine apply_inverse
 

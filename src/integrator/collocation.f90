@@ -56,7 +56,7 @@ contains
       end do
    end subroutine lagrange_at
 
-   !> The same at eight places: combine(matrix, values at the nodes) gives the values at tau.
+   !> The same at eight times: combine(matrix, values at the nodes) gives the values at tau.
    pure subroutine lagrange_matrix(tau, matrix)
       real(wp), intent(in) :: tau(lanes)
       real(wp), intent(out) :: matrix(lanes, lanes)
@@ -123,7 +123,7 @@ contains
    pure real(wp) function zero_between(left, right, values, accuracy) result(tau)
       real(wp), intent(in) :: left, right
       real(wp), intent(in) :: values(lanes)
-      real(wp), intent(in) :: accuracy !! of the place, over the interval
+      real(wp), intent(in) :: accuracy !! of the time, over the interval
       integer, parameter :: most_turns = 40
       real(wp) :: a, b, at_a, at_b, value, small
       integer :: side, turn

@@ -22,7 +22,7 @@ module evl_condensed_systems
 
    integer, parameter :: most_inverted = 8 !! unknowns up to which inverses are faster than factors
 
-   !> What the pattern tells, and the factors. `_entry`: place in J; kept and kinematic rows are counted from 1 each.
+   !> What the pattern tells, and the factors. `_entry`: index in J; kept and kinematic rows are counted from 1 each.
    type :: condensed_t
       integer :: n = 0                         !! unknowns
       integer, allocatable :: kept(:)          !! [n_kept] unknowns of the condensed systems, the v
@@ -80,7 +80,7 @@ contains
    !> Rows that may be condensed: none of them has the unknown of another one.
    pure subroutine find_kinematic(n, entry_of, partner)
       integer, intent(in) :: n
-      integer, intent(in) :: entry_of(n, n) !! place of each entry in J, 0 if there is none
+      integer, intent(in) :: entry_of(n, n) !! index of each entry in J, 0 if there is none
       integer, intent(out) :: partner(n)    !! unknown beside the diagonal, 0 in a row that is kept
       integer :: i, j
 

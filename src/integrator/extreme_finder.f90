@@ -4,11 +4,11 @@
 !> sharper and dearer than the one before:
 !>
 !> - No channel leaves its value at the start by more than `most_between` times the largest distance of its values at the nodes.
-!> - Between the nodes and `n_between` places among them, no polynomial of degree 7 rises further above the largest of its
+!> - Between the nodes and `n_between` times among them, no polynomial of degree 7 rises further above the largest of its
 !>   values than `most_hidden` of their range (found by linear programming).
-!> - Of each maximum of the interpolant that is left, the place is sought.
+!> - Of each maximum of the interpolant that is left, the time is sought.
 !>
-!> What passes is a candidate: the caller asks the model itself, around the place.
+!> What passes is a candidate: the caller asks the model itself, around that time.
 module evl_extreme_finder
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_collocation, only: combine, extremum_between, lagrange_matrix, node_slopes, polynomial_at
@@ -30,15 +30,15 @@ module evl_extreme_finder
    real(wp), parameter :: nearly = 1.0e-5_wp     !! of range and value: what a value at a node may differ from that of its state
 
    real(wp), parameter :: between(n_between) = [0.085_wp, 0.205_wp, 0.28_wp, 0.405_wp, 0.485_wp, 0.665_wp, 0.85_wp, 0.97_wp]
-   !> Nodes and places between them from left to right, as numbers in [node, between].
+   !> Nodes and times between them from left to right, as numbers in [node, between].
    integer, parameter :: in_time(n_samples) = [8, 1, 9, 2, 10, 11, 3, 12, 13, 4, 14, 5, 15, 6, 16, 7]
-   real(wp), parameter :: sample_place(n_samples) = [node, between]
+   real(wp), parameter :: sample_tau(n_samples) = [node, between]
 
    !> A maximum, or a minimum, of the interpolant that may exceed what was reached before.
    type :: candidate_t
       integer :: channel = 0
       integer :: sense = 1               !! 1 maximum, -1 minimum
-      real(wp) :: place = 0              !! in units of the step
+      real(wp) :: tau = 0                !! in units of the step
       real(wp) :: left = 0, right = 0    !! it lies between these
       real(wp) :: value = 0              !! of the interpolant
    end type candidate_t
@@ -128,22 +128,22 @@ contains
          if (here < enough) cycle
          if (sense*samples(in_time(max(i - 1, 1))) > here) cycle
          if (i < n_samples .and. sense*samples(in_time(min(i + 1, n_samples))) >= here) cycle
-         candidate = candidate_t(channel=channel, sense=sense, place=sample_place(in_time(i)), &
-                                 left=sample_place(in_time(max(i - 1, 1))), right=sample_place(in_time(min(i + 1, n_samples))))
+         candidate = candidate_t(channel=channel, sense=sense, tau=sample_tau(in_time(i)), &
+                                 left=sample_tau(in_time(max(i - 1, 1))), right=sample_tau(in_time(min(i + 1, n_samples))))
          if (ends_outward()) then
             if (here + nearly*(range + abs(here)) <= sense*limit) cycle
             n = n + 1
-            candidate%left = candidate%place
-            candidate%right = candidate%place
+            candidate%left = candidate%tau
+            candidate%right = candidate%tau
             candidate%value = sense*here
             found(n) = candidate
             cycle
          end if
          if (rises(candidate%left) .and. .not. rises(candidate%right)) &
-            candidate%place = extremum_between(candidate%left, candidate%right, slopes)
-         candidate%value = polynomial_at(candidate%place, values)
+            candidate%tau = extremum_between(candidate%left, candidate%right, slopes)
+         candidate%value = polynomial_at(candidate%tau, values)
          if (sense*candidate%value < here) then ! the interpolant has several extrema here
-            candidate%place = sample_place(in_time(i))
+            candidate%tau = sample_tau(in_time(i))
             candidate%value = samples(in_time(i))
          end if
          if (sense*candidate%value + roughness*range <= sense*limit) cycle
@@ -164,10 +164,10 @@ contains
       end function ends_outward
 
       !> Whether the interpolant rises there, in the sense of the search.
-      pure logical function rises(place)
-         real(wp), intent(in) :: place
+      pure logical function rises(tau)
+         real(wp), intent(in) :: tau
 
-         rises = sense*polynomial_at(place, slopes) > 0
+         rises = sense*polynomial_at(tau, slopes) > 0
       end function rises
 
    end subroutine list_maxima

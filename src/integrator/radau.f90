@@ -165,7 +165,7 @@ module evl_radau
          class(ode_model), intent(in) :: model
          real(wp), intent(in) :: high(:), low(:)      !! [n_watched] extremes so far; +huge and -huge if nobody asks
          integer, intent(out) :: n
-         type(candidate_t), intent(inout) :: found(:) !! [most_candidates n_rows] places in units of `radau_step`
+         type(candidate_t), intent(inout) :: found(:) !! [most_candidates n_rows] times in units of `radau_step`
       end subroutine radau_look
 
       !> Keep what the first step after an event could be: the same event comes again.
@@ -348,12 +348,12 @@ contains
       logical, intent(inout) :: to_stop
       real(wp), parameter :: past = 5.0e-5_wp      !! of the way to the event
       real(wp), parameter :: nearest = 1.0e-6_wp   !! of the step: an event that is as near needs no step of its own
-      real(wp) :: place
+      real(wp) :: tau
 
       if (.not. self%old_h > 0 .or. self%roots%n == 0) return
-      place = forecast_crossing(self%roots, h/self%old_h)
-      if (place*(1 + past) >= 1 .or. place < nearest .or. place*h < 4*smallest_step*abs(self%t)) return
-      h = place*(1 + past)*h
+      tau = forecast_crossing(self%roots, h/self%old_h)
+      if (tau*(1 + past) >= 1 .or. tau < nearest .or. tau*h < 4*smallest_step*abs(self%t)) return
+      h = tau*(1 + past)*h
       to_stop = .false.
    end subroutine fit_event
 

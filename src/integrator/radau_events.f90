@@ -88,7 +88,7 @@ contains
       logical :: good
 
       done = .false.
-      at = self%roots%place(first)*h
+      at = self%roots%tau(first)*h
       at_next = at
       if (at <= smallest_step*abs(self%t)) then
          call fire_at_start(self, first, h)
@@ -163,7 +163,7 @@ contains
       real(wp), intent(out) :: slope
       real(wp) :: basis(lanes)
 
-      call lagrange_at(roots%place(i), basis)
+      call lagrange_at(roots%tau(i), basis)
       slope = sum(basis*roots%slope(:, i))
    end subroutine slope_at
 
@@ -172,14 +172,14 @@ contains
       type(radau_t), intent(inout) :: self
       integer, intent(in) :: first
       real(wp), intent(in) :: h
-      real(wp), parameter :: accuracy = 1.0e-4_wp !! of a place on the first polynomial, in units of the step
+      real(wp), parameter :: accuracy = 1.0e-4_wp !! of a time on the first polynomial, in units of the step
       real(wp) :: same_time, later
       integer :: i
 
       same_time = 1.0e-12_wp + smallest_step*abs(self%t)/h
       do i = 1, self%roots%n
          if (self%roots%change(i) == 0) cycle
-         later = self%roots%place(i) - self%roots%place(first)
+         later = self%roots%tau(i) - self%roots%tau(first)
          if (later <= same_time .or. (later < accuracy .and. self%roots%value(i)*self%roots%change(i) > 0)) then
             self%fired(i) = self%roots%change(i)
          end if

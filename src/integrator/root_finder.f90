@@ -32,7 +32,7 @@ module evl_root_finder
       integer :: n = 0
       real(wp), allocatable :: g(:, :)      !! [8, n] values at the nodes
       real(wp), allocatable :: slope(:, :)  !! [8, n] slopes of their interpolants, per step
-      real(wp), allocatable :: value(:)     !! [n] values at one place
+      real(wp), allocatable :: value(:)     !! [n] values at one time
       real(wp), allocatable :: y(:)         !! state there
       integer, allocatable :: sign_now(:)   !! [n] at the end of the last step; 0: not known yet
       integer, allocatable :: sign_after(:) !! [n] at the end of the step last searched
@@ -45,7 +45,7 @@ module evl_root_finder
       integer, allocatable :: change(:)     !! [n] first crossing that counts: +1 rising, -1 falling, 0 none
       real(wp), allocatable :: left(:), right(:) !! [n] bracket of that crossing, in units of the step
       real(wp), allocatable :: at_left(:), at_right(:) !! [n] values there, of different sign
-      real(wp), allocatable :: place(:)     !! [n] the crossing, of a function with a `change`
+      real(wp), allocatable :: tau(:)       !! [n] the crossing, in units of the step, of a function with a `change`
       integer :: evaluations = 0            !! of the root functions, scalar ones
    end type root_finder_t
 
@@ -66,7 +66,7 @@ contains
       self%n = n
       allocate (self%g(lanes, n), self%slope(lanes, n), self%value(n), self%y(model%n), self%sign_now(n), self%sign_after(n), &
                 self%direction(n), self%live(n), self%near(n), self%fresh(n), self%change(n), self%left(n), self%right(n), &
-                self%at_left(n), self%at_right(n), self%place(n))
+                self%at_left(n), self%at_right(n), self%tau(n))
       self%fresh = .false.
       self%sign_now = 0
    end subroutine root_finder_create
@@ -126,9 +126,9 @@ contains
          if (self%change(i) == 0) cycle
          call locate(self, model, step, y, z, i, status)
          if (has_failed(status)) return
-         if (self%place(i) < earliest) then
+         if (self%tau(i) < earliest) then
             first = i
-            earliest = self%place(i)
+            earliest = self%tau(i)
          end if
       end do
    end subroutine find_crossings
@@ -239,7 +239,7 @@ contains
 
    end subroutine scan
 
-   !> Follow function i from a place between two nodes towards its extremum, until it has crossed zero or is as near as it gets:
+   !> Follow function i from a time between two nodes towards its extremum, until it has crossed zero or is as near as it gets:
    !> parabolas through three values of the model itself, since its interpolant may be too rough to tell.
    subroutine approach(self, model, step, y, z, i, s, l, r, middle, at_middle, status)
       type(root_finder_t), intent(inout) :: self
@@ -252,7 +252,7 @@ contains
       type(status_t), intent(inout) :: status
       integer, parameter :: most_turns = 5
       real(wp), parameter :: near = 1.0e-3_wp !! of the interval: no use in coming nearer
-      real(wp) :: a, b, f_a, f_b, f_middle, f, place, slope_a, slope_b
+      real(wp) :: a, b, f_a, f_b, f_middle, f, tau, slope_a, slope_b
       integer :: turn
 
       a = node(l)
@@ -267,32 +267,32 @@ contains
          if (f_middle < 0 .or. f_middle >= min(f_a, f_b)) return
          slope_a = (f_middle - f_a)/(middle - a)
          slope_b = (f_b - f_middle)/(b - middle)
-         place = (a + middle)/2 - slope_a*(b - a)/(2*(slope_b - slope_a))
-         if (abs(place - middle) < near*(node(r) - node(l))) return
-         call value_at(self, model, step, y, z, i, place, status)
+         tau = (a + middle)/2 - slope_a*(b - a)/(2*(slope_b - slope_a))
+         if (abs(tau - middle) < near*(node(r) - node(l))) return
+         call value_at(self, model, step, y, z, i, tau, status)
          if (has_failed(status)) return
          f = s*self%value(i)
          if (f < f_middle) then
-            if (place < middle) then
+            if (tau < middle) then
                b = middle
                f_b = f_middle
             else
                a = middle
                f_a = f_middle
             end if
-            middle = place
+            middle = tau
             at_middle = self%value(i)
-         else if (place < middle) then
-            a = place
+         else if (tau < middle) then
+            a = tau
             f_a = f
          else
-            b = place
+            b = tau
             f_b = f
          end if
       end do
    end subroutine approach
 
-   !> Locate the crossing of function i in its bracket: false position with halving (Illinois), the model asked at each place.
+   !> Locate the crossing of function i in its bracket: false position with halving (Illinois), the model asked at each time.
    subroutine locate(self, model, step, y, z, i, status)
       type(root_finder_t), intent(inout) :: self
       class(ode_model), intent(in) :: model
@@ -330,10 +330,10 @@ contains
             side = -1
          end if
       end do
-      self%place(i) = b
+      self%tau(i) = b
    end subroutine locate
 
-   !> Root function i at one place of a step, in `value(i)`.
+   !> Root function i at one time of a step, in `value(i)`.
    subroutine value_at(self, model, step, y, z, i, tau, status)
       type(root_finder_t), intent(inout) :: self
       class(ode_model), intent(in) :: model
@@ -347,7 +347,7 @@ contains
       call model%root(i, step%t + tau*step%h, self%y, self%value, status)
    end subroutine value_at
 
-   !> All root functions at one place of a step.
+   !> All root functions at one time of a step.
    subroutine values_at(self, model, step, y, z, tau, status)
       type(root_finder_t), intent(inout) :: self
       class(ode_model), intent(in) :: model
@@ -360,7 +360,7 @@ contains
       call model%roots(step%t + tau*step%h, self%y, self%value, status)
    end subroutine values_at
 
-   !> The state at one place of a step, where root functions are about to be evaluated.
+   !> The state at one time of a step, where root functions are about to be evaluated.
    pure subroutine go_to(self, y, z, tau)
       type(root_finder_t), intent(inout) :: self
       real(wp), intent(in) :: y(:), z(:, :)

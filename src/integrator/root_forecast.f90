@@ -12,18 +12,18 @@ module evl_root_forecast
    public :: forecast_crossing
 
    real(wp), parameter :: farthest = 2 !! steps ahead to which an interpolant is continued
-   real(wp), parameter :: accuracy = 1.0e-6_wp !! of a place, in units of the way that is continued
+   real(wp), parameter :: accuracy = 1.0e-6_wp !! of tau, in units of the way that is continued
 
 contains
 
    !> Place of the first crossing that counts in the next step, in units of it; huge if none is in sight.
-   pure real(wp) function forecast_crossing(roots, ratio) result(place)
+   pure real(wp) function forecast_crossing(roots, ratio) result(tau)
       type(root_finder_t), intent(in) :: roots !! as left by the last step, which had no crossing
       real(wp), intent(in) :: ratio            !! next step over the last one
       real(wp) :: basis(lanes), ahead
       integer :: i, k
 
-      place = huge(place)
+      tau = huge(tau)
       if (roots%n_near == 0 .or. ratio > farthest) return
       ahead = 1 + ratio
       call lagrange_at(ahead, basis)
@@ -32,7 +32,7 @@ contains
          if (roots%direction(i) == roots%sign_now(i)) cycle
          if (roots%sign_now(i)*weighted_sum(basis, roots%g(:, i)) < 0) then
             ahead = zero_between(1.0_wp, ahead, roots%g(:, i), accuracy)
-            place = (ahead - 1)/ratio
+            tau = (ahead - 1)/ratio
             call lagrange_at(ahead, basis) ! another function can only be first if it crosses before that
          end if
       end do

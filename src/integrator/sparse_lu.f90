@@ -1,7 +1,7 @@
 !> LU factors of four complex matrices s_k I - J - K/s_k at once, J and K real and sparse with a pattern that never changes.
 !>
 !> Order and fill are found once (Markowitz: the diagonal pivot with the least (row count - 1)(column count - 1), on the
-!> pattern alone, since the values change); the elimination is then a list of places. An entry is two vectors of 4 reals:
+!> pattern alone, since the values change); the elimination is then a list of indices. An entry is two vectors of 4 reals:
 !> the real parts of the four systems, and the imaginary ones.
 !>
 !> Pivots stay on the diagonal. `factor` reports a pivot that is too small beside the rest of its row of U: the growth of
@@ -25,12 +25,12 @@ module evl_sparse_lu
    type :: sparse_lu_t
       integer :: n = 0
       integer, allocatable :: component(:) !! [n] which row and column of J is eliminated i-th
-      integer, allocatable :: row_start(:) !! [n + 1] first place of row i
-      integer, allocatable :: diagonal(:)  !! [n] place of the pivot; before it L, behind it U
+      integer, allocatable :: row_start(:) !! [n + 1] first index of row i
+      integer, allocatable :: diagonal(:)  !! [n] index of the pivot; before it L, behind it U
       integer, allocatable :: column(:)    !! [nnz] position of the entry's column in the order of elimination
       integer, allocatable :: unknown(:)   !! [nnz] its column in J
-      integer, allocatable :: place(:)     !! [entries of J] where an entry of J goes
-      integer, allocatable :: target(:)    !! places that elimination changes, in the order in which it does
+      integer, allocatable :: index(:)     !! [entries of J] where an entry of J goes
+      integer, allocatable :: target(:)    !! indices of what elimination changes, in the order in which it does
       real(wp), allocatable :: value(:, :, :) !! [4, 2, nnz] L without its unit diagonal, inverse pivots, U
       real(wp), allocatable :: first(:)    !! [nnz] those of the first system, which is real
    end type sparse_lu_t
@@ -43,11 +43,11 @@ contains
       integer, intent(in) :: n
       integer, intent(in) :: row(:), column(:) !! pattern of J; the diagonal is added
       logical, allocatable :: filled(:, :)
-      integer, allocatable :: position(:), place_of(:, :)
+      integer, allocatable :: position(:), index_of(:, :)
       integer :: i, j, p
 
       lu%n = n
-      allocate (filled(n, n), place_of(n, n), position(n), lu%component(n), lu%row_start(n + 1), lu%diagonal(n))
+      allocate (filled(n, n), index_of(n, n), position(n), lu%component(n), lu%row_start(n + 1), lu%diagonal(n))
       filled = .false.
       do p = 1, size(row)
          filled(row(p), column(p)) = .true.
@@ -60,9 +60,9 @@ contains
          position(lu%component(i)) = i
       end do
       allocate (lu%column(count(filled)), lu%unknown(count(filled)), lu%value(n_systems, 2, count(filled)), &
-                lu%first(count(filled)), lu%place(size(row)))
+                lu%first(count(filled)), lu%index(size(row)))
       lu%value = 0
-      place_of = 0
+      index_of = 0
       p = 0
       do i = 1, n
          lu%row_start(i) = p + 1
@@ -71,15 +71,15 @@ contains
             p = p + 1
             lu%column(p) = j
             lu%unknown(p) = lu%component(j)
-            place_of(i, j) = p
+            index_of(i, j) = p
             if (i == j) lu%diagonal(i) = p
          end do
       end do
       lu%row_start(n + 1) = p + 1
       do p = 1, size(row)
-         lu%place(p) = place_of(position(row(p)), position(column(p)))
+         lu%index(p) = index_of(position(row(p)), position(column(p)))
       end do
-      call plan_elimination(lu, place_of)
+      call plan_elimination(lu, index_of)
    end subroutine sparse_lu_analyse
 
    !> Order of the pivots; on return `filled` includes the fill. Of equal ones the first is that which waits for the fewest others,
@@ -115,10 +115,10 @@ contains
       end do
    end subroutine order_by_markowitz
 
-   !> List the places that change when the rows are eliminated one after the other.
-   subroutine plan_elimination(lu, place_of)
+   !> List what changes when the rows are eliminated one after the other.
+   subroutine plan_elimination(lu, index_of)
       type(sparse_lu_t), intent(inout) :: lu
-      integer, intent(in) :: place_of(:, :) !! place of each entry, 0 if there is none
+      integer, intent(in) :: index_of(:, :) !! index of each entry, 0 if there is none
       integer :: i, m, p, q, pass
 
       do pass = 1, 2
@@ -127,7 +127,7 @@ contains
             do p = lu%row_start(i), lu%diagonal(i) - 1
                do q = lu%diagonal(lu%column(p)) + 1, lu%row_start(lu%column(p) + 1) - 1
                   m = m + 1
-                  if (pass == 2) lu%target(m) = place_of(i, lu%column(q))
+                  if (pass == 2) lu%target(m) = index_of(i, lu%column(q))
                end do
             end do
          end do
@@ -144,8 +144,8 @@ contains
       integer :: i, p
 
       lu%value = 0
-      do p = 1, size(lu%place)
-         call matrix_entry(inverse_shift, j(p), k(p), lu%value(:, :, lu%place(p)))
+      do p = 1, size(lu%index)
+         call matrix_entry(inverse_shift, j(p), k(p), lu%value(:, :, lu%index(p)))
       end do
       do i = 1, lu%n
          lu%value(:, :, lu%diagonal(i)) = lu%value(:, :, lu%diagonal(i)) + shift

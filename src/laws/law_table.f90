@@ -1,4 +1,4 @@
-!> The table of all force laws. The index of a law is its place in the list of its family, from 0.
+!> The table of all force laws. The index of a law is its index in the list of its family, from 0.
 module evl_law_table
    use evl_damping, only: linear_damping_law, no_damping_law, one_sided_damping_law, ratio_damping_law
    use evl_friction, only: coulomb_friction_law, no_friction_law, stribeck_friction_law, tanh_friction_law

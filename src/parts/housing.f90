@@ -32,7 +32,7 @@ module evl_housing
       logical :: is_mounted = .false.
       real(wp) :: gravity(3) = 0.0_wp           !! ground [m/s^2]
       type(motion_term), allocatable :: motion(:) !! prescribed
-      integer :: i_state = 0                    !! place of r in the state, if mounted
+      integer :: i_state = 0                    !! index of r in the state, if mounted
       real(wp) :: mass = 0.0_wp                 !! [kg]
       real(wp) :: centre(3) = 0.0_wp            !! centre of mass [m]
       real(wp) :: inertia(3, 3) = 0.0_wp        !! about it [kg m^2]

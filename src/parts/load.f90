@@ -20,7 +20,7 @@ module evl_load
       real(wp), allocatable :: time(:)      !! knots [s], strictly increasing; size 0 without a table
       real(wp), allocatable :: values(:)    !! torque [N m] or speed [rad/s] there
       logical :: against_housing = .false.  !! the reaction, and the speed referred to; otherwise the ground
-      integer :: i_segment = 0              !! place of the segment in the discrete state; 0 without a table
+      integer :: i_segment = 0              !! index of the segment in the discrete state; 0 without a table
    end type load_t
 
 contains
