@@ -113,7 +113,7 @@ def measure(case: int) -> tuple[float, float]:
 
 def main() -> None:
     """Print the table."""
-    libraries = sys.argv[1:] or [str(ROOT / "build/ci/tests/lanes/liblanes_test.so")]
+    libraries = sys.argv[1:] or [str(ROOT / "build/ci/tests/gearbox/lanes/liblanes_test.so")]
     pools = [
         ProcessPoolExecutor(1, get_context("spawn"), load_library, (library,))
         for library in libraries

@@ -1,6 +1,6 @@
 """Cost of the integrator alone: a chain of oscillators, its work beside that of scipy's methods.
 
-Masses on a line with hardening springs and dampers (tests/radau/oscillator_chain.f90), n = 6, 20
+Masses on a line with hardening springs and dampers (tests/integrator/oscillator_chain.f90), n = 6, 20
 and 50 states, fastest mode near 1 to 1.6 kHz, like the contacts of a gearbox. Printed are, for
 three tolerances, the largest error over 1001 outputs (states in units of their scales, against a
 run with a tolerance of 1e-13), CPU time of the fastest of many runs, microseconds a step, and the
@@ -85,7 +85,7 @@ def peer(chain: Chain, method: str, tolerance: float):
 
 
 def main() -> None:
-    path = sys.argv[1] if len(sys.argv) > 1 else ROOT / "build/ci/tests/radau/libradau_test.so"
+    path = sys.argv[1] if len(sys.argv) > 1 else ROOT / "build/ci/tests/integrator/libradau_test.so"
     library = ctypes.CDLL(str(path))
     library.rt_new_chain.restype = ctypes.c_void_p
     for chain in CHAINS:

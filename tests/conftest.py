@@ -1,4 +1,4 @@
-"""What every test may use: the program, the kernel's library, the examples."""
+"""What every test may use: the program, the libraries, the examples."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
+
+from kernel.kernel import Kernel
 
 ROOT = Path(__file__).resolve().parents[1]
 BUILDS = ("ci", "release", "debug")  # in order of preference, if the environment names none
@@ -51,6 +53,24 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if left_out:
         items[:] = [item for item in items if not item.get_closest_marker("long")]
         config.hook.pytest_deselected(items=left_out)
+
+
+@pytest.fixture(scope="session")
+def kernel(kernel_library: Path) -> Kernel:
+    """Binding of the kernel's shared library."""
+    return Kernel(kernel_library)
+
+
+@pytest.fixture(scope="session")
+def lanes_library() -> Path:
+    """Library of the tests with what the kernel does not export of its lanes."""
+    return _built("EVOLVENT_LANES_LIBRARY", "tests/gearbox/lanes/liblanes_test.so")
+
+
+@pytest.fixture(scope="session")
+def radau_library() -> Path:
+    """Library of the tests with an interface of the integrator, which knows no gears."""
+    return _built("EVOLVENT_RADAU_LIBRARY", "tests/integrator/libradau_test.so")
 
 
 @pytest.fixture(scope="session")

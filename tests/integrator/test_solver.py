@@ -7,8 +7,8 @@ import ctypes
 import numpy as np
 import pytest
 
-from radau.problems import SOLVED, whirl
-from radau.radau import (
+from integrator.problems import SOLVED, whirl
+from integrator.radau import (
     EVENT,
     INVALID_INPUT,
     OUT_OF_DOMAIN,

@@ -12,8 +12,8 @@ import pytest
 from radau_coefficients import STAGES, radau
 from stiff_problems import PROBLEMS as STIFF
 
-from radau.problems import SOLVED, Solved
-from radau.radau import Library, Problem, Solver
+from integrator.problems import SOLVED, Solved
+from integrator.radau import Library, Problem, Solver
 
 PROMISE = 10
 # A change d of the speed v at the first pericentre changes the semi-axis by 2 v d and the phase

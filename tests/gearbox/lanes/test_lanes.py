@@ -7,13 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from kernel.deviations import DeviationDescription
-from kernel.gearbox import LOADED, OPEN, UNLOADED, Gearbox, State
-from kernel.gearbox_cases import chain, in_mode, paper_gearbox, prescribed
-from kernel.gearbox_description import ALGEBRAIC, CLOSED_FORM
-from kernel.kernel import CONTACT, DAMPING, FRICTION, OK, Floats, Kernel, _at
-from kernel.shaft_cases import stirred, two_stages
-from lanes.lane_cases import (
+from gearbox.lanes.lane_cases import (
     CONTACTS,
     DAMPINGS,
     DEVIATIONS,
@@ -25,6 +19,12 @@ from lanes.lane_cases import (
     real_gears,
     real_state,
 )
+from kernel.deviations import DeviationDescription
+from kernel.gearbox import LOADED, OPEN, UNLOADED, Gearbox, State
+from kernel.gearbox_cases import chain, in_mode, paper_gearbox, prescribed
+from kernel.gearbox_description import ALGEBRAIC, CLOSED_FORM
+from kernel.kernel import CONTACT, DAMPING, FRICTION, OK, Floats, Kernel, _at
+from kernel.shaft_cases import stirred, two_stages
 
 LANES = 8
 OUT_OF_DOMAIN = 2

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from radau.events import Recorded, run
-from radau.radau import EVENT, Library, Problem, Solver
+from integrator.events import Recorded, run
+from integrator.radau import EVENT, Library, Problem, Solver
 
 Floats = NDArray[np.float64]
 G = 9.81

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from radau.radau import Library
+from integrator.radau import Library
 
 RNG = np.random.default_rng(20110328)
 EPS = np.finfo(float).eps

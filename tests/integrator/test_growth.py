@@ -12,7 +12,7 @@ from math import comb, factorial
 import numpy as np
 import pytest
 
-from radau.radau import (
+from integrator.radau import (
     GROWTH_BY_COUPLING,
     GROWTH_BY_DAMPING,
     GROWTH_NEVER,

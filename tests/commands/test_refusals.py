@@ -10,9 +10,9 @@ from typing import Any
 
 import pytest
 
-from cli import test_case as paper_cases
-from cli import test_deviation_case as deviations
-from cli import test_gears as gears
+from commands import test_case as paper_cases
+from commands import test_deviation_case as deviations
+from commands import test_gears as gears
 
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 CASE = 3

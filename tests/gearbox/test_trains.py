@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from gearbox.test_housing_jacobian import HOUSINGS, extrapolated
 from kernel.gearbox import INITIAL, LOAD, MESH, OPEN, SHAFT, WHEEL, Gearbox, GearboxError, State
 from kernel.gearbox_description import (
     ALGEBRAIC,
@@ -37,7 +38,6 @@ from kernel.shaft_cases import (
     stirred,
     two_stages,
 )
-from kernel.test_housing_jacobian import HOUSINGS, extrapolated
 
 MIDDLES = pytest.mark.parametrize("middle", [3e4, None], ids=["elastic", "rigid"])
 DRIVERS = pytest.mark.parametrize("driven_by", ["torque", "motor", "gear", "drum"])

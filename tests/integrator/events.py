@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from radau.radau import Solver
+from integrator.radau import Solver
 
 Floats = NDArray[np.float64]
 

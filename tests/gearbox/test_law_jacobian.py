@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from gearbox.test_gearbox_jacobian import TRACKINGS, put
 from kernel.gearbox import LOADED, UNLOADED, Gearbox
 from kernel.gearbox_description import BEARING, SLIDER, TORQUE, VISCOUS, load, mesh, wheel
 from kernel.jacobian import check_jacobian
 from kernel.kernel import CONTACT, DAMPING, FRICTION, Kernel
-from kernel.test_gearbox_jacobian import TRACKINGS, put
 
 CONTACTS = {
     "johnson": {},

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from radau_coefficients import LANES, STAGES, radau
 
-from radau.radau import Library
+from integrator.radau import Library
 
 EPS = np.finfo(float).eps
 PAIRS = range(1, 4)

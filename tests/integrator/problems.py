@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import ellipj, ellipk
 
-from radau.radau import Problem
+from integrator.radau import Problem
 
 Floats = NDArray[np.float64]
 

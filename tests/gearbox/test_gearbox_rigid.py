@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from gearbox.test_gearbox_jacobian import put
 from kernel.gearbox import LOADED, MESH, OPEN, Gearbox, State
 from kernel.gearbox_cases import PAIRS
 from kernel.gearbox_description import (
@@ -25,7 +26,6 @@ from kernel.housing import Pair
 from kernel.jacobian import check_jacobian
 from kernel.kernel import CONTACT, INVALID_INPUT, Kernel
 from kernel.rigid_cases import FRICTION, KNEE, refusal, rigid, rigid_train
-from kernel.test_gearbox_jacobian import put
 
 TRACKINGS = pytest.mark.parametrize(
     "tracking", [CLOSED_FORM, ALGEBRAIC, DIFFERENTIAL], ids=["closed", "algebraic", "differential"]

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.special import lambertw
 
-from radau.events import run
-from radau.radau import EVENT, Library, Problem, Solver
+from integrator.events import run
+from integrator.radau import EVENT, Library, Problem, Solver
 
 Floats = NDArray[np.float64]
 

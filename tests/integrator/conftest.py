@@ -1,0 +1,15 @@
+"""The integrator's test library, loaded once."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from integrator.radau import Library
+
+
+@pytest.fixture(scope="session")
+def library(radau_library: Path) -> Library:
+    """Binding of the library."""
+    return Library(radau_library)
