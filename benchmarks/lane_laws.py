@@ -24,10 +24,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests"))
 
-from kernel.gearbox import LOADED, Gearbox, State  # noqa: E402
-from kernel.gearbox_cases import in_mode  # noqa: E402
-from kernel.kernel import Kernel, _at  # noqa: E402
-from lanes.lane_cases import (  # noqa: E402
+from gearbox.lanes.lane_cases import (  # noqa: E402
     CONTACTS,
     DAMPINGS,
     DEVIATIONS,
@@ -38,6 +35,9 @@ from lanes.lane_cases import (  # noqa: E402
     real_gears,
     real_state,
 )
+from kernel.gearbox import LOADED, Gearbox, State  # noqa: E402
+from kernel.gearbox_cases import in_mode  # noqa: E402
+from kernel.kernel import Kernel, _at  # noqa: E402
 
 LANES, EVALUATIONS, TURNS = 8, 5000, 15
 

@@ -118,7 +118,8 @@ def penetration(gearbox: Gearbox, outputs: np.ndarray) -> np.ndarray:
 
 def main() -> None:
     """Print both."""
-    named = sys.argv[1] if len(sys.argv) > 1 else ROOT / "build/ci/tests/gearbox/lanes/liblanes_test.so"
+    built = ROOT / "build/ci/tests/gearbox/lanes/liblanes_test.so"
+    named = sys.argv[1] if len(sys.argv) > 1 else built
     kernel = Kernel(Path(named))
     for friction in (0.0, 0.3):
         gearbox = paper_gearbox(kernel, friction=friction)

@@ -1,7 +1,7 @@
 """Cost of the integrator alone: a chain of oscillators, its work beside that of scipy's methods.
 
-Masses on a line with hardening springs and dampers (tests/integrator/oscillator_chain.f90), n = 6, 20
-and 50 states, fastest mode near 1 to 1.6 kHz, like the contacts of a gearbox. Printed are, for
+Masses on a line with hardening springs and dampers (tests/integrator/oscillator_chain.f90), n = 6,
+20 and 50 states, fastest mode near 1 to 1.6 kHz, like the contacts of a gearbox. Printed are, for
 three tolerances, the largest error over 1001 outputs (states in units of their scales, against a
 run with a tolerance of 1e-13), CPU time of the fastest of many runs, microseconds a step, and the
 counts. Then the evaluations of f that scipy's methods need for the same error: evaluations, since
