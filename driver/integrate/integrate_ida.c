@@ -45,10 +45,10 @@ static bool set_up(ida_session *s)
     return good;
 }
 
-/* The model's own words if it refused states beyond the last accepted one, else the integrator's. */
+/* The model's own words if it refused states at or beyond the last accepted one, else the integrator's. */
 static integrate_code explain(ida_session *s, int flag)
 {
-    if (!(s->t_refused > s->run->state->t)) {
+    if (s->t_refused < s->run->state->t) {
         char *name = IDAGetReturnFlagName(flag);
         (void)snprintf(s->run->reason, DAE_MESSAGE_LENGTH, "the integrator cannot go on (%s)",
                        name ? name : "unknown reason");

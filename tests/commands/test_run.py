@@ -242,6 +242,16 @@ def test_a_failed_run_names_time_value_and_limit_and_keeps_the_history_up_to_the
     assert (tmp_path / "paper.h5").read_text() == "older"
 
 
+def test_a_contact_that_is_thrown_below_a_base_circle_is_named_though_no_step_is_left(
+    evolvent: Evolvent, examples: Path
+) -> None:
+    """The trial states come so near to the last good one that no time lies between."""
+    start = "{kind: speeds, speeds: {pinion: -1, gear: 0.6667}, gaps: {pinion-gear: -0.01}}"
+    run = evolvent("run", examples / "paper.yaml", "--set", f"simulation.initial={start}")
+    assert run.returncode == 4
+    assert "mesh 'pinion-gear': the contact has left the involute" in run.stderr
+
+
 def test_a_complete_run_replaces_an_older_history_and_a_partial_one(
     evolvent: Evolvent, case: Path, tmp_path: Path
 ) -> None:
