@@ -1,11 +1,13 @@
 !> Every mesh at its nominal load, and the damping laws that refer to it.
 module evl_gearbox_references
+   use evl_damping_law, only: damping_law_t
+   use evl_force_law, only: choice_of
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_scaling, only: gearbox_likely_speed, mesh_load
-   use evl_kinds, only: pi, wp
-   use evl_mesh_damping, only: damping_left_to_mesh, damping_of_mesh
+   use evl_kinds, only: wp
+   use evl_law_info, only: law_name_length
    use evl_mesh_reference, only: reference_damping, reference_of
-   use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, warn
+   use evl_status, only: code_invalid_input, fail, has_failed, message_length, quantity, status_t, subject_mesh, warn
    use evl_tooth_contact, only: tooth_contact_t
    implicit none (type, external)
    private
@@ -29,7 +31,7 @@ contains
          associate (contact => gearbox%contacts(gearbox%first(m)), reference => gearbox%references(m))
             has_load = mesh_load(gearbox, contact, gearbox_likely_speed(gearbox)) > 0
             reference = reference_of(contact, has_load, free_mobility(gearbox, contact))
-            if (damping_left_to_mesh(reference%law) /= "") call complete(gearbox, m, status)
+            if (contact%damping%left_to_mesh() /= "") call complete(gearbox, m, status)
             if (has_failed(status)) return
             call reference_damping(contact, reference)
             if (reference%ratio > much) call warn_of_damping(gearbox, m)
@@ -54,6 +56,7 @@ contains
       type(gearbox_t), intent(inout) :: gearbox
       integer, intent(in) :: m !! mesh
       type(status_t), intent(inout) :: status
+      class(damping_law_t), allocatable :: stated
       integer :: i
 
       associate (reference => gearbox%references(m), first => gearbox%first(m), last => gearbox%first(m + 1) - 1)
@@ -62,10 +65,11 @@ contains
          else if (.not. reference%mass > 0) then
             call refuse("the speeds of both wheels are prescribed, so they do not vibrate on its stiffness")
          else
-            call damping_of_mesh(reference%stiffness, reference%mass, gearbox%contacts(first)%h_scale, reference%law, &
-                                 gearbox%contacts(first)%damping)
-            do i = first + 1, last
-               gearbox%contacts(i)%damping = gearbox%contacts(first)%damping
+            allocate (stated, source=gearbox%contacts(first)%damping)
+            call stated%complete(reference%stiffness, reference%mass, gearbox%contacts(first)%h_scale)
+            reference%law = choice_of(stated)
+            do i = first, last
+               call stated%acting(reference%stiffness, reference%mass, gearbox%contacts(i)%damping)
             end do
          end if
       end associate
@@ -74,16 +78,14 @@ contains
 
       subroutine refuse(reason)
          character(len=*), intent(in) :: reason
+         character(len=law_name_length) :: field
+         character(len=len("damping.") + law_name_length) :: place
+         character(len=message_length) :: message
 
-         associate (name => damping_left_to_mesh(gearbox%references(m)%law))
-            if (name == "v0_min") then
-               call fail(status, code_invalid_input, "v0_min is missing, and it does not follow from the mesh: "//reason &
-                         //"; give v0_min", subject_mesh, m, "damping")
-            else
-               call fail(status, code_invalid_input, "a damping ratio needs a load and a wheel that is free to vibrate: "//reason &
-                         //"; take {law: linear, coefficient: ...}", subject_mesh, m, "damping.value")
-            end if
-         end associate
+         call gearbox%contacts(gearbox%first(m))%damping%refuse_mesh(reason, field, message)
+         place = "damping"
+         if (field /= "") place = "damping."//field
+         call fail(status, code_invalid_input, message, subject_mesh, m, place)
       end subroutine refuse
 
    end subroutine complete

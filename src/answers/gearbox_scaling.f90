@@ -3,7 +3,8 @@
 !> Error control is absolute, each state against its own scale: the static penetration h_0 for lengths, h_0 times the contact's
 !> natural frequency for their rates, the static twist of shafts likewise, a small part of a pitch for the reference angle.
 module evl_gearbox_scaling
-   use evl_contact_laws, only: contact_context, elastic_force, elastic_result, law_choice, penetration_from_force
+   use evl_contact_context, only: contact_context
+   use evl_elastic_law, only: elastic_law_t, elastic_result
    use evl_gearbox, only: gearbox_t
    use evl_housing, only: n_housing_states
    use evl_housing_scaling, only: housing_scales
@@ -128,23 +129,18 @@ contains
       type(tooth_contact_t), intent(in) :: contact
       real(wp), intent(inout) :: force !! [N]
       real(wp), intent(out) :: h       !! [m]
+      class(elastic_law_t), allocatable :: law
       type(contact_context) :: ctx
       integer :: code
 
+      call contact%elastic%compliant(law)
       ctx = nominal_context(contact)
       do
-         call penetration_from_force(elastic_law(contact), ctx, force, h, code)
+         call law%penetration(ctx, force, h, code)
          if (code == code_ok) exit
          force = force/2
       end do
    end subroutine static_penetration
-
-   !> The law that tells how large penetrations are: the mesh's own, or the first of the table for a rigid contact.
-   pure type(law_choice) function elastic_law(contact) result(choice)
-      type(tooth_contact_t), intent(in) :: contact
-
-      if (.not. contact%rigid) choice = contact%elastic
-   end function elastic_law
 
    !> Scales of states and residuals for error control, and which states are differential.
    subroutine gearbox_state_scales(gearbox, speeds, state, row, differential)
@@ -216,6 +212,7 @@ contains
       real(wp), intent(out) :: h               !! [m]
       real(wp), intent(out) :: frequency       !! [rad/s]
       real(wp), intent(inout) :: energy        !! raised to the mesh's own, if that is larger [J]
+      class(elastic_law_t), allocatable :: law
       type(contact_context) :: ctx
       type(elastic_result) :: elastic
       real(wp) :: force, mobility, approach
@@ -227,7 +224,8 @@ contains
       call static_penetration(contact, force, h)
       ctx = nominal_context(contact)
       ctx%h = h
-      call elastic_force(elastic_law(contact), ctx, elastic, code)
+      call contact%elastic%compliant(law)
+      call law%force(ctx, elastic, code)
       associate (a => gearbox%wheels(contact%wheel_a), b => gearbox%wheels(contact%wheel_b))
          mobility = a%base_radius**2/a%rotor_inertia + b%base_radius**2/b%rotor_inertia
          frequency = sqrt(elastic%d_h*mobility)

@@ -1,6 +1,5 @@
 !> The steady state of a gearbox: nothing accelerates, and where flanks deviate the wheels follow their slopes.
 module evl_steady_state
-   use evl_contact_laws, only: undamped
    use evl_contact_point, only: contact_point
    use evl_gearbox, only: gearbox_mode, gearbox_store_mode, gearbox_t
    use evl_gearbox_scaling, only: gearbox_likely_speed
@@ -8,6 +7,7 @@ module evl_steady_state
    use evl_kinds, only: wp
    use evl_load, only: load_damping, load_torque
    use evl_local_variables, only: i_omega
+   use evl_no_damping, only: no_damping_t
    use evl_start_positions, only: closed_form_point, place_pairs, prescribed_speed, set_gaps
    use evl_status, only: code_no_solution, fail, has_failed, quantity, status_t, subject_initial
    use evl_steady_newton, only: find_slopes, solve_steady, steady_system
@@ -37,6 +37,7 @@ contains
       type(status_t), intent(inout) :: status
       type(gearbox_t) :: closed, elastic
       type(steady_system) :: system
+      integer :: i
 
       call check_steady(gearbox, integers, status)
       if (has_failed(status)) return
@@ -55,7 +56,9 @@ contains
       reals = 0
       if (any(gearbox%contacts%deviates)) then
          elastic = closed
-         elastic%contacts%damping = undamped
+         do i = 1, size(elastic%contacts)
+            elastic%contacts(i)%damping = no_damping_t()
+         end do
          call settle_steady(elastic, system, t, y, integers, reals, status)
          if (.not. has_failed(status)) call check_pressed(elastic, t, y, integers, reals, status)
          if (.not. has_failed(status)) call find_slopes(elastic, system, t, y, integers, reals, status)

@@ -3,13 +3,15 @@
 !> The header documents each procedure, in its sections "law tables" and "parts".
 module evl_capi_laws
    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_int, c_ptr
-   use evl_capi_types, only: c_contact_context, c_law_choice, c_law_info, c_max_law_parameters, c_message_length, &
-                             c_status, choice_from_c, context_from_c, first_error, status_to_c, to_c
-   use evl_contact_laws, only: contact_context, elastic_force, elastic_limit_message, elastic_potential, &
-                               elastic_result, friction_factor, friction_knee, friction_mode, law_choice, law_count, &
-                               law_describe, law_info_t, law_validate, penetration_from_force, viscous_force, viscous_result
+   use evl_capi_types, only: c_contact_context, c_law_choice, c_law_info, c_max_law_parameters, c_message_length, c_status, &
+                             choice_from_c, context_from_c, first_error, status_to_c, to_c
+   use evl_contact_context, only: contact_context
+   use evl_damping_law, only: damping_law_t, viscous_force, viscous_result
+   use evl_elastic_law, only: elastic_law_t, elastic_result
+   use evl_friction_law, only: friction_law_t
    use evl_gearbox, only: gearbox_t
-   use evl_mesh_damping, only: damping_left_to_mesh
+   use evl_law_info, only: law_info_t
+   use evl_law_table, only: damping_law, elastic_law, friction_law, law_count, law_describe, law_validate
    use evl_status, only: code_invalid_input, code_ok, message_length, status_t
    implicit none (type, external)
    private
@@ -80,13 +82,13 @@ contains
       type(c_contact_context), intent(in) :: contexts(n)
       real(c_double), intent(out) :: force(n), d_h(n), d_rho(n)
       integer(c_int), intent(out) :: codes(n)
-      type(law_choice) :: law
+      class(elastic_law_t), allocatable :: law
       type(elastic_result) :: elastic
       integer :: i
 
-      law = choice_from_c(choice)
+      call elastic_law(choice_from_c(choice), law)
       do i = 1, n
-         call elastic_force(law, context_from_c(contexts(i)), elastic, codes(i))
+         call law%force(context_from_c(contexts(i)), elastic, codes(i))
          force(i) = elastic%force
          d_h(i) = elastic%d_h
          d_rho(i) = elastic%d_rho
@@ -98,9 +100,11 @@ contains
       type(c_law_choice), intent(in) :: choice
       type(c_contact_context), intent(in) :: context
       character(kind=c_char), intent(out) :: message(c_message_length)
+      class(elastic_law_t), allocatable :: law
       character(len=message_length) :: text
 
-      call elastic_limit_message(choice_from_c(choice), context_from_c(context), text)
+      call elastic_law(choice_from_c(choice), law)
+      call law%limit_message(context_from_c(context), text)
       call to_c(text, message)
    end subroutine evl_law_elastic_limit
 
@@ -111,12 +115,12 @@ contains
       real(c_double), intent(in) :: force(n)
       real(c_double), intent(out) :: h(n)
       integer(c_int), intent(out) :: codes(n)
-      type(law_choice) :: law
+      class(elastic_law_t), allocatable :: law
       integer :: i
 
-      law = choice_from_c(choice)
+      call elastic_law(choice_from_c(choice), law)
       do i = 1, n
-         call penetration_from_force(law, context_from_c(contexts(i)), force(i), h(i), codes(i))
+         call law%penetration(context_from_c(contexts(i)), force(i), h(i), codes(i))
       end do
       evl_law_penetration = first_error(codes)
    end function evl_law_penetration
@@ -127,14 +131,14 @@ contains
       type(c_contact_context), intent(in) :: contexts(n)
       real(c_double), intent(out) :: potential(n), d_h(n), d_length(n)
       integer(c_int), intent(out) :: codes(n)
-      type(law_choice) :: law
+      class(elastic_law_t), allocatable :: law
       type(elastic_result) :: elastic
       integer :: i
 
-      law = choice_from_c(choice)
+      call elastic_law(choice_from_c(choice), law)
       do i = 1, n
-         call elastic_potential(law, context_from_c(contexts(i)), potential(i))
-         call elastic_force(law, context_from_c(contexts(i)), elastic, codes(i))
+         call law%force(context_from_c(contexts(i)), elastic, codes(i))
+         potential(i) = law%potential(context_from_c(contexts(i)), elastic%force)
          d_h(i) = elastic%force + elastic%excess
          d_length(i) = elastic%d_energy
       end do
@@ -147,19 +151,20 @@ contains
       type(c_contact_context), intent(in) :: contexts(n)
       real(c_double), intent(out) :: force(n), d_h(n), d_rho(n), d_h_dot(n)
       integer(c_int), intent(out) :: codes(n)
-      type(law_choice) :: contact_law, damping_law
+      class(elastic_law_t), allocatable :: acting_contact
+      class(damping_law_t), allocatable :: acting_damping
       type(contact_context) :: ctx
       type(elastic_result) :: elastic
       type(viscous_result) :: viscous
       integer :: i
 
-      contact_law = choice_from_c(contact)
-      damping_law = choice_from_c(damping)
+      call elastic_law(choice_from_c(contact), acting_contact)
+      call damping_law(choice_from_c(damping), acting_damping)
       do i = 1, n
          ctx = context_from_c(contexts(i))
-         call elastic_force(contact_law, ctx, elastic, codes(i))
-         call viscous_force(damping_law, ctx, elastic, viscous)
-         if (damping_left_to_mesh(damping_law) /= "") then
+         call acting_contact%force(ctx, elastic, codes(i))
+         call viscous_force(acting_damping, ctx, elastic, viscous)
+         if (acting_damping%left_to_mesh() /= "") then
             viscous = viscous_result()
             if (codes(i) == code_ok) codes(i) = code_invalid_input
          end if
@@ -177,12 +182,12 @@ contains
       integer(c_int), intent(in) :: modes(n)
       real(c_double), intent(in) :: v_t(n)
       real(c_double), intent(out) :: factor(n), d_v(n)
-      type(law_choice) :: law
+      class(friction_law_t), allocatable :: law
       integer :: i
 
-      law = choice_from_c(choice)
+      call friction_law(choice_from_c(choice), law)
       do i = 1, n
-         call friction_factor(law, modes(i), v_t(i), factor(i), d_v(i))
+         call law%factor(modes(i), v_t(i), factor(i), d_v(i))
       end do
    end subroutine evl_law_friction_factor
 
@@ -191,17 +196,21 @@ contains
       type(c_law_choice), intent(in) :: choice
       real(c_double), intent(in) :: v_t(n)
       integer(c_int), intent(out) :: modes(n)
+      class(friction_law_t), allocatable :: law
       integer :: i
 
+      call friction_law(choice_from_c(choice), law)
       do i = 1, n
-         modes(i) = friction_mode(choice_from_c(choice), v_t(i))
+         modes(i) = law%branch(v_t(i))
       end do
    end subroutine evl_law_friction_mode
 
    real(c_double) function evl_law_friction_knee(choice) bind(c)
       type(c_law_choice), intent(in) :: choice
+      class(friction_law_t), allocatable :: law
 
-      evl_law_friction_knee = friction_knee(choice_from_c(choice))
+      call friction_law(choice_from_c(choice), law)
+      evl_law_friction_knee = law%knee()
    end function evl_law_friction_knee
 
 end module evl_capi_laws

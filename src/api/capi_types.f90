@@ -1,7 +1,8 @@
 !> The structs of the C header as Fortran sees them, and the passage of strings and statuses.
 module evl_capi_types
    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_int, c_null_char
-   use evl_contact_laws, only: contact_context, law_choice
+   use evl_contact_context, only: contact_context
+   use evl_force_law, only: law_choice
    use evl_status, only: code_ok, status_t
    implicit none (type, external)
    private

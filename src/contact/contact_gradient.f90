@@ -1,10 +1,11 @@
 !> The forces of a tooth contact with their derivatives.
 module evl_contact_gradient
    use evl_closed_form, only: gradient_along, place_contact
-   use evl_contact_laws, only: elastic_result, friction_factor, viscous_result
    use evl_contact_point, only: contact_gradient, contact_point
    use evl_contact_tracking, only: gradient_points, track_points
+   use evl_damping_law, only: viscous_result
    use evl_deviating_flanks, only: deviate, deviate_gradient, flank_value
+   use evl_elastic_law, only: elastic_result
    use evl_kinds, only: wp
    use evl_local_variables, only: at_normal, n_local, unit
    use evl_status, only: has_failed, status_t
@@ -48,7 +49,7 @@ contains
       if (has_failed(status)) return
       factor = 0
       d_v = 0
-      if (mode%flanks == flanks_loaded) call friction_factor(contact%friction, mode%friction, point%v_t, factor, d_v)
+      if (mode%flanks == flanks_loaded) call contact%friction%factor(mode%friction, point%v_t, factor, d_v)
       call forces_of_laws(contact, mode, point, elastic, viscous%force, factor, force)
       d_rho_sum = d%rho_a + d%rho_b
       associate (r => point%rho_a + point%rho_b - point%h)

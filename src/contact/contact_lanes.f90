@@ -4,6 +4,7 @@
 !> lanes: what it cannot see it cannot turn into vector instructions. Each loop calls a procedure with its own scalars and holds
 !> no branch.
 module evl_contact_lanes
+   use evl_contact_context, only: lane_context
    use evl_contact_point, only: contact_point, tracked_pair
    use evl_deviating_flanks, only: flank_value, radius_rates
    use evl_flank_deviation, only: flank_branch
@@ -17,10 +18,11 @@ module evl_contact_lanes
 
    public :: lane_contact, contact_in_lanes
 
-   !> A tooth contact in eight states; the components mean what those of `contact_point` mean.
-   type :: lane_contact
+   !> A tooth contact in eight states; the components mean what those of `contact_point` mean, and those that laws may know stand in
+   !> the parent.
+   type, extends(lane_context) :: lane_contact
       real(wp), dimension(lanes) :: rho_a0 !! nominal radius of curvature on A [m]
-      real(wp), dimension(lanes) :: h, h_dot, rho_a, rho_b, s, c, l_a, l_b, v_t, arm_a, arm_b, tilt, rho_dot, omega_a, omega_b
+      real(wp), dimension(lanes) :: s, c, l_a, l_b, v_t, arm_a, arm_b, tilt, rho_dot, omega_a, omega_b
    end type lane_contact
 
 contains
@@ -43,6 +45,10 @@ contains
       type(tracked_pair) :: pair
       integer :: l
 
+      at%e_star = contact%e_star
+      at%width = contact%width
+      at%v0 = mode%v0
+      at%side = mode%side
       pair = contact%pair
       advance = pair%advance
       if (mode%flanks == flanks_off) then

@@ -1,7 +1,6 @@
 !> When something happens to a tooth contact: its root functions, and where it lies on the path of contact.
 module evl_contact_roots
    use evl_closed_form, only: centre_line_turn, closed_form_gap
-   use evl_contact_laws, only: friction_knee
    use evl_contact_point, only: contact_point
    use evl_flank_deviation, only: deviation_borders, flank_deviation_t, zone_root, zone_tip
    use evl_kinds, only: wp
@@ -110,7 +109,7 @@ contains
       if (.not. (mode%flanks == flanks_open .or. (touches(mode) .and. .not. contact%rigid))) directions(root_contact) = mark
       if (.not. touches(mode)) directions(root_force) = mark
       if (contact%i_side == 0 .or. .not. touches(mode)) directions(root_side) = mark
-      slides = friction_knee(contact%friction) > 0 .and. mode%flanks == flanks_loaded
+      slides = contact%friction%knee() > 0 .and. mode%flanks == flanks_loaded
       if (.not. slides .or. mode%friction == -1) directions(root_friction_high) = mark
       if (.not. slides .or. mode%friction == 1) directions(root_friction_low) = mark
       if (contact%tracking == tracking_closed_form .or. touches(mode) .or. mode%flanks == flanks_off) directions(root_apart) = mark

@@ -1,7 +1,10 @@
 !> What a mesh is at its nominal load: the oscillator that one perfect tooth pair at the pitch point makes of its two wheels.
 module evl_mesh_reference
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use evl_contact_laws, only: contact_context, elastic_force, elastic_result, law_choice, viscous_force, viscous_result
+   use evl_contact_context, only: contact_context
+   use evl_damping_law, only: viscous_force, viscous_result
+   use evl_elastic_law, only: elastic_result
+   use evl_force_law, only: choice_of, law_choice
    use evl_kinds, only: pi, wp
    use evl_status, only: code_ok
    use evl_tooth_contact, only: tooth_contact_t
@@ -46,11 +49,11 @@ contains
       integer :: code
 
       none = ieee_value(1.0_wp, ieee_quiet_nan)
-      reference = mesh_reference_t(none, none, none, none, none, contact%damping)
+      reference = mesh_reference_t(none, none, none, none, none, choice_of(contact%damping))
       if (contact%rigid .or. .not. has_load) return
       ctx = nominal_context(contact)
       ctx%h = contact%h_scale
-      call elastic_force(contact%elastic, ctx, elastic, code)
+      call contact%elastic%force(ctx, elastic, code)
       if (code /= code_ok) return
       reference%stiffness = elastic%d_h
       if (.not. mobility > 0) return
@@ -71,7 +74,7 @@ contains
       if (.not. reference%frequency > 0) return
       ctx = nominal_context(contact)
       ctx%h = contact%h_scale
-      call elastic_force(contact%elastic, ctx, elastic, code)
+      call contact%elastic%force(ctx, elastic, code)
       ctx%h_dot = slow*2*pi*reference%frequency*ctx%h
       call viscous_force(contact%damping, ctx, elastic, approach)
       ctx%h_dot = -ctx%h_dot

@@ -8,12 +8,14 @@
 !> Forces are counted on the driving wheel A, along t and against e; wheel B feels the opposite.
 module evl_tooth_contact
    use evl_closed_form, only: track_closed_form
-   use evl_contact_laws, only: contact_context, elastic_force, elastic_limit_message, elastic_potential, elastic_result, &
-                               friction_factor, friction_mode, law_choice, viscous_force, viscous_result
+   use evl_contact_context, only: contact_context
    use evl_contact_point, only: contact_point, tracked_pair
    use evl_contact_tracking, only: track_points
+   use evl_damping_law, only: damping_law_t, viscous_force, viscous_result
    use evl_deviating_flanks, only: deviate, flank_value
+   use evl_elastic_law, only: elastic_law_t, elastic_result
    use evl_flank_deviation, only: deviation_branch, deviation_on, deviation_zone, flank_branch, flank_deviation_t
+   use evl_friction_law, only: friction_law_t
    use evl_kinds, only: wp
    use evl_local_variables, only: local_link, n_local, wheel_link
    use evl_rational, only: rational_pitches, rational_t
@@ -55,7 +57,9 @@ module evl_tooth_contact
       logical :: handover = .true.        !! one slot, and pairs change one pitch on; else at the ends of the path
       integer :: wheel_a = 0, wheel_b = 0 !! driving and driven wheel
       type(tracked_pair) :: pair          !! geometry for the tracking
-      type(law_choice) :: elastic, damping, friction
+      class(elastic_law_t), allocatable :: elastic
+      class(damping_law_t), allocatable :: damping
+      class(friction_law_t), allocatable :: friction
       logical :: rigid = .false.          !! contact is a constraint
       integer :: tracking = tracking_closed_form
       real(wp) :: e_star = 0.0_wp         !! effective modulus [Pa]
@@ -248,7 +252,7 @@ contains
       end if
       call contact_law(contact, mode, point, elastic, viscous, status)
       factor = 0
-      if (mode%flanks == flanks_loaded) call friction_factor(contact%friction, mode%friction, point%v_t, factor, d_v)
+      if (mode%flanks == flanks_loaded) call contact%friction%factor(mode%friction, point%v_t, factor, d_v)
       call forces_of_laws(contact, mode, point, elastic, viscous%force, factor, force)
    end subroutine contact_forces
 
@@ -298,9 +302,9 @@ contains
          return
       end if
       ctx = context_of(contact, mode, point)
-      call elastic_force(contact%elastic, ctx, elastic, code)
+      call contact%elastic%force(ctx, elastic, code)
       if (code /= code_ok) then
-         call elastic_limit_message(contact%elastic, ctx, message)
+         call contact%elastic%limit_message(ctx, message)
          call fail(status, code, message, subject_mesh, contact%mesh, "contact")
       end if
       call viscous_force(contact%damping, ctx, elastic, viscous)
@@ -326,10 +330,19 @@ contains
       type(contact_mode), intent(in) :: mode
       type(contact_point), intent(in) :: point
       real(wp), intent(in), optional :: elastic !! elastic force there, if it is known [N]
+      type(contact_context) :: ctx
+      type(elastic_result) :: result
+      integer :: code
 
       energy = 0
-      if (contact%rigid) return
-      if (touches(mode)) call elastic_potential(contact%elastic, context_of(contact, mode, point), energy, elastic=elastic)
+      if (contact%rigid .or. .not. touches(mode)) return
+      ctx = context_of(contact, mode, point)
+      if (present(elastic)) then
+         result%force = elastic
+      else
+         call contact%elastic%force(ctx, result, code)
+      end if
+      energy = contact%elastic%potential(ctx, result%force)
    end function contact_energy
 
    !> Elastic + viscous force as if nothing were clipped [N].
@@ -358,7 +371,7 @@ contains
       type(tooth_contact_t), intent(in) :: contact
       type(contact_point), intent(in) :: point
 
-      branch = friction_mode(contact%friction, point%v_t)
+      branch = contact%friction%branch(point%v_t)
    end function settle_friction
 
 end module evl_tooth_contact

@@ -1,10 +1,10 @@
 !> Makes the tooth contacts of a gearbox from its meshes: how many there are, their constants, their links to the state.
 module evl_contact_build
-   use evl_contact_laws, only: is_rigid
    use evl_first_tooth_pair, only: tooth_phase_t
    use evl_gearbox, only: gearbox_t, wheel_t
    use evl_gearbox_description, only: mesh_input, wheel_input
-   use evl_kinds, only: pi, wp
+   use evl_kinds, only: wp
+   use evl_law_table, only: damping_law, elastic_law, friction_law
    use evl_local_variables, only: at_normal, at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_theta, at_track, &
                                   at_u_a, at_u_b, at_v_a, at_v_b, i_omega, i_theta, local_link, n_track, wheel_link
    use evl_mesh_geometry, only: spur_pair_least_radius, spur_pair_t
@@ -48,8 +48,10 @@ contains
                   contact%slot = slot
                   contact%n_slots = slots
                   contact%handover = slots == 1
-                  contact%rigid = is_rigid(meshes(m)%contact)
-                  contact%damping = meshes(m)%damping
+                  call elastic_law(meshes(m)%contact, contact%elastic)
+                  call damping_law(meshes(m)%damping, contact%damping)
+                  call friction_law(meshes(m)%friction, contact%friction)
+                  contact%rigid = contact%elastic%is_rigid()
                   contact%deviates = any(gearbox%wheels([meshes(m)%driving, meshes(m)%driven])%deviation%exists)
                   contact%n_roots = n_contact_roots + merge(n_border_roots, 0, contact%deviates)
                   ! the points of the coast flank follow from the wheels' positions, whatever tracks those of the drive flank
@@ -82,9 +84,6 @@ contains
                  b => given%driven)
          contact%wheel_a = a
          contact%wheel_b = b
-         contact%elastic = given%contact
-         contact%damping = given%damping
-         contact%friction = given%friction
          compliance_a = (1 - wheels(a)%poisson_ratio**2)/wheels(a)%youngs_modulus
          compliance_b = (1 - wheels(b)%poisson_ratio**2)/wheels(b)%youngs_modulus
          contact%e_star = 1/(compliance_a + compliance_b)

@@ -2,7 +2,6 @@
 module evl_gearbox_build
    use evl_constant_outputs, only: n_constant_outputs, put_constants
    use evl_contact_build, only: find_dependents, list_contacts, take_contact
-   use evl_contact_laws, only: has_sides
    use evl_first_tooth_pair, only: find_tooth_phases, tooth_mesh_t
    use evl_gear_build, only: gears_build
    use evl_gearbox, only: gearbox_t, support_bearing, support_slider, support_t
@@ -277,7 +276,7 @@ contains
          n = n + 1
       end do
       do i = 1, size(gearbox%contacts)
-         if (.not. has_sides(gearbox%contacts(i)%damping)) cycle
+         if (.not. gearbox%contacts(i)%damping%has_sides()) cycle
          gearbox%contacts(i)%i_side = n + 1
          n = n + 1
       end do

@@ -1,11 +1,14 @@
 !> The description that a gearbox is made from, and whether its numbers are in range.
 module evl_gearbox_description
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use evl_contact_laws, only: is_rigid, is_undamped, law_choice, law_validate, laws_contact, laws_damping, laws_friction
+   use evl_damping_law, only: damping_law_t
    use evl_deviation_description, only: deviation_input
+   use evl_elastic_law, only: elastic_law_t
+   use evl_force_law, only: law_choice
    use evl_gear, only: gear_input
    use evl_gearbox, only: support_bearing, support_fixed, support_slider
    use evl_kinds, only: wp
+   use evl_law_table, only: damping_law, elastic_law, law_validate, laws_contact, laws_damping, laws_friction
    use evl_load, only: load_constant, load_prescribed_speed, load_t, load_table, load_viscous
    use evl_mesh_geometry, only: maximum_teeth, minimum_teeth
    use evl_status, only: code_invalid_input, fail, has_failed, message_length, quantity, status_t, subject_load, subject_mesh, &
@@ -232,6 +235,8 @@ contains
       integer, intent(in) :: index
       type(wheel_input), intent(in) :: wheels(:)
       type(status_t), intent(inout) :: status
+      class(elastic_law_t), allocatable :: elastic
+      class(damping_law_t), allocatable :: damping
 
       if (mesh%driving < 1 .or. mesh%driving > size(wheels)) then
          call fail(status, code_invalid_input, "there is no such driving wheel", subject_mesh, index, "driving")
@@ -248,7 +253,10 @@ contains
       call check_law(laws_contact, mesh%contact, "contact", index, status)
       call check_law(laws_damping, mesh%damping, "damping", index, status)
       call check_law(laws_friction, mesh%friction, "friction", index, status)
-      if (has_failed(status) .or. .not. is_rigid(mesh%contact) .or. is_undamped(mesh%damping)) return
+      if (has_failed(status)) return
+      call elastic_law(mesh%contact, elastic)
+      call damping_law(mesh%damping, damping)
+      if (.not. elastic%is_rigid() .or. damping%is_none()) return
       call fail(status, code_invalid_input, "a rigid contact has no penetration that could be damped: choose the damping law" &
                 //" none", subject_mesh, index, "damping.law")
    end subroutine check_mesh

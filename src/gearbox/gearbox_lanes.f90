@@ -4,7 +4,7 @@
 module evl_gearbox_lanes
    use evl_contact_lanes, only: contact_in_lanes
    use evl_contacts_in_lanes, only: lane_slot
-   use evl_force_lanes, only: forces_in_lanes, lane_force, laws_have_lanes
+   use evl_force_lanes, only: forces_in_lanes, lane_force
    use evl_gearbox, only: gearbox_t, segment_of, wheel_acceleration, wheel_t
    use evl_gearbox_rates, only: gearbox_rates
    use evl_kinds, only: lanes, wp
@@ -32,7 +32,7 @@ contains
       serve = .not. gearbox%housing%acts
       do i = 1, size(gearbox%contacts)
          associate (contact => gearbox%contacts(i))
-            serve = serve .and. .not. contact%rigid .and. contact%tracking == tracking_closed_form .and. laws_have_lanes(contact)
+            serve = serve .and. .not. contact%rigid .and. contact%tracking == tracking_closed_form
          end associate
       end do
    end function lanes_serve

@@ -3,7 +3,6 @@
 !> The gearbox itself does not change, and several models may share it: the discrete state is the model's own, put there between
 !> steps by gearbox_ode_set.
 module evl_gearbox_ode
-   use evl_contact_laws, only: friction_acts, friction_falls
    use evl_contacts_in_lanes, only: lane_slot, put_down, settle_slots
    use evl_force_jacobian, only: add_constants, add_forces, couple_reference
    use evl_gearbox, only: gearbox_t, wheel_t
@@ -105,10 +104,17 @@ contains
    !> supports, shafts and the dampers of contacts take energy only.
    pure integer function kind_of_growth(gearbox) result(growth)
       type(gearbox_t), intent(in) :: gearbox
+      logical :: falls
+      integer :: i
 
       growth = growth_never
-      if (gearbox%housing%kind /= housing_fixed .or. any(friction_acts(gearbox%contacts%friction))) growth = growth_by_coupling
-      if (any(friction_falls(gearbox%contacts%friction))) growth = growth_by_damping
+      if (gearbox%housing%kind /= housing_fixed) growth = growth_by_coupling
+      falls = .false.
+      do i = 1, size(gearbox%contacts)
+         if (gearbox%contacts(i)%friction%acts()) growth = growth_by_coupling
+         falls = falls .or. gearbox%contacts(i)%friction%falls()
+      end do
+      if (falls) growth = growth_by_damping
    end function kind_of_growth
 
    !> Free what it holds beside its components.

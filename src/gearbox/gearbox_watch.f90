@@ -5,7 +5,6 @@
 module evl_gearbox_watch
    use evl_closed_form, only: track_closed_form, transmission_error
    use evl_contact_events, only: point_of_contact
-   use evl_contact_laws, only: friction_factor, friction_none
    use evl_contact_point, only: contact_point
    use evl_contact_roots, only: contact_roots
    use evl_extremes, only: n_watched_outputs, watch_error, watch_friction, watch_normal, watch_pair_normal, watch_pair_pressure, &
@@ -107,8 +106,8 @@ contains
          call raise(unclipped, values(before + watch_pair_normal))
          call raise(contact_pressure(contact, mode, unclipped, point), values(before + watch_pair_pressure))
          values(before + watch_normal) = values(before + watch_normal) + unclipped
-         if (contact%flank /= flank_drive .or. contact%friction%law == friction_none) return
-         call friction_factor(contact%friction, mode%friction, point%v_t, factor, d_v)
+         if (contact%flank /= flank_drive .or. contact%friction%is_none()) return
+         call contact%friction%factor(mode%friction, point%v_t, factor, d_v)
          values(before + watch_friction) = values(before + watch_friction) - unclipped*factor
       end associate
    end subroutine watch_contact

@@ -5,7 +5,6 @@
 !> part so slowly that their load presses them together again stay closed: else they open each other in turn, ever faster.
 module evl_rigid_events
    use evl_contact_events, only: contact_event
-   use evl_contact_laws, only: rigid_rest_velocity, rigid_restitution
    use evl_contact_roots, only: most_contact_roots, past, root_contact
    use evl_event_kinds, only: event_closed, event_impact, event_impacts_ended, event_log, event_opened, note
    use evl_gearbox, only: gearbox_local, gearbox_t, is_closed
@@ -108,7 +107,7 @@ contains
             if (.not. closing(m)) cycle
             if (rebounds(m)) call open_flank(gearbox, m, y, integers)
             call note(log, merge(event_impact, event_closed, rebounds(m)), contact, pair)
-            if (.not. rebounds(m) .and. rigid_restitution(contact%elastic) > 0) call note(log, event_impacts_ended, contact, pair)
+            if (.not. rebounds(m) .and. contact%elastic%restitution() > 0) call note(log, event_impacts_ended, contact, pair)
          end associate
       end do
       rebounded = rebounded .or. rebounds
@@ -152,7 +151,7 @@ contains
          if (.not. may_close(gearbox, m, integers)) cycle
          gap = gap_of(gearbox, m, y)
          is_slow(m) = abs(gap(1)) <= located*gearbox%contacts(m)%h_scale &
-                      .and. gap(2) >= 0 .and. gap(2) <= rigid_rest_velocity(gearbox%contacts(m)%elastic)
+                      .and. gap(2) >= 0 .and. gap(2) <= gearbox%contacts(m)%elastic%rest_velocity()
       end do
    end function slow
 
@@ -232,7 +231,7 @@ contains
       log = new_log
       do m = 1, size(held)
          if (held(m)) call note(log, event_closed, gearbox%contacts(m), first_pair(gearbox, m, integers))
-         if (held(m) .and. rigid_restitution(gearbox%contacts(m)%elastic) > 0) &
+         if (held(m) .and. gearbox%contacts(m)%elastic%restitution() > 0) &
             call note(log, event_impacts_ended, gearbox%contacts(m), first_pair(gearbox, m, integers))
          if (was_closed(m) .and. .not. closed(m)) &
             call note(log, event_opened, gearbox%contacts(m), first_pair(gearbox, m, integers))

@@ -3,7 +3,6 @@
 !> Rates are affine in the multipliers, so a response matrix tells both: its column k is what a unit force in contact k adds to
 !> kappa'' of every contact, or a unit impulse to kappa'.
 module evl_rigid_forces
-   use evl_contact_laws, only: rigid_rest_velocity, rigid_restitution
    use evl_contact_point, only: contact_gradient, contact_point
    use evl_gearbox, only: gearbox_local, gearbox_t, is_closed, wheel_speed
    use evl_housing, only: at_omega, at_velocity, frame_t, housing_frame
@@ -225,9 +224,9 @@ contains
                if (.not. closing(closed(k))) cycle
                call gearbox_local(gearbox, contact, y, q)
                approach = rigid_closing_rate(contact%pair, q)
-               rebounds(closed(k)) = rigid_restitution(contact%elastic) > 0 .and. approach > rigid_rest_velocity(contact%elastic)
+               rebounds(closed(k)) = contact%elastic%restitution() > 0 .and. approach > contact%elastic%rest_velocity()
                impulse(k) = approach/contact%mobility
-               if (rebounds(closed(k))) impulse(k) = (1 + rigid_restitution(contact%elastic))*impulse(k)
+               if (rebounds(closed(k))) impulse(k) = (1 + contact%elastic%restitution())*impulse(k)
             end associate
          end do
          call solve(gearbox, closed(:n), response(:n, :n), impulse(:n), status)

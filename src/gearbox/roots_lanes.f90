@@ -2,7 +2,6 @@
 module evl_roots_lanes
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_contact_lanes, only: contact_in_lanes, lane_contact
-   use evl_contact_laws, only: friction_knee
    use evl_contact_roots, only: past, root_back, root_borders_a, root_borders_b, root_contact, root_force, root_forward, &
                                 root_friction_high, root_friction_low, root_side, standstill
    use evl_contacts_in_lanes, only: lane_slot
@@ -76,7 +75,7 @@ contains
       call contact_in_lanes(contact, mode, rho_start, line, at)
       unclipped = 0
       if (touches(mode)) then
-         call laws_in_lanes(contact, mode, line%margin, at, force, answered)
+         call laws_in_lanes(contact, line%margin, at, force, answered)
          if (.not. answered) return
          unclipped = force%elastic + force%viscous
       end if

@@ -2,7 +2,6 @@
 !> knew of the tooth contacts, so that they cost little. They are almost those of the states.
 module evl_watch_lanes
    use evl_contact_lanes, only: contact_in_lanes, lane_contact
-   use evl_contact_laws, only: friction_none
    use evl_contact_point, only: contact_point, tracked_pair
    use evl_contacts_in_lanes, only: lane_slot
    use evl_extremes, only: watch_error, watch_friction, watch_normal, watch_pair_normal, watch_pair_pressure, watch_penetration, &
@@ -56,7 +55,7 @@ contains
          end do
          ! the force of a single pair exceeds that of its mesh only where it exceeds that of all pairs
          if (loaded > 1) call put(channel_of(m, watch_normal), normal, n, channels, values)
-         if (loaded > 0 .and. gearbox%contacts(gearbox%first(m))%friction%law /= friction_none) &
+         if (loaded > 0 .and. .not. gearbox%contacts(gearbox%first(m))%friction%is_none()) &
             call put(channel_of(m, watch_friction), friction, n, channels, values)
          call watch_mesh(gearbox, m, y, slots(leading_contact(gearbox, m, integers)), &
                          gearbox%contacts(leading_contact(gearbox, m, integers)), n, channels, values)

@@ -12,16 +12,18 @@
 !> Sources: K. L. Johnson, Contact Mechanics, 1985, section 5.6; I. Kosenko, I. Gusev, Implementation of the spur
 !> involute gear model on Modelica, 8th Modelica Conference, 2011, (13)-(18).
 module evl_johnson
-   use evl_elementary, only: natural_logarithm
-   use evl_kinds, only: pi, wp
+   use, intrinsic :: iso_fortran_env, only: int64
+   use evl_contact_context, only: contact_context, lane_context
+   use evl_elastic_law, only: elastic_law_t, elastic_result
+   use evl_kinds, only: lanes, pi, wp
    use evl_law_info, only: law_info_t
    use evl_status, only: code_no_solution, code_ok, code_out_of_domain, quantity
    implicit none (type, external)
    private
 
-   public :: johnson_force, johnson_force_limit, johnson_iteration, johnson_iteration_force, johnson_law
-   public :: exp_minus_2, smallest_ratio
-   public :: johnson_energy, johnson_limit_message, johnson_penetration, johnson_penetration_limit
+   public :: johnson_t
+   public :: johnson_force, johnson_force_limit, johnson_iteration, johnson_iteration_force
+   public :: johnson_penetration, johnson_penetration_limit
 
    real(wp), parameter :: exp_minus_2 = 0.13533528323661269189399949497248_wp !! e**(-2)
 
@@ -29,9 +31,198 @@ module evl_johnson
    !> 1.5 % down to the smallest number there is, and saves underflow and ln(0).
    real(wp), parameter :: smallest_ratio = 1.0e-301_wp
 
+   type, extends(elastic_law_t) :: johnson_t
+   contains
+      procedure, nopass :: describe
+      procedure, nopass :: radii_factor
+      procedure :: force
+      procedure :: force_lanes
+      procedure :: potential
+      procedure :: penetration
+      procedure :: limit_message
+   end type johnson_t
+
 contains
 
-   include "laws/johnson.inc"
+   include "numerics/all_positive.inc"
+   include "numerics/logarithm.inc"
+
+   !> Name and source.
+   pure subroutine describe(info)
+      type(law_info_t), intent(inout) :: info
+
+      info%name = "johnson"
+      info%description = "two elastic cylinders, their approach measured between the centres of curvature"
+      info%source = "Johnson 1985, section 5.6; Kosenko & Gusev 2011, (13)-(18)"
+   end subroutine describe
+
+   !> As how many times as large the radii of curvature count: other laws of this form have another constant there.
+   pure real(wp) function radii_factor()
+      radii_factor = 1
+   end function radii_factor
+
+   !> The force over the whole width.
+   pure subroutine force(self, ctx, result, code)
+      class(johnson_t), intent(in) :: self
+      type(contact_context), intent(in) :: ctx
+      type(elastic_result), intent(out) :: result
+      integer, intent(out) :: code
+
+      call force_over_width(ctx%h, ctx%rho_sum, self%radii_factor(), ctx%e_star, ctx%width, result, code)
+   end subroutine force
+
+   !> The same in eight states.
+   pure subroutine force_lanes(self, at, force, d_energy, excess, answered)
+      class(johnson_t), intent(in) :: self
+      type(lane_context), intent(in) :: at
+      real(wp), dimension(lanes), intent(out) :: force, d_energy, excess
+      logical, intent(out) :: answered
+      real(wp) :: answers(lanes), factor, e_star, width
+      integer :: l
+
+      factor = self%radii_factor()
+      e_star = at%e_star
+      width = at%width
+      !$omp simd
+      do l = 1, lanes
+         call force_of_lane(at%h(l), at%rho_a(l) + at%rho_b(l), factor, e_star, width, force(l), d_energy(l), excess(l), answers(l))
+      end do
+      answered = all_positive(answers)
+   end subroutine force_lanes
+
+   !> One lane of it.
+   elemental subroutine force_of_lane(h, rho_sum, factor, e_star, width, force, d_energy, excess, answer)
+      real(wp), intent(in) :: h, rho_sum, factor, e_star, width
+      real(wp), intent(out) :: force, d_energy, excess
+      real(wp), intent(out) :: answer !! 1, or 0 outside the law's domain: integers are shorter, and vectors would be too
+      type(elastic_result) :: elastic
+      integer :: code
+
+      call force_over_width(h, rho_sum, factor, e_star, width, elastic, code)
+      force = elastic%force
+      d_energy = elastic%d_energy
+      excess = elastic%excess
+      answer = merge(1.0_wp, 0.0_wp, code == code_ok)
+   end subroutine force_of_lane
+
+   !> Elastic energy.
+   pure function potential(self, ctx, force) result(energy)
+      class(johnson_t), intent(in) :: self
+      type(contact_context), intent(in) :: ctx
+      real(wp), intent(in) :: force
+      real(wp) :: energy
+
+      associate (unused => self)
+      end associate
+      energy = ctx%width*johnson_energy(ctx%h, abs(force)/ctx%width, ctx%rho_sum, ctx%e_star)
+   end function potential
+
+   !> Penetration under a force.
+   pure subroutine penetration(self, ctx, force, h, code)
+      class(johnson_t), intent(in) :: self
+      type(contact_context), intent(in) :: ctx
+      real(wp), intent(in) :: force
+      real(wp), intent(out) :: h
+      integer, intent(out) :: code
+
+      call johnson_penetration(force/ctx%width, self%radii_factor()*ctx%rho_sum, ctx%e_star, h, code)
+   end subroutine penetration
+
+   !> Why there is no force.
+   pure subroutine limit_message(self, ctx, message)
+      class(johnson_t), intent(in) :: self
+      type(contact_context), intent(in) :: ctx
+      character(len=*), intent(out) :: message
+
+      associate (unused => self)
+      end associate
+      if (.not. ctx%rho_sum > 0.0_wp) then
+         message = "rho_A + rho_B = "//quantity(ctx%rho_sum, "m")//" is not positive, as the Johnson force needs"
+      else
+         message = "penetration h = "//quantity(ctx%h, "m")//" exceeds the limit 4 (rho_A + rho_B)/e^2 = " &
+                   //quantity(johnson_penetration_limit(ctx%rho_sum), "m")//" of the Johnson force, eq. (15)"
+      end if
+   end subroutine limit_message
+
+   !> The force over the whole width of a law h = N/(pi E*) (ln(rho_sum/N) + constant), with the derivatives of the energy that
+   !> `johnson_energy` gives.
+   elemental subroutine force_over_width(h, rho_sum, factor, e_star, width, result, code)
+      real(wp), intent(in) :: h       !! penetration [m]
+      real(wp), intent(in) :: rho_sum !! sum of the radii of curvature [m]
+      real(wp), intent(in) :: factor  !! as how many times as large they count
+      real(wp), intent(in) :: e_star  !! effective modulus [Pa]
+      real(wp), intent(in) :: width   !! common face width [m]
+      type(elastic_result), intent(out) :: result
+      integer, intent(out) :: code    !! code_ok or code_out_of_domain
+      real(wp) :: x, y, last
+
+      call johnson_force(h, factor*rho_sum, e_star, result%force, result%d_h, result%d_rho, code)
+      x = abs(h)*(1/rho_sum)
+      y = abs(result%force)*(1/rho_sum)*(1/(pi*e_star))
+      last = -y*(x*(x/12 + y*(11.0_wp/72)) + y**2*(3.0_wp/32))
+      result%d_energy = width*abs(result%force)*(last - y*(0.5_wp + x/6 + y*(2.0_wp/9)))
+      result%force = width*result%force
+      result%d_h = width*result%d_h
+      result%d_rho = width*(factor*result%d_rho)
+      result%excess = last*result%force
+   end subroutine force_over_width
+
+   !> Force per unit width from the penetration, with its derivatives.
+   !>
+   !> Source: Kosenko & Gusev 2011, (13)-(14) through W_{-1}.   Valid: |h| < 4 rho/e**2, rho > 0.
+   !> At h = 0 the derivative is 0, its (logarithmic) limit. Without branches: outside it computes something else and drops it.
+   elemental subroutine johnson_force(h, rho_sum, e_star, force, d_h, d_rho, code)
+      real(wp), intent(in) :: h       !! penetration [m]; the force is odd in it
+      real(wp), intent(in) :: rho_sum !! sum of the radii of curvature [m], > 0
+      real(wp), intent(in) :: e_star  !! effective modulus [Pa], > 0
+      real(wp), intent(out) :: force  !! N [N/m]; 0 on error
+      real(wp), intent(out) :: d_h    !! dN/dh at constant rho_sum [N/m^2]; 0 on error
+      real(wp), intent(out) :: d_rho  !! dN/d(rho_sum) at constant h [N/m^2]; 0 on error
+      integer, intent(out) :: code    !! code_ok or code_out_of_domain
+      real(wp) :: ratio, excess, v, w_inverse
+      logical :: inside
+
+      ratio = (0.25_wp*abs(h))*(1/rho_sum)
+      excess = -natural_logarithm(min(max(ratio, smallest_ratio), exp_minus_2)) - 2.0_wp
+      inside = ratio < exp_minus_2 .and. min(rho_sum, excess) > 0.0_wp ! not so for the last few numbers below the limit
+      call lambert_w(max(excess, epsilon(excess)), v, w_inverse)
+      force = merge(pi*e_star*h*w_inverse, 0.0_wp, inside)
+      d_h = merge(pi*e_star/v, 0.0_wp, inside .and. abs(h) > 0.0_wp)
+      d_rho = sign(4.0_wp*ratio*d_h*w_inverse, -h)
+      code = merge(code_ok, code_out_of_domain, inside)
+   end subroutine johnson_force
+
+   !> Of w - ln w = 1 + excess, w > 1, that is w = -W_{-1}(-exp(-1 - excess)): v = w - 1 and 1/w.
+   !>
+   !> v is p = sqrt(2 excess) times a rational function of p, fitted for the least largest relative error over 0 < p < 37.4
+   !> (tests/reference/johnson_fraction.py): that error is 6.7e-17. All coefficients are positive, so nothing cancels, and both
+   !> polynomials are 1 at p = 0, where v begins as p does.
+   elemental subroutine lambert_w(excess, v, w_inverse)
+      real(wp), intent(in) :: excess     !! -ln(x) - 1, in (0, 698)
+      real(wp), intent(out) :: v         !! w - 1
+      real(wp), intent(out) :: w_inverse !! 1/w
+      real(wp), parameter :: n(11) = [1.91933769723438345e+00_wp, 1.65582549061094202e+00_wp, 8.45138060724112465e-01_wp, &
+                                      2.80289015626441302e-01_wp, 6.2254870687928949e-02_wp, 9.18229989354789232e-03_wp, &
+                                      8.59994248950026805e-04_wp, 4.6805618900177341e-05_wp, 1.30471136271924595e-06_wp, &
+                                      1.55596029151868745e-08_wp, 5.54424225361925718e-11_wp]
+      real(wp), parameter :: d(10) = [1.58600436390104367e+00_wp, 1.09937959153302007e+00_wp, 4.38326223806263887e-01_wp, &
+                                      1.09284561137510324e-01_wp, 1.72968118434370046e-02_wp, 1.68225513335539635e-03_wp, &
+                                      9.30391275656978935e-05_wp, 2.60669191930539083e-06_wp, 3.11183640626739897e-08_wp, &
+                                      1.10885488074740248e-10_wp]
+      real(wp) :: p, p2, p4, p8, above, below
+
+      p = sqrt(2.0_wp*excess)
+      p2 = p**2
+      p4 = p2**2
+      p8 = p4**2
+      above = (((1.0_wp + p*n(1)) + p2*(n(2) + p*n(3))) + p4*((n(4) + p*n(5)) + p2*(n(6) + p*n(7)))) &
+              + p8*((n(8) + p*n(9)) + p2*(n(10) + p*n(11))) ! short chains
+      below = (((1.0_wp + p*d(1)) + p2*(d(2) + p*d(3))) + p4*((d(4) + p*d(5)) + p2*(d(6) + p*d(7)))) &
+              + p8*((d(8) + p*d(9)) + p2*d(10))
+      above = p*above
+      v = above/below
+      w_inverse = below/(below + above)
+   end subroutine lambert_w
 
    !> Penetration from the force per unit width.
    !>
@@ -61,7 +252,7 @@ contains
    !>
    !> The first two terms are the energy at constant radii; of the further orders each is minus the integral over h of the
    !> derivative of the one before it to rho_sum. What is left out is of the relative order (h/rho_sum)**3: below 1e-13 for
-   !> h < 3e-4 rho_sum, past what steel bears. `spread_over_width` has the derivatives of this V, so that no energy is lost
+   !> h < 3e-4 rho_sum, past what steel bears. `force_over_width` has the derivatives of this V, so that no energy is lost
    !> where it matters.
    !>
    !> It holds for each law N = pi E* h/w with w - ln w = ln(rho_sum/h) + constant: for Radzimovsky's as well.
@@ -93,20 +284,6 @@ contains
 
       johnson_force_limit = 4.0_wp*pi*e_star*rho_sum*exp_minus_2
    end function johnson_force_limit
-
-   !> Why johnson_force refuses h, as one sentence.
-   pure subroutine johnson_limit_message(h, rho_sum, message)
-      real(wp), intent(in) :: h                 !! penetration [m]
-      real(wp), intent(in) :: rho_sum           !! sum of the radii of curvature [m]
-      character(len=*), intent(out) :: message  !! truncated to its length
-
-      if (.not. rho_sum > 0.0_wp) then
-         message = "rho_A + rho_B = "//quantity(rho_sum, "m")//" is not positive, as the Johnson force needs"
-      else
-         message = "penetration h = "//quantity(h, "m")//" exceeds the limit 4 (rho_A + rho_B)/e^2 = " &
-                   //quantity(johnson_penetration_limit(rho_sum), "m")//" of the Johnson force, eq. (15)"
-      end if
-   end subroutine johnson_limit_message
 
    !> One turn of the paper's iteration: eta_{n+1} = nu (1 + eta_n ln eta_n), N = 4 pi E* rho x eta/e.
    !>
@@ -159,13 +336,5 @@ contains
       code = code_ok
       force = 4.0_wp*pi*e_star*rho_sum*exp(-1.0_wp)*x*next
    end subroutine johnson_iteration_force
-
-   !> The entry of the law table.
-   pure type(law_info_t) function johnson_law() result(info)
-
-      info%name = "johnson"
-      info%description = "two elastic cylinders, their approach measured between the centres of curvature"
-      info%source = "Johnson 1985, section 5.6; Kosenko & Gusev 2011, (13)-(18)"
-   end function johnson_law
 
 end module evl_johnson

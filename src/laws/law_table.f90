@@ -1,108 +1,196 @@
-!> The table of all force laws. The index of a law is its index in the list of its family, from 0.
+!> The table of all force laws: a line each. The index of a law is its place in the list of its family, from 0.
 module evl_law_table
-   use evl_damping, only: linear_damping_law, no_damping_law, one_sided_damping_law, ratio_damping_law
-   use evl_friction, only: coulomb_friction_law, no_friction_law, stribeck_friction_law, tanh_friction_law
-   use evl_hunt_crossley, only: flores_law, gonthier_law, hunt_crossley_law, lankarani_nikravesh_law, lee_wang_law
-   use evl_johnson, only: johnson_law
-   use evl_law_info, only: law_info_t
-   use evl_radzimovsky, only: radzimovsky_law
-   use evl_rigid, only: rigid_law
-   use evl_springs, only: linear_spring_law, power_spring_law, yang_lin_law
-   use evl_status, only: code_invalid_input, code_ok
+   use evl_coulomb, only: coulomb_t
+   use evl_damping_law, only: damping_law_t
+   use evl_damping_ratio, only: damping_ratio_t
+   use evl_elastic_law, only: elastic_law_t
+   use evl_flores, only: flores_t
+   use evl_force_law, only: force_law_t, law_choice
+   use evl_friction_law, only: friction_law_t
+   use evl_gonthier, only: gonthier_t
+   use evl_hunt_crossley, only: hunt_crossley_t
+   use evl_johnson, only: johnson_t
+   use evl_lankarani_nikravesh, only: lankarani_nikravesh_t
+   use evl_law_info, only: is_left_open, law_info_t, parameter_range_error
+   use evl_lee_wang, only: lee_wang_t
+   use evl_linear_damping, only: linear_damping_t
+   use evl_linear_spring, only: linear_spring_t
+   use evl_no_damping, only: no_damping_t
+   use evl_no_friction, only: no_friction_t
+   use evl_one_sided_damping, only: one_sided_damping_t
+   use evl_power_spring, only: power_spring_t
+   use evl_radzimovsky, only: radzimovsky_t
+   use evl_rigid, only: rigid_t
+   use evl_status, only: code_invalid_input, code_ok, message_length
+   use evl_stribeck, only: stribeck_t
+   use evl_tanh_friction, only: tanh_friction_t
+   use evl_yang_lin, only: yang_lin_t
    implicit none (type, external)
    private
 
-   public :: law_count, law_describe
+   public :: damping_law, elastic_law, friction_law
+   public :: law_count, law_describe, law_validate
    public :: laws_contact, laws_damping, laws_friction
-   public :: contact_johnson, contact_radzimovsky, contact_linear, contact_yang_lin, contact_power, contact_rigid
-   public :: damping_none, damping_linear, damping_one_sided, damping_hunt_crossley, damping_lankarani_nikravesh
-   public :: damping_flores, damping_gonthier, damping_lee_wang, damping_ratio
-   public :: friction_none, friction_coulomb, friction_tanh, friction_stribeck
 
    integer, parameter :: laws_contact = 0  !! family of the elastic laws; evl_law_family of the C header
    integer, parameter :: laws_damping = 1  !! family of the viscous laws
    integer, parameter :: laws_friction = 2 !! family of the friction laws
 
-   integer, parameter :: contact_johnson = 0, contact_radzimovsky = 1, contact_linear = 2, contact_yang_lin = 3, &
-                         contact_power = 4, contact_rigid = 5
-   integer, parameter :: damping_none = 0, damping_linear = 1, damping_one_sided = 2, damping_hunt_crossley = 3, &
-                         damping_lankarani_nikravesh = 4, damping_flores = 5, damping_gonthier = 6, damping_lee_wang = 7, &
-                         damping_ratio = 8
-   integer, parameter :: friction_none = 0, friction_coulomb = 1, friction_tanh = 2, friction_stribeck = 3
-
 contains
 
-   !> Number of laws of a family; 0 if there is no such family.
-   pure integer function law_count(family) result(n)
-      integer, intent(in) :: family !! laws_contact, laws_damping or laws_friction
-      type(law_info_t) :: info
-      integer :: code
+   !> The table. Take law `index` of a family out of it, without parameters, and count the laws of the family.
+   subroutine take_law(family, index, law, n)
+      integer, intent(in) :: family
+      integer, intent(in) :: index                           !! from 0
+      class(force_law_t), allocatable, intent(out) :: law    !! not allocated if there is no such law
+      integer, intent(out) :: n                              !! 0 if there is no such family
 
-      n = -1
-      code = code_ok
-      do while (code == code_ok)
+      n = 0
+      select case (family)
+      case (laws_contact)
+         call enter(johnson_t())
+         call enter(radzimovsky_t())
+         call enter(linear_spring_t())
+         call enter(yang_lin_t())
+         call enter(power_spring_t())
+         call enter(rigid_t())
+      case (laws_damping)
+         call enter(no_damping_t())
+         call enter(linear_damping_t())
+         call enter(one_sided_damping_t())
+         call enter(hunt_crossley_t())
+         call enter(lankarani_nikravesh_t())
+         call enter(flores_t())
+         call enter(gonthier_t())
+         call enter(lee_wang_t())
+         call enter(damping_ratio_t())
+      case (laws_friction)
+         call enter(no_friction_t())
+         call enter(coulomb_t())
+         call enter(tanh_friction_t())
+         call enter(stribeck_t())
+      end select
+
+   contains
+
+      subroutine enter(entry)
+         class(force_law_t), intent(in) :: entry
+
+         if (n == index) then
+            allocate (law, source=entry)
+            law%index = index
+         end if
          n = n + 1
-         call law_describe(family, n, info, code)
-      end do
+      end subroutine enter
+
+   end subroutine take_law
+
+   !> Number of laws of a family; 0 if there is no such family.
+   integer function law_count(family) result(n)
+      integer, intent(in) :: family !! laws_contact, laws_damping or laws_friction
+      class(force_law_t), allocatable :: law
+
+      call take_law(family, -1, law, n)
    end function law_count
 
-   !> Describe law `index` of a family: the table of all laws. Each is made alone, since a gearbox asks for those it has.
-   pure subroutine law_describe(family, index, info, code)
+   !> Describe law `index` of a family.
+   subroutine law_describe(family, index, info, code)
       integer, intent(in) :: family           !! laws_contact, laws_damping or laws_friction
       integer, intent(in) :: index            !! from 0; there is none after the last
       type(law_info_t), intent(out) :: info   !! empty if there is no such law
-      integer, intent(out), optional :: code  !! code_ok, or code_invalid_input if there is no such law
+      integer, intent(out) :: code            !! code_ok, or code_invalid_input if there is no such law
+      class(force_law_t), allocatable :: law
+      integer :: n
 
-      select case (family)
-      case (laws_contact)
-         select case (index)
-         case (contact_johnson)
-            info = johnson_law()
-         case (contact_radzimovsky)
-            info = radzimovsky_law()
-         case (contact_linear)
-            info = linear_spring_law()
-         case (contact_yang_lin)
-            info = yang_lin_law()
-         case (contact_power)
-            info = power_spring_law()
-         case (contact_rigid)
-            info = rigid_law()
-         end select
-      case (laws_damping)
-         select case (index)
-         case (damping_none)
-            info = no_damping_law()
-         case (damping_linear)
-            info = linear_damping_law()
-         case (damping_one_sided)
-            info = one_sided_damping_law()
-         case (damping_hunt_crossley)
-            info = hunt_crossley_law()
-         case (damping_lankarani_nikravesh)
-            info = lankarani_nikravesh_law()
-         case (damping_flores)
-            info = flores_law()
-         case (damping_gonthier)
-            info = gonthier_law()
-         case (damping_lee_wang)
-            info = lee_wang_law()
-         case (damping_ratio)
-            info = ratio_damping_law()
-         end select
-      case (laws_friction)
-         select case (index)
-         case (friction_none)
-            info = no_friction_law()
-         case (friction_coulomb)
-            info = coulomb_friction_law()
-         case (friction_tanh)
-            info = tanh_friction_law()
-         case (friction_stribeck)
-            info = stribeck_friction_law()
-         end select
-      end select
-      if (present(code)) code = merge(code_ok, code_invalid_input, info%name /= "")
+      call take_law(family, index, law, n)
+      code = merge(code_ok, code_invalid_input, allocated(law))
+      if (allocated(law)) call law%describe(info)
    end subroutine law_describe
+
+   !> The elastic law of a choice; not allocated if there is no such law.
+   subroutine elastic_law(choice, law)
+      type(law_choice), intent(in) :: choice
+      class(elastic_law_t), allocatable, intent(out) :: law
+      class(force_law_t), allocatable :: entry
+      integer :: n
+
+      call take_law(laws_contact, choice%law, entry, n)
+      if (.not. allocated(entry)) return
+      select type (entry)
+      class is (elastic_law_t)
+         allocate (law, source=entry)
+         law%parameters = choice%parameters
+      end select
+   end subroutine elastic_law
+
+   !> The damping law of a choice; not allocated if there is no such law.
+   subroutine damping_law(choice, law)
+      type(law_choice), intent(in) :: choice
+      class(damping_law_t), allocatable, intent(out) :: law
+      class(force_law_t), allocatable :: entry
+      integer :: n
+
+      call take_law(laws_damping, choice%law, entry, n)
+      if (.not. allocated(entry)) return
+      select type (entry)
+      class is (damping_law_t)
+         allocate (law, source=entry)
+         law%parameters = choice%parameters
+      end select
+   end subroutine damping_law
+
+   !> The friction law of a choice; not allocated if there is no such law.
+   subroutine friction_law(choice, law)
+      type(law_choice), intent(in) :: choice
+      class(friction_law_t), allocatable, intent(out) :: law
+      class(force_law_t), allocatable :: entry
+      integer :: n
+
+      call take_law(laws_friction, choice%law, entry, n)
+      if (.not. allocated(entry)) return
+      select type (entry)
+      class is (friction_law_t)
+         allocate (law, source=entry)
+         law%parameters = choice%parameters
+      end select
+   end subroutine friction_law
+
+   !> Check that a choice names a law of the family and that its parameters are valid.
+   subroutine law_validate(family, choice, code, field, message)
+      integer, intent(in) :: family            !! laws_contact, laws_damping or laws_friction
+      type(law_choice), intent(in) :: choice   !! to check; parameters that the law does not have are ignored
+      integer, intent(out) :: code             !! code_ok or code_invalid_input
+      character(len=*), intent(out) :: field   !! "law", or the parameter's name; "" if valid
+      character(len=*), intent(out) :: message !! one sentence; "" if valid
+      class(force_law_t), allocatable :: law
+      type(law_info_t) :: info
+      character(len=message_length) :: reason
+      character(len=12) :: number
+      integer :: i, n
+
+      message = ""
+      call take_law(family, choice%law, law, n)
+      if (.not. allocated(law)) then
+         code = code_invalid_input
+         field = "law"
+         write (number, "(i0)") choice%law
+         message = "there is no law "//trim(number)//" in this family"
+         return
+      end if
+      call law%describe(info)
+      reason = ""
+      do i = 1, info%n_parameters
+         field = info%parameters(i)%name
+         if (is_left_open(info%parameters(i), choice%parameters(i))) cycle
+         reason = parameter_range_error(info%parameters(i), choice%parameters(i))
+         if (reason /= "") exit
+      end do
+      if (reason == "") then
+         law%parameters = choice%parameters
+         call law%check(field, reason)
+      end if
+      code = merge(code_ok, code_invalid_input, reason == "")
+      if (reason /= "") message = trim(reason)//" (law "//trim(info%name)//")"
+   end subroutine law_validate
 
 end module evl_law_table

@@ -13,53 +13,56 @@
 !> Source: E. I. Radzimovsky, Stress distribution and strength condition of two rolling cylinders pressed together,
 !> University of Illinois Engineering Experiment Station Bulletin 408, 1953.
 module evl_radzimovsky
-   use evl_johnson, only: johnson_force, johnson_penetration, johnson_penetration_limit
+   use evl_contact_context, only: contact_context
+   use evl_johnson, only: johnson_penetration_limit, johnson_t
    use evl_kinds, only: wp
    use evl_law_info, only: law_info_t
    use evl_status, only: quantity
    implicit none (type, external)
    private
 
-   public :: enlarged
-   public :: radzimovsky_force, radzimovsky_law, radzimovsky_limit_message, radzimovsky_penetration
+   public :: radzimovsky_t
 
    real(wp), parameter :: enlarged = 1.323622512617507341706843001049_wp !! exp(5/3)/4
 
+   !> Valid: |h| < exp(-1/3) rho_sum, |N| < exp(-1/3) pi E* rho_sum, rho_sum > 0
+   type, extends(johnson_t) :: radzimovsky_t
+   contains
+      procedure, nopass :: describe
+      procedure, nopass :: radii_factor
+      procedure :: limit_message
+   end type radzimovsky_t
+
 contains
 
-   include "laws/radzimovsky.inc"
-
-   !> Penetration from the force per unit width.   Valid: |N| < exp(-1/3) pi E* rho_sum, rho_sum > 0
-   elemental subroutine radzimovsky_penetration(force, rho_sum, e_star, h, code)
-      real(wp), intent(in) :: force   !! N [N/m]; the penetration is odd in it
-      real(wp), intent(in) :: rho_sum !! sum of the radii of curvature [m], > 0
-      real(wp), intent(in) :: e_star  !! effective modulus [Pa], > 0
-      real(wp), intent(out) :: h      !! penetration [m]; 0 on error
-      integer, intent(out) :: code    !! code_ok or code_out_of_domain
-
-      call johnson_penetration(force, enlarged*rho_sum, e_star, h, code)
-   end subroutine radzimovsky_penetration
-
-   !> Why radzimovsky_force refuses h, as one sentence.
-   pure subroutine radzimovsky_limit_message(h, rho_sum, message)
-      real(wp), intent(in) :: h                 !! penetration [m]
-      real(wp), intent(in) :: rho_sum           !! sum of the radii of curvature [m]
-      character(len=*), intent(out) :: message  !! truncated to its length
-
-      if (.not. rho_sum > 0.0_wp) then
-         message = "rho_A + rho_B = "//quantity(rho_sum, "m")//" is not positive, as the Radzimovsky force needs"
-      else
-         message = "penetration h = "//quantity(h, "m")//" exceeds the limit e^(-1/3) (rho_A + rho_B) = " &
-                   //quantity(johnson_penetration_limit(enlarged*rho_sum), "m")//" of the Radzimovsky force"
-      end if
-   end subroutine radzimovsky_limit_message
-
-   !> The entry of the law table.
-   pure type(law_info_t) function radzimovsky_law() result(info)
+   !> Name and source.
+   pure subroutine describe(info)
+      type(law_info_t), intent(inout) :: info
 
       info%name = "radzimovsky"
       info%description = "two elastic cylinders, with the full width of the contact strip after Hertz"
       info%source = "Radzimovsky 1953, University of Illinois Bulletin 408"
-   end function radzimovsky_law
+   end subroutine describe
+
+   !> As how many times as large as in Johnson's law the radii of curvature count.
+   pure real(wp) function radii_factor()
+      radii_factor = enlarged
+   end function radii_factor
+
+   !> Why there is no force.
+   pure subroutine limit_message(self, ctx, message)
+      class(radzimovsky_t), intent(in) :: self
+      type(contact_context), intent(in) :: ctx
+      character(len=*), intent(out) :: message
+
+      associate (unused => self)
+      end associate
+      if (.not. ctx%rho_sum > 0.0_wp) then
+         message = "rho_A + rho_B = "//quantity(ctx%rho_sum, "m")//" is not positive, as the Radzimovsky force needs"
+      else
+         message = "penetration h = "//quantity(ctx%h, "m")//" exceeds the limit e^(-1/3) (rho_A + rho_B) = " &
+                   //quantity(johnson_penetration_limit(enlarged*ctx%rho_sum), "m")//" of the Radzimovsky force"
+      end if
+   end subroutine limit_message
 
 end module evl_radzimovsky

@@ -1,16 +1,35 @@
 !> What rigid contact says of itself as a law: it has no force of its own, its flanks are a constraint of the gearbox.
 module evl_rigid
+   use evl_contact_context, only: contact_context
+   use evl_elastic_law, only: elastic_law_t, elastic_result
+   use evl_force_law, only: yes
+   use evl_johnson, only: johnson_t
    use evl_kinds, only: wp
    use evl_law_info, only: law_info_t, law_parameter
+   use evl_status, only: code_out_of_domain
    implicit none (type, external)
    private
 
-   public :: rigid_law
+   public :: rigid_t
+
+   type, extends(elastic_law_t) :: rigid_t
+   contains
+      procedure, nopass :: describe
+      procedure, nopass :: is_rigid => yes
+      procedure :: force
+      procedure :: potential
+      procedure :: penetration
+      procedure :: limit_message
+      procedure :: restitution
+      procedure :: rest_velocity
+      procedure :: compliant
+   end type rigid_t
 
 contains
 
-   !> The entry of the law table.
-   pure type(law_info_t) function rigid_law() result(info)
+   !> Name, source and parameters.
+   pure subroutine describe(info)
+      type(law_info_t), intent(inout) :: info
 
       info%name = "rigid"
       info%description = "unilateral constraint; the normal force is its multiplier"
@@ -20,6 +39,79 @@ contains
                                          default_value=0.0_wp, minimum=0.0_wp, maximum=1.0_wp)
       info%parameters(2) = law_parameter("rest_velocity", "m/s", "approach speed below which an impact does not rebound", &
                                          default_value=1.0e-6_wp, minimum=0.0_wp, minimum_open=.true.)
-   end function rigid_law
+   end subroutine describe
+
+   !> No force at any penetration.
+   pure subroutine force(self, ctx, result, code)
+      class(rigid_t), intent(in) :: self
+      type(contact_context), intent(in) :: ctx
+      type(elastic_result), intent(out) :: result
+      integer, intent(out) :: code
+
+      associate (unused => self, unused_context => ctx)
+      end associate
+      code = code_out_of_domain
+   end subroutine force
+
+   !> Nothing is stored.
+   pure function potential(self, ctx, force) result(energy)
+      class(rigid_t), intent(in) :: self
+      type(contact_context), intent(in) :: ctx
+      real(wp), intent(in) :: force
+      real(wp) :: energy
+
+      associate (unused => self, unused_context => ctx, unused_force => force)
+      end associate
+      energy = 0
+   end function potential
+
+   !> No penetration belongs to a force.
+   pure subroutine penetration(self, ctx, force, h, code)
+      class(rigid_t), intent(in) :: self
+      type(contact_context), intent(in) :: ctx
+      real(wp), intent(in) :: force
+      real(wp), intent(out) :: h
+      integer, intent(out) :: code
+
+      associate (unused => self, unused_context => ctx, unused_force => force)
+      end associate
+      h = 0
+      code = code_out_of_domain
+   end subroutine penetration
+
+   !> Why there is no force.
+   pure subroutine limit_message(self, ctx, message)
+      class(rigid_t), intent(in) :: self
+      type(contact_context), intent(in) :: ctx
+      character(len=*), intent(out) :: message
+
+      associate (unused => self, unused_context => ctx)
+      end associate
+      message = "a rigid contact has no force law: its normal force is the multiplier of its constraint"
+   end subroutine limit_message
+
+   !> Newton's coefficient of restitution.
+   pure real(wp) function restitution(self)
+      class(rigid_t), intent(in) :: self
+
+      restitution = self%parameters(1)
+   end function restitution
+
+   !> Approach speed below which an impact does not rebound [m/s].
+   pure real(wp) function rest_velocity(self)
+      class(rigid_t), intent(in) :: self
+
+      rest_velocity = self%parameters(2)
+   end function rest_velocity
+
+   !> Real flanks would be two cylinders after Johnson.
+   subroutine compliant(self, law)
+      class(rigid_t), intent(in) :: self
+      class(elastic_law_t), allocatable, intent(out) :: law
+
+      associate (unused => self)
+      end associate
+      allocate (johnson_t :: law)
+   end subroutine compliant
 
 end module evl_rigid

@@ -1,4 +1,4 @@
-"""Fit the Johnson force's fraction: the coefficients of src/laws/johnson.inc.
+"""Fit the Johnson force's fraction: the coefficients of src/laws/johnson.f90.
 
 With p = sqrt(2 excess), solve v - ln(1 + v) = p**2/2 for v > 0. Fitted is
 
@@ -95,8 +95,8 @@ def fit() -> tuple[mpf, Terms, Terms]:
 
 
 def in_use() -> tuple[Terms, Terms]:
-    """Read the coefficients of src/laws/johnson.inc."""
-    file = Path(__file__).parents[2] / "src" / "laws" / "johnson.inc"
+    """Read the coefficients of src/laws/johnson.f90."""
+    file = Path(__file__).parents[2] / "src" / "laws" / "johnson.f90"
     text = file.read_text(encoding="utf-8")
     lists = re.findall(r"parameter :: [nd]\(\d+\) = \[(.*?)\]", text, re.DOTALL)
     above, below = ([mpf(c) for c in re.findall(r"([\d.e+-]+)_wp", one)] for one in lists)

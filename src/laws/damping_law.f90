@@ -1,0 +1,128 @@
+!> The damping laws of a contact: normal force from the rate of penetration, positive when it pushes the flanks apart. A law extends
+!> `damping_law_t` in a file of its own.
+!>
+!> A law's force is that of the overlapping flanks; that a contact never pulls is the business of the tooth contact.
+module evl_damping_law
+   use evl_contact_context, only: contact_context, context_of_lane, lane_context
+   use evl_elastic_law, only: elastic_result
+   use evl_force_law, only: force_law_t, no
+   use evl_kinds, only: lanes, wp
+   use evl_law_info, only: is_left_open, law_info_t, law_name_length
+   implicit none (type, external)
+   private
+
+   public :: damping_law_t, lane_by_lane, viscous_force, viscous_result
+
+   !> A viscous force with its derivatives.
+   type :: viscous_result
+      real(wp) :: force = 0.0_wp     !! [N], over the whole width
+      real(wp) :: d_h = 0.0_wp       !! dF/dh at constant rho_sum [N/m]
+      real(wp) :: d_rho = 0.0_wp     !! dF/d(rho_sum) at constant h [N/m]
+      real(wp) :: d_h_dot = 0.0_wp   !! dF/dh' [N s/m]
+      real(wp) :: d_elastic = 0.0_wp !! dF/d(elastic force); `viscous_force` puts it into the first two
+   end type viscous_result
+
+   type, abstract, extends(force_law_t) :: damping_law_t
+   contains
+      procedure(force), deferred :: force
+      procedure :: force_lanes => lane_by_lane
+      procedure, nopass :: has_sides => no
+      procedure :: left_to_mesh
+      procedure :: refuse_mesh
+      procedure :: complete
+      procedure :: acting => itself
+   end type damping_law_t
+
+   abstract interface
+
+      !> The force of overlapping flanks. Of the elastic contact its force is all that a damping law may know.
+      pure subroutine force(self, ctx, elastic, result)
+         import :: contact_context, damping_law_t, viscous_result, wp
+         implicit none (type, external)
+         class(damping_law_t), intent(in) :: self
+         type(contact_context), intent(in) :: ctx
+         real(wp), intent(in) :: elastic             !! elastic force there [N]
+         type(viscous_result), intent(inout) :: result !! comes as zero
+      end subroutine force
+
+   end interface
+
+contains
+
+   !> Viscous normal force with all derivatives. A law that refers to the mesh gives none before it is complete.
+   pure subroutine viscous_force(law, ctx, elastic, result)
+      class(damping_law_t), intent(in) :: law
+      type(contact_context), intent(in) :: ctx
+      type(elastic_result), intent(in) :: elastic !! elastic force there
+      type(viscous_result), intent(out) :: result
+
+      call law%force(ctx, elastic%force, result)
+      result%d_h = result%d_h + result%d_elastic*elastic%d_h
+      result%d_rho = result%d_rho + result%d_elastic*elastic%d_rho
+   end subroutine viscous_force
+
+   !> The force in eight states: a law without a loop of its own is asked state by state.
+   pure subroutine lane_by_lane(self, at, elastic, force)
+      class(damping_law_t), intent(in) :: self
+      type(lane_context), intent(in) :: at
+      real(wp), intent(in) :: elastic(lanes) !! elastic force [N]
+      real(wp), intent(out) :: force(lanes)  !! [N]
+      type(viscous_result) :: viscous
+      integer :: l
+
+      do l = 1, lanes
+         viscous = viscous_result()
+         call self%force(context_of_lane(at, l), elastic(l), viscous)
+         force(l) = viscous%force
+      end do
+   end subroutine lane_by_lane
+
+   !> Which parameter only the mesh can give: its name, or that of the parameter that needs the mesh; "" if none.
+   pure function left_to_mesh(self) result(name)
+      class(damping_law_t), intent(in) :: self
+      character(len=law_name_length) :: name
+      type(law_info_t) :: info
+      integer :: i
+
+      name = ""
+      call self%describe(info)
+      do i = 1, info%n_parameters
+         if (is_left_open(info%parameters(i), self%parameters(i))) name = info%parameters(i)%name
+      end do
+   end function left_to_mesh
+
+   !> What to say where a mesh cannot give it.
+   pure subroutine refuse_mesh(self, reason, field, message)
+      class(damping_law_t), intent(in) :: self
+      character(len=*), intent(in) :: reason   !! why it cannot
+      character(len=*), intent(out) :: field   !! in the block of the law; "" the block itself
+      character(len=*), intent(out) :: message !! one sentence
+
+      field = ""
+      message = trim(self%left_to_mesh())//" is missing, and it does not follow from the mesh: "//reason//"; give " &
+                //self%left_to_mesh()
+   end subroutine refuse_mesh
+
+   !> Fill in the parameters that were left open: by a law that has such.
+   pure subroutine complete(self, stiffness, mass, h_0)
+      class(damping_law_t), intent(inout) :: self
+      real(wp), intent(in) :: stiffness         !! of one tooth pair at the nominal load, k [N/m]
+      real(wp), intent(in) :: mass              !! that it accelerates, m [kg]
+      real(wp), intent(in) :: h_0               !! penetration under the nominal load [m]
+
+      associate (unused => self, unused_stiffness => stiffness, unused_mass => mass, unused_penetration => h_0)
+      end associate
+   end subroutine complete
+
+   !> The law that acts in a mesh, once this one is complete.
+   subroutine itself(self, stiffness, mass, law)
+      class(damping_law_t), intent(in) :: self
+      real(wp), intent(in) :: stiffness, mass !! as in `complete`
+      class(damping_law_t), allocatable, intent(out) :: law
+
+      associate (unused_stiffness => stiffness, unused_mass => mass)
+      end associate
+      allocate (law, source=self)
+   end subroutine itself
+
+end module evl_damping_law

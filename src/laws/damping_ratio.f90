@@ -1,0 +1,81 @@
+!> A linear damper whose coefficient gives one tooth pair at the nominal load a damping ratio: c = 2 value sqrt(k m).
+!>
+!> It acts as a linear damper once the mesh is known.
+module evl_damping_ratio
+   use evl_contact_context, only: contact_context
+   use evl_damping_law, only: damping_law_t, viscous_result
+   use evl_kinds, only: wp
+   use evl_law_info, only: law_info_t, law_name_length, law_parameter
+   use evl_linear_damping, only: linear_damping_t
+   implicit none (type, external)
+   private
+
+   public :: damping_ratio_t
+
+   type, extends(damping_law_t) :: damping_ratio_t
+   contains
+      procedure, nopass :: describe
+      procedure :: force
+      procedure :: left_to_mesh
+      procedure :: refuse_mesh
+      procedure :: acting
+   end type damping_ratio_t
+
+contains
+
+   !> Name, source and parameter.
+   pure subroutine describe(info)
+      type(law_info_t), intent(inout) :: info
+
+      info%name = "ratio"
+      info%description = "c h' with c = 2 value sqrt(k m), by the damping ratio of one tooth pair at the nominal load"
+      info%source = "the definition of a damping ratio; k and m: docs/laws.md"
+      info%n_parameters = 1
+      info%parameters(1) = law_parameter("value", "1", "damping ratio of one tooth pair at the nominal load", minimum=0.0_wp, &
+                                         maximum=1.0_wp, maximum_open=.true.)
+   end subroutine describe
+
+   !> None as long as no mesh is known.
+   pure subroutine force(self, ctx, elastic, result)
+      class(damping_ratio_t), intent(in) :: self
+      type(contact_context), intent(in) :: ctx
+      real(wp), intent(in) :: elastic
+      type(viscous_result), intent(inout) :: result
+
+      associate (unused => self, unused_context => ctx, unused_elastic => elastic)
+      end associate
+      result%force = 0
+   end subroutine force
+
+   !> The parameter that needs the mesh.
+   pure function left_to_mesh(self) result(name)
+      class(damping_ratio_t), intent(in) :: self
+      character(len=law_name_length) :: name
+
+      associate (unused => self)
+      end associate
+      name = "value"
+   end function left_to_mesh
+
+   !> What to say where the mesh has no stiffness or no mass to refer to.
+   pure subroutine refuse_mesh(self, reason, field, message)
+      class(damping_ratio_t), intent(in) :: self
+      character(len=*), intent(in) :: reason
+      character(len=*), intent(out) :: field, message
+
+      field = self%left_to_mesh()
+      message = "a damping ratio needs a load and a wheel that is free to vibrate: "//reason//"; take {law: linear," &
+                //" coefficient: ...}"
+   end subroutine refuse_mesh
+
+   !> The linear damper that acts.
+   subroutine acting(self, stiffness, mass, law)
+      class(damping_ratio_t), intent(in) :: self
+      real(wp), intent(in) :: stiffness, mass
+      class(damping_law_t), allocatable, intent(out) :: law
+
+      allocate (linear_damping_t :: law)
+      law%parameters(1) = 2*self%parameters(1)*sqrt(stiffness*mass)
+   end subroutine acting
+
+end module evl_damping_ratio

@@ -1,0 +1,125 @@
+!> The elastic laws of a contact: normal force from penetration. A law extends `elastic_law_t` in a file of its own.
+module evl_elastic_law
+   use evl_contact_context, only: contact_context, context_of_lane, lane_context
+   use evl_force_law, only: force_law_t, no
+   use evl_kinds, only: lanes, wp
+   use evl_law_info, only: law_info_t
+   use evl_status, only: code_ok, quantity
+   implicit none (type, external)
+   private
+
+   public :: elastic_law_t, elastic_result, lane_by_lane
+
+   !> An elastic force with its derivatives, and those of the elastic energy V as `potential` has it. The radii enter
+   !> every law through their sum; r = rho_sum - h.
+   type :: elastic_result
+      real(wp) :: force = 0.0_wp !! [N], over the whole width
+      real(wp) :: d_h = 0.0_wp   !! dF/dh at constant rho_sum [N/m]
+      real(wp) :: d_rho = 0.0_wp !! dF/d(rho_sum) at constant h, which is dF/dr [N/m]
+      real(wp) :: d_energy = 0.0_wp !! dV/dr at constant h [J/m]
+      real(wp) :: excess = 0.0_wp   !! dV/dh - F at constant r: what V, a series, gets wrong [N]
+   end type elastic_result
+
+   type, abstract, extends(force_law_t) :: elastic_law_t
+   contains
+      procedure(force), deferred :: force
+      procedure(potential), deferred :: potential
+      procedure(penetration), deferred :: penetration
+      procedure :: limit_message
+      procedure :: force_lanes => lane_by_lane
+      procedure, nopass :: is_rigid => no
+      procedure :: restitution => nothing
+      procedure :: rest_velocity => nothing
+      procedure :: compliant => itself
+   end type elastic_law_t
+
+   abstract interface
+
+      !> Elastic normal force, odd in h. Which sign of h counts as contact is the business of the contact mode.
+      pure subroutine force(self, ctx, result, code)
+         import :: contact_context, elastic_law_t, elastic_result
+         implicit none (type, external)
+         class(elastic_law_t), intent(in) :: self
+         type(contact_context), intent(in) :: ctx
+         type(elastic_result), intent(out) :: result !! zero on error
+         integer, intent(out) :: code                !! code_ok or code_out_of_domain
+      end subroutine force
+
+      !> Elastic energy of the contact [J]: dV = F dh where rho_sum - h is constant, as in a mesh on fixed axles. Even in h.
+      pure function potential(self, ctx, force) result(energy)
+         import :: contact_context, elastic_law_t, wp
+         implicit none (type, external)
+         class(elastic_law_t), intent(in) :: self
+         type(contact_context), intent(in) :: ctx
+         real(wp), intent(in) :: force !! elastic force there [N]
+         real(wp) :: energy
+      end function potential
+
+      !> Penetration at which the elastic force is `force`; ctx%h is not used.
+      pure subroutine penetration(self, ctx, force, h, code)
+         import :: contact_context, elastic_law_t, wp
+         implicit none (type, external)
+         class(elastic_law_t), intent(in) :: self
+         type(contact_context), intent(in) :: ctx
+         real(wp), intent(in) :: force !! [N], over the whole width
+         real(wp), intent(out) :: h    !! [m]; 0 on error
+         integer, intent(out) :: code  !! code_ok or code_out_of_domain
+      end subroutine penetration
+
+   end interface
+
+contains
+
+   !> The force in eight states, and what enters the energy: a law without a loop of its own is asked state by state.
+   pure subroutine lane_by_lane(self, at, force, d_energy, excess, answered)
+      class(elastic_law_t), intent(in) :: self
+      type(lane_context), intent(in) :: at
+      real(wp), dimension(lanes), intent(out) :: force, d_energy, excess !! as in `elastic_result`
+      logical, intent(out) :: answered !! false if the law has no answer in one of the states
+      type(elastic_result) :: elastic
+      integer :: l, code
+
+      answered = .true.
+      do l = 1, lanes
+         call self%force(context_of_lane(at, l), elastic, code)
+         force(l) = elastic%force
+         d_energy(l) = elastic%d_energy
+         excess(l) = elastic%excess
+         answered = answered .and. code == code_ok
+      end do
+   end subroutine lane_by_lane
+
+   !> Why `force` answers code_out_of_domain, as one sentence; "" where it answers. A law that knows its limit says more.
+   pure subroutine limit_message(self, ctx, message)
+      class(elastic_law_t), intent(in) :: self
+      type(contact_context), intent(in) :: ctx
+      character(len=*), intent(out) :: message !! truncated to its length
+      type(elastic_result) :: elastic
+      type(law_info_t) :: info
+      integer :: code
+
+      message = ""
+      call self%force(ctx, elastic, code)
+      if (code == code_ok) return
+      call self%describe(info)
+      message = "the law "//trim(info%name)//" has no force at the penetration h = "//quantity(ctx%h, "m")
+   end subroutine limit_message
+
+   !> Newton's coefficient of restitution, and the approach speed below which an impact does not rebound [m/s]: of a rigid contact.
+   pure real(wp) function nothing(self)
+      class(elastic_law_t), intent(in) :: self
+
+      associate (unused => self)
+      end associate
+      nothing = 0
+   end function nothing
+
+   !> The law that tells how large penetrations would be: a law with penetrations does so itself.
+   subroutine itself(self, law)
+      class(elastic_law_t), intent(in) :: self
+      class(elastic_law_t), allocatable, intent(out) :: law
+
+      allocate (law, source=self)
+   end subroutine itself
+
+end module evl_elastic_law

@@ -1,0 +1,68 @@
+!> What every force law has, whatever its family: parameters, and what it says of itself.
+module evl_force_law
+   use evl_kinds, only: wp
+   use evl_law_info, only: law_info_t, max_law_parameters
+   implicit none (type, external)
+   private
+
+   public :: choice_of, force_law_t, law_choice
+   public :: no, yes
+
+   !> One law of a family with its parameters, as a case chooses it. Assumed valid below: see law_validate.
+   type :: law_choice
+      integer :: law = 0                                     !! index in the family's table, from 0
+      real(wp) :: parameters(max_law_parameters) = 0.0_wp    !! in the units of the table
+   end type law_choice
+
+   !> A law that acts. Its families extend it: evl_elastic_law, evl_damping_law, evl_friction_law.
+   type, abstract :: force_law_t
+      integer :: index = -1                                  !! in the family's table; -1 of a law that nobody chose
+      real(wp) :: parameters(max_law_parameters) = 0.0_wp    !! in the order and the units of the description
+   contains
+      procedure(describe), deferred, nopass :: describe
+      procedure :: check => accept
+      procedure, nopass :: is_none => no
+   end type force_law_t
+
+   abstract interface
+
+      !> Name, source and parameters; `info` comes empty.
+      pure subroutine describe(info)
+         import :: law_info_t
+         implicit none (type, external)
+         type(law_info_t), intent(inout) :: info
+      end subroutine describe
+
+   end interface
+
+contains
+
+   !> Check what ranges cannot say: how parameters stand to each other. A law for which there is such a thing has its own.
+   pure subroutine accept(self, field, message)
+      class(force_law_t), intent(in) :: self   !! with parameters in their ranges
+      character(len=*), intent(out) :: field   !! the parameter's name; "" if valid
+      character(len=*), intent(out) :: message !! one sentence; "" if valid
+
+      associate (unused => self)
+      end associate
+      field = ""
+      message = ""
+   end subroutine accept
+
+   !> A law as a case would choose it.
+   pure type(law_choice) function choice_of(law) result(choice)
+      class(force_law_t), intent(in) :: law
+
+      choice = law_choice(law%index, law%parameters)
+   end function choice_of
+
+   !> Answers of laws to what is asked of their kind.
+   pure logical function no()
+      no = .false.
+   end function no
+
+   pure logical function yes()
+      yes = .true.
+   end function yes
+
+end module evl_force_law

@@ -1,0 +1,93 @@
+!> The friction laws of a contact, as a factor of the normal force: F_t = -F_n phi(v_t). A law extends `friction_law_t` in a file of
+!> its own.
+!>
+!> A law with kinks is a set of smooth branches, told apart by a number in {-1, 0, +1}. The branch is part of the discrete
+!> state: it changes at located events, and on a branch the law is smooth even where a trial step leaves it. A law without kinks
+!> has the branch 0 alone, and no knee.
+module evl_friction_law
+   use evl_force_law, only: force_law_t
+   use evl_kinds, only: lanes, wp
+   use evl_law_info, only: law_parameter, law_parameter_t
+   implicit none (type, external)
+   private
+
+   public :: friction_law_t, lane_by_lane, regularisation
+
+   type, abstract, extends(force_law_t) :: friction_law_t
+   contains
+      procedure(factor), deferred :: factor
+      procedure(asked), deferred :: acts
+      procedure(asked), deferred :: falls
+      procedure :: branch
+      procedure :: knee
+      procedure :: factor_lanes => lane_by_lane
+   end type friction_law_t
+
+   abstract interface
+
+      !> phi of F_t = -F_n phi(v_t) on a branch, also where v_t has left it.
+      pure subroutine factor(self, branch, v_t, phi, d_v)
+         import :: friction_law_t, wp
+         implicit none (type, external)
+         class(friction_law_t), intent(in) :: self
+         integer, intent(in) :: branch !! -1, 0 or +1, as `branch` gives it
+         real(wp), intent(in) :: v_t   !! sliding velocity [m/s]
+         real(wp), intent(out) :: phi
+         real(wp), intent(out) :: d_v  !! dphi/dv_t [s/m]
+      end subroutine factor
+
+      !> `acts`: whether there is any friction. `falls`: whether it falls somewhere as the sliding velocity rises, where damping is
+      !> negative.
+      pure logical function asked(self)
+         import :: friction_law_t
+         implicit none (type, external)
+         class(friction_law_t), intent(in) :: self
+      end function asked
+
+   end interface
+
+contains
+
+   !> phi in eight states on one branch: a law without a loop of its own is asked state by state.
+   pure subroutine lane_by_lane(self, branch, v_t, phi)
+      class(friction_law_t), intent(in) :: self
+      integer, intent(in) :: branch      !! -1, 0 or +1
+      real(wp), intent(in) :: v_t(lanes) !! sliding velocity [m/s]
+      real(wp), intent(out) :: phi(lanes)
+      real(wp) :: d_v
+      integer :: l
+
+      do l = 1, lanes
+         call self%factor(branch, v_t(l), phi(l), d_v)
+      end do
+   end subroutine lane_by_lane
+
+   !> The branch that belongs to a sliding velocity: -1, 0 or +1.
+   pure integer function branch(self, v_t)
+      class(friction_law_t), intent(in) :: self
+      real(wp), intent(in) :: v_t !! [m/s]
+      real(wp) :: knee
+
+      branch = 0
+      knee = self%knee()
+      if (knee > 0.0_wp .and. abs(v_t) > knee) branch = merge(1, -1, v_t > 0.0_wp)
+   end function branch
+
+   !> The |v_t| at which the branch changes [m/s]; 0 if it never does.
+   pure real(wp) function knee(self)
+      class(friction_law_t), intent(in) :: self
+
+      associate (unused => self)
+      end associate
+      knee = 0
+   end function knee
+
+   !> The parameter that keeps friction finite in slope at rest.
+   pure type(law_parameter_t) function regularisation(description) result(parameter)
+      character(len=*), intent(in) :: description !! what it means in the law
+
+      parameter = law_parameter("regularisation_velocity", "m/s", description, default_value=1.0e-4_wp, minimum=0.0_wp, &
+                                minimum_open=.true.)
+   end function regularisation
+
+end module evl_friction_law

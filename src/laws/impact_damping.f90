@@ -1,0 +1,113 @@
+!> Viscous forces that multiply the elastic one, after Hunt and Crossley: F_v = F_e chi h'/v0.
+!>
+!> v0 is the approach speed at the last closing, so that an impact loses the same share of its energy at every speed. The
+!> laws differ in how they get chi from the coefficient of restitution e in their name. The restitution e' that the force
+!> really gives follows from m h'' = -F_e (1 + chi h'/v0), free of loads: dividing by 1 + chi h'/v0 and integrating over h,
+!> once from v0 to 0 and once from 0 to -e' v0, the elastic energy drops out and
+!>
+!>    chi (1 + e') = ln[(1 + chi)/(1 - chi e')]
+!>
+!> is left, whatever the elastic law. Hence e' < 1/chi: in a free impact the flanks never pull.
+!>
+!> Source: P. Flores, M. Machado, M. T. Silva, J. M. Martins, On the continuous contact force models for soft materials in multibody
+!> dynamics, Multibody Syst. Dyn. 25 (2011) 357, which compares them. That of each chi stands with it.
+module evl_impact_damping
+   use evl_contact_context, only: contact_context, lane_context
+   use evl_damping_law, only: damping_law_t, viscous_result
+   use evl_kinds, only: lanes, wp
+   use evl_law_info, only: law_info_t, law_parameter
+   implicit none (type, external)
+   private
+
+   public :: describe_impact, impact_damping_t
+
+   !> The laws of this kind extend it by their name and their chi.
+   type, abstract, extends(damping_law_t) :: impact_damping_t
+   contains
+      procedure(chi), deferred, nopass :: chi
+      procedure :: force
+      procedure :: force_lanes
+      procedure :: complete
+   end type impact_damping_t
+
+   abstract interface
+
+      !> chi of a nominal coefficient of restitution e.
+      pure real(wp) function chi(e)
+         import :: wp
+         implicit none (type, external)
+         real(wp), intent(in) :: e !! in the range of the description
+      end function chi
+
+   end interface
+
+contains
+
+   !> What their descriptions have in common.
+   pure subroutine describe_impact(name, factor, source, is_positive, info)
+      character(len=*), intent(in) :: name   !! of the law
+      character(len=*), intent(in) :: factor !! chi as a formula
+      character(len=*), intent(in) :: source !! of chi
+      logical, intent(in) :: is_positive     !! chi divides by e: 0 is refused
+      type(law_info_t), intent(inout) :: info
+
+      info%name = name
+      info%description = "elastic force times chi h'/v0, chi = "//factor
+      info%source = source
+      info%n_parameters = 2
+      info%parameters(1) = law_parameter("restitution", "1", "nominal coefficient of restitution e", &
+                                         minimum=0.0_wp, minimum_open=is_positive, maximum=1.0_wp)
+      info%parameters(2) = law_parameter("v0_min", "m/s", "smallest approach speed v0 that is used; h_0 sqrt(k/m) if not given", &
+                                         minimum=0.0_wp, minimum_open=.true., from_mesh=.true.)
+   end subroutine describe_impact
+
+   !> chi/v0 [s/m].
+   pure real(wp) function share_of(self, v0) result(share)
+      class(impact_damping_t), intent(in) :: self
+      real(wp), intent(in) :: v0 !! approach speed at the last closing [m/s]
+
+      share = self%chi(self%parameters(1))/max(v0, self%parameters(2))
+   end function share_of
+
+   !> The force.
+   pure subroutine force(self, ctx, elastic, result)
+      class(impact_damping_t), intent(in) :: self
+      type(contact_context), intent(in) :: ctx
+      real(wp), intent(in) :: elastic
+      type(viscous_result), intent(inout) :: result
+      real(wp) :: share
+
+      share = share_of(self, ctx%v0)
+      result%force = impact_damping(share, elastic, ctx%h_dot)
+      result%d_h_dot = share*elastic
+      result%d_elastic = share*ctx%h_dot
+   end subroutine force
+
+   !> The same in eight states.
+   pure subroutine force_lanes(self, at, elastic, force)
+      class(impact_damping_t), intent(in) :: self
+      type(lane_context), intent(in) :: at
+      real(wp), intent(in) :: elastic(lanes)
+      real(wp), intent(out) :: force(lanes)
+
+      force = impact_damping(share_of(self, at%v0), elastic, at%h_dot)
+   end subroutine force_lanes
+
+   !> v0_min, if it was left open, is the speed amplitude of a vibration as large as the penetration under the nominal load.
+   pure subroutine complete(self, stiffness, mass, h_0)
+      class(impact_damping_t), intent(inout) :: self
+      real(wp), intent(in) :: stiffness, mass, h_0
+
+      if (self%left_to_mesh() /= "") self%parameters(2) = h_0*sqrt(stiffness/mass)
+   end subroutine complete
+
+   !> F = share F_e h'.
+   elemental real(wp) function impact_damping(share, elastic, h_dot) result(force)
+      real(wp), intent(in) :: share   !! chi/v0 [s/m]
+      real(wp), intent(in) :: elastic !! elastic force F_e [N]
+      real(wp), intent(in) :: h_dot   !! rate of penetration [m/s]
+
+      force = share*h_dot*elastic
+   end function impact_damping
+
+end module evl_impact_damping

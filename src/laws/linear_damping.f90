@@ -1,0 +1,65 @@
+!> A linear damper: F = c h'. Source: Kosenko & Gusev 2011, section 4, "similar to [7]".
+module evl_linear_damping
+   use evl_contact_context, only: contact_context, lane_context
+   use evl_damping_law, only: damping_law_t, viscous_result
+   use evl_kinds, only: lanes, wp
+   use evl_law_info, only: law_info_t, law_parameter
+   implicit none (type, external)
+   private
+
+   public :: linear_damping_t
+
+   type, extends(damping_law_t) :: linear_damping_t
+   contains
+      procedure, nopass :: describe
+      procedure :: force
+      procedure :: force_lanes
+   end type linear_damping_t
+
+contains
+
+   !> Name, source and parameter.
+   pure subroutine describe(info)
+      type(law_info_t), intent(inout) :: info
+
+      info%name = "linear"
+      info%description = "proportional to the rate of penetration"
+      info%source = "Kosenko & Gusev 2011, section 4"
+      info%n_parameters = 1
+      info%parameters(1) = law_parameter("coefficient", "N s/m", "force per rate of penetration", minimum=0.0_wp)
+   end subroutine describe
+
+   !> The force.
+   pure subroutine force(self, ctx, elastic, result)
+      class(linear_damping_t), intent(in) :: self
+      type(contact_context), intent(in) :: ctx
+      real(wp), intent(in) :: elastic
+      type(viscous_result), intent(inout) :: result
+
+      associate (unused => elastic)
+      end associate
+      result%d_h_dot = self%parameters(1)
+      result%force = linear_damping(result%d_h_dot, ctx%h_dot)
+   end subroutine force
+
+   !> The same in eight states.
+   pure subroutine force_lanes(self, at, elastic, force)
+      class(linear_damping_t), intent(in) :: self
+      type(lane_context), intent(in) :: at
+      real(wp), intent(in) :: elastic(lanes)
+      real(wp), intent(out) :: force(lanes)
+
+      associate (unused => elastic)
+      end associate
+      force = linear_damping(self%parameters(1), at%h_dot)
+   end subroutine force_lanes
+
+   !> F = c h'.
+   elemental real(wp) function linear_damping(coefficient, h_dot) result(force)
+      real(wp), intent(in) :: coefficient !! c [N s/m], >= 0
+      real(wp), intent(in) :: h_dot       !! rate of penetration [m/s], positive on approach
+
+      force = coefficient*h_dot
+   end function linear_damping
+
+end module evl_linear_damping

@@ -1,0 +1,107 @@
+!> The linear spring, over the whole width: F = k h, with V = k h**2/2.
+!>
+!> It depends neither on the radii of curvature nor has it a limit of its own.
+module evl_linear_spring
+   use evl_contact_context, only: contact_context, lane_context
+   use evl_elastic_law, only: elastic_law_t, elastic_result
+   use evl_kinds, only: lanes, wp
+   use evl_law_info, only: law_info_t, law_parameter
+   use evl_status, only: code_ok
+   implicit none (type, external)
+   private
+
+   public :: linear_spring_t
+
+   type, extends(elastic_law_t) :: linear_spring_t
+   contains
+      procedure, nopass :: describe
+      procedure :: stiffness
+      procedure :: force
+      procedure :: force_lanes
+      procedure :: potential
+      procedure :: penetration
+   end type linear_spring_t
+
+contains
+
+   !> Name, source and parameter.
+   pure subroutine describe(info)
+      type(law_info_t), intent(inout) :: info
+
+      info%name = "linear"
+      info%description = "proportional to the penetration"
+      info%source = "Hooke's law"
+      info%n_parameters = 1
+      info%parameters(1) = law_parameter("stiffness", "N/m", "force per penetration, over the whole width", &
+                                         minimum=0.0_wp, minimum_open=.true.)
+   end subroutine describe
+
+   !> k [N/m].
+   pure real(wp) function stiffness(self, e_star, width)
+      class(linear_spring_t), intent(in) :: self
+      real(wp), intent(in) :: e_star !! effective modulus E* [Pa]
+      real(wp), intent(in) :: width  !! common face width b [m]
+
+      associate (unused_modulus => e_star, unused_width => width)
+      end associate
+      stiffness = self%parameters(1)
+   end function stiffness
+
+   !> The force.
+   pure subroutine force(self, ctx, result, code)
+      class(linear_spring_t), intent(in) :: self
+      type(contact_context), intent(in) :: ctx
+      type(elastic_result), intent(out) :: result
+      integer, intent(out) :: code
+
+      result%d_h = self%stiffness(ctx%e_star, ctx%width)
+      result%force = linear_spring(result%d_h, ctx%h)
+      code = code_ok
+   end subroutine force
+
+   !> The same in eight states.
+   pure subroutine force_lanes(self, at, force, d_energy, excess, answered)
+      class(linear_spring_t), intent(in) :: self
+      type(lane_context), intent(in) :: at
+      real(wp), dimension(lanes), intent(out) :: force, d_energy, excess
+      logical, intent(out) :: answered
+
+      force = linear_spring(self%stiffness(at%e_star, at%width), at%h)
+      d_energy = 0
+      excess = 0
+      answered = .true.
+   end subroutine force_lanes
+
+   !> Elastic energy.
+   pure function potential(self, ctx, force) result(energy)
+      class(linear_spring_t), intent(in) :: self
+      type(contact_context), intent(in) :: ctx
+      real(wp), intent(in) :: force
+      real(wp) :: energy
+
+      associate (unused => force)
+      end associate
+      energy = 0.5_wp*self%stiffness(ctx%e_star, ctx%width)*ctx%h**2
+   end function potential
+
+   !> Penetration under a force.
+   pure subroutine penetration(self, ctx, force, h, code)
+      class(linear_spring_t), intent(in) :: self
+      type(contact_context), intent(in) :: ctx
+      real(wp), intent(in) :: force
+      real(wp), intent(out) :: h
+      integer, intent(out) :: code
+
+      h = force/self%stiffness(ctx%e_star, ctx%width)
+      code = code_ok
+   end subroutine penetration
+
+   !> F = k h.
+   elemental real(wp) function linear_spring(stiffness, h) result(force)
+      real(wp), intent(in) :: stiffness !! k [N/m], > 0
+      real(wp), intent(in) :: h         !! penetration [m]
+
+      force = stiffness*h
+   end function linear_spring
+
+end module evl_linear_spring

@@ -1,0 +1,116 @@
+!> A spring with a power of the penetration, over the whole width: F = K |h|**m sign(h), with V = K |h|**(m + 1)/(m + 1).
+!>
+!> It depends neither on the radii of curvature nor has it a limit of its own.
+!>
+!> Source: K. H. Hunt, F. R. E. Crossley, Coefficient of restitution interpreted as damping in vibroimpact, J. Appl. Mech.
+!> 42 (1975) 440, the elastic part of their law.
+module evl_power_spring
+   use, intrinsic :: iso_fortran_env, only: int64
+   use evl_contact_context, only: contact_context, lane_context
+   use evl_elastic_law, only: elastic_law_t, elastic_result
+   use evl_kinds, only: lanes, wp
+   use evl_law_info, only: law_info_t, law_parameter
+   use evl_status, only: code_ok
+   implicit none (type, external)
+   private
+
+   public :: power_spring_t
+
+   type, extends(elastic_law_t) :: power_spring_t
+   contains
+      procedure, nopass :: describe
+      procedure :: force
+      procedure :: force_lanes
+      procedure :: potential
+      procedure :: penetration
+   end type power_spring_t
+
+contains
+
+   include "numerics/logarithm.inc"
+   include "numerics/exponential.inc"
+   include "numerics/power.inc"
+
+   !> Name, source and parameters.
+   pure subroutine describe(info)
+      type(law_info_t), intent(inout) :: info
+
+      info%name = "power"
+      info%description = "proportional to a power of the penetration"
+      info%source = "Hunt & Crossley 1975, J. Appl. Mech. 42, 440"
+      info%n_parameters = 2
+      info%parameters(1) = law_parameter("coefficient", "N/m^exponent", "force per power of the penetration, over the width", &
+                                         minimum=0.0_wp, minimum_open=.true.)
+      info%parameters(2) = law_parameter("exponent", "1", "power of the penetration", minimum=1.0_wp)
+   end subroutine describe
+
+   !> The force.
+   pure subroutine force(self, ctx, result, code)
+      class(power_spring_t), intent(in) :: self
+      type(contact_context), intent(in) :: ctx
+      type(elastic_result), intent(out) :: result
+      integer, intent(out) :: code
+
+      call power_spring(ctx%h, self%parameters(1), self%parameters(2), result%force, result%d_h)
+      code = code_ok
+   end subroutine force
+
+   !> The same in eight states.
+   pure subroutine force_lanes(self, at, force, d_energy, excess, answered)
+      class(power_spring_t), intent(in) :: self
+      type(lane_context), intent(in) :: at
+      real(wp), dimension(lanes), intent(out) :: force, d_energy, excess
+      logical, intent(out) :: answered
+      real(wp) :: coefficient, exponent, d_h
+      integer :: l
+
+      coefficient = self%parameters(1)
+      exponent = self%parameters(2)
+      !$omp simd private(d_h)
+      do l = 1, lanes
+         call power_spring(at%h(l), coefficient, exponent, force(l), d_h)
+      end do
+      d_energy = 0
+      excess = 0
+      answered = .true.
+   end subroutine force_lanes
+
+   !> Elastic energy.
+   pure function potential(self, ctx, force) result(energy)
+      class(power_spring_t), intent(in) :: self
+      type(contact_context), intent(in) :: ctx
+      real(wp), intent(in) :: force
+      real(wp) :: energy
+
+      energy = force*ctx%h/(self%parameters(2) + 1.0_wp)
+   end function potential
+
+   !> Penetration under a force: (|F|/K)**(1/m) sign(F).
+   pure subroutine penetration(self, ctx, force, h, code)
+      class(power_spring_t), intent(in) :: self
+      type(contact_context), intent(in) :: ctx
+      real(wp), intent(in) :: force
+      real(wp), intent(out) :: h
+      integer, intent(out) :: code
+
+      associate (unused => ctx)
+      end associate
+      h = sign((abs(force)/self%parameters(1))**(1.0_wp/self%parameters(2)), force)
+      code = code_ok
+   end subroutine penetration
+
+   !> F = K |h|**m sign(h).
+   elemental subroutine power_spring(h, coefficient, exponent, force, d_h)
+      real(wp), intent(in) :: h           !! penetration [m]
+      real(wp), intent(in) :: coefficient !! K [N/m^m], > 0
+      real(wp), intent(in) :: exponent    !! m >= 1
+      real(wp), intent(out) :: force      !! [N]
+      real(wp), intent(out) :: d_h        !! dF/dh [N/m]
+      real(wp) :: secant
+
+      secant = coefficient*real_power(abs(h), exponent - 1.0_wp) ! 0**0 is 1: m = 1 is the linear spring
+      force = secant*h
+      d_h = exponent*secant
+   end subroutine power_spring
+
+end module evl_power_spring

@@ -1,0 +1,124 @@
+!> phi = [f_k + (f_s - f_k) exp(-(v_t/v_s)**2)] tanh(v_t/delta): friction falls from static to kinetic as sliding begins.
+!>
+!> Source: the Stribeck curve of B. Armstrong-Helouvry, P. Dupont, C. Canudas de Wit, A survey of models, analysis tools and
+!> compensation methods for the control of machines with friction, Automatica 30 (1994) 1083, with exponent 2, without its
+!> viscous term; tanh in place of the sign as Andersson, Soederberg and Bjoerklund 2007.
+module evl_stribeck
+   use, intrinsic :: iso_fortran_env, only: int64
+   use evl_friction_law, only: friction_law_t, regularisation
+   use evl_kinds, only: lanes, wp
+   use evl_law_info, only: law_info_t, law_parameter
+   use evl_status, only: quantity
+   implicit none (type, external)
+   private
+
+   public :: stribeck_t
+
+   type, extends(friction_law_t) :: stribeck_t
+   contains
+      procedure, nopass :: describe
+      procedure :: check
+      procedure :: factor
+      procedure :: factor_lanes
+      procedure :: acts
+      procedure :: falls
+   end type stribeck_t
+
+contains
+
+   include "numerics/exponential.inc"
+   include "laws/smooth_sliding.inc"
+
+   !> Name, source and parameters.
+   pure subroutine describe(info)
+      type(law_info_t), intent(inout) :: info
+
+      info%name = "stribeck"
+      info%description = "falling from static to kinetic friction over the Stribeck velocity, smooth"
+      info%source = "Armstrong-Helouvry et al. 1994, Automatica 30, 1083; Andersson et al. 2007"
+      info%n_parameters = 4
+      info%parameters(1) = law_parameter("static_coefficient", "1", "coefficient of friction as sliding begins, >= kinetic", &
+                                         minimum=0.0_wp)
+      info%parameters(2) = law_parameter("kinetic_coefficient", "1", "coefficient of friction at high sliding velocity", &
+                                         minimum=0.0_wp)
+      info%parameters(3) = law_parameter("stribeck_velocity", "m/s", &
+                                         "sliding velocity at which 1/e of the excess of static friction is left", &
+                                         minimum=0.0_wp, minimum_open=.true.)
+      info%parameters(4) = regularisation("sliding velocity at which friction is developed to 76 %")
+   end subroutine describe
+
+   !> Friction does not rise as sliding begins.
+   pure subroutine check(self, field, message)
+      class(stribeck_t), intent(in) :: self
+      character(len=*), intent(out) :: field, message
+
+      field = ""
+      message = ""
+      if (self%parameters(1) >= self%parameters(2)) return
+      field = "static_coefficient"
+      message = "static_coefficient = "//quantity(self%parameters(1), "")//" must be at least the kinetic_coefficient = " &
+                //quantity(self%parameters(2), "")
+   end subroutine check
+
+   !> The factor.
+   pure subroutine factor(self, branch, v_t, phi, d_v)
+      class(stribeck_t), intent(in) :: self
+      integer, intent(in) :: branch
+      real(wp), intent(in) :: v_t
+      real(wp), intent(out) :: phi, d_v
+
+      associate (unused => branch, p => self%parameters)
+         call stribeck_factor(v_t, p(1), p(2), p(3), p(4), phi, d_v)
+      end associate
+   end subroutine factor
+
+   !> The same in eight states.
+   pure subroutine factor_lanes(self, branch, v_t, phi)
+      class(stribeck_t), intent(in) :: self
+      integer, intent(in) :: branch
+      real(wp), intent(in) :: v_t(lanes)
+      real(wp), intent(out) :: phi(lanes)
+      real(wp) :: p(4), d_v
+      integer :: l
+
+      associate (unused => branch)
+      end associate
+      p = self%parameters(:4)
+      !$omp simd private(d_v)
+      do l = 1, lanes
+         call stribeck_factor(v_t(l), p(1), p(2), p(3), p(4), phi(l), d_v)
+      end do
+   end subroutine factor_lanes
+
+   !> Whether there is any friction.
+   pure logical function acts(self)
+      class(stribeck_t), intent(in) :: self
+
+      acts = self%parameters(1) > 0
+   end function acts
+
+   !> It falls from static to kinetic.
+   pure logical function falls(self)
+      class(stribeck_t), intent(in) :: self
+
+      falls = self%parameters(1) > self%parameters(2)
+   end function falls
+
+   !> phi and its slope.
+   elemental subroutine stribeck_factor(v_t, static, kinetic, stribeck_velocity, delta, phi, d_v)
+      real(wp), intent(in) :: v_t               !! sliding velocity [m/s]
+      real(wp), intent(in) :: static            !! f_s, >= f_k
+      real(wp), intent(in) :: kinetic           !! f_k, >= 0
+      real(wp), intent(in) :: stribeck_velocity !! v_s [m/s], > 0
+      real(wp), intent(in) :: delta             !! regularisation velocity [m/s], > 0
+      real(wp), intent(out) :: phi
+      real(wp), intent(out) :: d_v              !! dphi/dv_t [s/m]
+      real(wp) :: share, d_share, excess
+
+      call smooth_sign(v_t, delta, share, d_share)
+      excess = (static - kinetic)*exponential(-(v_t/stribeck_velocity)**2)
+      phi = (kinetic + excess)*share
+      d_v = (kinetic + excess)*(1/delta*d_share) - 2.0_wp*excess*(v_t/stribeck_velocity)/stribeck_velocity*share
+   end subroutine stribeck_factor
+
+end module evl_stribeck

@@ -1,0 +1,102 @@
+!> Coulomb's law, smooth everywhere: phi = f tanh(v_t/delta).
+!>
+!> Source: S. Andersson, A. Soederberg, S. Bjoerklund, Friction models for sliding dry, boundary and mixed lubricated
+!> contacts, Tribology International 40 (2007) 580.
+module evl_tanh_friction
+   use, intrinsic :: iso_fortran_env, only: int64
+   use evl_friction_law, only: friction_law_t, regularisation
+   use evl_kinds, only: lanes, wp
+   use evl_law_info, only: law_info_t, law_parameter
+   implicit none (type, external)
+   private
+
+   public :: tanh_friction_t
+
+   type, extends(friction_law_t) :: tanh_friction_t
+   contains
+      procedure, nopass :: describe
+      procedure :: factor
+      procedure :: factor_lanes
+      procedure :: acts
+      procedure :: falls
+   end type tanh_friction_t
+
+contains
+
+   include "numerics/exponential.inc"
+   include "laws/smooth_sliding.inc"
+
+   !> Name, source and parameters.
+   pure subroutine describe(info)
+      type(law_info_t), intent(inout) :: info
+
+      info%name = "tanh"
+      info%description = "Coulomb's law, smoothed by the hyperbolic tangent of the sliding velocity"
+      info%source = "Andersson, Soederberg & Bjoerklund 2007, Tribology International 40, 580"
+      info%n_parameters = 2
+      info%parameters(1) = law_parameter("coefficient", "1", "coefficient of friction", minimum=0.0_wp)
+      info%parameters(2) = regularisation("sliding velocity at which friction is developed to 76 %")
+   end subroutine describe
+
+   !> The factor.
+   pure subroutine factor(self, branch, v_t, phi, d_v)
+      class(tanh_friction_t), intent(in) :: self
+      integer, intent(in) :: branch
+      real(wp), intent(in) :: v_t
+      real(wp), intent(out) :: phi, d_v
+
+      associate (unused => branch)
+      end associate
+      call tanh_factor(v_t, self%parameters(1), self%parameters(2), phi, d_v)
+   end subroutine factor
+
+   !> The same in eight states.
+   pure subroutine factor_lanes(self, branch, v_t, phi)
+      class(tanh_friction_t), intent(in) :: self
+      integer, intent(in) :: branch
+      real(wp), intent(in) :: v_t(lanes)
+      real(wp), intent(out) :: phi(lanes)
+      real(wp) :: coefficient, delta, d_v
+      integer :: l
+
+      associate (unused => branch)
+      end associate
+      coefficient = self%parameters(1)
+      delta = self%parameters(2)
+      !$omp simd private(d_v)
+      do l = 1, lanes
+         call tanh_factor(v_t(l), coefficient, delta, phi(l), d_v)
+      end do
+   end subroutine factor_lanes
+
+   !> Whether there is any friction.
+   pure logical function acts(self)
+      class(tanh_friction_t), intent(in) :: self
+
+      acts = self%parameters(1) > 0
+   end function acts
+
+   !> It never falls.
+   pure logical function falls(self)
+      class(tanh_friction_t), intent(in) :: self
+
+      associate (unused => self)
+      end associate
+      falls = .false.
+   end function falls
+
+   !> phi and its slope.
+   elemental subroutine tanh_factor(v_t, coefficient, delta, phi, d_v)
+      real(wp), intent(in) :: v_t         !! sliding velocity [m/s]
+      real(wp), intent(in) :: coefficient !! f, >= 0
+      real(wp), intent(in) :: delta       !! regularisation velocity [m/s], > 0
+      real(wp), intent(out) :: phi
+      real(wp), intent(out) :: d_v        !! dphi/dv_t [s/m]
+      real(wp) :: share, d_share
+
+      call smooth_sign(v_t, delta, share, d_share)
+      phi = coefficient*share
+      d_v = coefficient/delta*d_share
+   end subroutine tanh_factor
+
+end module evl_tanh_friction

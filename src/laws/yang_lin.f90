@@ -1,0 +1,43 @@
+!> The linear spring after Yang and Lin: k = pi E* b/2, the stiffness of two cylinders whose pressure is spread over the strip of
+!> contact.
+!>
+!> Source: D. C. H. Yang, J. Y. Lin, Hertzian damping, tooth friction and bending elasticity in gear impact dynamics,
+!> ASME J. Mech. Transm. Autom. Des. 109 (1987) 189: pi E b/(4 (1 - nu**2)) for two wheels of the same material.
+module evl_yang_lin
+   use evl_kinds, only: pi, wp
+   use evl_law_info, only: law_info_t
+   use evl_linear_spring, only: linear_spring_t
+   implicit none (type, external)
+   private
+
+   public :: yang_lin_t
+
+   type, extends(linear_spring_t) :: yang_lin_t
+   contains
+      procedure, nopass :: describe
+      procedure :: stiffness
+   end type yang_lin_t
+
+contains
+
+   !> Name and source.
+   pure subroutine describe(info)
+      type(law_info_t), intent(inout) :: info
+
+      info%name = "yang_lin"
+      info%description = "proportional to the penetration, with the stiffness pi E* b/2"
+      info%source = "Yang & Lin 1987, J. Mech. Transm. Autom. Des. 109, 189"
+   end subroutine describe
+
+   !> k [N/m].
+   pure real(wp) function stiffness(self, e_star, width)
+      class(yang_lin_t), intent(in) :: self
+      real(wp), intent(in) :: e_star !! effective modulus E* [Pa]
+      real(wp), intent(in) :: width  !! common face width b [m]
+
+      associate (unused => self)
+      end associate
+      stiffness = 0.5_wp*pi*e_star*width
+   end function stiffness
+
+end module evl_yang_lin
