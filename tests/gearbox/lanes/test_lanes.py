@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Callable
 
 import numpy as np
@@ -118,7 +119,7 @@ def check(gearbox: Gearbox, states: list[State]) -> None:
 @pytest.mark.parametrize(
     ("family", "cases"), [(CONTACT, CONTACTS), (DAMPING, DAMPINGS), (FRICTION, FRICTIONS)]
 )
-def test_every_law_has_lanes_and_is_compared_here(
+def test_every_law_is_compared_here(
     kernel: Kernel, family: int, cases: dict[str, dict[str, float]]
 ):
     """All laws of the table but the rigid contact, which has no force law."""
@@ -137,6 +138,46 @@ def test_every_law_gives_in_lanes_what_it_gives_alone(
     for branch in (-1, 0, 1) if mode == LOADED else (0,):
         for _ in range(5):
             check(gearbox, around(in_mode(gearbox, random, (mode, branch)), random))
+
+
+def integrated(gearbox: Gearbox) -> Floats:
+    """States of the first 50 ms by radau, (output, state)."""
+    library, state, scale = gearbox.library, gearbox.start(), gearbox.scales()[0]
+    library.evl_radau_create.restype = ctypes.c_void_p
+    settings = (ctypes.c_double(1e-6), ctypes.c_double(1e-3), None)
+    radau = ctypes.c_void_p(library.evl_radau_create(gearbox.handle, _at(scale), *settings))
+    outputs = np.full((20, len(scale)), np.nan)
+    at = map(_at, (state.y, state.integers, state.reals))
+    duration = ctypes.c_double(0.05)
+    code = library.lanes_integrate(gearbox.handle, radau, *at, duration, len(outputs), _at(outputs))
+    library.evl_radau_delete(ctypes.byref(radau))
+    assert code == OK
+    return outputs
+
+
+@pytest.mark.parametrize(("contact", "damping", "friction"), LAWS)
+def test_a_law_without_a_loop_is_as_right_in_both_integrators(
+    kernel: Kernel, contact: str, damping: str, friction: str
+):
+    """Lanes and radau ask it state by state, to the same bits; IDA's residual never had a loop."""
+    gearbox, bare = (pair_with_laws(kernel, contact, damping, friction) for _ in range(2))
+    bare.library.lanes_strip_laws(bare.handle)
+    random = np.random.default_rng(11)
+    for mode in (LOADED, UNLOADED):
+        states = around(in_mode(gearbox, random, (mode, 0)), random)
+        check(bare, states)
+        for name, rows in (
+            ("lanes_rates", gearbox.sizes.n_states),
+            ("lanes_roots", gearbox.sizes.n_roots),
+        ):
+            (code, result), (_, expected) = (
+                in_lanes(which, name, rows, states) for which in (bare, gearbox)
+            )
+            assert code == OK
+            np.testing.assert_array_equal(result, expected)
+        for state in states:
+            np.testing.assert_array_equal(bare.residual(state), gearbox.residual(state))
+    np.testing.assert_array_equal(integrated(bare), integrated(gearbox))
 
 
 @pytest.mark.parametrize("sigma", [1, -1], ids=["clockwise", "counterclockwise"])

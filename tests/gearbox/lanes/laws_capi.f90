@@ -1,0 +1,228 @@
+!> The laws in lanes for their tests: each by its own loop, as its family asks a law without one, and gearboxes of such laws.
+module laws_capi
+   use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_ptr
+   use evl_capi_types, only: c_contact_context, c_law_choice, choice_from_c
+   use evl_contact_context, only: contact_context, lane_context
+   use evl_damping_law, only: damping_law_t, damping_one_by_one => lane_by_lane, viscous_result
+   use evl_elastic_law, only: elastic_law_t, elastic_one_by_one => lane_by_lane, elastic_result
+   use evl_friction_law, only: friction_law_t, friction_one_by_one => lane_by_lane
+   use evl_gearbox, only: gearbox_t
+   use evl_kinds, only: lanes, wp
+   use evl_law_info, only: law_info_t
+   use evl_law_table, only: damping_law, elastic_law, friction_law
+   implicit none (type, external)
+   private
+
+   public :: lanes_damping, lanes_elastic, lanes_friction, lanes_strip_laws
+
+   !> A law of the table that has no loop: one who enters a law need not write one.
+   type, extends(elastic_law_t) :: bare_elastic_t
+      class(elastic_law_t), allocatable :: law
+   contains
+      procedure, nopass :: describe
+      procedure :: force => elastic_force
+      procedure :: potential
+      procedure :: penetration
+      procedure :: limit_message
+   end type bare_elastic_t
+
+   type, extends(damping_law_t) :: bare_damping_t
+      class(damping_law_t), allocatable :: law
+   contains
+      procedure, nopass :: describe
+      procedure :: force => damping_force
+   end type bare_damping_t
+
+   type, extends(friction_law_t) :: bare_friction_t
+      class(friction_law_t), allocatable :: law
+   contains
+      procedure, nopass :: describe
+      procedure :: factor
+      procedure :: acts
+      procedure :: falls
+      procedure :: knee
+   end type bare_friction_t
+
+contains
+
+   !> An elastic law in eight states that share all but h and the radii; 1 if it answered, else 0.
+   integer(c_int) function lanes_elastic(choice, contexts, bare, force, d_energy, excess) result(answer) bind(c)
+      type(c_law_choice), intent(in) :: choice
+      type(c_contact_context), intent(in) :: contexts(lanes)
+      integer(c_int), intent(in), value :: bare !! 1: as a law without a loop
+      real(c_double), intent(inout) :: force(lanes), d_energy(lanes), excess(lanes)
+      class(elastic_law_t), allocatable :: law
+      logical :: answered
+
+      call elastic_law(choice_from_c(choice), law)
+      if (bare == 1) then
+         call elastic_one_by_one(law, context_of_lanes(contexts), force, d_energy, excess, answered)
+      else
+         call law%force_lanes(context_of_lanes(contexts), force, d_energy, excess, answered)
+      end if
+      answer = merge(1, 0, answered)
+   end function lanes_elastic
+
+   !> A damping law in eight states; `side` as in the discrete state.
+   subroutine lanes_damping(choice, contexts, side, bare, elastic, force) bind(c)
+      type(c_law_choice), intent(in) :: choice
+      type(c_contact_context), intent(in) :: contexts(lanes)
+      integer(c_int), intent(in), value :: side, bare
+      real(c_double), intent(in) :: elastic(lanes)
+      real(c_double), intent(inout) :: force(lanes)
+      class(damping_law_t), allocatable :: law
+      type(lane_context) :: at
+
+      call damping_law(choice_from_c(choice), law)
+      at = context_of_lanes(contexts)
+      at%side = side
+      if (bare == 1) then
+         call damping_one_by_one(law, at, elastic, force)
+      else
+         call law%force_lanes(at, elastic, force)
+      end if
+   end subroutine lanes_damping
+
+   !> A friction law in eight states on one branch.
+   subroutine lanes_friction(choice, branch, v_t, bare, factor) bind(c)
+      type(c_law_choice), intent(in) :: choice
+      integer(c_int), intent(in), value :: branch, bare
+      real(c_double), intent(in) :: v_t(lanes)
+      real(c_double), intent(inout) :: factor(lanes)
+      class(friction_law_t), allocatable :: law
+
+      call friction_law(choice_from_c(choice), law)
+      if (bare == 1) then
+         call friction_one_by_one(law, branch, v_t, factor)
+      else
+         call law%factor_lanes(branch, v_t, factor)
+      end if
+   end subroutine lanes_friction
+
+   !> Put laws without a loop, which are the same beside that, in the place of all laws of a gearbox.
+   subroutine lanes_strip_laws(handle) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      type(gearbox_t), pointer :: gearbox
+      class(elastic_law_t), allocatable :: elastic
+      class(damping_law_t), allocatable :: damping
+      class(friction_law_t), allocatable :: friction
+      integer :: i
+
+      call c_f_pointer(handle, gearbox)
+      do i = 1, size(gearbox%contacts)
+         associate (contact => gearbox%contacts(i))
+            call move_alloc(contact%elastic, elastic)
+            call move_alloc(contact%damping, damping)
+            call move_alloc(contact%friction, friction)
+            allocate (bare_elastic_t :: contact%elastic)
+            allocate (bare_damping_t :: contact%damping)
+            allocate (bare_friction_t :: contact%friction)
+            select type (bare => contact%elastic)
+            type is (bare_elastic_t)
+               call move_alloc(elastic, bare%law)
+            end select
+            select type (bare => contact%damping)
+            type is (bare_damping_t)
+               call move_alloc(damping, bare%law)
+            end select
+            select type (bare => contact%friction)
+            type is (bare_friction_t)
+               call move_alloc(friction, bare%law)
+            end select
+         end associate
+      end do
+   end subroutine lanes_strip_laws
+
+   !> What laws may know in eight states.
+   type(lane_context) function context_of_lanes(contexts) result(at)
+      type(c_contact_context), intent(in) :: contexts(lanes)
+
+      at%h = contexts%h
+      at%h_dot = contexts%h_dot
+      at%rho_a = contexts%rho_a
+      at%rho_b = contexts%rho_b
+      at%e_star = contexts(1)%e_star
+      at%width = contexts(1)%width
+      at%v0 = contexts(1)%v0
+      at%side = 0
+   end function context_of_lanes
+
+   pure subroutine describe(info)
+      type(law_info_t), intent(inout) :: info
+
+      info%name = "bare"
+   end subroutine describe
+
+   pure subroutine elastic_force(self, ctx, result, code)
+      class(bare_elastic_t), intent(in) :: self
+      type(contact_context), intent(in) :: ctx
+      type(elastic_result), intent(out) :: result
+      integer, intent(out) :: code
+
+      call self%law%force(ctx, result, code)
+   end subroutine elastic_force
+
+   pure function potential(self, ctx, force) result(energy)
+      class(bare_elastic_t), intent(in) :: self
+      type(contact_context), intent(in) :: ctx
+      real(wp), intent(in) :: force
+      real(wp) :: energy
+
+      energy = self%law%potential(ctx, force)
+   end function potential
+
+   pure subroutine penetration(self, ctx, force, h, code)
+      class(bare_elastic_t), intent(in) :: self
+      type(contact_context), intent(in) :: ctx
+      real(wp), intent(in) :: force
+      real(wp), intent(out) :: h
+      integer, intent(out) :: code
+
+      call self%law%penetration(ctx, force, h, code)
+   end subroutine penetration
+
+   pure subroutine limit_message(self, ctx, message)
+      class(bare_elastic_t), intent(in) :: self
+      type(contact_context), intent(in) :: ctx
+      character(len=*), intent(out) :: message
+
+      call self%law%limit_message(ctx, message)
+   end subroutine limit_message
+
+   pure subroutine damping_force(self, ctx, elastic, result)
+      class(bare_damping_t), intent(in) :: self
+      type(contact_context), intent(in) :: ctx
+      real(wp), intent(in) :: elastic
+      type(viscous_result), intent(inout) :: result
+
+      call self%law%force(ctx, elastic, result)
+   end subroutine damping_force
+
+   pure subroutine factor(self, branch, v_t, phi, d_v)
+      class(bare_friction_t), intent(in) :: self
+      integer, intent(in) :: branch
+      real(wp), intent(in) :: v_t
+      real(wp), intent(out) :: phi, d_v
+
+      call self%law%factor(branch, v_t, phi, d_v)
+   end subroutine factor
+
+   pure logical function acts(self)
+      class(bare_friction_t), intent(in) :: self
+
+      acts = self%law%acts()
+   end function acts
+
+   pure logical function falls(self)
+      class(bare_friction_t), intent(in) :: self
+
+      falls = self%law%falls()
+   end function falls
+
+   pure real(wp) function knee(self)
+      class(bare_friction_t), intent(in) :: self
+
+      knee = self%law%knee()
+   end function knee
+
+end module laws_capi
