@@ -45,6 +45,7 @@ module evl_johnson
 contains
 
    include "numerics/all_positive.inc"
+   include "numerics/logarithm_terms.inc"
    include "numerics/logarithm.inc"
 
    !> Name and source.

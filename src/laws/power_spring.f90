@@ -27,7 +27,8 @@ module evl_power_spring
 
 contains
 
-   include "numerics/logarithm.inc"
+   include "numerics/logarithm_terms.inc"
+   include "numerics/exponential_parts.inc"
    include "numerics/exponential.inc"
    include "numerics/power.inc"
 

@@ -26,7 +26,9 @@ module evl_stribeck
 
 contains
 
+   include "numerics/exponential_parts.inc"
    include "numerics/exponential.inc"
+   include "numerics/hyperbolic_tangent.inc"
    include "laws/smooth_sliding.inc"
 
    !> Name, source and parameters.

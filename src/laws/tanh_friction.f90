@@ -23,7 +23,8 @@ module evl_tanh_friction
 
 contains
 
-   include "numerics/exponential.inc"
+   include "numerics/exponential_parts.inc"
+   include "numerics/hyperbolic_tangent.inc"
    include "laws/smooth_sliding.inc"
 
    !> Name, source and parameters.

@@ -11,8 +11,11 @@ module evl_elementary
 
 contains
 
+   include "numerics/logarithm_terms.inc"
    include "numerics/logarithm.inc"
+   include "numerics/exponential_parts.inc"
    include "numerics/exponential.inc"
+   include "numerics/hyperbolic_tangent.inc"
    include "numerics/power.inc"
    include "numerics/sine_cosine.inc"
 

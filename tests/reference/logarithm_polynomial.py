@@ -1,4 +1,4 @@
-"""Fit the polynomial of the logarithm: the coefficients of src/numerics/logarithm.inc.
+"""Fit the polynomial of the logarithm: the coefficients of src/numerics/logarithm_terms.inc.
 
 With s = (m - 1)/(m + 1) and z = s**2, ln m = s (2 + z P(z)), P(z) = 2/3 + 2 z/5 + ... Fitted in the
 Chebyshev sense for sqrt(1/2) <= m <= sqrt(2). Printed are the coefficients and the largest error of
