@@ -32,9 +32,9 @@ module evl_johnson
    real(wp), parameter :: smallest_ratio = 1.0e-301_wp
 
    type, extends(elastic_law_t) :: johnson_t
+      real(wp) :: radii_factor = 1.0_wp !! as how many times as large the radii count: laws of this form with another constant
    contains
       procedure, nopass :: describe
-      procedure, nopass :: radii_factor
       procedure :: force
       procedure :: force_lanes
       procedure :: potential
@@ -57,11 +57,6 @@ contains
       info%source = "Johnson 1985, section 5.6; Kosenko & Gusev 2011, (13)-(18)"
    end subroutine describe
 
-   !> As how many times as large the radii of curvature count: other laws of this form have another constant there.
-   pure real(wp) function radii_factor()
-      radii_factor = 1
-   end function radii_factor
-
    !> The force over the whole width.
    pure subroutine force(self, ctx, result, code)
       class(johnson_t), intent(in) :: self
@@ -69,7 +64,7 @@ contains
       type(elastic_result), intent(out) :: result
       integer, intent(out) :: code
 
-      call force_over_width(ctx%h, ctx%rho_sum, self%radii_factor(), ctx%e_star, ctx%width, result, code)
+      call force_over_width(ctx%h, ctx%rho_sum, self%radii_factor, ctx%e_star, ctx%width, result, code)
    end subroutine force
 
    !> The same in eight states.
@@ -81,7 +76,7 @@ contains
       real(wp) :: answers(lanes), factor, e_star, width
       integer :: l
 
-      factor = self%radii_factor()
+      factor = self%radii_factor
       e_star = at%e_star
       width = at%width
       !$omp simd
@@ -126,7 +121,7 @@ contains
       real(wp), intent(out) :: h
       integer, intent(out) :: code
 
-      call johnson_penetration(force/ctx%width, self%radii_factor()*ctx%rho_sum, ctx%e_star, h, code)
+      call johnson_penetration(force/ctx%width, self%radii_factor*ctx%rho_sum, ctx%e_star, h, code)
    end subroutine penetration
 
    !> Why there is no force.

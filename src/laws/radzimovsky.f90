@@ -29,11 +29,19 @@ module evl_radzimovsky
    type, extends(johnson_t) :: radzimovsky_t
    contains
       procedure, nopass :: describe
-      procedure, nopass :: radii_factor
       procedure :: limit_message
    end type radzimovsky_t
 
+   interface radzimovsky_t
+      module procedure johnson_of_larger_radii
+   end interface radzimovsky_t
+
 contains
+
+   !> The law.
+   pure type(radzimovsky_t) function johnson_of_larger_radii() result(law)
+      law%radii_factor = enlarged
+   end function johnson_of_larger_radii
 
    !> Name and source.
    pure subroutine describe(info)
@@ -43,11 +51,6 @@ contains
       info%description = "two elastic cylinders, with the full width of the contact strip after Hertz"
       info%source = "Radzimovsky 1953, University of Illinois Bulletin 408"
    end subroutine describe
-
-   !> As how many times as large as in Johnson's law the radii of curvature count.
-   pure real(wp) function radii_factor()
-      radii_factor = enlarged
-   end function radii_factor
 
    !> Why there is no force.
    pure subroutine limit_message(self, ctx, message)
