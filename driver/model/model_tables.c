@@ -70,9 +70,9 @@ static void copy_outputs(void)
     const int n = evl_output_count();
     output_texts = xcalloc((size_t)n, sizeof *output_texts);
     outputs = xcalloc((size_t)n, sizeof *outputs);
+    evl_outputs_describe(output_texts);
     for (int i = 0; i < n; i++) {
         const evl_output *from = &output_texts[i];
-        (void)evl_output_describe(i, &output_texts[i]);
         outputs[i] = (model_output){.name = from->name,
                                     .units = from->units,
                                     .symbol = from->symbol,
@@ -97,16 +97,19 @@ static model_output describe_extreme(const evl_extreme *from, bool is_time)
 
 static void copy_extremes(void)
 {
-    extremes = xcalloc((size_t)evl_extreme_count(), sizeof *extremes);
-    for (int i = 0; i < evl_extreme_count(); i++) {
-        evl_extreme from;
-        (void)evl_extreme_describe(i, &from);
-        extremes[i] = (model_extreme){.output = xstrdup(from.output),
-                                      .value = describe_extreme(&from, false),
-                                      .time = describe_extreme(&from, true),
-                                      .watched = from.watched,
-                                      .is_largest = from.is_largest};
+    const int n = evl_extreme_count();
+    evl_extreme *texts = xcalloc((size_t)n, sizeof *texts);
+    extremes = xcalloc((size_t)n, sizeof *extremes);
+    evl_extremes_describe(texts);
+    for (int i = 0; i < n; i++) {
+        const evl_extreme *from = &texts[i];
+        extremes[i] = (model_extreme){.output = xstrdup(from->output),
+                                      .value = describe_extreme(from, false),
+                                      .time = describe_extreme(from, true),
+                                      .watched = from->watched,
+                                      .is_largest = from->is_largest};
     }
+    free(texts);
 }
 
 static int compare_outputs(const void *a, const void *b)

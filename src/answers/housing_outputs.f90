@@ -2,41 +2,80 @@
 !>
 !> Source: docs/housing.md, sections 2 and 4.
 module evl_housing_outputs
-   use evl_gearbox, only: gearbox_t, wheel_housing_torque, wheel_position, wheel_speed
-   use evl_housing, only: apparent_acceleration, frame_t, housing_fixed, wheel_moment
+   use evl_gearbox, only: gearbox_t, wheel_housing_torque, wheel_position, wheel_speed, wheel_t
+   use evl_housing, only: apparent_acceleration, frame_t, wheel_moment
    use evl_housing_dynamics, only: wheel_accelerations
    use evl_kinds, only: wp
-   use evl_output, only: dims_mesh, dims_quaternion, dims_space, dims_wheel, dims_wheel_space, output_t
+   use evl_output, only: dims_mesh, dims_none, dims_wheel, in_bearings, in_mesh_positions, in_pose, in_wheel_positions, needs_nothing, &
+                         needs_rates, needs_reactions
    use evl_rotation, only: cross, turned
+   use evl_teller, only: begin, needs, tell, tell_quaternion, tell_space, teller_t
    use evl_tooth_contact, only: tooth_contact_t
    implicit none (type, external)
    private
 
-   public :: n_housing_outputs, housing_outputs, add_mesh_reaction, put_housing
-
-   integer, parameter :: n_housing_outputs = 11
+   public :: add_mesh_reaction, finish_reaction, tell_bearing, tell_mesh_position, tell_pose, tell_wheel_position
 
 contains
 
-   !> Their entries in the table of outputs. The pose and the motion are there if the housing is not fixed.
-   pure function housing_outputs() result(t)
-      type(output_t) :: t(n_housing_outputs)
+   !> Where a wheel stands along its axle.
+   subroutine tell_wheel_position(teller, index, wheel)
+      type(teller_t), intent(inout) :: teller
+      integer, intent(in) :: index
+      type(wheel_t), intent(in) :: wheel
 
-      t(1) = output_t("axial_position", "m", "z_i", "axial position of the middle of the wheel", dims_wheel, .true.)
-      t(2) = output_t("transverse_inertia", "kg m2", "J_t", "moment of inertia about a diameter", dims_wheel, .true.)
-      t(3) = output_t("contact_axial_position", "m", "z_m", "axial position of the middle of the common width", dims_mesh, .true.)
-      t(4) = output_t("bearing_force", "N", "", "force of the wheel on the housing, housing frame", dims_wheel_space)
-      t(5) = output_t("bearing_moment", "N m", "", "moment of the wheel and its loads on the housing about the wheel's centre", &
-                      dims_wheel_space)
-      t(6) = output_t("housing_position", "m", "r", "position of the housing's origin, ground frame", dims_space)
-      t(7) = output_t("housing_orientation", "1", "p", "unit quaternion from the housing frame to the ground frame", &
-                      dims_quaternion)
-      t(8) = output_t("housing_velocity", "m s-1", "v", "velocity of the housing's origin, ground frame", dims_space)
-      t(9) = output_t("housing_acceleration", "m s-2", "v'", "acceleration of the housing's origin, ground frame", dims_space)
-      t(10) = output_t("housing_angular_velocity", "rad s-1", "Omega", "angular velocity of the housing, housing frame", dims_space)
-      t(11) = output_t("housing_angular_acceleration", "rad s-2", "Omega'", "angular acceleration of the housing, housing frame", &
-                       dims_space)
-   end function housing_outputs
+      call begin(teller, in_wheel_positions, dims_wheel, index, is_static=.true.)
+      call tell(teller, "axial_position", "m", "z_i", "axial position of the middle of the wheel", wheel%axial_position)
+      call tell(teller, "transverse_inertia", "kg m2", "J_t", "moment of inertia about a diameter", wheel%transverse_inertia)
+   end subroutine tell_wheel_position
+
+   !> Where a mesh stands along the axles.
+   subroutine tell_mesh_position(teller, index, contact)
+      type(teller_t), intent(inout) :: teller
+      integer, intent(in) :: index
+      type(tooth_contact_t), intent(in) :: contact !! the first of the mesh
+
+      call begin(teller, in_mesh_positions, dims_mesh, index, is_static=.true.)
+      call tell(teller, "contact_axial_position", "m", "z_m", "axial position of the middle of the common width", &
+                contact%axial_position)
+   end subroutine tell_mesh_position
+
+   !> What a wheel does to the housing.
+   subroutine tell_bearing(teller, index, reaction)
+      type(teller_t), intent(inout) :: teller
+      integer, intent(in) :: index
+      real(wp), intent(in) :: reaction(6) !! force [N], moment [N m]
+
+      call begin(teller, in_bearings, dims_wheel, index)
+      call needs(teller, needs_reactions)
+      call tell_space(teller, "bearing_force", "N", "", "force of the wheel on the housing, housing frame", reaction(1:3))
+      call tell_space(teller, "bearing_moment", "N m", "", &
+                      "moment of the wheel and its loads on the housing about the wheel's centre", &
+                      reaction(4:6))
+   end subroutine tell_bearing
+
+   !> Pose and motion of a housing that is not fixed.
+   subroutine tell_pose(teller, frame, gravity)
+      type(teller_t), intent(inout) :: teller
+      type(frame_t), intent(in) :: frame
+      real(wp), intent(in) :: gravity(3) !! [m/s^2]
+
+      call begin(teller, in_pose, dims_none, 1)
+      call tell_space(teller, "housing_position", "m", "r", "position of the housing's origin, ground frame", frame%position)
+      call tell_quaternion(teller, "housing_orientation", "1", "p", "unit quaternion from the housing frame to the ground frame", &
+                           frame%orientation)
+      call tell_space(teller, "housing_velocity", "m s-1", "v", "velocity of the housing's origin, ground frame", frame%velocity)
+      call needs(teller, needs_rates)
+      call tell_space(teller, "housing_acceleration", "m s-2", "v'", "acceleration of the housing's origin, ground frame", &
+                      turned(frame%rotation, frame%acceleration) + gravity)
+      call needs(teller, needs_nothing)
+      call tell_space(teller, "housing_angular_velocity", "rad s-1", "Omega", "angular velocity of the housing, housing frame", &
+                      frame%omega)
+      call needs(teller, needs_rates)
+      call tell_space(teller, "housing_angular_acceleration", "rad s-2", "Omega'", &
+                      "angular acceleration of the housing, housing frame", &
+                      frame%alpha)
+   end subroutine tell_pose
 
    !> Add a mesh's force to the reactions of its two wheels.
    pure subroutine add_mesh_reaction(gearbox, contact, on_a, reactions)
@@ -54,34 +93,6 @@ contains
          reactions(:, b) = reactions(:, b) - [force, cross(arm_b, force)]
       end associate
    end subroutine add_mesh_reaction
-
-   !> All of these values, in the order of the table.
-   pure subroutine put_housing(gearbox, t, y, f, integers, frame, load_torque, reactions, values)
-      type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: t, y(:), f(:)        !! f: rates of the states
-      integer, intent(in) :: integers(:)
-      type(frame_t), intent(in) :: frame           !! there
-      real(wp), intent(in) :: load_torque(:)       !! of every wheel [N m]
-      real(wp), intent(inout) :: reactions(:, :)   !! (6, wheel): those of the meshes, then all of them
-      real(wp), intent(out) :: values(:)
-      integer :: i, n, nm
-
-      n = size(gearbox%wheels)
-      nm = size(gearbox%pairs)
-      values(:n) = gearbox%wheels%axial_position
-      values(n + 1:2*n) = gearbox%wheels%transverse_inertia
-      values(2*n + 1:2*n + nm) = gearbox%contacts(gearbox%first(:nm))%axial_position
-      do i = 1, n
-         call finish_reaction(gearbox, i, t, y, f, integers, frame, load_torque(i), reactions(:, i))
-         associate (force => 2*n + nm + 3*(i - 1), moment => 5*n + nm + 3*(i - 1))
-            values(force + 1:force + 3) = reactions(1:3, i)
-            values(moment + 1:moment + 3) = reactions(4:6, i)
-         end associate
-      end do
-      if (gearbox%housing%kind == housing_fixed) return
-      values(8*n + nm + 1:) = [frame%position, frame%orientation, frame%velocity, &
-                               turned(frame%rotation, frame%acceleration) + gearbox%housing%gravity, frame%omega, frame%alpha]
-   end subroutine put_housing
 
    !> From the forces of the meshes on a wheel to its reaction on the housing.
    pure subroutine finish_reaction(gearbox, index, t, y, f, integers, frame, load_torque, reaction)

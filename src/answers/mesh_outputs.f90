@@ -1,4 +1,4 @@
-!> What the meshes of a gearbox tell: one table of outputs for meshes and one for their tooth pairs, and their values at a state.
+!> What the meshes of a gearbox tell.
 module evl_mesh_outputs
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use evl_closed_form, only: closed_form_gap, closed_form_line, gap_along, points_along, track_closed_form, transmission_error
@@ -7,20 +7,16 @@ module evl_mesh_outputs
    use evl_housing_outputs, only: add_mesh_reaction
    use evl_kinds, only: wp
    use evl_local_variables, only: at_lambda, at_track, i_theta, n_local, n_track
-   use evl_output, only: dims_mesh, dims_mesh_axis, dims_mesh_pair, output_t
+   use evl_output, only: dims_mesh, in_coast, in_meshes, needs_meshes, needs_pairs, needs_points, needs_reactions
+   use evl_pair_outputs, only: tell_pairs
    use evl_tangent_line, only: tangent_line_t
-   use evl_tooth_contact, only: contact_energy, contact_force, contact_mode, contact_state, flank_coast, flank_drive, &
-                                flanks_apart, flanks_loaded, flanks_off, locate_contact, nominal_rho, tooth_of_a, tooth_of_b, &
-                                touches, tracking_closed_form
-   use evl_touching_flanks, only: contact_pressure
+   use evl_teller, only: begin, needs, tell, tell_plane, teller_t
+   use evl_tooth_contact, only: contact_energy, contact_force, contact_state, flank_coast, flank_drive, flanks_apart, &
+                                flanks_loaded, flanks_off, locate_contact, nominal_rho, touches, tracking_closed_form
    implicit none (type, external)
    private
 
-   public :: n_mesh_histories, n_pair_histories, n_coast_histories, mesh_histories, pair_histories, coast_histories
-   public :: has_coast, pair_places, put_mesh
-
-   integer, parameter :: n_mesh_histories = 26, n_pair_histories = 10, n_coast_histories = 2
-   integer, parameter :: n_scalars = n_mesh_histories - 2 !! of a mesh; behind them two points
+   public :: mesh_points, mesh_sum, put_mesh, tell_coast, tell_mesh
 
    !> What the tooth contacts of a mesh add up to.
    type :: mesh_sum
@@ -34,174 +30,131 @@ module evl_mesh_outputs
       real(wp) :: deviation(2) = 0.0_wp                   !! of the flanks there [m]
    end type mesh_sum
 
+   !> The points of the contact that speaks for its mesh, and how far tracked ones are from where they belong.
+   type :: mesh_points
+      real(wp) :: driving(2) = 0.0_wp, driven(2) = 0.0_wp         !! housing frame [m]
+      real(wp) :: gradient_ratio = 0.0_wp                         !! lambda; as the rest NaN where points are not tracked
+      real(wp) :: residual(2) = 0.0_wp, line_distance(2) = 0.0_wp !! of the driving and of the driven flank [m]
+   end type mesh_points
+
 contains
 
-   pure function mesh_histories() result(t)
-      type(output_t) :: t(n_mesh_histories)
+   subroutine tell_mesh(teller, index, at, lag, curvature, penetration, total, points)
+      type(teller_t), intent(inout) :: teller
+      integer, intent(in) :: index
+      type(contact_state), intent(in) :: at    !! the one that speaks for the mesh
+      real(wp), intent(in) :: lag              !! transmission error [m]
+      real(wp), intent(in) :: curvature        !! by how much it is more than the penetration [m]
+      real(wp), intent(in) :: penetration      !! of flanks that overlap, else 0 [m]
+      type(mesh_sum), intent(in) :: total
+      type(mesh_points), intent(in) :: points
 
-      t(1) = output_t("transmission_error", "m", "Delta", "dynamic transmission error along the line of action", dims_mesh)
-      t(2) = output_t("penetration", "m", "h", "mutual penetration of the flanks", dims_mesh)
-      t(3) = output_t("gap", "m", "kappa", "smallest gap between the flanks, negative in contact", dims_mesh)
-      t(4) = output_t("separation_curvature", "m", "", "R (inv alpha - inv alpha_0)", dims_mesh)
-      t(5) = output_t("normal_force", "N", "F_n", "normal force of all tooth pairs", dims_mesh)
-      t(6) = output_t("friction_force", "N", "F_t", "friction force on the driving wheel along t, all pairs of the drive flank", &
-                      dims_mesh)
-      t(7) = output_t("sliding_velocity", "m s-1", "v_t", "sliding velocity along t", dims_mesh)
-      t(8) = output_t("friction_arm_driving", "m", "l_A", "arm of the friction force about the driving axle", dims_mesh)
-      t(9) = output_t("friction_arm_driven", "m", "l_B", "arm of the friction force about the driven axle", dims_mesh)
-      t(10) = output_t("gradient_ratio", "1", "lambda", "ratio of the flanks' gradients", dims_mesh)
-      t(11) = output_t("tracking_residual_driving", "m", "r_bA g_A", "distance of the tracked point from the driving flank", &
-                       dims_mesh)
-      t(12) = output_t("tracking_residual_driven", "m", "r_bB g_B", "distance of the tracked point from the driven flank", &
-                       dims_mesh)
-      t(13) = output_t("line_distance_driving", "m", "", "distance of the driving wheel's tracked point from the line of action", &
-                       dims_mesh)
-      t(14) = output_t("line_distance_driven", "m", "", "distance of the driven wheel's tracked point from the line of action", &
-                       dims_mesh)
-      t(15) = output_t("tooth_pair", "1", "k", "the tooth pair longest on the path: pitches since the start", dims_mesh, &
-                       is_integer=.true.)
-      t(16) = output_t("in_contact", "1", "", "1 if the flanks of any tooth pair overlap", dims_mesh, is_integer=.true.)
-      t(17) = output_t("contact_mode", "1", "", &
-                       "0 open, 1 loaded, 2 overlapping without force, 3 too far apart to track, 4 off the path", dims_mesh, &
-                       is_integer=.true.)
-      t(18) = output_t("gap_rate", "m s-1", "kappa'", "rate of the gap", dims_mesh)
-      t(19) = output_t("flank_deviation", "m", "e", "material that the flanks lack where they are nearest to each other", dims_mesh)
-      t(20) = output_t("pairs_in_contact", "1", "", "tooth pairs that carry load, on both flanks", dims_mesh, is_integer=.true.)
-      t(21) = output_t("mesh_torque_driving", "N m", "T_A", "torque of the mesh on the driving wheel", dims_mesh)
-      t(22) = output_t("mesh_torque_driven", "N m", "T_B", "torque of the mesh on the driven wheel", dims_mesh)
-      t(23) = output_t("friction_loss", "W", "P_f", "power lost to friction", dims_mesh)
-      t(24) = output_t("efficiency", "1", "eta", "1 - friction loss over the power that the driving wheel hands over", dims_mesh)
-      t(25) = output_t("contact_point_driving", "m", "P_A", "contact point on the driving flank", dims_mesh_axis)
-      t(26) = output_t("contact_point_driven", "m", "P_B", "contact point on the driven flank", dims_mesh_axis)
-   end function mesh_histories
-
-   pure function pair_histories() result(t)
-      type(output_t) :: t(n_pair_histories)
-
-      t(1) = output_t("pair_normal_force", "N", "F_nk", "normal force of a tooth pair", dims_mesh_pair)
-      t(2) = output_t("pair_friction_force", "N", "F_tk", "friction force of a tooth pair on the driving wheel along t", &
-                      dims_mesh_pair)
-      t(3) = output_t("pair_position", "m", "rho_Ak", "radius of curvature of the driving flank at the contact; NaN off the path", &
-                      dims_mesh_pair)
-      t(4) = output_t("pair_contact_pressure", "Pa", "p_k", &
-                      "largest contact pressure; NaN where a hollow flank has no Hertzian one", dims_mesh_pair)
-      t(5) = output_t("pair_on_path", "1", "", "1 if the tooth pair is on the path of contact", dims_mesh_pair, is_integer=.true.)
-      t(6) = output_t("pair_number", "1", "k", "the tooth pair: pitches since the start", dims_mesh_pair, is_integer=.true.)
-      t(7) = output_t("pair_tooth_driving", "1", "", "its tooth of the driving wheel, from 0, counterclockwise", dims_mesh_pair, &
-                      is_integer=.true.)
-      t(8) = output_t("pair_tooth_driven", "1", "", "its tooth of the driven wheel, from 0, counterclockwise", dims_mesh_pair, &
-                      is_integer=.true.)
-      t(9) = output_t("pair_contact_mode", "1", "", &
-                      "0 open, 1 loaded, 2 overlapping without force, 3 too far apart to track, 4 off the path", dims_mesh_pair, &
-                      is_integer=.true.)
-      t(10) = output_t("pair_penetration", "m", "h_k", "penetration of the flanks, negative for a gap; NaN off the path", &
-                       dims_mesh_pair)
-   end function pair_histories
+      call begin(teller, in_meshes, dims_mesh, index)
+      call needs(teller, needs_meshes)
+      call tell(teller, "transmission_error", "m", "Delta", "dynamic transmission error along the line of action", lag)
+      call tell(teller, "penetration", "m", "h", "mutual penetration of the flanks", penetration)
+      call tell(teller, "gap", "m", "kappa", "smallest gap between the flanks, negative in contact", -total%h(1))
+      call tell(teller, "separation_curvature", "m", "", "R (inv alpha - inv alpha_0)", curvature)
+      call tell(teller, "normal_force", "N", "F_n", "normal force of all tooth pairs", total%normal)
+      call tell(teller, "friction_force", "N", "F_t", "friction force on the driving wheel along t, all pairs of the drive flank", &
+                total%friction)
+      call tell(teller, "sliding_velocity", "m s-1", "v_t", "sliding velocity along t", at%point%v_t)
+      call tell(teller, "friction_arm_driving", "m", "l_A", "arm of the friction force about the driving axle", at%point%l_a)
+      call tell(teller, "friction_arm_driven", "m", "l_B", "arm of the friction force about the driven axle", at%point%l_b)
+      call needs(teller, needs_points)
+      call tell(teller, "gradient_ratio", "1", "lambda", "ratio of the flanks' gradients", points%gradient_ratio)
+      call tell(teller, "tracking_residual_driving", "m", "r_bA g_A", "distance of the tracked point from the driving flank", &
+                points%residual(1))
+      call tell(teller, "tracking_residual_driven", "m", "r_bB g_B", "distance of the tracked point from the driven flank", &
+                points%residual(2))
+      call tell(teller, "line_distance_driving", "m", "", "distance of the driving wheel's tracked point from the line of action", &
+                points%line_distance(1))
+      call tell(teller, "line_distance_driven", "m", "", "distance of the driven wheel's tracked point from the line of action", &
+                points%line_distance(2))
+      call needs(teller, needs_meshes)
+      call tell(teller, "tooth_pair", "1", "k", "the tooth pair longest on the path: pitches since the start", at%mode%tooth_pair)
+      call tell(teller, "in_contact", "1", "", "1 if the flanks of any tooth pair overlap", total%touching)
+      call tell(teller, "contact_mode", "1", "", &
+                "0 open, 1 loaded, 2 overlapping without force, 3 too far apart to track, 4 off the path", at%mode%flanks)
+      call tell(teller, "gap_rate", "m s-1", "kappa'", "rate of the gap", -at%point%h_dot)
+      call tell(teller, "flank_deviation", "m", "e", "material that the flanks lack where they are nearest to each other", &
+                total%deviation(1))
+      call tell(teller, "pairs_in_contact", "1", "", "tooth pairs that carry load, on both flanks", total%loaded)
+      call tell(teller, "mesh_torque_driving", "N m", "T_A", "torque of the mesh on the driving wheel", total%torque_a)
+      call tell(teller, "mesh_torque_driven", "N m", "T_B", "torque of the mesh on the driven wheel", total%torque_b)
+      call tell(teller, "friction_loss", "W", "P_f", "power lost to friction", total%loss)
+      call tell(teller, "efficiency", "1", "eta", "1 - friction loss over the power that the driving wheel hands over", &
+                efficiency(total, at%point%omega_a))
+      call needs(teller, needs_points)
+      call tell_plane(teller, "contact_point_driving", "m", "P_A", "contact point on the driving flank", points%driving)
+      call tell_plane(teller, "contact_point_driven", "m", "P_B", "contact point on the driven flank", points%driven)
+   end subroutine tell_mesh
 
    !> Only where a mesh has coast flanks.
-   pure function coast_histories() result(t)
-      type(output_t) :: t(n_coast_histories)
+   subroutine tell_coast(teller, index, gap, force)
+      type(teller_t), intent(inout) :: teller
+      integer, intent(in) :: index
+      real(wp), intent(in) :: gap   !! [m]
+      real(wp), intent(in) :: force !! [N]
 
-      t(1) = output_t("coast_gap", "m", "kappa_c", "smallest gap between the flanks on the coast side", dims_mesh)
-      t(2) = output_t("coast_force", "N", "F_nc", "normal force of the tooth pairs on the coast side", dims_mesh)
-   end function coast_histories
-
-   !> Whether a mesh has coast flanks.
-   pure logical function has_coast(gearbox)
-      type(gearbox_t), intent(in) :: gearbox
-
-      has_coast = any(gearbox%contacts%flank == flank_coast)
-   end function has_coast
-
-   !> Places for tooth pairs that every mesh has in the outputs: the slots of the drive flank, then those of the coast flank.
-   pure integer function pair_places(gearbox) result(n)
-      type(gearbox_t), intent(in) :: gearbox
-
-      n = maxval(gearbox%contacts%n_slots)*merge(2, 1, has_coast(gearbox))
-   end function pair_places
+      call begin(teller, in_coast, dims_mesh, index)
+      call needs(teller, needs_meshes)
+      call tell(teller, "coast_gap", "m", "kappa_c", "smallest gap between the flanks on the coast side", gap)
+      call tell(teller, "coast_force", "N", "F_nc", "normal force of the tooth pairs on the coast side", force)
+   end subroutine tell_coast
 
    !> A mesh at a state.
-   subroutine put_mesh(gearbox, index, n, places, y, integers, contacts, torque, reactions, scalars, points, pairs, coast, &
-                       potential)
+   subroutine put_mesh(teller, wanted, gearbox, index, y, integers, contacts, torque, reactions, potential)
+      type(teller_t), intent(inout) :: teller
+      integer, intent(in) :: wanted         !! what wanted outputs need
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index, n, places, integers(:)
+      integer, intent(in) :: index, integers(:)
       real(wp), intent(in) :: y(:)
       type(contact_state), intent(inout) :: contacts(:) !! as `gearbox_rates` leaves them; those of the mesh are completed
       real(wp), intent(inout) :: torque(:)  !! of the meshes on the wheels so far [N m]
       real(wp), intent(inout) :: reactions(:, :) !! on the housing so far, (6, wheel): force [N], moment [N m]
-      real(wp), intent(inout) :: scalars(n, n_scalars), points(2, n, 2), pairs(places, n, n_pair_histories)
-      real(wp), intent(inout) :: coast(:)   !! (n, n_coast_histories) as a vector, or of size 0
       real(wp), intent(inout) :: potential  !! energy so far [J]
       type(mesh_sum) :: total
+      type(mesh_points) :: points
       type(tangent_line_t) :: line
-      real(wp) :: tracked(5), lag, curvature, input, q(n_local)
-      integer :: m, place, leader, drive_slots
+      real(wp) :: lag, penetration
+      integer :: m, leader
 
       leader = leading_contact(gearbox, index, integers)
-      pairs(:, index, 1:2) = 0
-      pairs(:, index, 3) = ieee_value(0.0_wp, ieee_quiet_nan)
-      pairs(:, index, 4:8) = 0
-      pairs(:, index, 9) = flanks_off
-      pairs(:, index, 10) = ieee_value(0.0_wp, ieee_quiet_nan)
-      drive_slots = maxval(gearbox%contacts%n_slots)
       do m = gearbox%first(index), gearbox%first(index + 1) - 1
-         place = 1 + gearbox%contacts(m)%slot + merge(drive_slots, 0, gearbox%contacts(m)%flank == flank_coast)
          if (.not. touches(contacts(m)%mode)) call complete(gearbox, m, y, integers, contacts(m))
-         call put_pair(gearbox, m, contacts(m), reactions, pairs(place, index, :), potential, total)
+         if (contacts(m)%mode%flanks == flanks_off) cycle
+         call add_contact(gearbox, m, contacts(m), potential, total)
+         if (touches(contacts(m)%mode) .and. iand(wanted, needs_reactions) == needs_reactions) &
+            call add_mesh_reaction(gearbox, gearbox%contacts(m), contacts(m)%force%on_a, reactions)
       end do
-      associate (contact => gearbox%contacts(leader), leading => contacts(leader)%point)
+      if (iand(wanted, needs_pairs) == needs_pairs) call tell_pairs(teller, gearbox, index, contacts)
+      associate (contact => gearbox%contacts(leader), at => contacts(leader))
          torque(contact%wheel_a) = torque(contact%wheel_a) + total%torque_a
          torque(contact%wheel_b) = torque(contact%wheel_b) + total%torque_b
-         q = contacts(leader)%q
-         call closed_form_line(contact%pair, q, line)
-         call put_points(gearbox, leader, y, integers, contacts(leader)%mode, line, q, tracked, points(:, index, 1), &
-                         points(:, index, 2))
-         lag = transmission_error(contact%pair, q)
-         curvature = gap_along(contact%pair, q, line) + lag
-         scalars(index, 2) = max(total%h(1), 0.0_wp)
+         lag = transmission_error(contact%pair, at%q)
+         call closed_form_line(contact%pair, at%q, line)
+         if (iand(wanted, needs_points) == needs_points) call find_points(gearbox, leader, y, integers, at, line, points)
+         penetration = max(total%h(1), 0.0_wp)
          if (.not. total%h(1) > -huge(1.0_wp)) then ! no pair is on the path: nothing overlaps, whatever the involutes would
-            total%h(1) = leading%h
-            if (contact%deviates) total%deviation(1) = -closed_form_gap(contact%pair, q) - leading%h
+            total%h(1) = at%point%h
+            if (contact%deviates) total%deviation(1) = -closed_form_gap(contact%pair, at%q) - at%point%h
          end if
-         input = abs(total%torque_a*leading%omega_a)
-         scalars(index, 1) = lag
-         scalars(index, 3:9) = [-total%h(1), curvature, total%normal, total%friction, leading%v_t, leading%l_a, leading%l_b]
-         scalars(index, 10:14) = tracked
-         scalars(index, 15:18) = [real(integers(contact%i_mode), wp), merge(1.0_wp, 0.0_wp, total%touching), &
-                                  real(integers(contact%i_mode + 1), wp), -leading%h_dot]
-         scalars(index, 19) = total%deviation(1)
+         call tell_mesh(teller, index, at, lag, gap_along(contact%pair, at%q, line) + lag, penetration, total, points)
       end associate
-      scalars(index, 20:23) = [real(total%loaded, wp), total%torque_a, total%torque_b, total%loss]
-      scalars(index, 24) = ieee_value(0.0_wp, ieee_quiet_nan)
-      if (input > 0) scalars(index, 24) = 1 - total%loss/input
-      if (size(coast) == 0) return
-      coast(index) = coast_gap(gearbox, index, y)
-      if (total%h(2) > -huge(1.0_wp)) coast(index) = -total%h(2)
-      coast(n + index) = total%coast
+      if (gearbox%n_pair_places > gearbox%n_drive_places) call put_coast(teller, gearbox, index, y, total)
    end subroutine put_mesh
 
-   !> One tooth pair: its values, and what it adds to its mesh.
-   subroutine put_pair(gearbox, m, at, reactions, values, potential, total)
+   !> What a tooth pair adds to its mesh.
+   pure subroutine add_contact(gearbox, m, at, potential, total)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: m !! tooth at
+      integer, intent(in) :: m !! tooth contact
       type(contact_state), intent(in) :: at
-      real(wp), intent(inout) :: reactions(:, :)
-      real(wp), intent(inout) :: values(n_pair_histories)
       real(wp), intent(inout) :: potential
       type(mesh_sum), intent(inout) :: total
 
       associate (contact => gearbox%contacts(m), mode => at%mode, point => at%point, force => at%force)
-         values(6) = mode%tooth_pair
-         values(7) = modulo(tooth_of_a(contact, mode%tooth_pair), gearbox%wheels(contact%wheel_a)%teeth)
-         values(8) = modulo(tooth_of_b(contact, mode%tooth_pair), gearbox%wheels(contact%wheel_b)%teeth)
-         values(9) = mode%flanks
-         if (mode%flanks == flanks_off) return
-         values(10) = point%h
-         call add_mesh_reaction(gearbox, contact, force%on_a, reactions)
          potential = potential + contact_energy(contact, mode, point, force%elastic)
-         values(1:3) = [force%normal, force%friction, point%rho_a]
-         values(4) = contact_pressure(contact, mode, force%normal, point)
-         values(5) = 1
          total%normal = total%normal + force%normal
          if (contact%flank == flank_coast) total%coast = total%coast + force%normal
          if (contact%flank == flank_drive) total%friction = total%friction + force%friction
@@ -215,7 +168,18 @@ contains
          end if
          total%touching = total%touching .or. merge(mode%flanks == flanks_loaded, point%h > 0, contact%rigid)
       end associate
-   end subroutine put_pair
+   end subroutine add_contact
+
+   !> 1 - friction loss over the power that the driving wheel hands over; NaN without power.
+   elemental real(wp) function efficiency(total, omega_a)
+      type(mesh_sum), intent(in) :: total
+      real(wp), intent(in) :: omega_a !! [rad/s]
+      real(wp) :: input
+
+      efficiency = ieee_value(efficiency, ieee_quiet_nan)
+      input = abs(total%torque_a*omega_a)
+      if (input > 0) efficiency = 1 - total%loss/input
+   end function efficiency
 
    !> Fill in what the rates leave out of a contact that does not touch: the point as its tracking sees it, or in closed form where
    !> tracking rests.
@@ -238,48 +202,59 @@ contains
       end associate
    end subroutine complete
 
-   !> The points of the contact that speaks for its mesh, and how far tracked ones are from where they belong.
-   subroutine put_points(gearbox, m, y, integers, mode, line, q, tracked, driving, driven)
+   !> The points of the contact that speaks for its mesh.
+   subroutine find_points(gearbox, m, y, integers, at, line, points)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m !! tooth contact
       real(wp), intent(in) :: y(:)
       integer, intent(in) :: integers(:)
-      type(contact_mode), intent(in) :: mode
-      type(tangent_line_t), intent(in) :: line   !! of action
-      real(wp), intent(inout) :: q(n_local) !! its local variables; those of the points are filled in where they are not tracked
-      real(wp), intent(out) :: tracked(5), driving(2), driven(2)
-      real(wp) :: rho_a0, residual(n_track), point_a(2), point_b(2)
+      type(contact_state), intent(in) :: at
+      type(tangent_line_t), intent(in) :: line !! of action
+      type(mesh_points), intent(out) :: points
+      real(wp) :: rho_a0, q(n_local), residual(n_track), point_a(2), point_b(2)
       logical :: exists
 
-      associate (contact => gearbox%contacts(m))
-         rho_a0 = nominal_rho(contact, y(i_theta), integers(i_turns), mode%tooth_pair)
-         tracked = ieee_value(tracked, ieee_quiet_nan)
-         if (contact%tracking == tracking_closed_form .or. mode%flanks == flanks_apart) then
+      q = at%q
+      associate (contact => gearbox%contacts(m), distance => points%line_distance)
+         rho_a0 = nominal_rho(contact, y(i_theta), integers(i_turns), at%mode%tooth_pair)
+         if (contact%tracking == tracking_closed_form .or. at%mode%flanks == flanks_apart) then
+            points%gradient_ratio = ieee_value(points%gradient_ratio, ieee_quiet_nan)
+            points%residual = points%gradient_ratio
+            distance = points%gradient_ratio
             call points_along(contact%pair, q, line, q(at_track:))
          else
             call algebraic_residual(contact%pair, rho_a0, q, residual, exists)
-            tracked(1:3) = [q(at_lambda), residual(5), residual(6)]
-            call line_distance(contact%pair, rho_a0, q, tracked(4), tracked(5))
+            points%gradient_ratio = q(at_lambda)
+            points%residual = residual(5:6)
+            call line_distance(contact%pair, rho_a0, q, distance(1), distance(2))
          end if
          call tracked_positions(contact%pair, rho_a0, q, point_a, point_b)
-         driving = contact%k_a0 + point_a(1)*contact%t_0 + point_a(2)*contact%e_0
-         driven = contact%k_a0 + point_b(1)*contact%t_0 + point_b(2)*contact%e_0
+         points%driving = contact%k_a0 + point_a(1)*contact%t_0 + point_a(2)*contact%e_0
+         points%driven = contact%k_a0 + point_b(1)*contact%t_0 + point_b(2)*contact%e_0
       end associate
-   end subroutine put_points
+   end subroutine find_points
 
-   !> Gap of the coast flank between two perfect flanks; NaN if there is none [m].
-   real(wp) function coast_gap(gearbox, mesh, y) result(gap)
+   !> The coast flanks of a mesh; without a pair on the path the gap between two perfect flanks, NaN if there are none.
+   subroutine put_coast(teller, gearbox, index, y, total)
+      type(teller_t), intent(inout) :: teller
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: mesh
+      integer, intent(in) :: index
       real(wp), intent(in) :: y(:)
-      real(wp) :: q(n_local)
+      type(mesh_sum), intent(in) :: total
+      real(wp) :: gap, q(n_local)
 
-      gap = ieee_value(gap, ieee_quiet_nan)
-      associate (last => gearbox%contacts(gearbox%first(mesh + 1) - 1))
-         if (last%flank == flank_drive) return
-         call gearbox_local(gearbox, last, y, q)
-         gap = closed_form_gap(last%pair, q)
-      end associate
-   end function coast_gap
+      if (total%h(2) > -huge(1.0_wp)) then
+         gap = -total%h(2)
+      else
+         gap = ieee_value(gap, ieee_quiet_nan)
+         associate (last => gearbox%contacts(gearbox%first(index + 1) - 1))
+            if (last%flank == flank_coast) then
+               call gearbox_local(gearbox, last, y, q)
+               gap = closed_form_gap(last%pair, q)
+            end if
+         end associate
+      end if
+      call tell_coast(teller, index, gap, total%coast)
+   end subroutine put_coast
 
 end module evl_mesh_outputs

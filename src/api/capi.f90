@@ -21,11 +21,9 @@ module evl_capi
    use evl_housing_description, only: housing_input
    use evl_kinds, only: pi
    use evl_load, only: load_t
-   use evl_mesh_outputs, only: pair_places
    use evl_mode_check, only: check_modes
-   use evl_outputs, only: gearbox_outputs
    use evl_state_names, only: gearbox_state_name
-   use evl_status, only: code_invalid_input, code_no_memory, code_ok, fail, has_failed, status_t
+   use evl_status, only: code_no_memory, code_ok, fail, has_failed, status_t
    implicit none (type, external)
    private
 
@@ -33,7 +31,7 @@ module evl_capi
    public :: evl_gearbox_wheel_geometry, evl_gearbox_mesh_geometry, evl_gearbox_initial_state, evl_gearbox_scales
    public :: evl_gearbox_state_name, evl_gearbox_residual, evl_gearbox_jacobian, evl_gearbox_derivative
    public :: evl_event_count, evl_event_name, evl_gearbox_roots, evl_gearbox_root_directions, evl_gearbox_next_time_event
-   public :: evl_gearbox_apply_event, evl_gearbox_check_modes, evl_gearbox_outputs
+   public :: evl_gearbox_apply_event, evl_gearbox_check_modes
 
    !> evl_sizes
    type, bind(c) :: c_sizes
@@ -143,7 +141,7 @@ contains
 
       g => gearbox_of(handle)
       sizes = c_sizes(size(g%wheels), size(g%pairs), size(g%loads), g%n_states, g%n_integers, size(g%contacts), &
-                      g%n_roots, size(g%output_counts), g%n_values, size(g%warnings), pair_places(g), maxval(g%contacts%n_slots), &
+                      g%n_roots, size(g%output_counts), g%n_values, size(g%warnings), g%n_pair_places, g%n_drive_places, &
                       size(g%shafts), gearbox_event_room(g))
    end subroutine evl_gearbox_sizes
 
@@ -364,23 +362,5 @@ contains
       end do
       code = answer(s, status)
    end function evl_gearbox_apply_event
-
-   integer(c_int) function evl_gearbox_outputs(handle, t, y, integers, reals, check, values, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      real(c_double), intent(in), value :: t
-      real(c_double), intent(in) :: y(*), reals(*)
-      integer(c_int), intent(in) :: integers(*)
-      logical(c_bool), intent(in), value :: check
-      real(c_double), intent(inout) :: values(*)
-      type(c_status), intent(out), optional :: status
-      type(status_t) :: s
-      type(gearbox_t), pointer :: g
-
-      g => gearbox_of(handle)
-      call gearbox_outputs(g, t, y(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), logical(check), &
-                           values(:g%n_values), s)
-      code = s%code
-      if (code /= code_ok) code = answer(s, status)
-   end function evl_gearbox_outputs
 
 end module evl_capi

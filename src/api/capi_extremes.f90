@@ -4,14 +4,16 @@
 module evl_capi_extremes
    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_int, c_ptr
    use evl_capi_types, only: c_name_length, c_status, c_text_length, status_to_c, to_c
-   use evl_extremes, only: extreme_t, extremes_table, n_extremes, n_watched_outputs
+   use evl_extremes, only: extremes_table, n_watched_outputs
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_watch, only: n_channels, watched_at
-   use evl_status, only: code_invalid_input, code_ok, status_t
+   use evl_output, only: output_t
+   use evl_output_list, only: list_outputs
+   use evl_status, only: code_ok, status_t
    implicit none (type, external)
    private
 
-   public :: evl_extreme_count, evl_extreme_describe, evl_gearbox_roots_and_watched, evl_gearbox_watched, evl_watched_count
+   public :: evl_extreme_count, evl_extremes_describe, evl_gearbox_roots_and_watched, evl_gearbox_watched, evl_watched_count
 
    !> evl_extreme
    type, bind(c) :: c_extreme
@@ -23,27 +25,27 @@ module evl_capi_extremes
 contains
 
    integer(c_int) function evl_extreme_count() result(count) bind(c)
-      count = n_extremes
+      count = size(extremes_table)
    end function evl_extreme_count
 
-   integer(c_int) function evl_extreme_describe(index, extreme) result(code) bind(c)
-      integer(c_int), intent(in), value :: index
-      type(c_extreme), intent(out) :: extreme
-      type(extreme_t) :: table(n_extremes)
+   subroutine evl_extremes_describe(extremes) bind(c)
+      type(c_extreme), intent(out) :: extremes(*)
+      type(output_t), allocatable :: outputs(:)
+      integer :: i
 
-      code = code_invalid_input
-      if (index < 0 .or. index >= n_extremes) return
-      table = extremes_table()
-      associate (entry => table(index + 1))
-         call to_c(entry%output, extreme%output)
-         call to_c(entry%units, extreme%units)
-         call to_c(entry%symbol, extreme%symbol)
-         call to_c(entry%long_name, extreme%long_name)
-         extreme%watched = entry%watched - 1
-         extreme%is_largest = logical(entry%is_largest, c_bool)
-      end associate
-      code = code_ok
-   end function evl_extreme_describe
+      call list_outputs(outputs)
+      do i = 1, size(extremes_table)
+         associate (entry => extremes_table(i), extreme => extremes(i), &
+                    output => outputs(findloc(outputs%name, extremes_table(i)%output, dim=1)))
+            call to_c(entry%output, extreme%output)
+            call to_c(output%units, extreme%units)
+            call to_c(output%symbol, extreme%symbol)
+            call to_c(entry%long_name, extreme%long_name)
+            extreme%watched = entry%watched - 1
+            extreme%is_largest = logical(entry%is_largest, c_bool)
+         end associate
+      end do
+   end subroutine evl_extremes_describe
 
    integer(c_int) function evl_watched_count() result(count) bind(c)
       count = n_watched_outputs

@@ -2,16 +2,18 @@
 !>
 !> The header's section "outputs" documents each procedure; here is only the passage from Fortran to C.
 module evl_capi_outputs
-   use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_f_pointer, c_int, c_ptr
-   use evl_capi_types, only: c_name_length, c_text_length, to_c
+   use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_int, c_ptr
+   use evl_capi_types, only: c_name_length, c_status, c_text_length, status_to_c, to_c
    use evl_gearbox, only: gearbox_t
+   use evl_kinds, only: lanes
    use evl_output, only: output_t
-   use evl_outputs, only: n_outputs, output_table
-   use evl_status, only: code_invalid_input, code_ok
+   use evl_output_list, only: count_outputs, list_outputs
+   use evl_outputs, only: gearbox_outputs, wanted_outputs
+   use evl_status, only: code_invalid_input, code_ok, fail, message_length, status_t
    implicit none (type, external)
    private
 
-   public :: evl_output_count, evl_output_describe, evl_gearbox_output_places
+   public :: evl_gearbox_output_places, evl_gearbox_outputs, evl_gearbox_wanted_outputs, evl_output_count, evl_outputs_describe
 
    !> evl_output
    type, bind(c) :: c_output
@@ -23,30 +25,74 @@ module evl_capi_outputs
 contains
 
    integer(c_int) function evl_output_count() result(count) bind(c)
-      count = n_outputs
+      count = count_outputs()
    end function evl_output_count
 
-   integer(c_int) function evl_output_describe(index, output) result(code) bind(c)
-      integer(c_int), intent(in), value :: index
-      type(c_output), intent(out) :: output
-      type(output_t) :: table(n_outputs)
+   subroutine evl_outputs_describe(outputs) bind(c)
+      type(c_output), intent(out) :: outputs(*)
+      type(output_t), allocatable :: table(:)
+      integer :: i
 
-      code = code_invalid_input
-      if (index < 0 .or. index >= n_outputs) return
-      table = output_table()
-      call output_to_c(table(index + 1), output)
-      code = code_ok
-   end function evl_output_describe
+      call list_outputs(table)
+      do i = 1, size(table)
+         call output_to_c(table(i), outputs(i))
+      end do
+   end subroutine evl_outputs_describe
 
    subroutine evl_gearbox_output_places(handle, offsets, counts) bind(c)
       type(c_ptr), intent(in), value :: handle
-      integer(c_int), intent(out) :: offsets(n_outputs), counts(n_outputs)
+      integer(c_int), intent(out) :: offsets(*), counts(*)
       type(gearbox_t), pointer :: g
 
       call c_f_pointer(handle, g)
-      offsets = g%output_offsets
-      counts = g%output_counts
+      offsets(:size(g%output_offsets)) = g%output_offsets
+      counts(:size(g%output_counts)) = g%output_counts
    end subroutine evl_gearbox_output_places
+
+   integer(c_int) function evl_gearbox_outputs(handle, t, y, integers, reals, check, values, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in), value :: t
+      real(c_double), intent(in) :: y(*), reals(*)
+      integer(c_int), intent(in) :: integers(*)
+      logical(c_bool), intent(in), value :: check
+      real(c_double), intent(inout) :: values(*)
+      type(c_status), intent(out), optional :: status
+      type(status_t) :: s
+      type(gearbox_t), pointer :: g
+
+      call c_f_pointer(handle, g)
+      call gearbox_outputs(g, t, y(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), logical(check), &
+                           values(:g%n_values), s)
+      code = s%code
+      if (code /= code_ok .and. present(status)) call status_to_c(s, status)
+   end function evl_gearbox_outputs
+
+   integer(c_int) function evl_gearbox_wanted_outputs(handle, n, t, y, integers, reals, wanted, values, status) &
+      result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: n
+      real(c_double), intent(in) :: t(*), y(*), reals(*)
+      integer(c_int), intent(in) :: integers(*)
+      logical(c_bool), intent(in) :: wanted(*)
+      real(c_double), intent(inout), target :: values(*)
+      type(c_status), intent(out), optional :: status
+      real(c_double), pointer, contiguous :: rows(:, :)
+      character(len=message_length) :: message
+      type(status_t) :: s
+      type(gearbox_t), pointer :: g
+
+      call c_f_pointer(handle, g)
+      if (n < 1 .or. n > lanes) then
+         write (message, "('outputs are given at 1 to ', i0, ' states at once, not at ', i0)") lanes, n
+         call fail(s, code_invalid_input, message)
+      else
+         rows(1:g%n_values, 1:n) => values(:g%n_values*n)
+         call wanted_outputs(g, t(:n), reshape(y(:g%n_states*n), [g%n_states, n]), integers(:g%n_integers), &
+                             reals(:size(g%contacts)), logical(wanted(:size(g%output_counts))), rows, s)
+      end if
+      code = s%code
+      if (code /= code_ok .and. present(status)) call status_to_c(s, status)
+   end function evl_gearbox_wanted_outputs
 
    pure subroutine output_to_c(entry, output)
       type(output_t), intent(in) :: entry

@@ -1,6 +1,5 @@
 !> Makes a gearbox from its description: checks every number, finds the layout, derives the geometry, numbers the states.
 module evl_gearbox_build
-   use evl_constant_outputs, only: n_constant_outputs, put_constants
    use evl_contact_build, only: find_dependents, list_contacts, take_contact
    use evl_first_tooth_pair, only: find_tooth_phases, tooth_mesh_t
    use evl_gear_build, only: gears_build
@@ -17,7 +16,7 @@ module evl_gearbox_build
    use evl_local_variables, only: i_omega, i_theta, n_track
    use evl_mesh_geometry, only: spur_pair_derive
    use evl_mesh_of_gears, only: gear_pair_derive
-   use evl_outputs, only: gearbox_output_places, n_outputs
+   use evl_output_list, only: place_outputs
    use evl_rational, only: rational_value
    use evl_rotors, only: rotors_join
    use evl_shaft, only: shaft_t
@@ -93,11 +92,7 @@ contains
          call check_second_order(gearbox, i)
       end do
       call warn_of_sizes(gearbox)
-      allocate (gearbox%output_offsets(n_outputs), gearbox%output_counts(n_outputs))
-      call gearbox_output_places(gearbox, gearbox%output_offsets, gearbox%output_counts)
-      gearbox%n_values = sum(gearbox%output_counts)
-      allocate (gearbox%constants(sum(gearbox%output_counts(:n_constant_outputs))))
-      call put_constants(gearbox, gearbox%constants)
+      call place_outputs(gearbox)
    end subroutine gearbox_create
 
    !> The shafts; their places in the state are found later.

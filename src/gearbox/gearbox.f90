@@ -36,7 +36,7 @@ module evl_gearbox
    private
 
    public :: add_speed, segment_of
-   public :: gearbox_t, wheel_t, support_t
+   public :: gearbox_t, section_t, wheel_t, support_t
    public :: is_closed, pairs_loaded, carries_points, leading_contact
    public :: gearbox_local, gearbox_mode, gearbox_store_mode, wheel_speed, wheel_load_torque, wheel_acceleration
    public :: wheel_spin_torque, wheel_housing_torque, wheel_position, wheel_follows_ground
@@ -81,6 +81,13 @@ module evl_gearbox
       type(flank_deviation_t) :: deviation   !! of its flanks from the involute
    end type wheel_t
 
+   !> A section of the table of outputs: outputs of the same elements, wheels for instance.
+   type :: section_t
+      integer :: rows_before = 0   !! outputs before it
+      integer :: values_before = 0 !! of these
+      integer :: elements = 0
+   end type section_t
+
    type :: gearbox_t
       type(wheel_t), allocatable :: wheels(:)
       type(load_t), allocatable :: loads(:)
@@ -94,7 +101,12 @@ module evl_gearbox
       type(mesh_reference_t), allocatable :: references(:) !! each mesh at its nominal load
       type(housing_t) :: housing
       integer, allocatable :: output_offsets(:), output_counts(:) !! indices of what it tells among the values, offsets from 0
-      real(wp), allocatable :: constants(:)             !! values of the outputs at its beginning, which do not change
+      type(section_t), allocatable :: output_sections(:) !! of their table
+      integer, allocatable :: output_needs(:)     !! what has to be found for each output
+      logical, allocatable :: output_is_static(:) !! whether it never changes
+      integer, allocatable :: static_ranges(:, :) !! (first and last, range) values of those
+      real(wp), allocatable :: constants(:)       !! [n_values] these values
+      integer :: n_pair_places = 0, n_drive_places = 0 !! for tooth pairs of a mesh in the outputs; of the drive flank
       type(status_t), allocatable :: warnings(:) !! of the creation
       integer :: reference = 1               !! wheel whose angle is theta, the leader of its rotor
       integer :: n_states = 0, n_integers = 0, n_values = 0 !! lengths of the state, the discrete state and the outputs

@@ -43,9 +43,6 @@ def test_the_table_covers_the_values_without_gap_or_overlap(kernel: Kernel, n: i
         assert entry.count == there * counts[entry.dims], entry.name
         offset += entry.count
     assert offset == gearbox.sizes.n_values
-    for index in (-1, gearbox.sizes.n_outputs):
-        with pytest.raises(IndexError):
-            gearbox.output(index)
 
 
 def test_names_are_unique_netcdf_names_and_units_are_udunits(kernel: Kernel):

@@ -6,7 +6,7 @@ A `State` holds what the C caller holds; calls take states and give numpy arrays
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
 from typing import Any
@@ -198,7 +198,7 @@ class Gearbox:
         self.library.evl_gearbox_sizes(self.handle, ctypes.byref(self.sizes))
         self.names = [self._name(i)[0] for i in range(self.sizes.n_states)]
         self.units = [self._name(i)[1] for i in range(self.sizes.n_states)]
-        self.table = [self.output(i) for i in range(self.sizes.n_outputs)]
+        self.table = self._outputs()
         self.initial = initial()
 
     def __del__(self) -> None:
@@ -210,16 +210,18 @@ class Gearbox:
         self.library.evl_gearbox_state_name(self.handle, index, name, units)
         return name.value.decode(), units.value.decode()
 
-    def output(self, index: int) -> Output:
-        """Entry of the table of outputs, with its place among the values of this gearbox."""
-        entry = Output()
-        if self.library.evl_output_describe(index, ctypes.byref(entry)) != OK:
-            raise IndexError(index)
-        offsets = np.empty(self.sizes.n_outputs, np.int32)
-        counts = np.empty(self.sizes.n_outputs, np.int32)
+    def _outputs(self) -> list[Output]:
+        """Return the table of outputs, with their places among the values of this gearbox."""
+        n = self.sizes.n_outputs
+        assert self.library.evl_output_count() == n
+        table = (Output * n)()
+        offsets, counts = np.empty(n, np.int32), np.empty(n, np.int32)
+        self.library.evl_outputs_describe(table)
         self.library.evl_gearbox_output_places(self.handle, _at(offsets), _at(counts))
-        entry.offset, entry.count = int(offsets[index]), int(counts[index])
-        return entry
+        entries = list(table)
+        for entry, offset, count in zip(entries, offsets, counts, strict=True):
+            entry.offset, entry.count = int(offset), int(count)
+        return entries
 
     def place(self, name: str) -> int:
         """Place of a state by its name."""
@@ -417,6 +419,22 @@ class Gearbox:
         self._call(
             "evl_gearbox_outputs", _double(state.t), *map(_at, arrays), _bool(check), _at(result)
         )
+        return result
+
+    def wanted(
+        self, states: Sequence[State], names: Collection[str], result: Floats | None = None
+    ) -> Floats:
+        """Values of the named outputs at states that share the first one's discrete state.
+
+        The other places of each state's row keep what is in `result`, NaN unless given.
+        """
+        if result is None:
+            result = np.full((len(states), self.sizes.n_values), np.nan)
+        wanted = np.array([entry.name.decode() in names for entry in self.table])
+        times = np.array([state.t for state in states])
+        y = np.array([state.y for state in states])
+        arrays = (times, y, states[0].integers, states[0].reals, wanted, result)
+        self._call("evl_gearbox_wanted_outputs", len(states), *map(_at, arrays))
         return result
 
     def outputs(self, state: State) -> dict[str, Floats]:

@@ -620,8 +620,8 @@ typedef struct {
 
 /** Entries of the table of outputs, n_outputs of every gearbox. */
 EVL_API int evl_output_count(void);
-/** index: from 0. */
-EVL_API int evl_output_describe(int index, evl_output *output);
+/** All of them [evl_output_count()]. */
+EVL_API void evl_outputs_describe(evl_output *outputs);
 /** Where the outputs of a gearbox stand in the array that evl_gearbox_outputs fills, in C order; [n_outputs] each. A count of 0:
  *  it is not there, as the pose of a fixed housing. */
 EVL_API void evl_gearbox_output_places(const evl_gearbox *gearbox, int *offsets, int *counts);
@@ -629,6 +629,12 @@ EVL_API void evl_gearbox_output_places(const evl_gearbox *gearbox, int *offsets,
  *  evl_gearbox_check_modes would refuse is refused, which here costs little. */
 EVL_API int evl_gearbox_outputs(const evl_gearbox *gearbox, double t, const double *y, const int *integers,
                                 const double *reals, bool check, double *values, evl_status *status);
+/** The outputs that `wanted` [n_outputs] asks for, at n states, 1 to 8, that share their discrete state, as at places in a step:
+ *  t [n], y [n][n_states], values [n][n_values]. They are those of evl_gearbox_outputs to the bit; the other values stay as they are,
+ *  and what only they need is not computed. @return EVL_OK, EVL_INVALID_INPUT, EVL_OUT_OF_DOMAIN */
+EVL_API int evl_gearbox_wanted_outputs(const evl_gearbox *gearbox, int n, const double *t, const double *y,
+                                       const int *integers, const double *reals, const bool *wanted, double *values,
+                                       evl_status *status);
 
 /* ---- extremes -------------------------------------------------------------------------------------------------------------- */
 
@@ -642,8 +648,8 @@ typedef struct {
 } evl_extreme;
 
 EVL_API int evl_extreme_count(void);
-/** index: from 0. */
-EVL_API int evl_extreme_describe(int index, evl_extreme *extreme);
+/** All of them [evl_extreme_count()]. */
+EVL_API void evl_extremes_describe(evl_extreme *extremes);
 
 /** How many outputs are watched. Each is a channel of each mesh: channel evl_watched_count() * mesh + watched. An output of tooth
  *  pairs is there with the largest of its pairs. */

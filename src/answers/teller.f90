@@ -1,0 +1,195 @@
+!> How outputs are told. An output is one row where its value stands:
+!>
+!>    call tell(teller, "normal_force", "N", "F_n", "normal force of all tooth pairs", total%normal)
+!>
+!> The same row lists the output and gives its value. A procedure begins a section of the table for one of its elements, a wheel
+!> or a mesh, and tells its rows in order. A teller that lists takes name, unit, symbol and text of each row; whole numbers and
+!> logicals are known by the type of the value, which itself does not matter then: the objects that it comes from are empty. A
+!> teller that fills counts the rows and puts values where their outputs stand, if they are wanted; texts are passed by
+!> address and cost nothing.
+!>
+!>    call needs(teller, needs_points)     the rows behind need these; where no wanted row does, they are not found
+!>    if (wants(teller)) x = ...           the next row alone needs x; never so while rows are listed
+module evl_teller
+   use evl_gearbox, only: section_t
+   use evl_kinds, only: wp
+   use evl_output, only: needs_nothing, output_t
+   use evl_output_rows, only: output_rows, tell_row
+   implicit none (type, external)
+   private
+
+   public :: teller_t, begin, fill, list, needs, tell, tell_plane, tell_quaternion, tell_space, told, wants
+
+   type :: teller_t
+      private
+      real(wp), pointer, contiguous :: all(:) => null()    !! values, if all are wanted: they follow each other row by row
+      integer :: at = 0      !! where the next row's value goes
+      integer :: step = 0    !! elements of the section
+      integer :: element = 0 !! the present one, from 0
+      type(section_t), pointer, contiguous :: sections(:) => null() !! none: rows are listed
+      type(output_rows) :: rows !! where not all are wanted
+   end type teller_t
+
+   !> One row: name, unit, symbol, text, value.
+   interface tell
+      module procedure tell_real, tell_integer, tell_logical
+   end interface tell
+
+contains
+
+   !> A teller that lists rows, as many as the table has room for.
+   subroutine list(teller, table)
+      type(teller_t), intent(out) :: teller
+      type(output_t), intent(inout), target, contiguous :: table(:)
+
+      teller%rows%table => table
+   end subroutine list
+
+   !> A teller that fills values: all of them, or those that have indices.
+   subroutine fill(teller, sections, values, indices)
+      type(teller_t), intent(out) :: teller
+      type(section_t), intent(in), target, contiguous :: sections(:)
+      real(wp), intent(inout), target, contiguous :: values(:)
+      integer, intent(in), target, contiguous, optional :: indices(:) !! [rows] of outputs among the values, from 0; -1: not wanted
+
+      teller%sections => sections
+      if (present(indices)) then
+         teller%rows%values => values
+         teller%rows%indices => indices
+      else
+         teller%all => values
+      end if
+   end subroutine fill
+
+   !> How many rows were told.
+   pure integer function told(teller) result(n)
+      type(teller_t), intent(in) :: teller
+
+      n = teller%rows%row
+   end function told
+
+   !> Begin a section for one of its elements.
+   pure subroutine begin(teller, section, dims, element, is_static)
+      type(teller_t), intent(inout) :: teller
+      integer, intent(in) :: section
+      integer, intent(in) :: dims      !! of numbers
+      integer, intent(in) :: element   !! from 1
+      logical, intent(in), optional :: is_static
+
+      if (associated(teller%sections)) then
+         associate (this => teller%sections(section))
+            teller%at = this%values_before + element
+            teller%step = this%elements
+            teller%element = element - 1
+            teller%rows%row = this%rows_before
+            teller%rows%element = element - 1
+         end associate
+      else
+         teller%rows%section = section
+         teller%rows%of = dims
+         teller%rows%needs = needs_nothing
+         teller%rows%is_static = .false.
+         if (present(is_static)) teller%rows%is_static = is_static
+      end if
+   end subroutine begin
+
+   !> What the rows behind need.
+   pure subroutine needs(teller, what)
+      type(teller_t), intent(inout) :: teller
+      integer, intent(in) :: what
+
+      teller%rows%needs = what
+   end subroutine needs
+
+   !> Whether the value of the next row is wanted.
+   pure logical function wants(teller)
+      type(teller_t), intent(in) :: teller
+
+      wants = associated(teller%all)
+      if (associated(teller%rows%values)) wants = teller%rows%indices(teller%rows%row + 1) >= 0
+   end function wants
+
+   pure subroutine tell_real(teller, name, units, symbol, text, value)
+      type(teller_t), intent(inout) :: teller
+      character(len=*), intent(in) :: name, units, symbol, text
+      real(wp), intent(in) :: value
+
+      if (associated(teller%all)) then
+         teller%all(teller%at) = value
+         teller%at = teller%at + teller%step
+      else
+         call tell_row(teller%rows, name, units, symbol, text, [value], .false.)
+      end if
+   end subroutine tell_real
+
+   pure subroutine tell_integer(teller, name, units, symbol, text, value)
+      type(teller_t), intent(inout) :: teller
+      character(len=*), intent(in) :: name, units, symbol, text
+      integer, intent(in) :: value
+
+      if (associated(teller%all)) then
+         teller%all(teller%at) = real(value, wp)
+         teller%at = teller%at + teller%step
+      else
+         call tell_row(teller%rows, name, units, symbol, text, [real(value, wp)], .true.)
+      end if
+   end subroutine tell_integer
+
+   !> 1 if so, else 0.
+   pure subroutine tell_logical(teller, name, units, symbol, text, value)
+      type(teller_t), intent(inout) :: teller
+      character(len=*), intent(in) :: name, units, symbol, text
+      logical, intent(in) :: value
+
+      call tell_integer(teller, name, units, symbol, text, merge(1, 0, value))
+   end subroutine tell_logical
+
+   !> A vector along the axes x and y.
+   pure subroutine tell_plane(teller, name, units, symbol, text, value)
+      type(teller_t), intent(inout) :: teller
+      character(len=*), intent(in) :: name, units, symbol, text
+      real(wp), intent(in) :: value(2)
+
+      if (associated(teller%all)) then
+         associate (at => teller%at + 1*teller%element)
+            teller%all(at:at + 1) = value
+         end associate
+         teller%at = teller%at + 2*teller%step
+      else
+         call tell_row(teller%rows, name, units, symbol, text, value, .false.)
+      end if
+   end subroutine tell_plane
+
+   !> A vector in space.
+   pure subroutine tell_space(teller, name, units, symbol, text, value)
+      type(teller_t), intent(inout) :: teller
+      character(len=*), intent(in) :: name, units, symbol, text
+      real(wp), intent(in) :: value(3)
+
+      if (associated(teller%all)) then
+         associate (at => teller%at + 2*teller%element)
+            teller%all(at:at + 2) = value
+         end associate
+         teller%at = teller%at + 3*teller%step
+      else
+         call tell_row(teller%rows, name, units, symbol, text, value, .false.)
+      end if
+   end subroutine tell_space
+
+   !> A quaternion.
+   pure subroutine tell_quaternion(teller, name, units, symbol, text, value)
+      type(teller_t), intent(inout) :: teller
+      character(len=*), intent(in) :: name, units, symbol, text
+      real(wp), intent(in) :: value(4)
+
+      if (associated(teller%all)) then
+         associate (at => teller%at + 3*teller%element)
+            teller%all(at:at + 3) = value
+         end associate
+         teller%at = teller%at + 4*teller%step
+      else
+         call tell_row(teller%rows, name, units, symbol, text, value, .false.)
+      end if
+   end subroutine tell_quaternion
+
+end module evl_teller

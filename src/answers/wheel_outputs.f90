@@ -1,0 +1,71 @@
+!> What the history tells of the motion of the wheels, and what they add to the energies.
+module evl_wheel_outputs
+   use evl_gearbox, only: wheel_speed, wheel_t
+   use evl_kinds, only: pi, wp
+   use evl_local_variables, only: i_theta
+   use evl_output, only: dims_wheel, in_wheels, needs_meshes, needs_nothing, needs_rates
+   use evl_teller, only: begin, needs, tell, tell_plane, teller_t
+   implicit none (type, external)
+   private
+
+   public :: wheel_motion, find_wheel_motion, tell_wheel
+
+   !> A wheel at a state.
+   type :: wheel_motion
+      real(wp) :: angle = 0.0_wp, deviation = 0.0_wp          !! [rad]
+      real(wp) :: speed = 0.0_wp, acceleration = 0.0_wp       !! [rad/s], [rad/s^2]
+      real(wp) :: load_torque = 0.0_wp                        !! [N m]
+      real(wp) :: displacement(2) = 0.0_wp, velocity(2) = 0.0_wp !! of the axle [m], [m/s]
+   end type wheel_motion
+
+contains
+
+   subroutine tell_wheel(teller, index, at)
+      type(teller_t), intent(inout) :: teller
+      integer, intent(in) :: index
+      type(wheel_motion), intent(in) :: at
+
+      call begin(teller, in_wheels, dims_wheel, index)
+      call tell(teller, "angle", "rad", "phi", "angle since the start", at%angle)
+      call tell(teller, "angle_deviation", "rad", "psi", "angle less the nominal ratio times that of the reference wheel", &
+                at%deviation)
+      call tell(teller, "angular_velocity", "rad s-1", "omega", "angular velocity", at%speed)
+      call needs(teller, needs_rates)
+      call tell(teller, "angular_acceleration", "rad s-2", "omega'", "angular acceleration", at%acceleration)
+      call needs(teller, needs_meshes)
+      call tell(teller, "load_torque", "N m", "M", "torque of the loads", at%load_torque)
+      call needs(teller, needs_nothing)
+      call tell_plane(teller, "centre_displacement", "m", "u", "displacement of the axle from its reference position", &
+                      at%displacement)
+      call tell_plane(teller, "centre_velocity", "m s-1", "u'", "velocity of the axle", at%velocity)
+   end subroutine tell_wheel
+
+   !> A wheel at a state with its rates f.
+   pure subroutine find_wheel_motion(wheel, y, f, turns, load_torque, at, kinetic, potential)
+      type(wheel_t), intent(in) :: wheel
+      real(wp), intent(in) :: y(:), f(:)
+      integer, intent(in) :: turns                   !! whole turns of the reference wheel beside theta
+      real(wp), intent(in) :: load_torque            !! of its loads [N m]
+      type(wheel_motion), intent(out) :: at
+      real(wp), intent(inout) :: kinetic, potential  !! energies so far [J]
+      integer :: j
+
+      if (wheel%i_psi > 0) at%deviation = y(wheel%i_psi)
+      at%angle = wheel%ratio*(y(i_theta) + 2*pi*turns) + at%deviation
+      at%speed = wheel_speed(wheel, y)
+      at%acceleration = wheel_speed(wheel, f)
+      at%load_torque = load_torque
+      kinetic = kinetic + wheel%inertia*at%speed**2/2
+      associate (support => wheel%support)
+         do j = 1, support%n
+            associate (i => support%i_state(j))
+               at%displacement = at%displacement + y(i)*support%direction(:, j)
+               at%velocity = at%velocity + y(i + 1)*support%direction(:, j)
+               kinetic = kinetic + support%mass*y(i + 1)**2/2
+               potential = potential + support%stiffness(j)*y(i)**2/2
+            end associate
+         end do
+      end associate
+   end subroutine find_wheel_motion
+
+end module evl_wheel_outputs
