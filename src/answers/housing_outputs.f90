@@ -6,8 +6,8 @@ module evl_housing_outputs
    use evl_housing, only: apparent_acceleration, frame_t, wheel_moment
    use evl_housing_dynamics, only: wheel_accelerations
    use evl_kinds, only: wp
-   use evl_output, only: dims_mesh, dims_none, dims_wheel, in_bearings, in_mesh_positions, in_pose, in_wheel_positions, needs_nothing, &
-                         needs_rates, needs_reactions
+   use evl_output, only: dims_mesh, dims_none, dims_wheel, in_bearings, in_mesh_positions, in_pose, in_wheel_positions, &
+                         needs_nothing, needs_rates, needs_reactions
    use evl_rotation, only: cross, turned
    use evl_teller, only: begin, needs, tell, tell_quaternion, tell_space, teller_t
    use evl_tooth_contact, only: tooth_contact_t

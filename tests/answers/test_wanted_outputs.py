@@ -10,11 +10,11 @@ import pytest
 from kernel.gearbox import APART, LOADED, OPEN, Gearbox, GearboxError, State
 from kernel.gearbox_cases import chain, in_mode, paper_gearbox, set_gap
 from kernel.gearbox_description import ALGEBRAIC, CLOSED_FORM, DIFFERENTIAL
+from kernel.housing_cases import HOUSINGS
 from kernel.kernel import INVALID_INPUT, OUT_OF_DOMAIN, Kernel, _at
 from kernel.real_cases import GAPS, PAIRS, made
 from kernel.rigid_cases import rigid_train
 from kernel.shaft_cases import stirred, two_stages
-from kernel.test_housing_jacobian import HOUSINGS
 
 Case = tuple[Gearbox, State]
 SEED = 11
