@@ -209,7 +209,7 @@ def variables(root: Path) -> str:
     }
     files: dict[str, list[str]] = {}
     for file in sorted((root / "src" / "answers").glob("*.f90")):
-        told = set(re.findall(r'"(\w+)"', file.read_text()))
+        told = set(re.findall(r'^ +call tell\w*\(teller, "(\w+)"', file.read_text(), re.MULTILINE))
         for name in sorted(names & told):
             files.setdefault(file.relative_to(root / "src").as_posix(), []).append(name)
     lines = ["| file (`src/`) | variables |", "|---|---|"]
