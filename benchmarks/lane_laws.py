@@ -29,7 +29,7 @@ from gearbox.lanes.lane_cases import (  # noqa: E402
     DAMPINGS,
     DEVIATIONS,
     FRICTIONS,
-    LOADS,
+    SAMPLES,
     loaded_pair,
     pair_with_laws,
     real_gears,
@@ -55,7 +55,7 @@ def cases(kernel: Kernel) -> Iterator[tuple[str, Gearbox, State]]:
         yield paired(f"damping {name}", pair_with_laws(kernel, "johnson", name, "none"))
     for name in FRICTIONS:
         yield paired(f"friction {name}", pair_with_laws(kernel, "johnson", "none", name))
-    for name in LOADS:
+    for name in SAMPLES:
         yield paired(f"load {name}", loaded_pair(kernel, name))
     for name in DEVIATIONS:
         gearbox = real_gears(kernel, name)

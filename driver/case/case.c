@@ -119,7 +119,7 @@ void case_settle_integrator(case_file *file, integrator_kind integrator)
 void case_settle_damping(case_file *file, int mesh, const law_tables *laws, const law_choice *settled)
 {
     law_choice *choice = &file->description.meshes[mesh].damping;
-    const law_info *law = &laws->laws[LAWS_DAMPING][choice->law];
+    const kind_info *law = &laws->laws[LAWS_DAMPING][choice->law];
     for (int i = 0; i < law->n_parameters; i++) {
         if (!isnan(choice->parameters[i])) {
             continue;

@@ -1,4 +1,4 @@
-/** The keys of a case file that do not depend on the laws of the model. */
+/** The keys of a case file that do not depend on the laws, loads and supports of the model. */
 #ifndef EVOLVENT_CASE_KEYS_H
 #define EVOLVENT_CASE_KEYS_H
 

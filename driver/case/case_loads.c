@@ -2,7 +2,8 @@
 
 #include "base/memory.h"
 
-bool case_resolve_table(checker *checker, const case_node *block, const char *key, case_table *table)
+/** The lists `time` and `key` make a table. */
+static bool check_table(checker *checker, const case_node *block, const char *key)
 {
     const case_node *time = node_get(block, "time"), *values = node_get(block, key);
     if (time->n < 2) {
@@ -15,85 +16,81 @@ bool case_resolve_table(checker *checker, const case_node *block, const char *ke
         return checker_refuse(checker, values->place, "has %d values, but time has %d; they need the same number",
                               values->n, time->n);
     }
-    table->time = xcalloc((size_t)time->n, sizeof *table->time);
-    table->values = xcalloc((size_t)time->n, sizeof *table->values);
-    table->n = time->n;
-    for (int i = 0; i < time->n; i++) {
-        const case_node *knot = time->entries[i].value;
-        table->time[i] = node_number(knot);
-        table->values[i] = node_number(values->entries[i].value);
-        if (i > 0 && table->time[i] <= table->time[i - 1]) {
+    for (int i = 1; i < time->n; i++) {
+        const case_node *knot = time->entries[i].value, *before = time->entries[i - 1].value;
+        if (node_number(knot) <= node_number(before)) {
             (void)checker_enter(checker, "time");
             return checker_refuse(checker, knot->place, "the times of a table must increase: %s s follows %s s",
-                                  knot->text, time->entries[i - 1].value->text);
+                                  knot->text, before->text);
         }
     }
     return true;
 }
 
-static bool resolve_table(checker *checker, const case_node *block, const char *key, load_description *load)
+static void take_series(const case_node *list, double *numbers)
 {
-    case_table table = {0};
-    const bool good = case_resolve_table(checker, block, key, &table);
-    load->n = table.n;
-    load->time = table.time;
-    load->values = table.values;
-    return good;
+    for (int i = 0; i < list->n; i++) {
+        numbers[i] = node_number(list->entries[i].value);
+    }
 }
 
-/** A prescribed speed is one value, or a table of time and speed. */
-static bool resolve_speed(checker *checker, const case_node *block, load_description *load)
+bool case_resolve_table(checker *checker, const case_node *block, const char *key, case_table *table)
 {
-    const bool has_value = node_get(block, "value") != NULL;
-    const bool has_time = node_get(block, "time") != NULL, has_speed = node_get(block, "speed") != NULL;
-    if (has_value && !has_time && !has_speed) {
-        load->value = node_get_number(block, "value");
-        return true;
+    if (!check_table(checker, block, key)) {
+        return false;
     }
-    if (!has_value && has_time && has_speed) {
-        return resolve_table(checker, block, "speed", load);
-    }
-    return checker_refuse(checker, block->place, "a prescribed speed needs either 'value' or both 'time' and 'speed'");
+    const case_node *time = node_get(block, "time");
+    table->n = time->n;
+    table->time = xcalloc((size_t)time->n, sizeof *table->time);
+    table->values = xcalloc((size_t)time->n, sizeof *table->values);
+    take_series(time, table->time);
+    take_series(node_get(block, key), table->values);
+    return true;
 }
 
-static bool resolve_load(checker *checker, const case_node *block, load_description *load)
+bool case_resolve_kind(checker *checker, const case_node *block, int n_kinds, const kind_info *kinds,
+                       kind_choice *choice)
 {
-    static const char *const kinds[] = {
-        [LOAD_TORQUE] = "torque", [LOAD_VISCOUS] = "viscous", [LOAD_TABLE] = "table", [LOAD_SPEED] = "speed"};
-    load->against_housing = node_get_is(block, "against", "housing");
-    load->kind = (load_kind)node_get_choice(block, "kind", 4, kinds);
-    switch (load->kind) {
-    case LOAD_TORQUE:
-        load->value = node_get_number(block, "value");
-        return true;
-    case LOAD_VISCOUS:
-        load->value = node_get_number(block, "coefficient");
-        return true;
-    case LOAD_TABLE:
-        return resolve_table(checker, block, "torque", load);
-    case LOAD_SPEED:
-        return resolve_speed(checker, block, load);
+    while (choice->kind < n_kinds - 1 && !node_get_is(block, "kind", kinds[choice->kind].name)) {
+        choice->kind++;
     }
-    return false;
+    const kind_info *kind = &kinds[choice->kind];
+    int n = 0;
+    for (int i = 0; i < kind->n_parameters; i++) {
+        const parameter_row *row = &kind->parameters[i];
+        const case_node *node = node_get(block, row->name);
+        choice->counts[i] = node == NULL ? 0 : row->shape == SHAPE_NUMBER ? 1 : node->n;
+        n += choice->counts[i];
+        if (row->shape == SHAPE_AT_KNOTS && node != NULL && node_get(block, "time") != NULL &&
+            !check_table(checker, block, row->name)) {
+            return false;
+        }
+    }
+    choice->numbers = xcalloc((size_t)n, sizeof *choice->numbers);
+    double *next = choice->numbers;
+    for (int i = 0; i < kind->n_parameters; next += choice->counts[i], i++) {
+        const case_node *node = node_get(block, kind->parameters[i].name);
+        if (node != NULL && kind->parameters[i].shape == SHAPE_NUMBER) {
+            *next = node_number(node);
+        } else if (node != NULL) {
+            take_series(node, next);
+        }
+    }
+    return true;
 }
 
-bool case_resolve_loads(checker *checker, const case_node *list, wheel_description *wheel)
+bool case_resolve_loads(checker *checker, const case_node *list, const law_tables *laws, wheel_description *wheel)
 {
     wheel->loads = xcalloc((size_t)list->n, sizeof *wheel->loads);
     wheel->n_loads = list->n;
-    int n_speeds = 0;
     for (int i = 0; i < list->n; i++) {
         char step[32];
         (void)snprintf(step, sizeof step, "loads.%d", i);
         const size_t above = checker_enter(checker, step);
         const case_node *block = list->entries[i].value;
-        if (!resolve_load(checker, block, &wheel->loads[i])) {
+        wheel->loads[i].against_housing = node_get_is(block, "against", "housing");
+        if (!case_resolve_kind(checker, block, laws->n_loads, laws->loads, &wheel->loads[i].choice)) {
             return false;
-        }
-        n_speeds += wheel->loads[i].kind == LOAD_SPEED ? 1 : 0;
-        if (n_speeds > 1) {
-            return checker_refuse(checker, block->place,
-                                  "a second prescribed speed for one wheel; it can have only one");
         }
         checker_leave(checker, above);
     }

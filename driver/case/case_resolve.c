@@ -47,25 +47,6 @@ static void resolve_materials(const case_node *node, description *to)
     }
 }
 
-static support_description resolve_support(const case_node *block)
-{
-    static const char *const kinds[] = {
-        [SUPPORT_FIXED] = "fixed", [SUPPORT_SLIDER] = "slider", [SUPPORT_BEARING] = "bearing"};
-    support_description support = {.kind = (support_kind)node_get_choice(block, "kind", 3, kinds)};
-    if (support.kind == SUPPORT_SLIDER) {
-        support.direction = node_get_number(block, "direction") * RADIANS_PER_DEGREE;
-        support.stiffness[0] = node_get_number(block, "stiffness");
-        support.damping[0] = node_get_number(block, "damping");
-    } else if (support.kind == SUPPORT_BEARING) {
-        get_pair(block, "stiffness", support.stiffness);
-        get_pair(block, "damping", support.damping);
-    }
-    if (support.kind != SUPPORT_FIXED) {
-        support.mass = node_get_number(block, "mass");
-    }
-    return support;
-}
-
 /** The keys that stand beside `module`. */
 static gear_description resolve_gear(const case_node *block)
 {
@@ -84,7 +65,7 @@ static gear_description resolve_gear(const case_node *block)
     };
 }
 
-static bool resolve_wheel(checker *checker, const case_node *block, const case_node *materials,
+static bool resolve_wheel(checker *checker, const case_node *block, const case_node *materials, const law_tables *laws,
                           wheel_description *wheel)
 {
     wheel->name = xstrdup(node_get_text(block, "name"));
@@ -118,9 +99,9 @@ static bool resolve_wheel(checker *checker, const case_node *block, const case_n
     wheel->mass = get_optional(block, "mass");
     wheel->transverse_inertia = get_optional(block, "transverse_inertia");
     wheel->axial_position = node_get_number(block, "axial_position");
-    wheel->support = resolve_support(node_get(block, "support"));
-    return case_find_reference(checker, block, "material", "material", materials, &wheel->material) &&
-           case_resolve_loads(checker, node_get(block, "loads"), wheel);
+    return case_resolve_kind(checker, node_get(block, "support"), laws->n_supports, laws->supports, &wheel->support) &&
+           case_find_reference(checker, block, "material", "material", materials, &wheel->material) &&
+           case_resolve_loads(checker, node_get(block, "loads"), laws, wheel);
 }
 
 static law_choice resolve_law(const case_node *block, law_family family, const law_tables *laws)
@@ -129,7 +110,7 @@ static law_choice resolve_law(const case_node *block, law_family family, const l
     while (choice.law < laws->count[family] - 1 && !node_get_is(block, "law", laws->laws[family][choice.law].name)) {
         choice.law++;
     }
-    const law_info *law = &laws->laws[family][choice.law];
+    const kind_info *law = &laws->laws[family][choice.law];
     for (int i = 0; i < law->n_parameters; i++) {
         const case_node *value = node_get(block, law->parameters[i].name);
         choice.parameters[i] = value == NULL ? NAN : node_number(value); /* left open to the model */
@@ -320,7 +301,7 @@ bool case_resolve(const char *path, case_node *root, const law_tables *laws, des
         const case_node *block = wheels->entries[i].value;
         (void)checker_enter(&checker, "wheels");
         (void)checker_enter(&checker, node_get_text(block, "name"));
-        if (!resolve_wheel(&checker, block, materials, &description->wheels[i])) {
+        if (!resolve_wheel(&checker, block, materials, laws, &description->wheels[i])) {
             return false;
         }
         checker_leave(&checker, 0);

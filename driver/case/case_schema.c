@@ -1,4 +1,4 @@
-/* The table of all keys: those of case_keys.c and those of the laws. */
+/* The table of all keys: those of case_keys.c and those of the laws, loads and supports. */
 #include "case/case_schema.h"
 
 #include "base/memory.h"
@@ -38,40 +38,89 @@ static const char *default_law(case_schema *schema, const char *block)
     return own(schema, xasprintf("%.*s", (int)strcspn(name, "}"), name));
 }
 
-static void add_law_parameter(case_schema *schema, const char *block, const char *law, const law_parameter *parameter)
+static key_type type_of_shape(parameter_shape shape)
 {
-    case_key key = {.block = block,
-                    .variants = law,
-                    .key = own(schema, xstrdup(parameter->name)),
-                    .type = KEY_NUMBER,
-                    .unit = strcmp(parameter->units, "1") == 0 ? "" : own(schema, xstrdup(parameter->units)),
-                    .minimum = parameter->minimum,
-                    .maximum = parameter->maximum,
-                    .minimum_open = parameter->minimum_open,
-                    .maximum_open = parameter->maximum_open,
-                    .required = parameter->required,
-                    .words = "",
-                    .holds = "",
-                    .text = own(schema, xstrdup(parameter->text))};
-    if (!parameter->required && isfinite(parameter->default_value)) {
-        char number[NUMBER_TEXT_LENGTH];
-        number_write(number, parameter->default_value);
-        key.default_text = own(schema, xstrdup(number));
+    static const key_type types[] = {[SHAPE_NUMBER] = KEY_NUMBER,
+                                     [SHAPE_KNOTS] = KEY_SERIES,
+                                     [SHAPE_AT_KNOTS] = KEY_SERIES,
+                                     [SHAPE_PAIR] = KEY_PAIR};
+    return types[shape];
+}
+
+static const char *default_of(case_schema *schema, const parameter_row *parameter)
+{
+    if (parameter->required || !isfinite(parameter->default_value)) {
+        return NULL;
     }
-    /* the same parameter of several laws is one key only if it means the same in all of them: they stay apart */
-    add_key(schema, key);
+    char number[NUMBER_TEXT_LENGTH];
+    number_write(number, parameter->default_value);
+    return own(schema, parameter->shape == SHAPE_PAIR ? xasprintf("[%s, %s]", number, number) : xstrdup(number));
+}
+
+static void add_parameter(case_schema *schema, const char *block, const char *kind, const parameter_row *parameter)
+{
+    add_key(schema, (case_key){.block = block,
+                               .variants = kind,
+                               .key = own(schema, xstrdup(parameter->name)),
+                               .type = type_of_shape(parameter->shape),
+                               .unit = strcmp(parameter->units, "1") == 0 ? "" : own(schema, xstrdup(parameter->units)),
+                               .minimum = parameter->minimum,
+                               .maximum = parameter->maximum,
+                               .minimum_open = parameter->minimum_open,
+                               .maximum_open = parameter->maximum_open,
+                               .required = parameter->required,
+                               .default_text = default_of(schema, parameter),
+                               .words = "",
+                               .holds = "",
+                               .text = own(schema, xstrdup(parameter->text))});
+}
+
+/** The key of an earlier kind that means the same; NULL if there is none. */
+static case_key *same_key(const case_schema *schema, const char *block, const parameter_row *parameter)
+{
+    for (int i = 0; i < schema->n; i++) {
+        case_key *key = &schema->keys[i];
+        if (strcmp(key->block, block) == 0 && strcmp(key->key, parameter->name) == 0 &&
+            strcmp(key->text, parameter->text) == 0 && key->type == type_of_shape(parameter->shape) &&
+            key->required == parameter->required) {
+            return key;
+        }
+    }
+    return NULL;
+}
+
+/** The parameters of all kinds of a block. Those of laws stay apart, each with its law. */
+static void add_parameters(case_schema *schema, const char *block, int n, const kind_info *kinds, bool join)
+{
+    for (int i = 0; i < n; i++) {
+        const char *name = own(schema, xstrdup(kinds[i].name));
+        for (int k = 0; k < kinds[i].n_parameters; k++) {
+            case_key *same = join ? same_key(schema, block, &kinds[i].parameters[k]) : NULL;
+            if (same == NULL) {
+                add_parameter(schema, block, name, &kinds[i].parameters[k]);
+            } else {
+                same->variants = own(schema, xasprintf("%s %s", same->variants, name));
+            }
+        }
+    }
+}
+
+/** The names of all kinds, or what they are, in one text. */
+static const char *join_kinds(case_schema *schema, int n, const kind_info *kinds, bool names, const char *separator)
+{
+    const char **words = xcalloc((size_t)n, sizeof *words);
+    for (int i = 0; i < n; i++) {
+        words[i] = names ? kinds[i].name : kinds[i].text;
+    }
+    char *text = words_join(n, words, separator);
+    free(words);
+    return own(schema, text);
 }
 
 static void add_laws(case_schema *schema, law_family family, const law_tables *laws)
 {
     const char *block = family_blocks[family];
     const int n = laws->count[family];
-    const char **names = xcalloc((size_t)n, sizeof *names);
-    for (int i = 0; i < n; i++) {
-        names[i] = laws->laws[family][i].name;
-    }
-    char *words = words_join(n, names, " ");
-    free(names);
     add_key(schema, (case_key){.block = block,
                                .variants = "",
                                .key = "law",
@@ -80,15 +129,23 @@ static void add_laws(case_schema *schema, law_family family, const law_tables *l
                                .minimum = -HUGE_VAL,
                                .maximum = HUGE_VAL,
                                .default_text = default_law(schema, block),
-                               .words = own(schema, words),
+                               .words = join_kinds(schema, n, laws->laws[family], true, " "),
                                .holds = "",
                                .text = family_texts[family]});
-    for (int i = 0; i < n; i++) {
-        const law_info *law = &laws->laws[family][i];
-        const char *name = own(schema, xstrdup(law->name));
-        for (int k = 0; k < law->n_parameters; k++) {
-            add_law_parameter(schema, block, name, &law->parameters[k]);
-        }
+    add_parameters(schema, block, n, laws->laws[family], false);
+}
+
+/** A key of a block of kinds; behind the last of those that all kinds have stand those of each. */
+static void add_kind_key(case_schema *schema, int n, const kind_info *kinds, const case_key *key, bool is_last)
+{
+    case_key copy = *key;
+    if (strcmp(key->key, "kind") == 0) {
+        copy.words = join_kinds(schema, n, kinds, true, " ");
+        copy.text = join_kinds(schema, n, kinds, false, "; ");
+    }
+    add_key(schema, copy);
+    if (is_last) {
+        add_parameters(schema, key->block, n, kinds, true);
     }
 }
 
@@ -96,7 +153,15 @@ case_schema *schema_create(const law_tables *laws)
 {
     case_schema *schema = xcalloc(1, sizeof *schema);
     for (int i = 0; i < n_case_keys; i++) {
-        add_key(schema, case_keys[i]);
+        const case_key *key = &case_keys[i];
+        const bool is_last = i + 1 == n_case_keys || strcmp(case_keys[i + 1].block, key->block) != 0;
+        if (strcmp(key->block, "load") == 0) {
+            add_kind_key(schema, laws->n_loads, laws->loads, key, is_last);
+        } else if (strcmp(key->block, "support") == 0) {
+            add_kind_key(schema, laws->n_supports, laws->supports, key, is_last);
+        } else {
+            add_key(schema, *key);
+        }
     }
     for (int family = 0; family < LAWS_FAMILIES; family++) {
         add_laws(schema, (law_family)family, laws);

@@ -1,4 +1,4 @@
-/** What a case file may say: one table of all keys. The keys of the laws are added from the tables of the model. */
+/** What a case file may say: one table of all keys. The keys of laws and loads are added from the tables of the model. */
 #ifndef EVOLVENT_CASE_SCHEMA_H
 #define EVOLVENT_CASE_SCHEMA_H
 
@@ -48,7 +48,7 @@ typedef struct {
     int n;
     case_key *keys; /**< keys of a block stand together, the one that selects the variant first */
     int n_owned;
-    char **owned; /**< texts made for the laws' keys */
+    char **owned; /**< texts made for the keys of laws and loads */
 } case_schema;
 
 /** The table for a model with these laws. */

@@ -6,10 +6,10 @@
 static void clear_wheel(wheel_description *wheel)
 {
     for (int i = 0; i < wheel->n_loads; i++) {
-        free(wheel->loads[i].time);
-        free(wheel->loads[i].values);
+        free(wheel->loads[i].choice.numbers);
     }
     free(wheel->loads);
+    free(wheel->support.numbers);
     free(wheel->deviation.pitch_errors);
     free(wheel->name);
 }

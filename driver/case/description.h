@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-enum { DESCRIPTION_MAX_LAW_PARAMETERS = 8 };
+enum { DESCRIPTION_MAX_PARAMETERS = 8 };
 
 typedef struct {
     bool given;
@@ -16,23 +16,16 @@ typedef struct {
     double youngs_modulus, poisson_ratio, density;
 } material_description;
 
-typedef enum { SUPPORT_FIXED, SUPPORT_SLIDER, SUPPORT_BEARING } support_kind;
+/** The parameters of one of the kinds that the model offers, as numbers. */
+typedef struct {
+    int kind;                               /**< index in its table, law_tables.loads or supports */
+    int counts[DESCRIPTION_MAX_PARAMETERS]; /**< how many numbers each parameter of the kind has, 0: not given */
+    double *numbers;                        /**< one parameter after the other */
+} kind_choice;
 
 typedef struct {
-    support_kind kind;
-    double direction; /**< [rad] */
-    double mass;
-    double stiffness[2], damping[2]; /**< slider: [0]; bearing: x, y */
-} support_description;
-
-typedef enum { LOAD_TORQUE, LOAD_VISCOUS, LOAD_TABLE, LOAD_SPEED } load_kind;
-
-typedef struct {
-    load_kind kind;
-    double value;
+    kind_choice choice;
     bool against_housing; /**< otherwise against the ground */
-    int n; /**< knots of a table, 0 if none (table: torque over time; speed: value, or a table if n > 0) */
-    double *time, *values;
 } load_description;
 
 /** A real gear; the rack in modules. */
@@ -72,7 +65,7 @@ typedef struct {
     double centre[2];
     optional_double inertia, mass, transverse_inertia;
     double axial_position;
-    support_description support;
+    kind_choice support;
     int n_loads;
     load_description *loads;
     bool has_gear;
@@ -83,7 +76,7 @@ typedef struct {
 /** A law of a family's table with its parameters in the table's order. */
 typedef struct {
     int law;
-    double parameters[DESCRIPTION_MAX_LAW_PARAMETERS];
+    double parameters[DESCRIPTION_MAX_PARAMETERS];
 } law_choice;
 
 typedef enum { TRACKING_CLOSED_FORM, TRACKING_ALGEBRAIC, TRACKING_DIFFERENTIAL } tracking_kind;
@@ -166,27 +159,33 @@ typedef struct {
 /** Free what a description holds. */
 void description_clear(description *description);
 
-/* ---- the laws that a model offers, as the case file's schema needs them ---- */
+/* ---- the laws, loads and supports that a model offers, as the case file's schema needs them ---- */
+
+/** A knots parameter is called `time`; it and those at its knots are lists of one length. */
+typedef enum { SHAPE_NUMBER, SHAPE_KNOTS, SHAPE_AT_KNOTS, SHAPE_PAIR } parameter_shape;
 
 typedef struct {
     char name[32], units[32], text[96];
+    parameter_shape shape;
     bool required;
-    double default_value; /**< NaN: the model finds it */
+    double default_value; /**< NaN: it may be missing; of a law the model finds it */
     double minimum, maximum;
     bool minimum_open, maximum_open;
-} law_parameter;
+} parameter_row;
 
 typedef struct {
     char name[32], text[96], source[96];
     int n_parameters;
-    law_parameter parameters[DESCRIPTION_MAX_LAW_PARAMETERS];
-} law_info;
+    parameter_row parameters[DESCRIPTION_MAX_PARAMETERS];
+} kind_info;
 
 typedef enum { LAWS_CONTACT, LAWS_DAMPING, LAWS_FRICTION, LAWS_FAMILIES } law_family;
 
 typedef struct {
     int count[LAWS_FAMILIES];
-    const law_info *laws[LAWS_FAMILIES];
+    const kind_info *laws[LAWS_FAMILIES];
+    int n_loads, n_supports;
+    const kind_info *loads, *supports; /**< the kinds of load and of support */
 } law_tables;
 
 #endif

@@ -175,15 +175,18 @@ static void print_coordinate(FILE *stream, int width, const char *name, const ch
     fputc('\n', stream);
 }
 
-static void print_wheel(FILE *stream, int width, const wheel_description *wheel, double complex arc,
-                        const double complex displacement[2])
+static void print_wheel(FILE *stream, int width, const modes_report *report, int index, const natural_mode *mode)
 {
-    print_coordinate(stream, width, wheel->name, wheel->teeth > 0 ? "rotation r_b phi" : "rotation r phi", arc);
-    if (wheel->support.kind == SUPPORT_SLIDER) {
+    const wheel_description *wheel = &case_description(report->file)->wheels[index];
+    const double complex *displacement = mode->displacements[index];
+    print_coordinate(stream, width, wheel->name, wheel->teeth > 0 ? "rotation r_b phi" : "rotation r phi",
+                     mode->arcs[index]);
+    double directions[2][2];
+    const int n = model_support_directions(report->model, index, directions);
+    if (n == 1) {
         print_coordinate(stream, width, "", "displacement of the slider",
-                         displacement[0] * cos(wheel->support.direction) +
-                             displacement[1] * sin(wheel->support.direction));
-    } else if (wheel->support.kind == SUPPORT_BEARING) {
+                         displacement[0] * directions[0][0] + displacement[1] * directions[0][1]);
+    } else if (n == 2) {
         print_coordinate(stream, width, "", "displacement x", displacement[0]);
         print_coordinate(stream, width, "", "displacement y", displacement[1]);
     }
@@ -205,7 +208,7 @@ static void print_shapes(FILE *stream, const modes_report *report)
         (void)snprintf(title, sizeof title, "mode %d", k + 1);
         fprintf(stream, "\n  %-*s  %-28s  %9s  %11s\n", width, title, "", "amplitude", "phase [deg]");
         for (int i = 0; i < description->n_wheels; i++) {
-            print_wheel(stream, width, &description->wheels[i], mode->arcs[i], mode->displacements[i]);
+            print_wheel(stream, width, report, i, mode);
         }
         for (int i = 0; i < description->n_meshes; i++) {
             print_coordinate(stream, width, description->meshes[i].name, "penetration h", mode->penetrations[i]);

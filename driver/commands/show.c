@@ -181,7 +181,7 @@ int show_json(FILE *stream, const prepared_case *prepared, const evl_error *refu
 
 /* ---- laws and keys ---- */
 
-static void print_parameter(FILE *stream, const law_parameter *parameter)
+static void print_parameter(FILE *stream, const parameter_row *parameter)
 {
     const case_key range = {.minimum = parameter->minimum,
                             .maximum = parameter->maximum,
@@ -206,7 +206,7 @@ int show_laws(FILE *stream, const law_tables *laws)
     for (int family = 0; family < LAWS_FAMILIES; family++) {
         fprintf(stream, "%s%s:\n", family == 0 ? "" : "\n", families[family]);
         for (int i = 0; i < laws->count[family]; i++) {
-            const law_info *law = &laws->laws[family][i];
+            const kind_info *law = &laws->laws[family][i];
             fprintf(stream, "  {law: %s}  %s\n", law->name, law->text);
             if (law->source[0] != '\0') {
                 fprintf(stream, "      source: %s\n", law->source);

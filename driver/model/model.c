@@ -11,11 +11,6 @@ static const char *case_field(const char *field)
     static const struct {
         const char *kernel, *in_case;
     } names[] = {
-        {"support_kind", "support.kind"},
-        {"support_direction", "support.direction"},
-        {"support_mass", "support.mass"},
-        {"support_stiffness", "support.stiffness"},
-        {"support_damping", "support.damping"},
         {"paper_rule", "pressure_angle"},
         {"youngs_modulus", "material"},
         {"poisson_ratio", "material"},
@@ -84,6 +79,11 @@ model *model_create(const description *description, model_message *error)
     model_describe_dae(model);
     model_describe_outputs(model);
     return model;
+}
+
+int model_support_directions(const model *model, int wheel, double directions[2][2])
+{
+    return evl_gearbox_support_directions(model->gearbox, wheel, directions[0]);
 }
 
 law_choice model_damping(const model *model, int mesh)

@@ -45,7 +45,7 @@ typedef struct {
 
 typedef struct model model;
 
-/** The laws that the kernel offers; lives as long as the program. */
+/** The laws and loads that the kernel offers; lives as long as the program. */
 const law_tables *model_laws(void);
 
 /** Make the gearbox. @return NULL with the reason in `error`. */
@@ -110,6 +110,9 @@ mesh_vibration model_mesh_vibration(const model *model, int mesh);
 
 /** The damping law of a mesh, with what the case left open filled in. */
 law_choice model_damping(const model *model, int mesh);
+
+/** Directions in which the support of a wheel lets its axle move, unit vectors. @return how many */
+int model_support_directions(const model *model, int wheel, double directions[2][2]);
 
 /** Derived geometry as (name, unit, symbol, long name, value) rows, for `evolvent show`. */
 typedef struct {

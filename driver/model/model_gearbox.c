@@ -46,15 +46,16 @@ static evl_flank_deviation translate_deviation(const deviation_description *devi
     };
 }
 
+static evl_support translate_support(const kind_choice *support)
+{
+    evl_support to = {.kind = support->kind, .numbers = support->numbers};
+    memcpy(to.counts, support->counts, sizeof to.counts);
+    return to;
+}
+
 static evl_wheel translate_wheel(const description *description, const wheel_description *wheel)
 {
     const material_description *material = &description->materials[wheel->material];
-    const support_description *support = &wheel->support;
-    static const int kinds[] = {
-        [SUPPORT_FIXED] = EVL_SUPPORT_FIXED,
-        [SUPPORT_SLIDER] = EVL_SUPPORT_SLIDER,
-        [SUPPORT_BEARING] = EVL_SUPPORT_BEARING,
-    };
     return (evl_wheel){
         .teeth = wheel->teeth,
         .has_pitch_radius = wheel->pitch_radius.given,
@@ -69,11 +70,7 @@ static evl_wheel translate_wheel(const description *description, const wheel_des
         .inertia = wheel->inertia.value,
         .has_mass = wheel->mass.given,
         .mass = wheel->mass.value,
-        .support_kind = kinds[support->kind],
-        .support_direction = support->direction,
-        .support_mass = support->mass,
-        .support_stiffness = {support->stiffness[0], support->stiffness[1]},
-        .support_damping = {support->damping[0], support->damping[1]},
+        .support = translate_support(&wheel->support),
         .has_transverse_inertia = wheel->transverse_inertia.given,
         .transverse_inertia = wheel->transverse_inertia.value,
         .axial_position = wheel->axial_position,
@@ -85,19 +82,12 @@ static evl_wheel translate_wheel(const description *description, const wheel_des
 
 static evl_load translate_load(int wheel, const load_description *load)
 {
-    static const int kinds[] = {
-        [LOAD_TORQUE] = EVL_LOAD_TORQUE,
-        [LOAD_VISCOUS] = EVL_LOAD_VISCOUS,
-        [LOAD_TABLE] = EVL_LOAD_TABLE,
-        [LOAD_SPEED] = EVL_LOAD_SPEED,
-    };
-    return (evl_load){.wheel = wheel,
-                      .kind = kinds[load->kind],
-                      .value = load->value,
-                      .n = load->n,
-                      .time = load->time,
-                      .values = load->values,
-                      .against_housing = load->against_housing};
+    evl_load to = {.wheel = wheel,
+                   .kind = load->choice.kind,
+                   .against_housing = load->against_housing,
+                   .numbers = load->choice.numbers};
+    memcpy(to.counts, load->choice.counts, sizeof to.counts);
+    return to;
 }
 
 static evl_law_choice translate_law(const law_choice *choice)

@@ -13,34 +13,57 @@ static void copy_text(char *to, size_t size, const char *from)
     to[length] = '\0';
 }
 
-static law_info *translate_laws(int family, int n)
+static void translate_parameters(int n, const evl_parameter *from, kind_info *kind)
 {
-    law_info *laws = xcalloc((size_t)n, sizeof *laws);
+    static const parameter_shape shapes[] = {[EVL_SHAPE_NUMBER] = SHAPE_NUMBER,
+                                             [EVL_SHAPE_KNOTS] = SHAPE_KNOTS,
+                                             [EVL_SHAPE_AT_KNOTS] = SHAPE_AT_KNOTS,
+                                             [EVL_SHAPE_PAIR] = SHAPE_PAIR};
+    kind->n_parameters = n;
+    for (int i = 0; i < n; i++) {
+        parameter_row *to = &kind->parameters[i];
+        *to = (parameter_row){.shape = shapes[from[i].shape],
+                              .required = from[i].required,
+                              .default_value = from[i].default_value,
+                              .minimum = from[i].minimum,
+                              .maximum = from[i].maximum,
+                              .minimum_open = from[i].minimum_open,
+                              .maximum_open = from[i].maximum_open};
+        copy_text(to->name, sizeof to->name, from[i].name);
+        copy_text(to->units, sizeof to->units, from[i].units);
+        copy_text(to->text, sizeof to->text, from[i].description);
+    }
+}
+
+static kind_info *translate_laws(int family, int n)
+{
+    kind_info *laws = xcalloc((size_t)n, sizeof *laws);
     for (int i = 0; i < n; i++) {
         evl_law_info from;
-        law_info *to = &laws[i];
         if (evl_law_describe(family, i, &from) != EVL_OK) {
             continue;
         }
-        copy_text(to->name, sizeof to->name, from.name);
-        copy_text(to->text, sizeof to->text, from.description);
-        copy_text(to->source, sizeof to->source, from.source);
-        to->n_parameters = from.n_parameters;
-        for (int j = 0; j < from.n_parameters; j++) {
-            const evl_law_parameter *parameter = &from.parameters[j];
-            law_parameter *copy = &to->parameters[j];
-            *copy = (law_parameter){.required = parameter->required,
-                                    .default_value = parameter->default_value,
-                                    .minimum = parameter->minimum,
-                                    .maximum = parameter->maximum,
-                                    .minimum_open = parameter->minimum_open,
-                                    .maximum_open = parameter->maximum_open};
-            copy_text(copy->name, sizeof copy->name, parameter->name);
-            copy_text(copy->units, sizeof copy->units, parameter->units);
-            copy_text(copy->text, sizeof copy->text, parameter->description);
-        }
+        copy_text(laws[i].name, sizeof laws[i].name, from.name);
+        copy_text(laws[i].text, sizeof laws[i].text, from.description);
+        copy_text(laws[i].source, sizeof laws[i].source, from.source);
+        translate_parameters(from.n_parameters, from.parameters, &laws[i]);
     }
     return laws;
+}
+
+static kind_info *translate_kinds(int n, int (*describe)(int, evl_kind_info *))
+{
+    kind_info *kinds = xcalloc((size_t)n, sizeof *kinds);
+    for (int i = 0; i < n; i++) {
+        evl_kind_info from;
+        if (describe(i, &from) != EVL_OK) {
+            continue;
+        }
+        copy_text(kinds[i].name, sizeof kinds[i].name, from.name);
+        copy_text(kinds[i].text, sizeof kinds[i].text, from.description);
+        translate_parameters(from.n_parameters, from.parameters, &kinds[i]);
+    }
+    return kinds;
 }
 
 /* What is the same for all models is copied from the kernel once, whichever thread asks first. */
@@ -143,6 +166,10 @@ static void copy_tables(void)
         tables.count[i] = evl_law_count(families[i]);
         tables.laws[i] = translate_laws(families[i], tables.count[i]);
     }
+    tables.n_loads = evl_load_kind_count();
+    tables.loads = translate_kinds(tables.n_loads, evl_load_kind_describe);
+    tables.n_supports = evl_support_kind_count();
+    tables.supports = translate_kinds(tables.n_supports, evl_support_kind_describe);
     for (int kind = 0; kind < EVENT_ROOM; kind++) {
         evl_event_name(kind, event_names[kind]);
     }

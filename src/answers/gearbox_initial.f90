@@ -8,7 +8,7 @@ module evl_gearbox_initial
    use evl_housing, only: frame_t, housing_frame, housing_start
    use evl_housing_dynamics, only: coupled_rates
    use evl_kinds, only: wp
-   use evl_load, only: load_segment
+   use evl_knots, only: knots_passed
    use evl_local_variables, only: at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, i_omega, i_theta, n_local, n_track
    use evl_rigid_forces, only: set_multipliers
    use evl_start_positions, only: closed_form_point, mesh_position_angle, place_pairs, prescribed_speed, set_gaps
@@ -74,8 +74,8 @@ contains
       integers = 0
       reals = 0
       do i = 1, size(gearbox%loads)
-         associate (load => gearbox%loads(i))
-            if (load%i_segment > 0) integers(load%i_segment) = load_segment(load, t)
+         associate (load => gearbox%loads(i)%load)
+            if (load%i_segment > 0) integers(load%i_segment) = knots_passed(load%knots, t)
          end associate
       end do
       call housing_start(gearbox%housing, y)
@@ -145,7 +145,7 @@ contains
                return
             end if
             if (wheel%prescribed == 0) cycle
-            spin = merge(0.0_wp, frame%omega(3), gearbox%loads(wheel%prescribed)%against_housing)
+            spin = merge(0.0_wp, frame%omega(3), gearbox%loads(wheel%prescribed)%load%against_housing)
             prescribed = prescribed_speed(gearbox, wheel%prescribed, t, integers) - spin
             if (abs(prescribed - speeds(i)) <= speed_agreement*(abs(prescribed) + abs(spin))) cycle
             call fail(status, code_invalid_input, "the prescribed speed "//quantity(prescribed, "rad/s")//" does not agree" &

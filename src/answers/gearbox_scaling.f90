@@ -9,7 +9,7 @@ module evl_gearbox_scaling
    use evl_housing, only: n_housing_states
    use evl_housing_scaling, only: housing_scales
    use evl_kinds, only: pi, wp
-   use evl_load, only: load_damping, load_largest, load_prescribed_speed, load_viscous
+   use evl_load, only: load_point
    use evl_local_variables, only: i_omega, i_theta, n_track
    use evl_mesh_reference, only: nominal_context
    use evl_shaft, only: shaft_t
@@ -44,36 +44,65 @@ contains
       end do
    end subroutine gearbox_set_scales
 
-   !> Speed of the reference wheel that the loads suggest [rad/s], at least 0: the prescribed one, that at which viscous loads
-   !> balance the torques, or that after a second under the torques.
+   !> Speed of the reference wheel that the loads suggest [rad/s], at least 0: the prescribed one, that at which loads that follow
+   !> the speed balance the others, or that after a second under the torques.
    pure real(wp) function gearbox_likely_speed(gearbox) result(speed)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp) :: torque, damping, inertia
+      integer, parameter :: most_newton = 50
+      real(wp), parameter :: agreement = 1.0e-6_wp
+      real(wp) :: torque, swing, against, damping, inertia
       integer :: i
 
       speed = 0
       torque = 0
-      damping = 0
+      swing = 0
       do i = 1, size(gearbox%loads)
-         associate (load => gearbox%loads(i))
-            associate (g => gearbox%wheels(load%wheel)%ratio)
-               damping = damping + load_damping(load)*g**2
-               if (load%kind == load_prescribed_speed) then
-                  speed = max(speed, load_largest(load)/abs(g))
-               else if (load%kind /= load_viscous) then
-                  torque = torque + abs(g)*load_largest(load)
-               end if
+         associate (load => gearbox%loads(i)%load)
+            associate (g => abs(gearbox%wheels(load%wheel)%ratio))
+               if (load%prescribes) speed = max(speed, load%largest_speed()/g)
+               torque = torque + g*load%largest(g, 0.0_wp)
+               swing = swing + g*load%swing()
             end associate
          end associate
       end do
+      if (.not. torque > 0) torque = swing
       if (speed > 0 .or. .not. torque > 0) return
       inertia = sum(gearbox%wheels%inertia*gearbox%wheels%ratio**2)
+      call resistance(gearbox, 0.0_wp, against, damping)
       if (damping > 0) then
          speed = torque/damping
       else
          speed = torque/inertia*spin_up
       end if
+      do i = 1, most_newton ! of torques that are not linear in the speed
+         call resistance(gearbox, speed, against, damping)
+         if (.not. damping > 0 .or. abs(torque - against) <= agreement*torque) exit
+         speed = max(speed + (torque - against)/damping, speed/2)
+      end do
    end function gearbox_likely_speed
+
+   !> How much less torque the loads bring when the reference wheel turns at `speed`, and how it grows with the speed.
+   pure subroutine resistance(gearbox, speed, torque, damping)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: speed          !! [rad/s]
+      real(wp), intent(out) :: torque, damping !! at the reference wheel [N m], [N m s]
+      real(wp) :: at_rest, there, slope, stiffness
+      integer :: i
+
+      torque = 0
+      damping = 0
+      do i = 1, size(gearbox%loads)
+         associate (load => gearbox%loads(i)%load)
+            if (.not. load%by_speed) cycle
+            associate (g => gearbox%wheels(load%wheel)%ratio)
+               call load%ask(load_point(), at_rest, slope, stiffness)
+               call load%ask(load_point(omega=g*speed), there, slope, stiffness)
+               torque = torque + g*(at_rest - there)
+               damping = damping + slope*g**2
+            end associate
+         end associate
+      end do
+   end subroutine resistance
 
    !> Scale of theta: a share of the pitch of the mesh whose teeth pass fastest.
    pure real(wp) function angle_scale(gearbox) result(scale)
@@ -106,22 +135,27 @@ contains
       real(wp), intent(in) :: ratio
       real(wp), intent(in) :: speed !! of the reference wheel [rad/s]
       real(wp), intent(in) :: arm   !! [m]; 1 for the torque itself
-      real(wp) :: torque
+      real(wp) :: torque, swing, swinging
       integer :: i, j
 
       force = 0
+      swinging = 0
       do i = 1, size(gearbox%wheels)
          associate (g => abs(gearbox%wheels(i)%ratio))
             torque = 0
+            swing = 0
             do j = 1, size(gearbox%loads)
-               associate (load => gearbox%loads(j))
-                  if (load%wheel /= i .or. load%kind == load_prescribed_speed) cycle
-                  torque = torque + merge(load_damping(load)*g*speed, load_largest(load), load%kind == load_viscous)
+               associate (load => gearbox%loads(j)%load)
+                  if (load%wheel /= i) cycle
+                  torque = torque + load%largest(g, speed)
+                  swing = swing + load%swing()
                end associate
             end do
             force = max(force, torque*g/(ratio*arm))
+            swinging = max(swinging, swing*g/(ratio*arm))
          end associate
       end do
+      if (.not. force > 0) force = swinging
    end function largest_torque
 
    !> Penetration under a force; a force beyond the law is halved until the law carries it.

@@ -4,7 +4,6 @@ module evl_gearbox_warnings
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_scaling, only: gearbox_likely_speed
    use evl_kinds, only: pi, wp
-   use evl_load, only: load_damping, load_largest, load_prescribed_speed
    use evl_mesh_geometry, only: spur_pair_least_radius
    use evl_status, only: message_length, quantity, status_t, subject_mesh, subject_wheel, warn
    implicit none (type, external)
@@ -68,17 +67,18 @@ contains
       real(wp), intent(in) :: initial(:) !! of the wheels [rad/s]; size 0 if not given
       type(status_t), allocatable, intent(inout) :: warnings(:) !! grows
       real(wp) :: speeds(size(gearbox%wheels))
+      logical :: is_known(size(gearbox%loads))
       character(len=message_length) :: text
       integer :: i
 
       speeds = 0
       if (size(initial) > 0) speeds = abs(initial)
       ! torques alone give no speed, only one that grows
-      if (any(gearbox%loads%kind == load_prescribed_speed .or. load_damping(gearbox%loads) > 0)) &
-         speeds = max(speeds, gearbox_likely_speed(gearbox)*abs(gearbox%wheels%ratio))
+      is_known = [(gearbox%loads(i)%load%prescribes .or. gearbox%loads(i)%load%by_speed, i=1, size(gearbox%loads))]
+      if (any(is_known)) speeds = max(speeds, gearbox_likely_speed(gearbox)*abs(gearbox%wheels%ratio))
       do i = 1, size(gearbox%loads)
-         associate (load => gearbox%loads(i))
-            if (load%kind == load_prescribed_speed) speeds(load%wheel) = max(speeds(load%wheel), load_largest(load))
+         associate (load => gearbox%loads(i)%load)
+            if (load%prescribes) speeds(load%wheel) = max(speeds(load%wheel), load%largest_speed())
          end associate
       end do
       i = findloc(speeds > fast, .true., dim=1)

@@ -2,7 +2,7 @@
 !>
 !> Source: docs/housing.md, sections 2 and 4.
 module evl_housing_outputs
-   use evl_gearbox, only: gearbox_t, wheel_housing_torque, wheel_position, wheel_speed, wheel_t
+   use evl_gearbox, only: gearbox_t, wheel_position, wheel_speed, wheel_t
    use evl_housing, only: apparent_acceleration, frame_t, wheel_moment
    use evl_housing_dynamics, only: wheel_accelerations
    use evl_kinds, only: wp
@@ -11,6 +11,7 @@ module evl_housing_outputs
    use evl_rotation, only: cross, turned
    use evl_teller, only: begin, needs, tell, tell_quaternion, tell_space, teller_t
    use evl_tooth_contact, only: tooth_contact_t
+   use evl_wheel_loads, only: wheel_housing_torque
    implicit none (type, external)
    private
 
@@ -115,7 +116,7 @@ contains
             reaction(4:5) = reaction(4:5) - moment(1:2)
          end if
          reaction(1:3) = reaction(1:3) - wheel%support%mass*acceleration
-         reaction(6) = reaction(6) - wheel_housing_torque(gearbox, index, t, speed, frame%omega(3), load_torque, integers)
+         reaction(6) = reaction(6) - wheel_housing_torque(gearbox, index, frame%omega(3), load_torque, t, y, integers)
       end associate
    end subroutine finish_reaction
 

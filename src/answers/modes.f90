@@ -17,6 +17,7 @@ module evl_modes
    use evl_local_variables, only: i_omega, i_theta
    use evl_status, only: code_no_solution, code_out_of_domain, fail, has_failed, status_t, subject_mesh
    use evl_tooth_contact, only: tracking_closed_form
+   use evl_wheel_loads, only: hold_loads
    implicit none (type, external)
    private
 
@@ -142,6 +143,7 @@ contains
       closed = gearbox
       closed%contacts%tracking = tracking_closed_form
       closed%contacts%i_track = 0
+      call hold_loads(closed)
       yp = 0 ! y' plays no part: F is y' - f, but for a mounted housing
       if (closed%housing%is_mounted) call gearbox_derivative(closed, t, y, integers, reals, yp, status)
       if (has_failed(status)) return

@@ -5,9 +5,9 @@ module evl_start_positions
    use evl_contact_roots, only: ends_of_path
    use evl_gearbox, only: gearbox_local, gearbox_t, i_turns
    use evl_kinds, only: wp
-   use evl_load, only: load_speed
    use evl_local_variables, only: i_theta, n_local
    use evl_tooth_contact, only: contact_mode, flanks_off, flanks_open, locate_contact, nominal_rho, settle_zones
+   use evl_wheel_loads, only: segment_of
    implicit none (type, external)
    private
 
@@ -47,12 +47,8 @@ contains
       integer, intent(in) :: load, integers(:)
       real(wp), intent(in) :: t
 
-      associate (l => gearbox%loads(load))
-         if (l%i_segment > 0) then
-            speed = load_speed(l, t, integers(l%i_segment))
-         else
-            speed = load_speed(l, t, 0)
-         end if
+      associate (of => gearbox%loads(load)%load)
+         speed = of%speed(t, segment_of(of, integers))
       end associate
    end function prescribed_speed
 

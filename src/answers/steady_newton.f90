@@ -17,7 +17,6 @@ module evl_steady_newton
    use evl_housing, only: housing_take_turn, housing_turn_columns
    use evl_kinds, only: wp
    use evl_lapack, only: dgesv
-   use evl_load, only: load_damping
    use evl_local_variables, only: i_omega, i_theta
    use evl_status, only: clear, code_no_solution, fail, has_failed, status_t, subject_initial
    implicit none (type, external)
@@ -178,11 +177,15 @@ contains
    subroutine undetermined(gearbox, status)
       type(gearbox_t), intent(in) :: gearbox
       type(status_t), intent(inout) :: status
+      logical :: by_speed(size(gearbox%loads))
+      integer :: i
+
+      by_speed = [(gearbox%loads(i)%load%by_speed, i=1, size(gearbox%loads))]
 
       if (gearbox%housing%is_mounted) then
          call fail(status, code_no_solution, "the steady state is not determined: no load depends on the speed, and none is" &
                    //" prescribed; or the mount leaves the housing free to move", subject_initial, field="kind")
-      else if (gearbox%wheels(gearbox%reference)%prescribed > 0 .or. any(load_damping(gearbox%loads) > 0)) then
+      else if (gearbox%wheels(gearbox%reference)%prescribed > 0 .or. any(by_speed)) then
          call fail(status, code_no_solution, "the steady state is not determined: no load presses the flanks of a mesh together," &
                    //" or a support holds its axle by no spring; start from rest or with given speeds", subject_initial, &
                    field="kind")

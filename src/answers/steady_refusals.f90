@@ -3,15 +3,15 @@
 module evl_steady_refusals
    use evl_contact_point, only: contact_point
    use evl_deviating_flanks, only: flank_value
-   use evl_gearbox, only: gearbox_mode, gearbox_t, segment_of, wheel_speed
+   use evl_gearbox, only: gearbox_mode, gearbox_t, wheel_speed
    use evl_housing, only: housing_prescribed
    use evl_kinds, only: wp
-   use evl_load, only: load_acceleration, load_prescribed_speed, load_table, load_torque, load_viscous
    use evl_start_positions, only: closed_form_point
    use evl_status, only: code_no_solution, fail, message_length, quantity, status_t, subject_housing, subject_initial, &
                          subject_load, subject_mesh
    use evl_tooth_contact, only: contact_mode, flank_coast, flank_values, flanks_loaded, flanks_off, settle_zones, &
                                 tooth_contact_t, unclipped_force
+   use evl_wheel_loads, only: load_torque, segment_of
    implicit none (type, external)
    private
 
@@ -26,6 +26,7 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: integers(:)
       type(status_t), intent(inout) :: status
+      logical :: prescribes(size(gearbox%loads))
       integer :: i
 
       if (gearbox%housing%kind == housing_prescribed) then
@@ -36,16 +37,15 @@ contains
          call fail(status, code_no_solution, "a steady start has a housing without velocity", subject_housing, field="velocity")
          return
       end if
-      if (count(gearbox%loads%kind == load_prescribed_speed) > 1) then
+      prescribes = [(gearbox%loads(i)%load%prescribes, i=1, size(gearbox%loads))]
+      if (count(prescribes) > 1) then
          call fail(status, code_no_solution, "a steady start needs wheels that are free to find their positions, but the speeds" &
                    //" of several are prescribed: start with given speeds", subject_initial, field="kind")
          return
       end if
       do i = 1, size(gearbox%loads)
-         associate (load => gearbox%loads(i))
-            if (load%i_segment == 0) cycle
-            if (.not. abs(load_acceleration(load, integers(load%i_segment))) > 0 .or. &
-                gearbox%wheels(load%wheel)%prescribed /= i) cycle
+         associate (load => gearbox%loads(i)%load)
+            if (.not. abs(load%acceleration(segment_of(load, integers))) > 0) cycle
             call fail(status, code_no_solution, "the prescribed speed of a wheel changes at the start: that is no steady state", &
                       subject_load, i, "time")
             return
@@ -106,14 +106,14 @@ contains
       end if
       consequence = "has the wrong sense for a steady state: it parts the drive flanks of "//trim(number)//", and the coast" &
                     //" flanks would carry; change its sign, or driving_rotation of that mesh"
-      associate (load => gearbox%loads(i))
-         if (load%kind == load_prescribed_speed) then
+      associate (load => gearbox%loads(i)%load)
+         if (load%prescribes) then
             call fail(status, code_no_solution, "the prescribed speed " &
                       //quantity(wheel_speed(gearbox%wheels(load%wheel), y), "rad/s")//" "//trim(consequence), subject_load, i, &
-                      trim(merge("speed", "value", size(load%time) > 0)))
+                      trim(load%sense))
          else
-            call fail(status, code_no_solution, "its torque "//quantity(torque_of(gearbox, i, t, y, integers), "N m") &
-                      //" "//trim(consequence), subject_load, i, trim(merge("torque", "value ", load%kind == load_table)))
+            call fail(status, code_no_solution, "its torque "//quantity(load_torque(gearbox, i, t, y, integers), "N m") &
+                      //" "//trim(consequence), subject_load, i, trim(load%sense))
          end if
       end associate
    end subroutine refuse_pull
@@ -128,7 +128,7 @@ contains
       type(tooth_contact_t), intent(in) :: contact
       real(wp), intent(in) :: t, y(:)
       integer, intent(in) :: integers(:)
-      logical :: beside_a(size(gearbox%wheels)), viscous_parts
+      logical :: beside_a(size(gearbox%wheels)), follower_parts
       real(wp) :: share, largest, ratio
       integer :: i
 
@@ -136,34 +136,25 @@ contains
       beside_a = joined_without(gearbox, contact)
       if (beside_a(contact%wheel_b)) return
       largest = 0
-      viscous_parts = .false.
+      follower_parts = .false.
       do i = 1, size(gearbox%loads)
-         associate (load => gearbox%loads(i))
+         associate (load => gearbox%loads(i)%load)
             ratio = merge(contact%pair%ratio_a, contact%pair%ratio_b, beside_a(load%wheel))
-            share = contact%pair%sigma*torque_of(gearbox, i, t, y, integers)*gearbox%wheels(load%wheel)%ratio/ratio
+            share = contact%pair%sigma*load_torque(gearbox, i, t, y, integers)*gearbox%wheels(load%wheel)%ratio/ratio
             if (.not. share > 0) cycle
-            if (load%kind == load_viscous) then
-               viscous_parts = .true.
+            if (load%by_speed) then
+               follower_parts = .true.
             else if (share*abs(ratio) > largest) then
                largest = share*abs(ratio)
                wrong = i
             end if
          end associate
       end do
-      if (wrong == 0 .and. viscous_parts) wrong = max(0, findloc(gearbox%loads%kind, load_prescribed_speed, dim=1))
+      if (wrong > 0 .or. .not. follower_parts) return
+      do i = size(gearbox%loads), 1, -1
+         if (gearbox%loads(i)%load%prescribes) wrong = i
+      end do
    end function wrong_load
-
-   !> Torque of a load [N m]; a prescribed speed has none of its own.
-   pure real(wp) function torque_of(gearbox, index, t, y, integers) result(torque)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index
-      real(wp), intent(in) :: t, y(:)
-      integer, intent(in) :: integers(:)
-
-      associate (load => gearbox%loads(index))
-         torque = load_torque(load, t, wheel_speed(gearbox%wheels(load%wheel), y), segment_of(load, integers))
-      end associate
-   end function torque_of
 
    !> Wheels that shafts and other meshes join to the driving wheel of a mesh.
    pure function joined_without(gearbox, contact) result(joined)

@@ -5,7 +5,7 @@ module evl_steady_state
    use evl_gearbox_scaling, only: gearbox_likely_speed
    use evl_housing, only: at_omega, at_position, at_velocity
    use evl_kinds, only: wp
-   use evl_load, only: load_damping, load_torque
+   use evl_load, only: load_point
    use evl_local_variables, only: i_omega
    use evl_no_damping, only: no_damping_t
    use evl_start_positions, only: closed_form_point, place_pairs, prescribed_speed, set_gaps
@@ -14,6 +14,7 @@ module evl_steady_state
    use evl_steady_refusals, only: check_pressed, check_steady, refuse_alternation, refuse_slope
    use evl_tooth_contact, only: contact_mode, flank_drive, flanks_loaded, flanks_off, flanks_unloaded, settle_friction, &
                                 settle_zones, tooth_contact_t, tracking_closed_form, unclipped_force
+   use evl_wheel_loads, only: hold_loads, segment_of
    implicit none (type, external)
    private
 
@@ -44,12 +45,13 @@ contains
       closed = gearbox
       closed%contacts%tracking = tracking_closed_form
       closed%contacts%i_track = 0
+      call hold_loads(closed)
       call list_unknowns(gearbox, system)
       associate (driver => gearbox%wheels(gearbox%reference)%prescribed)
          if (driver > 0) then
             y(i_omega) = prescribed_speed(gearbox, driver, t, integers)
          else
-            y(i_omega) = free_speed(gearbox, t, integers)
+            y(i_omega) = free_speed(closed, t, integers)
          end if
       end associate
       call press_flanks(gearbox, y, integers)
@@ -162,18 +164,17 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t
       integer, intent(in) :: integers(:)
-      real(wp) :: torque, damping
-      integer :: i, segment
+      real(wp) :: torque, damping, mine, slope, stiffness
+      integer :: i
 
       torque = 0
       damping = 0
       do i = 1, size(gearbox%loads)
-         associate (load => gearbox%loads(i))
-            segment = 0
-            if (load%i_segment > 0) segment = integers(load%i_segment)
+         associate (load => gearbox%loads(i)%load)
             associate (g => gearbox%wheels(load%wheel)%ratio)
-               torque = torque + g*load_torque(load, t, 0.0_wp, segment)
-               damping = damping + g**2*load_damping(load)
+               call load%ask(load_point(t=t, segment=segment_of(load, integers)), mine, slope, stiffness)
+               torque = torque + g*mine
+               damping = damping + g**2*slope
             end associate
          end associate
       end do

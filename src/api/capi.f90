@@ -5,7 +5,7 @@ module evl_capi
    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_char, c_null_ptr, c_ptr
    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
    use evl_capi_description, only: c_housing, c_initial, c_load, c_mesh, c_shaft, c_wheel, housing_from_c, initial_from_c, &
-                                   load_from_c, mesh_from_c, shaft_from_c, wheel_from_c
+                                   load_from_c, mesh_from_c, shaft_from_c, support_from_c, wheel_from_c
    use evl_capi_deviation, only: deviation_from_c
    use evl_capi_types, only: c_name_length, c_status, status_to_c, to_c
    use evl_dae_jacobian, only: gearbox_jacobian
@@ -20,7 +20,7 @@ module evl_capi
    use evl_gearbox_scaling, only: gearbox_state_scales
    use evl_housing_description, only: housing_input
    use evl_kinds, only: pi
-   use evl_load, only: load_t
+   use evl_load, only: load_input
    use evl_mode_check, only: check_modes
    use evl_state_names, only: gearbox_state_name
    use evl_status, only: code_no_memory, code_ok, fail, has_failed, status_t
@@ -91,7 +91,7 @@ contains
       type(c_status), intent(out), optional :: status
       type(gearbox_t), pointer :: gearbox
       type(housing_input) :: kernel_housing
-      type(load_t), allocatable :: kernel_loads(:)
+      type(load_input), allocatable :: kernel_loads(:)
       type(wheel_input), allocatable :: kernel_wheels(:)
       type(status_t) :: s
       integer :: i, stat
@@ -106,6 +106,8 @@ contains
       allocate (kernel_loads(n_loads), kernel_wheels(n_wheels))
       do i = 1, n_wheels
          kernel_wheels(i) = wheel_from_c(wheels(i))
+         call support_from_c(wheels(i)%support, i, kernel_wheels(i)%support, s)
+         if (has_failed(s)) exit
          call deviation_from_c(wheels(i)%deviation, i, kernel_wheels(i)%deviation, s)
          if (has_failed(s)) exit
       end do

@@ -2,19 +2,20 @@
 module evl_capi_description
    use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_double, c_f_pointer, c_int, c_ptr
    use evl_capi_deviation, only: c_flank_deviation
-   use evl_capi_types, only: c_law_choice, choice_from_c
+   use evl_capi_types, only: c_law_choice, c_max_parameters, choice_from_c
    use evl_gear, only: gear_input
    use evl_gearbox_description, only: mesh_input, shaft_input, wheel_input
    use evl_gearbox_initial, only: initial_t
    use evl_housing_description, only: housing_input
    use evl_housing_motion, only: motion_term
-   use evl_load, only: load_t
-   use evl_status, only: code_invalid_input, fail, status_t, subject_housing, subject_load
+   use evl_load, only: load_input
+   use evl_status, only: code_invalid_input, fail, status_t, subject_housing, subject_load, subject_wheel
+   use evl_support, only: support_input
    implicit none (type, external)
    private
 
    public :: c_gear, c_wheel, c_load, c_mesh, c_shaft, c_initial, c_housing
-   public :: gear_from_c, wheel_from_c, load_from_c, mesh_from_c, shaft_from_c, initial_from_c, housing_from_c
+   public :: gear_from_c, wheel_from_c, support_from_c, load_from_c, mesh_from_c, shaft_from_c, initial_from_c, housing_from_c
 
    !> evl_gear
    type, bind(c) :: c_gear
@@ -24,6 +25,13 @@ module evl_capi_description
       logical(c_bool) :: has_tip_alteration
       real(c_double) :: tip_alteration, thickness_allowance, bore
    end type c_gear
+
+   !> evl_support
+   type, bind(c) :: c_support
+      integer(c_int) :: kind
+      integer(c_int) :: counts(c_max_parameters)
+      type(c_ptr) :: numbers
+   end type c_support
 
    !> evl_wheel
    type, bind(c) :: c_wheel
@@ -36,8 +44,7 @@ module evl_capi_description
       real(c_double) :: inertia
       logical(c_bool) :: has_mass
       real(c_double) :: mass
-      integer(c_int) :: support_kind
-      real(c_double) :: support_direction, support_mass, support_stiffness(2), support_damping(2)
+      type(c_support) :: support
       logical(c_bool) :: has_transverse_inertia
       real(c_double) :: transverse_inertia, axial_position
       logical(c_bool) :: has_gear
@@ -48,10 +55,9 @@ module evl_capi_description
    !> evl_load
    type, bind(c) :: c_load
       integer(c_int) :: wheel, kind
-      real(c_double) :: value
-      integer(c_int) :: n
-      type(c_ptr) :: time, values
       logical(c_bool) :: against_housing
+      integer(c_int) :: counts(c_max_parameters)
+      type(c_ptr) :: numbers
    end type c_load
 
    !> evl_motion_term
@@ -106,7 +112,7 @@ module evl_capi_description
 
 contains
 
-   !> All but the deviations, which are not copied by value.
+   !> All but the support and the deviations, which are not copied by value.
    elemental type(wheel_input) function wheel_from_c(c) result(wheel)
       type(c_wheel), intent(in) :: c
 
@@ -114,8 +120,6 @@ contains
                           width=c%width, has_centre=logical(c%has_centre), centre=c%centre, &
                           youngs_modulus=c%youngs_modulus, poisson_ratio=c%poisson_ratio, density=c%density, &
                           has_inertia=logical(c%has_inertia), inertia=c%inertia, has_mass=logical(c%has_mass), mass=c%mass, &
-                          support_kind=c%support_kind, support_direction=c%support_direction, support_mass=c%support_mass, &
-                          support_stiffness=c%support_stiffness, support_damping=c%support_damping, &
                           has_transverse_inertia=logical(c%has_transverse_inertia), transverse_inertia=c%transverse_inertia, &
                           axial_position=c%axial_position, has_gear=logical(c%has_gear), gear=gear_from_c(c%gear))
    end function wheel_from_c
@@ -130,28 +134,34 @@ contains
                         thickness_allowance=c%thickness_allowance, bore=c%bore)
    end function gear_from_c
 
-   !> A load with a copy of its table. Errors: code_invalid_input if the table is announced but not there.
+   !> A support with a copy of its numbers. Errors: code_invalid_input if they are announced but not there.
+   subroutine support_from_c(c, index, support, status)
+      type(c_support), intent(in) :: c
+      integer, intent(in) :: index !! of the wheel, from 1, for the message
+      type(support_input), intent(out) :: support
+      type(status_t), intent(inout) :: status
+
+      support%kind = c%kind
+      support%counts = max(c%counts, 0)
+      support%numbers = array_from_c(c%numbers, sum(support%counts))
+      if (size(support%numbers) < sum(support%counts)) &
+         call fail(status, code_invalid_input, "the numbers of a support are missing", subject_wheel, index, "support")
+   end subroutine support_from_c
+
+   !> A load with a copy of its numbers. Errors: code_invalid_input if they are announced but not there.
    subroutine load_from_c(c, index, load, status)
       type(c_load), intent(in) :: c
       integer, intent(in) :: index !! of the load, from 1, for the message
-      type(load_t), intent(out) :: load
+      type(load_input), intent(out) :: load
       type(status_t), intent(inout) :: status
-      real(c_double), pointer :: time(:), values(:)
 
       load%wheel = c%wheel + 1
       load%kind = c%kind
-      load%value = c%value
       load%against_housing = logical(c%against_housing)
-      if (c%n < 1) then
-         allocate (load%time(0), load%values(0))
-      else if (c_associated(c%time) .and. c_associated(c%values)) then
-         call c_f_pointer(c%time, time, [c%n])
-         call c_f_pointer(c%values, values, [c%n])
-         load%time = time
-         load%values = values
-      else
-         call fail(status, code_invalid_input, "the table of a load is missing", subject_load, index, "time")
-      end if
+      load%counts = max(c%counts, 0)
+      load%numbers = array_from_c(c%numbers, sum(load%counts))
+      if (size(load%numbers) < sum(load%counts)) &
+         call fail(status, code_invalid_input, "the numbers of a load are missing", subject_load, index)
    end subroutine load_from_c
 
    elemental type(mesh_input) function mesh_from_c(c) result(mesh)

@@ -3,8 +3,8 @@
 !> The header documents each procedure, in its sections "law tables" and "parts".
 module evl_capi_laws
    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_int, c_ptr
-   use evl_capi_types, only: c_contact_context, c_law_choice, c_law_info, c_max_law_parameters, c_message_length, c_status, &
-                             choice_from_c, context_from_c, first_error, status_to_c, to_c
+   use evl_capi_types, only: c_contact_context, c_law_choice, c_law_info, c_max_parameters, c_message_length, c_status, &
+                             choice_from_c, context_from_c, first_error, parameter_to_c, status_to_c, to_c
    use evl_contact_context, only: contact_context
    use evl_damping_law, only: damping_law_t, viscous_force, viscous_result
    use evl_elastic_law, only: elastic_law_t, elastic_result
@@ -40,18 +40,8 @@ contains
       call to_c(law%description, info%description)
       call to_c(law%source, info%source)
       info%n_parameters = law%n_parameters
-      do i = 1, c_max_law_parameters
-         associate (from => law%parameters(i), to => info%parameters(i))
-            call to_c(from%name, to%name)
-            call to_c(from%units, to%units)
-            call to_c(from%description, to%description)
-            to%required = logical(from%required, c_bool)
-            to%default_value = from%default_value
-            to%minimum = from%minimum
-            to%maximum = from%maximum
-            to%minimum_open = logical(from%minimum_open, c_bool)
-            to%maximum_open = logical(from%maximum_open, c_bool)
-         end associate
+      do i = 1, c_max_parameters
+         call parameter_to_c(law%parameters(i), info%parameters(i))
       end do
    end function evl_law_describe
 

@@ -3,7 +3,7 @@ module evl_gearbox_build
    use evl_contact_build, only: find_dependents, list_contacts, take_contact
    use evl_first_tooth_pair, only: find_tooth_phases, tooth_mesh_t
    use evl_gear_build, only: gears_build
-   use evl_gearbox, only: gearbox_t, support_bearing, support_slider, support_t
+   use evl_gearbox, only: gearbox_t
    use evl_gearbox_description, only: check_description, mesh_input, shaft_input, wheel_input
    use evl_gearbox_deviations, only: check_second_order, gearbox_set_deviations
    use evl_gearbox_references, only: gearbox_set_references
@@ -12,8 +12,9 @@ module evl_gearbox_build
    use evl_housing, only: n_housing_states
    use evl_housing_description, only: housing_create, housing_input
    use evl_kinds, only: pi, wp
-   use evl_load, only: load_t
-   use evl_local_variables, only: i_omega, i_theta, n_track
+   use evl_load, only: load_input
+   use evl_loads_build, only: loads_build
+   use evl_local_variables, only: i_omega, n_track
    use evl_mesh_geometry, only: spur_pair_derive
    use evl_mesh_of_gears, only: gear_pair_derive
    use evl_output_list, only: place_outputs
@@ -21,6 +22,7 @@ module evl_gearbox_build
    use evl_rotors, only: rotors_join
    use evl_shaft, only: shaft_t
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel, warn
+   use evl_support_build, only: support_build
    use evl_tooth_contact, only: tracking_closed_form
    use evl_train_layout, only: layout_resolve, layout_t
    implicit none (type, external)
@@ -32,11 +34,11 @@ module evl_gearbox_build
 
 contains
 
-   !> Make a gearbox. Loads come with `wheel` from 1 and without `i_segment`.
+   !> Make a gearbox.
    !> Errors: code_invalid_input with subject, index and field.
    subroutine gearbox_create(wheels, loads, meshes, shafts, housing, gearbox, status)
       type(wheel_input), intent(in) :: wheels(:)
-      type(load_t), intent(in) :: loads(:)
+      type(load_input), intent(in) :: loads(:)
       type(mesh_input), intent(in) :: meshes(:)
       type(shaft_input), intent(in) :: shafts(:)
       type(housing_input), intent(in) :: housing
@@ -45,13 +47,14 @@ contains
       type(layout_t) :: layout
       integer :: i
 
-      call check_description(wheels, loads, meshes, shafts, status)
+      call check_description(wheels, meshes, shafts, status)
       if (has_failed(status)) return
       call housing_create(housing, gearbox%housing, status)
       if (has_failed(status)) return
       allocate (gearbox%wheels(size(wheels)), gearbox%pairs(size(meshes)))
       allocate (gearbox%warnings(0))
-      gearbox%loads = loads
+      call loads_build(loads, size(wheels), gearbox%loads, status)
+      if (has_failed(status)) return
       call take_shafts(shafts, gearbox)
       call rotors_join(gearbox, status)
       if (has_failed(status)) return
@@ -66,7 +69,9 @@ contains
       do i = 1, size(wheels)
          gearbox%wheels(i)%rotor_inertia = sum(gearbox%wheels%inertia, mask=gearbox%wheels%leader == gearbox%wheels(i)%leader)
          gearbox%wheels(i)%per_inertia = 1/gearbox%wheels(i)%rotor_inertia
-         gearbox%wheels(i)%is_loaded = any(gearbox%loads%wheel == i)
+      end do
+      do i = 1, size(loads)
+         gearbox%wheels(loads(i)%wheel)%is_loaded = .true.
       end do
       do i = 1, size(meshes)
          call take_pair(gearbox, wheels, meshes, layout, i, status)
@@ -162,7 +167,7 @@ contains
             if (given%has_inertia) wheel%inertia = given%inertia
             wheel%axial_position = given%axial_position
             call take_transverse(given, i, wheel%mass, wheel%inertia, wheel%transverse_inertia, status)
-            call take_support(given, wheel%mass, wheel%support)
+            call support_build(given%support, wheel%mass, wheel%support)
          end associate
       end do
    end subroutine take_wheels
@@ -183,28 +188,6 @@ contains
                 //" the moment of inertia about the axle "//quantity(inertia, "kg m^2")//", which no body has", subject_wheel, &
                 index, "transverse_inertia")
    end subroutine take_transverse
-
-   !> A support's directions, springs and dampers.
-   subroutine take_support(given, wheel_mass, support)
-      type(wheel_input), intent(in) :: given
-      real(wp), intent(in) :: wheel_mass !! [kg]
-      type(support_t), intent(out) :: support
-
-      support%kind = given%support_kind
-      support%mass = wheel_mass + given%support_mass
-      support%per_mass = 1/support%mass
-      support%stiffness = given%support_stiffness
-      support%damping = given%support_damping
-      select case (support%kind)
-      case (support_slider)
-         support%n = 1
-         support%direction(:, 1) = [cos(given%support_direction), sin(given%support_direction)]
-      case (support_bearing)
-         support%n = 2
-         support%direction(:, 1) = [1, 0]
-         support%direction(:, 2) = [0, 1]
-      end select
-   end subroutine take_support
 
    !> Give every quantity its place in the state and in the discrete state.
    subroutine number_states(gearbox)
@@ -266,8 +249,8 @@ contains
       end do
       gearbox%n_roots = gearbox%n_roots + 1 ! turns of the reference wheel
       do i = 1, size(gearbox%loads)
-         if (size(gearbox%loads(i)%time) == 0) cycle
-         gearbox%loads(i)%i_segment = n + 1
+         if (.not. allocated(gearbox%loads(i)%load%knots%time)) cycle
+         gearbox%loads(i)%load%i_segment = n + 1
          n = n + 1
       end do
       do i = 1, size(gearbox%contacts)

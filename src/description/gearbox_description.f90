@@ -6,13 +6,13 @@ module evl_gearbox_description
    use evl_elastic_law, only: elastic_law_t
    use evl_force_law, only: law_choice
    use evl_gear, only: gear_input
-   use evl_gearbox, only: support_bearing, support_fixed, support_slider
    use evl_kinds, only: wp
    use evl_law_table, only: damping_law, elastic_law, law_validate, laws_contact, laws_damping, laws_friction
-   use evl_load, only: load_constant, load_prescribed_speed, load_t, load_table, load_viscous
    use evl_mesh_geometry, only: maximum_teeth, minimum_teeth
-   use evl_status, only: code_invalid_input, fail, has_failed, message_length, quantity, status_t, subject_load, subject_mesh, &
-                         subject_none, subject_shaft, subject_wheel
+   use evl_status, only: code_invalid_input, fail, has_failed, message_length, quantity, status_t, subject_mesh, subject_none, &
+                         subject_shaft, subject_wheel
+   use evl_support, only: support_input
+   use evl_support_build, only: check_support
    use evl_tooth_contact, only: tracking_closed_form, tracking_differential
    implicit none (type, external)
    private
@@ -27,9 +27,7 @@ module evl_gearbox_description
       real(wp) :: youngs_modulus = 0.0_wp, poisson_ratio = 0.0_wp, density = 0.0_wp, inertia = 0.0_wp, mass = 0.0_wp
       logical :: has_transverse_inertia = .false.
       real(wp) :: transverse_inertia = 0.0_wp, axial_position = 0.0_wp
-      integer :: support_kind = support_fixed
-      real(wp) :: support_direction = 0.0_wp, support_mass = 0.0_wp
-      real(wp) :: support_stiffness(2) = 0.0_wp, support_damping(2) = 0.0_wp
+      type(support_input) :: support
       logical :: has_gear = .false. !! its radii follow from the next, not from a pitch radius
       type(gear_input) :: gear
       type(deviation_input) :: deviation
@@ -56,9 +54,8 @@ module evl_gearbox_description
 contains
 
    !> Every number is in its range, and every reference leads somewhere.
-   subroutine check_description(wheels, loads, meshes, shafts, status)
+   subroutine check_description(wheels, meshes, shafts, status)
       type(wheel_input), intent(in) :: wheels(:)
-      type(load_t), intent(in) :: loads(:)
       type(mesh_input), intent(in) :: meshes(:)
       type(shaft_input), intent(in) :: shafts(:)
       type(status_t), intent(inout) :: status
@@ -67,9 +64,6 @@ contains
       if (size(wheels) < 1) call fail(status, code_invalid_input, "a gearbox needs at least one wheel", subject_none)
       do i = 1, size(wheels)
          if (.not. has_failed(status)) call check_wheel(wheels(i), i, status)
-      end do
-      do i = 1, size(loads)
-         if (.not. has_failed(status)) call check_load(loads, i, size(wheels), status)
       end do
       do i = 1, size(meshes)
          if (.not. has_failed(status)) call check_mesh(meshes(i), i, wheels, status)
@@ -108,16 +102,8 @@ contains
          call fail(status, code_invalid_input, "axial_position must be a finite number", subject_wheel, index, "axial_position")
       else if (wheel%has_centre .and. .not. all(ieee_is_finite(wheel%centre))) then
          call fail(status, code_invalid_input, "centre must be two finite numbers", subject_wheel, index, "centre")
-      else if (all(wheel%support_kind /= [support_fixed, support_slider, support_bearing])) then
-         call fail(status, code_invalid_input, "there is no such kind of support", subject_wheel, index, "support_kind")
       end if
-      if (wheel%support_kind == support_fixed .or. has_failed(status)) return
-      if (.not. ieee_is_finite(wheel%support_direction)) then
-         call fail(status, code_invalid_input, "direction must be a finite number", subject_wheel, index, "support_direction")
-      end if
-      call check_not_negative([wheel%support_mass], "support_mass", "kg", index, status)
-      call check_not_negative(wheel%support_stiffness, "support_stiffness", "N/m", index, status)
-      call check_not_negative(wheel%support_damping, "support_damping", "N s/m", index, status)
+      if (.not. has_failed(status)) call check_support(wheel%support, index, status)
    end subroutine check_wheel
 
    !> A wheel without teeth is a disc: it needs a size.
@@ -167,67 +153,6 @@ contains
       call fail(status, code_invalid_input, field//" = "//quantity(value, unit)//" must be a finite number greater than 0", &
                 subject_wheel, index, field)
    end subroutine check
-
-   !> Finite numbers not less than 0.
-   subroutine check_not_negative(values, field, unit, index, status)
-      real(wp), intent(in) :: values(:)
-      character(len=*), intent(in) :: field, unit
-      integer, intent(in) :: index
-      type(status_t), intent(inout) :: status
-      integer :: i
-
-      do i = 1, size(values)
-         if (has_failed(status) .or. (ieee_is_finite(values(i)) .and. values(i) >= 0)) cycle
-         call fail(status, code_invalid_input, field//" = "//quantity(values(i), unit)//" must be a finite number, not negative", &
-                   subject_wheel, index, field)
-      end do
-   end subroutine check_not_negative
-
-   !> A load acts on a wheel, its numbers are finite, its table's times increase, and no wheel has two prescribed speeds.
-   subroutine check_load(loads, index, n_wheels, status)
-      type(load_t), intent(in) :: loads(:)
-      integer, intent(in) :: index, n_wheels
-      type(status_t), intent(inout) :: status
-      integer :: i, n
-
-      associate (load => loads(index))
-         n = size(load%time)
-         if (load%wheel < 1 .or. load%wheel > n_wheels) then
-            call refuse("there is no such wheel", "wheel")
-         else if (all(load%kind /= [load_constant, load_viscous, load_table, load_prescribed_speed])) then
-            call refuse("there is no such kind of load", "kind")
-         else if (.not. ieee_is_finite(load%value)) then
-            call refuse("value must be a finite number", "value")
-         else if (load%kind == load_viscous .and. load%value < 0) then
-            call refuse("coefficient "//quantity(load%value, "N m s/rad")//" must not be negative", "value")
-         else if (load%kind == load_table .and. n < 2) then
-            call refuse("a table needs at least two knots", "time")
-         else if (size(load%values) /= n) then
-            call refuse("a table needs as many values as times", "values")
-         else if (.not. (all(ieee_is_finite(load%time)) .and. all(ieee_is_finite(load%values)))) then
-            call refuse("times and values of a table must be finite numbers", "time")
-         end if
-         if (has_failed(status)) return
-         do i = 2, n
-            if (load%time(i) > load%time(i - 1)) cycle
-            call refuse("the times of a table must increase, but "//quantity(load%time(i), "s")//" follows " &
-                        //quantity(load%time(i - 1), "s"), "time")
-            return
-         end do
-         if (load%kind /= load_prescribed_speed) return
-         if (count(loads(:index)%wheel == load%wheel .and. loads(:index)%kind == load_prescribed_speed) > 1) &
-            call refuse("the speed of this wheel is prescribed already", "kind")
-      end associate
-
-   contains
-
-      subroutine refuse(message, field)
-         character(len=*), intent(in) :: message, field
-
-         call fail(status, code_invalid_input, message, subject_load, index, field)
-      end subroutine refuse
-
-   end subroutine check_load
 
    !> A mesh joins two different wheels, and its laws exist and have valid parameters.
    subroutine check_mesh(mesh, index, wheels, status)

@@ -5,18 +5,17 @@
 module evl_force_jacobian
    use evl_closed_form, only: closed_form_line
    use evl_contact_gradient, only: contact_gradient_at, mesh_force_gradient
-   use evl_gearbox, only: add_speed, gearbox_local, gearbox_mode, gearbox_t, i_turns, segment_of, wheel_acceleration, &
-                          wheel_follows_ground, wheel_speed, wheel_t
+   use evl_gearbox, only: add_angle, add_speed, gearbox_local, gearbox_mode, gearbox_t, i_turns, wheel_speed
    use evl_housing, only: at_omega, frame_t
    use evl_housing_jacobian, only: ride_gradient
    use evl_jacobian_entries, only: add_entry, entry_index, jacobian_entries
    use evl_kinds, only: wp
-   use evl_load, only: load_damping, load_torque
    use evl_local_variables, only: i_omega, i_theta, local_link, n_local, wheel_link
    use evl_shaft_jacobian, only: add_shaft, add_shaft_torque
    use evl_status, only: has_failed, status_t
    use evl_tangent_line, only: tangent_line_t
    use evl_tooth_contact, only: contact_force, contact_mode, nominal_rho, tooth_contact_t, touches, tracking_closed_form
+   use evl_wheel_loads, only: load_gradient, load_torque, wheel_acceleration, wheel_follows_ground
    implicit none (type, external)
    private
 
@@ -31,7 +30,7 @@ module evl_force_jacobian
 
 contains
 
-   !> Add what neither time nor the state changes: rates that are states themselves, supports, dampers and elastic shafts.
+   !> Add what neither time nor the state changes: rates that are states themselves, supports and elastic shafts.
    pure subroutine add_constants(gearbox, entries, values)
       type(gearbox_t), intent(in) :: gearbox
       type(jacobian_entries), intent(in) :: entries
@@ -51,12 +50,6 @@ contains
          end associate
       end do
       call add_entry(entries, i_theta, i_omega, -1.0_wp, values)
-      do i = 1, size(gearbox%loads)
-         associate (wheel => gearbox%wheels(gearbox%loads(i)%wheel))
-            if (wheel%prescribed == 0) &
-               call add_speed(wheel, wheel%i_speed, load_damping(gearbox%loads(i))*wheel%per_inertia, entries, values)
-         end associate
-      end do
       do i = 1, size(gearbox%shafts)
          call add_shaft_torque(gearbox, i, entries, values)
       end do
@@ -77,6 +70,9 @@ contains
 
       spin = 0
       if (gearbox%housing%acts) spin = frame%omega(3)
+      do i = 1, size(gearbox%loads)
+         call add_load(gearbox, i, t, y, integers, spin, entries, values)
+      end do
       do i = 1, size(gearbox%contacts)
          call add_contact(gearbox, i, y, spin, integers, reals, at, entries, values, status)
          if (has_failed(status)) return
@@ -86,10 +82,10 @@ contains
       end do
       do i = 1, size(gearbox%wheels)
          call add_powers(gearbox, i, y, integers, entries, values)
-         if (gearbox%housing%acts) call ride_gradient(gearbox, i, y, frame, entries, values)
+         if (gearbox%housing%acts) call ride_gradient(gearbox, i, t, y, integers, frame, entries, values)
       end do
       do i = 1, size(gearbox%loads)
-         call add_load_power(gearbox, i, t, y, integers, entries, values)
+         call add_load_power(gearbox, i, t, y, integers, spin, entries, values)
       end do
    end subroutine add_forces
 
@@ -115,21 +111,45 @@ contains
       end associate
    end subroutine add_powers
 
-   !> The power of a load on a wheel whose speed is not prescribed.
-   pure subroutine add_load_power(gearbox, index, t, y, integers, entries, values)
+   !> How the torque of a load depends on its wheel; a wheel whose speed is prescribed is not accelerated by it.
+   pure subroutine add_load(gearbox, index, t, y, integers, spin, entries, values)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index !! of the load
-      real(wp), intent(in) :: t, y(gearbox%n_states)
+      real(wp), intent(in) :: t, y(gearbox%n_states), spin
       integer, intent(in) :: integers(:)
       type(jacobian_entries), intent(in) :: entries
       real(wp), intent(inout) :: values(entries%n_entries)
-      real(wp) :: omega
+      real(wp) :: damping, stiffness
 
-      associate (load => gearbox%loads(index), wheel => gearbox%wheels(gearbox%loads(index)%wheel))
-         if (wheel%prescribed > 0) return
-         omega = wheel_speed(wheel, y)
-         call add_speed(wheel, gearbox%i_work, load_damping(load)*omega - load_torque(load, t, omega, segment_of(load, integers)), &
-                        entries, values)
+      associate (load => gearbox%loads(index)%load)
+         if (.not. (load%by_speed .or. load%by_angle)) return
+         associate (wheel => gearbox%wheels(load%wheel))
+            if (wheel%prescribed > 0) return
+            call load_gradient(gearbox, index, t, y, integers, spin, damping, stiffness)
+            if (load%by_speed) call add_speed(wheel, wheel%i_speed, damping*wheel%per_inertia, entries, values)
+            if (load%by_angle) call add_angle(wheel, wheel%i_speed, stiffness*wheel%per_inertia, entries, values)
+         end associate
+      end associate
+   end subroutine add_load
+
+   !> The power of a load on a wheel whose speed is not prescribed, but for what the turning of the housing adds to its torque.
+   pure subroutine add_load_power(gearbox, index, t, y, integers, spin, entries, values)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index !! of the load
+      real(wp), intent(in) :: t, y(gearbox%n_states), spin
+      integer, intent(in) :: integers(:)
+      type(jacobian_entries), intent(in) :: entries
+      real(wp), intent(inout) :: values(entries%n_entries)
+      real(wp) :: omega, damping, stiffness
+
+      associate (load => gearbox%loads(index)%load)
+         associate (wheel => gearbox%wheels(load%wheel))
+            if (wheel%prescribed > 0) return
+            omega = wheel_speed(wheel, y)
+            call load_gradient(gearbox, index, t, y, integers, spin, damping, stiffness)
+            call add_speed(wheel, gearbox%i_work, damping*omega - load_torque(gearbox, index, t, y, integers), entries, values)
+            if (load%by_angle) call add_angle(wheel, gearbox%i_work, stiffness*omega, entries, values)
+         end associate
       end associate
    end subroutine add_load_power
 

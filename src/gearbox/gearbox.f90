@@ -24,41 +24,25 @@ module evl_gearbox
    use evl_housing, only: housing_t
    use evl_jacobian_entries, only: add_entry, jacobian_entries
    use evl_kinds, only: wp
-   use evl_load, only: load_acceleration, load_damping, load_t, load_torque
-   use evl_local_variables, only: i_omega, n_local
+   use evl_load, only: load_t
+   use evl_local_variables, only: i_omega, i_theta, n_local
    use evl_mesh_geometry, only: spur_pair_t
    use evl_mesh_reference, only: mesh_reference_t
    use evl_rational, only: rational_t
    use evl_shaft, only: shaft_t
    use evl_status, only: status_t
+   use evl_support, only: support_t
    use evl_tooth_contact, only: contact_mode, flanks_loaded, flanks_off, tooth_contact_t
    implicit none (type, external)
    private
 
-   public :: add_speed, segment_of
-   public :: gearbox_t, section_t, wheel_t, support_t
+   public :: add_angle, add_speed
+   public :: gearbox_t, load_slot, section_t, wheel_t
    public :: is_closed, pairs_loaded, carries_points, leading_contact
-   public :: gearbox_local, gearbox_mode, gearbox_store_mode, wheel_speed, wheel_load_torque, wheel_acceleration
-   public :: wheel_spin_torque, wheel_housing_torque, wheel_position, wheel_follows_ground
-   public :: support_fixed, support_slider, support_bearing, i_turns
-
-   integer, parameter :: support_fixed = 0   !! the axle does not move
-   integer, parameter :: support_slider = 1  !! it moves in one direction
-   integer, parameter :: support_bearing = 2 !! it moves in x and y
+   public :: gearbox_local, gearbox_mode, gearbox_store_mode, wheel_speed, wheel_position
+   public :: i_turns
 
    integer, parameter :: i_turns = 1 !! index of the turns in the discrete state
-
-   !> What carries an axle: up to two directions, each with spring and damper.
-   type :: support_t
-      integer :: kind = support_fixed
-      integer :: n = 0                       !! degrees of freedom
-      real(wp) :: direction(2, 2) = 0.0_wp   !! column j: unit vector of degree of freedom j in the housing frame
-      real(wp) :: mass = 0.0_wp              !! that moves: wheel and support [kg]
-      real(wp) :: per_mass = 0.0_wp          !! its inverse
-      real(wp) :: stiffness(2) = 0.0_wp      !! [N/m]
-      real(wp) :: damping(2) = 0.0_wp        !! [N s/m]
-      integer :: i_state(2) = 0              !! index of s_j in the state; s_j' follows
-   end type support_t
 
    type :: wheel_t
       integer :: teeth = 0                   !! 0: a disc
@@ -81,6 +65,11 @@ module evl_gearbox
       type(flank_deviation_t) :: deviation   !! of its flanks from the involute
    end type wheel_t
 
+   !> A load of any kind.
+   type :: load_slot
+      class(load_t), allocatable :: load
+   end type load_slot
+
    !> A section of the table of outputs: outputs of the same elements, wheels for instance.
    type :: section_t
       integer :: rows_before = 0   !! outputs before it
@@ -90,7 +79,7 @@ module evl_gearbox
 
    type :: gearbox_t
       type(wheel_t), allocatable :: wheels(:)
-      type(load_t), allocatable :: loads(:)
+      type(load_slot), allocatable :: loads(:)
       type(shaft_t), allocatable :: shafts(:)
       type(tooth_contact_t), allocatable :: contacts(:) !! mesh by mesh: slots of the drive flank, then of the coast flank
       type(spur_pair_t), allocatable :: pairs(:)  !! geometry of each mesh
@@ -249,67 +238,17 @@ contains
       if (wheel%i_psi > 0) call add_entry(entries, row, wheel%i_psi + 1, factor, values)
    end subroutine add_speed
 
-   !> Sum of the torques that the loads of a wheel know; that of a prescribed speed is not among them [N m].
-   pure real(wp) function wheel_load_torque(gearbox, index, t, omega, integers) result(torque)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index
-      real(wp), intent(in) :: t, omega
-      integer, intent(in) :: integers(:)
-      integer :: i
+   !> Add a multiple of a wheel's angle gradient to a row.
+   pure subroutine add_angle(wheel, row, factor, entries, values)
+      type(wheel_t), intent(in) :: wheel
+      integer, intent(in) :: row !! of a Jacobian
+      real(wp), intent(in) :: factor
+      type(jacobian_entries), intent(in) :: entries
+      real(wp), intent(inout) :: values(entries%n_entries)
 
-      torque = 0
-      do i = 1, size(gearbox%loads)
-         if (gearbox%loads(i)%wheel == index) &
-            torque = torque + load_torque(gearbox%loads(i), t, omega, segment_of(gearbox%loads(i), integers))
-      end do
-   end function wheel_load_torque
-
-   !> What the turning of the housing adds to it: torques against the ground follow the speed seen from there [N m].
-   pure real(wp) function wheel_spin_torque(gearbox, index, spin) result(torque)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index
-      real(wp), intent(in) :: spin !! Omega_z of the housing [rad/s]
-      integer :: i
-
-      torque = 0
-      do i = 1, size(gearbox%loads)
-         associate (load => gearbox%loads(i))
-            if (load%wheel == index .and. .not. load%against_housing) torque = torque - load_damping(load)*spin
-         end associate
-      end do
-   end function wheel_spin_torque
-
-   !> The part of the torque of a wheel's loads whose reaction goes to the housing [N m].
-   pure real(wp) function wheel_housing_torque(gearbox, index, t, omega, spin, total, integers) result(torque)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index
-      real(wp), intent(in) :: t, omega, spin
-      real(wp), intent(in) :: total !! of all loads, with that of a prescribed speed [N m]
-      integer, intent(in) :: integers(:)
-      logical :: follows
-      integer :: i
-
-      follows = wheel_follows_ground(gearbox, index)
-      torque = merge(0.0_wp, total, follows)
-      do i = 1, size(gearbox%loads)
-         associate (load => gearbox%loads(i))
-            if (load%wheel /= index .or. (load%against_housing .neqv. follows)) cycle
-            torque = torque + merge(1.0_wp, -1.0_wp, follows)*load_torque(load, t, omega, segment_of(load, integers))
-         end associate
-      end do
-      if (.not. follows) torque = torque - wheel_spin_torque(gearbox, index, spin)
-   end function wheel_housing_torque
-
-   !> Whether phi'' + Omega_z', not phi'', follows from torques or a prescribed speed: all but a speed against the housing.
-   pure logical function wheel_follows_ground(gearbox, index) result(follows)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index
-
-      follows = .true.
-      associate (driver => gearbox%wheels(index)%prescribed)
-         if (driver > 0) follows = .not. gearbox%loads(driver)%against_housing
-      end associate
-   end function wheel_follows_ground
+      call add_entry(entries, row, i_theta, wheel%ratio*factor, values)
+      if (wheel%i_psi > 0) call add_entry(entries, row, wheel%i_psi, factor, values)
+   end subroutine add_angle
 
    !> Centre of a wheel in the housing frame and its velocity there [m], [m/s].
    pure subroutine wheel_position(wheel, y, centre, velocity)
@@ -327,33 +266,6 @@ contains
          end associate
       end do
    end subroutine wheel_position
-
-   !> Knots that a load's table has passed; 0 without a table.
-   pure integer function segment_of(load, integers) result(segment)
-      type(load_t), intent(in) :: load
-      integer, intent(in) :: integers(:)
-
-      segment = 0
-      if (load%i_segment > 0) segment = integers(load%i_segment)
-   end function segment_of
-
-   !> Angular acceleration of a rotor under the torque of its meshes, shafts and loads, or the prescribed one [rad/s^2].
-   pure real(wp) function wheel_acceleration(gearbox, index, torque, integers) result(acceleration)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index       !! of one of its wheels
-      real(wp), intent(in) :: torque     !! on the rotor [N m]
-      integer, intent(in) :: integers(:)
-
-      associate (wheel => gearbox%wheels(index))
-         if (wheel%prescribed > 0) then
-            associate (load => gearbox%loads(wheel%prescribed))
-               acceleration = load_acceleration(load, segment_of(load, integers))
-            end associate
-         else
-            acceleration = torque*wheel%per_inertia
-         end if
-      end associate
-   end function wheel_acceleration
 
    !> Whether a tooth contact leads a rigid flank that is closed.
    pure logical function is_closed(gearbox, index, integers)

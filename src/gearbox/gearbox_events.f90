@@ -5,11 +5,11 @@ module evl_gearbox_events
    use evl_contact_roots, only: contact_root_directions, mark_idle_roots
    use evl_contact_tracking, only: project_points
    use evl_dae_residual, only: gearbox_derivative
-   use evl_event_kinds, only: event_knot, event_log, event_opened, event_revolution, event_t, n_event_kinds, note
+   use evl_event_kinds, only: event_knot, event_log, event_revolution, event_t, n_event_kinds, note
    use evl_gearbox, only: carries_points, gearbox_local, gearbox_mode, gearbox_t, i_turns
    use evl_housing, only: housing_renormalise
    use evl_kinds, only: pi, wp
-   use evl_load, only: load_next_knot
+   use evl_knots, only: next_knot
    use evl_local_variables, only: at_track, i_theta, n_local, n_track
    use evl_rigid_events, only: closed_flanks, settle_rigid
    use evl_settle_modes, only: most_settling, settle_modes
@@ -116,8 +116,8 @@ contains
 
       time = huge(time)
       do i = 1, size(gearbox%loads)
-         associate (load => gearbox%loads(i))
-            if (load%i_segment > 0) time = min(time, load_next_knot(load, integers(load%i_segment)))
+         associate (load => gearbox%loads(i)%load)
+            if (load%i_segment > 0) time = min(time, next_knot(load%knots, integers(load%i_segment)))
          end associate
       end do
    end function gearbox_next_time_event
@@ -143,9 +143,9 @@ contains
       was_closed = closed_flanks(gearbox, integers)
       if (time_event) then
          do i = 1, size(gearbox%loads)
-            associate (load => gearbox%loads(i))
+            associate (load => gearbox%loads(i)%load)
                if (load%i_segment == 0) cycle
-               if (load_next_knot(load, integers(load%i_segment)) <= t) &
+               if (next_knot(load%knots, integers(load%i_segment)) <= t) &
                   integers(load%i_segment) = integers(load%i_segment) + 1
             end associate
          end do

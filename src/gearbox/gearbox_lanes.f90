@@ -5,15 +5,16 @@ module evl_gearbox_lanes
    use evl_contact_lanes, only: contact_in_lanes
    use evl_contacts_in_lanes, only: lane_slot
    use evl_force_lanes, only: forces_in_lanes, lane_force
-   use evl_gearbox, only: gearbox_t, segment_of, wheel_acceleration, wheel_t
+   use evl_gearbox, only: gearbox_t, wheel_t
    use evl_gearbox_rates, only: gearbox_rates
    use evl_kinds, only: lanes, wp
    use evl_line_lanes, only: lane_line, line_in_lanes, turn_wheel
-   use evl_load, only: load_damping, load_table, load_torque, load_varies
+   use evl_load, only: lane_points
    use evl_local_variables, only: i_omega, i_theta, wheel_link
    use evl_shaft, only: shaft_t
    use evl_status, only: code_out_of_domain, fail, has_failed, status_t
    use evl_tooth_contact, only: flanks_loaded, tooth_contact_t, touches, tracking_closed_form
+   use evl_wheel_loads, only: segment_of, turns_of_wheel, wheel_acceleration
    implicit none (type, external)
    private
 
@@ -21,7 +22,6 @@ module evl_gearbox_lanes
 
 contains
 
-   include "parts/between_knots.inc"
    include "parts/springs_and_dampers.inc"
 
    !> Whether a gearbox can be evaluated here; if not, its states are asked one by one.
@@ -201,18 +201,26 @@ contains
       real(wp), intent(in) :: t(lanes), y(lanes, gearbox%n_states)
       integer, intent(in) :: integers(:)
       real(wp), intent(inout) :: f(lanes, gearbox%n_states)
-      real(wp), dimension(lanes) :: omega, torque
+      type(lane_points) :: at
+      real(wp) :: torque(lanes)
       integer :: j
 
       associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support)
          if (wheel%is_loaded) then
-            call speed_of(wheel, y, omega)
+            call speed_of(wheel, y, at%omega)
+            at%t = t
+            at%angle = 0
             torque = 0
             do j = 1, size(gearbox%loads)
-               if (gearbox%loads(j)%wheel == index) call add_load(gearbox, j, t, omega, integers, torque)
+               associate (load => gearbox%loads(j)%load)
+                  if (load%wheel /= index) cycle
+                  at%segment = segment_of(load, integers)
+                  if (load%by_angle) call angle_of(wheel, y, integers, at)
+                  call load%add_in_lanes(at, torque)
+               end associate
             end do
             call add(torque, f(:, wheel%i_speed))
-            call add_product(torque, omega, f(:, gearbox%i_work))
+            call add_product(torque, at%omega, f(:, gearbox%i_work))
          end if
          do j = 1, support%n
             associate (i => support%i_state(j))
@@ -239,38 +247,6 @@ contains
          power(l) = power(l) + damper_power(damping, s_dot(l))
       end do
    end subroutine move_support
-
-   !> Add the torque of a load: of a table by the time of each lane, else linear in the speed.
-   subroutine add_load(gearbox, index, t, omega, integers, torque)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index
-      real(wp), intent(in) :: t(lanes), omega(lanes)
-      integer, intent(in) :: integers(:)
-      real(wp), intent(inout) :: torque(lanes)
-      real(wp) :: constant, damping, t_1, t_2, value_1, value_2
-      integer :: l, segment
-
-      associate (load => gearbox%loads(index))
-         segment = segment_of(load, integers)
-         if (load%kind == load_table .and. load_varies(load, segment)) then
-            t_1 = load%time(segment)
-            t_2 = load%time(segment + 1)
-            value_1 = load%values(segment)
-            value_2 = load%values(segment + 1)
-            !$omp simd
-            do l = 1, lanes
-               torque(l) = torque(l) + between_knots(t(l), t_1, t_2, value_1, value_2)
-            end do
-         else
-            constant = load_torque(load, t(1), 0.0_wp, segment)
-            damping = load_damping(load)
-            !$omp simd
-            do l = 1, lanes
-               torque(l) = torque(l) + (constant - damping*omega(l))
-            end do
-         end if
-      end associate
-   end subroutine add_load
 
    !> From the torque on a rotor to its acceleration; a load that prescribes its speed brings the power that is missing.
    subroutine accelerate_rotor(gearbox, leader, y, integers, f)
@@ -336,5 +312,23 @@ contains
          omega(l) = ratio*y(l, i_omega) + psi_dot(l)
       end do
    end subroutine speed_of
+
+   !> Angle of a wheel in the housing [rad].
+   pure subroutine angle_of(wheel, y, integers, at)
+      type(wheel_t), intent(in) :: wheel
+      real(wp), intent(in) :: y(lanes, *)
+      integer, intent(in) :: integers(:)
+      type(lane_points), intent(inout) :: at
+      real(wp) :: psi(lanes), psi_dot(lanes), ratio, turned
+      integer :: l
+
+      call turn_wheel(wheel%i_psi, y, psi, psi_dot)
+      call turns_of_wheel(wheel, integers, at%revolutions, turned)
+      ratio = wheel%ratio
+      !$omp simd
+      do l = 1, lanes
+         at%angle(l) = turned + ratio*y(l, i_theta) + psi(l)
+      end do
+   end subroutine angle_of
 
 end module evl_gearbox_lanes

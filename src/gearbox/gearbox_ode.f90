@@ -5,19 +5,20 @@
 module evl_gearbox_ode
    use evl_contacts_in_lanes, only: lane_slot, put_down, settle_slots
    use evl_force_jacobian, only: add_constants, add_forces, couple_reference
-   use evl_gearbox, only: gearbox_t, wheel_t
+   use evl_gearbox, only: gearbox_t
    use evl_gearbox_events, only: gearbox_root, gearbox_root_directions, gearbox_roots
    use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
    use evl_gearbox_rates, only: gearbox_rates
    use evl_gearbox_watch, only: n_channels
    use evl_housing, only: frame_t, housing_fixed, housing_frame
    use evl_jacobian_entries, only: jacobian_entries, listed_entries
+   use evl_jacobian_pattern, only: find_pattern
    use evl_kinds, only: lanes, wp
    use evl_local_variables, only: i_omega, i_theta
    use evl_ode_model, only: growth_by_coupling, growth_by_damping, growth_never, never, ode_model
    use evl_roots_lanes, only: roots_in_lanes
    use evl_status, only: code_invalid_input, fail, has_failed, status_t, subject_housing, subject_mesh
-   use evl_tooth_contact, only: contact_state, tooth_contact_t, tracking_closed_form
+   use evl_tooth_contact, only: contact_state, tracking_closed_form
    use evl_watch_lanes, only: most_rows, watched_in_lanes
    implicit none (type, external)
    private
@@ -100,8 +101,8 @@ contains
       call add_constants(gearbox, self%entries, self%constants)
    end subroutine gearbox_ode_create
 
-   !> Whether a vibration may feed itself: where friction falls, by friction at all, or by what a moving housing adds. Loads,
-   !> supports, shafts and the dampers of contacts take energy only.
+   !> Whether a vibration may feed itself: where friction falls or a load grows with the speed, by friction at all, or by what a
+   !> moving housing adds. Supports, shafts and the dampers of contacts take energy only.
    pure integer function kind_of_growth(gearbox) result(growth)
       type(gearbox_t), intent(in) :: gearbox
       logical :: falls
@@ -113,6 +114,9 @@ contains
       do i = 1, size(gearbox%contacts)
          if (gearbox%contacts(i)%friction%acts()) growth = growth_by_coupling
          falls = falls .or. gearbox%contacts(i)%friction%falls()
+      end do
+      do i = 1, size(gearbox%loads)
+         falls = falls .or. gearbox%loads(i)%load%may_feed
       end do
       if (falls) growth = growth_by_damping
    end function kind_of_growth
@@ -293,125 +297,5 @@ contains
 
       call gearbox_root_directions(self%gearbox, self%integers, directions, idle=never)
    end subroutine root_directions
-
-   !> Entries that df/dy may have in any discrete state.
-   pure subroutine find_pattern(gearbox, rows, columns)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, allocatable, intent(out) :: rows(:), columns(:)
-      logical :: taken(gearbox%n_states, gearbox%n_states)
-      integer :: i, j, n
-
-      taken = .false.
-      do i = 1, size(gearbox%wheels)
-         call mark_wheel(gearbox, gearbox%wheels(i), taken)
-      end do
-      do i = 1, size(gearbox%contacts)
-         call mark_contact(gearbox, gearbox%contacts(i), taken)
-      end do
-      do i = 1, size(gearbox%shafts)
-         call mark_shaft(gearbox, i, taken)
-      end do
-      do i = 1, size(gearbox%wheels)
-         associate (wheel => gearbox%wheels(i)) ! psi'' = phi'' - g theta''
-            if (wheel%i_psi > 0) taken(wheel%i_speed, :) = taken(wheel%i_speed, :) .or. taken(i_omega, :)
-         end associate
-      end do
-      n = count(taken)
-      allocate (rows(n), columns(n))
-      n = 0
-      do j = 1, gearbox%n_states
-         do i = 1, gearbox%n_states
-            if (.not. taken(i, j)) cycle
-            n = n + 1
-            rows(n) = i
-            columns(n) = j
-         end do
-      end do
-   end subroutine find_pattern
-
-   !> A wheel with its loads and its support, in a housing that is at rest or moves as prescribed.
-   pure subroutine mark_wheel(gearbox, wheel, taken)
-      type(gearbox_t), intent(in) :: gearbox
-      type(wheel_t), intent(in) :: wheel
-      logical, intent(inout) :: taken(:, :)
-      integer :: j, k
-
-      taken(i_theta, i_omega) = .true.
-      if (wheel%i_psi > 0) taken(wheel%i_psi, wheel%i_psi + 1) = .true.
-      call mark_speed(wheel, wheel%i_speed, taken)
-      call mark_speed(wheel, gearbox%i_work, taken)
-      do j = 1, wheel%support%n
-         associate (s => wheel%support%i_state(j))
-            taken(s, s + 1) = .true.
-            taken(s + 1, s:s + 1) = .true.
-            taken(gearbox%i_dissipated, s + 1) = .true.
-            if (.not. gearbox%housing%acts) cycle
-            taken(gearbox%i_work, s:s + 1) = .true.
-            do k = 1, wheel%support%n
-               associate (other => wheel%support%i_state(k))
-                  taken(s + 1, other:other + 1) = .true.
-               end associate
-            end do
-         end associate
-      end do
-   end subroutine mark_wheel
-
-   !> The force of a tooth contact: on its wheels, their supports, and in the energies.
-   pure subroutine mark_contact(gearbox, contact, taken)
-      type(gearbox_t), intent(in) :: gearbox
-      type(tooth_contact_t), intent(in) :: contact
-      logical, intent(inout) :: taken(:, :)
-      logical :: row(gearbox%n_states)
-      integer :: i, j, side
-
-      row = .false.
-      row(gearbox%i_dissipated) = .true.
-      do side = 1, 2
-         associate (wheel => gearbox%wheels(merge(contact%wheel_a, contact%wheel_b, side == 1)))
-            row(merge(wheel%i_speed, gearbox%i_work, wheel%prescribed == 0)) = .true.
-            do j = 1, wheel%support%n
-               row(wheel%support%i_state(j) + 1) = .true.
-            end do
-         end associate
-      end do
-      do i = 1, size(contact%links)
-         taken(:, contact%links(i)%state) = taken(:, contact%links(i)%state) .or. row
-      end do
-   end subroutine mark_contact
-
-   !> The torque of an elastic shaft on its two wheels, and in the energies.
-   pure subroutine mark_shaft(gearbox, index, taken)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index
-      logical, intent(inout) :: taken(:, :)
-      logical :: row(gearbox%n_states)
-      integer :: columns(4), i
-
-      associate (shaft => gearbox%shafts(index))
-         if (shaft%rigid) return
-         associate (a => gearbox%wheels(shaft%wheel_a), b => gearbox%wheels(shaft%wheel_b))
-            row = .false.
-            row(gearbox%i_dissipated) = .true.
-            row(merge(a%i_speed, gearbox%i_work, a%prescribed == 0)) = .true.
-            row(merge(b%i_speed, gearbox%i_work, b%prescribed == 0)) = .true.
-         end associate
-         columns = [shaft%i_psi_a, shaft%i_psi_a + 1, shaft%i_psi_b, shaft%i_psi_b + 1]
-         if (shaft%i_psi_a == 0) columns(1:2) = 0
-         if (shaft%i_psi_b == 0) columns(3:4) = 0
-      end associate
-      do i = 1, size(columns)
-         if (columns(i) > 0) taken(:, columns(i)) = taken(:, columns(i)) .or. row
-      end do
-   end subroutine mark_shaft
-
-   !> A row that depends on a wheel's speed.
-   pure subroutine mark_speed(wheel, row, taken)
-      type(wheel_t), intent(in) :: wheel
-      integer, intent(in) :: row
-      logical, intent(inout) :: taken(:, :)
-
-      taken(row, i_omega) = .true.
-      if (wheel%i_psi > 0) taken(row, wheel%i_psi + 1) = .true.
-   end subroutine mark_speed
 
 end module evl_gearbox_ode

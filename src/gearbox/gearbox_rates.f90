@@ -1,7 +1,6 @@
 !> The equations of motion of a gearbox: accelerations of wheels and supports, and the powers, from forces and torques.
 module evl_gearbox_rates
-   use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_t, i_turns, is_closed, wheel_acceleration, wheel_follows_ground, &
-                          wheel_housing_torque, wheel_load_torque, wheel_position, wheel_speed, wheel_spin_torque
+   use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_t, i_turns, is_closed, wheel_position, wheel_speed
    use evl_housing, only: apparent_acceleration, at_omega, frame_acceleration, frame_t, housing_frame, housing_rates
    use evl_kinds, only: wp
    use evl_local_variables, only: i_omega, i_theta, n_local, wheel_link
@@ -10,6 +9,7 @@ module evl_gearbox_rates
    use evl_springs_and_dampers, only: damper_power, support_acceleration
    use evl_status, only: has_failed, status_t
    use evl_tooth_contact, only: contact_forces, contact_state, locate_contact, nominal_rho, touches
+   use evl_wheel_loads, only: wheel_acceleration, wheel_follows_ground, wheel_housing_torque, wheel_load_torque, wheel_spin_torque
    implicit none (type, external)
    private
 
@@ -177,8 +177,8 @@ contains
 
       associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support)
          omega = wheel_speed(wheel, y)
-         torque = wheel_load_torque(gearbox, index, t, omega, integers)
-         if (gearbox%housing%acts) torque = torque + wheel_spin_torque(gearbox, index, spin)
+         torque = wheel_load_torque(gearbox, index, t, y, integers)
+         if (gearbox%housing%acts) torque = torque + wheel_spin_torque(gearbox, index, spin, t, y, integers)
          f(wheel%i_speed) = f(wheel%i_speed) + torque
          f(gearbox%i_work) = f(gearbox%i_work) + torque*omega
          do j = 1, support%n
@@ -210,7 +210,7 @@ contains
             omega = wheel_speed(wheel, y)
             missing = missing + wheel%rotor_inertia*f(wheel%i_speed)
             if (.not. wheel_follows_ground(gearbox, leader)) missing = missing + wheel%rotor_inertia*alpha
-            associate (driver => gearbox%loads(wheel%prescribed)%wheel)
+            associate (driver => gearbox%loads(wheel%prescribed)%load%wheel)
                torques(driver) = torques(driver) + missing
             end associate
             f(gearbox%i_work) = f(gearbox%i_work) + missing*omega
@@ -241,7 +241,7 @@ contains
          end do
          if (gearbox%housing%is_mounted) then
             associate (moment => f(gearbox%housing%i_state + at_omega + 2), &
-                       ground => torque - wheel_housing_torque(gearbox, index, t, omega, frame%omega(3), torque, integers))
+                       ground => torque - wheel_housing_torque(gearbox, index, frame%omega(3), torque, t, y, integers))
                power = power + ground*frame%omega(3)
                moment = moment + ground
             end associate

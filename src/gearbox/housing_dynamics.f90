@@ -3,7 +3,7 @@
 !> Source: docs/housing.md, section 3. Both balances are about the origin of the housing frame and in its components; contact
 !> forces cancel in them.
 module evl_housing_dynamics
-   use evl_gearbox, only: gearbox_t, wheel_follows_ground, wheel_position, wheel_speed, wheel_t
+   use evl_gearbox, only: gearbox_t, wheel_position, wheel_speed, wheel_t
    use evl_gearbox_rates, only: gearbox_rates, multiplier_row
    use evl_housing, only: apparent_acceleration, at_omega, at_velocity, frame_acceleration, frame_t, housing_frame, &
                           mount_deflection, wheel_moment
@@ -13,6 +13,7 @@ module evl_housing_dynamics
    use evl_rotation, only: cross, crossed, skew, turned, turned_back
    use evl_status, only: code_singular, fail, has_failed, status_t
    use evl_tooth_contact, only: contact_state
+   use evl_wheel_loads, only: wheel_follows_ground
    implicit none (type, external)
    private
 

@@ -2,16 +2,15 @@
 !>
 !> Source: the derivatives of docs/housing.md, one by one. Those by y' are in evl_housing_dynamics.
 module evl_housing_jacobian
-   use evl_gearbox, only: add_speed, gearbox_t, wheel_acceleration, wheel_follows_ground, wheel_housing_torque, &
-                          wheel_load_torque, wheel_position, wheel_speed, wheel_spin_torque, wheel_t
+   use evl_gearbox, only: add_angle, add_speed, gearbox_t, wheel_position, wheel_speed
    use evl_housing, only: apparent_acceleration, at_omega, at_orientation, at_position, at_velocity, frame_acceleration, &
                           frame_t, housing_t, mount_force, n_housing_states, norm_rate
    use evl_housing_dynamics, only: wheel_accelerations
    use evl_jacobian_entries, only: add_entry, full_matrix, jacobian_entries
    use evl_kinds, only: wp
-   use evl_load, only: load_damping
-   use evl_local_variables, only: i_omega
    use evl_rotation, only: cross, crossed, identity, rotated_back_gradient, rotated_gradient, skew, turned, turned_back
+   use evl_wheel_loads, only: load_gradient, wheel_acceleration, wheel_follows_ground, wheel_housing_torque, wheel_load_torque, &
+                              wheel_spin_torque
    implicit none (type, external)
    private
 
@@ -20,10 +19,11 @@ module evl_housing_jacobian
 contains
 
    !> Add what one wheel and its support feel, before the rows of psi' are coupled with that of the reference wheel.
-   pure subroutine ride_gradient(gearbox, index, y, frame, entries, values)
+   pure subroutine ride_gradient(gearbox, index, t, y, integers, frame, entries, values)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: t, y(:)
+      integer, intent(in) :: integers(:)
       type(frame_t), intent(in) :: frame !! at y, y'
       type(jacobian_entries), intent(in) :: entries
       real(wp), intent(inout) :: values(entries%n_entries)
@@ -33,7 +33,7 @@ contains
       associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support, work => gearbox%i_work)
          call wheel_position(wheel, y, centre, velocity)
          if (wheel%prescribed == 0) &
-            call add_speed(wheel, work, -wheel_spin_torque(gearbox, index, frame%omega(3)), entries, values)
+            call add_speed(wheel, work, -wheel_spin_torque(gearbox, index, frame%omega(3), t, y, integers), entries, values)
          by_centre = gradient_by_centre(frame)
          do j = 1, support%n
             row = [support%direction(:, j), 0.0_wp]
@@ -93,32 +93,36 @@ contains
       type(frame_t), intent(in) :: frame
       real(wp), intent(inout) :: jacobian(gearbox%n_states, gearbox%n_states)
       type(jacobian_entries) :: entries
-      real(wp) :: damping, damping_housing, omega, total, ground, by_speed, by_spin
+      real(wp), dimension(2) :: from_ground, from_housing, mine ! damping and stiffness
+      real(wp) :: omega, total, ground, by_speed, by_angle, by_spin
       integer :: i
 
       call full_matrix(gearbox%n_states, entries)
-      damping = 0
-      damping_housing = 0
+      from_ground = 0
+      from_housing = 0
       do i = 1, size(gearbox%loads)
-         associate (load => gearbox%loads(i))
+         associate (load => gearbox%loads(i)%load)
             if (load%wheel /= index) cycle
+            call load_gradient(gearbox, i, t, y, integers, frame%omega(3), mine(1), mine(2))
             if (load%against_housing) then
-               damping_housing = damping_housing + load_damping(load)
+               from_housing = from_housing + mine
             else
-               damping = damping + load_damping(load)
+               from_ground = from_ground + mine
             end if
          end associate
       end do
       associate (wheel => gearbox%wheels(index), work => gearbox%i_work, spin => frame%omega(3), &
-                 o => gearbox%housing%i_state + at_omega + 2)
+                 damping => from_ground(1), o => gearbox%housing%i_state + at_omega + 2)
          omega = wheel_speed(wheel, y)
-         total = wheel_load_torque(gearbox, index, t, omega, integers) + wheel_spin_torque(gearbox, index, spin)
+         total = wheel_load_torque(gearbox, index, t, y, integers) + wheel_spin_torque(gearbox, index, spin, t, y, integers)
          if (wheel%prescribed > 0) total = wheel%inertia*wheel_acceleration(gearbox, index, 0.0_wp, integers)
-         ground = total - wheel_housing_torque(gearbox, index, t, omega, spin, total, integers)
+         ground = total - wheel_housing_torque(gearbox, index, spin, total, t, y, integers)
          by_speed = -damping
+         by_angle = -from_ground(2)
          by_spin = -damping
          if (wheel%prescribed > 0 .and. wheel_follows_ground(gearbox, index)) then
-            by_speed = damping_housing
+            by_speed = from_housing(1)
+            by_angle = from_housing(2)
             by_spin = 0
          else if (wheel%prescribed == 0) then
             jacobian(wheel%i_speed, o) = jacobian(wheel%i_speed, o) + damping/wheel%rotor_inertia
@@ -127,8 +131,10 @@ contains
             call add_speed(wheel, work, -wheel%inertia*frame%alpha(3), entries, jacobian)
          end if
          call add_speed(wheel, work, -spin*by_speed, entries, jacobian)
+         call add_angle(wheel, work, -spin*by_angle, entries, jacobian)
          jacobian(work, o) = jacobian(work, o) - ground - spin*by_spin
          call add_speed(wheel, o, -by_speed, entries, jacobian)
+         call add_angle(wheel, o, -by_angle, entries, jacobian)
          jacobian(o, o) = jacobian(o, o) - by_spin
       end associate
    end subroutine ground_gradient

@@ -1,9 +1,10 @@
 !> Torques that follow from a motion: of a load that prescribes a speed, and in shafts.
 module evl_outside_torques
-   use evl_gearbox, only: gearbox_t, wheel_load_torque, wheel_speed, wheel_spin_torque
+   use evl_gearbox, only: gearbox_t, wheel_speed
    use evl_housing, only: frame_t
    use evl_kinds, only: wp
    use evl_shaft, only: shaft_torque
+   use evl_wheel_loads, only: wheel_load_torque, wheel_spin_torque
    implicit none (type, external)
    private
 
@@ -23,15 +24,16 @@ contains
       integer :: i
 
       do i = 1, size(gearbox%wheels)
-         load_torque(i) = wheel_load_torque(gearbox, i, t, wheel_speed(gearbox%wheels(i), y), integers)
-         if (gearbox%housing%acts) load_torque(i) = load_torque(i) + wheel_spin_torque(gearbox, i, frame%omega(3))
+         load_torque(i) = wheel_load_torque(gearbox, i, t, y, integers)
+         if (gearbox%housing%acts) &
+            load_torque(i) = load_torque(i) + wheel_spin_torque(gearbox, i, frame%omega(3), t, y, integers)
       end do
       if (.not. any(gearbox%wheels%prescribed > 0)) return
       call needed_torques(gearbox, y, f, frame, mesh_torque + load_torque, needed)
       do i = 1, size(gearbox%wheels)
          associate (wheel => gearbox%wheels(i))
             if (wheel%prescribed == 0 .or. wheel%leader /= i) cycle
-            associate (driver => gearbox%loads(wheel%prescribed)%wheel)
+            associate (driver => gearbox%loads(wheel%prescribed)%load%wheel)
                load_torque(driver) = load_torque(driver) + sum(needed, mask=gearbox%wheels%leader == i)
             end associate
          end associate

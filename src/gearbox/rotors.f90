@@ -1,7 +1,6 @@
 !> Which wheels rigid shafts join to one rotor.
 module evl_rotors
    use evl_gearbox, only: gearbox_t
-   use evl_load, only: load_prescribed_speed
    use evl_status, only: code_invalid_input, fail, has_failed, status_t, subject_load, subject_shaft
    implicit none (type, external)
    private
@@ -38,7 +37,7 @@ contains
          end do
       end do
       do i = 1, size(gearbox%loads)
-         if (gearbox%loads(i)%kind == load_prescribed_speed) call prescribe(i)
+         if (gearbox%loads(i)%load%prescribes) call prescribe(i)
          if (has_failed(status)) return
       end do
       gearbox%reference = max(1, findloc(gearbox%wheels%prescribed > 0, .true., dim=1))
@@ -50,7 +49,7 @@ contains
          integer, intent(in) :: load
          integer :: leader
 
-         leader = gearbox%wheels(gearbox%loads(load)%wheel)%leader
+         leader = gearbox%wheels(gearbox%loads(load)%load%wheel)%leader
          if (gearbox%wheels(leader)%prescribed > 0) then
             call fail(status, code_invalid_input, "a rigid shaft joins its wheel to another whose speed is prescribed as well", &
                       subject_load, load, "kind")

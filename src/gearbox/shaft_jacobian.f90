@@ -1,10 +1,11 @@
 !> What an elastic shaft adds to dF/dy.
 module evl_shaft_jacobian
-   use evl_gearbox, only: add_speed, gearbox_t, wheel_follows_ground, wheel_speed
+   use evl_gearbox, only: add_speed, gearbox_t, wheel_speed
    use evl_housing, only: at_omega
    use evl_jacobian_entries, only: add_entry, jacobian_entries
    use evl_kinds, only: wp
    use evl_shaft, only: shaft_t, shaft_torque, shaft_twist_rate
+   use evl_wheel_loads, only: wheel_follows_ground
    implicit none (type, external)
    private
 

@@ -58,7 +58,7 @@ contains
       info%parameters(1) = law_parameter("restitution", "1", "nominal coefficient of restitution e", &
                                          minimum=0.0_wp, minimum_open=is_positive, maximum=1.0_wp)
       info%parameters(2) = law_parameter("v0_min", "m/s", "smallest approach speed v0 that is used; h_0 sqrt(k/m) if not given", &
-                                         minimum=0.0_wp, minimum_open=.true., from_mesh=.true.)
+                                         minimum=0.0_wp, minimum_open=.true., left_open=.true.)
    end subroutine describe_impact
 
    !> chi/v0 [s/m].

@@ -5,7 +5,7 @@ module evl_rational
    implicit none (type, external)
    private
 
-   public :: divisor_of, rational_t, rational_pitches, rational_scaled, rational_value, operator(==)
+   public :: divisor_of, rational_parts, rational_pitches, rational_t, rational_scaled, rational_value, operator(==)
 
    integer(int64), parameter :: largest = 2_int64**61           !! numerator and denominator, so that twice of it fits
    integer(int64), parameter :: short = int(huge(1_int32), int64) !! times any number of turns it still fits
@@ -83,15 +83,37 @@ contains
          pitches = -real(teeth, wp)
          return
       end if
-      if (abs(r%above) <= short) then
-         whole = r%above*turns/r%below
-         rest = r%above*turns - whole*r%below
-      else
-         call multiply(r, turns, whole, rest)
-      end if
+      call split(r, turns, whole, rest)
       pitches = real(whole - teeth, wp)
       if (rest /= 0) pitches = pitches + real(rest, wp)/real(r%below, wp)
    end function rational_pitches
+
+   !> r n = whole + part with |part| < 1: as precise however large it is.
+   pure subroutine rational_parts(r, n, whole, part)
+      type(rational_t), intent(in) :: r
+      integer, intent(in) :: n
+      real(wp), intent(out) :: whole !! a whole number
+      real(wp), intent(out) :: part
+      integer(int64) :: all, rest
+
+      call split(r, n, all, rest)
+      whole = real(all, wp)
+      part = real(rest, wp)/real(r%below, wp)
+   end subroutine rational_parts
+
+   !> r n = whole + rest/below.
+   pure subroutine split(r, n, whole, rest)
+      type(rational_t), intent(in) :: r
+      integer, intent(in) :: n
+      integer(int64), intent(out) :: whole, rest
+
+      if (abs(r%above) <= short) then
+         whole = r%above*n/r%below
+         rest = r%above*n - whole*r%below
+      else
+         call multiply(r, n, whole, rest)
+      end if
+   end subroutine split
 
    !> r n = whole + rest/below where the product of the numerator and n does not fit: digit by digit in base 2.
    pure subroutine multiply(r, n, whole, rest)

@@ -1,125 +1,191 @@
-!> Torques on a wheel from outside, and prescribed speeds.
+!> A load: a torque on a wheel from outside, or a prescribed speed. What a kind of load is asked, whichever it is.
+!>
+!> A kind extends load_t in a file of its own and has a line in evl_load_kinds; nobody else knows which kinds there are.
 module evl_load
-   use evl_kinds, only: wp
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use evl_kinds, only: lanes, wp
+   use evl_knots, only: knots_t
+   use evl_parameter, only: given_numbers, kind_info_t, parameter_name_length
    implicit none (type, external)
    private
 
-   public :: load_t, load_torque, load_damping, load_speed, load_acceleration, load_segment, load_next_knot, load_largest
-   public :: load_varies
-   public :: load_constant, load_viscous, load_table, load_prescribed_speed
+   public :: lane_points, load_input, load_point, load_t
 
-   integer, parameter :: load_constant = 0         !! constant torque
-   integer, parameter :: load_viscous = 1          !! torque against the speed
-   integer, parameter :: load_table = 2            !! torque over time
-   integer, parameter :: load_prescribed_speed = 3 !! speed, constant or over time
+   !> A load as described.
+   type, extends(given_numbers) :: load_input
+      integer :: wheel = 0                 !! which wheel it acts on
+      integer :: kind = -1                 !! index in the table of kinds, from 0
+      logical :: against_housing = .false.
+   end type load_input
 
-   type :: load_t
+   !> Where a load is asked. The wheel's angle in the housing is 2 pi revolutions + angle.
+   type :: load_point
+      real(wp) :: t = 0.0_wp           !! [s]
+      real(wp) :: omega = 0.0_wp       !! speed of the wheel [rad/s]
+      real(wp) :: revolutions = 0.0_wp !! whole turns of the wheel; for loads with by_angle
+      real(wp) :: angle = 0.0_wp       !! the rest [rad]; likewise
+      integer :: segment = 0           !! knots passed, if it has any
+   end type load_point
+
+   !> The same of eight states.
+   type :: lane_points
+      real(wp) :: t(lanes), omega(lanes), angle(lanes) !! as above
+      real(wp) :: revolutions = 0.0_wp
+      integer :: segment = 0
+   end type lane_points
+
+   type, abstract :: load_t
       integer :: wheel = 0                  !! which wheel it acts on
-      integer :: kind = load_constant       !! one of the kinds above
-      real(wp) :: value = 0.0_wp            !! torque [N m], coefficient [N m s] or speed [rad/s]
-      real(wp), allocatable :: time(:)      !! knots [s], strictly increasing; size 0 without a table
-      real(wp), allocatable :: values(:)    !! torque [N m] or speed [rad/s] there
       logical :: against_housing = .false.  !! the reaction, and the speed referred to; otherwise the ground
-      integer :: i_segment = 0              !! index of the segment in the discrete state; 0 without a table
+      integer :: i_segment = 0              !! index of the segment in the discrete state; 0 without knots
+      type(knots_t) :: knots                !! of a table; where the torque or its rate may jump. Not allocated without one
+      logical :: prescribes = .false.       !! it prescribes the speed, and brings what torque that needs
+      logical :: by_speed = .false.         !! its torque depends on the speed of the wheel
+      logical :: by_angle = .false.         !! its torque depends on the angle of the wheel
+      logical :: may_feed = .false.         !! its torque may grow with the speed: it can feed a vibration
+      character(len=parameter_name_length) :: sense = "value" !! parameter that gives its torque or speed its sense
+   contains
+      procedure(describe_kind), deferred, nopass :: describe
+      procedure(take_numbers), deferred :: take
+      procedure(torque_there), deferred :: ask
+      procedure(largest_torque), deferred :: largest
+      procedure, nopass :: refusal => no_refusal
+      procedure :: add_in_lanes => ask_one_by_one
+      procedure :: spin_torque
+      procedure :: speed => no_speed
+      procedure :: acceleration => no_acceleration
+      procedure :: largest_speed => no_largest_speed
+      procedure :: swing => no_swing
+      procedure :: hold => hold_nothing
    end type load_t
+
+   abstract interface
+
+      !> Name, text and rows of the kind.
+      pure type(kind_info_t) function describe_kind()
+         import :: kind_info_t
+         implicit none (type, external)
+      end function describe_kind
+
+      !> Take the parameters: every one is in its range, and `refusal` has nothing to say.
+      subroutine take_numbers(self, given)
+         import :: load_input, load_t
+         implicit none (type, external)
+         class(load_t), intent(inout) :: self
+         type(load_input), intent(in) :: given
+      end subroutine take_numbers
+
+      !> The torque; a prescribed speed has none of its own.
+      pure subroutine torque_there(self, at, torque, damping, stiffness)
+         import :: load_point, load_t, wp
+         implicit none (type, external)
+         class(load_t), intent(in) :: self
+         type(load_point), intent(in) :: at
+         real(wp), intent(out) :: torque    !! M, counterclockwise positive [N m]
+         real(wp), intent(out) :: damping   !! -dM/domega [N m s]; 0 without by_speed
+         real(wp), intent(out) :: stiffness !! -dM/dphi [N m]; 0 without by_angle
+      end subroutine torque_there
+
+      !> The largest magnitude of the torque but for oscillations, as a scale of forces, of a wheel that turns at ratio*speed [N m].
+      pure real(wp) function largest_torque(self, ratio, speed)
+         import :: load_t, wp
+         implicit none (type, external)
+         class(load_t), intent(in) :: self
+         real(wp), intent(in) :: ratio !! >= 0
+         real(wp), intent(in) :: speed !! of the reference wheel [rad/s] >= 0
+      end function largest_torque
+
+   end interface
 
 contains
 
-   !> Torque at time t and speed omega [N m]; a prescribed speed has none of its own.
-   pure real(wp) function load_torque(load, t, omega, segment) result(torque)
-      type(load_t), intent(in) :: load
-      real(wp), intent(in) :: t        !! [s]
-      real(wp), intent(in) :: omega    !! [rad/s]
-      integer, intent(in) :: segment   !! number of knots passed, if there is a table
+   !> What is wrong with numbers that are in their ranges, but do not go together, and the parameter to change; "" if nothing is.
+   pure subroutine no_refusal(given, message, field)
+      class(given_numbers), intent(in) :: given
+      character(len=*), intent(out) :: message, field
 
-      select case (load%kind)
-      case (load_constant)
-         torque = load%value
-      case (load_viscous)
-         torque = -load%value*omega
-      case (load_table)
-         torque = interpolate(load, t, segment)
-      case default
-         torque = 0
-      end select
-   end function load_torque
+      associate (unused => given)
+      end associate
+      message = ""
+      field = ""
+   end subroutine no_refusal
 
-   !> -d torque/d omega [N m s].
-   elemental real(wp) function load_damping(load) result(damping)
-      type(load_t), intent(in) :: load
+   !> Add the torques of eight states, asked one by one: for a kind that has no loop of its own.
+   pure subroutine ask_one_by_one(self, at, torque)
+      class(load_t), intent(in) :: self
+      type(lane_points), intent(in) :: at
+      real(wp), intent(inout) :: torque(lanes) !! [N m]
+      real(wp) :: mine, damping, stiffness
+      integer :: l
 
-      damping = merge(load%value, 0.0_wp, load%kind == load_viscous)
-   end function load_damping
+      do l = 1, lanes
+         call self%ask(load_point(at%t(l), at%omega(l), at%revolutions, at%angle(l), at%segment), mine, damping, stiffness)
+         torque(l) = torque(l) + mine
+      end do
+   end subroutine ask_one_by_one
+
+   !> What the turning of the housing adds to a torque against the ground: it follows the speed seen from there [N m].
+   pure real(wp) function spin_torque(self, at, spin) result(torque)
+      class(load_t), intent(in) :: self
+      type(load_point), intent(in) :: at !! in the housing
+      real(wp), intent(in) :: spin       !! Omega_z of the housing [rad/s]
+      type(load_point) :: seen
+      real(wp) :: here, damping, stiffness
+
+      torque = 0
+      if (.not. self%by_speed) return
+      seen = at
+      seen%omega = at%omega + spin
+      call self%ask(at, here, damping, stiffness)
+      call self%ask(seen, torque, damping, stiffness)
+      torque = torque - here
+   end function spin_torque
 
    !> Prescribed speed [rad/s].
-   pure real(wp) function load_speed(load, t, segment) result(speed)
-      type(load_t), intent(in) :: load
-      real(wp), intent(in) :: t
-      integer, intent(in) :: segment
+   pure real(wp) function no_speed(self, t, segment) result(speed)
+      class(load_t), intent(in) :: self
+      real(wp), intent(in) :: t      !! [s]
+      integer, intent(in) :: segment !! knots passed, if it has any
 
-      if (size(load%time) > 0) then
-         speed = interpolate(load, t, segment)
-      else
-         speed = load%value
-      end if
-   end function load_speed
+      associate (unused => self, unused_too => [t, real(segment, wp)])
+      end associate
+      speed = 0
+   end function no_speed
 
    !> Rate of the prescribed speed [rad/s^2].
-   pure real(wp) function load_acceleration(load, segment) result(acceleration)
-      type(load_t), intent(in) :: load
+   pure real(wp) function no_acceleration(self, segment) result(acceleration)
+      class(load_t), intent(in) :: self
       integer, intent(in) :: segment
 
+      associate (unused => self, unused_too => segment)
+      end associate
       acceleration = 0
-      if (.not. load_varies(load, segment)) return
-      acceleration = (load%values(segment + 1) - load%values(segment))/(load%time(segment + 1) - load%time(segment))
-   end function load_acceleration
+   end function no_acceleration
 
-   !> Linear between the knots, constant before the first and after the last.
-   pure real(wp) function interpolate(load, t, segment) result(value)
-      type(load_t), intent(in) :: load
-      real(wp), intent(in) :: t
-      integer, intent(in) :: segment
+   !> Largest magnitude of the prescribed speed [rad/s].
+   pure real(wp) function no_largest_speed(self) result(speed)
+      class(load_t), intent(in) :: self
 
-      if (load_varies(load, segment)) then
-         value = between_knots(t, load%time(segment), load%time(segment + 1), load%values(segment), load%values(segment + 1))
-      else
-         value = load%values(merge(1, size(load%time), segment < 1))
-      end if
-   end function interpolate
+      associate (unused => self)
+      end associate
+      speed = 0
+   end function no_largest_speed
 
-   include "parts/between_knots.inc"
+   !> How far the torque oscillates [N m]: the scale of forces where no load has another.
+   pure real(wp) function no_swing(self) result(torque)
+      class(load_t), intent(in) :: self
 
-   !> Whether a load has a table and is between two of its knots.
-   pure logical function load_varies(load, segment) result(varies)
-      type(load_t), intent(in) :: load
-      integer, intent(in) :: segment !! number of knots passed
+      associate (unused => self)
+      end associate
+      torque = 0
+   end function no_swing
 
-      varies = segment >= 1 .and. segment < size(load%time)
-   end function load_varies
+   !> Become what a steady state takes the load for: its mean torque. A kind that does not oscillate is what it is.
+   pure subroutine hold_nothing(self)
+      class(load_t), intent(inout) :: self
 
-   !> Number of knots at or before t.
-   pure integer function load_segment(load, t) result(segment)
-      type(load_t), intent(in) :: load
-      real(wp), intent(in) :: t
-
-      segment = count(load%time <= t)
-   end function load_segment
-
-   !> Time of the next knot [s]; +huge if there is none.
-   pure real(wp) function load_next_knot(load, segment) result(time)
-      type(load_t), intent(in) :: load
-      integer, intent(in) :: segment
-
-      time = huge(time)
-      if (segment < size(load%time)) time = load%time(segment + 1)
-   end function load_next_knot
-
-   !> Largest magnitude of what is given: torque, or prescribed speed.
-   pure real(wp) function load_largest(load) result(largest)
-      type(load_t), intent(in) :: load
-
-      largest = abs(load%value)
-      if (size(load%time) > 0) largest = maxval(abs(load%values))
-   end function load_largest
+      associate (unused => self)
+      end associate
+   end subroutine hold_nothing
 
 end module evl_load

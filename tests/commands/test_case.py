@@ -137,6 +137,30 @@ BAD_OPTIONS = {
         "has 1 value, needs at least 2",
     ),
     "speed without a value": (NEW_LOAD + "{kind: speed}", "needs either 'value' or both"),
+    "a harmonic torque of nothing": (
+        NEW_LOAD + "{kind: harmonic, amplitude: 1}",
+        "wheels.pinion.loads.0: a harmonic torque needs either 'frequency' or 'order'",
+    ),
+    "a harmonic torque of both": (
+        NEW_LOAD + "{kind: harmonic, amplitude: 1, frequency: 2, order: 3}",
+        "a harmonic torque needs either 'frequency' or 'order'; it has both",
+    ),
+    "a harmonic torque at rest": (
+        NEW_LOAD + "{kind: harmonic, amplitude: 1, frequency: 0}",
+        "frequency: is 0 Hz, must be greater than 0 Hz",
+    ),
+    "an order that goes back": (
+        NEW_LOAD + "{kind: harmonic, amplitude: 1, order: -1}",
+        "order: is -1, must be greater than 0",
+    ),
+    "a harmonic torque without amplitude": (
+        NEW_LOAD + "{kind: harmonic, frequency: 3}",
+        "'amplitude' is missing (the torque is mean + amplitude sin(...) [N m])",
+    ),
+    "a key of another kind": (
+        NEW_LOAD + "{kind: torque, value: 1, amplitude: 2}",
+        "'amplitude' does not go with 'kind: torque'",
+    ),
     "two prescribed speeds": (
         "wheels.pinion.loads=[{kind: speed, value: 1}, {kind: speed, value: 2}]",
         "a second prescribed speed",

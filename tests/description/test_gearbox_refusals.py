@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Callable
 from typing import Any
 
@@ -11,7 +12,6 @@ import pytest
 from kernel.gearbox import LOAD, MESH, NOTHING, WHEEL, Gearbox, GearboxError
 from kernel.gearbox_description import (
     BEARING,
-    FIXED,
     SLIDER,
     SPEED,
     TABLE,
@@ -19,8 +19,10 @@ from kernel.gearbox_description import (
     VISCOUS,
     LoadDescription,
     MeshDescription,
+    SupportDescription,
     WheelDescription,
     load,
+    load_of,
     mesh,
     wheel,
 )
@@ -69,23 +71,28 @@ BAD_WHEELS: list[tuple[dict[str, Any], str, str]] = [
         for value in (0.5, 0.7, -1.0, NAN, INF)
     ),
     *(({"centre": c}, "centre", "finite") for c in ((NAN, 0), (0, INF))),
-    *(({"support_kind": kind}, "support_kind", "no such kind") for kind in (-1, 3)),
+    *(({"support_kind": kind}, "support.kind", "no such kind") for kind in (-1, 99)),
     *(
-        ({"support_kind": SLIDER, "support_direction": value}, "support_direction", "finite")
+        ({"support_kind": SLIDER, "support_direction": value}, "support.direction", "finite")
         for value in (NAN, INF)
     ),
     *(
         (
             {"support_kind": kind, name: value if name == "support_mass" else pair},
-            name,
-            "not negative",
+            name.replace("_", "."),
+            "must be at least 0" if value < 0 else "must be a finite number",
         )
         for kind in (SLIDER, BEARING)
         for name in NOT_NEGATIVE
         for value in (-1.0, NAN, INF)
-        for pair in ((value, 0.0), (0.0, value))
+        for pair in ((value, 0.0), (0.0, value))[: 1 if kind == SLIDER else 2]
     ),
 ]
+
+
+def numbers_of(kind: int, *counts: int) -> SupportDescription:
+    ones = [1.0] * sum(counts)
+    return SupportDescription(kind, counts, (ctypes.c_double * len(ones))(*ones))
 
 
 @pytest.mark.parametrize(("fields", "field", "words"), BAD_WHEELS, ids=str)
@@ -101,12 +108,35 @@ def test_a_bad_wheel_is_refused(
     assert words in error.message
 
 
-def test_a_fixed_axle_has_no_support_to_be_wrong(kernel: Kernel):
+SUPPORTS: dict[str, tuple[SupportDescription, str, str]] = {
+    "a slider without stiffness": (
+        numbers_of(SLIDER, 1, 1, 0, 0),
+        "support.stiffness",
+        "one number",
+    ),
+    "a slider of two directions": (
+        numbers_of(SLIDER, 2, 1, 1, 1),
+        "support.direction",
+        "one number",
+    ),
+    "a bearing of one stiffness": (
+        numbers_of(BEARING, 1, 1, 2),
+        "support.stiffness",
+        "two numbers",
+    ),
+    "numbers announced": (SupportDescription(SLIDER, (1, 1, 1, 1), None), "support", "missing"),
+}
+
+
+@pytest.mark.parametrize(("support", "field", "words"), SUPPORTS.values(), ids=SUPPORTS.keys())
+def test_a_support_needs_the_numbers_of_its_kind(
+    kernel: Kernel, support: SupportDescription, field: str, words: str
+):
     wheels, loads, meshes = parts(kernel)
-    wheels[0].support_kind = FIXED
-    wheels[0].support_mass = -1.0
-    wheels[0].support_direction = NAN
-    assert Gearbox(kernel, wheels, loads, meshes)
+    wheels[1].support = support
+    error = refusal(kernel, (wheels, loads, meshes))
+    assert (error.subject, error.index, error.field) == (WHEEL, 1, field), error.message
+    assert words in error.message
 
 
 def with_table(kind: int, *knots: tuple[float, float]) -> Callable[[], LoadDescription]:
@@ -123,24 +153,33 @@ def announced(**fields: Any) -> Callable[[], LoadDescription]:
     return make
 
 
+def of_lengths(*counts: int, kind: int = TABLE) -> Callable[[], LoadDescription]:
+    return lambda: load_of(1, kind, [[float(i) for i in range(n)] for n in counts])
+
+
 BAD_LOADS: dict[str, tuple[Callable[[], LoadDescription], str, str]] = {
     "wheel past the last": (lambda: load(3, TORQUE, 1.0), "wheel", "no such wheel"),
     "wheel before the first": (lambda: load(-1, TORQUE, 1.0), "wheel", "no such wheel"),
-    "kind 4": (lambda: load(1, 4, 1.0), "kind", "no such kind"),
+    "kind 99": (lambda: load(1, 99, 1.0), "kind", "no such kind"),
     "kind -1": (lambda: load(1, -1, 1.0), "kind", "no such kind"),
     "torque nan": (lambda: load(1, TORQUE, NAN), "value", "finite"),
     "torque inf": (lambda: load(1, TORQUE, INF), "value", "finite"),
     "speed inf": (lambda: load(1, SPEED, -INF), "value", "finite"),
-    "viscous nan": (lambda: load(1, VISCOUS, NAN), "value", "finite"),
-    "viscous negative": (lambda: load(1, VISCOUS, -2.5), "value", "-2.5 N m s/rad must not be"),
+    "viscous nan": (lambda: load(1, VISCOUS, NAN), "coefficient", "finite"),
+    "viscous negative": (lambda: load(1, VISCOUS, -2.5), "coefficient", "-2.5 N m s/rad must be"),
     "table without knots": (lambda: load(1, TABLE), "time", "two knots"),
     "table of one knot": (with_table(TABLE, (0, 1)), "time", "two knots"),
     "table backwards": (with_table(TABLE, (0, 1), (2, 1), (1.5, 2)), "time", "1.5 s follows 2 s"),
     "table standing": (with_table(SPEED, (0, 1), (1, 1), (1, 2)), "time", "1 s follows 1 s"),
-    "table with nan": (with_table(TABLE, (0, 1), (1, NAN)), "time", "finite"),
+    "table with nan": (with_table(TABLE, (0, 1), (1, NAN)), "torque", "finite"),
     "table to the end of time": (with_table(TABLE, (0, 1), (INF, 1)), "time", "finite"),
-    "table without values": (announced(values=None), "time", "missing"),
-    "table without times": (announced(time=None), "time", "missing"),
+    "numbers announced": (announced(numbers=None), "", "missing"),
+    "more values than times": (of_lengths(2, 3), "torque", "as many"),
+    "torque without a value": (of_lengths(0, kind=TORQUE), "value", "one number"),
+    "torque of two values": (of_lengths(2, kind=TORQUE), "value", "one number"),
+    "speed of value and table": (of_lengths(1, 2, 2, kind=SPEED), "", "needs either"),
+    "speed of value and times": (of_lengths(1, 2, 0, kind=SPEED), "", "needs either"),
+    "speed without anything": (of_lengths(0, kind=SPEED), "", "needs either"),
 }
 
 
@@ -158,8 +197,8 @@ def test_a_second_prescribed_speed_of_a_wheel_is_refused(kernel: Kernel):
     wheels, loads, meshes = parts(kernel)
     loads = [load(1, SPEED, 1.0), *loads, load(1, SPEED, 1.0)]
     error = refusal(kernel, (wheels, loads, meshes))
-    assert (error.subject, error.index, error.field) == (LOAD, 3, "kind")
-    assert "already" in error.message
+    assert (error.subject, error.index, error.field) == (LOAD, 3, "")
+    assert "a second prescribed speed" in error.message
 
 
 BAD_MESHES: list[tuple[dict[str, Any], str, str]] = [

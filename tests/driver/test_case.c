@@ -15,15 +15,16 @@
 #include "base/memory.h"
 #include "case/case.h"
 #include "case/case_tree.h"
+#include "load_kinds.h"
 
-static const law_info contact_laws[] = {{.name = "johnson", .text = "a contact"}};
-static const law_info damping_laws[] = {
+static const kind_info contact_laws[] = {{.name = "johnson", .text = "a contact"}};
+static const kind_info damping_laws[] = {
     {.name = "none", .text = "no damping"},
     {.name = "linear",
      .text = "a damping",
      .n_parameters = 1,
      .parameters = {{.name = "coefficient", .units = "N s/m", .text = "c", .required = true, .maximum = HUGE_VAL}}}};
-static const law_info friction_laws[] = {
+static const kind_info friction_laws[] = {
     {.name = "none", .text = "no friction"},
     {.name = "coulomb",
      .text = "a friction",
@@ -35,7 +36,12 @@ static const law_info friction_laws[] = {
                      .default_value = 0.000123,
                      .maximum = HUGE_VAL,
                      .minimum_open = true}}}};
-static const law_tables laws = {.count = {1, 2, 2}, .laws = {contact_laws, damping_laws, friction_laws}};
+static const law_tables laws = {.count = {1, 2, 2},
+                                .laws = {contact_laws, damping_laws, friction_laws},
+                                .n_loads = LOAD_KINDS,
+                                .loads = load_kinds,
+                                .n_supports = SUPPORT_KINDS,
+                                .supports = support_kinds};
 
 /* Small enough to be written into a line each; the places in the tests count its lines and columns. */
 static const char good_case[] = "format: 1\n"
@@ -111,12 +117,12 @@ static void the_papers_case_gives_the_papers_numbers(void **state)
     assert_true(pinion->pitch_radius.given && pinion->pitch_radius.value == 0.2);
     assert_true(pinion->has_centre && pinion->centre[0] == 0 && pinion->centre[1] == 0);
     assert_int_equal(pinion->support.kind, SUPPORT_FIXED);
-    assert_true(pinion->loads[0].kind == LOAD_TORQUE && pinion->loads[0].value == -1);
+    assert_true(pinion->loads[0].choice.kind == LOAD_TORQUE && pinion->loads[0].choice.numbers[0] == -1);
     assert_int_equal(gear->teeth, 30);
     assert_true(!gear->pitch_radius.given && !gear->has_centre && !gear->inertia.given && !gear->mass.given);
     assert_int_equal(gear->support.kind, SUPPORT_SLIDER);
-    assert_true(gear->support.stiffness[0] == 1e9 && gear->support.damping[0] == 1e5 && gear->support.mass == 10);
-    assert_true(gear->loads[0].kind == LOAD_VISCOUS && gear->loads[0].value == 10);
+    assert_memory_equal(gear->support.numbers, ((const double[]){0, 10, 1e9, 1e5}), 4 * sizeof(double));
+    assert_true(gear->loads[0].choice.kind == LOAD_VISCOUS && gear->loads[0].choice.numbers[0] == 10);
     assert_true(description->materials[gear->material].youngs_modulus == 2e11);
     const mesh_description *mesh = &description->meshes[0];
     assert_true(mesh->driving == 0 && mesh->driven == 1 && mesh->driving_rotation == -1 && mesh->paper_rule);
@@ -155,7 +161,7 @@ static void degrees_become_radians(void **state)
     case_file *file = read_good(0, NULL);
     const description *description = case_description(file);
     /* one rounding of the factor and one of the product */
-    assert_true(fabs(description->wheels[1].support.direction - 1.5707963267948966) <= 4.5e-16);
+    assert_true(description->wheels[1].support.numbers[0] == 90);
     assert_true(fabs(description->meshes[0].pressure_angle - 0.3490658503988659) <= 1.2e-16);
     case_delete(&file);
 }
@@ -177,10 +183,12 @@ static void the_resolved_text_reads_back_to_itself(void **state)
     const description *a = case_description(first), *b = case_description(second);
     assert_string_equal(a->title, "quotes ' and \" \xc3\xa9\n second line: - x # no comment");
     assert_string_equal(a->title, b->title);
-    assert_true(a->wheels[1].loads[1].time[1] == 12);
-    assert_memory_equal(a->wheels[1].loads[1].time, b->wheels[1].loads[1].time, 3 * sizeof(double));
-    assert_memory_equal(a->wheels[1].loads[1].values, b->wheels[1].loads[1].values, 3 * sizeof(double));
-    assert_memory_equal(&a->wheels[0].support, &b->wheels[0].support, sizeof a->wheels[0].support);
+    const kind_choice *load = &a->wheels[1].loads[1].choice;
+    assert_true(load->counts[0] == 0 && load->counts[1] == 3 && load->counts[2] == 3 && load->numbers[1] == 12);
+    assert_memory_equal(load->counts, b->wheels[1].loads[1].choice.counts, sizeof load->counts);
+    assert_memory_equal(load->numbers, b->wheels[1].loads[1].choice.numbers, 6 * sizeof(double));
+    assert_memory_equal(a->wheels[0].support.counts, b->wheels[0].support.counts, sizeof a->wheels[0].support.counts);
+    assert_memory_equal(a->wheels[0].support.numbers, b->wheels[0].support.numbers, 5 * sizeof(double));
     assert_memory_equal(a->simulation.initial.speeds, b->simulation.initial.speeds, 2 * sizeof(double));
     case_delete(&first);
     case_delete(&second);
@@ -211,9 +219,9 @@ static void a_table_may_have_a_hundred_thousand_knots(void **state)
     (void)sprintf(option + n, "]}]");
     const char *options[] = {option};
     case_file *file = read_good(1, options);
-    const load_description *load = &case_description(file)->wheels[0].loads[0];
-    assert_int_equal(load->n, N);
-    assert_true(load->time[N - 1] == N - 1 && load->values[N - 1] == 1 - N);
+    const kind_choice *load = &case_description(file)->wheels[0].loads[0].choice;
+    assert_true(load->counts[0] == N && load->counts[1] == N);
+    assert_true(load->numbers[N - 1] == N - 1 && load->numbers[2 * N - 1] == 1 - N);
     case_delete(&file);
     free(option);
 }
@@ -238,8 +246,8 @@ static void set_replaces_adds_and_appends(void **state)
     assert_int_equal(description->wheels[1].teeth, 33);
     assert_true(description->meshes[0].friction.parameters[0] == 0.25);
     assert_true(description->meshes[0].damping.parameters[0] == 7);
-    assert_true(description->wheels[0].n_loads == 1 && description->wheels[0].loads[0].value == -2);
-    assert_true(description->wheels[1].n_loads == 2 && description->wheels[1].loads[1].value == 4);
+    assert_true(description->wheels[0].n_loads == 1 && description->wheels[0].loads[0].choice.numbers[0] == -2);
+    assert_true(description->wheels[1].n_loads == 2 && description->wheels[1].loads[1].choice.numbers[0] == 4);
     assert_true(description->simulation.initial.gaps[0] == 1e-6);
     case_delete(&file);
 }

@@ -8,10 +8,16 @@
 #include <cmocka.h>
 
 #include "case/case.h"
+#include "load_kinds.h"
 
-static const law_info contact_laws[] = {{.name = "johnson", .text = "a contact"}};
-static const law_info other_laws[] = {{.name = "none", .text = "nothing"}};
-static const law_tables laws = {.count = {1, 1, 1}, .laws = {contact_laws, other_laws, other_laws}};
+static const kind_info contact_laws[] = {{.name = "johnson", .text = "a contact"}};
+static const kind_info other_laws[] = {{.name = "none", .text = "nothing"}};
+static const law_tables laws = {.count = {1, 1, 1},
+                                .laws = {contact_laws, other_laws, other_laws},
+                                .n_loads = LOAD_KINDS,
+                                .loads = load_kinds,
+                                .n_supports = SUPPORT_KINDS,
+                                .supports = support_kinds};
 
 /** The case of tip relief with the laws of this test. */
 static case_file *read_example(int n_set, const char *const *set)

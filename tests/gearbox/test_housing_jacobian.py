@@ -20,23 +20,29 @@ from kernel.gearbox_description import (
     VISCOUS,
     LoadDescription,
     load,
+    load_like,
     mesh,
     wheel,
 )
 from kernel.housing_cases import BODY, HOUSINGS
 from kernel.kernel import CONTACT, Floats, Kernel
+from load_samples import SAMPLES
 
 RIGID = -1  # in place of a tracking: a rigid contact
 
 
-def loads(kind: str) -> list[LoadDescription]:
-    """Return loads against the ground and against the housing, on both wheels."""
+def loads(kernel: Kernel, kind: str) -> list[LoadDescription]:
+    """Return loads against ground and housing, on both wheels, and one of a kind."""
     common = [
         load(0, TORQUE, -40.0, against_housing=True),
         load(1, VISCOUS, 7.0),
         load(1, VISCOUS, 3.0, against_housing=True),
         load(1, TORQUE, 5.0),
     ]
+    if kind.endswith((GROUND, HOUSING)):
+        sample = SAMPLES[kind.removesuffix(GROUND).removesuffix(HOUSING)]
+        common.append(load_like(kernel, 1, sample, against_housing=kind.endswith(HOUSING)))
+        return common
     driver = {
         "free": [],
         "speed against ground": [load(1, SPEED, 2.0)],
@@ -46,11 +52,13 @@ def loads(kind: str) -> list[LoadDescription]:
     return common + driver
 
 
+GROUND, HOUSING = " against ground", " against housing"
 LOADS = (
     "free",
     "speed against ground",
     "speed against housing",
     "reference driven from the housing",
+    *(name + against for name in SAMPLES for against in (GROUND, HOUSING) if name != "speed"),
 )
 
 
@@ -80,7 +88,7 @@ def make(kernel: Kernel, body: str, driven_by: str, tracking: int) -> Gearbox:
         contact = mesh(kernel, friction=0.3, damping=None, contact=law)
     else:
         contact = mesh(kernel, friction=0.3, tracking=tracking)
-    return Gearbox(kernel, wheels, loads(driven_by), [contact], HOUSINGS[body])
+    return Gearbox(kernel, wheels, loads(kernel, driven_by), [contact], HOUSINGS[body])
 
 
 def somewhere(kernel: Kernel, body: str, driven_by: str, tracking: int) -> tuple[Gearbox, State]:
@@ -110,7 +118,9 @@ def somewhere(kernel: Kernel, body: str, driven_by: str, tracking: int) -> tuple
             for name in names
         ]
     )
-    return gearbox, State(0.3, y, yp, start.integers, start.reals)
+    knots = gearbox.sizes.n_integers - len(start.integers)  # of tables: the first is passed
+    integers = np.append(start.integers, np.ones(knots, np.int32))
+    return gearbox, State(0.3, y, yp, integers, start.reals)
 
 
 def steps(names: list[str]) -> Floats:

@@ -12,7 +12,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kernel.deviations import DeviationDescription
-from kernel.kernel import CONTACT, DAMPING, FRICTION, Kernel, LawChoice, _double, _int, _pair
+from kernel.kernel import (
+    CONTACT,
+    DAMPING,
+    FRICTION,
+    Kernel,
+    KindInfo,
+    LawChoice,
+    _double,
+    _int,
+    _pair,
+)
 
 FIXED, SLIDER, BEARING = range(3)
 TORQUE, VISCOUS, TABLE, SPEED = range(4)
@@ -41,6 +51,12 @@ class GearDescription(ctypes.Structure):
     ]
 
 
+class SupportDescription(ctypes.Structure):
+    """`evl_support`."""
+
+    _fields_ = [("kind", _int), ("counts", _int * 8), ("numbers", ctypes.POINTER(_double))]
+
+
 class WheelDescription(ctypes.Structure):
     """`evl_wheel`."""
 
@@ -58,11 +74,7 @@ class WheelDescription(ctypes.Structure):
         ("inertia", _double),
         ("has_mass", _bool),
         ("mass", _double),
-        ("support_kind", _int),
-        ("support_direction", _double),
-        ("support_mass", _double),
-        ("support_stiffness", _pair),
-        ("support_damping", _pair),
+        ("support", SupportDescription),
         ("has_transverse_inertia", _bool),
         ("transverse_inertia", _double),
         ("axial_position", _double),
@@ -78,11 +90,9 @@ class LoadDescription(ctypes.Structure):
     _fields_ = [
         ("wheel", _int),
         ("kind", _int),
-        ("value", _double),
-        ("n", _int),
-        ("time", ctypes.POINTER(_double)),
-        ("values", ctypes.POINTER(_double)),
         ("against_housing", _bool),
+        ("counts", _int * 8),
+        ("numbers", ctypes.POINTER(_double)),
     ]
 
 
@@ -150,7 +160,35 @@ def wheel(**fields: Any) -> WheelDescription:
         **{"youngs_modulus": 2e11, "poisson_ratio": 0.3, "density": 7800.0},
         **{"inertia": None, "mass": None},
     }
-    return _filled(WheelDescription(), defaults, fields)
+    given = {key: fields.pop(key) for key in list(fields) if key.startswith("support_")}
+    return _filled(WheelDescription(), {**defaults, "support": support(**given)}, fields)
+
+
+def support(
+    support_kind: int = FIXED,
+    support_direction: float = 0.0,
+    support_mass: float = 0.0,
+    support_stiffness: tuple[float, float] = (0.0, 0.0),
+    support_damping: tuple[float, float] = (0.0, 0.0),
+) -> SupportDescription:
+    """Support of any kind; the direction in radians, of a slider the first of each pair."""
+    of_kind = {
+        SLIDER: [
+            [float(np.degrees(support_direction))],
+            [support_mass],
+            [support_stiffness[0]],
+            [support_damping[0]],
+        ],
+        BEARING: [[support_mass], list(support_stiffness), list(support_damping)],
+    }
+    return support_of(support_kind, of_kind.get(support_kind, []))
+
+
+def support_of(kind: int, parameters: list[list[float]]) -> SupportDescription:
+    """Support by the numbers of each of its kind's parameters; [] for one not given."""
+    numbers = [number for parameter in parameters for number in parameter]
+    counts = [len(parameter) for parameter in parameters]
+    return SupportDescription(kind, (_int * 8)(*counts), (_double * len(numbers))(*numbers))
 
 
 def load(
@@ -162,16 +200,46 @@ def load(
     against_housing: bool = False,
 ) -> LoadDescription:
     """Load of a wheel; table: (time, value) pairs."""
-    description = LoadDescription(
-        wheel=wheel, kind=kind, value=value, against_housing=against_housing
+    knots = np.array(() if table is None else table, dtype=float).reshape(-1, 2)
+    series = [list(knots[:, 0]), list(knots[:, 1])]
+    of_kind = {TABLE: series, SPEED: [[value] if table is None else [], *series]}
+    return load_of(wheel, kind, of_kind.get(kind, [[value]]), against_housing=against_housing)
+
+
+def load_of(
+    wheel: int, kind: int, parameters: list[list[float]], *, against_housing: bool = False
+) -> LoadDescription:
+    """Load of a wheel by the numbers of each of its kind's parameters; [] for one not given."""
+    numbers = [number for parameter in parameters for number in parameter]
+    counts = [len(parameter) for parameter in parameters]
+    return LoadDescription(
+        wheel=wheel,
+        kind=kind,
+        against_housing=against_housing,
+        counts=(_int * 8)(*counts),
+        numbers=(_double * len(numbers))(*numbers),
     )
-    if table is not None:
-        knots = np.array(table, dtype=float).reshape(-1, 2)
-        n = len(knots)
-        description.n = n
-        description.time = (_double * n)(*knots[:, 0])
-        description.values = (_double * n)(*knots[:, 1])
-    return description
+
+
+def load_like(
+    kernel: Kernel, wheel: int, sample: dict[str, Any], *, against_housing: bool = False
+) -> LoadDescription:
+    """Load of a wheel in the words of the case file."""
+    kind, series = _numbers_of(kernel.load_kinds(), sample)
+    return load_of(wheel, kind, series, against_housing=against_housing)
+
+
+def support_like(kernel: Kernel, sample: dict[str, Any]) -> SupportDescription:
+    """Support in the words of the case file."""
+    return support_of(*_numbers_of(kernel.support_kinds(), sample))
+
+
+def _numbers_of(kinds: list[KindInfo], sample: dict[str, Any]) -> tuple[int, list[list[float]]]:
+    """Index of the kind, and the numbers of each of its parameters."""
+    kind = [info.name.decode() for info in kinds].index(sample["kind"])
+    rows = kinds[kind].parameters[: kinds[kind].n_parameters]
+    given = [sample.get(row.name.decode(), []) for row in rows]
+    return kind, [value if isinstance(value, list) else [value] for value in given]
 
 
 def shaft(

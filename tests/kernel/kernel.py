@@ -43,19 +43,31 @@ class LawChoice(ctypes.Structure):
     _fields_ = [("law", _int), ("parameters", _double * 8)]
 
 
-class LawParameter(ctypes.Structure):
-    """`evl_law_parameter`."""
+class Parameter(ctypes.Structure):
+    """`evl_parameter`."""
 
     _fields_ = [
         ("name", ctypes.c_char * 32),
         ("units", ctypes.c_char * 32),
         ("description", ctypes.c_char * 96),
+        ("shape", _int),
         ("required", ctypes.c_bool),
         ("default_value", _double),
         ("minimum", _double),
         ("maximum", _double),
         ("minimum_open", ctypes.c_bool),
         ("maximum_open", ctypes.c_bool),
+    ]
+
+
+class KindInfo(ctypes.Structure):
+    """`evl_kind_info`."""
+
+    _fields_ = [
+        ("name", ctypes.c_char * 32),
+        ("description", ctypes.c_char * 96),
+        ("n_parameters", _int),
+        ("parameters", Parameter * 8),
     ]
 
 
@@ -67,7 +79,7 @@ class LawInfo(ctypes.Structure):
         ("description", ctypes.c_char * 96),
         ("source", ctypes.c_char * 96),
         ("n_parameters", _int),
-        ("parameters", LawParameter * 8),
+        ("parameters", Parameter * 8),
     ]
 
 
@@ -300,6 +312,23 @@ class Kernel:
             info = LawInfo()
             code = self.library.evl_law_describe(family, index, ctypes.byref(info))
             assert code == OK, f"law {index} of family {family} is counted but not described"
+            infos.append(info)
+        return infos
+
+    def load_kinds(self) -> list[KindInfo]:
+        """Return the kinds of load in the order of their table."""
+        return self._kinds("load")
+
+    def support_kinds(self) -> list[KindInfo]:
+        """Return the kinds of support in the order of their table."""
+        return self._kinds("support")
+
+    def _kinds(self, of: str) -> list[KindInfo]:
+        infos = []
+        for kind in range(getattr(self.library, f"evl_{of}_kind_count")()):
+            info = KindInfo()
+            describe = getattr(self.library, f"evl_{of}_kind_describe")
+            assert describe(kind, ctypes.byref(info)) == OK, f"{of} kind {kind} is not described"
             infos.append(info)
         return infos
 

@@ -52,7 +52,7 @@ enum {
     EVL_MESSAGE_LENGTH = 320,
     EVL_NAME_LENGTH = 32,
     EVL_TEXT_LENGTH = 96,
-    EVL_MAX_LAW_PARAMETERS = 8
+    EVL_MAX_PARAMETERS = 8
 };
 
 typedef struct {
@@ -65,11 +65,12 @@ typedef struct {
 
 /* ---- description of a gearbox ---------------------------------------------------------------------------------------------- */
 
-typedef enum {
-    EVL_SUPPORT_FIXED = 0,  /**< the axle does not move */
-    EVL_SUPPORT_SLIDER = 1, /**< the axle moves in one direction on a spring and a damper */
-    EVL_SUPPORT_BEARING = 2 /**< the axle moves in x and y, each on a spring and a damper */
-} evl_support_kind;
+/** What carries an axle. */
+typedef struct {
+    int kind;                       /**< index in the table of kinds, evl_support_kind_describe */
+    int counts[EVL_MAX_PARAMETERS]; /**< how many numbers each parameter of the kind has; 0: not given */
+    const double *numbers; /**< [sum of counts] one parameter after the other, in the units of the table; copied */
+} evl_support;
 
 /** A real gear: ISO 21771, cut by the basic rack of ISO 53. docs/geometry.md has the formulas. */
 typedef struct {
@@ -129,11 +130,7 @@ typedef struct {
     double inertia;        /**< J about the axle [kg m^2] > 0 */
     bool has_mass;         /**< */
     double mass;           /**< [kg] > 0 */
-    int support_kind;      /**< evl_support_kind */
-    double support_direction;      /**< slider: angle of its direction to the x axis [rad] */
-    double support_mass;           /**< mass that moves with the axle, beside the wheel's own [kg] >= 0 */
-    double support_stiffness[2];   /**< slider: [0]; bearing: x, y [N/m] >= 0 */
-    double support_damping[2];     /**< slider: [0]; bearing: x, y [N s/m] >= 0 */
+    evl_support support;   /**< what carries its axle */
     bool has_transverse_inertia;   /**< otherwise J/2 + mass width^2/12, which is that of a disc or a ring */
     double transverse_inertia;     /**< about a diameter [kg m^2] >= J/2 */
     double axial_position;         /**< z of the middle of the face in the housing frame [m] */
@@ -142,21 +139,13 @@ typedef struct {
     evl_flank_deviation deviation; /**< of its flanks from the involute; all 0 for a wheel without `gear` */
 } evl_wheel;
 
-typedef enum {
-    EVL_LOAD_TORQUE = 0,  /**< constant torque `value` [N m] */
-    EVL_LOAD_VISCOUS = 1, /**< torque -value * omega, value [N m s] >= 0 */
-    EVL_LOAD_TABLE = 2,   /**< torque over time, linear between knots, constant outside */
-    EVL_LOAD_SPEED = 3    /**< prescribed speed: `value` [rad/s], or a table over time if n > 0; at most one a wheel */
-} evl_load_kind;
-
+/** A torque on a wheel from outside, or a prescribed speed, of which a wheel has at most one. */
 typedef struct {
-    int wheel;            /**< which wheel it acts on, from 0 */
-    int kind;             /**< evl_load_kind */
-    double value;         /**< see evl_load_kind */
-    int n;                /**< number of knots of the table, 0 if none */
-    const double *time;   /**< [n] knots [s], strictly increasing; copied */
-    const double *values; /**< [n] torque [N m] or speed [rad/s]; copied */
-    bool against_housing; /**< where its reaction goes, and to what its speed refers; otherwise the ground */
+    int wheel;                      /**< which wheel it acts on, from 0 */
+    int kind;                       /**< index in the table of kinds, evl_load_kind_describe */
+    bool against_housing;           /**< where its reaction goes, and to what its speed refers; otherwise the ground */
+    int counts[EVL_MAX_PARAMETERS]; /**< how many numbers each parameter of the kind has; 0: not given */
+    const double *numbers; /**< [sum of counts] one parameter after the other, in the units of the table; copied */
 } evl_load;
 
 typedef enum { EVL_TRACKING_CLOSED_FORM = 0, EVL_TRACKING_ALGEBRAIC = 1, EVL_TRACKING_DIFFERENTIAL = 2 } evl_tracking;
@@ -164,7 +153,7 @@ typedef enum { EVL_TRACKING_CLOSED_FORM = 0, EVL_TRACKING_ALGEBRAIC = 1, EVL_TRA
 /** One law of a family with its parameters in the order of the law table (evl_law_describe). */
 typedef struct {
     int law; /**< index in the family's table */
-    double parameters[EVL_MAX_LAW_PARAMETERS];
+    double parameters[EVL_MAX_PARAMETERS];
 } evl_law_choice;
 
 typedef struct {
@@ -258,28 +247,54 @@ typedef struct {
 
 typedef enum { EVL_LAWS_CONTACT = 0, EVL_LAWS_DAMPING = 1, EVL_LAWS_FRICTION = 2 } evl_law_family;
 
+/** How many numbers a parameter is. */
+typedef enum {
+    EVL_SHAPE_NUMBER = 0,   /**< one */
+    EVL_SHAPE_KNOTS = 1,    /**< times of a table, strictly increasing, at least two */
+    EVL_SHAPE_AT_KNOTS = 2, /**< as many, at these times */
+    EVL_SHAPE_PAIR = 3      /**< two, x and y */
+} evl_shape;
+
 typedef struct {
     char name[EVL_NAME_LENGTH];  /**< as in the case file */
     char units[EVL_NAME_LENGTH]; /**< "1" if without */
     char description[EVL_TEXT_LENGTH];
+    int shape;               /**< evl_shape; of a law always one number */
     bool required;           /**< there is no default */
-    double default_value;    /**< 0 if required; NaN: the mesh gives it, and a choice may leave it open with NaN */
+    double default_value;    /**< 0 if required; NaN: it may be left open; of a law, with NaN, and the mesh gives it */
     double minimum, maximum; /**< accepted range; -/+infinity if unbounded */
     bool minimum_open, maximum_open; /**< the end itself is refused */
-} evl_law_parameter;
+} evl_parameter;
 
 typedef struct {
     char name[EVL_NAME_LENGTH]; /**< as in the case file */
     char description[EVL_TEXT_LENGTH];
     char source[EVL_TEXT_LENGTH];
     int n_parameters;
-    evl_law_parameter parameters[EVL_MAX_LAW_PARAMETERS];
+    evl_parameter parameters[EVL_MAX_PARAMETERS];
 } evl_law_info;
 
 /** Number of laws of a family; 0 if there is no such family. */
 EVL_API int evl_law_count(int family);
 /** Describe law `index` of a family. @return EVL_OK, or EVL_INVALID_INPUT if there is none. */
 EVL_API int evl_law_describe(int family, int index, evl_law_info *info);
+
+/** A kind of load or of support. */
+typedef struct {
+    char name[EVL_NAME_LENGTH]; /**< as in the case file */
+    char description[EVL_TEXT_LENGTH];
+    int n_parameters;
+    evl_parameter parameters[EVL_MAX_PARAMETERS];
+} evl_kind_info;
+
+/** Number of kinds of load. */
+EVL_API int evl_load_kind_count(void);
+/** Describe a kind of load. @return EVL_OK, or EVL_INVALID_INPUT if there is none. */
+EVL_API int evl_load_kind_describe(int kind, evl_kind_info *info);
+/** Number of kinds of support. */
+EVL_API int evl_support_kind_count(void);
+/** Describe a kind of support. @return EVL_OK, or EVL_INVALID_INPUT if there is none. */
+EVL_API int evl_support_kind_describe(int kind, evl_kind_info *info);
 
 /* ---- gearbox --------------------------------------------------------------------------------------------------------------- */
 
@@ -393,6 +408,9 @@ typedef struct {
     double circumferential_backlash;         /**< j_wt, on the operating pitch circles */
     double radial_backlash;                  /**< j_r */
 } evl_gear_mesh;
+
+/** Directions in which the support of a wheel lets its axle move: unit vectors (x, y) one after the other. @return how many, 0 to 2 */
+EVL_API int evl_gearbox_support_directions(const evl_gearbox *gearbox, int wheel, double directions[4]);
 
 EVL_API void evl_gearbox_wheel_geometry(const evl_gearbox *gearbox, int wheel, evl_wheel_geometry *geometry);
 EVL_API void evl_gearbox_mesh_geometry(const evl_gearbox *gearbox, int mesh, evl_mesh_geometry *geometry);

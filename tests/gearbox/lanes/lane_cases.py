@@ -12,16 +12,16 @@ from kernel.gearbox_cases import draw
 from kernel.gearbox_description import (
     BEARING,
     SLIDER,
-    SPEED,
-    TABLE,
     TORQUE,
     VISCOUS,
     load,
+    load_like,
     mesh,
     wheel,
 )
 from kernel.gears import gear_description
 from kernel.kernel import CONTACT, DAMPING, FRICTION, Kernel
+from load_samples import SAMPLES
 
 OFF = 4
 
@@ -94,14 +94,6 @@ DEVIATIONS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     ),
 }
 
-LOADS = {
-    "torque": (1, TORQUE, {"value": 4.0}),
-    "viscous": (1, VISCOUS, {"value": 5.0}),
-    "table": (1, TABLE, {"table": [(0.0, 1.0), (0.5, -2.0), (2.0, 4.0)]}),
-    "speed": (0, SPEED, {"value": -3.0}),
-    "table of speeds": (0, SPEED, {"table": [(0.0, 0.0), (0.5, -2.0), (2.0, -3.0)]}),
-}
-
 
 def pair_with_laws(kernel: Kernel, contact: str, damping: str, friction: str) -> Gearbox:
     """Two wheels on supports that move in all directions."""
@@ -119,10 +111,10 @@ def pair_with_laws(kernel: Kernel, contact: str, damping: str, friction: str) ->
 
 
 def loaded_pair(kernel: Kernel, name: str) -> Gearbox:
-    """Two fixed wheels with one of LOADS."""
-    index, kind, fields = LOADS[name]
+    """Two fixed wheels with one of SAMPLES, behind another load, on the second wheel."""
     wheels = [wheel(teeth=20, pitch_radius=0.1), wheel(teeth=33)]
-    return Gearbox(kernel, wheels, [load(index, kind, **fields)], [mesh(kernel, 0, 1)])
+    loads = [load(1, TORQUE, -0.3), load_like(kernel, 1, SAMPLES[name])]
+    return Gearbox(kernel, wheels, loads, [mesh(kernel, 0, 1)])
 
 
 def real_gears(kernel: Kernel, name: str, *, fixed: bool = False) -> Gearbox:

@@ -1,0 +1,175 @@
+!> What the loads of a wheel bring: torques, the part that acts on the housing, and the motion of a wheel whose speed is prescribed.
+module evl_wheel_loads
+   use evl_gearbox, only: gearbox_t, i_turns, wheel_speed, wheel_t
+   use evl_kinds, only: pi, wp
+   use evl_load, only: load_point, load_t
+   use evl_local_variables, only: i_theta
+   use evl_rational, only: rational_parts
+   implicit none (type, external)
+   private
+
+   public :: hold_loads, load_gradient, load_point_of, load_torque, segment_of, turns_of_wheel
+   public :: wheel_acceleration, wheel_follows_ground, wheel_housing_torque, wheel_load_torque, wheel_spin_torque
+
+contains
+
+   !> Where a load is asked: time, and speed and angle of its wheel in the housing.
+   pure type(load_point) function load_point_of(gearbox, index, t, y, integers) result(at)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index !! of the load
+      real(wp), intent(in) :: t, y(:)
+      integer, intent(in) :: integers(:)
+
+      associate (load => gearbox%loads(index)%load)
+         associate (wheel => gearbox%wheels(load%wheel))
+            at%t = t
+            at%omega = wheel_speed(wheel, y)
+            if (load%i_segment > 0) at%segment = integers(load%i_segment)
+            if (.not. load%by_angle) return
+            call turns_of_wheel(wheel, integers, at%revolutions, at%angle)
+            at%angle = at%angle + wheel%ratio*y(i_theta)
+            if (wheel%i_psi > 0) at%angle = at%angle + y(wheel%i_psi)
+         end associate
+      end associate
+   end function load_point_of
+
+   !> How far the whole turns of the reference wheel have turned a wheel: its whole turns, and the rest [rad].
+   pure subroutine turns_of_wheel(wheel, integers, revolutions, angle)
+      type(wheel_t), intent(in) :: wheel
+      integer, intent(in) :: integers(:)
+      real(wp), intent(out) :: revolutions, angle
+
+      call rational_parts(wheel%exact_ratio, integers(i_turns), revolutions, angle)
+      angle = 2*pi*angle
+   end subroutine turns_of_wheel
+
+   !> Knots that a load's table has passed; 0 without a table.
+   pure integer function segment_of(load, integers) result(segment)
+      class(load_t), intent(in) :: load
+      integer, intent(in) :: integers(:)
+
+      segment = 0
+      if (load%i_segment > 0) segment = integers(load%i_segment)
+   end function segment_of
+
+   !> Torque of a load at a state [N m]; a prescribed speed has none of its own.
+   pure real(wp) function load_torque(gearbox, index, t, y, integers) result(torque)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index !! of the load
+      real(wp), intent(in) :: t, y(:)
+      integer, intent(in) :: integers(:)
+      real(wp) :: damping, stiffness
+
+      call gearbox%loads(index)%load%ask(load_point_of(gearbox, index, t, y, integers), torque, damping, stiffness)
+   end function load_torque
+
+   !> How it depends on the speed and the angle of its wheel, at the speed to which it refers: -dM/domega and -dM/dphi.
+   pure subroutine load_gradient(gearbox, index, t, y, integers, spin, damping, stiffness)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index !! of the load
+      real(wp), intent(in) :: t, y(:)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: spin !! Omega_z of the housing [rad/s]
+      real(wp), intent(out) :: damping, stiffness !! [N m s], [N m]
+      type(load_point) :: at
+      real(wp) :: torque
+
+      at = load_point_of(gearbox, index, t, y, integers)
+      if (.not. gearbox%loads(index)%load%against_housing) at%omega = at%omega + spin
+      call gearbox%loads(index)%load%ask(at, torque, damping, stiffness)
+   end subroutine load_gradient
+
+   !> Put in the place of every load what a steady state takes it for.
+   pure subroutine hold_loads(gearbox)
+      type(gearbox_t), intent(inout) :: gearbox
+      integer :: i
+
+      do i = 1, size(gearbox%loads)
+         call gearbox%loads(i)%load%hold()
+      end do
+   end subroutine hold_loads
+
+   !> Sum of the torques that the loads of a wheel know; that of a prescribed speed is not among them [N m].
+   pure real(wp) function wheel_load_torque(gearbox, index, t, y, integers) result(torque)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      real(wp), intent(in) :: t, y(:)
+      integer, intent(in) :: integers(:)
+      integer :: i
+
+      torque = 0
+      do i = 1, size(gearbox%loads)
+         if (gearbox%loads(i)%load%wheel == index) torque = torque + load_torque(gearbox, i, t, y, integers)
+      end do
+   end function wheel_load_torque
+
+   !> What the turning of the housing adds to it: torques against the ground follow the speed seen from there [N m].
+   pure real(wp) function wheel_spin_torque(gearbox, index, spin, t, y, integers) result(torque)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      real(wp), intent(in) :: spin !! Omega_z of the housing [rad/s]
+      real(wp), intent(in) :: t, y(:)
+      integer, intent(in) :: integers(:)
+      integer :: i
+
+      torque = 0
+      do i = 1, size(gearbox%loads)
+         associate (load => gearbox%loads(i)%load)
+            if (load%wheel /= index .or. load%against_housing) cycle
+            torque = torque + load%spin_torque(load_point_of(gearbox, i, t, y, integers), spin)
+         end associate
+      end do
+   end function wheel_spin_torque
+
+   !> The part of the torque of a wheel's loads whose reaction goes to the housing [N m].
+   pure real(wp) function wheel_housing_torque(gearbox, index, spin, total, t, y, integers) result(torque)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      real(wp), intent(in) :: spin  !! Omega_z of the housing [rad/s]
+      real(wp), intent(in) :: total !! of all loads, with that of a prescribed speed [N m]
+      real(wp), intent(in) :: t, y(:)
+      integer, intent(in) :: integers(:)
+      logical :: follows
+      integer :: i
+
+      follows = wheel_follows_ground(gearbox, index)
+      torque = merge(0.0_wp, total, follows)
+      do i = 1, size(gearbox%loads)
+         associate (load => gearbox%loads(i)%load)
+            if (load%wheel /= index .or. (load%against_housing .neqv. follows)) cycle
+            torque = torque + merge(1.0_wp, -1.0_wp, follows)*load_torque(gearbox, i, t, y, integers)
+         end associate
+      end do
+      if (.not. follows) torque = torque - wheel_spin_torque(gearbox, index, spin, t, y, integers)
+   end function wheel_housing_torque
+
+   !> Whether phi'' + Omega_z', not phi'', follows from torques or a prescribed speed: all but a speed against the housing.
+   pure logical function wheel_follows_ground(gearbox, index) result(follows)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+
+      follows = .true.
+      associate (driver => gearbox%wheels(index)%prescribed)
+         if (driver > 0) follows = .not. gearbox%loads(driver)%load%against_housing
+      end associate
+   end function wheel_follows_ground
+
+   !> Angular acceleration of a rotor under the torque of its meshes, shafts and loads, or the prescribed one [rad/s^2].
+   pure real(wp) function wheel_acceleration(gearbox, index, torque, integers) result(acceleration)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index       !! of one of its wheels
+      real(wp), intent(in) :: torque     !! on the rotor [N m]
+      integer, intent(in) :: integers(:)
+
+      associate (wheel => gearbox%wheels(index))
+         if (wheel%prescribed > 0) then
+            associate (load => gearbox%loads(wheel%prescribed)%load)
+               acceleration = load%acceleration(segment_of(load, integers))
+            end associate
+         else
+            acceleration = torque*wheel%per_inertia
+         end if
+      end associate
+   end function wheel_acceleration
+
+end module evl_wheel_loads

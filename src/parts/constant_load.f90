@@ -1,0 +1,75 @@
+!> A constant torque.
+module evl_constant_load
+   use evl_kinds, only: lanes, wp
+   use evl_load, only: lane_points, load_input, load_point, load_t
+   use evl_parameter, only: given_number, kind_info_t, parameter_row
+   implicit none (type, external)
+   private
+
+   public :: constant_load
+
+   type, extends(load_t) :: constant_load
+      real(wp) :: value = 0.0_wp !! [N m]
+   contains
+      procedure, nopass :: describe
+      procedure :: take
+      procedure :: ask
+      procedure :: largest
+      procedure :: add_in_lanes
+   end type constant_load
+
+contains
+
+   pure type(kind_info_t) function describe() result(info)
+
+      info%name = "torque"
+      info%description = "constant torque"
+      info%n_parameters = 1
+      info%parameters(1) = parameter_row("value", "N m", "torque, counterclockwise positive")
+   end function describe
+
+   subroutine take(self, given)
+      class(constant_load), intent(inout) :: self
+      type(load_input), intent(in) :: given
+
+      self%value = given_number(given, 1)
+   end subroutine take
+
+   pure subroutine ask(self, at, torque, damping, stiffness)
+      class(constant_load), intent(in) :: self
+      type(load_point), intent(in) :: at
+      real(wp), intent(out) :: torque, damping, stiffness
+
+      associate (unused => at)
+      end associate
+      torque = self%value
+      damping = 0
+      stiffness = 0
+   end subroutine ask
+
+   pure subroutine add_in_lanes(self, at, torque)
+      class(constant_load), intent(in) :: self
+      type(lane_points), intent(in) :: at
+      real(wp), intent(inout) :: torque(lanes)
+      real(wp) :: value
+      integer :: l
+
+      associate (unused => at)
+      end associate
+      value = self%value
+      !$omp simd
+      do l = 1, lanes
+         torque(l) = torque(l) + value
+      end do
+   end subroutine add_in_lanes
+
+   pure real(wp) function largest(self, ratio, speed)
+      class(constant_load), intent(in) :: self
+      real(wp), intent(in) :: ratio, speed
+
+      associate (unused => [ratio, speed])
+      end associate
+      largest = abs(self%value)
+   end function largest
+
+end module evl_constant_load

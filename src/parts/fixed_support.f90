@@ -1,0 +1,33 @@
+!> An axle that does not move.
+module evl_fixed_support
+   use evl_parameter, only: kind_info_t
+   use evl_support, only: support_input, support_kind_t, support_t
+   implicit none (type, external)
+   private
+
+   public :: fixed_support
+
+   type, extends(support_kind_t) :: fixed_support
+   contains
+      procedure, nopass :: describe
+      procedure, nopass :: take
+   end type fixed_support
+
+contains
+
+   pure type(kind_info_t) function describe() result(info)
+
+      info%name = "fixed"
+      info%description = "fixed axle"
+   end function describe
+
+   subroutine take(given, support)
+      type(support_input), intent(in) :: given
+      type(support_t), intent(inout) :: support
+
+      associate (unused => given)
+      end associate
+      support%n = 0
+   end subroutine take
+
+end module evl_fixed_support

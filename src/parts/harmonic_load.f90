@@ -1,0 +1,149 @@
+!> A torque that oscillates about a mean, over time or with the angle of its wheel:
+!>
+!>    M = mean + amplitude sin(2 pi frequency t + phase)
+!>    M = mean + amplitude sin(order phi + phase)
+!>
+!> The argument is kept in cycles, of which whole ones are taken off before the sine: it is as precise after many as at the start.
+module evl_harmonic_load
+   use evl_kinds, only: lanes, pi, wp
+   use evl_load, only: lane_points, load_input, load_point, load_t
+   use evl_parameter, only: given_number, given_numbers, has_number, kind_info_t, parameter_row
+   implicit none (type, external)
+   private
+
+   public :: harmonic_load
+
+   type, extends(load_t) :: harmonic_load
+      real(wp) :: mean = 0.0_wp      !! [N m]
+      real(wp) :: amplitude = 0.0_wp !! [N m]
+      real(wp) :: frequency = 0.0_wp !! [Hz]; 0 if by order
+      real(wp) :: order = 0.0_wp     !! cycles a turn of the wheel; 0 if by frequency
+      real(wp) :: phase = 0.0_wp     !! in cycles
+   contains
+      procedure, nopass :: describe
+      procedure, nopass :: refusal
+      procedure :: take
+      procedure :: ask
+      procedure :: largest
+      procedure :: add_in_lanes
+      procedure :: swing
+      procedure :: hold
+   end type harmonic_load
+
+contains
+
+   include "numerics/sine_cosine.inc"
+
+   pure type(kind_info_t) function describe() result(info)
+
+      info%name = "harmonic"
+      info%description = "torque that oscillates over time or with the wheel's angle"
+      info%n_parameters = 5
+      info%parameters(1) = parameter_row("mean", "N m", "mean torque, counterclockwise positive", default_value=0.0_wp)
+      info%parameters(2) = parameter_row("amplitude", "N m", "the torque is mean + amplitude sin(...)")
+      info%parameters(3) = parameter_row("frequency", "Hz", "sin(2 pi frequency t + phase); or else order", &
+                                         minimum=0.0_wp, minimum_open=.true., left_open=.true.)
+      info%parameters(4) = parameter_row("order", "1", "sin(order phi + phase), phi the angle of the wheel since the start", &
+                                         minimum=0.0_wp, minimum_open=.true., left_open=.true.)
+      info%parameters(5) = parameter_row("phase", "deg", "phase at time 0, or at angle 0", default_value=0.0_wp)
+   end function describe
+
+   pure subroutine refusal(given, message, field)
+      class(given_numbers), intent(in) :: given
+      character(len=*), intent(out) :: message, field
+
+      message = ""
+      field = ""
+      if (has_number(given, 3) .neqv. has_number(given, 4)) return
+      message = "a harmonic torque needs either 'frequency' or 'order'"
+      if (has_number(given, 3)) message = trim(message)//"; it has both"
+   end subroutine refusal
+
+   subroutine take(self, given)
+      class(harmonic_load), intent(inout) :: self
+      type(load_input), intent(in) :: given
+
+      self%mean = given_number(given, 1)
+      self%amplitude = given_number(given, 2)
+      self%by_angle = has_number(given, 4)
+      if (self%by_angle) then
+         self%order = given_number(given, 4)
+      else
+         self%frequency = given_number(given, 3)
+      end if
+      self%phase = given_number(given, 5)/360
+      self%sense = "mean"
+   end subroutine take
+
+   pure subroutine ask(self, at, torque, damping, stiffness)
+      class(harmonic_load), intent(in) :: self
+      type(load_point), intent(in) :: at
+      real(wp), intent(out) :: torque, damping, stiffness
+      real(wp) :: sine, cosine
+
+      call sine_cosine(argument(self%frequency*at%t + self%order*(at%angle/(2*pi)), start_of(self, at%revolutions)), sine, cosine)
+      torque = self%mean + self%amplitude*sine
+      damping = 0
+      stiffness = -self%amplitude*self%order*cosine
+   end subroutine ask
+
+   !> Of the cycles, those that have nothing to do with time and angle: the phase, and the part of a cycle in which whole turns end.
+   pure real(wp) function start_of(self, revolutions) result(cycles)
+      class(harmonic_load), intent(in) :: self
+      real(wp), intent(in) :: revolutions
+
+      cycles = modulo(self%order*revolutions, 1.0_wp) + self%phase
+   end function start_of
+
+   !> What the sine is taken of: between -pi and pi.
+   elemental real(wp) function argument(cycles, start) result(x)
+      real(wp), intent(in) :: cycles, start
+      real(wp), parameter :: to_whole = 1.5_wp*2.0_wp**52 ! a sum with it has no digits behind the point
+      real(wp) :: all
+
+      all = cycles + start
+      x = 2*pi*(all - ((all + to_whole) - to_whole))
+   end function argument
+
+   pure subroutine add_in_lanes(self, at, torque)
+      class(harmonic_load), intent(in) :: self
+      type(lane_points), intent(in) :: at
+      real(wp), intent(inout) :: torque(lanes)
+      real(wp) :: mean, amplitude, frequency, order, start, sine, cosine
+      integer :: l
+
+      mean = self%mean
+      amplitude = self%amplitude
+      frequency = self%frequency
+      order = self%order
+      start = start_of(self, at%revolutions)
+      !$omp simd private(sine, cosine)
+      do l = 1, lanes
+         call sine_cosine(argument(frequency*at%t(l) + order*(at%angle(l)/(2*pi)), start), sine, cosine)
+         torque(l) = torque(l) + (mean + amplitude*sine)
+      end do
+   end subroutine add_in_lanes
+
+   pure real(wp) function largest(self, ratio, speed)
+      class(harmonic_load), intent(in) :: self
+      real(wp), intent(in) :: ratio, speed
+
+      associate (unused => [ratio, speed])
+      end associate
+      largest = abs(self%mean)
+   end function largest
+
+   pure real(wp) function swing(self)
+      class(harmonic_load), intent(in) :: self
+
+      swing = abs(self%amplitude)
+   end function swing
+
+   !> A steady state has the mean torque.
+   pure subroutine hold(self)
+      class(harmonic_load), intent(inout) :: self
+
+      self%amplitude = 0
+   end subroutine hold
+
+end module evl_harmonic_load

@@ -1,0 +1,108 @@
+!> A prescribed speed, constant or over time: the load brings whatever torque it needs.
+module evl_speed_load
+   use evl_kinds, only: wp
+   use evl_knots, only: knot_slope, knot_value, knots_t
+   use evl_load, only: load_input, load_point, load_t
+   use evl_parameter, only: given_number, given_numbers, given_series, has_number, kind_info_t, parameter_row, shape_at_knots, &
+                            shape_knots
+   implicit none (type, external)
+   private
+
+   public :: speed_load
+
+   type, extends(load_t) :: speed_load
+      real(wp) :: value = 0.0_wp !! [rad/s] without a table
+   contains
+      procedure, nopass :: describe
+      procedure, nopass :: refusal
+      procedure :: take
+      procedure :: ask
+      procedure :: largest
+      procedure :: speed
+      procedure :: acceleration
+      procedure :: largest_speed
+   end type speed_load
+
+contains
+
+   pure type(kind_info_t) function describe() result(info)
+
+      info%name = "speed"
+      info%description = "prescribed speed"
+      info%n_parameters = 3
+      info%parameters(1) = parameter_row("value", "rad/s", "constant angular velocity; or else time and speed", left_open=.true.)
+      info%parameters(2) = parameter_row("time", "s", "knots of the table, strictly increasing, at least two", &
+                                         left_open=.true., shape=shape_knots)
+      info%parameters(3) = parameter_row("speed", "rad/s", "angular velocity at the knots; linear between them, constant outside", &
+                                         left_open=.true., shape=shape_at_knots)
+   end function describe
+
+   pure subroutine refusal(given, message, field)
+      class(given_numbers), intent(in) :: given
+      character(len=*), intent(out) :: message, field
+
+      message = ""
+      field = ""
+      if ((has_number(given, 1) .neqv. has_number(given, 2)) .and. (has_number(given, 2) .eqv. has_number(given, 3))) return
+      message = "a prescribed speed needs either 'value' or both 'time' and 'speed'"
+   end subroutine refusal
+
+   subroutine take(self, given)
+      class(speed_load), intent(inout) :: self
+      type(load_input), intent(in) :: given
+
+      self%prescribes = .true.
+      if (has_number(given, 1)) then
+         self%value = given_number(given, 1)
+      else
+         self%knots = knots_t(given_series(given, 2), given_series(given, 3))
+         self%sense = "speed"
+      end if
+   end subroutine take
+
+   pure subroutine ask(self, at, torque, damping, stiffness)
+      class(speed_load), intent(in) :: self
+      type(load_point), intent(in) :: at
+      real(wp), intent(out) :: torque, damping, stiffness
+
+      associate (unused => self, unused_too => at)
+      end associate
+      torque = 0
+      damping = 0
+      stiffness = 0
+   end subroutine ask
+
+   pure real(wp) function largest(self, ratio, speed)
+      class(speed_load), intent(in) :: self
+      real(wp), intent(in) :: ratio, speed
+
+      associate (unused => self, unused_too => [ratio, speed])
+      end associate
+      largest = 0
+   end function largest
+
+   pure real(wp) function speed(self, t, segment)
+      class(speed_load), intent(in) :: self
+      real(wp), intent(in) :: t
+      integer, intent(in) :: segment
+
+      speed = self%value
+      if (allocated(self%knots%time)) speed = knot_value(self%knots, t, segment)
+   end function speed
+
+   pure real(wp) function acceleration(self, segment)
+      class(speed_load), intent(in) :: self
+      integer, intent(in) :: segment
+
+      acceleration = 0
+      if (allocated(self%knots%time)) acceleration = knot_slope(self%knots, segment)
+   end function acceleration
+
+   pure real(wp) function largest_speed(self) result(speed)
+      class(speed_load), intent(in) :: self
+
+      speed = abs(self%value)
+      if (allocated(self%knots%time)) speed = maxval(abs(self%knots%values))
+   end function largest_speed
+
+end module evl_speed_load

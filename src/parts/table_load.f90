@@ -1,0 +1,83 @@
+!> A torque over time from a table.
+module evl_table_load
+   use evl_kinds, only: lanes, wp
+   use evl_knots, only: knot_value, knots_t, varies_between
+   use evl_load, only: lane_points, load_input, load_point, load_t
+   use evl_parameter, only: given_series, kind_info_t, parameter_row, shape_at_knots, shape_knots
+   implicit none (type, external)
+   private
+
+   public :: table_load
+
+   type, extends(load_t) :: table_load
+   contains
+      procedure, nopass :: describe
+      procedure :: take
+      procedure :: ask
+      procedure :: largest
+      procedure :: add_in_lanes
+   end type table_load
+
+contains
+
+   include "parts/between_knots.inc"
+
+   pure type(kind_info_t) function describe() result(info)
+
+      info%name = "table"
+      info%description = "torque over time"
+      info%n_parameters = 2
+      info%parameters(1) = parameter_row("time", "s", "knots of the table, strictly increasing, at least two", shape=shape_knots)
+      info%parameters(2) = parameter_row("torque", "N m", "torque at the knots; linear between them, constant outside", &
+                                         shape=shape_at_knots)
+   end function describe
+
+   subroutine take(self, given)
+      class(table_load), intent(inout) :: self
+      type(load_input), intent(in) :: given
+
+      self%knots = knots_t(given_series(given, 1), given_series(given, 2))
+      self%sense = "torque"
+   end subroutine take
+
+   pure subroutine ask(self, at, torque, damping, stiffness)
+      class(table_load), intent(in) :: self
+      type(load_point), intent(in) :: at
+      real(wp), intent(out) :: torque, damping, stiffness
+
+      torque = knot_value(self%knots, at%t, at%segment)
+      damping = 0
+      stiffness = 0
+   end subroutine ask
+
+   pure subroutine add_in_lanes(self, at, torque)
+      class(table_load), intent(in) :: self
+      type(lane_points), intent(in) :: at
+      real(wp), intent(inout) :: torque(lanes)
+      real(wp) :: t_1, t_2, value_1, value_2
+      integer :: l
+
+      if (.not. varies_between(self%knots, at%segment)) then
+         torque = torque + knot_value(self%knots, at%t(1), at%segment)
+         return
+      end if
+      t_1 = self%knots%time(at%segment)
+      t_2 = self%knots%time(at%segment + 1)
+      value_1 = self%knots%values(at%segment)
+      value_2 = self%knots%values(at%segment + 1)
+      !$omp simd
+      do l = 1, lanes
+         torque(l) = torque(l) + between_knots(at%t(l), t_1, t_2, value_1, value_2)
+      end do
+   end subroutine add_in_lanes
+
+   pure real(wp) function largest(self, ratio, speed)
+      class(table_load), intent(in) :: self
+      real(wp), intent(in) :: ratio, speed
+
+      associate (unused => [ratio, speed])
+      end associate
+      largest = maxval(abs(self%knots%values))
+   end function largest
+
+end module evl_table_load

@@ -1,0 +1,83 @@
+!> A torque against the speed, proportional to it.
+module evl_viscous_load
+   use evl_kinds, only: lanes, wp
+   use evl_load, only: lane_points, load_input, load_point, load_t
+   use evl_parameter, only: given_number, kind_info_t, parameter_row
+   implicit none (type, external)
+   private
+
+   public :: viscous_load
+
+   type, extends(load_t) :: viscous_load
+      real(wp) :: coefficient = 0.0_wp !! [N m s] >= 0
+   contains
+      procedure, nopass :: describe
+      procedure :: take
+      procedure :: ask
+      procedure :: largest
+      procedure :: add_in_lanes
+      procedure :: spin_torque
+   end type viscous_load
+
+contains
+
+   pure type(kind_info_t) function describe() result(info)
+
+      info%name = "viscous"
+      info%description = "torque against the speed"
+      info%n_parameters = 1
+      info%parameters(1) = parameter_row("coefficient", "N m s/rad", &
+                                         "the torque is minus coefficient times angular velocity", minimum=0.0_wp)
+   end function describe
+
+   subroutine take(self, given)
+      class(viscous_load), intent(inout) :: self
+      type(load_input), intent(in) :: given
+
+      self%coefficient = given_number(given, 1)
+      self%by_speed = self%coefficient > 0
+      self%sense = "coefficient"
+   end subroutine take
+
+   pure subroutine ask(self, at, torque, damping, stiffness)
+      class(viscous_load), intent(in) :: self
+      type(load_point), intent(in) :: at
+      real(wp), intent(out) :: torque, damping, stiffness
+
+      torque = -self%coefficient*at%omega
+      damping = self%coefficient
+      stiffness = 0
+   end subroutine ask
+
+   pure subroutine add_in_lanes(self, at, torque)
+      class(viscous_load), intent(in) :: self
+      type(lane_points), intent(in) :: at
+      real(wp), intent(inout) :: torque(lanes)
+      real(wp) :: coefficient
+      integer :: l
+
+      coefficient = self%coefficient
+      !$omp simd
+      do l = 1, lanes
+         torque(l) = torque(l) - coefficient*at%omega(l)
+      end do
+   end subroutine add_in_lanes
+
+   pure real(wp) function spin_torque(self, at, spin) result(torque)
+      class(viscous_load), intent(in) :: self
+      type(load_point), intent(in) :: at
+      real(wp), intent(in) :: spin
+
+      associate (unused => at)
+      end associate
+      torque = -self%coefficient*spin
+   end function spin_torque
+
+   pure real(wp) function largest(self, ratio, speed)
+      class(viscous_load), intent(in) :: self
+      real(wp), intent(in) :: ratio, speed
+
+      largest = self%coefficient*ratio*speed
+   end function largest
+
+end module evl_viscous_load

@@ -1,0 +1,219 @@
+"""Every kind of load in the table of the kernel: its derivatives, its power, its lanes, its rows.
+
+The tests take the kinds from load_samples: a kind without a sample fails the first of them.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from gearbox.test_housing_jacobian import HOUSINGS
+from kernel.gearbox import LOADED, Gearbox, State
+from kernel.gearbox_cases import in_mode
+from kernel.gearbox_description import (
+    CLOSED_FORM,
+    STEADY,
+    TORQUE,
+    load,
+    load_like,
+    mesh,
+    shaft,
+    support_like,
+    wheel,
+)
+from kernel.housing_description import HousingDescription
+from kernel.jacobian import check_jacobian
+from kernel.kernel import Kernel, KindInfo
+from kernel.radau import LANES, Radau
+from load_samples import SAMPLES, SUPPORTS
+
+HARMONIC = {"kind": "harmonic", "mean": 0.5, "amplitude": 3.0}
+INERTIA = 0.02
+EVERY_LOAD = pytest.mark.parametrize("name", SAMPLES)
+
+
+def train(
+    kernel: Kernel,
+    name: str,
+    housing: HousingDescription | None = None,
+    support: dict[str, Any] | None = None,
+    *,
+    against_housing: bool = False,
+) -> Gearbox:
+    """Three wheels, two of them on an elastic shaft; the sample acts on the last."""
+    wheels = [
+        wheel(teeth=20, pitch_radius=0.1),
+        wheel(teeth=33, support=support_like(kernel, support or SUPPORTS["bearing"])),
+        wheel(teeth=0, pitch_radius=0.1),
+    ]
+    loads = [
+        load(0, TORQUE, -7.0),
+        load(2, TORQUE, 0.7),
+        load_like(kernel, 2, SAMPLES[name], against_housing=against_housing),
+    ]
+    meshes = [mesh(kernel, 0, 1, centre_line_angle=0.5, friction=0.1, tracking=CLOSED_FORM)]
+    return Gearbox(kernel, wheels, loads, meshes, housing, shafts=[shaft(1, 2, 3e4, 5.0)])
+
+
+def stirred(gearbox: Gearbox, seed: int = 3) -> State:
+    """Return a state in contact that moves, turns from the start, between the knots of a table."""
+    state = in_mode(gearbox, np.random.default_rng(seed), (LOADED, 0))
+    state.t = 0.7
+    state.y[gearbox.place("reference_speed")] = 4.0
+    state.integers[4:] = 2  # behind turns and the mode: knots passed, if there is a table
+    state.yp = gearbox.derivative(state)
+    return state
+
+
+def all_given(infos: list[KindInfo], samples: dict[str, dict[str, Any]]) -> None:
+    """Check that every parameter of every kind is given in a sample."""
+    for info in infos:
+        kind = info.name.decode()
+        of_kind = [sample for sample in samples.values() if sample["kind"] == kind]
+        assert of_kind, f"tests/load_samples.py has no sample of kind {kind}"
+        given = {key for sample in of_kind for key in sample}
+        rows = info.parameters[: info.n_parameters]
+        assert given == {"kind", *(row.name.decode() for row in rows)}
+
+
+def test_every_kind_of_load_has_a_sample(kernel: Kernel):
+    all_given(kernel.load_kinds(), SAMPLES)
+
+
+def test_every_kind_of_support_has_a_sample(kernel: Kernel):
+    all_given(kernel.support_kinds(), SUPPORTS)
+
+
+@pytest.mark.parametrize("name", SUPPORTS)
+@pytest.mark.parametrize("body", [None, "gravity", "prescribed"])
+def test_every_support_has_its_rates_in_lanes_and_its_jacobian(
+    kernel: Kernel, name: str, body: str | None
+):
+    gearbox = train(kernel, "torque", None if body is None else HOUSINGS[body], SUPPORTS[name])
+    state = stirred(gearbox)
+    check_jacobian(gearbox, state)
+    rates, jacobian = Radau(gearbox).model([state] * LANES)
+    np.testing.assert_array_equal(rates[0], state.yp)
+    state.yp[:] = 0
+    np.testing.assert_array_equal(jacobian, -gearbox.jacobian(state, 0.0))
+
+
+@EVERY_LOAD
+@pytest.mark.parametrize("against_housing", [False, True], ids=["ground", "housing"])
+@pytest.mark.parametrize("body", [None, "gravity", "prescribed"])
+def test_the_jacobian_of_every_load_is_the_derivative_of_the_residual(
+    kernel: Kernel, name: str, body: str | None, against_housing: bool
+):
+    """Those in a mounted housing are in test_housing_jacobian."""
+    housing = None if body is None else HOUSINGS[body]
+    gearbox = train(kernel, name, housing, against_housing=against_housing)
+    check_jacobian(gearbox, stirred(gearbox))
+
+
+@EVERY_LOAD
+@pytest.mark.parametrize("body", [None, "gravity", "prescribed"])
+def test_radau_has_the_rates_and_the_jacobian_of_every_load(
+    kernel: Kernel, name: str, body: str | None
+):
+    """In lanes where they serve: at eight times, speeds and angles."""
+    gearbox = train(kernel, name, None if body is None else HOUSINGS[body])
+    random = np.random.default_rng(4)
+    states = [stirred(gearbox).copy() for _ in range(LANES)]
+    for state in states[1:]:
+        state.t += 0.01 * random.random()
+        state.y *= 1 + 1e-4 * random.normal(size=len(state.y))
+    rates, jacobian = Radau(gearbox).model(states)
+    for lane, state in enumerate(states):
+        np.testing.assert_array_equal(rates[lane], gearbox.derivative(state))
+    states[0].yp[:] = 0
+    np.testing.assert_array_equal(jacobian, -gearbox.jacobian(states[0], 0.0))
+
+
+@EVERY_LOAD
+def test_the_work_of_every_load_is_its_torque_times_the_speed(kernel: Kernel, name: str):
+    gearbox = train(kernel, name)
+    state = stirred(gearbox)
+    values = gearbox.outputs(state)
+    power = float(np.sum(values["load_torque"] * values["angular_velocity"]))
+    rate = state.yp[gearbox.names.index("load_work")]
+    np.testing.assert_allclose(rate, power, rtol=1e-12)  # sums of three products
+
+
+# ---- the harmonic torque ----
+
+
+def turning(kernel: Kernel, turns: int, angle: float, **fields: float) -> tuple[Gearbox, State]:
+    """Return a pair that does not touch, after turns of its first wheel."""
+    wheels = [wheel(teeth=20, pitch_radius=0.1), wheel(teeth=33, inertia=INERTIA)]
+    gearbox = Gearbox(
+        kernel, wheels, [load_like(kernel, 1, {**HARMONIC, **fields})], [mesh(kernel, 0, 1)]
+    )
+    state = gearbox.start(gaps=[1e-6])
+    state.integers[0] = turns
+    state.y[gearbox.place("reference_angle")] = -angle * 33 / 20
+    return gearbox, state
+
+
+def acceleration(gearbox: Gearbox, state: State) -> float:
+    yp = gearbox.derivative(state)
+    names = gearbox.names
+    reference = yp[names.index("reference_speed")]
+    return float(yp[names.index("speed_deviation_1")] - 20 / 33 * reference)
+
+
+@pytest.mark.parametrize("phase", [0.0, 90.0, -30.0, 400.0])
+@pytest.mark.parametrize("t", [0.0, 0.013, 1e3 + 1 / 3])
+def test_a_harmonic_torque_over_time_is_the_sine(kernel: Kernel, t: float, phase: float):
+    gearbox, state = turning(kernel, 0, 0.0, frequency=50.0, phase=phase)
+    state.t = t
+    expected = 0.5 + 3 * np.sin(2 * np.pi * ((50.0 * t) % 1) + np.radians(phase))
+    # the product 50 t is rounded: 1e-16 of 5e4 cycles
+    assert INERTIA * acceleration(gearbox, state) == pytest.approx(expected, abs=1e-10)
+
+
+@pytest.mark.parametrize("order", [1.0, 2.0, 33.0, 0.5, 2.25])
+@pytest.mark.parametrize("turns", [0, 1, -3, 1000, 2**31 - 2])
+def test_a_harmonic_torque_by_order_is_the_sine_of_the_whole_angle(
+    kernel: Kernel, turns: int, order: float
+):
+    """After two thousand million turns as precisely as at the start: exact fractions all."""
+    gearbox, state = turning(kernel, turns, 0.3, order=order, phase=20.0)
+    psi = state.y[gearbox.names.index("angle_deviation_1")]
+    whole = (int(4 * order) * (-20) * turns) % (4 * 33) / (4 * 33)  # of a cycle, exact
+    expected = 0.5 + 3 * np.sin(2 * np.pi * whole + order * (0.3 + psi) + np.radians(20.0))
+    assert INERTIA * acceleration(gearbox, state) == pytest.approx(expected, abs=1e-12)
+
+
+def test_a_revolution_of_the_reference_wheel_leaves_the_torque_continuous(kernel: Kernel):
+    gearbox, state = turning(kernel, 7, 0.0, order=3.7)
+    state.y[gearbox.place("reference_angle")] = 2 * np.pi * (1 + 1e-15)
+    before = acceleration(gearbox, state)
+    after, _ = gearbox.apply(state)
+    assert after.integers[0] == 8
+    assert acceleration(gearbox, after) == pytest.approx(before, rel=1e-12)
+
+
+def steady(kernel: Kernel, sample: dict[str, object]) -> Gearbox:
+    wheels = [wheel(teeth=20, pitch_radius=0.1), wheel(teeth=33)]
+    loads = [
+        load_like(kernel, 0, sample),
+        load_like(kernel, 1, {"kind": "viscous", "coefficient": 2.0}),
+    ]
+    return Gearbox(kernel, wheels, loads, [mesh(kernel, 0, 1, damping=1e4)])
+
+
+@pytest.mark.parametrize("by", [{"frequency": 50.0}, {"order": 3.0}], ids=["time", "order"])
+def test_steady_states_scales_and_modes_take_the_mean(kernel: Kernel, by: dict[str, float]):
+    """Bit by bit those of the constant torque, however large the amplitude."""
+    mean = steady(kernel, {"kind": "torque", "value": -7.0})
+    other = steady(
+        kernel, {"kind": "harmonic", "mean": -7.0, "amplitude": 60.0, "phase": 33.0, **by}
+    )
+    expected, state = mean.start(STEADY), other.start(STEADY)
+    np.testing.assert_array_equal(state.y, expected.y)
+    for a, b in zip(mean.scales(), other.scales(), strict=True):
+        np.testing.assert_array_equal(a, b)
+    assert not np.array_equal(state.yp, expected.yp)  # it oscillates from the start

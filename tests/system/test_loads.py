@@ -1,0 +1,121 @@
+"""Loads from case to history: every kind in both integrators; harmonic torques by closed forms."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from evolvent import check_history
+from load_samples import SAMPLES
+from system.cases import pair, unloaded_pair
+from system.runs import Run
+from system.test_integrators import IDA, RADAU, TIGHT, check_both
+
+INTEGRATORS = pytest.mark.parametrize("integrator", [IDA, RADAU], ids=["ida", "radau"])
+INERTIA = 1.0
+
+
+def loaded(name: str) -> dict[str, Any]:
+    """Build a pair with one more load on its driving wheel, which stays pressed to the other."""
+    sample = SAMPLES[name]
+    case = pair(0.1, duration=0.2, tolerance=1e-11)
+    case["wheels"][0]["loads"] = [{"kind": "torque", "value": -9.0}, dict(sample)]
+    if sample["kind"] == "speed":
+        speed = sample["value"] if "value" in sample else sample["speed"][0]
+        speeds = {"pinion": speed, "gear": -speed / 1.5}
+        case["simulation"]["initial"] = {"kind": "speeds", "speeds": speeds}
+    return case
+
+
+@pytest.mark.parametrize("name", SAMPLES)
+def test_both_integrators_do_the_same_with_every_load_and_keep_the_energy(runs, name):
+    case = loaded(name)
+    ida, radau = runs(case, IDA), runs(case, RADAU)
+    check_both(ida, radau, runs(case, RADAU, TIGHT))
+    assert "energy balance" in {verdict.invariant.name for verdict in check_history(radau.history)}
+
+
+def harmonic(**fields: float) -> dict[str, Any]:
+    return {"kind": "harmonic", **fields}
+
+
+def apart(*loads: dict[str, Any], **simulation: Any) -> dict[str, Any]:
+    """Build two wheels that do not touch, each under a load."""
+    case = unloaded_pair("closed_form", **simulation)
+    for wheel, load in zip(case["wheels"], loads, strict=True):
+        wheel["inertia"] = INERTIA
+        wheel["loads"] = [load]
+    initial = case["simulation"].setdefault("initial", {"kind": "rest"})
+    initial["gaps"] = {"pinion-gear": 1e-4}
+    return case
+
+
+def column(run: Run, name: str, wheel: int) -> Any:
+    assert run.exit_code == 0, run.messages
+    assert not (run.history["normal_force"].values > 0).any()
+    return run.history[name].values[:, wheel]
+
+
+@INTEGRATORS
+@pytest.mark.parametrize("max_step", ["0.02", "1e-4"])
+def test_a_free_wheel_under_a_torque_over_time_moves_as_the_integral_of_the_cosine(
+    runs, integrator, max_step
+):
+    """The longest step is the period, over which the torque comes back, or a small part of it."""
+    omega, amplitude = 2 * np.pi * 50.0, 5.0
+    load = harmonic(amplitude=amplitude, frequency=50.0, phase=90.0)
+    still = harmonic(amplitude=0.0, order=1.0)
+    case = apart(load, still, duration=0.2, output_interval=1e-3, tolerance=1e-11)
+    run = runs(case, integrator, f"simulation.max_step={max_step}")
+    t = run.history["time"].values
+    speed, angle = amplitude / (INERTIA * omega), amplitude / (INERTIA * omega**2)
+    # a hundred thousand tolerances of steps in 0.2 s, of the scale of a speed reached in a second
+    np.testing.assert_allclose(
+        column(run, "angular_velocity", 0), speed * np.sin(omega * t), rtol=0, atol=1e-6 * speed
+    )
+    np.testing.assert_allclose(
+        column(run, "angle", 0), angle * (1 - np.cos(omega * t)), rtol=0, atol=1e-6 * angle
+    )
+
+
+@INTEGRATORS
+def test_the_speed_of_free_wheels_under_a_torque_by_order_follows_from_their_angle(
+    runs, integrator
+):
+    """Energy: J phi'^2/2 + A/n cos(n phi + p) is constant, over many turns.
+
+    The torque on the second wheel is the one that keeps its speed in proportion, so that the flanks
+    stay apart.
+    """
+    amplitude, order, phase, start, ratio = 40.0, 4.5, 25.0, 12.0, 20 / 30
+    loads = [
+        harmonic(amplitude=amplitude, order=order, phase=phase),
+        harmonic(amplitude=ratio * amplitude, order=order / ratio, phase=-phase),
+    ]
+    initial = {"kind": "speeds", "speeds": {"pinion": start, "gear": -ratio * start}}
+    case = apart(*loads, duration=6, output_interval=0.01, tolerance=1e-11, initial=initial)
+    gap = runs(case, integrator, "simulation.duration=0.01").history["angle"].values[0, 1]
+    loads[1]["phase"] -= np.degrees(order / ratio * gap)
+    run = runs(case, integrator)
+    angle, speed = column(run, "angle", 0), column(run, "angular_velocity", 0)
+    p = np.radians(phase)
+    gained = amplitude / order * (np.cos(p) - np.cos(order * angle + p))
+    assert angle[-1] > 2 * np.pi * 10
+    assert np.ptp(gained) > 0.2 * start**2 / 2  # it changes the speed for all to see
+    np.testing.assert_allclose(speed, np.sqrt(start**2 + 2 * gained / INERTIA), rtol=1e-7)
+    torque = amplitude * np.sin(order * angle + p)
+    np.testing.assert_allclose(column(run, "load_torque", 0), torque, rtol=0, atol=1e-9 * amplitude)
+
+
+@pytest.mark.parametrize("by", ["frequency", "order"])
+def test_a_steady_start_is_that_of_the_mean_torque(runs, by):
+    case = pair(0.0, duration=0.01, initial={"kind": "steady"})
+    steady = runs(case)
+    case["wheels"][0]["loads"] = [harmonic(mean=-1.0, amplitude=0.5, phase=90.0, **{by: 3.0})]
+    run = runs(case)
+    first, expected = run.history.isel(time=0), steady.history.isel(time=0)
+    for name in ("angular_velocity", "penetration", "normal_force"):
+        np.testing.assert_array_equal(first[name].values, expected[name].values)
+    assert first["load_torque"].values[0] == -0.5
