@@ -69,12 +69,11 @@ static kind_info *translate_kinds(int n, int (*describe)(int, evl_kind_info *))
 /* What is the same for all models is copied from the kernel once, whichever thread asks first. */
 static pthread_once_t once = PTHREAD_ONCE_INIT;
 static law_tables tables;
-enum { EVENT_ROOM = 32 };
-static char event_names[EVENT_ROOM][EVL_NAME_LENGTH];
-static evl_output *output_texts; /**< [evl_output_count()] */
-static model_output *outputs;    /**< [evl_output_count()] without places */
-static int *outputs_by_name;     /**< [evl_output_count()] in the order of their names */
-static model_extreme *extremes;  /**< [evl_extreme_count()] */
+static char (*event_names)[EVL_NAME_LENGTH]; /**< [evl_event_count()] */
+static evl_output *output_texts;             /**< [evl_output_count()] */
+static model_output *outputs;                /**< [evl_output_count()] without places */
+static int *outputs_by_name;                 /**< [evl_output_count()] in the order of their names */
+static model_extreme *extremes;              /**< [evl_extreme_count()] */
 
 static void copy_outputs(void)
 {
@@ -170,8 +169,10 @@ static void copy_tables(void)
     tables.loads = translate_kinds(tables.n_loads, evl_load_kind_describe);
     tables.n_supports = evl_support_kind_count();
     tables.supports = translate_kinds(tables.n_supports, evl_support_kind_describe);
-    for (int kind = 0; kind < EVENT_ROOM; kind++) {
-        evl_event_name(kind, event_names[kind]);
+    event_names = xcalloc((size_t)evl_event_count(), sizeof *event_names);
+    for (int kind = 0; kind < evl_event_count(); kind++) {
+        char text[EVL_TEXT_LENGTH];
+        evl_event_describe(kind, event_names[kind], text);
     }
     copy_outputs();
     copy_extremes();
@@ -252,7 +253,7 @@ int model_n_event_kinds(void)
 const char *model_event_kind(int kind)
 {
     (void)pthread_once(&once, copy_tables);
-    return kind < 0 || kind >= EVENT_ROOM ? "" : event_names[kind];
+    return kind < 0 || kind >= evl_event_count() ? "" : event_names[kind];
 }
 
 model_state *model_states(const model *model)

@@ -2,9 +2,11 @@
 module evl_gearbox_initial
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use evl_closed_form, only: closed_form_gap, points_from_closed_form
+   use evl_contact_modes, only: mode_at, take_load
    use evl_contact_point, only: contact_point
    use evl_dae_residual, only: gearbox_derivative
-   use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_store_mode, gearbox_t, i_turns
+   use evl_discrete_state, only: gearbox_mode, gearbox_store_mode
+   use evl_gearbox, only: gearbox_local, gearbox_t, i_turns
    use evl_housing, only: frame_t, housing_frame, housing_start
    use evl_housing_dynamics, only: coupled_rates
    use evl_kinds, only: wp
@@ -15,8 +17,7 @@ module evl_gearbox_initial
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_initial, subject_load, subject_mesh, &
                          subject_wheel
    use evl_steady_state, only: find_steady_state
-   use evl_tooth_contact, only: contact_mode, flanks_apart, flanks_loaded, flanks_off, flanks_open, flanks_unloaded, &
-                                settle_friction, settle_zones, tooth_contact_t, tracking_closed_form, unclipped_force
+   use evl_tooth_contact, only: contact_mode, flanks_loaded, flanks_off, flanks_open, tooth_contact_t
    implicit none (type, external)
    private
 
@@ -221,7 +222,7 @@ contains
       type(status_t), intent(inout) :: status
       type(contact_point) :: point
       type(contact_mode) :: mode
-      real(wp) :: free(gearbox%n_states), q(n_local), force, parting
+      real(wp) :: free(gearbox%n_states), q(n_local), parting
       integer :: m
 
       call coupled_rates(gearbox, t, y, integers, reals, free, status)
@@ -231,29 +232,18 @@ contains
             mode = gearbox_mode(gearbox, m, integers, reals)
             if (mode%flanks == flanks_off) cycle
             call closed_form_point(gearbox, m, y, integers(i_turns), mode%tooth_pair, point)
-            mode%flanks = flanks_open
-            call settle_zones(contact, point, mode)
-            if (contact%tracking /= tracking_closed_form .and. point%h < -contact%gap_apart) then
-               mode%flanks = flanks_apart
-            else if (contact%rigid) then
+            call mode_at(contact, point, mode, status)
+            if (has_failed(status)) return
+            if (mode%flanks == flanks_open .and. contact%rigid) then
                call settle_rigid(contact, point, mode, status)
                if (has_failed(status)) return
-            else if (point%h > 0) then
-               mode%flanks = flanks_loaded
-               call unclipped_force(contact, mode, point, force, status)
-               if (has_failed(status)) return
-               if (force < 0) mode%flanks = flanks_unloaded
-            else if (.not. point%h < 0) then
+            else if (mode%flanks == flanks_open .and. .not. point%h < 0) then
                call gearbox_local(gearbox, contact, free, q)
                parting = contact%pair%sigma*(contact%pair%r_ba*q(at_psi_dot_a) + contact%pair%r_bb*q(at_psi_dot_b)) &
                          + q(at_v_b + 1) - q(at_v_a + 1)
                if (point%h_dot > 0 .or. (.not. point%h_dot < 0 .and. parting <= 0)) mode%flanks = flanks_loaded
             end if
-            mode%side = merge(1, -1, point%h_dot > 0)
-            if (mode%flanks == flanks_loaded) then
-               mode%friction = settle_friction(contact, point)
-               mode%v0 = max(point%h_dot, 0.0_wp)
-            end if
+            if (mode%flanks == flanks_loaded) call take_load(contact, point, mode)
             call gearbox_store_mode(gearbox, m, mode, integers, reals)
          end associate
       end do

@@ -3,7 +3,8 @@ module evl_mesh_outputs
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use evl_closed_form, only: closed_form_gap, closed_form_line, gap_along, points_along, track_closed_form, transmission_error
    use evl_contact_tracking, only: algebraic_residual, line_distance, tracked_positions
-   use evl_gearbox, only: gearbox_local, gearbox_t, i_turns, leading_contact
+   use evl_discrete_state, only: leading_contact
+   use evl_gearbox, only: gearbox_local, gearbox_t, i_turns
    use evl_housing_outputs, only: add_mesh_reaction
    use evl_kinds, only: wp
    use evl_local_variables, only: at_lambda, at_track, i_theta, n_local, n_track

@@ -3,6 +3,7 @@ module evl_start_positions
    use evl_closed_form, only: track_closed_form
    use evl_contact_point, only: contact_point
    use evl_contact_roots, only: ends_of_path
+   use evl_discrete_state, only: put_pair
    use evl_gearbox, only: gearbox_local, gearbox_t, i_turns
    use evl_kinds, only: wp
    use evl_local_variables, only: i_theta, n_local
@@ -104,24 +105,22 @@ contains
       integer, intent(inout) :: integers(:)
       type(contact_point) :: point
       real(wp) :: near, far
-      integer :: m
+      integer :: m, pair
 
       do m = 1, size(gearbox%contacts)
-         associate (contact => gearbox%contacts(m), tooth_pair => integers(gearbox%contacts(m)%i_mode), &
-                    flanks => integers(gearbox%contacts(m)%i_mode + 1))
-            flanks = flanks_open
-            tooth_pair = contact%slot
+         associate (contact => gearbox%contacts(m))
+            pair = contact%slot
+            call put_pair(contact, pair, flanks_open, integers)
             if (contact%handover .and. .not. abs(y(i_theta)) > 0) cycle
-            call closed_form_point(gearbox, m, y, integers(i_turns), tooth_pair, point)
+            call closed_form_point(gearbox, m, y, integers(i_turns), pair, point)
             ! a pair is this many pitches on from where pairs enter, and n_slots pitches later the next one is there
             call ends_of_path(contact, point, near, far)
-            tooth_pair = tooth_pair + contact%n_slots*floor((near + at_the_end)/contact%n_slots)
+            pair = pair + contact%n_slots*floor((near + at_the_end)/contact%n_slots)
+            call put_pair(contact, pair, flanks_open, integers)
             if (contact%handover) cycle
-            call closed_form_point(gearbox, m, y, integers(i_turns), tooth_pair, point)
+            call closed_form_point(gearbox, m, y, integers(i_turns), pair, point)
             call ends_of_path(contact, point, near, far)
-            if (far >= -at_the_end) cycle
-            flanks = flanks_off
-            tooth_pair = tooth_pair + contact%n_slots
+            if (far < -at_the_end) call put_pair(contact, pair + contact%n_slots, flanks_off, integers)
          end associate
       end do
    end subroutine place_pairs

@@ -3,7 +3,8 @@
 module evl_steady_refusals
    use evl_contact_point, only: contact_point
    use evl_deviating_flanks, only: flank_value
-   use evl_gearbox, only: gearbox_mode, gearbox_t, wheel_speed
+   use evl_discrete_state, only: flanks_of, gearbox_mode, tooth_pair_of
+   use evl_gearbox, only: gearbox_t, gearbox_t, wheel_speed, wheel_speed
    use evl_housing, only: housing_prescribed
    use evl_kinds, only: wp
    use evl_start_positions, only: closed_form_point
@@ -65,9 +66,9 @@ contains
       integer :: m
 
       do m = 1, size(gearbox%contacts)
-         associate (contact => gearbox%contacts(m), at => gearbox%contacts(m)%i_mode)
-            if (integers(at + 1) /= flanks_loaded .or. contact%flank == flank_coast) cycle
-            call closed_form_point(gearbox, m, y, 0, integers(at), point)
+         associate (contact => gearbox%contacts(m))
+            if (flanks_of(contact, integers) /= flanks_loaded .or. contact%flank == flank_coast) cycle
+            call closed_form_point(gearbox, m, y, 0, tooth_pair_of(contact, integers), point)
             if (contact%rigid) then
                if (y(contact%i_normal) > 0) cycle
             else if (point%h > -touching*contact%h_scale) then
@@ -191,9 +192,9 @@ contains
       integer :: m
 
       do m = 1, size(gearbox%contacts)
-         associate (contact => gearbox%contacts(m), at => gearbox%contacts(m)%i_mode)
-            if (before(at + 1) == flanks_off .eqv. integers(at + 1) == flanks_off) cycle
-            write (pair, "(i0)") merge(before(at), integers(at), integers(at + 1) == flanks_off)
+         associate (contact => gearbox%contacts(m), is_off => flanks_of(gearbox%contacts(m), integers) == flanks_off)
+            if (flanks_of(contact, before) == flanks_off .eqv. is_off) cycle
+            write (pair, "(i0)") merge(tooth_pair_of(contact, before), tooth_pair_of(contact, integers), is_off)
             call fail(status, code_no_solution, "there is no steady state: tooth pair "//trim(pair)//" is on the path of contact" &
                       //" while others carry the load, and off it once it carries; start from rest or with given speeds", &
                       subject_mesh, contact%mesh)

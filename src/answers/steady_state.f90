@@ -1,7 +1,9 @@
 !> The steady state of a gearbox: nothing accelerates, and where flanks deviate the wheels follow their slopes.
 module evl_steady_state
+   use evl_contact_modes, only: mode_at
    use evl_contact_point, only: contact_point
-   use evl_gearbox, only: gearbox_mode, gearbox_store_mode, gearbox_t
+   use evl_discrete_state, only: flanks_of, gearbox_mode, gearbox_store_mode, tooth_pair_of
+   use evl_gearbox, only: gearbox_t
    use evl_gearbox_scaling, only: gearbox_likely_speed
    use evl_housing, only: at_omega, at_position, at_velocity
    use evl_kinds, only: wp
@@ -12,8 +14,8 @@ module evl_steady_state
    use evl_status, only: code_no_solution, fail, has_failed, quantity, status_t, subject_initial
    use evl_steady_newton, only: find_slopes, solve_steady, steady_system
    use evl_steady_refusals, only: check_pressed, check_steady, refuse_alternation, refuse_slope
-   use evl_tooth_contact, only: contact_mode, flank_drive, flanks_loaded, flanks_off, flanks_unloaded, settle_friction, &
-                                settle_zones, tooth_contact_t, tracking_closed_form, unclipped_force
+   use evl_tooth_contact, only: contact_mode, contact_mode, flank_drive, flank_drive, flanks_loaded, flanks_loaded, flanks_off, &
+                                flanks_off, settle_friction, settle_friction, tracking_closed_form, tracking_closed_form
    use evl_wheel_loads, only: hold_loads, segment_of
    implicit none (type, external)
    private
@@ -211,9 +213,11 @@ contains
                mode = gearbox_mode(gearbox, m, integers, reals)
                if (mode%flanks == flanks_off .or. (contact%rigid .and. .not. drives)) cycle
                if (pass == 1) then
-                  call settle_zones(contact, points(m), mode)
-                  call overlap(contact, points(m), mode, status)
+                  call mode_at(contact, points(m), mode, status)
                   if (has_failed(status)) return
+                  mode%sides = 0 ! as the rates say, which the solution still changes
+                  mode%v0 = 0    ! it follows from no approach
+                  if (contact%rigid) mode%flanks = flanks_loaded ! one on the path pushes
                   if (drives .and. mode%flanks == flanks_loaded) carried(contact%mesh) = .true.
                else if (drives .and. .not. carried(contact%mesh) .and. points(m)%h >= largest(contact%mesh)) then
                   mode%flanks = flanks_loaded
@@ -224,22 +228,6 @@ contains
          end do
       end do
    end subroutine load_all
-
-   !> Whether a pair overlaps, and then whether it pushes. A rigid one on the path does.
-   subroutine overlap(contact, point, mode, status)
-      type(tooth_contact_t), intent(in) :: contact
-      type(contact_point), intent(in) :: point
-      type(contact_mode), intent(inout) :: mode
-      type(status_t), intent(inout) :: status
-      real(wp) :: force
-
-      if (contact%rigid) then
-         mode%flanks = flanks_loaded
-      else if (point%h > 0) then
-         call unclipped_force(contact, mode, point, force, status)
-         mode%flanks = merge(flanks_unloaded, flanks_loaded, force < 0)
-      end if
-   end subroutine overlap
 
    !> Put the tooth pairs that are on the path into their slots, and find their contacts and the largest penetration of every
    !> mesh's drive flank; -huge if none is on the path.
@@ -254,9 +242,9 @@ contains
       call place_pairs(gearbox, y, integers)
       largest = -huge(largest)
       do m = 1, size(gearbox%contacts)
-         associate (contact => gearbox%contacts(m), at => gearbox%contacts(m)%i_mode)
-            if (integers(at + 1) == flanks_off) cycle
-            call closed_form_point(gearbox, m, y, 0, integers(at), points(m))
+         associate (contact => gearbox%contacts(m))
+            if (flanks_of(contact, integers) == flanks_off) cycle
+            call closed_form_point(gearbox, m, y, 0, tooth_pair_of(contact, integers), points(m))
             if (contact%flank == flank_drive) largest(contact%mesh) = max(largest(contact%mesh), points(m)%h)
          end associate
       end do

@@ -7,10 +7,12 @@ module evl_capi
    use evl_capi_description, only: c_housing, c_initial, c_load, c_mesh, c_shaft, c_wheel, housing_from_c, initial_from_c, &
                                    load_from_c, mesh_from_c, shaft_from_c, support_from_c, wheel_from_c
    use evl_capi_deviation, only: deviation_from_c
-   use evl_capi_types, only: c_name_length, c_status, status_to_c, to_c
+   use evl_capi_types, only: c_name_length, c_status, c_text_length, status_to_c, to_c
    use evl_dae_jacobian, only: gearbox_jacobian
    use evl_dae_residual, only: gearbox_derivative, gearbox_residual
-   use evl_event_kinds, only: event_name, event_t, n_event_kinds
+   use evl_discrete_state, only: name_integer
+   use evl_event_kinds, only: event_kind
+   use evl_event_log, only: describe_event, event_t, n_event_kinds
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_build, only: gearbox_create
    use evl_gearbox_description, only: wheel_input
@@ -22,6 +24,7 @@ module evl_capi
    use evl_kinds, only: pi
    use evl_load, only: load_input
    use evl_mode_check, only: check_modes
+   use evl_root_kinds, only: root_rows
    use evl_state_names, only: gearbox_state_name
    use evl_status, only: code_no_memory, code_ok, fail, has_failed, status_t
    implicit none (type, external)
@@ -30,7 +33,8 @@ module evl_capi
    public :: evl_gearbox_create, evl_gearbox_delete, evl_gearbox_sizes
    public :: evl_gearbox_wheel_geometry, evl_gearbox_mesh_geometry, evl_gearbox_initial_state, evl_gearbox_scales
    public :: evl_gearbox_state_name, evl_gearbox_residual, evl_gearbox_jacobian, evl_gearbox_derivative
-   public :: evl_event_count, evl_event_name, evl_gearbox_roots, evl_gearbox_root_directions, evl_gearbox_next_time_event
+   public :: evl_event_count, evl_event_describe, evl_gearbox_integer_name, evl_gearbox_root_name
+   public :: evl_gearbox_roots, evl_gearbox_root_directions, evl_gearbox_next_time_event
    public :: evl_gearbox_apply_event, evl_gearbox_check_modes
 
    !> evl_sizes
@@ -279,15 +283,51 @@ contains
    end function evl_gearbox_derivative
 
    integer(c_int) function evl_event_count() bind(c)
-      evl_event_count = n_event_kinds
+      evl_event_count = n_event_kinds()
    end function evl_event_count
 
-   subroutine evl_event_name(kind, name) bind(c)
+   subroutine evl_event_describe(kind, name, text) bind(c)
       integer(c_int), intent(in), value :: kind
-      character(kind=c_char), intent(out) :: name(c_name_length)
+      character(kind=c_char), intent(out) :: name(c_name_length), text(c_text_length)
+      type(event_kind) :: description
 
-      call to_c(event_name(kind), name)
-   end subroutine evl_event_name
+      description = describe_event(kind)
+      call to_c(description%name, name)
+      call to_c(description%text, text)
+   end subroutine evl_event_describe
+
+   subroutine evl_gearbox_root_name(handle, index, name, contact) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: index
+      character(kind=c_char), intent(out) :: name(c_name_length)
+      integer(c_int), intent(out) :: contact
+      type(gearbox_t), pointer :: g
+      integer :: i
+
+      g => gearbox_of(handle)
+      contact = -1
+      call to_c("revolution", name)
+      do i = 1, size(g%contacts)
+         associate (k => index + 1 - g%contacts(i)%i_root)
+            if (k < 1 .or. k > g%contacts(i)%n_roots) cycle
+            contact = i - 1
+            call to_c(root_rows(g%contacts(i)%roots(k))%name, name)
+         end associate
+      end do
+   end subroutine evl_gearbox_root_name
+
+   subroutine evl_gearbox_integer_name(handle, index, name, contact) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: index
+      character(kind=c_char), intent(out) :: name(c_name_length)
+      integer(c_int), intent(out) :: contact
+      character(len=c_name_length) :: text
+      integer :: owner
+
+      call name_integer(gearbox_of(handle), index + 1, text, owner)
+      call to_c(text, name)
+      contact = owner - 1
+   end subroutine evl_gearbox_integer_name
 
    integer(c_int) function evl_gearbox_roots(handle, y, integers, reals, values, status) result(code) bind(c)
       type(c_ptr), intent(in), value :: handle

@@ -4,7 +4,8 @@
 module evl_capi_modes
    use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_f_pointer, c_int, c_loc, c_ptr
    use evl_capi_types, only: c_status, status_to_c
-   use evl_gearbox, only: gearbox_mode, gearbox_t, i_turns, leading_contact
+   use evl_discrete_state, only: gearbox_mode, leading_contact
+   use evl_gearbox, only: gearbox_t, i_turns
    use evl_local_variables, only: i_theta
    use evl_mean_modes, only: gearbox_mean_modes
    use evl_mode_shapes, only: gearbox_shape

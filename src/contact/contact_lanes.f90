@@ -11,6 +11,7 @@ module evl_contact_lanes
    use evl_kinds, only: lanes, wp
    use evl_line_lanes, only: lane_line
    use evl_local_variables, only: at_normal, at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, n_local
+   use evl_root_kinds, only: side_of_rate
    use evl_tangent_line, only: tangent_line_t
    use evl_tooth_contact, only: contact_mode, flank_branches, flanks_off, tooth_contact_t
    implicit none (type, external)
@@ -48,7 +49,7 @@ contains
       at%e_star = contact%e_star
       at%width = contact%width
       at%v0 = mode%v0
-      at%side = mode%side
+      at%side = mode%sides(side_of_rate)
       pair = contact%pair
       advance = pair%advance
       if (mode%flanks == flanks_off) then

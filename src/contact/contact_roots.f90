@@ -1,40 +1,21 @@
-!> When something happens to a tooth contact: its root functions, and where it lies on the path of contact.
+!> When something happens to a tooth contact: its root functions with their directions, and where it lies on the path of contact.
 module evl_contact_roots
    use evl_closed_form, only: centre_line_turn, closed_form_gap
    use evl_contact_point, only: contact_point
-   use evl_flank_deviation, only: deviation_borders, flank_deviation_t, zone_root, zone_tip
+   use evl_flank_deviation, only: flank_deviation_t, zone_root, zone_tip
    use evl_kinds, only: wp
    use evl_local_variables, only: at_psi_a, n_local
+   use evl_root_kinds, only: live_loaded, live_on_path, live_one_sided, live_touching, moves_pair, n_root_kinds, n_sides, &
+                             root_of, root_rows
    use evl_status, only: status_t
    use evl_tooth_contact, only: contact_mode, flank_drive, flanks_apart, flanks_loaded, flanks_off, flanks_open, &
-                                flanks_unloaded, n_border_roots, n_contact_roots, tooth_contact_t, touches, &
-                                tracking_closed_form, unclipped_force
+                                flanks_unloaded, tooth_contact_t, touches, tracking_closed_form, unclipped_force
    implicit none (type, external)
    private
 
-   public :: contact_roots, contact_roots_of_force, contact_root_directions, ends_of_path, mark_idle_roots, most_contact_roots, past
-   public :: root_contact, root_force, root_friction_high, root_friction_low, root_forward, root_back, root_apart, root_side, &
-             root_borders_a, root_borders_b, standstill
+   public :: by_kind, contact_root_direction, contact_root_directions, contact_roots, contact_roots_of_force, ends_of_path
+   public :: find_sides, is_past, list_roots
 
-   integer, parameter :: root_contact = 1       !! the gap closes or opens
-   integer, parameter :: root_force = 2         !! the unclipped force passes zero
-   integer, parameter :: root_friction_high = 3 !! v_t passes the upper end of the linear part
-   integer, parameter :: root_friction_low = 4  !! v_t passes the lower end
-   integer, parameter :: root_forward = 5       !! the far end of the path is passed, or one pitch since the last switch
-   integer, parameter :: root_back = 6          !! the near end of the path is passed, or one pitch back since the last switch
-   integer, parameter :: root_apart = 7         !! the flanks part so far, or come so near, that tracking ends or begins
-   integer, parameter :: root_side = 8          !! the rate of the penetration passes zero, where a damping law changes
-   integer, parameter :: root_borders_a = 9     !! the contact passes the border of A's tip relief; of its root relief
-   integer, parameter :: root_borders_b = 11    !! the same for B
-
-   !> Roots lie this far past the change of mode, relative to the size of the quantity: a root function never starts at zero.
-   real(wp), parameter :: past = 1.0e-10_wp
-
-   !> The same for the side of a damping law, relative to the rate scale: a damper's force on the wrong side is nothing there, and
-   !> it is above what integration leaves of a rate that has come to rest, or sides would change for ever.
-   real(wp), parameter :: standstill = 1.0e-6_wp
-
-   integer, parameter :: most_contact_roots = n_contact_roots + n_border_roots !! of one tooth contact
    integer, parameter :: width = 1 !! states that the included formulas take at once
 
 contains
@@ -49,101 +30,218 @@ contains
       type(status_t), intent(inout) :: status
       real(wp), intent(out), optional :: unclipped !! elastic + viscous force where flanks overlap, else 0 [N]
       real(wp) :: force
+      integer :: directions(n_root_kinds)
 
       force = 0
       if (touches(mode)) call unclipped_force(contact, mode, point, force, status)
       if (present(unclipped)) unclipped = force
-      call contact_roots_of_force(contact, mode, rho_a0, q, point, force, roots)
+      call contact_roots_of_force(contact, mode, rho_a0, q, point, force, directions, roots)
    end subroutine contact_roots
 
    !> The same where the force is known.
-   pure subroutine contact_roots_of_force(contact, mode, rho_a0, q, point, force, roots)
+   pure subroutine contact_roots_of_force(contact, mode, rho_a0, q, point, force, directions, roots)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_mode), intent(in) :: mode
       real(wp), intent(in) :: rho_a0, q(n_local)
       type(contact_point), intent(in) :: point
       real(wp), intent(in) :: force                !! elastic + viscous, unclipped; of no meaning where flanks do not overlap [N]
+      integer, intent(out) :: directions(contact%n_roots)
       real(wp), intent(out) :: roots(contact%n_roots)
-      real(wp) :: moved(width)
+      real(wp) :: moved(width), h(width)
 
       moved = 0
       if (contact%handover) moved = pitches_moved(contact, [rho_a0], [q(at_psi_a)], [centre_line_turn(contact%pair, q)])
-      call closed_form_roots(contact, mode, [point%h], [point%h_dot], [point%v_t], [point%rho_a], [point%rho_b], [force], moved, &
+      h = point%h
+      if (mode%flanks == flanks_apart) h = -closed_form_gap(contact%pair, q) ! its points are not tracked
+      call contact_root_directions(contact, mode, directions)
+      call closed_form_roots(contact, mode, directions, h, [point%h_dot], [point%v_t], [point%rho_a], [point%rho_b], [force], &
+                             moved, &
                              roots)
-      if (contact%tracking == tracking_closed_form) return
-      if (mode%flanks == flanks_open) roots(root_apart) = -point%h/contact%gap_apart - 1
-      if (mode%flanks == flanks_apart) roots(root_apart) = closed_form_gap(contact%pair, q)/contact%gap_apart - 1
    end subroutine contact_roots_of_force
 
    include "contact/contact_roots.inc"
 
-   !> The direction in which each root counts.
+   !> The directions in which the root functions of a contact count: +1 rising, -1 falling, 0 without meaning in the mode.
    pure subroutine contact_root_directions(contact, mode, directions)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_mode), intent(in) :: mode
       integer, intent(out) :: directions(contact%n_roots)
+      integer :: i
 
-      directions(root_contact) = merge(1, -1, mode%flanks == flanks_open)
-      directions(root_force) = merge(1, -1, mode%flanks == flanks_unloaded)
-      directions(root_friction_high) = merge(-1, 1, mode%friction == 1)
-      directions(root_friction_low) = merge(1, -1, mode%friction == -1)
-      directions(root_forward) = merge(1, -1, contact%handover .or. mode%flanks == flanks_off)
-      directions(root_back) = merge(1, -1, mode%flanks == flanks_off)
-      directions(root_side) = merge(-1, 1, mode%side > 0)
-      directions(root_apart) = merge(-1, 1, mode%flanks == flanks_apart)
-      if (.not. contact%deviates) return
-      directions(root_borders_a) = merge(-1, 1, mode%zone_a == zone_tip)
-      directions(root_borders_a + 1) = merge(1, -1, mode%zone_a == zone_root)
-      directions(root_borders_b) = merge(-1, 1, mode%zone_b == zone_tip)
-      directions(root_borders_b + 1) = merge(1, -1, mode%zone_b == zone_root)
+      do i = 1, contact%n_roots
+         directions(i) = 0
+         if (mode%flanks == flanks_off .and. root_rows(contact%roots(i))%moves /= moves_pair) cycle ! it can only enter
+         directions(i) = contact_root_direction(contact, mode, contact%roots(i))
+      end do
    end subroutine contact_root_directions
 
-   !> Mark the root functions without meaning in the mode, which are 1 at any state.
-   pure subroutine mark_idle_roots(contact, mode, mark, directions)
+   !> The same of one kind.
+   pure integer function contact_root_direction(contact, mode, kind) result(direction)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_mode), intent(in) :: mode
-      integer, intent(in) :: mark                        !! put in place of their direction
-      integer, intent(inout) :: directions(contact%n_roots)
-      logical :: slides
+      integer, intent(in) :: kind
 
-      if (.not. (mode%flanks == flanks_open .or. (touches(mode) .and. .not. contact%rigid))) directions(root_contact) = mark
-      if (.not. touches(mode)) directions(root_force) = mark
-      if (contact%i_side == 0 .or. .not. touches(mode)) directions(root_side) = mark
-      slides = contact%friction%knee() > 0 .and. mode%flanks == flanks_loaded
-      if (.not. slides .or. mode%friction == -1) directions(root_friction_high) = mark
-      if (.not. slides .or. mode%friction == 1) directions(root_friction_low) = mark
-      if (contact%tracking == tracking_closed_form .or. touches(mode) .or. mode%flanks == flanks_off) directions(root_apart) = mark
-      if (.not. contact%deviates) return
-      if (mode%flanks == flanks_off) then
-         directions(root_borders_a:root_borders_b + 1) = mark
-         return
-      end if
-      call mark_idle_borders(contact%deviation_a, mode%zone_a, mark, directions(root_borders_a:root_borders_a + 1))
-      call mark_idle_borders(contact%deviation_b, mode%zone_b, mark, directions(root_borders_b:root_borders_b + 1))
-   end subroutine mark_idle_roots
+      direction = 0
+      select case (kind)
+      case (root_of%contact)
+         if (mode%flanks == flanks_open) direction = 1
+         if (touches(mode) .and. .not. contact%rigid) direction = -1
+      case (root_of%force)
+         if (touches(mode)) direction = merge(1, -1, mode%flanks == flanks_unloaded)
+      case (root_of%friction_high)
+         if (slides(contact, mode) .and. mode%friction /= -1) direction = merge(-1, 1, mode%friction == 1)
+      case (root_of%friction_low)
+         if (slides(contact, mode) .and. mode%friction /= 1) direction = merge(1, -1, mode%friction == -1)
+      case (root_of%forward, root_of%back)
+         if (.not. contact%handover) direction = merge(1, -1, mode%flanks == flanks_off)
+      case (root_of%switch)
+         if (contact%handover) direction = 1
+      case (root_of%switch_back)
+         if (contact%handover) direction = -1
+      case (root_of%apart)
+         if (contact%tracking == tracking_closed_form) return
+         if (mode%flanks == flanks_open) direction = 1
+         if (mode%flanks == flanks_apart) direction = -1
+      case (root_of%tip_a)
+         if (is_on(contact, mode)) direction = tip_direction(contact%deviation_a, mode%zone_a)
+      case (root_of%root_a)
+         if (is_on(contact, mode)) direction = root_direction(contact%deviation_a, mode%zone_a)
+      case (root_of%tip_b)
+         if (is_on(contact, mode)) direction = tip_direction(contact%deviation_b, mode%zone_b)
+      case (root_of%root_b)
+         if (is_on(contact, mode)) direction = root_direction(contact%deviation_b, mode%zone_b)
+      case default
+         if (has_side(contact, mode, root_rows(kind)%live)) &
+            direction = merge(-1, 1, mode%sides(kind - (n_root_kinds - n_sides)) > 0)
+      end select
+   end function contact_root_direction
 
-   !> The same for the borders of tip and root relief on one flank.
-   pure subroutine mark_idle_borders(deviation, zone, mark, directions)
+   !> Whether friction has branches.
+   pure logical function slides(contact, mode)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
+
+      slides = mode%flanks == flanks_loaded
+      if (slides) slides = contact%friction%knee() > 0
+   end function slides
+
+   !> Whether a tooth pair with deviating flanks is on the path.
+   pure logical function is_on(contact, mode)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
+
+      is_on = contact%deviates .and. mode%flanks /= flanks_off
+   end function is_on
+
+   !> Direction at the border of a tip relief.
+   pure integer function tip_direction(deviation, zone) result(direction)
       type(flank_deviation_t), intent(in) :: deviation
-      integer, intent(in) :: zone, mark
-      integer, intent(inout) :: directions(2) !! tip, root
-      real(wp) :: rho_root, rho_tip
+      integer, intent(in) :: zone
 
-      call deviation_borders(deviation, rho_root, rho_tip)
-      if (.not. rho_tip < huge(rho_tip) .or. zone == zone_root) directions(1) = mark
-      if (.not. rho_root > -huge(rho_root) .or. zone == zone_tip) directions(2) = mark
-   end subroutine mark_idle_borders
+      direction = 0
+      if (deviation%tip%amount > 0 .and. zone /= zone_root) direction = merge(-1, 1, zone == zone_tip)
+   end function tip_direction
+
+   !> Direction at the border of a root relief.
+   pure integer function root_direction(deviation, zone) result(direction)
+      type(flank_deviation_t), intent(in) :: deviation
+      integer, intent(in) :: zone
+
+      direction = 0
+      if (deviation%root%amount > 0 .and. zone /= zone_tip) direction = merge(1, -1, zone == zone_root)
+   end function root_direction
+
+   !> Whether a kind with a side has a meaning.
+   pure logical function has_side(contact, mode, live)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
+      integer, intent(in) :: live !! as in the kind's row
+
+      select case (live)
+      case (live_touching)
+         has_side = touches(mode)
+      case (live_one_sided)
+         has_side = touches(mode) .and. contact%one_sided
+      case (live_loaded)
+         has_side = mode%flanks == flanks_loaded
+      case (live_on_path)
+         has_side = mode%flanks /= flanks_off .and. mode%flanks /= flanks_apart
+      case default
+         has_side = .false.
+      end select
+   end function has_side
+
+   !> List the root functions that a contact has: those with a meaning in one of its modes.
+   pure subroutine list_roots(contact)
+      type(tooth_contact_t), intent(inout) :: contact !! complete, but for this
+      integer :: kind, flanks, branch
+      logical :: found
+
+      contact%n_roots = 0
+      do kind = 1, n_root_kinds
+         found = .false.
+         do flanks = flanks_open, flanks_off
+            do branch = -1, 1 ! of friction and the zones
+               if (contact_root_direction(contact, contact_mode(flanks=flanks, friction=branch, zone_a=branch, zone_b=branch), &
+                                          kind) /= 0) found = .true.
+            end do
+         end do
+         if (.not. found) cycle
+         contact%n_roots = contact%n_roots + 1
+         contact%roots(contact%n_roots) = kind
+      end do
+   end subroutine list_roots
+
+   !> Whether a root function is past the zero that would end its mode.
+   elemental logical function is_past(direction, root, by)
+      integer, intent(in) :: direction !! as of `contact_root_directions`
+      real(wp), intent(in) :: root
+      real(wp), intent(in) :: by !! at least how far, in its own units; < 0: or how near
+
+      is_past = direction /= 0 .and. direction*root > by
+   end function is_past
+
+   !> Which root functions of a contact passed zero, by kind; false of those that it does not have.
+   pure function by_kind(contact, fired) result(marks)
+      type(tooth_contact_t), intent(in) :: contact
+      integer, intent(in) :: fired(:) !! of the gearbox: not 0 where a root function passed zero
+      logical :: marks(n_root_kinds)
+      integer :: i
+
+      marks = .false.
+      do i = 1, contact%n_roots
+         marks(contact%roots(i)) = fired(contact%i_root + i) /= 0
+      end do
+   end function by_kind
+
+   !> The sides on which a contact point lies.
+   pure subroutine find_sides(contact, point, force, mode)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_point), intent(in) :: point
+      real(wp), intent(in) :: force !! elastic + viscous, unclipped; of no meaning where flanks do not overlap [N]
+      type(contact_mode), intent(inout) :: mode
+      real(wp) :: quantity(width)
+      integer :: i, kind
+
+      do i = 1, n_sides
+         kind = n_root_kinds - n_sides + i
+         call root_quantity(contact, mode, kind, [point%h], [point%h_dot], [point%v_t], [point%rho_a], [point%rho_b], [force], &
+                            [0.0_wp], quantity)
+         mode%sides(i) = merge(1, -1, quantity(1) > root_rows(kind)%border)
+      end do
+   end subroutine find_sides
 
    !> How far a tooth pair is from the ends of the path of contact, in pitches; not negative while it is on the path.
    pure subroutine ends_of_path(contact, point, near, far)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_point), intent(in) :: point
       real(wp), intent(out) :: near, far !! from the end where pairs enter in the nominal sense of rotation, and from the other
-      real(wp), dimension(width) :: to_near, to_far
+      real(wp), dimension(width) :: distance
 
-      call path_ends(contact, [point%rho_a], [point%rho_b], 0, to_near, to_far)
-      near = to_near(1)
-      far = to_far(1)
+      call path_end(contact, [point%rho_a], [point%rho_b], 0, .false., distance)
+      near = distance(1)
+      call path_end(contact, [point%rho_a], [point%rho_b], 0, .true., distance)
+      far = distance(1)
    end subroutine ends_of_path
 
 end module evl_contact_roots

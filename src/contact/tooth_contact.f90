@@ -19,6 +19,7 @@ module evl_tooth_contact
    use evl_kinds, only: wp
    use evl_local_variables, only: local_link, n_local, wheel_link
    use evl_rational, only: rational_pitches, rational_t
+   use evl_root_kinds, only: n_discrete, n_root_kinds, n_sides, side_of_rate
    use evl_status, only: code_ok, code_out_of_domain, fail, quantity, status_t, subject_mesh
    use evl_tangent_line, only: tangent_line_t
    implicit none (type, external)
@@ -30,7 +31,6 @@ module evl_tooth_contact
    public :: nominal_rho, nominal_start, unclipped_force, settle_friction, touches
    public :: tracking_closed_form, tracking_algebraic, tracking_differential
    public :: flanks_open, flanks_loaded, flanks_unloaded, flanks_apart, flanks_off
-   public :: n_contact_roots, n_border_roots
    public :: flank_drive, flank_coast
    public :: settle_zones, tooth_of_a, tooth_of_b
 
@@ -47,9 +47,6 @@ module evl_tooth_contact
    integer, parameter :: flank_drive = 0 !! the driving wheel pushes in its nominal sense of rotation
    integer, parameter :: flank_coast = 1 !! the other side of the teeth
 
-   integer, parameter :: n_contact_roots = 8       !! root functions of a tooth contact
-   integer, parameter :: n_border_roots = 4     !! more of them where a flank deviates: borders of tip and root relief of A, of B
-
    type :: tooth_contact_t
       integer :: mesh = 0                 !! of the gearbox, to which the contact belongs
       integer :: flank = flank_drive      !! drive or coast
@@ -61,6 +58,7 @@ module evl_tooth_contact
       class(damping_law_t), allocatable :: damping
       class(friction_law_t), allocatable :: friction
       logical :: rigid = .false.          !! contact is a constraint
+      logical :: one_sided = .false.      !! the damping law has a side of approach and one of separation
       integer :: tracking = tracking_closed_form
       real(wp) :: e_star = 0.0_wp         !! effective modulus [Pa]
       real(wp) :: width = 0.0_wp          !! common face width [m]
@@ -90,10 +88,10 @@ module evl_tooth_contact
       integer :: i_dependent = 0          !! deviation of the wheel that a closed rigid contact determines
       real(wp) :: mobility = 0.0_wp       !! r_bA^2/J_A + r_bB^2/J_B [1/kg]
       integer :: i_track = 0              !! first tracked variable in the state; 0 if none
-      integer :: i_side = 0               !! index of the side of h' = 0 in the discrete state; 0 where the damping law has none
-      integer :: i_mode = 0               !! index of its integers in the discrete state: three, and two zones if it deviates
-      integer :: i_root = 0               !! index before its root functions
-      integer :: n_roots = n_contact_roots   !! how many there are
+      integer :: i_discrete(n_discrete) = 0 !! indices of its integers in the discrete state, for its door alone; 0: has none
+      integer :: i_root = 0               !! place before its root functions
+      integer :: n_roots = 0              !! how many there are
+      integer :: roots(n_root_kinds) = 0  !! their kinds, the first n_roots
    end type tooth_contact_t
 
    !> Discrete state of a tooth contact.
@@ -102,7 +100,7 @@ module evl_tooth_contact
       integer :: flanks = flanks_open   !! open, loaded, unloaded, apart, or off the path
       integer :: friction = 0           !! branch of the friction law
       integer :: zone_a = 0, zone_b = 0 !! parts of the modified flanks
-      integer :: side = 0               !! of h' = 0, where the damping law has two: +1 approach, -1 separation
+      integer :: sides(n_sides) = 0     !! of the borders of root kinds that have sides: +1 above, -1 below
       real(wp) :: share = 1.0_wp        !! of a rigid flank's normal force that this pair carries
       real(wp) :: v0 = 0.0_wp           !! approach speed at the last closing [m/s]
    end type contact_mode
@@ -231,7 +229,7 @@ contains
       ctx%e_star = contact%e_star
       ctx%width = contact%width
       ctx%v0 = mode%v0
-      ctx%side = mode%side
+      ctx%side = mode%sides(side_of_rate)
    end function context_of
 
    !> Forces at a contact point. Nothing acts in the modes without contact.

@@ -11,7 +11,7 @@ module evl_contact_build
    use evl_rational, only: rational_scaled
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel
    use evl_tangent_line, only: find_tangent_line
-   use evl_tooth_contact, only: flank_coast, flank_drive, n_border_roots, n_contact_roots, tooth_contact_t, tracking_closed_form
+   use evl_tooth_contact, only: flank_coast, flank_drive, tooth_contact_t, tracking_closed_form
    implicit none (type, external)
    private
 
@@ -52,8 +52,8 @@ contains
                   call damping_law(meshes(m)%damping, contact%damping)
                   call friction_law(meshes(m)%friction, contact%friction)
                   contact%rigid = contact%elastic%is_rigid()
+                  contact%one_sided = contact%damping%has_sides()
                   contact%deviates = any(gearbox%wheels([meshes(m)%driving, meshes(m)%driven])%deviation%exists)
-                  contact%n_roots = n_contact_roots + merge(n_border_roots, 0, contact%deviates)
                   ! the points of the coast flank follow from the wheels' positions, whatever tracks those of the drive flank
                   contact%tracking = merge(meshes(m)%tracking, tracking_closed_form, flank == flank_drive)
                end associate

@@ -1,9 +1,11 @@
 !> Makes a gearbox from its description: checks every number, finds the layout, derives the geometry, numbers the states.
 module evl_gearbox_build
    use evl_contact_build, only: find_dependents, list_contacts, take_contact
+   use evl_contact_roots, only: list_roots
+   use evl_discrete_state, only: number_integers
    use evl_first_tooth_pair, only: find_tooth_phases, tooth_mesh_t
    use evl_gear_build, only: gears_build
-   use evl_gearbox, only: gearbox_t
+   use evl_gearbox, only: gearbox_t, gearbox_t, i_turns
    use evl_gearbox_description, only: check_description, mesh_input, shaft_input, wheel_input
    use evl_gearbox_deviations, only: check_second_order, gearbox_set_deviations
    use evl_gearbox_references, only: gearbox_set_references
@@ -87,6 +89,7 @@ contains
          call take_contact(gearbox, wheels, meshes(gearbox%contacts(i)%mesh), i, status)
          if (has_failed(status)) return
       end do
+      call number_modes(gearbox)
       call find_dependents(gearbox, status)
       if (has_failed(status)) return
       call gearbox_set_scales(gearbox)
@@ -237,29 +240,29 @@ contains
       gearbox%i_dissipated = n + 1
       gearbox%i_work = n + 2
       gearbox%n_states = n + 2
+   end subroutine number_states
 
-      n = 1
+   !> Number the root functions, and the discrete state: the turns, what the contacts have, and the knots passed.
+   subroutine number_modes(gearbox)
+      type(gearbox_t), intent(inout) :: gearbox
+      integer :: i
+
       do i = 1, size(gearbox%contacts)
          associate (contact => gearbox%contacts(i))
-            contact%i_mode = n + 1
-            n = n + merge(5, 3, contact%deviates)
+            call list_roots(contact)
             contact%i_root = gearbox%n_roots
             gearbox%n_roots = gearbox%n_roots + contact%n_roots
          end associate
       end do
       gearbox%n_roots = gearbox%n_roots + 1 ! turns of the reference wheel
+      gearbox%n_integers = i_turns
+      call number_integers(gearbox%contacts, gearbox%n_integers)
       do i = 1, size(gearbox%loads)
          if (.not. allocated(gearbox%loads(i)%load%knots%time)) cycle
-         gearbox%loads(i)%load%i_segment = n + 1
-         n = n + 1
+         gearbox%n_integers = gearbox%n_integers + 1
+         gearbox%loads(i)%load%i_segment = gearbox%n_integers
       end do
-      do i = 1, size(gearbox%contacts)
-         if (.not. gearbox%contacts(i)%damping%has_sides()) cycle
-         gearbox%contacts(i)%i_side = n + 1
-         n = n + 1
-      end do
-      gearbox%n_integers = n
-   end subroutine number_states
+   end subroutine number_modes
 
    !> Geometry of one mesh; base and tip radii of its wheels.
    subroutine take_pair(gearbox, wheels, meshes, layout, index, status)

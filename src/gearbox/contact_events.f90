@@ -1,26 +1,27 @@
 !> What changes in one tooth contact when something happens to it: its tooth pair, contact mode and friction branch.
 module evl_contact_events
    use evl_closed_form, only: closed_form_line, place_radii, points_from_closed_form
+   use evl_contact_modes, only: mode_at
    use evl_contact_point, only: contact_point
-   use evl_contact_roots, only: contact_roots, root_apart, root_back, root_borders_a, root_borders_b, root_contact, root_force, &
-                                root_forward, root_friction_high, root_friction_low, root_side
-   use evl_event_kinds, only: event_apart, event_border, event_closed, event_entered, event_left, event_log, event_near, &
-                              event_opened, event_returned, event_sliding_began, event_sliding_ended, event_switch, &
-                              event_switch_back, event_vanished, note
+   use evl_contact_roots, only: contact_root_direction, contact_roots, find_sides
+   use evl_discrete_state, only: flanks_of, gearbox_mode, gearbox_store_mode, pairs_loaded
+   use evl_event_log, only: event_log, event_of_root, note
    use evl_flank_deviation, only: zone_none, zone_root, zone_tip
-   use evl_gearbox, only: gearbox_local, gearbox_mode, gearbox_store_mode, gearbox_t, i_turns, pairs_loaded
+   use evl_gearbox, only: gearbox_local, gearbox_t, i_turns
    use evl_kinds, only: wp
    use evl_local_variables, only: i_theta, n_local, n_track
-   use evl_status, only: code_no_solution, fail, has_failed, quantity, status_t, subject_mesh
+   use evl_root_kinds, only: moves_friction, moves_pair, moves_zone_a, moves_zone_b, n_root_kinds, n_sides, root_of, root_rows
+   use evl_status, only: code_no_solution, fail, quantity, status_t, subject_mesh
    use evl_tangent_line, only: tangent_line_t
    use evl_tooth_contact, only: contact_energy, contact_mode, flanks_apart, flanks_loaded, flanks_off, flanks_open, &
                                 flanks_unloaded, locate_contact, nominal_rho, settle_friction, settle_zones, tooth_contact_t, &
-                                touches, tracking_closed_form
+                                touches, tracking_closed_form, unclipped_force
    implicit none (type, external)
    private
 
    public :: contact_event, point_of_contact, parts, roots_of_contact
 
+   logical, parameter :: moves_zone(n_root_kinds) = root_rows%moves == moves_zone_a .or. root_rows%moves == moves_zone_b
    real(wp), parameter :: grazing = 1.0e-6_wp !! penetration over its scale: below it flanks that part have lost contact
 
 contains
@@ -69,7 +70,7 @@ contains
    subroutine contact_event(gearbox, m, fired, y, integers, reals, log, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m
-      logical, intent(in) :: fired(:)
+      logical, intent(in) :: fired(n_root_kinds) !! by kind
       real(wp), intent(inout) :: y(gearbox%n_states)
       integer, intent(inout) :: integers(:)
       real(wp), intent(inout) :: reals(:)
@@ -78,29 +79,33 @@ contains
       type(contact_point) :: point
       type(contact_mode) :: mode
       real(wp) :: q(n_local), rho_a0, energy
-      logical :: changed, entered
+      logical :: changed, entered, forward
+      logical :: before(n_sides)
 
       mode = gearbox_mode(gearbox, m, integers, reals)
       associate (contact => gearbox%contacts(m))
-         changed = fired(root_forward) .or. fired(root_back)
+         before = live_sides(contact, mode)
+         changed = any(fired .and. root_rows%moves == moves_pair)
+         forward = fired(root_of%forward) .or. fired(root_of%switch)
          entered = changed .and. mode%flanks == flanks_off
          energy = energy_of(gearbox, m, mode, y, integers)
-         if (changed) call change_pair(contact, fired(root_forward), mode, log)
+         if (changed) call change_pair(contact, forward, mode, log)
          if (contact%deviates) call change_zones(gearbox, m, changed, fired, y, integers, mode, log)
          call point_of_contact(gearbox, m, y, integers, mode, q, rho_a0, point)
          if (entered) then
-            call enter(gearbox, m, integers, point, mode, status)
+            call enter(gearbox, m, integers, point, mode, log, status)
          else if (mode%flanks /= flanks_off) then
-            if (fired(root_friction_high) .or. fired(root_friction_low)) call change_friction(contact, fired, mode, log)
+            if (any(fired .and. root_rows%moves == moves_friction)) call change_friction(contact, fired, mode, log)
             call change_contact(contact, fired, point, mode, log)
          end if
          ! the radii of curvature jump at a switch, and friction starts anew with a contact
-         if (mode%flanks == flanks_loaded .and. (changed .or. fired(root_contact) .or. fired(root_force))) &
+         if (mode%flanks == flanks_loaded .and. (changed .or. fired(root_of%contact) .or. fired(root_of%force))) &
             mode%friction = settle_friction(contact, point)
          ! what comes or goes with the flanks counts in the balance as negative loss or as loss
          y(gearbox%i_dissipated) = y(gearbox%i_dissipated) + (energy - energy_of(gearbox, m, mode, y, integers))
-         if (fired(root_side)) mode%side = merge(-1, 1, mode%side > 0) ! nothing happens there that deserves an event
-         if (fired(root_apart)) call change_distance(contact, q, mode, y, log)
+         call change_sides(contact, fired, mode, log)
+         if (fired(root_of%apart)) call change_distance(contact, q, mode, y, log)
+         call begin_sides(contact, before, point, mode, status)
       end associate
       call gearbox_store_mode(gearbox, m, mode, integers, reals)
    end subroutine contact_event
@@ -134,24 +139,25 @@ contains
       if (contact%handover) then
          ! both tracked points move by one base pitch along e, and so does rho_A0: turn, zeta, dr, lambda and mu stay
          mode%tooth_pair = mode%tooth_pair + merge(1, -1, forward)
-         call note(log, merge(event_switch, event_switch_back, forward), contact, mode%tooth_pair)
+         call note(log, event_at(contact, mode, merge(root_of%switch, root_of%switch_back, forward)), contact, mode%tooth_pair)
       else if (mode%flanks == flanks_off) then
          if (forward) mode%tooth_pair = mode%tooth_pair - contact%n_slots
+         call note(log, event_at(contact, mode, root_of%forward), contact, mode%tooth_pair)
          mode%flanks = flanks_open
-         call note(log, event_entered, contact, mode%tooth_pair)
       else
-         call note(log, event_left, contact, mode%tooth_pair)
+         call note(log, event_at(contact, mode, root_of%forward), contact, mode%tooth_pair)
          if (forward) mode%tooth_pair = mode%tooth_pair + contact%n_slots
-         mode = contact_mode(tooth_pair=mode%tooth_pair, flanks=flanks_off, side=mode%side)
+         mode = contact_mode(tooth_pair=mode%tooth_pair, flanks=flanks_off, sides=mode%sides)
       end if
    end subroutine change_pair
 
-   !> The mode of a tooth pair that enters the path: flanks that overlap are loaded at once.
-   subroutine enter(gearbox, m, integers, point, mode, status)
+   !> The mode of a tooth pair that enters the path: flanks that overlap push at once, unless the damper pulls more.
+   subroutine enter(gearbox, m, integers, point, mode, log, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m, integers(:)
       type(contact_point), intent(in) :: point
       type(contact_mode), intent(inout) :: mode
+      type(event_log), intent(inout) :: log
       type(status_t), intent(inout) :: status
 
       associate (contact => gearbox%contacts(m))
@@ -165,9 +171,9 @@ contains
             end if
          else if (flank_rests(gearbox, m, integers)) then
             mode%flanks = flanks_apart
-         else if (point%h > 0) then
-            mode%flanks = flanks_loaded
-            mode%v0 = max(point%h_dot, 0.0_wp)
+         else
+            call mode_at(contact, point, mode, status)
+            if (mode%flanks == flanks_unloaded) call note(log, root_rows(root_of%force)%falls, contact, mode%tooth_pair)
          end if
       end associate
    end subroutine enter
@@ -176,9 +182,10 @@ contains
    pure logical function flank_rests(gearbox, m, integers)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m, integers(:)
+      integer :: i
 
       associate (first => m - gearbox%contacts(m)%slot, n => gearbox%contacts(m)%n_slots)
-         flank_rests = any(integers(gearbox%contacts(first:first + n - 1)%i_mode + 1) == flanks_apart)
+         flank_rests = any([(flanks_of(gearbox%contacts(i), integers) == flanks_apart, i=first, first + n - 1)])
       end associate
    end function flank_rests
 
@@ -197,12 +204,12 @@ contains
          if (changed) then
             call point_of_contact(gearbox, m, y, integers, mode, q, rho_a0, point)
             call settle_zones(contact, point, mode)
-         else if (any(fired(root_borders_a:root_borders_b + 1))) then
-            if (fired(root_borders_a)) mode%zone_a = merge(zone_none, zone_tip, mode%zone_a == zone_tip)
-            if (fired(root_borders_a + 1)) mode%zone_a = merge(zone_none, zone_root, mode%zone_a == zone_root)
-            if (fired(root_borders_b)) mode%zone_b = merge(zone_none, zone_tip, mode%zone_b == zone_tip)
-            if (fired(root_borders_b + 1)) mode%zone_b = merge(zone_none, zone_root, mode%zone_b == zone_root)
-            call note(log, event_border, contact, mode%tooth_pair)
+         else if (any(fired .and. moves_zone)) then
+            if (fired(root_of%tip_a)) mode%zone_a = merge(zone_none, zone_tip, mode%zone_a == zone_tip)
+            if (fired(root_of%root_a)) mode%zone_a = merge(zone_none, zone_root, mode%zone_a == zone_root)
+            if (fired(root_of%tip_b)) mode%zone_b = merge(zone_none, zone_tip, mode%zone_b == zone_tip)
+            if (fired(root_of%root_b)) mode%zone_b = merge(zone_none, zone_root, mode%zone_b == zone_root)
+            call note(log, root_rows(findloc(fired .and. moves_zone, .true., dim=1))%rises, contact, mode%tooth_pair)
          end if
       end associate
    end subroutine change_zones
@@ -213,15 +220,63 @@ contains
       logical, intent(in) :: fired(:)
       type(contact_mode), intent(inout) :: mode
       type(event_log), intent(inout) :: log
+      logical :: is_high
 
-      if (mode%friction /= 0) then
-         mode%friction = 0
-         call note(log, event_sliding_ended, contact, mode%tooth_pair)
-      else
-         mode%friction = merge(1, -1, fired(root_friction_high))
-         call note(log, event_sliding_began, contact, mode%tooth_pair)
-      end if
+      is_high = mode%friction == 1 .or. (mode%friction == 0 .and. fired(root_of%friction_high))
+      call note(log, event_at(contact, mode, merge(root_of%friction_high, root_of%friction_low, is_high)), contact, mode%tooth_pair)
+      mode%friction = merge(merge(1, -1, is_high), 0, mode%friction == 0)
    end subroutine change_friction
+
+   !> A quantity passed a border that has sides. It deserves an event where its row has a text.
+   pure subroutine change_sides(contact, fired, mode, log)
+      type(tooth_contact_t), intent(in) :: contact
+      logical, intent(in) :: fired(:)
+      type(contact_mode), intent(inout) :: mode
+      type(event_log), intent(inout) :: log
+      integer :: i, kind
+
+      do i = 1, n_sides
+         kind = n_root_kinds - n_sides + i
+         if (.not. fired(kind)) cycle
+         mode%sides(i) = merge(-1, 1, mode%sides(i) > 0)
+         if (root_rows(kind)%text /= "") call note(log, event_of_root(kind), contact, mode%tooth_pair)
+      end do
+   end subroutine change_sides
+
+   !> Which kinds with sides have a meaning in a mode, as far as they are noted.
+   pure function live_sides(contact, mode) result(live)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
+      logical :: live(n_sides)
+      integer :: i
+
+      do i = 1, n_sides
+         associate (kind => n_root_kinds - n_sides + i)
+            live(i) = root_rows(kind)%text /= ""
+            if (live(i)) live(i) = contact_root_direction(contact, mode, kind) /= 0
+         end associate
+      end do
+   end function live_sides
+
+   !> Sides that begin to have a meaning are found: nothing has passed a border.
+   subroutine begin_sides(contact, before, point, mode, status)
+      type(tooth_contact_t), intent(in) :: contact
+      logical, intent(in) :: before(n_sides) !! `live_sides` of the mode before
+      type(contact_point), intent(in) :: point
+      type(contact_mode), intent(inout) :: mode
+      type(status_t), intent(inout) :: status
+      type(contact_mode) :: found
+      logical :: begins(n_sides)
+      real(wp) :: force
+
+      begins = live_sides(contact, mode) .and. .not. before
+      if (.not. any(begins)) return
+      force = 0
+      if (touches(mode)) call unclipped_force(contact, mode, point, force, status)
+      found = mode
+      call find_sides(contact, point, force, found)
+      where (begins) mode%sides = found%sides
+   end subroutine begin_sides
 
    !> Closing, opening, and the clip of the force.
    pure subroutine change_contact(contact, fired, point, mode, log)
@@ -233,16 +288,17 @@ contains
 
       select case (mode%flanks)
       case (flanks_open)
-         if (.not. fired(root_contact)) return
+         if (.not. fired(root_of%contact)) return
          mode%flanks = flanks_loaded
          mode%v0 = max(point%h_dot, 0.0_wp)
-         if (.not. contact%rigid) call note(log, event_closed, contact, mode%tooth_pair) ! else an impact decides
+         if (contact%rigid) return ! an impact decides
+         call note(log, root_rows(root_of%contact)%rises, contact, mode%tooth_pair)
       case (flanks_loaded, flanks_unloaded)
-         if (fired(root_contact) .or. (fired(root_force) .and. parts(contact, point))) then
+         if (fired(root_of%contact) .or. (fired(root_of%force) .and. parts(contact, point))) then
             mode%flanks = flanks_open
-            call note(log, event_opened, contact, mode%tooth_pair)
-         else if (fired(root_force)) then
-            call note(log, merge(event_vanished, event_returned, mode%flanks == flanks_loaded), contact, mode%tooth_pair)
+            call note(log, root_rows(root_of%contact)%falls, contact, mode%tooth_pair)
+         else if (fired(root_of%force)) then
+            call note(log, event_at(contact, mode, root_of%force), contact, mode%tooth_pair)
             mode%flanks = merge(flanks_unloaded, flanks_loaded, mode%flanks == flanks_loaded)
          end if
       end select
@@ -256,6 +312,16 @@ contains
       parts = point%h < grazing*contact%h_scale .and. (point%h_dot < 0 .or. contact%rigid)
    end function parts
 
+   !> The event that a root function of a contact is which passes zero in a mode.
+   pure integer function event_at(contact, mode, kind) result(event)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
+      integer, intent(in) :: kind
+
+      event = root_rows(kind)%falls
+      if (contact_root_direction(contact, mode, kind) > 0) event = root_rows(kind)%rises
+   end function event_at
+
    !> Tracking ends where the flanks are too far apart for two of their points to face each other, and begins anew when they
    !> come near.
    pure subroutine change_distance(contact, q, mode, y, log)
@@ -265,13 +331,13 @@ contains
       real(wp), intent(inout) :: y(:)
       type(event_log), intent(inout) :: log
 
+      if (touches(mode)) return
+      call note(log, event_at(contact, mode, root_of%apart), contact, mode%tooth_pair)
       if (mode%flanks == flanks_apart) then
          mode%flanks = flanks_open
          call points_from_closed_form(contact%pair, q, y(contact%i_track:contact%i_track + n_track - 1))
-         call note(log, event_near, contact, mode%tooth_pair)
       else if (mode%flanks == flanks_open) then
          mode%flanks = flanks_apart
-         call note(log, event_apart, contact, mode%tooth_pair)
       end if
    end subroutine change_distance
 

@@ -1,8 +1,11 @@
 !> What the loops over lanes keep of each tooth contact: what its discrete state fixes, and what the last rates knew of it.
 module evl_contacts_in_lanes
    use evl_contact_lanes, only: lane_contact
-   use evl_gearbox, only: gearbox_mode, gearbox_t, i_turns
+   use evl_contact_roots, only: contact_root_directions
+   use evl_discrete_state, only: gearbox_mode
+   use evl_gearbox, only: gearbox_t, i_turns
    use evl_kinds, only: lanes, wp
+   use evl_root_kinds, only: n_root_kinds
    use evl_tooth_contact, only: contact_mode, contact_state, nominal_start, touches
    implicit none (type, external)
    private
@@ -11,6 +14,7 @@ module evl_contacts_in_lanes
 
    type :: lane_slot
       type(contact_mode) :: mode
+      integer :: directions(n_root_kinds) = 0 !! of its root functions
       real(wp) :: rho_start = 0               !! nominal radius of curvature on A at theta = 0 [m]
       type(lane_contact) :: at                !! the contact in eight states, if it touches
       real(wp), dimension(lanes) :: unclipped !! elastic + viscous force there [N]
@@ -31,6 +35,7 @@ contains
 
       do i = 1, size(gearbox%contacts)
          slots(i)%mode = gearbox_mode(gearbox, i, integers, reals)
+         call contact_root_directions(gearbox%contacts(i), slots(i)%mode, slots(i)%directions)
          slots(i)%rho_seen = 0
          slots(i)%rho_start = nominal_start(gearbox%contacts(i), integers(i_turns), slots(i)%mode%tooth_pair)
       end do

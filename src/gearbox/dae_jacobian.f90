@@ -2,8 +2,9 @@
 module evl_dae_jacobian
    use evl_contact_point, only: contact_gradient, contact_point
    use evl_contact_tracking, only: algebraic_jacobian, differential_jacobian
+   use evl_discrete_state, only: carries_points, gearbox_mode, is_closed
    use evl_force_jacobian, only: add_constants, add_forces, couple_reference, scatter
-   use evl_gearbox, only: carries_points, gearbox_local, gearbox_mode, gearbox_t, i_turns, is_closed
+   use evl_gearbox, only: gearbox_local, gearbox_t, i_turns
    use evl_gearbox_rates, only: gearbox_rates
    use evl_housing, only: frame_t, housing_frame
    use evl_housing_dynamics, only: housing_coupling

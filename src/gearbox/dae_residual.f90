@@ -1,7 +1,8 @@
 !> The gearbox as a differential-algebraic system F(t, y, y') = 0, and the y' that belongs to y.
 module evl_dae_residual
    use evl_contact_tracking, only: algebraic_residual, differential_rates, differential_residual
-   use evl_gearbox, only: carries_points, gearbox_local, gearbox_mode, gearbox_t, i_turns, is_closed
+   use evl_discrete_state, only: carries_points, gearbox_mode, is_closed
+   use evl_gearbox, only: gearbox_local, gearbox_t, i_turns
    use evl_gearbox_rates, only: gearbox_rates
    use evl_housing_dynamics, only: coupled_rates, housing_residual
    use evl_kinds, only: wp

@@ -14,8 +14,8 @@
 !>    multiplier                 of every flank with rigid contact: its normal force
 !>    dissipated energy, work of the loads
 !>
-!> Discrete integers: turns of the reference wheel beside theta; tooth pair, contact mode and friction branch of every tooth
-!> contact; knots passed of every table. Discrete reals: the approach speed at the last closing of every tooth contact.
+!> Discrete integers: turns of the reference wheel beside theta; those of every tooth contact, see evl_discrete_state; knots passed
+!> of every table. Discrete reals: the approach speed at the last closing of every tooth contact.
 module evl_gearbox
    use evl_first_tooth_pair, only: tooth_phase_t
    use evl_flank_deviation, only: flank_deviation_t
@@ -32,14 +32,13 @@ module evl_gearbox
    use evl_shaft, only: shaft_t
    use evl_status, only: status_t
    use evl_support, only: support_t
-   use evl_tooth_contact, only: contact_mode, flanks_loaded, flanks_off, tooth_contact_t
+   use evl_tooth_contact, only: tooth_contact_t
    implicit none (type, external)
    private
 
    public :: add_angle, add_speed
    public :: gearbox_t, load_slot, section_t, wheel_t
-   public :: is_closed, pairs_loaded, carries_points, leading_contact
-   public :: gearbox_local, gearbox_mode, gearbox_store_mode, wheel_speed, wheel_position
+   public :: gearbox_local, wheel_speed, wheel_position
    public :: i_turns
 
    integer, parameter :: i_turns = 1 !! index of the turns in the discrete state
@@ -122,101 +121,6 @@ contains
       end do
    end subroutine gearbox_local
 
-   !> Discrete state of a tooth contact.
-   pure type(contact_mode) function gearbox_mode(gearbox, index, integers, reals) result(mode)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index    !! of the tooth contact
-      integer, intent(in) :: integers(:)
-      real(wp), intent(in) :: reals(:)
-      integer :: n
-
-      associate (i => gearbox%contacts(index)%i_mode)
-         mode%tooth_pair = integers(i)
-         mode%flanks = integers(i + 1)
-         mode%friction = integers(i + 2)
-         if (gearbox%contacts(index)%deviates) then
-            mode%zone_a = integers(i + 3)
-            mode%zone_b = integers(i + 4)
-         end if
-      end associate
-      if (gearbox%contacts(index)%i_side > 0) mode%side = integers(gearbox%contacts(index)%i_side)
-      mode%v0 = reals(index)
-      if (.not. gearbox%contacts(index)%rigid) return
-      n = pairs_loaded(gearbox, index, integers)
-      if (n > 1) mode%share = 1/real(n, wp)
-   end function gearbox_mode
-
-   !> How many tooth pairs of a contact's flank carry load.
-   pure integer function pairs_loaded(gearbox, index, integers) result(n)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index    !! of any tooth contact of the flank
-      integer, intent(in) :: integers(:)
-      integer :: m
-
-      n = 0
-      associate (first => index - gearbox%contacts(index)%slot)
-         do m = first, first + gearbox%contacts(index)%n_slots - 1
-            if (integers(gearbox%contacts(m)%i_mode + 1) == flanks_loaded) n = n + 1
-         end do
-      end associate
-   end function pairs_loaded
-
-   !> Whether a flank's tracked points are those of this contact's tooth pair: the first one of the flank that is on the path.
-   pure logical function carries_points(gearbox, index, integers)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index    !! of the tooth contact
-      integer, intent(in) :: integers(:)
-      integer :: m
-
-      carries_points = .false.
-      if (gearbox%contacts(index)%i_track == 0) return
-      associate (first => index - gearbox%contacts(index)%slot, n => gearbox%contacts(index)%n_slots)
-         do m = first, first + n - 1
-            if (integers(gearbox%contacts(m)%i_mode + 1) == flanks_off) cycle
-            carries_points = m == index
-            return
-         end do
-         carries_points = first == index
-      end associate
-   end function carries_points
-
-   !> The tooth contact that speaks for a mesh: the pair that has been longest on the path of the drive flank, or waits for it.
-   pure integer function leading_contact(gearbox, mesh, integers) result(index)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: mesh
-      integer, intent(in) :: integers(:)
-      logical :: on, best_on
-      integer :: m
-
-      index = gearbox%first(mesh)
-      best_on = integers(gearbox%contacts(index)%i_mode + 1) /= flanks_off
-      do m = index + 1, gearbox%first(mesh) + gearbox%contacts(index)%n_slots - 1
-         associate (mine => gearbox%contacts(m)%i_mode, best => gearbox%contacts(index)%i_mode)
-            on = integers(mine + 1) /= flanks_off
-            if (best_on .and. .not. on) cycle
-            if ((on .eqv. best_on) .and. integers(mine) > integers(best)) cycle
-         end associate
-         index = m
-         best_on = on
-      end do
-   end function leading_contact
-
-   !> Put the discrete state of a tooth contact back.
-   pure subroutine gearbox_store_mode(gearbox, index, mode, integers, reals)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index
-      type(contact_mode), intent(in) :: mode
-      integer, intent(inout) :: integers(:)
-      real(wp), intent(inout) :: reals(:)
-
-      associate (i => gearbox%contacts(index)%i_mode)
-         integers(i:i + 2) = [mode%tooth_pair, mode%flanks, mode%friction]
-         if (gearbox%contacts(index)%deviates) integers(i + 3:i + 4) = [mode%zone_a, mode%zone_b]
-      end associate
-      if (gearbox%contacts(index)%i_side > 0) integers(gearbox%contacts(index)%i_side) = mode%side
-      reals(index) = mode%v0
-   end subroutine gearbox_store_mode
-
    !> Angular velocity of a wheel [rad/s].
    pure real(wp) function wheel_speed(wheel, y) result(omega)
       type(wheel_t), intent(in) :: wheel
@@ -266,15 +170,5 @@ contains
          end associate
       end do
    end subroutine wheel_position
-
-   !> Whether a tooth contact leads a rigid flank that is closed.
-   pure logical function is_closed(gearbox, index, integers)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index
-      integer, intent(in) :: integers(:)
-
-      is_closed = gearbox%contacts(index)%leads
-      if (is_closed) is_closed = pairs_loaded(gearbox, index, integers) > 0
-   end function is_closed
 
 end module evl_gearbox

@@ -2,18 +2,21 @@
 module evl_gearbox_events
    use evl_contact_events, only: roots_of_contact
    use evl_contact_point, only: contact_point
-   use evl_contact_roots, only: contact_root_directions, mark_idle_roots
+   use evl_contact_roots, only: contact_root_directions
    use evl_contact_tracking, only: project_points
    use evl_dae_residual, only: gearbox_derivative
-   use evl_event_kinds, only: event_knot, event_log, event_revolution, event_t, n_event_kinds, note
-   use evl_gearbox, only: carries_points, gearbox_local, gearbox_mode, gearbox_t, i_turns
+   use evl_discrete_state, only: carries_points, gearbox_mode
+   use evl_event_kinds, only: event_knot, event_knot, event_revolution, event_revolution
+   use evl_event_log, only: event_log, event_t, n_event_kinds, note
+   use evl_gearbox, only: gearbox_local, gearbox_local, gearbox_t, gearbox_t, i_turns, i_turns
    use evl_housing, only: housing_renormalise
    use evl_kinds, only: pi, wp
    use evl_knots, only: next_knot
    use evl_local_variables, only: at_track, i_theta, n_local, n_track
    use evl_rigid_events, only: closed_flanks, settle_rigid
+   use evl_root_kinds, only: n_sides
    use evl_settle_modes, only: most_settling, settle_modes
-   use evl_status, only: has_failed, status_t
+   use evl_status, only: code_no_solution, fail, has_failed, status_t
    use evl_tooth_contact, only: contact_mode, flanks_apart, nominal_rho
    implicit none (type, external)
    private
@@ -74,12 +77,11 @@ contains
       root = 1 - (theta/(2*pi*most_turns))**2
    end function turns_root
 
-   !> Directions that count in the present modes.
-   pure subroutine gearbox_root_directions(gearbox, integers, directions, idle)
+   !> Directions that count in the present modes; 0 for root functions without a meaning, which are 1.
+   pure subroutine gearbox_root_directions(gearbox, integers, directions)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: integers(:)
       integer, intent(out) :: directions(gearbox%n_roots)
-      integer, intent(in), optional :: idle !! given to root functions without meaning in the present modes, which are 1
       type(contact_mode) :: mode
       real(wp) :: no_reals(size(gearbox%contacts))
       integer :: m
@@ -90,7 +92,6 @@ contains
             associate (mine => directions(contact%i_root + 1:contact%i_root + contact%n_roots))
                mode = gearbox_mode(gearbox, m, integers, no_reals)
                call contact_root_directions(contact, mode, mine)
-               if (present(idle)) call mark_idle_roots(contact, mode, idle, mine)
             end associate
          end associate
       end do
@@ -101,11 +102,11 @@ contains
    !> impacts and rigid forces bring; what further impacts bring, each kind once; a knot and a revolution.
    pure integer function gearbox_event_room(gearbox) result(room)
       type(gearbox_t), intent(in) :: gearbox
-      integer, parameter :: of_contact = 5 !! pair, border, sliding, contact, distance
+      integer, parameter :: of_contact = 5 + n_sides !! pair, border, sliding, contact, distance; what is only noted
       integer, parameter :: of_flank = 4   !! opened, impact or closed, impacts ended, opened
       integer, parameter :: of_pairs = 3   !! a pair that left, one that entered, none
 
-      room = size(gearbox%contacts)*(of_contact*(1 + 2*most_settling) + of_flank + n_event_kinds*of_pairs) + 2
+      room = size(gearbox%contacts)*(of_contact*(1 + 2*most_settling) + of_flank + n_event_kinds()*of_pairs) + 2
    end function gearbox_event_room
 
    !> Time of the next knot of a table [s]; huge if there is none.
@@ -162,8 +163,9 @@ contains
          call settle_rigid(gearbox, t, was_closed, y, integers, reals, log, status)
       call project_tracked(gearbox, y, integers, reals)
       call housing_renormalise(gearbox%housing, y)
-      events(:log%n) = log%events(:log%n)
-      n_events = log%n
+      n_events = min(log%n, size(events))
+      events(:n_events) = log%events(:n_events)
+      if (log%n > size(events)) call fail(status, code_no_solution, "more happens at one instant than its log has room for")
       if (.not. has_failed(status)) call gearbox_derivative(gearbox, t, y, integers, reals, yp, status)
    end subroutine gearbox_apply_event
 

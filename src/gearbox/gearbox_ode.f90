@@ -295,7 +295,8 @@ contains
       class(gearbox_ode), intent(in) :: self
       integer, intent(out) :: directions(self%n_roots)
 
-      call gearbox_root_directions(self%gearbox, self%integers, directions, idle=never)
+      call gearbox_root_directions(self%gearbox, self%integers, directions)
+      where (directions == 0) directions = never
    end subroutine root_directions
 
 end module evl_gearbox_ode

@@ -7,9 +7,10 @@ module evl_gearbox_watch
    use evl_contact_events, only: point_of_contact
    use evl_contact_point, only: contact_point
    use evl_contact_roots, only: contact_roots
+   use evl_discrete_state, only: gearbox_mode, leading_contact
    use evl_extremes, only: n_watched_outputs, watch_error, watch_friction, watch_normal, watch_pair_normal, watch_pair_pressure, &
                            watch_penetration, watch_sliding
-   use evl_gearbox, only: gearbox_mode, gearbox_t, leading_contact
+   use evl_gearbox, only: gearbox_t
    use evl_gearbox_events, only: turns_root
    use evl_kinds, only: wp
    use evl_local_variables, only: i_theta, n_local

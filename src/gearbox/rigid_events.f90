@@ -5,17 +5,19 @@
 !> part so slowly that their load presses them together again stay closed: else they open each other in turn, ever faster.
 module evl_rigid_events
    use evl_contact_events, only: contact_event
-   use evl_contact_roots, only: most_contact_roots, past, root_contact
-   use evl_event_kinds, only: event_closed, event_impact, event_impacts_ended, event_log, event_opened, note
-   use evl_gearbox, only: gearbox_local, gearbox_t, is_closed
+   use evl_discrete_state, only: first_pair, flanks_of, is_closed
+   use evl_event_kinds, only: event_closed, event_impact, event_impacts_ended, event_opened
+   use evl_event_log, only: event_log, note
+   use evl_gearbox, only: gearbox_local, gearbox_t
    use evl_housing_dynamics, only: coupled_rates
    use evl_kinds, only: wp
    use evl_local_variables, only: n_local
    use evl_rigid_contact, only: rigid_acceleration, rigid_constraint
    use evl_rigid_forces, only: impact, open_flank, set_multipliers
+   use evl_root_kinds, only: n_root_kinds, past, root_of
    use evl_settle_modes, only: located, settle_modes, tie
    use evl_status, only: code_no_solution, fail, has_failed, status_t, subject_mesh
-   use evl_tooth_contact, only: flanks_off, flanks_open
+   use evl_tooth_contact, only: flanks_open
    implicit none (type, external)
    private
 
@@ -247,7 +249,7 @@ contains
       may_close = gearbox%contacts(leader)%leads
       if (.not. may_close) return
       may_close = .not. is_closed(gearbox, leader, integers) &
-                  .and. any([(integers(gearbox%contacts(m)%i_mode + 1) == flanks_open, &
+                  .and. any([(flanks_of(gearbox%contacts(m), integers) == flanks_open, &
                               m=leader, leader + gearbox%contacts(leader)%n_slots - 1)])
    end function may_close
 
@@ -271,30 +273,15 @@ contains
       real(wp), intent(inout) :: reals(:)
       type(event_log), intent(inout) :: log
       type(status_t), intent(inout) :: status
-      logical :: fired(most_contact_roots)
+      logical :: fired(n_root_kinds)
       integer :: m
 
       fired = .false.
-      fired(root_contact) = .true.
+      fired(root_of%contact) = .true.
       do m = leader, leader + gearbox%contacts(leader)%n_slots - 1
-         if (integers(gearbox%contacts(m)%i_mode + 1) == flanks_open) &
+         if (flanks_of(gearbox%contacts(m), integers) == flanks_open) &
             call contact_event(gearbox, m, fired, y, integers, reals, log, status)
       end do
    end subroutine close_flank
-
-   !> The tooth pair of a flank that has been longest on the path; that of the first slot if none is.
-   pure integer function first_pair(gearbox, leader, integers) result(pair)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: leader, integers(:)
-      integer :: m
-
-      pair = huge(pair)
-      do m = leader, leader + gearbox%contacts(leader)%n_slots - 1
-         associate (i => gearbox%contacts(m)%i_mode)
-            if (integers(i + 1) /= flanks_off) pair = min(pair, integers(i))
-         end associate
-      end do
-      if (pair == huge(pair)) pair = integers(gearbox%contacts(leader)%i_mode)
-   end function first_pair
 
 end module evl_rigid_events

@@ -4,7 +4,8 @@
 !> kappa'' of every contact, or a unit impulse to kappa'.
 module evl_rigid_forces
    use evl_contact_point, only: contact_gradient, contact_point
-   use evl_gearbox, only: gearbox_local, gearbox_t, is_closed, wheel_speed
+   use evl_discrete_state, only: flanks_of, is_closed, put_flanks
+   use evl_gearbox, only: gearbox_local, gearbox_t, wheel_speed
    use evl_housing, only: at_omega, at_velocity, frame_t, housing_frame
    use evl_housing_dynamics, only: coupled_rates, ground_energies
    use evl_kinds, only: wp
@@ -65,9 +66,7 @@ contains
       integer :: m
 
       do m = index, index + gearbox%contacts(index)%n_slots - 1
-         associate (contact => integers(gearbox%contacts(m)%i_mode + 1))
-            if (contact == flanks_loaded) contact = flanks_open
-         end associate
+         if (flanks_of(gearbox%contacts(m), integers) == flanks_loaded) call put_flanks(gearbox%contacts(m), flanks_open, integers)
       end do
       y(gearbox%contacts(index)%i_normal) = 0
    end subroutine open_flank

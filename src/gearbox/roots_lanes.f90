@@ -2,18 +2,16 @@
 module evl_roots_lanes
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_contact_lanes, only: contact_in_lanes, lane_contact
-   use evl_contact_roots, only: past, root_back, root_borders_a, root_borders_b, root_contact, root_force, root_forward, &
-                                root_friction_high, root_friction_low, root_side, standstill
    use evl_contacts_in_lanes, only: lane_slot
-   use evl_flank_deviation, only: deviation_borders, flank_deviation_t, zone_root, zone_tip
    use evl_force_lanes, only: lane_force, laws_in_lanes
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_events, only: gearbox_roots, turns_root
    use evl_kinds, only: lanes, wp
    use evl_line_lanes, only: centre_turn_in_lanes, lane_line, line_in_lanes, motion_in_lanes
    use evl_local_variables, only: i_theta
+   use evl_root_kinds, only: root_of, root_rows
    use evl_status, only: code_out_of_domain, fail, has_failed, status_t
-   use evl_tooth_contact, only: contact_mode, flank_drive, flanks_loaded, flanks_off, flanks_open, tooth_contact_t, touches
+   use evl_tooth_contact, only: contact_mode, flank_drive, flanks_off, tooth_contact_t, touches
    implicit none (type, external)
    private
 
@@ -46,7 +44,7 @@ contains
                call roots_of_touch(gearbox%contacts(m), slots(m), y, line, roots(:, first:last))
                cycle
             end if
-            call roots_of_contact(gearbox%contacts(m), slots(m)%mode, slots(m)%rho_start, y, line, roots(:, first:last), answered)
+            call roots_of_contact(gearbox%contacts(m), slots(m), y, line, roots(:, first:last), answered)
          end associate
          if (.not. answered) then
             call say_why(gearbox, y, integers, reals, status)
@@ -57,10 +55,9 @@ contains
    end subroutine roots_in_lanes
 
    !> Those of one tooth contact.
-   subroutine roots_of_contact(contact, mode, rho_start, y, line, roots, answered)
+   subroutine roots_of_contact(contact, slot, y, line, roots, answered)
       type(tooth_contact_t), intent(in) :: contact
-      type(contact_mode), intent(in) :: mode
-      real(wp), intent(in) :: rho_start            !! nominal radius of curvature on A at theta = 0 [m]
+      type(lane_slot), intent(in) :: slot
       real(wp), intent(in) :: y(lanes, *)
       type(lane_line), intent(inout) :: line       !! of the contact before, or nobody's
       real(wp), intent(out) :: roots(lanes, contact%n_roots)
@@ -72,15 +69,16 @@ contains
       call line_in_lanes(contact, y, line)
       answered = all_positive(line%margin)
       if (.not. answered) return
-      call contact_in_lanes(contact, mode, rho_start, line, at)
+      call contact_in_lanes(contact, slot%mode, slot%rho_start, line, at)
       unclipped = 0
-      if (touches(mode)) then
+      if (touches(slot%mode)) then
          call laws_in_lanes(contact, line%margin, at, force, answered)
          if (.not. answered) return
          unclipped = force%elastic + force%viscous
       end if
       call moved_in_lanes(contact, line, at%rho_a0, moved)
-      call closed_form_roots(contact, mode, at%h, at%h_dot, at%v_t, at%rho_a, at%rho_b, unclipped, moved, roots)
+      call closed_form_roots(contact, slot%mode, slot%directions, at%h, at%h_dot, at%v_t, at%rho_a, at%rho_b, unclipped, moved, &
+                             roots)
    end subroutine roots_of_contact
 
    !> Those of one that touched in states nearby.
@@ -94,8 +92,8 @@ contains
 
       if (contact%handover) call motion_in_lanes(contact, y, line)
       call moved_in_lanes(contact, line, slot%at%rho_a0, moved)
-      call closed_form_roots(contact, slot%mode, slot%at%h, slot%at%h_dot, slot%at%v_t, slot%at%rho_a, slot%at%rho_b, &
-                             slot%unclipped, moved, roots)
+      call closed_form_roots(contact, slot%mode, slot%directions, slot%at%h, slot%at%h_dot, slot%at%v_t, slot%at%rho_a, &
+                             slot%at%rho_b, slot%unclipped, moved, roots)
    end subroutine roots_of_touch
 
    !> How many pitches a pair that hands over has moved on; 0 for others.

@@ -7,27 +7,23 @@
 module evl_settle_modes
    use evl_contact_events, only: contact_event, parts, roots_of_contact
    use evl_contact_point, only: contact_point
-   use evl_contact_roots, only: contact_root_directions, mark_idle_roots, most_contact_roots, past, root_contact, root_force, &
-                                root_friction_high, root_friction_low, root_side
-   use evl_event_kinds, only: event_log
-   use evl_gearbox, only: gearbox_mode, gearbox_t
+   use evl_contact_roots, only: by_kind, contact_root_directions, is_past
+   use evl_event_log, only: event_log
+   use evl_gearbox, only: gearbox_t
    use evl_kinds, only: wp
+   use evl_root_kinds, only: n_root_kinds, past, root_of, root_rows, settles_alone, settles_contact, settles_sliding
    use evl_status, only: code_no_solution, fail, has_failed, status_t, subject_mesh
    use evl_tooth_contact, only: contact_mode, flanks_open, tooth_contact_t, tracking_closed_form
    implicit none (type, external)
    private
 
-   public :: located, mark_passed, most_settling, settle_modes, tie
+   public :: located, most_settling, settle_modes, tie
 
-   !> Root functions of what can jump at an event. Places on the path do not: they end a mode where they are crossed.
-   integer, parameter :: pressing(2) = [root_contact, root_force], sliding(2) = [root_friction_high, root_friction_low]
-   integer, parameter :: approaching(1) = [root_side]
    !> A root function this near its zero has crossed it: what happens at one instant happens at once, whatever rounding says. It is
    !> less than roots lie past a change of mode.
    real(wp), parameter :: tie = past/2
    !> How far from zero a root function may be that was located there, in its own units.
    real(wp), parameter :: located = 1.0e-8_wp
-   integer, parameter :: idle = 0       !! as a direction: the root function has no meaning
    integer, parameter :: most_settling = 8 !! looks at all contacts; a jump of speeds needs three
 
 contains
@@ -41,25 +37,21 @@ contains
       real(wp), intent(inout) :: reals(:)
       type(event_log), intent(inout) :: log
       type(status_t), intent(inout) :: status        !! code_no_solution if two modes contradict each other for ever
-      logical :: settled, nothing, crossed(gearbox%n_roots), quiet(size(gearbox%contacts))
+      logical :: settled, nothing, crossed(n_root_kinds, size(gearbox%contacts)), quiet(size(gearbox%contacts))
       integer :: m, turn, restless
 
-      crossed = fired /= 0
       do m = 1, size(gearbox%contacts)
-         associate (mine => crossed(gearbox%contacts(m)%i_root + 1:gearbox%contacts(m)%i_root + gearbox%contacts(m)%n_roots))
-            call cross(gearbox, m, y, integers, reals, mine, quiet(m), log, status)
-            if (has_failed(status)) return
-         end associate
+         crossed(:, m) = by_kind(gearbox%contacts(m), fired)
+         call cross(gearbox, m, y, integers, reals, crossed(:, m), quiet(m), log, status)
+         if (has_failed(status)) return
       end do
       restless = 0
       do turn = 1, most_settling
          settled = .true.
          do m = 1, size(gearbox%contacts)
             if (quiet(m)) cycle
-            associate (mine => crossed(gearbox%contacts(m)%i_root + 1:gearbox%contacts(m)%i_root + gearbox%contacts(m)%n_roots))
-               call settle_contact(gearbox, m, mine, y, integers, reals, nothing, log, status)
-               if (has_failed(status)) return
-            end associate
+            call settle_contact(gearbox, m, crossed(:, m), y, integers, reals, nothing, log, status)
+            if (has_failed(status)) return
             quiet(m) = nothing .and. stands_alone(gearbox%contacts(m))
             if (nothing) cycle
             settled = .false.
@@ -78,16 +70,16 @@ contains
       real(wp), intent(inout) :: y(gearbox%n_states)
       integer, intent(inout) :: integers(:)
       real(wp), intent(inout) :: reals(:)
-      logical, intent(inout) :: crossed(:) !! those located; those that cross at the same instant come to them
-      logical, intent(out) :: quiet        !! nothing crosses, and what happens to other contacts does not change that
+      logical, intent(inout) :: crossed(n_root_kinds) !! those located; those that cross at the same instant come to them
+      logical, intent(out) :: quiet                   !! nothing crosses, and what happens to other contacts does not change that
       type(event_log), intent(inout) :: log
       type(status_t), intent(inout) :: status
-      logical :: passed(most_contact_roots, 1)
+      logical :: passed(n_root_kinds, 1)
 
       quiet = .false.
       call passed_now(gearbox, m, y, integers, reals, [-tie], passed, status)
       if (has_failed(status)) return
-      crossed = crossed .or. passed(:size(crossed), 1)
+      crossed = crossed .or. passed(:, 1)
       if (any(crossed)) then
          call contact_event(gearbox, m, crossed, y, integers, reals, log, status)
       else
@@ -100,23 +92,26 @@ contains
    subroutine settle_contact(gearbox, m, crossed, y, integers, reals, nothing, log, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m
-      logical, intent(in) :: crossed(:) !! root functions that crossed zero at this event
+      logical, intent(in) :: crossed(n_root_kinds) !! root functions that crossed zero at this event
       real(wp), intent(inout) :: y(gearbox%n_states)
       integer, intent(inout) :: integers(:)
       real(wp), intent(inout) :: reals(:)
-      logical, intent(out) :: nothing   !! to do
+      logical, intent(out) :: nothing              !! to do
       type(event_log), intent(inout) :: log
       type(status_t), intent(inout) :: status
       integer, parameter :: at_all = 1, by_far = 2
-      logical :: passed(most_contact_roots, 2), jumped(size(crossed))
+      logical :: passed(n_root_kinds, 2), group(n_root_kinds), jumped(n_root_kinds)
+      integer :: i
 
       nothing = .true.
       call passed_now(gearbox, m, y, integers, reals, [0.0_wp, located], passed, status)
-      if (has_failed(status)) return
+      if (has_failed(status) .or. .not. any(passed)) return
       jumped = .false.
-      jumped(pressing) = passed(pressing, merge(by_far, at_all, any(crossed(pressing))))
-      jumped(sliding) = passed(sliding, merge(by_far, at_all, any(crossed(sliding))))
-      jumped(approaching) = passed(approaching, at_all) .and. .not. crossed(approaching)
+      do i = settles_contact, settles_sliding
+         group = root_rows%settles == i
+         where (group) jumped = passed(:, merge(by_far, at_all, any(crossed .and. group)))
+      end do
+      where (root_rows%settles == settles_alone) jumped = passed(:, at_all) .and. .not. crossed
       if (.not. any(jumped)) return
       nothing = .false.
       call contact_event(gearbox, m, jumped, y, integers, reals, log, status)
@@ -134,41 +129,27 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m, integers(:)
       real(wp), intent(in) :: y(gearbox%n_states), reals(:)
-      real(wp), intent(in) :: by(:)                               !! as in `mark_passed`
-      logical, intent(out) :: passed(most_contact_roots, size(by))   !! of each of them; false behind the last root function
+      real(wp), intent(in) :: by(:) !! as of `is_past`
+      logical, intent(out) :: passed(n_root_kinds, size(by)) !! by kind, of each of them; false of those that it does not have
       type(status_t), intent(inout) :: status
       type(contact_point) :: point
       type(contact_mode) :: mode
-      real(wp) :: roots(most_contact_roots)
+      real(wp) :: roots(n_root_kinds)
+      integer :: directions(n_root_kinds)
       integer :: i
 
       passed = .false.
       associate (contact => gearbox%contacts(m))
          call roots_of_contact(gearbox, m, y, integers, reals, mode, point, roots, status)
          if (has_failed(status)) return
-         do i = 1, size(by)
-            call mark_passed(contact, mode, roots, by(i), passed(:, i))
+         call contact_root_directions(contact, mode, directions)
+         do i = 1, contact%n_roots
+            passed(contact%roots(i), :) = is_past(directions(i), roots(i), by)
          end do
          ! rigid flanks close by impacts, and their forces are found together
-         if (contact%rigid) passed([root_contact, root_force], :) = .false.
-         if (mode%flanks == flanks_open .and. parts(contact, point)) passed(root_contact, :) = .false.
+         if (contact%rigid) passed([root_of%contact, root_of%force], :) = .false.
+         if (mode%flanks == flanks_open .and. parts(contact, point)) passed(root_of%contact, :) = .false.
       end associate
    end subroutine passed_now
-
-   !> Mark the root functions of a tooth contact that are past the zero that would end its mode.
-   pure subroutine mark_passed(contact, mode, roots, by, passed)
-      type(tooth_contact_t), intent(in) :: contact
-      type(contact_mode), intent(in) :: mode
-      real(wp), intent(in) :: roots(contact%n_roots)
-      real(wp), intent(in) :: by !! at least how far, in their own units; < 0: or how near
-      logical, intent(out) :: passed(contact%n_roots)
-      integer :: directions(most_contact_roots), i
-
-      call contact_root_directions(contact, mode, directions)
-      call mark_idle_roots(contact, mode, idle, directions)
-      do i = 1, contact%n_roots
-         passed(i) = directions(i) /= idle .and. directions(i)*roots(i) > by
-      end do
-   end subroutine mark_passed
 
 end module evl_settle_modes

@@ -17,7 +17,7 @@ from kernel.kernel import Kernel
 
 
 def all_results(gearbox: Gearbox, state: State) -> list[np.ndarray]:
-    after, _ = gearbox.apply(state, "force", "friction_high")
+    after, _ = gearbox.apply(state, "force", "contact")
     return [
         gearbox.residual(state),
         gearbox.jacobian(state, 100.0),

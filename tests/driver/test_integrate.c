@@ -349,6 +349,37 @@ static int note_only(const void *self, dae_state *s, const int *fired, bool time
     return DAE_OK;
 }
 
+enum { MANY = 40 };
+
+static int note_many(const void *self, dae_state *s, const int *fired, bool time_event, dae_event *events, int *n,
+                     char *message)
+{
+    (void)self, (void)s, (void)fired, (void)time_event, (void)message;
+    for (*n = 0; *n < MANY; (*n)++) {
+        events[*n] = (dae_event){.kind = *n, .subject = -1, .side = -1, .count = -1};
+    }
+    return DAE_OK;
+}
+
+static void all_events_of_one_instant_are_heard_in_their_order(void **state)
+{
+    (void)state;
+    problem *p = make_oscillator(1);
+    p->model.roots = oscillator_roots;
+    p->model.root_directions = rising_only;
+    p->model.apply_event = note_many;
+    p->model.n_events = MANY;
+    p->parameter = 1;
+    outcome result = solve(p, 1.0, 0.1, 1e-9);
+    assert_int_equal(result.code, INTEGRATE_DONE);
+    assert_int_equal(result.heard->n_events, MANY); /* cos(7 t) rises through zero once, at 3 pi/14 */
+    for (int i = 0; i < MANY; i++) {
+        assert_int_equal(result.heard->events[i].what.kind, i);
+        assert_true(result.heard->events[i].t == result.heard->events[0].t);
+    }
+    finish(p, &result);
+}
+
 static void roots_count_in_their_direction_only(void **state)
 {
     (void)state;
@@ -739,6 +770,7 @@ int main(void)
         cmocka_unit_test(only_scaled_states_matter),
         cmocka_unit_test(an_integration_within_another_leaves_it_alone),
         cmocka_unit_test(an_observer_ends_the_integration_where_it_is),
+        cmocka_unit_test(all_events_of_one_instant_are_heard_in_their_order),
         cmocka_unit_test(roots_count_in_their_direction_only),
         cmocka_unit_test(bounces_are_found_where_they_are),
         cmocka_unit_test(counts_add_up_over_all_restarts),

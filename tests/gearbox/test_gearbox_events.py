@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import re
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -13,12 +14,12 @@ from kernel.gearbox import (
     APART,
     LOADED,
     OPEN,
-    ROOTS,
     UNLOADED,
     Event,
     Gearbox,
     GearboxError,
     State,
+    event_kinds,
     event_names,
 )
 from kernel.gearbox_cases import (
@@ -38,6 +39,8 @@ from kernel.gearbox_description import (
     CLOSED_FORM,
     DIFFERENTIAL,
     SPEEDS,
+    mesh,
+    wheel,
 )
 from kernel.housing import Housing, Pair
 from kernel.kernel import OUT_OF_DOMAIN, Kernel
@@ -395,18 +398,46 @@ def test_events_of_several_meshes_at_one_time_are_all_applied(kernel: Kernel):
 
 def test_every_kind_of_event_has_a_name_of_its_own(kernel: Kernel):
     names = event_names(kernel)
-    assert len(names) == len(set(names)) == 17
+    assert len(names) == len(set(names)) >= 17
     assert all(name.isidentifier() and name.islower() for name in names)
+    assert all(text for _, text in event_kinds(kernel))
     for kind in (-1, len(names)):
-        name = ctypes.create_string_buffer(b"x" * 31, 32)
-        kernel.library.evl_event_name(kind, name)
-        assert name.value == b""
+        name, text = (ctypes.create_string_buffer(b"x" * (n - 1), n) for n in (32, 96))
+        kernel.library.evl_event_describe(kind, name, text)
+        assert name.value == text.value == b""
+
+
+def test_the_documentation_lists_every_kind_of_event(kernel: Kernel, root: Path):
+    text = (root / "docs" / "result_format.md").read_text().split("## Group `events`")[1]
+    table = re.findall(r"^\| `(\w+)` \| ([^|]+) \|$", text.split("## Attributes")[0], re.MULTILINE)
+    assert table == event_kinds(kernel)
+
+
+def test_every_event_of_an_instant_is_told_however_many_there_are(kernel: Kernel):
+    """A train of 40 meshes in which all flanks close, slide and hand over at once."""
+    n = 40
+    wheels = [wheel(teeth=20, pitch_radius=0.1), *(wheel(teeth=20) for _ in range(n))]
+    pairs = [mesh(kernel, m, m + 1, driving_rotation=(-1) ** (m + 1)) for m in range(n)]
+    gearbox = Gearbox(kernel, wheels, [], pairs)
+    state = gearbox.start(SPEEDS, gaps=[1e-6] * n, speeds=[(-1.0) ** m for m in range(n + 1)])
+    places = [at for (_, name), at in gearbox.root_places.items() if name in {"contact", "forward"}]
+    _, events = gearbox.apply_all(state, places)
+    told = {(event.name, event.mesh) for event in events}
+    assert told >= {("tooth_switch", m) for m in range(n)} | {
+        ("contact_closed", m) for m in range(n)
+    }
+    assert 2 * n <= len(events) <= gearbox.sizes.n_events
 
 
 def test_every_mesh_has_its_roots_and_there_is_one_for_the_turns(kernel: Kernel):
     for n in (2, 3, 4):
         gearbox = chain(kernel, n, DIFFERENTIAL)
-        assert gearbox.sizes.n_roots == len(ROOTS) * (n - 1) + 1
+        names = [set(), *(set() for _ in range(n - 1))]
+        for contact, name in gearbox.root_places:
+            names[contact + 1].add(name)
+        assert names[0] == {"revolution"}
+        assert all(mine >= {"contact", "force", "forward", "back"} for mine in names[1:])
+        assert len(gearbox.root_places) == gearbox.sizes.n_roots
 
 
 Mode = tuple[int, int]  # of the contact, and the branch of friction

@@ -9,6 +9,7 @@ import ctypes
 from collections.abc import Collection, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -29,10 +30,6 @@ from kernel.kernel import OK, Floats, Integers, Kernel, Status, _at, _double, _i
 OPEN, LOADED, UNLOADED, APART, OFF = range(5)
 DRIVE, COAST = range(2)
 NOTHING, WHEEL, MESH, LOAD, INITIAL, HOUSING, SHAFT = range(7)
-# root functions of a tooth contact, in the order of evl_gearbox_roots; the turns of the reference
-# wheel last
-ROOTS = ("contact", "force", "friction_high", "friction_low", "forward", "back", "apart", "side")
-BORDERS = ("tip_a", "root_a", "tip_b", "root_b")  # more of them where flanks deviate
 TRACKED = ("turn", "zeta", "dr_t", "dr_e", "gradient_ratio", "mu")
 
 
@@ -337,11 +334,28 @@ class Gearbox:
 
     # ---- modes and events
 
-    @property
-    def _roots(self) -> tuple[str, ...]:
-        """Root functions of each tooth contact, where all have the same."""
-        deviates = (self.sizes.n_roots - 1) // self.sizes.n_reals > len(ROOTS)
-        return (*ROOTS, *BORDERS) if deviates else ROOTS
+    @cached_property
+    def root_places(self) -> dict[tuple[int, str], int]:
+        """Places of the root functions: (tooth contact, or -1, and name) to index."""
+        names = self._names("evl_gearbox_root_name", self.sizes.n_roots)
+        return {name: place for place, name in enumerate(names)}
+
+    @cached_property
+    def integer_names(self) -> list[tuple[int, str]]:
+        """Integers of the discrete state: tooth contact, or -1, and name."""
+        return self._names("evl_gearbox_integer_name", self.sizes.n_integers)
+
+    def _names(self, function: str, n: int) -> list[tuple[int, str]]:
+        names = []
+        for index in range(n):
+            name, contact = ctypes.create_string_buffer(32), _int()
+            getattr(self.library, function)(self.handle, index, name, ctypes.byref(contact))
+            names.append((contact.value, name.value.decode()))
+        return names
+
+    def put(self, state: State, name: str, value: int) -> None:
+        """Set all integers of a name."""
+        state.integers[[mine == name for _, mine in self.integer_names]] = value
 
     def mode(self, state: State, contact: int = 0) -> NDArray[np.int32]:
         """View of a tooth contact's pair, contact mode and friction branch, and zones if any.
@@ -349,8 +363,9 @@ class Gearbox:
         A pair by the paper's rule is one tooth contact; a real pair has those of its drive flank,
         then those of its coast flank.
         """
-        n = 3 if self._roots == ROOTS else 5
-        return state.integers[1 + n * contact : 1 + n * (contact + 1)]
+        first = self.integer_names.index((contact, "tooth_pair"))
+        n = 5 if (contact, "zone_a") in self.integer_names else 3
+        return state.integers[first : first + n]
 
     def check_modes(self, state: State) -> None:
         """Raise a GearboxError if the modes do not agree with the state."""
@@ -364,12 +379,10 @@ class Gearbox:
         self._call("evl_gearbox_roots", *map(_at, arrays))
         return result
 
-    def _root_place(self, name: str, contact: int) -> int:
-        return len(self._roots) * contact + self._roots.index(name)
-
     def root(self, state: State, name: str, contact: int = 0) -> float:
-        """One root function of a tooth contact."""
-        return float(self.roots(state)[self._root_place(name, contact)])
+        """One root function of a tooth contact; 1 if it does not have it."""
+        place = self.root_places.get((contact, name))
+        return 1.0 if place is None else float(self.roots(state)[place])
 
     def root_directions(self, state: State) -> Integers:
         """Directions that count in the present modes."""
@@ -378,8 +391,9 @@ class Gearbox:
         return result
 
     def root_direction(self, state: State, name: str, contact: int = 0) -> int:
-        """Direction of one root function of a tooth contact."""
-        return int(self.root_directions(state)[self._root_place(name, contact)])
+        """Direction of one root function of a tooth contact; 0 without a meaning."""
+        place = self.root_places.get((contact, name))
+        return 0 if place is None else int(self.root_directions(state)[place])
 
     def next_time_event(self, state: State) -> float:
         """Time of the next knot of a table."""
@@ -389,9 +403,15 @@ class Gearbox:
         self, state: State, *roots: str, contact: int = 0, time_event: bool = False
     ) -> tuple[State, list[Event]]:
         """State after an event at which the named roots of a contact, or "revolution", passed 0."""
+        places = [self.root_places[-1 if name == "revolution" else contact, name] for name in roots]
+        return self.apply_all(state, places, time_event=time_event)
+
+    def apply_all(
+        self, state: State, places: Sequence[int], *, time_event: bool = False
+    ) -> tuple[State, list[Event]]:
+        """The same where the root functions at these places passed 0."""
         fired = np.zeros(self.sizes.n_roots, np.int32)
-        for name in roots:
-            fired[-1 if name == "revolution" else self._root_place(name, contact)] = 1
+        fired[list(places)] = 1
         after = state.copy()
         events = (EventRecord * (self.sizes.n_events))()
         n_events = _int(-1)
@@ -452,12 +472,17 @@ class Gearbox:
 
 def event_names(kernel: Kernel) -> list[str]:
     """Names of the event kinds."""
-    names = []
+    return [name for name, _ in event_kinds(kernel)]
+
+
+def event_kinds(kernel: Kernel) -> list[tuple[str, str]]:
+    """Names and texts of the event kinds."""
+    kinds = []
     for kind in range(kernel.library.evl_event_count()):
-        name = ctypes.create_string_buffer(32)
-        kernel.library.evl_event_name(kind, name)
-        names.append(name.value.decode())
-    return names
+        name, text = ctypes.create_string_buffer(32), ctypes.create_string_buffer(96)
+        kernel.library.evl_event_describe(kind, name, text)
+        kinds.append((name.value.decode(), text.value.decode()))
+    return kinds
 
 
 def _error(status: Status) -> GearboxError:

@@ -192,8 +192,8 @@ def scatter(
         np.zeros(sizes.n_integers, np.int32),
         np.full(sizes.n_reals, 0.01),
     )
-    n_modes = 1 + 3 * sizes.n_meshes
-    state.integers[n_modes:] = 2 if sizes.n_wheels > 2 else 1
+    gearbox.put(state, "knots_passed", 2 if sizes.n_wheels > 2 else 1)
+    gearbox.put(state, "side", 1)
     state.integers[0] = random.integers(-3, 3)
     first = gearbox.wheel_geometry(0)
     sense = -gearbox.mesh_geometry().sigma  # in which wheel 0 drives

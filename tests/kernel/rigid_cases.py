@@ -11,7 +11,6 @@ import pytest
 
 from kernel.gearbox import (
     OPEN,
-    ROOTS,
     Event,
     EventRecord,
     Gearbox,
@@ -178,7 +177,7 @@ def close(gearbox: Gearbox, state: State, *meshes: int) -> tuple[State, list[Eve
     """Close the contacts of these meshes at once."""
     roots = np.zeros(gearbox.sizes.n_roots)
     for m in meshes:
-        roots[len(ROOTS) * m + ROOTS.index("contact")] = 1
+        roots[gearbox.root_places[m, "contact"]] = 1
     return fire(gearbox, state, roots)
 
 

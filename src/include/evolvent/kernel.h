@@ -470,29 +470,8 @@ EVL_API int evl_gearbox_derivative(const evl_gearbox *gearbox, double t, const d
 
 /* ---- events ---------------------------------------------------------------------------------------------------------------- */
 
-typedef enum {
-    EVL_EVENT_TOOTH_SWITCH = 0,      /**< the driving wheel moved on by one pitch: the next tooth pair takes over */
-    EVL_EVENT_TOOTH_SWITCH_BACK = 1, /**< it turned back by one pitch */
-    EVL_EVENT_CONTACT_CLOSED = 2,    /**< the gap closed */
-    EVL_EVENT_CONTACT_OPENED = 3,    /**< the flanks parted */
-    EVL_EVENT_FORCE_VANISHED = 4,    /**< elastic + viscous force fell to 0 while the flanks still overlap */
-    EVL_EVENT_FORCE_RETURNED = 5,    /**< and rose above 0 again */
-    EVL_EVENT_SLIDING_BEGAN = 6,     /**< friction left the linear part of its law */
-    EVL_EVENT_SLIDING_ENDED = 7,     /**< friction entered the linear part of its law */
-    EVL_EVENT_TABLE_KNOT = 8,        /**< a table of a load has a knot here */
-    EVL_EVENT_REVOLUTION = 9,        /**< the reference angle was reduced by whole turns */
-    EVL_EVENT_FLANKS_APART =
-        10, /**< the gap became too wide for the tracked points to face each other: tracking rests */
-    EVL_EVENT_FLANKS_NEAR = 11,   /**< and tracking begins anew */
-    EVL_EVENT_IMPACT = 12,        /**< rigid flanks met and part again */
-    EVL_EVENT_IMPACTS_ENDED = 13, /**< the approach was too slow for another impact: the rigid contact stays closed */
-    EVL_EVENT_PAIR_ENTERED = 14,  /**< a tooth pair came onto the path of contact */
-    EVL_EVENT_PAIR_LEFT = 15,     /**< a tooth pair left the path of contact */
-    EVL_EVENT_PROFILE_BORDER = 16 /**< the contact passed the border of a relief */
-} evl_event_kind;
-
 typedef struct {
-    int kind;       /**< evl_event_kind */
+    int kind;       /**< place in the table of event kinds, from 0 */
     int mesh;       /**< -1 if it concerns no mesh */
     int tooth_pair; /**< pitches since the start, after the event; -1 if it concerns no mesh */
     int flank;      /**< evl_flank; -1 if it concerns no mesh */
@@ -503,14 +482,19 @@ typedef enum {
     EVL_FLANK_COAST = 1  /**< the other side of the teeth */
 } evl_flank;
 
-/** Number of event kinds, and the name of one, such as "tooth_switch"; "" if there is none. */
+/** Number of event kinds; the name of one, such as "tooth_switch", and what happens; "" if there is none. */
 EVL_API int evl_event_count(void);
-EVL_API void evl_event_name(int kind, char name[EVL_NAME_LENGTH]);
+EVL_API void evl_event_describe(int kind, char name[EVL_NAME_LENGTH], char text[EVL_TEXT_LENGTH]);
+
+/** Name of integer `index` of the discrete state, from 0, and the tooth contact that has it; -1 if none has. */
+EVL_API void evl_gearbox_integer_name(const evl_gearbox *gearbox, int index, char name[EVL_NAME_LENGTH], int *contact);
+/** The same of a root function. */
+EVL_API void evl_gearbox_root_name(const evl_gearbox *gearbox, int index, char name[EVL_NAME_LENGTH], int *contact);
 
 /** Root functions [n_roots], each scaled to be of order 1; those that have no meaning in the present mode are 1. */
 EVL_API int evl_gearbox_roots(const evl_gearbox *gearbox, const double *y, const int *integers, const double *reals,
                               double *values, evl_status *status);
-/** Directions [n_roots] that count in the present mode: +1 rising, -1 falling. To be asked again after each event. */
+/** Directions [n_roots] that count in the present mode: +1 rising, -1 falling, 0 without a meaning. To be asked again after each event. */
 EVL_API void evl_gearbox_root_directions(const evl_gearbox *gearbox, const int *integers, int *directions);
 /** Whether the discrete state agrees with y: every tooth pair pushes, overlaps or is apart as its modes say, to 1e-6 of the reference
  *  force and penetration. @return EVL_OK; EVL_OUT_OF_DOMAIN if an event was missed, which smaller steps may find */

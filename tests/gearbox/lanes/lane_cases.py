@@ -134,18 +134,17 @@ def real_gears(kernel: Kernel, name: str, *, fixed: bool = False) -> Gearbox:
     return Gearbox(kernel, wheels, loads, [description])
 
 
-def real_state(gearbox: Gearbox, name: str, random: np.random.Generator) -> tuple[State, int]:
+def real_state(gearbox: Gearbox, random: np.random.Generator) -> tuple[State, int]:
     """State of `real_gears` whose pairs on the path all touch, in any zone; how many touch."""
     state = gearbox.start()
     state.y[gearbox.place("reference_angle")] = draw(random, 0.02)
     state.y[gearbox.place("reference_speed")] = draw(random, 10.0)
-    per_contact = 3 if name == "perfect" else 5
     loaded = 0
     for contact in range(gearbox.sizes.n_reals):
-        mode = state.integers[1 + per_contact * contact :][:per_contact]
+        mode = gearbox.mode(state, contact)
         if mode[1] == OFF:
             continue
         mode[1:3] = LOADED, random.integers(-1, 2)
-        mode[3:] = random.integers(-1, 2, size=per_contact - 3)
+        mode[3:] = random.integers(-1, 2, size=mode.size - 3)
         loaded += 1
     return state, loaded

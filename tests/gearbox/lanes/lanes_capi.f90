@@ -9,7 +9,6 @@ module lanes_capi
    use evl_gearbox_ode, only: gearbox_ode, gearbox_ode_create, gearbox_ode_set
    use evl_gearbox_rates, only: gearbox_rates
    use evl_kinds, only: lanes
-   use evl_ode_model, only: never
    use evl_roots_lanes, only: roots_in_lanes
    use evl_status, only: status_t
    implicit none (type, external)
@@ -180,8 +179,8 @@ contains
       type(gearbox_t), pointer :: gearbox
 
       call c_f_pointer(handle, gearbox)
-      call gearbox_root_directions(gearbox, integers(:gearbox%n_integers), live(:gearbox%n_roots), idle=never)
-      live(:gearbox%n_roots) = merge(0, 1, live(:gearbox%n_roots) == never)
+      call gearbox_root_directions(gearbox, integers(:gearbox%n_integers), live(:gearbox%n_roots))
+      live(:gearbox%n_roots) = abs(live(:gearbox%n_roots))
    end subroutine lanes_roots_live
 
    !> f of one state, evaluated `turns` times; the code of the status.

@@ -1,0 +1,46 @@
+!> Kinds of events, with names and meanings: what happens to gearboxes as a whole, and what root functions that change a mode bring.
+!> Those that are only noted stand in the table of root functions, behind these.
+module evl_event_kinds
+   implicit none (type, external)
+   private
+
+   public :: event_kind, event_rows, n_event_rows, no_event
+   public :: event_apart, event_border, event_closed, event_entered, event_impact, event_impacts_ended, event_knot, event_left, &
+             event_near, event_opened, event_returned, event_revolution, event_sliding_began, event_sliding_ended, event_switch, &
+             event_switch_back, event_vanished
+
+   !> One kind; its number is its place in the table, from 0.
+   type :: event_kind
+      character(len=24) :: name
+      character(len=88) :: text
+   end type event_kind
+
+   integer, parameter :: no_event = -1
+   integer, parameter :: event_switch = 0, event_switch_back = 1, event_closed = 2, event_opened = 3, event_vanished = 4, &
+                         event_returned = 5, event_sliding_began = 6, event_sliding_ended = 7, event_knot = 8, &
+                         event_revolution = 9, event_apart = 10, event_near = 11, event_impact = 12, event_impacts_ended = 13, &
+                         event_entered = 14, event_left = 15, event_border = 16
+
+   !&<
+   type(event_kind), parameter :: event_rows(0:*) = &
+      [event_kind("tooth_switch", "the driving wheel moved on by one pitch: the next tooth pair takes over"), &
+       event_kind("tooth_switch_back", "the driving wheel turned back by one pitch: the pair before takes over"), &
+       event_kind("contact_closed", "the gap closed"), &
+       event_kind("contact_opened", "the flanks parted"), &
+       event_kind("force_vanished", "elastic + viscous force fell to 0 while the flanks still overlap"), &
+       event_kind("force_returned", "it rose above 0 again while the flanks overlap"), &
+       event_kind("sliding_began", "friction left the linear part of its law"), &
+       event_kind("sliding_ended", "friction entered the linear part of its law"), &
+       event_kind("table_knot", "a table of a load has a knot here"), &
+       event_kind("revolution", "the reference angle was reduced by whole turns"), &
+       event_kind("flanks_apart", "the gap became too wide for tracked points to face each other: tracking rests"), &
+       event_kind("flanks_near", "the gap came below that width again: tracking begins anew"), &
+       event_kind("impact", "rigid flanks met and part again"), &
+       event_kind("impacts_ended", "the approach was too slow for another impact: the rigid contact stays closed"), &
+       event_kind("pair_entered", "a tooth pair came onto the path of contact"), &
+       event_kind("pair_left", "a tooth pair left the path of contact"), &
+       event_kind("profile_border", "the contact passed the border of a relief")]
+   !&>
+   integer, parameter :: n_event_rows = size(event_rows)
+
+end module evl_event_kinds

@@ -1,0 +1,114 @@
+!> The root functions that a tooth contact can have: the one table. A row says which part of the contact's discrete state changes
+!> where its quantity passes a border, which events that are, and what it means to be past the border unnoticed.
+!>
+!> When a kind is live and in which direction is said by `contact_root_direction`, its quantity by `root_quantity`, both in
+!> contact_roots; of a kind with a side the first stands in its row too. A kind that is only noted has a side and a text: its row,
+!> its number and its quantity are all that it takes.
+module evl_root_kinds
+   use evl_event_kinds, only: event_apart, event_border, event_closed, event_entered, event_left, event_near, event_opened, &
+                              event_returned, event_sliding_began, event_sliding_ended, event_switch, event_switch_back, &
+                              event_vanished, no_event
+   use evl_kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: past, root_of, root_row, root_rows
+   public :: held_names, moves_flanks, moves_friction, moves_pair, moves_side, moves_zone_a, moves_zone_b
+   public :: n_discrete, n_held, n_root_kinds, n_sides, side_of_rate
+   public :: live_loaded, live_on_path, live_one_sided, live_touching
+   public :: measures_force, measures_nothing, measures_penetration, measures_rate, measures_sliding
+   public :: settles_alone, settles_contact, settles_never, settles_sliding
+
+   !> Roots lie this far past the change of mode, relative to the size of the quantity: a root function never starts at zero.
+   real(wp), parameter :: past = 1.0e-10_wp
+
+   !> The same for the side of a damping law, relative to the rate scale: a damper's force on the wrong side is nothing there, and
+   !> it is above what integration leaves of a rate that has come to rest, or sides would change for ever.
+   real(wp), parameter :: standstill = 1.0e-6_wp
+
+   ! What a root function moves: the integers of the discrete state, held by name; behind them one for each kind with a side.
+   integer, parameter :: moves_pair = 1, moves_flanks = 2, moves_friction = 3, moves_zone_a = 4, moves_zone_b = 5, moves_side = 6
+   integer, parameter :: n_held = 5
+   character(len=*), parameter :: held_names(n_held) = [character(len=10) :: "tooth_pair", "flanks", "friction", "zone_a", "zone_b"]
+
+   ! What jumps at an event, and how that is settled: where one of a group has just crossed, they are taken back only by far.
+   integer, parameter :: settles_never = 0   !! a place on the path: it ends a mode where it is crossed
+   integer, parameter :: settles_contact = 1
+   integer, parameter :: settles_sliding = 2
+   integer, parameter :: settles_alone = 3   !! one that has crossed is not taken back at all
+
+   ! Where a kind with a side has a meaning.
+   integer, parameter :: live_touching = 1  !! flanks overlap
+   integer, parameter :: live_one_sided = 2 !! and the damping law has two sides
+   integer, parameter :: live_loaded = 3    !! a force acts
+   integer, parameter :: live_on_path = 4   !! the pair is on the path of contact
+
+   ! What stands for # in a text.
+   integer, parameter :: measures_nothing = 0, measures_penetration = 1, measures_rate = 2, measures_force = 3, measures_sliding = 4
+
+   !> Numbers of the kinds, in the order of the table; those with a side are the last.
+   type :: root_numbers
+      integer :: contact = 1        !! the gap closes or opens
+      integer :: force = 2          !! the unclipped force passes zero
+      integer :: friction_high = 3  !! v_t passes the upper end of the linear part
+      integer :: friction_low = 4   !! v_t passes the lower end
+      integer :: forward = 5        !! the far end of the path is passed
+      integer :: back = 6           !! the near end of the path is passed
+      integer :: switch = 7         !! one pitch since the last switch, of a pair that hands over
+      integer :: switch_back = 8    !! one pitch back since the last switch
+      integer :: apart = 9          !! the flanks part so far, or come so near, that tracking ends or begins
+      integer :: tip_a = 10, root_a = 11 !! the contact passes the border of A's tip relief; of its root relief
+      integer :: tip_b = 12, root_b = 13 !! the same for B
+      integer :: side = 14          !! the rate of the penetration passes zero, where a damping law changes
+   end type root_numbers
+   type(root_numbers), parameter :: root_of = root_numbers()
+
+   !> One kind. In the texts # stands for the quantity with its unit, |#| for its size.
+   type :: root_row
+      character(len=24) :: name
+      integer :: moves = moves_side
+      integer :: settles = settles_alone
+      integer :: measures = measures_nothing
+      real(wp) :: border = 0.0_wp           !! of the quantity, which is of order 1
+      real(wp) :: past = past               !! the root function lies this far beyond the border
+      integer :: rises = no_event, falls = no_event !! what is noted; more may decide about it
+      character(len=64) :: above            !! a tooth pair whose quantity is above the border, though its mode says below
+      character(len=64) :: below = ""       !! and below, though its mode says above; blank: the same
+      integer :: live = 0                   !! where a kind with a side has a meaning
+      character(len=88) :: text = ""        !! of a kind that is noted under its own name: what happens
+   end type root_row
+
+   character(len=*), parameter :: wrong_branch = "slides at #, which its branch of friction does not hold for"
+   character(len=*), parameter :: wrong_side = "moves at #, on the wrong side of its damping law"
+   character(len=*), parameter :: past_border = "is past the border of a relief", past_end = "is past an end of the path of contact"
+   character(len=*), parameter :: on_path = "is on the path but counts as off it"
+
+   !&<
+   type(root_row), parameter :: root_rows(*) = &
+      [root_row("contact", moves_flanks, settles_contact, measures_penetration, rises=event_closed, falls=event_opened, &
+                above="overlaps by |#| but counts as open", below="is in contact, but its flanks are |#| apart"), &
+       root_row("force", moves_flanks, settles_contact, measures_force, rises=event_returned, falls=event_vanished, &
+                above="ought to push with |#| but counts as unloaded", below="pulls with |#|"), &
+       root_row("friction_high", moves_friction, settles_sliding, measures_sliding, border=1.0_wp, &
+                rises=event_sliding_began, falls=event_sliding_ended, above=wrong_branch), &
+       root_row("friction_low", moves_friction, settles_sliding, measures_sliding, border=-1.0_wp, &
+                rises=event_sliding_ended, falls=event_sliding_began, above=wrong_branch), &
+       root_row("forward", moves_pair, settles_never, rises=event_entered, falls=event_left, above=on_path, below=past_end), &
+       root_row("back", moves_pair, settles_never, rises=event_entered, falls=event_left, above=on_path, below=past_end), &
+       root_row("forward", moves_pair, settles_never, border=1.0_wp, past=0.0_wp, rises=event_switch, above=past_end), &
+       root_row("back", moves_pair, settles_never, border=-1.0_wp, past=0.0_wp, falls=event_switch_back, above=past_end), &
+       root_row("apart", moves_flanks, settles_never, border=1.0_wp, past=0.0_wp, rises=event_apart, falls=event_near, &
+                above="is too far apart to track its points", below="is near but its points are not tracked"), &
+       root_row("tip_a", moves_zone_a, settles_never, rises=event_border, falls=event_border, above=past_border), &
+       root_row("root_a", moves_zone_a, settles_never, rises=event_border, falls=event_border, above=past_border), &
+       root_row("tip_b", moves_zone_b, settles_never, rises=event_border, falls=event_border, above=past_border), &
+       root_row("root_b", moves_zone_b, settles_never, rises=event_border, falls=event_border, above=past_border), &
+       root_row("side", measures=measures_rate, past=standstill, above=wrong_side, live=live_one_sided)]
+   !&>
+
+   integer, parameter :: n_root_kinds = size(root_rows)
+   integer, parameter :: n_sides = count(root_rows%moves == moves_side)
+   integer, parameter :: n_discrete = n_held + n_sides      !! integers that a tooth contact can have
+   integer, parameter :: side_of_rate = root_of%side - (n_root_kinds - n_sides) !! among the sides
+
+end module evl_root_kinds

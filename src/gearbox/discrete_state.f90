@@ -1,0 +1,232 @@
+!> The one door to the discrete state of tooth contacts: nobody else knows where their integers stand.
+!>
+!> What they are is said by the table of root kinds: those held by name, and a side for each kind that has one.
+module evl_discrete_state
+   use evl_gearbox, only: gearbox_t, i_turns
+   use evl_kinds, only: wp
+   use evl_root_kinds, only: held_names, moves_flanks, moves_pair, moves_zone_a, moves_zone_b, n_discrete, n_held, n_root_kinds, &
+                             n_sides, root_rows
+   use evl_tooth_contact, only: contact_mode, flanks_loaded, flanks_off, tooth_contact_t
+   implicit none (type, external)
+   private
+
+   public :: carries_points, first_pair, flanks_of, gearbox_mode, gearbox_store_mode, is_closed, leading_contact
+   public :: name_integer, number_integers, pairs_loaded, put_flanks, put_pair, tooth_pair_of
+
+contains
+
+   !> Give places to the integers of all tooth contacts.
+   pure subroutine number_integers(contacts, n)
+      type(tooth_contact_t), intent(inout) :: contacts(:) !! with their root functions
+      integer, intent(inout) :: n !! length of the discrete state
+      integer :: i, k
+
+      do i = 1, size(contacts)
+         do k = 1, n_discrete
+            if (.not. has_integer(contacts(i), k)) cycle
+            n = n + 1
+            contacts(i)%i_discrete(k) = n
+         end do
+      end do
+   end subroutine number_integers
+
+   !> Whether a contact has an integer.
+   pure logical function has_integer(contact, k)
+      type(tooth_contact_t), intent(in) :: contact
+      integer, intent(in) :: k !! of the table
+
+      select case (k)
+      case (:n_held)
+         has_integer = contact%deviates .or. all(k /= [moves_zone_a, moves_zone_b])
+      case default
+         has_integer = any(contact%roots == n_root_kinds - n_sides + k - n_held)
+      end select
+   end function has_integer
+
+   !> The integers of a mode, in the order of the table: one that is missing here does not compile.
+   pure function integers_of(mode) result(values)
+      type(contact_mode), intent(in) :: mode
+      integer :: values(n_discrete)
+
+      values = [mode%tooth_pair, mode%flanks, mode%friction, mode%zone_a, mode%zone_b, mode%sides]
+   end function integers_of
+
+   !> Discrete state of a tooth contact.
+   pure type(contact_mode) function gearbox_mode(gearbox, index, integers, reals) result(mode)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index    !! of the tooth contact
+      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: reals(:)
+      integer :: k, n
+
+      associate (contact => gearbox%contacts(index), at => gearbox%contacts(index)%i_discrete)
+         mode%tooth_pair = integers(at(1))
+         mode%flanks = integers(at(2))
+         mode%friction = integers(at(3))
+         if (contact%deviates) then
+            mode%zone_a = integers(at(4))
+            mode%zone_b = integers(at(5))
+         end if
+         do k = 1, n_sides
+            if (at(n_held + k) > 0) mode%sides(k) = integers(at(n_held + k))
+         end do
+         mode%v0 = reals(index)
+         if (.not. contact%rigid) return
+      end associate
+      n = pairs_loaded(gearbox, index, integers)
+      if (n > 1) mode%share = 1/real(n, wp)
+   end function gearbox_mode
+
+   !> Put the discrete state of a tooth contact back.
+   pure subroutine gearbox_store_mode(gearbox, index, mode, integers, reals)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      type(contact_mode), intent(in) :: mode
+      integer, intent(inout) :: integers(:)
+      real(wp), intent(inout) :: reals(:)
+      integer :: k, values(n_discrete)
+
+      values = integers_of(mode)
+      do k = 1, n_discrete
+         if (gearbox%contacts(index)%i_discrete(k) > 0) integers(gearbox%contacts(index)%i_discrete(k)) = values(k)
+      end do
+      reals(index) = mode%v0
+   end subroutine gearbox_store_mode
+
+   !> Tooth pair of a contact: pitches since the start.
+   pure integer function tooth_pair_of(contact, integers) result(pair)
+      type(tooth_contact_t), intent(in) :: contact
+      integer, intent(in) :: integers(:)
+
+      pair = integers(contact%i_discrete(moves_pair))
+   end function tooth_pair_of
+
+   !> Whether the flanks of a contact are open, loaded, unloaded, apart or off the path.
+   pure integer function flanks_of(contact, integers) result(flanks)
+      type(tooth_contact_t), intent(in) :: contact
+      integer, intent(in) :: integers(:)
+
+      flanks = integers(contact%i_discrete(moves_flanks))
+   end function flanks_of
+
+   !> Put a tooth pair into a contact.
+   pure subroutine put_pair(contact, tooth_pair, flanks, integers)
+      type(tooth_contact_t), intent(in) :: contact
+      integer, intent(in) :: tooth_pair, flanks
+      integer, intent(inout) :: integers(:)
+
+      integers(contact%i_discrete(moves_pair)) = tooth_pair
+      call put_flanks(contact, flanks, integers)
+   end subroutine put_pair
+
+   !> Open or load the flanks of a contact.
+   pure subroutine put_flanks(contact, flanks, integers)
+      type(tooth_contact_t), intent(in) :: contact
+      integer, intent(in) :: flanks
+      integer, intent(inout) :: integers(:)
+
+      integers(contact%i_discrete(moves_flanks)) = flanks
+   end subroutine put_flanks
+
+   !> How many tooth pairs of a contact's flank carry load.
+   pure integer function pairs_loaded(gearbox, index, integers) result(n)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index    !! of any tooth contact of the flank
+      integer, intent(in) :: integers(:)
+      integer :: m
+
+      n = 0
+      associate (first => index - gearbox%contacts(index)%slot)
+         do m = first, first + gearbox%contacts(index)%n_slots - 1
+            if (flanks_of(gearbox%contacts(m), integers) == flanks_loaded) n = n + 1
+         end do
+      end associate
+   end function pairs_loaded
+
+   !> Whether a flank's tracked points are those of this contact's tooth pair: the first one of the flank that is on the path.
+   pure logical function carries_points(gearbox, index, integers)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index    !! of the tooth contact
+      integer, intent(in) :: integers(:)
+      integer :: m
+
+      carries_points = .false.
+      if (gearbox%contacts(index)%i_track == 0) return
+      associate (first => index - gearbox%contacts(index)%slot, n => gearbox%contacts(index)%n_slots)
+         do m = first, first + n - 1
+            if (flanks_of(gearbox%contacts(m), integers) == flanks_off) cycle
+            carries_points = m == index
+            return
+         end do
+         carries_points = first == index
+      end associate
+   end function carries_points
+
+   !> The tooth contact that speaks for a mesh: the pair that has been longest on the path of the drive flank, or waits for it.
+   pure integer function leading_contact(gearbox, mesh, integers) result(index)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: mesh
+      integer, intent(in) :: integers(:)
+      logical :: on, best_on
+      integer :: m
+
+      index = gearbox%first(mesh)
+      best_on = flanks_of(gearbox%contacts(index), integers) /= flanks_off
+      do m = index + 1, gearbox%first(mesh) + gearbox%contacts(index)%n_slots - 1
+         associate (mine => gearbox%contacts(m), best => gearbox%contacts(index))
+            on = flanks_of(mine, integers) /= flanks_off
+            if (best_on .and. .not. on) cycle
+            if ((on .eqv. best_on) .and. tooth_pair_of(mine, integers) > tooth_pair_of(best, integers)) cycle
+         end associate
+         index = m
+         best_on = on
+      end do
+   end function leading_contact
+
+   !> Whether a tooth contact leads a rigid flank that is closed.
+   pure logical function is_closed(gearbox, index, integers)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      integer, intent(in) :: integers(:)
+
+      is_closed = gearbox%contacts(index)%leads
+      if (is_closed) is_closed = pairs_loaded(gearbox, index, integers) > 0
+   end function is_closed
+
+   !> The tooth pair of a flank that has been longest on the path; that of the first slot if none is.
+   pure integer function first_pair(gearbox, leader, integers) result(pair)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: leader, integers(:)
+      integer :: m
+
+      pair = huge(pair)
+      do m = leader, leader + gearbox%contacts(leader)%n_slots - 1
+         associate (contact => gearbox%contacts(m))
+            if (flanks_of(contact, integers) /= flanks_off) pair = min(pair, tooth_pair_of(contact, integers))
+         end associate
+      end do
+      if (pair == huge(pair)) pair = tooth_pair_of(gearbox%contacts(leader), integers)
+   end function first_pair
+
+   !> Name of an integer of the discrete state, and the tooth contact that has it; 0: none.
+   pure subroutine name_integer(gearbox, place, name, contact)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: place
+      character(len=*), intent(out) :: name
+      integer, intent(out) :: contact
+      integer :: k
+
+      do contact = size(gearbox%contacts), 1, -1
+         k = findloc(gearbox%contacts(contact)%i_discrete, place, dim=1)
+         if (k > 0) exit
+      end do
+      if (contact == 0) then
+         name = merge("turns       ", "knots_passed", place == i_turns)
+      else if (k <= n_held) then
+         name = held_names(k)
+      else
+         name = root_rows(n_root_kinds - n_sides + k - n_held)%name
+      end if
+   end subroutine name_integer
+
+end module evl_discrete_state

@@ -1,0 +1,85 @@
+!> What happened at one event, in the order in which it was applied, and the names of all kinds of events.
+module evl_event_log
+   use evl_event_kinds, only: event_kind, event_rows, n_event_rows
+   use evl_root_kinds, only: n_root_kinds, root_rows
+   use evl_tooth_contact, only: tooth_contact_t
+   implicit none (type, external)
+   private
+
+   public :: describe_event, event_log, event_of_root, event_t, n_event_kinds, note
+
+   !> One thing that happened.
+   type :: event_t
+      integer :: kind = 0        !! as of `describe_event`
+      integer :: mesh = 0        !! from 1; 0 if it concerns none
+      integer :: flank = -1      !! drive or coast; -1 if it concerns none
+      integer :: tooth_pair = -1 !! pitches since the start; -1 if it concerns none
+   end type event_t
+
+   !> What happens at one event, in the order in which it is applied.
+   type :: event_log
+      integer :: n = 0
+      logical :: once = .false. !! what is noted again stands only where it happened last
+      type(event_t), allocatable :: events(:)
+   end type event_log
+
+contains
+
+   !> How many kinds there are: those of their table, then the root functions that are noted under their own names.
+   pure integer function n_event_kinds() result(n)
+
+      n = n_event_rows + count(root_rows%text /= "")
+   end function n_event_kinds
+
+   !> The kind of event that a root function is which is noted under its own name.
+   pure integer function event_of_root(kind) result(event)
+      integer, intent(in) :: kind !! one with a text
+
+      event = n_event_rows - 1 + count(root_rows(:kind)%text /= "")
+   end function event_of_root
+
+   !> Name and meaning of an event kind; blank if there is none.
+   pure type(event_kind) function describe_event(kind) result(description)
+      integer, intent(in) :: kind
+      integer :: i
+
+      description = event_kind("", "")
+      if (kind >= 0 .and. kind < n_event_rows) description = event_rows(kind)
+      do i = 1, n_root_kinds
+         if (root_rows(i)%text /= "" .and. event_of_root(i) == kind) &
+            description = event_kind(root_rows(i)%name, root_rows(i)%text)
+      end do
+   end function describe_event
+
+   !> Write an event down.
+   pure subroutine note(log, kind, contact, tooth_pair)
+      type(event_log), intent(inout) :: log
+      integer, intent(in) :: kind
+      type(tooth_contact_t), intent(in), optional :: contact
+      integer, intent(in), optional :: tooth_pair
+      type(event_t) :: event
+      integer :: i, kept
+
+      event = event_t(kind)
+      if (present(contact)) event%mesh = contact%mesh
+      if (present(contact)) event%flank = contact%flank
+      if (present(tooth_pair)) event%tooth_pair = tooth_pair
+      kept = 0
+      do i = 1, log%n
+         if (log%once .and. same(log%events(i), event)) cycle
+         kept = kept + 1
+         log%events(kept) = log%events(i)
+      end do
+      log%n = kept + 1
+      if (log%n > size(log%events)) log%events = [log%events, event] ! nothing is lost
+      log%events(log%n) = event
+   end subroutine note
+
+   !> Whether two events are of one kind and of one tooth pair.
+   elemental logical function same(a, b)
+      type(event_t), intent(in) :: a, b
+
+      same = a%kind == b%kind .and. a%mesh == b%mesh .and. a%flank == b%flank .and. a%tooth_pair == b%tooth_pair
+   end function same
+
+end module evl_event_log
