@@ -326,3 +326,16 @@ def test_an_output_beyond_its_extreme_over_the_run_is_found(smooth_run):
     assert beyond.verdict == "fail"
     assert beyond.worst == pytest.approx(1e-6, rel=1e-6)
     assert beyond.where["extreme"] == "normal_force_max"
+
+
+def test_a_friction_force_that_is_rounding_is_not_beyond_its_extreme(friction_run):
+    history = friction_run.history
+    normal = float(history["normal_force"].max())
+
+    def off_by(value):
+        told = {"friction_force_min": ("mesh", [0.0]), "friction_force_min_time": ("mesh", [1.0])}
+        rounding = xr.full_like(history["friction_force"], -value)
+        return history.assign(friction_force=rounding, **told)
+
+    assert _verdict(off_by(1e-15 * normal), "extremes").verdict == "pass"
+    assert _verdict(off_by(1e-8 * normal), "extremes").verdict == "fail"

@@ -37,7 +37,8 @@ def beyond_extremes(history: xr.Dataset) -> xr.DataArray:
     """How far an output lies beyond its extreme over the run, over its largest value.
 
     Dims (extreme, mesh): found between the outputs, an extreme is none if an output exceeds it. The
-    penetration of rigid contacts is rounding: it is measured by the reference penetration.
+    penetration of rigid contacts is rounding: it is measured by the reference penetration; and a
+    friction force that is rounding, by the normal force.
     """
     told = told_extremes(history)
     if not told:
@@ -47,7 +48,8 @@ def beyond_extremes(history: xr.Dataset) -> xr.DataArray:
         sense = 1.0 if extreme.is_largest else -1.0
         values = history[extreme.output]
         reached = (sense * values).max([dim for dim in values.dims if dim != "mesh"])
-        scale = abs(values).max([dim for dim in values.dims if dim != "mesh"])
+        measure = history["normal_force"] if extreme.output == "friction_force" else values
+        scale = abs(measure).max([dim for dim in values.dims if dim != "mesh"])
         if extreme.output == "penetration":
             scale = depth_scale(history)
         excess = (reached - sense * extreme.value).where(scale > 0.0, 0.0)
