@@ -18,6 +18,7 @@ typedef struct {
 struct extremes {
     const dae *dae;
     int n;                        /**< channels */
+    int n_padded;                 /**< the same with idle ones behind them, so that loops over all go in vectors */
     double from, to;              /**< window */
     bool has_begun;               /**< a state in the window was seen */
     double *high, *low;           /**< [n] so far; +INFINITY and -INFINITY if nobody asks */
@@ -36,9 +37,15 @@ static int channel_of(int index, int mesh)
     return model_n_watched() * mesh + model_extremes()[index].watched;
 }
 
+/** Vectors of 8 take them all. */
+static int padded(int n)
+{
+    return (n + 7) / 8 * 8;
+}
+
 static double *array(int n)
 {
-    return xcalloc((size_t)n, sizeof(double));
+    return xcalloc((size_t)padded(n), sizeof(double));
 }
 
 extremes *extremes_create(const model *model, int n_meshes, double from, double to)
@@ -48,6 +55,7 @@ extremes *extremes_create(const model *model, int n_meshes, double from, double 
     extremes *extremes = xcalloc(1, sizeof *extremes);
     *extremes = (struct extremes){.dae = dae,
                                   .n = n,
+                                  .n_padded = padded(n),
                                   .from = from,
                                   .to = to,
                                   .high = array(n),
@@ -58,7 +66,7 @@ extremes *extremes_create(const model *model, int n_meshes, double from, double 
                                   .middle = array(n),
                                   .y = array(dae->n),
                                   .past = {.values = array(n), .older = array(n), .ends = array(n)}};
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < extremes->n_padded; i++) {
         extremes->high[i] = INFINITY;
         extremes->low[i] = -INFINITY;
     }
@@ -134,7 +142,7 @@ static void take(extremes *extremes, double t)
 {
     const double *values = extremes->values;
     extremes->has_begun = true;
-    if (!any_passes(extremes->n, values, extremes->high, extremes->low)) {
+    if (!any_passes(extremes->n_padded, values, extremes->high, extremes->low)) {
         return;
     }
     for (int i = 0; i < extremes->n; i++) {
@@ -163,7 +171,7 @@ static bool know(extremes *extremes, const dae_state *state, const double *known
 
 static bool know_at(extremes *extremes, const integrate_step *step, double t)
 {
-    const double place = fmin(t, step->t_to);
+    const double place = t < step->t_to ? t : step->t_to;             /* fmin is a call */
     if (extremes->t_values >= place && extremes->t_values <= place) { /* as where several channels rise */
         return true;
     }
@@ -320,7 +328,7 @@ static void take_ends(extremes *extremes, const integrate_step *step, double to)
     }
     const double t[3] = {past->t, 0.5 * (past->t + to), to};
     bool has_middle = false;
-    if (!any_may_exceed(extremes->n, past, ratio, extremes->high, extremes->low)) {
+    if (!any_may_exceed(extremes->n_padded, past, ratio, extremes->high, extremes->low)) {
         return;
     }
     take(extremes, to);
@@ -391,7 +399,8 @@ void extremes_watch(extremes *extremes, const integrate_step *step)
         extremes->past.n_known = 0;
         return;
     }
-    const double from = fmax(step->t_from, extremes->from), to = fmin(step->t_to, extremes->to);
+    const double from = step->t_from > extremes->from ? step->t_from : extremes->from;
+    const double to = step->t_to < extremes->to ? step->t_to : extremes->to;
     if (step->look == NULL) {
         watch_by_ends(extremes, step, from, to);
         return;

@@ -133,7 +133,7 @@ contains
       associate (contact => gearbox%contacts(leader), at => contacts(leader))
          torque(contact%wheel_a) = torque(contact%wheel_a) + total%torque_a
          torque(contact%wheel_b) = torque(contact%wheel_b) + total%torque_b
-         lag = transmission_error(contact%pair, at%q)
+         lag = transmission_error(contact%pair, contact%axles_rest, at%q)
          call closed_form_line(contact%pair, at%q, line)
          if (iand(wanted, needs_points) == needs_points) call find_points(gearbox, leader, y, integers, at, line, points)
          penetration = max(total%h(1), 0.0_wp)

@@ -49,11 +49,15 @@ contains
    end function closed_form_gap
 
    !> Dynamic transmission error along the line of action [m].
-   pure real(wp) function transmission_error(pair, q) result(lag)
+   pure real(wp) function transmission_error(pair, axles_rest, q) result(lag)
       type(tracked_pair), intent(in) :: pair
+      logical, intent(in) :: axles_rest !! both: then the centre line does not turn
       real(wp), intent(in) :: q(n_local)
+      real(wp) :: turn
 
-      lag = -pair%sigma*(pair%r_ba*q(at_psi_a) + pair%r_bb*q(at_psi_b) - (pair%r_ba + pair%r_bb)*centre_line_turn(pair, q))
+      turn = 0
+      if (.not. axles_rest) turn = centre_line_turn(pair, q)
+      lag = -pair%sigma*(pair%r_ba*q(at_psi_a) + pair%r_bb*q(at_psi_b) - (pair%r_ba + pair%r_bb)*turn)
    end function transmission_error
 
    !> Tracked variables that belong to the wheels' positions, by Assertions 1 and 2: the points lie on the line of action.

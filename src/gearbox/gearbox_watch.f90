@@ -93,7 +93,7 @@ contains
       before = channel_of(gearbox%contacts(c)%mesh, 0)
       associate (contact => gearbox%contacts(c))
          if (leads) then
-            values(before + watch_error) = transmission_error(contact%pair, q)
+            values(before + watch_error) = transmission_error(contact%pair, contact%axles_rest, q)
             values(before + watch_sliding) = point%v_t
             if (mode%flanks == flanks_apart .or. mode%flanks == flanks_off) then ! no pair's point is known
                if (mode%flanks == flanks_apart) call track_closed_form(contact%pair, rho_a0, q, far)
