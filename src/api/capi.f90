@@ -12,7 +12,7 @@ module evl_capi
    use evl_dae_residual, only: gearbox_derivative, gearbox_residual
    use evl_discrete_state, only: name_integer
    use evl_event_kinds, only: event_kind
-   use evl_event_log, only: describe_event, event_t, n_event_kinds
+   use evl_event_log, only: describe_event, event_log, n_event_kinds
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_build, only: gearbox_create
    use evl_gearbox_description, only: wheel_input
@@ -390,17 +390,19 @@ contains
       type(c_event), intent(inout) :: events(*)
       integer(c_int), intent(out) :: n_events
       type(c_status), intent(out), optional :: status
-      type(event_t), allocatable :: log(:)
+      type(event_log) :: log
       type(status_t) :: s
       integer :: i
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
-      allocate (log(gearbox_event_room(g)))
       call gearbox_apply_event(g, t, fired(:g%n_roots), logical(time_event), y(:g%n_states), yp(:g%n_states), &
-                               integers(:g%n_integers), reals(:size(g%contacts)), log, n_events, s)
+                               integers(:g%n_integers), reals(:size(g%contacts)), log, s)
+      n_events = min(log%n, gearbox_event_room(g))
       do i = 1, n_events
-         events(i) = c_event(log(i)%kind, log(i)%mesh - 1, log(i)%tooth_pair, log(i)%flank)
+         associate (event => log%events(i))
+            events(i) = c_event(event%kind, event%mesh - 1, event%tooth_pair, event%flank)
+         end associate
       end do
       code = answer(s, status)
    end function evl_gearbox_apply_event

@@ -7,7 +7,7 @@ module evl_gearbox_events
    use evl_dae_residual, only: gearbox_derivative
    use evl_discrete_state, only: carries_points, gearbox_mode
    use evl_event_kinds, only: event_knot, event_knot, event_revolution, event_revolution
-   use evl_event_log, only: event_log, event_t, n_event_kinds, note
+   use evl_event_log, only: event_log, n_event_kinds, note
    use evl_gearbox, only: gearbox_local, gearbox_local, gearbox_t, gearbox_t, i_turns, i_turns
    use evl_housing, only: housing_renormalise
    use evl_kinds, only: pi, wp
@@ -124,7 +124,7 @@ contains
    end function gearbox_next_time_event
 
    !> Apply what happened at t and make y' consistent.
-   subroutine gearbox_apply_event(gearbox, t, fired, time_event, y, yp, integers, reals, events, n_events, status)
+   subroutine gearbox_apply_event(gearbox, t, fired, time_event, y, yp, integers, reals, log, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t
       integer, intent(in) :: fired(gearbox%n_roots) !! not 0 where a root function passed zero
@@ -133,14 +133,13 @@ contains
       real(wp), intent(out) :: yp(gearbox%n_states)
       integer, intent(inout) :: integers(:)
       real(wp), intent(inout) :: reals(:)
-      type(event_t), intent(out) :: events(:) !! [gearbox_event_room]
-      integer, intent(out) :: n_events
+      type(event_log), intent(out) :: log    !! at most gearbox_event_room
       type(status_t), intent(inout) :: status
-      type(event_log) :: log
+      integer, parameter :: few = 8 !! events: most often there are no more, and the log grows
       logical :: was_closed(size(gearbox%contacts))
       integer :: i
 
-      allocate (log%events(size(events)))
+      allocate (log%events(few))
       was_closed = closed_flanks(gearbox, integers)
       if (time_event) then
          do i = 1, size(gearbox%loads)
@@ -163,9 +162,8 @@ contains
          call settle_rigid(gearbox, t, was_closed, y, integers, reals, log, status)
       call project_tracked(gearbox, y, integers, reals)
       call housing_renormalise(gearbox%housing, y)
-      n_events = min(log%n, size(events))
-      events(:n_events) = log%events(:n_events)
-      if (log%n > size(events)) call fail(status, code_no_solution, "more happens at one instant than its log has room for")
+      if (log%n > gearbox_event_room(gearbox)) call fail(status, code_no_solution, &
+                                                         "more happens at one instant than its log has room for")
       if (.not. has_failed(status)) call gearbox_derivative(gearbox, t, y, integers, reals, yp, status)
    end subroutine gearbox_apply_event
 
