@@ -5,7 +5,7 @@ ratio; for flanks the pairs that touch, of which there are several. Given a seco
 another build, the ratio of its time in lanes to that of the first follows: how much faster the
 first one is. The times are CPU times, the shortest of many turns that take the libraries in turn.
 
-Run it as ``python benchmarks/lane_laws.py [liblanes_test.so [another liblanes_test.so]]`` after a
+Run it as ``python benchmarks/lane_laws.py [libkernel_test.so [another libkernel_test.so]]`` after a
 build with -DEVOLVENT_TESTS=ON; the library is that of build/ci unless given.
 """
 
@@ -113,7 +113,7 @@ def measure(case: int) -> tuple[float, float]:
 
 def main() -> None:
     """Print the table."""
-    libraries = sys.argv[1:] or [str(ROOT / "build/ci/tests/gearbox/lanes/liblanes_test.so")]
+    libraries = sys.argv[1:] or [str(ROOT / "build/ci/tests/libkernel_test.so")]
     pools = [
         ProcessPoolExecutor(1, get_context("spawn"), load_library, (library,))
         for library in libraries

@@ -6,7 +6,7 @@ tolerances the largest error of the penetration over all outputs (against a tole
 relative to the 3e-9 m of the paper's figure 4), CPU time of the fastest of many runs, and the
 counts.
 
-Run it as ``python benchmarks/lanes.py [liblanes_test.so]`` after a build with -DEVOLVENT_TESTS=ON;
+Run it as ``python benchmarks/lanes.py [libkernel_test.so]`` after a build with -DEVOLVENT_TESTS=ON;
 the library is that of build/ci unless given. -DEVOLVENT_MARCH=x86-64-v3 or -v4 says how much wider
 vectors gain.
 """
@@ -118,7 +118,7 @@ def penetration(gearbox: Gearbox, outputs: np.ndarray) -> np.ndarray:
 
 def main() -> None:
     """Print both."""
-    built = ROOT / "build/ci/tests/gearbox/lanes/liblanes_test.so"
+    built = ROOT / "build/ci/tests/libkernel_test.so"
     named = sys.argv[1] if len(sys.argv) > 1 else built
     kernel = Kernel(Path(named))
     for friction in (0.0, 0.3):

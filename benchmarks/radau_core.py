@@ -7,7 +7,7 @@ run with a tolerance of 1e-13), CPU time of the fastest of many runs, microsecon
 counts. Then the evaluations of f that scipy's methods need for the same error: evaluations, since
 their time would be that of Python.
 
-Run it as ``python benchmarks/radau_core.py [libradau_test.so]`` after a build with
+Run it as ``python benchmarks/radau_core.py [libkernel_test.so]`` after a build with
 -DEVOLVENT_TESTS=ON; the library is that of build/ci unless given.
 """
 
@@ -85,7 +85,7 @@ def peer(chain: Chain, method: str, tolerance: float):
 
 
 def main() -> None:
-    path = sys.argv[1] if len(sys.argv) > 1 else ROOT / "build/ci/tests/integrator/libradau_test.so"
+    path = sys.argv[1] if len(sys.argv) > 1 else ROOT / "build/ci/tests/libkernel_test.so"
     library = ctypes.CDLL(str(path))
     library.rt_new_chain.restype = ctypes.c_void_p
     for chain in CHAINS:

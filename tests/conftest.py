@@ -56,21 +56,15 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 @pytest.fixture(scope="session")
-def kernel(kernel_library: Path) -> Kernel:
-    """Binding of the kernel's shared library."""
-    return Kernel(kernel_library)
+def kernel(kernel_test_library: Path) -> Kernel:
+    """Binding of the kernel, with the calls of the tests."""
+    return Kernel(kernel_test_library)
 
 
 @pytest.fixture(scope="session")
-def lanes_library() -> Path:
-    """Library of the tests with what the kernel does not export of its lanes."""
-    return _built("EVOLVENT_LANES_LIBRARY", "tests/gearbox/lanes/liblanes_test.so")
-
-
-@pytest.fixture(scope="session")
-def radau_library() -> Path:
-    """Library of the tests with an interface of the integrator, which knows no gears."""
-    return _built("EVOLVENT_RADAU_LIBRARY", "tests/integrator/libradau_test.so")
+def kernel_test_library() -> Path:
+    """Library of the tests: the kernel with calls of what it does not export."""
+    return _built("EVOLVENT_TEST_LIBRARY", "tests/libkernel_test.so")
 
 
 @pytest.fixture(scope="session")
@@ -93,7 +87,7 @@ def executable() -> Path:
 
 @pytest.fixture(scope="session")
 def kernel_library() -> Path:
-    """Path of the kernel's shared library, for ctypes."""
+    """Path of the kernel's shared library as others link it."""
     return _built("EVOLVENT_KERNEL_LIBRARY", "libevolvent_kernel.so")
 
 

@@ -10,6 +10,6 @@ from integrator.radau import Library
 
 
 @pytest.fixture(scope="session")
-def library(radau_library: Path) -> Library:
+def library(kernel_test_library: Path) -> Library:
     """Binding of the library."""
-    return Library(radau_library)
+    return Library(kernel_test_library)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -30,12 +29,6 @@ from kernel.kernel import (
 LANES = 8
 STATES = 60  # times eight, of each law
 SPRING = 1e7  # stiffness of the contact that damping laws are asked in [N/m]
-
-
-@pytest.fixture(scope="module")
-def kernel(lanes_library: Path) -> Kernel:
-    """Binding of the library of the lanes, which brings the kernel's with it."""
-    return Kernel(lanes_library)
 
 
 def drawn(kernel: Kernel, family: int, info: LawInfo, random: np.random.Generator) -> LawChoice:

@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 import itertools
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -68,28 +67,22 @@ def test_check_tells_a_pair_that_pulls_and_a_mode_that_contradicts_the_gap(runs)
 # ---- every two entries of the tables
 
 
-@pytest.fixture(scope="session")
-def tables(kernel_library: Path) -> Kernel:
-    """Give the kernel's tables of laws."""
-    return Kernel(kernel_library)
-
-
-def test_every_two_entries_of_the_tables_meet(tables):
+def test_every_two_entries_of_the_tables_meet(kernel: Kernel):
     everything = set()
     for (a, first), (b, second) in itertools.combinations(
-        zip(FACTORS, levels(tables), strict=True), 2
+        zip(FACTORS, levels(kernel), strict=True), 2
     ):
         if (a, b) == ("pinion", "gear"):
             continue
         a, b = ("deviation" if name in ("pinion", "gear") else name for name in (a, b))
         everything |= {(a, one, b, other) for one in first for other in second}
-    assert everything == set(itertools.chain.from_iterable(map(met, rows(tables, SHORT))))
+    assert everything == set(itertools.chain.from_iterable(map(met, rows(kernel, SHORT))))
 
 
 @pytest.mark.parametrize("seed", seeds(range(SHORT), LONG))
-def test_no_tooth_pair_pulls_whatever_laws_and_deviations_meet(runs, tables, seed):
-    row = rows(tables, LONG)[seed]
-    run = runs(pushing_case(tables, row, seed))
+def test_no_tooth_pair_pulls_whatever_laws_and_deviations_meet(runs, kernel, seed):
+    row = rows(kernel, LONG)[seed]
+    run = runs(pushing_case(kernel, row, seed))
     assert run.exit_code == 0, (row, run.messages)
     force = run.history["pair_normal_force"] / run.history["reference_force"]
     assert float(force.min()) >= -1e-6, row
