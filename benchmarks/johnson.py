@@ -1,8 +1,9 @@
 """Time of one evaluation of the Johnson force, beside the paper's iteration (18).
 
-Run it as ``python benchmarks/johnson.py [libevolvent_kernel.so]`` after a build; the library is
-that of build/release unless given. Printed is the best of many rounds, in nanoseconds a call of
-force with both derivatives, over penetrations of 1e-10 to 1e-4 m in random order.
+Run it as ``python benchmarks/johnson.py [libkernel_test.so]`` after a build with
+-DEVOLVENT_TESTS=ON; the library is that of build/ci unless given. Printed is the best of many
+rounds, in nanoseconds a call of force with both derivatives, over penetrations of 1e-10 to 1e-4 m
+in random order.
 """
 
 from __future__ import annotations
@@ -31,18 +32,18 @@ def best_time(procedure: object, *arguments: object) -> float:
 
 
 def main() -> None:
-    path = sys.argv[1] if len(sys.argv) > 1 else ROOT / "build/release/libevolvent_kernel.so"
+    path = sys.argv[1] if len(sys.argv) > 1 else ROOT / "build/ci/tests/libkernel_test.so"
     library = ctypes.CDLL(str(path))
     h = 10 ** np.random.default_rng(1).uniform(-10, -4, CALLS)
     rho, e_star, start = np.full(CALLS, 0.065), np.full(CALLS, 1.1e11), np.full(CALLS, 0.2)
     force, d_h, d_rho, back = (np.empty(CALLS) for _ in range(4))
     turns, codes = np.empty(CALLS, np.int32), np.empty(CALLS, np.int32)
     given = (h, rho, e_star)
-    fast = best_time(library.evl_johnson_force, *given, force, d_h, d_rho, codes)
-    inverse = best_time(library.evl_johnson_penetration, force, rho, e_star, back, codes)
+    fast = best_time(library.test_johnson_force, *given, force, d_h, d_rho, codes)
+    inverse = best_time(library.test_johnson_penetration, force, rho, e_star, back, codes)
     tolerance = ctypes.c_double(1e-14)
     slow = best_time(
-        library.evl_johnson_iteration_force, *given, start, tolerance, 100, d_h, turns, codes
+        library.test_johnson_iteration_force, *given, start, tolerance, 100, d_h, turns, codes
     )
     print(f"force and derivatives     {fast:6.1f} ns")
     print(f"penetration from force    {inverse:6.1f} ns")

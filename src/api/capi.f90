@@ -10,7 +10,6 @@ module evl_capi
    use evl_capi_types, only: c_name_length, c_status, c_text_length, status_to_c, to_c
    use evl_dae_jacobian, only: gearbox_jacobian
    use evl_dae_residual, only: gearbox_derivative, gearbox_residual
-   use evl_discrete_state, only: name_integer
    use evl_event_kinds, only: event_kind
    use evl_event_log, only: describe_event, event_log, n_event_kinds
    use evl_gearbox, only: gearbox_t
@@ -23,8 +22,6 @@ module evl_capi
    use evl_housing_description, only: housing_input
    use evl_kinds, only: pi
    use evl_load, only: load_input
-   use evl_mode_check, only: check_modes
-   use evl_root_kinds, only: root_rows
    use evl_state_names, only: gearbox_state_name
    use evl_status, only: code_no_memory, code_ok, fail, has_failed, status_t
    implicit none (type, external)
@@ -33,9 +30,9 @@ module evl_capi
    public :: evl_gearbox_create, evl_gearbox_delete, evl_gearbox_sizes
    public :: evl_gearbox_wheel_geometry, evl_gearbox_mesh_geometry, evl_gearbox_initial_state, evl_gearbox_scales
    public :: evl_gearbox_state_name, evl_gearbox_residual, evl_gearbox_jacobian, evl_gearbox_derivative
-   public :: evl_event_count, evl_event_describe, evl_gearbox_integer_name, evl_gearbox_root_name
+   public :: evl_event_count, evl_event_describe
    public :: evl_gearbox_roots, evl_gearbox_root_directions, evl_gearbox_next_time_event
-   public :: evl_gearbox_apply_event, evl_gearbox_check_modes
+   public :: evl_gearbox_apply_event
 
    !> evl_sizes
    type, bind(c) :: c_sizes
@@ -296,39 +293,6 @@ contains
       call to_c(description%text, text)
    end subroutine evl_event_describe
 
-   subroutine evl_gearbox_root_name(handle, index, name, contact) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      integer(c_int), intent(in), value :: index
-      character(kind=c_char), intent(out) :: name(c_name_length)
-      integer(c_int), intent(out) :: contact
-      type(gearbox_t), pointer :: g
-      integer :: i
-
-      g => gearbox_of(handle)
-      contact = -1
-      call to_c("revolution", name)
-      do i = 1, size(g%contacts)
-         associate (k => index + 1 - g%contacts(i)%i_root)
-            if (k < 1 .or. k > g%contacts(i)%n_roots) cycle
-            contact = i - 1
-            call to_c(root_rows(g%contacts(i)%roots(k))%name, name)
-         end associate
-      end do
-   end subroutine evl_gearbox_root_name
-
-   subroutine evl_gearbox_integer_name(handle, index, name, contact) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      integer(c_int), intent(in), value :: index
-      character(kind=c_char), intent(out) :: name(c_name_length)
-      integer(c_int), intent(out) :: contact
-      character(len=c_name_length) :: text
-      integer :: owner
-
-      call name_integer(gearbox_of(handle), index + 1, text, owner)
-      call to_c(text, name)
-      contact = owner - 1
-   end subroutine evl_gearbox_integer_name
-
    integer(c_int) function evl_gearbox_roots(handle, y, integers, reals, values, status) result(code) bind(c)
       type(c_ptr), intent(in), value :: handle
       real(c_double), intent(in) :: y(*), reals(*)
@@ -344,20 +308,6 @@ contains
       code = s%code
       if (code /= code_ok) code = answer(s, status)
    end function evl_gearbox_roots
-
-   integer(c_int) function evl_gearbox_check_modes(handle, y, integers, reals, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      real(c_double), intent(in) :: y(*), reals(*)
-      integer(c_int), intent(in) :: integers(*)
-      type(c_status), intent(out), optional :: status
-      type(status_t) :: s
-      type(gearbox_t), pointer :: g
-
-      g => gearbox_of(handle)
-      call check_modes(g, y(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), s)
-      code = s%code
-      if (code /= code_ok) code = answer(s, status)
-   end function evl_gearbox_check_modes
 
    subroutine evl_gearbox_root_directions(handle, integers, directions) bind(c)
       type(c_ptr), intent(in), value :: handle

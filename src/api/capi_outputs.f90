@@ -5,15 +5,14 @@ module evl_capi_outputs
    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_int, c_ptr
    use evl_capi_types, only: c_name_length, c_status, c_text_length, status_to_c, to_c
    use evl_gearbox, only: gearbox_t
-   use evl_kinds, only: lanes
    use evl_output, only: output_t
    use evl_output_list, only: count_outputs, list_outputs
-   use evl_outputs, only: gearbox_outputs, wanted_outputs
-   use evl_status, only: code_invalid_input, code_ok, fail, message_length, status_t
+   use evl_outputs, only: gearbox_outputs
+   use evl_status, only: code_ok, status_t
    implicit none (type, external)
    private
 
-   public :: evl_gearbox_output_places, evl_gearbox_outputs, evl_gearbox_wanted_outputs, evl_output_count, evl_outputs_describe
+   public :: evl_gearbox_output_places, evl_gearbox_outputs, evl_output_count, evl_outputs_describe
 
    !> evl_output
    type, bind(c) :: c_output
@@ -66,33 +65,6 @@ contains
       code = s%code
       if (code /= code_ok .and. present(status)) call status_to_c(s, status)
    end function evl_gearbox_outputs
-
-   integer(c_int) function evl_gearbox_wanted_outputs(handle, n, t, y, integers, reals, wanted, values, status) &
-      result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      integer(c_int), intent(in), value :: n
-      real(c_double), intent(in) :: t(*), y(*), reals(*)
-      integer(c_int), intent(in) :: integers(*)
-      logical(c_bool), intent(in) :: wanted(*)
-      real(c_double), intent(inout), target :: values(*)
-      type(c_status), intent(out), optional :: status
-      real(c_double), pointer, contiguous :: rows(:, :)
-      character(len=message_length) :: message
-      type(status_t) :: s
-      type(gearbox_t), pointer :: g
-
-      call c_f_pointer(handle, g)
-      if (n < 1 .or. n > lanes) then
-         write (message, "('outputs are given at 1 to ', i0, ' states at once, not at ', i0)") lanes, n
-         call fail(s, code_invalid_input, message)
-      else
-         rows(1:g%n_values, 1:n) => values(:g%n_values*n)
-         call wanted_outputs(g, t(:n), reshape(y(:g%n_states*n), [g%n_states, n]), integers(:g%n_integers), &
-                             reals(:size(g%contacts)), logical(wanted(:size(g%output_counts))), rows, s)
-      end if
-      code = s%code
-      if (code /= code_ok .and. present(status)) call status_to_c(s, status)
-   end function evl_gearbox_wanted_outputs
 
    pure subroutine output_to_c(entry, output)
       type(output_t), intent(in) :: entry

@@ -8,7 +8,7 @@ module evl_capi_radau
    use evl_extreme_finder, only: candidate_t, most_candidates
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_ode, only: gearbox_ode, gearbox_ode_create, gearbox_ode_delete, gearbox_ode_serves, gearbox_ode_set
-   use evl_kinds, only: lanes, wp
+   use evl_kinds, only: wp
    use evl_radau, only: radau_advance, radau_counts, radau_create, radau_get_counts, radau_get_growth, radau_growth, &
                         radau_interpolate, radau_look, radau_options, radau_redo, radau_restart, radau_start, radau_step, radau_t
    use evl_radau_coefficients, only: n_stages
@@ -17,8 +17,7 @@ module evl_capi_radau
    private
 
    public :: evl_radau_serves, evl_radau_create, evl_radau_delete, evl_radau_start, evl_radau_advance, evl_radau_interpolate, &
-             evl_radau_candidate, evl_radau_look, evl_radau_restart, evl_radau_redo, evl_radau_get_counts, evl_radau_get_growth, &
-             evl_radau_model
+             evl_radau_candidate, evl_radau_look, evl_radau_restart, evl_radau_redo, evl_radau_get_counts, evl_radau_get_growth
 
    !> evl_radau
    type :: integration_t
@@ -219,37 +218,6 @@ contains
       g = radau_get_growth(self%solver)
       growth = c_growth(g%t, g%re, g%im)
    end subroutine evl_radau_get_growth
-
-   integer(c_int) function evl_radau_model(handle, t, y, integers, reals, f, jacobian, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      real(c_double), intent(in) :: t(lanes)
-      real(c_double), intent(in), target :: y(*)
-      real(c_double), intent(in) :: reals(*)
-      integer(c_int), intent(in) :: integers(*)
-      real(c_double), intent(inout), target :: f(*), jacobian(*)
-      type(c_status), intent(out), optional :: status
-      real(c_double), pointer :: y_lanes(:, :), f_lanes(:, :), matrix(:, :)
-      real(c_double), allocatable :: values(:)
-      type(integration_t), pointer :: self
-      type(status_t) :: s
-      integer :: p
-
-      call c_f_pointer(handle, self)
-      associate (model => self%model)
-         call c_f_pointer(c_loc(y), y_lanes, [lanes, model%n])
-         call c_f_pointer(c_loc(f), f_lanes, [lanes, model%n])
-         call c_f_pointer(c_loc(jacobian), matrix, [model%n, model%n])
-         allocate (values(size(model%jacobian_row)))
-         call gearbox_ode_set(model, integers, reals)
-         call model%rhs_lanes(t, y_lanes, f_lanes, s)
-         if (.not. has_failed(s)) call model%jacobian(t(1), y_lanes(1, :), values, s)
-         matrix = 0
-         do p = 1, size(values)
-            if (.not. has_failed(s)) matrix(model%jacobian_row(p), model%jacobian_column(p)) = values(p)
-         end do
-      end associate
-      code = answer(s, status)
-   end function evl_radau_model
 
    !> The code of a status, told to C if it asks.
    integer(c_int) function answer(s, status) result(code)

@@ -1,16 +1,15 @@
 !> The structs of the C header as Fortran sees them, and the passage of strings and statuses.
 module evl_capi_types
    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_int, c_null_char
-   use evl_contact_context, only: contact_context
    use evl_force_law, only: law_choice
    use evl_parameter, only: parameter_t
-   use evl_status, only: code_ok, status_t
+   use evl_status, only: status_t
    implicit none (type, external)
    private
 
-   public :: c_contact_context, c_law_choice, c_kind_info, c_law_info, c_parameter, c_status
+   public :: c_law_choice, c_kind_info, c_law_info, c_parameter, c_status
    public :: c_field_length, c_max_parameters, c_message_length, c_name_length, c_text_length
-   public :: choice_from_c, context_from_c, first_error, parameter_to_c, status_to_c, to_c
+   public :: choice_from_c, parameter_to_c, status_to_c, to_c
 
    integer, parameter :: c_max_parameters = 8 !! EVL_MAX_PARAMETERS
    integer, parameter :: c_name_length = 32       !! EVL_NAME_LENGTH
@@ -54,25 +53,7 @@ module evl_capi_types
       type(c_parameter) :: parameters(c_max_parameters)
    end type c_kind_info
 
-   !> evl_contact_context
-   type, bind(c) :: c_contact_context
-      real(c_double) :: h, h_dot, rho_sum, rho_a, rho_b, e_star, width, v0
-   end type c_contact_context
-
 contains
-
-   !> First answer that is not code_ok.
-   pure integer(c_int) function first_error(codes)
-      integer(c_int), intent(in) :: codes(:) !! one for each value
-      integer :: i
-
-      first_error = code_ok
-      do i = 1, size(codes)
-         if (codes(i) == code_ok) cycle
-         first_error = codes(i)
-         return
-      end do
-   end function first_error
 
    !> A blank-padded string as a C string.
    pure subroutine to_c(text, c_text)
@@ -122,12 +103,5 @@ contains
       choice%law = c%law
       choice%parameters = c%parameters
    end function choice_from_c
-
-   elemental type(contact_context) function context_from_c(c) result(ctx)
-      type(c_contact_context), intent(in) :: c
-
-      ctx = contact_context(h=c%h, h_dot=c%h_dot, rho_sum=c%rho_sum, rho_a=c%rho_a, rho_b=c%rho_b, e_star=c%e_star, &
-                            width=c%width, v0=c%v0)
-   end function context_from_c
 
 end module evl_capi_types

@@ -8,6 +8,7 @@
 !> Source: ISO 21771:2007, sections 4 and 5; ISO 53:1998, basic rack.
 module evl_gear
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use, intrinsic :: iso_c_binding, only: c_bool, c_int
    use evl_involute_angle, only: involute_of_tangent
    use evl_kinds, only: pi, wp
    use evl_mesh_geometry, only: maximum_teeth, minimum_teeth
@@ -33,9 +34,9 @@ module evl_gear
       real(wp) :: tip_diameter = 0.0_wp, tip_alteration = 0.0_wp, thickness_allowance = 0.0_wp, bore = 0.0_wp
    end type gear_input
 
-   !> All that follows from it and the number of teeth.
-   type :: gear_t
-      integer :: teeth = 0                       !! z; 0: not a real gear
+   !> All that follows from it and the number of teeth; `evl_gear_geometry` in the C header.
+   type, bind(c) :: gear_t
+      integer(c_int) :: teeth = 0                !! z; 0: not a real gear
       real(wp) :: normal_module = 0.0_wp         !! m_n [m]
       real(wp) :: pressure_angle = 0.0_wp        !! alpha_n [rad]
       real(wp) :: profile_shift = 0.0_wp         !! x
@@ -55,7 +56,7 @@ module evl_gear
       real(wp) :: thickness_allowance = 0.0_wp   !! A_s [m]
       real(wp) :: tip_thickness = 0.0_wp         !! s_a [m]
       real(wp) :: tooth_angle = 0.0_wp           !! psi [rad]
-      logical :: is_undercut = .false.           !! whether the rack's tip cuts away a part of the involute
+      logical(c_bool) :: is_undercut = .false.   !! whether the rack's tip cuts away a part of the involute
    end type gear_t
 
 contains
@@ -69,6 +70,7 @@ contains
       type(gear_t), intent(out) :: gear       !! initial values on error
       type(status_t), intent(inout) :: status !! filled on error, else cleared
       type(gear_t) :: g
+      logical :: is_undercut
 
       call clear(status)
       call check_numbers(teeth, given, status)
@@ -93,7 +95,8 @@ contains
          call derive_tip(given, g, status)
          if (has_failed(status)) return
          call involute_start(g%reference_radius, alpha, m*(given%rack_dedendum - given%rack_root_radius - g%generating_shift), &
-                             m*given%rack_root_radius, g%form_radius, g%is_undercut)
+                             m*given%rack_root_radius, g%form_radius, is_undercut)
+         g%is_undercut = is_undercut
          g%form_radius = hypot(g%base_radius, g%form_radius)
          g%undercut_shift = given%rack_dedendum - given%rack_root_radius*(1 - sin(alpha)) - teeth*sin(alpha)**2/2
       end associate

@@ -11,6 +11,7 @@
 !> Source: ISO 21771:2007, section 5.
 module evl_gears_in_mesh
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use, intrinsic :: iso_c_binding, only: c_bool
    use evl_gear, only: agreement, gear_radius_of_curvature, gear_t
    use evl_involute_angle, only: involute_of_tangent, tangent_of_involute
    use evl_kinds, only: pi, wp
@@ -29,9 +30,8 @@ module evl_gears_in_mesh
       real(wp) :: backlash = 0.0_wp        !! j_bn [m]
    end type gear_mesh_input
 
-   !> All that follows from two gears and their centre distance.
-   type :: gear_mesh_t
-      logical :: exists = .false.                 !! whether this mesh is one of two real gears
+   !> All that follows from two gears and their centre distance; `evl_gear_mesh` in the C header.
+   type, bind(c) :: gear_mesh_t
       real(wp) :: centre_distance = 0.0_wp        !! a_w [m]
       real(wp) :: reference_distance = 0.0_wp     !! a, sum of the reference radii [m]
       real(wp) :: tight_distance = 0.0_wp         !! from the profile shifts, without backlash [m]
@@ -53,6 +53,7 @@ module evl_gears_in_mesh
       real(wp) :: backlash = 0.0_wp               !! j_bn, normal [m]
       real(wp) :: circumferential_backlash = 0.0_wp !! j_wt, on the working pitch circles [m]
       real(wp) :: radial_backlash = 0.0_wp        !! j_r, about the approach of the axles that takes it all [m]
+      logical(c_bool) :: exists = .false.         !! whether this mesh is one of two real gears
    end type gear_mesh_t
 
 contains

@@ -11,7 +11,7 @@ from kernel.gearbox import APART, LOADED, OPEN, Gearbox, GearboxError, State
 from kernel.gearbox_cases import chain, in_mode, paper_gearbox, set_gap
 from kernel.gearbox_description import ALGEBRAIC, CLOSED_FORM, DIFFERENTIAL
 from kernel.housing_cases import HOUSINGS
-from kernel.kernel import INVALID_INPUT, OUT_OF_DOMAIN, Kernel, _at
+from kernel.kernel import OUT_OF_DOMAIN, Kernel
 from kernel.real_cases import GAPS, PAIRS, made
 from kernel.rigid_cases import rigid_train
 from kernel.shaft_cases import stirred, two_stages
@@ -130,17 +130,3 @@ def test_what_only_other_outputs_need_is_not_computed(kernel):
     with pytest.raises(GearboxError) as caught:
         gearbox.wanted([state], {*known, "normal_force"})
     assert caught.value.code == OUT_OF_DOMAIN
-
-
-@pytest.mark.parametrize("n", [0, 9])
-def test_other_numbers_of_states_than_one_to_eight_are_refused(kernel, n):
-    gearbox = paper_gearbox(kernel)
-    states = [gearbox.start()] * 9
-    times = np.zeros(9)
-    arrays = (np.array([one.y for one in states]), states[0].integers, states[0].reals)
-    wanted = np.ones(gearbox.sizes.n_outputs, bool)
-    values = np.full((9, gearbox.sizes.n_values), np.pi)
-    with pytest.raises(GearboxError, match=f"1 to 8 states at once, not at {n}") as caught:
-        gearbox._call("evl_gearbox_wanted_outputs", n, *map(_at, (times, *arrays, wanted, values)))
-    assert caught.value.code == INVALID_INPUT
-    assert (values == np.pi).all()

@@ -142,7 +142,7 @@ def gearbox_of(kernel: Kernel, flanks: tuple[Profile, Profile]) -> Gearbox:
 def of_kernel(gearbox: Gearbox, rho: Floats) -> tuple[Floats, Floats]:
     """Second order and curvature at radii of curvature of the driving flank."""
     second_order, curvature = np.empty(len(rho)), np.empty(len(rho))
-    gearbox.library.evl_gearbox_touching_flanks(
+    gearbox.library.test_touching_flanks(
         gearbox.handle, 0, 0, len(rho), _at(rho), _at(second_order), _at(curvature)
     )
     return second_order, curvature

@@ -71,7 +71,7 @@ def evaluate(
     results = tuple(np.empty(n) for _ in range(3))
     numbers = np.array(teeth, dtype=np.int32)
     sides = np.full(n, side, dtype=np.int32)
-    gearbox.library.evl_gearbox_flank_deviation(
+    gearbox.library.test_gearbox_flank_deviation(
         gearbox.handle, wheel, n, _at(numbers), _at(sides), _at(rho), *map(_at, results)
     )
     return results

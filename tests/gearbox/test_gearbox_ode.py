@@ -21,7 +21,7 @@ from kernel.housing_description import (
     term,
 )
 from kernel.kernel import INVALID_INPUT, Kernel
-from kernel.radau import EVENT, LANES, STEP, STOP, Radau, serves
+from kernel.radau import EVENT, LANES, STEP, STOP, Radau, model, serves
 from kernel.shaft_cases import stirred, two_stages
 
 MODES = {
@@ -50,7 +50,7 @@ def neighbours(gearbox: Gearbox, state: State, random: np.random.Generator) -> l
 def check_model(gearbox: Gearbox, state: State) -> None:
     """Compare rates and Jacobian with those that the residual has."""
     states = neighbours(gearbox, state, np.random.default_rng(4))
-    rates, jacobian = Radau(gearbox).model(states)
+    rates, jacobian = model(gearbox, states)
     scale, row, _ = gearbox.scales()
     for lane, one in enumerate(states):
         expected = gearbox.derivative(one)

@@ -27,7 +27,7 @@ from kernel.gearbox_description import (
 from kernel.housing_description import HousingDescription
 from kernel.jacobian import check_jacobian
 from kernel.kernel import Kernel, KindInfo
-from kernel.radau import LANES, Radau
+from kernel.radau import LANES, model
 from load_samples import SAMPLES, SUPPORTS
 
 HARMONIC = {"kind": "harmonic", "mean": 0.5, "amplitude": 3.0}
@@ -95,7 +95,7 @@ def test_every_support_has_its_rates_in_lanes_and_its_jacobian(
     gearbox = train(kernel, "torque", None if body is None else HOUSINGS[body], SUPPORTS[name])
     state = stirred(gearbox)
     check_jacobian(gearbox, state)
-    rates, jacobian = Radau(gearbox).model([state] * LANES)
+    rates, jacobian = model(gearbox, [state] * LANES)
     np.testing.assert_array_equal(rates[0], state.yp)
     state.yp[:] = 0
     np.testing.assert_array_equal(jacobian, -gearbox.jacobian(state, 0.0))
@@ -125,7 +125,7 @@ def test_radau_has_the_rates_and_the_jacobian_of_every_load(
     for state in states[1:]:
         state.t += 0.01 * random.random()
         state.y *= 1 + 1e-4 * random.normal(size=len(state.y))
-    rates, jacobian = Radau(gearbox).model(states)
+    rates, jacobian = model(gearbox, states)
     for lane, state in enumerate(states):
         np.testing.assert_array_equal(rates[lane], gearbox.derivative(state))
     states[0].yp[:] = 0

@@ -15,7 +15,7 @@ MODULE = 3e-3
 
 
 class ToothMesh(ctypes.Structure):
-    """`evl_tooth_mesh`."""
+    """`c_tooth_mesh` of the tests."""
 
     _fields_ = [
         *((name, _int) for name in ("wheel_a", "wheel_b", "sigma")),
@@ -25,7 +25,7 @@ class ToothMesh(ctypes.Structure):
 
 
 class ToothPhase(ctypes.Structure):
-    """`evl_tooth_phase`."""
+    """`c_tooth_phase` of the tests."""
 
     _fields_ = [
         *((name, _double) for name in ("rho_start", "gap")),
@@ -68,7 +68,7 @@ class Train:
         n, m = len(self.teeth), len(self.meshes)
         phases = (ToothPhase * m)()
         status = Status()
-        code = kernel.library.evl_tooth_phases(
+        code = kernel.library.test_tooth_phases(
             *(n, (_double * n)(*self.base), (_double * n)(*self.angles), (_int * n)(*self.teeth)),
             *(m, (ToothMesh * m)(*self.descriptions()), phases, ctypes.byref(status)),
         )
@@ -244,7 +244,7 @@ def test_unknown_teeth_start_at_the_start_of_contact(kernel: Kernel):
     train = row()
     n = len(train.teeth)
     phases = (ToothPhase * 3)()
-    code = kernel.library.evl_tooth_phases(
+    code = kernel.library.test_tooth_phases(
         *(n, (_double * n)(*train.base), (_double * n)(0, 0, 0, 0), (_int * n)(*train.teeth)),
         *(3, (ToothMesh * 3)(*train.descriptions()), phases, None),
     )

@@ -1,7 +1,7 @@
 """Flank deviations from Python, and the same formulas in mpmath.
 
-`Deviations` binds the calls of `evolvent/kernel.h`; `Formula` is written from docs/deviations.md,
-not from the kernel.
+The calls are those of `tests/geometry/deviation_calls.f90`; `Formula` is written from
+docs/deviations.md, not from the kernel.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import mpmath as mp
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kernel.kernel import OK, Floats, Kernel, KernelError, Status, _at, _double, _int
+from kernel.kernel import OK, Floats, Kernel, Status, _at, _double, _error, _int
 
 LINEAR, PARABOLIC = range(2)
 ROOT, NONE, TIP = -1, 0, 1
@@ -49,7 +49,7 @@ class DeviationDescription(ctypes.Structure):
 
 
 class Profile(ctypes.Structure):
-    """`evl_profile`."""
+    """`given_profile` of the tests."""
 
     _fields_ = [
         ("teeth", _int),
@@ -115,7 +115,7 @@ def deviation_at(
     n = radii.size
     result = Deviation(np.empty(n), np.empty(n), np.empty(n), np.empty(2))
     status = Status()
-    code = kernel.library.evl_flank_deviation_at(
+    kernel.library.test_flank_deviation(
         ctypes.byref(given),
         ctypes.byref(profile),
         n,
@@ -124,8 +124,8 @@ def deviation_at(
         *map(_at, result),
         ctypes.byref(status),
     )
-    if code != OK:
-        raise KernelError(code, status.index, status.field.decode(), status.message.decode())
+    if status.code != OK:
+        raise _error(status)
     return result
 
 
@@ -140,7 +140,7 @@ def pitch_tolerances(
         If the standard has none.
     """
     single, total, status = _double(), _double(), Status()
-    code = kernel.library.evl_pitch_tolerances(
+    kernel.library.test_pitch_tolerances(
         teeth,
         _double(module),
         accuracy_class,
@@ -148,8 +148,8 @@ def pitch_tolerances(
         ctypes.byref(total),
         ctypes.byref(status),
     )
-    if code != OK:
-        raise KernelError(code, status.index, status.field.decode(), status.message.decode())
+    if status.code != OK:
+        raise _error(status)
     return single.value, total.value
 
 
@@ -158,7 +158,7 @@ def pitch_error_sequence(
 ) -> Floats:
     """Cumulative position deviation of every tooth [m]."""
     errors = np.empty(teeth)
-    kernel.library.evl_pitch_error_sequence(
+    kernel.library.test_pitch_error_sequence(
         teeth, _double(single), _double(total), seed, _at(errors)
     )
     return errors

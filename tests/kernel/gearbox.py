@@ -337,13 +337,13 @@ class Gearbox:
     @cached_property
     def root_places(self) -> dict[tuple[int, str], int]:
         """Places of the root functions: (tooth contact, or -1, and name) to index."""
-        names = self._names("evl_gearbox_root_name", self.sizes.n_roots)
+        names = self._names("test_root_name", self.sizes.n_roots)
         return {name: place for place, name in enumerate(names)}
 
     @cached_property
     def integer_names(self) -> list[tuple[int, str]]:
         """Integers of the discrete state: tooth contact, or -1, and name."""
-        return self._names("evl_gearbox_integer_name", self.sizes.n_integers)
+        return self._names("test_integer_name", self.sizes.n_integers)
 
     def _names(self, function: str, n: int) -> list[tuple[int, str]]:
         names = []
@@ -370,7 +370,7 @@ class Gearbox:
     def check_modes(self, state: State) -> None:
         """Raise a GearboxError if the modes do not agree with the state."""
         arrays = (state.y, state.integers, state.reals)
-        self._call("evl_gearbox_check_modes", *map(_at, arrays))
+        self._call("test_check_modes", *map(_at, arrays))
 
     def roots(self, state: State) -> Floats:
         """Root functions."""
@@ -454,7 +454,7 @@ class Gearbox:
         times = np.array([state.t for state in states])
         y = np.array([state.y for state in states])
         arrays = (times, y, states[0].integers, states[0].reals, wanted, result)
-        self._call("evl_gearbox_wanted_outputs", len(states), *map(_at, arrays))
+        self._call("test_wanted_outputs", len(states), *map(_at, arrays))
         return result
 
     def outputs(self, state: State) -> dict[str, Floats]:

@@ -1,4 +1,7 @@
-"""Real gears of the kernel from Python: a thin ctypes binding of `evolvent/kernel.h`."""
+"""Real gears of the kernel from Python: a thin ctypes binding.
+
+Those of a gearbox by `evolvent/kernel.h`, gears alone by `tests/geometry/gear_calls.f90`.
+"""
 
 from __future__ import annotations
 
@@ -27,25 +30,40 @@ class GearGeometry(ctypes.Structure):
         ("is_undercut", _bool),
     ]
 
+    def fields(self) -> list[float]:
+        """All of them: the bytes between them may be any."""
+        return [getattr(self, name) for name, _ in self._fields_]
+
+
+_MESH_NUMBERS = (
+    *("centre_distance", "reference_distance", "tight_distance", "working_pressure_angle"),
+    *("pitch_radius_a", "pitch_radius_b", "line_of_action", "base_pitch"),
+    *("path_of_contact", "approach", "recess", "contact_ratio"),
+    *("rho_tip_a", "rho_tip_b", "active_radius_a", "active_radius_b"),
+    *("clearance_a", "clearance_b"),
+    *("backlash", "circumferential_backlash", "radial_backlash"),
+)
+
 
 class GearMesh(ctypes.Structure):
     """`evl_gear_mesh`."""
 
+    _fields_ = [*((name, _double) for name in _MESH_NUMBERS), ("exists", _bool)]
+
+
+class GivenGear(ctypes.Structure):
+    """`gear_description` of the tests."""
+
     _fields_ = [
-        (name, _double)
-        for name in (
-            *("centre_distance", "reference_distance", "tight_distance", "working_pressure_angle"),
-            *("pitch_radius_a", "pitch_radius_b", "line_of_action", "base_pitch"),
-            *("path_of_contact", "approach", "recess", "contact_ratio"),
-            *("rho_tip_a", "rho_tip_b", "active_radius_a", "active_radius_b"),
-            *("clearance_a", "clearance_b"),
-            *("backlash", "circumferential_backlash", "radial_backlash"),
-        )
+        *((name, _double) for name in ("normal_module", "pressure_angle", "profile_shift")),
+        *((name, _double) for name in ("rack_addendum", "rack_dedendum", "rack_root_radius")),
+        *((name, _bool) for name in ("has_tip_diameter", "has_tip_alteration")),
+        *((name, _double) for name in ("tip_diameter", "tip_alteration")),
+        *((name, _double) for name in ("thickness_allowance", "bore")),
     ]
 
 
-def gear_description(module: float = 0.002, **given: Any) -> GearDescription:
-    """Describe a gear; the rack of ISO 53, profile A, and what else `GearDescription` has."""
+def _given(module: float, **given: Any) -> dict[str, Any]:
     values = {
         **{"normal_module": module, "pressure_angle": np.radians(20)},
         **{"rack_addendum": 1.0, "rack_dedendum": 1.25, "rack_root_radius": 0.38},
@@ -53,17 +71,24 @@ def gear_description(module: float = 0.002, **given: Any) -> GearDescription:
     }
     for name in ("tip_diameter", "tip_alteration"):
         values[f"has_{name}"] = name in given
-    return GearDescription(**values)
+    return values
+
+
+def gear_description(module: float = 0.002, **given: Any) -> GearDescription:
+    """Describe a gear; the rack of ISO 53, profile A, and what else `GearDescription` has."""
+    return GearDescription(**_given(module, **given))
 
 
 def gear(kernel: Kernel, teeth: int, module: float = 0.002, **given: Any) -> GearGeometry:
     """Geometry of a gear; raises KernelError if it is refused."""
     geometry, status = GearGeometry(), Status()
-    description = gear_description(module, **given)
-    code = kernel.library.evl_gear_derive(
-        teeth, ctypes.byref(description), ctypes.byref(geometry), ctypes.byref(status)
+    kernel.library.test_gear_derive(
+        teeth,
+        ctypes.byref(GivenGear(**_given(module, **given))),
+        ctypes.byref(geometry),
+        ctypes.byref(status),
     )
-    if code != OK:
+    if status.code != OK:
         raise _error(status)
     return geometry
 
@@ -78,7 +103,7 @@ def gear_mesh(
 ) -> GearMesh:
     """Geometry of two gears in mesh; raises KernelError if it is refused."""
     mesh, status = GearMesh(), Status()
-    code = kernel.library.evl_gear_mesh_derive(
+    kernel.library.test_gear_mesh_derive(
         ctypes.byref(a),
         ctypes.byref(b),
         _bool(centre_distance is not None),
@@ -88,7 +113,7 @@ def gear_mesh(
         ctypes.byref(mesh),
         ctypes.byref(status),
     )
-    if code != OK:
+    if status.code != OK:
         raise _error(status)
     return mesh
 
@@ -99,7 +124,7 @@ def tooth_thickness(
     """Tooth thickness at radii, and the codes."""
     r = np.ascontiguousarray(np.atleast_1d(radii), dtype=float)
     thickness, codes = np.empty(len(r)), np.empty(len(r), np.int32)
-    kernel.library.evl_gear_tooth_thickness(
+    kernel.library.test_gear_tooth_thickness(
         ctypes.byref(geometry), len(r), _at(r), _at(thickness), _at(codes)
     )
     return thickness, codes
@@ -109,7 +134,7 @@ def involute_value(kernel: Kernel, angles: ArrayLike) -> Floats:
     """Return inv alpha of angles."""
     alpha = np.ascontiguousarray(np.atleast_1d(angles), dtype=float)
     values = np.empty(len(alpha))
-    kernel.library.evl_involute_value(len(alpha), _at(alpha), _at(values))
+    kernel.library.test_involute_value(len(alpha), _at(alpha), _at(values))
     return values
 
 
@@ -117,7 +142,7 @@ def involute_inverse(kernel: Kernel, involutes: ArrayLike) -> Floats:
     """Return the angles whose involutes these are."""
     values = np.ascontiguousarray(np.atleast_1d(involutes), dtype=float)
     angles = np.empty(len(values))
-    kernel.library.evl_involute_inverse(len(values), _at(values), _at(angles))
+    kernel.library.test_involute_inverse(len(values), _at(values), _at(angles))
     return angles
 
 

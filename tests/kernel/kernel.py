@@ -1,7 +1,8 @@
 """The kernel's parts from Python: a thin ctypes binding, arrays in and arrays out.
 
-Each method is the procedure of the same name in `evolvent/kernel.h`; see there for meaning and
-units. Numbers broadcast against each other as in numpy.
+Each method is the procedure of the same name in `evolvent/kernel.h`, or with `test_` before it in
+the `*_calls.f90` of the tests of its room. Units are SI; numbers broadcast against each other as in
+numpy.
 """
 
 from __future__ import annotations
@@ -84,7 +85,7 @@ class LawInfo(ctypes.Structure):
 
 
 class ContactContext(ctypes.Structure):
-    """`evl_contact_context`."""
+    """`given_contact` of the tests."""
 
     _fields_ = [
         (name, _double)
@@ -105,7 +106,7 @@ _PAIR_POINTS = (
 
 
 class SpurPair(ctypes.Structure):
-    """`evl_spur_pair`; the points read as lists of two numbers."""
+    """`c_spur_pair` of the tests; the points read as lists of two numbers."""
 
     _fields_ = [
         *((name, _double) for name in _PAIR_NUMBERS),
@@ -179,7 +180,7 @@ class Kernel:
 
     def __init__(self, path: str | Path) -> None:
         self.library = ctypes.CDLL(str(path))
-        self.library.evl_law_friction_knee.restype = _double
+        self.library.test_law_friction_knee.restype = _double
 
     # ---- flank
 
@@ -194,7 +195,7 @@ class Kernel:
         self, points: ArrayLike, base_radius: float, hand: int = 1, form: str = "short"
     ) -> Flank:
         """Flank function in the wheel's frame; form: short, or the paper's polar one."""
-        name = {"short": "evl_involute_flank", "polar": "evl_involute_flank_polar"}[form]
+        name = {"short": "test_involute_flank", "polar": "test_involute_flank_polar"}[form]
         return self._flank(name, points, _double(base_radius), hand)
 
     def involute_flank_housing(
@@ -203,13 +204,13 @@ class Kernel:
         """Flank function in the housing frame."""
         centre = np.array(centre, dtype=float)
         between = (_at(centre), _double(angle), _double(base_radius), hand)
-        return self._flank("evl_involute_flank_housing", points, *between)
+        return self._flank("test_involute_flank_housing", points, *between)
 
     def involute_points(self, roll_angles: ArrayLike, base_radius: float, hand: int = 1) -> Floats:
         """Points (n, 2) of the flank in the wheel's frame."""
         (xi,) = _floats(roll_angles)
         points = np.empty((len(xi), 2))
-        self.library.evl_involute_points(len(xi), _at(xi), _double(base_radius), hand, _at(points))
+        self.library.test_involute_points(len(xi), _at(xi), _double(base_radius), hand, _at(points))
         return points
 
     # ---- geometry of a pair
@@ -234,7 +235,7 @@ class Kernel:
         """
         pair, status = SpurPair(), Status()
         centre = np.array(centre_a, dtype=float)
-        code = self.library.evl_spur_pair_derive(
+        self.library.test_spur_pair_derive(
             teeth_a,
             teeth_b,
             _double(pitch_radius_a),
@@ -246,7 +247,7 @@ class Kernel:
             ctypes.byref(pair),
             ctypes.byref(status),
         )
-        if code != OK:
+        if status.code != OK:
             raise _error(status)
         return pair
 
@@ -257,7 +258,7 @@ class Kernel:
         given = _floats(h, rho_sum, e_star)
         n = len(given[0])
         result = Force(np.empty(n), np.empty(n), np.empty(n), np.empty(n, np.int32))
-        self.library.evl_johnson_force(n, *map(_at, given), *map(_at, result))
+        self.library.test_johnson_force(n, *map(_at, given), *map(_at, result))
         return result
 
     def johnson_penetration(
@@ -267,21 +268,21 @@ class Kernel:
         given = _floats(force, rho_sum, e_star)
         n = len(given[0])
         h, codes = np.empty(n), np.empty(n, np.int32)
-        self.library.evl_johnson_penetration(n, *map(_at, given), _at(h), _at(codes))
+        self.library.test_johnson_penetration(n, *map(_at, given), _at(h), _at(codes))
         return h, codes
 
     def johnson_limits(self, rho_sum: float, e_star: float) -> tuple[float, float]:
         """Return the limits (15) of penetration and force."""
         rho, modulus = _floats(rho_sum, e_star)
         h, force = np.empty(1), np.empty(1)
-        self.library.evl_johnson_limits(1, _at(rho), _at(modulus), _at(h), _at(force))
+        self.library.test_johnson_limits(1, _at(rho), _at(modulus), _at(h), _at(force))
         return float(h[0]), float(force[0])
 
     def johnson_iteration(self, eta: ArrayLike, nu: ArrayLike) -> Floats:
         """One turn of the paper's iteration."""
         eta, nu = _floats(eta, nu)
         result = np.empty(len(eta))
-        self.library.evl_johnson_iteration(len(eta), _at(eta), _at(nu), _at(result))
+        self.library.test_johnson_iteration(len(eta), _at(eta), _at(nu), _at(result))
         return result
 
     def johnson_iteration_force(
@@ -298,7 +299,7 @@ class Kernel:
         n = len(given[0])
         force, turns, codes = np.empty(n), np.empty(n, np.int32), np.empty(n, np.int32)
         results = (force, turns, codes)
-        self.library.evl_johnson_iteration_force(
+        self.library.test_johnson_iteration_force(
             n, *map(_at, given), _double(tolerance), max_turns, *map(_at, results)
         )
         return results
@@ -355,21 +356,22 @@ class Kernel:
             If it is refused.
         """
         status = Status()
-        if self.library.evl_law_validate(family, ctypes.byref(choice), ctypes.byref(status)) != OK:
+        self.library.test_law_validate(family, ctypes.byref(choice), ctypes.byref(status))
+        if status.code != OK:
             raise _error(status)
 
     def law_elastic_force(self, choice: LawChoice, **context: ArrayLike) -> Force:
         """Elastic force over the width, at contexts given as arrays of their fields."""
         n, contexts = _contexts(context)
         result = Force(np.empty(n), np.empty(n), np.empty(n), np.empty(n, np.int32))
-        self.library.evl_law_elastic_force(n, ctypes.byref(choice), contexts, *map(_at, result))
+        self.library.test_law_elastic_force(n, ctypes.byref(choice), contexts, *map(_at, result))
         return result
 
     def law_elastic_limit(self, choice: LawChoice, **context: ArrayLike) -> str:
         """Return why the elastic force is out of its domain."""
         _, contexts = _contexts(context)
         message = ctypes.create_string_buffer(320)
-        self.library.evl_law_elastic_limit(ctypes.byref(choice), contexts, message)
+        self.library.test_law_elastic_limit(ctypes.byref(choice), contexts, message)
         return message.value.decode()
 
     def law_penetration(
@@ -379,7 +381,7 @@ class Kernel:
         (force,) = _floats(force)
         n, contexts = _contexts({"h": np.zeros(len(force)), **context})
         h, codes = np.empty(n), np.empty(n, np.int32)
-        self.library.evl_law_penetration(
+        self.library.test_law_penetration(
             n, ctypes.byref(choice), contexts, _at(force), _at(h), _at(codes)
         )
         return h, codes
@@ -388,7 +390,9 @@ class Kernel:
         """Elastic energy over the width."""
         n, contexts = _contexts(context)
         result = Energy(np.empty(n), np.empty(n), np.empty(n), np.empty(n, np.int32))
-        self.library.evl_law_elastic_potential(n, ctypes.byref(choice), contexts, *map(_at, result))
+        self.library.test_law_elastic_potential(
+            n, ctypes.byref(choice), contexts, *map(_at, result)
+        )
         return result
 
     def law_viscous_force(
@@ -398,7 +402,7 @@ class Kernel:
         n, contexts = _contexts(context)
         results = Viscous(np.empty(n), np.empty(n), np.empty(n), np.empty(n))
         codes = np.empty(n, np.int32)
-        self.library.evl_law_viscous_force(
+        self.library.test_law_viscous_force(
             n,
             ctypes.byref(contact),
             ctypes.byref(damping),
@@ -416,7 +420,7 @@ class Kernel:
         branches, v = _floats(modes, v_t)
         branches = branches.astype(np.int32)
         factor, d_v = np.empty(len(v)), np.empty(len(v))
-        self.library.evl_law_friction_factor(
+        self.library.test_law_friction_factor(
             len(v), ctypes.byref(choice), *map(_at, (branches, v, factor, d_v))
         )
         return factor, d_v
@@ -425,12 +429,12 @@ class Kernel:
         """Branch of the friction law that belongs to each sliding velocity."""
         (v,) = _floats(v_t)
         modes = np.empty(len(v), np.int32)
-        self.library.evl_law_friction_mode(len(v), ctypes.byref(choice), _at(v), _at(modes))
+        self.library.test_law_friction_mode(len(v), ctypes.byref(choice), _at(v), _at(modes))
         return modes
 
     def law_friction_knee(self, choice: LawChoice) -> float:
         """Sliding velocity at which the branch changes."""
-        return float(self.library.evl_law_friction_knee(ctypes.byref(choice)))
+        return float(self.library.test_law_friction_knee(ctypes.byref(choice)))
 
 
 def _error(status: Status) -> KernelError:

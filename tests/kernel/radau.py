@@ -117,12 +117,15 @@ class Radau:
         self.gearbox.library.evl_radau_get_counts(self.handle, ctypes.byref(counts))
         return counts
 
-    def model(self, states: list[State]) -> tuple[Floats, Floats]:
-        """Rates [8, n] at eight states that share the first one's modes, and df/dy at the first."""
-        n = self.gearbox.sizes.n_states
-        t = np.array([state.t for state in states])
-        y = np.array([state.y for state in states]).T.copy()
-        f, jacobian = np.full((n, LANES), np.nan), np.full((n, n), np.nan, order="F")
-        arrays = (t, y, states[0].integers, states[0].reals, f, jacobian)
-        self._call("evl_radau_model", *map(_at, arrays))
-        return f.T, jacobian
+
+def model(gearbox: Gearbox, states: list[State]) -> tuple[Floats, Floats]:
+    """Rates [8, n] at eight states that share the first one's modes, and df/dy at the first."""
+    n = gearbox.sizes.n_states
+    t = np.array([state.t for state in states])
+    y = np.array([state.y for state in states]).T.copy()
+    f, jacobian = np.full((n, LANES), np.nan), np.full((n, n), np.nan, order="F")
+    arrays = (gearbox.scales()[0], t, y, states[0].integers, states[0].reals, f, jacobian)
+    status = Status()
+    gearbox.library.lanes_model(gearbox.handle, *map(_at, arrays), ctypes.byref(status))
+    _check(status.code, status)
+    return f.T, jacobian

@@ -407,6 +407,7 @@ typedef struct {
     double backlash;                         /**< j_bn, normal */
     double circumferential_backlash;         /**< j_wt, on the operating pitch circles */
     double radial_backlash;                  /**< j_r */
+    bool exists;                             /**< whether the mesh is one of two real gears; if not, all is zero */
 } evl_gear_mesh;
 
 /** Directions in which the support of a wheel lets its axle move: unit vectors (x, y) one after the other. @return how many, 0 to 2 */
@@ -434,14 +435,6 @@ typedef struct {
  *  @return whether it has any; if not, all is zero. */
 EVL_API bool evl_gearbox_deviation(const evl_gearbox *gearbox, int wheel, evl_deviation_geometry *geometry,
                                    double *pitch_errors);
-/** Deviation e [n] [m] of flanks of a wheel from the involute with its derivatives, as evl_flank_deviation_at without zones. */
-EVL_API void evl_gearbox_flank_deviation(const evl_gearbox *gearbox, int wheel, int n, const int *teeth,
-                                         const int *sides, const double *rho, double *e, double *de, double *d2e);
-/** Drive flanks of a tooth pair at places of the line of action, radii of curvature of the driving flank [n] [m]: by how much the gap
- *  of first order is wider than the real one [m], and the sum of the curvatures where they touch [1/m]. */
-EVL_API void evl_gearbox_touching_flanks(const evl_gearbox *gearbox, int mesh, int pair, int n, const double *rho,
-                                         double *second_order, double *curvature);
-
 /** Fill y, yp, integers and reals for time t. @return EVL_OK, EVL_INVALID_INPUT (initial values that contradict each other or the
  *  loads), EVL_NO_SOLUTION (steady state), EVL_OUT_OF_DOMAIN. */
 EVL_API int evl_gearbox_initial_state(const evl_gearbox *gearbox, const evl_initial *initial, double t, double *y,
@@ -486,20 +479,11 @@ typedef enum {
 EVL_API int evl_event_count(void);
 EVL_API void evl_event_describe(int kind, char name[EVL_NAME_LENGTH], char text[EVL_TEXT_LENGTH]);
 
-/** Name of integer `index` of the discrete state, from 0, and the tooth contact that has it; -1 if none has. */
-EVL_API void evl_gearbox_integer_name(const evl_gearbox *gearbox, int index, char name[EVL_NAME_LENGTH], int *contact);
-/** The same of a root function. */
-EVL_API void evl_gearbox_root_name(const evl_gearbox *gearbox, int index, char name[EVL_NAME_LENGTH], int *contact);
-
 /** Root functions [n_roots], each scaled to be of order 1; those that have no meaning in the present mode are 1. */
 EVL_API int evl_gearbox_roots(const evl_gearbox *gearbox, const double *y, const int *integers, const double *reals,
                               double *values, evl_status *status);
 /** Directions [n_roots] that count in the present mode: +1 rising, -1 falling, 0 without a meaning. To be asked again after each event. */
 EVL_API void evl_gearbox_root_directions(const evl_gearbox *gearbox, const int *integers, int *directions);
-/** Whether the discrete state agrees with y: every tooth pair pushes, overlaps or is apart as its modes say, to 1e-6 of the reference
- *  force and penetration. @return EVL_OK; EVL_OUT_OF_DOMAIN if an event was missed, which smaller steps may find */
-EVL_API int evl_gearbox_check_modes(const evl_gearbox *gearbox, const double *y, const int *integers,
-                                    const double *reals, evl_status *status);
 /** Time of the next knot of a table; +infinity if there is none. */
 EVL_API double evl_gearbox_next_time_event(const evl_gearbox *gearbox, const int *integers);
 /** Apply what happened at t: `fired` [n_roots] as IDAGetRootInfo gives it (0, +1, -1), `time_event` if t is that of
@@ -589,11 +573,6 @@ EVL_API int evl_radau_look(evl_radau *radau, const double *high, const double *l
 /** One of them; index: from 0. */
 EVL_API void evl_radau_candidate(const evl_radau *radau, int index, evl_candidate *candidate);
 
-/** What its steps are made of, for a discrete state: f of eight states at once, t [8], y and f [n_states][8], and df/dy at the first of
- *  them, column-major [n_states * n_states]. The next call has to be evl_radau_start. @return EVL_OK or EVL_OUT_OF_DOMAIN */
-EVL_API int evl_radau_model(evl_radau *radau, const double *t, const double *y, const int *integers,
-                            const double *reals, double *f, double *jacobian, evl_status *status);
-
 /* ---- outputs --------------------------------------------------------------------------------------------------------------- */
 
 typedef enum {
@@ -627,16 +606,11 @@ EVL_API void evl_outputs_describe(evl_output *outputs);
 /** Where the outputs of a gearbox stand in the array that evl_gearbox_outputs fills, in C order; [n_outputs] each. A count of 0:
  *  it is not there, as the pose of a fixed housing. */
 EVL_API void evl_gearbox_output_places(const evl_gearbox *gearbox, int *offsets, int *counts);
-/** All outputs at a state, [n_values]; integers as whole doubles, NaN where a quantity has no meaning. With `check` a state that
- *  evl_gearbox_check_modes would refuse is refused, which here costs little. */
+/** All outputs at a state, [n_values]; integers as whole doubles, NaN where a quantity has no meaning. With `check` the discrete
+ *  state has to agree with y: every tooth pair pushes, overlaps or is apart as its modes say, to 1e-6 of the reference force and
+ *  penetration. @return EVL_OK; EVL_OUT_OF_DOMAIN also if it does not: an event was missed, which smaller steps may find */
 EVL_API int evl_gearbox_outputs(const evl_gearbox *gearbox, double t, const double *y, const int *integers,
                                 const double *reals, bool check, double *values, evl_status *status);
-/** The outputs that `wanted` [n_outputs] asks for, at n states, 1 to 8, that share their discrete state, as at places in a step:
- *  t [n], y [n][n_states], values [n][n_values]. They are those of evl_gearbox_outputs to the bit; the other values stay as they are,
- *  and what only they need is not computed. @return EVL_OK, EVL_INVALID_INPUT, EVL_OUT_OF_DOMAIN */
-EVL_API int evl_gearbox_wanted_outputs(const evl_gearbox *gearbox, int n, const double *t, const double *y,
-                                       const int *integers, const double *reals, const bool *wanted, double *values,
-                                       evl_status *status);
 
 /* ---- extremes -------------------------------------------------------------------------------------------------------------- */
 
@@ -729,183 +703,6 @@ EVL_API const char *evl_kernel_compiler(void);
 /** The processor compiled for, as -march names it, such as "x86-64" or "x86-64-v4"; "" where the compiler was not told.
  *  Which one it is changes the speed, never a result. */
 EVL_API const char *evl_kernel_processor(void);
-
-/* ---- parts: the formulas one by one, for tests and for other programs -------------------------------------------------------- */
-
-/* Array calls take n values at once; `codes` [n] gets the evl_code of each, the return value is the first that is not
- * EVL_OK, and where it is not EVL_OK the results are 0. Points are pairs x, y; gradients pairs, Hessians 2 x 2. */
-
-/** Flank function f of the involute whose root lies on the wheel's x axis, its gradient and Hessian, at points [n][2]
- *  of the wheel's frame [m]. f < 0 in the material, r_b f is the signed distance [m] and |grad f| = 1/r_b. hand: +1
- *  counterclockwise involute, -1 its mirror image. Valid outside the base circle, else EVL_OUT_OF_DOMAIN. Kosenko &
- *  Gusev 2011, (4)-(12). */
-EVL_API int evl_involute_flank(int n, const double *points, double base_radius, int hand, double *values,
-                               double *gradients, double *hessians, int *codes);
-/** The same by the paper's polar Jacobian, slower: a check of the other. */
-EVL_API int evl_involute_flank_polar(int n, const double *points, double base_radius, int hand, double *values,
-                                     double *gradients, double *hessians, int *codes);
-/** The same at points of the housing frame, for a wheel at `centre` [2] [m] whose involute root is at `angle` [rad]. */
-EVL_API int evl_involute_flank_housing(int n, const double *points, const double centre[2], double angle,
-                                       double base_radius, int hand, double *values, double *gradients,
-                                       double *hessians, int *codes);
-/** Points [n][2] of the flank at roll angles [n] [rad] >= 0, in the wheel's frame [m]. */
-EVL_API void evl_involute_points(int n, const double *roll_angles, double base_radius, int hand, double *points);
-
-/** All that follows from the data of one pair; wheel A drives wheel B. Lengths [m], angles [rad], points in the housing
- *  frame. */
-typedef struct {
-    double ratio;                          /**< n = z_B/z_A */
-    double pitch_radius_a, pitch_radius_b; /**< operating pitch radii */
-    double centre_distance;                /**< r_A + r_B */
-    double gamma_a, gamma_b;               /**< angular pitches 2 pi/z */
-    double alpha_inf;                      /**< pressure angle at which the line of action is one base pitch long */
-    double alpha_w;                        /**< working pressure angle */
-    double base_radius_a, base_radius_b;   /**< */
-    double base_radius_sum;                /**< R */
-    double rho;                            /**< |K_A K_B|, length of the line of action */
-    double base_pitch;                     /**< |ab|, length of the path of contact */
-    double tip_radius_a, tip_radius_b;     /**< |b - O_A|, |a - O_B| */
-    double rho_start_a, rho_start_b;       /**< radii of curvature at a */
-    double phi_a, phi_b;                   /**< angles of the involute roots when the teeth touch at a */
-    double centre_a[2], centre_b[2];       /**< O_A, O_B */
-    double t[2], e[2];                     /**< unit vectors across the line of action and along it, from K_A to K_B */
-    double point_k_a[2], point_k_b[2];     /**< where the line of action touches the base circles */
-    double point_a[2], point_b[2];         /**< start and end of contact */
-    double pitch_point[2];                 /**< where the pitch circles touch */
-    bool contains_pitch_point;             /**< whether a-b does */
-} evl_spur_pair;
-
-/** Derive the geometry of a pair: 3 to 10000 teeth, pitch_radius_a > 0, alpha_inf < alpha_w < pi/2 unless paper_rule
- *  (alpha_w = 1.05 alpha_inf), chi the direction from O_A to O_B, sigma +1 (A drives clockwise) or -1.
- *  @return EVL_OK, or EVL_INVALID_INPUT with status->field teeth, pitch_radius, pressure_angle, centre_line_angle,
- *  driving_rotation or centre; index 0 for A, 1 for B. Kosenko & Gusev 2011, section 7.1. */
-EVL_API int evl_spur_pair_derive(int teeth_a, int teeth_b, double pitch_radius_a, bool paper_rule, double alpha_w,
-                                 double chi, int sigma, const double centre_a[2], evl_spur_pair *pair,
-                                 evl_status *status);
-
-/** inv alpha = tan alpha - alpha of angles [n] [rad], 0 <= alpha < pi/2. */
-EVL_API void evl_involute_value(int n, const double *angles, double *involutes);
-/** Its inverse: angles [n] [rad] of involutes [n] >= 0. */
-EVL_API void evl_involute_inverse(int n, const double *involutes, double *angles);
-/** Geometry of one real gear. @return EVL_OK, or EVL_INVALID_INPUT with status->field as in the case file. ISO 21771,
- *  ISO 53. */
-EVL_API int evl_gear_derive(int teeth, const evl_gear *gear, evl_gear_geometry *geometry, evl_status *status);
-/** Tooth thickness [m] at radii [n] [m]; EVL_OUT_OF_DOMAIN inside the base circle. */
-EVL_API int evl_gear_tooth_thickness(const evl_gear_geometry *geometry, int n, const double *radii, double *thickness,
-                                     int *codes);
-/** Geometry of two real gears in mesh, A driving B: at the given centre distance, else with the given backlash, else at the
- *  distance that the profile shifts give without backlash. @return EVL_OK, or EVL_INVALID_INPUT with status->field
- *  centre_distance, backlash or "". */
-EVL_API int evl_gear_mesh_derive(const evl_gear_geometry *a, const evl_gear_geometry *b, bool has_centre_distance,
-                                 double centre_distance, bool has_backlash, double backlash, evl_gear_mesh *mesh,
-                                 evl_status *status);
-
-/** The profile that deviates. */
-typedef struct {
-    int teeth;               /**< z >= 3 */
-    double base_radius;      /**< r_b [m] > 0 */
-    double reference_radius; /**< r = m z/2, on which pitches are arcs [m] >= r_b */
-    double rho_start;        /**< radius of curvature at the start of the active profile [m] > 0 */
-    double rho_tip;          /**< radius of curvature at the tip [m] > rho_start */
-    double tooth_angle;      /**< psi_b, that a tooth fills on the base circle [rad]; 0 if not known */
-} evl_profile;
-
-/** Deviation e [n] [m] of flanks from the involute, positive: too little material, with de/drho [n] and d2e/drho2 [n] [1/m],
- *  at radii of curvature rho [n] [m] on `sides` [n] (+1: the flank that faces clockwise, -1) of `teeth` [n], any integer. zones [n]: -1 root
- *  relief, 0 none, +1 tip relief, selects the branch of the formula; NULL: the one that holds at rho. borders [2]: radii of
- *  curvature where root relief ends and tip relief begins [m], -/+DBL_MAX without.
- *  @return EVL_OK, or EVL_INVALID_INPUT with status->field as in the case file */
-EVL_API int evl_flank_deviation_at(const evl_flank_deviation *deviation, const evl_profile *profile, int n,
-                                   const int *teeth, const int *sides, const double *rho, const int *zones, double *e,
-                                   double *de, double *d2e, double borders[2], evl_status *status);
-/** Tolerances of the single pitch f_pT and of the total cumulative pitch deviation F_pT [m], ISO 1328-1:2013, (5) and (6), rounded
- *  as it says. 5 to 1000 teeth, modules of 0.0005 to 0.07 m, reference diameters of 0.005 to 15 m, classes 1 to 11. */
-EVL_API int evl_pitch_tolerances(int teeth, double module, int accuracy_class, double *single, double *total,
-                                 evl_status *status);
-/** Cumulative position deviations of all teeth [teeth] [m], arcs on the reference circle, that keep both tolerances [m] > 0. */
-EVL_API void evl_pitch_error_sequence(int teeth, double single, double total, int seed, double *errors);
-
-/** Johnson's force per unit width N [N/m] at penetrations h [m], odd in h, with dN/dh and dN/d(rho_sum) [N/m^2].
- *  rho_sum: sum of the radii of curvature [m], e_star: effective modulus [Pa]. EVL_OUT_OF_DOMAIN from |h| = 4
- *  rho_sum/e^2 on. Kosenko & Gusev 2011, (13)-(15). */
-EVL_API int evl_johnson_force(int n, const double *h, const double *rho_sum, const double *e_star, double *force,
-                              double *d_h, double *d_rho, int *codes);
-/** The inverse: penetrations [m] from forces per unit width [N/m], |N| < 4 pi e_star rho_sum/e^2. */
-EVL_API int evl_johnson_penetration(int n, const double *force, const double *rho_sum, const double *e_star, double *h,
-                                    int *codes);
-/** The limits (15): of the penetration [m] and of the force per unit width [N/m]. */
-EVL_API void evl_johnson_limits(int n, const double *rho_sum, const double *e_star, double *penetration, double *force);
-/** One turn of the paper's iteration (18): nu (1 + eta ln eta). */
-EVL_API void evl_johnson_iteration(int n, const double *eta, const double *nu, double *next);
-/** N by the paper's iteration (18) from start [n] in (0, 1/e), until eta changes by less than `tolerance` relatively;
- *  `turns` [n]. EVL_NO_SOLUTION if max_turns do not suffice. Slow, and independent of evl_johnson_force. */
-EVL_API int evl_johnson_iteration_force(int n, const double *h, const double *rho_sum, const double *e_star,
-                                        const double *start, double tolerance, int max_turns, double *force, int *turns,
-                                        int *codes);
-
-/** What a force law may know about a contact. */
-typedef struct {
-    double h;            /**< penetration [m], negative for a gap */
-    double h_dot;        /**< its rate [m/s] */
-    double rho_sum;      /**< rho_a + rho_b [m] */
-    double rho_a, rho_b; /**< radii of curvature of the flanks [m] */
-    double e_star;       /**< effective modulus [Pa] */
-    double width;        /**< common face width [m] */
-    double v0;           /**< approach speed at the last closing [m/s] */
-} evl_contact_context;
-
-/** Check a law's index and the range of its parameters.
- *  @return EVL_OK, or EVL_INVALID_INPUT with status->field "law" or the parameter's name. The calls below take valid
- *  choices only. */
-EVL_API int evl_law_validate(int family, const evl_law_choice *choice, evl_status *status);
-/** Elastic normal force [N], odd in h, with its derivatives to h and to rho_sum [N/m]. */
-EVL_API int evl_law_elastic_force(int n, const evl_law_choice *contact, const evl_contact_context *contexts,
-                                  double *force, double *d_h, double *d_rho, int *codes);
-/** Why evl_law_elastic_force answered EVL_OUT_OF_DOMAIN, as one sentence. */
-EVL_API void evl_law_elastic_limit(const evl_law_choice *contact, const evl_contact_context *context,
-                                   char message[EVL_MESSAGE_LENGTH]);
-/** Penetration [m] at which the elastic force is `force` [N]; the h of the contexts is not used. */
-EVL_API int evl_law_penetration(int n, const evl_law_choice *contact, const evl_contact_context *contexts,
-                                const double *force, double *h, int *codes);
-/** Elastic energy [J] along the length rho_sum - h = constant, with its derivatives to h and to that length [N]. */
-EVL_API int evl_law_elastic_potential(int n, const evl_law_choice *contact, const evl_contact_context *contexts,
-                                      double *potential, double *d_h, double *d_length, int *codes);
-/** Viscous normal force [N] with its derivatives to h and to rho_sum [N/m] and to h_dot [N s/m]; the contact law's
- *  force enters some laws. */
-EVL_API int evl_law_viscous_force(int n, const evl_law_choice *contact, const evl_law_choice *damping,
-                                  const evl_contact_context *contexts, double *force, double *d_h, double *d_rho,
-                                  double *d_h_dot, int *codes);
-/** phi of F_t = -F_n phi(v_t) and dphi/dv_t [s/m], on the branch modes [n] (-1, 0, +1) of the law. */
-EVL_API void evl_law_friction_factor(int n, const evl_law_choice *friction, const int *modes, const double *v_t,
-                                     double *factor, double *d_v);
-/** The branch that belongs to each sliding velocity [m/s]. */
-EVL_API void evl_law_friction_mode(int n, const evl_law_choice *friction, const double *v_t, int *modes);
-/** The |v_t| at which the branch changes [m/s]; 0 if it never does, also for a coefficient of 0. */
-EVL_API double evl_law_friction_knee(const evl_law_choice *friction);
-
-/** What the places of teeth depend on in one mesh. */
-typedef struct {
-    int wheel_a, wheel_b; /**< driving and driven wheel, from 0 */
-    int sigma;            /**< flank, +1 or -1 */
-    double chi;           /**< direction of the centre line [rad] */
-    double alpha_w;       /**< working pressure angle [rad] */
-    double rho;           /**< length of the line of action [m] */
-    double base_pitch;    /**< [m] */
-    double rho_start;     /**< radius of curvature of the driving flank at the start of contact [m] */
-    double backlash;      /**< normal backlash [m] */
-} evl_tooth_mesh;
-
-/** Where the first tooth pair of a mesh is. */
-typedef struct {
-    double rho_start; /**< radius of curvature of its driving flank, up to a base pitch from the start of contact [m] */
-    double gap;       /**< between its flanks, in a mesh that closes a loop [m] */
-    int tooth_a, tooth_b; /**< its teeth: how many counterclockwise from the first ones of the wheels, 0 to z - 1 */
-} evl_tooth_phase;
-
-/** Place the teeth of a train from its first mesh on; tooth_angles [n_wheels]: what a tooth fills on the base circle [rad], 0 if
- *  not known. @return EVL_OK, or EVL_INVALID_INPUT for a loop of meshes whose teeth do not fit */
-EVL_API int evl_tooth_phases(int n_wheels, const double *base_radii, const double *tooth_angles, const int *teeth,
-                             int n_meshes, const evl_tooth_mesh *meshes, evl_tooth_phase *phases, evl_status *status);
 
 #ifdef __cplusplus
 }

@@ -1,22 +1,23 @@
 !> The rates in lanes for their tests: a C interface that the kernel does not have.
 module lanes_capi
-   use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_ptr
+   use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_loc, c_ptr
+   use evl_capi_types, only: c_status, status_to_c
    use evl_contacts_in_lanes, only: lane_slot, settle_slots
    use evl_elementary, only: exponential, hyperbolic_tangent, natural_logarithm, real_power, sine_cosine
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_events, only: gearbox_root, gearbox_root_directions
    use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
-   use evl_gearbox_ode, only: gearbox_ode, gearbox_ode_create, gearbox_ode_set
+   use evl_gearbox_ode, only: gearbox_ode, gearbox_ode_create, gearbox_ode_delete, gearbox_ode_set
    use evl_gearbox_rates, only: gearbox_rates
    use evl_kinds, only: lanes
    use evl_roots_lanes, only: roots_in_lanes
-   use evl_status, only: status_t
+   use evl_status, only: has_failed, status_t
    implicit none (type, external)
    private
 
    public :: lanes_count, lanes_rates, lanes_roots, lanes_root_by_root, lanes_roots_nearby
    public :: lanes_roots_live, lanes_scalar, lanes_serves
-   public :: lanes_jacobian
+   public :: lanes_jacobian, lanes_model
    public :: lanes_exponential, lanes_hyperbolic_tangent, lanes_logarithm, lanes_power, lanes_sine_cosine
 
 contains
@@ -227,5 +228,38 @@ contains
       end do
       code = status%code
    end function lanes_jacobian
+
+   !> What steps are made of: f of eight states at once, (state, lane) by rows, and df/dy at the first of them, by columns.
+   subroutine lanes_model(handle, scale, t, y, integers, reals, f, jacobian, status) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in) :: scale(*), t(lanes)
+      real(c_double), intent(in), target :: y(*)
+      real(c_double), intent(in) :: reals(*)
+      integer(c_int), intent(in) :: integers(*)
+      real(c_double), intent(inout), target :: f(*), jacobian(*)
+      type(c_status), intent(out) :: status
+      real(c_double), pointer :: y_lanes(:, :), f_lanes(:, :), matrix(:, :)
+      real(c_double), allocatable :: values(:)
+      type(gearbox_t), pointer :: gearbox
+      type(gearbox_ode) :: model
+      type(status_t) :: s
+      integer :: p
+
+      call c_f_pointer(handle, gearbox)
+      call gearbox_ode_create(model, gearbox, scale(:gearbox%n_states))
+      call c_f_pointer(c_loc(y), y_lanes, [lanes, model%n])
+      call c_f_pointer(c_loc(f), f_lanes, [lanes, model%n])
+      call c_f_pointer(c_loc(jacobian), matrix, [model%n, model%n])
+      allocate (values(size(model%jacobian_row)))
+      call gearbox_ode_set(model, integers, reals)
+      call model%rhs_lanes(t, y_lanes, f_lanes, s)
+      if (.not. has_failed(s)) call model%jacobian(t(1), y_lanes(1, :), values, s)
+      matrix = 0
+      do p = 1, size(values)
+         if (.not. has_failed(s)) matrix(model%jacobian_row(p), model%jacobian_column(p)) = values(p)
+      end do
+      call gearbox_ode_delete(model)
+      call status_to_c(s, status)
+   end subroutine lanes_model
 
 end module lanes_capi

@@ -1,7 +1,6 @@
 !> The laws in lanes for their tests: each by its own loop, as its family asks a law without one, and gearboxes of such laws.
 module laws_capi
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_ptr
-   use evl_capi_types, only: c_contact_context, c_law_choice, choice_from_c
    use evl_contact_context, only: contact_context, lane_context
    use evl_damping_law, only: damping_law_t, damping_one_by_one => lane_by_lane, viscous_result
    use evl_elastic_law, only: elastic_law_t, elastic_one_by_one => lane_by_lane, elastic_result
@@ -10,6 +9,7 @@ module laws_capi
    use evl_kinds, only: lanes, wp
    use evl_law_info, only: law_info_t
    use evl_law_table, only: damping_law, elastic_law, friction_law
+   use law_calls, only: choice_of, given_contact, given_law
    implicit none (type, external)
    private
 
@@ -47,14 +47,14 @@ contains
 
    !> An elastic law in eight states that share all but h and the radii; 1 if it answered, else 0.
    integer(c_int) function lanes_elastic(choice, contexts, bare, force, d_energy, excess) result(answer) bind(c)
-      type(c_law_choice), intent(in) :: choice
-      type(c_contact_context), intent(in) :: contexts(lanes)
+      type(given_law), intent(in) :: choice
+      type(given_contact), intent(in) :: contexts(lanes)
       integer(c_int), intent(in), value :: bare !! 1: as a law without a loop
       real(c_double), intent(inout) :: force(lanes), d_energy(lanes), excess(lanes)
       class(elastic_law_t), allocatable :: law
       logical :: answered
 
-      call elastic_law(choice_from_c(choice), law)
+      call elastic_law(choice_of(choice), law)
       if (bare == 1) then
          call elastic_one_by_one(law, context_of_lanes(contexts), force, d_energy, excess, answered)
       else
@@ -65,15 +65,15 @@ contains
 
    !> A damping law in eight states; `side` as in the discrete state.
    subroutine lanes_damping(choice, contexts, side, bare, elastic, force) bind(c)
-      type(c_law_choice), intent(in) :: choice
-      type(c_contact_context), intent(in) :: contexts(lanes)
+      type(given_law), intent(in) :: choice
+      type(given_contact), intent(in) :: contexts(lanes)
       integer(c_int), intent(in), value :: side, bare
       real(c_double), intent(in) :: elastic(lanes)
       real(c_double), intent(inout) :: force(lanes)
       class(damping_law_t), allocatable :: law
       type(lane_context) :: at
 
-      call damping_law(choice_from_c(choice), law)
+      call damping_law(choice_of(choice), law)
       at = context_of_lanes(contexts)
       at%side = side
       if (bare == 1) then
@@ -85,13 +85,13 @@ contains
 
    !> A friction law in eight states on one branch.
    subroutine lanes_friction(choice, branch, v_t, bare, factor) bind(c)
-      type(c_law_choice), intent(in) :: choice
+      type(given_law), intent(in) :: choice
       integer(c_int), intent(in), value :: branch, bare
       real(c_double), intent(in) :: v_t(lanes)
       real(c_double), intent(inout) :: factor(lanes)
       class(friction_law_t), allocatable :: law
 
-      call friction_law(choice_from_c(choice), law)
+      call friction_law(choice_of(choice), law)
       if (bare == 1) then
          call friction_one_by_one(law, branch, v_t, factor)
       else
@@ -135,7 +135,7 @@ contains
 
    !> What laws may know in eight states.
    type(lane_context) function context_of_lanes(contexts) result(at)
-      type(c_contact_context), intent(in) :: contexts(lanes)
+      type(given_contact), intent(in) :: contexts(lanes)
 
       at%h = contexts%h
       at%h_dot = contexts%h_dot

@@ -1,5 +1,5 @@
-!> C interface of the places of teeth in a train, for tests and for other programs.
-module evl_capi_teeth
+!> The places of teeth in a train for the tests: a C call that the kernel does not export.
+module tooth_phase_calls
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use evl_capi_types, only: c_status, status_to_c
    use evl_first_tooth_pair, only: find_tooth_phases, tooth_mesh_t, tooth_phase_t
@@ -7,15 +7,15 @@ module evl_capi_teeth
    implicit none (type, external)
    private
 
-   public :: evl_tooth_phases
+   public :: test_tooth_phases
 
-   !> evl_tooth_mesh
+   !> The fields of `tooth_mesh_t`, wheels from 0.
    type, bind(c) :: c_tooth_mesh
       integer(c_int) :: wheel_a, wheel_b, sigma
       real(c_double) :: chi, alpha_w, rho, base_pitch, rho_start, backlash
    end type c_tooth_mesh
 
-   !> evl_first_tooth_pair
+   !> The fields of `tooth_phase_t`.
    type, bind(c) :: c_tooth_phase
       real(c_double) :: rho_start, gap
       integer(c_int) :: tooth_a, tooth_b
@@ -23,7 +23,8 @@ module evl_capi_teeth
 
 contains
 
-   integer(c_int) function evl_tooth_phases(n_wheels, base_radii, tooth_angles, teeth, n_meshes, meshes, phases, status) &
+   !> Place the teeth of a train from its first mesh on.
+   integer(c_int) function test_tooth_phases(n_wheels, base_radii, tooth_angles, teeth, n_meshes, meshes, phases, status) &
       result(code) bind(c)
       integer(c_int), intent(in), value :: n_wheels, n_meshes
       real(c_double), intent(in) :: base_radii(n_wheels), tooth_angles(n_wheels)
@@ -48,6 +49,6 @@ contains
       end do
       if (present(status)) call status_to_c(s, status)
       code = s%code
-   end function evl_tooth_phases
+   end function test_tooth_phases
 
-end module evl_capi_teeth
+end module tooth_phase_calls

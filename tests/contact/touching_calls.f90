@@ -1,0 +1,40 @@
+!> Where relieved flanks touch, for the tests: a C call that the kernel does not export.
+module touching_calls
+   use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_ptr
+   use evl_contact_point, only: contact_point
+   use evl_gearbox, only: gearbox_t
+   use evl_tooth_contact, only: contact_mode, settle_zones
+   use evl_touching_flanks, only: second_order_gap, touching_curvature
+   implicit none (type, external)
+   private
+
+   public :: test_touching_flanks
+
+contains
+
+   !> Drive flanks of a tooth pair at radii of curvature of the driving flank [m]: by how much the gap of first order is wider than
+   !> the real one [m], and the sum of the curvatures where they touch [1/m].
+   subroutine test_touching_flanks(handle, mesh, pair, n, rho, second_order, curvature) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: mesh, pair, n
+      real(c_double), intent(in) :: rho(n)
+      real(c_double), intent(out) :: second_order(n), curvature(n)
+      type(gearbox_t), pointer :: g
+      type(contact_point) :: point
+      type(contact_mode) :: mode
+      integer :: i
+
+      call c_f_pointer(handle, g)
+      associate (contact => g%contacts(g%first(mesh + 1)))
+         mode%tooth_pair = pair
+         do i = 1, n
+            point%rho_a = rho(i)
+            point%rho_b = contact%pair%rho_0 - rho(i)
+            call settle_zones(contact, point, mode)
+            second_order(i) = second_order_gap(contact, pair, rho(i))
+            curvature(i) = touching_curvature(contact, mode, point)
+         end do
+      end associate
+   end subroutine test_touching_flanks
+
+end module touching_calls

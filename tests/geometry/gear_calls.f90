@@ -1,0 +1,82 @@
+!> Gears, gears in mesh and the involute function for the tests: C calls that the kernel does not export.
+module gear_calls
+   use, intrinsic :: iso_c_binding, only: c_bool, c_double, c_int
+   use evl_capi_types, only: c_status, status_to_c
+   use evl_gear, only: gear_derive, gear_input, gear_t, gear_thickness
+   use evl_gears_in_mesh, only: gear_mesh_derive, gear_mesh_input, gear_mesh_t
+   use evl_involute_angle, only: involute_of_tangent, tangent_of_involute
+   use evl_status, only: code_ok, code_out_of_domain, status_t
+   implicit none (type, external)
+   private
+
+   public :: test_gear_derive, test_gear_mesh_derive, test_gear_tooth_thickness, test_involute_inverse, test_involute_value
+
+   !> A gear as described: the fields of `gear_input` in their order.
+   type, bind(c) :: gear_description
+      real(c_double) :: normal_module, pressure_angle, profile_shift, rack_addendum, rack_dedendum, rack_root_radius
+      logical(c_bool) :: has_tip_diameter, has_tip_alteration
+      real(c_double) :: tip_diameter, tip_alteration, thickness_allowance, bore
+   end type gear_description
+
+contains
+
+   !> Geometry of one real gear.
+   subroutine test_gear_derive(teeth, given, gear, status) bind(c)
+      integer(c_int), intent(in), value :: teeth
+      type(gear_description), intent(in) :: given
+      type(gear_t), intent(out) :: gear
+      type(c_status), intent(out) :: status
+      type(status_t) :: s
+
+      call gear_derive(teeth, gear_input(given%normal_module, given%pressure_angle, given%profile_shift, given%rack_addendum, &
+                                         given%rack_dedendum, given%rack_root_radius, logical(given%has_tip_diameter), &
+                                         logical(given%has_tip_alteration), given%tip_diameter, given%tip_alteration, &
+                                         given%thickness_allowance, given%bore), gear, s)
+      call status_to_c(s, status)
+   end subroutine test_gear_derive
+
+   !> Tooth thickness [m] at radii [m]; code_out_of_domain inside the base circle.
+   subroutine test_gear_tooth_thickness(gear, n, radii, thickness, codes) bind(c)
+      type(gear_t), intent(in) :: gear
+      integer(c_int), intent(in), value :: n
+      real(c_double), intent(in) :: radii(n)
+      real(c_double), intent(out) :: thickness(n)
+      integer(c_int), intent(out) :: codes(n)
+
+      codes = merge(code_ok, code_out_of_domain, radii >= gear%base_radius)
+      thickness = merge(gear_thickness(gear, max(radii, gear%base_radius)), 0.0_c_double, codes == code_ok)
+   end subroutine test_gear_tooth_thickness
+
+   !> Geometry of two real gears in mesh, A driving B.
+   subroutine test_gear_mesh_derive(a, b, has_centre_distance, centre_distance, has_backlash, backlash, mesh, status) bind(c)
+      type(gear_t), intent(in) :: a, b
+      logical(c_bool), intent(in), value :: has_centre_distance, has_backlash
+      real(c_double), intent(in), value :: centre_distance, backlash
+      type(gear_mesh_t), intent(out) :: mesh
+      type(c_status), intent(out) :: status
+      type(status_t) :: s
+
+      call gear_mesh_derive(a, b, gear_mesh_input(logical(has_centre_distance), logical(has_backlash), centre_distance, &
+                                                  backlash), mesh, s)
+      call status_to_c(s, status)
+   end subroutine test_gear_mesh_derive
+
+   !> inv alpha = tan alpha - alpha of angles [rad].
+   subroutine test_involute_value(n, angles, involutes) bind(c)
+      integer(c_int), intent(in), value :: n
+      real(c_double), intent(in) :: angles(n)
+      real(c_double), intent(out) :: involutes(n)
+
+      involutes = involute_of_tangent(tan(angles))
+   end subroutine test_involute_value
+
+   !> Its inverse.
+   subroutine test_involute_inverse(n, involutes, angles) bind(c)
+      integer(c_int), intent(in), value :: n
+      real(c_double), intent(in) :: involutes(n)
+      real(c_double), intent(out) :: angles(n)
+
+      angles = atan(tangent_of_involute(involutes))
+   end subroutine test_involute_inverse
+
+end module gear_calls

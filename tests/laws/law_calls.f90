@@ -1,0 +1,200 @@
+!> The force laws one by one for the tests: C calls that the kernel does not export.
+module law_calls
+   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int
+   use evl_capi_types, only: c_max_parameters, c_message_length, c_status, status_to_c, to_c
+   use evl_contact_context, only: contact_context
+   use evl_damping_law, only: damping_law_t, viscous_force, viscous_result
+   use evl_elastic_law, only: elastic_law_t, elastic_result
+   use evl_force_law, only: law_choice
+   use evl_friction_law, only: friction_law_t
+   use evl_law_table, only: damping_law, elastic_law, friction_law, law_validate
+   use evl_status, only: code_invalid_input, code_ok, message_length, status_t
+   implicit none (type, external)
+   private
+
+   public :: choice_of, given_contact, given_law
+   public :: test_law_elastic_force, test_law_elastic_limit, test_law_elastic_potential, test_law_friction_factor
+   public :: test_law_friction_knee, test_law_friction_mode, test_law_penetration, test_law_validate, test_law_viscous_force
+
+   !> A law of a family with its parameters in the order of the table.
+   type, bind(c) :: given_law
+      integer(c_int) :: law
+      real(c_double) :: parameters(c_max_parameters)
+   end type given_law
+
+   !> What a law may know about a contact: the fields of `contact_context` that tests give.
+   type, bind(c) :: given_contact
+      real(c_double) :: h, h_dot, rho_sum, rho_a, rho_b, e_star, width, v0
+   end type given_contact
+
+contains
+
+   !> Check a law's index and the range of its parameters.
+   subroutine test_law_validate(family, choice, status) bind(c)
+      integer(c_int), intent(in), value :: family
+      type(given_law), intent(in) :: choice
+      type(c_status), intent(out) :: status
+      type(status_t) :: s
+
+      call law_validate(family, choice_of(choice), s%code, s%field, s%message)
+      call status_to_c(s, status)
+   end subroutine test_law_validate
+
+   !> Elastic normal force with its derivatives to h and to rho_sum.
+   subroutine test_law_elastic_force(n, choice, contexts, force, d_h, d_rho, codes) bind(c)
+      integer(c_int), intent(in), value :: n
+      type(given_law), intent(in) :: choice
+      type(given_contact), intent(in) :: contexts(n)
+      real(c_double), intent(out) :: force(n), d_h(n), d_rho(n)
+      integer(c_int), intent(out) :: codes(n)
+      class(elastic_law_t), allocatable :: law
+      type(elastic_result) :: elastic
+      integer :: i
+
+      call elastic_law(choice_of(choice), law)
+      do i = 1, n
+         call law%force(context_of(contexts(i)), elastic, codes(i))
+         force(i) = elastic%force
+         d_h(i) = elastic%d_h
+         d_rho(i) = elastic%d_rho
+      end do
+   end subroutine test_law_elastic_force
+
+   !> Why that is out of its domain, as one sentence.
+   subroutine test_law_elastic_limit(choice, context, message) bind(c)
+      type(given_law), intent(in) :: choice
+      type(given_contact), intent(in) :: context
+      character(kind=c_char), intent(out) :: message(c_message_length)
+      class(elastic_law_t), allocatable :: law
+      character(len=message_length) :: text
+
+      call elastic_law(choice_of(choice), law)
+      call law%limit_message(context_of(context), text)
+      call to_c(text, message)
+   end subroutine test_law_elastic_limit
+
+   !> Penetration at which the elastic force is `force`.
+   subroutine test_law_penetration(n, choice, contexts, force, h, codes) bind(c)
+      integer(c_int), intent(in), value :: n
+      type(given_law), intent(in) :: choice
+      type(given_contact), intent(in) :: contexts(n)
+      real(c_double), intent(in) :: force(n)
+      real(c_double), intent(out) :: h(n)
+      integer(c_int), intent(out) :: codes(n)
+      class(elastic_law_t), allocatable :: law
+      integer :: i
+
+      call elastic_law(choice_of(choice), law)
+      do i = 1, n
+         call law%penetration(context_of(contexts(i)), force(i), h(i), codes(i))
+      end do
+   end subroutine test_law_penetration
+
+   !> Elastic energy with its derivatives to h and to the length rho_sum - h.
+   subroutine test_law_elastic_potential(n, choice, contexts, potential, d_h, d_length, codes) bind(c)
+      integer(c_int), intent(in), value :: n
+      type(given_law), intent(in) :: choice
+      type(given_contact), intent(in) :: contexts(n)
+      real(c_double), intent(out) :: potential(n), d_h(n), d_length(n)
+      integer(c_int), intent(out) :: codes(n)
+      class(elastic_law_t), allocatable :: law
+      type(elastic_result) :: elastic
+      integer :: i
+
+      call elastic_law(choice_of(choice), law)
+      do i = 1, n
+         call law%force(context_of(contexts(i)), elastic, codes(i))
+         potential(i) = law%potential(context_of(contexts(i)), elastic%force)
+         d_h(i) = elastic%force + elastic%excess
+         d_length(i) = elastic%d_energy
+      end do
+   end subroutine test_law_elastic_potential
+
+   !> Viscous normal force with its derivatives to h, to rho_sum and to h_dot.
+   subroutine test_law_viscous_force(n, contact, damping, contexts, force, d_h, d_rho, d_h_dot, codes) bind(c)
+      integer(c_int), intent(in), value :: n
+      type(given_law), intent(in) :: contact, damping
+      type(given_contact), intent(in) :: contexts(n)
+      real(c_double), intent(out) :: force(n), d_h(n), d_rho(n), d_h_dot(n)
+      integer(c_int), intent(out) :: codes(n)
+      class(elastic_law_t), allocatable :: acting_contact
+      class(damping_law_t), allocatable :: acting_damping
+      type(contact_context) :: ctx
+      type(elastic_result) :: elastic
+      type(viscous_result) :: viscous
+      integer :: i
+
+      call elastic_law(choice_of(contact), acting_contact)
+      call damping_law(choice_of(damping), acting_damping)
+      do i = 1, n
+         ctx = context_of(contexts(i))
+         call acting_contact%force(ctx, elastic, codes(i))
+         call viscous_force(acting_damping, ctx, elastic, viscous)
+         if (acting_damping%left_to_mesh() /= "") then
+            viscous = viscous_result()
+            if (codes(i) == code_ok) codes(i) = code_invalid_input
+         end if
+         force(i) = viscous%force
+         d_h(i) = viscous%d_h
+         d_rho(i) = viscous%d_rho
+         d_h_dot(i) = viscous%d_h_dot
+      end do
+   end subroutine test_law_viscous_force
+
+   !> phi of F_t = -F_n phi(v_t) and dphi/dv_t, on the branches `modes`.
+   subroutine test_law_friction_factor(n, choice, modes, v_t, factor, d_v) bind(c)
+      integer(c_int), intent(in), value :: n
+      type(given_law), intent(in) :: choice
+      integer(c_int), intent(in) :: modes(n)
+      real(c_double), intent(in) :: v_t(n)
+      real(c_double), intent(out) :: factor(n), d_v(n)
+      class(friction_law_t), allocatable :: law
+      integer :: i
+
+      call friction_law(choice_of(choice), law)
+      do i = 1, n
+         call law%factor(modes(i), v_t(i), factor(i), d_v(i))
+      end do
+   end subroutine test_law_friction_factor
+
+   !> The branch that belongs to each sliding velocity.
+   subroutine test_law_friction_mode(n, choice, v_t, modes) bind(c)
+      integer(c_int), intent(in), value :: n
+      type(given_law), intent(in) :: choice
+      real(c_double), intent(in) :: v_t(n)
+      integer(c_int), intent(out) :: modes(n)
+      class(friction_law_t), allocatable :: law
+      integer :: i
+
+      call friction_law(choice_of(choice), law)
+      do i = 1, n
+         modes(i) = law%branch(v_t(i))
+      end do
+   end subroutine test_law_friction_mode
+
+   !> The |v_t| at which the branch changes; 0 if it never does.
+   real(c_double) function test_law_friction_knee(choice) bind(c)
+      type(given_law), intent(in) :: choice
+      class(friction_law_t), allocatable :: law
+
+      call friction_law(choice_of(choice), law)
+      test_law_friction_knee = law%knee()
+   end function test_law_friction_knee
+
+   !> The kernel's choice of a law.
+   elemental type(law_choice) function choice_of(given) result(choice)
+      type(given_law), intent(in) :: given
+
+      choice%law = given%law
+      choice%parameters = given%parameters
+   end function choice_of
+
+   !> The kernel's context.
+   elemental type(contact_context) function context_of(given) result(context)
+      type(given_contact), intent(in) :: given
+
+      context = contact_context(h=given%h, h_dot=given%h_dot, rho_sum=given%rho_sum, rho_a=given%rho_a, rho_b=given%rho_b, &
+                                e_star=given%e_star, width=given%width, v0=given%v0)
+   end function context_of
+
+end module law_calls
