@@ -11,7 +11,7 @@ module evl_outputs
    use evl_kinds, only: wp
    use evl_local_variables, only: i_theta
    use evl_mesh_outputs, only: put_mesh
-   use evl_mode_check, only: check_known_contacts
+   use evl_mode_check, only: check_modes
    use evl_output, only: needs_all, needs_meshes, needs_rates, needs_reactions
    use evl_outside_torques, only: load_torques, shaft_torques
    use evl_shaft, only: shaft_energy, shaft_twist
@@ -106,7 +106,7 @@ contains
          do i = 1, size(gearbox%pairs)
             call put_mesh(teller, needed, gearbox, i, y, integers, contacts, torque, reactions, potential)
          end do
-         if (check) call check_known_contacts(gearbox, y, integers, reals, contacts, status)
+         if (check) call check_modes(gearbox, y, integers, reals, contacts, status)
          if (has_failed(status)) return
          call load_torques(gearbox, t, y, f, frame, integers, torque, load_torque)
       end if

@@ -13,7 +13,7 @@ module evl_root_kinds
    private
 
    public :: past, root_of, root_row, root_rows
-   public :: held_names, moves_flanks, moves_friction, moves_pair, moves_side, moves_zone_a, moves_zone_b
+   public :: moves_flanks, moves_friction, moves_pair, moves_side, moves_zone_a, moves_zone_b
    public :: n_discrete, n_held, n_root_kinds, n_sides, side_of_rate
    public :: live_loaded, live_on_path, live_one_sided, live_touching
    public :: measures_force, measures_nothing, measures_penetration, measures_rate, measures_sliding
@@ -29,7 +29,6 @@ module evl_root_kinds
    ! What a root function moves: the integers of the discrete state, held by name; behind them one for each kind with a side.
    integer, parameter :: moves_pair = 1, moves_flanks = 2, moves_friction = 3, moves_zone_a = 4, moves_zone_b = 5, moves_side = 6
    integer, parameter :: n_held = 5
-   character(len=*), parameter :: held_names(n_held) = [character(len=10) :: "tooth_pair", "flanks", "friction", "zone_a", "zone_b"]
 
    ! What jumps at an event, and how that is settled: where one of a group has just crossed, they are taken back only by far.
    integer, parameter :: settles_never = 0   !! a place on the path: it ends a mode where it is crossed

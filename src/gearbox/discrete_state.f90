@@ -2,16 +2,15 @@
 !>
 !> What they are is said by the table of root kinds: those held by name, and a side for each kind that has one.
 module evl_discrete_state
-   use evl_gearbox, only: gearbox_t, i_turns
+   use evl_gearbox, only: gearbox_t
    use evl_kinds, only: wp
-   use evl_root_kinds, only: held_names, moves_flanks, moves_pair, moves_zone_a, moves_zone_b, n_discrete, n_held, n_root_kinds, &
-                             n_sides, root_rows
+   use evl_root_kinds, only: moves_flanks, moves_pair, moves_zone_a, moves_zone_b, n_discrete, n_held, n_root_kinds, n_sides
    use evl_tooth_contact, only: contact_mode, flanks_loaded, flanks_off, tooth_contact_t
    implicit none (type, external)
    private
 
    public :: carries_points, first_pair, flanks_of, gearbox_mode, gearbox_store_mode, is_closed, leading_contact
-   public :: name_integer, number_integers, pairs_loaded, put_flanks, put_pair, tooth_pair_of
+   public :: number_integers, pairs_loaded, put_flanks, put_pair, tooth_pair_of
 
 contains
 
@@ -207,26 +206,5 @@ contains
       end do
       if (pair == huge(pair)) pair = tooth_pair_of(gearbox%contacts(leader), integers)
    end function first_pair
-
-   !> Name of an integer of the discrete state, and the tooth contact that has it; 0: none.
-   pure subroutine name_integer(gearbox, place, name, contact)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: place
-      character(len=*), intent(out) :: name
-      integer, intent(out) :: contact
-      integer :: k
-
-      do contact = size(gearbox%contacts), 1, -1
-         k = findloc(gearbox%contacts(contact)%i_discrete, place, dim=1)
-         if (k > 0) exit
-      end do
-      if (contact == 0) then
-         name = merge("turns       ", "knots_passed", place == i_turns)
-      else if (k <= n_held) then
-         name = held_names(k)
-      else
-         name = root_rows(n_root_kinds - n_sides + k - n_held)%name
-      end if
-   end subroutine name_integer
 
 end module evl_discrete_state

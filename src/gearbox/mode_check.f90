@@ -16,7 +16,7 @@ module evl_mode_check
    implicit none (type, external)
    private
 
-   public :: check_known_contacts, check_modes
+   public :: check_modes
 
    !> How far past its zero a root function may be, in its own units: forces over the reference force, penetrations over the
    !> reference penetration, sliding over the knee of friction, places in pitches. It is far above how exactly events are located.
@@ -24,29 +24,14 @@ module evl_mode_check
 
 contains
 
-   !> Refuse a state that contradicts its modes.
-   subroutine check_modes(gearbox, y, integers, reals, status)
-      type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: y(gearbox%n_states)
-      integer, intent(in) :: integers(:)
-      real(wp), intent(in) :: reals(:)
-      type(status_t), intent(inout) :: status !! code_out_of_domain: an event was missed; a smaller step may find it
-      integer :: m
-
-      do m = 1, size(gearbox%contacts)
-         call check_contact(gearbox, m, y, integers, reals, status)
-         if (has_failed(status)) return
-      end do
-   end subroutine check_modes
-
-   !> The same of a state at which the contacts are known: that costs little.
-   subroutine check_known_contacts(gearbox, y, integers, reals, contacts, status)
+   !> Refuse a state that contradicts its modes, where the contacts are known.
+   subroutine check_modes(gearbox, y, integers, reals, contacts, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: y(gearbox%n_states)
       integer, intent(in) :: integers(:)
       real(wp), intent(in) :: reals(:)
       type(contact_state), intent(in) :: contacts(:) !! all of them, with their points and forces
-      type(status_t), intent(inout) :: status        !! as of `check_modes`
+      type(status_t), intent(inout) :: status        !! code_out_of_domain: an event was missed; a smaller step may find it
       real(wp) :: roots(n_root_kinds), rho_a0
       integer :: directions(n_root_kinds), m
 
@@ -64,7 +49,7 @@ contains
          end associate
          if (has_failed(status)) return
       end do
-   end subroutine check_known_contacts
+   end subroutine check_modes
 
    !> Refuse a state that contradicts the modes of one tooth contact.
    subroutine check_contact(gearbox, m, y, integers, reals, status)

@@ -17,7 +17,7 @@ module evl_flank_deviation
    private
 
    public :: flank_branch, flank_deviation_t, relief_t
-   public :: deviation_at, deviation_borders, deviation_branch, deviation_on, deviation_zone
+   public :: deviation_borders, deviation_branch, deviation_on, deviation_zone
    public :: zone_none, zone_root, zone_tip
 
    integer, parameter :: zone_root = -1 !! below the border of the root relief
@@ -68,26 +68,12 @@ contains
 
    !> Deviation e of a flank with its derivatives to rho. Every formula holds for all rho: a zone that is held continues its
    !> branch beyond the border.   Valid: rho near the profile of the wheel
-   pure subroutine deviation_at(deviation, tooth, side, rho, zone, e, de, d2e)
-      type(flank_deviation_t), intent(in) :: deviation
-      integer, intent(in) :: tooth    !! k, any integer; taken modulo z
-      integer, intent(in) :: side     !! s, +1 or -1
+   pure subroutine deviation_on(branch, rho, e, de, d2e)
+      type(flank_branch), intent(in) :: branch
       real(wp), intent(in) :: rho     !! radius of curvature [m]
-      integer, intent(in) :: zone     !! zone_root, zone_none or zone_tip
       real(wp), intent(out) :: e      !! [m]
       real(wp), intent(out) :: de     !! de/drho
       real(wp), intent(out) :: d2e    !! d2e/drho2 [1/m]
-      type(flank_branch) :: branch
-
-      branch = deviation_branch(deviation, tooth, side, zone)
-      call deviation_on(branch, rho, e, de, d2e)
-   end subroutine deviation_at
-
-   !> The same on a branch that is known.
-   pure subroutine deviation_on(branch, rho, e, de, d2e)
-      type(flank_branch), intent(in) :: branch
-      real(wp), intent(in) :: rho        !! radius of curvature [m]
-      real(wp), intent(out) :: e, de, d2e
 
       call profile_deviation(branch, rho, e, de, d2e)
       if (abs(branch%runout) > 0) call add_runout(branch, rho, e, de, d2e)

@@ -1,7 +1,7 @@
 !> What an integrator has to know of a model: y' = f(t, y) with discrete states, root functions and events.
 !>
 !> Nothing here knows what is being modelled. A model extends `ode_model`, keeps its discrete state in its own components, and
-!> overrides what it has: right-hand side and Jacobian always, root functions and time events if there are any.
+!> overrides what it has: right-hand side and Jacobian always, root functions if there are any.
 !>
 !> A procedure that has no answer for a trial state (outside a law's domain) reports `code_out_of_domain`: the integrator tries
 !> a smaller step. But a step reaches beyond an event before that is located: in each discrete state f has to go on smoothly for
@@ -42,8 +42,6 @@ module evl_ode_model
       procedure :: roots_nearby => exact_roots
       procedure :: watched_nearby => nothing_watched
       procedure :: root_directions => no_directions
-      procedure :: next_time_event => no_time_event
-      procedure :: apply_event => no_event
    end type ode_model
 
    abstract interface
@@ -202,31 +200,5 @@ contains
 
       directions = 0
    end subroutine no_directions
-
-   !> Time of the next event that depends on time alone, after now; huge if there is none.
-   real(wp) function no_time_event(self, t) result(next)
-      class(ode_model), intent(in) :: self
-      real(wp), intent(in) :: t !! now
-
-      associate (unused => self)
-         next = huge(t)
-      end associate
-   end function no_time_event
-
-   !> Change the discrete state, and y if it jumps.
-   subroutine no_event(self, t, y, fired, time_event, status)
-      class(ode_model), intent(inout) :: self
-      real(wp), intent(in) :: t
-      real(wp), intent(inout) :: y(self%n)
-      integer, intent(in) :: fired(self%n_roots) !! +1 risen through zero, -1 fallen, 0 nothing
-      logical, intent(in) :: time_event          !! whether the time of `next_time_event` has come
-      type(status_t), intent(inout) :: status
-
-      associate (unused => y)
-         if (time_event .or. any(fired /= 0)) then
-            call fail(status, code_invalid_input, "the model has no answer to its event at time "//quantity(t, ""))
-         end if
-      end associate
-   end subroutine no_event
 
 end module evl_ode_model

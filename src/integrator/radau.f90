@@ -6,7 +6,7 @@
 !>         radau_interpolate gives the state anywhere in the step just made, in solver%t_before .. solver%t
 !>         outcome_event: change the model's discrete state and y as solver%fired says, then call radau_restart
 !>
-!> `evl_radau_run` does this loop with an output grid. All that changes is in `radau_t` and in the model: integrations may be
+!> All that changes is in `radau_t` and in the model: integrations may be
 !> interleaved, or run in threads, and give the bits of single ones. Nothing is allocated after `radau_create`.
 !>
 !> Error control: a step is accepted if its error estimate, in units of the model's scales, is at most

@@ -1,16 +1,15 @@
-!> The discrete state for the tests: C calls that the kernel does not export.
+!> Names of what the discrete state and the root functions are, for the tests: C calls that the kernel does not export.
 module discrete_state_calls
-   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_f_pointer, c_int, c_ptr
-   use evl_capi_types, only: c_name_length, c_status, status_to_c, to_c
-   use evl_discrete_state, only: name_integer
-   use evl_gearbox, only: gearbox_t
-   use evl_mode_check, only: check_modes
-   use evl_root_kinds, only: root_rows
-   use evl_status, only: status_t
+   use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_int, c_ptr
+   use evl_capi_types, only: c_name_length, to_c
+   use evl_gearbox, only: gearbox_t, i_turns
+   use evl_root_kinds, only: n_held, n_root_kinds, n_sides, root_rows
    implicit none (type, external)
    private
 
-   public :: test_check_modes, test_integer_name, test_root_name
+   public :: test_integer_name, test_root_name
+
+   character(len=*), parameter :: held_names(n_held) = [character(len=10) :: "tooth_pair", "flanks", "friction", "zone_a", "zone_b"]
 
 contains
 
@@ -35,35 +34,28 @@ contains
       end do
    end subroutine test_root_name
 
-   !> The same of an integer of the discrete state.
+   !> Name of an integer of the discrete state, from 0, and the tooth contact that has it; -1 if none has.
    subroutine test_integer_name(handle, index, name, contact) bind(c)
       type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: index
       character(kind=c_char), intent(out) :: name(c_name_length)
       integer(c_int), intent(out) :: contact
-      character(len=c_name_length) :: text
       type(gearbox_t), pointer :: g
-      integer :: owner
+      integer :: i, k
 
       call c_f_pointer(handle, g)
-      call name_integer(g, index + 1, text, owner)
-      call to_c(text, name)
-      contact = owner - 1
+      contact = -1
+      call to_c(merge("turns       ", "knots_passed", index + 1 == i_turns), name)
+      do i = 1, size(g%contacts)
+         k = findloc(g%contacts(i)%i_discrete, index + 1, dim=1)
+         if (k == 0) cycle
+         contact = i - 1
+         if (k <= n_held) then
+            call to_c(held_names(k), name)
+         else
+            call to_c(root_rows(n_root_kinds - n_sides + k - n_held)%name, name)
+         end if
+      end do
    end subroutine test_integer_name
-
-   !> Whether the discrete state agrees with y.
-   integer(c_int) function test_check_modes(handle, y, integers, reals, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      real(c_double), intent(in) :: y(*), reals(*)
-      integer(c_int), intent(in) :: integers(*)
-      type(c_status), intent(out) :: status
-      type(status_t) :: s
-      type(gearbox_t), pointer :: g
-
-      call c_f_pointer(handle, g)
-      call check_modes(g, y(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), s)
-      code = s%code
-      call status_to_c(s, status)
-   end function test_check_modes
 
 end module discrete_state_calls

@@ -3,7 +3,7 @@ module deviation_calls
    use, intrinsic :: iso_c_binding, only: c_bool, c_double, c_f_pointer, c_int, c_ptr
    use evl_capi_types, only: c_status, status_to_c
    use evl_deviation_description, only: deviation_create, deviation_input, profile_t, relief_input
-   use evl_flank_deviation, only: deviation_at, deviation_borders, deviation_zone, flank_deviation_t
+   use evl_flank_deviation, only: deviation_borders, deviation_branch, deviation_on, deviation_zone, flank_deviation_t
    use evl_gearbox, only: gearbox_t
    use evl_pitch_errors, only: pitch_errors_generate, pitch_tolerances
    use evl_status, only: has_failed, status_t
@@ -116,7 +116,7 @@ contains
       do i = 1, n
          zone = deviation_zone(deviation, rho(i))
          if (present(zones)) zone = zones(i)
-         call deviation_at(deviation, teeth(i), sides(i), rho(i), zone, e(i), de(i), d2e(i))
+         call deviation_on(deviation_branch(deviation, teeth(i), sides(i), zone), rho(i), e(i), de(i), d2e(i))
       end do
    end subroutine evaluate
 

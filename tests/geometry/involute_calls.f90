@@ -2,9 +2,9 @@
 module involute_calls
    use, intrinsic :: iso_c_binding, only: c_bool, c_double, c_int
    use evl_capi_types, only: c_status, status_to_c
-   use evl_involute, only: involute_flank, involute_flank_housing, involute_flank_polar, involute_point
    use evl_mesh_geometry, only: spur_pair_derive, spur_pair_t
    use evl_status, only: status_t
+   use involute, only: involute_flank, involute_flank_housing, involute_flank_polar, involute_point
    implicit none (type, external)
    private
 

@@ -9,7 +9,7 @@ module oscillator_chain
    implicit none (type, external)
    private
 
-   public :: oscillator_chain_t, oscillator_chain_create
+   public :: kick, next_kick, oscillator_chain_create, oscillator_chain_t
 
    type, extends(ode_model) :: oscillator_chain_t
       integer :: masses = 0
@@ -22,8 +22,6 @@ module oscillator_chain
       procedure :: jacobian
       procedure :: roots
       procedure :: roots_lanes
-      procedure :: next_time_event
-      procedure :: apply_event
    end type oscillator_chain_t
 
 contains
@@ -181,27 +179,21 @@ contains
       values = y(:, self%masses + 1:)
    end subroutine roots_lanes
 
-   !> The next kick.
-   real(wp) function next_time_event(self, t) result(next)
-      class(oscillator_chain_t), intent(in) :: self
-      real(wp), intent(in) :: t
+   !> Time of the next kick; huge if there is none.
+   pure real(wp) function next_kick(chain) result(next)
+      type(oscillator_chain_t), intent(in) :: chain
 
-      next = huge(t)
-      if (self%kick_interval > 0) next = (self%kicks + 1)*self%kick_interval
-   end function next_time_event
+      next = huge(next)
+      if (chain%kick_interval > 0) next = (chain%kicks + 1)*chain%kick_interval
+   end function next_kick
 
-   !> A turning point changes nothing; a kick adds speed.
-   subroutine apply_event(self, t, y, fired, time_event, status)
-      class(oscillator_chain_t), intent(inout) :: self
-      real(wp), intent(in) :: t
-      real(wp), intent(inout) :: y(self%n)
-      integer, intent(in) :: fired(self%n_roots)
-      logical, intent(in) :: time_event
-      type(status_t), intent(inout) :: status
+   !> Kick the first mass.
+   pure subroutine kick(chain, y)
+      type(oscillator_chain_t), intent(inout) :: chain
+      real(wp), intent(inout) :: y(:)
 
-      if (.not. time_event) return
-      self%kicks = self%kicks + 1
-      y(self%masses + 1) = y(self%masses + 1) + 1
-   end subroutine apply_event
+      chain%kicks = chain%kicks + 1
+      y(chain%masses + 1) = y(chain%masses + 1) + 1
+   end subroutine kick
 
 end module oscillator_chain

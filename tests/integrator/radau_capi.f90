@@ -4,6 +4,7 @@
 module radau_capi
    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_funptr, c_int, c_loc, c_null_char, c_ptr
    use callback_model, only: callback_model_create, callback_model_t
+   use chain_run, only: run_chain
    use evl_collocation, only: lagrange_at
    use evl_condensed_systems, only: condensed_create, condensed_entries, condensed_factor, condensed_solve, &
                                     condensed_solve_first, condensed_t
@@ -15,7 +16,6 @@ module radau_capi
                         radau_interpolate, radau_options, radau_restart, radau_start, radau_t
    use evl_radau_coefficients, only: barycentric, from_stage, integral_to_node, n_systems, node, shift_im, shift_re, &
                                      slope_at_node, to_chebyshev, to_stage
-   use evl_radau_run, only: radau_integrate, radau_observer
    use evl_status, only: clear, has_failed, status_t
    use oscillator_chain, only: oscillator_chain_create, oscillator_chain_t
    implicit none (type, external)
@@ -32,14 +32,6 @@ module radau_capi
       type(radau_t) :: solver
       type(status_t) :: status
    end type session_t
-
-   !> Keeps the output in the caller's array.
-   type, extends(radau_observer) :: recorder_t
-      real(wp), pointer :: rows(:, :) => null()
-      integer :: next = 0
-   contains
-      procedure :: output => record
-   end type recorder_t
 
 contains
 
@@ -256,7 +248,7 @@ contains
       end do
    end subroutine rt_message
 
-   !> Integrate with output on a grid of n_rows points into rows[n_rows, n]; t and y are where it ended.
+   !> Integrate a chain with output on a grid of n_rows points into rows[n_rows, n]; t and y are where it ended.
    integer(c_int) function rt_integrate_chain(handle, t, y, t_end, interval, n_rows, rows) result(code) bind(c)
       type(c_ptr), value :: handle
       real(c_double), intent(inout) :: t
@@ -264,24 +256,16 @@ contains
       real(c_double), value :: t_end, interval
       integer(c_int), value :: n_rows
       real(c_double), intent(out), target :: rows(*)
+      real(wp), pointer :: grid(:, :)
       type(session_t), pointer :: session
-      type(recorder_t) :: recorder
 
       call c_f_pointer(handle, session)
-      recorder%rows(1:session%model%n, 1:n_rows) => rows(1:session%model%n*n_rows)
-      call radau_integrate(session%solver, session%model, t, y(:session%model%n), t_end, interval, recorder, session%status)
+      grid(1:session%model%n, 1:n_rows) => rows(1:session%model%n*n_rows)
+      select type (chain => session%model)
+      type is (oscillator_chain_t)
+         call run_chain(session%solver, chain, t, y(:chain%n), t_end, interval, grid, session%status)
+      end select
       code = session%status%code
    end function rt_integrate_chain
-
-   subroutine record(self, model, t, y, go_on)
-      class(recorder_t), intent(inout) :: self
-      class(ode_model), intent(in) :: model
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
-      logical, intent(inout) :: go_on
-
-      self%next = self%next + 1
-      if (self%next <= size(self%rows, 2)) self%rows(:, self%next) = y
-   end subroutine record
 
 end module radau_capi

@@ -369,8 +369,7 @@ class Gearbox:
 
     def check_modes(self, state: State) -> None:
         """Raise a GearboxError if the modes do not agree with the state."""
-        arrays = (state.y, state.integers, state.reals)
-        self._call("test_check_modes", *map(_at, arrays))
+        self.values(state, check=True)
 
     def roots(self, state: State) -> Floats:
         """Root functions."""

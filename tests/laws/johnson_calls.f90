@@ -1,8 +1,8 @@
 !> Johnson's force for the tests: C calls that the kernel does not export.
 module johnson_calls
    use, intrinsic :: iso_c_binding, only: c_double, c_int
-   use evl_johnson, only: johnson_force, johnson_force_limit, johnson_iteration, johnson_iteration_force, johnson_penetration, &
-                          johnson_penetration_limit
+   use evl_johnson, only: johnson_force, johnson_penetration, johnson_penetration_limit
+   use johnson_iteration_of_paper, only: johnson_force_limit, johnson_iteration, johnson_iteration_force
    implicit none (type, external)
    private
 

@@ -9,7 +9,7 @@
 !> Hessian are the same for every tooth; f is that of the tooth whose root lies on the x axis, for theta in (-pi, pi].
 !>
 !> Source: I. Kosenko, I. Gusev, Implementation of the spur involute gear model on Modelica, 2011, (4)-(12).
-module evl_involute
+module involute
    use evl_kinds, only: wp
    use evl_status, only: code_ok, code_out_of_domain
    implicit none (type, external)
@@ -116,4 +116,4 @@ contains
       point(2) = hand*base_radius*(sin(roll_angle) - roll_angle*cos(roll_angle))
    end function involute_point
 
-end module evl_involute
+end module involute
