@@ -205,14 +205,12 @@ contains
    !> Root functions at a state.
    subroutine roots(self, t, y, values, status)
       class(gearbox_ode), intent(in) :: self
-      real(wp), intent(in) :: t
+      real(wp), intent(in) :: t !! none depends on time alone: knots of tables are stop times
       real(wp), intent(in) :: y(self%n)
       real(wp), intent(out) :: values(self%n_roots)
       type(status_t), intent(inout) :: status
 
-      associate (unused => t) ! none depends on time alone: knots of tables are stop times
-         call gearbox_roots(self%gearbox, y, self%integers, self%reals, values, status)
-      end associate
+      call gearbox_roots(self%gearbox, y, self%integers, self%reals, values, status)
    end subroutine roots
 
    !> One root function at a state.
@@ -224,9 +222,7 @@ contains
       real(wp), intent(inout) :: values(self%n_roots)
       type(status_t), intent(inout) :: status
 
-      associate (unused => t)
-         call gearbox_root(self%gearbox, index, y, self%integers, self%reals, values, status)
-      end associate
+      call gearbox_root(self%gearbox, index, y, self%integers, self%reals, values, status)
    end subroutine root
 
    !> Root functions of eight states.

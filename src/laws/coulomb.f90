@@ -79,8 +79,6 @@ contains
    pure logical function falls(self)
       class(coulomb_t), intent(in) :: self
 
-      associate (unused => self)
-      end associate
       falls = .false.
    end function falls
 

@@ -109,9 +109,6 @@ contains
       real(wp), intent(in) :: stiffness         !! of one tooth pair at the nominal load, k [N/m]
       real(wp), intent(in) :: mass              !! that it accelerates, m [kg]
       real(wp), intent(in) :: h_0               !! penetration under the nominal load [m]
-
-      associate (unused => self, unused_stiffness => stiffness, unused_mass => mass, unused_penetration => h_0)
-      end associate
    end subroutine complete
 
    !> The law that acts in a mesh, once this one is complete.
@@ -120,8 +117,6 @@ contains
       real(wp), intent(in) :: stiffness, mass !! as in `complete`
       class(damping_law_t), allocatable, intent(out) :: law
 
-      associate (unused_stiffness => stiffness, unused_mass => mass)
-      end associate
       allocate (law, source=self)
    end subroutine itself
 

@@ -42,8 +42,6 @@ contains
       real(wp), intent(in) :: elastic
       type(viscous_result), intent(inout) :: result
 
-      associate (unused => self, unused_context => ctx, unused_elastic => elastic)
-      end associate
       result%force = 0
    end subroutine force
 
@@ -52,8 +50,6 @@ contains
       class(damping_ratio_t), intent(in) :: self
       character(len=law_name_length) :: name
 
-      associate (unused => self)
-      end associate
       name = "value"
    end function left_to_mesh
 

@@ -109,8 +109,6 @@ contains
    pure real(wp) function nothing(self)
       class(elastic_law_t), intent(in) :: self
 
-      associate (unused => self)
-      end associate
       nothing = 0
    end function nothing
 

@@ -43,8 +43,6 @@ contains
       character(len=*), intent(out) :: field   !! the parameter's name; "" if valid
       character(len=*), intent(out) :: message !! one sentence; "" if valid
 
-      associate (unused => self)
-      end associate
       field = ""
       message = ""
    end subroutine accept

@@ -77,8 +77,6 @@ contains
    pure real(wp) function knee(self)
       class(friction_law_t), intent(in) :: self
 
-      associate (unused => self)
-      end associate
       knee = 0
    end function knee
 

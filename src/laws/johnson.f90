@@ -107,8 +107,6 @@ contains
       real(wp), intent(in) :: force
       real(wp) :: energy
 
-      associate (unused => self)
-      end associate
       energy = ctx%width*johnson_energy(ctx%h, abs(force)/ctx%width, ctx%rho_sum, ctx%e_star)
    end function potential
 
@@ -129,8 +127,6 @@ contains
       type(contact_context), intent(in) :: ctx
       character(len=*), intent(out) :: message
 
-      associate (unused => self)
-      end associate
       if (.not. ctx%rho_sum > 0.0_wp) then
          message = "rho_A + rho_B = "//quantity(ctx%rho_sum, "m")//" is not positive, as the Johnson force needs"
       else

@@ -36,8 +36,6 @@ contains
       real(wp), intent(in) :: elastic
       type(viscous_result), intent(inout) :: result
 
-      associate (unused => elastic)
-      end associate
       result%d_h_dot = self%parameters(1)
       result%force = linear_damping(result%d_h_dot, ctx%h_dot)
    end subroutine force
@@ -49,8 +47,6 @@ contains
       real(wp), intent(in) :: elastic(lanes)
       real(wp), intent(out) :: force(lanes)
 
-      associate (unused => elastic)
-      end associate
       force = linear_damping(self%parameters(1), at%h_dot)
    end subroutine force_lanes
 

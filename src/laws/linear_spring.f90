@@ -42,8 +42,6 @@ contains
       real(wp), intent(in) :: e_star !! effective modulus E* [Pa]
       real(wp), intent(in) :: width  !! common face width b [m]
 
-      associate (unused_modulus => e_star, unused_width => width)
-      end associate
       stiffness = self%parameters(1)
    end function stiffness
 
@@ -79,8 +77,6 @@ contains
       real(wp), intent(in) :: force
       real(wp) :: energy
 
-      associate (unused => force)
-      end associate
       energy = 0.5_wp*self%stiffness(ctx%e_star, ctx%width)*ctx%h**2
    end function potential
 

@@ -35,8 +35,6 @@ contains
       real(wp), intent(in) :: elastic
       type(viscous_result), intent(inout) :: result
 
-      associate (unused => self, unused_context => ctx, unused_elastic => elastic)
-      end associate
       result%force = 0
    end subroutine force
 
@@ -47,8 +45,6 @@ contains
       real(wp), intent(in) :: elastic(lanes)
       real(wp), intent(out) :: force(lanes)
 
-      associate (unused => self, unused_context => at, unused_elastic => elastic)
-      end associate
       force = 0
    end subroutine force_lanes
 

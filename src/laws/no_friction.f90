@@ -36,8 +36,6 @@ contains
       real(wp), intent(in) :: v_t
       real(wp), intent(out) :: phi, d_v
 
-      associate (unused => self, unused_branch => branch, unused_velocity => v_t)
-      end associate
       phi = 0
       d_v = 0
    end subroutine factor
@@ -49,8 +47,6 @@ contains
       real(wp), intent(in) :: v_t(lanes)
       real(wp), intent(out) :: phi(lanes)
 
-      associate (unused => self, unused_branch => branch, unused_velocity => v_t)
-      end associate
       phi = 0
    end subroutine factor_lanes
 
@@ -58,8 +54,6 @@ contains
    pure logical function never(self)
       class(no_friction_t), intent(in) :: self
 
-      associate (unused => self)
-      end associate
       never = .false.
    end function never
 

@@ -42,8 +42,6 @@ contains
       real(wp), intent(in) :: elastic
       type(viscous_result), intent(inout) :: result
 
-      associate (unused => elastic)
-      end associate
       call one_sided_damping(ctx%h, ctx%h_dot, self%parameters(1), ctx%side, result%force, result%d_h, result%d_h_dot)
    end subroutine force
 
@@ -56,8 +54,6 @@ contains
       real(wp) :: coefficient, d_h, d_h_dot
       integer :: l, side
 
-      associate (unused => elastic)
-      end associate
       coefficient = self%parameters(1)
       side = at%side
       !$omp simd private(d_h, d_h_dot)

@@ -94,8 +94,6 @@ contains
       real(wp), intent(out) :: h
       integer, intent(out) :: code
 
-      associate (unused => ctx)
-      end associate
       h = sign((abs(force)/self%parameters(1))**(1.0_wp/self%parameters(2)), force)
       code = code_ok
    end subroutine penetration

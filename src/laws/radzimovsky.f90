@@ -58,8 +58,6 @@ contains
       type(contact_context), intent(in) :: ctx
       character(len=*), intent(out) :: message
 
-      associate (unused => self)
-      end associate
       if (.not. ctx%rho_sum > 0.0_wp) then
          message = "rho_A + rho_B = "//quantity(ctx%rho_sum, "m")//" is not positive, as the Radzimovsky force needs"
       else

@@ -48,8 +48,6 @@ contains
       type(elastic_result), intent(out) :: result
       integer, intent(out) :: code
 
-      associate (unused => self, unused_context => ctx)
-      end associate
       code = code_out_of_domain
    end subroutine force
 
@@ -60,8 +58,6 @@ contains
       real(wp), intent(in) :: force
       real(wp) :: energy
 
-      associate (unused => self, unused_context => ctx, unused_force => force)
-      end associate
       energy = 0
    end function potential
 
@@ -73,8 +69,6 @@ contains
       real(wp), intent(out) :: h
       integer, intent(out) :: code
 
-      associate (unused => self, unused_context => ctx, unused_force => force)
-      end associate
       h = 0
       code = code_out_of_domain
    end subroutine penetration
@@ -85,8 +79,6 @@ contains
       type(contact_context), intent(in) :: ctx
       character(len=*), intent(out) :: message
 
-      associate (unused => self, unused_context => ctx)
-      end associate
       message = "a rigid contact has no force law: its normal force is the multiplier of its constraint"
    end subroutine limit_message
 
@@ -109,8 +101,6 @@ contains
       class(rigid_t), intent(in) :: self
       class(elastic_law_t), allocatable, intent(out) :: law
 
-      associate (unused => self)
-      end associate
       allocate (johnson_t :: law)
    end subroutine compliant
 

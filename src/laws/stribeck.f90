@@ -69,7 +69,7 @@ contains
       real(wp), intent(in) :: v_t
       real(wp), intent(out) :: phi, d_v
 
-      associate (unused => branch, p => self%parameters)
+      associate (p => self%parameters)
          call stribeck_factor(v_t, p(1), p(2), p(3), p(4), phi, d_v)
       end associate
    end subroutine factor
@@ -83,8 +83,6 @@ contains
       real(wp) :: p(4), d_v
       integer :: l
 
-      associate (unused => branch)
-      end associate
       p = self%parameters(:4)
       !$omp simd private(d_v)
       do l = 1, lanes

@@ -46,8 +46,6 @@ contains
       real(wp), intent(in) :: v_t
       real(wp), intent(out) :: phi, d_v
 
-      associate (unused => branch)
-      end associate
       call tanh_factor(v_t, self%parameters(1), self%parameters(2), phi, d_v)
    end subroutine factor
 
@@ -60,8 +58,6 @@ contains
       real(wp) :: coefficient, delta, d_v
       integer :: l
 
-      associate (unused => branch)
-      end associate
       coefficient = self%parameters(1)
       delta = self%parameters(2)
       !$omp simd private(d_v)
@@ -81,8 +77,6 @@ contains
    pure logical function falls(self)
       class(tanh_friction_t), intent(in) :: self
 
-      associate (unused => self)
-      end associate
       falls = .false.
    end function falls
 

@@ -35,8 +35,6 @@ contains
       real(wp), intent(in) :: e_star !! effective modulus E* [Pa]
       real(wp), intent(in) :: width  !! common face width b [m]
 
-      associate (unused => self)
-      end associate
       stiffness = 0.5_wp*pi*e_star*width
    end function stiffness
 

@@ -40,8 +40,6 @@ contains
       type(load_point), intent(in) :: at
       real(wp), intent(out) :: torque, damping, stiffness
 
-      associate (unused => at)
-      end associate
       torque = self%value
       damping = 0
       stiffness = 0
@@ -54,8 +52,6 @@ contains
       real(wp) :: value
       integer :: l
 
-      associate (unused => at)
-      end associate
       value = self%value
       !$omp simd
       do l = 1, lanes
@@ -67,8 +63,6 @@ contains
       class(constant_load), intent(in) :: self
       real(wp), intent(in) :: ratio, speed
 
-      associate (unused => [ratio, speed])
-      end associate
       largest = abs(self%value)
    end function largest
 

@@ -25,8 +25,6 @@ contains
       type(support_input), intent(in) :: given
       type(support_t), intent(inout) :: support
 
-      associate (unused => given)
-      end associate
       support%n = 0
    end subroutine take
 

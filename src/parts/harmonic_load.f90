@@ -128,8 +128,6 @@ contains
       class(harmonic_load), intent(in) :: self
       real(wp), intent(in) :: ratio, speed
 
-      associate (unused => [ratio, speed])
-      end associate
       largest = abs(self%mean)
    end function largest
 

@@ -104,8 +104,6 @@ contains
       class(given_numbers), intent(in) :: given
       character(len=*), intent(out) :: message, field
 
-      associate (unused => given)
-      end associate
       message = ""
       field = ""
    end subroutine no_refusal
@@ -147,8 +145,6 @@ contains
       real(wp), intent(in) :: t      !! [s]
       integer, intent(in) :: segment !! knots passed, if it has any
 
-      associate (unused => self, unused_too => [t, real(segment, wp)])
-      end associate
       speed = 0
    end function no_speed
 
@@ -157,8 +153,6 @@ contains
       class(load_t), intent(in) :: self
       integer, intent(in) :: segment
 
-      associate (unused => self, unused_too => segment)
-      end associate
       acceleration = 0
    end function no_acceleration
 
@@ -166,8 +160,6 @@ contains
    pure real(wp) function no_largest_speed(self) result(speed)
       class(load_t), intent(in) :: self
 
-      associate (unused => self)
-      end associate
       speed = 0
    end function no_largest_speed
 
@@ -175,17 +167,12 @@ contains
    pure real(wp) function no_swing(self) result(torque)
       class(load_t), intent(in) :: self
 
-      associate (unused => self)
-      end associate
       torque = 0
    end function no_swing
 
    !> Become what a steady state takes the load for: its mean torque. A kind that does not oscillate is what it is.
    pure subroutine hold_nothing(self)
       class(load_t), intent(inout) :: self
-
-      associate (unused => self)
-      end associate
    end subroutine hold_nothing
 
 end module evl_load

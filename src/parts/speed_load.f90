@@ -65,8 +65,6 @@ contains
       type(load_point), intent(in) :: at
       real(wp), intent(out) :: torque, damping, stiffness
 
-      associate (unused => self, unused_too => at)
-      end associate
       torque = 0
       damping = 0
       stiffness = 0
@@ -76,8 +74,6 @@ contains
       class(speed_load), intent(in) :: self
       real(wp), intent(in) :: ratio, speed
 
-      associate (unused => self, unused_too => [ratio, speed])
-      end associate
       largest = 0
    end function largest
 

@@ -75,8 +75,6 @@ contains
       class(table_load), intent(in) :: self
       real(wp), intent(in) :: ratio, speed
 
-      associate (unused => [ratio, speed])
-      end associate
       largest = maxval(abs(self%knots%values))
    end function largest
 

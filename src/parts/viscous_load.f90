@@ -68,8 +68,6 @@ contains
       type(load_point), intent(in) :: at
       real(wp), intent(in) :: spin
 
-      associate (unused => at)
-      end associate
       torque = -self%coefficient*spin
    end function spin_torque
 
