@@ -3,7 +3,7 @@ module evl_gearbox_initial
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use evl_closed_form, only: closed_form_gap, points_from_closed_form
    use evl_contact_modes, only: mode_at, take_load
-   use evl_contact_point, only: contact_point
+   use evl_contact_point, only: base_arc, contact_point
    use evl_dae_residual, only: gearbox_derivative
    use evl_discrete_state, only: gearbox_mode, gearbox_store_mode
    use evl_gearbox, only: gearbox_local, gearbox_t, i_turns
@@ -239,7 +239,7 @@ contains
                if (has_failed(status)) return
             else if (mode%flanks == flanks_open .and. .not. point%h < 0) then
                call gearbox_local(gearbox, contact, free, q)
-               parting = contact%pair%sigma*(contact%pair%r_ba*q(at_psi_dot_a) + contact%pair%r_bb*q(at_psi_dot_b)) &
+               parting = contact%pair%sigma*base_arc(contact%pair, q(at_psi_dot_a), q(at_psi_dot_b)) &
                          + q(at_v_b + 1) - q(at_v_a + 1)
                if (point%h_dot > 0 .or. (.not. point%h_dot < 0 .and. parting <= 0)) mode%flanks = flanks_loaded
             end if

@@ -4,6 +4,7 @@
 !> natural frequency for their rates, the static twist of shafts likewise, a small part of a pitch for the reference angle.
 module evl_gearbox_scaling
    use evl_contact_context, only: contact_context
+   use evl_contact_point, only: base_arc
    use evl_elastic_law, only: elastic_law_t, elastic_result
    use evl_gearbox, only: gearbox_t
    use evl_housing, only: n_housing_states
@@ -249,7 +250,7 @@ contains
       class(elastic_law_t), allocatable :: law
       type(contact_context) :: ctx
       type(elastic_result) :: elastic
-      real(wp) :: force, mobility, approach
+      real(wp) :: force, approach
       integer :: code
 
       force = mesh_load(gearbox, contact, speed)
@@ -260,14 +261,11 @@ contains
       ctx%h = h
       call contact%elastic%compliant(law)
       call law%force(ctx, elastic, code)
-      associate (a => gearbox%wheels(contact%wheel_a), b => gearbox%wheels(contact%wheel_b))
-         mobility = a%base_radius**2/a%rotor_inertia + b%base_radius**2/b%rotor_inertia
-         frequency = sqrt(elastic%d_h*mobility)
-         if (size(speeds) == 0) return
-         approach = abs(a%base_radius*speeds(contact%wheel_a) + b%base_radius*speeds(contact%wheel_b))
-      end associate
+      frequency = sqrt(elastic%d_h*contact%mobility)
+      if (size(speeds) == 0) return
+      approach = abs(base_arc(contact%pair, speeds(contact%wheel_a), speeds(contact%wheel_b)))
       h = max(h, approach/frequency)
-      energy = max(energy, approach**2/mobility/2)
+      energy = max(energy, approach**2/contact%mobility/2)
    end subroutine mesh_scales
 
    !> Scales of what moves with a wheel, value and rate: arcs [m], [m/s], the smallest among its meshes; angles of its rotor [rad],

@@ -1,6 +1,6 @@
 !> What a small change of the state moves: wheels, axles, and the flanks of each mesh.
 module evl_mode_shapes
-   use evl_closed_form, only: centre_line_turn_gradient, gradient_closed_form, track_closed_form
+   use evl_closed_form, only: centre_line_turn_gradient, error_of_turns, gradient_closed_form, track_closed_form
    use evl_contact_point, only: contact_gradient, contact_point
    use evl_gearbox, only: gearbox_local, gearbox_t
    use evl_kinds, only: wp
@@ -55,9 +55,7 @@ contains
          call track_closed_form(pair, contact%rho_start, q, point) ! neither h nor Delta depends on the place on the path
          call gradient_closed_form(pair, q, point, gradient)
          penetration = dot_product(gradient%h, dq)
-         transmission_error = (pair%r_ba + pair%r_bb)*dot_product(centre_line_turn_gradient(pair, q), dq) &
-                              - pair%r_ba*dq(at_psi_a) - pair%r_bb*dq(at_psi_b)
-         transmission_error = pair%sigma*transmission_error
+         transmission_error = error_of_turns(pair, dq(at_psi_a), dq(at_psi_b), dot_product(centre_line_turn_gradient(pair, q), dq))
       end associate
    end subroutine mesh_shape
 

@@ -2,7 +2,7 @@
 !>
 !> Source: Kosenko & Gusev 2011, Assertions 1 and 2.
 module evl_closed_form
-   use evl_contact_point, only: complete_gradient, complete_point, contact_gradient, contact_point, tracked_pair
+   use evl_contact_point, only: base_arc, complete_gradient, complete_point, contact_gradient, contact_point, tracked_pair
    use evl_kinds, only: wp
    use evl_local_variables, only: at_psi_a, at_psi_b, at_theta, at_u_a, at_u_b, n_local, n_track
    use evl_tangent_line, only: find_tangent_line, small_sine, tangent_line_t
@@ -10,7 +10,7 @@ module evl_closed_form
    private
 
    public :: track_closed_form, place_contact, gradient_closed_form, gradient_along, closed_form_gap, closed_form_line
-   public :: gap_along, place_radii, points_along, points_from_closed_form, transmission_error
+   public :: gap_along, place_radii, points_along, points_from_closed_form, error_of_turns, transmission_error
    public :: centre_line_angle, centre_line_turn, centre_line_turn_gradient
 
 contains
@@ -35,7 +35,7 @@ contains
       real(wp), intent(in) :: q(n_local)
       type(tangent_line_t), intent(out) :: line
 
-      call find_tangent_line(pair%r_ba + pair%r_bb, pair%rho_0, q(at_u_b) - q(at_u_a), q(at_u_b + 1) - q(at_u_a + 1), line)
+      call find_tangent_line(pair%r_b, pair%rho_0, q(at_u_b) - q(at_u_a), q(at_u_b + 1) - q(at_u_a + 1), line)
    end subroutine closed_form_line
 
    !> Gap kappa in closed form [m].
@@ -57,8 +57,16 @@ contains
 
       turn = 0
       if (.not. axles_rest) turn = centre_line_turn(pair, q)
-      lag = -pair%sigma*(pair%r_ba*q(at_psi_a) + pair%r_bb*q(at_psi_b) - (pair%r_ba + pair%r_bb)*turn)
+      lag = error_of_turns(pair, q(at_psi_a), q(at_psi_b), turn)
    end function transmission_error
+
+   !> The same from deviations of the wheels and the turn of the centre line; it is linear, so also changes from changes [m].
+   elemental real(wp) function error_of_turns(pair, psi_a, psi_b, turn) result(lag)
+      type(tracked_pair), intent(in) :: pair
+      real(wp), intent(in) :: psi_a, psi_b, turn !! [rad]
+
+      lag = -pair%sigma*(base_arc(pair, psi_a, psi_b) - pair%r_b*turn)
+   end function error_of_turns
 
    !> Tracked variables that belong to the wheels' positions, by Assertions 1 and 2: the points lie on the line of action.
    pure subroutine points_from_closed_form(pair, q, track)
@@ -153,7 +161,7 @@ contains
       real(wp), intent(in) :: q(n_local)
       real(wp) :: gradient(n_local), c(2)
 
-      c = [pair%r_ba + pair%r_bb, pair%rho_0] + q(at_u_b:at_u_b + 1) - q(at_u_a:at_u_a + 1) ! O_B - O_A
+      c = [pair%r_b, pair%rho_0] + q(at_u_b:at_u_b + 1) - q(at_u_a:at_u_a + 1) ! O_B - O_A
       gradient = 0
       gradient(at_u_b:at_u_b + 1) = pair%sigma*[c(2), -c(1)]/dot_product(c, c)
       gradient(at_u_a:at_u_a + 1) = -gradient(at_u_b:at_u_b + 1)

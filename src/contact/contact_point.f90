@@ -5,12 +5,14 @@ module evl_contact_point
    implicit none (type, external)
    private
 
-   public :: tracked_pair, contact_point, contact_gradient, complete_point, complete_gradient
+   public :: tracked_pair, contact_point, contact_gradient, base_arc, complete_point, complete_gradient
 
-   !> Constants of one tooth pair that its tracking needs.
+   !> Constants of one tooth pair that its tracking needs. Base radii count with their sign where they add: that of an internal wheel
+   !> is negative, and so are its radii of curvature, R and rho_0.
    type :: tracked_pair
       real(wp) :: sigma       !! +1: driving wheel nominally clockwise, -1: counterclockwise
       real(wp) :: r_ba, r_bb  !! base radii [m]
+      real(wp) :: r_b         !! R = r_bA + r_bB [m]
       real(wp) :: rho_0       !! |K_A K_B| at the reference centre distance [m]
       real(wp) :: gap_0 = 0.0_wp !! gap of the flanks when the wheels are in their nominal positions [m]
       real(wp) :: ratio_a     !! g_A: nominal speed of A over that of the reference wheel
@@ -71,7 +73,7 @@ contains
       gradient%v_t(at_psi_dot_b) = pair%sigma*point%l_b
       gradient%v_t(at_v_b:at_v_b + 1) = -[point%c, point%s]
       gradient%v_t(at_v_a:at_v_a + 1) = [point%c, point%s]
-      associate (rho => point%rho_a + point%rho_b - point%h, r => pair%r_ba + pair%r_bb, along => v_t*point%c + v_e*point%s, &
+      associate (rho => point%rho_a + point%rho_b - point%h, r => pair%r_b, along => v_t*point%c + v_e*point%s, &
                  across => v_e*point%c - v_t*point%s)
          gradient%rho_dot = (r/rho*across - along)*gradient%angle - r*along/rho**2*(gradient%rho_a + gradient%rho_b - gradient%h)
          gradient%rho_dot(at_v_b) = -point%s + r/rho*point%c

@@ -8,7 +8,7 @@
 !>
 !> Source: derivatives of the closed form (Kosenko & Gusev 2011, Assertions 1 and 2) with the gap above; docs/deviations.md.
 module evl_deviating_flanks
-   use evl_contact_point, only: contact_gradient, contact_point, tracked_pair
+   use evl_contact_point, only: base_arc, contact_gradient, contact_point, tracked_pair
    use evl_kinds, only: wp
    use evl_local_variables, only: at_omega, at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, n_local
    implicit none (type, external)
@@ -70,7 +70,7 @@ contains
       gradient%v_t(at_psi_dot_b) = pair%sigma*point%l_b
       gradient%arm_a = -pair%r_ba*a%d2e*gradient%rho_a
       gradient%arm_b = -pair%r_bb*b%d2e*gradient%rho_b
-      gradient%tilt = -(pair%r_ba*a%d2e*gradient%rho_a + pair%r_bb*b%d2e*gradient%rho_b)/rate%line - point%tilt/rate%line*line
+      gradient%tilt = (gradient%arm_a + gradient%arm_b)/rate%line - point%tilt/rate%line*line
    end subroutine deviate_gradient
 
 end module evl_deviating_flanks

@@ -43,7 +43,7 @@ contains
          call rest_line(contact%rest_line, line)
          return
       end if
-      r = contact%pair%r_ba + contact%pair%r_bb
+      r = contact%pair%r_b
       rho_0 = contact%pair%rho_0
       !$omp simd
       do l = 1, lanes

@@ -7,7 +7,7 @@
 !> Source: Kosenko & Gusev 2011, section 7.3; impacts after Newton, see `impact` in evl_rigid_forces.
 module evl_rigid_contact
    use evl_closed_form, only: closed_form_line, gradient_closed_form, track_closed_form
-   use evl_contact_point, only: contact_gradient, contact_point, tracked_pair
+   use evl_contact_point, only: base_arc, contact_gradient, contact_point, tracked_pair
    use evl_kinds, only: wp
    use evl_local_variables, only: at_psi_dot_a, at_psi_dot_b, at_u_a, at_u_b, at_v_a, at_v_b, n_local
    use evl_tangent_line, only: tangent_line_t
@@ -61,7 +61,7 @@ contains
       call closed_form_line(pair, q, line)
       v = q(at_v_b:at_v_b + 1) - q(at_v_a:at_v_a + 1)
       a = rates(at_v_b:at_v_b + 1) - rates(at_v_a:at_v_a + 1)
-      acceleration = pair%sigma*(pair%r_ba*rates(at_psi_dot_a) + pair%r_bb*rates(at_psi_dot_b)) &
+      acceleration = pair%sigma*base_arc(pair, rates(at_psi_dot_a), rates(at_psi_dot_b)) &
                      - a(1)*line%s + a(2)*line%c + (v(1)*line%c + v(2)*line%s)**2/line%rho
    end function rigid_acceleration
 
@@ -82,7 +82,7 @@ contains
       by_v = 2*v_t/line%rho*t
       ! d angle = -t.du/rho, dt = e d angle, de = -t d angle, d rho = (e + R/rho t).du
       by_u = (dot_product(a, t) - 2*v_t/line%rho*dot_product(v, e))/line%rho*t &
-             - (v_t/line%rho)**2*(e + (pair%r_ba + pair%r_bb)/line%rho*t)
+             - (v_t/line%rho)**2*(e + pair%r_b/line%rho*t)
       gradient = 0
       gradient(at_u_b:at_u_b + 1) = by_u
       gradient(at_u_a:at_u_a + 1) = -by_u

@@ -97,6 +97,7 @@ contains
          contact%gap_apart = max(spur_pair_least_radius(pair)/2, least_apart*pair%base_pitch)
          contact%pair%r_ba = pair%base_radius_a
          contact%pair%r_bb = pair%base_radius_b
+         contact%pair%r_b = pair%base_radius_sum
          contact%pair%rho_0 = pair%rho
          contact%pair%ratio_a = gearbox%wheels(a)%ratio
          contact%pair%ratio_b = gearbox%wheels(b)%ratio
@@ -273,7 +274,7 @@ contains
          contact%links = [contact%links, (local_link(at_track + i, contact%i_track + i, 1.0_wp), i=0, n_track - 1)]
       contact%axles_rest = gearbox%wheels(contact%wheel_a)%support%n == 0 .and. gearbox%wheels(contact%wheel_b)%support%n == 0
       if (contact%axles_rest) &
-         call find_tangent_line(contact%pair%r_ba + contact%pair%r_bb, contact%pair%rho_0, 0.0_wp, 0.0_wp, contact%rest_line)
+         call find_tangent_line(contact%pair%r_b, contact%pair%rho_0, 0.0_wp, 0.0_wp, contact%rest_line)
    end subroutine link_states
 
    !> What a tooth contact has to know of a wheel's motion.

@@ -1,6 +1,7 @@
 !> The watched outputs of a gearbox in eight states at once, as `watched_at` gives them for one: from what the last rates in lanes
 !> knew of the tooth contacts, so that they cost little. They are almost those of the states.
 module evl_watch_lanes
+   use evl_closed_form, only: error_of_turns
    use evl_contact_lanes, only: contact_in_lanes, lane_contact
    use evl_contact_point, only: contact_point, tracked_pair
    use evl_contacts_in_lanes, only: lane_slot
@@ -168,7 +169,7 @@ contains
          call put(channel_of(m, watch_sliding), at%v_t, n, channels, values)
       end if
       call centre_turn_in_lanes(leader, line, turn)
-      lag = -pair%sigma*(pair%r_ba*line%psi_a + pair%r_bb*line%psi_b - (pair%r_ba + pair%r_bb)*turn)
+      lag = error_of_turns(leader%pair, line%psi_a, line%psi_b, turn)
       call put(channel_of(m, watch_error), lag, n, channels, values)
    end subroutine watch_mesh
 

@@ -35,6 +35,7 @@ module evl_gears_in_mesh
       real(wp) :: centre_distance = 0.0_wp        !! a_w [m]
       real(wp) :: reference_distance = 0.0_wp     !! a, sum of the reference radii [m]
       real(wp) :: tight_distance = 0.0_wp         !! from the profile shifts, without backlash [m]
+      real(wp) :: base_radius_sum = 0.0_wp        !! R = r_bA + r_bB [m]
       real(wp) :: working_pressure_angle = 0.0_wp !! alpha_w [rad]
       real(wp) :: pitch_radius_a = 0.0_wp         !! r_w of A [m]
       real(wp) :: pitch_radius_b = 0.0_wp         !! the same of B [m]
@@ -77,16 +78,15 @@ contains
       m%exists = .true.
       m%base_pitch = a%base_pitch
       m%reference_distance = a%reference_radius + b%reference_radius
-      associate (base_sum => a%base_radius + b%base_radius)
-         call find_distance(a, b, given, m, tangent, status)
-         if (has_failed(status)) return
-         m%working_pressure_angle = atan(tangent)
-         m%pitch_radius_a = m%centre_distance*a%teeth/(a%teeth + b%teeth)
-         m%pitch_radius_b = m%centre_distance*b%teeth/(a%teeth + b%teeth)
-         m%line_of_action = base_sum*tangent
-         m%circumferential_backlash = m%backlash*hypot(1.0_wp, tangent)
-         m%radial_backlash = m%circumferential_backlash/(2*tangent)
-      end associate
+      m%base_radius_sum = base_sum(a, b)
+      call find_distance(a, b, given, m, tangent, status)
+      if (has_failed(status)) return
+      m%working_pressure_angle = atan(tangent)
+      m%pitch_radius_a = m%centre_distance*a%teeth/(a%teeth + b%teeth)
+      m%pitch_radius_b = m%centre_distance*b%teeth/(a%teeth + b%teeth)
+      m%line_of_action = m%base_radius_sum*tangent
+      m%circumferential_backlash = m%backlash*hypot(1.0_wp, tangent)
+      m%radial_backlash = m%circumferential_backlash/(2*tangent)
       m%rho_tip_a = gear_radius_of_curvature(a, a%tip_radius)
       m%rho_tip_b = gear_radius_of_curvature(b, b%tip_radius)
       m%path_of_contact = m%rho_tip_a + m%rho_tip_b - m%line_of_action
@@ -108,55 +108,68 @@ contains
       type(gear_mesh_t), intent(inout) :: mesh
       real(wp), intent(out) :: tangent !! tan alpha_w
       type(status_t), intent(inout) :: status
-      real(wp) :: base_sum, allowances, tight, involute
+      real(wp) :: allowances, tight, involute
 
       tangent = 0
-      base_sum = a%base_radius + b%base_radius
       allowances = allowed_arc(a, b)
       tight = tight_arc(a, b)
-      if (tight > 0) mesh%tight_distance = base_sum*hypot(1.0_wp, tangent_of_involute(tight/(2*base_sum)))
+      if (tight > 0) mesh%tight_distance = mesh%base_radius_sum*hypot(1.0_wp, tangent_of_involute(tight/(2*mesh%base_radius_sum)))
       if (given%has_centre_distance) then
          mesh%centre_distance = given%centre_distance
-         if (.not. mesh%centre_distance > base_sum) then
+         if (.not. mesh%centre_distance > mesh%base_radius_sum) then
             call refuse(status, "centre_distance", "centre distance "//quantity(mesh%centre_distance, "m")//" must be greater" &
-                        //" than "//quantity(base_sum, "m")//", the sum of the base radii")
+                        //" than "//quantity(mesh%base_radius_sum, "m")//", the sum of the base radii")
             return
          end if
-         tangent = sqrt((mesh%centre_distance - base_sum)*(mesh%centre_distance + base_sum))/base_sum
+         tangent = tangent_at(mesh%base_radius_sum, mesh%centre_distance)
          mesh%backlash = backlash_at(a, b, tangent)
          call check_backlash(given, mesh, status)
          return
       end if
       mesh%backlash = allowances
       if (given%has_backlash) mesh%backlash = given%backlash
-      involute = (tight - allowances + mesh%backlash)/(2*base_sum)
+      involute = (tight - allowances + mesh%backlash)/(2*mesh%base_radius_sum)
       if (.not. involute > 0) then
          call refuse(status, "", "the teeth are so thin that no centre distance gives this backlash: the involute of the working" &
                      //" pressure angle would be "//quantity(involute, "")//"; larger profile shifts are needed")
          return
       end if
       tangent = tangent_of_involute(involute)
-      mesh%centre_distance = base_sum*hypot(1.0_wp, tangent)
+      mesh%centre_distance = mesh%base_radius_sum*hypot(1.0_wp, tangent)
    end subroutine find_distance
+
+   !> R = r_bA + r_bB [m].
+   pure real(wp) function base_sum(a, b)
+      type(gear_t), intent(in) :: a, b
+
+      base_sum = a%base_radius + b%base_radius
+   end function base_sum
+
+   !> tan alpha_w at a centre distance, which is more than the sum of the base radii.
+   pure real(wp) function tangent_at(r, centre_distance) result(tangent)
+      real(wp), intent(in) :: r, centre_distance !! R, a_w [m]
+
+      tangent = sqrt((centre_distance - r)*(centre_distance + r))/r
+   end function tangent_at
 
    !> Normal backlash where the working pressure angle has this tangent; negative if the teeth overlap [m].
    pure real(wp) function backlash_at(a, b, tangent) result(backlash)
       type(gear_t), intent(in) :: a, b
       real(wp), intent(in) :: tangent
 
-      backlash = 2*(a%base_radius + b%base_radius)*involute_of_tangent(tangent) - tight_arc(a, b) + allowed_arc(a, b)
+      backlash = 2*base_sum(a, b)*involute_of_tangent(tangent) - tight_arc(a, b) + allowed_arc(a, b)
    end function backlash_at
 
    !> By how much the teeth overlap at a given centre distance, more than rounding: minus the normal backlash, at least 0 [m].
    pure real(wp) function gear_mesh_overlap(a, b, centre_distance) result(overlap)
       type(gear_t), intent(in) :: a, b            !! gears of the same base pitch
       real(wp), intent(in) :: centre_distance     !! [m]
-      real(wp) :: base_sum
+      real(wp) :: r
 
       overlap = 0
-      base_sum = a%base_radius + b%base_radius
-      if (.not. (ieee_is_finite(centre_distance) .and. centre_distance > base_sum)) return
-      overlap = -backlash_at(a, b, sqrt((centre_distance - base_sum)*(centre_distance + base_sum))/base_sum)
+      r = base_sum(a, b)
+      if (.not. (ieee_is_finite(centre_distance) .and. centre_distance > r)) return
+      overlap = -backlash_at(a, b, tangent_at(r, centre_distance))
       if (.not. overlap > agreement*centre_distance) overlap = 0
    end function gear_mesh_overlap
 

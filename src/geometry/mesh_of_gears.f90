@@ -36,7 +36,7 @@ contains
       pair%alpha_w = mesh%working_pressure_angle
       pair%base_radius_a = gear_a%base_radius
       pair%base_radius_b = gear_b%base_radius
-      pair%base_radius_sum = gear_a%base_radius + gear_b%base_radius
+      pair%base_radius_sum = mesh%base_radius_sum
       pair%rho = mesh%line_of_action
       pair%base_pitch = mesh%base_pitch
       pair%tip_radius_a = gear_a%tip_radius
