@@ -2,9 +2,8 @@
 !>
 !> Source: docs/housing.md, sections 2 and 4.
 module evl_housing_outputs
-   use evl_gearbox, only: gearbox_t, wheel_position, wheel_speed, wheel_t
+   use evl_gearbox, only: gearbox_t, wheel_accelerations, wheel_position, wheel_speed, wheel_t
    use evl_housing, only: apparent_acceleration, frame_t, wheel_moment
-   use evl_housing_dynamics, only: wheel_accelerations
    use evl_kinds, only: wp
    use evl_output, only: dims_mesh, dims_none, dims_wheel, in_bearings, in_mesh_positions, in_pose, in_wheel_positions, &
                          needs_nothing, needs_rates, needs_reactions
@@ -107,10 +106,10 @@ contains
       real(wp) :: centre(3), velocity(3), acceleration(3), moment(3), turn, speed
 
       associate (wheel => gearbox%wheels(index))
-         call wheel_accelerations(wheel, f, turn, acceleration)
+         call wheel_accelerations(wheel, t, f, turn, acceleration)
          speed = wheel_speed(wheel, y)
          if (gearbox%housing%acts) then
-            call wheel_position(wheel, y, centre, velocity)
+            call wheel_position(wheel, t, y, centre, velocity)
             acceleration = acceleration + apparent_acceleration(frame, centre, velocity)
             moment = wheel_moment(frame, wheel%inertia, wheel%transverse_inertia, speed, turn)
             reaction(4:5) = reaction(4:5) - moment(1:2)

@@ -5,6 +5,7 @@ module evl_mode_shapes
    use evl_gearbox, only: gearbox_local, gearbox_t
    use evl_kinds, only: wp
    use evl_local_variables, only: at_psi_a, at_psi_b, i_theta, n_local
+   use evl_support, only: axle_deviation
    use evl_tooth_contact, only: tooth_contact_t
    implicit none (type, external)
    private
@@ -21,17 +22,14 @@ contains
       real(wp), intent(out) :: displacements(2, size(gearbox%wheels)) !! x, y of each axle [m]
       real(wp), intent(out) :: penetrations(size(gearbox%pairs))     !! h of each mesh [m]
       real(wp), intent(out) :: transmission_errors(size(gearbox%pairs)) !! Delta of each mesh [m]
-      integer :: i, j
+      integer :: i
 
-      displacements = 0
       do i = 1, size(gearbox%wheels)
-         associate (wheel => gearbox%wheels(i), support => gearbox%wheels(i)%support)
+         associate (wheel => gearbox%wheels(i))
             arcs(i) = wheel%ratio*dy(i_theta)
             if (wheel%i_psi > 0) arcs(i) = arcs(i) + dy(wheel%i_psi)
             arcs(i) = merge(wheel%base_radius, wheel%pitch_radius, wheel%base_radius > 0)*arcs(i)
-            do j = 1, support%n
-               displacements(:, i) = displacements(:, i) + support%direction(:, j)*dy(support%i_state(j))
-            end do
+            displacements(:, i) = axle_deviation(wheel%support, dy)
          end associate
       end do
       do i = 1, size(gearbox%pairs)

@@ -212,11 +212,11 @@ contains
       reached = .false.
       used = .false.
       do i = 1, size(gearbox%wheels)
-         if (gearbox%wheels(i)%prescribed > 0 .and. .not. reached(i)) call reach(i)
+         if (gearbox%wheels(i)%prescribed > 0) call reach(i)
       end do
-      if (.not. reached(gearbox%reference)) call reach(gearbox%reference)
+      call reach(gearbox%reference)
       do i = 1, size(gearbox%wheels)
-         if (.not. reached(i)) call reach(i)
+         call reach(i)
       end do
       do m = 1, size(gearbox%pairs)
          if (.not. gearbox%contacts(gearbox%first(m))%rigid .or. used(m) .or. has_failed(status)) cycle
@@ -226,12 +226,13 @@ contains
 
    contains
 
-      !> Reach all wheels that rigid meshes join to the first one.
+      !> Reach all wheels that rigid meshes join to the first one, unless they are reached.
       subroutine reach(first)
          integer, intent(in) :: first
          logical :: group(size(gearbox%wheels)), found
          integer :: k
 
+         if (reached(first)) return
          group = gearbox%wheels%leader == gearbox%wheels(first)%leader
          found = .true.
          do while (found)

@@ -67,6 +67,7 @@ contains
       call layout_resolve(layout, gearbox%reference, status)
       if (has_failed(status)) return
       call take_wheels(wheels, layout, gearbox, status)
+      gearbox%housing%acts = gearbox%housing%acts .or. any(gearbox%wheels%support%moves)
       if (has_failed(status)) return
       do i = 1, size(wheels)
          gearbox%wheels(i)%rotor_inertia = sum(gearbox%wheels%inertia, mask=gearbox%wheels%leader == gearbox%wheels(i)%leader)

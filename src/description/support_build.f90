@@ -44,6 +44,7 @@ contains
       support%mass = wheel_mass
       call kind%take(given, support)
       support%per_mass = 1/support%mass
+      call move_alloc(kind, support%kind)
    end subroutine support_build
 
 end module evl_support_build

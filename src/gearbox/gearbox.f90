@@ -21,7 +21,7 @@ module evl_gearbox
    use evl_flank_deviation, only: flank_deviation_t
    use evl_gear, only: gear_t
    use evl_gears_in_mesh, only: gear_mesh_t
-   use evl_housing, only: housing_t
+   use evl_housing, only: apparent_acceleration, frame_t, housing_t
    use evl_jacobian_entries, only: add_entry, jacobian_entries
    use evl_kinds, only: wp
    use evl_load, only: load_t
@@ -31,14 +31,14 @@ module evl_gearbox
    use evl_rational, only: rational_t
    use evl_shaft, only: shaft_t
    use evl_status, only: status_t
-   use evl_support, only: support_t
+   use evl_support, only: axle_deviation, axle_deviation_rate, axle_motion, support_t
    use evl_tooth_contact, only: tooth_contact_t
    implicit none (type, external)
    private
 
    public :: add_angle, add_speed
    public :: gearbox_t, load_slot, section_t, wheel_t
-   public :: gearbox_local, wheel_speed, wheel_position
+   public :: carried_acceleration, gearbox_local, wheel_accelerations, wheel_position, wheel_speed
    public :: i_turns
 
    integer, parameter :: i_turns = 1 !! index of the turns in the discrete state
@@ -155,20 +155,40 @@ contains
    end subroutine add_angle
 
    !> Centre of a wheel in the housing frame and its velocity there [m], [m/s].
-   pure subroutine wheel_position(wheel, y, centre, velocity)
+   pure subroutine wheel_position(wheel, t, y, centre, velocity)
       type(wheel_t), intent(in) :: wheel
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: t, y(:)
       real(wp), intent(out) :: centre(3), velocity(3)
-      integer :: j
+      type(axle_motion) :: reference
 
-      centre = [wheel%centre, wheel%axial_position]
-      velocity = 0
-      do j = 1, wheel%support%n
-         associate (i => wheel%support%i_state(j), d => wheel%support%direction(:, j))
-            centre(1:2) = centre(1:2) + y(i)*d
-            velocity(1:2) = velocity(1:2) + y(i + 1)*d
-         end associate
-      end do
+      reference = wheel%support%kind%reference(wheel%centre, t)
+      centre = [reference%centre + axle_deviation(wheel%support, y), wheel%axial_position]
+      velocity = [reference%velocity + axle_deviation_rate(wheel%support, y), 0.0_wp]
    end subroutine wheel_position
+
+   !> Accelerations of a wheel relative to the housing.
+   pure subroutine wheel_accelerations(wheel, t, yp, turn, acceleration)
+      type(wheel_t), intent(in) :: wheel
+      real(wp), intent(in) :: t, yp(:)           !! yp: rates of the states
+      real(wp), intent(out) :: turn              !! phi'' [rad/s^2]
+      real(wp), intent(out) :: acceleration(3)   !! of its centre [m/s^2]
+      type(axle_motion) :: reference
+
+      reference = wheel%support%kind%reference(wheel%centre, t)
+      turn = wheel_speed(wheel, yp)
+      acceleration = [reference%acceleration + axle_deviation_rate(wheel%support, yp), 0.0_wp]
+   end subroutine wheel_accelerations
+
+   !> Acceleration, less gravity, of a wheel whose deviation from the reference motion rests at its place [m/s^2].
+   pure function carried_acceleration(wheel, frame, centre) result(acceleration)
+      type(wheel_t), intent(in) :: wheel
+      type(frame_t), intent(in) :: frame
+      real(wp), intent(in) :: centre(3) !! where it is [m]
+      real(wp) :: acceleration(3)
+      type(axle_motion) :: reference
+
+      reference = wheel%support%kind%reference(wheel%centre, frame%t)
+      acceleration = apparent_acceleration(frame, centre, [reference%velocity, 0.0_wp]) + [reference%acceleration, 0.0_wp]
+   end function carried_acceleration
 
 end module evl_gearbox

@@ -1,15 +1,17 @@
 !> The equations of motion of a gearbox: accelerations of wheels and supports, and the powers, from forces and torques.
 module evl_gearbox_rates
    use evl_discrete_state, only: gearbox_mode, is_closed
-   use evl_gearbox, only: gearbox_local, gearbox_local, gearbox_t, gearbox_t, i_turns, i_turns, wheel_position, wheel_position, &
-                          wheel_speed, wheel_speed
-   use evl_housing, only: apparent_acceleration, at_omega, frame_acceleration, frame_t, housing_frame, housing_rates
+   use evl_gearbox, only: carried_acceleration, gearbox_local, gearbox_local, gearbox_t, gearbox_t, i_turns, i_turns, &
+                          wheel_position, wheel_position, wheel_speed, wheel_speed
+   use evl_housing, only: at_omega, frame_t, housing_frame, housing_rates
    use evl_kinds, only: wp
    use evl_local_variables, only: i_omega, i_theta, n_local, wheel_link
    use evl_rigid_contact, only: rigid_acceleration
+   use evl_rotation, only: cross
    use evl_shaft, only: shaft_loss, shaft_torque
    use evl_springs_and_dampers, only: damper_power, support_acceleration
    use evl_status, only: has_failed, status_t
+   use evl_support, only: axle_deviation_rate
    use evl_tooth_contact, only: contact_forces, contact_state, locate_contact, nominal_rho, touches
    use evl_wheel_loads, only: wheel_acceleration, wheel_follows_ground, wheel_housing_torque, wheel_load_torque, wheel_spin_torque
    implicit none (type, external)
@@ -231,13 +233,15 @@ contains
       integer, intent(in) :: integers(:)
       type(frame_t), intent(in) :: frame
       real(wp), intent(inout) :: f(:)
-      real(wp) :: omega, centre(3), velocity(3), apparent(3)
+      real(wp) :: omega, centre(3), velocity(3), carried(3), apparent(3)
       integer :: j
 
       associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support, power => f(gearbox%i_work))
          omega = wheel_speed(wheel, y)
-         call wheel_position(wheel, y, centre, velocity)
-         apparent = apparent_acceleration(frame, centre, velocity)
+         call wheel_position(wheel, t, y, centre, velocity)
+         velocity = [axle_deviation_rate(support, y), 0.0_wp]
+         carried = carried_acceleration(wheel, frame, centre)
+         apparent = carried + 2*cross(frame%omega, velocity)
          do j = 1, support%n
             f(support%i_state(j) + 1) = f(support%i_state(j) + 1) - dot_product(support%direction(:, j), apparent(1:2))
          end do
@@ -249,7 +253,7 @@ contains
             end associate
          else
             power = power - wheel%inertia*frame%alpha(3)*omega &
-                    - support%mass*dot_product(velocity, frame_acceleration(frame, centre))
+                    - support%mass*dot_product(velocity, carried)
          end if
       end associate
    end subroutine ride_along

@@ -3,7 +3,7 @@
 !> Source: docs/housing.md, section 3. Both balances are about the origin of the housing frame and in its components; contact
 !> forces cancel in them.
 module evl_housing_dynamics
-   use evl_gearbox, only: gearbox_t, wheel_position, wheel_speed, wheel_t
+   use evl_gearbox, only: gearbox_t, wheel_accelerations, wheel_position, wheel_speed
    use evl_gearbox_rates, only: gearbox_rates, multiplier_row
    use evl_housing, only: apparent_acceleration, at_omega, at_velocity, frame_acceleration, frame_t, housing_frame, &
                           mount_deflection, wheel_moment
@@ -17,7 +17,7 @@ module evl_housing_dynamics
    implicit none (type, external)
    private
 
-   public :: housing_residual, housing_coupling, coupled_rates, ground_energies, wheel_accelerations
+   public :: housing_residual, housing_coupling, coupled_rates, ground_energies
 
 contains
 
@@ -53,8 +53,8 @@ contains
       end associate
       do i = 1, size(gearbox%wheels)
          associate (wheel => gearbox%wheels(i))
-            call wheel_position(wheel, y, centre, velocity)
-            call wheel_accelerations(wheel, yp, turn, acceleration)
+            call wheel_position(wheel, frame%t, y, centre, velocity)
+            call wheel_accelerations(wheel, frame%t, yp, turn, acceleration)
             force = wheel%support%mass*(apparent_acceleration(frame, centre, velocity) + acceleration)
             wrench(1:3) = wrench(1:3) + force
             wrench(4:6) = wrench(4:6) + cross(centre, force) &
@@ -62,21 +62,6 @@ contains
          end associate
       end do
    end subroutine inertia_wrench
-
-   !> Accelerations of a wheel relative to the housing.
-   pure subroutine wheel_accelerations(wheel, yp, turn, acceleration)
-      type(wheel_t), intent(in) :: wheel
-      real(wp), intent(in) :: yp(:)              !! rates of the states
-      real(wp), intent(out) :: turn              !! phi'' [rad/s^2]
-      real(wp), intent(out) :: acceleration(3)   !! of its centre [m/s^2]
-      integer :: j
-
-      turn = wheel_speed(wheel, yp)
-      acceleration = 0
-      do j = 1, wheel%support%n
-         acceleration(1:2) = acceleration(1:2) + yp(wheel%support%i_state(j) + 1)*wheel%support%direction(:, j)
-      end do
-   end subroutine wheel_accelerations
 
    !> dF/dy' less the unit matrix: how accelerations enter each other's equations through a mounted housing.
    pure subroutine housing_coupling(gearbox, frame, y, coupling)
@@ -119,7 +104,7 @@ contains
 
       associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support, &
                  v => gearbox%housing%i_state + at_velocity, o => gearbox%housing%i_state + at_omega)
-         call wheel_position(wheel, y, centre, velocity)
+         call wheel_position(wheel, frame%t, y, centre, velocity)
          first_moment = first_moment + support%mass*centre
          tensor = tensor - support%mass*crossed(centre, skew(centre))
          tensor(1, 1) = tensor(1, 1) + wheel%transverse_inertia
@@ -219,7 +204,7 @@ contains
                      + 2*dot_product(housing%turn_stiffness, q**2) - weight(housing%mass, housing%centre)
          do i = 1, size(gearbox%wheels)
             associate (wheel => gearbox%wheels(i))
-               call wheel_position(wheel, y, centre, velocity)
+               call wheel_position(wheel, frame%t, y, centre, velocity)
                spin = omega(3) + wheel_speed(wheel, y)
                kinetic = kinetic + mass_energy(wheel%support%mass, centre, velocity) &
                          + (wheel%transverse_inertia*(omega(1)**2 + omega(2)**2) + wheel%inertia*spin**2)/2

@@ -2,13 +2,13 @@
 !>
 !> Source: the derivatives of docs/housing.md, one by one. Those by y' are in evl_housing_dynamics.
 module evl_housing_jacobian
-   use evl_gearbox, only: add_angle, add_speed, gearbox_t, wheel_position, wheel_speed
-   use evl_housing, only: apparent_acceleration, at_omega, at_orientation, at_position, at_velocity, frame_acceleration, &
-                          frame_t, housing_t, mount_force, n_housing_states, norm_rate
-   use evl_housing_dynamics, only: wheel_accelerations
+   use evl_gearbox, only: add_angle, add_speed, carried_acceleration, gearbox_t, wheel_accelerations, wheel_position, wheel_speed
+   use evl_housing, only: apparent_acceleration, at_omega, at_orientation, at_position, at_velocity, frame_t, housing_t, &
+                          mount_force, n_housing_states, norm_rate
    use evl_jacobian_entries, only: add_entry, full_matrix, jacobian_entries
    use evl_kinds, only: wp
    use evl_rotation, only: cross, crossed, identity, rotated_back_gradient, rotated_gradient, skew, turned, turned_back
+   use evl_support, only: axle_deviation_rate
    use evl_wheel_loads, only: load_gradient, wheel_acceleration, wheel_follows_ground, wheel_housing_torque, wheel_load_torque, &
                               wheel_spin_torque
    implicit none (type, external)
@@ -31,7 +31,8 @@ contains
       integer :: j, k
 
       associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support, work => gearbox%i_work)
-         call wheel_position(wheel, y, centre, velocity)
+         call wheel_position(wheel, t, y, centre, velocity)
+         velocity = [axle_deviation_rate(support, y), 0.0_wp]
          if (wheel%prescribed == 0) &
             call add_speed(wheel, work, -wheel_spin_torque(gearbox, index, frame%omega(3), t, y, integers), entries, values)
          by_centre = gradient_by_centre(frame)
@@ -51,7 +52,7 @@ contains
             d = [support%direction(:, k), 0.0_wp]
             associate (s => support%i_state(k))
                call add_entry(entries, work, s, support%mass*dot_product(velocity, turned(by_centre, d)), values)
-               call add_entry(entries, work, s + 1, support%mass*dot_product(d, frame_acceleration(frame, centre)), values)
+               call add_entry(entries, work, s + 1, support%mass*dot_product(d, carried_acceleration(wheel, frame, centre)), values)
             end associate
          end do
       end associate
@@ -69,7 +70,7 @@ contains
       real(wp) :: centre(3), velocity(3), row(3)
       integer :: j
 
-      call wheel_position(gearbox%wheels(index), y, centre, velocity)
+      call wheel_position(gearbox%wheels(index), t, y, centre, velocity)
       associate (support => gearbox%wheels(index)%support, p => gearbox%housing%i_state + at_orientation, &
                  o => gearbox%housing%i_state + at_omega)
          do j = 1, support%n
@@ -315,8 +316,8 @@ contains
       associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support, omega => frame%omega, &
                  row => gearbox%housing%i_state + at_velocity)
          call full_matrix(gearbox%n_states, entries)
-         call wheel_position(wheel, y, centre, velocity)
-         call wheel_accelerations(wheel, yp, turn, acceleration)
+         call wheel_position(wheel, frame%t, y, centre, velocity)
+         call wheel_accelerations(wheel, frame%t, yp, turn, acceleration)
          total = apparent_acceleration(frame, centre, velocity) + acceleration
          call add_body(frame, support%mass, centre, velocity, wrench)
          spin = wheel%inertia*(omega(3) + wheel_speed(wheel, y)) - wheel%transverse_inertia*omega(3)

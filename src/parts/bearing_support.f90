@@ -11,7 +11,7 @@ module evl_bearing_support
    type, extends(support_kind_t) :: bearing_support
    contains
       procedure, nopass :: describe
-      procedure, nopass :: take
+      procedure :: take
    end type bearing_support
 
 contains
@@ -28,7 +28,8 @@ contains
                                          shape=shape_pair)
    end function describe
 
-   subroutine take(given, support)
+   subroutine take(self, given, support)
+      class(bearing_support), intent(inout) :: self
       type(support_input), intent(in) :: given
       type(support_t), intent(inout) :: support
 

@@ -10,7 +10,7 @@ module evl_fixed_support
    type, extends(support_kind_t) :: fixed_support
    contains
       procedure, nopass :: describe
-      procedure, nopass :: take
+      procedure :: take
    end type fixed_support
 
 contains
@@ -21,7 +21,8 @@ contains
       info%description = "fixed axle"
    end function describe
 
-   subroutine take(given, support)
+   subroutine take(self, given, support)
+      class(fixed_support), intent(inout) :: self
       type(support_input), intent(in) :: given
       type(support_t), intent(inout) :: support
 

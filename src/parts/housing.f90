@@ -28,7 +28,7 @@ module evl_housing
 
    type :: housing_t
       integer :: kind = housing_fixed
-      logical :: acts = .false.                 !! it moves, or there is gravity: bodies in it feel it
+      logical :: acts = .false.                 !! it moves, or there is gravity, or supports move in it: bodies in it feel it
       logical :: is_mounted = .false.
       real(wp) :: gravity(3) = 0.0_wp           !! ground [m/s^2]
       type(motion_term), allocatable :: motion(:) !! prescribed
@@ -46,6 +46,7 @@ module evl_housing
 
    !> The housing frame at one time.
    type :: frame_t
+      real(wp) :: t = 0.0_wp                !! [s]
       real(wp) :: position(3), velocity(3)  !! r, v: ground [m], [m/s]
       real(wp) :: orientation(4)            !! p
       real(wp) :: rotation(3, 3)            !! R
@@ -65,6 +66,7 @@ contains
       type(motion_curve) :: curve
       real(wp) :: velocity_rate(3)
 
+      frame%t = t
       velocity_rate = 0
       select case (housing%kind)
       case (housing_mounted)
@@ -88,7 +90,7 @@ contains
          frame%alpha = curve%alpha
          velocity_rate = curve%acceleration
       case default
-         frame = frame_t(position=0.0_wp, velocity=0.0_wp, orientation=[1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp], rotation=identity, &
+         frame = frame_t(t=t, position=0.0_wp, velocity=0.0_wp, orientation=[1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp], rotation=identity, &
                          omega=0.0_wp, alpha=0.0_wp, acceleration=-housing%gravity)
          return
       end select

@@ -11,7 +11,7 @@ module evl_slider_support
    type, extends(support_kind_t) :: slider_support
    contains
       procedure, nopass :: describe
-      procedure, nopass :: take
+      procedure :: take
    end type slider_support
 
 contains
@@ -29,7 +29,8 @@ contains
       info%parameters(4) = parameter_row("damping", "N s/m", "coefficient of the damper", default_value=0.0_wp, minimum=0.0_wp)
    end function describe
 
-   subroutine take(given, support)
+   subroutine take(self, given, support)
+      class(slider_support), intent(inout) :: self
       type(support_input), intent(in) :: given
       type(support_t), intent(inout) :: support
 

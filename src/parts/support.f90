@@ -1,4 +1,5 @@
-!> What carries an axle. The equations know its degrees of freedom: how far the centre deviates from its reference position.
+!> What carries an axle: the reference motion of its centre, and how far it deviates from that. The deviation's components are
+!> states, and meshes know of an axle nothing else.
 !>
 !> Which there are is said by its kind, which extends support_kind_t in a file of its own and has a line in evl_support_kinds.
 module evl_support
@@ -7,7 +8,14 @@ module evl_support
    implicit none (type, external)
    private
 
-   public :: support_input, support_kind_t, support_t
+   public :: axle_deviation, axle_deviation_rate, axle_motion, support_input, support_kind_t, support_t
+
+   !> A motion of an axle in the housing frame.
+   type :: axle_motion
+      real(wp) :: centre(2)                 !! [m]
+      real(wp) :: velocity(2) = 0.0_wp      !! [m/s]
+      real(wp) :: acceleration(2) = 0.0_wp  !! [m/s^2]
+   end type axle_motion
 
    !> What carries an axle: up to two directions, each with spring and damper.
    type :: support_t
@@ -18,6 +26,8 @@ module evl_support
       real(wp) :: stiffness(2) = 0.0_wp      !! [N/m]
       real(wp) :: damping(2) = 0.0_wp        !! [N s/m]
       integer :: i_state(2) = 0              !! index of s_j in the state; s_j' follows
+      logical :: moves = .false.             !! whether its reference motion is not rest
+      class(support_kind_t), allocatable :: kind
    end type support_t
 
    !> A support as described.
@@ -28,7 +38,8 @@ module evl_support
    type, abstract :: support_kind_t
    contains
       procedure(describe_kind), deferred, nopass :: describe
-      procedure(take_numbers), deferred, nopass :: take
+      procedure(take_numbers), deferred :: take
+      procedure :: reference => at_rest
    end type support_kind_t
 
    abstract interface
@@ -41,13 +52,51 @@ module evl_support
 
       !> Degrees of freedom with their springs and dampers, and the mass that moves beside the wheel's, from parameters that are
       !> in their ranges.
-      subroutine take_numbers(given, support)
-         import :: support_input, support_t
+      subroutine take_numbers(self, given, support)
+         import :: support_input, support_kind_t, support_t
          implicit none (type, external)
+         class(support_kind_t), intent(inout) :: self !! keeps what its reference motion needs
          type(support_input), intent(in) :: given
-         type(support_t), intent(inout) :: support !! without degrees of freedom, its mass that of the wheel
+         type(support_t), intent(inout) :: support    !! without degrees of freedom, its mass that of the wheel
       end subroutine take_numbers
 
    end interface
+
+contains
+
+   !> The reference motion of the centre, from which its deviation counts. A kind whose reference moves says so in `moves`.
+   pure type(axle_motion) function at_rest(self, centre, t) result(motion)
+      class(support_kind_t), intent(in) :: self
+      real(wp), intent(in) :: centre(2) !! of the wheel as the train was laid out [m]
+      real(wp), intent(in) :: t         !! [s]
+
+      motion = axle_motion(centre)
+   end function at_rest
+
+   !> How far the centre deviates from its reference motion [m].
+   pure function axle_deviation(support, y) result(u)
+      type(support_t), intent(in) :: support
+      real(wp), intent(in) :: y(:) !! state, or a change of it
+      real(wp) :: u(2)
+      integer :: j
+
+      u = 0
+      do j = 1, support%n
+         u = u + y(support%i_state(j))*support%direction(:, j)
+      end do
+   end function axle_deviation
+
+   !> The rate of that [m/s], or from the rates of the states its acceleration [m/s^2].
+   pure function axle_deviation_rate(support, y) result(rate)
+      type(support_t), intent(in) :: support
+      real(wp), intent(in) :: y(:)
+      real(wp) :: rate(2)
+      integer :: j
+
+      rate = 0
+      do j = 1, support%n
+         rate = rate + y(support%i_state(j) + 1)*support%direction(:, j)
+      end do
+   end function axle_deviation_rate
 
 end module evl_support
