@@ -2,7 +2,7 @@
 !>
 !> Source: Kosenko & Gusev 2011, Assertions 1 and 2.
 module evl_closed_form
-   use evl_contact_point, only: base_arc, complete_gradient, complete_point, contact_gradient, contact_point, tracked_pair
+   use evl_contact_point, only: complete_gradient, complete_point, contact_gradient, contact_point, tracked_pair
    use evl_kinds, only: wp
    use evl_local_variables, only: at_psi_a, at_psi_b, at_theta, at_u_a, at_u_b, n_local, n_track
    use evl_tangent_line, only: find_tangent_line, small_sine, tangent_line_t
@@ -27,6 +27,7 @@ contains
       call place_contact(pair, rho_a0, q, line, point)
    end subroutine track_closed_form
 
+   include "contact/transmission_error.inc"
    include "contact/closed_form.inc"
 
    !> The line of action at the present centre distance.
@@ -59,14 +60,6 @@ contains
       if (.not. axles_rest) turn = centre_line_turn(pair, q)
       lag = error_of_turns(pair, q(at_psi_a), q(at_psi_b), turn)
    end function transmission_error
-
-   !> The same from deviations of the wheels and the turn of the centre line; it is linear, so also changes from changes [m].
-   elemental real(wp) function error_of_turns(pair, psi_a, psi_b, turn) result(lag)
-      type(tracked_pair), intent(in) :: pair
-      real(wp), intent(in) :: psi_a, psi_b, turn !! [rad]
-
-      lag = -pair%sigma*(base_arc(pair, psi_a, psi_b) - pair%r_b*turn)
-   end function error_of_turns
 
    !> Tracked variables that belong to the wheels' positions, by Assertions 1 and 2: the points lie on the line of action.
    pure subroutine points_from_closed_form(pair, q, track)

@@ -1,7 +1,6 @@
 !> The watched outputs of a gearbox in eight states at once, as `watched_at` gives them for one: from what the last rates in lanes
 !> knew of the tooth contacts, so that they cost little. They are almost those of the states.
 module evl_watch_lanes
-   use evl_closed_form, only: error_of_turns
    use evl_contact_lanes, only: contact_in_lanes, lane_contact
    use evl_contact_point, only: contact_point, tracked_pair
    use evl_contacts_in_lanes, only: lane_slot
@@ -23,6 +22,7 @@ module evl_watch_lanes
 contains
 
    include "contact/lane_point.inc"
+   include "contact/transmission_error.inc"
 
    !> How many rows there can be.
    pure integer function most_rows(gearbox) result(n)
@@ -169,7 +169,7 @@ contains
          call put(channel_of(m, watch_sliding), at%v_t, n, channels, values)
       end if
       call centre_turn_in_lanes(leader, line, turn)
-      lag = error_of_turns(leader%pair, line%psi_a, line%psi_b, turn)
+      lag = error_of_turns(pair, line%psi_a, line%psi_b, turn)
       call put(channel_of(m, watch_error), lag, n, channels, values)
    end subroutine watch_mesh
 
