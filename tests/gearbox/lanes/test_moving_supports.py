@@ -1,0 +1,103 @@
+"""Supports whose reference motion moves: axles deviate from it, and feel how it accelerates."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+
+import numpy as np
+import pytest
+
+from kernel.gearbox import Gearbox, State
+from kernel.gearbox_description import (
+    BEARING,
+    CLOSED_FORM,
+    DIFFERENTIAL,
+    SLIDER,
+    TORQUE,
+    VISCOUS,
+    load,
+    mesh,
+    wheel,
+)
+from kernel.housing_cases import HOUSINGS
+from kernel.housing_description import HARMONIC, PRESCRIBED, HousingDescription, X, Y, housing, term
+from kernel.jacobian import check_jacobian
+from kernel.kernel import Kernel
+
+AMPLITUDE = (3e-4, -2e-4)  # m
+FREQUENCY = 40.0  # Hz
+
+
+def make(
+    kernel: Kernel, described: HousingDescription | None = None, tracking: int = CLOSED_FORM
+) -> Gearbox:
+    """Return a pair on a bearing and a slider."""
+    wheels = [
+        wheel(
+            teeth=20,
+            pitch_radius=0.2,
+            centre=(0.0, 0.0),
+            support_kind=BEARING,
+            support_mass=4.0,
+            support_stiffness=(3e8, 2e8),
+            support_damping=(1e4, 2e4),
+        ),
+        wheel(
+            teeth=30,
+            support_kind=SLIDER,
+            support_direction=0.3,
+            support_stiffness=(1e8, 0.0),
+            support_damping=(1e4, 0.0),
+        ),
+    ]
+    loads = [load(0, TORQUE, -40.0), load(1, VISCOUS, 7.0)]
+    return Gearbox(kernel, wheels, loads, [mesh(kernel, tracking=tracking)], described)
+
+
+def shaken(gearbox: Gearbox) -> Gearbox:
+    """Shake what carries the axles."""
+    amplitude = (ctypes.c_double * 2)(*AMPLITUDE)
+    w = ctypes.c_double(2 * math.pi * FREQUENCY)
+    gearbox.library.support_shake(gearbox.handle, amplitude, w)
+    return gearbox
+
+
+def moving(gearbox: Gearbox, t: float = 0.0137) -> State:
+    """Return a state in contact in which everything moves and accelerates."""
+    state = gearbox.start(gaps=[-2e-6], t=t)
+    random = np.random.default_rng(5)
+    scale = gearbox.scales()[0]
+    state.y += 0.1 * scale * random.uniform(-1, 1, len(state.y))
+    state.yp[:] = scale * random.uniform(-1, 1, len(state.y))
+    return state
+
+
+def test_axles_whose_carriers_are_shaken_alike_move_as_in_a_housing_that_is_shaken(kernel: Kernel):
+    """Equations, powers and Jacobian: what differs is the place in the ground frame alone."""
+    described = housing(
+        PRESCRIBED,
+        terms=[
+            term(axis, HARMONIC, a, frequency=FREQUENCY)
+            for axis, a in zip((X, Y), AMPLITUDE, strict=True)
+        ],
+    )
+    supports, carried = shaken(make(kernel)), make(kernel, described)
+    state = moving(carried)
+    for one, other in (
+        (supports.residual(state), carried.residual(state)),
+        (supports.jacobian(state, 1e3), carried.jacobian(state, 1e3)),
+    ):
+        # rounding of sums whose largest term is that of the springs
+        np.testing.assert_allclose(one, other, rtol=1e-12, atol=1e-14 * abs(other).max())
+    at_rest = make(kernel).residual(state)
+    assert abs(at_rest - carried.residual(state)).max() > 1  # shaking is felt
+
+
+@pytest.mark.parametrize("tracking", [CLOSED_FORM, DIFFERENTIAL])
+@pytest.mark.parametrize("body", HOUSINGS)
+def test_jacobian_is_the_residuals_where_supports_move_in_a_housing(
+    kernel: Kernel, body: str, tracking: int
+):
+    gearbox = shaken(make(kernel, HOUSINGS[body], tracking))
+    check_jacobian(gearbox, moving(gearbox))
