@@ -8,12 +8,12 @@ module evl_force_jacobian
    use evl_discrete_state, only: gearbox_mode
    use evl_gearbox, only: add_angle, add_speed, add_speed, gearbox_local, gearbox_local, gearbox_t, gearbox_t, i_turns, i_turns, &
                           wheel_speed, wheel_speed
-   use evl_housing, only: at_omega, frame_t
+   use evl_housing, only: at_omega, frame_t, housing_frame
    use evl_housing_jacobian, only: ride_gradient
-   use evl_jacobian_entries, only: add_entry, entry_index, jacobian_entries
+   use evl_jacobian_entries, only: add_entry, entry_index, jacobian_entries, marked_entries
    use evl_kinds, only: wp
    use evl_local_variables, only: i_omega, i_theta, local_link, n_local, wheel_link
-   use evl_shaft_jacobian, only: add_shaft, add_shaft_torque
+   use evl_shaft, only: shaft_t, shaft_torque, shaft_twist_rate
    use evl_status, only: has_failed, status_t
    use evl_tangent_line, only: tangent_line_t
    use evl_tooth_contact, only: contact_force, contact_mode, nominal_rho, tooth_contact_t, touches, tracking_closed_form
@@ -21,7 +21,7 @@ module evl_force_jacobian
    implicit none (type, external)
    private
 
-   public :: add_constants, add_forces, couple_reference, scatter
+   public :: add_constants, add_forces, couple_reference, find_pattern, scatter
 
    !> What the contacts of a flank share: those of the last one stay for the next.
    type :: flank_state
@@ -31,6 +31,29 @@ module evl_force_jacobian
    end type flank_state
 
 contains
+
+   !> Entries that df/dy may have in any discrete state, column after column; the housing is not mounted.
+   subroutine find_pattern(gearbox, rows, columns)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, allocatable, intent(out) :: rows(:), columns(:)
+      real(wp) :: marks(gearbox%n_states, gearbox%n_states), y(gearbox%n_states), reals(size(gearbox%contacts))
+      integer :: integers(gearbox%n_integers), i, j
+      type(jacobian_entries) :: entries
+      type(frame_t) :: frame
+      type(status_t) :: status
+
+      y = 0
+      integers = 0
+      reals = 0
+      marks = 0
+      call marked_entries(gearbox%n_states, entries)
+      call housing_frame(gearbox%housing, 0.0_wp, y, frame)
+      call add_constants(gearbox, entries, marks)
+      call add_forces(gearbox, 0.0_wp, y, integers, reals, frame, entries, marks, status)
+      call couple_reference(gearbox, entries, marks)
+      rows = pack(spread([(i, i=1, gearbox%n_states)], 2, gearbox%n_states), marks > 0)
+      columns = pack(spread([(j, j=1, gearbox%n_states)], 1, gearbox%n_states), marks > 0)
+   end subroutine find_pattern
 
    !> Add what neither time nor the state changes: rates that are states themselves, supports and elastic shafts.
    pure subroutine add_constants(gearbox, entries, values)
@@ -53,7 +76,7 @@ contains
       end do
       call add_entry(entries, i_theta, i_omega, -1.0_wp, values)
       do i = 1, size(gearbox%shafts)
-         call add_shaft_torque(gearbox, i, entries, values)
+         call add_shaft_torque(gearbox, gearbox%shafts(i), entries, values)
       end do
    end subroutine add_constants
 
@@ -80,7 +103,7 @@ contains
          if (has_failed(status)) return
       end do
       do i = 1, size(gearbox%shafts)
-         call add_shaft(gearbox, i, y, spin, entries, values)
+         call add_shaft(gearbox, gearbox%shafts(i), y, spin, entries, values)
       end do
       do i = 1, size(gearbox%wheels)
          call add_powers(gearbox, i, y, integers, entries, values)
@@ -170,15 +193,19 @@ contains
       type(mesh_force_gradient) :: gradient
       type(contact_mode) :: mode
 
-      mode = gearbox_mode(gearbox, index, integers, reals)
-      if (.not. touches(mode)) return
       associate (contact => gearbox%contacts(index))
-         if (at%mesh /= contact%mesh .or. at%flank /= contact%flank) call look_at_flank(gearbox, contact, y, at)
-         rho_a0 = nominal_rho(contact, y(i_theta), integers(i_turns), mode%tooth_pair)
-         call contact_gradient_at(contact, mode, rho_a0, at%q, at%line, force, gradient, status)
-         if (has_failed(status)) return
-         call add_torque(gearbox, contact, contact%wheel_a, force%torque_a, gradient%torque_a, y, spin, entries, values)
-         call add_torque(gearbox, contact, contact%wheel_b, force%torque_b, gradient%torque_b, y, spin, entries, values)
+         if (entries%marks) then ! it may touch
+            gradient = mesh_force_gradient(torque_a=0.0_wp, torque_b=0.0_wp, on_a=0.0_wp, dissipation=0.0_wp)
+         else
+            mode = gearbox_mode(gearbox, index, integers, reals)
+            if (.not. touches(mode)) return
+            if (at%mesh /= contact%mesh .or. at%flank /= contact%flank) call look_at_flank(gearbox, contact, y, at)
+            rho_a0 = nominal_rho(contact, y(i_theta), integers(i_turns), mode%tooth_pair)
+            call contact_gradient_at(contact, mode, rho_a0, at%q, at%line, force, gradient, status)
+            if (has_failed(status)) return
+         end if
+         call add_torque(gearbox, contact%links, contact%wheel_a, force%torque_a, gradient%torque_a, y, spin, entries, values)
+         call add_torque(gearbox, contact%links, contact%wheel_b, force%torque_b, gradient%torque_b, y, spin, entries, values)
          call add_push(contact%links, contact%link_a, gearbox%wheels(contact%wheel_a)%support%per_mass, gradient%on_a, entries, &
                        values)
          call add_push(contact%links, contact%link_b, -gearbox%wheels(contact%wheel_b)%support%per_mass, gradient%on_a, entries, &
@@ -205,27 +232,84 @@ contains
       end if
    end subroutine look_at_flank
 
-   !> A contact's torque on a wheel: it accelerates the wheel, or, if its speed is prescribed, is carried by the load.
-   pure subroutine add_torque(gearbox, contact, index, torque, gradient, y, spin, entries, values)
+   !> How a shaft's torque accelerates the rotors of its wheels, which never changes.
+   pure subroutine add_shaft_torque(gearbox, shaft, entries, values)
       type(gearbox_t), intent(in) :: gearbox
-      type(tooth_contact_t), intent(in) :: contact
+      type(shaft_t), intent(in) :: shaft
+      type(jacobian_entries), intent(in) :: entries
+      real(wp), intent(inout) :: values(entries%n_entries)
+      type(local_link) :: links(4)
+      integer :: n
+
+      if (shaft%rigid) return
+      call link_shaft(shaft, links, n)
+      associate (a => gearbox%wheels(shaft%wheel_a), b => gearbox%wheels(shaft%wheel_b), gradient => [shaft%stiffness, &
+                                                                                                      shaft%damping])
+         if (a%prescribed == 0) call scatter(links(:n), a%i_speed, a%per_inertia, gradient, entries, values)
+         if (b%prescribed == 0) call scatter(links(:n), b%i_speed, -b%per_inertia, gradient, entries, values)
+      end associate
+   end subroutine add_shaft_torque
+
+   !> Powers of a shaft: what its damping takes, and what a load brings that prescribes the speed of one of its wheels.
+   pure subroutine add_shaft(gearbox, shaft, y, spin, entries, values)
+      type(gearbox_t), intent(in) :: gearbox
+      type(shaft_t), intent(in) :: shaft
+      real(wp), intent(in) :: y(gearbox%n_states), spin
+      type(jacobian_entries), intent(in) :: entries
+      real(wp), intent(inout) :: values(entries%n_entries)
+      type(local_link) :: links(4)
+      real(wp) :: torque
+      integer :: n
+
+      if (shaft%rigid) return
+      call link_shaft(shaft, links, n)
+      torque = shaft_torque(shaft, y)
+      associate (a => shaft%wheel_a, b => shaft%wheel_b, gradient => [shaft%stiffness, shaft%damping])
+         if (gearbox%wheels(a)%prescribed > 0) &
+            call add_torque(gearbox, links(:n), a, -torque, -gradient, y, spin, entries, values)
+         if (gearbox%wheels(b)%prescribed > 0) call add_torque(gearbox, links(:n), b, torque, gradient, y, spin, entries, values)
+      end associate
+      call scatter(links(:n), gearbox%i_dissipated, -2*shaft%damping*shaft_twist_rate(shaft, y), [0.0_wp, 1.0_wp], entries, values)
+   end subroutine add_shaft
+
+   !> The twist of a shaft and its rate, the local variables of its torque, in terms of the state.
+   pure subroutine link_shaft(shaft, links, n)
+      type(shaft_t), intent(in) :: shaft
+      type(local_link), intent(out) :: links(4)
+      integer, intent(out) :: n !! how many there are
+      integer :: i
+
+      n = 0
+      do i = 1, 2
+         associate (psi => merge(shaft%i_psi_a, shaft%i_psi_b, i == 1), weight => real(3 - 2*i, wp))
+            if (psi == 0) cycle
+            links(n + 1:n + 2) = [local_link(1, psi, weight), local_link(2, psi + 1, weight)]
+            n = n + 2
+         end associate
+      end do
+   end subroutine link_shaft
+
+   !> A torque of a contact or a shaft on a wheel: it accelerates the wheel, or, if its speed is prescribed, is carried by the load.
+   pure subroutine add_torque(gearbox, links, index, torque, gradient, y, spin, entries, values)
+      type(gearbox_t), intent(in) :: gearbox
+      type(local_link), intent(in), contiguous :: links(:)
       integer, intent(in) :: index !! of the wheel
-      real(wp), intent(in) :: torque, gradient(n_local), y(gearbox%n_states), spin
+      real(wp), intent(in) :: torque, gradient(*), y(gearbox%n_states), spin
       type(jacobian_entries), intent(in) :: entries
       real(wp), intent(inout) :: values(entries%n_entries)
 
       associate (wheel => gearbox%wheels(index), work => gearbox%i_work)
          if (wheel%prescribed == 0) then
-            call scatter(contact%links, wheel%i_speed, -wheel%per_inertia, gradient, entries, values)
+            call scatter(links, wheel%i_speed, -wheel%per_inertia, gradient, entries, values)
             return
          end if
-         call scatter(contact%links, work, wheel_speed(wheel, y), gradient, entries, values)
+         call scatter(links, work, wheel_speed(wheel, y), gradient, entries, values)
          call add_speed(wheel, work, torque, entries, values)
          if (.not. (gearbox%housing%is_mounted .and. wheel_follows_ground(gearbox, index))) return
-         ! the torque of a speed prescribed against the ground balances the contacts, and acts on the housing
+         ! the torque of a speed prescribed against the ground balances it, and acts on the housing
          associate (o => gearbox%housing%i_state + at_omega + 2)
-            call scatter(contact%links, work, spin, gradient, entries, values)
-            call scatter(contact%links, o, 1.0_wp, gradient, entries, values)
+            call scatter(links, work, spin, gradient, entries, values)
+            call scatter(links, o, 1.0_wp, gradient, entries, values)
             call add_entry(entries, work, o, torque, values)
          end associate
       end associate
@@ -252,7 +336,7 @@ contains
    pure subroutine scatter(links, row, factor, gradient, entries, values)
       type(local_link), intent(in), contiguous :: links(:)
       integer, intent(in) :: row
-      real(wp), intent(in) :: factor, gradient(n_local)
+      real(wp), intent(in) :: factor, gradient(*)
       type(jacobian_entries), intent(in) :: entries
       real(wp), intent(inout) :: values(entries%n_entries)
       integer :: i
@@ -267,7 +351,7 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       type(jacobian_entries), intent(in) :: entries
       real(wp), intent(inout) :: values(entries%n_entries)
-      integer :: i, j, from, to
+      integer :: i, j, from
 
       do i = 1, size(gearbox%wheels)
          associate (wheel => gearbox%wheels(i))
@@ -275,8 +359,8 @@ contains
             do j = 1, entries%n
                from = entry_index(entries, i_omega, j)
                if (from == 0) cycle
-               to = entry_index(entries, wheel%i_speed, j)
-               values(to) = values(to) - wheel%ratio*values(from)
+               if (entries%marks .and. .not. values(from) > 0) cycle
+               call add_entry(entries, wheel%i_speed, j, -wheel%ratio*values(from), values)
             end do
          end associate
       end do

@@ -4,7 +4,7 @@
 !> steps by gearbox_ode_set.
 module evl_gearbox_ode
    use evl_contacts_in_lanes, only: lane_slot, put_down, settle_slots
-   use evl_force_jacobian, only: add_constants, add_forces, couple_reference
+   use evl_force_jacobian, only: add_constants, add_forces, couple_reference, find_pattern
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_events, only: gearbox_root, gearbox_root_directions, gearbox_roots
    use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
@@ -12,7 +12,6 @@ module evl_gearbox_ode
    use evl_gearbox_watch, only: n_channels
    use evl_housing, only: frame_t, housing_fixed, housing_frame
    use evl_jacobian_entries, only: jacobian_entries, listed_entries
-   use evl_jacobian_pattern, only: find_pattern
    use evl_kinds, only: lanes, wp
    use evl_local_variables, only: i_omega, i_theta
    use evl_ode_model, only: growth_by_coupling, growth_by_damping, growth_never, never, ode_model

@@ -1,4 +1,5 @@
-!> Where the entries of a Jacobian are kept: in a full matrix, or in a list of those that may differ from zero.
+!> Where the entries of a Jacobian are kept: in a full matrix, or in a list of those that may differ from zero, which whoever adds to
+!> them has marked before.
 !>
 !> Who adds to an entry names its row and column and need not know which.
 module evl_jacobian_entries
@@ -6,11 +7,12 @@ module evl_jacobian_entries
    implicit none (type, external)
    private
 
-   public :: jacobian_entries, full_matrix, listed_entries, entry_index, add_entry
+   public :: jacobian_entries, add_entry, entry_index, full_matrix, listed_entries, marked_entries
 
    type :: jacobian_entries
       integer :: n = 0                    !! rows, and columns
       integer :: n_entries = 0            !! how many are kept
+      logical :: marks = .false.          !! whether adding to an entry only marks it
       integer, allocatable :: list(:, :)  !! [n, n] (column, row): index in the list, 0 of what is zero; a full matrix has none
    end type jacobian_entries
 
@@ -24,6 +26,15 @@ contains
       entries%n = n
       entries%n_entries = n**2
    end subroutine full_matrix
+
+   !> All entries, to be marked: what is added to is 1.
+   pure subroutine marked_entries(n, entries)
+      integer, intent(in) :: n !! rows
+      type(jacobian_entries), intent(out) :: entries
+
+      call full_matrix(n, entries)
+      entries%marks = .true.
+   end subroutine marked_entries
 
    !> Some entries in a given order.
    pure subroutine listed_entries(n, rows, columns, entries)
@@ -61,7 +72,11 @@ contains
       integer :: index
 
       index = entry_index(entries, row, column)
-      values(index) = values(index) + amount
+      if (entries%marks) then
+         values(index) = 1
+      else
+         values(index) = values(index) + amount
+      end if
    end subroutine add_entry
 
 end module evl_jacobian_entries
