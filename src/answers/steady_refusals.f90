@@ -4,7 +4,7 @@ module evl_steady_refusals
    use evl_contact_point, only: contact_point
    use evl_deviating_flanks, only: flank_value
    use evl_discrete_state, only: flanks_of, gearbox_mode, tooth_pair_of
-   use evl_gearbox, only: gearbox_t, gearbox_t, wheel_speed, wheel_speed
+   use evl_gearbox, only: gearbox_t, wheel_speed
    use evl_housing, only: housing_prescribed
    use evl_kinds, only: wp
    use evl_start_positions, only: closed_form_point

@@ -14,8 +14,7 @@ module evl_steady_state
    use evl_status, only: code_no_solution, fail, has_failed, quantity, status_t, subject_initial
    use evl_steady_newton, only: find_slopes, solve_steady, steady_system
    use evl_steady_refusals, only: check_pressed, check_steady, refuse_alternation, refuse_slope
-   use evl_tooth_contact, only: contact_mode, contact_mode, flank_drive, flank_drive, flanks_loaded, flanks_loaded, flanks_off, &
-                                flanks_off, settle_friction, settle_friction, tracking_closed_form, tracking_closed_form
+   use evl_tooth_contact, only: contact_mode, flank_drive, flanks_loaded, flanks_off, settle_friction, tracking_closed_form
    use evl_wheel_loads, only: hold_loads, segment_of
    implicit none (type, external)
    private

@@ -7,8 +7,8 @@ module evl_contact_point
 
    public :: tracked_pair, contact_point, contact_gradient, base_arc, complete_point, complete_gradient
 
-   !> Constants of one tooth pair that its tracking needs. Base radii count with their sign where they add: that of an internal wheel
-   !> is negative, and so are its radii of curvature, R and rho_0.
+   !> Constants of one tooth pair that its tracking needs. Base radii count with their sign where they add: that of an internal
+   !> wheel is negative, and so are its radii of curvature, R and rho_0.
    type :: tracked_pair
       real(wp) :: sigma       !! +1: driving wheel nominally clockwise, -1: counterclockwise
       real(wp) :: r_ba, r_bb  !! base radii [m]

@@ -6,8 +6,7 @@ module evl_force_jacobian
    use evl_closed_form, only: closed_form_line
    use evl_contact_gradient, only: contact_gradient_at, mesh_force_gradient
    use evl_discrete_state, only: gearbox_mode
-   use evl_gearbox, only: add_angle, add_speed, add_speed, gearbox_local, gearbox_local, gearbox_t, gearbox_t, i_turns, i_turns, &
-                          wheel_speed, wheel_speed
+   use evl_gearbox, only: add_angle, add_speed, gearbox_local, gearbox_t, i_turns, wheel_speed
    use evl_housing, only: at_omega, frame_t, housing_frame
    use evl_housing_jacobian, only: ride_gradient
    use evl_jacobian_entries, only: add_entry, entry_index, jacobian_entries, marked_entries

@@ -6,9 +6,9 @@ module evl_gearbox_events
    use evl_contact_tracking, only: project_points
    use evl_dae_residual, only: gearbox_derivative
    use evl_discrete_state, only: carries_points, gearbox_mode
-   use evl_event_kinds, only: event_knot, event_knot, event_revolution, event_revolution
+   use evl_event_kinds, only: event_knot, event_revolution
    use evl_event_log, only: event_log, n_event_kinds, note
-   use evl_gearbox, only: gearbox_local, gearbox_local, gearbox_t, gearbox_t, i_turns, i_turns
+   use evl_gearbox, only: gearbox_local, gearbox_t, i_turns
    use evl_housing, only: housing_renormalise
    use evl_kinds, only: pi, wp
    use evl_knots, only: next_knot

@@ -1,8 +1,7 @@
 !> The equations of motion of a gearbox: accelerations of wheels and supports, and the powers, from forces and torques.
 module evl_gearbox_rates
    use evl_discrete_state, only: gearbox_mode, is_closed
-   use evl_gearbox, only: carried_acceleration, gearbox_local, gearbox_local, gearbox_t, gearbox_t, i_turns, i_turns, &
-                          wheel_position, wheel_position, wheel_speed, wheel_speed
+   use evl_gearbox, only: carried_acceleration, gearbox_local, gearbox_t, i_turns, wheel_position, wheel_speed
    use evl_housing, only: at_omega, frame_t, housing_frame, housing_rates
    use evl_kinds, only: wp
    use evl_local_variables, only: i_omega, i_theta, n_local, wheel_link

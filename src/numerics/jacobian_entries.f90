@@ -1,5 +1,5 @@
-!> Where the entries of a Jacobian are kept: in a full matrix, or in a list of those that may differ from zero, which whoever adds to
-!> them has marked before.
+!> Where the entries of a Jacobian are kept: in a full matrix, or in a list of those that may differ from zero. Who adds to them
+!> has marked these before.
 !>
 !> Who adds to an entry names its row and column and need not know which.
 module evl_jacobian_entries
