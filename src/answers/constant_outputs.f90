@@ -4,7 +4,7 @@ module evl_constant_outputs
    use evl_mesh_geometry, only: spur_pair_t
    use evl_mesh_reference, only: mesh_reference_t
    use evl_output, only: dims_mesh, dims_wheel, in_mesh_constants, in_wheel_constants
-   use evl_teller, only: begin, tell, tell_plane, teller_t
+   use evl_teller, only: begin, tell, teller_t
    use evl_tooth_contact, only: tooth_contact_t
    implicit none (type, external)
    private
@@ -25,7 +25,7 @@ contains
       call tell(teller, "tip_radius", "m", "r_a", "tip radius", wheel%tip_radius)
       call tell(teller, "mass", "kg", "m", "mass of the wheel", wheel%mass)
       call tell(teller, "inertia", "kg m2", "J", "moment of inertia about the axle", wheel%inertia)
-      call tell_plane(teller, "centre", "m", "O", "reference position of the axle", wheel%centre)
+      call tell(teller, "centre", "m", "O", "reference position of the axle", wheel%centre)
    end subroutine tell_wheel_constants
 
    subroutine tell_mesh_constants(teller, index, contact, pair, at)

@@ -60,9 +60,9 @@ contains
       do i = 1, size(gearbox%loads)
          associate (load => gearbox%loads(i)%load)
             associate (g => abs(gearbox%wheels(load%wheel)%ratio))
-               if (load%prescribes) speed = max(speed, load%largest_speed()/g)
+               if (load%prescribes) speed = max(speed, load%fastest/g)
                torque = torque + g*load%largest(g, 0.0_wp)
-               swing = swing + g*load%swing()
+               swing = swing + g*abs(load%swing)
             end associate
          end associate
       end do
@@ -149,7 +149,7 @@ contains
                associate (load => gearbox%loads(j)%load)
                   if (load%wheel /= i) cycle
                   torque = torque + load%largest(g, speed)
-                  swing = swing + load%swing()
+                  swing = swing + abs(load%swing)
                end associate
             end do
             force = max(force, torque*g/(ratio*arm))

@@ -78,7 +78,7 @@ contains
       if (any(is_known)) speeds = max(speeds, gearbox_likely_speed(gearbox)*abs(gearbox%wheels%ratio))
       do i = 1, size(gearbox%loads)
          associate (load => gearbox%loads(i)%load)
-            if (load%prescribes) speeds(load%wheel) = max(speeds(load%wheel), load%largest_speed())
+            if (load%prescribes) speeds(load%wheel) = max(speeds(load%wheel), load%fastest)
          end associate
       end do
       i = findloc(speeds > fast, .true., dim=1)

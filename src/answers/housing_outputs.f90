@@ -8,7 +8,7 @@ module evl_housing_outputs
    use evl_output, only: dims_mesh, dims_none, dims_wheel, in_bearings, in_mesh_positions, in_pose, in_wheel_positions, &
                          needs_nothing, needs_rates, needs_reactions
    use evl_rotation, only: cross, turned
-   use evl_teller, only: begin, needs, tell, tell_quaternion, tell_space, teller_t
+   use evl_teller, only: begin, needs, tell, teller_t
    use evl_tooth_contact, only: tooth_contact_t
    use evl_wheel_loads, only: wheel_housing_torque
    implicit none (type, external)
@@ -48,10 +48,9 @@ contains
 
       call begin(teller, in_bearings, dims_wheel, index)
       call needs(teller, needs_reactions)
-      call tell_space(teller, "bearing_force", "N", "", "force of the wheel on the housing, housing frame", reaction(1:3))
-      call tell_space(teller, "bearing_moment", "N m", "", &
-                      "moment of the wheel and its loads on the housing about the wheel's centre", &
-                      reaction(4:6))
+      call tell(teller, "bearing_force", "N", "", "force of the wheel on the housing, housing frame", reaction(1:3))
+      call tell(teller, "bearing_moment", "N m", "", "moment of the wheel and its loads on the housing about the wheel's centre", &
+                reaction(4:6))
    end subroutine tell_bearing
 
    !> Pose and motion of a housing that is not fixed.
@@ -61,20 +60,19 @@ contains
       real(wp), intent(in) :: gravity(3) !! [m/s^2]
 
       call begin(teller, in_pose, dims_none, 1)
-      call tell_space(teller, "housing_position", "m", "r", "position of the housing's origin, ground frame", frame%position)
-      call tell_quaternion(teller, "housing_orientation", "1", "p", "unit quaternion from the housing frame to the ground frame", &
-                           frame%orientation)
-      call tell_space(teller, "housing_velocity", "m s-1", "v", "velocity of the housing's origin, ground frame", frame%velocity)
+      call tell(teller, "housing_position", "m", "r", "position of the housing's origin, ground frame", frame%position)
+      call tell(teller, "housing_orientation", "1", "p", "unit quaternion from the housing frame to the ground frame", &
+                frame%orientation)
+      call tell(teller, "housing_velocity", "m s-1", "v", "velocity of the housing's origin, ground frame", frame%velocity)
       call needs(teller, needs_rates)
-      call tell_space(teller, "housing_acceleration", "m s-2", "v'", "acceleration of the housing's origin, ground frame", &
-                      turned(frame%rotation, frame%acceleration) + gravity)
+      call tell(teller, "housing_acceleration", "m s-2", "v'", "acceleration of the housing's origin, ground frame", &
+                turned(frame%rotation, frame%acceleration) + gravity)
       call needs(teller, needs_nothing)
-      call tell_space(teller, "housing_angular_velocity", "rad s-1", "Omega", "angular velocity of the housing, housing frame", &
-                      frame%omega)
+      call tell(teller, "housing_angular_velocity", "rad s-1", "Omega", "angular velocity of the housing, housing frame", &
+                frame%omega)
       call needs(teller, needs_rates)
-      call tell_space(teller, "housing_angular_acceleration", "rad s-2", "Omega'", &
-                      "angular acceleration of the housing, housing frame", &
-                      frame%alpha)
+      call tell(teller, "housing_angular_acceleration", "rad s-2", "Omega'", "angular acceleration of the housing, housing frame", &
+                frame%alpha)
    end subroutine tell_pose
 
    !> Add a mesh's force to the reactions of its two wheels.

@@ -11,7 +11,7 @@ module evl_mesh_outputs
    use evl_output, only: dims_mesh, in_coast, in_meshes, needs_meshes, needs_pairs, needs_points, needs_reactions
    use evl_pair_outputs, only: tell_pairs
    use evl_tangent_line, only: tangent_line_t
-   use evl_teller, only: begin, needs, tell, tell_plane, teller_t
+   use evl_teller, only: begin, needs, tell, teller_t
    use evl_tooth_contact, only: contact_energy, contact_force, contact_state, flank_coast, flank_drive, flanks_apart, &
                                 flanks_loaded, flanks_off, locate_contact, nominal_rho, touches, tracking_closed_form
    implicit none (type, external)
@@ -87,8 +87,8 @@ contains
       call tell(teller, "efficiency", "1", "eta", "1 - friction loss over the power that the driving wheel hands over", &
                 efficiency(total, at%point%omega_a))
       call needs(teller, needs_points)
-      call tell_plane(teller, "contact_point_driving", "m", "P_A", "contact point on the driving flank", points%driving)
-      call tell_plane(teller, "contact_point_driven", "m", "P_B", "contact point on the driven flank", points%driven)
+      call tell(teller, "contact_point_driving", "m", "P_A", "contact point on the driving flank", points%driving)
+      call tell(teller, "contact_point_driven", "m", "P_B", "contact point on the driven flank", points%driven)
    end subroutine tell_mesh
 
    !> Only where a mesh has coast flanks.

@@ -53,8 +53,7 @@ contains
       call tell(teller, "pair_tooth_driven", "1", "", "its tooth of the driven wheel, from 0, counterclockwise", tooth_b)
       call tell(teller, "pair_contact_mode", "1", "", &
                 "0 open, 1 loaded, 2 overlapping without force, 3 too far apart to track, 4 off the path", mode%flanks)
-      call tell(teller, "pair_penetration", "m", "h_k", "penetration of the flanks, negative for a gap; NaN off the path", &
-                point%h)
+      call tell(teller, "pair_penetration", "m", "h_k", "penetration of the flanks, negative for a gap; NaN off the path", point%h)
    end subroutine tell_pair
 
    !> All tooth pairs of a mesh.

@@ -18,7 +18,7 @@ module evl_teller
    implicit none (type, external)
    private
 
-   public :: teller_t, begin, fill, list, needs, tell, tell_plane, tell_quaternion, tell_space, told, wants
+   public :: teller_t, begin, fill, list, needs, tell, told, wants
 
    type :: teller_t
       private
@@ -32,7 +32,7 @@ module evl_teller
 
    !> One row: name, unit, symbol, text, value.
    interface tell
-      module procedure tell_real, tell_integer, tell_logical
+      module procedure tell_real, tell_integer, tell_logical, tell_vector
    end interface tell
 
 contains
@@ -144,52 +144,22 @@ contains
       call tell_integer(teller, name, units, symbol, text, merge(1, 0, value))
    end subroutine tell_logical
 
-   !> A vector along the axes x and y.
-   pure subroutine tell_plane(teller, name, units, symbol, text, value)
+   !> A vector, its components side by side.
+   pure subroutine tell_vector(teller, name, units, symbol, text, value)
       type(teller_t), intent(inout) :: teller
       character(len=*), intent(in) :: name, units, symbol, text
-      real(wp), intent(in) :: value(2)
+      real(wp), intent(in), contiguous :: value(:)
+      integer :: i, first
 
       if (associated(teller%all)) then
-         associate (at => teller%at + 1*teller%element)
-            teller%all(at:at + 1) = value
-         end associate
-         teller%at = teller%at + 2*teller%step
+         first = teller%at + (size(value) - 1)*teller%element - 1
+         do i = 1, size(value)
+            teller%all(first + i) = value(i)
+         end do
+         teller%at = teller%at + size(value)*teller%step
       else
          call tell_row(teller%rows, name, units, symbol, text, value, .false.)
       end if
-   end subroutine tell_plane
-
-   !> A vector in space.
-   pure subroutine tell_space(teller, name, units, symbol, text, value)
-      type(teller_t), intent(inout) :: teller
-      character(len=*), intent(in) :: name, units, symbol, text
-      real(wp), intent(in) :: value(3)
-
-      if (associated(teller%all)) then
-         associate (at => teller%at + 2*teller%element)
-            teller%all(at:at + 2) = value
-         end associate
-         teller%at = teller%at + 3*teller%step
-      else
-         call tell_row(teller%rows, name, units, symbol, text, value, .false.)
-      end if
-   end subroutine tell_space
-
-   !> A quaternion.
-   pure subroutine tell_quaternion(teller, name, units, symbol, text, value)
-      type(teller_t), intent(inout) :: teller
-      character(len=*), intent(in) :: name, units, symbol, text
-      real(wp), intent(in) :: value(4)
-
-      if (associated(teller%all)) then
-         associate (at => teller%at + 3*teller%element)
-            teller%all(at:at + 3) = value
-         end associate
-         teller%at = teller%at + 4*teller%step
-      else
-         call tell_row(teller%rows, name, units, symbol, text, value, .false.)
-      end if
-   end subroutine tell_quaternion
+   end subroutine tell_vector
 
 end module evl_teller

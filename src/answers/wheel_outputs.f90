@@ -5,7 +5,7 @@ module evl_wheel_outputs
    use evl_local_variables, only: i_theta
    use evl_output, only: dims_wheel, in_wheels, needs_meshes, needs_nothing, needs_rates
    use evl_support, only: axle_deviation, axle_deviation_rate
-   use evl_teller, only: begin, needs, tell, tell_plane, teller_t
+   use evl_teller, only: begin, needs, tell, teller_t
    implicit none (type, external)
    private
 
@@ -36,9 +36,8 @@ contains
       call needs(teller, needs_meshes)
       call tell(teller, "load_torque", "N m", "M", "torque of the loads", at%load_torque)
       call needs(teller, needs_nothing)
-      call tell_plane(teller, "centre_displacement", "m", "u", "displacement of the axle from its reference position", &
-                      at%displacement)
-      call tell_plane(teller, "centre_velocity", "m s-1", "u'", "velocity of the axle", at%velocity)
+      call tell(teller, "centre_displacement", "m", "u", "displacement of the axle from its reference position", at%displacement)
+      call tell(teller, "centre_velocity", "m s-1", "u'", "velocity of the axle", at%velocity)
    end subroutine tell_wheel
 
    !> A wheel at a state with its rates f.

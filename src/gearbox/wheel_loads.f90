@@ -85,7 +85,7 @@ contains
       integer :: i
 
       do i = 1, size(gearbox%loads)
-         call gearbox%loads(i)%load%hold()
+         gearbox%loads(i)%load%swing = 0
       end do
    end subroutine hold_loads
 

@@ -15,7 +15,6 @@ module evl_harmonic_load
 
    type, extends(load_t) :: harmonic_load
       real(wp) :: mean = 0.0_wp      !! [N m]
-      real(wp) :: amplitude = 0.0_wp !! [N m]
       real(wp) :: frequency = 0.0_wp !! [Hz]; 0 if by order
       real(wp) :: order = 0.0_wp     !! cycles a turn of the wheel; 0 if by frequency
       real(wp) :: phase = 0.0_wp     !! in cycles
@@ -26,8 +25,6 @@ module evl_harmonic_load
       procedure :: ask
       procedure :: largest
       procedure :: add_in_lanes
-      procedure :: swing
-      procedure :: hold
    end type harmonic_load
 
 contains
@@ -64,7 +61,7 @@ contains
       type(load_input), intent(in) :: given
 
       self%mean = given_number(given, 1)
-      self%amplitude = given_number(given, 2)
+      self%swing = given_number(given, 2)
       self%by_angle = has_number(given, 4)
       if (self%by_angle) then
          self%order = given_number(given, 4)
@@ -82,9 +79,9 @@ contains
       real(wp) :: sine, cosine
 
       call sine_cosine(argument(self%frequency*at%t + self%order*(at%angle/(2*pi)), start_of(self, at%revolutions)), sine, cosine)
-      torque = self%mean + self%amplitude*sine
+      torque = self%mean + self%swing*sine
       damping = 0
-      stiffness = -self%amplitude*self%order*cosine
+      stiffness = -self%swing*self%order*cosine
    end subroutine ask
 
    !> Of the cycles, those that have nothing to do with time and angle: the phase, and the part of a cycle in which whole turns end.
@@ -113,7 +110,7 @@ contains
       integer :: l
 
       mean = self%mean
-      amplitude = self%amplitude
+      amplitude = self%swing
       frequency = self%frequency
       order = self%order
       start = start_of(self, at%revolutions)
@@ -130,18 +127,5 @@ contains
 
       largest = abs(self%mean)
    end function largest
-
-   pure real(wp) function swing(self)
-      class(harmonic_load), intent(in) :: self
-
-      swing = abs(self%amplitude)
-   end function swing
-
-   !> A steady state has the mean torque.
-   pure subroutine hold(self)
-      class(harmonic_load), intent(inout) :: self
-
-      self%amplitude = 0
-   end subroutine hold
 
 end module evl_harmonic_load

@@ -43,6 +43,8 @@ module evl_load
       logical :: by_speed = .false.         !! its torque depends on the speed of the wheel
       logical :: by_angle = .false.         !! its torque depends on the angle of the wheel
       logical :: may_feed = .false.         !! its torque may grow with the speed: it can feed a vibration
+      real(wp) :: swing = 0.0_wp            !! amplitude of its torque about the mean [N m]; a steady state sets it to 0
+      real(wp) :: fastest = 0.0_wp          !! largest magnitude of the prescribed speed [rad/s]
       character(len=parameter_name_length) :: sense = "value" !! parameter that gives its torque or speed its sense
    contains
       procedure(describe_kind), deferred, nopass :: describe
@@ -54,9 +56,6 @@ module evl_load
       procedure :: spin_torque
       procedure :: speed => no_speed
       procedure :: acceleration => no_acceleration
-      procedure :: largest_speed => no_largest_speed
-      procedure :: swing => no_swing
-      procedure :: hold => hold_nothing
    end type load_t
 
    abstract interface
@@ -86,7 +85,7 @@ module evl_load
          real(wp), intent(out) :: stiffness !! -dM/dphi [N m]; 0 without by_angle
       end subroutine torque_there
 
-      !> The largest magnitude of the torque but for oscillations, as a scale of forces, of a wheel that turns at ratio*speed [N m].
+      !> The largest magnitude of the torque but for its swing, as a scale of forces, of a wheel that turns at ratio*speed [N m].
       pure real(wp) function largest_torque(self, ratio, speed)
          import :: load_t, wp
          implicit none (type, external)
@@ -155,24 +154,5 @@ contains
 
       acceleration = 0
    end function no_acceleration
-
-   !> Largest magnitude of the prescribed speed [rad/s].
-   pure real(wp) function no_largest_speed(self) result(speed)
-      class(load_t), intent(in) :: self
-
-      speed = 0
-   end function no_largest_speed
-
-   !> How far the torque oscillates [N m]: the scale of forces where no load has another.
-   pure real(wp) function no_swing(self) result(torque)
-      class(load_t), intent(in) :: self
-
-      torque = 0
-   end function no_swing
-
-   !> Become what a steady state takes the load for: its mean torque. A kind that does not oscillate is what it is.
-   pure subroutine hold_nothing(self)
-      class(load_t), intent(inout) :: self
-   end subroutine hold_nothing
 
 end module evl_load

@@ -20,7 +20,6 @@ module evl_speed_load
       procedure :: largest
       procedure :: speed
       procedure :: acceleration
-      procedure :: largest_speed
    end type speed_load
 
 contains
@@ -54,8 +53,10 @@ contains
       self%prescribes = .true.
       if (has_number(given, 1)) then
          self%value = given_number(given, 1)
+         self%fastest = abs(self%value)
       else
          self%knots = knots_t(given_series(given, 2), given_series(given, 3))
+         self%fastest = maxval(abs(self%knots%values))
          self%sense = "speed"
       end if
    end subroutine take
@@ -93,12 +94,5 @@ contains
       acceleration = 0
       if (allocated(self%knots%time)) acceleration = knot_slope(self%knots, segment)
    end function acceleration
-
-   pure real(wp) function largest_speed(self) result(speed)
-      class(speed_load), intent(in) :: self
-
-      speed = abs(self%value)
-      if (allocated(self%knots%time)) speed = maxval(abs(self%knots%values))
-   end function largest_speed
 
 end module evl_speed_load
