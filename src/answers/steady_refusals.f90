@@ -6,6 +6,7 @@ module evl_steady_refusals
    use evl_discrete_state, only: flanks_of, gearbox_mode, tooth_pair_of
    use evl_gearbox, only: gearbox_t, wheel_speed
    use evl_housing, only: housing_prescribed
+   use evl_joined, only: joined_to
    use evl_kinds, only: wp
    use evl_start_positions, only: closed_form_point
    use evl_status, only: code_no_solution, fail, message_length, quantity, status_t, subject_housing, subject_initial, &
@@ -162,25 +163,13 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       type(tooth_contact_t), intent(in) :: contact
       logical :: joined(size(gearbox%wheels))
-      integer :: before, i
+      integer :: i
 
-      joined = .false.
-      joined(contact%wheel_a) = .true.
-      do
-         before = count(joined)
-         do i = 1, size(gearbox%pairs)
-            if (i == contact%mesh) cycle
-            associate (other => gearbox%contacts(gearbox%first(i)))
-               if (any(joined([other%wheel_a, other%wheel_b]))) joined([other%wheel_a, other%wheel_b]) = .true.
-            end associate
-         end do
-         do i = 1, size(gearbox%shafts)
-            associate (ends => [gearbox%shafts(i)%wheel_a, gearbox%shafts(i)%wheel_b])
-               if (any(joined(ends))) joined(ends) = .true.
-            end associate
-         end do
-         if (count(joined) == before) exit
-      end do
+      associate (firsts => gearbox%first(:size(gearbox%pairs)))
+         joined = joined_to(contact%wheel_a, [gearbox%contacts(firsts)%wheel_a, gearbox%shafts%wheel_a], &
+                            [gearbox%contacts(firsts)%wheel_b, gearbox%shafts%wheel_b], &
+                            [(i /= contact%mesh, i=1, size(firsts) + size(gearbox%shafts))], size(joined))
+      end associate
    end function joined_without
 
    !> The modes do not settle: name the tooth pair that is on its path where others carry the load, and off it where it does.

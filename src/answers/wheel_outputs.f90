@@ -4,7 +4,7 @@ module evl_wheel_outputs
    use evl_kinds, only: pi, wp
    use evl_local_variables, only: i_theta
    use evl_output, only: dims_wheel, in_wheels, needs_meshes, needs_nothing, needs_rates
-   use evl_support, only: axle_deviation, axle_deviation_rate
+   use evl_support, only: axle_deviation
    use evl_teller, only: begin, needs, tell, teller_t
    implicit none (type, external)
    private
@@ -57,7 +57,7 @@ contains
       at%load_torque = load_torque
       kinetic = kinetic + wheel%inertia*at%speed**2/2
       at%displacement = axle_deviation(wheel%support, y)
-      at%velocity = axle_deviation_rate(wheel%support, y)
+      at%velocity = axle_deviation(wheel%support, y(2:))
       associate (support => wheel%support)
          do j = 1, support%n
             associate (i => support%i_state(j))

@@ -6,13 +6,13 @@ module evl_force_jacobian
    use evl_closed_form, only: closed_form_line
    use evl_contact_gradient, only: contact_gradient_at, mesh_force_gradient
    use evl_discrete_state, only: gearbox_mode
-   use evl_gearbox, only: add_angle, add_speed, gearbox_local, gearbox_t, i_turns, wheel_speed
+   use evl_gearbox, only: add_turn, gearbox_local, gearbox_t, i_turns, of_angle, of_speed, wheel_speed
    use evl_housing, only: at_omega, frame_t, housing_frame
    use evl_housing_jacobian, only: ride_gradient
    use evl_jacobian_entries, only: add_entry, entry_index, jacobian_entries, marked_entries
    use evl_kinds, only: wp
    use evl_local_variables, only: i_omega, i_theta, local_link, n_local, wheel_link
-   use evl_shaft, only: shaft_t, shaft_torque, shaft_twist_rate
+   use evl_shaft, only: shaft_t, shaft_torque, shaft_twist
    use evl_status, only: has_failed, status_t
    use evl_tangent_line, only: tangent_line_t
    use evl_tooth_contact, only: contact_force, contact_mode, nominal_rho, tooth_contact_t, touches, tracking_closed_form
@@ -130,8 +130,9 @@ contains
             end associate
          end do
          if (wheel%prescribed > 0) &
-            call add_speed(wheel, gearbox%i_work, -wheel%inertia*wheel_acceleration(gearbox, index, 0.0_wp, integers), entries, &
-                           values)
+            call add_turn(wheel, of_speed, gearbox%i_work, -wheel%inertia*wheel_acceleration(gearbox, index, 0.0_wp, integers), &
+                          entries, &
+                          values)
       end associate
    end subroutine add_powers
 
@@ -150,8 +151,8 @@ contains
          associate (wheel => gearbox%wheels(load%wheel))
             if (wheel%prescribed > 0) return
             call load_gradient(gearbox, index, t, y, integers, spin, damping, stiffness)
-            if (load%by_speed) call add_speed(wheel, wheel%i_speed, damping*wheel%per_inertia, entries, values)
-            if (load%by_angle) call add_angle(wheel, wheel%i_speed, stiffness*wheel%per_inertia, entries, values)
+            if (load%by_speed) call add_turn(wheel, of_speed, wheel%i_speed, damping*wheel%per_inertia, entries, values)
+            if (load%by_angle) call add_turn(wheel, of_angle, wheel%i_speed, stiffness*wheel%per_inertia, entries, values)
          end associate
       end associate
    end subroutine add_load
@@ -171,8 +172,9 @@ contains
             if (wheel%prescribed > 0) return
             omega = wheel_speed(wheel, y)
             call load_gradient(gearbox, index, t, y, integers, spin, damping, stiffness)
-            call add_speed(wheel, gearbox%i_work, damping*omega - load_torque(gearbox, index, t, y, integers), entries, values)
-            if (load%by_angle) call add_angle(wheel, gearbox%i_work, stiffness*omega, entries, values)
+            call add_turn(wheel, of_speed, gearbox%i_work, damping*omega - load_torque(gearbox, index, t, y, integers), entries, &
+                          values)
+            if (load%by_angle) call add_turn(wheel, of_angle, gearbox%i_work, stiffness*omega, entries, values)
          end associate
       end associate
    end subroutine add_load_power
@@ -268,7 +270,7 @@ contains
             call add_torque(gearbox, links(:n), a, -torque, -gradient, y, spin, entries, values)
          if (gearbox%wheels(b)%prescribed > 0) call add_torque(gearbox, links(:n), b, torque, gradient, y, spin, entries, values)
       end associate
-      call scatter(links(:n), gearbox%i_dissipated, -2*shaft%damping*shaft_twist_rate(shaft, y), [0.0_wp, 1.0_wp], entries, values)
+      call scatter(links(:n), gearbox%i_dissipated, -2*shaft%damping*shaft_twist(shaft, y(2:)), [0.0_wp, 1.0_wp], entries, values)
    end subroutine add_shaft
 
    !> The twist of a shaft and its rate, the local variables of its torque, in terms of the state.
@@ -303,7 +305,7 @@ contains
             return
          end if
          call scatter(links, work, wheel_speed(wheel, y), gradient, entries, values)
-         call add_speed(wheel, work, torque, entries, values)
+         call add_turn(wheel, of_speed, work, torque, entries, values)
          if (.not. (gearbox%housing%is_mounted .and. wheel_follows_ground(gearbox, index))) return
          ! the torque of a speed prescribed against the ground balances it, and acts on the housing
          associate (o => gearbox%housing%i_state + at_omega + 2)

@@ -31,17 +31,18 @@ module evl_gearbox
    use evl_rational, only: rational_t
    use evl_shaft, only: shaft_t
    use evl_status, only: status_t
-   use evl_support, only: axle_deviation, axle_deviation_rate, axle_motion, support_t
+   use evl_support, only: axle_deviation, axle_motion, support_t
    use evl_tooth_contact, only: tooth_contact_t
    implicit none (type, external)
    private
 
-   public :: add_angle, add_speed
+   public :: add_turn, of_angle, of_speed
    public :: gearbox_t, load_slot, section_t, wheel_t
    public :: carried_acceleration, gearbox_local, wheel_accelerations, wheel_position, wheel_speed
    public :: i_turns
 
    integer, parameter :: i_turns = 1 !! index of the turns in the discrete state
+   integer, parameter :: of_angle = 0, of_speed = i_omega - i_theta !! places of them behind that of the angle
 
    type :: wheel_t
       integer :: teeth = 0                   !! 0: a disc
@@ -130,29 +131,18 @@ contains
       if (wheel%i_psi > 0) omega = omega + y(wheel%i_psi + 1)
    end function wheel_speed
 
-   !> Add a multiple of a wheel's speed gradient to a row.
-   pure subroutine add_speed(wheel, row, factor, entries, values)
+   !> Add a multiple of the gradient of a wheel's angle or speed to a row.
+   pure subroutine add_turn(wheel, order, row, factor, entries, values)
       type(wheel_t), intent(in) :: wheel
-      integer, intent(in) :: row !! of a Jacobian
+      integer, intent(in) :: order !! of_angle or of_speed
+      integer, intent(in) :: row   !! of a Jacobian
       real(wp), intent(in) :: factor
       type(jacobian_entries), intent(in) :: entries
       real(wp), intent(inout) :: values(entries%n_entries)
 
-      call add_entry(entries, row, i_omega, wheel%ratio*factor, values)
-      if (wheel%i_psi > 0) call add_entry(entries, row, wheel%i_psi + 1, factor, values)
-   end subroutine add_speed
-
-   !> Add a multiple of a wheel's angle gradient to a row.
-   pure subroutine add_angle(wheel, row, factor, entries, values)
-      type(wheel_t), intent(in) :: wheel
-      integer, intent(in) :: row !! of a Jacobian
-      real(wp), intent(in) :: factor
-      type(jacobian_entries), intent(in) :: entries
-      real(wp), intent(inout) :: values(entries%n_entries)
-
-      call add_entry(entries, row, i_theta, wheel%ratio*factor, values)
-      if (wheel%i_psi > 0) call add_entry(entries, row, wheel%i_psi, factor, values)
-   end subroutine add_angle
+      call add_entry(entries, row, i_theta + order, wheel%ratio*factor, values)
+      if (wheel%i_psi > 0) call add_entry(entries, row, wheel%i_psi + order, factor, values)
+   end subroutine add_turn
 
    !> Centre of a wheel in the housing frame and its velocity there [m], [m/s].
    pure subroutine wheel_position(wheel, t, y, centre, velocity)
@@ -163,7 +153,7 @@ contains
 
       reference = wheel%support%kind%reference(wheel%centre, t)
       centre = [reference%centre + axle_deviation(wheel%support, y), wheel%axial_position]
-      velocity = [reference%velocity + axle_deviation_rate(wheel%support, y), 0.0_wp]
+      velocity = [reference%velocity + axle_deviation(wheel%support, y(2:)), 0.0_wp]
    end subroutine wheel_position
 
    !> Accelerations of a wheel relative to the housing.
@@ -176,7 +166,7 @@ contains
 
       reference = wheel%support%kind%reference(wheel%centre, t)
       turn = wheel_speed(wheel, yp)
-      acceleration = [reference%acceleration + axle_deviation_rate(wheel%support, yp), 0.0_wp]
+      acceleration = [reference%acceleration + axle_deviation(wheel%support, yp(2:)), 0.0_wp]
    end subroutine wheel_accelerations
 
    !> Acceleration, less gravity, of a wheel whose deviation from the reference motion rests at its place [m/s^2].

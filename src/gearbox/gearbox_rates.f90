@@ -10,7 +10,7 @@ module evl_gearbox_rates
    use evl_shaft, only: shaft_loss, shaft_torque
    use evl_springs_and_dampers, only: damper_power, support_acceleration
    use evl_status, only: has_failed, status_t
-   use evl_support, only: axle_deviation_rate
+   use evl_support, only: axle_deviation
    use evl_tooth_contact, only: contact_forces, contact_state, locate_contact, nominal_rho, touches
    use evl_wheel_loads, only: wheel_acceleration, wheel_follows_ground, wheel_housing_torque, wheel_load_torque, wheel_spin_torque
    implicit none (type, external)
@@ -238,7 +238,7 @@ contains
       associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support, power => f(gearbox%i_work))
          omega = wheel_speed(wheel, y)
          call wheel_position(wheel, t, y, centre, velocity)
-         velocity = [axle_deviation_rate(support, y), 0.0_wp]
+         velocity = [axle_deviation(support, y(2:)), 0.0_wp]
          carried = carried_acceleration(wheel, frame, centre)
          apparent = carried + 2*cross(frame%omega, velocity)
          do j = 1, support%n

@@ -2,13 +2,14 @@
 !>
 !> Source: the derivatives of docs/housing.md, one by one. Those by y' are in evl_housing_dynamics.
 module evl_housing_jacobian
-   use evl_gearbox, only: add_angle, add_speed, carried_acceleration, gearbox_t, wheel_accelerations, wheel_position, wheel_speed
+   use evl_gearbox, only: add_turn, carried_acceleration, gearbox_t, of_angle, of_speed, wheel_accelerations, wheel_position, &
+                          wheel_speed
    use evl_housing, only: apparent_acceleration, at_omega, at_orientation, at_position, at_velocity, frame_t, housing_t, &
                           mount_force, n_housing_states, norm_rate
    use evl_jacobian_entries, only: add_entry, full_matrix, jacobian_entries
    use evl_kinds, only: wp
    use evl_rotation, only: cross, crossed, identity, rotated_back_gradient, rotated_gradient, skew, turned, turned_back
-   use evl_support, only: axle_deviation_rate
+   use evl_support, only: axle_deviation
    use evl_wheel_loads, only: load_gradient, wheel_acceleration, wheel_follows_ground, wheel_housing_torque, wheel_load_torque, &
                               wheel_spin_torque
    implicit none (type, external)
@@ -32,9 +33,10 @@ contains
 
       associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support, work => gearbox%i_work)
          call wheel_position(wheel, t, y, centre, velocity)
-         velocity = [axle_deviation_rate(support, y), 0.0_wp]
+         velocity = [axle_deviation(support, y(2:)), 0.0_wp]
          if (wheel%prescribed == 0) &
-            call add_speed(wheel, work, -wheel_spin_torque(gearbox, index, frame%omega(3), t, y, integers), entries, values)
+            call add_turn(wheel, of_speed, work, -wheel_spin_torque(gearbox, index, frame%omega(3), t, y, integers), entries, &
+                          values)
          by_centre = gradient_by_centre(frame)
          do j = 1, support%n
             row = [support%direction(:, j), 0.0_wp]
@@ -47,7 +49,8 @@ contains
             end do
          end do
          if (gearbox%housing%is_mounted) return
-         if (wheel_follows_ground(gearbox, index)) call add_speed(wheel, work, wheel%inertia*frame%alpha(3), entries, values)
+         if (wheel_follows_ground(gearbox, index)) call add_turn(wheel, of_speed, work, wheel%inertia*frame%alpha(3), entries, &
+                                                                 values)
          do k = 1, support%n
             d = [support%direction(:, k), 0.0_wp]
             associate (s => support%i_state(k))
@@ -129,13 +132,13 @@ contains
             jacobian(wheel%i_speed, o) = jacobian(wheel%i_speed, o) + damping/wheel%rotor_inertia
             jacobian(work, o) = jacobian(work, o) + damping*omega
          else
-            call add_speed(wheel, work, -wheel%inertia*frame%alpha(3), entries, jacobian)
+            call add_turn(wheel, of_speed, work, -wheel%inertia*frame%alpha(3), entries, jacobian)
          end if
-         call add_speed(wheel, work, -spin*by_speed, entries, jacobian)
-         call add_angle(wheel, work, -spin*by_angle, entries, jacobian)
+         call add_turn(wheel, of_speed, work, -spin*by_speed, entries, jacobian)
+         call add_turn(wheel, of_angle, work, -spin*by_angle, entries, jacobian)
          jacobian(work, o) = jacobian(work, o) - ground - spin*by_spin
-         call add_speed(wheel, o, -by_speed, entries, jacobian)
-         call add_angle(wheel, o, -by_angle, entries, jacobian)
+         call add_turn(wheel, of_speed, o, -by_speed, entries, jacobian)
+         call add_turn(wheel, of_angle, o, -by_angle, entries, jacobian)
          jacobian(o, o) = jacobian(o, o) - by_spin
       end associate
    end subroutine ground_gradient
@@ -326,8 +329,8 @@ contains
             wrench(5, o) = wrench(5, o) - spin
             wrench(5, o + 2) = wrench(5, o + 2) - omega(1)*difference
          end associate
-         call add_speed(wheel, row + 3, wheel%inertia*omega(2), entries, jacobian)
-         call add_speed(wheel, row + 4, -wheel%inertia*omega(1), entries, jacobian)
+         call add_turn(wheel, of_speed, row + 3, wheel%inertia*omega(2), entries, jacobian)
+         call add_turn(wheel, of_speed, row + 4, -wheel%inertia*omega(1), entries, jacobian)
          do j = 1, support%n
             d = [support%direction(:, j), 0.0_wp]
             by_place = turned(gradient_by_centre(frame), d)

@@ -2,6 +2,7 @@
 module evl_outside_torques
    use evl_gearbox, only: gearbox_t, wheel_speed
    use evl_housing, only: frame_t
+   use evl_joined, only: joined_to
    use evl_kinds, only: wp
    use evl_shaft, only: shaft_torque
    use evl_wheel_loads, only: wheel_load_torque, wheel_spin_torque
@@ -72,40 +73,18 @@ contains
       real(wp), intent(out) :: carried(:)
       real(wp) :: needed(size(gearbox%wheels))
       logical :: behind(size(gearbox%wheels))
-      integer :: i
+      integer :: i, k
 
       call needed_torques(gearbox, y, f, frame, torque, needed)
       do i = 1, size(gearbox%shafts)
          if (gearbox%shafts(i)%rigid) then
-            call wheels_behind(gearbox, i, behind)
-            carried(i) = sum(needed, mask=behind)
+            behind = joined_to(gearbox%shafts(i)%wheel_b, gearbox%shafts%wheel_a, gearbox%shafts%wheel_b, &
+                               gearbox%shafts%rigid .and. [(k /= i, k=1, size(gearbox%shafts))], size(behind))
+            carried(i) = sum(needed, mask=behind) ! a rotor's shafts form no ring
          else
             carried(i) = shaft_torque(gearbox%shafts(i), y)
          end if
       end do
    end subroutine shaft_torques
-
-   !> The wheels that turn with the second wheel of a rigid shaft by other rigid shafts: a rotor's shafts form no ring.
-   pure subroutine wheels_behind(gearbox, index, behind)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index
-      logical, intent(out) :: behind(:)
-      logical :: found
-      integer :: i
-
-      behind = .false.
-      behind(gearbox%shafts(index)%wheel_b) = .true.
-      found = .true.
-      do while (found)
-         found = .false.
-         do i = 1, size(gearbox%shafts)
-            associate (shaft => gearbox%shafts(i))
-               if (i == index .or. .not. shaft%rigid .or. (behind(shaft%wheel_a) .eqv. behind(shaft%wheel_b))) cycle
-               behind([shaft%wheel_a, shaft%wheel_b]) = .true.
-               found = .true.
-            end associate
-         end do
-      end do
-   end subroutine wheels_behind
 
 end module evl_outside_torques

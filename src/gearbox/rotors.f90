@@ -1,6 +1,7 @@
 !> Which wheels rigid shafts join to one rotor.
 module evl_rotors
    use evl_gearbox, only: gearbox_t
+   use evl_joined, only: joined_to
    use evl_status, only: code_invalid_input, fail, has_failed, status_t, subject_load, subject_shaft
    implicit none (type, external)
    private
@@ -16,26 +17,21 @@ contains
    subroutine rotors_join(gearbox, status)
       type(gearbox_t), intent(inout) :: gearbox !! with wheels, loads and shafts
       type(status_t), intent(inout) :: status
-      integer :: i, k, kept, lost
+      logical :: joined(size(gearbox%wheels))
+      integer :: i, k
 
-      gearbox%wheels%leader = [(i, i=1, size(gearbox%wheels))]
-      do k = 1, 2 ! rigid shafts first: an elastic one must not lie between wheels of one rotor
-         do i = 1, size(gearbox%shafts)
-            associate (shaft => gearbox%shafts(i))
-               if (shaft%rigid .neqv. k == 1) cycle
-               kept = minval(gearbox%wheels([shaft%wheel_a, shaft%wheel_b])%leader)
-               lost = maxval(gearbox%wheels([shaft%wheel_a, shaft%wheel_b])%leader)
-               if (kept == lost) then
-                  call fail(status, code_invalid_input, "rigid shafts join its two wheels already: what it carries is not" &
-                            //" determined", subject_shaft, i, "wheels")
-                  return
-               end if
-               if (shaft%rigid) then
-                  where (gearbox%wheels%leader == lost) gearbox%wheels%leader = kept
-               end if
-            end associate
+      associate (a => gearbox%shafts%wheel_a, b => gearbox%shafts%wheel_b, rigid => gearbox%shafts%rigid)
+         do i = 1, size(gearbox%shafts) ! an elastic one must not lie between wheels of one rotor
+            joined = joined_to(a(i), a, b, rigid .and. [(k < i .or. .not. rigid(i), k=1, size(rigid))], size(joined))
+            if (.not. joined(b(i))) cycle
+            call fail(status, code_invalid_input, "rigid shafts join its two wheels already: what it carries is not" &
+                      //" determined", subject_shaft, i, "wheels")
+            return
          end do
-      end do
+         do i = 1, size(gearbox%wheels)
+            gearbox%wheels(i)%leader = findloc(joined_to(i, a, b, rigid, size(joined)), .true., dim=1)
+         end do
+      end associate
       do i = 1, size(gearbox%loads)
          if (gearbox%loads(i)%load%prescribes) call prescribe(i)
          if (has_failed(status)) return

@@ -9,7 +9,7 @@ module evl_shaft
    implicit none (type, external)
    private
 
-   public :: shaft_t, shaft_energy, shaft_loss, shaft_torque, shaft_twist, shaft_twist_rate
+   public :: shaft_t, shaft_energy, shaft_loss, shaft_torque, shaft_twist
 
    type :: shaft_t
       integer :: wheel_a = 0, wheel_b = 0    !! its wheels
@@ -21,7 +21,7 @@ module evl_shaft
 
 contains
 
-   !> phi_a - phi_b [rad].
+   !> phi_a - phi_b [rad]. Of y(2:), in which each rate stands in its value's place, it is the rate [rad/s].
    pure real(wp) function shaft_twist(shaft, y) result(twist)
       type(shaft_t), intent(in) :: shaft
       real(wp), intent(in) :: y(:)
@@ -32,23 +32,12 @@ contains
       if (shaft%i_psi_b > 0) twist = twist - y(shaft%i_psi_b)
    end function shaft_twist
 
-   !> Its rate [rad/s].
-   pure real(wp) function shaft_twist_rate(shaft, y) result(rate)
-      type(shaft_t), intent(in) :: shaft
-      real(wp), intent(in) :: y(:)
-
-      rate = 0
-      if (shaft%rigid) return
-      if (shaft%i_psi_a > 0) rate = y(shaft%i_psi_a + 1)
-      if (shaft%i_psi_b > 0) rate = rate - y(shaft%i_psi_b + 1)
-   end function shaft_twist_rate
-
    !> Torque of an elastic shaft on its second wheel [N m].
    pure real(wp) function shaft_torque(shaft, y) result(torque)
       type(shaft_t), intent(in) :: shaft
       real(wp), intent(in) :: y(:)
 
-      torque = spring_damper(shaft%stiffness, shaft%damping, shaft_twist(shaft, y), shaft_twist_rate(shaft, y))
+      torque = spring_damper(shaft%stiffness, shaft%damping, shaft_twist(shaft, y), shaft_twist(shaft, y(2:)))
    end function shaft_torque
 
    !> Elastic energy [J].
@@ -64,7 +53,7 @@ contains
       type(shaft_t), intent(in) :: shaft
       real(wp), intent(in) :: y(:)
 
-      power = damper_power(shaft%damping, shaft_twist_rate(shaft, y))
+      power = damper_power(shaft%damping, shaft_twist(shaft, y(2:)))
    end function shaft_loss
 
 end module evl_shaft

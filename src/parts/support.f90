@@ -8,7 +8,7 @@ module evl_support
    implicit none (type, external)
    private
 
-   public :: axle_deviation, axle_deviation_rate, axle_motion, support_input, support_kind_t, support_t
+   public :: axle_deviation, axle_motion, support_input, support_kind_t, support_t
 
    !> A motion of an axle in the housing frame.
    type :: axle_motion
@@ -73,7 +73,8 @@ contains
       motion = axle_motion(centre)
    end function at_rest
 
-   !> How far the centre deviates from its reference motion [m].
+   !> How far the centre deviates from its reference motion [m]. Of y(2:), in which each rate stands in its value's place, it is the
+   !> rate [m/s]; of the rates of the states from the second on the acceleration [m/s^2].
    pure function axle_deviation(support, y) result(u)
       type(support_t), intent(in) :: support
       real(wp), intent(in) :: y(:) !! state, or a change of it
@@ -85,18 +86,5 @@ contains
          u = u + y(support%i_state(j))*support%direction(:, j)
       end do
    end function axle_deviation
-
-   !> The rate of that [m/s], or from the rates of the states its acceleration [m/s^2].
-   pure function axle_deviation_rate(support, y) result(rate)
-      type(support_t), intent(in) :: support
-      real(wp), intent(in) :: y(:)
-      real(wp) :: rate(2)
-      integer :: j
-
-      rate = 0
-      do j = 1, support%n
-         rate = rate + y(support%i_state(j) + 1)*support%direction(:, j)
-      end do
-   end function axle_deviation_rate
 
 end module evl_support
