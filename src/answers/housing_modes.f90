@@ -1,11 +1,11 @@
 !> A mounted housing among the natural modes: its implicit equations made explicit, and small turns in place of a quaternion.
 module evl_housing_modes
    use evl_gearbox, only: gearbox_t
-   use evl_housing, only: at_omega, at_orientation, frame_t, housing_frame, housing_t
+   use evl_housing, only: at_omega, at_orientation, frame_t, housing_frame, housing_t, small_turns
    use evl_housing_dynamics, only: housing_coupling
    use evl_kinds, only: wp
    use evl_lapack, only: dgesv
-   use evl_rotation, only: identity, quaternion_product, skew
+   use evl_rotation, only: identity, skew
    use evl_status, only: code_singular, fail, status_t
    implicit none (type, external)
    private
@@ -28,7 +28,7 @@ contains
       n = gearbox%n_states
       call housing_frame(gearbox%housing, t, y, frame, yp)
       associate (p => gearbox%housing%i_state + at_orientation, o => gearbox%housing%i_state + at_omega)
-         matrix(:, p + 1:p + 3) = matmul(matrix(:, p:p + 3), turns(frame%orientation))
+         matrix(:, p + 1:p + 3) = matmul(matrix(:, p:p + 3), small_turns(frame%orientation))
          matrix(:, p) = 0
          matrix(p:p + 3, :) = 0
          matrix(p + 1:p + 3, p + 1:p + 3) = skew(frame%omega)
@@ -42,19 +42,6 @@ contains
       if (info /= 0) call fail(status, code_singular, "the accelerations of the housing are not determined at this state")
    end subroutine explicit_matrix
 
-   !> dp by small turns about the housing's axes.
-   pure function turns(p) result(gradient)
-      real(wp), intent(in) :: p(4)
-      real(wp) :: gradient(4, 3), turn(4)
-      integer :: j
-
-      do j = 1, 3
-         turn = 0
-         turn(1 + j) = 0.5_wp
-         gradient(:, j) = quaternion_product(p, turn)
-      end do
-   end function turns
-
    !> Put the change of the quaternion in the place of the small turns of a mode shape.
    pure subroutine quaternion_shape(housing, y, shape)
       type(housing_t), intent(in) :: housing
@@ -63,7 +50,7 @@ contains
       real(wp) :: gradient(4, 3)
 
       associate (p => housing%i_state + at_orientation)
-         gradient = turns(y(p:p + 3))
+         gradient = small_turns(y(p:p + 3))
          shape(p:p + 3) = matmul(gradient, shape(p + 1:p + 3))
       end associate
    end subroutine quaternion_shape

@@ -12,7 +12,8 @@ module evl_housing
    public :: housing_fixed, housing_prescribed, housing_mounted
    public :: at_position, at_orientation, at_velocity, at_omega
    public :: housing_frame, apparent_acceleration, frame_acceleration, wheel_moment, mount_force, mount_turn, norm_rate
-   public :: mount_deflection, housing_rates, housing_start, housing_renormalise, housing_turn_columns, housing_take_turn
+   public :: mount_deflection, housing_rates, housing_start, housing_renormalise, housing_turn_columns, housing_take_turn, &
+             small_turns
 
    integer, parameter :: housing_fixed = 0      !! at rest, its frame that of the ground
    integer, parameter :: housing_prescribed = 1 !! moves as given
@@ -209,21 +210,27 @@ contains
       end associate
    end subroutine housing_renormalise
 
+   !> How the orientation changes by small turns about the housing's own axes.
+   pure function small_turns(orientation) result(gradient)
+      real(wp), intent(in) :: orientation(4)
+      real(wp) :: gradient(4, 3), turn(4)
+      integer :: j
+
+      do j = 1, 3
+         turn = 0
+         turn(1 + j) = 0.5_wp
+         gradient(:, j) = quaternion_product(orientation, turn)
+      end do
+   end function small_turns
+
    !> Put derivatives by a small turn of the housing, about its own axes, into the columns of Omega.
    pure subroutine housing_turn_columns(housing, y, jacobian)
       type(housing_t), intent(in) :: housing
       real(wp), intent(in) :: y(:)
       real(wp), intent(inout) :: jacobian(:, :)
-      real(wp) :: turn(4)
-      integer :: j
 
       associate (p => housing%i_state + at_orientation, o => housing%i_state + at_omega)
-         do j = 1, 3
-            turn = 0
-            turn(1 + j) = 0.5_wp
-            turn = quaternion_product(y(p:p + 3), turn)
-            jacobian(:, o + j - 1) = matmul(jacobian(:, p:p + 3), turn)
-         end do
+         jacobian(:, o:o + 2) = matmul(jacobian(:, p:p + 3), small_turns(y(p:p + 3)))
       end associate
    end subroutine housing_turn_columns
 
