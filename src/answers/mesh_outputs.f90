@@ -4,12 +4,13 @@ module evl_mesh_outputs
    use evl_closed_form, only: closed_form_gap, closed_form_line, gap_along, points_along, track_closed_form, transmission_error
    use evl_contact_tracking, only: algebraic_residual, line_distance, tracked_positions
    use evl_discrete_state, only: leading_contact
-   use evl_gearbox, only: gearbox_local, gearbox_t, i_turns
+   use evl_gearbox, only: gearbox_local, gearbox_t, i_turns, wheel_reference
    use evl_housing_outputs, only: add_mesh_reaction
    use evl_kinds, only: wp
    use evl_local_variables, only: at_lambda, at_track, i_theta, n_local, n_track
    use evl_output, only: dims_mesh, in_coast, in_meshes, needs_meshes, needs_pairs, needs_points, needs_reactions
    use evl_pair_outputs, only: tell_pairs
+   use evl_support, only: axle_motion
    use evl_tangent_line, only: tangent_line_t
    use evl_teller, only: begin, needs, tell, teller_t
    use evl_tooth_contact, only: contact_energy, contact_force, contact_state, flank_coast, flank_drive, flanks_apart, &
@@ -105,12 +106,12 @@ contains
    end subroutine tell_coast
 
    !> A mesh at a state.
-   subroutine put_mesh(teller, wanted, gearbox, index, y, integers, contacts, torque, reactions, potential)
+   subroutine put_mesh(teller, wanted, gearbox, index, t, y, integers, contacts, torque, reactions, potential)
       type(teller_t), intent(inout) :: teller
       integer, intent(in) :: wanted         !! what wanted outputs need
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index, integers(:)
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: t, y(:)
       type(contact_state), intent(inout) :: contacts(:) !! as `gearbox_rates` leaves them; those of the mesh are completed
       real(wp), intent(inout) :: torque(:)  !! of the meshes on the wheels so far [N m]
       real(wp), intent(inout) :: reactions(:, :) !! on the housing so far, (6, wheel): force [N], moment [N m]
@@ -135,7 +136,7 @@ contains
          torque(contact%wheel_b) = torque(contact%wheel_b) + total%torque_b
          lag = transmission_error(contact%pair, contact%axles_rest, at%q)
          call closed_form_line(contact%pair, at%q, line)
-         if (iand(wanted, needs_points) == needs_points) call find_points(gearbox, leader, y, integers, at, line, points)
+         if (iand(wanted, needs_points) == needs_points) call find_points(gearbox, leader, t, y, integers, at, line, points)
          penetration = max(total%h(1), 0.0_wp)
          if (.not. total%h(1) > -huge(1.0_wp)) then ! no pair is on the path: nothing overlaps, whatever the involutes would
             total%h(1) = at%point%h
@@ -204,15 +205,16 @@ contains
    end subroutine complete
 
    !> The points of the contact that speaks for its mesh.
-   subroutine find_points(gearbox, m, y, integers, at, line, points)
+   subroutine find_points(gearbox, m, t, y, integers, at, line, points)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m !! tooth contact
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: t, y(:)
       integer, intent(in) :: integers(:)
       type(contact_state), intent(in) :: at
       type(tangent_line_t), intent(in) :: line !! of action
       type(mesh_points), intent(out) :: points
-      real(wp) :: rho_a0, q(n_local), residual(n_track), point_a(2), point_b(2)
+      type(axle_motion) :: reference
+      real(wp) :: rho_a0, q(n_local), residual(n_track), point_a(2), point_b(2), origin(2)
       logical :: exists
 
       q = at%q
@@ -230,8 +232,10 @@ contains
             call line_distance(contact%pair, rho_a0, q, distance(1), distance(2))
          end if
          call tracked_positions(contact%pair, rho_a0, q, point_a, point_b)
-         points%driving = contact%k_a0 + point_a(1)*contact%t_0 + point_a(2)*contact%e_0
-         points%driven = contact%k_a0 + point_b(1)*contact%t_0 + point_b(2)*contact%e_0
+         reference = wheel_reference(gearbox%wheels(contact%wheel_a), t)
+         origin = contact%k_a0 + (reference%centre - gearbox%wheels(contact%wheel_a)%centre)
+         points%driving = origin + point_a(1)*contact%t_0 + point_a(2)*contact%e_0
+         points%driven = origin + point_b(1)*contact%t_0 + point_b(2)*contact%e_0
       end associate
    end subroutine find_points
 

@@ -104,7 +104,7 @@ contains
       reactions = 0
       if (iand(needed, needs_meshes) == needs_meshes) then
          do i = 1, size(gearbox%pairs)
-            call put_mesh(teller, needed, gearbox, i, y, integers, contacts, torque, reactions, potential)
+            call put_mesh(teller, needed, gearbox, i, t, y, integers, contacts, torque, reactions, potential)
          end do
          if (check) call check_modes(gearbox, y, integers, reals, contacts, status)
          if (has_failed(status)) return

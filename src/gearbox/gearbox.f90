@@ -38,7 +38,7 @@ module evl_gearbox
 
    public :: add_turn, of_angle, of_speed
    public :: gearbox_t, load_slot, section_t, wheel_t
-   public :: carried_acceleration, gearbox_local, wheel_accelerations, wheel_position, wheel_speed
+   public :: carried_acceleration, gearbox_local, wheel_accelerations, wheel_position, wheel_reference, wheel_speed
    public :: i_turns
 
    integer, parameter :: i_turns = 1 !! index of the turns in the discrete state
@@ -144,6 +144,14 @@ contains
       if (wheel%i_psi > 0) call add_entry(entries, row, wheel%i_psi + order, factor, values)
    end subroutine add_turn
 
+   !> What a wheel deviates from: the reference motion of its centre in the housing frame.
+   pure type(axle_motion) function wheel_reference(wheel, t) result(motion)
+      type(wheel_t), intent(in) :: wheel
+      real(wp), intent(in) :: t
+
+      motion = wheel%support%kind%reference(wheel%centre, t)
+   end function wheel_reference
+
    !> Centre of a wheel in the housing frame and its velocity there [m], [m/s].
    pure subroutine wheel_position(wheel, t, y, centre, velocity)
       type(wheel_t), intent(in) :: wheel
@@ -151,7 +159,7 @@ contains
       real(wp), intent(out) :: centre(3), velocity(3)
       type(axle_motion) :: reference
 
-      reference = wheel%support%kind%reference(wheel%centre, t)
+      reference = wheel_reference(wheel, t)
       centre = [reference%centre + axle_deviation(wheel%support, y), wheel%axial_position]
       velocity = [reference%velocity + axle_deviation(wheel%support, y(2:)), 0.0_wp]
    end subroutine wheel_position
@@ -164,7 +172,7 @@ contains
       real(wp), intent(out) :: acceleration(3)   !! of its centre [m/s^2]
       type(axle_motion) :: reference
 
-      reference = wheel%support%kind%reference(wheel%centre, t)
+      reference = wheel_reference(wheel, t)
       turn = wheel_speed(wheel, yp)
       acceleration = [reference%acceleration + axle_deviation(wheel%support, yp(2:)), 0.0_wp]
    end subroutine wheel_accelerations
@@ -177,7 +185,7 @@ contains
       real(wp) :: acceleration(3)
       type(axle_motion) :: reference
 
-      reference = wheel%support%kind%reference(wheel%centre, frame%t)
+      reference = wheel_reference(wheel, frame%t)
       acceleration = apparent_acceleration(frame, centre, [reference%velocity, 0.0_wp]) + [reference%acceleration, 0.0_wp]
    end function carried_acceleration
 

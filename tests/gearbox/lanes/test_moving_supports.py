@@ -73,8 +73,8 @@ def moving(gearbox: Gearbox, t: float = 0.0137) -> State:
     return state
 
 
-def test_axles_whose_carriers_are_shaken_alike_move_as_in_a_housing_that_is_shaken(kernel: Kernel):
-    """Equations, powers and Jacobian: what differs is the place in the ground frame alone."""
+def alike(kernel: Kernel) -> tuple[Gearbox, Gearbox, State]:
+    """Return a gearbox whose carriers are shaken, one whose housing is, and a state of both."""
     described = housing(
         PRESCRIBED,
         terms=[
@@ -83,7 +83,12 @@ def test_axles_whose_carriers_are_shaken_alike_move_as_in_a_housing_that_is_shak
         ],
     )
     supports, carried = shaken(make(kernel)), make(kernel, described)
-    state = moving(carried)
+    return supports, carried, moving(carried)
+
+
+def test_axles_whose_carriers_are_shaken_alike_move_as_in_a_housing_that_is_shaken(kernel: Kernel):
+    """Equations, powers and Jacobian: what differs is the place in the ground frame alone."""
+    supports, carried, state = alike(kernel)
     for one, other in (
         (supports.residual(state), carried.residual(state)),
         (supports.jacobian(state, 1e3), carried.jacobian(state, 1e3)),
@@ -92,6 +97,22 @@ def test_axles_whose_carriers_are_shaken_alike_move_as_in_a_housing_that_is_shak
         np.testing.assert_allclose(one, other, rtol=1e-12, atol=1e-14 * abs(other).max())
     at_rest = make(kernel).residual(state)
     assert abs(at_rest - carried.residual(state)).max() > 1  # shaking is felt
+
+
+def test_outputs_of_shaken_carriers_are_those_of_a_shaken_housing_but_for_the_places(
+    kernel: Kernel,
+):
+    supports, carried, state = alike(kernel)
+    expected = carried.outputs(state)
+    outputs = supports.outputs(state)
+    shift = math.sin(2 * math.pi * FREQUENCY * state.t) * np.array(AMPLITUDE)
+    for name, values in outputs.items():
+        right = expected[name]
+        if name.startswith("contact_point"):  # in the housing frame
+            right = right + shift
+        np.testing.assert_allclose(
+            values, right, rtol=1e-11, atol=1e-14 * np.nanmax(abs(right), initial=0.1), err_msg=name
+        )
 
 
 @pytest.mark.parametrize("tracking", [CLOSED_FORM, DIFFERENTIAL])
