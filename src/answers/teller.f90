@@ -149,14 +149,15 @@ contains
       type(teller_t), intent(inout) :: teller
       character(len=*), intent(in) :: name, units, symbol, text
       real(wp), intent(in), contiguous :: value(:)
-      integer :: i, first
+      integer :: i, first, n
 
       if (associated(teller%all)) then
-         first = teller%at + (size(value) - 1)*teller%element - 1
-         do i = 1, size(value)
-            teller%all(first + i) = value(i)
+         n = size(value)
+         first = teller%at + (n - 1)*teller%element
+         teller%at = teller%at + n*teller%step
+         do i = 1, n
+            teller%all(first + i - 1) = value(i)
          end do
-         teller%at = teller%at + size(value)*teller%step
       else
          call tell_row(teller%rows, name, units, symbol, text, value, .false.)
       end if

@@ -56,9 +56,10 @@ contains
       at%acceleration = wheel_speed(wheel, f)
       at%load_torque = load_torque
       kinetic = kinetic + wheel%inertia*at%speed**2/2
-      at%displacement = axle_deviation(wheel%support, y)
-      at%velocity = axle_deviation(wheel%support, y(2:))
       associate (support => wheel%support)
+         if (support%n == 0) return
+         at%displacement = axle_deviation(support, y)
+         at%velocity = axle_deviation(support, y(2:))
          do j = 1, support%n
             associate (i => support%i_state(j))
                kinetic = kinetic + support%mass*y(i + 1)**2/2

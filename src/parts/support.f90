@@ -83,7 +83,8 @@ contains
 
       u = 0
       do j = 1, support%n
-         u = u + y(support%i_state(j))*support%direction(:, j)
+         u(1) = u(1) + y(support%i_state(j))*support%direction(1, j)
+         u(2) = u(2) + y(support%i_state(j))*support%direction(2, j)
       end do
    end function axle_deviation
 
