@@ -2,7 +2,7 @@
 !>
 !> Source: docs/housing.md, sections 2 and 4.
 module evl_housing_outputs
-   use evl_gearbox, only: gearbox_t, wheel_accelerations, wheel_position, wheel_speed, wheel_t
+   use evl_gearbox, only: axle_acceleration, gearbox_t, wheel_position, wheel_speed, wheel_t
    use evl_housing, only: apparent_acceleration, frame_t, wheel_moment
    use evl_kinds, only: wp
    use evl_output, only: dims_mesh, dims_none, dims_wheel, in_bearings, in_mesh_positions, in_pose, in_wheel_positions, &
@@ -101,15 +101,14 @@ contains
       type(frame_t), intent(in) :: frame
       real(wp), intent(in) :: load_torque
       real(wp), intent(inout) :: reaction(6)
-      real(wp) :: centre(3), velocity(3), acceleration(3), moment(3), turn, speed
+      real(wp) :: centre(3), velocity(3), acceleration(3), moment(3)
 
       associate (wheel => gearbox%wheels(index))
-         call wheel_accelerations(wheel, t, f, turn, acceleration)
-         speed = wheel_speed(wheel, y)
+         acceleration = axle_acceleration(wheel, t, f)
          if (gearbox%housing%acts) then
             call wheel_position(wheel, t, y, centre, velocity)
             acceleration = acceleration + apparent_acceleration(frame, centre, velocity)
-            moment = wheel_moment(frame, wheel%inertia, wheel%transverse_inertia, speed, turn)
+            moment = wheel_moment(frame, wheel%inertia, wheel%transverse_inertia, wheel_speed(wheel, y), wheel_speed(wheel, f))
             reaction(4:5) = reaction(4:5) - moment(1:2)
          end if
          reaction(1:3) = reaction(1:3) - wheel%support%mass*acceleration

@@ -38,7 +38,7 @@ module evl_gearbox
 
    public :: add_turn, of_angle, of_speed
    public :: gearbox_t, load_slot, section_t, wheel_t
-   public :: carried_acceleration, gearbox_local, wheel_accelerations, wheel_position, wheel_reference, wheel_speed
+   public :: axle_acceleration, carried_acceleration, gearbox_local, wheel_position, wheel_reference, wheel_speed
    public :: i_turns
 
    integer, parameter :: i_turns = 1 !! index of the turns in the discrete state
@@ -164,18 +164,17 @@ contains
       velocity = [reference%velocity + axle_deviation(wheel%support, y(2:)), 0.0_wp]
    end subroutine wheel_position
 
-   !> Accelerations of a wheel relative to the housing.
-   pure subroutine wheel_accelerations(wheel, t, yp, turn, acceleration)
+   !> Acceleration of a wheel's centre relative to the housing [m/s^2].
+   pure function axle_acceleration(wheel, t, yp) result(acceleration)
       type(wheel_t), intent(in) :: wheel
-      real(wp), intent(in) :: t, yp(:)           !! yp: rates of the states
-      real(wp), intent(out) :: turn              !! phi'' [rad/s^2]
-      real(wp), intent(out) :: acceleration(3)   !! of its centre [m/s^2]
+      real(wp), intent(in) :: t, yp(:)    !! yp: rates of the states
+      real(wp) :: acceleration(3)
       type(axle_motion) :: reference
 
       reference = wheel_reference(wheel, t)
-      turn = wheel_speed(wheel, yp)
-      acceleration = [reference%acceleration + axle_deviation(wheel%support, yp(2:)), 0.0_wp]
-   end subroutine wheel_accelerations
+      acceleration(1:2) = reference%acceleration + axle_deviation(wheel%support, yp(2:))
+      acceleration(3) = 0
+   end function axle_acceleration
 
    !> Acceleration, less gravity, of a wheel whose deviation from the reference motion rests at its place [m/s^2].
    pure function carried_acceleration(wheel, frame, centre) result(acceleration)

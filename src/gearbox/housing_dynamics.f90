@@ -3,7 +3,7 @@
 !> Source: docs/housing.md, section 3. Both balances are about the origin of the housing frame and in its components; contact
 !> forces cancel in them.
 module evl_housing_dynamics
-   use evl_gearbox, only: gearbox_t, wheel_accelerations, wheel_position, wheel_speed
+   use evl_gearbox, only: axle_acceleration, gearbox_t, wheel_position, wheel_speed
    use evl_gearbox_rates, only: gearbox_rates, multiplier_row
    use evl_housing, only: apparent_acceleration, at_omega, at_velocity, frame_acceleration, frame_t, housing_frame, &
                           mount_deflection, wheel_moment
@@ -42,7 +42,7 @@ contains
       type(frame_t), intent(in) :: frame !! at y, y'
       real(wp), intent(in) :: y(:), yp(:)
       real(wp), intent(out) :: wrench(6)
-      real(wp) :: centre(3), velocity(3), acceleration(3), turn, force(3)
+      real(wp) :: centre(3), velocity(3), force(3)
       integer :: i
 
       associate (housing => gearbox%housing)
@@ -54,11 +54,11 @@ contains
       do i = 1, size(gearbox%wheels)
          associate (wheel => gearbox%wheels(i))
             call wheel_position(wheel, frame%t, y, centre, velocity)
-            call wheel_accelerations(wheel, frame%t, yp, turn, acceleration)
-            force = wheel%support%mass*(apparent_acceleration(frame, centre, velocity) + acceleration)
+            force = wheel%support%mass*(apparent_acceleration(frame, centre, velocity) + axle_acceleration(wheel, frame%t, yp))
             wrench(1:3) = wrench(1:3) + force
             wrench(4:6) = wrench(4:6) + cross(centre, force) &
-                          + wheel_moment(frame, wheel%inertia, wheel%transverse_inertia, wheel_speed(wheel, y), turn)
+                          + wheel_moment(frame, wheel%inertia, wheel%transverse_inertia, wheel_speed(wheel, y), &
+                                         wheel_speed(wheel, yp))
          end associate
       end do
    end subroutine inertia_wrench

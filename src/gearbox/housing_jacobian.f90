@@ -2,7 +2,7 @@
 !>
 !> Source: the derivatives of docs/housing.md, one by one. Those by y' are in evl_housing_dynamics.
 module evl_housing_jacobian
-   use evl_gearbox, only: add_turn, carried_acceleration, gearbox_t, of_angle, of_speed, wheel_accelerations, wheel_position, &
+   use evl_gearbox, only: add_turn, axle_acceleration, carried_acceleration, gearbox_t, of_angle, of_speed, wheel_position, &
                           wheel_speed
    use evl_housing, only: apparent_acceleration, at_omega, at_orientation, at_position, at_velocity, frame_t, housing_t, &
                           mount_force, n_housing_states, norm_rate
@@ -312,7 +312,7 @@ contains
       real(wp), intent(inout) :: wrench(6, n_housing_states)
       real(wp), intent(inout) :: jacobian(gearbox%n_states, gearbox%n_states)
       type(jacobian_entries) :: entries
-      real(wp) :: centre(3), velocity(3), acceleration(3), total(3), turn, spin, d(3), by_place(3), by_rate(3)
+      real(wp) :: centre(3), velocity(3), total(3), spin, d(3), by_place(3), by_rate(3)
       integer, parameter :: o = at_omega + 1
       integer :: j
 
@@ -320,8 +320,7 @@ contains
                  row => gearbox%housing%i_state + at_velocity)
          call full_matrix(gearbox%n_states, entries)
          call wheel_position(wheel, frame%t, y, centre, velocity)
-         call wheel_accelerations(wheel, frame%t, yp, turn, acceleration)
-         total = apparent_acceleration(frame, centre, velocity) + acceleration
+         total = apparent_acceleration(frame, centre, velocity) + axle_acceleration(wheel, frame%t, yp)
          call add_body(frame, support%mass, centre, velocity, wrench)
          spin = wheel%inertia*(omega(3) + wheel_speed(wheel, y)) - wheel%transverse_inertia*omega(3)
          associate (difference => wheel%inertia - wheel%transverse_inertia)
