@@ -143,7 +143,7 @@ contains
       carried = 0
       if (iand(needed, needs_meshes) == needs_meshes) call shaft_torques(gearbox, y, f, frame, torque, carried)
       do i = 1, size(gearbox%shafts)
-         call tell_shaft(teller, i, carried(i), shaft_twist(gearbox%shafts(i), y))
+         call tell_shaft(teller, i, carried(i), shaft_twist(gearbox%shafts(i), y, 0))
       end do
    end subroutine tell_shafts
 

@@ -58,8 +58,8 @@ contains
       kinetic = kinetic + wheel%inertia*at%speed**2/2
       associate (support => wheel%support)
          if (support%n == 0) return
-         at%displacement = axle_deviation(support, y)
-         at%velocity = axle_deviation(support, y(2:))
+         at%displacement = axle_deviation(support, y, 0)
+         at%velocity = axle_deviation(support, y, 1)
          do j = 1, support%n
             associate (i => support%i_state(j))
                kinetic = kinetic + support%mass*y(i + 1)**2/2

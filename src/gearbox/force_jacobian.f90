@@ -270,7 +270,7 @@ contains
             call add_torque(gearbox, links(:n), a, -torque, -gradient, y, spin, entries, values)
          if (gearbox%wheels(b)%prescribed > 0) call add_torque(gearbox, links(:n), b, torque, gradient, y, spin, entries, values)
       end associate
-      call scatter(links(:n), gearbox%i_dissipated, -2*shaft%damping*shaft_twist(shaft, y(2:)), [0.0_wp, 1.0_wp], entries, values)
+      call scatter(links(:n), gearbox%i_dissipated, -2*shaft%damping*shaft_twist(shaft, y, 1), [0.0_wp, 1.0_wp], entries, values)
    end subroutine add_shaft
 
    !> The twist of a shaft and its rate, the local variables of its torque, in terms of the state.

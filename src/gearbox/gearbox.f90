@@ -160,8 +160,8 @@ contains
       type(axle_motion) :: reference
 
       reference = wheel_reference(wheel, t)
-      centre = [reference%centre + axle_deviation(wheel%support, y), wheel%axial_position]
-      velocity = [reference%velocity + axle_deviation(wheel%support, y(2:)), 0.0_wp]
+      centre = [reference%centre + axle_deviation(wheel%support, y, 0), wheel%axial_position]
+      velocity = [reference%velocity + axle_deviation(wheel%support, y, 1), 0.0_wp]
    end subroutine wheel_position
 
    !> Acceleration of a wheel's centre relative to the housing [m/s^2].
@@ -172,8 +172,7 @@ contains
       type(axle_motion) :: reference
 
       reference = wheel_reference(wheel, t)
-      acceleration(1:2) = reference%acceleration + axle_deviation(wheel%support, yp(2:))
-      acceleration(3) = 0
+      acceleration = [reference%acceleration + axle_deviation(wheel%support, yp, 1), 0.0_wp]
    end function axle_acceleration
 
    !> Acceleration, less gravity, of a wheel whose deviation from the reference motion rests at its place [m/s^2].

@@ -238,7 +238,7 @@ contains
       associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support, power => f(gearbox%i_work))
          omega = wheel_speed(wheel, y)
          call wheel_position(wheel, t, y, centre, velocity)
-         velocity = [axle_deviation(support, y(2:)), 0.0_wp]
+         velocity = [axle_deviation(support, y, 1), 0.0_wp]
          carried = carried_acceleration(wheel, frame, centre)
          apparent = carried + 2*cross(frame%omega, velocity)
          do j = 1, support%n

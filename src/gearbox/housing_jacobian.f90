@@ -33,7 +33,7 @@ contains
 
       associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support, work => gearbox%i_work)
          call wheel_position(wheel, t, y, centre, velocity)
-         velocity = [axle_deviation(support, y(2:)), 0.0_wp]
+         velocity = [axle_deviation(support, y, 1), 0.0_wp]
          if (wheel%prescribed == 0) &
             call add_turn(wheel, of_speed, work, -wheel_spin_torque(gearbox, index, frame%omega(3), t, y, integers), entries, &
                           values)

@@ -21,15 +21,16 @@ module evl_shaft
 
 contains
 
-   !> phi_a - phi_b [rad]. Of y(2:), in which each rate stands in its value's place, it is the rate [rad/s].
-   pure real(wp) function shaft_twist(shaft, y) result(twist)
+   !> phi_a - phi_b [rad], or the rate of that [rad/s].
+   pure real(wp) function shaft_twist(shaft, y, order) result(twist)
       type(shaft_t), intent(in) :: shaft
       real(wp), intent(in) :: y(:)
+      integer, intent(in) :: order !! 0: itself, 1: its rate
 
       twist = 0
       if (shaft%rigid) return
-      if (shaft%i_psi_a > 0) twist = y(shaft%i_psi_a)
-      if (shaft%i_psi_b > 0) twist = twist - y(shaft%i_psi_b)
+      if (shaft%i_psi_a > 0) twist = y(shaft%i_psi_a + order)
+      if (shaft%i_psi_b > 0) twist = twist - y(shaft%i_psi_b + order)
    end function shaft_twist
 
    !> Torque of an elastic shaft on its second wheel [N m].
@@ -37,7 +38,7 @@ contains
       type(shaft_t), intent(in) :: shaft
       real(wp), intent(in) :: y(:)
 
-      torque = spring_damper(shaft%stiffness, shaft%damping, shaft_twist(shaft, y), shaft_twist(shaft, y(2:)))
+      torque = spring_damper(shaft%stiffness, shaft%damping, shaft_twist(shaft, y, 0), shaft_twist(shaft, y, 1))
    end function shaft_torque
 
    !> Elastic energy [J].
@@ -45,7 +46,7 @@ contains
       type(shaft_t), intent(in) :: shaft
       real(wp), intent(in) :: y(:)
 
-      energy = shaft%stiffness*shaft_twist(shaft, y)**2/2
+      energy = shaft%stiffness*shaft_twist(shaft, y, 0)**2/2
    end function shaft_energy
 
    !> Power that its damping takes [W].
@@ -53,7 +54,7 @@ contains
       type(shaft_t), intent(in) :: shaft
       real(wp), intent(in) :: y(:)
 
-      power = damper_power(shaft%damping, shaft_twist(shaft, y(2:)))
+      power = damper_power(shaft%damping, shaft_twist(shaft, y, 1))
    end function shaft_loss
 
 end module evl_shaft

@@ -73,18 +73,18 @@ contains
       motion = axle_motion(centre)
    end function at_rest
 
-   !> How far the centre deviates from its reference motion [m]. Of y(2:), in which each rate stands in its value's place, it is the
-   !> rate [m/s]; of the rates of the states from the second on the acceleration [m/s^2].
-   pure function axle_deviation(support, y) result(u)
+   !> How far the centre deviates from its reference motion [m], or the rate of that [m/s].
+   pure function axle_deviation(support, y, order) result(u)
       type(support_t), intent(in) :: support
-      real(wp), intent(in) :: y(:) !! state, or a change of it
+      real(wp), intent(in) :: y(:) !! state, a change of it, or its rates
+      integer, intent(in) :: order !! 0: itself, 1: its rate
       real(wp) :: u(2)
       integer :: j
 
       u = 0
       do j = 1, support%n
-         u(1) = u(1) + y(support%i_state(j))*support%direction(1, j)
-         u(2) = u(2) + y(support%i_state(j))*support%direction(2, j)
+         u(1) = u(1) + y(support%i_state(j) + order)*support%direction(1, j)
+         u(2) = u(2) + y(support%i_state(j) + order)*support%direction(2, j)
       end do
    end function axle_deviation
 
