@@ -18,7 +18,7 @@ PSI_A, PSI_B, U_A, U_B = 1, 2, slice(3, 5), slice(5, 7)
 OMEGA, PSI_DOT_A, PSI_DOT_B, V_A, V_B = 7, 8, 9, slice(10, 12), slice(12, 14)
 N_MOTION, N_LOCAL = 14, 21
 NAMES = ("h", "h_dot", "rho_a", "rho_b", "v_t")
-SHARES = (0.25, 0.75)  # where between the flanks the force acts, as closed_form_capi has it
+SHARES = (0.25, 0.75)  # where between the flanks the force acts, as closed_form_calls has it
 
 
 @dataclass(frozen=True)

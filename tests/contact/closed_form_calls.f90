@@ -1,5 +1,5 @@
 !> The contact in closed form for its tests: a C interface that the kernel does not have.
-module closed_form_capi
+module closed_form_calls
    use, intrinsic :: iso_c_binding, only: c_double
    use evl_closed_form, only: gradient_closed_form, track_closed_form
    use evl_contact_point, only: contact_gradient, contact_point, tracked_pair
@@ -34,4 +34,4 @@ contains
       gradients(:, 5) = gradient%v_t
    end subroutine closed_form_contact
 
-end module closed_form_capi
+end module closed_form_calls

@@ -1,5 +1,5 @@
 !> A support whose reference motion moves, for the tests: the kernel's table has none yet.
-module support_capi
+module support_calls
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_ptr
    use evl_gearbox, only: gearbox_t
    use evl_kinds, only: wp
@@ -49,9 +49,6 @@ contains
       class(shaken_support), intent(inout) :: self
       type(support_input), intent(in) :: given
       type(support_t), intent(inout) :: support
-
-      associate (unused => self, unused_too => given, unused_as_well => support)
-      end associate
    end subroutine take
 
    pure type(axle_motion) function reference(self, centre, t) result(motion)
@@ -63,4 +60,4 @@ contains
       motion%acceleration = -self%amplitude*self%w**2*sin(self%w*t)
    end function reference
 
-end module support_capi
+end module support_calls
