@@ -215,7 +215,7 @@ static evl_exit run_locked(shard_run *run, evl_error *error)
         batch_todo(&run->plan, run->options->cases, state->status, &state->todo, &state->n_todo, error) &&
         (state->n_todo == 0 || open_histories(run, error))) {
         const double start = batch_clock();
-        batch_pool_run(&run->plan, run->share.jobs, run->options->show_progress, state, error);
+        batch_pool_run(&run->plan, run->share.jobs, !run->options->quiet, state, error);
         code = error->code == EVL_EXIT_OK ? summarise(run, batch_clock() - start) : error->code;
     } else {
         code = error->code;
@@ -244,14 +244,13 @@ static evl_exit run_shard(shard_run *run, evl_error *error)
     return code;
 }
 
-evl_exit batch(const batch_options *options, evl_error *error)
+evl_exit batch(const char *design, const batch_options *options, evl_error *error)
 {
     shard_run run = {.options = options};
-    *error = (evl_error){.code = EVL_EXIT_OK};
     if (!read_share(options, &run.share, error)) {
         return error->code;
     }
-    run.design = design_read(options->design, error);
+    run.design = design_read(design, error);
     if (run.design == NULL) {
         return error->code;
     }

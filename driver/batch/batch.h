@@ -7,17 +7,17 @@
 #include <stdbool.h>
 
 typedef struct {
-    const char *design, *folder;
+    const char *folder;
     const char *shard; /**< "I/N"; NULL: 1/1 */
     const char *jobs;  /**< number of workers; NULL: 1 */
     const char *cases; /**< file with the numbers of the only cases to run; NULL: all that are not recorded */
     bool resume;       /**< go on with a journal that has rows already */
     bool check;        /**< only say which cases would be refused; `shard` alone goes with it */
-    bool show_progress;
+    bool quiet;        /**< no progress */
 } batch_options;
 
-/** Run the shard, or check it. Progress and a summary go to the log.
+/** Run the shard of a design, or check it. Progress and a summary go to the log.
  *  @return EVL_EXIT_OK, or the code of `error`; EVL_EXIT_PARTIAL, with no error, if cases of the shard failed or were refused */
-evl_exit batch(const batch_options *options, evl_error *error);
+evl_exit batch(const char *design, const batch_options *options, evl_error *error);
 
 #endif

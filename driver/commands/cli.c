@@ -1,21 +1,29 @@
 #include "commands/cli.h"
 
 #include "base/memory.h"
-#include "base/status.h"
 #include "base/suggest.h"
-#include "commands/cli_commands.h"
+#include "commands/help.h"
 
 #include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/** Complain in one line, remind of the usage in a few. */
+/** A command line that is being understood. */
+typedef struct {
+    const command *command;
+    int n; /**< of the words that are left */
+    char **words;
+    const char *file;
+    void *options; /**< of the command */
+    bool help;
+} parser;
+
+/** Complain in one line, remind of the usage in a few. @return false */
 #if defined(__GNUC__)
-__attribute__((format(printf, 3, 4)))
+__attribute__((format(printf, 2, 3)))
 #endif
-static void misuse(cli_options *options, const command_row *command, const char *format, ...)
+static bool misuse(const parser *parser, const char *format, ...)
 {
     evl_error error = {.code = EVL_EXIT_OK};
     char text[EVL_ERROR_MESSAGE_LENGTH];
@@ -25,242 +33,216 @@ static void misuse(cli_options *options, const command_row *command, const char 
     va_end(arguments);
     evl_error_set(&error, EVL_EXIT_USAGE, "", "%s", text);
     evl_error_print(stderr, &error);
-    cli_print_usage(stderr, command);
-    if (command == &cli_program) {
-        cli_print_commands(stderr);
-    }
-    cli_print_hint(stderr, command);
-    options->command = CLI_NOTHING;
-    options->exit_code = EVL_EXIT_USAGE;
+    help_print_usage(stderr, parser->command);
+    return false;
 }
 
-/** The option of a command by its name, or by its letter if `name` is NULL. */
-static const option_row *find_option(const command_row *command, const char *name, size_t length, char letter)
+static bool unknown_option(const parser *parser, const char *word)
 {
-    for (int i = 0; i < CLI_N_OPTIONS; i++) {
-        const option_row *row = &cli_option_rows[i];
-        const bool is_same = name == NULL ? row->letter == letter && letter != 0
-                                          : strlen(row->name) == length && strncmp(row->name, name, length) == 0;
-        if (is_same && (row->mask & command->mask) != 0) {
-            return row;
-        }
-    }
-    return NULL;
-}
-
-static void unknown_option(cli_options *options, const command_row *command, const char *word)
-{
-    char *names[CLI_N_OPTIONS];
-    const char *candidates[CLI_N_OPTIONS];
-    int n = 0;
-    for (int i = 0; i < CLI_N_OPTIONS; i++) {
-        if ((cli_option_rows[i].mask & command->mask) != 0) {
-            names[n] = xasprintf("--%s", cli_option_rows[i].name);
-            candidates[n] = names[n];
-            n++;
-        }
+    const int n = strncmp(word, "--", 2) == 0 ? parser->command->n_options : 0;
+    const char **names = xcalloc((size_t)n + 1, sizeof *names);
+    for (int i = 0; i < n; i++) {
+        names[i] = parser->command->options[i].name;
     }
     char *given = xstrdup(word);
     given[strcspn(given, "=")] = '\0';
-    char *phrase = strncmp(word, "--", 2) == 0 ? suggest_phrase(given, n, candidates) : xstrdup("");
-    misuse(options, command, "unknown option '%s'%s", given, phrase);
+    char *phrase = suggest_phrase(given, n, names);
+    (void)misuse(parser, "unknown option '%s'%s", given, phrase);
     free(phrase);
     free(given);
-    for (int i = 0; i < n; i++) {
-        free(names[i]);
-    }
+    free(names);
+    return false;
 }
 
-static void store(cli_options *options, const option_row *row, const char *value)
+static bool takes_value(const option_row *row)
 {
-    char *place = (char *)options + row->place;
-    if (row->place == offsetof(cli_options, set)) {
-        options->set = xrealloc(options->set, (size_t)options->n_set + 1, sizeof *options->set);
-        options->set[options->n_set++] = value;
-    } else if (row->argument != NULL) {
-        memcpy(place, &value, sizeof value);
-    } else {
-        const bool yes = true;
-        memcpy(place, &yes, sizeof yes);
+    return row->kind == OPTION_TEXT || row->kind == OPTION_LIST;
+}
+
+static bool is_given(const parser *parser, const option_row *row)
+{
+    const void *place = (const char *)parser->options + row->place;
+    switch (row->kind) {
+    case OPTION_TEXT:
+        return *(const char *const *)place != NULL;
+    case OPTION_FLAG:
+    case OPTION_ALONE:
+        return *(const bool *)place;
+    case OPTION_LIST:
+        return ((const option_values *)place)->n > 0;
+    case OPTION_HELP:
+        break;
+    }
+    return parser->help;
+}
+
+static void store(parser *parser, const option_row *row, const char *value)
+{
+    void *place = (char *)parser->options + row->place;
+    option_values *list = place;
+    switch (row->kind) {
+    case OPTION_TEXT:
+        *(const char **)place = value;
+        break;
+    case OPTION_FLAG:
+    case OPTION_ALONE:
+        *(bool *)place = true;
+        break;
+    case OPTION_LIST:
+        list->values = xrealloc(list->values, (size_t)list->n + 1, sizeof *list->values);
+        list->values[list->n++] = value;
+        break;
+    case OPTION_HELP:
+        parser->help = true;
+        break;
     }
 }
 
-/** What is left of a command line, word by word. */
-typedef struct {
-    int n;
-    char **words;
-} word_list;
-
-static bool take_value(cli_options *options, const command_row *command, const option_row *row, const char *attached,
-                       word_list *rest)
+/** @param attached  a value that stands in the same word, or NULL */
+static bool take_value(parser *parser, const option_row *row, const char *attached)
 {
     const char *value = attached;
-    if (row->argument != NULL && value == NULL && rest->n > 0) {
-        value = *rest->words++;
-        rest->n--;
+    if (takes_value(row) && value == NULL && parser->n > 0) {
+        value = *parser->words++;
+        parser->n--;
     }
-    if (row->argument != NULL && (value == NULL || value[0] == '\0')) {
-        misuse(options, command, "option '--%s' needs a value: --%s %s", row->name, row->name, row->argument);
-        return false;
+    if (takes_value(row) && (value == NULL || value[0] == '\0')) {
+        return misuse(parser, "option '%s' needs a value: %s %s", row->name, row->name, row->argument);
     }
-    if (row->argument == NULL && attached != NULL) {
-        misuse(options, command, "option '--%s' takes no value", row->name);
-        return false;
+    if (!takes_value(row) && attached != NULL) {
+        return misuse(parser, "option '%s' takes no value", row->name);
     }
-    store(options, row, value);
+    store(parser, row, value);
     return true;
 }
 
 /** "--name", "--name value" or "--name=value" */
-static bool take_long(cli_options *options, const command_row *command, const char *word, word_list *rest)
+static bool take_long(parser *parser, const char *word)
 {
-    const char *name = word + 2, *equals = strchr(name, '=');
-    const size_t length = equals != NULL ? (size_t)(equals - name) : strlen(name);
-    const option_row *row = find_option(command, name, length, 0);
-    if (row == NULL) {
-        unknown_option(options, command, word);
-        return false;
+    const char *equals = strchr(word, '=');
+    const size_t length = equals != NULL ? (size_t)(equals - word) : strlen(word);
+    for (int i = 0; i < parser->command->n_options; i++) {
+        const option_row *row = &parser->command->options[i];
+        if (strlen(row->name) == length && strncmp(row->name, word, length) == 0) {
+            return take_value(parser, row, equals != NULL ? equals + 1 : NULL);
+        }
     }
-    return take_value(options, command, row, equals != NULL ? equals + 1 : NULL, rest);
+    return unknown_option(parser, word);
 }
 
 /** "-q", "-o value", "-ovalue", "-qovalue" */
-static bool take_letters(cli_options *options, const command_row *command, const char *word, word_list *rest)
+static bool take_letters(parser *parser, const char *word)
 {
     for (const char *letter = word + 1; *letter != '\0'; letter++) {
-        const option_row *row = find_option(command, NULL, 0, *letter);
+        const option_row *row = NULL;
+        for (int i = 0; i < parser->command->n_options && row == NULL; i++) {
+            const option_row *one = &parser->command->options[i];
+            row = one->letter == *letter ? one : NULL;
+        }
         if (row == NULL) {
-            unknown_option(options, command, word);
-            return false;
+            return unknown_option(parser, word);
         }
-        if (row->argument != NULL) {
-            return take_value(options, command, row, letter[1] != '\0' ? letter + 1 : NULL, rest);
+        if (takes_value(row)) {
+            return take_value(parser, row, letter[1] != '\0' ? letter + 1 : NULL);
         }
-        store(options, row, NULL);
+        store(parser, row, NULL);
     }
     return true;
 }
 
-static bool take_words(cli_options *options, const command_row *command, word_list *rest)
+static bool take_file(parser *parser, const char *word)
 {
-    bool only_files = false;
-    while (rest->n > 0) {
-        const char *word = *rest->words++;
-        rest->n--;
-        if (!only_files && strcmp(word, "--") == 0) {
+    const char *kind = parser->command->file;
+    if (parser->file != NULL && kind != NULL) {
+        return misuse(parser, "one %.*s at a time: what is '%s' after '%s'?", (int)strcspn(kind, " "), kind, word,
+                      parser->file);
+    }
+    parser->file = word;
+    return true;
+}
+
+/** All that is left, or up to --help. */
+static bool take_words(parser *parser)
+{
+    bool only_files = false, good = true;
+    while (parser->n > 0 && good && !parser->help) {
+        const char *word = *parser->words++;
+        parser->n--;
+        if (only_files || word[0] != '-' || (word[1] == '\0' && parser->command->file != NULL)) {
+            good = take_file(parser, word);
+        } else if (strcmp(word, "--") == 0) {
             only_files = true;
-        } else if (!only_files && strncmp(word, "--", 2) == 0) {
-            if (!take_long(options, command, word, rest)) {
-                return false;
-            }
-        } else if (!only_files && word[0] == '-' && word[1] != '\0') {
-            if (!take_letters(options, command, word, rest)) {
-                return false;
-            }
-        } else if (options->case_path != NULL) {
-            misuse(options, command, "one %.*s at a time: what is '%s' after '%s'?", (int)strcspn(command->file, " "),
-                   command->file, word, options->case_path);
-            return false;
         } else {
-            options->case_path = word;
-        }
-        if (options->help) {
-            return true;
+            good = word[1] == '-' ? take_long(parser, word) : take_letters(parser, word);
         }
     }
-    return true;
+    return good;
 }
 
 /** Words that do not go together. */
-static bool check_words(cli_options *options, const command_row *command)
+static bool check_words(const parser *parser)
 {
-    const bool is_reference = options->laws || options->keys;
-    if (options->case_path == NULL && !is_reference) {
-        misuse(options, command, "'%s' needs a %s", command->name, command->file);
-        return false;
-    }
-    if (options->check &&
-        (options->output != NULL || options->jobs != NULL || options->cases != NULL || options->resume)) {
-        misuse(options, command,
-               "option '--check' runs nothing: of the others only '--shard' and '--quiet' go with it");
-        return false;
-    }
-    if (command->mask == OF_BATCH && options->output == NULL && !options->check) {
-        misuse(options, command, "'%s' needs a folder: -o DIR", command->name);
-        return false;
-    }
-    if ((options->at != NULL) + (options->mesh_position != NULL) + options->mean > 1) {
-        misuse(options, command, "one of '--at', '--mesh-position' and '--mean' at a time");
-        return false;
-    }
-    if (is_reference &&
-        (options->case_path != NULL || options->json || options->n_set > 0 || (options->laws && options->keys))) {
-        misuse(options, command, "option '--%s' stands alone", options->laws ? "laws" : "keys");
-        return false;
-    }
-    return true;
-}
-
-static void parse_command(cli_options *options, const command_row *command, word_list *rest)
-{
-    options->command = command->command;
-    if (!take_words(options, command, rest)) {
-        return;
-    }
-    if (options->help) {
-        cli_print_help(command);
-        options->command = CLI_NOTHING;
-        options->exit_code = EVL_EXIT_OK;
-        return;
-    }
-    (void)check_words(options, command);
-}
-
-static void parse_program(cli_options *options, const char *word)
-{
-    const bool is_long = strncmp(word, "--", 2) == 0;
-    const option_row *row = is_long             ? find_option(&cli_program, word + 2, strlen(word + 2), 0)
-                            : strlen(word) == 2 ? find_option(&cli_program, NULL, 0, word[1])
-                                                : NULL;
-    if (row == NULL) {
-        unknown_option(options, &cli_program, word);
-        return;
-    }
-    store(options, row, NULL);
-    if (options->help) {
-        cli_print_help(&cli_program);
-    }
-    options->command = options->version ? CLI_VERSION : CLI_NOTHING;
-}
-
-void cli_parse(int argc, char **argv, cli_options *options)
-{
-    *options = (cli_options){.command = CLI_NOTHING};
-    if (argc < 2) {
-        misuse(options, &cli_program, "a command is missing");
-        return;
-    }
-    if (argv[1][0] == '-') {
-        parse_program(options, argv[1]);
-        return;
-    }
-    const char *names[CLI_N_COMMANDS];
-    word_list rest = {.n = argc - 2, .words = argv + 2};
-    for (int i = 0; i < CLI_N_COMMANDS; i++) {
-        names[i] = cli_commands[i].name;
-        if (strcmp(argv[1], names[i]) == 0) {
-            parse_command(options, &cli_commands[i], &rest);
-            return;
+    const command *command = parser->command;
+    const option_row *alone = NULL;
+    int n_given = 0;
+    for (int i = 0; i < command->n_options; i++) {
+        const option_row *row = &command->options[i];
+        if (is_given(parser, row)) {
+            n_given++;
+            alone = alone == NULL && row->kind == OPTION_ALONE ? row : alone;
         }
     }
-    char *phrase = suggest_phrase(argv[1], CLI_N_COMMANDS, names);
-    misuse(options, &cli_program, "unknown command '%s'%s", argv[1], phrase);
-    free(phrase);
+    if (alone != NULL) {
+        return (parser->file == NULL && n_given == 1) || misuse(parser, "option '%s' stands alone", alone->name);
+    }
+    if (parser->file == NULL && command->file == NULL) {
+        return misuse(parser, "a command is missing");
+    }
+    if (parser->file == NULL) {
+        return misuse(parser, "'%s' needs a %s", command->name, command->file);
+    }
+    const char *complaint = command->check != NULL ? command->check(parser->options) : NULL;
+    return complaint == NULL || misuse(parser, "%s", complaint);
 }
 
-void cli_free(cli_options *options)
+/** Understand the words that follow a command, and do it. */
+static evl_exit run_command(const command *command, int n, char **words, evl_error *error)
 {
-    free(options->set);
-    options->set = NULL;
-    options->n_set = 0;
+    parser parser = {.command = command, .n = n, .words = words, .options = xcalloc(1, command->size)};
+    evl_exit code = EVL_EXIT_USAGE;
+    const bool good = take_words(&parser);
+    if (good && parser.help) {
+        help_print(command);
+        code = EVL_EXIT_OK;
+    } else if (good && check_words(&parser)) {
+        code = command->run(parser.file, parser.options, error);
+    }
+    for (int i = 0; i < command->n_options; i++) {
+        if (command->options[i].kind == OPTION_LIST) {
+            free(((option_values *)((char *)parser.options + command->options[i].place))->values);
+        }
+    }
+    free(parser.options);
+    return code;
+}
+
+evl_exit cli_run(const command *program, int argc, char **argv, evl_error *error)
+{
+    if (argc < 2 || argv[1][0] == '-') {
+        return run_command(program, argc < 2 ? 0 : 1, argv + 1, error);
+    }
+    const parser parser = {.command = program};
+    const char **names = xcalloc((size_t)n_commands, sizeof *names);
+    const command *found = NULL;
+    for (int i = 0; i < n_commands; i++) {
+        names[i] = commands[i]->name;
+        found = strcmp(argv[1], names[i]) == 0 ? commands[i] : found;
+    }
+    if (found == NULL) {
+        char *phrase = suggest_phrase(argv[1], n_commands, names);
+        (void)misuse(&parser, "unknown command '%s'%s", argv[1], phrase);
+        free(phrase);
+    }
+    free(names);
+    return found != NULL ? run_command(found, argc - 2, argv + 2, error) : EVL_EXIT_USAGE;
 }

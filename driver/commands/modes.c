@@ -1,9 +1,8 @@
-#include "commands/modes.h"
-
 #include "base/interrupt.h"
 #include "base/memory.h"
 #include "base/number.h"
 #include "base/progress.h"
+#include "commands/command.h"
 #include "commands/modes_print.h"
 #include "commands/warn.h"
 #include "integrate/integrate.h"
@@ -11,6 +10,15 @@
 
 #include <math.h>
 #include <stdlib.h>
+
+typedef struct {
+    /* Which state: at most one of these three; none: the steady state where the case starts. */
+    const char *at;            /**< time [s] as a text, or NULL */
+    const char *mesh_position; /**< steady state at so many pitches from the start of contact, as a text, or NULL */
+    bool mean;                 /**< the mean over the steady states at all positions of the meshes */
+    option_values set;
+    bool json; /**< one JSON object, else text for reading */
+} modes_options;
 
 /* ---- the motion up to a time ---- */
 
@@ -120,13 +128,6 @@ static bool find_state_at(const prepared_case *prepared, const char *at, double 
 
 /* ---- the command ---- */
 
-static evl_exit print_modes(modes_report *report, bool as_json, FILE *stream)
-{
-    const evl_exit code = (evl_exit)(as_json ? modes_print_json(stream, report) : modes_print_text(stream, report));
-    natural_modes_free(&report->modes);
-    return code;
-}
-
 /** The modes at one state. */
 static bool linearise(const prepared_case *prepared, const dae_state *state, double *values, natural_modes *modes,
                       evl_error *error)
@@ -164,7 +165,7 @@ static bool check_start(const prepared_case *prepared, evl_error *error)
 }
 
 static evl_exit modes_of(const prepared_case *prepared, const modes_options *options, double time, double position,
-                         FILE *stream, evl_error *error)
+                         evl_error *error)
 {
     dae_state state = {.t = 0.0};
     double *values = xcalloc((size_t)model_n_values(prepared->model), sizeof *values);
@@ -187,25 +188,75 @@ static evl_exit modes_of(const prepared_case *prepared, const modes_options *opt
     if (good) {
         warn_of_case(prepared);
     }
-    const evl_exit code = good ? print_modes(&report, options->json, stream) : error->code;
+    if (good && options->json) {
+        modes_print_json(stdout, &report);
+    } else if (good) {
+        modes_print_text(stdout, &report);
+    }
+    natural_modes_free(&report.modes);
     dae_state_free(&state);
     free(values);
-    return code;
+    return error->code;
 }
 
-evl_exit modes_case(const modes_options *options, FILE *stream, evl_error *error)
+static evl_exit modes(const char *file, const void *given, evl_error *error)
 {
     static const double most_pitches = 1e6;
+    const modes_options *options = given;
     prepared_case prepared;
     double time = 0.0, position = 0.0;
-    *error = (evl_error){.code = EVL_EXIT_OK};
+    interrupt_install();
     if (!read_number("at", options->at, HUGE_VAL, "the time must be a number of seconds, at least 0", &time, error) ||
         !read_number("mesh-position", options->mesh_position, most_pitches,
                      "the position must be a number of pitches, from 0 to 1e6", &position, error) ||
-        !prepare_case(&prepared, options->case_path, options->n_set, options->set, error)) {
+        !prepare_case(&prepared, file, options->set.n, options->set.values, error)) {
         return error->code;
     }
-    const evl_exit code = modes_of(&prepared, options, time, position, stream, error);
+    const evl_exit code = modes_of(&prepared, options, time, position, error);
     prepared_case_free(&prepared);
     return code;
 }
+
+static const char *check(const void *given)
+{
+    const modes_options *options = given;
+    const int n_states = (options->at != NULL) + (options->mesh_position != NULL) + options->mean;
+    return n_states > 1 ? "one of '--at', '--mesh-position' and '--mean' at a time" : NULL;
+}
+
+static const option_row rows[] = {
+    {OPTION_TEXT, 0, "--at", "TIME", offsetof(modes_options, at),
+     "integrate the case from its initial state to this time [s] and linearise there"},
+    {OPTION_TEXT, 0, "--mesh-position", "X", offsetof(modes_options, mesh_position),
+     "linearise where a tooth pair of the first mesh is X pitches from the start of contact; 0 if not given"},
+    {OPTION_FLAG, 0, "--mean", NULL, offsetof(modes_options, mean),
+     "linearise at all positions of the meshes and take the mean"},
+    OPTION_ROW_SET(modes_options),
+    OPTION_ROW_JSON(modes_options),
+    OPTION_ROW_HELP,
+};
+
+const command modes_command = {
+    .name = "modes",
+    .synopsis = "CASE.yaml [--at TIME | --mesh-position X | --mean] [--set PATH=VALUE]... [--json]",
+    .summary = "print natural frequencies, damping and mode shapes",
+    .text =
+        "Linearises the gearbox and prints its natural frequencies, damping ratios and mode shapes: at its steady "
+        "state "
+        "under\n"
+        "load, whatever the case's initial state, with a tooth pair of the first mesh at the start of contact, or X "
+        "pitches\n"
+        "from it; with the mean over all positions of the meshes; or, with --at, where the motion of the case is at a "
+        "time.\n"
+        "\n"
+        "Examples:\n"
+        "  evolvent modes examples/paper.yaml\n"
+        "  evolvent modes examples/spur-pair.yaml --mesh-position 0.25\n"
+        "  evolvent modes examples/spur-pair.yaml --mean\n"
+        "  evolvent modes examples/paper-friction.yaml --at 0.5 --json\n",
+    .file = "case file",
+    .size = sizeof(modes_options),
+    OPTION_ROWS(rows),
+    .check = check,
+    .run = modes,
+};

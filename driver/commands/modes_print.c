@@ -1,18 +1,11 @@
 #include "commands/modes_print.h"
 
 #include "base/json.h"
-#include "base/status.h"
 
 #include <math.h>
 #include <string.h>
 
 static const double PI = 3.14159265358979323846;
-
-/** Whether all of it got through, also to a full disk or a closed pipe. */
-static int finish(FILE *stream)
-{
-    return fflush(stream) == 0 && !ferror(stream) ? EVL_EXIT_OK : EVL_EXIT_IO;
-}
 
 /** An output at the state; `part` is which wheel or mesh. */
 static double value_of(const modes_report *report, const char *output, int part)
@@ -217,12 +210,11 @@ static void print_shapes(FILE *stream, const modes_report *report)
     }
 }
 
-int modes_print_text(FILE *stream, const modes_report *report)
+void modes_print_text(FILE *stream, const modes_report *report)
 {
     print_state(stream, report);
     print_frequencies(stream, &report->modes);
     print_shapes(stream, report);
-    return finish(stream);
 }
 
 /* ---- for scripts ---- */
@@ -295,7 +287,7 @@ static void write_mode(json_writer *writer, const description *description, cons
     json_close(writer, '}');
 }
 
-int modes_print_json(FILE *stream, const modes_report *report)
+void modes_print_json(FILE *stream, const modes_report *report)
 {
     json_writer writer = {.stream = stream};
     json_open(&writer, NULL, '{');
@@ -308,5 +300,4 @@ int modes_print_json(FILE *stream, const modes_report *report)
     }
     json_close(&writer, ']');
     json_close(&writer, '}');
-    return finish(stream);
 }

@@ -24,11 +24,9 @@ typedef struct {
     natural_modes modes;
 } modes_report;
 
-/* Each returns EVL_EXIT_OK, or EVL_EXIT_IO if the stream could not be written. */
-
 /** Tables for reading. */
-int modes_print_text(FILE *stream, const modes_report *report);
+void modes_print_text(FILE *stream, const modes_report *report);
 /** One JSON object in SI units and in full precision, for scripts. */
-int modes_print_json(FILE *stream, const modes_report *report);
+void modes_print_json(FILE *stream, const modes_report *report);
 
 #endif

@@ -1,9 +1,8 @@
-#include "commands/run.h"
-
 #include "base/interrupt.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/progress.h"
+#include "commands/command.h"
 #include "commands/warn.h"
 #include "files/history.h"
 #include "integrate/integrate.h"
@@ -18,6 +17,12 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <time.h>
+
+typedef struct {
+    const char *output; /**< NULL: the case's name with .h5 in the current folder */
+    option_values set;
+    bool quiet;
+} run_options;
 
 typedef struct {
     prepared_case prepared;
@@ -297,8 +302,7 @@ static void run_prepared(run *run, const run_options *options, const char *path,
     warn_of_case(&run->prepared);
     tell_vibrations(run);
     take_names(run);
-    progress_start(&run->progress, options->show_progress, state.t,
-                   case_description(run->prepared.file)->simulation.duration);
+    progress_start(&run->progress, !options->quiet, state.t, case_description(run->prepared.file)->simulation.duration);
     if (create_history(run, path)) {
         simulate_case(run, path, &state, error);
     } else {
@@ -310,15 +314,18 @@ static void run_prepared(run *run, const run_options *options, const char *path,
     dae_state_free(&state);
 }
 
-evl_exit run_case(const run_options *options, evl_error *error)
+/** Everything that can be refused is refused before the output file is touched. */
+static evl_exit run_case(const char *file, const void *given, evl_error *error)
 {
+    const run_options *options = given;
     run run = {0};
-    *error = (evl_error){.code = EVL_EXIT_OK};
-    if (!prepare_case(&run.prepared, options->case_path, options->n_set, options->set, error)) {
+    log_set_quiet(options->quiet);
+    interrupt_install();
+    if (!prepare_case(&run.prepared, file, options->set.n, options->set.values, error)) {
         return error->code;
     }
-    char *path = options->output != NULL ? xstrdup(options->output) : default_output(options->case_path);
-    if (is_same_file(path, options->case_path)) {
+    char *path = options->output != NULL ? xstrdup(options->output) : default_output(file);
+    if (is_same_file(path, file)) {
         evl_error_set(error, EVL_EXIT_USAGE, "", "the history would replace the case '%s'; name another file with -o",
                       path);
     } else {
@@ -328,3 +335,29 @@ evl_exit run_case(const run_options *options, evl_error *error)
     prepared_case_free(&run.prepared);
     return error->code;
 }
+
+static const option_row rows[] = {
+    {OPTION_TEXT, 'o', "--output", "HISTORY.h5", offsetof(run_options, output),
+     "file to write; the case's name with .h5 in the current folder if not given"},
+    OPTION_ROW_SET(run_options),
+    OPTION_ROW_QUIET(run_options),
+    OPTION_ROW_HELP,
+};
+
+const command run_command = {
+    .name = "run",
+    .synopsis = "CASE.yaml [-o HISTORY.h5] [--set PATH=VALUE]... [-q]",
+    .summary = "integrate a case, write its history",
+    .text = "Integrates the case and writes its time history, an HDF5 file that netCDF-4 readers open. It grows as\n"
+            "HISTORY.h5.partial and gets its name when the run is complete, replacing an older one. A run that fails "
+            "or is\n"
+            "interrupted leaves the .partial, readable, with the reason in its attributes.\n"
+            "\n"
+            "Examples:\n"
+            "  evolvent run examples/paper.yaml\n"
+            "  evolvent run examples/paper.yaml -o f03.h5 --set meshes.0.friction.coefficient=0.3\n",
+    .file = "case file",
+    .size = sizeof(run_options),
+    OPTION_ROWS(rows),
+    .run = run_case,
+};

@@ -1,11 +1,11 @@
-#include "commands/show.h"
-
 #include "base/json.h"
 #include "base/memory.h"
 #include "base/number.h"
 #include "case/case_schema.h"
+#include "commands/command.h"
 #include "commands/show_deviations.h"
 #include "commands/show_gears.h"
+#include "simulate/prepare.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,11 +13,10 @@
 
 static const double DEGREES_PER_RADIAN = 57.295779513082320877;
 
-/** Whether all of it got through, also to a full disk or a closed pipe. */
-static int finish(FILE *stream)
-{
-    return fflush(stream) == 0 && !ferror(stream) ? EVL_EXIT_OK : EVL_EXIT_IO;
-}
+typedef struct {
+    option_values set;
+    bool json, laws, keys;
+} show_options;
 
 /* ---- for reading ---- */
 
@@ -90,14 +89,15 @@ static void print_model(FILE *stream, const prepared_case *prepared)
     }
 }
 
-int show_text(FILE *stream, const prepared_case *prepared)
+/** The resolved case, the derived geometry of every wheel and mesh, and the warnings, for reading. Of a case without a model the
+ *  case alone. */
+static void show_text(FILE *stream, const prepared_case *prepared)
 {
     fprintf(stream, "Case %s, with all defaults (angles in degrees)\n\n", case_path(prepared->file));
     print_indented(stream, case_text(prepared->file));
     if (prepared->model != NULL) {
         print_model(stream, prepared);
     }
-    return finish(stream);
 }
 
 /* ---- for scripts ---- */
@@ -163,7 +163,9 @@ static void write_model(json_writer *writer, const prepared_case *prepared)
     json_close(writer, ']');
 }
 
-int show_json(FILE *stream, const prepared_case *prepared, const evl_error *refusal)
+/** The same as one JSON object in SI units and radians, in full precision, for scripts.
+ *  @param refusal  why the case cannot run, if so */
+static void show_json(FILE *stream, const prepared_case *prepared, const evl_error *refusal)
 {
     json_writer writer = {.stream = stream};
     json_open(&writer, NULL, '{');
@@ -176,7 +178,6 @@ int show_json(FILE *stream, const prepared_case *prepared, const evl_error *refu
     json_text(&writer, "refusal", line);
     json_close(&writer, '}');
     free(line);
-    return finish(stream);
 }
 
 /* ---- laws and keys ---- */
@@ -199,7 +200,7 @@ static void print_parameter(FILE *stream, const parameter_row *parameter)
             parameter->required ? "" : value, range_text[0] == '\0' ? "" : ", ", range_text);
 }
 
-int show_laws(FILE *stream, const law_tables *laws)
+static void show_laws(FILE *stream, const law_tables *laws)
 {
     static const char *const families[LAWS_FAMILIES] = {
         [LAWS_CONTACT] = "contact", [LAWS_DAMPING] = "damping", [LAWS_FRICTION] = "friction"};
@@ -216,13 +217,62 @@ int show_laws(FILE *stream, const law_tables *laws)
             }
         }
     }
-    return finish(stream);
 }
 
-int show_keys(FILE *stream, const law_tables *laws)
+static void show_keys(FILE *stream, const law_tables *laws)
 {
     case_schema *schema = schema_create(laws);
     schema_print(stream, schema);
     schema_delete(&schema);
-    return finish(stream);
 }
+
+/* ---- the command ---- */
+
+static evl_exit show(const char *file, const void *given, evl_error *error)
+{
+    const show_options *options = given;
+    if (options->laws) {
+        show_laws(stdout, model_laws());
+    } else if (options->keys) {
+        show_keys(stdout, model_laws());
+    } else {
+        prepared_case prepared;
+        (void)prepare_to_show(&prepared, file, options->set.n, options->set.values, error);
+        if (prepared.file != NULL && options->json) {
+            show_json(stdout, &prepared, error);
+        } else if (prepared.file != NULL) {
+            show_text(stdout, &prepared);
+        }
+        prepared_case_free(&prepared);
+    }
+    return error->code;
+}
+
+static const option_row rows[] = {
+    OPTION_ROW_SET(show_options),
+    OPTION_ROW_JSON(show_options),
+    {OPTION_ALONE, 0, "--laws", NULL, offsetof(show_options, laws),
+     "the laws of contact, damping and friction instead"},
+    {OPTION_ALONE, 0, "--keys", NULL, offsetof(show_options, keys), "every key of a case file, as Markdown, instead"},
+    OPTION_ROW_HELP,
+};
+
+const command show_command = {
+    .name = "show",
+    .synopsis = "CASE.yaml [--set PATH=VALUE]... [--json] | --laws | --keys",
+    .summary = "print a case with its derived geometry",
+    .text =
+        "Prints the case with every default filled in and the geometry that follows from it. Nothing is integrated. Of "
+        "a "
+        "case\n"
+        "that 'evolvent run' would refuse it prints what it can, and ends with the line and the exit code of 'run'.\n"
+        "\n"
+        "Examples:\n"
+        "  evolvent show examples/paper.yaml\n"
+        "  evolvent show examples/paper.yaml --set wheels.gear.teeth=40 --json\n"
+        "  evolvent show --laws\n",
+    .file = "case file",
+    .size = sizeof(show_options),
+    OPTION_ROWS(rows),
+    .run = show,
+};

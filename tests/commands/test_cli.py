@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
-COMMANDS = ("run", "show", "modes")
 SHORT = ("--set", "simulation.duration=0.01")  # a run that takes no time
 
 
@@ -23,6 +22,21 @@ def assert_misuse(result: subprocess.CompletedProcess[str], complaint: str) -> N
     assert "--help' tells more" in rest[-1]
     assert len(rest) < 8
     assert result.stdout == ""
+
+
+@pytest.fixture(scope="session")
+def commands(executable: Path) -> dict[str, str]:
+    """All commands that the program lists, and their help."""
+
+    def helped(*words: str) -> str:
+        done = subprocess.run(
+            [executable, *words, "--help"], capture_output=True, text=True, check=True, timeout=60
+        )
+        assert done.stderr == ""
+        return done.stdout
+
+    listed = helped().partition("\nCommands:\n")[2].partition("\n\n")[0]
+    return {name: helped(name) for name in re.findall(r"^  (\w+) +\S", listed, re.MULTILINE)}
 
 
 def test_without_arguments_a_short_help_goes_to_stderr(evolvent: Evolvent) -> None:
@@ -70,24 +84,45 @@ def test_a_set_option_without_equals_sign_is_misuse(evolvent: Evolvent, examples
 
 @pytest.mark.parametrize("words", [["--help"], ["-h"]])
 def test_help_lists_every_command_and_exit_code_on_stdout(
-    evolvent: Evolvent, words: list[str]
+    evolvent: Evolvent, commands: dict[str, str], words: list[str]
 ) -> None:
     result = evolvent(*words)
     assert (result.returncode, result.stderr) == (0, "")
-    for command in COMMANDS:
-        assert re.search(rf"^  {command} ", result.stdout, re.MULTILINE)
+    assert commands.keys() >= {"run", "show", "modes", "batch"}
     for code in (0, 2, 3, 4, 74, 75):
         assert re.search(rf"^ +{code}  \w", result.stdout, re.MULTILINE)
 
 
-@pytest.mark.parametrize("command", COMMANDS)
-def test_help_of_a_command_has_an_example_and_its_options(evolvent: Evolvent, command: str) -> None:
-    result = evolvent(command, "--help")
-    assert (result.returncode, result.stderr) == (0, "")
-    assert result.stdout.startswith(f"Usage: evolvent {command} ")
-    assert f"\n  evolvent {command} examples/" in result.stdout
-    for option in set(re.findall(r"\[(--?\w+)", result.stdout.splitlines()[0])):
-        assert re.search(rf"^ +.*{option}\b", result.stdout.split("Options:")[1], re.MULTILINE)
+def test_help_of_every_command_has_an_example_and_the_options_of_its_usage(
+    commands: dict[str, str],
+) -> None:
+    for command, text in commands.items():
+        usage, described = text.partition("\n")[0], text.partition("\nOptions:\n")[2]
+        assert usage.startswith(f"Usage: evolvent {command} ")
+        assert f"\n  evolvent {command} " in text.partition("\nExamples:\n")[2]
+        for option in re.findall(r"(?<!\w)--?[a-z-]+", usage):
+            assert re.search(rf"^ +(-\w, )?{option}\b", described, re.MULTILINE), option
+
+
+def test_every_command_refuses_what_it_does_not_know_and_names_what_it_needs(
+    evolvent: Evolvent, commands: dict[str, str]
+) -> None:
+    for command, text in commands.items():
+        assert_misuse(evolvent(command), f"'{command}' needs a ")
+        assert_misuse(evolvent(command, "a", "b"), " at a time: what is 'b' after 'a'?")
+        assert_misuse(evolvent(command, "a", "-Z"), "unknown option '-Z'")
+        complaint = f"unknown command '{command}x' (did you mean '{command}'?)"
+        assert_misuse(evolvent(f"{command}x"), complaint)
+        options = text.partition("\nOptions:\n")[2].partition("\n\n")[0]
+        for option, value in re.findall(r"(--[a-z-]+) ([A-Z]\S*)?", options):
+            assert_misuse(
+                evolvent(command, f"{option}x"), f"'{option}x' (did you mean '{option}'?)"
+            )
+            if value:
+                complaint = f"option '{option}' needs a value: {option} {value}"
+                assert_misuse(evolvent(command, "a", option), complaint)
+            else:
+                assert_misuse(evolvent(command, f"{option}=1"), f"'{option}' takes no value")
 
 
 def test_help_wins_over_a_missing_case(evolvent: Evolvent) -> None:

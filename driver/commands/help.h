@@ -1,0 +1,18 @@
+/** What is printed of commands: usage, lists, `--help`. */
+#ifndef EVOLVENT_HELP_H
+#define EVOLVENT_HELP_H
+
+#include "commands/command.h"
+
+#include <stdio.h>
+
+extern const command *const commands[];
+extern const int n_commands;
+
+/** Reminds of the usage in a few lines. */
+void help_print_usage(FILE *stream, const command *command);
+
+/** All there is to say of a command, on stdout. */
+void help_print(const command *command);
+
+#endif
