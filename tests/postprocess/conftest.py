@@ -11,6 +11,9 @@ import xarray as xr
 from gearbox_reference import solve
 from synthetic import make_events, make_history, write_history
 
+from kernel.gearbox import event_names
+from kernel.kernel import Kernel
+
 
 @dataclass(frozen=True)
 class Run:
@@ -21,20 +24,26 @@ class Run:
     path: Path
 
 
-def _run(folder: Path, name: str, solution: dict[str, Any]) -> Run:
-    history, events = make_history(solution), make_events(solution)
+def _run(folder: Path, name: str, solution: dict[str, Any], kinds: list[str]) -> Run:
+    history, events = make_history(solution), make_events(solution, kinds)
     return Run(history, events, write_history(folder / f"{name}.h5", history, events))
 
 
 @pytest.fixture(scope="session")
-def friction_run(tmp_path_factory: pytest.TempPathFactory) -> Run:
-    """3 s with f = 0.3: one tooth switch and three ends of the friction law's linear part."""
-    folder = tmp_path_factory.mktemp("runs")
-    return _run(folder, "friction", solve(friction=0.3, t_end=3.0))
+def kinds(kernel: Kernel) -> list[str]:
+    """Names of the kinds of events, in the order of their numbers in a history."""
+    return event_names(kernel)
 
 
 @pytest.fixture(scope="session")
-def smooth_run(tmp_path_factory: pytest.TempPathFactory) -> Run:
+def friction_run(tmp_path_factory: pytest.TempPathFactory, kinds: list[str]) -> Run:
+    """3 s with f = 0.3: one tooth switch and three ends of the friction law's linear part."""
+    folder = tmp_path_factory.mktemp("runs")
+    return _run(folder, "friction", solve(friction=0.3, t_end=3.0), kinds)
+
+
+@pytest.fixture(scope="session")
+def smooth_run(tmp_path_factory: pytest.TempPathFactory, kinds: list[str]) -> Run:
     """Half a second without friction: no event at all."""
     folder = tmp_path_factory.mktemp("runs")
-    return _run(folder, "smooth", solve(friction=0.0, t_end=0.5))
+    return _run(folder, "smooth", solve(friction=0.0, t_end=0.5), kinds)

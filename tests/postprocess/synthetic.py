@@ -14,18 +14,6 @@ import numpy as np
 import xarray as xr
 from gearbox_reference import Gearbox
 
-EVENT_KINDS = (
-    "tooth_switch",
-    "tooth_switch_back",
-    "contact_closed",
-    "contact_opened",
-    "force_vanished",
-    "force_returned",
-    "sliding_began",
-    "sliding_ended",
-    "table_knot",
-    "revolution",
-)
 CASE = """format: 1
 title: The virtual setup of Kosenko and Gusev (2011)
 wheels:
@@ -63,22 +51,22 @@ def make_history(solution: dict[str, Any]) -> xr.Dataset:
     return xr.Dataset(variables, coords={"time": time, **names}, attrs=attributes)
 
 
-def make_events(solution: dict[str, Any]) -> xr.Dataset:
-    """Build the group of events."""
+def make_events(solution: dict[str, Any], names: list[str]) -> xr.Dataset:
+    """Build the group of events; `names` are the program's kinds of them."""
     kinds, states = [], []
     sliding = False
     for _, name, state in solution["events"]:
         if name in ("above", "below"):
             sliding = not sliding
-            kinds.append(EVENT_KINDS.index("sliding_began" if sliding else "sliding_ended"))
+            kinds.append(names.index("sliding_began" if sliding else "sliding_ended"))
         else:
             sliding = True
-            kinds.append(EVENT_KINDS.index(name))
+            kinds.append(names.index(name))
         states.append([state[0], state[0]])
     n = len(kinds)
     flags = {
-        "flag_values": np.arange(len(EVENT_KINDS), dtype=np.int32),
-        "flag_meanings": " ".join(EVENT_KINDS),
+        "flag_values": np.arange(len(names), dtype=np.int32),
+        "flag_meanings": " ".join(names),
         "units": "1",
         "long_name": "what happened",
         "symbol": "kind",

@@ -12,7 +12,9 @@ from PIL import Image
 from real_gears import RealPair, no_events
 from synthetic import write_history
 
+from evolvent.commands.post.app import COMMANDS as POST
 from evolvent.commands.post.app import main
+from evolvent.figures.table import FIGURES
 
 
 @pytest.fixture
@@ -43,7 +45,7 @@ def partial_file(smooth_run, tmp_path) -> Path:
     return write_history(tmp_path / "stopped.h5.partial", stopped, smooth_run.events)
 
 
-COMMANDS = ("animate", "check", "plot", "report", "compare")
+COMMANDS = [command.__name__ for command in POST]
 
 
 def test_help_names_every_command_and_exit_code(post):
@@ -148,10 +150,20 @@ def test_check_writes_json_for_scripts(post, broken_file):
 def test_plot_writes_every_figure_and_says_where(post, friction_run, tmp_path):
     code, out, _ = post("plot", friction_run.path, "-o", "a/b")
     assert code == 0
-    names = ["penetration", "transmission_error", "normal_force", "speeds"]
+    names = [row.name for row in FIGURES.values() if row.by_default]
     assert out.split() == [f"a/b/friction-{name}.png" for name in names]
     for line in out.split():
         assert (tmp_path / line).read_bytes().startswith(b"\x89PNG")
+
+
+def test_plot_lists_every_figure_and_what_it_needs_without_any_history(post):
+    code, out, err = post("plot", "--list")
+    assert (code, err) == (0, "")
+    for line, row in zip(out.splitlines()[1:], FIGURES.values(), strict=True):
+        assert line.split()[0] == row.name
+        assert row.text in line
+        assert line.rstrip().endswith(", ".join(row.needs))
+        assert ("(if asked for)" in line) is not row.by_default
 
 
 def test_plot_puts_the_transmission_errors_of_all_files_in_one_figure(

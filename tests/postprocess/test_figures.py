@@ -6,14 +6,19 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.figure import Figure
+from real_gears import RealPair, no_events
 
-from evolvent import open_events
-from evolvent.figures.normal_force import figure_normal_force
+from evolvent import HistoryError, open_events
 from evolvent.figures.over_time import MAX_POINTS
-from evolvent.figures.penetration import figure_penetration
-from evolvent.figures.speeds import figure_speeds
 from evolvent.figures.style import MAX_MARKS, save
-from evolvent.figures.transmission_error import figure_transmission_error
+from evolvent.figures.table import (
+    FIGURES,
+    Run,
+    normal_force,
+    penetration,
+    speeds,
+    transmission_error,
+)
 
 
 @pytest.fixture
@@ -33,9 +38,24 @@ def _texts(figure: Figure) -> list[str]:
     return [text.get_text() for legend in figure.legends for text in legend.get_texts()]
 
 
+@pytest.mark.parametrize("row", FIGURES.values(), ids=list(FIGURES))
+def test_every_figure_of_the_table_draws_what_has_its_variables_and_names_one_that_is_missing(row):
+    history = RealPair().history(np.linspace(0.0, 1.0, 31))
+    history["transmission_error"] = history["penetration"]  # these axles stand still
+    run = Run(history, no_events(), "gears")
+    figure = row(run)
+    figure.draw_without_rendering()
+    drawn = [line for line in figure.axes[0].lines if len(line.get_ydata())]
+    assert drawn
+    assert row.text
+    for name in row.needs:
+        with pytest.raises(HistoryError, match=f"has no variable `{name}`"):
+            row(Run(run.history.drop_vars(name)))
+
+
 def test_penetration_figure_shows_both_lengths_in_nanometres(friction_run):
     history = friction_run.history
-    figure = figure_penetration(history)
+    figure = penetration(Run(history))
     assert figure.axes[0].get_ylabel() == "length along the line of action [nm]"
     assert figure.axes[0].get_xlabel() == "time [s]"
     lines = _lines(figure)
@@ -48,7 +68,7 @@ def test_penetration_figure_shows_both_lengths_in_nanometres(friction_run):
 
 def test_transmission_errors_of_several_runs_come_with_their_labels(friction_run, smooth_run):
     runs = [friction_run.history, smooth_run.history]
-    figure = figure_transmission_error(runs, ["f = 0.3", "f = 0"])
+    figure = transmission_error(Run(runs[0], label="f = 0.3"), Run(runs[1], label="f = 0"))
     assert figure.axes[0].get_ylabel() == r"transmission error $\Delta$ [nm]"
     assert _texts(figure) == ["f = 0.3", "f = 0"]
     for line, history in zip(_lines(figure).values(), runs, strict=True):
@@ -56,17 +76,17 @@ def test_transmission_errors_of_several_runs_come_with_their_labels(friction_run
 
 
 def test_normal_force_and_speeds_have_their_units(friction_run):
-    force = figure_normal_force(friction_run.history)
-    speeds = figure_speeds(friction_run.history)
+    force = normal_force(Run(friction_run.history))
+    turning = speeds(Run(friction_run.history))
     assert force.axes[0].get_ylabel() == "normal force $F_n$ [N]"
-    assert speeds.axes[0].get_ylabel() == r"angular velocity $\omega$ [mrad/s]"
-    assert _texts(speeds) == ["pinion", "gear"]
+    assert turning.axes[0].get_ylabel() == r"angular velocity $\omega$ [mrad/s]"
+    assert _texts(turning) == ["pinion", "gear"]
 
 
 def test_curves_differ_by_dashes_and_lightness(friction_run):
     many = xr.concat([friction_run.history["angular_velocity"]] * 2, dim="wheel")
     history = xr.Dataset({"angular_velocity": many.assign_coords(wheel=list("abcd"))})
-    lines = figure_speeds(history).axes[0].lines
+    lines = speeds(Run(history)).axes[0].lines
     assert len({str(line._unscaled_dash_pattern) for line in lines}) == 4
     red_green_blue = np.array(
         [[int(line.get_color()[i : i + 2], 16) for i in (1, 3, 5)] for line in lines]
@@ -79,12 +99,12 @@ def test_every_mesh_has_a_panel(friction_run):
     history = friction_run.history
     names = [n for n, v in history.data_vars.items() if "mesh" in v.dims]
     both = xr.concat([history[names]] * 2, dim="mesh").assign_coords(mesh=["first", "second"])
-    figure = figure_penetration(both)
+    figure = penetration(Run(both))
     assert [axis.get_title(loc="left") for axis in figure.axes] == ["mesh first", "mesh second"]
 
 
 def test_events_are_marked_where_they_happened(friction_run, events):
-    figure = figure_normal_force(friction_run.history, events)
+    figure = normal_force(Run(friction_run.history, events))
     marks = {line.get_label(): line.get_xdata() for line in figure.axes[0].lines}
     for label, kind in (("tooth switch", "tooth_switch"), ("sliding ended", "sliding_ended")):
         expected = events["time"].values[events["kind"].values == kind]
@@ -94,14 +114,14 @@ def test_events_are_marked_where_they_happened(friction_run, events):
 
 def test_events_outside_the_shown_time_leave_the_axis_alone(friction_run, events):
     history = friction_run.history.isel(time=slice(500, 1001))
-    axis = figure_normal_force(history, events).axes[0]
+    axis = normal_force(Run(history, events)).axes[0]
     assert axis.get_xlim() == (0.5, 1.0)
     assert [line.get_label() for line in axis.lines] == ["pinion-gear"]
 
 
 def test_events_of_another_mesh_are_not_marked(friction_run, events):
     elsewhere = events.assign(mesh=events["mesh"] + 1)
-    figure = figure_penetration(friction_run.history, elsewhere)
+    figure = penetration(Run(friction_run.history, elsewhere))
     assert len(figure.axes[0].lines) == 2
 
 
@@ -114,7 +134,7 @@ def test_events_too_many_to_mark_are_counted_instead(friction_run):
             "mesh": ("event", np.zeros(n, dtype=int)),
         }
     )
-    figure = figure_normal_force(friction_run.history, events)
+    figure = normal_force(Run(friction_run.history, events))
     assert _texts(figure) == ["pinion-gear", "too many to mark: 41 of tooth switch"]
     drawn = [line for line in figure.axes[0].lines if len(line.get_xdata())]
     assert [line.get_label() for line in drawn] == ["pinion-gear"]
@@ -129,7 +149,7 @@ def test_a_long_run_is_thinned_without_losing_its_peaks():
     history = xr.Dataset(
         {"normal_force": force}, coords={"time": np.linspace(0.0, 500.0, n), "mesh": ["m"]}
     )
-    line = figure_normal_force(history).axes[0].lines[0]
+    line = normal_force(Run(history)).axes[0].lines[0]
     assert len(line.get_ydata()) <= MAX_POINTS + 2
     assert line.get_ydata().max() == 7.0
     assert line.get_ydata().min() == -9.0
@@ -137,19 +157,19 @@ def test_a_long_run_is_thinned_without_losing_its_peaks():
 
 
 def test_a_history_of_one_output_can_be_drawn(smooth_run, tmp_path):
-    save(figure_speeds(smooth_run.history.isel(time=[0])), tmp_path / "one.png")
+    save(speeds(Run(smooth_run.history.isel(time=[0]))), tmp_path / "one.png")
     assert (tmp_path / "one.png").stat().st_size > 0
 
 
 @pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
 def test_the_same_data_give_the_same_file(smooth_run, tmp_path, ending):
     for name in ("one", "two"):
-        save(figure_penetration(smooth_run.history), tmp_path / f"{name}.{ending}")
+        save(penetration(Run(smooth_run.history)), tmp_path / f"{name}.{ending}")
     assert (tmp_path / f"one.{ending}").read_bytes() == (tmp_path / f"two.{ending}").read_bytes()
 
 
 def test_nothing_is_clipped_by_the_edge(friction_run, events):
-    figure = figure_penetration(friction_run.history, events)
+    figure = penetration(Run(friction_run.history, events))
     figure.draw_without_rendering()
     needed = figure.get_tightbbox()
     width, height = figure.get_size_inches()

@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 import pytest
 import xarray as xr
-from synthetic import EVENT_KINDS, write_history
+from synthetic import write_history
 
 from evolvent import HistoryError, open_events, open_history, run_warning
 
@@ -38,9 +38,9 @@ def test_selection_by_names_and_time_works(friction_run):
         assert float(speed) == pytest.approx(float(around.mean()), rel=1e-12)
 
 
-def test_event_kinds_are_decoded_to_names(friction_run):
+def test_event_kinds_are_decoded_to_names(friction_run, kinds):
     events = open_events(friction_run.path)
-    expected = [EVENT_KINDS[k] for k in friction_run.events["kind"].values]
+    expected = [kinds[k] for k in friction_run.events["kind"].values]
     assert events["kind"].values.tolist() == expected
     assert expected.count("tooth_switch") == 1
 

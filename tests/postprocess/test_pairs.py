@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 from real_gears import RealPair
 
-from evolvent.pages.pair_figure import figure_pairs, last_pitches, roll_angle
+from evolvent.figures.pairs import draw_pairs, last_pitches, roll_angle
 from evolvent.physics.mesh_summary import mesh_summaries
 
 PITCH = 2 * np.pi / 20
@@ -44,7 +44,7 @@ def _drawn(figure, panel=0):
 
 
 def test_every_pair_is_drawn_over_the_roll_angle_while_it_is_on_the_path(history):
-    figure = figure_pairs(history.isel(time=slice(0, 311)))
+    figure = draw_pairs(history.isel(time=slice(0, 311)))
     assert figure.axes[0].get_ylabel() == "normal force [N]"
     assert figure.axes[1].get_xlabel() == "roll angle of pinion [°]"
     lines = _drawn(figure)
@@ -66,26 +66,26 @@ def test_every_pair_is_drawn_over_the_roll_angle_while_it_is_on_the_path(history
 
 
 def test_the_second_panel_shows_the_contact_pressure_with_its_unit(history):
-    figure = figure_pairs(history.isel(time=slice(0, 311)))
+    figure = draw_pairs(history.isel(time=slice(0, 311)))
     assert figure.axes[1].get_ylabel() == "contact\npressure [MPa]"
     shown = _drawn(figure, 1)["tooth pair 1"].get_ydata()
     assert np.nanmax(shown) == pytest.approx(np.sqrt(110.0))
 
 
 def test_two_pairs_of_one_line_are_not_joined(history):
-    force = _drawn(figure_pairs(history.isel(time=slice(0, 401))))["tooth pairs 0, 3"].get_ydata()
+    force = _drawn(draw_pairs(history.isel(time=slice(0, 401))))["tooth pairs 0, 3"].get_ydata()
     starts = np.flatnonzero(np.isfinite(force[1:]) & ~np.isfinite(force[:-1]))
     assert starts.size == 1  # of pair 3
 
 
 def test_pairs_can_be_drawn_over_time(history):
-    figure = figure_pairs(history.isel(time=slice(0, 311)), over_time=True)
+    figure = draw_pairs(history.isel(time=slice(0, 311)), over_time=True)
     assert figure.axes[1].get_xlabel() == "time [s]"
     assert figure.axes[0].get_xlim() == (0.0, 310.0)
 
 
 def test_entry_and_exit_are_marked_where_they_happened(history, events):
-    figure = figure_pairs(history.isel(time=slice(0, 311)), events)
+    figure = draw_pairs(history.isel(time=slice(0, 311)), events)
     lines = _drawn(figure)
     assert lines["a pair enters the path"].get_xdata() == pytest.approx([18.0], abs=1e-9)
     assert lines["a pair leaves it"].get_xdata() == pytest.approx([28.8], abs=1e-9)
@@ -95,11 +95,11 @@ def test_entry_and_exit_are_marked_where_they_happened(history, events):
 
 def test_loads_of_the_coast_flank_are_drawn_as_such():
     history = RealPair(coast=True).history(PITCH * np.arange(101) / 50)
-    assert "pairs of the coast flanks" in _drawn(figure_pairs(history))
+    assert "pairs of the coast flanks" in _drawn(draw_pairs(history))
 
 
 def test_pairs_are_told_apart_without_colour(history):
-    lines = _drawn(figure_pairs(history.isel(time=slice(0, 311))))
+    lines = _drawn(draw_pairs(history.isel(time=slice(0, 311))))
     pairs = [line for label, line in lines.items() if label.startswith("tooth pair")]
     assert len({str(line._unscaled_dash_pattern) for line in pairs}) == 3
 
@@ -107,7 +107,7 @@ def test_pairs_are_told_apart_without_colour(history):
 def test_every_mesh_has_two_panels(history):
     names = [n for n, v in history.data_vars.items() if "mesh" in v.dims]
     both = xr.concat([history[names]] * 2, dim="mesh").assign_coords(mesh=["first", "second"])
-    figure = figure_pairs(history.drop_vars([*names, "mesh"]).merge(both).isel(time=slice(0, 99)))
+    figure = draw_pairs(history.drop_vars([*names, "mesh"]).merge(both).isel(time=slice(0, 99)))
     titles = [axis.get_title(loc="left") for axis in figure.axes]
     assert titles == ["mesh first", "", "mesh second", ""]
 

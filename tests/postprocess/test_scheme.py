@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from evolvent.pages.scheme import figure_mesh_scheme, mesh_geometry
+from evolvent.figures.scheme import figure_mesh_scheme, mesh_geometry
 
 
 def _turned(history: xr.Dataset, angle: float, flank: int) -> xr.Dataset:

@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 from evolvent import check_history
-from evolvent.told_extremes import Extreme, told_extremes
+from evolvent.physics.extremes import Extreme, told_extremes
 from system.cases import pair, rigid, train
 from system.random_gearboxes import random_gearbox
 from system.runs import TRACKED, TRACKINGS

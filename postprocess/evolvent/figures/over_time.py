@@ -196,13 +196,3 @@ def of_mesh(events: xr.Dataset | None, mesh: int) -> xr.Dataset | None:
     if events is None:
         return None
     return events.isel(event=np.isin(events["mesh"].values, [-1, mesh]))
-
-
-def name_of(history: xr.Dataset, dim: str, index: int) -> str:
-    """Name a wheel or a mesh."""
-    return str(history[dim].values[index])
-
-
-def panel_title(history: xr.Dataset, mesh: int) -> str:
-    """Name the mesh that a panel shows."""
-    return f"mesh {name_of(history, 'mesh', mesh)}"

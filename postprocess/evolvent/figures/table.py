@@ -1,20 +1,30 @@
-"""The figures over time, a row each: `evolvent-post plot` and the report draw what stands here."""
+"""The figures of histories: a function each, whose decorator is its row of the table.
+
+`evolvent-post plot`, its --list, the report and the tests walk `FIGURES`.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import xarray as xr
 from matplotlib.figure import Figure
 
-from evolvent.figures.normal_force import figure_normal_force
-from evolvent.figures.penetration import figure_penetration
-from evolvent.figures.speeds import figure_speeds
-from evolvent.figures.transmission_error import figure_transmission_error
+from evolvent.figures.over_time import Curve, Panel, figure_over_time, of_mesh
+from evolvent.figures.pairs import draw_pairs, last_pitches
+from evolvent.history import HistoryError, require
+from evolvent.physics.extremes import peaks
 
-DrawOne = Callable[[xr.Dataset, xr.Dataset | None], Figure]  # of a history and its events
-DrawTogether = Callable[[list[xr.Dataset], list[str], xr.Dataset | None], Figure]  # with labels
+
+@dataclass(frozen=True)
+class Run:
+    """What a figure shows."""
+
+    history: xr.Dataset  # as from `open_history`, perhaps a part of it
+    events: xr.Dataset | None = None  # as from `open_events`; marked if given
+    label: str = ""  # in a legend with others
+    is_whole: bool = True  # nobody chose a part of it
 
 
 @dataclass(frozen=True)
@@ -22,14 +32,113 @@ class Drawing:
     """One row."""
 
     name: str  # of the option --quantity and of the file
-    one: DrawOne | None = None  # draws one history
-    together: DrawTogether | None = None  # draws several in one figure
-    title: str = ""  # on the page of a report; not there if empty
+    text: str  # what is seen
+    needs: tuple[str, ...]  # variables of the histories
+    title: str  # on the page of a report; not there if empty
+    together: bool  # several histories come in one figure
+    by_default: bool  # drawn if nothing is asked for
+    function: Callable[..., Figure]
+
+    def __call__(self, *runs: Run, **options: bool) -> Figure:
+        """Draw; a variable that is missing is named."""
+        for run in runs:
+            for name in self.needs:
+                require(run.history, name)
+        return self.function(runs) if self.together else self.function(*runs, **options)
 
 
-DRAWINGS = (
-    Drawing("penetration", figure_penetration, title="Transmission error and penetration"),
-    Drawing("transmission_error", together=figure_transmission_error),
-    Drawing("normal_force", figure_normal_force, title="Normal force"),
-    Drawing("speeds", figure_speeds, title="Speeds"),
+FIGURES: dict[str, Drawing] = {}
+
+
+def figure(
+    text: str, *needs: str, title: str = "", together: bool = False, by_default: bool = True
+) -> Callable[[Callable[..., Figure]], Drawing]:
+    """Put a function into the table under its name.
+
+    It takes a run, or those of which it draws several together.
+    """
+
+    def put(function: Callable[..., Figure]) -> Drawing:
+        name = function.__name__
+        FIGURES[name] = Drawing(name, text, needs, title, together, by_default, function)
+        return FIGURES[name]
+
+    return put
+
+
+@figure(
+    "transmission error and penetration over time",
+    "transmission_error",
+    "penetration",
+    title="Transmission error and penetration",
 )
+def penetration(run: Run) -> Figure:
+    """Draw transmission error Delta and penetration h [m], one panel a mesh.
+
+    Source: Kosenko & Gusev 2011, Figure 3.
+    """
+    shown = {"transmission_error": r"transmission error $\Delta$", "penetration": "penetration $h$"}
+    return _panels(
+        "length along the line of action",
+        [run],
+        lambda mesh: [_curve(run, name, mesh, label) for name, label in shown.items()],
+    )
+
+
+@figure("transmission errors of all histories over time", "transmission_error", together=True)
+def transmission_error(runs: Sequence[Run]) -> Figure:
+    """Draw the transmission error Delta of several runs together [m], one panel a mesh.
+
+    The events of a single one are marked.   Source: Kosenko & Gusev 2011, (19) and Figure 4.
+    """
+    if len({run.history.sizes["mesh"] for run in runs}) > 1:
+        raise HistoryError("the histories have different numbers of meshes; draw each alone")
+    return _panels(
+        r"transmission error $\Delta$",
+        runs,
+        lambda mesh: [_curve(run, "transmission_error", mesh, run.label) for run in runs],
+    )
+
+
+@figure("normal force over time", "normal_force", title="Normal force")
+def normal_force(run: Run) -> Figure:
+    """Draw the normal force F_n of every mesh [N]."""
+    names = run.history["mesh"].values
+    curves = [_curve(run, "normal_force", m, str(name)) for m, name in enumerate(names)]
+    return figure_over_time([Panel("normal force $F_n$", curves, events=run.events)])
+
+
+@figure("speeds over time", "angular_velocity", title="Speeds")
+def speeds(run: Run) -> Figure:
+    """Draw the angular velocity of every wheel [rad/s]."""
+    speed = run.history["angular_velocity"]
+    names = run.history["wheel"].values
+    curves = [Curve(str(name), speed.isel(wheel=w)) for w, name in enumerate(names)]
+    return figure_over_time([Panel(r"angular velocity $\omega$", curves, events=run.events)])
+
+
+@figure(
+    "normal force and contact pressure of each tooth pair over the roll angle",
+    "pair_normal_force",
+    title="Tooth pairs, the last pitches",
+    by_default=False,
+)
+def pairs(run: Run, over_time: bool = False) -> Figure:
+    """Draw the load of each tooth pair; of a whole run in its last pitches."""
+    history = last_pitches(run.history) if run.is_whole else run.history
+    return draw_pairs(history, run.events, over_time)
+
+
+def _panels(label: str, runs: Sequence[Run], curves: Callable[[int], list[Curve]]) -> Figure:
+    history = runs[0].history
+    events = runs[0].events if len(runs) == 1 else None
+    return figure_over_time(
+        [
+            Panel(label, curves(mesh), f"mesh {name}", of_mesh(events, mesh))
+            for mesh, name in enumerate(history["mesh"].values)
+        ]
+    )
+
+
+def _curve(run: Run, name: str, mesh: int, label: str) -> Curve:
+    return Curve(label, run.history[name].isel(mesh=mesh), peaks=peaks(run.history, name, mesh))

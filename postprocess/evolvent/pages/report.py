@@ -13,15 +13,13 @@ from jinja2 import Environment, PackageLoader
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
+from evolvent.figures.scheme import figure_mesh_scheme
 from evolvent.figures.style import STYLE
-from evolvent.figures.table import DRAWINGS
+from evolvent.figures.table import FIGURES, Run
 from evolvent.history import run_warning, source_name
-from evolvent.pages.pair_figure import figure_pairs, last_pitches
-from evolvent.pages.scheme import figure_mesh_scheme
-from evolvent.physics.extremes import extremes, extremes_table
+from evolvent.physics.extremes import extremes, extremes_table, is_extreme
 from evolvent.physics.invariants import check_history
 from evolvent.physics.mesh_summary import mesh_summaries
-from evolvent.told_extremes import is_extreme
 from evolvent.units import quantity
 
 # Attributes of a history that have a place of their own on the page.
@@ -171,16 +169,11 @@ def _scheme(history: xr.Dataset, mesh: int) -> Picture:
 def _figures(history: xr.Dataset, events: xr.Dataset) -> list[Picture]:
     if history.sizes["time"] == 0:
         return []
-    pictures = [
-        _picture(row.title, f"{row.title.lower()} over time", row.one(history, events))
-        for row in DRAWINGS
-        if row.one is not None and row.title
+    return [
+        _picture(row.title, row.text, row(Run(history, events)))
+        for row in FIGURES.values()
+        if row.title and all(name in history for name in row.needs)
     ]
-    if "pair_normal_force" in history:
-        text = "normal force and contact pressure of each tooth pair over the roll angle"
-        figure = figure_pairs(last_pitches(history), events)
-        pictures.append(_picture("Tooth pairs, the last pitches", text, figure))
-    return pictures
 
 
 def _picture(title: str, alternative: str, figure: Figure) -> Picture:

@@ -7,7 +7,7 @@ import xarray as xr
 
 from evolvent.history import require
 from evolvent.physics.applicable import NotApplicableError, depth_scale, is_tracked
-from evolvent.told_extremes import told_extremes
+from evolvent.physics.extremes import told_extremes
 
 OF_REAL_GEARS = {  # constants of wheels and meshes that other pairs do not have
     *("root_radius", "form_radius", "tooth_angle", "backlash"),

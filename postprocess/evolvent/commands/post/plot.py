@@ -9,15 +9,34 @@ from typing import Annotated
 
 import typer
 from matplotlib.figure import Figure
+from rich.table import Table
 
-from evolvent.commands.post.common import Files, fail_to_write, open_with_warning, refuse
+from evolvent.commands.post.common import (
+    Files,
+    fail_to_write,
+    new_console,
+    open_with_warning,
+    refuse,
+)
 from evolvent.figures.style import Format, save
-from evolvent.figures.table import DRAWINGS
-from evolvent.history import HistoryError, file_label, open_events
-from evolvent.pages.pair_figure import figure_pairs, last_pitches
+from evolvent.figures.table import FIGURES, Run, pairs
+from evolvent.history import file_label, open_events
 
-DRAWN = {drawing.name: drawing for drawing in DRAWINGS}
-Quantity = StrEnum("Quantity", list(DRAWN))  # type: ignore[misc]  # its members are a table
+Quantity = StrEnum("Quantity", list(FIGURES))  # type: ignore[misc]  # its members are a table
+
+
+def _list(wanted: bool) -> None:
+    """Print the table of the figures instead of drawing."""
+    if not wanted:
+        return
+    table = Table(box=None)
+    for column in ("quantity", "what is drawn", "of the variables"):
+        table.add_column(column)
+    for row in FIGURES.values():
+        name = row.name if row.by_default else f"{row.name} (if asked for)"
+        table.add_row(name, row.text, ", ".join(row.needs))
+    new_console().print(table)
+    raise typer.Exit
 
 
 def plot(
@@ -28,7 +47,9 @@ def plot(
     file_format: Annotated[Format, typer.Option("--format", help="File format.")] = Format.PNG,
     quantities: Annotated[
         list[Quantity] | None,
-        typer.Option("--quantity", help="What to draw; may be repeated. All if not given."),
+        typer.Option(
+            "--quantity", help="What to draw; may be repeated. All but pairs if not given."
+        ),
     ] = None,
     begin: Annotated[
         float,
@@ -45,7 +66,7 @@ def plot(
             "--to", metavar="TIME", show_default=False, help="Last time drawn [s]; else the last."
         ),
     ] = math.inf,
-    pairs: Annotated[
+    with_pairs: Annotated[
         bool,
         typer.Option(
             "--pairs",
@@ -55,6 +76,10 @@ def plot(
     ] = False,
     over_time: Annotated[
         bool, typer.Option("--over-time", help="With --pairs: over time.")
+    ] = False,
+    _: Annotated[
+        bool,
+        typer.Option("--list", help="List the figures instead.", callback=_list, is_eager=True),
     ] = False,
 ) -> None:
     """Draw quantities over time; the transmission errors of all files come in one figure.
@@ -67,36 +92,27 @@ def plot(
       evolvent-post plot paper.h5 --from 2.5 --to 2.7
       evolvent-post plot spur-pair.h5 --pairs
     """  # noqa: D301 - \b keeps click from filling the lines
-    if over_time and not pairs:
+    wanted = [str(q) for q in quantities or ()]
+    if not wanted and not with_pairs:
+        wanted = [row.name for row in FIGURES.values() if row.by_default]
+    wanted += [pairs.name] if with_pairs and pairs.name not in wanted else []
+    if over_time and pairs.name not in wanted:
         raise typer.BadParameter("is for --pairs", param_hint="--over-time")
-    wanted = quantities or ([] if pairs else list(Quantity))
-    labels = _labels(files)
-    histories, events = [], []
-    for path in files:
+    runs = []
+    for path, label in zip(files, _labels(files), strict=True):
         history = open_with_warning(path)
         part = history.sel(time=(history["time"] >= begin) & (history["time"] <= end))
         if part.sizes["time"] == 0:
             refuse(f"{path}: has no output between --from and --to")
-        histories.append(part)
-        events.append(open_events(path))
+        runs.append(Run(part, open_events(path), label, begin == -math.inf and end == math.inf))
     drawn: dict[str, Figure] = {}
     for quantity in wanted:
-        drawing = DRAWN[quantity]
-        if drawing.together is not None:
-            if len({history.sizes["mesh"] for history in histories}) > 1:
-                raise HistoryError(
-                    "the histories have different numbers of meshes; draw each alone"
-                )
-            name = f"{labels[0]}-{quantity}" if len(files) == 1 else str(quantity)
-            marks = events[0] if len(files) == 1 else None
-            drawn[name] = drawing.together(histories, labels, marks)
-        if drawing.one is not None:
-            for history, marked, label in zip(histories, events, labels, strict=True):
-                drawn[f"{label}-{quantity}"] = drawing.one(history, marked)
-    for history, marked, label in zip(histories, events, labels, strict=True) if pairs else []:
-        whole = begin == -math.inf and end == math.inf
-        part = last_pitches(history) if whole else history
-        drawn[f"{label}-pairs"] = figure_pairs(part, marked, over_time)
+        row = FIGURES[quantity]
+        if row.together and len(runs) > 1:
+            drawn[quantity] = row(*runs)
+            continue
+        options = {"over_time": True} if row is pairs and over_time else {}
+        drawn |= {f"{run.label}-{quantity}": row(run, **options) for run in runs}
     for name, figure in drawn.items():
         path = output / f"{name.replace('/', '-')}.{file_format}"
         try:

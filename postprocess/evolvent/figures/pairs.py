@@ -38,7 +38,7 @@ def roll_angle(history: xr.Dataset, mesh: int) -> xr.DataArray:
     return -sigma * require(history, "angle").isel(wheel=wheel)
 
 
-def figure_pairs(
+def draw_pairs(
     history: xr.Dataset, events: xr.Dataset | None = None, over_time: bool = False
 ) -> Figure:
     """Draw normal force and contact pressure of every tooth pair, two panels a mesh.
