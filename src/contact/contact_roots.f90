@@ -5,8 +5,8 @@ module evl_contact_roots
    use evl_flank_deviation, only: flank_deviation_t, zone_root, zone_tip
    use evl_kinds, only: wp
    use evl_local_variables, only: at_psi_a, n_local
-   use evl_root_kinds, only: live_loaded, live_on_path, live_one_sided, live_touching, moves_pair, n_root_kinds, n_sides, &
-                             root_of, root_rows
+   use evl_root_kinds, only: live_loaded, live_on_path, live_one_sided, live_touching, moves_pair, n_discrete, n_held, &
+                             n_root_kinds, n_sides, root_of, root_rows
    use evl_status, only: status_t
    use evl_tooth_contact, only: contact_mode, flank_drive, flanks_apart, flanks_loaded, flanks_off, flanks_open, &
                                 flanks_unloaded, tooth_contact_t, touches, tracking_closed_form, unclipped_force
@@ -66,22 +66,22 @@ contains
       type(tooth_contact_t), intent(in) :: contact
       type(contact_mode), intent(in) :: mode
       integer, intent(out) :: directions(contact%n_roots)
-      integer :: i
+      integer :: branches(n_discrete), i
 
+      branches = [0, 0, mode%friction, mode%zone_a, mode%zone_b, mode%sides]
       do i = 1, contact%n_roots
-         directions(i) = 0
-         if (mode%flanks == flanks_off .and. root_rows(contact%roots(i))%moves /= moves_pair) cycle ! it can only enter
-         directions(i) = contact_root_direction(contact, mode, contact%roots(i))
+         directions(i) = contact%directions(branches(contact%moved(i)), mode%flanks, i)
       end do
    end subroutine contact_root_directions
 
-   !> The same of one kind.
+   !> The same of one kind: it depends on the flanks and the integer that the kind moves, and on nothing else of the mode.
    pure integer function contact_root_direction(contact, mode, kind) result(direction)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_mode), intent(in) :: mode
       integer, intent(in) :: kind
 
       direction = 0
+      if (mode%flanks == flanks_off .and. root_rows(kind)%moves /= moves_pair) return ! it can only enter
       select case (kind)
       case (root_of%contact)
          if (mode%flanks == flanks_open) direction = 1
@@ -171,24 +171,28 @@ contains
       end select
    end function has_side
 
-   !> List the root functions that a contact has: those with a meaning in one of its modes.
+   !> List the root functions that a contact has, those with a meaning in one of its modes, with their directions in each.
    pure subroutine list_roots(contact)
       type(tooth_contact_t), intent(inout) :: contact !! complete, but for this
-      integer :: kind, flanks, branch
-      logical :: found
+      integer :: directions(-1:1, flanks_open:flanks_off), kind, flanks, branch
 
       contact%n_roots = 0
       do kind = 1, n_root_kinds
-         found = .false.
          do flanks = flanks_open, flanks_off
-            do branch = -1, 1 ! of friction and the zones
-               if (contact_root_direction(contact, contact_mode(flanks=flanks, friction=branch, zone_a=branch, zone_b=branch), &
-                                          kind) /= 0) found = .true.
+            do branch = -1, 1 ! of friction, the zones or the sides
+               directions(branch, flanks) = contact_root_direction( &
+                                            contact, contact_mode(flanks=flanks, friction=branch, zone_a=branch, zone_b=branch, &
+                                                                  sides=branch), kind)
             end do
          end do
-         if (.not. found) cycle
+         if (all(directions == 0)) cycle
          contact%n_roots = contact%n_roots + 1
-         contact%roots(contact%n_roots) = kind
+         associate (n => contact%n_roots)
+            contact%roots(n) = kind
+            contact%moved(n) = root_rows(kind)%moves
+            if (kind > n_root_kinds - n_sides) contact%moved(n) = n_held + kind - (n_root_kinds - n_sides)
+            contact%directions(:, :, n) = directions
+         end associate
       end do
    end subroutine list_roots
 

@@ -92,6 +92,8 @@ module evl_tooth_contact
       integer :: i_root = 0               !! place before its root functions
       integer :: n_roots = 0              !! how many there are
       integer :: roots(n_root_kinds) = 0  !! their kinds, the first n_roots
+      integer :: moved(n_root_kinds) = 0  !! which integer of the mode each of them moves
+      integer :: directions(-1:1, flanks_open:flanks_off, n_root_kinds) = 0 !! of each: by that integer and the flanks
    end type tooth_contact_t
 
    !> Discrete state of a tooth contact.

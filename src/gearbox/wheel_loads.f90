@@ -25,13 +25,22 @@ contains
             at%t = t
             at%omega = wheel_speed(wheel, y)
             if (load%i_segment > 0) at%segment = integers(load%i_segment)
-            if (.not. load%by_angle) return
-            call turns_of_wheel(wheel, integers, at%revolutions, at%angle)
-            at%angle = at%angle + wheel%ratio*y(i_theta)
-            if (wheel%i_psi > 0) at%angle = at%angle + y(wheel%i_psi)
+            if (load%by_angle) call turn_load_point(wheel, y, integers, at)
          end associate
       end associate
    end function load_point_of
+
+   !> The same: the angle.
+   pure subroutine turn_load_point(wheel, y, integers, at)
+      type(wheel_t), intent(in) :: wheel
+      real(wp), intent(in) :: y(:)
+      integer, intent(in) :: integers(:)
+      type(load_point), intent(inout) :: at
+
+      call turns_of_wheel(wheel, integers, at%revolutions, at%angle)
+      at%angle = at%angle + wheel%ratio*y(i_theta)
+      if (wheel%i_psi > 0) at%angle = at%angle + y(wheel%i_psi)
+   end subroutine turn_load_point
 
    !> How far the whole turns of the reference wheel have turned a wheel: its whole turns, and the rest [rad].
    pure subroutine turns_of_wheel(wheel, integers, revolutions, angle)
