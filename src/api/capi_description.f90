@@ -81,7 +81,7 @@ module evl_capi_description
       real(c_double) :: position(3), orientation(4), velocity(3), angular_velocity(3)
    end type c_housing
 
-   !> evl_tooth_contact
+   !> evl_mesh
    type, bind(c) :: c_mesh
       integer(c_int) :: driving, driven, driving_rotation
       logical(c_bool) :: has_centre_line_angle

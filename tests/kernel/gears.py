@@ -36,7 +36,8 @@ class GearGeometry(ctypes.Structure):
 
 
 _MESH_NUMBERS = (
-    *("centre_distance", "reference_distance", "tight_distance", "working_pressure_angle"),
+    *("centre_distance", "reference_distance", "tight_distance", "base_radius_sum"),
+    "working_pressure_angle",
     *("pitch_radius_a", "pitch_radius_b", "line_of_action", "base_pitch"),
     *("path_of_contact", "approach", "recess", "contact_ratio"),
     *("rho_tip_a", "rho_tip_b", "active_radius_a", "active_radius_b"),

@@ -394,6 +394,7 @@ typedef struct {
     double centre_distance;                  /**< a_w */
     double reference_distance;               /**< a, sum of the reference radii */
     double tight_distance;                   /**< from the profile shifts, without backlash; 0 if there is none */
+    double base_radius_sum;                  /**< R, sum of the base radii */
     double working_pressure_angle;           /**< alpha_w */
     double pitch_radius_a, pitch_radius_b;   /**< r_w, operating pitch radii */
     double line_of_action;                   /**< T1T2 */

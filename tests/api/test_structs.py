@@ -1,0 +1,53 @@
+"""A struct of the C header and its Fortran type have the same fields in the same order."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+HEADERS = sorted((ROOT / "src" / "include" / "evolvent").glob("*.h"))
+
+#: Types of the kernel that C reads as they are; all others have the struct's name above them.
+SHARED = {"gear_t": "evl_gear_geometry", "gear_mesh_t": "evl_gear_mesh"}
+
+
+def structs() -> dict[str, list[str]]:
+    """Fields of every struct of the headers."""
+    found = {}
+    for header in HEADERS:
+        text = re.sub(r"/\*.*?\*/", "", header.read_text(), flags=re.DOTALL)
+        for body, name in re.findall(r"typedef struct \{(.*?)\} (\w+);", text, flags=re.DOTALL):
+            declarations = " ".join(body.split()).split(";")
+            found[name] = [
+                re.sub(r"\[.*?\]|\*", "", part).split()[-1]
+                for declaration in declarations
+                if declaration.strip()
+                for part in re.sub(r"\[[^]]*\]", "", declaration).split(",")
+            ]
+    return found
+
+
+def types() -> dict[str, list[str]]:
+    """Components of every interoperable type of the kernel, by the struct that it is."""
+    found = {}
+    for source in (ROOT / "src").rglob("*.f90"):
+        text = source.read_text().replace("&\n", "")
+        pattern = r"(?:!> (evl_\w+)\n *)?type, bind\(c\) :: (\w+)\n(.*?)end type"
+        for comment, name, body in re.findall(pattern, text, flags=re.DOTALL):
+            lines = [re.sub(r"!.*", "", line) for line in body.splitlines()]
+            declared = [line.split("::")[1] for line in lines if "::" in line]
+            components = [
+                re.sub(r"\(.*?\)|=.*", "", part).strip()
+                for line in declared
+                for part in re.sub(r"\([^)]*\)", "", line).split(",")
+            ]
+            found[SHARED.get(name, comment)] = components
+    return found
+
+
+@pytest.mark.parametrize("name", sorted(types()))
+def test_the_fields_of_a_struct_are_those_of_its_type(name: str) -> None:
+    assert structs()[name] == types()[name]
