@@ -10,12 +10,7 @@ submodule(evl_radau) evl_radau_attempt
 contains
 
    !> Try a step of h; if it fails for Newton, error is huge and the step to try next is set.
-   module subroutine attempt(self, model, h, error, status)
-      type(radau_t), intent(inout) :: self
-      class(ode_model), intent(in) :: model
-      real(wp), intent(in) :: h
-      real(wp), intent(out) :: error
-      type(status_t), intent(inout) :: status
+   module procedure attempt
       integer :: outcome
       logical :: good
 
@@ -40,7 +35,7 @@ contains
       end do
       call estimate_error(self%stages, model, self%t, self%y, h, self%rejected, error, status)
       if (.not. error < huge(error)) self%h = h/4
-   end subroutine attempt
+   end procedure attempt
 
    !> Predict the step, with a new Jacobian and new factors if it needs them. The place of the Jacobian is predicted by the
    !> polynomial of the last step in any case, as the linear model asks for the Jacobian itself.

@@ -7,15 +7,7 @@ submodule(evl_radau) evl_radau_events
 contains
 
    !> Take the step just solved, or the part of it before the first event.
-   module subroutine finish(self, model, h, to_stop, t_stop, done, outcome, status)
-      type(radau_t), intent(inout) :: self
-      class(ode_model), intent(in) :: model
-      real(wp), intent(in) :: h
-      logical, intent(in) :: to_stop
-      real(wp), intent(in) :: t_stop
-      logical, intent(out) :: done
-      integer, intent(out) :: outcome
-      type(status_t), intent(inout) :: status
+   module procedure finish
       integer :: first
 
       done = .true.
@@ -34,7 +26,7 @@ contains
       end if
       call take(self, h, merge(t_stop, self%t + h, to_stop), self%stages%y(n_stages, :))
       call move_start(self%stages, h)
-   end subroutine finish
+   end procedure finish
 
    !> Keep the polynomial of the step and move on.
    subroutine take(self, h, t, y)

@@ -7,10 +7,7 @@ contains
 
    !> A first step in which the state moves by about a hundredth of its scales, judged by f and, along an Euler step, by its
    !> change: f may be 0 at the start.
-   module subroutine choose_first_step(self, model, status)
-      type(radau_t), intent(inout) :: self
-      class(ode_model), intent(in) :: model
-      type(status_t), intent(inout) :: status
+   module procedure choose_first_step
       real(wp), parameter :: part = 0.01_wp, probe = 1.0e-6_wp
       real(wp) :: speed, acceleration, h
 
@@ -31,16 +28,13 @@ contains
          acceleration = maxval(abs(moved_f - f)/model%scale)/h
          self%h = min(self%options%max_step, part/max(speed, sqrt(acceleration), part*probe))
       end associate
-   end subroutine choose_first_step
+   end procedure choose_first_step
 
    !> The step to try after a start or an event, from f and J; the step before the event bounds it, for what J does not tell.
    !>
    !> J where it happens need not be that of what follows (a force law may begin with slope 0), so it is looked at ahead as
    !> well, in the middle of the step; if the step then has to be much shorter, once more.
-   module subroutine choose_step(self, model, status)
-      type(radau_t), intent(inout) :: self
-      class(ode_model), intent(in) :: model
-      type(status_t), intent(inout) :: status
+   module procedure choose_step
       real(wp), parameter :: most_down = 100, most_up = 8
       integer, parameter :: most_turns = 4
       real(wp) :: h, h_ahead, least, most
@@ -81,12 +75,10 @@ contains
       end do
       self%h = h
       self%restarted = .false.
-   end subroutine choose_step
+   end procedure choose_step
 
    !> Keep what the first step after an event could be: the same event comes again.
-   pure module subroutine remember_step(self, h, error)
-      type(radau_t), intent(inout) :: self
-      real(wp), intent(in) :: h, error !! the step and its error, < 1
+   module procedure remember_step
       real(wp), parameter :: most_growth = 4, aim = 0.5_wp
       integer :: i
 
@@ -94,17 +86,13 @@ contains
          if (self%came_from(i) /= 0) self%step_after(self%came_from(i), i) = &
             h*min(most_growth, real_power(aim/error, 0.125_wp))
       end do
-   end subroutine remember_step
+   end procedure remember_step
 
    !> df/dy at the present state.
-   module subroutine refresh_jacobian(self, model, status)
-      type(radau_t), intent(inout) :: self
-      class(ode_model), intent(in) :: model
-      type(status_t), intent(inout) :: status
-
+   module procedure refresh_jacobian
       call model%jacobian(self%t, self%y, self%stages%jacobian, status)
       self%counts%jacobians = self%counts%jacobians + 1
       self%jacobian_is_new = .not. has_failed(status)
-   end subroutine refresh_jacobian
+   end procedure refresh_jacobian
 
 end submodule evl_radau_first_step

@@ -14,12 +14,7 @@ contains
    !>
    !> Where damping can be negative, every step that could be too long is looked at in its middle and at its end. Elsewhere
    !> forces change less, and now and then the Jacobian at hand does.
-   module subroutine follow_growth(self, model, h, followed, status)
-      type(radau_t), intent(inout) :: self
-      class(ode_model), intent(in) :: model
-      real(wp), intent(in) :: h
-      logical, intent(out) :: followed
-      type(status_t), intent(inout) :: status
+   module procedure follow_growth
       integer, parameter :: few = 4, many = 8 !! steps between two looks: while a mode grows; where dampers damp
       integer, parameter :: middle = 4        !! stage nearest to the middle of a step
       logical :: grows, look
@@ -57,7 +52,7 @@ contains
          growth%shortens = growth%longest < huge(h) .and. growth%shortens
          growth%wants_jacobian = growth%shortens
       end associate
-   end subroutine follow_growth
+   end procedure follow_growth
 
    !> Look at a stage of the step just solved.
    subroutine judge_at(self, model, h, stage, status)

@@ -6,17 +6,11 @@ submodule(evl_radau) evl_radau_look
 contains
 
    !> Candidates for new extremes in the last step; none if nothing moved in it.
-   module subroutine radau_look(self, model, high, low, n, found)
-      type(radau_t), intent(inout) :: self
-      class(ode_model), intent(in) :: model
-      real(wp), intent(in) :: high(:), low(:)
-      integer, intent(out) :: n
-      type(candidate_t), intent(inout) :: found(:)
-
+   module procedure radau_look
       n = 0
       if (.not. (self%old_h > 0 .and. self%t > self%t_before)) return
       call model%watched_nearby(self%stages%y, self%watched%n, self%watched%channels, self%watched%values)
       call find_candidates(self%watched, high, low, n, found)
-   end subroutine radau_look
+   end procedure radau_look
 
 end submodule evl_radau_look

@@ -20,15 +20,7 @@ submodule(evl_stage_solver) evl_stage_errors
 contains
 
    !> Weighted size of the error estimate of the step just solved.
-   module subroutine estimate_error(self, model, t, y, h, again, error, status)
-      type(stage_solver_t), intent(inout) :: self
-      class(ode_model), intent(in) :: model
-      real(wp), intent(in) :: t, h
-      real(wp), intent(in) :: y(self%n)
-      logical, intent(in) :: again   !! filter once more if the error is above 1: for a first step and after a rejection
-      real(wp), intent(out) :: error !! root mean square; a step is good below 1
-      type(status_t), intent(inout) :: status
-
+   module procedure estimate_error
       real(wp) :: output_error
 
       call examine(self%n, self%z, self%weight, self%slope, self%slope_at_end, self%last, self%before, &
@@ -46,7 +38,7 @@ contains
       end if
       call filter(self, self%moved_f, h, error)
       error = max(error, output_error)
-   end subroutine estimate_error
+   end procedure estimate_error
 
    !> Slopes of the polynomial at its ends and the weighted size of the Chebyshev coefficients that would come next, if the last
    !> pairs go on as a geometric series. Pairs, since every other coefficient of an even or odd solution is 0.
@@ -77,10 +69,7 @@ contains
    !> With it the polynomial of degree 7 through the nodes c differs from y by h^8 y''''''''/8! prod(tau - c), its slope at the
    !> start by the product of the seven other nodes, and the estimate is that over the real eigenvalue. Stiff components that
    !> the filter would forgive make the result too small, not too large.
-   pure module subroutine foresee_step(self, model, h)
-      type(stage_solver_t), intent(inout) :: self !! f at the start in `start`, J in `jacobian`; its scratch changes
-      class(ode_model), intent(in) :: model
-      real(wp), intent(out) :: h !! 0 if the derivative is not finite
+   module procedure foresee_step
       real(wp), parameter :: factorial_8 = 40320
       real(wp), parameter :: at_start = 1/(shift_re(1)*abs(barycentric(lanes))*factorial_8)
       real(wp), parameter :: inside = nodes_over_chebyshev/(2.0_wp**15*factorial_8)
@@ -96,7 +85,7 @@ contains
       error = max(at_start, inside*self%output_factor)*sqrt(weighted_square(self%n, self%moved_f, self%weight)/self%n)
       h = 0
       if (error <= huge(error)) h = 1/real_power(max(error, tiny(1.0_wp)), 1.0_wp/8)
-   end subroutine foresee_step
+   end procedure foresee_step
 
    !> y = J x
    pure subroutine apply_jacobian(n, entries, row, column, jacobian, x, y)

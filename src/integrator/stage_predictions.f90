@@ -16,30 +16,20 @@ submodule(evl_stage_solver) evl_stage_predictions
 contains
 
    !> Start Newton without a guess.
-   pure module subroutine predict_nothing(self, y)
-      type(stage_solver_t), intent(inout) :: self
-      real(wp), intent(in) :: y(self%n)
-
+   module procedure predict_nothing
       self%z = 0
       self%shifted = 0
       call start_stages(self%n, self%integrals%n_coupled, y, self%z, self%y)
       self%linear%is_used = .false.
-   end subroutine predict_nothing
+   end procedure predict_nothing
 
    !> Start Newton from the polynomial of a step, continued.
-   pure module subroutine predict_from(self, y, old_z, start, h, old_h)
-      type(stage_solver_t), intent(inout) :: self
-      real(wp), intent(in) :: y(self%n)
-      real(wp), intent(in) :: old_z(lanes, self%n)
-      real(wp), intent(in) :: start
-      real(wp), intent(in) :: h
-      real(wp), intent(in) :: old_h
-
+   module procedure predict_from
       call find_continuation(self%continuation, start, h/old_h)
       call continue_polynomial(self%integrals%n_coupled, self%continuation%matrix, old_z, h, self%z, self%shifted)
       call start_stages(self%n, self%integrals%n_coupled, y, self%z, self%y)
       self%linear%is_used = .false.
-   end subroutine predict_from
+   end procedure predict_from
 
    !> The matrix of a prediction, unless it is that of the last one: a step often is as long as the one before.
    pure subroutine find_continuation(self, start, ratio)
@@ -57,11 +47,7 @@ contains
    end subroutine find_continuation
 
    !> Start Newton from the linear model z' = f(start) + J z: an iteration from nothing, with the same f at all stages.
-   module subroutine predict_linearly(self, y, h)
-      type(stage_solver_t), intent(inout) :: self
-      real(wp), intent(in) :: y(self%n)
-      real(wp), intent(in) :: h
-
+   module procedure predict_linearly
       real(wp) :: square
 
       call predict_nothing(self, y)
@@ -70,21 +56,19 @@ contains
       call add_change(self%integrals%n_coupled, shift_re/h, shift_im/h, y, self%weight, self%change, self%shifted, self%z, &
                       self%y, square)
       self%linear%is_used = .true.
-   end subroutine predict_linearly
+   end procedure predict_linearly
 
    !> Whether the linear model is expected to predict the next step better than the polynomial of the last one.
    !>
    !> The error of the polynomial is that of the Chebyshev coefficient which would come next, T_8 at the stages ahead: its root
    !> mean square over them is 0.4 of what it is at the end. That of the linear model was found by the last iteration that
    !> started from it, and grows with the square of the step, as what J changes in the step does.
-   pure module logical function linear_is_better(self, h, old_h)
-      type(stage_solver_t), intent(in) :: self
-      real(wp), intent(in) :: h, old_h
+   module procedure linear_is_better
       real(wp), parameter :: mean_over_end = 0.4_wp
 
       linear_is_better = self%linear%error*(h/self%linear%h)**2 &
                          < mean_over_end*chebyshev_8(1 + 2*h/old_h)*self%next_coefficient
-   end function linear_is_better
+   end procedure linear_is_better
 
    !> T_8, by T_2n = 2 T_n**2 - 1.
    pure real(wp) function chebyshev_8(x)
@@ -94,21 +78,16 @@ contains
    end function chebyshev_8
 
    !> The step just solved was taken to its end: there f is the slope of its polynomial.
-   pure module subroutine move_start(self, h)
-      type(stage_solver_t), intent(inout) :: self
-      real(wp), intent(in) :: h
-
+   module procedure move_start
       self%start(:) = self%slope_at_end*(1/h)
       self%start_is_known = .true.
-   end subroutine move_start
+   end procedure move_start
 
    !> After an event: f at the start is not known, nor how good the linear model and Newton's iteration are.
-   pure module subroutine forget_start(self)
-      type(stage_solver_t), intent(inout) :: self
-
+   module procedure forget_start
       self%start_is_known = .false.
       self%linear = linear_prediction_t()
       self%rate_sum = 1
-   end subroutine forget_start
+   end procedure forget_start
 
 end submodule evl_stage_predictions
