@@ -82,7 +82,7 @@ def write_journals(folder: Path) -> None:
         head = {"journal": 1, "design": design.hash, "shard": shard, "of": SHARDS}
         head |= {"n_cases": design.n_cases, "evolvent": design.version, "scalars": scalars}
         with (folder / "d" / f"shard-{shard}-of-{SHARDS}.jsonl").open("w") as journal:
-            journal.write(json.dumps(head) + "\n")
+            journal.write(json.dumps(head, separators=(",", ":")) + "\n")
             for case in range(shard - 1, design.n_cases, SHARDS):
                 if case % 5003 == 7:
                     continue

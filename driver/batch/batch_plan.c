@@ -3,6 +3,7 @@
 #include "base/json.h"
 #include "base/memory.h"
 #include "base/suggest.h"
+#include "batch/journal.h"
 #include "integrate/output_grid.h"
 #include "simulate/simulate.h"
 
@@ -204,7 +205,7 @@ char *batch_plan_head(const batch_plan *plan, int shard, int n_shards)
     size_t length = 0;
     json_writer writer = {.stream = open_memstream(&text, &length), .is_line = true};
     json_open(&writer, NULL, '{');
-    json_integer(&writer, "journal", 1);
+    json_integer(&writer, "journal", JOURNAL_FORMAT);
     json_text(&writer, "design", plan->design->hash);
     json_integer(&writer, "shard", shard);
     json_integer(&writer, "of", n_shards);

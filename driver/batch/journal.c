@@ -26,19 +26,20 @@ static bool fail(const journal *journal, evl_error *error)
     return false;
 }
 
-/** A row ends with the time at which it was finished. No text inside a row can look like that: its quotes are escaped. */
-static bool is_complete(const char *line, size_t length)
+/** Where the end of a row begins, ",\"at\":TIME}"; NULL if it is torn. No text inside a row can look like that: its quotes
+ *  are escaped. */
+static const char *find_end(const char *line, size_t length)
 {
     static const char mark[] = ",\"at\":";
     const char *end = line + length;
     if (length == 0 || *--end != '}') {
-        return false;
+        return NULL;
     }
     while (end > line && (strchr("0123456789.", end[-1]) != NULL)) {
         end--;
     }
     const size_t n = sizeof mark - 1;
-    return (size_t)(end - line) > n && end[0] != '}' && memcmp(end - n, mark, n) == 0;
+    return (size_t)(end - line) > n && end[0] != '}' && memcmp(end - n, mark, n) == 0 ? end - n : NULL;
 }
 
 /** What comes after `start` in a text that begins with it; NULL if it does not. */
@@ -48,25 +49,43 @@ static const char *after(const char *text, const char *start)
     return strncmp(text, start, length) == 0 ? text + length : NULL;
 }
 
-static void take_line(const char *line, size_t length, long n_cases, journal_status *status, long *n_recorded)
+bool journal_read_row(const char *line, size_t length, journal_row *row)
 {
     const char *number = after(line, "{\"case\":");
     char *end = NULL;
-    if (number == NULL || !is_complete(line, length)) {
-        return;
+    *row = (journal_row){.end = find_end(line, length)};
+    if (number == NULL || row->end == NULL) {
+        return false;
     }
-    const long index = strtol(number, &end, 10);
-    const char *word = after(end, ",\"status\":\"");
-    if (word == NULL || index < 0 || index >= n_cases) {
-        return;
+    row->index = strtol(number, &end, 10);
+    row->word = after(end, ",\"status\":\"");
+    row->at = strtod(row->end + strlen(",\"at\":"), NULL);
+    for (int i = JOURNAL_DONE; i <= JOURNAL_REFUSED && row->word != NULL; i++) {
+        const char *rest = after(row->word, status_names[i]);
+        row->status = rest != NULL && rest[0] == '"' ? (journal_status)i : row->status;
     }
-    journal_status *known = &status[index]; /* NOLINT(clang-analyzer-security.ArrayBound): it is less than n_cases */
-    for (int i = JOURNAL_DONE; i <= JOURNAL_REFUSED; i++) {
-        const char *rest = after(word, status_names[i]);
-        if (rest != NULL && rest[0] == '"') {
-            *n_recorded += *known == JOURNAL_MISSING ? 1 : 0;
-            *known = (journal_status)i;
-        }
+    return row->word != NULL;
+}
+
+const char *journal_numbers(const journal_row *row)
+{
+    const char *text = strstr(row->word, "\"message\":\"");
+    if (text == NULL) {
+        return row->end;
+    }
+    for (text += strlen("\"message\":\""); *text != '"' && text < row->end; text++) {
+        text += *text == '\\' ? 1 : 0;
+    }
+    return text < row->end ? text + 1 : row->end;
+}
+
+static void take_line(const char *line, size_t length, long n_cases, journal_status *status, long *n_recorded)
+{
+    journal_row row;
+    if (journal_read_row(line, length, &row) && row.status != JOURNAL_MISSING && row.index >= 0 &&
+        row.index < n_cases) {
+        *n_recorded += status[row.index] == JOURNAL_MISSING ? 1 : 0;
+        status[row.index] = row.status;
     }
 }
 

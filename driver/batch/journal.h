@@ -15,6 +15,22 @@ typedef enum { JOURNAL_MISSING, JOURNAL_DONE, JOURNAL_FAILED, JOURNAL_REFUSED } 
 /** "done", "failed", "refused" */
 const char *journal_status_name(journal_status status);
 
+enum { JOURNAL_FORMAT = 1 };
+
+/** What is read of a line. */
+typedef struct {
+    long index;            /**< of the case; it may be none of the design */
+    journal_status status; /**< JOURNAL_MISSING if it is none that is known */
+    double at;             /**< Unix time [s] */
+    const char *word;      /**< the status and what follows */
+    const char *end;       /**< of the line, from its time on */
+} journal_row;
+
+/** Read a line without its newline. @return false if it is torn: it does not count */
+bool journal_read_row(const char *line, size_t length, journal_row *row);
+/** Where the numbers of a case begin, behind its message. */
+const char *journal_numbers(const journal_row *row);
+
 typedef struct journal {
     char *path;
     int descriptor;

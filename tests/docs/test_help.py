@@ -93,6 +93,7 @@ def make_inputs(program: Program, name: str, examples: list[str]) -> None:
     """Make the files that examples read, as their users have them."""
     if name == "evolvent":
         write_design(Path("design.h5"), {"wheels.pinion.loads.0.value": [-1.0, -2.0, -3.0]})
+        assert program(name, "batch", "design.h5", "-o", "torque")[0] == 0
     elif name == "evolvent-sweep":
         make_sweep(program)
     else:

@@ -89,8 +89,13 @@ def write_journal(
         write_design(design, folder / "design.h5")
     path = folder / f"shard-{shard}-of-{of}.jsonl"
     with path.open("w") as journal:
-        journal.writelines(json.dumps(line) + "\n" for line in [header(design, shard, of), *rows])
+        journal.writelines(line_of(row) + "\n" for row in [header(design, shard, of), *rows])
     return path
+
+
+def line_of(row: dict[str, Any]) -> str:
+    """A line of a journal, as the program writes it."""
+    return json.dumps(row, separators=(",", ":"))
 
 
 def write_histories(folder: Path, design: Design, cases: list[int], shard: int, of: int) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 
 import h5py
@@ -11,7 +10,16 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from sweeps import BEGAN, failed, header, make_design, row, write_histories, write_journal
+from sweeps import (
+    BEGAN,
+    failed,
+    header,
+    line_of,
+    make_design,
+    row,
+    write_histories,
+    write_journal,
+)
 
 from evolvent.sweep.collect import collect
 from evolvent.sweep.design import write_design
@@ -64,9 +72,9 @@ def test_lines_that_were_cut_off_do_not_count(tmp_path):
     design = make_design(5)
     path = write_journal(tmp_path / "d", design, [row(0), row(1)])
     whole = path.read_text()
-    torn = json.dumps(row(3))
+    torn = line_of(row(3))
     # Cut off, then terminated by a resumed run; and the last line without its newline.
-    path.write_text(whole + torn[:40] + "\n" + json.dumps(row(2)) + "\n" + torn)
+    path.write_text(whole + torn[:40] + "\n" + line_of(row(2)) + "\n" + torn)
     found = collect(tmp_path / "d", design, tmp_path / "s.h5")
     assert (found.counts.done, found.torn, found.holes.tolist()) == (3, 2, [3, 4])
 
@@ -184,7 +192,7 @@ def test_a_journal_of_another_design_or_format_is_refused(tmp_path):
         ({"journal": 2}, "has journal format 2"),
     ):
         path = write_journal(tmp_path / "d", design, [row(0)])
-        path.write_text(json.dumps({**header(design), **changes}) + "\n")
+        path.write_text(line_of({**header(design), **changes}) + "\n")
         with pytest.raises(SweepError, match=re.escape(message)):
             collect(tmp_path / "d", design, tmp_path / "s.h5")
     assert not list(tmp_path.glob("s.h5*"))

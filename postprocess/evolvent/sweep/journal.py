@@ -1,30 +1,31 @@
 """What the journals of a folder record of each case.
 
-A journal has a line a finished case, in JSON. A line that was cut off by a kill or a full disk is
-passed over. If a case is recorded several times, the latest record counts.
+`evolvent records` reads them: it passes over lines that were cut off by a kill or a full disk, and
+tells the latest of several records of a case.
 """
 
 from __future__ import annotations
 
-import contextlib
+import io
 import json
-import re
-from collections.abc import Iterator
+import subprocess
+import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from evolvent.sweep.design import Design
 from evolvent.sweep.errors import SweepError
-from evolvent.sweep.folder import Shard, shards_of
+from evolvent.sweep.folder import Shard
+from evolvent.sweep.program import find_program, last_message
 
-FORMAT = 1
 # Values of the variable `status` and their meanings; 0 is a case that no journal has.
 STATUSES = ("missing", "done", "failed", "refused")
 MISSING, DONE, FAILED, REFUSED = range(4)
-BLOCK = 4096  # lines that are turned into numbers at a time
+BLOCK = 4096  # records that are turned into numbers at a time
 
 
 @dataclass(frozen=True)
@@ -91,7 +92,7 @@ class Records:
     recorded_at: np.ndarray  # (case), Unix time [s], NaN if missing
     shard: np.ndarray  # (case), index of `shards` that the record is from, -1 if missing
     message: np.ndarray  # (case), index of `messages`
-    messages: list[str] = field(default_factory=lambda: [""])
+    texts: dict[str, int] = field(default_factory=lambda: {"": 0})  # the messages' indices
     scalars: dict[str, Scalar] = field(default_factory=dict)
     shards: list[Shard] = field(default_factory=list)
     versions: set[str] = field(default_factory=set)  # of evolvent
@@ -113,13 +114,18 @@ class Records:
         """How many cases became what."""
         return count(self.status)
 
+    @property
+    def messages(self) -> list[str]:
+        """Messages by their index."""
+        return list(self.texts)
+
     def holes(self) -> np.ndarray:
         """Numbers of the cases that are missing."""
         return np.flatnonzero(~self.recorded)
 
 
 def read_records(folder: Path, design: Design, scalars: bool = True) -> Records:
-    """Read all journals of a folder.
+    """Ask the program what the journals of a folder record.
 
     Parameters
     ----------
@@ -128,150 +134,71 @@ def read_records(folder: Path, design: Design, scalars: bool = True) -> Records:
     Raises
     ------
     SweepError
-        A journal of another design, of a newer format, or that cannot be read.
+        A journal of another design, of another format, or that cannot be read.
     """
+    command = [str(find_program()), "records", str(folder), *([] if scalars else ["--brief"])]
+    with (
+        tempfile.TemporaryFile("w+", errors="replace") as messages,
+        subprocess.Popen(command, stdout=subprocess.PIPE, stderr=messages) as process,
+    ):
+        assert process.stdout is not None
+        head = process.stdout.readline()
+        if head:
+            records = _empty(folder, design, json.loads(head), scalars)
+            # Doubles as they were written: the quick way of pandas rounds.
+            blocks = pd.read_json(
+                io.TextIOWrapper(process.stdout, "utf-8"),
+                lines=True,
+                chunksize=BLOCK,
+                dtype=False,
+                precise_float=True,
+            )
+            for block in blocks:
+                _take(records, block)
+        if process.wait() != 0:
+            messages.seek(0)
+            raise SweepError(last_message(messages.read()), process.returncode)
+    return records
+
+
+def _empty(folder: Path, design: Design, head: dict[str, Any], scalars: bool) -> Records:
+    """Nothing is known of any case."""
     n = design.n_cases
-    records = Records(
+    shards = [Shard(journal["of"], journal["shard"]) for journal in head["journals"]]
+    heads = [journal["head"] for journal in head["journals"]]
+    for shard, one in zip(shards, heads, strict=True):
+        if one is not None and one["design"] != design.hash:
+            raise SweepError(
+                f"{folder / shard.stem}.jsonl: is of another design (its hash is "
+                f"{one['design'][:12]}, not {design.hash[:12]})"
+            )
+    told = [s for one in heads if one and scalars for s in one["scalars"]]
+    return Records(
         status=np.zeros(n, dtype=np.int8),
         exit_code=np.full(n, -1, dtype=np.int16),
         recorded_at=np.full(n, np.nan),
         shard=np.full(n, -1, dtype=np.int32),
         message=np.zeros(n, dtype=np.int32),
-        shards=shards_of(folder),
+        scalars={
+            name: Scalar(name, s["units"], s["long_name"], np.full(n, np.nan))
+            for name, s in {s["name"]: s for s in told}.items()
+        },
+        shards=shards,
+        versions={str(one["evolvent"]) for one in heads if one},
+        repeated=set(head["repeated"]),
+        torn=head["torn"],
     )
-    texts = {"": 0}
-    for number, shard in enumerate(records.shards):
-        path = folder / f"{shard.stem}.jsonl"
-        reader = _Reader(path, records, number, design, texts, scalars)
-        try:
-            with path.open("rb") as file:
-                reader.read(file)
-        except OSError as error:
-            raise SweepError(f"{path}: cannot be read ({error.strerror})") from error
-    records.messages = list(texts)
-    return records
 
 
-# What a line begins and ends with, in the form that `evolvent batch` writes.
-HEAD = re.compile(rb'\{"case":\d+,"status":"\w+","exit":-?\d+,"message":"(?:[^"\\]|\\.)*",')
-AT = b'"at":'
-
-
-def _head(line: bytes) -> dict[str, Any] | None:
-    """Read a line without its results, several times faster; None if it is of another form."""
-    head = HEAD.match(line)
-    if head is None or not line.endswith(b"}\n"):
-        return None
-    try:
-        row = json.loads(head[0] + line[line.rindex(AT) :])
-    except ValueError:
-        return None
-    return row if isinstance(row, dict) else None
-
-
-class _Reader:
-    """Reads one journal into the records."""
-
-    def __init__(
-        self,
-        path: Path,
-        records: Records,
-        shard: int,
-        design: Design,
-        texts: dict[str, int],
-        scalars: bool,
-    ) -> None:
-        self.path, self.records, self.shard = path, records, shard
-        self.design, self.texts, self.scalars = design, texts, scalars
-        self.names: list[str] = []
-        self.began = False
-
-    def read(self, file: BinaryIO) -> None:
-        block: dict[int, dict[str, Any]] = {}
-        for row in self._rows(file):
-            if "journal" in row:
-                self._header(row)
-                continue
-            if not self.began:
-                raise SweepError(f"{self.path}: is no journal (its first line says nothing of it)")
-            case = row.get("case")
-            if not isinstance(case, int) or not 0 <= case < self.design.n_cases:
-                raise SweepError(
-                    f"{self.path}: has case {case}, but the design has {self.design.n_cases}"
-                )
-            if case in block:
-                self.records.repeated.add(case)
-            block[case] = row
-            if len(block) == BLOCK:
-                self._take(block)
-                block = {}
-        self._take(block)
-
-    def _rows(self, file: BinaryIO) -> Iterator[dict[str, Any]]:
-        for line in file:
-            row = None if self.scalars else _head(line)
-            if row is None and line.endswith(b"\n"):
-                with contextlib.suppress(ValueError):
-                    row = json.loads(line)
-            if isinstance(row, dict):
-                yield row
-            elif line.strip():
-                self.records.torn += 1
-
-    def _header(self, header: dict[str, Any]) -> None:
-        if header["journal"] != FORMAT:
-            raise SweepError(
-                f"{self.path}: has journal format {header['journal']}, but this evolvent-sweep "
-                f"reads format {FORMAT}; use the evolvent-sweep of its evolvent"
-            )
-        if header.get("design") != self.design.hash:
-            raise SweepError(
-                f"{self.path}: is of another design (its hash is "
-                f"{str(header.get('design'))[:12]}, not {self.design.hash[:12]})"
-            )
-        self.records.versions.add(str(header.get("evolvent", "?")))
-        self.began = True
-        if not self.scalars:
-            return
-        self.names = [str(scalar["name"]) for scalar in header.get("scalars", [])]
-        for scalar in header.get("scalars", []):
-            name = str(scalar["name"])
-            if name not in self.records.scalars:
-                self.records.scalars[name] = Scalar(
-                    name,
-                    str(scalar.get("units", "")),
-                    str(scalar.get("long_name", "")),
-                    np.full(self.design.n_cases, np.nan),
-                )
-
-    def _take(self, block: dict[int, dict[str, Any]]) -> None:
-        """Put rows where their cases are, unless a later record is there."""
-        if not block:
-            return
-        records = self.records
-        cases = np.fromiter(block, dtype=np.int64, count=len(block))
-        rows = list(block.values())
-        at = np.array([row.get("at") for row in rows], dtype=float)
-        known = records.recorded[cases]
-        records.repeated.update(cases[known].tolist())
-        # In one journal the later line counts, whatever the clock said.
-        elsewhere = known & (records.shard[cases] != self.shard)
-        with np.errstate(invalid="ignore"):
-            kept = ~(elsewhere & (at < records.recorded_at[cases]))
-        cases, at = cases[kept], at[kept]
-        rows = [row for row, k in zip(rows, kept.tolist(), strict=True) if k]
-        records.status[cases] = [self._status(row) for row in rows]
-        records.exit_code[cases] = [int(row.get("exit", -1)) for row in rows]
-        records.recorded_at[cases] = at
-        records.shard[cases] = self.shard
-        records.message[cases] = [
-            self.texts.setdefault(str(row.get("message", "")), len(self.texts)) for row in rows
-        ]
-        for name in self.names:
-            records.scalars[name].values[cases] = [row.get(name) for row in rows]
-
-    def _status(self, row: dict[str, Any]) -> int:
-        status = row.get("status")
-        if status not in STATUSES[1:]:
-            raise SweepError(f"{self.path}: case {row['case']}: the status '{status}' is not known")
-        return STATUSES.index(status)
+def _take(records: Records, block: pd.DataFrame) -> None:
+    """Put records where their cases are."""
+    cases = block["case"].to_numpy()
+    texts = records.texts
+    records.status[cases] = block["status"].map(STATUSES.index)
+    records.exit_code[cases] = block["exit"]
+    records.recorded_at[cases] = block["at"]
+    records.shard[cases] = block["journal"]
+    records.message[cases] = [texts.setdefault(text, len(texts)) for text in block["message"]]
+    for name, scalar in records.scalars.items():
+        if name in block:
+            scalar.values[cases] = block[name].to_numpy(dtype=float)

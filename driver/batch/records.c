@@ -1,0 +1,237 @@
+#include "batch/records.h"
+
+#include "base/memory.h"
+#include "batch/journal.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+/** A shard that has a journal. */
+typedef struct {
+    int index, of;
+    char *path;
+    char *head; /**< the journal's first line; NULL if that was torn */
+    FILE *file;
+} shard_journal;
+
+/** Where the record of a case stands that counts so far. */
+typedef struct {
+    int shard; /**< -1 if there is none */
+    int times; /**< that the case is recorded */
+    long offset;
+    size_t length; /**< of the line, without its newline */
+    double at;     /**< Unix time [s] */
+} record;
+
+typedef struct {
+    int n_shards;
+    shard_journal *shards; /**< ordered by `of`, then by `index` */
+    long n_cases;
+    record *records; /**< [n_cases] */
+    long torn;       /**< lines */
+} collection;
+
+static int by_split(const void *a, const void *b)
+{
+    const shard_journal *one = a, *other = b;
+    return one->of != other->of ? one->of - other->of : one->index - other->index;
+}
+
+/** Whether it is "shard-I-of-N.jsonl". */
+static bool read_name(const char *name, shard_journal *journal)
+{
+    static const char *const words[] = {"shard-", "-of-"};
+    long numbers[] = {0, 0};
+    for (int i = 0; i < 2; i++) {
+        const size_t length = strlen(words[i]);
+        if (strncmp(name, words[i], length) != 0) {
+            return false;
+        }
+        char *end = NULL;
+        numbers[i] = strtol(name + length, &end, 10);
+        name = end;
+    }
+    *journal = (shard_journal){.index = (int)numbers[0], .of = (int)numbers[1]};
+    return strcmp(name, ".jsonl") == 0;
+}
+
+static bool find_journals(collection *found, const char *folder, evl_error *error)
+{
+    DIR *listing = opendir(folder);
+    if (listing == NULL) {
+        evl_error_set(error, EVL_EXIT_CASE, folder, "cannot be read: %s", strerror(errno));
+        return false;
+    }
+    for (const struct dirent *entry = readdir(listing); entry != NULL; entry = readdir(listing)) {
+        found->shards = xrealloc(found->shards, (size_t)found->n_shards + 1, sizeof *found->shards);
+        shard_journal *journal = &found->shards[found->n_shards];
+        if (read_name(entry->d_name, journal)) {
+            journal->path = xasprintf("%s/%s", folder, entry->d_name);
+            found->n_shards++;
+        }
+    }
+    (void)closedir(listing);
+    if (found->n_shards > 1) {
+        qsort(found->shards, (size_t)found->n_shards, sizeof *found->shards, by_split);
+    }
+    return true;
+}
+
+static bool take_head(collection *found, shard_journal *journal, const char *line, evl_error *error)
+{
+    static const char mark[] = "{\"journal\":";
+    if (strncmp(line, mark, sizeof mark - 1) != 0) {
+        evl_error_set(error, EVL_EXIT_CASE, journal->path, "is no journal (its first line says nothing of it)");
+        return false;
+    }
+    const long format = strtol(line + sizeof mark - 1, NULL, 10);
+    if (format != JOURNAL_FORMAT) {
+        evl_error_set(error, EVL_EXIT_CASE, journal->path,
+                      "has journal format %ld, but this evolvent reads format %d; use the evolvent that wrote it",
+                      format, JOURNAL_FORMAT);
+        return false;
+    }
+    const char *count = strstr(line, "\"n_cases\":");
+    const long n_cases = count != NULL ? strtol(count + strlen("\"n_cases\":"), NULL, 10) : 0;
+    if (n_cases > found->n_cases) {
+        found->records = xrealloc(found->records, (size_t)n_cases, sizeof *found->records);
+        for (; found->n_cases < n_cases; found->n_cases++) {
+            found->records[found->n_cases] = (record){.shard = -1};
+        }
+    }
+    journal->head = xstrdup(line);
+    return true;
+}
+
+/** In one journal the later line counts, whatever the clock said; of two journals the later time. */
+static void take_record(collection *found, const journal_row *row, record new)
+{
+    record *known = &found->records[row->index];
+    const bool is_older = known->shard >= 0 && known->shard != new.shard && row->at < known->at;
+    new.times = known->times + 1;
+    if (is_older) {
+        known->times++;
+    } else {
+        *known = new;
+    }
+}
+
+static bool take_line(collection *found, int shard, const char *line, size_t length, long offset, evl_error *error)
+{
+    const shard_journal *journal = &found->shards[shard];
+    journal_row row;
+    if (!journal_read_row(line, length, &row)) {
+        found->torn++;
+        return true;
+    }
+    if (row.index < 0 || row.index >= found->n_cases) {
+        evl_error_set(error, EVL_EXIT_CASE, journal->path, "has case %ld, but the design has %ld", row.index,
+                      found->n_cases);
+        return false;
+    }
+    if (row.status == JOURNAL_MISSING) {
+        evl_error_set(error, EVL_EXIT_CASE, journal->path, "case %ld: the status '%.*s' is not known", row.index,
+                      (int)strcspn(row.word, "\""), row.word);
+        return false;
+    }
+    take_record(found, &row, (record){.shard = shard, .offset = offset, .length = length, .at = row.at});
+    return true;
+}
+
+static bool read_journal(collection *found, int shard, evl_error *error)
+{
+    shard_journal *journal = &found->shards[shard];
+    journal->file = fopen(journal->path, "rb");
+    char *line = NULL;
+    size_t room = 0;
+    long offset = 0;
+    bool good = journal->file != NULL;
+    for (ssize_t n = 0; good && (n = getline(&line, &room, journal->file)) > 0; offset += n) {
+        const bool is_whole = line[n - 1] == '\n';
+        line[n - (is_whole ? 1 : 0)] = '\0';
+        if (!is_whole) {
+            found->torn++;
+        } else if (journal->head == NULL) {
+            good = take_head(found, journal, line, error);
+        } else if (n > 1) {
+            good = take_line(found, shard, line, (size_t)n - 1, offset, error);
+        }
+    }
+    free(line);
+    if (error->code == EVL_EXIT_OK && (journal->file == NULL || ferror(journal->file) != 0)) {
+        evl_error_set(error, EVL_EXIT_CASE, journal->path, "cannot be read: %s", strerror(errno));
+    }
+    return error->code == EVL_EXIT_OK;
+}
+
+/** What all records have in common, and which cases have several. */
+static void print_heads(FILE *stream, const collection *found)
+{
+    const char *separator = "";
+    fprintf(stream, "{\"torn\":%ld,\"repeated\":[", found->torn);
+    for (long i = 0; i < found->n_cases; i++) {
+        if (found->records[i].times > 1) {
+            fprintf(stream, "%s%ld", separator, i);
+            separator = ",";
+        }
+    }
+    fputs("],\"journals\":[", stream);
+    for (int i = 0; i < found->n_shards; i++) {
+        const shard_journal *journal = &found->shards[i];
+        fprintf(stream, "%s{\"shard\":%d,\"of\":%d,\"head\":%s}", i == 0 ? "" : ",", journal->index, journal->of,
+                journal->head != NULL ? journal->head : "null");
+    }
+    fputs("]}\n", stream);
+}
+
+/** The line of the journal behind the number of that. */
+static bool print_record(FILE *stream, const collection *found, const record *record, bool brief, evl_error *error)
+{
+    const shard_journal *journal = &found->shards[record->shard];
+    char *line = xcalloc(record->length + 1, 1);
+    journal_row row;
+    const bool good = fseek(journal->file, record->offset, SEEK_SET) == 0 &&
+                      fread(line, 1, record->length, journal->file) == record->length &&
+                      journal_read_row(line, record->length, &row);
+    if (good) {
+        const char *end = brief ? journal_numbers(&row) : line + record->length;
+        fprintf(stream, "{\"journal\":%d,%.*s%s\n", record->shard, (int)(end - line - 1), line + 1,
+                brief ? row.end : "");
+    } else {
+        evl_error_set(error, EVL_EXIT_CASE, journal->path, "changed while it was read");
+    }
+    free(line);
+    return good;
+}
+
+static void collection_free(collection *found)
+{
+    for (int i = 0; i < found->n_shards; i++) {
+        if (found->shards[i].file != NULL) {
+            (void)fclose(found->shards[i].file);
+        }
+        free(found->shards[i].head);
+        free(found->shards[i].path);
+    }
+    free(found->shards);
+    free(found->records);
+}
+
+evl_exit records(FILE *stream, const char *folder, bool brief, evl_error *error)
+{
+    collection found = {.torn = 0};
+    bool good = find_journals(&found, folder, error);
+    for (int i = 0; i < found.n_shards && good; i++) {
+        good = read_journal(&found, i, error);
+    }
+    if (good) {
+        print_heads(stream, &found);
+    }
+    for (long i = 0; i < found.n_cases && good; i++) {
+        good = found.records[i].shard < 0 || print_record(stream, &found, &found.records[i], brief, error);
+    }
+    collection_free(&found);
+    return error->code;
+}

@@ -1,0 +1,35 @@
+#include "batch/records.h"
+
+#include "commands/command.h"
+
+typedef struct {
+    bool brief;
+} records_options;
+
+static evl_exit run(const char *file, const void *given, evl_error *error)
+{
+    const records_options *options = given;
+    return records(stdout, file, options->brief, error);
+}
+
+static const option_row rows[] = {
+    {OPTION_FLAG, 0, "--brief", NULL, offsetof(records_options, brief), "without the numbers of the cases"},
+    OPTION_ROW_HELP,
+};
+
+const command records_command = {
+    .name = "records",
+    .synopsis = "DIR [--brief]",
+    .summary = "print what a batch has recorded of each case",
+    .text = "Prints, as lines of JSON, what the journals of a folder record: first the journals, then of each case the "
+            "record\n"
+            "that counts, in the order of the cases.\n"
+            "\n"
+            "Examples:\n"
+            "  evolvent records torque\n"
+            "  evolvent records torque --brief\n",
+    .file = "folder",
+    .size = sizeof(records_options),
+    OPTION_ROWS(rows),
+    .run = run,
+};
