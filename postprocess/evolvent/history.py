@@ -19,6 +19,8 @@ DONE, RUNNING = "done", "running"  # values of the attribute `status`
 class HistoryError(Exception):
     """A file that cannot be used as a history; the message names it and says why."""
 
+    code = 3  # exit code of a program that meets it
+
 
 def open_history(path: str | Path) -> xr.Dataset:
     """Open a history.

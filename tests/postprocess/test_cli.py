@@ -45,7 +45,7 @@ def partial_file(smooth_run, tmp_path) -> Path:
     return write_history(tmp_path / "stopped.h5.partial", stopped, smooth_run.events)
 
 
-COMMANDS = [command.__name__ for command in POST]
+COMMANDS = POST
 
 
 def test_help_names_every_command_and_exit_code(post):

@@ -1,29 +1,16 @@
-"""The command evolvent-post: its commands, and how it starts."""
+"""The program evolvent-post: its commands."""
 
-from __future__ import annotations
-
-import sys
-from typing import Annotated
-
-import typer
-
-from evolvent.commands.post.animate import animate
-from evolvent.commands.post.check import check
-from evolvent.commands.post.common import UNREADABLE, complain
-from evolvent.commands.post.compare import compare
-from evolvent.commands.post.plot import plot
-from evolvent.commands.post.report import report
+from evolvent.commands.program import make_program
 from evolvent.history import HistoryError
-from evolvent.version import __version__
 
-COMMANDS = (animate, check, plot, report, compare)
-
-app = typer.Typer(
-    no_args_is_help=True,
-    rich_markup_mode=None,
-    pretty_exceptions_enable=False,
-    add_completion=False,
-    help="""Check, draw and compare the histories that `evolvent run` writes.
+COMMANDS = (
+    "animate",
+    "check",
+    "plot",
+    "report",
+    "compare",
+)
+TEXT = """Check, draw and compare the histories that `evolvent run` writes.
 
     \b
     Exit codes:
@@ -32,26 +19,6 @@ app = typer.Typer(
        2  wrong usage of the command line
        3  a file is no readable history
       74  output could not be written
-    """,
-)
+    """
 
-for command in COMMANDS:
-    app.command()(command)
-
-
-def main() -> None:
-    """Run the command line; an error is one line on stderr."""
-    try:
-        app(prog_name="evolvent-post")
-    except HistoryError as error:
-        complain(str(error))
-        sys.exit(UNREADABLE)
-
-
-@app.callback(invoke_without_command=True)
-def _options(
-    version: Annotated[bool, typer.Option("--version", help="Show the version.")] = False,
-) -> None:
-    if version:
-        typer.echo(f"evolvent-post {__version__}")
-        raise typer.Exit
+main = make_program("evolvent-post", __package__, COMMANDS, TEXT, HistoryError)

@@ -16,9 +16,8 @@ from evolvent.commands.post.common import (
     AsJson,
     Files,
     complain,
-    json_number,
-    new_console,
 )
+from evolvent.commands.program import json_number, new_console
 from evolvent.history import HistoryError, open_history, run_warning
 from evolvent.physics.invariants import Verdict, check_history
 

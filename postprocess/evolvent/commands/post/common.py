@@ -1,19 +1,16 @@
-"""What the commands of evolvent-post share: arguments, exit codes, messages, files, tables."""
+"""What the commands of evolvent-post share: arguments, exit codes, messages, files."""
 
 from __future__ import annotations
 
-import math
-import sys
 from pathlib import Path
 from typing import Annotated, NoReturn
 
 import typer
 import xarray as xr
-from rich.console import Console
 
-from evolvent.history import open_history, run_warning
+from evolvent.history import HistoryError, open_history, run_warning
 
-BROKEN, USAGE, UNREADABLE, NOT_WRITTEN = 1, 2, 3, 74
+BROKEN, USAGE, UNREADABLE, NOT_WRITTEN = 1, 2, HistoryError.code, 74
 
 Files = Annotated[list[Path], typer.Argument(metavar="FILE", help="Histories (.h5).")]
 File = Annotated[Path, typer.Argument(metavar="FILE", help="History (.h5).")]
@@ -44,15 +41,3 @@ def open_with_warning(path: Path) -> xr.Dataset:
     if warning:
         complain(f"{path}: {warning}")
     return history
-
-
-def new_console() -> Console:
-    """Console for tables; into a file or pipe lines are not broken: scripts read them."""
-    return Console() if sys.stdout.isatty() else Console(width=160)
-
-
-def json_number(value: float | None) -> float | str | None:
-    """JSON has no infinity and no NaN: they become text."""
-    if value is None:
-        return None
-    return float(value) if math.isfinite(value) else str(float(value))

@@ -15,10 +15,9 @@ from evolvent.commands.post.common import (
     BROKEN,
     AsJson,
     complain,
-    json_number,
-    new_console,
     open_with_warning,
 )
+from evolvent.commands.program import json_number, new_console
 from evolvent.physics.compare import compare_histories
 from evolvent.units import displayed
 

@@ -14,10 +14,10 @@ from rich.table import Table
 from evolvent.commands.post.common import (
     Files,
     fail_to_write,
-    new_console,
     open_with_warning,
     refuse,
 )
+from evolvent.commands.program import new_console
 from evolvent.figures.style import Format, save
 from evolvent.figures.table import FIGURES, Run, pairs
 from evolvent.history import file_label, open_events

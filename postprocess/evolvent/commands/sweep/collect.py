@@ -7,8 +7,9 @@ from typing import Annotated
 
 import typer
 
+from evolvent.commands.sweep import console
 from evolvent.commands.sweep.common import Folder, OtherDesign
-from evolvent.sweep import console, folder
+from evolvent.sweep import folder
 from evolvent.sweep.collect import collect as make_summary
 
 

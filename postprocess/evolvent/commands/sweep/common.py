@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from evolvent.sweep import console, folder
+from evolvent.commands.sweep import console
+from evolvent.sweep import folder
 from evolvent.sweep.errors import FAILED_CASES
 
 DesignFile = Annotated[Path, typer.Argument(metavar="DESIGN", help="Design (.h5), from `plan`.")]

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from evolvent.sweep import console
+from evolvent.commands.sweep import console
 from evolvent.sweep.design import write_design
 from evolvent.sweep.errors import FAILED_CASES
 from evolvent.sweep.estimate import seconds_per_case

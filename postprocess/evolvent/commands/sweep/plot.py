@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from evolvent.sweep import console
+from evolvent.commands.sweep import console
 from evolvent.sweep.errors import NOT_WRITTEN, SweepError
 
 

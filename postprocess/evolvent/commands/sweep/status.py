@@ -7,8 +7,9 @@ from typing import Annotated
 
 import typer
 
+from evolvent.commands.sweep import console
 from evolvent.commands.sweep.common import Folder, OtherDesign
-from evolvent.sweep import console, folder
+from evolvent.sweep import folder
 from evolvent.sweep.status import read_status
 
 

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
-import sys
 import time
 from pathlib import Path
 from typing import Any
 
 import typer
 import xarray as xr
-from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from evolvent.commands.program import new_console
 from evolvent.sweep.check import Checked
 from evolvent.sweep.collect import Collected
 from evolvent.sweep.design import Design
@@ -32,7 +31,7 @@ def complain(message: str) -> None:
 
 def show_design(design: Design) -> None:
     """Print the number of cases and the first of them."""
-    _console().print(
+    new_console().print(
         f"{design.n_cases} cases by {design.method}, seed {design.seed}", highlight=False
     )
     table = Table(box=None)
@@ -44,7 +43,7 @@ def show_design(design: Design) -> None:
         table.add_row(str(case), *map(escape, texts))
     if design.n_cases > FIRST_ROWS:
         table.add_row("...")
-    _console().print(table)
+    new_console().print(table)
 
 
 def show_estimate(n_cases: int, seconds: float, is_bound: bool, n_cores: int) -> None:
@@ -94,7 +93,7 @@ def show_status(directory: Path, found: Status) -> None:
     ]
     for row in rows:
         table.add_row(*row)
-    _console().print(table)
+    new_console().print(table)
     for reason in found.reasons[:MOST_REASONS]:
         typer.echo(f"{reason.count} x {reason.example} (case {reason.case})")
     _show_rest(found.reasons)
@@ -129,7 +128,7 @@ def show_indices(indices: xr.Dataset) -> None:
             str(name),
             *[f"{row[kind].item():.3f} ± {row[f'{kind}_confidence'].item():.3f}" for kind in kinds],
         )
-    _console().print(table)
+    new_console().print(table)
     if indices.attrs["left_out"]:
         left_out = indices.attrs["left_out"]
         typer.echo(f"{left_out} cases are left out: they, or others of their group, have no result")
@@ -180,8 +179,3 @@ def _value(value: Any) -> str:
 
 def _duration(seconds: float) -> str:
     return f"{1e3 * seconds:.3g} ms" if seconds < 1.0 else span(seconds)
-
-
-def _console() -> Console:
-    # Into a file or pipe lines are not broken: scripts read them.
-    return Console() if sys.stdout.isatty() else Console(width=160)

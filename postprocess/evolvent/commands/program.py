@@ -1,0 +1,65 @@
+"""What evolvent-post and evolvent-sweep share: how they start, end, complain and print."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Callable, Sequence
+from importlib import import_module
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from evolvent.version import __version__
+
+
+def make_program(
+    name: str, package: str, commands: Sequence[str], text: str, error_of: type[Exception]
+) -> Callable[[], None]:
+    """Make a program of its commands: each is the function of its name, in the file of its name.
+
+    Parameters
+    ----------
+    text : help, with the exit codes.
+    error_of : of the program; it is one line on stderr. Its `code` is the exit code.
+    """
+    app = typer.Typer(
+        no_args_is_help=True,
+        rich_markup_mode=None,
+        pretty_exceptions_enable=False,
+        add_completion=False,
+        help=text,
+    )
+    for command in commands:
+        app.command()(getattr(import_module(f"{package}.{command}"), command))
+
+    @app.callback(invoke_without_command=True)
+    def _options(
+        version: Annotated[bool, typer.Option("--version", help="Show the version.")] = False,
+    ) -> None:
+        if version:
+            typer.echo(f"{name} {__version__}")
+            raise typer.Exit
+
+    def main() -> None:
+        """Run the command line."""
+        try:
+            app(prog_name=name)
+        except error_of as error:
+            typer.echo(f"{name}: {error}", err=True)
+            sys.exit(error.code)  # type: ignore[attr-defined]
+
+    return main
+
+
+def new_console() -> Console:
+    """Console for tables; into a file or pipe lines are not broken: scripts read them."""
+    return Console() if sys.stdout.isatty() else Console(width=160)
+
+
+def json_number(value: float | None) -> float | str | None:
+    """JSON has no infinity and no NaN: they become text."""
+    if value is None:
+        return None
+    return float(value) if math.isfinite(value) else str(float(value))
