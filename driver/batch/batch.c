@@ -160,14 +160,7 @@ static bool open_histories(shard_run *run, evl_error *error)
                                  .times = histories->times,
                                  .n_variables = histories->n_variables,
                                  .variables = histories->variables,
-                                 .n_wheels = histories->n_wheels,
-                                 .n_meshes = histories->n_meshes,
-                                 .n_shafts = histories->n_shafts,
-                                 .n_pairs = histories->n_pairs,
-                                 .n_drive_pairs = histories->n_drive_pairs,
-                                 .shaft_names = (const char *const *)histories->shaft_names,
-                                 .wheel_names = (const char *const *)histories->wheel_names,
-                                 .mesh_names = (const char *const *)histories->mesh_names};
+                                 .names = &histories->names};
     const bool good = stack_open(&run->plan.stack, &layout, error);
     free(path);
     return good;

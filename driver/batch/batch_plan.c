@@ -119,25 +119,6 @@ static void take_times(batch_plan *plan, const prepared_case *prepared)
     }
 }
 
-static void take_names(batch_histories *histories, const description *description)
-{
-    histories->n_wheels = description->n_wheels;
-    histories->n_meshes = description->n_meshes;
-    histories->wheel_names = xcalloc((size_t)description->n_wheels, sizeof *histories->wheel_names);
-    histories->mesh_names = xcalloc((size_t)description->n_meshes, sizeof *histories->mesh_names);
-    for (int i = 0; i < description->n_wheels; i++) {
-        histories->wheel_names[i] = xstrdup(description->wheels[i].name);
-    }
-    for (int i = 0; i < description->n_meshes; i++) {
-        histories->mesh_names[i] = xstrdup(description->meshes[i].name);
-    }
-    histories->n_shafts = description->n_shafts;
-    histories->shaft_names = xcalloc((size_t)description->n_shafts, sizeof *histories->shaft_names);
-    for (int i = 0; i < description->n_shafts; i++) {
-        histories->shaft_names[i] = xstrdup(description->shafts[i].name);
-    }
-}
-
 /** Every shard has to come to the same layout: the design's first case that is not refused decides. */
 static bool plan_histories(batch_plan *plan, evl_error *error)
 {
@@ -151,8 +132,7 @@ static bool plan_histories(batch_plan *plan, evl_error *error)
     if (i < plan->design->n_cases) { /* else no case at all will have a history */
         good = choose_variables(plan, prepared.model, error);
         take_times(plan, &prepared);
-        take_names(&plan->histories, case_description(prepared.file));
-        model_pair_places(prepared.model, &plan->histories.n_pairs, &plan->histories.n_drive_pairs);
+        plan->histories.names = model_names_copy(prepared.model, case_description(prepared.file));
     }
     prepared_case_free(&prepared);
     return good;
@@ -180,18 +160,7 @@ bool batch_plan_init(batch_plan *plan, const design *design, evl_error *error)
 void batch_plan_free(batch_plan *plan)
 {
     batch_histories *histories = &plan->histories;
-    for (int i = 0; i < histories->n_wheels; i++) {
-        free(histories->wheel_names[i]);
-    }
-    for (int i = 0; i < histories->n_meshes; i++) {
-        free(histories->mesh_names[i]);
-    }
-    for (int i = 0; i < histories->n_shafts; i++) {
-        free(histories->shaft_names[i]);
-    }
-    free(histories->shaft_names);
-    free(histories->wheel_names);
-    free(histories->mesh_names);
+    model_names_free(&histories->names);
     free(histories->variables);
     free(histories->times);
     stack_close(&plan->stack);

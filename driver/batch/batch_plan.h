@@ -15,9 +15,7 @@ typedef struct {
     int n_times;
     double *times;                    /**< [s] */
     double duration, output_interval; /**< [s] that a case needs to have such a history */
-    int n_wheels, n_meshes, n_shafts;
-    char **wheel_names, **mesh_names, **shaft_names;
-    int n_pairs, n_drive_pairs; /**< as in stack_layout */
+    model_names names;
 } batch_histories;
 
 typedef struct {

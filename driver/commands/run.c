@@ -28,7 +28,7 @@ typedef struct {
     prepared_case prepared;
     history *history;
     extremes *extremes;
-    const char **wheel_names, **mesh_names, **shaft_names;
+    model_names names;
     progress progress;
     char message[DAE_MESSAGE_LENGTH]; /**< of a failure */
 } run;
@@ -116,18 +116,9 @@ static bool create_history(run *run, const char *path)
         text_attribute("versions", versions),        text_attribute("warnings", warnings),
         text_attribute("status", "running"),         text_attribute("status_message", ""),
     };
-    int n_pairs, n_drive_pairs;
-    model_pair_places(model, &n_pairs, &n_drive_pairs);
     const history_layout layout = {
         .path = path,
-        .n_wheels = description->n_wheels,
-        .n_meshes = description->n_meshes,
-        .n_pairs = n_pairs,
-        .n_drive_pairs = n_drive_pairs,
-        .n_shafts = description->n_shafts,
-        .wheel_names = run->wheel_names,
-        .mesh_names = run->mesh_names,
-        .shaft_names = run->shaft_names,
+        .names = &run->names,
         .n_outputs = model_n_outputs(model),
         .outputs = model_outputs_table(model),
         .n_states = n_states,
@@ -196,23 +187,6 @@ static bool close_history(run *run, bool commit, const char *status, const char 
 }
 
 /* The run itself. */
-
-static void take_names(run *run)
-{
-    const description *description = case_description(run->prepared.file);
-    run->wheel_names = xcalloc((size_t)description->n_wheels, sizeof *run->wheel_names);
-    run->mesh_names = xcalloc((size_t)description->n_meshes, sizeof *run->mesh_names);
-    run->shaft_names = xcalloc((size_t)description->n_shafts, sizeof *run->shaft_names);
-    for (int i = 0; i < description->n_wheels; i++) {
-        run->wheel_names[i] = description->wheels[i].name;
-    }
-    for (int i = 0; i < description->n_meshes; i++) {
-        run->mesh_names[i] = description->meshes[i].name;
-    }
-    for (int i = 0; i < description->n_shafts; i++) {
-        run->shaft_names[i] = description->shafts[i].name;
-    }
-}
 
 /** What the meshes' stiffness and damping come to. */
 static void tell_vibrations(const run *run)
@@ -301,16 +275,14 @@ static void run_prepared(run *run, const run_options *options, const char *path,
     }
     warn_of_case(&run->prepared);
     tell_vibrations(run);
-    take_names(run);
+    run->names = model_names_copy(run->prepared.model, case_description(run->prepared.file));
     progress_start(&run->progress, !options->quiet, state.t, case_description(run->prepared.file)->simulation.duration);
     if (create_history(run, path)) {
         simulate_case(run, path, &state, error);
     } else {
         evl_error_set(error, EVL_EXIT_IO, "", "%s", run->message);
     }
-    free(run->shaft_names);
-    free(run->mesh_names);
-    free(run->wheel_names);
+    model_names_free(&run->names);
     dae_state_free(&state);
 }
 

@@ -5,7 +5,7 @@
 #ifndef EVOLVENT_HISTORY_H
 #define EVOLVENT_HISTORY_H
 
-#include "model/model.h"
+#include "model/model_names.h"
 
 typedef struct {
     const char *key;
@@ -17,9 +17,7 @@ typedef struct {
 
 typedef struct {
     const char *path; /**< final name */
-    int n_wheels, n_meshes, n_shafts;
-    const char *const *wheel_names, *const *mesh_names, *const *shaft_names;
-    int n_pairs, n_drive_pairs; /**< places for tooth pairs of a mesh; the first are those of the drive flank */
+    const model_names *names;
     int n_outputs;
     const model_output *outputs;
     int n_states;

@@ -40,21 +40,6 @@ netcdf_variable history_describe_output(history *history, const model_output *ou
     return variable;
 }
 
-/** A dimension whose coordinate variable holds names. */
-static bool define_names(history *history, hid_t group, netcdf_dimension *dimension, const char *name,
-                         const char *long_name, int n, const char *const *names)
-{
-    const netcdf_variable variable = netcdf_describe(NETCDF_TEXT, name, "1", name, long_name);
-    *dimension = (netcdf_dimension){.length = (hsize_t)n};
-    if (!netcdf_define_dimension(&history->netcdf, group, &variable, dimension, 0)) {
-        return false;
-    }
-    const herr_t result = n == 0 ? 0
-                                 : H5Dwrite(dimension->scale.dataset, history->netcdf.text, H5S_ALL, H5S_ALL,
-                                            history->netcdf.transfer, names);
-    return result < 0 ? netcdf_fail(&history->netcdf) : true;
-}
-
 bool history_put_attributes(history *history, int n, const history_attribute *attributes)
 {
     netcdf_file *netcdf = &history->netcdf;
@@ -154,28 +139,10 @@ static bool has_dims(const history_layout *layout, model_dims dims)
     return has;
 }
 
-/** Places of tooth pairs: drive_0, drive_1, ..., coast_0, ... */
-static bool define_pairs(history *history, hid_t root, const history_layout *layout)
-{
-    char (*texts)[24] = xcalloc((size_t)layout->n_pairs, sizeof *texts);
-    const char **names = xcalloc((size_t)layout->n_pairs, sizeof *names);
-    for (int i = 0; i < layout->n_pairs; i++) {
-        const bool is_drive = i < layout->n_drive_pairs;
-        (void)snprintf(texts[i], sizeof texts[i], "%s_%d", is_drive ? "drive" : "coast",
-                       is_drive ? i : i - layout->n_drive_pairs);
-        names[i] = texts[i];
-    }
-    const bool good = define_names(history, root, &history->pair, "pair", "place of a tooth pair: flank and slot",
-                                   layout->n_pairs, names);
-    free(names);
-    free(texts);
-    return good;
-}
-
 bool history_write_head(history *history, const history_layout *layout)
 {
-    static const char *const axes[] = {"x", "y"}, *const sides[] = {"before", "after"};
-    static const char *const directions[] = {"x", "y", "z"}, *const components[] = {"w", "x", "y", "z"};
+    static const char *const axes[] = {"x", "y", "z"}, *const sides[] = {"before", "after"};
+    static const char *const components[] = {"w", "x", "y", "z"};
     netcdf_file *netcdf = &history->netcdf;
     if (!netcdf_create(netcdf, history->file.partial_path)) {
         return false;
@@ -185,18 +152,23 @@ bool history_write_head(history *history, const history_layout *layout)
         netcdf_put_text(netcdf, root, "Conventions", "CF-1.10") &&
         netcdf_put_integer(netcdf, root, "evolvent_format", FORMAT) &&
         history_put_attributes(history, layout->n_attributes, layout->attributes) &&
-        define_names(history, root, &history->wheel, "wheel", "wheel", layout->n_wheels, layout->wheel_names) &&
-        define_names(history, root, &history->mesh, "mesh", "mesh", layout->n_meshes, layout->mesh_names) &&
-        (layout->n_shafts == 0 ||
-         define_names(history, root, &history->shaft, "shaft", "shaft", layout->n_shafts, layout->shaft_names)) &&
-        define_names(history, root, &history->axis, "axis", "axis of the housing frame", 2, axes) &&
+        netcdf_define_names(netcdf, root, &history->wheel, "wheel", "wheel", &layout->names->wheels) &&
+        netcdf_define_names(netcdf, root, &history->mesh, "mesh", "mesh", &layout->names->meshes) &&
+        (layout->names->shafts.n == 0 ||
+         netcdf_define_names(netcdf, root, &history->shaft, "shaft", "shaft", &layout->names->shafts)) &&
+        netcdf_define_names(netcdf, root, &history->axis, "axis", "axis of the housing frame", &(name_list){2, axes}) &&
         (!has_dims(layout, MODEL_DIMS_WHEEL_SPACE) ||
-         define_names(history, root, &history->space, "space", "component of a vector in space", 3, directions)) &&
+         netcdf_define_names(netcdf, root, &history->space, "space", "component of a vector in space",
+                             &(name_list){3, axes})) &&
         (!has_dims(layout, MODEL_DIMS_QUATERNION) ||
-         define_names(history, root, &history->quaternion, "quaternion", "component of a quaternion", 4, components)) &&
-        (!has_dims(layout, MODEL_DIMS_MESH_PAIR) || define_pairs(history, root, layout));
+         netcdf_define_names(netcdf, root, &history->quaternion, "quaternion", "component of a quaternion",
+                             &(name_list){4, components})) &&
+        (!has_dims(layout, MODEL_DIMS_MESH_PAIR) ||
+         netcdf_define_names(netcdf, root, &history->pair, "pair", "place of a tooth pair: flank and slot",
+                             &layout->names->pairs));
     const hid_t group = good ? netcdf_create_group(netcdf, "events") : H5I_INVALID_HID;
-    if (group < 0 || !define_names(history, group, &history->side, "side", "side of the event", 2, sides)) {
+    if (group < 0 ||
+        !netcdf_define_names(netcdf, group, &history->side, "side", "side of the event", &(name_list){2, sides})) {
         return false;
     }
     plan_times(history, (hsize_t)layout->max_rows);

@@ -357,6 +357,19 @@ bool netcdf_define_dimension(netcdf_file *file, hid_t group, const netcdf_variab
     return add_variable_attributes(file, dataset, &variable);
 }
 
+bool netcdf_define_names(netcdf_file *file, hid_t group, netcdf_dimension *dimension, const char *name,
+                         const char *long_name, const name_list *names)
+{
+    const netcdf_variable variable = netcdf_describe(NETCDF_TEXT, name, "1", name, long_name);
+    *dimension = (netcdf_dimension){.length = (hsize_t)names->n};
+    if (!netcdf_define_dimension(file, group, &variable, dimension, 0)) {
+        return false;
+    }
+    return names->n == 0 ||
+           H5Dwrite(dimension->scale.dataset, file->text, H5S_ALL, H5S_ALL, file->transfer, names->names) >= 0 ||
+           netcdf_fail(file);
+}
+
 bool netcdf_finish_dimension(netcdf_file *file, netcdf_dimension *dimension)
 {
     return scale_list_users(&dimension->scale) ? true : netcdf_fail(file);

@@ -7,6 +7,7 @@
 #define EVOLVENT_NETCDF_HDF5_H
 
 #include "files/scales_hdf5.h"
+#include "model/model_names.h"
 
 #include <hdf5.h>
 #include <stdbool.h>
@@ -77,6 +78,9 @@ hid_t netcdf_define(netcdf_file *file, hid_t group, const netcdf_variable *varia
 /** Create a dimension, whose length is set, with its coordinate variable. */
 bool netcdf_define_dimension(netcdf_file *file, hid_t group, const netcdf_variable *coordinate,
                              netcdf_dimension *dimension, hsize_t chunk_rows);
+/** Create a dimension whose coordinate variable holds names. */
+bool netcdf_define_names(netcdf_file *file, hid_t group, netcdf_dimension *dimension, const char *name,
+                         const char *long_name, const name_list *names);
 /** To come after the last variable of a dimension, and before a flush: tell the dimension who uses it. */
 bool netcdf_finish_dimension(netcdf_file *file, netcdf_dimension *dimension);
 

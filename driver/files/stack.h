@@ -7,7 +7,7 @@
 #define EVOLVENT_STACK_H
 
 #include "base/status.h"
-#include "model/model.h"
+#include "model/model_names.h"
 
 #include <stdbool.h>
 
@@ -20,9 +20,7 @@ typedef struct {
     const double *times; /**< [s] */
     int n_variables;
     const model_output *variables;
-    int n_wheels, n_meshes, n_shafts;
-    const char *const *wheel_names, *const *mesh_names, *const *shaft_names;
-    int n_pairs, n_drive_pairs; /**< places for tooth pairs of a mesh; the first are those of the drive flank */
+    const model_names *names;
 } stack_layout;
 
 typedef struct stack {

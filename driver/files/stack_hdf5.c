@@ -21,40 +21,13 @@ typedef struct {
 static bool define_coordinate(builder *b, netcdf_dimension *dimension, const netcdf_variable *variable, long n,
                               const void *values)
 {
-    const hid_t type = variable->type == NETCDF_TEXT   ? b->netcdf.text
-                       : variable->type == NETCDF_LONG ? H5T_NATIVE_LONG
-                                                       : H5T_NATIVE_DOUBLE;
+    const hid_t type = variable->type == NETCDF_LONG ? H5T_NATIVE_LONG : H5T_NATIVE_DOUBLE;
     *dimension = (netcdf_dimension){.length = (hsize_t)n};
     if (!netcdf_define_dimension(&b->netcdf, b->netcdf.id, variable, dimension, 0)) {
         return false;
     }
     return n == 0 || H5Dwrite(dimension->scale.dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0 ||
            netcdf_fail(&b->netcdf);
-}
-
-static bool define_names(builder *b, netcdf_dimension *dimension, const char *name, const char *long_name, int n,
-                         const char *const *names)
-{
-    const netcdf_variable variable = netcdf_describe(NETCDF_TEXT, name, "1", name, long_name);
-    return define_coordinate(b, dimension, &variable, n, names);
-}
-
-/** Places of tooth pairs: drive_0, drive_1, ..., coast_0, ... */
-static bool define_pairs(builder *b, const stack_layout *layout)
-{
-    char (*texts)[24] = xcalloc((size_t)layout->n_pairs, sizeof *texts);
-    const char **names = xcalloc((size_t)layout->n_pairs, sizeof *names);
-    for (int i = 0; i < layout->n_pairs; i++) {
-        const bool is_drive = i < layout->n_drive_pairs;
-        (void)snprintf(texts[i], sizeof texts[i], "%s_%d", is_drive ? "drive" : "coast",
-                       is_drive ? i : i - layout->n_drive_pairs);
-        names[i] = texts[i];
-    }
-    const bool good =
-        define_names(b, &b->pair, "pair", "place of a tooth pair: flank and slot", layout->n_pairs, names);
-    free(names);
-    free(texts);
-    return good;
 }
 
 static bool define_dimensions(builder *b, const stack_layout *layout)
@@ -66,15 +39,21 @@ static bool define_dimensions(builder *b, const stack_layout *layout)
     for (long row = 0; row < layout->n_rows; row++) {
         numbers[row] = layout->first_case + row * layout->stride;
     }
-    const bool good = define_coordinate(b, &b->cases, &cases, layout->n_rows, numbers) &&
-                      define_coordinate(b, &b->time, &time, layout->n_times, layout->times) &&
-                      define_names(b, &b->wheel, "wheel", "name of the wheel", layout->n_wheels, layout->wheel_names) &&
-                      define_names(b, &b->mesh, "mesh", "name of the mesh", layout->n_meshes, layout->mesh_names) &&
-                      define_names(b, &b->shaft, "shaft", "name of the shaft", layout->n_shafts, layout->shaft_names) &&
-                      define_names(b, &b->axis, "axis", "axis of the housing frame", 2, axes) &&
-                      define_names(b, &b->space, "space", "axis of a frame", 3, axes) &&
-                      define_names(b, &b->quaternion, "quaternion", "part of a quaternion", 4, parts) &&
-                      define_pairs(b, layout);
+    const bool good =
+        define_coordinate(b, &b->cases, &cases, layout->n_rows, numbers) &&
+        define_coordinate(b, &b->time, &time, layout->n_times, layout->times) &&
+        netcdf_define_names(&b->netcdf, b->netcdf.id, &b->wheel, "wheel", "name of the wheel",
+                            &layout->names->wheels) &&
+        netcdf_define_names(&b->netcdf, b->netcdf.id, &b->mesh, "mesh", "name of the mesh", &layout->names->meshes) &&
+        netcdf_define_names(&b->netcdf, b->netcdf.id, &b->shaft, "shaft", "name of the shaft",
+                            &layout->names->shafts) &&
+        netcdf_define_names(&b->netcdf, b->netcdf.id, &b->axis, "axis", "axis of the housing frame",
+                            &(name_list){2, axes}) &&
+        netcdf_define_names(&b->netcdf, b->netcdf.id, &b->space, "space", "axis of a frame", &(name_list){3, axes}) &&
+        netcdf_define_names(&b->netcdf, b->netcdf.id, &b->quaternion, "quaternion", "part of a quaternion",
+                            &(name_list){4, parts}) &&
+        netcdf_define_names(&b->netcdf, b->netcdf.id, &b->pair, "pair", "place of a tooth pair: flank and slot",
+                            &layout->names->pairs);
     free(numbers);
     return good;
 }

@@ -65,11 +65,9 @@ static history *create(const char *path, char *message)
 {
     static const history_attribute attributes[] = {{.key = "title", .kind = HISTORY_TEXT, .text = "a test"},
                                                    {.key = "status", .kind = HISTORY_TEXT, .text = "running"}};
+    static const model_names names = {.wheels = {2, wheels}, .meshes = {1, meshes}};
     const history_layout layout = {.path = path,
-                                   .n_wheels = 2,
-                                   .n_meshes = 1,
-                                   .wheel_names = wheels,
-                                   .mesh_names = meshes,
+                                   .names = &names,
                                    .n_outputs = sizeof outputs / sizeof *outputs,
                                    .outputs = outputs,
                                    .n_states = N_STATES,
