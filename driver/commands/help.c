@@ -3,6 +3,7 @@
 #include "base/memory.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #define COMMAND(name) extern const command name##_command;
 #include "commands/commands.inc"
@@ -28,9 +29,14 @@ static void print_call(FILE *stream, const command *command)
 
 static void print_commands(FILE *stream)
 {
+    int width = 0;
+    for (int i = 0; i < n_commands; i++) {
+        const int length = (int)strlen(commands[i]->name);
+        width = length > width ? length : width;
+    }
     fputs("Commands:\n", stream);
     for (int i = 0; i < n_commands; i++) {
-        fprintf(stream, "  %-6s %s\n", commands[i]->name, commands[i]->summary);
+        fprintf(stream, "  %-*s %s\n", width, commands[i]->name, commands[i]->summary);
     }
 }
 

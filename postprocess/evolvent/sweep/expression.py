@@ -19,26 +19,13 @@ from evolvent.sweep.errors import SweepError
 MAX_LENGTH = 1000  # characters; more is no formula
 CONSTANTS = {"pi": np.pi, "e": np.e}
 # Name: (function, smallest and largest number of arguments).
+PLAIN = "abs ceil cos degrees exp floor log log10 radians round sin sqrt tan"
 FUNCTIONS: dict[str, tuple[Callable[..., Any], int, int]] = {
-    "abs": (np.abs, 1, 1),
-    "acos": (np.arccos, 1, 1),
-    "asin": (np.arcsin, 1, 1),
-    "atan": (np.arctan, 1, 1),
+    **{name: (getattr(np, name), 1, 1) for name in PLAIN.split()},
+    **{f"a{name}": (getattr(np, f"arc{name}"), 1, 1) for name in ("cos", "sin", "tan")},
     "atan2": (np.arctan2, 2, 2),
-    "ceil": (np.ceil, 1, 1),
-    "cos": (np.cos, 1, 1),
-    "degrees": (np.degrees, 1, 1),
-    "exp": (np.exp, 1, 1),
-    "floor": (np.floor, 1, 1),
-    "log": (np.log, 1, 1),
-    "log10": (np.log10, 1, 1),
     "max": (lambda *x: np.maximum.reduce(np.broadcast_arrays(*x)), 2, 20),
     "min": (lambda *x: np.minimum.reduce(np.broadcast_arrays(*x)), 2, 20),
-    "radians": (np.radians, 1, 1),
-    "round": (np.round, 1, 1),
-    "sin": (np.sin, 1, 1),
-    "sqrt": (np.sqrt, 1, 1),
-    "tan": (np.tan, 1, 1),
 }
 BINARY: dict[type, Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
