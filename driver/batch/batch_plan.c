@@ -144,7 +144,7 @@ bool batch_plan_init(batch_plan *plan, const design *design, evl_error *error)
 {
     *plan = (batch_plan){.design = design, .stack = {.descriptor = -1}};
     char *name = xasprintf("%s: base case", design->file);
-    plan->base = case_base_parse(name, design->base_case, model_laws(), error);
+    plan->base = case_base_parse(name, design->base_case, model_schema(), error);
     free(name);
     if (plan->base == NULL) {
         return false;

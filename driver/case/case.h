@@ -3,6 +3,7 @@
 #define EVOLVENT_CASE_H
 
 #include "base/status.h"
+#include "case/case_schema.h"
 #include "case/description.h"
 
 #include <stdbool.h>
@@ -13,9 +14,9 @@ typedef struct case_base case_base;
 
 /** Parse the text of a case; nothing is checked yet.
  *  @param name  what errors call it, such as a path
- *  @param laws  the laws that the model offers; they have to outlive the base
+ *  @param schema  what a case may say; has to outlive the base
  *  @return NULL with the reason in `error` */
-case_base *case_base_parse(const char *name, const char *text, const law_tables *laws, evl_error *error);
+case_base *case_base_parse(const char *name, const char *text, const case_schema *schema, evl_error *error);
 void case_base_delete(case_base **base);
 /** The same as case_read with the base's text for a file. The base stays as it is and has to outlive the result.
  *  @param[in,out] file  a case of this base that is not needed any more, or NULL: becomes the new case. A case like it,
@@ -31,10 +32,10 @@ bool case_base_has_path(const case_base *base, const char *path, evl_error *erro
 
 /** Read the case at `path`, apply the options in their order, check and resolve.
  *  @param set_options  [n_set] each "PATH=VALUE"
- *  @param laws         the laws that the model offers; used during the call only
+ *  @param schema       what a case may say
  *  @return NULL with the first thing that is wrong in `error`: EVL_EXIT_USAGE for a malformed option,
  *  else EVL_EXIT_CASE */
-case_file *case_read(const char *path, int n_set, const char *const *set_options, const law_tables *laws,
+case_file *case_read(const char *path, int n_set, const char *const *set_options, const case_schema *schema,
                      evl_error *error);
 /** Free a case and set the pointer to NULL. Nothing happens if it is NULL already. */
 void case_delete(case_file **file);
@@ -50,32 +51,18 @@ const char *case_text(const case_file *file);
 /** Fill in the integrator of a case that does not name one. */
 void case_settle_integrator(case_file *file, integrator_kind integrator);
 
-/** Fill in what the damping law of a mesh leaves to the model, from the same law without gaps. */
-void case_settle_damping(case_file *file, int mesh, const law_tables *laws, const law_choice *settled);
+/** Fill in what the damping law of a mesh leaves to the model.
+ *  @param parameters  all of the law, in the order of its rows */
+void case_settle_damping(case_file *file, int mesh, const case_schema *schema, const double *parameters);
 
 /** The checked tree itself, with the file's own keys and units. */
 const struct case_node *case_root(const case_file *file);
 
-typedef enum {
-    CASE_ABOUT_NOTHING,
-    CASE_ABOUT_WHEEL,
-    CASE_ABOUT_MESH,
-    CASE_ABOUT_LOAD,
-    CASE_ABOUT_INITIAL,
-    CASE_ABOUT_HOUSING,
-    CASE_ABOUT_SHAFT
-} case_subject;
-
-/** A message of the model with the name of what it is about in front, such as "meshes.pinion-gear.backlash: ...". Its arguments are
- *  those of case_refuse. @return a new string */
-char *case_message(const case_file *file, case_subject subject, int index, int load, const char *field,
-                   const char *message);
+/** A message with what it is about in front, such as "meshes.pinion-gear.backlash: ...". @return a new string */
+char *case_message(const char *field, const char *message);
 /** Turn a refusal by the model into an error that names the place in the file or the option.
- *  @param index    wheel (also of a load), mesh or shaft, from 0; -1 if none
- *  @param load     which load of that wheel, from 0; -1 if none
- *  @param field    key in the block, may be a dotted path such as "support.stiffness"; "" for the whole block.
- *                  A key that the case does not give leads to the place of its block. */
-void case_refuse(const case_file *file, case_subject subject, int index, int load, const char *field,
-                 const char *message, evl_error *error);
+ *  @param field  path of what is refused, such as "wheels.gear.support.stiffness"; "" for the whole case. A key that the case does
+ *                not give leads to the place of its block. */
+void case_refuse(const case_file *file, const char *field, const char *message, evl_error *error);
 
 #endif

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-case_base *case_base_parse(const char *name, const char *text, const law_tables *laws, evl_error *error)
+case_base *case_base_parse(const char *name, const char *text, const case_schema *schema, evl_error *error)
 {
     memset(error, 0, sizeof *error);
     case_node *root = tree_load_named(name, text, error);
@@ -15,7 +15,7 @@ case_base *case_base_parse(const char *name, const char *text, const law_tables 
         return NULL;
     }
     case_base *base = xcalloc(1, sizeof *base);
-    *base = (case_base){.name = xstrdup(name), .laws = laws, .schema = schema_create(laws), .root = root};
+    *base = (case_base){.name = xstrdup(name), .schema = schema, .root = root};
     return base;
 }
 
@@ -24,7 +24,6 @@ void case_base_delete(case_base **base)
     if (*base == NULL) {
         return;
     }
-    schema_delete(&(*base)->schema);
     node_delete(&(*base)->root);
     free((*base)->name);
     free(*base);
@@ -49,8 +48,8 @@ static void refuse_key(const case_schema *schema, const char *block, const char 
     const char **keys = xcalloc((size_t)schema->n, sizeof *keys);
     int n = 0;
     for (int i = 0; i < schema->n; i++) {
-        if (strcmp(schema->keys[i].block, block) == 0) {
-            keys[n++] = schema->keys[i].key;
+        if (strcmp(schema->rows[i].block, block) == 0) {
+            keys[n++] = schema->rows[i].key;
         }
     }
     char *hint = suggest_phrase(key, n, keys);
@@ -67,19 +66,19 @@ static bool walk(const case_schema *schema, const char *block, const char *paren
     const char *rest = path[length] == '.' ? path + length + 1 : NULL;
     bool good = false, is_known = false;
     for (int i = 0; i < schema->n && !good; i++) {
-        const case_key *key = &schema->keys[i];
+        const evl_row *key = &schema->rows[i];
         if (strcmp(key->block, block) != 0 || strcmp(key->key, segment) != 0) {
             continue;
         }
         is_known = true;
         const char *inner = rest;
-        if (inner != NULL && (key->type == KEY_LIST || key->type == KEY_MAP)) { /* its element: the base knows those */
+        if (inner != NULL && (key->type == EVL_LIST || key->type == EVL_MAP)) { /* its element: the base knows those */
             const char *dot = strchr(inner, '.');
             inner = dot == NULL ? NULL : dot + 1;
         }
         const int walked = (int)(inner == NULL ? strlen(path) : (size_t)(inner - path) - 1);
         char *here = xasprintf("%s%s%.*s", parent, parent[0] == '\0' ? "" : ".", walked, path);
-        good = inner == NULL || key->holds[0] == '\0' || walk(schema, key->holds, here, inner, error);
+        good = inner == NULL || key->type < EVL_BLOCK || walk(schema, key->holds, here, inner, error);
         free(here);
     }
     if (!is_known) {

@@ -8,8 +8,7 @@
 
 struct case_base {
     char *name;
-    const law_tables *laws;
-    case_schema *schema;
+    const case_schema *schema;
     case_node *root;
 };
 

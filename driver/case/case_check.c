@@ -10,16 +10,16 @@
 
 static bool check_block(checker *checker, const char *block, case_node *node);
 
-static bool check_count(const checker *checker, const case_key *key, const case_node *node)
+static bool check_count(const checker *checker, const evl_row *key, const case_node *node)
 {
     return node->n >= (int)key->minimum ||
            checker_refuse(checker, node->place, "has %d %s, needs at least %d", node->n,
-                          key->type == KEY_LIST ? (node->n == 1 ? "element" : "elements")
+                          key->type == EVL_LIST ? (node->n == 1 ? "element" : "elements")
                                                 : (node->n == 1 ? "name" : "names"),
                           (int)key->minimum);
 }
 
-static bool check_list(checker *checker, const case_key *key, case_node *node)
+static bool check_list(checker *checker, const evl_row *key, case_node *node)
 {
     if (node->kind != NODE_SEQUENCE) {
         return refuse_type(checker, node, "a list", "");
@@ -41,7 +41,7 @@ static bool check_list(checker *checker, const case_key *key, case_node *node)
     return true;
 }
 
-static bool check_map(checker *checker, const case_key *key, case_node *node)
+static bool check_map(checker *checker, const evl_row *key, case_node *node)
 {
     if (node->kind != NODE_MAPPING) {
         return refuse_type(checker, node, "blocks by name, {name: {...}}", "");
@@ -63,14 +63,14 @@ static bool check_map(checker *checker, const case_key *key, case_node *node)
     return true;
 }
 
-static bool check_value(checker *checker, const case_key *key, case_node *node)
+static bool check_value(checker *checker, const evl_row *key, case_node *node)
 {
     switch (key->type) {
-    case KEY_BLOCK:
+    case EVL_BLOCK:
         return check_block(checker, key->holds, node);
-    case KEY_LIST:
+    case EVL_LIST:
         return check_list(checker, key, node);
-    case KEY_MAP:
+    case EVL_MAP:
         return check_map(checker, key, node);
     default:
         return check_single_value(checker, key, node);
@@ -82,8 +82,8 @@ static int collect_keys(const checker *checker, const char *block, const char *v
 {
     int n = 0;
     for (int i = 0; i < checker->schema->n; i++) {
-        const case_key *row = &checker->schema->keys[i];
-        bool is_new = strcmp(row->block, block) == 0 && (variant == NULL || key_in_variant(row, variant));
+        const evl_row *row = &checker->schema->rows[i];
+        bool is_new = strcmp(row->block, block) == 0 && (variant == NULL || row_in_variant(row, variant));
         for (int k = 0; k < n && is_new; k++) {
             is_new = strcmp(keys[k], row->key) != 0;
         }
@@ -114,32 +114,16 @@ static bool refuse_key(const checker *checker, const char *block, const char *va
     return false;
 }
 
-static bool refuse_missing(const checker *checker, const case_key *key, const case_node *node)
+static bool refuse_missing(const checker *checker, const evl_row *key, const case_node *node)
 {
     return checker_refuse(checker, node->place, "'%s' is missing (%s%s%s%s)", key->key, key->text,
                           key->unit[0] == '\0' ? "" : " [", key->unit, key->unit[0] == '\0' ? "" : "]");
 }
 
-/** The key whose value selects the variant of a block is its first one. @return NULL if the block has no variants */
-static const case_key *selector(const case_schema *schema, const char *block)
-{
-    const case_key *first = NULL;
-    for (int i = 0; i < schema->n; i++) {
-        const case_key *row = &schema->keys[i];
-        if (strcmp(row->block, block) == 0) {
-            first = first == NULL ? row : first;
-            if (row->variants[0] != '\0' && key_needs(row) == NULL) {
-                return first;
-            }
-        }
-    }
-    return first != NULL && strcmp(first->key, "law") == 0 ? first : NULL;
-}
-
 /** The default value as nodes that stand where the block stands. */
-static case_node *default_value(const checker *checker, const case_key *key, const case_node *node)
+static case_node *default_value(const checker *checker, const evl_row *key, const case_node *node)
 {
-    if (key->type == KEY_NAME) {
+    if (key->type == EVL_NAME) {
         char *name = node_element_name(node); /* the one name with a default is {driving}-{driven} */
         case_node *value = name == NULL ? NULL : node_create_scalar(name, true, node->place);
         free(name);
@@ -155,7 +139,7 @@ static bool check_key_names(const checker *checker, const char *block, const cas
     for (int i = 0; i < node->n; i++) {
         bool is_known = false;
         for (int k = 0; k < checker->schema->n && !is_known; k++) {
-            const case_key *row = &checker->schema->keys[k];
+            const evl_row *row = &checker->schema->rows[k];
             is_known = strcmp(row->block, block) == 0 && strcmp(row->key, node->entries[i].key) == 0;
         }
         if (!is_known) {
@@ -166,7 +150,7 @@ static bool check_key_names(const checker *checker, const char *block, const cas
 }
 
 /** A key that stands beside a selector (NULL: its default holds) with which it has no meaning. */
-static bool refuse_variant(const checker *checker, const case_key *selector, const case_entry *entry,
+static bool refuse_variant(const checker *checker, const evl_row *selector, const case_entry *entry,
                            const case_node *value, const char *variant)
 {
     if (value == NULL) {
@@ -181,17 +165,10 @@ static bool refuse_variant(const checker *checker, const case_key *selector, con
                           variant);
 }
 
-const char *schema_variant(const case_schema *schema, const char *block, const case_node *node)
-{
-    const case_key *key = selector(schema, block);
-    const char *word = key == NULL ? "" : node_get_text(node, key->key);
-    return word == NULL ? key->default_text : word;
-}
-
 /** Find the variant from the selector, and refuse keys of other variants. */
 static bool check_variant(checker *checker, const char *block, const case_node *node, const char **variant)
 {
-    const case_key *key = selector(checker->schema, block);
+    const evl_row *key = schema_selector(checker->schema, block);
     *variant = "";
     if (key == NULL) {
         return true;
@@ -219,9 +196,9 @@ static bool check_variant(checker *checker, const char *block, const case_node *
 }
 
 /** Whether the key's condition on another key of the block is met. */
-static bool has_what_it_needs(const case_key *key, const case_node *node)
+static bool has_what_it_needs(const evl_row *key, const case_node *node)
 {
-    return key_needs(key) == NULL || node_find(node, key_needs(key)) >= 0;
+    return row_needs(key) == NULL || node_find(node, row_needs(key)) >= 0;
 }
 
 /** Refuse a key without the other key that gives it a meaning. */
@@ -229,9 +206,9 @@ static bool check_needs(const checker *checker, const char *block, const char *v
 {
     for (int i = 0; i < node->n; i++) {
         const case_entry *entry = &node->entries[i];
-        const case_key *row = schema_find(checker->schema, block, variant, entry->key);
+        const evl_row *row = schema_find(checker->schema, block, variant, entry->key);
         if (row != NULL && !has_what_it_needs(row, node)) {
-            return checker_refuse(checker, entry->key_place, "'%s' needs '%s' beside it", entry->key, key_needs(row));
+            return checker_refuse(checker, entry->key_place, "'%s' needs '%s' beside it", entry->key, row_needs(row));
         }
     }
     return true;
@@ -249,8 +226,8 @@ static bool check_block(checker *checker, const char *block, case_node *node)
     }
     const case_schema *schema = checker->schema;
     for (int i = 0; i < schema->n; i++) {
-        const case_key *row = &schema->keys[i];
-        if (strcmp(row->block, block) == 0 && key_in_variant(row, variant) && row->required &&
+        const evl_row *row = &schema->rows[i];
+        if (strcmp(row->block, block) == 0 && row_in_variant(row, variant) && row->required &&
             node_find(node, row->key) < 0) {
             return refuse_missing(checker, row, node);
         }
@@ -258,14 +235,14 @@ static bool check_block(checker *checker, const char *block, case_node *node)
     case_node ordered = {.kind = NODE_MAPPING};
     bool good = true;
     for (int i = 0; i < schema->n && good; i++) {
-        const case_key *row = &schema->keys[i];
-        if (strcmp(row->block, block) != 0 || !key_in_variant(row, variant) || !has_what_it_needs(row, node)) {
+        const evl_row *row = &schema->rows[i];
+        if (strcmp(row->block, block) != 0 || !row_in_variant(row, variant) || !has_what_it_needs(row, node)) {
             continue;
         }
         const int at = node_find(node, row->key);
         case_node *value = at >= 0 ? node->entries[at].value : NULL;
         const case_place place = at >= 0 ? node->entries[at].key_place : node->place;
-        if (value == NULL && row->default_text != NULL) {
+        if (value == NULL && row->default_text[0] != '\0') {
             value = default_value(checker, row, node);
         }
         if (value != NULL) {

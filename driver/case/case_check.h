@@ -17,9 +17,6 @@ typedef struct {
 size_t checker_enter(checker *checker, const char *step);
 void checker_leave(checker *checker, size_t length);
 
-/** The variant of a checked block, as schema_find takes it. */
-const char *schema_variant(const case_schema *schema, const char *block, const case_node *node);
-
 /* All of these return false with the error filled in if they refuse. */
 
 #if defined(__GNUC__)
@@ -30,10 +27,10 @@ bool refuse_type(const checker *checker, const case_node *node, const char *want
 
 /** A name that paths and references can use. */
 bool check_name(const checker *checker, case_place place, const char *name);
-bool check_choice(const checker *checker, const case_key *key, const case_node *node);
+bool check_choice(const checker *checker, const evl_row *key, const case_node *node);
 /** A number of a key whose value is one number or several. */
-bool check_number_of(const checker *checker, const case_key *key, const case_node *node);
+bool check_number_of(const checker *checker, const evl_row *key, const case_node *node);
 /** A value of any type but block, list of blocks and map. */
-bool check_single_value(checker *checker, const case_key *key, case_node *node);
+bool check_single_value(checker *checker, const evl_row *key, case_node *node);
 
 #endif

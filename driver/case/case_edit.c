@@ -4,6 +4,7 @@
 #include "base/number.h"
 #include "case/case_base.h"
 #include "case/case_check.h"
+#include "case/case_entries.h"
 #include "case/case_file.h"
 #include "case/case_resolve.h"
 
@@ -12,17 +13,16 @@
 
 /* ---- where the numbers are ---- */
 
-static bool holds_numbers(key_type type)
+static bool holds_numbers(int type)
 {
-    return type == KEY_NUMBER || type == KEY_INTEGER || type == KEY_PAIR || type == KEY_TRIPLE ||
-           type == KEY_QUATERNION || type == KEY_SERIES || type == KEY_NAMED;
+    return type <= EVL_NAMED;
 }
 
 /** The block whose keys the value of a key, or an element of it, has; NULL if there is none. */
-static const char *block_below(const case_key *key, bool is_element)
+static const char *block_below(const evl_row *row, bool is_element)
 {
-    const bool has_elements = key->type == KEY_LIST || key->type == KEY_MAP;
-    return has_elements == is_element && (has_elements || key->type == KEY_BLOCK) ? key->holds : NULL;
+    const bool has_elements = row->type == EVL_LIST || row->type == EVL_MAP;
+    return has_elements == is_element && (has_elements || row->type == EVL_BLOCK) ? row->holds : NULL;
 }
 
 /** Follow the path of an option through a checked tree. */
@@ -35,15 +35,15 @@ static case_number find_number(const case_schema *schema, case_node *root, const
          segment = strtok_r(NULL, ".", &rest)) {
         const bool is_key = block != NULL;
         if (is_key) {
-            number.key = schema_find(schema, block, schema_variant(schema, block, number.node), segment);
+            number.row = schema_find(schema, block, schema_variant(schema, block, number.node), segment);
         }
-        const int i = number.key == NULL ? -1 : node_step(number.node, segment);
+        const int i = number.row == NULL ? -1 : node_step(number.node, segment);
         number.node = i < 0 ? NULL : number.node->entries[i].value;
-        block = i < 0 ? NULL : block_below(number.key, !is_key);
+        block = i < 0 ? NULL : block_below(number.row, !is_key);
     }
     free(path);
-    const bool is_value = number.key != NULL && number.node != NULL && number.node->kind == NODE_SCALAR;
-    const bool is_number = is_value && number.node->place.option == option && holds_numbers(number.key->type);
+    const bool is_value = number.row != NULL && number.node != NULL && number.node->kind == NODE_SCALAR;
+    const bool is_number = is_value && number.node->place.option == option && holds_numbers(number.row->type);
     return is_number ? number : (case_number){NULL, NULL};
 }
 
@@ -102,10 +102,14 @@ static bool exchange_numbers(const case_base *base, case_file *file, const char 
     }
     bool good = true;
     for (int i = 0; i < file->n_options && good; i++) {
-        good = file->numbers[i].node == NULL || check_number_of(&checker, file->numbers[i].key, file->numbers[i].node);
+        good = file->numbers[i].node == NULL || check_number_of(&checker, file->numbers[i].row, file->numbers[i].node);
     }
     description_clear(&file->description);
-    return good && case_resolve(file->path, file->root, base->laws, &file->description, &ignored);
+    good = good && case_resolve(base->schema, file->path, file->root, &file->description, &ignored);
+    if (good) {
+        case_lay_out(base->schema, file->root, &file->description);
+    }
+    return good;
 }
 
 bool case_edit(const case_base *base, int n_set, const char *const *set_options, case_file **file, evl_error *error)
@@ -117,11 +121,12 @@ bool case_edit(const case_base *base, int n_set, const char *const *set_options,
     }
     case_file *made = case_file_create(base->name, n_set, set_options);
     made->root = node_copy(base->root);
-    if (!case_file_resolve(made, base->schema, base->laws, error)) {
+    if (!case_file_resolve(made, base->schema, error)) {
         case_delete(&made);
         return false;
     }
     find_numbers(base->schema, made);
+    case_lay_out(base->schema, made->root, &made->description); /* now that the texts stay where they are */
     case_delete(file);
     *file = made;
     return true;

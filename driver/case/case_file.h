@@ -8,8 +8,8 @@
 
 /** Where an option of an edited base has put a number. */
 typedef struct {
-    case_node *node;     /**< NULL: the option has put something else, or was overruled by a later one */
-    const case_key *key; /**< what the number has to be */
+    case_node *node;    /**< NULL: the option has put something else, or was overruled by a later one */
+    const evl_row *row; /**< what the number has to be */
 } case_number;
 
 struct case_file {
@@ -25,6 +25,6 @@ struct case_file {
 /** A case with these options and without a tree. */
 case_file *case_file_create(const char *path, int n_set, const char *const *set_options);
 /** Apply the options to the tree that the file has, check and resolve it. @return false with the reason in `error` */
-bool case_file_resolve(case_file *file, const case_schema *schema, const law_tables *laws, evl_error *error);
+bool case_file_resolve(case_file *file, const case_schema *schema, evl_error *error);
 
 #endif

@@ -3,38 +3,40 @@
 
 #include <string.h>
 
-static const char *type_text(const case_key *key)
+static const char *type_text(const evl_row *key)
 {
     switch (key->type) {
-    case KEY_NUMBER:
+    case EVL_NUMBER:
         return "number";
-    case KEY_INTEGER:
+    case EVL_INTEGER:
         return "whole number";
-    case KEY_PAIR:
+    case EVL_PAIR:
         return "[x, y]";
-    case KEY_TRIPLE:
+    case EVL_TRIPLE:
         return "[x, y, z]";
-    case KEY_QUATERNION:
+    case EVL_QUATERNION:
         return "[w, x, y, z]";
-    case KEY_SERIES:
+    case EVL_SERIES:
+    case EVL_KNOTS:
+    case EVL_AT_KNOTS:
         return "list of numbers";
-    case KEY_NAMED:
+    case EVL_NAMED:
         return "{name: number}";
-    case KEY_TEXT:
+    case EVL_TEXT:
         return "text";
-    case KEY_NAME:
+    case EVL_NAME:
         return "name";
-    case KEY_REFERENCE:
+    case EVL_REFERENCE:
         return "name of a thing in the case";
-    case KEY_REFERENCES:
+    case EVL_REFERENCES:
         return "[name, name]";
-    case KEY_CHOICE:
+    case EVL_CHOICE:
         return "one of";
-    case KEY_BLOCK:
+    case EVL_BLOCK:
         return "block";
-    case KEY_LIST:
+    case EVL_LIST:
         return "list of blocks";
-    case KEY_MAP:
+    case EVL_MAP:
         return "{name: block}";
     }
     return "";
@@ -49,19 +51,21 @@ static void print_words(FILE *stream, const char *words, const char *before)
     }
 }
 
-static void print_key(FILE *stream, const case_key *key)
+static void print_key(FILE *stream, const evl_row *key)
 {
     char range[128];
-    key_range_text(key, range);
+    row_range_text(key, range);
     fprintf(stream, "| `%s` |", key->key);
-    print_words(stream, key_needs(key) == NULL ? key->variants : key_needs(key), " ");
+    print_words(stream, row_needs(key) == NULL ? key->variants : row_needs(key), " ");
     fprintf(stream, " | %s", type_text(key));
-    print_words(stream, key->words, key->type == KEY_NUMBER ? " or " : " ");
-    print_words(stream, key->holds, " ");
+    print_words(stream, key->words, key->type == EVL_NUMBER ? " or " : " ");
+    if (key->type >= EVL_BLOCK) {
+        print_words(stream, key->holds, " ");
+    }
     fprintf(stream, " | %s | %s | ", key->unit, range);
     if (key->required) {
         fputs("required", stream);
-    } else if (key->default_text != NULL) {
+    } else if (key->default_text[0] != '\0') {
         fprintf(stream, "`%s`", key->default_text);
     }
     fprintf(stream, " | %s |\n", key->text);
@@ -71,7 +75,7 @@ void schema_print(FILE *stream, const case_schema *schema)
 {
     const char *block = "";
     for (int i = 0; i < schema->n; i++) {
-        const case_key *key = &schema->keys[i];
+        const evl_row *key = &schema->rows[i];
         if (strcmp(key->block, block) != 0) {
             block = key->block;
             fprintf(stream, "%s### %s\n\n", i == 0 ? "" : "\n", block);

@@ -2,13 +2,13 @@
 #ifndef EVOLVENT_CASE_RESOLVE_H
 #define EVOLVENT_CASE_RESOLVE_H
 
-#include "case/case_tree.h"
+#include "case/case_schema.h"
 #include "case/description.h"
 
-/** Fill `description` from a tree that schema_check accepted; gaps that are not given are added to the tree as 0.
+/** Fill `description`, but for its entries, from a tree that schema_check accepted; gaps that are not given are added to the tree as 0.
  *  @param path  the case file, for the places in messages
  *  @return false with the reason in `error`; `description` can be freed in any case */
-bool case_resolve(const char *path, case_node *root, const law_tables *laws, description *description,
+bool case_resolve(const case_schema *schema, const char *path, case_node *root, description *description,
                   evl_error *error);
 
 #endif

@@ -93,6 +93,12 @@ double node_number(const case_node *node)
     return value;
 }
 
+bool node_is_number(const case_node *node)
+{
+    double value = 0;
+    return node->kind == NODE_SCALAR && node->plain && number_read(node->text, &value) == NUMBER_FINITE;
+}
+
 double node_get_number(const case_node *mapping, const char *key)
 {
     return node_number(node_get(mapping, key));

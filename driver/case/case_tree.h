@@ -53,6 +53,7 @@ case_node *node_get(const case_node *mapping, const char *key);
 const char *node_get_text(const case_node *mapping, const char *key);
 /* Of blocks that the schema has checked: the key is there and has the type. */
 double node_number(const case_node *node);
+bool node_is_number(const case_node *node);
 double node_get_number(const case_node *mapping, const char *key);
 bool node_get_is(const case_node *mapping, const char *key, const char *word);
 /** Index of the value among the words. */

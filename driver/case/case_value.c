@@ -51,7 +51,7 @@ bool refuse_type(const checker *checker, const case_node *node, const char *want
                           node->kind == NODE_SCALAR && !node->plain ? ", which is text because of its quotes" : "");
 }
 
-static bool refuse_word(const checker *checker, const case_key *key, const case_node *node)
+static bool refuse_word(const checker *checker, const evl_row *key, const case_node *node)
 {
     char **words = NULL;
     const int n = words_split(key->words, &words);
@@ -59,7 +59,7 @@ static bool refuse_word(const checker *checker, const case_key *key, const case_
     char *list = words_join(n, (const char *const *)words, ", ");
     char found[64];
     node_describe(node, found);
-    if (key->type == KEY_NUMBER) {
+    if (key->type == EVL_NUMBER) {
         (void)checker_refuse(checker, node->place, "must be a number [%s] or %s, not %s%s", key->unit, list, found,
                              hint);
     } else {
@@ -72,17 +72,17 @@ static bool refuse_word(const checker *checker, const case_key *key, const case_
     return false;
 }
 
-static bool is_in_range(const case_key *key, double value)
+static bool is_in_range(const evl_row *key, double value)
 {
     return (key->minimum_open ? value > key->minimum : value >= key->minimum) &&
            (key->maximum_open ? value < key->maximum : value <= key->maximum);
 }
 
-static bool check_number(const checker *checker, const case_key *key, const case_node *node, double *value)
+static bool check_number(const checker *checker, const evl_row *key, const case_node *node, double *value)
 {
     const number_kind kind = node->kind == NODE_SCALAR && node->plain ? number_read(node->text, value) : NUMBER_NONE;
     if (kind == NUMBER_NONE) {
-        return refuse_type(checker, node, key->type == KEY_INTEGER ? "a whole number" : "a number", key->unit);
+        return refuse_type(checker, node, key->type == EVL_INTEGER ? "a whole number" : "a number", key->unit);
     }
     const char *gap = key->unit[0] == '\0' ? "" : " ";
     if (kind == NUMBER_NOT_FINITE) {
@@ -90,14 +90,14 @@ static bool check_number(const checker *checker, const case_key *key, const case
     }
     if (!is_in_range(key, *value)) {
         char range[128];
-        key_range_text(key, range);
+        row_range_text(key, range);
         return checker_refuse(checker, node->place, "is %s%s%s, must be %s%s%s%s", node->text, gap, key->unit,
-                              key->type == KEY_INTEGER ? "a whole number " : "", range, gap, key->unit);
+                              key->type == EVL_INTEGER ? "a whole number " : "", range, gap, key->unit);
     }
     return true;
 }
 
-static bool check_integer(const checker *checker, const case_key *key, const case_node *node)
+static bool check_integer(const checker *checker, const evl_row *key, const case_node *node)
 {
     double value = 0;
     if (!check_number(checker, key, node, &value)) {
@@ -107,19 +107,19 @@ static bool check_integer(const checker *checker, const case_key *key, const cas
         return true;
     }
     char range[128];
-    key_range_text(key, range);
+    row_range_text(key, range);
     return checker_refuse(checker, node->place, "is %s, must be a whole number%s%s", node->text,
                           range[0] == '\0' ? "" : " ", range);
 }
 
-bool check_number_of(const checker *checker, const case_key *key, const case_node *node)
+bool check_number_of(const checker *checker, const evl_row *key, const case_node *node)
 {
     double value = 0;
-    return key->type == KEY_INTEGER ? check_integer(checker, key, node) : check_number(checker, key, node, &value);
+    return key->type == EVL_INTEGER ? check_integer(checker, key, node) : check_number(checker, key, node, &value);
 }
 
 /** A list of so many numbers, which `wanted` describes. */
-static bool check_components(checker *checker, const case_key *key, const case_node *node, int n, const char *wanted)
+static bool check_components(checker *checker, const evl_row *key, const case_node *node, int n, const char *wanted)
 {
     if (node->kind != NODE_SEQUENCE) {
         return refuse_type(checker, node, wanted, key->unit);
@@ -136,9 +136,9 @@ static bool check_components(checker *checker, const case_key *key, const case_n
     return good;
 }
 
-static bool check_numbers(checker *checker, const case_key *key, const case_node *node)
+static bool check_numbers(checker *checker, const evl_row *key, const case_node *node)
 {
-    const bool is_series = key->type == KEY_SERIES;
+    const bool is_series = row_is_series(key);
     if (node->kind != (is_series ? NODE_SEQUENCE : NODE_MAPPING)) {
         return refuse_type(checker, node, is_series ? "a list of numbers" : "numbers by name, {name: number}",
                            key->unit);
@@ -200,7 +200,7 @@ bool check_name(const checker *checker, case_place place, const char *name)
     return true;
 }
 
-bool check_choice(const checker *checker, const case_key *key, const case_node *node)
+bool check_choice(const checker *checker, const evl_row *key, const case_node *node)
 {
     if (node->kind != NODE_SCALAR || node_is_null(node)) {
         return refuse_type(checker, node, "a word", "");
@@ -216,35 +216,37 @@ static bool check_two_names(checker *checker, case_node *node)
     return check_text(checker, node->entries[0].value) && check_text(checker, node->entries[1].value);
 }
 
-bool check_single_value(checker *checker, const case_key *key, case_node *node)
+bool check_single_value(checker *checker, const evl_row *key, case_node *node)
 {
     double value = 0;
     switch (key->type) {
-    case KEY_NUMBER:
+    case EVL_NUMBER:
         if (key->words[0] != '\0' && node->kind == NODE_SCALAR && !node_is_null(node) &&
             number_read(node->text, &value) == NUMBER_NONE) {
             return words_contain(key->words, node->text) || refuse_word(checker, key, node);
         }
         return check_number(checker, key, node, &value);
-    case KEY_INTEGER:
+    case EVL_INTEGER:
         return check_integer(checker, key, node);
-    case KEY_PAIR:
+    case EVL_PAIR:
         return check_components(checker, key, node, 2, "a pair [x, y]");
-    case KEY_TRIPLE:
+    case EVL_TRIPLE:
         return check_components(checker, key, node, 3, "a vector [x, y, z]");
-    case KEY_QUATERNION:
+    case EVL_QUATERNION:
         return check_components(checker, key, node, 4, "a quaternion [w, x, y, z]");
-    case KEY_SERIES:
-    case KEY_NAMED:
+    case EVL_SERIES:
+    case EVL_KNOTS:
+    case EVL_AT_KNOTS:
+    case EVL_NAMED:
         return check_numbers(checker, key, node);
-    case KEY_TEXT:
-    case KEY_REFERENCE:
+    case EVL_TEXT:
+    case EVL_REFERENCE:
         return check_text(checker, node);
-    case KEY_REFERENCES:
+    case EVL_REFERENCES:
         return check_two_names(checker, node);
-    case KEY_NAME:
+    case EVL_NAME:
         return check_text(checker, node) && check_name(checker, node->place, node->text);
-    case KEY_CHOICE:
+    case EVL_CHOICE:
         return check_choice(checker, key, node);
     default:
         return checker_refuse(checker, node->place, "must be a single value");

@@ -51,10 +51,10 @@ static int name_width(const description *description)
 {
     int width = (int)strlen("wheel");
     for (int i = 0; i < description->n_wheels; i++) {
-        width = longer(width, description->wheels[i].name);
+        width = longer(width, description->wheels[i]);
     }
     for (int i = 0; i < description->n_meshes; i++) {
-        width = longer(width, description->meshes[i].name);
+        width = longer(width, description->meshes[i]);
     }
     return width;
 }
@@ -72,7 +72,7 @@ static void print_cell(FILE *stream, int width, int digits, double value)
 /** Which state it is. */
 static void print_what(FILE *stream, const modes_report *report)
 {
-    const char *first = case_description(report->file)->meshes[0].name;
+    const char *first = case_description(report->file)->meshes[0];
     fprintf(stream, "Case %s, linearised ", case_path(report->file));
     switch (report->kind) {
     case MODES_AT:
@@ -94,7 +94,7 @@ static void print_mesh(FILE *stream, const modes_report *report, int mesh, int w
 {
     const mesh_standing standing = model_mesh_standing(report->model, report->state, mesh);
     const bool is_mean = report->kind == MODES_MEAN;
-    fprintf(stream, "  %-*s  %9s", width, case_description(report->file)->meshes[mesh].name,
+    fprintf(stream, "  %-*s  %9s", width, case_description(report->file)->meshes[mesh],
             is_mean ? "mean" : standing.contact);
     print_cell(stream, 8, 4, is_mean ? NAN : standing.position);
     print_cell(stream, 5, 4, value_of(report, "pairs_in_contact", mesh));
@@ -112,8 +112,7 @@ static void print_state(FILE *stream, const modes_report *report)
     print_what(stream, report);
     fprintf(stream, "  %-*s  %14s\n", width, "wheel", "speed [rad/s]");
     for (int i = 0; i < description->n_wheels; i++) {
-        fprintf(stream, "  %-*s  %14.6g\n", width, description->wheels[i].name,
-                value_of(report, "angular_velocity", i));
+        fprintf(stream, "  %-*s  %14.6g\n", width, description->wheels[i], value_of(report, "angular_velocity", i));
     }
     fprintf(stream, "\n  %-*s  %9s  %8s  %5s  %15s  %16s  %15s  %14s\n", width, "mesh", "contact", "position", "pairs",
             "penetration [m]", "normal force [N]", "friction branch", "sliding [m/s]");
@@ -170,9 +169,9 @@ static void print_coordinate(FILE *stream, int width, const char *name, const ch
 
 static void print_wheel(FILE *stream, int width, const modes_report *report, int index, const natural_mode *mode)
 {
-    const wheel_description *wheel = &case_description(report->file)->wheels[index];
+    const char *name = case_description(report->file)->wheels[index];
     const double complex *displacement = mode->displacements[index];
-    print_coordinate(stream, width, wheel->name, wheel->teeth > 0 ? "rotation r_b phi" : "rotation r phi",
+    print_coordinate(stream, width, name, model_teeth(report->model, index) > 0 ? "rotation r_b phi" : "rotation r phi",
                      mode->arcs[index]);
     double directions[2][2];
     const int n = model_support_directions(report->model, index, directions);
@@ -204,7 +203,7 @@ static void print_shapes(FILE *stream, const modes_report *report)
             print_wheel(stream, width, report, i, mode);
         }
         for (int i = 0; i < description->n_meshes; i++) {
-            print_coordinate(stream, width, description->meshes[i].name, "penetration h", mode->penetrations[i]);
+            print_coordinate(stream, width, description->meshes[i], "penetration h", mode->penetrations[i]);
             print_coordinate(stream, width, "", "transmission error Delta", mode->transmission_errors[i]);
         }
     }
@@ -236,7 +235,7 @@ static void write_state(json_writer *writer, const modes_report *report)
     json_number(writer, "mesh_position", report->kind == MODES_STEADY ? report->mesh_position : NAN);
     json_open(writer, "wheels", '{');
     for (int i = 0; i < description->n_wheels; i++) {
-        json_open(writer, description->wheels[i].name, '{');
+        json_open(writer, description->wheels[i], '{');
         json_number(writer, "angular_velocity", value_of(report, "angular_velocity", i));
         json_close(writer, '}');
     }
@@ -244,7 +243,7 @@ static void write_state(json_writer *writer, const modes_report *report)
     json_open(writer, "meshes", '{');
     for (int i = 0; i < description->n_meshes; i++) {
         const mesh_standing standing = model_mesh_standing(report->model, report->state, i);
-        json_open(writer, description->meshes[i].name, '{');
+        json_open(writer, description->meshes[i], '{');
         json_text(writer, "contact", is_mean ? "mean" : standing.contact);
         json_number(writer, "position", is_mean ? NAN : standing.position);
         json_number(writer, "pairs_in_contact", value_of(report, "pairs_in_contact", i));
@@ -269,7 +268,7 @@ static void write_mode(json_writer *writer, const description *description, cons
     json_number(writer, "time_constant", time_constant(mode));
     json_open(writer, "wheels", '{');
     for (int i = 0; i < description->n_wheels; i++) {
-        json_open(writer, description->wheels[i].name, '{');
+        json_open(writer, description->wheels[i], '{');
         write_complex(writer, "arc", mode->arcs[i]);
         write_complex(writer, "displacement_x", mode->displacements[i][0]);
         write_complex(writer, "displacement_y", mode->displacements[i][1]);
@@ -278,7 +277,7 @@ static void write_mode(json_writer *writer, const description *description, cons
     json_close(writer, '}');
     json_open(writer, "meshes", '{');
     for (int i = 0; i < description->n_meshes; i++) {
-        json_open(writer, description->meshes[i].name, '{');
+        json_open(writer, description->meshes[i], '{');
         write_complex(writer, "penetration", mode->penetrations[i]);
         write_complex(writer, "transmission_error", mode->transmission_errors[i]);
         json_close(writer, '}');

@@ -196,7 +196,7 @@ static void tell_vibrations(const run *run)
         const mesh_vibration mesh = model_mesh_vibration(run->prepared.model, i);
         if (!isnan(mesh.damping_ratio)) {
             log_note("mesh %s at %.5g N, one tooth pair: natural frequency %.5g Hz, damping ratio %.3g",
-                     description->meshes[i].name, mesh.force, mesh.natural_frequency, mesh.damping_ratio);
+                     description->meshes[i], mesh.force, mesh.natural_frequency, mesh.damping_ratio);
         }
     }
 }

@@ -15,7 +15,7 @@ static const double DEGREES_PER_RADIAN = 57.295779513082320877;
 
 typedef struct {
     option_values set;
-    bool json, laws, keys;
+    bool json, parameters, laws, keys;
 } show_options;
 
 /* ---- for reading ---- */
@@ -73,11 +73,11 @@ static void print_model(FILE *stream, const prepared_case *prepared)
     const description *description = case_description(prepared->file);
     model_quantity rows[MODEL_MOST_ROWS];
     for (int i = 0; i < description->n_wheels; i++) {
-        fprintf(stream, "\nWheel %s\n", description->wheels[i].name);
+        fprintf(stream, "\nWheel %s\n", description->wheels[i]);
         print_rows(stream, model_wheel_geometry(model, i, rows), rows);
     }
     for (int i = 0; i < description->n_meshes; i++) {
-        fprintf(stream, "\nMesh %s\n", description->meshes[i].name);
+        fprintf(stream, "\nMesh %s\n", description->meshes[i]);
         print_rows(stream, model_mesh_geometry(model, i, rows), rows);
     }
     show_gears(stream, description, model);
@@ -144,13 +144,13 @@ static void write_model(json_writer *writer, const prepared_case *prepared)
     json_open(writer, "wheels", '{');
     for (int i = 0; i < description->n_wheels; i++) {
         const int n = model_wheel_geometry(model, i, rows), n_gear = model_gear(model, i, gear_rows);
-        write_rows(writer, description->wheels[i].name, n, rows, n_gear, gear_rows);
+        write_rows(writer, description->wheels[i], n, rows, n_gear, gear_rows);
     }
     json_close(writer, '}');
     json_open(writer, "meshes", '{');
     for (int i = 0; i < description->n_meshes; i++) {
         const int n = model_mesh_geometry(model, i, rows), n_gear = model_gear_mesh(model, i, gear_rows);
-        write_rows(writer, description->meshes[i].name, n, rows, n_gear, gear_rows);
+        write_rows(writer, description->meshes[i], n, rows, n_gear, gear_rows);
     }
     json_close(writer, '}');
     write_deviations(writer, description, model);
@@ -182,66 +182,115 @@ static void show_json(FILE *stream, const prepared_case *prepared, const evl_err
 
 /* ---- laws and keys ---- */
 
-static void print_parameter(FILE *stream, const parameter_row *parameter)
+static void print_row(FILE *stream, const evl_row *row)
 {
-    const case_key range = {.minimum = parameter->minimum,
-                            .maximum = parameter->maximum,
-                            .minimum_open = parameter->minimum_open,
-                            .maximum_open = parameter->maximum_open};
-    char range_text[128], value[NUMBER_TEXT_LENGTH] = "from the mesh";
-    key_range_text(&range, range_text);
-    if (isfinite(parameter->default_value)) {
-        number_write(value, parameter->default_value);
-    }
-    const char *unit = unit_text(parameter->units);
-    fprintf(stream, "      %s%s%s%s: %s\n", parameter->name, unit[0] == '\0' ? "" : " [", unit,
-            unit[0] == '\0' ? "" : "]", parameter->text);
-    fprintf(stream, "        %s%s%s%s\n", parameter->required ? "required" : "default ",
-            parameter->required ? "" : value, range_text[0] == '\0' ? "" : ", ", range_text);
+    char range_text[128];
+    row_range_text(row, range_text);
+    const char *value = row->default_text[0] == '\0' ? "from the mesh" : row->default_text;
+    fprintf(stream, "      %s%s%s%s: %s\n", row->key, row->unit[0] == '\0' ? "" : " [", row->unit,
+            row->unit[0] == '\0' ? "" : "]", row->text);
+    fprintf(stream, "        %s%s%s%s\n", row->required ? "required" : "default ", row->required ? "" : value,
+            range_text[0] == '\0' ? "" : ", ", range_text);
 }
 
-static void show_laws(FILE *stream, const law_tables *laws)
+static void show_laws(FILE *stream)
 {
-    static const char *const families[LAWS_FAMILIES] = {
-        [LAWS_CONTACT] = "contact", [LAWS_DAMPING] = "damping", [LAWS_FRICTION] = "friction"};
-    for (int family = 0; family < LAWS_FAMILIES; family++) {
+    static const char *const families[] = {"contact", "damping", "friction"};
+    for (size_t family = 0; family < sizeof families / sizeof *families; family++) {
+        int n_laws = 0, n_rows = 0;
+        evl_kind *laws = model_kinds(families[family], &n_laws);
+        const evl_row *rows = schema_block(model_schema(), families[family], &n_rows);
         fprintf(stream, "%s%s:\n", family == 0 ? "" : "\n", families[family]);
-        for (int i = 0; i < laws->count[family]; i++) {
-            const kind_info *law = &laws->laws[family][i];
-            fprintf(stream, "  {law: %s}  %s\n", law->name, law->text);
-            if (law->source[0] != '\0') {
-                fprintf(stream, "      source: %s\n", law->source);
+        for (int i = 0; i < n_laws; i++) {
+            fprintf(stream, "  {law: %s}  %s\n", laws[i].name, laws[i].text);
+            if (laws[i].source[0] != '\0') {
+                fprintf(stream, "      source: %s\n", laws[i].source);
             }
-            for (int k = 0; k < law->n_parameters; k++) {
-                print_parameter(stream, &law->parameters[k]);
+            for (int k = 1; k < n_rows; k++) {
+                if (row_in_variant(&rows[k], laws[i].name)) {
+                    print_row(stream, &rows[k]);
+                }
             }
         }
+        free(laws);
     }
 }
 
-static void show_keys(FILE *stream, const law_tables *laws)
+static void show_keys(FILE *stream)
 {
-    case_schema *schema = schema_create(laws);
-    schema_print(stream, schema);
-    schema_delete(&schema);
+    schema_print(stream, model_schema());
+}
+
+/* ---- parameters ---- */
+
+static void write_parameter(json_writer *writer, const model_parameter *parameter)
+{
+    json_open(writer, parameter->path, '{');
+    json_text(writer, "unit", parameter->unit);
+    if (parameter->n == 1) {
+        json_number(writer, "value", parameter->numbers[0]);
+    } else {
+        json_numbers(writer, "value", parameter->n, parameter->numbers);
+    }
+    json_close(writer, '}');
+}
+
+static void print_parameter(FILE *stream, const model_parameter *parameter)
+{
+    char number[NUMBER_TEXT_LENGTH];
+    fprintf(stream, "%s = %s", parameter->path, parameter->n == 1 ? "" : "[");
+    for (int i = 0; i < parameter->n; i++) {
+        number_write(number, parameter->numbers[i]);
+        fprintf(stream, "%s%s", i == 0 ? "" : ", ", number);
+    }
+    fprintf(stream, "%s%s%s\n", parameter->n == 1 ? "" : "]", parameter->unit[0] == '\0' ? "" : " ", parameter->unit);
+}
+
+static void show_parameters(FILE *stream, const model *model, bool as_json)
+{
+    model_parameter parameter;
+    json_writer writer = {.stream = stream};
+    if (as_json) {
+        json_open(&writer, NULL, '{');
+    }
+    for (int i = 0; model_parameter_at(model, i, &parameter); i++) {
+        if (as_json) {
+            write_parameter(&writer, &parameter);
+        } else {
+            print_parameter(stream, &parameter);
+        }
+        free(parameter.numbers);
+    }
+    if (as_json) {
+        json_close(&writer, '}');
+    }
 }
 
 /* ---- the command ---- */
+
+static void show_prepared(const prepared_case *prepared, const show_options *options, evl_error *error)
+{
+    if (options->parameters && prepared->model != NULL) {
+        show_parameters(stdout, prepared->model, options->json);
+    } else if (options->json && !options->parameters) {
+        show_json(stdout, prepared, error);
+    } else if (!options->parameters) {
+        show_text(stdout, prepared);
+    }
+}
 
 static evl_exit show(const char *file, const void *given, evl_error *error)
 {
     const show_options *options = given;
     if (options->laws) {
-        show_laws(stdout, model_laws());
+        show_laws(stdout);
     } else if (options->keys) {
-        show_keys(stdout, model_laws());
+        show_keys(stdout);
     } else {
         prepared_case prepared;
         (void)prepare_to_show(&prepared, file, options->set.n, options->set.values, error);
-        if (prepared.file != NULL && options->json) {
-            show_json(stdout, &prepared, error);
-        } else if (prepared.file != NULL) {
-            show_text(stdout, &prepared);
+        if (prepared.file != NULL) {
+            show_prepared(&prepared, options, error);
         }
         prepared_case_free(&prepared);
     }
@@ -251,6 +300,8 @@ static evl_exit show(const char *file, const void *given, evl_error *error)
 static const option_row rows[] = {
     OPTION_ROW_SET(show_options),
     OPTION_ROW_JSON(show_options),
+    {OPTION_FLAG, 0, "--parameters", NULL, offsetof(show_options, parameters),
+     "the numbers that the case gives instead, with their paths and in their units as for --set"},
     {OPTION_ALONE, 0, "--laws", NULL, offsetof(show_options, laws),
      "the laws of contact, damping and friction instead"},
     {OPTION_ALONE, 0, "--keys", NULL, offsetof(show_options, keys), "every key of a case file, as Markdown, instead"},
@@ -259,7 +310,7 @@ static const option_row rows[] = {
 
 const command show_command = {
     .name = "show",
-    .synopsis = "CASE.yaml [--set PATH=VALUE]... [--json] | --laws | --keys",
+    .synopsis = "CASE.yaml [--set PATH=VALUE]... [--json] [--parameters] | --laws | --keys",
     .summary = "print a case with its derived geometry",
     .text =
         "Prints the case with every default filled in and the geometry that follows from it. Nothing is integrated. Of "
@@ -270,6 +321,7 @@ const command show_command = {
         "Examples:\n"
         "  evolvent show examples/paper.yaml\n"
         "  evolvent show examples/paper.yaml --set wheels.gear.teeth=40 --json\n"
+        "  evolvent show examples/paper.yaml --parameters\n"
         "  evolvent show --laws\n",
     .file = "case file",
     .size = sizeof(show_options),

@@ -11,9 +11,9 @@ static const double MICROMETRES_PER_METRE = 1e6;
 static const double DEGREES_PER_RADIAN = 57.295779513082320877;
 
 /** The pitch errors of a wheel; NULL if it has none. The caller frees them. */
-static double *pitch_errors_of(const description *description, const model *model, int wheel)
+static double *pitch_errors_of(const model *model, int wheel)
 {
-    double *errors = xcalloc((size_t)description->wheels[wheel].teeth, sizeof *errors);
+    double *errors = xcalloc((size_t)model_teeth(model, wheel), sizeof *errors);
     if (!model_pitch_errors(model, wheel, errors)) {
         free(errors);
         errors = NULL;
@@ -38,15 +38,15 @@ void show_deviations(FILE *stream, const description *description, const model *
         if (n == 0) {
             continue;
         }
-        fprintf(stream, "\nDeviations of the flanks of wheel %s\n", description->wheels[i].name);
+        fprintf(stream, "\nDeviations of the flanks of wheel %s\n", description->wheels[i]);
         for (int k = 0; k < n; k++) {
             const double factor = rows[k].is_angle ? DEGREES_PER_RADIAN : MILLIMETRES_PER_METRE;
             fprintf(stream, "  %-43s %-5s %16.10g %s\n", rows[k].long_name, rows[k].symbol, rows[k].value[0] * factor,
                     rows[k].is_angle ? "deg" : "mm");
         }
-        double *errors = pitch_errors_of(description, model, i);
+        double *errors = pitch_errors_of(model, i);
         if (errors != NULL) {
-            print_errors(stream, description->wheels[i].teeth, errors);
+            print_errors(stream, model_teeth(model, i), errors);
         }
         free(errors);
     }
@@ -61,13 +61,13 @@ void write_deviations(json_writer *writer, const description *description, const
         if (n == 0) {
             continue;
         }
-        json_open(writer, description->wheels[i].name, '{');
+        json_open(writer, description->wheels[i], '{');
         for (int k = 0; k < n; k++) {
             json_number(writer, rows[k].name, rows[k].value[0]);
         }
-        double *errors = pitch_errors_of(description, model, i);
+        double *errors = pitch_errors_of(model, i);
         if (errors != NULL) {
-            json_numbers(writer, "pitch_errors", description->wheels[i].teeth, errors);
+            json_numbers(writer, "pitch_errors", model_teeth(model, i), errors);
         }
         free(errors);
         json_close(writer, '}');

@@ -75,12 +75,12 @@ void show_gears(FILE *stream, const description *description, const model *model
     const int n_wheels = description->n_wheels, n_meshes = description->n_meshes;
     column *columns = xcalloc((size_t)(n_wheels > n_meshes ? n_wheels : n_meshes), sizeof *columns);
     for (int i = 0; i < n_wheels; i++) {
-        columns[i].name = description->wheels[i].name;
+        columns[i].name = description->wheels[i];
         columns[i].n = model_gear(model, i, columns[i].rows);
     }
     print_table(stream, "Gears (ISO 21771)", n_wheels, columns);
     for (int i = 0; i < n_meshes; i++) {
-        columns[i].name = description->meshes[i].name;
+        columns[i].name = description->meshes[i];
         columns[i].n = model_gear_mesh(model, i, columns[i].rows);
     }
     print_table(stream, "Gears in mesh (ISO 21771); 1 is the driving one", n_meshes, columns);

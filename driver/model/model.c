@@ -5,67 +5,28 @@
 #include <stdlib.h>
 #include <string.h>
 
-/** The kernel's names of fields that have another place in a case file. */
-static const char *case_field(const char *field)
-{
-    static const struct {
-        const char *kernel, *in_case;
-    } names[] = {
-        {"paper_rule", "pressure_angle"},
-        {"youngs_modulus", "material"},
-        {"poisson_ratio", "material"},
-        {"density", "material"},
-    };
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        if (strcmp(field, names[i].kernel) == 0) {
-            return names[i].in_case;
-        }
-    }
-    return field;
-}
-
 static void explain(const model *model, const evl_status *status, model_message *error)
 {
-    *error = (model_message){.subject = MODEL_ABOUT_NOTHING, .index = -1, .load = -1};
-    (void)snprintf(error->field, sizeof error->field, "%s", case_field(status->field));
-    (void)snprintf(error->message, sizeof error->message, "%s", status->message);
-    const bool has_index = status->index >= 0;
-    switch (status->subject) {
-    case EVL_SUBJECT_WHEEL:
-        error->subject = MODEL_ABOUT_WHEEL;
-        error->index = status->index;
-        break;
-    case EVL_SUBJECT_MESH:
-        error->subject = MODEL_ABOUT_MESH;
-        error->index = status->index;
-        break;
-    case EVL_SUBJECT_LOAD:
-        error->subject = MODEL_ABOUT_LOAD;
-        error->index = has_index ? model->wheel_of_load[status->index] : -1;
-        error->load = has_index ? model->load_of_load[status->index] : -1;
-        break;
-    case EVL_SUBJECT_INITIAL:
-        error->subject = MODEL_ABOUT_INITIAL;
-        error->index = status->index;
-        break;
-    case EVL_SUBJECT_HOUSING:
-        error->subject = MODEL_ABOUT_HOUSING;
-        break;
-    case EVL_SUBJECT_SHAFT:
-        error->subject = MODEL_ABOUT_SHAFT;
-        error->index = status->index;
-        break;
-    default:
-        break;
+    error->field[0] = '\0';
+    if (model->description != NULL) {
+        evl_description_path(model->description, status, error->field);
     }
+    (void)snprintf(error->message, sizeof error->message, "%s", status->message);
 }
 
 model *model_create(const description *description, model_message *error)
 {
+    static const int kinds[] = {
+        [INITIAL_REST] = EVL_INITIAL_REST,
+        [INITIAL_STEADY] = EVL_INITIAL_STEADY,
+        [INITIAL_SPEEDS] = EVL_INITIAL_SPEEDS,
+    };
     evl_status status = {.index = -1};
     model *model = xcalloc(1, sizeof *model);
-    model->initial = model_translate_initial(description);
-    model->gearbox = model_create_gearbox(model, description, &status);
+    const initial_description *initial = &description->simulation.initial;
+    model->initial = (evl_initial){.kind = kinds[initial->kind], .speeds = initial->speeds, .gaps = initial->gaps};
+    model->description = evl_description_create(description->n_entries, description->entries, &status);
+    model->gearbox = model->description == NULL ? NULL : evl_gearbox_create(model->description, &status);
     if (model->gearbox == NULL) {
         explain(model, &status, error);
         model_delete(&model);
@@ -74,11 +35,19 @@ model *model_create(const description *description, model_message *error)
     evl_gearbox_sizes(model->gearbox, &model->sizes);
     model->mesh_names = xcalloc((size_t)description->n_meshes, sizeof *model->mesh_names);
     for (int i = 0; i < description->n_meshes; i++) {
-        model->mesh_names[i] = xstrdup(description->meshes[i].name);
+        model->mesh_names[i] = xstrdup(description->meshes[i]);
     }
     model_describe_dae(model);
     model_describe_outputs(model);
     return model;
+}
+
+int model_teeth(const model *model, int wheel)
+{
+    static const double turn = 6.283185307179586477;
+    evl_wheel_geometry geometry;
+    evl_gearbox_wheel_geometry(model->gearbox, wheel, &geometry);
+    return geometry.angular_pitch > 0 ? (int)(turn / geometry.angular_pitch + 0.5) : 0;
 }
 
 int model_support_directions(const model *model, int wheel, double directions[2][2])
@@ -86,14 +55,11 @@ int model_support_directions(const model *model, int wheel, double directions[2]
     return evl_gearbox_support_directions(model->gearbox, wheel, directions[0]);
 }
 
-law_choice model_damping(const model *model, int mesh)
+void model_damping(const model *model, int mesh, double parameters[MODEL_MOST_PARAMETERS])
 {
     evl_law_choice law;
-    law_choice choice;
     evl_gearbox_damping(model->gearbox, mesh, &law);
-    choice.law = law.law;
-    memcpy(choice.parameters, law.parameters, sizeof choice.parameters);
-    return choice;
+    memcpy(parameters, law.parameters, sizeof law.parameters);
 }
 
 void model_delete(model **pointer)
@@ -104,17 +70,14 @@ void model_delete(model **pointer)
         return;
     }
     evl_gearbox_delete(&model->gearbox);
+    evl_description_delete(&model->description);
     free((void *)model->dae.scale);
     free((void *)model->dae.row_scale);
     free((void *)model->dae.differential);
-    free((void *)model->initial.speeds);
-    free((void *)model->initial.gaps);
     for (int i = 0; model->mesh_names != NULL && i < model->sizes.n_meshes; i++) {
         free(model->mesh_names[i]);
     }
     free(model->mesh_names);
-    free(model->wheel_of_load);
-    free(model->load_of_load);
     free(model->outputs);
     free(model);
 }
@@ -143,8 +106,8 @@ dae_state model_create_state(const model *model)
 void model_explain_start(const model *model, const evl_status *status, model_message *error)
 {
     explain(model, status, error);
-    if (error->subject == MODEL_ABOUT_NOTHING) {
-        error->subject = MODEL_ABOUT_INITIAL;
+    if (error->field[0] == '\0') {
+        (void)snprintf(error->field, sizeof error->field, "%s", MODEL_START);
     }
 }
 

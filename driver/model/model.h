@@ -2,6 +2,7 @@
 #ifndef EVOLVENT_MODEL_H
 #define EVOLVENT_MODEL_H
 
+#include "case/case_schema.h"
 #include "case/description.h"
 #include "integrate/dae.h"
 
@@ -28,27 +29,21 @@ typedef struct {
 
 /** Why a description was refused, or what it is warned of; with what it is about, so that the case file can be shown at the place. */
 typedef struct {
-    enum {
-        MODEL_ABOUT_NOTHING,
-        MODEL_ABOUT_WHEEL,
-        MODEL_ABOUT_MESH,
-        MODEL_ABOUT_LOAD,
-        MODEL_ABOUT_INITIAL,
-        MODEL_ABOUT_HOUSING,
-        MODEL_ABOUT_SHAFT
-    } subject;
-    int index;      /**< wheel, mesh, shaft, or wheel of the load; -1 if none */
-    int load;       /**< which load of that wheel, -1 if none */
-    char field[48]; /**< key in the case file's block, "" if the whole block */
+    char field[192]; /**< path in the case, "" if it is about nothing in particular */
     char message[DAE_MESSAGE_LENGTH];
 } model_message;
 
+/** What a start is about that is about nothing in particular. */
+#define MODEL_START "simulation.initial"
+
 typedef struct model model;
 
-/** The laws and loads that the kernel offers; lives as long as the program. */
-const law_tables *model_laws(void);
+/** What a case may say; lives as long as the program. */
+const case_schema *model_schema(void);
+/** The laws of a block: contact, damping or friction; the caller frees the array. */
+evl_kind *model_kinds(const char *block, int *n);
 
-/** Make the gearbox. @return NULL with the reason in `error`. */
+/** Make the gearbox. The description has to outlive it. @return NULL with the reason in `error`. */
 model *model_create(const description *description, model_message *error);
 void model_delete(model **model);
 
@@ -108,8 +103,12 @@ typedef struct {
 } mesh_vibration;
 mesh_vibration model_mesh_vibration(const model *model, int mesh);
 
-/** The damping law of a mesh, with what the case left open filled in. */
-law_choice model_damping(const model *model, int mesh);
+/** The parameters of the damping law of a mesh, with what the case left open filled in. */
+enum { MODEL_MOST_PARAMETERS = 8 };
+void model_damping(const model *model, int mesh, double parameters[MODEL_MOST_PARAMETERS]);
+
+/** Number of teeth of a wheel; 0 of a disc. */
+int model_teeth(const model *model, int wheel);
 
 /** Directions in which the support of a wheel lets its axle move, unit vectors. @return how many */
 int model_support_directions(const model *model, int wheel, double directions[2][2]);
@@ -134,6 +133,15 @@ int model_gear_mesh(const model *model, int mesh, model_quantity rows[MODEL_MOST
 int model_deviation(const model *model, int wheel, model_quantity rows[MODEL_MOST_ROWS]);
 /** Cumulative position deviations of its teeth [teeth] [m]. @return whether it has pitch errors */
 bool model_pitch_errors(const model *model, int wheel, double *errors);
+
+/** One of the numbers, or lists of them, that the case gives. */
+typedef struct {
+    char path[192], unit[32]; /**< as in --set */
+    int n;
+    double *numbers; /**< [n], to be freed by the caller */
+} model_parameter;
+/** Parameter `index`, from 0. @return whether there is one */
+bool model_parameter_at(const model *model, int index, model_parameter *parameter);
 
 /** The compiler that built the kernel. */
 const char *model_compiler(void);

@@ -7,23 +7,15 @@
 #include <evolvent/kernel.h>
 
 struct model {
+    evl_description *description;
     evl_gearbox *gearbox;
     dae dae;
     evl_sizes sizes;
-    evl_initial initial;               /**< its arrays are owned */
-    int *wheel_of_load, *load_of_load; /**< [n_loads] where a load of the kernel's list stands in the description */
-    model_output *outputs;             /**< [n_outputs] */
-    char **mesh_names;                 /**< [n_meshes] for messages during a run */
+    evl_initial initial;   /**< its arrays are those of the case's description */
+    model_output *outputs; /**< [n_outputs] */
+    char **mesh_names;     /**< [n_meshes] for messages during a run */
 };
 
-/** The gearbox of a description; fills model->wheel_of_load and load_of_load. @return NULL with the reason in `status` */
-evl_gearbox *model_create_gearbox(model *model, const description *description, evl_status *status);
-/** How the description starts; its arrays are new. */
-evl_initial model_translate_initial(const description *description);
-/** The terms of a prescribed motion for the kernel; the caller frees the array, whose tables are the description's. */
-evl_motion_term *model_translate_motion(const housing_description *housing);
-/** The housing for the kernel; `terms` as from model_translate_motion. */
-evl_housing model_translate_housing(const description *description, const evl_motion_term *terms);
 /** What the kernel says at run time, with the name of the mesh that it is about; a dae_code. */
 int model_answer(const model *model, int code, const evl_status *status, char message[DAE_MESSAGE_LENGTH]);
 /** Fill model->dae; its arrays are owned by the model. */

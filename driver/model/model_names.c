@@ -13,13 +13,13 @@ model_names model_names_copy(const model *model, const description *description)
     char **shafts = xcalloc((size_t)description->n_shafts, sizeof *shafts);
     char **pairs = xcalloc((size_t)n_pairs, sizeof *pairs);
     for (int i = 0; i < description->n_wheels; i++) {
-        wheels[i] = xstrdup(description->wheels[i].name);
+        wheels[i] = xstrdup(description->wheels[i]);
     }
     for (int i = 0; i < description->n_meshes; i++) {
-        meshes[i] = xstrdup(description->meshes[i].name);
+        meshes[i] = xstrdup(description->meshes[i]);
     }
     for (int i = 0; i < description->n_shafts; i++) {
-        shafts[i] = xstrdup(description->shafts[i].name);
+        shafts[i] = xstrdup(description->shafts[i]);
     }
     for (int i = 0; i < n_pairs; i++) {
         pairs[i] = i < n_drive ? xasprintf("drive_%d", i) : xasprintf("coast_%d", i - n_drive);

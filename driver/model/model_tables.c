@@ -13,62 +13,9 @@ static void copy_text(char *to, size_t size, const char *from)
     to[length] = '\0';
 }
 
-static void translate_parameters(int n, const evl_parameter *from, kind_info *kind)
-{
-    static const parameter_shape shapes[] = {[EVL_SHAPE_NUMBER] = SHAPE_NUMBER,
-                                             [EVL_SHAPE_KNOTS] = SHAPE_KNOTS,
-                                             [EVL_SHAPE_AT_KNOTS] = SHAPE_AT_KNOTS,
-                                             [EVL_SHAPE_PAIR] = SHAPE_PAIR};
-    kind->n_parameters = n;
-    for (int i = 0; i < n; i++) {
-        parameter_row *to = &kind->parameters[i];
-        *to = (parameter_row){.shape = shapes[from[i].shape],
-                              .required = from[i].required,
-                              .default_value = from[i].default_value,
-                              .minimum = from[i].minimum,
-                              .maximum = from[i].maximum,
-                              .minimum_open = from[i].minimum_open,
-                              .maximum_open = from[i].maximum_open};
-        copy_text(to->name, sizeof to->name, from[i].name);
-        copy_text(to->units, sizeof to->units, from[i].units);
-        copy_text(to->text, sizeof to->text, from[i].description);
-    }
-}
-
-static kind_info *translate_laws(int family, int n)
-{
-    kind_info *laws = xcalloc((size_t)n, sizeof *laws);
-    for (int i = 0; i < n; i++) {
-        evl_law_info from;
-        if (evl_law_describe(family, i, &from) != EVL_OK) {
-            continue;
-        }
-        copy_text(laws[i].name, sizeof laws[i].name, from.name);
-        copy_text(laws[i].text, sizeof laws[i].text, from.description);
-        copy_text(laws[i].source, sizeof laws[i].source, from.source);
-        translate_parameters(from.n_parameters, from.parameters, &laws[i]);
-    }
-    return laws;
-}
-
-static kind_info *translate_kinds(int n, int (*describe)(int, evl_kind_info *))
-{
-    kind_info *kinds = xcalloc((size_t)n, sizeof *kinds);
-    for (int i = 0; i < n; i++) {
-        evl_kind_info from;
-        if (describe(i, &from) != EVL_OK) {
-            continue;
-        }
-        copy_text(kinds[i].name, sizeof kinds[i].name, from.name);
-        copy_text(kinds[i].text, sizeof kinds[i].text, from.description);
-        translate_parameters(from.n_parameters, from.parameters, &kinds[i]);
-    }
-    return kinds;
-}
-
 /* What is the same for all models is copied from the kernel once, whichever thread asks first. */
 static pthread_once_t once = PTHREAD_ONCE_INIT;
-static law_tables tables;
+static case_schema schema;
 static char (*event_names)[EVL_NAME_LENGTH]; /**< [evl_event_count()] */
 static evl_output *output_texts;             /**< [evl_output_count()] */
 static model_output *outputs;                /**< [evl_output_count()] without places */
@@ -156,19 +103,14 @@ static void sort_outputs(void)
 
 static void copy_tables(void)
 {
-    static const int families[LAWS_FAMILIES] = {
-        [LAWS_CONTACT] = EVL_LAWS_CONTACT,
-        [LAWS_DAMPING] = EVL_LAWS_DAMPING,
-        [LAWS_FRICTION] = EVL_LAWS_FRICTION,
-    };
-    for (int i = 0; i < LAWS_FAMILIES; i++) {
-        tables.count[i] = evl_law_count(families[i]);
-        tables.laws[i] = translate_laws(families[i], tables.count[i]);
+    enum { ROOM = 256 };
+    evl_row *rows = xcalloc(ROOM, sizeof *rows);
+    schema.n = evl_rows(ROOM, rows);
+    if (schema.n > ROOM) {
+        rows = xrealloc(rows, (size_t)schema.n, sizeof *rows);
+        (void)evl_rows(schema.n, rows);
     }
-    tables.n_loads = evl_load_kind_count();
-    tables.loads = translate_kinds(tables.n_loads, evl_load_kind_describe);
-    tables.n_supports = evl_support_kind_count();
-    tables.supports = translate_kinds(tables.n_supports, evl_support_kind_describe);
+    schema.rows = rows;
     event_names = xcalloc((size_t)evl_event_count(), sizeof *event_names);
     for (int kind = 0; kind < evl_event_count(); kind++) {
         char text[EVL_TEXT_LENGTH];
@@ -179,10 +121,32 @@ static void copy_tables(void)
     sort_outputs();
 }
 
-const law_tables *model_laws(void)
+const case_schema *model_schema(void)
 {
     (void)pthread_once(&once, copy_tables);
-    return &tables;
+    return &schema;
+}
+
+evl_kind *model_kinds(const char *block, int *n)
+{
+    *n = evl_kinds(block, 0, NULL);
+    evl_kind *kinds = xcalloc((size_t)*n, sizeof *kinds);
+    (void)evl_kinds(block, *n, kinds);
+    return kinds;
+}
+
+bool model_parameter_at(const model *model, int index, model_parameter *parameter)
+{
+    evl_parameter from;
+    if (!evl_description_parameter(model->description, index, &from)) {
+        return false;
+    }
+    copy_text(parameter->path, sizeof parameter->path, from.path);
+    copy_text(parameter->unit, sizeof parameter->unit, from.unit);
+    parameter->n = from.n;
+    parameter->numbers = xcalloc((size_t)from.n, sizeof *parameter->numbers);
+    evl_description_numbers(model->description, index, parameter->numbers);
+    return true;
 }
 
 void model_describe_outputs(model *model)

@@ -5,25 +5,16 @@
 
 #include <stdlib.h>
 
-static const case_subject subjects[] = {
-    [MODEL_ABOUT_NOTHING] = CASE_ABOUT_NOTHING, [MODEL_ABOUT_WHEEL] = CASE_ABOUT_WHEEL,
-    [MODEL_ABOUT_MESH] = CASE_ABOUT_MESH,       [MODEL_ABOUT_LOAD] = CASE_ABOUT_LOAD,
-    [MODEL_ABOUT_INITIAL] = CASE_ABOUT_INITIAL, [MODEL_ABOUT_HOUSING] = CASE_ABOUT_HOUSING,
-    [MODEL_ABOUT_SHAFT] = CASE_ABOUT_SHAFT,
-};
-
 void prepare_refuse(const prepared_case *prepared, const model_message *refusal, evl_error *error)
 {
-    case_refuse(prepared->file, subjects[refusal->subject], refusal->index, refusal->load, refusal->field,
-                refusal->message, error);
+    case_refuse(prepared->file, refusal->field, refusal->message, error);
 }
 
 char *prepare_warning(const prepared_case *prepared, int index)
 {
     model_message warning;
     model_warning(prepared->model, index, &warning);
-    return case_message(prepared->file, subjects[warning.subject], warning.index, warning.load, warning.field,
-                        warning.message);
+    return case_message(warning.field, warning.message);
 }
 
 char *prepare_warnings(const prepared_case *prepared, const char *separator)
@@ -60,8 +51,9 @@ static bool settle_integrator(const prepared_case *prepared, model_message *refu
 static void settle_damping(const prepared_case *prepared)
 {
     for (int i = 0; i < case_description(prepared->file)->n_meshes; i++) {
-        const law_choice settled = model_damping(prepared->model, i);
-        case_settle_damping(prepared->file, i, model_laws(), &settled);
+        double parameters[MODEL_MOST_PARAMETERS];
+        model_damping(prepared->model, i, parameters);
+        case_settle_damping(prepared->file, i, model_schema(), parameters);
     }
 }
 
@@ -81,7 +73,7 @@ static bool make_model(prepared_case *prepared, evl_error *error)
 
 bool prepare_case(prepared_case *prepared, const char *path, int n_set, const char *const *set, evl_error *error)
 {
-    *prepared = (prepared_case){.file = case_read(path, n_set, set, model_laws(), error)};
+    *prepared = (prepared_case){.file = case_read(path, n_set, set, model_schema(), error)};
     const bool good = prepared->file != NULL && make_model(prepared, error);
     if (!good) {
         prepared_case_free(prepared);
@@ -92,7 +84,7 @@ bool prepare_case(prepared_case *prepared, const char *path, int n_set, const ch
 bool prepare_to_show(prepared_case *prepared, const char *path, int n_set, const char *const *set, evl_error *error)
 {
     dae_state state = {0};
-    *prepared = (prepared_case){.file = case_read(path, n_set, set, model_laws(), error)};
+    *prepared = (prepared_case){.file = case_read(path, n_set, set, model_schema(), error)};
     const bool good = prepared->file != NULL && make_model(prepared, error) && prepare_start(prepared, &state, error);
     dae_state_free(&state);
     return good;

@@ -95,13 +95,8 @@ static void give_last(simulation *s, const dae_state *state)
 /** Only a run that came to its end tells whether contact was lost for good. */
 static void remark_contact(const simulation *s, simulate_result *result)
 {
-    const description *description = case_description(s->prepared->file);
-    const char **names = xcalloc((size_t)description->n_meshes, sizeof *names);
-    for (int i = 0; i < description->n_meshes; i++) {
-        names[i] = description->meshes[i].name;
-    }
-    (void)contact_watch_lost(&s->contact, s->t_given, names, result->remark, sizeof result->remark);
-    free(names);
+    (void)contact_watch_lost(&s->contact, s->t_given, case_description(s->prepared->file)->meshes, result->remark,
+                             sizeof result->remark);
 }
 
 /** A vibration that feeds itself begins with what the tolerance leaves of it: the user has to know. */

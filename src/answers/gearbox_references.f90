@@ -5,8 +5,8 @@ module evl_gearbox_references
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_scaling, only: gearbox_likely_speed, mesh_load
    use evl_kinds, only: wp
-   use evl_law_info, only: law_name_length
    use evl_mesh_reference, only: reference_damping, reference_of
+   use evl_row, only: short_length
    use evl_status, only: code_invalid_input, fail, has_failed, message_length, quantity, status_t, subject_mesh, warn
    use evl_tooth_contact, only: tooth_contact_t
    implicit none (type, external)
@@ -78,8 +78,8 @@ contains
 
       subroutine refuse(reason)
          character(len=*), intent(in) :: reason
-         character(len=law_name_length) :: field
-         character(len=len("damping.") + law_name_length) :: place
+         character(len=short_length) :: field
+         character(len=len("damping.") + short_length) :: place
          character(len=message_length) :: message
 
          call gearbox%contacts(gearbox%first(m))%damping%refuse_mesh(reason, field, message)

@@ -4,9 +4,7 @@
 module evl_capi
    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_char, c_null_ptr, c_ptr
    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
-   use evl_capi_description, only: c_housing, c_initial, c_load, c_mesh, c_shaft, c_wheel, housing_from_c, initial_from_c, &
-                                   load_from_c, mesh_from_c, shaft_from_c, support_from_c, wheel_from_c
-   use evl_capi_deviation, only: deviation_from_c
+   use evl_capi_description, only: c_initial, initial_from_c
    use evl_capi_types, only: c_name_length, c_status, c_text_length, status_to_c, to_c
    use evl_dae_jacobian, only: gearbox_jacobian
    use evl_dae_residual, only: gearbox_derivative, gearbox_residual
@@ -14,14 +12,12 @@ module evl_capi
    use evl_event_log, only: describe_event, event_log, n_event_kinds
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_build, only: gearbox_create
-   use evl_gearbox_description, only: wheel_input
    use evl_gearbox_events, only: gearbox_apply_event, gearbox_event_room, gearbox_next_time_event, gearbox_root_directions, &
                                  gearbox_roots
    use evl_gearbox_initial, only: gearbox_initial_speeds, gearbox_start
    use evl_gearbox_scaling, only: gearbox_state_scales
-   use evl_housing_description, only: housing_input
+   use evl_given, only: description_t
    use evl_kinds, only: pi
-   use evl_load, only: load_input
    use evl_state_names, only: gearbox_state_name
    use evl_status, only: code_no_memory, code_ok, fail, has_failed, status_t
    implicit none (type, external)
@@ -81,21 +77,13 @@ contains
       code = status%code
    end function answer
 
-   type(c_ptr) function evl_gearbox_create(n_wheels, wheels, n_loads, loads, n_meshes, meshes, n_shafts, shafts, housing, &
-                                           status) result(handle) bind(c)
-      integer(c_int), intent(in), value :: n_wheels, n_loads, n_meshes, n_shafts
-      type(c_wheel), intent(in) :: wheels(n_wheels)
-      type(c_load), intent(in) :: loads(n_loads)
-      type(c_mesh), intent(in) :: meshes(n_meshes)
-      type(c_shaft), intent(in) :: shafts(n_shafts)
-      type(c_housing), intent(in), optional :: housing
+   type(c_ptr) function evl_gearbox_create(description, status) result(handle) bind(c)
+      type(c_ptr), intent(in), value :: description
       type(c_status), intent(out), optional :: status
+      type(description_t), pointer :: d
       type(gearbox_t), pointer :: gearbox
-      type(housing_input) :: kernel_housing
-      type(load_input), allocatable :: kernel_loads(:)
-      type(wheel_input), allocatable :: kernel_wheels(:)
       type(status_t) :: s
-      integer :: i, stat
+      integer :: stat
 
       handle = c_null_ptr
       allocate (gearbox, stat=stat)
@@ -104,21 +92,8 @@ contains
          if (present(status)) call status_to_c(s, status)
          return
       end if
-      allocate (kernel_loads(n_loads), kernel_wheels(n_wheels))
-      do i = 1, n_wheels
-         kernel_wheels(i) = wheel_from_c(wheels(i))
-         call support_from_c(wheels(i)%support, i, kernel_wheels(i)%support, s)
-         if (has_failed(s)) exit
-         call deviation_from_c(wheels(i)%deviation, i, kernel_wheels(i)%deviation, s)
-         if (has_failed(s)) exit
-      end do
-      do i = 1, n_loads
-         if (has_failed(s)) exit
-         call load_from_c(loads(i), i, kernel_loads(i), s)
-      end do
-      if (present(housing) .and. .not. has_failed(s)) call housing_from_c(housing, kernel_housing, s)
-      if (.not. has_failed(s)) &
-         call gearbox_create(kernel_wheels, kernel_loads, mesh_from_c(meshes), shaft_from_c(shafts), kernel_housing, gearbox, s)
+      call c_f_pointer(description, d)
+      call gearbox_create(d, gearbox, s)
       if (has_failed(s)) then
          deallocate (gearbox)
       else

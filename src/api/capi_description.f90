@@ -1,107 +1,51 @@
-!> The description of a gearbox as C gives it, and its passage to the kernel. Indices count from 0 in C, from 1 here.
+!> C interface of descriptions: the table of rows, and a case as entries of it. Indices count from 0 in C, from 1 here.
 module evl_capi_description
-   use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_double, c_f_pointer, c_int, c_ptr
-   use evl_capi_deviation, only: c_flank_deviation
-   use evl_capi_types, only: c_law_choice, c_max_parameters, choice_from_c
-   use evl_gear, only: gear_input
-   use evl_gearbox_description, only: mesh_input, shaft_input, wheel_input
+   use, intrinsic :: ieee_arithmetic, only: ieee_negative_inf, ieee_positive_inf, ieee_value
+   use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_char, &
+                                          c_null_ptr, c_ptr
+   use evl_capi_types, only: c_status, status_from_c, status_to_c, to_c
+   use evl_case_table, only: case_table, kinds_of
+   use evl_description_check, only: check_description, entry_path, path_length, place_of_status
    use evl_gearbox_initial, only: initial_t
-   use evl_housing_description, only: housing_input
-   use evl_housing_motion, only: motion_term
-   use evl_load, only: load_input
-   use evl_status, only: code_invalid_input, fail, status_t, subject_housing, subject_load, subject_wheel
-   use evl_support, only: support_input
+   use evl_given, only: description_t, entry_t, given_t
+   use evl_row, only: kind_t, row_t, short_length, text_length
+   use evl_status, only: has_failed, status_t
    implicit none (type, external)
    private
 
-   public :: c_gear, c_wheel, c_load, c_mesh, c_shaft, c_initial, c_housing
-   public :: gear_from_c, wheel_from_c, support_from_c, load_from_c, mesh_from_c, shaft_from_c, initial_from_c, housing_from_c
+   public :: c_initial, first_wheel, initial_from_c
+   public :: evl_description_create, evl_description_delete, evl_description_numbers, evl_description_parameter
+   public :: evl_description_path, evl_description_set, evl_kinds, evl_rows
 
-   !> evl_gear
-   type, bind(c) :: c_gear
-      real(c_double) :: normal_module, pressure_angle, profile_shift, rack_addendum, rack_dedendum, rack_root_radius
-      logical(c_bool) :: has_tip_diameter
-      real(c_double) :: tip_diameter
-      logical(c_bool) :: has_tip_alteration
-      real(c_double) :: tip_alteration, thickness_allowance, bore
-   end type c_gear
+   !> evl_row
+   type, bind(c) :: c_row
+      character(kind=c_char), dimension(short_length + 1) :: block, key
+      integer(c_int) :: type
+      character(kind=c_char) :: unit(short_length + 1), text(text_length + 1)
+      real(c_double) :: minimum, maximum
+      logical(c_bool) :: minimum_open, maximum_open, required
+      character(kind=c_char) :: default(2*short_length + 2), words(text_length + 1), holds(short_length + 1), &
+                                variants(text_length + 1)
+   end type c_row
 
-   !> evl_support
-   type, bind(c) :: c_support
-      integer(c_int) :: kind
-      integer(c_int) :: counts(c_max_parameters)
-      type(c_ptr) :: numbers
-   end type c_support
+   !> evl_kind
+   type, bind(c) :: c_kind
+      character(kind=c_char) :: name(short_length + 1), text(text_length + 1), source(text_length + 1)
+   end type c_kind
 
-   !> evl_wheel
-   type, bind(c) :: c_wheel
-      integer(c_int) :: teeth
-      logical(c_bool) :: has_pitch_radius
-      real(c_double) :: pitch_radius, width
-      logical(c_bool) :: has_centre
-      real(c_double) :: centre(2), youngs_modulus, poisson_ratio, density
-      logical(c_bool) :: has_inertia
-      real(c_double) :: inertia
-      logical(c_bool) :: has_mass
-      real(c_double) :: mass
-      type(c_support) :: support
-      logical(c_bool) :: has_transverse_inertia
-      real(c_double) :: transverse_inertia, axial_position
-      logical(c_bool) :: has_gear
-      type(c_gear) :: gear
-      type(c_flank_deviation) :: deviation
-   end type c_wheel
-
-   !> evl_load
-   type, bind(c) :: c_load
-      integer(c_int) :: wheel, kind
-      logical(c_bool) :: against_housing
-      integer(c_int) :: counts(c_max_parameters)
-      type(c_ptr) :: numbers
-   end type c_load
-
-   !> evl_motion_term
-   type, bind(c) :: c_motion_term
-      integer(c_int) :: coordinate, kind
-      real(c_double) :: value, frequency, phase
+   !> evl_entry
+   type, bind(c) :: c_entry
+      integer(c_int) :: row, level
+      type(c_ptr) :: name
       integer(c_int) :: n
-      type(c_ptr) :: time, values
-   end type c_motion_term
+      type(c_ptr) :: numbers
+   end type c_entry
 
-   !> evl_housing
-   type, bind(c) :: c_housing
-      integer(c_int) :: kind
-      real(c_double) :: gravity(3)
-      integer(c_int) :: n_terms
-      type(c_ptr) :: terms
-      real(c_double) :: mass
-      real(c_double), dimension(3) :: centre_of_mass, inertia, products_of_inertia
-      real(c_double), dimension(3) :: mount_point, stiffness, damping, rotational_stiffness, rotational_damping
-      real(c_double), dimension(3) :: force, moment
-      real(c_double) :: position(3), orientation(4), velocity(3), angular_velocity(3)
-   end type c_housing
-
-   !> evl_mesh
-   type, bind(c) :: c_mesh
-      integer(c_int) :: driving, driven, driving_rotation
-      logical(c_bool) :: has_centre_line_angle
-      real(c_double) :: centre_line_angle
-      logical(c_bool) :: paper_rule
-      real(c_double) :: pressure_angle
-      type(c_law_choice) :: contact, damping, friction
-      integer(c_int) :: tracking
-      logical(c_bool) :: has_centre_distance
-      real(c_double) :: centre_distance
-      logical(c_bool) :: has_backlash
-      real(c_double) :: backlash
-   end type c_mesh
-
-   !> evl_shaft
-   type, bind(c) :: c_shaft
-      integer(c_int) :: wheel_a, wheel_b
-      logical(c_bool) :: rigid
-      real(c_double) :: stiffness, damping
-   end type c_shaft
+   !> evl_parameter
+   type, bind(c) :: c_parameter
+      character(kind=c_char) :: path(path_length + 1), unit(short_length + 1)
+      integer(c_int) :: row, n
+   end type c_parameter
 
    !> evl_initial
    type, bind(c) :: c_initial
@@ -112,137 +56,211 @@ module evl_capi_description
 
 contains
 
-   !> All but the support and the deviations, which are not copied by value.
-   elemental type(wheel_input) function wheel_from_c(c) result(wheel)
-      type(c_wheel), intent(in) :: c
-
-      wheel = wheel_input(teeth=c%teeth, has_pitch_radius=logical(c%has_pitch_radius), pitch_radius=c%pitch_radius, &
-                          width=c%width, has_centre=logical(c%has_centre), centre=c%centre, &
-                          youngs_modulus=c%youngs_modulus, poisson_ratio=c%poisson_ratio, density=c%density, &
-                          has_inertia=logical(c%has_inertia), inertia=c%inertia, has_mass=logical(c%has_mass), mass=c%mass, &
-                          has_transverse_inertia=logical(c%has_transverse_inertia), transverse_inertia=c%transverse_inertia, &
-                          axial_position=c%axial_position, has_gear=logical(c%has_gear), gear=gear_from_c(c%gear))
-   end function wheel_from_c
-
-   elemental type(gear_input) function gear_from_c(c) result(gear)
-      type(c_gear), intent(in) :: c
-
-      gear = gear_input(normal_module=c%normal_module, pressure_angle=c%pressure_angle, profile_shift=c%profile_shift, &
-                        rack_addendum=c%rack_addendum, rack_dedendum=c%rack_dedendum, rack_root_radius=c%rack_root_radius, &
-                        has_tip_diameter=logical(c%has_tip_diameter), tip_diameter=c%tip_diameter, &
-                        has_tip_alteration=logical(c%has_tip_alteration), tip_alteration=c%tip_alteration, &
-                        thickness_allowance=c%thickness_allowance, bore=c%bore)
-   end function gear_from_c
-
-   !> A support with a copy of its numbers. Errors: code_invalid_input if they are announced but not there.
-   subroutine support_from_c(c, index, support, status)
-      type(c_support), intent(in) :: c
-      integer, intent(in) :: index !! of the wheel, from 1, for the message
-      type(support_input), intent(out) :: support
-      type(status_t), intent(inout) :: status
-
-      support%kind = c%kind
-      support%counts = max(c%counts, 0)
-      support%numbers = array_from_c(c%numbers, sum(support%counts))
-      if (size(support%numbers) < sum(support%counts)) &
-         call fail(status, code_invalid_input, "the numbers of a support are missing", subject_wheel, index, "support")
-   end subroutine support_from_c
-
-   !> A load with a copy of its numbers. Errors: code_invalid_input if they are announced but not there.
-   subroutine load_from_c(c, index, load, status)
-      type(c_load), intent(in) :: c
-      integer, intent(in) :: index !! of the load, from 1, for the message
-      type(load_input), intent(out) :: load
-      type(status_t), intent(inout) :: status
-
-      load%wheel = c%wheel + 1
-      load%kind = c%kind
-      load%against_housing = logical(c%against_housing)
-      load%counts = max(c%counts, 0)
-      load%numbers = array_from_c(c%numbers, sum(load%counts))
-      if (size(load%numbers) < sum(load%counts)) &
-         call fail(status, code_invalid_input, "the numbers of a load are missing", subject_load, index)
-   end subroutine load_from_c
-
-   elemental type(mesh_input) function mesh_from_c(c) result(mesh)
-      type(c_mesh), intent(in) :: c
-
-      mesh = mesh_input(driving=c%driving + 1, driven=c%driven + 1, driving_rotation=c%driving_rotation, &
-                        has_centre_line_angle=logical(c%has_centre_line_angle), centre_line_angle=c%centre_line_angle, &
-                        paper_rule=logical(c%paper_rule), pressure_angle=c%pressure_angle, &
-                        contact=choice_from_c(c%contact), damping=choice_from_c(c%damping), &
-                        friction=choice_from_c(c%friction), tracking=c%tracking, &
-                        has_centre_distance=logical(c%has_centre_distance), centre_distance=c%centre_distance, &
-                        has_backlash=logical(c%has_backlash), backlash=c%backlash)
-   end function mesh_from_c
-
-   elemental type(shaft_input) function shaft_from_c(c) result(shaft)
-      type(c_shaft), intent(in) :: c
-
-      shaft = shaft_input(wheel_a=c%wheel_a + 1, wheel_b=c%wheel_b + 1, rigid=logical(c%rigid), stiffness=c%stiffness, &
-                          damping=c%damping)
-   end function shaft_from_c
-
-   !> A housing with copies of its tables. Errors: code_invalid_input if terms or tables are announced but not there.
-   subroutine housing_from_c(c, housing, status)
-      type(c_housing), intent(in) :: c
-      type(housing_input), intent(out) :: housing
-      type(status_t), intent(inout) :: status
-      type(c_motion_term), pointer :: terms(:)
+   integer(c_int) function evl_rows(most, rows) result(n) bind(c)
+      integer(c_int), intent(in), value :: most
+      type(c_row), intent(out) :: rows(most)
+      type(row_t), allocatable :: all(:)
       integer :: i
 
-      housing%kind = c%kind
-      housing%gravity = c%gravity
-      housing%mass = c%mass
-      housing%centre_of_mass = c%centre_of_mass
-      housing%inertia = c%inertia
-      housing%products = c%products_of_inertia
-      housing%mount_point = c%mount_point
-      housing%stiffness = c%stiffness
-      housing%damping = c%damping
-      housing%turn_stiffness = c%rotational_stiffness
-      housing%turn_damping = c%rotational_damping
-      housing%force = c%force
-      housing%moment = c%moment
-      housing%position = c%position
-      housing%orientation = c%orientation
-      housing%velocity = c%velocity
-      housing%angular_velocity = c%angular_velocity
-      allocate (housing%terms(max(c%n_terms, 0)))
-      if (c%n_terms < 1) return
-      if (.not. c_associated(c%terms)) then
-         call fail(status, code_invalid_input, "the terms of the housing's motion are missing", subject_housing)
-         return
-      end if
-      call c_f_pointer(c%terms, terms, [c%n_terms])
-      do i = 1, c%n_terms
-         call term_from_c(terms(i), housing%terms(i), status)
+      call case_table(all)
+      n = size(all)
+      do i = 1, min(n, most)
+         associate (from => all(i), to => rows(i))
+            call to_c(from%block, to%block)
+            call to_c(from%key, to%key)
+            to%type = from%type
+            call to_c(from%unit, to%unit)
+            call to_c(from%text, to%text)
+            to%minimum = merge(from%range%minimum, ieee_value(1.0_c_double, ieee_negative_inf), &
+                               from%range%minimum > -huge(1.0_c_double))
+            to%maximum = merge(from%range%maximum, ieee_value(1.0_c_double, ieee_positive_inf), &
+                               from%range%maximum < huge(1.0_c_double))
+            to%minimum_open = logical(from%range%minimum_open, c_bool)
+            to%maximum_open = logical(from%range%maximum_open, c_bool)
+            to%required = logical(from%required, c_bool)
+            call to_c(from%default, to%default)
+            call to_c(from%words, to%words)
+            call to_c(from%holds, to%holds)
+            call to_c(from%variants, to%variants)
+         end associate
       end do
-   end subroutine housing_from_c
+   end function evl_rows
 
-   !> A term of a prescribed motion.
-   subroutine term_from_c(c, term, status)
-      type(c_motion_term), intent(in) :: c
-      type(motion_term), intent(out) :: term
-      type(status_t), intent(inout) :: status
-      real(c_double), pointer :: time(:), values(:)
+   integer(c_int) function evl_kinds(block, most, kinds) result(n) bind(c)
+      character(kind=c_char), intent(in) :: block(*)
+      integer(c_int), intent(in), value :: most
+      type(c_kind), intent(out) :: kinds(most)
+      type(kind_t), allocatable :: all(:)
+      integer :: i
 
-      term%coordinate = c%coordinate + 1
-      term%kind = c%kind
-      term%value = c%value
-      term%frequency = c%frequency
-      term%phase = c%phase
-      if (c%n < 1) then
-         allocate (term%time(0), term%values(0))
-      else if (c_associated(c%time) .and. c_associated(c%values)) then
-         call c_f_pointer(c%time, time, [c%n])
-         call c_f_pointer(c%values, values, [c%n])
-         term%time = time
-         term%values = values
+      call kinds_of(text_from_c(block), all)
+      n = size(all)
+      do i = 1, min(n, most)
+         call to_c(all(i)%name, kinds(i)%name)
+         call to_c(all(i)%text, kinds(i)%text)
+         call to_c(all(i)%source, kinds(i)%source)
+      end do
+   end function evl_kinds
+
+   !> A C string as a word.
+   pure function text_from_c(c) result(text)
+      character(kind=c_char), intent(in) :: c(*)
+      character(len=short_length) :: text
+      integer :: i
+
+      text = ""
+      do i = 1, short_length
+         if (c(i) == c_null_char) exit
+         text(i:i) = c(i)
+      end do
+   end function text_from_c
+
+   type(c_ptr) function evl_description_create(n, entries, status) result(handle) bind(c)
+      integer(c_int), intent(in), value :: n
+      type(c_entry), intent(in) :: entries(n)
+      type(c_status), intent(out), optional :: status
+      type(description_t), pointer :: description
+      type(status_t) :: s
+      integer :: i
+
+      handle = c_null_ptr
+      allocate (description)
+      call case_table(description%rows)
+      allocate (description%entries(n))
+      do i = 1, n
+         call entry_from_c(entries(i), description%entries(i))
+      end do
+      call check_description(description, s)
+      if (has_failed(s)) then
+         deallocate (description)
       else
-         call fail(status, code_invalid_input, "the table of a term of the housing's motion is missing", subject_housing)
+         handle = c_loc(description)
       end if
-   end subroutine term_from_c
+      if (present(status)) call status_to_c(s, status)
+   end function evl_description_create
+
+   !> An entry with copies of its name and numbers.
+   subroutine entry_from_c(c, entry)
+      type(c_entry), intent(in) :: c
+      type(entry_t), intent(out) :: entry
+      character(kind=c_char), pointer :: name(:)
+      integer :: i
+
+      entry%row = c%row + 1
+      entry%level = c%level
+      entry%numbers = array_from_c(c%numbers, c%n)
+      i = 0
+      if (c_associated(c%name)) then
+         call c_f_pointer(c%name, name, [huge(i)])
+         do while (name(i + 1) /= c_null_char)
+            i = i + 1
+         end do
+      end if
+      allocate (character(len=i) :: entry%name)
+      do i = 1, len(entry%name)
+         entry%name(i:i) = name(i)
+      end do
+   end subroutine entry_from_c
+
+   subroutine evl_description_delete(handle) bind(c)
+      type(c_ptr), intent(inout), optional :: handle
+      type(description_t), pointer :: description
+
+      if (.not. present(handle)) return
+      call c_f_pointer(handle, description)
+      if (associated(description)) deallocate (description)
+      handle = c_null_ptr
+   end subroutine evl_description_delete
+
+   !> The entry of a parameter: one that has numbers. 0 if there is none.
+   pure integer function place_of_parameter(description, index) result(i)
+      type(description_t), intent(in) :: description
+      integer, intent(in) :: index !! from 0
+      integer :: n
+
+      n = -1
+      do i = 1, size(description%entries)
+         if (size(description%entries(i)%numbers) > 0) n = n + 1
+         if (n == index) return
+      end do
+      i = 0
+   end function place_of_parameter
+
+   logical(c_bool) function evl_description_parameter(handle, index, parameter) result(is_one) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: index
+      type(c_parameter), intent(out) :: parameter
+      type(description_t), pointer :: d
+      character(len=path_length) :: path
+      integer :: i
+
+      call c_f_pointer(handle, d)
+      i = place_of_parameter(d, index)
+      is_one = logical(i > 0, c_bool)
+      if (i == 0) return
+      call entry_path(d, i, path)
+      call to_c(path, parameter%path)
+      call to_c(d%rows(d%entries(i)%row)%unit, parameter%unit)
+      parameter%row = d%entries(i)%row - 1
+      parameter%n = size(d%entries(i)%numbers)
+   end function evl_description_parameter
+
+   subroutine evl_description_numbers(handle, index, numbers) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: index
+      real(c_double), intent(out) :: numbers(*)
+      type(description_t), pointer :: d
+
+      call c_f_pointer(handle, d)
+      associate (from => d%entries(place_of_parameter(d, index))%numbers)
+         numbers(:size(from)) = from
+      end associate
+   end subroutine evl_description_numbers
+
+   integer(c_int) function evl_description_set(handle, index, numbers, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: index
+      real(c_double), intent(in) :: numbers(*)
+      type(c_status), intent(out), optional :: status
+      type(description_t), pointer :: d
+      type(status_t) :: s
+      real(c_double), allocatable :: before(:)
+
+      call c_f_pointer(handle, d)
+      associate (to => d%entries(place_of_parameter(d, index))%numbers)
+         allocate (before, source=to)
+         to(:) = numbers(:size(to))
+         call check_description(d, s)
+         if (has_failed(s)) to(:) = before
+      end associate
+      if (present(status)) call status_to_c(s, status)
+      code = s%code
+   end function evl_description_set
+
+   subroutine evl_description_path(handle, status, path) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      type(c_status), intent(in) :: status
+      character(kind=c_char), intent(out) :: path(path_length + 1)
+      type(description_t), pointer :: d
+      character(len=path_length) :: text
+
+      call c_f_pointer(handle, d)
+      call place_of_status(d, status_from_c(status), text)
+      call to_c(text, path)
+   end subroutine evl_description_path
+
+   !> The first wheel of a description, for calls about a single one.
+   type(given_t) function first_wheel(handle) result(wheel)
+      type(c_ptr), intent(in) :: handle
+      type(description_t), pointer :: d
+      type(given_t) :: root
+      type(given_t), allocatable :: wheels(:)
+
+      call c_f_pointer(handle, d)
+      call root%all_of(d)
+      call root%elements("wheels", wheels)
+      wheel = wheels(1)
+   end function first_wheel
 
    type(initial_t) function initial_from_c(c, n_wheels, n_meshes) result(initial)
       type(c_initial), intent(in) :: c

@@ -2,14 +2,13 @@
 module evl_capi_types
    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_int, c_null_char
    use evl_force_law, only: law_choice
-   use evl_parameter, only: parameter_t
    use evl_status, only: status_t
    implicit none (type, external)
    private
 
-   public :: c_law_choice, c_kind_info, c_law_info, c_parameter, c_status
+   public :: c_law_choice, c_status
    public :: c_field_length, c_max_parameters, c_message_length, c_name_length, c_text_length
-   public :: choice_from_c, parameter_to_c, status_to_c, to_c
+   public :: choice_from_c, status_from_c, status_to_c, to_c
 
    integer, parameter :: c_max_parameters = 8 !! EVL_MAX_PARAMETERS
    integer, parameter :: c_name_length = 32       !! EVL_NAME_LENGTH
@@ -30,28 +29,6 @@ module evl_capi_types
       real(c_double) :: parameters(c_max_parameters)
    end type c_law_choice
 
-   !> evl_parameter
-   type, bind(c) :: c_parameter
-      character(kind=c_char) :: name(c_name_length), units(c_name_length), description(c_text_length)
-      integer(c_int) :: shape
-      logical(c_bool) :: required
-      real(c_double) :: default_value, minimum, maximum
-      logical(c_bool) :: minimum_open, maximum_open
-   end type c_parameter
-
-   !> evl_law_info
-   type, bind(c) :: c_law_info
-      character(kind=c_char) :: name(c_name_length), description(c_text_length), source(c_text_length)
-      integer(c_int) :: n_parameters
-      type(c_parameter) :: parameters(c_max_parameters)
-   end type c_law_info
-
-   !> evl_kind_info
-   type, bind(c) :: c_kind_info
-      character(kind=c_char) :: name(c_name_length), description(c_text_length)
-      integer(c_int) :: n_parameters
-      type(c_parameter) :: parameters(c_max_parameters)
-   end type c_kind_info
 
 contains
 
@@ -80,22 +57,17 @@ contains
       call to_c(status%message, c%message)
    end subroutine status_to_c
 
-   !> A parameter's row for C.
-   pure subroutine parameter_to_c(parameter, c)
-      type(parameter_t), intent(in) :: parameter !! of the kernel
-      type(c_parameter), intent(out) :: c        !! the same
+   !> The same the other way.
+   pure type(status_t) function status_from_c(c) result(status)
+      type(c_status), intent(in) :: c
+      integer :: i
 
-      call to_c(parameter%name, c%name)
-      call to_c(parameter%units, c%units)
-      call to_c(parameter%description, c%description)
-      c%shape = parameter%shape
-      c%required = logical(parameter%required, c_bool)
-      c%default_value = parameter%default_value
-      c%minimum = parameter%minimum
-      c%maximum = parameter%maximum
-      c%minimum_open = logical(parameter%minimum_open, c_bool)
-      c%maximum_open = logical(parameter%maximum_open, c_bool)
-   end subroutine parameter_to_c
+      status = status_t(code=c%code, subject=c%subject, index=c%index + 1)
+      do i = 1, c_field_length
+         if (c%field(i) == c_null_char) exit
+         status%field(i:i) = c%field(i)
+      end do
+   end function status_from_c
 
    elemental type(law_choice) function choice_from_c(c) result(choice)
       type(c_law_choice), intent(in) :: c

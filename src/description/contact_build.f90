@@ -3,6 +3,7 @@ module evl_contact_build
    use evl_first_tooth_pair, only: tooth_phase_t
    use evl_gearbox, only: gearbox_t, wheel_t
    use evl_gearbox_description, only: mesh_input, wheel_input
+   use evl_given, only: given_t
    use evl_kinds, only: wp
    use evl_law_table, only: damping_law, elastic_law, friction_law
    use evl_local_variables, only: at_normal, at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_theta, at_track, &
@@ -84,8 +85,8 @@ contains
                  b => given%driven)
          contact%wheel_a = a
          contact%wheel_b = b
-         compliance_a = (1 - wheels(a)%poisson_ratio**2)/wheels(a)%youngs_modulus
-         compliance_b = (1 - wheels(b)%poisson_ratio**2)/wheels(b)%youngs_modulus
+         compliance_a = compliance_of(wheels(a)%material)
+         compliance_b = compliance_of(wheels(b)%material)
          contact%e_star = 1/(compliance_a + compliance_b)
          contact%mobility = pair%base_radius_a**2/gearbox%wheels(a)%rotor_inertia &
                             + pair%base_radius_b**2/gearbox%wheels(b)%rotor_inertia
@@ -140,6 +141,13 @@ contains
       call link_states(gearbox, gearbox%contacts(index))
    end subroutine take_contact
 
+   !> (1 - nu^2)/E [1/Pa]
+   pure real(wp) function compliance_of(material) result(compliance)
+      type(given_t), intent(in) :: material
+
+      compliance = (1 - material%number("poisson_ratio")**2)/material%number("youngs_modulus")
+   end function compliance_of
+
    !> The coast flank: the mirror image of the drive flank, on the other side of the same tooth of the driving wheel.
    !>
    !> With tau the angle that a tooth fills on the base circle, the involutes of both sides of a tooth are rooted tau apart:
@@ -187,16 +195,18 @@ contains
       integer, intent(in) :: a, b
       type(tooth_contact_t), intent(inout) :: contact
       type(status_t), intent(inout) :: status
-      real(wp) :: low, high
+      real(wp) :: low, high, z(2), width(2)
 
-      low = max(wheels(a)%axial_position - wheels(a)%width/2, wheels(b)%axial_position - wheels(b)%width/2)
-      high = min(wheels(a)%axial_position + wheels(a)%width/2, wheels(b)%axial_position + wheels(b)%width/2)
+      z = [wheels(a)%number("axial_position"), wheels(b)%number("axial_position")]
+      width = [wheels(a)%number("width"), wheels(b)%number("width")]
+      low = maxval(z - width/2)
+      high = minval(z + width/2)
       contact%width = high - low
       contact%axial_position = (low + high)/2
       if (contact%width > 0) return
       call fail(status, code_invalid_input, "the faces of the two wheels of a mesh do not overlap: one is at z = " &
-                //quantity(wheels(a)%axial_position, "m")//" and "//quantity(wheels(a)%width, "m")//" wide, the other at z = " &
-                //quantity(wheels(b)%axial_position, "m")//" and "//quantity(wheels(b)%width, "m")//" wide", subject_wheel, b, &
+                //quantity(z(1), "m")//" and "//quantity(width(1), "m")//" wide, the other at z = " &
+                //quantity(z(2), "m")//" and "//quantity(width(2), "m")//" wide", subject_wheel, b, &
                 "axial_position")
    end subroutine take_overlap
 

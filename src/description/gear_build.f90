@@ -1,8 +1,9 @@
 !> The real gears of a gearbox and their meshes, from its description.
 module evl_gear_build
-   use evl_gear, only: agreement, gear_derive, gear_input, gear_t, thin_tip
+   use evl_gear, only: agreement, gear_derive, gear_t, thin_tip
    use evl_gearbox_description, only: mesh_input, wheel_input
    use evl_gears_in_mesh, only: gear_mesh_derive, gear_mesh_input, gear_mesh_overlap, gear_mesh_t
+   use evl_given, only: given_t
    use evl_kinds, only: wp
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel, warn
    implicit none (type, external)
@@ -17,7 +18,7 @@ contains
    !> Derive all gears and meshes, and write warnings down. Wheels and meshes that are no real gears get initial values.
    !>
    !> Errors: code_invalid_input with subject, index and field.
-   pure subroutine gears_build(wheels, meshes, gears, gear_meshes, warnings, status)
+   subroutine gears_build(wheels, meshes, gears, gear_meshes, warnings, status)
       type(wheel_input), intent(in) :: wheels(:)
       type(mesh_input), intent(in) :: meshes(:)
       type(gear_t), intent(out) :: gears(size(wheels))
@@ -28,8 +29,8 @@ contains
       integer :: i
 
       do i = 1, size(wheels)
-         if (.not. wheels(i)%has_gear) cycle
-         call gear_derive(wheels(i)%teeth, wheels(i)%gear, gears(i), status)
+         if (.not. wheels(i)%is_gear) cycle
+         call gear_derive(wheels(i)%given_t, gears(i), status)
          if (.not. has_failed(status)) call check_pitch_radius(wheels(i), gears(i), status)
          if (has_failed(status)) then
             status%index = i
@@ -63,7 +64,7 @@ contains
 
    !> Where the teeth of a mesh overlap by no more than rounded data explain, thinner teeth of its driven gear. Its other meshes
    !> get the backlash of these.
-   pure subroutine give_way(wheels, mesh, gears, overlap)
+   subroutine give_way(wheels, mesh, gears, overlap)
       type(wheel_input), intent(in) :: wheels(:)
       type(mesh_input), intent(in) :: mesh
       type(gear_t), intent(inout) :: gears(:)
@@ -73,10 +74,10 @@ contains
 
       overlap = 0
       associate (a => mesh%driving, b => mesh%driven)
-         if (.not. (wheels(a)%has_gear .and. wheels(b)%has_gear .and. mesh%has_centre_distance)) return
-         overlap = gear_mesh_overlap(gears(a), gears(b), mesh%centre_distance)
+         if (.not. (wheels(a)%is_gear .and. wheels(b)%is_gear .and. mesh%has("centre_distance"))) return
+         overlap = gear_mesh_overlap(gears(a), gears(b), mesh%number("centre_distance"))
          if (overlap > 0 .and. overlap <= rounded_data) then
-            call thin_out(wheels(b), thinner_by(gears(b), overlap), thinner, status)
+            call gear_derive(wheels(b)%given_t, thinner, status, thinner_by(gears(b), overlap))
             if (.not. has_failed(status)) then
                gears(b) = thinner
                return
@@ -94,22 +95,9 @@ contains
       allowance = gear%thickness_allowance - arc/cos(gear%pressure_angle)
    end function thinner_by
 
-   !> A gear with another allowance of its tooth thickness.
-   pure subroutine thin_out(wheel, allowance, gear, status)
-      type(wheel_input), intent(in) :: wheel
-      real(wp), intent(in) :: allowance !! [m]
-      type(gear_t), intent(out) :: gear
-      type(status_t), intent(inout) :: status
-      type(gear_input) :: given
-
-      given = wheel%gear
-      given%thickness_allowance = allowance
-      call gear_derive(wheel%teeth, given, gear, status)
-   end subroutine thin_out
-
    !> To the refusal of a centre distance at which teeth overlap, add the allowance of the driven wheel with which they fit, in
    !> digits that are enough; nothing if no such wheel can be made.
-   pure subroutine name_remedy(driven, a, b, given, status)
+   subroutine name_remedy(driven, a, b, given, status)
       type(wheel_input), intent(in) :: driven
       type(gear_t), intent(in) :: a, b
       type(gear_mesh_input), intent(in) :: given
@@ -125,14 +113,14 @@ contains
       allowance = thinner_by(b, overlap)
       digit = 10.0_wp**(floor(log10(-allowance)) - 5) ! the last one of six, as messages have them
       allowance = -ceiling(-allowance/digit)*digit
-      call thin_out(driven, allowance, thinner, trial)
+      call gear_derive(driven%given_t, thinner, trial, allowance)
       if (.not. has_failed(trial)) call gear_mesh_derive(a, thinner, given, mesh, trial)
       if (.not. has_failed(trial)) &
          status%message = trim(status%message)//"; or teeth of the driven wheel with thickness_allowance "//quantity(allowance, "m")
    end subroutine name_remedy
 
    !> The mesh of two real gears, if it is one; no mesh of one real gear with another wheel.
-   pure subroutine build_mesh(wheels, gears, given, mesh, status)
+   subroutine build_mesh(wheels, gears, given, mesh, status)
       type(wheel_input), intent(in) :: wheels(:)
       type(gear_t), intent(in) :: gears(:)
       type(mesh_input), intent(in) :: given
@@ -141,19 +129,21 @@ contains
       type(gear_mesh_input) :: distances
 
       associate (a => given%driving, b => given%driven)
-         if (wheels(a)%has_gear .neqv. wheels(b)%has_gear) then
+         if (wheels(a)%is_gear .neqv. wheels(b)%is_gear) then
             call refuse(status, "", "one of its wheels has a module and the other has none: give both a module, or none of them" &
                         //" and the mesh a pressure angle")
-         else if (.not. wheels(a)%has_gear .and. given%has_centre_distance) then
+         else if (.not. wheels(a)%is_gear .and. given%has("centre_distance")) then
             call refuse(status, "centre_distance", "a centre distance is for two wheels with a module; the pitch radii of" &
                         //" these give theirs")
-         else if (.not. wheels(a)%has_gear .and. given%has_backlash .and. .not. given%backlash >= 0) then
-            call refuse(status, "backlash", "backlash "//quantity(given%backlash, "m")//" must not be negative")
-         else if (wheels(a)%has_gear .and. (given%paper_rule .or. abs(given%pressure_angle) > 0)) then
+         else if (wheels(a)%is_gear .and. given%has("pressure_angle")) then
             call refuse(status, "pressure_angle", "a pressure angle of the mesh is for wheels without module; the working" &
                         //" pressure angle of these follows from their centre distance")
-         else if (wheels(a)%has_gear) then
-            distances = gear_mesh_input(given%has_centre_distance, given%has_backlash, given%centre_distance, given%backlash)
+         else if (.not. (wheels(a)%is_gear .or. given%has("pressure_angle"))) then
+            call refuse(status, "pressure_angle", "is missing (working pressure angle [deg] or paper_rule), or else the 'module'" &
+                        //" of both wheels")
+         else if (wheels(a)%is_gear) then
+            distances = gear_mesh_input(given%has("centre_distance"), given%has("backlash"), given%number("centre_distance"), &
+                                        given%number("backlash"))
             call gear_mesh_derive(gears(a), gears(b), distances, mesh, status)
             if (has_failed(status)) call name_remedy(wheels(b), gears(a), gears(b), distances, status)
          end if
@@ -161,14 +151,16 @@ contains
    end subroutine build_mesh
 
    !> A pitch radius that is given beside a module is the reference radius.
-   pure subroutine check_pitch_radius(wheel, gear, status)
+   subroutine check_pitch_radius(wheel, gear, status)
       type(wheel_input), intent(in) :: wheel
       type(gear_t), intent(in) :: gear
       type(status_t), intent(inout) :: status
+      real(wp) :: pitch_radius
 
-      if (.not. wheel%has_pitch_radius) return
-      if (abs(wheel%pitch_radius - gear%reference_radius) <= agreement*gear%reference_radius) return
-      call fail(status, code_invalid_input, "pitch radius "//quantity(wheel%pitch_radius, "m")//" does not agree with the" &
+      pitch_radius = wheel%number("pitch_radius")
+      if (.not. wheel%has("pitch_radius")) return
+      if (abs(pitch_radius - gear%reference_radius) <= agreement*gear%reference_radius) return
+      call fail(status, code_invalid_input, "pitch radius "//quantity(pitch_radius, "m")//" does not agree with the" &
                 //" reference radius "//quantity(gear%reference_radius, "m")//", which teeth and module give", subject_wheel, &
                 field="pitch_radius")
    end subroutine check_pitch_radius

@@ -6,15 +6,15 @@ module evl_gearbox_build
    use evl_first_tooth_pair, only: find_tooth_phases, tooth_mesh_t
    use evl_gear_build, only: gears_build
    use evl_gearbox, only: gearbox_t, gearbox_t, i_turns
-   use evl_gearbox_description, only: check_description, mesh_input, shaft_input, wheel_input
+   use evl_gearbox_description, only: mesh_input, read_description, shaft_input, wheel_input
    use evl_gearbox_deviations, only: check_second_order, gearbox_set_deviations
    use evl_gearbox_references, only: gearbox_set_references
    use evl_gearbox_scaling, only: gearbox_set_scales
    use evl_gearbox_warnings, only: check_contact_width, warn_of_sizes
+   use evl_given, only: description_t, given_t
    use evl_housing, only: n_housing_states
-   use evl_housing_description, only: housing_create, housing_input
+   use evl_housing_description, only: housing_create
    use evl_kinds, only: pi, wp
-   use evl_load, only: load_input
    use evl_loads_build, only: loads_build
    use evl_local_variables, only: i_omega, n_track
    use evl_mesh_geometry, only: spur_pair_derive
@@ -22,7 +22,6 @@ module evl_gearbox_build
    use evl_output_list, only: place_outputs
    use evl_rational, only: rational_value
    use evl_rotors, only: rotors_join
-   use evl_shaft, only: shaft_t
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel, warn
    use evl_support_build, only: support_build
    use evl_tooth_contact, only: tracking_closed_form
@@ -38,24 +37,25 @@ contains
 
    !> Make a gearbox.
    !> Errors: code_invalid_input with subject, index and field.
-   subroutine gearbox_create(wheels, loads, meshes, shafts, housing, gearbox, status)
-      type(wheel_input), intent(in) :: wheels(:)
-      type(load_input), intent(in) :: loads(:)
-      type(mesh_input), intent(in) :: meshes(:)
-      type(shaft_input), intent(in) :: shafts(:)
-      type(housing_input), intent(in) :: housing
+   subroutine gearbox_create(description, gearbox, status)
+      type(description_t), target, intent(in) :: description !! checked
       type(gearbox_t), intent(out) :: gearbox
       type(status_t), intent(inout) :: status
+      type(given_t) :: root
+      type(wheel_input), allocatable :: wheels(:)
+      type(mesh_input), allocatable :: meshes(:)
+      type(shaft_input), allocatable :: shafts(:)
       type(layout_t) :: layout
       integer :: i
 
-      call check_description(wheels, meshes, shafts, status)
+      call root%all_of(description)
+      call read_description(root, wheels, meshes, shafts, status)
       if (has_failed(status)) return
-      call housing_create(housing, gearbox%housing, status)
+      call housing_create(root, gearbox%housing, status)
       if (has_failed(status)) return
       allocate (gearbox%wheels(size(wheels)), gearbox%pairs(size(meshes)))
       allocate (gearbox%warnings(0))
-      call loads_build(loads, size(wheels), gearbox%loads, status)
+      call loads_build(wheels, gearbox%loads, status)
       if (has_failed(status)) return
       call take_shafts(shafts, gearbox)
       call rotors_join(gearbox, status)
@@ -73,8 +73,8 @@ contains
          gearbox%wheels(i)%rotor_inertia = sum(gearbox%wheels%inertia, mask=gearbox%wheels%leader == gearbox%wheels(i)%leader)
          gearbox%wheels(i)%per_inertia = 1/gearbox%wheels(i)%rotor_inertia
       end do
-      do i = 1, size(loads)
-         gearbox%wheels(loads(i)%wheel)%is_loaded = .true.
+      do i = 1, size(gearbox%loads)
+         gearbox%wheels(gearbox%loads(i)%load%wheel)%is_loaded = .true.
       end do
       do i = 1, size(meshes)
          call take_pair(gearbox, wheels, meshes, layout, i, status)
@@ -112,8 +112,14 @@ contains
 
       allocate (gearbox%shafts(size(shafts)))
       do i = 1, size(shafts)
-         gearbox%shafts(i) = shaft_t(wheel_a=shafts(i)%wheel_a, wheel_b=shafts(i)%wheel_b, rigid=shafts(i)%rigid, &
-                                     stiffness=shafts(i)%stiffness, damping=shafts(i)%damping)
+         associate (shaft => gearbox%shafts(i), given => shafts(i))
+            shaft%wheel_a = given%wheel_a
+            shaft%wheel_b = given%wheel_b
+            shaft%rigid = given%word("kind") == "rigid"
+            if (shaft%rigid) cycle
+            shaft%stiffness = given%number("stiffness")
+            shaft%damping = given%number("damping")
+         end associate
       end do
    end subroutine take_shafts
 
@@ -127,26 +133,29 @@ contains
       integer :: i
 
       layout%teeth = wheels%teeth
-      layout%has_radius = wheels%has_pitch_radius .or. wheels%has_gear
-      layout%pitch_radius = merge(gearbox%gears%reference_radius, wheels%pitch_radius, wheels%has_gear)
-      layout%has_centre = wheels%has_centre
-      allocate (layout%centre(2, size(wheels)))
+      layout%has_radius = [(wheels(i)%is_gear .or. wheels(i)%has("pitch_radius") .or. wheels(i)%teeth == 0, i=1, size(wheels))]
+      layout%has_centre = [(wheels(i)%has("centre"), i=1, size(wheels))]
+      allocate (layout%pitch_radius(size(wheels)), layout%centre(2, size(wheels)), source=0.0_wp)
       do i = 1, size(wheels)
-         layout%centre(:, i) = wheels(i)%centre
+         if (layout%has_centre(i)) layout%centre(:, i) = wheels(i)%numbers("centre")
+         if (wheels(i)%is_gear) then
+            layout%pitch_radius(i) = gearbox%gears(i)%reference_radius
+         else if (wheels(i)%teeth > 0) then
+            if (layout%has_radius(i)) layout%pitch_radius(i) = wheels(i)%number("pitch_radius")
+         else if (wheels(i)%has("radius")) then
+            layout%pitch_radius(i) = wheels(i)%number("radius")
+         else ! a solid disc of this mass and inertia
+            layout%pitch_radius(i) = sqrt(2*wheels(i)%number("inertia")/wheels(i)%number("mass"))
+         end if
       end do
       layout%driving = meshes%driving
       layout%driven = meshes%driven
-      layout%has_angle = meshes%has_centre_line_angle
-      layout%angle = meshes%centre_line_angle
+      layout%has_angle = [(meshes(i)%has("centre_line_angle"), i=1, size(meshes))]
+      layout%angle = [(merge(meshes(i)%number("centre_line_angle"), 0.0_wp, layout%has_angle(i)), i=1, size(meshes))]
       layout%has_distance = gearbox%gear_meshes%exists
       layout%distance = gearbox%gear_meshes%centre_distance
       layout%shaft_a = shafts%wheel_a
       layout%shaft_b = shafts%wheel_b
-      where (wheels%teeth == 0 .and. .not. wheels%has_pitch_radius)
-         ! a solid disc of this mass and inertia
-         layout%pitch_radius = sqrt(2*wheels%inertia/wheels%mass)
-         layout%has_radius = .true.
-      end where
    end subroutine start_layout
 
    !> Mass, inertia, support and speed ratio of every wheel. A solid disc of the pitch radius, less
@@ -156,6 +165,7 @@ contains
       type(layout_t), intent(in) :: layout
       type(gearbox_t), intent(inout) :: gearbox
       type(status_t), intent(inout) :: status
+      type(given_t) :: support
       integer :: i
 
       do i = 1, size(wheels)
@@ -165,13 +175,15 @@ contains
             wheel%centre = layout%centre(:, i)
             wheel%exact_ratio = layout%ratio(i)
             wheel%ratio = rational_value(layout%ratio(i))
-            wheel%mass = given%density*pi*(wheel%pitch_radius**2 - gearbox%gears(i)%bore_radius**2)*given%width
-            if (given%has_mass) wheel%mass = given%mass
+            wheel%mass = given%material%number("density")*pi*(wheel%pitch_radius**2 - gearbox%gears(i)%bore_radius**2) &
+                         *given%number("width")
+            if (given%has("mass")) wheel%mass = given%number("mass")
             wheel%inertia = wheel%mass*(wheel%pitch_radius**2 + gearbox%gears(i)%bore_radius**2)/2
-            if (given%has_inertia) wheel%inertia = given%inertia
-            wheel%axial_position = given%axial_position
+            if (given%has("inertia")) wheel%inertia = given%number("inertia")
+            wheel%axial_position = given%number("axial_position")
             call take_transverse(given, i, wheel%mass, wheel%inertia, wheel%transverse_inertia, status)
-            call support_build(given%support, wheel%mass, wheel%support)
+            call given%inner("support", support)
+            call support_build(support, i, wheel%mass, wheel%support, status)
          end associate
       end do
    end subroutine take_wheels
@@ -184,9 +196,9 @@ contains
       real(wp), intent(out) :: transverse_inertia   !! [kg m^2]
       type(status_t), intent(inout) :: status
 
-      transverse_inertia = inertia/2 + mass*given%width**2/12
-      if (.not. given%has_transverse_inertia) return
-      transverse_inertia = given%transverse_inertia
+      transverse_inertia = inertia/2 + mass*given%number("width")**2/12
+      if (.not. given%has("transverse_inertia")) return
+      transverse_inertia = given%number("transverse_inertia")
       if (transverse_inertia >= inertia/2*(1 - agreement)) return
       call fail(status, code_invalid_input, "transverse_inertia "//quantity(transverse_inertia, "kg m^2")//" is less than half" &
                 //" the moment of inertia about the axle "//quantity(inertia, "kg m^2")//", which no body has", subject_wheel, &
@@ -279,11 +291,11 @@ contains
             call gear_pair_derive(gearbox%gears(a), gearbox%gears(b), gearbox%gear_meshes(index), layout%angle(index), &
                                   -given%driving_rotation, layout%centre(:, a), pair)
          else
-            call spur_pair_derive(wheels(a)%teeth, wheels(b)%teeth, layout%pitch_radius(a), given%paper_rule, &
-                                  given%pressure_angle, layout%angle(index), -given%driving_rotation, layout%centre(:, a), pair, &
-                                  status)
-            pair%has_coast = given%has_backlash
-            pair%backlash = given%backlash
+            call spur_pair_derive(wheels(a)%teeth, wheels(b)%teeth, layout%pitch_radius(a), &
+                                  given%word("pressure_angle") == "paper_rule", given%number("pressure_angle"), &
+                                  layout%angle(index), -given%driving_rotation, layout%centre(:, a), pair, status)
+            pair%has_coast = given%has("backlash")
+            if (pair%has_coast) pair%backlash = given%number("backlash")
          end if
          if (has_failed(status)) then
             status%subject = subject_mesh

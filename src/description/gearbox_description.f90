@@ -1,204 +1,245 @@
-!> The description that a gearbox is made from, and whether its numbers are in range.
+!> The description that a gearbox is made from: its wheels, meshes and shafts, what a case says of them, and whether that makes a
+!> gearbox.
 module evl_gearbox_description
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use evl_damping_law, only: damping_law_t
-   use evl_deviation_description, only: deviation_input
+   use evl_deviation_description, only: deviation_rows
    use evl_elastic_law, only: elastic_law_t
    use evl_force_law, only: law_choice
-   use evl_gear, only: gear_input
+   use evl_gear, only: gear_rows
+   use evl_given, only: given_t
    use evl_kinds, only: wp
-   use evl_law_table, only: damping_law, elastic_law, law_validate, laws_contact, laws_damping, laws_friction
-   use evl_mesh_geometry, only: maximum_teeth, minimum_teeth
-   use evl_status, only: code_invalid_input, fail, has_failed, message_length, quantity, status_t, subject_mesh, subject_none, &
+   use evl_law_table, only: chosen_law, damping_law, elastic_law, law_validate, laws_contact, laws_damping, laws_friction
+   use evl_row, only: not_negative, positive, range_t, row_t, type_block, type_choice, type_integer, type_list, type_name, &
+                      type_number, type_pair, type_reference
+   use evl_status, only: code_invalid_input, fail, has_failed, message_length, status_t, subject_mesh, subject_none, &
                          subject_shaft, subject_wheel
-   use evl_support, only: support_input
-   use evl_support_build, only: check_support
-   use evl_tooth_contact, only: tracking_closed_form, tracking_differential
+   use evl_tooth_contact, only: tracking_algebraic, tracking_closed_form, tracking_differential
    implicit none (type, external)
    private
 
-   public :: wheel_input, mesh_input, shaft_input, check_description
+   public :: mesh_input, read_description, shaft_input, wheel_input
 
-   !> A wheel as described; see `evl_wheel` in the C header.
-   type :: wheel_input
-      integer :: teeth = 0
-      logical :: has_pitch_radius = .false., has_centre = .false., has_inertia = .false., has_mass = .false.
-      real(wp) :: pitch_radius = 0.0_wp, width = 0.0_wp, centre(2) = 0.0_wp
-      real(wp) :: youngs_modulus = 0.0_wp, poisson_ratio = 0.0_wp, density = 0.0_wp, inertia = 0.0_wp, mass = 0.0_wp
-      logical :: has_transverse_inertia = .false.
-      real(wp) :: transverse_inertia = 0.0_wp, axial_position = 0.0_wp
-      type(support_input) :: support
-      logical :: has_gear = .false. !! its radii follow from the next, not from a pitch radius
-      type(gear_input) :: gear
-      type(deviation_input) :: deviation
+   type(row_t), parameter, public :: wheel_rows(*) = [ &
+      row_t("name", type_name, "", "name in references, paths and the history", required=.true.), &
+      row_t("teeth", type_integer, "", "number of teeth z; a wheel without teeth is a disc on a shaft", &
+            range=range_t(3.0_wp, 10000.0_wp)), &
+      row_t("pitch_radius", type_number, "m", &
+            "pitch radius r; otherwise it follows from a mesh, or is half the reference diameter of a real gear", &
+            range=positive), &
+      gear_rows, &
+      deviation_rows, &
+      row_t("width", type_number, "m", "face width", range=positive, required=.true.), &
+      row_t("centre", type_pair, "m", "reference position of the axle; otherwise it follows from a mesh"), &
+      row_t("material", type_reference, "", "name of its material", required=.true., holds="materials"), &
+      row_t("inertia", type_number, "kg m2", &
+            "moment of inertia about the axle; otherwise that of a disc of the pitch radius, less its bore", range=positive), &
+      row_t("mass", type_number, "kg", "mass; otherwise that of a disc of the pitch radius, less its bore", range=positive), &
+      row_t("transverse_inertia", type_number, "kg m2", &
+            "moment of inertia about a diameter; otherwise that of a disc or ring of its mass and inertia", range=positive), &
+      row_t("axial_position", type_number, "m", "z of the middle of the face; the faces of wheels in mesh have to overlap", &
+            default="0"), &
+      row_t("support", type_block, "", "how the axle is held", default="{kind: fixed}", holds="support"), &
+      row_t("loads", type_list, "", "what acts on the wheel; torques add up", range=range_t(minimum=0.0_wp), default="[]", &
+            holds="load"), &
+      row_t("radius", type_number, "m", "radius of a disc, for mass and inertia where they are not given", range=positive)]
+
+   type(row_t), parameter, public :: material_rows(*) = [ &
+      row_t("youngs_modulus", type_number, "Pa", "Young's modulus E", range=positive, required=.true.), &
+      row_t("poisson_ratio", type_number, "", "Poisson's ratio nu", &
+            range=range_t(minimum=0.0_wp, maximum=0.5_wp, maximum_open=.true.), required=.true.), &
+      row_t("density", type_number, "kg/m3", "density, for mass and inertia where they are not given", range=positive, &
+            required=.true.)]
+
+   type(row_t), parameter, public :: mesh_rows(*) = [ &
+      row_t("name", type_name, "", "name in paths and the history", default="{driving}-{driven}"), &
+      row_t("driving", type_reference, "", "name of the driving wheel", required=.true., holds="wheels"), &
+      row_t("driven", type_reference, "", "name of the driven wheel", required=.true., holds="wheels"), &
+      row_t("driving_rotation", type_choice, "", "nominal sense of the driving wheel; selects the flank", required=.true., &
+            words="clockwise counterclockwise"), &
+      row_t("centre_line_angle", type_number, "deg", &
+            "direction from the driving to the driven axle; otherwise it follows from the centres", &
+            range=range_t(-360.0_wp, 360.0_wp)), &
+      row_t("pressure_angle", type_number, "deg", &
+            "working pressure angle between wheels without module; paper_rule: 1.05 times the smallest possible one", &
+            range=range_t(minimum=0.0_wp, maximum=90.0_wp, minimum_open=.true., maximum_open=.true.), words="paper_rule"), &
+      row_t("centre_distance", type_number, "m", &
+            "centre distance a_w of two real gears; otherwise from backlash, or else from the profile shifts", range=positive), &
+      row_t("backlash", type_number, "m", &
+            "normal backlash j_bn; gives two real gears their centre distance, other wheels a second flank", &
+            range=not_negative), &
+      row_t("contact", type_block, "", "normal elastic force", default="{law: johnson}", holds="contact"), &
+      row_t("damping", type_block, "", "normal viscous force", default="{law: none}", holds="damping"), &
+      row_t("friction", type_block, "", "tangential force", default="{law: none}", holds="friction"), &
+      row_t("tracking", type_choice, "", "how the points of contact are found", default="closed_form", &
+            words="closed_form algebraic differential")]
+
+   !> A wheel as given, and what of it is asked of many.
+   type, extends(given_t) :: wheel_input
+      integer :: teeth = 0          !! 0: a disc
+      logical :: is_gear = .false.  !! its radii follow from a module, not from a pitch radius
+      type(given_t) :: material
    end type wheel_input
 
-   !> A mesh as described; wheels from 1. See `evl_tooth_contact` in the C header.
-   type :: mesh_input
-      integer :: driving = 0, driven = 0, driving_rotation = -1
-      logical :: has_centre_line_angle = .false., paper_rule = .true.
-      real(wp) :: centre_line_angle = 0.0_wp, pressure_angle = 0.0_wp
+   !> A mesh as given.
+   type, extends(given_t) :: mesh_input
+      integer :: driving = 0, driven = 0       !! wheels, from 1
+      integer :: driving_rotation = -1         !! +1: counterclockwise
       type(law_choice) :: contact, damping, friction
       integer :: tracking = tracking_closed_form
-      logical :: has_centre_distance = .false., has_backlash = .false.
-      real(wp) :: centre_distance = 0.0_wp, backlash = 0.0_wp
    end type mesh_input
 
-   !> A shaft as described; wheels from 1. See `evl_shaft` in the C header.
-   type :: shaft_input
-      integer :: wheel_a = 0, wheel_b = 0
-      logical :: rigid = .false.
-      real(wp) :: stiffness = 0.0_wp, damping = 0.0_wp
+   !> A shaft as given.
+   type, extends(given_t) :: shaft_input
+      integer :: wheel_a = 0, wheel_b = 0 !! wheels, from 1
    end type shaft_input
 
 contains
 
-   !> Every number is in its range, and every reference leads somewhere.
-   subroutine check_description(wheels, meshes, shafts, status)
-      type(wheel_input), intent(in) :: wheels(:)
-      type(mesh_input), intent(in) :: meshes(:)
-      type(shaft_input), intent(in) :: shafts(:)
+   !> Wheels, meshes and shafts of a checked case. Errors: code_invalid_input with subject, index and field.
+   subroutine read_description(root, wheels, meshes, shafts, status)
+      type(given_t), intent(in) :: root
+      type(wheel_input), allocatable, intent(out) :: wheels(:)
+      type(mesh_input), allocatable, intent(out) :: meshes(:)
+      type(shaft_input), allocatable, intent(out) :: shafts(:)
+      type(status_t), intent(inout) :: status
+      type(given_t), allocatable :: blocks(:), materials(:)
+      integer :: i
+
+      call root%elements("materials", materials)
+      call root%elements("wheels", blocks)
+      if (size(blocks) < 1) call fail(status, code_invalid_input, "a gearbox needs at least one wheel", subject_none)
+      allocate (wheels(size(blocks)))
+      do i = 1, size(wheels)
+         wheels(i)%given_t = blocks(i)
+         if (.not. has_failed(status)) call read_wheel(wheels(i), i, materials, status)
+      end do
+      call root%elements("meshes", blocks)
+      allocate (meshes(size(blocks)))
+      do i = 1, size(meshes)
+         meshes(i)%given_t = blocks(i)
+         if (.not. has_failed(status)) call read_mesh(meshes(i), i, wheels, status)
+      end do
+      call root%elements("shafts", blocks)
+      allocate (shafts(size(blocks)))
+      do i = 1, size(shafts)
+         shafts(i)%given_t = blocks(i)
+         if (.not. has_failed(status)) call read_shaft(shafts(i), i, wheels, status)
+      end do
+   end subroutine read_description
+
+   !> A wheel; one without teeth is a disc: it needs a size.
+   subroutine read_wheel(wheel, index, materials, status)
+      type(wheel_input), intent(inout) :: wheel
+      integer, intent(in) :: index
+      type(given_t), intent(in) :: materials(:)
       type(status_t), intent(inout) :: status
       integer :: i
 
-      if (size(wheels) < 1) call fail(status, code_invalid_input, "a gearbox needs at least one wheel", subject_none)
-      do i = 1, size(wheels)
-         if (.not. has_failed(status)) call check_wheel(wheels(i), i, status)
-      end do
-      do i = 1, size(meshes)
-         if (.not. has_failed(status)) call check_mesh(meshes(i), i, wheels, status)
-      end do
-      do i = 1, size(shafts)
-         if (.not. has_failed(status)) call check_shaft(shafts(i), i, size(wheels), status)
-      end do
-   end subroutine check_description
+      wheel%teeth = wheel%whole("teeth")
+      wheel%is_gear = wheel%has("module")
+      i = named(wheel%word("material"), materials)
+      if (i > 0) wheel%material = materials(i)
+      if (i == 0) then
+         call fail(status, code_invalid_input, "there is no such material", subject_wheel, index, "material")
+      else if (wheel%teeth > 0) then
+         if (wheel%has("radius")) call fail(status, code_invalid_input, "'radius' is that of a disc without teeth; give" &
+                                            //" 'pitch_radius'", subject_wheel, index, "radius")
+      else if (wheel%is_gear .or. wheel%has("pitch_radius")) then
+         call fail(status, code_invalid_input, "a wheel without teeth has no pitch radius and no module; give 'radius', or" &
+                   //" 'teeth'", subject_wheel, index, trim(merge("module      ", "pitch_radius", wheel%is_gear)))
+      else if (.not. (wheel%has("radius") .or. (wheel%has("inertia") .and. wheel%has("mass")))) then
+         call fail(status, code_invalid_input, "a wheel without teeth is a disc: it needs a radius, or its inertia and its mass", &
+                   subject_wheel, index)
+      end if
+   end subroutine read_wheel
 
-   !> Every number of a wheel is in its range.
-   subroutine check_wheel(wheel, index, status)
-      type(wheel_input), intent(in) :: wheel
+   !> The place of a block with a name; 0 if there is none.
+   pure integer function named(name, blocks) result(i)
+      character(len=*), intent(in) :: name
+      class(given_t), intent(in) :: blocks(:)
+
+      do i = 1, size(blocks)
+         if (blocks(i)%name == name) return
+      end do
+      i = 0
+   end function named
+
+   !> A shaft joins two different wheels.
+   subroutine read_shaft(shaft, index, wheels, status)
+      type(shaft_input), intent(inout) :: shaft
       integer, intent(in) :: index
+      type(wheel_input), intent(in) :: wheels(:)
       type(status_t), intent(inout) :: status
-      character(len=80) :: text
+      type(given_t), allocatable :: ends(:)
 
-      if (wheel%teeth == 0) then
-         call check_disc(wheel, index, status)
-      else if (wheel%teeth < minimum_teeth .or. wheel%teeth > maximum_teeth) then
-         write (text, "(a, i0, a, i0, a, i0)") "number of teeth ", wheel%teeth, " must be from ", minimum_teeth, " to ", &
-            maximum_teeth
-         call fail(status, code_invalid_input, trim(text), subject_wheel, index, "teeth")
+      call shaft%elements("wheels", ends)
+      if (size(ends) == 2) then
+         shaft%wheel_a = named(ends(1)%name, wheels)
+         shaft%wheel_b = named(ends(2)%name, wheels)
       end if
-      if (wheel%has_pitch_radius) call check(wheel%pitch_radius, "pitch_radius", "m", index, status)
-      call check(wheel%width, "width", "m", index, status)
-      call check(wheel%youngs_modulus, "youngs_modulus", "Pa", index, status)
-      call check(wheel%density, "density", "kg/m^3", index, status)
-      if (wheel%has_inertia) call check(wheel%inertia, "inertia", "kg m^2", index, status)
-      if (wheel%has_mass) call check(wheel%mass, "mass", "kg", index, status)
-      if (wheel%has_transverse_inertia) call check(wheel%transverse_inertia, "transverse_inertia", "kg m^2", index, status)
-      if (has_failed(status)) return
-      if (.not. (wheel%poisson_ratio > -1 .and. wheel%poisson_ratio < 0.5_wp)) then
-         call fail(status, code_invalid_input, "Poisson ratio "//quantity(wheel%poisson_ratio, "")//" must lie between -1 and" &
-                   //" 0.5, ends excluded", subject_wheel, index, "poisson_ratio")
-      else if (.not. ieee_is_finite(wheel%axial_position)) then
-         call fail(status, code_invalid_input, "axial_position must be a finite number", subject_wheel, index, "axial_position")
-      else if (wheel%has_centre .and. .not. all(ieee_is_finite(wheel%centre))) then
-         call fail(status, code_invalid_input, "centre must be two finite numbers", subject_wheel, index, "centre")
-      end if
-      if (.not. has_failed(status)) call check_support(wheel%support, index, status)
-   end subroutine check_wheel
-
-   !> A wheel without teeth is a disc: it needs a size.
-   subroutine check_disc(wheel, index, status)
-      type(wheel_input), intent(in) :: wheel
-      integer, intent(in) :: index
-      type(status_t), intent(inout) :: status
-
-      if (wheel%has_gear) then
-         call fail(status, code_invalid_input, "a wheel without teeth has no module", subject_wheel, index, "module")
-         return
-      end if
-      if (wheel%has_pitch_radius .or. (wheel%has_inertia .and. wheel%has_mass)) return
-      call fail(status, code_invalid_input, "a wheel without teeth is a disc: it needs a radius, or its inertia and its mass", &
-                subject_wheel, index)
-   end subroutine check_disc
-
-   !> A shaft joins two different wheels; an elastic one has a stiffness.
-   subroutine check_shaft(shaft, index, n_wheels, status)
-      type(shaft_input), intent(in) :: shaft
-      integer, intent(in) :: index, n_wheels
-      type(status_t), intent(inout) :: status
-
-      if (min(shaft%wheel_a, shaft%wheel_b) < 1 .or. max(shaft%wheel_a, shaft%wheel_b) > n_wheels) then
+      if (shaft%wheel_a == 0 .or. shaft%wheel_b == 0) then
          call fail(status, code_invalid_input, "there is no such wheel", subject_shaft, index, "wheels")
       else if (shaft%wheel_a == shaft%wheel_b) then
          call fail(status, code_invalid_input, "a shaft joins two different wheels", subject_shaft, index, "wheels")
-      else if (shaft%rigid) then
-         return
-      else if (.not. (ieee_is_finite(shaft%stiffness) .and. shaft%stiffness > 0)) then
-         call fail(status, code_invalid_input, "stiffness = "//quantity(shaft%stiffness, "N m/rad")//" must be a finite number" &
-                   //" greater than 0", subject_shaft, index, "stiffness")
-      else if (.not. (ieee_is_finite(shaft%damping) .and. shaft%damping >= 0)) then
-         call fail(status, code_invalid_input, "damping = "//quantity(shaft%damping, "N m s/rad")//" must be a finite number, not" &
-                   //" negative", subject_shaft, index, "damping")
       end if
-   end subroutine check_shaft
-
-   !> A finite number greater than 0.
-   subroutine check(value, field, unit, index, status)
-      real(wp), intent(in) :: value
-      character(len=*), intent(in) :: field, unit
-      integer, intent(in) :: index
-      type(status_t), intent(inout) :: status
-
-      if (has_failed(status) .or. (ieee_is_finite(value) .and. value > 0)) return
-      call fail(status, code_invalid_input, field//" = "//quantity(value, unit)//" must be a finite number greater than 0", &
-                subject_wheel, index, field)
-   end subroutine check
+   end subroutine read_shaft
 
    !> A mesh joins two different wheels, and its laws exist and have valid parameters.
-   subroutine check_mesh(mesh, index, wheels, status)
-      type(mesh_input), intent(in) :: mesh
+   subroutine read_mesh(mesh, index, wheels, status)
+      type(mesh_input), intent(inout) :: mesh
       integer, intent(in) :: index
       type(wheel_input), intent(in) :: wheels(:)
       type(status_t), intent(inout) :: status
       class(elastic_law_t), allocatable :: elastic
       class(damping_law_t), allocatable :: damping
 
-      if (mesh%driving < 1 .or. mesh%driving > size(wheels)) then
+      mesh%driving = named(mesh%word("driving"), wheels)
+      mesh%driven = named(mesh%word("driven"), wheels)
+      mesh%driving_rotation = merge(-1, 1, mesh%word("driving_rotation") == "clockwise")
+      select case (mesh%word("tracking"))
+      case ("algebraic")
+         mesh%tracking = tracking_algebraic
+      case ("differential")
+         mesh%tracking = tracking_differential
+      end select
+      if (mesh%driving == 0) then
          call fail(status, code_invalid_input, "there is no such driving wheel", subject_mesh, index, "driving")
-      else if (mesh%driven < 1 .or. mesh%driven > size(wheels)) then
+      else if (mesh%driven == 0) then
          call fail(status, code_invalid_input, "there is no such driven wheel", subject_mesh, index, "driven")
       else if (mesh%driving == mesh%driven) then
          call fail(status, code_invalid_input, "a wheel cannot mesh with itself", subject_mesh, index, "driven")
       else if (any(wheels([mesh%driving, mesh%driven])%teeth == 0)) then
          call fail(status, code_invalid_input, "a wheel without teeth cannot mesh", subject_mesh, index, &
                    merge("driving", "driven ", wheels(mesh%driving)%teeth == 0))
-      else if (mesh%tracking < tracking_closed_form .or. mesh%tracking > tracking_differential) then
-         call fail(status, code_invalid_input, "there is no such tracking", subject_mesh, index, "tracking")
       end if
-      call check_law(laws_contact, mesh%contact, "contact", index, status)
-      call check_law(laws_damping, mesh%damping, "damping", index, status)
-      call check_law(laws_friction, mesh%friction, "friction", index, status)
+      call read_law(mesh, "contact", laws_contact, index, mesh%contact, status)
+      call read_law(mesh, "damping", laws_damping, index, mesh%damping, status)
+      call read_law(mesh, "friction", laws_friction, index, mesh%friction, status)
       if (has_failed(status)) return
       call elastic_law(mesh%contact, elastic)
       call damping_law(mesh%damping, damping)
       if (.not. elastic%is_rigid() .or. damping%is_none()) return
       call fail(status, code_invalid_input, "a rigid contact has no penetration that could be damped: choose the damping law" &
                 //" none", subject_mesh, index, "damping.law")
-   end subroutine check_mesh
+   end subroutine read_mesh
 
    !> A law of a mesh; the field is named family.parameter.
-   subroutine check_law(family, choice, name, index, status)
+   subroutine read_law(mesh, key, family, index, choice, status)
+      type(mesh_input), intent(in) :: mesh
+      character(len=*), intent(in) :: key
       integer, intent(in) :: family, index
-      type(law_choice), intent(in) :: choice
-      character(len=*), intent(in) :: name
+      type(law_choice), intent(out) :: choice
       type(status_t), intent(inout) :: status
+      type(given_t) :: block
       character(len=32) :: field
       character(len=message_length) :: message
       integer :: code
 
       if (has_failed(status)) return
+      call mesh%inner(key, block)
+      call chosen_law(family, block, choice)
       call law_validate(family, choice, code, field, message)
-      if (code == code_invalid_input) call fail(status, code, message, subject_mesh, index, name//"."//field)
-   end subroutine check_law
+      if (code == code_invalid_input) call fail(status, code, message, subject_mesh, index, key//"."//field)
+   end subroutine read_law
 
 end module evl_gearbox_description

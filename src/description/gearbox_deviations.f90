@@ -4,6 +4,7 @@ module evl_gearbox_deviations
    use evl_elastic_law, only: elastic_law_t
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_description, only: mesh_input, wheel_input
+   use evl_given, only: given_t
    use evl_kinds, only: wp
    use evl_law_table, only: elastic_law
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel, warn
@@ -31,10 +32,10 @@ contains
       integer :: i
 
       do i = 1, size(wheels)
-         if (.not. has_deviation(wheels(i)%deviation)) cycle
+         if (.not. has_deviation(wheels(i)%given_t)) cycle
          call find_profile(gearbox, wheels, meshes, i, profile, status)
          if (has_failed(status)) return
-         call deviation_create(wheels(i)%deviation, profile, gearbox%wheels(i)%deviation, status)
+         call deviation_create(wheels(i)%given_t, profile, gearbox%wheels(i)%deviation, status)
          if (has_failed(status)) then
             status%index = i
             return
@@ -56,7 +57,7 @@ contains
       type(status_t), intent(inout) :: status
       integer :: i
 
-      if (.not. wheels(index)%has_gear) then
+      if (.not. wheels(index)%is_gear) then
          call fail(status, code_invalid_input, "the flanks of a wheel that is stated by its pitch radius have no deviations: give" &
                    //" it a module", subject_wheel, index, "module")
          return

@@ -1,55 +1,80 @@
 !> The description that a housing is made from, and whether its numbers are in range.
 module evl_housing_description
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use evl_given, only: given_t
    use evl_housing, only: housing_fixed, housing_mounted, housing_prescribed, housing_t
-   use evl_housing_motion, only: motion_prepare, motion_term, n_coordinates, term_constant, term_table
+   use evl_housing_motion, only: motion_take, n_coordinates
    use evl_kinds, only: wp
-   use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_housing, subject_none
+   use evl_row, only: not_negative, positive, range_t, row_t, type_block, type_choice, type_list, type_number, type_quaternion, &
+                      type_triple
+   use evl_status, only: code_invalid_input, fail, has_failed, status_t, subject_housing
    implicit none (type, external)
    private
 
-   public :: housing_input, housing_create
+   public :: housing_create
 
    real(wp), parameter :: rounding = 1.0e-12_wp !! relative: a flat body meets the triangle inequality with equality
 
-   !> A housing as described; see `evl_housing` in the C header.
-   type :: housing_input
-      integer :: kind = housing_fixed
-      real(wp) :: gravity(3) = 0.0_wp
-      type(motion_term), allocatable :: terms(:)
-      real(wp) :: mass = 0.0_wp, centre_of_mass(3) = 0.0_wp
-      real(wp) :: inertia(3) = 0.0_wp, products(3) = 0.0_wp !! diagonal of the tensor; its elements xy, yz, xz
-      real(wp) :: mount_point(3) = 0.0_wp
-      real(wp) :: stiffness(3) = 0.0_wp, damping(3) = 0.0_wp, turn_stiffness(3) = 0.0_wp, turn_damping(3) = 0.0_wp
-      real(wp) :: force(3) = 0.0_wp, moment(3) = 0.0_wp
-      real(wp) :: position(3) = 0.0_wp, orientation(4) = 0.0_wp, velocity(3) = 0.0_wp, angular_velocity(3) = 0.0_wp
-   end type housing_input
+   ! what a case says of the housing and its mount
+   type(row_t), parameter, public :: housing_rows(*) = [ &
+      row_t("kind", type_choice, "", "at rest; moves as given; a rigid body on a mount", default="fixed", &
+            words="fixed prescribed mounted"), &
+      row_t("translation", type_list, "", "position of the origin in the ground frame; terms add up", &
+            range=range_t(minimum=0.0_wp), default="[]", holds="translation", variants="prescribed"), &
+      row_t("rotation", type_list, "", "rotation vector from the ground to the housing frame; terms add up", &
+            range=range_t(minimum=0.0_wp), default="[]", holds="rotation", variants="prescribed"), &
+      row_t("mass", type_number, "kg", "mass without wheels and supports", range=positive, required=.true., variants="mounted"), &
+      row_t("centre_of_mass", type_triple, "m", "centre of mass in the housing frame", default="[0, 0, 0]", variants="mounted"), &
+      row_t("inertia", type_triple, "kg m2", &
+            "elements xx, yy, zz of the inertia tensor about the centre of mass, housing frame", range=positive, &
+            required=.true., variants="mounted"), &
+      row_t("products_of_inertia", type_triple, "kg m2", &
+            "elements xy, yz, xz of the tensor: minus the integral of xy dm, and so on", default="[0, 0, 0]", &
+            variants="mounted"), &
+      row_t("mount", type_block, "", "springs and dampers to the ground", default="{}", holds="mount", variants="mounted"), &
+      row_t("force", type_triple, "N", "constant force at the centre of mass, ground frame", default="[0, 0, 0]", &
+            variants="mounted"), &
+      row_t("moment", type_triple, "N m", "constant moment, ground frame", default="[0, 0, 0]", variants="mounted"), &
+      row_t("position", type_triple, "m", "position of the origin at the start, ground frame", default="[0, 0, 0]", &
+            variants="mounted"), &
+      row_t("orientation", type_quaternion, "", &
+            "quaternion at the start, of any length but 0; it turns the ground frame into the housing frame", &
+            default="[1, 0, 0, 0]", variants="mounted"), &
+      row_t("velocity", type_triple, "m/s", "velocity of the origin at the start, ground frame", default="[0, 0, 0]", &
+            variants="mounted"), &
+      row_t("angular_velocity", type_triple, "rad/s", "angular velocity at the start, housing frame", default="[0, 0, 0]", &
+            variants="mounted")]
+
+   type(row_t), parameter, public :: mount_rows(*) = [ &
+      row_t("point", type_triple, "m", &
+            "where it holds the housing, housing frame; without force where housing and ground frame coincide", &
+            default="[0, 0, 0]"), &
+      row_t("stiffness", type_triple, "N/m", "along the ground's axes", range=not_negative, default="[0, 0, 0]"), &
+      row_t("damping", type_triple, "N s/m", "along the ground's axes", range=not_negative, default="[0, 0, 0]"), &
+      row_t("rotational_stiffness", type_triple, "N m/rad", "about x, y, z", range=not_negative, default="[0, 0, 0]"), &
+      row_t("rotational_damping", type_triple, "N m s/rad", "about the housing's x, y, z", range=not_negative, &
+            default="[0, 0, 0]")]
 
 contains
 
-   !> Make a housing. Errors: code_invalid_input with the field.
-   subroutine housing_create(given, housing, status)
-      type(housing_input), intent(in) :: given
+   !> Make a housing from the checked description of a case. Errors: code_invalid_input with the field.
+   subroutine housing_create(root, housing, status)
+      type(given_t), intent(in) :: root
       type(housing_t), intent(out) :: housing
       type(status_t), intent(inout) :: status
+      type(given_t) :: given
 
-      if (.not. all(ieee_is_finite(given%gravity))) then
-         call fail(status, code_invalid_input, "gravity must be three finite numbers", subject_none, field="gravity")
-         return
-      end if
-      housing%kind = given%kind
-      housing%gravity = given%gravity
-      housing%acts = given%kind /= housing_fixed .or. any(abs(given%gravity) > 0)
-      select case (given%kind)
-      case (housing_fixed)
-      case (housing_prescribed)
-         call take_motion(given, housing, status)
-      case (housing_mounted)
-         call check_mounted(given, status)
-         if (.not. has_failed(status)) call take_mounted(given, housing)
-      case default
-         call refuse("there is no such kind of housing", "kind", status)
+      housing%gravity = root%numbers("gravity")
+      call root%inner("housing", given)
+      select case (given%word("kind"))
+      case ("prescribed")
+         housing%kind = housing_prescribed
+         call take_motion(given, housing)
+      case ("mounted")
+         housing%kind = housing_mounted
+         call take_mounted(given, housing, status)
       end select
+      housing%acts = housing%kind /= housing_fixed .or. any(abs(housing%gravity) > 0)
    end subroutine housing_create
 
    !> Write a refusal down.
@@ -60,88 +85,23 @@ contains
       if (.not. has_failed(status)) call fail(status, code_invalid_input, message, subject_housing, field=field)
    end subroutine refuse
 
-   !> The terms of a prescribed motion, checked.
-   subroutine take_motion(given, housing, status)
-      type(housing_input), intent(in) :: given
+   !> The terms of a prescribed motion.
+   subroutine take_motion(given, housing)
+      type(given_t), intent(in) :: given
       type(housing_t), intent(inout) :: housing
-      type(status_t), intent(inout) :: status
-      character(len=11) :: field
-      integer :: i, k
+      type(given_t), allocatable :: translation(:), rotation(:)
+      integer :: i
 
-      housing%motion = given%terms
-      do i = 1, size(housing%motion)
-         associate (term => housing%motion(i))
-            field = merge("rotation   ", "translation", term%coordinate > n_coordinates/2)
-            if (term%coordinate < 1 .or. term%coordinate > n_coordinates) then
-               call refuse("there is no such coordinate", trim(field), status)
-            else if (term%kind < term_constant .or. term%kind > term_table) then
-               call refuse("there is no such kind of term", trim(field), status)
-            else if (.not. all(ieee_is_finite([term%value, term%frequency, term%phase]))) then
-               call refuse("the numbers of a term must be finite", trim(field), status)
-            else if (term%frequency < 0) then
-               call refuse("frequency "//quantity(term%frequency, "Hz")//" must not be negative", trim(field), status)
-            end if
-            if (has_failed(status)) return
-            if (term%kind /= term_table) cycle
-            if (size(term%time) < 2 .or. size(term%values) /= size(term%time)) then
-               call refuse("a table needs at least two knots, and as many values as times", trim(field), status)
-            else if (.not. (all(ieee_is_finite(term%time)) .and. all(ieee_is_finite(term%values)))) then
-               call refuse("times and values of a table must be finite numbers", trim(field), status)
-            end if
-            do k = 2, size(term%time)
-               if (term%time(k) > term%time(k - 1)) cycle
-               call refuse("the times of a table must increase, but "//quantity(term%time(k), "s")//" follows " &
-                           //quantity(term%time(k - 1), "s"), trim(field), status)
-            end do
-            if (has_failed(status)) return
-            call motion_prepare(term)
-         end associate
+      call given%elements("translation", translation)
+      call given%elements("rotation", rotation)
+      allocate (housing%motion(size(translation) + size(rotation)))
+      do i = 1, size(translation)
+         call motion_take(translation(i), 1, housing%motion(i))
+      end do
+      do i = 1, size(rotation)
+         call motion_take(rotation(i), 1 + n_coordinates/2, housing%motion(size(translation) + i))
       end do
    end subroutine take_motion
-
-   !> Every number of a mounted housing is in its range.
-   subroutine check_mounted(given, status)
-      type(housing_input), intent(in) :: given
-      type(status_t), intent(inout) :: status
-
-      if (.not. (ieee_is_finite(given%mass) .and. given%mass > 0)) &
-         call refuse("mass = "//quantity(given%mass, "kg")//" must be a finite number greater than 0", "mass", status)
-      call check_finite(given%centre_of_mass, "centre_of_mass", status)
-      call check_finite(given%inertia, "inertia", status)
-      call check_finite(given%products, "products_of_inertia", status)
-      if (.not. has_failed(status)) call check_tensor(tensor(given%inertia, given%products), status)
-      call check_finite(given%mount_point, "mount.point", status)
-      call check_not_negative(given%stiffness, "mount.stiffness", "N/m", status)
-      call check_not_negative(given%damping, "mount.damping", "N s/m", status)
-      call check_not_negative(given%turn_stiffness, "mount.rotational_stiffness", "N m/rad", status)
-      call check_not_negative(given%turn_damping, "mount.rotational_damping", "N m s/rad", status)
-      call check_finite(given%force, "force", status)
-      call check_finite(given%moment, "moment", status)
-      call check_finite(given%position, "position", status)
-      call check_finite(given%orientation, "orientation", status)
-      if (.not. norm2(given%orientation) > 0) call refuse("a quaternion of zero length is no orientation", "orientation", status)
-      call check_finite(given%velocity, "velocity", status)
-      call check_finite(given%angular_velocity, "angular_velocity", status)
-   end subroutine check_mounted
-
-   !> Finite numbers.
-   subroutine check_finite(values, field, status)
-      real(wp), intent(in) :: values(:)
-      character(len=*), intent(in) :: field
-      type(status_t), intent(inout) :: status
-
-      if (.not. all(ieee_is_finite(values))) call refuse("must be finite numbers", field, status)
-   end subroutine check_finite
-
-   !> Finite numbers not less than 0.
-   subroutine check_not_negative(values, field, unit, status)
-      real(wp), intent(in) :: values(:)
-      character(len=*), intent(in) :: field, unit
-      type(status_t), intent(inout) :: status
-
-      call check_finite(values, field, status)
-      if (any(values < 0)) call refuse(quantity(minval(values), unit)//" must not be negative", field, status)
-   end subroutine check_not_negative
 
    !> The inertia tensor from its diagonal and its elements xy, yz, xz.
    pure function tensor(diagonal, products) result(matrix)
@@ -193,26 +153,32 @@ contains
                     + m(1, 3)*(m(1, 2)*m(2, 3) - m(2, 2)*m(1, 3))
    end function determinant
 
-   !> A mounted housing from its checked description.
-   subroutine take_mounted(given, housing)
-      type(housing_input), intent(in) :: given
+   !> A mounted housing.
+   subroutine take_mounted(given, housing, status)
+      type(given_t), intent(in) :: given
       type(housing_t), intent(inout) :: housing
+      type(status_t), intent(inout) :: status
+      type(given_t) :: mount
 
       housing%is_mounted = .true.
-      housing%mass = given%mass
-      housing%centre = given%centre_of_mass
-      housing%inertia = tensor(given%inertia, given%products)
-      housing%mount_point = given%mount_point
-      housing%stiffness = given%stiffness
-      housing%damping = given%damping
-      housing%turn_stiffness = given%turn_stiffness
-      housing%turn_damping = given%turn_damping
-      housing%force = given%force
-      housing%moment = given%moment
-      housing%position = given%position
-      housing%orientation = given%orientation/norm2(given%orientation)
-      housing%velocity = given%velocity
-      housing%omega = given%angular_velocity
+      housing%mass = given%number("mass")
+      housing%centre = given%numbers("centre_of_mass")
+      housing%inertia = tensor(given%numbers("inertia"), given%numbers("products_of_inertia"))
+      call check_tensor(housing%inertia, status)
+      call given%inner("mount", mount)
+      housing%mount_point = mount%numbers("point")
+      housing%stiffness = mount%numbers("stiffness")
+      housing%damping = mount%numbers("damping")
+      housing%turn_stiffness = mount%numbers("rotational_stiffness")
+      housing%turn_damping = mount%numbers("rotational_damping")
+      housing%force = given%numbers("force")
+      housing%moment = given%numbers("moment")
+      housing%position = given%numbers("position")
+      housing%orientation = given%numbers("orientation")
+      if (.not. norm2(housing%orientation) > 0) call refuse("a quaternion of zero length is no orientation", "orientation", status)
+      housing%orientation = housing%orientation/norm2(housing%orientation)
+      housing%velocity = given%numbers("velocity")
+      housing%omega = given%numbers("angular_velocity")
    end subroutine take_mounted
 
 end module evl_housing_description

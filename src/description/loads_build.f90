@@ -1,11 +1,11 @@
-!> Makes the loads of a gearbox from their description, by the rows in which their kinds describe themselves.
+!> Makes the loads of a gearbox: each by its kind, from what a case says of it.
 module evl_loads_build
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use evl_gearbox, only: load_slot
-   use evl_load, only: load_input, load_t
+   use evl_gearbox_description, only: wheel_input
+   use evl_given, only: given_t
+   use evl_load, only: load_t
    use evl_load_kinds, only: load_of_kind
-   use evl_parameter, only: parameter_name_length
-   use evl_parameter_check, only: check_numbers, fill_defaults
+   use evl_row, only: kind_t, short_length
    use evl_status, only: code_invalid_input, fail, has_failed, message_length, status_t, subject_load
    implicit none (type, external)
    private
@@ -14,53 +14,65 @@ module evl_loads_build
 
 contains
 
-   !> The loads, not yet numbered in the discrete state.
+   !> The loads of all wheels, not yet numbered in the discrete state.
    !> Errors: code_invalid_input with the load and the parameter.
-   subroutine loads_build(inputs, n_wheels, loads, status)
-      type(load_input), intent(in) :: inputs(:)
-      integer, intent(in) :: n_wheels
+   subroutine loads_build(wheels, loads, status)
+      type(wheel_input), intent(in) :: wheels(:)
       type(load_slot), allocatable, intent(out) :: loads(:)
       type(status_t), intent(inout) :: status
-      integer :: i
+      type(given_t), allocatable :: blocks(:)
+      integer :: i, k, n
 
-      allocate (loads(size(inputs)))
-      do i = 1, size(inputs)
-         call load_build(inputs(i), n_wheels, i, loads(i)%load, status)
-         if (has_failed(status)) return
-         if (loads(i)%load%prescribes) call check_alone(loads(:i), status)
-         if (has_failed(status)) return
+      n = 0
+      do i = 1, size(wheels)
+         call wheels(i)%elements("loads", blocks)
+         n = n + size(blocks)
+      end do
+      allocate (loads(n))
+      n = 0
+      do i = 1, size(wheels)
+         call wheels(i)%elements("loads", blocks)
+         do k = 1, size(blocks)
+            n = n + 1
+            call load_build(blocks(k), i, n, loads(n)%load, status)
+            if (has_failed(status)) return
+            if (loads(n)%load%prescribes) call check_alone(loads(:n), status)
+            if (has_failed(status)) return
+         end do
       end do
    end subroutine loads_build
 
    !> One of them.
-   subroutine load_build(input, n_wheels, index, load, status)
-      type(load_input), intent(in) :: input
-      integer, intent(in) :: n_wheels, index
+   subroutine load_build(given, wheel, index, load, status)
+      type(given_t), intent(in) :: given
+      integer, intent(in) :: wheel, index
       class(load_t), allocatable, intent(out) :: load
       type(status_t), intent(inout) :: status
-      type(load_input) :: given
+      type(kind_t) :: info
       character(len=message_length) :: message
-      character(len=parameter_name_length) :: field
+      character(len=short_length) :: field
+      integer :: kind
 
-      call load_of_kind(input%kind, load)
-      if (input%wheel < 1 .or. input%wheel > n_wheels) then
-         call fail(status, code_invalid_input, "there is no such wheel", subject_load, index, "wheel")
-      else if (.not. allocated(load)) then
+      kind = -1
+      do
+         kind = kind + 1
+         call load_of_kind(kind, load)
+         if (.not. allocated(load)) exit
+         info = load%describe()
+         if (info%name == given%word("kind")) exit
+      end do
+      if (.not. allocated(load)) then
          call fail(status, code_invalid_input, "there is no such kind of load", subject_load, index, "kind")
+         return
       end if
-      if (has_failed(status)) return
-      given = input
-      call fill_defaults(load%describe(), given)
-      call check_numbers(load%describe(), given, subject_load, index, "", status)
-      if (has_failed(status)) return
       call load%refusal(given, message, field)
       if (message /= "") then
          call fail(status, code_invalid_input, trim(message), subject_load, index, trim(field))
          return
       end if
       call load%take(given)
-      load%wheel = input%wheel
-      load%against_housing = input%against_housing
+      load%wheel = wheel
+      load%against_housing = given%word("against") == "housing"
    end subroutine load_build
 
    !> The last of the loads prescribes a speed: no other does for its wheel.

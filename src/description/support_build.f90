@@ -1,46 +1,41 @@
-!> Makes a support from its description, by the rows in which its kind describes itself.
+!> Makes a support from what a case says of it, by its kind.
 module evl_support_build
+   use evl_given, only: given_t
    use evl_kinds, only: wp
-   use evl_parameter_check, only: check_numbers, fill_defaults
+   use evl_row, only: kind_t
    use evl_status, only: code_invalid_input, fail, status_t, subject_wheel
-   use evl_support, only: support_input, support_kind_t, support_t
+   use evl_support, only: support_kind_t, support_t
    use evl_support_kinds, only: support_of_kind
    implicit none (type, external)
    private
 
-   public :: check_support, support_build
+   public :: support_build
 
 contains
 
-   !> The kind exists, and its numbers are in their ranges.
-   subroutine check_support(input, index, status)
-      type(support_input), intent(in) :: input
-      integer, intent(in) :: index !! of the wheel
+   !> Degrees of freedom, springs and dampers. Errors: code_invalid_input if there is no such kind.
+   subroutine support_build(given, wheel, wheel_mass, support, status)
+      type(given_t), intent(in) :: given
+      integer, intent(in) :: wheel         !! from 1, for the message
+      real(wp), intent(in) :: wheel_mass   !! [kg]
+      type(support_t), intent(out) :: support
       type(status_t), intent(inout) :: status
       class(support_kind_t), allocatable :: kind
-      type(support_input) :: given
+      type(kind_t) :: info
+      integer :: i
 
-      call support_of_kind(input%kind, kind)
+      i = -1
+      do
+         i = i + 1
+         call support_of_kind(i, kind)
+         if (.not. allocated(kind)) exit
+         info = kind%describe()
+         if (info%name == given%word("kind")) exit
+      end do
       if (.not. allocated(kind)) then
-         call fail(status, code_invalid_input, "there is no such kind of support", subject_wheel, index, "support.kind")
+         call fail(status, code_invalid_input, "there is no such kind of support", subject_wheel, wheel, "support.kind")
          return
       end if
-      given = input
-      call fill_defaults(kind%describe(), given)
-      call check_numbers(kind%describe(), given, subject_wheel, index, "support.", status)
-   end subroutine check_support
-
-   !> Degrees of freedom, springs and dampers of a support that passed the check.
-   subroutine support_build(input, wheel_mass, support)
-      type(support_input), intent(in) :: input
-      real(wp), intent(in) :: wheel_mass !! [kg]
-      type(support_t), intent(out) :: support
-      class(support_kind_t), allocatable :: kind
-      type(support_input) :: given
-
-      call support_of_kind(input%kind, kind)
-      given = input
-      call fill_defaults(kind%describe(), given)
       support%mass = wheel_mass
       call kind%take(given, support)
       support%per_mass = 1/support%mass

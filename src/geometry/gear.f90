@@ -9,30 +9,50 @@
 module evl_gear
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_c_binding, only: c_bool, c_int
+   use evl_given, only: given_t
    use evl_involute_angle, only: involute_of_tangent
    use evl_kinds, only: pi, wp
-   use evl_mesh_geometry, only: maximum_teeth, minimum_teeth
    use evl_rack_generation, only: involute_start
+   use evl_row, only: not_negative, positive, range_t, row_t, type_block, type_number
    use evl_status, only: clear, code_invalid_input, fail, has_failed, quantity, status_t, subject_wheel
    implicit none (type, external)
    private
 
-   public :: gear_derive, gear_input, gear_radius_of_curvature, gear_t, gear_thickness
+   public :: gear_derive, gear_radius_of_curvature, gear_t, gear_thickness
    public :: agreement, thin_tip
 
    real(wp), parameter :: agreement = 1.0e-9_wp   !! relative: two given lengths that differ less are the same
    real(wp), parameter :: thin_tip = 0.2_wp       !! tip thickness in modules: warn below
-   real(wp), parameter :: least_angle = 5.0_wp    !! pressure angle of a rack [deg]
-   real(wp), parameter :: greatest_angle = 45.0_wp !! the same
-   real(wp), parameter :: degree = pi/180.0_wp    !! [rad]
 
-   !> A gear as described; see `evl_gear` in the C header. Lengths of the rack, x and k in modules.
-   type :: gear_input
-      real(wp) :: normal_module = 0.0_wp, pressure_angle = 0.0_wp, profile_shift = 0.0_wp
-      real(wp) :: rack_addendum = 1.0_wp, rack_dedendum = 1.25_wp, rack_root_radius = 0.38_wp
-      logical :: has_tip_diameter = .false., has_tip_alteration = .false.
-      real(wp) :: tip_diameter = 0.0_wp, tip_alteration = 0.0_wp, thickness_allowance = 0.0_wp, bore = 0.0_wp
-   end type gear_input
+   ! what a case says of a wheel that is a real gear, and of its rack; lengths of the rack, x and k in modules
+   type(row_t), parameter, public :: gear_rows(*) = [ &
+      row_t("module", type_number, "m", &
+            "normal module m_n: makes the wheel a real gear, ISO 21771; otherwise its radii follow from pitch_radius", &
+            range=positive), &
+      row_t("pressure_angle", type_number, "deg", "pressure angle alpha_n of the basic rack", range=range_t(5.0_wp, 45.0_wp), &
+            default="20", variants="+module"), &
+      row_t("profile_shift", type_number, "", "profile shift coefficient x, in modules", range=range_t(-5.0_wp, 5.0_wp), &
+            default="0", variants="+module"), &
+      row_t("rack", type_block, "", "basic rack, ISO 53", default="{}", holds="rack", variants="+module"), &
+      row_t("tip_diameter", type_number, "m", &
+            "tip diameter d_a; otherwise from the rack, the profile shift and tip_alteration", range=positive, &
+            variants="+module"), &
+      row_t("tip_alteration", type_number, "", "tip alteration coefficient k, in modules; 0 unless given", &
+            range=range_t(-5.0_wp, 5.0_wp), variants="+module"), &
+      row_t("thickness_allowance", type_number, "m", &
+            "change of the tooth thickness on the reference circle; negative: thinner teeth, backlash", &
+            range=range_t(maximum=0.0_wp), default="0", variants="+module"), &
+      row_t("bore", type_number, "m", "diameter of the bore", range=not_negative, default="0", variants="+module")]
+
+   type(row_t), parameter, public :: rack_rows(*) = [ &
+      row_t("addendum", type_number, "", "addendum h_aP, in modules", range=positive, default="1"), &
+      row_t("dedendum", type_number, "", "dedendum h_fP, in modules", range=positive, default="1.25"), &
+      row_t("root_radius", type_number, "", "root fillet radius rho_fP, in modules", range=not_negative, default="0.38")]
+
+   !> The basic rack, in modules.
+   type :: rack_t
+      real(wp) :: addendum, dedendum, root_radius
+   end type rack_t
 
    !> All that follows from it and the number of teeth; `evl_gear_geometry` in the C header.
    type, bind(c) :: gear_t
@@ -61,46 +81,49 @@ module evl_gear
 
 contains
 
-   !> Derive the geometry of a gear.
+   !> Derive the geometry of a gear from a checked description.
    !>
    !> Errors: code_invalid_input with subject_wheel, without index, field as in the case file.
-   pure subroutine gear_derive(teeth, given, gear, status)
-      integer, intent(in) :: teeth            !! z, minimum_teeth to maximum_teeth
-      type(gear_input), intent(in) :: given
+   subroutine gear_derive(given, gear, status, allowance)
+      type(given_t), intent(in) :: given      !! block of the wheel
       type(gear_t), intent(out) :: gear       !! initial values on error
       type(status_t), intent(inout) :: status !! filled on error, else cleared
+      real(wp), intent(in), optional :: allowance !! of the tooth thickness, instead of the given one [m]
+      type(given_t) :: block
+      type(rack_t) :: rack
       type(gear_t) :: g
       logical :: is_undercut
 
       call clear(status)
-      call check_numbers(teeth, given, status)
+      call given%inner("rack", block)
+      rack = rack_t(block%number("addendum"), block%number("dedendum"), block%number("root_radius"))
+      g%teeth = given%whole("teeth")
+      g%normal_module = given%number("module")
+      g%pressure_angle = given%number("pressure_angle")
+      g%profile_shift = given%number("profile_shift")
+      g%thickness_allowance = given%number("thickness_allowance")
+      if (present(allowance)) g%thickness_allowance = allowance
+      g%bore_radius = given%number("bore")/2
+      call check_rack(rack, g%pressure_angle, status)
       if (has_failed(status)) return
-      call check_rack(given, status)
-      if (has_failed(status)) return
-      associate (m => given%normal_module, alpha => given%pressure_angle)
-         g%teeth = teeth
-         g%normal_module = m
-         g%pressure_angle = alpha
-         g%profile_shift = given%profile_shift
-         g%thickness_allowance = given%thickness_allowance
-         g%generating_shift = g%profile_shift + given%thickness_allowance/(2*m*tan(alpha))
+      associate (m => g%normal_module, alpha => g%pressure_angle)
+         g%generating_shift = g%profile_shift + g%thickness_allowance/(2*m*tan(alpha))
          g%pitch = pi*m
          g%base_pitch = g%pitch*cos(alpha)
-         g%reference_radius = m*teeth/2
+         g%reference_radius = m*g%teeth/2
          g%base_radius = g%reference_radius*cos(alpha)
-         g%root_radius = g%reference_radius + m*(g%generating_shift - given%rack_dedendum)
-         g%bore_radius = given%bore/2
-         g%thickness = m*(pi/2 + 2*g%profile_shift*tan(alpha)) + given%thickness_allowance
+         g%root_radius = g%reference_radius + m*(g%generating_shift - rack%dedendum)
+         g%thickness = m*(pi/2 + 2*g%profile_shift*tan(alpha)) + g%thickness_allowance
          g%tooth_angle = g%thickness/g%reference_radius + 2*involute_of_tangent(tan(alpha))
-         call derive_tip(given, g, status)
+         call derive_tip(given, rack, g, status)
          if (has_failed(status)) return
-         call involute_start(g%reference_radius, alpha, m*(given%rack_dedendum - given%rack_root_radius - g%generating_shift), &
-                             m*given%rack_root_radius, g%form_radius, is_undercut)
+         call involute_start(g%reference_radius, alpha, m*(rack%dedendum - rack%root_radius - g%generating_shift), &
+                             m*rack%root_radius, g%form_radius, is_undercut)
          g%is_undercut = is_undercut
          g%form_radius = hypot(g%base_radius, g%form_radius)
-         g%undercut_shift = given%rack_dedendum - given%rack_root_radius*(1 - sin(alpha)) - teeth*sin(alpha)**2/2
+         g%undercut_shift = rack%dedendum - rack%root_radius*(1 - sin(alpha)) - g%teeth*sin(alpha)**2/2
       end associate
-      call check_gear(given, g, status)
+      call check_gear(rack, g, status)
       if (.not. has_failed(status)) gear = g
    end subroutine gear_derive
 
@@ -121,26 +144,28 @@ contains
    end function gear_thickness
 
    !> Tip circle and tooth depth. A tip diameter and a tip alteration that are both given have to agree.
-   pure subroutine derive_tip(given, gear, status)
-      type(gear_input), intent(in) :: given
+   subroutine derive_tip(given, rack, gear, status)
+      type(given_t), intent(in) :: given
+      type(rack_t), intent(in) :: rack
       type(gear_t), intent(inout) :: gear
       type(status_t), intent(inout) :: status
-      real(wp) :: without_alteration
+      real(wp) :: without_alteration, diameter
 
+      diameter = given%number("tip_diameter")
+      if (given%has("tip_alteration")) gear%tip_alteration = given%number("tip_alteration")
       associate (m => gear%normal_module)
-         without_alteration = gear%reference_radius + m*(gear%profile_shift + given%rack_addendum)
-         gear%tip_alteration = given%tip_alteration
-         gear%tip_radius = without_alteration + m*given%tip_alteration
-         if (given%has_tip_diameter) then
-            if (given%has_tip_alteration .and. &
-                abs(given%tip_diameter - 2*gear%tip_radius) > agreement*given%tip_diameter) then
-               call refuse(status, "tip_diameter", "tip diameter "//quantity(given%tip_diameter, "m")//" does not agree with " &
+         without_alteration = gear%reference_radius + m*(gear%profile_shift + rack%addendum)
+         gear%tip_radius = without_alteration + m*gear%tip_alteration
+         if (given%has("tip_diameter")) then
+            if (given%has("tip_alteration") .and. &
+                abs(diameter - 2*gear%tip_radius) > agreement*diameter) then
+               call refuse(status, "tip_diameter", "tip diameter "//quantity(diameter, "m")//" does not agree with " &
                            //quantity(2*gear%tip_radius, "m")//", which follows from the rack, the profile shift and" &
                            //" tip_alteration: give one of the two")
                return
             end if
-            gear%tip_radius = given%tip_diameter/2
-            if (.not. given%has_tip_alteration) gear%tip_alteration = (gear%tip_radius - without_alteration)/m
+            gear%tip_radius = diameter/2
+            if (.not. given%has("tip_alteration")) gear%tip_alteration = (gear%tip_radius - without_alteration)/m
          end if
       end associate
       gear%tooth_depth = gear%tip_radius - gear%root_radius
@@ -148,75 +173,29 @@ contains
       if (gear%tip_radius > gear%base_radius) gear%tip_thickness = gear_thickness(gear, gear%tip_radius)
    end subroutine derive_tip
 
-   !> Every number is in its range.
-   pure subroutine check_numbers(teeth, given, status)
-      integer, intent(in) :: teeth
-      type(gear_input), intent(in) :: given
-      type(status_t), intent(inout) :: status
-      character(len=80) :: text
-
-      if (teeth < minimum_teeth .or. teeth > maximum_teeth) then
-         write (text, "(a, i0, a, i0, a, i0)") "number of teeth ", teeth, " must be from ", minimum_teeth, " to ", maximum_teeth
-         call refuse(status, "teeth", trim(text))
-         return
-      end if
-      call check(given%normal_module, "module", "m", .false., status)
-      call check(given%rack_addendum, "rack.addendum", "", .false., status)
-      call check(given%rack_dedendum, "rack.dedendum", "", .false., status)
-      call check(given%rack_root_radius, "rack.root_radius", "", .true., status)
-      if (given%has_tip_diameter) call check(given%tip_diameter, "tip_diameter", "m", .false., status)
-      call check(given%bore, "bore", "m", .true., status)
-      if (has_failed(status)) return
-      if (.not. (given%pressure_angle >= least_angle*degree*(1 - agreement) .and. &
-                 given%pressure_angle <= greatest_angle*degree*(1 + agreement))) then
-         call refuse(status, "pressure_angle", "pressure angle "//quantity(given%pressure_angle/degree, "deg") &
-                     //" must be from "//quantity(least_angle, "")//" to "//quantity(greatest_angle, "deg"))
-      else if (.not. ieee_is_finite(given%profile_shift)) then
-         call refuse(status, "profile_shift", "profile_shift must be a finite number")
-      else if (.not. ieee_is_finite(given%tip_alteration)) then
-         call refuse(status, "tip_alteration", "tip_alteration must be a finite number")
-      else if (.not. (ieee_is_finite(given%thickness_allowance) .and. given%thickness_allowance <= 0)) then
-         call refuse(status, "thickness_allowance", "thickness_allowance "//quantity(given%thickness_allowance, "m") &
-                     //" must be a finite number, not positive: teeth thicker than the profile shift gives have another shift")
-      end if
-   end subroutine check_numbers
-
-   !> A finite number, greater than 0 or at least 0.
-   pure subroutine check(value, field, unit, may_vanish, status)
-      real(wp), intent(in) :: value
-      character(len=*), intent(in) :: field, unit
-      logical, intent(in) :: may_vanish
-      type(status_t), intent(inout) :: status !! an earlier error stays
-
-      if (has_failed(status) .or. (ieee_is_finite(value) .and. (value > 0 .or. (may_vanish .and. .not. value < 0)))) return
-      call refuse(status, field, field//" = "//quantity(value, unit)//" must be a finite number" &
-                  //trim(merge(", not negative ", " greater than 0", may_vanish)))
-   end subroutine check
-
    !> The tip of the cutting rack is as wide as its two roundings at least.
    !>
    !> Half width of the rack's tooth at its tip, pi/4 - h_fP tan alpha, against rho_fP (1 - sin alpha)/cos alpha.
-   pure subroutine check_rack(given, status)
-      type(gear_input), intent(in) :: given
+   pure subroutine check_rack(rack, alpha, status)
+      type(rack_t), intent(in) :: rack
+      real(wp), intent(in) :: alpha !! pressure angle [rad]
       type(status_t), intent(inout) :: status
       real(wp) :: half_width, largest
 
-      associate (alpha => given%pressure_angle)
-         half_width = pi/4 - given%rack_dedendum*tan(alpha)
-         largest = half_width*cos(alpha)/(1 - sin(alpha))
-         if (half_width < 0) then
-            call refuse(status, "rack.dedendum", "dedendum "//quantity(given%rack_dedendum, "")//" of the rack is more than " &
-                        //quantity(pi/4/tan(alpha), "")//", where the cutting rack's tooth ends in a point")
-         else if (given%rack_root_radius > largest*(1 + agreement)) then
-            call refuse(status, "rack.root_radius", "root fillet radius "//quantity(given%rack_root_radius, "") &
-                        //" of the rack is more than "//quantity(largest, "")//", the full rounding of its space")
-         end if
-      end associate
+      half_width = pi/4 - rack%dedendum*tan(alpha)
+      largest = half_width*cos(alpha)/(1 - sin(alpha))
+      if (half_width < 0) then
+         call refuse(status, "rack.dedendum", "dedendum "//quantity(rack%dedendum, "")//" of the rack is more than " &
+                     //quantity(pi/4/tan(alpha), "")//", where the cutting rack's tooth ends in a point")
+      else if (rack%root_radius > largest*(1 + agreement)) then
+         call refuse(status, "rack.root_radius", "root fillet radius "//quantity(rack%root_radius, "") &
+                     //" of the rack is more than "//quantity(largest, "")//", the full rounding of its space")
+      end if
    end subroutine check_rack
 
    !> What makes a gear impossible.
-   pure subroutine check_gear(given, gear, status)
-      type(gear_input), intent(in) :: given
+   pure subroutine check_gear(rack, gear, status)
+      type(rack_t), intent(in) :: rack
       type(gear_t), intent(in) :: gear
       type(status_t), intent(inout) :: status
 
@@ -231,9 +210,9 @@ contains
       else if (.not. gear%tip_radius > gear%base_radius) then
          call refuse(status, "tip_diameter", "the tip circle, diameter "//quantity(2*gear%tip_radius, "m") &
                      //", lies inside the base circle, diameter "//quantity(2*gear%base_radius, "m")//": there is no involute")
-      else if (gear%is_undercut .and. given%rack_dedendum - given%rack_root_radius <= gear%generating_shift) then
+      else if (gear%is_undercut .and. rack%dedendum - rack%root_radius <= gear%generating_shift) then
          call refuse(status, "rack.root_radius", "so few teeth and a root fillet radius of " &
-                     //quantity(given%rack_root_radius, "")//" leave no part of the profile to the rack's straight flank")
+                     //quantity(rack%root_radius, "")//" leave no part of the profile to the rack's straight flank")
       else if (.not. gear%tip_radius > gear%form_radius) then
          call refuse(status, "tip_diameter", "the tip circle, diameter "//quantity(2*gear%tip_radius, "m") &
                      //", lies inside the form circle, diameter "//quantity(2*gear%form_radius, "m")//", where the involute" &

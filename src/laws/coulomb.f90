@@ -4,7 +4,7 @@
 module evl_coulomb
    use evl_friction_law, only: friction_law_t, regularisation
    use evl_kinds, only: lanes, wp
-   use evl_law_info, only: law_info_t, law_parameter
+   use evl_row, only: kind_t, not_negative, parameter_row
    implicit none (type, external)
    private
 
@@ -24,14 +24,13 @@ contains
 
    !> Name, source and parameters.
    pure subroutine describe(info)
-      type(law_info_t), intent(inout) :: info
+      type(kind_t), intent(inout) :: info
 
       info%name = "coulomb"
-      info%description = "Coulomb's law, linear in the sliding velocity below the regularisation velocity"
+      info%text = "Coulomb's law, linear in the sliding velocity below the regularisation velocity"
       info%source = "Kosenko & Gusev 2011, section 7.2"
-      info%n_parameters = 2
-      info%parameters(1) = law_parameter("coefficient", "1", "coefficient of friction", minimum=0.0_wp)
-      info%parameters(2) = regularisation("sliding velocity at which friction is fully developed")
+      info%rows = [parameter_row("coefficient", "", "coefficient of friction", range=not_negative), &
+                   regularisation("sliding velocity at which friction is fully developed")]
    end subroutine describe
 
    !> The factor.

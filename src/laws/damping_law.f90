@@ -7,7 +7,7 @@ module evl_damping_law
    use evl_elastic_law, only: elastic_result
    use evl_force_law, only: force_law_t, no
    use evl_kinds, only: lanes, wp
-   use evl_law_info, only: is_left_open, law_info_t, law_name_length
+   use evl_row, only: is_left_open, kind_t, short_length
    implicit none (type, external)
    private
 
@@ -80,14 +80,15 @@ contains
    !> Which parameter only the mesh can give: its name, or that of the parameter that needs the mesh; "" if none.
    pure function left_to_mesh(self) result(name)
       class(damping_law_t), intent(in) :: self
-      character(len=law_name_length) :: name
-      type(law_info_t) :: info
+      character(len=short_length) :: name
+      type(kind_t) :: info
       integer :: i
 
       name = ""
       call self%describe(info)
-      do i = 1, info%n_parameters
-         if (is_left_open(info%parameters(i), self%parameters(i))) name = info%parameters(i)%name
+      if (.not. allocated(info%rows)) return
+      do i = 1, size(info%rows)
+         if (is_left_open(info%rows(i), self%parameters(i))) name = info%rows(i)%key
       end do
    end function left_to_mesh
 

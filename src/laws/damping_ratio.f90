@@ -5,8 +5,8 @@ module evl_damping_ratio
    use evl_contact_context, only: contact_context
    use evl_damping_law, only: damping_law_t, viscous_result
    use evl_kinds, only: wp
-   use evl_law_info, only: law_info_t, law_name_length, law_parameter
    use evl_linear_damping, only: linear_damping_t
+   use evl_row, only: kind_t, parameter_row, range_t, short_length
    implicit none (type, external)
    private
 
@@ -25,14 +25,13 @@ contains
 
    !> Name, source and parameter.
    pure subroutine describe(info)
-      type(law_info_t), intent(inout) :: info
+      type(kind_t), intent(inout) :: info
 
       info%name = "ratio"
-      info%description = "c h' with c = 2 value sqrt(k m), by the damping ratio of one tooth pair at the nominal load"
+      info%text = "c h' with c = 2 value sqrt(k m), by the damping ratio of one tooth pair at the nominal load"
       info%source = "the definition of a damping ratio; k and m: docs/laws.md"
-      info%n_parameters = 1
-      info%parameters(1) = law_parameter("value", "1", "damping ratio of one tooth pair at the nominal load", minimum=0.0_wp, &
-                                         maximum=1.0_wp, maximum_open=.true.)
+      info%rows = [parameter_row("value", "", "damping ratio of one tooth pair at the nominal load", &
+                                 range=range_t(minimum=0.0_wp, maximum=1.0_wp, maximum_open=.true.))]
    end subroutine describe
 
    !> None as long as no mesh is known.
@@ -48,7 +47,7 @@ contains
    !> The parameter that needs the mesh.
    pure function left_to_mesh(self) result(name)
       class(damping_ratio_t), intent(in) :: self
-      character(len=law_name_length) :: name
+      character(len=short_length) :: name
 
       name = "value"
    end function left_to_mesh

@@ -3,7 +3,7 @@ module evl_elastic_law
    use evl_contact_context, only: contact_context, context_of_lane, lane_context
    use evl_force_law, only: force_law_t, no
    use evl_kinds, only: lanes, wp
-   use evl_law_info, only: law_info_t
+   use evl_row, only: kind_t
    use evl_status, only: code_ok, quantity
    implicit none (type, external)
    private
@@ -95,7 +95,7 @@ contains
       type(contact_context), intent(in) :: ctx
       character(len=*), intent(out) :: message !! truncated to its length
       type(elastic_result) :: elastic
-      type(law_info_t) :: info
+      type(kind_t) :: info
       integer :: code
 
       message = ""

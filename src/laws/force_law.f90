@@ -1,12 +1,14 @@
 !> What every force law has, whatever its family: parameters, and what it says of itself.
 module evl_force_law
    use evl_kinds, only: wp
-   use evl_law_info, only: law_info_t, max_law_parameters
+   use evl_row, only: kind_t
    implicit none (type, external)
    private
 
-   public :: choice_of, force_law_t, law_choice
+   public :: choice_of, force_law_t, law_choice, max_law_parameters
    public :: no, yes
+
+   integer, parameter :: max_law_parameters = 8 !! EVL_MAX_PARAMETERS
 
    !> One law of a family with its parameters, as a case chooses it. Assumed valid below: see law_validate.
    type :: law_choice
@@ -28,9 +30,9 @@ module evl_force_law
 
       !> Name, source and parameters; `info` comes empty.
       pure subroutine describe(info)
-         import :: law_info_t
+         import :: kind_t
          implicit none (type, external)
-         type(law_info_t), intent(inout) :: info
+         type(kind_t), intent(inout) :: info
       end subroutine describe
 
    end interface

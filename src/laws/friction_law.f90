@@ -7,7 +7,7 @@
 module evl_friction_law
    use evl_force_law, only: force_law_t
    use evl_kinds, only: lanes, wp
-   use evl_law_info, only: law_parameter, law_parameter_t
+   use evl_row, only: parameter_row, positive, row_t
    implicit none (type, external)
    private
 
@@ -81,11 +81,10 @@ contains
    end function knee
 
    !> The parameter that keeps friction finite in slope at rest.
-   pure type(law_parameter_t) function regularisation(description) result(parameter)
-      character(len=*), intent(in) :: description !! what it means in the law
+   pure type(row_t) function regularisation(text) result(row)
+      character(len=*), intent(in) :: text !! what it means in the law
 
-      parameter = law_parameter("regularisation_velocity", "m/s", description, default_value=1.0e-4_wp, minimum=0.0_wp, &
-                                minimum_open=.true.)
+      row = parameter_row("regularisation_velocity", "m/s", text, range=positive, default="0.0001")
    end function regularisation
 
 end module evl_friction_law

@@ -5,7 +5,7 @@
 module evl_gonthier
    use evl_impact_damping, only: describe_impact, impact_damping_t
    use evl_kinds, only: wp
-   use evl_law_info, only: law_info_t
+   use evl_row, only: kind_t
    implicit none (type, external)
    private
 
@@ -21,7 +21,7 @@ contains
 
    !> Name, source and parameters.
    pure subroutine describe(info)
-      type(law_info_t), intent(inout) :: info
+      type(kind_t), intent(inout) :: info
 
       call describe_impact("gonthier", "(1 - e^2)/e", "Gonthier et al. 2004, Multibody Syst. Dyn. 11, 209", .true., info)
    end subroutine describe

@@ -5,7 +5,7 @@
 module evl_hunt_crossley
    use evl_impact_damping, only: describe_impact, impact_damping_t
    use evl_kinds, only: wp
-   use evl_law_info, only: law_info_t
+   use evl_row, only: kind_t
    implicit none (type, external)
    private
 
@@ -21,7 +21,7 @@ contains
 
    !> Name, source and parameters.
    pure subroutine describe(info)
-      type(law_info_t), intent(inout) :: info
+      type(kind_t), intent(inout) :: info
 
       call describe_impact("hunt_crossley", "1.5 (1 - e)", "Hunt & Crossley 1975, J. Appl. Mech. 42, 440", .false., info)
    end subroutine describe

@@ -15,7 +15,7 @@ module evl_impact_damping
    use evl_contact_context, only: contact_context, lane_context
    use evl_damping_law, only: damping_law_t, viscous_result
    use evl_kinds, only: lanes, wp
-   use evl_law_info, only: law_info_t, law_parameter
+   use evl_row, only: kind_t, parameter_row, positive, range_t
    implicit none (type, external)
    private
 
@@ -49,16 +49,15 @@ contains
       character(len=*), intent(in) :: factor !! chi as a formula
       character(len=*), intent(in) :: source !! of chi
       logical, intent(in) :: is_positive     !! chi divides by e: 0 is refused
-      type(law_info_t), intent(inout) :: info
+      type(kind_t), intent(inout) :: info
 
       info%name = name
-      info%description = "elastic force times chi h'/v0, chi = "//factor
+      info%text = "elastic force times chi h'/v0, chi = "//factor
       info%source = source
-      info%n_parameters = 2
-      info%parameters(1) = law_parameter("restitution", "1", "nominal coefficient of restitution e", &
-                                         minimum=0.0_wp, minimum_open=is_positive, maximum=1.0_wp)
-      info%parameters(2) = law_parameter("v0_min", "m/s", "smallest approach speed v0 that is used; h_0 sqrt(k/m) if not given", &
-                                         minimum=0.0_wp, minimum_open=.true., left_open=.true.)
+      info%rows = [parameter_row("restitution", "", "nominal coefficient of restitution e", &
+                                 range=range_t(minimum=0.0_wp, maximum=1.0_wp, minimum_open=is_positive)), &
+                   parameter_row("v0_min", "m/s", "smallest approach speed v0 that is used; h_0 sqrt(k/m) if not given", &
+                                 range=positive, left_open=.true.)]
    end subroutine describe_impact
 
    !> chi/v0 [s/m].

@@ -16,7 +16,7 @@ module evl_johnson
    use evl_contact_context, only: contact_context, lane_context
    use evl_elastic_law, only: elastic_law_t, elastic_result
    use evl_kinds, only: lanes, pi, wp
-   use evl_law_info, only: law_info_t
+   use evl_row, only: kind_t
    use evl_status, only: code_ok, code_out_of_domain, quantity
    implicit none (type, external)
    private
@@ -49,10 +49,10 @@ contains
 
    !> Name and source.
    pure subroutine describe(info)
-      type(law_info_t), intent(inout) :: info
+      type(kind_t), intent(inout) :: info
 
       info%name = "johnson"
-      info%description = "two elastic cylinders, their approach measured between the centres of curvature"
+      info%text = "two elastic cylinders, their approach measured between the centres of curvature"
       info%source = "Johnson 1985, section 5.6; Kosenko & Gusev 2011, (13)-(18)"
    end subroutine describe
 

@@ -7,11 +7,11 @@ module evl_law_table
    use evl_flores, only: flores_t
    use evl_force_law, only: force_law_t, law_choice
    use evl_friction_law, only: friction_law_t
+   use evl_given, only: given_t
    use evl_gonthier, only: gonthier_t
    use evl_hunt_crossley, only: hunt_crossley_t
    use evl_johnson, only: johnson_t
    use evl_lankarani_nikravesh, only: lankarani_nikravesh_t
-   use evl_law_info, only: is_left_open, law_info_t, parameter_range_error
    use evl_lee_wang, only: lee_wang_t
    use evl_linear_damping, only: linear_damping_t
    use evl_linear_spring, only: linear_spring_t
@@ -21,6 +21,7 @@ module evl_law_table
    use evl_power_spring, only: power_spring_t
    use evl_radzimovsky, only: radzimovsky_t
    use evl_rigid, only: rigid_t
+   use evl_row, only: is_left_open, kind_t, range_error
    use evl_status, only: code_invalid_input, code_ok, message_length
    use evl_stribeck, only: stribeck_t
    use evl_tanh_friction, only: tanh_friction_t
@@ -28,7 +29,7 @@ module evl_law_table
    implicit none (type, external)
    private
 
-   public :: damping_law, elastic_law, friction_law
+   public :: chosen_law, damping_law, elastic_law, friction_law
    public :: law_count, law_describe, law_validate
    public :: laws_contact, laws_damping, laws_friction
 
@@ -97,7 +98,7 @@ contains
    subroutine law_describe(family, index, info, code)
       integer, intent(in) :: family           !! laws_contact, laws_damping or laws_friction
       integer, intent(in) :: index            !! from 0; there is none after the last
-      type(law_info_t), intent(out) :: info   !! empty if there is no such law
+      type(kind_t), intent(out) :: info   !! empty if there is no such law
       integer, intent(out) :: code            !! code_ok, or code_invalid_input if there is no such law
       class(force_law_t), allocatable :: law
       integer :: n
@@ -106,6 +107,29 @@ contains
       code = merge(code_ok, code_invalid_input, allocated(law))
       if (allocated(law)) call law%describe(info)
    end subroutine law_describe
+
+   !> The law that a block chooses, with its parameters; NaN for those that it leaves open.
+   subroutine chosen_law(family, block, choice)
+      integer, intent(in) :: family
+      type(given_t), intent(in) :: block
+      type(law_choice), intent(out) :: choice !! behind the last law of the family if there is no such law
+      class(force_law_t), allocatable :: law
+      type(kind_t) :: info
+      integer :: i, n
+
+      choice%law = -1
+      do
+         choice%law = choice%law + 1
+         call take_law(family, choice%law, law, n)
+         if (.not. allocated(law)) return
+         call law%describe(info)
+         if (block%word("law") == info%name) exit
+      end do
+      if (.not. allocated(info%rows)) return
+      do i = 1, size(info%rows)
+         choice%parameters(i) = block%number(trim(info%rows(i)%key))
+      end do
+   end subroutine chosen_law
 
    !> The elastic law of a choice; not allocated if there is no such law.
    subroutine elastic_law(choice, law)
@@ -163,7 +187,7 @@ contains
       character(len=*), intent(out) :: field   !! "law", or the parameter's name; "" if valid
       character(len=*), intent(out) :: message !! one sentence; "" if valid
       class(force_law_t), allocatable :: law
-      type(law_info_t) :: info
+      type(kind_t) :: info
       character(len=message_length) :: reason
       character(len=12) :: number
       integer :: i, n
@@ -179,10 +203,11 @@ contains
       end if
       call law%describe(info)
       reason = ""
-      do i = 1, info%n_parameters
-         field = info%parameters(i)%name
-         if (is_left_open(info%parameters(i), choice%parameters(i))) cycle
-         reason = parameter_range_error(info%parameters(i), choice%parameters(i))
+      if (.not. allocated(info%rows)) allocate (info%rows(0))
+      do i = 1, size(info%rows)
+         field = info%rows(i)%key
+         if (is_left_open(info%rows(i), choice%parameters(i))) cycle
+         reason = range_error(info%rows(i), choice%parameters(i))
          if (reason /= "") exit
       end do
       if (reason == "") then

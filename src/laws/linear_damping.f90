@@ -3,7 +3,7 @@ module evl_linear_damping
    use evl_contact_context, only: contact_context, lane_context
    use evl_damping_law, only: damping_law_t, viscous_result
    use evl_kinds, only: lanes, wp
-   use evl_law_info, only: law_info_t, law_parameter
+   use evl_row, only: kind_t, not_negative, parameter_row
    implicit none (type, external)
    private
 
@@ -20,13 +20,12 @@ contains
 
    !> Name, source and parameter.
    pure subroutine describe(info)
-      type(law_info_t), intent(inout) :: info
+      type(kind_t), intent(inout) :: info
 
       info%name = "linear"
-      info%description = "proportional to the rate of penetration"
+      info%text = "proportional to the rate of penetration"
       info%source = "Kosenko & Gusev 2011, section 4"
-      info%n_parameters = 1
-      info%parameters(1) = law_parameter("coefficient", "N s/m", "force per rate of penetration", minimum=0.0_wp)
+      info%rows = [parameter_row("coefficient", "N s/m", "force per rate of penetration", range=not_negative)]
    end subroutine describe
 
    !> The force.

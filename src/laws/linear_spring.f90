@@ -5,7 +5,7 @@ module evl_linear_spring
    use evl_contact_context, only: contact_context, lane_context
    use evl_elastic_law, only: elastic_law_t, elastic_result
    use evl_kinds, only: lanes, wp
-   use evl_law_info, only: law_info_t, law_parameter
+   use evl_row, only: kind_t, parameter_row, positive
    use evl_status, only: code_ok
    implicit none (type, external)
    private
@@ -26,14 +26,12 @@ contains
 
    !> Name, source and parameter.
    pure subroutine describe(info)
-      type(law_info_t), intent(inout) :: info
+      type(kind_t), intent(inout) :: info
 
       info%name = "linear"
-      info%description = "proportional to the penetration"
+      info%text = "proportional to the penetration"
       info%source = "Hooke's law"
-      info%n_parameters = 1
-      info%parameters(1) = law_parameter("stiffness", "N/m", "force per penetration, over the whole width", &
-                                         minimum=0.0_wp, minimum_open=.true.)
+      info%rows = [parameter_row("stiffness", "N/m", "force per penetration, over the whole width", range=positive)]
    end subroutine describe
 
    !> k [N/m].

@@ -4,7 +4,7 @@ module evl_no_damping
    use evl_damping_law, only: damping_law_t, viscous_result
    use evl_force_law, only: yes
    use evl_kinds, only: lanes, wp
-   use evl_law_info, only: law_info_t
+   use evl_row, only: kind_t
    implicit none (type, external)
    private
 
@@ -22,10 +22,10 @@ contains
 
    !> Its name.
    pure subroutine describe(info)
-      type(law_info_t), intent(inout) :: info
+      type(kind_t), intent(inout) :: info
 
       info%name = "none"
-      info%description = "no viscous force"
+      info%text = "no viscous force"
    end subroutine describe
 
    !> Zero.

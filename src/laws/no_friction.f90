@@ -3,7 +3,7 @@ module evl_no_friction
    use evl_force_law, only: yes
    use evl_friction_law, only: friction_law_t
    use evl_kinds, only: lanes, wp
-   use evl_law_info, only: law_info_t
+   use evl_row, only: kind_t
    implicit none (type, external)
    private
 
@@ -23,10 +23,10 @@ contains
 
    !> Its name.
    pure subroutine describe(info)
-      type(law_info_t), intent(inout) :: info
+      type(kind_t), intent(inout) :: info
 
       info%name = "none"
-      info%description = "smooth flanks"
+      info%text = "smooth flanks"
    end subroutine describe
 
    !> Zero.

@@ -7,7 +7,7 @@ module evl_one_sided_damping
    use evl_damping_law, only: damping_law_t, viscous_result
    use evl_force_law, only: yes
    use evl_kinds, only: lanes, wp
-   use evl_law_info, only: law_info_t, law_parameter
+   use evl_row, only: kind_t, not_negative, parameter_row
    implicit none (type, external)
    private
 
@@ -25,14 +25,12 @@ contains
 
    !> Name, source and parameter.
    pure subroutine describe(info)
-      type(law_info_t), intent(inout) :: info
+      type(kind_t), intent(inout) :: info
 
       info%name = "one_sided"
-      info%description = "proportional to penetration and its rate on approach, zero on separation"
+      info%text = "proportional to penetration and its rate on approach, zero on separation"
       info%source = "the Modelica library of Kosenko's group: damp |kappa| |h'|"
-      info%n_parameters = 1
-      info%parameters(1) = law_parameter("coefficient", "N s/m2", "force per penetration and rate of penetration", &
-                                         minimum=0.0_wp)
+      info%rows = [parameter_row("coefficient", "N s/m2", "force per penetration and rate of penetration", range=not_negative)]
    end subroutine describe
 
    !> The force.

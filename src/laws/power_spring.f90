@@ -9,7 +9,7 @@ module evl_power_spring
    use evl_contact_context, only: contact_context, lane_context
    use evl_elastic_law, only: elastic_law_t, elastic_result
    use evl_kinds, only: lanes, wp
-   use evl_law_info, only: law_info_t, law_parameter
+   use evl_row, only: at_least, kind_t, parameter_row, positive
    use evl_status, only: code_ok
    implicit none (type, external)
    private
@@ -34,15 +34,14 @@ contains
 
    !> Name, source and parameters.
    pure subroutine describe(info)
-      type(law_info_t), intent(inout) :: info
+      type(kind_t), intent(inout) :: info
 
       info%name = "power"
-      info%description = "proportional to a power of the penetration"
+      info%text = "proportional to a power of the penetration"
       info%source = "Hunt & Crossley 1975, J. Appl. Mech. 42, 440"
-      info%n_parameters = 2
-      info%parameters(1) = law_parameter("coefficient", "N/m^exponent", "force per power of the penetration, over the width", &
-                                         minimum=0.0_wp, minimum_open=.true.)
-      info%parameters(2) = law_parameter("exponent", "1", "power of the penetration", minimum=1.0_wp)
+      info%rows = [parameter_row("coefficient", "N/m^exponent", "force per power of the penetration, over the width", &
+                                 range=positive), &
+                   parameter_row("exponent", "", "power of the penetration", range=at_least(1.0_wp))]
    end subroutine describe
 
    !> The force.

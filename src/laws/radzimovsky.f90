@@ -16,7 +16,7 @@ module evl_radzimovsky
    use evl_contact_context, only: contact_context
    use evl_johnson, only: johnson_penetration_limit, johnson_t
    use evl_kinds, only: wp
-   use evl_law_info, only: law_info_t
+   use evl_row, only: kind_t
    use evl_status, only: quantity
    implicit none (type, external)
    private
@@ -45,10 +45,10 @@ contains
 
    !> Name and source.
    pure subroutine describe(info)
-      type(law_info_t), intent(inout) :: info
+      type(kind_t), intent(inout) :: info
 
       info%name = "radzimovsky"
-      info%description = "two elastic cylinders, with the full width of the contact strip after Hertz"
+      info%text = "two elastic cylinders, with the full width of the contact strip after Hertz"
       info%source = "Radzimovsky 1953, University of Illinois Bulletin 408"
    end subroutine describe
 

@@ -5,7 +5,7 @@ module evl_rigid
    use evl_force_law, only: yes
    use evl_johnson, only: johnson_t
    use evl_kinds, only: wp
-   use evl_law_info, only: law_info_t, law_parameter
+   use evl_row, only: between, kind_t, parameter_row, positive
    use evl_status, only: code_out_of_domain
    implicit none (type, external)
    private
@@ -29,16 +29,15 @@ contains
 
    !> Name, source and parameters.
    pure subroutine describe(info)
-      type(law_info_t), intent(inout) :: info
+      type(kind_t), intent(inout) :: info
 
       info%name = "rigid"
-      info%description = "unilateral constraint; the normal force is its multiplier"
+      info%text = "unilateral constraint; the normal force is its multiplier"
       info%source = "Kosenko & Gusev 2011, section 7.3; impacts after Newton"
-      info%n_parameters = 2
-      info%parameters(1) = law_parameter("restitution", "1", "rebound speed over approach speed of an impact", &
-                                         default_value=0.0_wp, minimum=0.0_wp, maximum=1.0_wp)
-      info%parameters(2) = law_parameter("rest_velocity", "m/s", "approach speed below which an impact does not rebound", &
-                                         default_value=1.0e-6_wp, minimum=0.0_wp, minimum_open=.true.)
+      info%rows = [parameter_row("restitution", "", "rebound speed over approach speed of an impact", &
+                                 range=between(0.0_wp, 1.0_wp), default="0"), &
+                   parameter_row("rest_velocity", "m/s", "approach speed below which an impact does not rebound", range=positive, &
+                                 default="1.0e-06")]
    end subroutine describe
 
    !> No force at any penetration.

@@ -7,7 +7,7 @@ module evl_stribeck
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_friction_law, only: friction_law_t, regularisation
    use evl_kinds, only: lanes, wp
-   use evl_law_info, only: law_info_t, law_parameter
+   use evl_row, only: kind_t, not_negative, parameter_row, positive
    use evl_status, only: quantity
    implicit none (type, external)
    private
@@ -33,20 +33,18 @@ contains
 
    !> Name, source and parameters.
    pure subroutine describe(info)
-      type(law_info_t), intent(inout) :: info
+      type(kind_t), intent(inout) :: info
 
       info%name = "stribeck"
-      info%description = "falling from static to kinetic friction over the Stribeck velocity, smooth"
+      info%text = "falling from static to kinetic friction over the Stribeck velocity, smooth"
       info%source = "Armstrong-Helouvry et al. 1994, Automatica 30, 1083; Andersson et al. 2007"
-      info%n_parameters = 4
-      info%parameters(1) = law_parameter("static_coefficient", "1", "coefficient of friction as sliding begins, >= kinetic", &
-                                         minimum=0.0_wp)
-      info%parameters(2) = law_parameter("kinetic_coefficient", "1", "coefficient of friction at high sliding velocity", &
-                                         minimum=0.0_wp)
-      info%parameters(3) = law_parameter("stribeck_velocity", "m/s", &
-                                         "sliding velocity at which 1/e of the excess of static friction is left", &
-                                         minimum=0.0_wp, minimum_open=.true.)
-      info%parameters(4) = regularisation("sliding velocity at which friction is developed to 76 %")
+      info%rows = [parameter_row("static_coefficient", "", "coefficient of friction as sliding begins, >= kinetic", &
+                                 range=not_negative), &
+                   parameter_row("kinetic_coefficient", "", "coefficient of friction at high sliding velocity", &
+                                 range=not_negative), &
+                   parameter_row("stribeck_velocity", "m/s", &
+                                 "sliding velocity at which 1/e of the excess of static friction is left", range=positive), &
+                   regularisation("sliding velocity at which friction is developed to 76 %")]
    end subroutine describe
 
    !> Friction does not rise as sliding begins.

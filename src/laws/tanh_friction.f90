@@ -6,7 +6,7 @@ module evl_tanh_friction
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_friction_law, only: friction_law_t, regularisation
    use evl_kinds, only: lanes, wp
-   use evl_law_info, only: law_info_t, law_parameter
+   use evl_row, only: kind_t, not_negative, parameter_row
    implicit none (type, external)
    private
 
@@ -29,14 +29,13 @@ contains
 
    !> Name, source and parameters.
    pure subroutine describe(info)
-      type(law_info_t), intent(inout) :: info
+      type(kind_t), intent(inout) :: info
 
       info%name = "tanh"
-      info%description = "Coulomb's law, smoothed by the hyperbolic tangent of the sliding velocity"
+      info%text = "Coulomb's law, smoothed by the hyperbolic tangent of the sliding velocity"
       info%source = "Andersson, Soederberg & Bjoerklund 2007, Tribology International 40, 580"
-      info%n_parameters = 2
-      info%parameters(1) = law_parameter("coefficient", "1", "coefficient of friction", minimum=0.0_wp)
-      info%parameters(2) = regularisation("sliding velocity at which friction is developed to 76 %")
+      info%rows = [parameter_row("coefficient", "", "coefficient of friction", range=not_negative), &
+                   regularisation("sliding velocity at which friction is developed to 76 %")]
    end subroutine describe
 
    !> The factor.

@@ -5,8 +5,8 @@
 !> ASME J. Mech. Transm. Autom. Des. 109 (1987) 189: pi E b/(4 (1 - nu**2)) for two wheels of the same material.
 module evl_yang_lin
    use evl_kinds, only: pi, wp
-   use evl_law_info, only: law_info_t
    use evl_linear_spring, only: linear_spring_t
+   use evl_row, only: kind_t
    implicit none (type, external)
    private
 
@@ -22,10 +22,10 @@ contains
 
    !> Name and source.
    pure subroutine describe(info)
-      type(law_info_t), intent(inout) :: info
+      type(kind_t), intent(inout) :: info
 
       info%name = "yang_lin"
-      info%description = "proportional to the penetration, with the stiffness pi E* b/2"
+      info%text = "proportional to the penetration, with the stiffness pi E* b/2"
       info%source = "Yang & Lin 1987, J. Mech. Transm. Autom. Des. 109, 189"
    end subroutine describe
 

@@ -1,8 +1,9 @@
 !> A constant torque.
 module evl_constant_load
+   use evl_given, only: given_t
    use evl_kinds, only: lanes, wp
-   use evl_load, only: lane_points, load_input, load_point, load_t
-   use evl_parameter, only: given_number, kind_info_t, parameter_row
+   use evl_load, only: lane_points, load_point, load_t
+   use evl_row, only: kind_t, parameter_row
    implicit none (type, external)
    private
 
@@ -20,19 +21,18 @@ module evl_constant_load
 
 contains
 
-   pure type(kind_info_t) function describe() result(info)
+   pure type(kind_t) function describe() result(info)
 
       info%name = "torque"
-      info%description = "constant torque"
-      info%n_parameters = 1
-      info%parameters(1) = parameter_row("value", "N m", "torque, counterclockwise positive")
+      info%text = "constant torque"
+      allocate (info%rows, source=[parameter_row("value", "N m", "torque, counterclockwise positive")])
    end function describe
 
    subroutine take(self, given)
       class(constant_load), intent(inout) :: self
-      type(load_input), intent(in) :: given
+      type(given_t), intent(in) :: given
 
-      self%value = given_number(given, 1)
+      self%value = given%number("value")
    end subroutine take
 
    pure subroutine ask(self, at, torque, damping, stiffness)

@@ -1,7 +1,8 @@
 !> An axle that does not move.
 module evl_fixed_support
-   use evl_parameter, only: kind_info_t
-   use evl_support, only: support_input, support_kind_t, support_t
+   use evl_given, only: given_t
+   use evl_row, only: kind_t
+   use evl_support, only: support_kind_t, support_t
    implicit none (type, external)
    private
 
@@ -15,15 +16,15 @@ module evl_fixed_support
 
 contains
 
-   pure type(kind_info_t) function describe() result(info)
+   pure type(kind_t) function describe() result(info)
 
       info%name = "fixed"
-      info%description = "fixed axle"
+      info%text = "fixed axle"
    end function describe
 
    subroutine take(self, given, support)
       class(fixed_support), intent(inout) :: self
-      type(support_input), intent(in) :: given
+      type(given_t), intent(in) :: given
       type(support_t), intent(inout) :: support
 
       support%n = 0

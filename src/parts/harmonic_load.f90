@@ -5,9 +5,10 @@
 !>
 !> The argument is kept in cycles, of which whole ones are taken off before the sine: it is as precise after many as at the start.
 module evl_harmonic_load
+   use evl_given, only: given_t
    use evl_kinds, only: lanes, pi, wp
-   use evl_load, only: lane_points, load_input, load_point, load_t
-   use evl_parameter, only: given_number, given_numbers, has_number, kind_info_t, parameter_row
+   use evl_load, only: lane_points, load_point, load_t
+   use evl_row, only: kind_t, parameter_row, positive
    implicit none (type, external)
    private
 
@@ -31,44 +32,43 @@ contains
 
    include "numerics/sine_cosine.inc"
 
-   pure type(kind_info_t) function describe() result(info)
+   pure type(kind_t) function describe() result(info)
 
       info%name = "harmonic"
-      info%description = "torque that oscillates over time or with the wheel's angle"
-      info%n_parameters = 5
-      info%parameters(1) = parameter_row("mean", "N m", "mean torque, counterclockwise positive", default_value=0.0_wp)
-      info%parameters(2) = parameter_row("amplitude", "N m", "the torque is mean + amplitude sin(...)")
-      info%parameters(3) = parameter_row("frequency", "Hz", "sin(2 pi frequency t + phase); or else order", &
-                                         minimum=0.0_wp, minimum_open=.true., left_open=.true.)
-      info%parameters(4) = parameter_row("order", "1", "sin(order phi + phase), phi the angle of the wheel since the start", &
-                                         minimum=0.0_wp, minimum_open=.true., left_open=.true.)
-      info%parameters(5) = parameter_row("phase", "deg", "phase at time 0, or at angle 0", default_value=0.0_wp)
+      info%text = "torque that oscillates over time or with the wheel's angle"
+      allocate (info%rows, source=[parameter_row("mean", "N m", "mean torque, counterclockwise positive", default="0"), &
+                                 parameter_row("amplitude", "N m", "the torque is mean + amplitude sin(...)"), &
+                                 parameter_row("frequency", "Hz", "sin(2 pi frequency t + phase); or else order", range=positive, &
+                                               left_open=.true.), &
+                                 parameter_row("order", "", "sin(order phi + phase), phi the angle of the wheel since the start", &
+                                               range=positive, left_open=.true.), &
+                                 parameter_row("phase", "deg", "phase at time 0, or at angle 0", default="0")])
    end function describe
 
    pure subroutine refusal(given, message, field)
-      class(given_numbers), intent(in) :: given
+      type(given_t), intent(in) :: given
       character(len=*), intent(out) :: message, field
 
       message = ""
       field = ""
-      if (has_number(given, 3) .neqv. has_number(given, 4)) return
+      if (given%has("frequency") .neqv. given%has("order")) return
       message = "a harmonic torque needs either 'frequency' or 'order'"
-      if (has_number(given, 3)) message = trim(message)//"; it has both"
+      if (given%has("frequency")) message = trim(message)//"; it has both"
    end subroutine refusal
 
    subroutine take(self, given)
       class(harmonic_load), intent(inout) :: self
-      type(load_input), intent(in) :: given
+      type(given_t), intent(in) :: given
 
-      self%mean = given_number(given, 1)
-      self%swing = given_number(given, 2)
-      self%by_angle = has_number(given, 4)
+      self%mean = given%number("mean")
+      self%swing = given%number("amplitude")
+      self%by_angle = given%has("order")
       if (self%by_angle) then
-         self%order = given_number(given, 4)
+         self%order = given%number("order")
       else
-         self%frequency = given_number(given, 3)
+         self%frequency = given%number("frequency")
       end if
-      self%phase = given_number(given, 5)/360
+      self%phase = given%in_unit("phase")/360
       self%sense = "mean"
    end subroutine take
 

@@ -1,18 +1,49 @@
 !> Prescribed motion of the housing: six coordinates, each a sum of terms that are twice continuously differentiable in time.
 module evl_housing_motion
+   use evl_given, only: given_t
    use evl_kinds, only: pi, wp
    use evl_rotation, only: turn_from_vector
+   use evl_row, only: not_negative, row_t, type_at_knots, type_choice, type_knots, type_number
    implicit none (type, external)
    private
 
    public :: motion_term, motion_curve, n_coordinates
-   public :: term_constant, term_rate, term_harmonic, term_table, motion_prepare, motion_at
+   public :: motion_at, motion_take
 
    integer, parameter :: term_constant = 0 !! value
    integer, parameter :: term_rate = 1     !! value t
    integer, parameter :: term_harmonic = 2 !! value sin(2 pi frequency t + phase)
    integer, parameter :: term_table = 3    !! natural cubic spline, straight outside the knots
    integer, parameter :: n_coordinates = 6 !! position x, y, z in the ground frame, then the rotation vector
+
+   ! what a case says of a term
+   type(row_t), parameter, public :: translation_rows(*) = [ &
+      row_t("kind", type_choice, "", "value; value t; amplitude sin(2 pi frequency t + phase); a spline through knots", &
+            required=.true., words="constant rate harmonic table"), &
+      row_t("axis", type_choice, "", "component that the term is added to", required=.true., words="x y z"), &
+      row_t("value", type_number, "m", "displacement", required=.true., variants="constant"), &
+      row_t("value", type_number, "m/s", "velocity", required=.true., variants="rate"), &
+      row_t("amplitude", type_number, "m", "amplitude", required=.true., variants="harmonic"), &
+      row_t("frequency", type_number, "Hz", "frequency", range=not_negative, required=.true., variants="harmonic"), &
+      row_t("phase", type_number, "deg", "phase at time 0", default="0", variants="harmonic"), &
+      row_t("time", type_knots, "s", "knots of the table, strictly increasing, at least two", required=.true., &
+            variants="table"), &
+      row_t("value", type_at_knots, "m", "displacement at the knots; natural cubic spline, straight outside", required=.true., &
+            variants="table")]
+
+   type(row_t), parameter, public :: rotation_rows(*) = [ &
+      row_t("kind", type_choice, "", "value; value t; amplitude sin(2 pi frequency t + phase); a spline through knots", &
+            required=.true., words="constant rate harmonic table"), &
+      row_t("axis", type_choice, "", "component that the term is added to", required=.true., words="x y z"), &
+      row_t("value", type_number, "deg", "angle", required=.true., variants="constant"), &
+      row_t("value", type_number, "rad/s", "rate of the angle", required=.true., variants="rate"), &
+      row_t("amplitude", type_number, "deg", "amplitude", required=.true., variants="harmonic"), &
+      row_t("frequency", type_number, "Hz", "frequency", range=not_negative, required=.true., variants="harmonic"), &
+      row_t("phase", type_number, "deg", "phase at time 0", default="0", variants="harmonic"), &
+      row_t("time", type_knots, "s", "knots of the table, strictly increasing, at least two", required=.true., &
+            variants="table"), &
+      row_t("value", type_at_knots, "deg", "angle at the knots; natural cubic spline, straight outside", required=.true., &
+            variants="table")]
 
    type :: motion_term
       integer :: coordinate = 0          !! which of the coordinates
@@ -33,6 +64,33 @@ module evl_housing_motion
    end type motion_curve
 
 contains
+
+   !> A term from its checked description.
+   subroutine motion_take(given, first, term)
+      type(given_t), intent(in) :: given
+      integer, intent(in) :: first !! coordinate along or about x
+      type(motion_term), intent(out) :: term
+
+      term%coordinate = first + index("xyz", trim(given%word("axis"))) - 1
+      select case (given%word("kind"))
+      case ("constant")
+         term%kind = term_constant
+         term%value = given%number("value")
+      case ("rate")
+         term%kind = term_rate
+         term%value = given%number("value")
+      case ("harmonic")
+         term%kind = term_harmonic
+         term%value = given%number("amplitude")
+         term%frequency = given%number("frequency")
+         term%phase = given%number("phase")
+      case default
+         term%kind = term_table
+         term%time = given%numbers("time")
+         term%values = given%numbers("value")
+         call motion_prepare(term)
+      end select
+   end subroutine motion_take
 
    !> Find the second derivatives of a table's natural cubic spline: 0 at both ends.
    !>

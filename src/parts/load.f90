@@ -3,20 +3,14 @@
 !> A kind extends load_t in a file of its own and has a line in evl_load_kinds; nobody else knows which kinds there are.
 module evl_load
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use evl_given, only: given_t
    use evl_kinds, only: lanes, wp
    use evl_knots, only: knots_t
-   use evl_parameter, only: given_numbers, kind_info_t, parameter_name_length
+   use evl_row, only: kind_t, short_length
    implicit none (type, external)
    private
 
-   public :: lane_points, load_input, load_point, load_t
-
-   !> A load as described.
-   type, extends(given_numbers) :: load_input
-      integer :: wheel = 0                 !! which wheel it acts on
-      integer :: kind = -1                 !! index in the table of kinds, from 0
-      logical :: against_housing = .false.
-   end type load_input
+   public :: lane_points, load_point, load_t
 
    !> Where a load is asked. The wheel's angle in the housing is 2 pi revolutions + angle.
    type :: load_point
@@ -45,7 +39,7 @@ module evl_load
       logical :: may_feed = .false.         !! its torque may grow with the speed: it can feed a vibration
       real(wp) :: swing = 0.0_wp            !! amplitude of its torque about the mean [N m]; a steady state sets it to 0
       real(wp) :: fastest = 0.0_wp          !! largest magnitude of the prescribed speed [rad/s]
-      character(len=parameter_name_length) :: sense = "value" !! parameter that gives its torque or speed its sense
+      character(len=short_length) :: sense = "value" !! parameter that gives its torque or speed its sense
    contains
       procedure(describe_kind), deferred, nopass :: describe
       procedure(take_numbers), deferred :: take
@@ -61,17 +55,17 @@ module evl_load
    abstract interface
 
       !> Name, text and rows of the kind.
-      pure type(kind_info_t) function describe_kind()
-         import :: kind_info_t
+      pure type(kind_t) function describe_kind()
+         import :: kind_t
          implicit none (type, external)
       end function describe_kind
 
       !> Take the parameters: every one is in its range, and `refusal` has nothing to say.
       subroutine take_numbers(self, given)
-         import :: load_input, load_t
+         import :: given_t, load_t
          implicit none (type, external)
          class(load_t), intent(inout) :: self
-         type(load_input), intent(in) :: given
+         type(given_t), intent(in) :: given
       end subroutine take_numbers
 
       !> The torque; a prescribed speed has none of its own.
@@ -100,7 +94,7 @@ contains
 
    !> What is wrong with numbers that are in their ranges, but do not go together, and the parameter to change; "" if nothing is.
    pure subroutine no_refusal(given, message, field)
-      class(given_numbers), intent(in) :: given
+      type(given_t), intent(in) :: given
       character(len=*), intent(out) :: message, field
 
       message = ""

@@ -1,10 +1,10 @@
 !> A prescribed speed, constant or over time: the load brings whatever torque it needs.
 module evl_speed_load
+   use evl_given, only: given_t
    use evl_kinds, only: wp
    use evl_knots, only: knot_slope, knot_value, knots_t
-   use evl_load, only: load_input, load_point, load_t
-   use evl_parameter, only: given_number, given_numbers, given_series, has_number, kind_info_t, parameter_row, shape_at_knots, &
-                            shape_knots
+   use evl_load, only: load_point, load_t
+   use evl_row, only: kind_t, parameter_row, type_at_knots, type_knots
    implicit none (type, external)
    private
 
@@ -24,38 +24,40 @@ module evl_speed_load
 
 contains
 
-   pure type(kind_info_t) function describe() result(info)
+   pure type(kind_t) function describe() result(info)
 
       info%name = "speed"
-      info%description = "prescribed speed"
-      info%n_parameters = 3
-      info%parameters(1) = parameter_row("value", "rad/s", "constant angular velocity; or else time and speed", left_open=.true.)
-      info%parameters(2) = parameter_row("time", "s", "knots of the table, strictly increasing, at least two", &
-                                         left_open=.true., shape=shape_knots)
-      info%parameters(3) = parameter_row("speed", "rad/s", "angular velocity at the knots; linear between them, constant outside", &
-                                         left_open=.true., shape=shape_at_knots)
+      info%text = "prescribed speed"
+      allocate (info%rows, &
+                source=[parameter_row("value", "rad/s", "constant angular velocity; or else time and speed", left_open=.true.), &
+                                 parameter_row("time", "s", "knots of the table, strictly increasing, at least two", &
+                                               left_open=.true., &
+                                               type=type_knots), &
+                                 parameter_row("speed", "rad/s", &
+                                               "angular velocity at the knots; linear between them, constant outside", &
+                                               left_open=.true., type=type_at_knots)])
    end function describe
 
    pure subroutine refusal(given, message, field)
-      class(given_numbers), intent(in) :: given
+      type(given_t), intent(in) :: given
       character(len=*), intent(out) :: message, field
 
       message = ""
       field = ""
-      if ((has_number(given, 1) .neqv. has_number(given, 2)) .and. (has_number(given, 2) .eqv. has_number(given, 3))) return
+      if ((given%has("value") .neqv. given%has("time")) .and. (given%has("time") .eqv. given%has("speed"))) return
       message = "a prescribed speed needs either 'value' or both 'time' and 'speed'"
    end subroutine refusal
 
    subroutine take(self, given)
       class(speed_load), intent(inout) :: self
-      type(load_input), intent(in) :: given
+      type(given_t), intent(in) :: given
 
       self%prescribes = .true.
-      if (has_number(given, 1)) then
-         self%value = given_number(given, 1)
+      if (given%has("value")) then
+         self%value = given%number("value")
          self%fastest = abs(self%value)
       else
-         self%knots = knots_t(given_series(given, 2), given_series(given, 3))
+         self%knots = knots_t(given%numbers("time"), given%numbers("speed"))
          self%fastest = maxval(abs(self%knots%values))
          self%sense = "speed"
       end if

@@ -3,12 +3,13 @@
 !>
 !> Which there are is said by its kind, which extends support_kind_t in a file of its own and has a line in evl_support_kinds.
 module evl_support
+   use evl_given, only: given_t
    use evl_kinds, only: wp
-   use evl_parameter, only: given_numbers, kind_info_t
+   use evl_row, only: kind_t
    implicit none (type, external)
    private
 
-   public :: axle_deviation, axle_motion, support_input, support_kind_t, support_t
+   public :: axle_deviation, axle_motion, support_kind_t, support_t
 
    !> A motion of an axle in the housing frame.
    type :: axle_motion
@@ -30,11 +31,6 @@ module evl_support
       class(support_kind_t), allocatable :: kind
    end type support_t
 
-   !> A support as described.
-   type, extends(given_numbers) :: support_input
-      integer :: kind = 0 !! index in the table of kinds, from 0
-   end type support_input
-
    type, abstract :: support_kind_t
    contains
       procedure(describe_kind), deferred, nopass :: describe
@@ -45,18 +41,18 @@ module evl_support
    abstract interface
 
       !> Name, text and rows of the kind.
-      pure type(kind_info_t) function describe_kind()
-         import :: kind_info_t
+      pure type(kind_t) function describe_kind()
+         import :: kind_t
          implicit none (type, external)
       end function describe_kind
 
       !> Degrees of freedom with their springs and dampers, and the mass that moves beside the wheel's, from parameters that are
       !> in their ranges.
       subroutine take_numbers(self, given, support)
-         import :: support_input, support_kind_t, support_t
+         import :: given_t, support_kind_t, support_t
          implicit none (type, external)
          class(support_kind_t), intent(inout) :: self !! keeps what its reference motion needs
-         type(support_input), intent(in) :: given
+         type(given_t), intent(in) :: given
          type(support_t), intent(inout) :: support    !! without degrees of freedom, its mass that of the wheel
       end subroutine take_numbers
 

@@ -1,9 +1,10 @@
 !> A torque over time from a table.
 module evl_table_load
+   use evl_given, only: given_t
    use evl_kinds, only: lanes, wp
    use evl_knots, only: knot_value, knots_t, varies_between
-   use evl_load, only: lane_points, load_input, load_point, load_t
-   use evl_parameter, only: given_series, kind_info_t, parameter_row, shape_at_knots, shape_knots
+   use evl_load, only: lane_points, load_point, load_t
+   use evl_row, only: kind_t, parameter_row, type_at_knots, type_knots
    implicit none (type, external)
    private
 
@@ -22,21 +23,21 @@ contains
 
    include "parts/between_knots.inc"
 
-   pure type(kind_info_t) function describe() result(info)
+   pure type(kind_t) function describe() result(info)
 
       info%name = "table"
-      info%description = "torque over time"
-      info%n_parameters = 2
-      info%parameters(1) = parameter_row("time", "s", "knots of the table, strictly increasing, at least two", shape=shape_knots)
-      info%parameters(2) = parameter_row("torque", "N m", "torque at the knots; linear between them, constant outside", &
-                                         shape=shape_at_knots)
+      info%text = "torque over time"
+      allocate (info%rows, &
+                source=[parameter_row("time", "s", "knots of the table, strictly increasing, at least two", type=type_knots), &
+                                 parameter_row("torque", "N m", "torque at the knots; linear between them, constant outside", &
+                                               type=type_at_knots)])
    end function describe
 
    subroutine take(self, given)
       class(table_load), intent(inout) :: self
-      type(load_input), intent(in) :: given
+      type(given_t), intent(in) :: given
 
-      self%knots = knots_t(given_series(given, 1), given_series(given, 2))
+      self%knots = knots_t(given%numbers("time"), given%numbers("torque"))
       self%sense = "torque"
    end subroutine take
 

@@ -1,8 +1,9 @@
 !> A torque against the speed, proportional to it.
 module evl_viscous_load
+   use evl_given, only: given_t
    use evl_kinds, only: lanes, wp
-   use evl_load, only: lane_points, load_input, load_point, load_t
-   use evl_parameter, only: given_number, kind_info_t, parameter_row
+   use evl_load, only: lane_points, load_point, load_t
+   use evl_row, only: kind_t, not_negative, parameter_row
    implicit none (type, external)
    private
 
@@ -21,20 +22,20 @@ module evl_viscous_load
 
 contains
 
-   pure type(kind_info_t) function describe() result(info)
+   pure type(kind_t) function describe() result(info)
 
       info%name = "viscous"
-      info%description = "torque against the speed"
-      info%n_parameters = 1
-      info%parameters(1) = parameter_row("coefficient", "N m s/rad", &
-                                         "the torque is minus coefficient times angular velocity", minimum=0.0_wp)
+      info%text = "torque against the speed"
+      allocate (info%rows, &
+                source=[parameter_row("coefficient", "N m s/rad", "the torque is minus coefficient times angular velocity", &
+                                               range=not_negative)])
    end function describe
 
    subroutine take(self, given)
       class(viscous_load), intent(inout) :: self
-      type(load_input), intent(in) :: given
+      type(given_t), intent(in) :: given
 
-      self%coefficient = given_number(given, 1)
+      self%coefficient = given%number("coefficient")
       self%by_speed = self%coefficient > 0
       self%sense = "coefficient"
    end subroutine take

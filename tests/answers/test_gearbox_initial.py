@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from kernel.description import Block
 from kernel.gearbox import INITIAL, LOAD, LOADED, MESH, OPEN, UNLOADED, Gearbox, GearboxError, State
 from kernel.gearbox_cases import chain, paper_gearbox, prescribed
 from kernel.gearbox_description import (
@@ -22,7 +23,6 @@ from kernel.gearbox_description import (
     TABLE,
     TORQUE,
     VISCOUS,
-    LoadDescription,
     load,
     mesh,
     wheel,
@@ -33,7 +33,7 @@ TRACKINGS = pytest.mark.parametrize("tracking", [CLOSED_FORM, ALGEBRAIC, DIFFERE
 FLANKS = pytest.mark.parametrize("sigma", [1, -1])
 
 
-def two_wheels(kernel: Kernel, *loads: LoadDescription, **fields) -> Gearbox:
+def two_wheels(kernel: Kernel, *loads: Block, **fields) -> Gearbox:
     """Pair on a slider whose loads are the test's."""
     support = {"support_kind": SLIDER, "support_stiffness": (1e9, 0), "support_damping": (1e5, 0)}
     wheels = [wheel(teeth=20, pitch_radius=0.2), wheel(teeth=30, **support)]

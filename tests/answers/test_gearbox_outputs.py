@@ -9,7 +9,7 @@ import pytest
 
 from kernel.gearbox import LOADED, TRACKED, Gearbox
 from kernel.gearbox_cases import PAIRS, chain, in_mode, paper_gearbox, prescribed, scatter
-from kernel.gearbox_description import ALGEBRAIC, CLOSED_FORM, DIFFERENTIAL, load, mesh, wheel
+from kernel.gearbox_description import ALGEBRAIC, CLOSED_FORM, DIFFERENTIAL, TORQUE, load, mesh, wheel
 from kernel.housing import Housing, Pair
 from kernel.kernel import CONTACT, Kernel
 
@@ -269,7 +269,7 @@ def test_mass_and_inertia_are_those_given_or_of_a_solid_disc(kernel: Kernel):
         wheel(teeth=20, pitch_radius=0.2, inertia=3.5),
         wheel(teeth=30, mass=12.0),
     ]
-    gearbox = Gearbox(kernel, wheels, [load(1, 0, 1.0)], [mesh(kernel)])
+    gearbox = Gearbox(kernel, wheels, [load(1, TORQUE, 1.0)], [mesh(kernel)])
     one, two = gearbox.wheel_geometry(0), gearbox.wheel_geometry(1)
     assert (one.mass, one.inertia) == (pytest.approx(7800 * np.pi * 0.04 * 0.1), 3.5)
     assert (two.mass, two.inertia) == (12.0, pytest.approx(12 * 0.09 / 2))

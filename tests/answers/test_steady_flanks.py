@@ -9,7 +9,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from kernel.deviations import LINEAR, PARABOLIC, DeviationDescription, deviations, relief
+from kernel.description import Block
+from kernel.deviations import LINEAR, PARABOLIC, deviations, relief
 from kernel.gearbox import (
     DRIVE,
     INITIAL,
@@ -44,32 +45,32 @@ PITCH = [1e-6 * ((5 * k * k + 3 * k) % 17) for k in range(34)]
 NOTHING = (None, None)
 
 
-def both(**fields: Any) -> tuple[DeviationDescription, DeviationDescription]:
+def both(**fields: Any) -> tuple[Block, Block]:
     return deviations(**fields), deviations(**fields)
 
 
-def tips(amount: float, shape: int) -> tuple[DeviationDescription, DeviationDescription]:
+def tips(amount: float, shape: int) -> tuple[Block, Block]:
     return (
         deviations(tip_relief=relief(amount, diameter=0.0592, shape=shape)),
         deviations(tip_relief=relief(amount, diameter=0.1043, shape=shape)),
     )
 
 
-def roots(amount: float, shape: int) -> tuple[DeviationDescription, DeviationDescription]:
+def roots(amount: float, shape: int) -> tuple[Block, Block]:
     return (
         deviations(root_relief=relief(amount, roll_angle=np.radians(13), shape=shape)),
         deviations(root_relief=relief(amount, roll_angle=np.radians(17), shape=shape)),
     )
 
 
-def classes(accuracy: int, seed: int) -> tuple[DeviationDescription, DeviationDescription]:
+def classes(accuracy: int, seed: int) -> tuple[Block, Block]:
     return (
         deviations(accuracy_class=accuracy, seed=seed),
         deviations(accuracy_class=accuracy, seed=seed + 100),
     )
 
 
-def everything(shape: int) -> tuple[DeviationDescription, DeviationDescription]:
+def everything(shape: int) -> tuple[Block, Block]:
     return (
         deviations(
             tip_relief=relief(12e-6, diameter=0.0592, shape=shape),
@@ -88,7 +89,7 @@ def everything(shape: int) -> tuple[DeviationDescription, DeviationDescription]:
     )
 
 
-KINDS: dict[str, tuple[DeviationDescription | None, DeviationDescription | None]] = {
+KINDS: dict[str, tuple[Block | None, Block | None]] = {
     "linear tip relief": tips(12e-6, LINEAR),
     "parabolic tip relief": tips(12e-6, PARABOLIC),
     "deep linear tip relief": tips(60e-6, LINEAR),
@@ -307,9 +308,9 @@ def train(
             backlash=2e-4,
             **fields,
         )
-        description.paper_rule = False
+        description.pop("pressure_angle")
         meshes.append(description)
-    wheels[0].has_centre = True
+    wheels[0].centre = (0.0, 0.0)
     shafts = [] if elastic is None else [shaft(1, 2, 2e5 if elastic else None, 3.0)]
     loads = [
         load(0, TORQUE, -40.0 * sigma),
@@ -465,13 +466,13 @@ def test_a_wrong_sense_is_found_through_a_train(kernel: Kernel):
         wheel(teeth=z, width=0.02, gear=gear_description(3e-3), axial_position=0.1 * (i // 2))
         for i, z in enumerate((20, 31, 20, 31))
     ]
-    wheels[0].has_centre = True
+    wheels[0].centre = (0.0, 0.0)
     meshes = []
     for stage in range(2):
         description = mesh(
             kernel, 2 * stage, 2 * stage + 1, driving_rotation=-1 + 2 * stage, backlash=2e-4
         )
-        description.paper_rule = False
+        description.pop("pressure_angle")
         meshes.append(description)
     loads = [load(0, SPEED, -100.0), load(2, TORQUE, 500.0), load(3, VISCOUS, 1.0)]
     error = refusal(Gearbox(kernel, wheels, loads, meshes, shafts=[shaft(1, 2)]))
@@ -507,9 +508,9 @@ def test_crowned_flanks_that_part_have_a_steady_start(kernel: Kernel):
             )
             for z, crowning in ((20, 1e-5), (35, 0.0))
         ]
-        wheels[0].has_centre = True
+        wheels[0].centre = (0.0, 0.0)
         description = mesh(kernel, backlash=2e-4)
-        description.paper_rule = False
+        description.pop("pressure_angle")
         description.damping = law
         loads = [load(0, SPEED, -500.0), load(1, TORQUE, -1.0)]
         gearbox = Gearbox(kernel, wheels, loads, [description])

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from restitution import FACTORS, factor
 
+from kernel.description import Block
 from kernel.gearbox import Gearbox, GearboxError
 from kernel.gearbox_description import (
     SPEED,
     TORQUE,
     VISCOUS,
-    MeshDescription,
     load,
     mesh,
     shaft,
@@ -49,8 +49,8 @@ def pair(
         for z, j in zip((20, 35), INERTIA, strict=True)
     ]
     wheels += [wheel(teeth=0, width=0.1, inertia=1e-3, mass=1.0)] * n_more
-    description: MeshDescription = mesh(kernel, 0, 1, has_backlash=True, backlash=0.0)
-    description.paper_rule = False
+    description: Block = mesh(kernel, 0, 1, backlash=0.0)
+    description.pop("pressure_angle")
     description.contact = kernel.law(CONTACT, contact[0], **contact[1])
     description.damping = kernel.law(DAMPING, damping[0], **damping[1])
     loads = DRIVEN["loads"] if loads is None else loads
@@ -129,7 +129,7 @@ COEFFICIENT = {
 
 
 def test_every_damping_law_of_the_program_has_its_coefficient(kernel: Kernel):
-    assert set(COEFFICIENT) == {law.name.decode() for law in kernel.laws(DAMPING)}
+    assert set(COEFFICIENT) == {law.name for law in kernel.laws(DAMPING)}
 
 
 @pytest.mark.parametrize("law", COEFFICIENT)

@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq, minimize_scalar
 
-from kernel.deviations import DeviationDescription, deviations, relief
+from kernel.description import Block
+from kernel.deviations import deviations, relief
 from kernel.gearbox import Gearbox
 from kernel.gearbox_description import TORQUE, load, mesh, wheel
 from kernel.gears import gear_description
@@ -63,7 +64,7 @@ class Profile:
             )
             return float((x[0] * y[1] - y[0] * x[1]) / (x[0] ** 2 + y[0] ** 2) ** 1.5)
 
-    def described(self) -> DeviationDescription:
+    def described(self) -> Block:
         """Describe it for the kernel."""
         shape, r = self.power - 1, BASE[self.wheel]
         blocks = {
@@ -133,9 +134,9 @@ def gearbox_of(kernel: Kernel, flanks: tuple[Profile, Profile]) -> Gearbox:
         wheel(teeth=z, width=0.02, gear=gear_description(MODULE), deviation=flank.described())
         for z, flank in zip(TEETH, flanks, strict=True)
     ]
-    wheels[0].has_centre = True
+    wheels[0].centre = (0.0, 0.0)
     description = mesh(kernel, 0, 1)
-    description.paper_rule = False
+    description.pop("pressure_angle")
     return Gearbox(kernel, wheels, [load(0, TORQUE, -100.0)], [description])
 
 

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
+from kernel.description import Block
 from kernel.deviations import (
-    DeviationDescription,
     Profile,
     deviation_at,
     deviations,
@@ -22,8 +22,6 @@ from kernel.gearbox_description import (
     ALGEBRAIC,
     DIFFERENTIAL,
     TORQUE,
-    MeshDescription,
-    WheelDescription,
     load,
     mesh,
     wheel,
@@ -35,27 +33,23 @@ MODULE, ALPHA = 3e-3, np.radians(20)
 TEETH = (20, 35, 26)
 
 
-def gear(
-    teeth: int, deviation: DeviationDescription | None = None, **fields: object
-) -> WheelDescription:
+def gear(teeth: int, deviation: Block | None = None, **fields: object) -> Block:
     """Gear of the standard rack without profile shift."""
     form = gear_description(MODULE)
     return wheel(teeth=teeth, width=0.02, gear=form, deviation=deviation or deviations(), **fields)
 
 
-def real_mesh(kernel: Kernel, driving: int, driven: int, **fields: object) -> MeshDescription:
+def real_mesh(kernel: Kernel, driving: int, driven: int, **fields: object) -> Block:
     """Mesh of two gears at the centre distance of their profile shifts."""
     description = mesh(kernel, driving, driven, **fields)
-    description.paper_rule = False
+    description.pop("pressure_angle")
     return description
 
 
-def train(
-    kernel: Kernel, given: Sequence[DeviationDescription | None], **fields: object
-) -> Gearbox:
+def train(kernel: Kernel, given: Sequence[Block | None], **fields: object) -> Gearbox:
     """Three gears in a row, the second one idle; fields of the first mesh."""
     wheels = [gear(z, d) for z, d in zip(TEETH, given, strict=True)]
-    wheels[0].has_centre = True
+    wheels[0].centre = (0.0, 0.0)
     meshes = [
         real_mesh(kernel, 0, 1, **fields),
         real_mesh(kernel, 1, 2, driving_rotation=1, centre_line_angle=0.5),
@@ -203,9 +197,7 @@ def test_initial_gaps_are_those_of_perfect_flanks(kernel: Kernel):
     assert outputs["flank_deviation"][0] > 1e-7
 
 
-def refusal(
-    kernel: Kernel, given: Sequence[DeviationDescription | None], **fields: object
-) -> GearboxError:
+def refusal(kernel: Kernel, given: Sequence[Block | None], **fields: object) -> GearboxError:
     with pytest.raises(GearboxError) as caught:
         train(kernel, given, **fields)
     assert caught.value.code == INVALID_INPUT
@@ -248,7 +240,7 @@ def test_meshes_whose_wheels_are_perfect_may_be_tracked(kernel: Kernel):
 
 
 def test_a_wheel_without_module_has_no_deviations(kernel: Kernel):
-    wheels: list[WheelDescription] = [
+    wheels: list[Block] = [
         wheel(teeth=20, pitch_radius=0.2, centre=(0, 0), deviation=deviations(runout_amount=1e-6)),
         wheel(teeth=30),
     ]
@@ -258,18 +250,9 @@ def test_a_wheel_without_module_has_no_deviations(kernel: Kernel):
     assert caught.value.field == "module"
 
 
-def test_announced_pitch_errors_have_to_be_there(kernel: Kernel):
-    description = deviations()
-    description.n_pitch_errors = 35
-    error = refusal(kernel, [None, description, None])
-    assert (error.subject, error.index, error.field) == (WHEEL, 1, "pitch_errors")
-
-
 def test_pitch_errors_are_copied(kernel: Kernel):
-    numbers = (ctypes.c_double * 20)(*([2e-6] * 20))
-    description = deviations()
-    description.n_pitch_errors = 20
-    description.pitch_errors = numbers
+    numbers = [2e-6] * 20
+    description = deviations(pitch_errors=numbers)
     gearbox = train(kernel, [description, None, None])
     numbers[0] = 1.0
     e, *_ = evaluate(gearbox, 0, np.full(1, 0.01), [0], 1)

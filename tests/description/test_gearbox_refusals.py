@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from kernel.description import Block
 from kernel.gearbox import LOAD, MESH, NOTHING, WHEEL, Gearbox, GearboxError
 from kernel.gearbox_description import (
     BEARING,
@@ -17,10 +18,6 @@ from kernel.gearbox_description import (
     TABLE,
     TORQUE,
     VISCOUS,
-    LoadDescription,
-    MeshDescription,
-    SupportDescription,
-    WheelDescription,
     load,
     load_of,
     mesh,
@@ -29,7 +26,7 @@ from kernel.gearbox_description import (
 from kernel.kernel import FRICTION, INVALID_INPUT, Kernel, KernelError
 
 NAN, INF = np.nan, np.inf
-Parts = tuple[list[WheelDescription], list[LoadDescription], list[MeshDescription]]
+Parts = tuple[list[Block], list[Block], list[Block]]
 
 
 def parts(kernel: Kernel) -> Parts:
@@ -90,9 +87,9 @@ BAD_WHEELS: list[tuple[dict[str, Any], str, str]] = [
 ]
 
 
-def numbers_of(kind: int, *counts: int) -> SupportDescription:
+def numbers_of(kind: int, *counts: int) -> Block:
     ones = [1.0] * sum(counts)
-    return SupportDescription(kind, counts, (ctypes.c_double * len(ones))(*ones))
+    return Block(kind, counts, (ctypes.c_double * len(ones))(*ones))
 
 
 @pytest.mark.parametrize(("fields", "field", "words"), BAD_WHEELS, ids=str)
@@ -108,7 +105,7 @@ def test_a_bad_wheel_is_refused(
     assert words in error.message
 
 
-SUPPORTS: dict[str, tuple[SupportDescription, str, str]] = {
+SUPPORTS: dict[str, tuple[Block, str, str]] = {
     "a slider without stiffness": (
         numbers_of(SLIDER, 1, 1, 0, 0),
         "support.stiffness",
@@ -124,13 +121,13 @@ SUPPORTS: dict[str, tuple[SupportDescription, str, str]] = {
         "support.stiffness",
         "two numbers",
     ),
-    "numbers announced": (SupportDescription(SLIDER, (1, 1, 1, 1), None), "support", "missing"),
+    "numbers announced": (Block(SLIDER, (1, 1, 1, 1), None), "support", "missing"),
 }
 
 
 @pytest.mark.parametrize(("support", "field", "words"), SUPPORTS.values(), ids=SUPPORTS.keys())
 def test_a_support_needs_the_numbers_of_its_kind(
-    kernel: Kernel, support: SupportDescription, field: str, words: str
+    kernel: Kernel, support: Block, field: str, words: str
 ):
     wheels, loads, meshes = parts(kernel)
     wheels[1].support = support
@@ -139,12 +136,12 @@ def test_a_support_needs_the_numbers_of_its_kind(
     assert words in error.message
 
 
-def with_table(kind: int, *knots: tuple[float, float]) -> Callable[[], LoadDescription]:
+def with_table(kind: int, *knots: tuple[float, float]) -> Callable[[], Block]:
     return lambda: load(1, kind, table=knots)
 
 
-def announced(**fields: Any) -> Callable[[], LoadDescription]:
-    def make() -> LoadDescription:
+def announced(**fields: Any) -> Callable[[], Block]:
+    def make() -> Block:
         description = load(1, TABLE, table=[(0, 0), (1, 1)])
         for name, value in fields.items():
             setattr(description, name, value)
@@ -153,11 +150,11 @@ def announced(**fields: Any) -> Callable[[], LoadDescription]:
     return make
 
 
-def of_lengths(*counts: int, kind: int = TABLE) -> Callable[[], LoadDescription]:
+def of_lengths(*counts: int, kind: int = TABLE) -> Callable[[], Block]:
     return lambda: load_of(1, kind, [[float(i) for i in range(n)] for n in counts])
 
 
-BAD_LOADS: dict[str, tuple[Callable[[], LoadDescription], str, str]] = {
+BAD_LOADS: dict[str, tuple[Callable[[], Block], str, str]] = {
     "wheel past the last": (lambda: load(3, TORQUE, 1.0), "wheel", "no such wheel"),
     "wheel before the first": (lambda: load(-1, TORQUE, 1.0), "wheel", "no such wheel"),
     "kind 99": (lambda: load(1, 99, 1.0), "kind", "no such kind"),
@@ -184,9 +181,7 @@ BAD_LOADS: dict[str, tuple[Callable[[], LoadDescription], str, str]] = {
 
 
 @pytest.mark.parametrize(("make", "field", "words"), BAD_LOADS.values(), ids=BAD_LOADS.keys())
-def test_a_bad_load_is_refused(
-    kernel: Kernel, make: Callable[[], LoadDescription], field: str, words: str
-):
+def test_a_bad_load_is_refused(kernel: Kernel, make: Callable[[], Block], field: str, words: str):
     wheels, loads, meshes = parts(kernel)
     error = refusal(kernel, (wheels, [*loads, make()], meshes))
     assert (error.subject, error.index, error.field) == (LOAD, 2, field), error.message
@@ -246,7 +241,7 @@ def test_a_law_that_does_not_exist_is_refused(kernel: Kernel):
 # ---- layouts that contradict themselves
 
 
-def layout(kernel: Kernel, wheels: list[WheelDescription], *meshes: dict[str, Any]) -> GearboxError:
+def layout(kernel: Kernel, wheels: list[Block], *meshes: dict[str, Any]) -> GearboxError:
     return refusal(kernel, (wheels, [], [mesh(kernel, pressure_angle=0.35, **m) for m in meshes]))
 
 

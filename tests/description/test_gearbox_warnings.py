@@ -30,7 +30,7 @@ def real_pair(kernel: Kernel, module: float, *loads: Any, **fields: Any) -> Gear
         for z in (17, 19)
     ]
     description = mesh(kernel, backlash=1e-4)
-    description.paper_rule = False
+    description.pop("pressure_angle")
     return Gearbox(kernel, wheels, loads, [description])
 
 

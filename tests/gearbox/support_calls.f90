@@ -2,9 +2,10 @@
 module support_calls
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_ptr
    use evl_gearbox, only: gearbox_t
+   use evl_given, only: given_t
    use evl_kinds, only: wp
-   use evl_parameter, only: kind_info_t
-   use evl_support, only: axle_motion, support_input, support_kind_t, support_t
+   use evl_row, only: kind_t
+   use evl_support, only: axle_motion, support_kind_t, support_t
    implicit none (type, external)
    private
 
@@ -39,7 +40,7 @@ contains
       gearbox%housing%acts = .true.
    end subroutine support_shake
 
-   pure type(kind_info_t) function describe() result(info)
+   pure type(kind_t) function describe() result(info)
 
       info%name = "shaken"
    end function describe
@@ -47,7 +48,7 @@ contains
    !> Nothing: it takes the place of a support that has its numbers.
    subroutine take(self, given, support)
       class(shaken_support), intent(inout) :: self
-      type(support_input), intent(in) :: given
+      type(given_t), intent(in) :: given
       type(support_t), intent(inout) :: support
    end subroutine take
 

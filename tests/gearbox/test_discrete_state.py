@@ -41,10 +41,9 @@ def gearbox(kernel: Kernel) -> Gearbox:
         kernel,
         friction=(0.1, 1e-3),
         damping=("one_sided", 1e9),
-        has_backlash=True,
         backlash=2e-5,
     )
-    pair.paper_rule = False
+    pair.pop("pressure_angle")
     return Gearbox(kernel, wheels, [load(0, TORQUE, -20.0), load(1, VISCOUS, 5.0)], [pair])
 
 

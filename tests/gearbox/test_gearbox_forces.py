@@ -18,7 +18,7 @@ from kernel.gearbox_cases import (
     press,
     worst,
 )
-from kernel.gearbox_description import ALGEBRAIC, CLOSED_FORM, DIFFERENTIAL, load, mesh, wheel
+from kernel.gearbox_description import ALGEBRAIC, CLOSED_FORM, DIFFERENTIAL, TORQUE, VISCOUS, load, mesh, wheel
 from kernel.housing import Housing, Pair
 from kernel.kernel import CONTACT, OUT_OF_DOMAIN, Kernel
 
@@ -49,7 +49,7 @@ def test_the_three_trackings_give_the_same_outputs_where_the_points_face_each_ot
     kernel: Kernel, pair: Pair, mode: tuple[int, int], seed: int
 ):
     random = np.random.default_rng(seed)
-    load_a = (load(0, 0, -3.0), load(0, 1, 0.2))
+    load_a = (load(0, TORQUE, -3.0), load(0, VISCOUS, 0.2))
     settings = {"friction": (0.3, 1e-3), "damping": 2e4}
     closed = pair.gearbox(kernel, load_a, tracking=CLOSED_FORM, **settings)
     state = in_mode(closed, random, mode)
@@ -168,7 +168,7 @@ def test_torques_balance_on_each_wheel(
 ):
     """sigma F_n (r_b + (F_t/F_n) l) = J omega' - M, whatever sense the teeth slide in."""
     random = np.random.default_rng(seed)
-    loads = (load(0, 0, -3.0), load(0, 1, 0.2))
+    loads = (load(0, TORQUE, -3.0), load(0, VISCOUS, 0.2))
     gearbox = pair.gearbox(kernel, loads, tracking=tracking, friction=(0.3, 1e-3))
     state = in_mode(gearbox, random, (LOADED, branch))
     o = gearbox.outputs(state)

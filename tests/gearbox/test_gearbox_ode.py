@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from kernel.description import Block
 from kernel.gearbox import LOADED, OPEN, UNLOADED, Gearbox, GearboxError, State
 from kernel.gearbox_cases import PAIRS, chain, in_mode, prescribed
 from kernel.gearbox_description import ALGEBRAIC, CLOSED_FORM, DIFFERENTIAL
@@ -16,7 +17,6 @@ from kernel.housing_description import (
     MOUNTED,
     PRESCRIBED,
     RATE,
-    HousingDescription,
     housing,
     term,
 )
@@ -83,7 +83,7 @@ HOUSINGS = {
 @pytest.mark.parametrize("driven_by", ["torque", "motor", "gear", "drum"])
 @pytest.mark.parametrize("moved", HOUSINGS.values(), ids=HOUSINGS.keys())
 def test_the_jacobian_of_shafts_and_moving_supports_has_all_its_entries(
-    kernel: Kernel, moved: HousingDescription | None, driven_by: str
+    kernel: Kernel, moved: Block | None, driven_by: str
 ):
     gearbox = two_stages(kernel, housing=moved, driven_by=driven_by, against_housing=True)
     check_model(gearbox, stirred(gearbox, np.random.default_rng(5)))

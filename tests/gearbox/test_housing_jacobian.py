@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from kernel.description import Block
 from kernel.gearbox import Gearbox, State
 from kernel.gearbox_description import (
     BEARING,
@@ -18,7 +19,6 @@ from kernel.gearbox_description import (
     SPEED,
     TORQUE,
     VISCOUS,
-    LoadDescription,
     load,
     load_like,
     mesh,
@@ -31,7 +31,7 @@ from load_samples import SAMPLES
 RIGID = -1  # in place of a tracking: a rigid contact
 
 
-def loads(kernel: Kernel, kind: str) -> list[LoadDescription]:
+def loads(kernel: Kernel, kind: str) -> list[Block]:
     """Return loads against ground and housing, on both wheels, and one of a kind."""
     common = [
         load(0, TORQUE, -40.0, against_housing=True),

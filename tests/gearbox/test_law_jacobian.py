@@ -43,7 +43,7 @@ CASES = [
 
 
 def test_every_smooth_law_of_the_program_has_its_case(kernel: Kernel):
-    names = [{law.name.decode() for law in kernel.laws(family)} for family in range(3)]
+    names = [{law.name for law in kernel.laws(family)} for family in range(3)]
     # a rigid contact has no force law; Coulomb's law has branches and a test of its own
     assert names[CONTACT] == {*CONTACTS, "rigid"}
     assert names[DAMPING] == {*DAMPINGS, "none"}

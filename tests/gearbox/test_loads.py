@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from gearbox.test_housing_jacobian import HOUSINGS
+from kernel.description import Block
 from kernel.gearbox import LOADED, Gearbox, State
 from kernel.gearbox_cases import in_mode
 from kernel.gearbox_description import (
@@ -24,7 +25,6 @@ from kernel.gearbox_description import (
     support_like,
     wheel,
 )
-from kernel.housing_description import HousingDescription
 from kernel.jacobian import check_jacobian
 from kernel.kernel import Kernel, KindInfo
 from kernel.radau import LANES, model
@@ -38,7 +38,7 @@ EVERY_LOAD = pytest.mark.parametrize("name", SAMPLES)
 def train(
     kernel: Kernel,
     name: str,
-    housing: HousingDescription | None = None,
+    housing: Block | None = None,
     support: dict[str, Any] | None = None,
     *,
     against_housing: bool = False,
@@ -71,7 +71,7 @@ def stirred(gearbox: Gearbox, seed: int = 3) -> State:
 def all_given(infos: list[KindInfo], samples: dict[str, dict[str, Any]]) -> None:
     """Check that every parameter of every kind is given in a sample."""
     for info in infos:
-        kind = info.name.decode()
+        kind = info.name
         of_kind = [sample for sample in samples.values() if sample["kind"] == kind]
         assert of_kind, f"tests/load_samples.py has no sample of kind {kind}"
         given = {key for sample in of_kind for key in sample}

@@ -1,8 +1,9 @@
 !> Deviations of flanks and pitch errors for the tests: C calls that the kernel does not export.
 module deviation_calls
    use, intrinsic :: iso_c_binding, only: c_bool, c_double, c_f_pointer, c_int, c_ptr
+   use evl_capi_description, only: first_wheel
    use evl_capi_types, only: c_status, status_to_c
-   use evl_deviation_description, only: deviation_create, deviation_input, profile_t, relief_input
+   use evl_deviation_description, only: deviation_create, profile_t
    use evl_flank_deviation, only: deviation_borders, deviation_branch, deviation_on, deviation_zone, flank_deviation_t
    use evl_gearbox, only: gearbox_t
    use evl_pitch_errors, only: pitch_errors_generate, pitch_tolerances
@@ -11,24 +12,6 @@ module deviation_calls
    private
 
    public :: test_flank_deviation, test_gearbox_flank_deviation, test_pitch_error_sequence, test_pitch_tolerances
-
-   !> The fields of `relief_input`.
-   type, bind(c) :: given_relief
-      real(c_double) :: amount
-      logical(c_bool) :: by_roll_angle
-      real(c_double) :: start
-      integer(c_int) :: shape
-   end type given_relief
-
-   !> The fields of `deviation_input`.
-   type, bind(c) :: given_deviation
-      type(given_relief) :: tip, root
-      real(c_double) :: crowning
-      integer(c_int) :: n_pitch
-      type(c_ptr) :: pitch
-      integer(c_int) :: class, seed
-      real(c_double) :: eccentricity, phase
-   end type given_deviation
 
    !> The fields of `profile_t`.
    type, bind(c) :: given_profile
@@ -41,7 +24,7 @@ contains
    !> Deviation e [m] of flanks from the involute with its derivatives to rho, in the given zones (-1 root relief, 0 none, +1 tip
    !> relief) or in those that hold at rho, and the borders of the zones.
    subroutine test_flank_deviation(given, profile, n, teeth, sides, rho, zones, e, de, d2e, borders, status) bind(c)
-      type(given_deviation), intent(in) :: given
+      type(c_ptr), intent(in), value :: given !! a description: of its first wheel
       type(given_profile), intent(in) :: profile
       integer(c_int), intent(in), value :: n
       integer(c_int), intent(in) :: teeth(n), sides(n)
@@ -49,19 +32,11 @@ contains
       integer(c_int), intent(in), optional :: zones(n)
       real(c_double), intent(inout) :: e(n), de(n), d2e(n), borders(2)
       type(c_status), intent(out) :: status
-      real(c_double), pointer :: pitch(:)
-      type(deviation_input) :: description
       type(flank_deviation_t) :: deviation
       type(status_t) :: s
 
-      description = deviation_input(tip=relief_of(given%tip), root=relief_of(given%root), crowning=given%crowning, &
-                                    class=given%class, seed=given%seed, eccentricity=given%eccentricity, phase=given%phase)
-      if (given%n_pitch > 0) then
-         call c_f_pointer(given%pitch, pitch, [given%n_pitch])
-         description%pitch = pitch
-      end if
-      call deviation_create(description, profile_t(profile%teeth, profile%base_radius, profile%reference_radius, &
-                                                   profile%rho_start, profile%rho_tip, profile%tooth_angle), deviation, s)
+      call deviation_create(first_wheel(given), profile_t(profile%teeth, profile%base_radius, profile%reference_radius, &
+                                                          profile%rho_start, profile%rho_tip, profile%tooth_angle), deviation, s)
       if (.not. has_failed(s)) then
          call evaluate(deviation, n, teeth, sides, rho, zones, e, de, d2e)
          call deviation_borders(deviation, borders(1), borders(2))
@@ -119,12 +94,5 @@ contains
          call deviation_on(deviation_branch(deviation, teeth(i), sides(i), zone), rho(i), e(i), de(i), d2e(i))
       end do
    end subroutine evaluate
-
-   !> The kernel's relief.
-   elemental type(relief_input) function relief_of(given) result(relief)
-      type(given_relief), intent(in) :: given
-
-      relief = relief_input(given%amount, logical(given%by_roll_angle), given%start, given%shape)
-   end function relief_of
 
 end module deviation_calls

@@ -1,8 +1,9 @@
 !> Gears, gears in mesh and the involute function for the tests: C calls that the kernel does not export.
 module gear_calls
-   use, intrinsic :: iso_c_binding, only: c_bool, c_double, c_int
+   use, intrinsic :: iso_c_binding, only: c_bool, c_double, c_int, c_ptr
+   use evl_capi_description, only: first_wheel
    use evl_capi_types, only: c_status, status_to_c
-   use evl_gear, only: gear_derive, gear_input, gear_t, gear_thickness
+   use evl_gear, only: gear_derive, gear_t, gear_thickness
    use evl_gears_in_mesh, only: gear_mesh_derive, gear_mesh_input, gear_mesh_t
    use evl_involute_angle, only: involute_of_tangent, tangent_of_involute
    use evl_status, only: code_ok, code_out_of_domain, status_t
@@ -11,27 +12,16 @@ module gear_calls
 
    public :: test_gear_derive, test_gear_mesh_derive, test_gear_tooth_thickness, test_involute_inverse, test_involute_value
 
-   !> A gear as described: the fields of `gear_input` in their order.
-   type, bind(c) :: gear_description
-      real(c_double) :: normal_module, pressure_angle, profile_shift, rack_addendum, rack_dedendum, rack_root_radius
-      logical(c_bool) :: has_tip_diameter, has_tip_alteration
-      real(c_double) :: tip_diameter, tip_alteration, thickness_allowance, bore
-   end type gear_description
-
 contains
 
-   !> Geometry of one real gear.
-   subroutine test_gear_derive(teeth, given, gear, status) bind(c)
-      integer(c_int), intent(in), value :: teeth
-      type(gear_description), intent(in) :: given
+   !> Geometry of the first wheel of a description as a real gear.
+   subroutine test_gear_derive(description, gear, status) bind(c)
+      type(c_ptr), intent(in), value :: description
       type(gear_t), intent(out) :: gear
       type(c_status), intent(out) :: status
       type(status_t) :: s
 
-      call gear_derive(teeth, gear_input(given%normal_module, given%pressure_angle, given%profile_shift, given%rack_addendum, &
-                                         given%rack_dedendum, given%rack_root_radius, logical(given%has_tip_diameter), &
-                                         logical(given%has_tip_alteration), given%tip_diameter, given%tip_alteration, &
-                                         given%thickness_allowance, given%bore), gear, s)
+      call gear_derive(first_wheel(description), gear, s)
       call status_to_c(s, status)
    end subroutine test_gear_derive
 

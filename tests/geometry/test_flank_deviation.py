@@ -8,13 +8,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from kernel.description import Block
 from kernel.deviations import (
     LINEAR,
     NONE,
     PARABOLIC,
     ROOT,
     TIP,
-    DeviationDescription,
     Formula,
     Profile,
     deviation_at,
@@ -246,7 +246,7 @@ def test_derivatives_are_those_of_the_values(
     assert abs((result.de[2] - result.de[0]) / (2 * h) - result.d2e[1]) <= tolerance
 
 
-def refusal(kernel: Kernel, description: DeviationDescription) -> KernelError:
+def refusal(kernel: Kernel, description: Block) -> KernelError:
     with pytest.raises(KernelError) as caught:
         deviation_at(kernel, description, PROFILE, 0.01)
     assert caught.value.code == INVALID_INPUT

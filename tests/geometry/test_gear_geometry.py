@@ -413,7 +413,7 @@ def wheel_of(teeth: int, **given: Any) -> Any:
 
 
 def real(kernel: Kernel, *of: int, **given: Any) -> Any:
-    return mesh_description(kernel, *of, paper_rule=False, **given)
+    return mesh_description(kernel, *of, real=True, **given)
 
 
 def fields(structure: ctypes.Structure) -> dict[str, Any]:

@@ -195,7 +195,7 @@ def test_a_backlash_that_rounding_made_negative_is_none(kernel: Kernel) -> None:
 
 
 def real(kernel: Kernel, **given: Any) -> Any:
-    return mesh_description(kernel, paper_rule=False, **given)
+    return mesh_description(kernel, real=True, **given)
 
 
 def gear_wheel(teeth: int, pitch_radius: float | None = None, **given: Any) -> Any:
@@ -251,7 +251,7 @@ def test_a_centre_distance_is_for_real_gears(kernel: Kernel) -> None:
 
 def test_centres_have_to_agree_with_the_centre_distance(kernel: Kernel) -> None:
     wheels = [gear_wheel(20), gear_wheel(30)]
-    wheels[0].has_centre = wheels[1].has_centre = True
+    wheels[0].centre = wheels[1].centre = (0.0, 0.0)
     wheels[1].centre[0] = 0.0501
     error = refusal(kernel, wheels, [real(kernel)])
     assert (error.subject, error.index, error.field) == (MESH, 0, "centre_distance")

@@ -7,7 +7,6 @@ docs/deviations.md, not from the kernel.
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -15,37 +14,11 @@ import mpmath as mp
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kernel.description import Block, create
 from kernel.kernel import OK, Floats, Kernel, Status, _at, _double, _error, _int
 
-LINEAR, PARABOLIC = range(2)
+LINEAR, PARABOLIC = "linear", "parabolic"
 ROOT, NONE, TIP = -1, 0, 1
-
-
-class ReliefDescription(ctypes.Structure):
-    """`evl_relief`."""
-
-    _fields_ = [
-        ("amount", _double),
-        ("by_roll_angle", ctypes.c_bool),
-        ("start", _double),
-        ("shape", _int),
-    ]
-
-
-class DeviationDescription(ctypes.Structure):
-    """`evl_flank_deviation`."""
-
-    _fields_ = [
-        ("tip_relief", ReliefDescription),
-        ("root_relief", ReliefDescription),
-        ("profile_crowning", _double),
-        ("n_pitch_errors", _int),
-        ("pitch_errors", ctypes.POINTER(_double)),
-        ("accuracy_class", _int),
-        ("seed", _int),
-        ("runout_amount", _double),
-        ("runout_phase", _double),
-    ]
 
 
 class Profile(ctypes.Structure):
@@ -75,27 +48,33 @@ def relief(
     *,
     diameter: float | None = None,
     roll_angle: float | None = None,
-    shape: int = LINEAR,
-) -> ReliefDescription:
+    shape: str = LINEAR,
+) -> Block:
     """Relief that starts at a diameter or at a roll angle."""
-    start = roll_angle if diameter is None else diameter
-    return ReliefDescription(amount, diameter is None, start, shape)
+    start = {"roll_angle": roll_angle} if diameter is None else {"diameter": diameter}
+    return Block(amount=amount, **start, shape=shape)
 
 
 def deviations(
-    *, pitch_errors: Sequence[float] | None = None, **fields: object
-) -> DeviationDescription:
-    """Deviations of a wheel: all 0 but those given."""
-    description = DeviationDescription(**fields)
-    if pitch_errors is not None:
-        description.n_pitch_errors = len(pitch_errors)
-        description.pitch_errors = (_double * len(pitch_errors))(*pitch_errors)
-    return description
+    *,
+    accuracy_class: int = 0,
+    seed: int = 0,
+    runout_amount: float | None = None,
+    runout_phase: float = 0.0,
+    **fields: object,
+) -> Block:
+    """Deviations of a wheel: none but those given."""
+    result = Block({key: value for key, value in fields.items() if value is not None})
+    if accuracy_class:
+        result.accuracy = Block({"class": accuracy_class, "seed": seed})
+    if runout_amount is not None:
+        result.runout = Block(amount=runout_amount, phase=runout_phase)
+    return result
 
 
 def deviation_at(
     kernel: Kernel,
-    given: DeviationDescription,
+    given: Block,
     profile: Profile,
     rho: ArrayLike,
     tooth: ArrayLike = 0,
@@ -115,15 +94,19 @@ def deviation_at(
     n = radii.size
     result = Deviation(np.empty(n), np.empty(n), np.empty(n), np.empty(2))
     status = Status()
-    kernel.library.test_flank_deviation(
-        ctypes.byref(given),
-        ctypes.byref(profile),
-        n,
-        *map(_at, (teeth, sides, radii)),
-        None if zones is None else _at(held),
-        *map(_at, result),
-        ctypes.byref(status),
-    )
+    wheel = {"name": "w", "material": "m", "width": 1.0, "module": 1.0, **given}
+    description = create(kernel.library, {"wheels": [wheel]}, status)
+    if description:
+        kernel.library.test_flank_deviation(
+            description,
+            ctypes.byref(profile),
+            n,
+            *map(_at, (teeth, sides, radii)),
+            None if zones is None else _at(held),
+            *map(_at, result),
+            ctypes.byref(status),
+        )
+        kernel.library.evl_description_delete(ctypes.byref(description))
     if status.code != OK:
         raise _error(status)
     return result
@@ -168,15 +151,15 @@ def pitch_error_sequence(
 class Formula:
     """e(rho) of docs/deviations.md in mpmath, on the branch that a zone selects."""
 
-    given: DeviationDescription
+    given: Block
     profile: Profile
 
-    def start(self, relief: ReliefDescription) -> mp.mpf:
+    def start(self, relief: Block) -> mp.mpf:
         """Radius of curvature at which a relief starts."""
         r_b = mp.mpf(self.profile.base_radius)
-        if relief.by_roll_angle:
-            return r_b * mp.mpf(relief.start)
-        return mp.sqrt((mp.mpf(relief.start) / 2) ** 2 - r_b**2)
+        if "roll_angle" in relief:
+            return r_b * mp.mpf(relief.roll_angle)
+        return mp.sqrt((mp.mpf(relief.diameter) / 2) ** 2 - r_b**2)
 
     def e(self, rho: mp.mpf, tooth: int, side: int, zone: int) -> mp.mpf:
         """Material that the flank lacks [m]."""
@@ -185,19 +168,21 @@ class Formula:
         r_b, z = mp.mpf(profile.base_radius), profile.teeth
         e = mp.mpf(0)
         if zone != NONE:
-            chosen, end = {ROOT: (given.root_relief, low), TIP: (given.tip_relief, high)}[zone]
-            if chosen.amount > 0:
+            key, end = {ROOT: ("root_relief", low), TIP: ("tip_relief", high)}[zone]
+            if key in given and given[key].amount > 0:
+                chosen = given[key]
                 border = self.start(chosen)
                 power = 1 if chosen.shape == LINEAR else 2
                 e += chosen.amount * ((rho - border) / (end - border)) ** power
-        e += given.profile_crowning * ((2 * rho - low - high) / (high - low)) ** 2
-        if given.n_pitch_errors:
+        e += given.get("profile_crowning", 0) * ((2 * rho - low - high) / (high - low)) ** 2
+        if "pitch_errors" in given:
             arc = mp.mpf(given.pitch_errors[tooth % z])
             e += side * arc * r_b / mp.mpf(profile.reference_radius)
         # outward normal of the flank, whose involute starts at `root` on the base circle
         root = 2 * mp.pi * tooth / z - side * mp.mpf(profile.tooth_angle) / 2
         beta = root + side * rho / r_b
         normal = (side * mp.sin(beta), -side * mp.cos(beta))
-        centre = (mp.cos(given.runout_phase), mp.sin(given.runout_phase))
-        e -= given.runout_amount * (normal[0] * centre[0] + normal[1] * centre[1])
+        runout = given.get("runout", Block(amount=0.0, phase=0.0))
+        centre = (mp.cos(runout.phase), mp.sin(runout.phase))
+        e -= runout.amount * (normal[0] * centre[0] + normal[1] * centre[1])
         return e

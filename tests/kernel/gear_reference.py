@@ -6,7 +6,8 @@ from typing import Any
 
 import mpmath as mp
 
-from kernel.gears import GearDescription, GearGeometry
+from kernel.description import Block
+from kernel.gears import GearGeometry
 
 
 def inv(alpha: mp.mpf) -> mp.mpf:
@@ -26,22 +27,22 @@ def inverse_inv(involute: mp.mpf) -> mp.mpf:
     return mp.atan((low + high) / 2)
 
 
-def exact_gear(teeth: int, given: GearDescription) -> dict[str, mp.mpf]:
+def exact_gear(teeth: int, given: Block) -> dict[str, mp.mpf]:
     """Everything of a gear without undercut."""
-    m, alpha = mp.mpf(given.normal_module), mp.mpf(given.pressure_angle)
+    m, alpha = mp.mpf(given.module), mp.mpf(given.pressure_angle)
     x, allowance = mp.mpf(given.profile_shift), mp.mpf(given.thickness_allowance)
     r = m * teeth / 2
     rb = r * mp.cos(alpha)
     x_e = x + allowance / (2 * m * mp.tan(alpha))
-    rf = r - m * (mp.mpf(given.rack_dedendum) - x_e)
-    k = mp.mpf(given.tip_alteration) if given.has_tip_alteration else mp.mpf(0)
-    ra = r + m * (x + mp.mpf(given.rack_addendum) + k)
-    if given.has_tip_diameter:
+    rf = r - m * (mp.mpf(given.rack.dedendum) - x_e)
+    k = mp.mpf(given.get("tip_alteration", 0))
+    ra = r + m * (x + mp.mpf(given.rack.addendum) + k)
+    if "tip_diameter" in given:
         ra = mp.mpf(given.tip_diameter) / 2
-        k = (ra - r) / m - x - mp.mpf(given.rack_addendum)
+        k = (ra - r) / m - x - mp.mpf(given.rack.addendum)
     s = m * (mp.pi / 2 + 2 * x * mp.tan(alpha)) + allowance
     # the end of the rack's straight flank in modules below its datum line
-    flank = mp.mpf(given.rack_dedendum) - mp.mpf(given.rack_root_radius) * (1 - mp.sin(alpha))
+    flank = mp.mpf(given.rack.dedendum) - mp.mpf(given.rack.root_radius) * (1 - mp.sin(alpha))
     form = r * mp.sin(alpha) - m * (flank - x_e) / mp.sin(alpha)
     return {
         "pitch": mp.pi * m,

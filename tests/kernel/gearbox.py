@@ -15,16 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kernel.gearbox_description import (
-    REST,
-    LoadDescription,
-    MeshDescription,
-    ShaftDescription,
-    WheelDescription,
-    _bool,
-    initial,
-)
-from kernel.housing_description import HousingDescription
+from kernel.description import Block, create
+from kernel.gearbox_description import REST, _bool, case_of, initial
 from kernel.kernel import OK, Floats, Integers, Kernel, Status, _at, _double, _int, _pair
 
 OPEN, LOADED, UNLOADED, APART, OFF = range(5)
@@ -164,32 +156,29 @@ class Gearbox:
     def __init__(
         self,
         kernel: Kernel,
-        wheels: Sequence[WheelDescription],
-        loads: Sequence[LoadDescription],
-        meshes: Sequence[MeshDescription],
-        housing: HousingDescription | None = None,
-        shafts: Sequence[ShaftDescription] = (),
+        wheels: Sequence[Block],
+        loads: Sequence[Block],
+        meshes: Sequence[Block],
+        housing: Block | None = None,
+        shafts: Sequence[Block] = (),
     ) -> None:
         self.kernel = kernel
         self.library = kernel.library
         self.library.evl_gearbox_create.restype = ctypes.c_void_p
         self.library.evl_gearbox_next_time_event.restype = _double
         status = Status()
-        handle = self.library.evl_gearbox_create(
-            len(wheels),
-            (WheelDescription * len(wheels))(*wheels),
-            len(loads),
-            (LoadDescription * len(loads))(*loads),
-            len(meshes),
-            (MeshDescription * len(meshes))(*meshes),
-            len(shafts),
-            (ShaftDescription * len(shafts))(*shafts),
-            None if housing is None else ctypes.byref(housing),
-            ctypes.byref(status),
-        )
+        case, order = case_of(kernel, wheels, loads, meshes, housing, shafts)
+        description = create(self.library, case, status)
+        handle = None
+        if description:
+            handle = self.library.evl_gearbox_create(description, ctypes.byref(status))
+            self.library.evl_description_delete(ctypes.byref(description))
         self.handle = ctypes.c_void_p(handle)
         if not handle:
-            raise _error(status)
+            error = _error(status)
+            if error.subject == LOAD:  # which of those that were given
+                error.index = order[error.index]
+            raise error
         assert status.code == OK
         self.sizes = Sizes()
         self.library.evl_gearbox_sizes(self.handle, ctypes.byref(self.sizes))

@@ -80,8 +80,7 @@ def chain(kernel: Kernel, n: int, tracking: int, sigma: int = 1, closed: bool = 
         for i, (x, y) in enumerate(
             [(0, 0), _apex(a, b, diagonal, 1), (diagonal, 0), _apex(d, c, diagonal, -1)]
         ):
-            wheels[i].has_centre = True
-            wheels[i].centre = type(wheels[i].centre)(x, y)
+            wheels[i].centre = (x, y)
     loads = [
         load(0, TORQUE, -7.0 * sigma),
         load(0, VISCOUS, 0.3),

@@ -1,131 +1,27 @@
-"""Descriptions of gearboxes as `evolvent/kernel.h` has them, with defaults for the tests.
+"""Descriptions of gearboxes in the words of the case file, with defaults for the tests.
 
-`wheel`, `load`, `mesh` and `initial` fill in every field that a test does not care about.
+`wheel`, `load`, `mesh` and `initial` fill in every field that a test does not care about. Numbers
+are in SI units and radians; wheels are numbered until `case_of` names them.
 """
 
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kernel.deviations import DeviationDescription
-from kernel.kernel import (
-    CONTACT,
-    DAMPING,
-    FRICTION,
-    Kernel,
-    KindInfo,
-    LawChoice,
-    _double,
-    _int,
-    _pair,
-)
+from kernel.description import Block, kinds
+from kernel.kernel import FAMILIES, Kernel, LawChoice, _double, _int
 
-FIXED, SLIDER, BEARING = range(3)
-TORQUE, VISCOUS, TABLE, SPEED = range(4)
-CLOSED_FORM, ALGEBRAIC, DIFFERENTIAL = range(3)
+FIXED, SLIDER, BEARING = "fixed", "slider", "bearing"
+TORQUE, VISCOUS, TABLE, SPEED = "torque", "viscous", "table", "speed"
+CLOSED_FORM, ALGEBRAIC, DIFFERENTIAL = "closed_form", "algebraic", "differential"
 REST, STEADY, SPEEDS = range(3)
 
 _bool = ctypes.c_bool
-
-
-class GearDescription(ctypes.Structure):
-    """`evl_gear`."""
-
-    _fields_ = [
-        ("normal_module", _double),
-        ("pressure_angle", _double),
-        ("profile_shift", _double),
-        ("rack_addendum", _double),
-        ("rack_dedendum", _double),
-        ("rack_root_radius", _double),
-        ("has_tip_diameter", _bool),
-        ("tip_diameter", _double),
-        ("has_tip_alteration", _bool),
-        ("tip_alteration", _double),
-        ("thickness_allowance", _double),
-        ("bore", _double),
-    ]
-
-
-class SupportDescription(ctypes.Structure):
-    """`evl_support`."""
-
-    _fields_ = [("kind", _int), ("counts", _int * 8), ("numbers", ctypes.POINTER(_double))]
-
-
-class WheelDescription(ctypes.Structure):
-    """`evl_wheel`."""
-
-    _fields_ = [
-        ("teeth", _int),
-        ("has_pitch_radius", _bool),
-        ("pitch_radius", _double),
-        ("width", _double),
-        ("has_centre", _bool),
-        ("centre", _pair),
-        ("youngs_modulus", _double),
-        ("poisson_ratio", _double),
-        ("density", _double),
-        ("has_inertia", _bool),
-        ("inertia", _double),
-        ("has_mass", _bool),
-        ("mass", _double),
-        ("support", SupportDescription),
-        ("has_transverse_inertia", _bool),
-        ("transverse_inertia", _double),
-        ("axial_position", _double),
-        ("has_gear", _bool),
-        ("gear", GearDescription),
-        ("deviation", DeviationDescription),
-    ]
-
-
-class LoadDescription(ctypes.Structure):
-    """`evl_load`."""
-
-    _fields_ = [
-        ("wheel", _int),
-        ("kind", _int),
-        ("against_housing", _bool),
-        ("counts", _int * 8),
-        ("numbers", ctypes.POINTER(_double)),
-    ]
-
-
-class MeshDescription(ctypes.Structure):
-    """`evl_mesh`."""
-
-    _fields_ = [
-        ("driving", _int),
-        ("driven", _int),
-        ("driving_rotation", _int),
-        ("has_centre_line_angle", _bool),
-        ("centre_line_angle", _double),
-        ("paper_rule", _bool),
-        ("pressure_angle", _double),
-        ("contact", LawChoice),
-        ("damping", LawChoice),
-        ("friction", LawChoice),
-        ("tracking", _int),
-        ("has_centre_distance", _bool),
-        ("centre_distance", _double),
-        ("has_backlash", _bool),
-        ("backlash", _double),
-    ]
-
-
-class ShaftDescription(ctypes.Structure):
-    """`evl_shaft`."""
-
-    _fields_ = [
-        *((name, _int) for name in ("wheel_a", "wheel_b")),
-        ("rigid", _bool),
-        *((name, _double) for name in ("stiffness", "damping")),
-    ]
 
 
 class InitialDescription(ctypes.Structure):
@@ -139,145 +35,200 @@ class InitialDescription(ctypes.Structure):
     ]
 
 
-def _filled(structure: Any, defaults: dict[str, Any], given: dict[str, Any]) -> Any:
-    values = {**defaults, **given}
-    optional = ("pitch_radius", "centre", "inertia", "mass", "transverse_inertia", "gear")
-    for name in (*optional, "centre_line_angle", "centre_distance", "backlash"):
-        if name in values and hasattr(structure, f"has_{name}"):
-            values[f"has_{name}"] = values[name] is not None
-            if values[name] is None:
-                del values[name]
-    for name, value in values.items():
-        pair = isinstance(getattr(structure, name), ctypes.Array)
-        setattr(structure, name, type(getattr(structure, name))(*value) if pair else value)
-    return structure
+def _given(fields: dict[str, Any]) -> Block:
+    return Block({key: value for key, value in fields.items() if value is not None})
 
 
-def wheel(**fields: Any) -> WheelDescription:
-    """Steel wheel on a fixed axle; None for what shall follow from the mesh."""
-    defaults = {
-        **{"teeth": 20, "pitch_radius": None, "width": 0.1, "centre": None},
-        **{"youngs_modulus": 2e11, "poisson_ratio": 0.3, "density": 7800.0},
-        **{"inertia": None, "mass": None},
-    }
-    given = {key: fields.pop(key) for key in list(fields) if key.startswith("support_")}
-    return _filled(WheelDescription(), {**defaults, "support": support(**given)}, fields)
+def wheel(**fields: Any) -> Block:
+    """Steel wheel on a fixed axle; None for what shall follow from the mesh.
+
+    `gear` and `deviation` are blocks whose keys become the wheel's, and so does a material's.
+    """
+    defaults = {"teeth": 20, "width": 0.1}
+    steel = {"youngs_modulus": 2e11, "poisson_ratio": 0.3, "density": 7800.0}
+    material = Block({key: fields.pop(key, value) for key, value in steel.items()})
+    of_support = {key: fields.pop(key) for key in list(fields) if key.startswith("support_")}
+    result = _given({**defaults, "material": material, "support": support(**of_support), **fields})
+    for key in ("gear", "deviation"):
+        result.update(result.pop(key, {}))
+    if result.teeth == 0:
+        del result["teeth"]
+        if "pitch_radius" in result:
+            result.radius = result.pop("pitch_radius")
+    return result
 
 
 def support(
-    support_kind: int = FIXED,
+    support_kind: str = FIXED,
     support_direction: float = 0.0,
     support_mass: float = 0.0,
     support_stiffness: tuple[float, float] = (0.0, 0.0),
     support_damping: tuple[float, float] = (0.0, 0.0),
-) -> SupportDescription:
-    """Support of any kind; the direction in radians, of a slider the first of each pair."""
-    of_kind = {
-        SLIDER: [
-            [float(np.degrees(support_direction))],
-            [support_mass],
-            [support_stiffness[0]],
-            [support_damping[0]],
-        ],
-        BEARING: [[support_mass], list(support_stiffness), list(support_damping)],
-    }
-    return support_of(support_kind, of_kind.get(support_kind, []))
-
-
-def support_of(kind: int, parameters: list[list[float]]) -> SupportDescription:
-    """Support by the numbers of each of its kind's parameters; [] for one not given."""
-    numbers = [number for parameter in parameters for number in parameter]
-    counts = [len(parameter) for parameter in parameters]
-    return SupportDescription(kind, (_int * 8)(*counts), (_double * len(numbers))(*numbers))
+) -> Block:
+    """Support of any kind; of a slider the first of each pair."""
+    if support_kind == SLIDER:
+        return Block(
+            kind=SLIDER,
+            direction=support_direction,
+            mass=support_mass,
+            stiffness=support_stiffness[0],
+            damping=support_damping[0],
+        )
+    if support_kind == BEARING:
+        return Block(
+            kind=BEARING, mass=support_mass, stiffness=support_stiffness, damping=support_damping
+        )
+    return Block(kind=support_kind)
 
 
 def load(
     wheel: int,
-    kind: int,
+    kind: str,
     value: float = 0.0,
     table: ArrayLike | None = None,
     *,
     against_housing: bool = False,
-) -> LoadDescription:
+) -> Block:
     """Load of a wheel; table: (time, value) pairs."""
     knots = np.array(() if table is None else table, dtype=float).reshape(-1, 2)
-    series = [list(knots[:, 0]), list(knots[:, 1])]
-    of_kind = {TABLE: series, SPEED: [[value] if table is None else [], *series]}
-    return load_of(wheel, kind, of_kind.get(kind, [[value]]), against_housing=against_housing)
+    keys = {TABLE: "torque", SPEED: "speed"}
+    if kind == TABLE or (kind == SPEED and table is not None):
+        numbers = {"time": knots[:, 0], keys[kind]: knots[:, 1]}
+    else:
+        numbers = {"coefficient" if kind == VISCOUS else "value": value}
+    return load_of(wheel, kind, against_housing=against_housing, **numbers)
 
 
-def load_of(
-    wheel: int, kind: int, parameters: list[list[float]], *, against_housing: bool = False
-) -> LoadDescription:
-    """Load of a wheel by the numbers of each of its kind's parameters; [] for one not given."""
-    numbers = [number for parameter in parameters for number in parameter]
-    counts = [len(parameter) for parameter in parameters]
-    return LoadDescription(
-        wheel=wheel,
-        kind=kind,
-        against_housing=against_housing,
-        counts=(_int * 8)(*counts),
-        numbers=(_double * len(numbers))(*numbers),
-    )
+def load_of(wheel: int, kind: str, *, against_housing: bool = False, **numbers: Any) -> Block:
+    """Load of a wheel by the keys of its kind."""
+    against = "housing" if against_housing else "ground"
+    return Block(wheel=wheel, kind=kind, against=against, **numbers)
 
 
 def load_like(
     kernel: Kernel, wheel: int, sample: dict[str, Any], *, against_housing: bool = False
-) -> LoadDescription:
-    """Load of a wheel in the words of the case file."""
-    kind, series = _numbers_of(kernel.load_kinds(), sample)
-    return load_of(wheel, kind, series, against_housing=against_housing)
+) -> Block:
+    """Load of a wheel as the case file has it, angles in degrees."""
+    return load_of(wheel, against_housing=against_housing, **_in_radians(kernel, "load", sample))
 
 
-def support_like(kernel: Kernel, sample: dict[str, Any]) -> SupportDescription:
-    """Support in the words of the case file."""
-    return support_of(*_numbers_of(kernel.support_kinds(), sample))
+def support_like(kernel: Kernel, sample: dict[str, Any]) -> Block:
+    """Support as the case file has it, angles in degrees."""
+    return Block(_in_radians(kernel, "support", sample))
 
 
-def _numbers_of(kinds: list[KindInfo], sample: dict[str, Any]) -> tuple[int, list[list[float]]]:
-    """Index of the kind, and the numbers of each of its parameters."""
-    kind = [info.name.decode() for info in kinds].index(sample["kind"])
-    rows = kinds[kind].parameters[: kinds[kind].n_parameters]
-    given = [sample.get(row.name.decode(), []) for row in rows]
-    return kind, [value if isinstance(value, list) else [value] for value in given]
+def _in_radians(kernel: Kernel, block: str, sample: dict[str, Any]) -> dict[str, Any]:
+    (kind,) = [kind for kind in kinds(kernel.library, block) if kind.name == sample["kind"]]
+    angles = {row.key for row in kind.rows if row.unit == "deg"}
+    return {key: np.radians(value) if key in angles else value for key, value in sample.items()}
 
 
 def shaft(
     wheel_a: int, wheel_b: int, stiffness: float | None = None, damping: float = 0.0
-) -> ShaftDescription:
+) -> Block:
     """Shaft between two wheels; rigid without a stiffness."""
-    return ShaftDescription(wheel_a, wheel_b, stiffness is None, stiffness or 0.0, damping)
+    wheels = (wheel_a, wheel_b)
+    if stiffness is None:
+        return Block(kind="rigid", wheels=wheels)
+    return Block(kind="elastic", wheels=wheels, stiffness=stiffness, damping=damping)
+
+
+def law_block(kernel: Kernel, family: int, choice: LawChoice | Block) -> Block:
+    """Law as a block of a mesh."""
+    if isinstance(choice, dict):
+        return choice
+    law = kernel.laws(family)[choice.law]
+    numbers = zip((row.key for row in law.rows), choice.parameters, strict=False)
+    return Block(law=law.name, **{key: value for key, value in numbers if not np.isnan(value)})
 
 
 def mesh(
-    kernel: Kernel,
+    _kernel: Kernel,
     driving: int = 0,
     driven: int = 1,
     *,
-    damping: float | tuple[str, float] | None = 1e4,
-    friction: float | tuple[float, float] = 0.0,
+    damping: float | tuple[str, float] | LawChoice | Block | None = 1e4,
+    friction: float | tuple[float, float] | LawChoice | Block = 0.0,
     pressure_angle: float | None = None,
+    driving_rotation: int = -1,
+    real: bool = False,
     **fields: Any,
-) -> MeshDescription:
+) -> Block:
     """Mesh with Johnson's law; friction: coefficient, or that and the regularisation velocity.
 
     `damping` is the coefficient of the linear law, or the name of another law with its coefficient,
-    or None for no damping; without a pressure angle the paper's rule gives it.
+    or None for no damping; without a pressure angle the paper's rule gives it, unless the mesh is
+    one of real gears.
     """
-    name, coefficient = damping if isinstance(damping, tuple) else ("linear", damping)
-    no_damping = kernel.law(DAMPING, "none")
-    f, delta = friction if isinstance(friction, tuple) else (friction, 1e-4)
-    defaults = {
-        **{"driving": driving, "driven": driven, "driving_rotation": -1, "centre_line_angle": 0.0},
-        **{"paper_rule": pressure_angle is None, "pressure_angle": pressure_angle or 0.0},
-        "contact": kernel.law(CONTACT, "johnson"),
-        "damping": no_damping
-        if damping is None
-        else kernel.law(DAMPING, name, coefficient=coefficient),
-        "friction": kernel.law(FRICTION, "coulomb", coefficient=f, regularisation_velocity=delta),
-        "tracking": CLOSED_FORM,
+    if not isinstance(damping, (dict, LawChoice)):
+        name, coefficient = damping if isinstance(damping, tuple) else ("linear", damping)
+        damping = Block(law="none") if damping is None else Block(law=name, coefficient=coefficient)
+    if not isinstance(friction, (dict, LawChoice)):
+        f, delta = friction if isinstance(friction, tuple) else (friction, 1e-4)
+        friction = Block(law="coulomb", coefficient=f, regularisation_velocity=delta)
+    return _given(
+        {
+            **{"driving": driving, "driven": driven},
+            "driving_rotation": {-1: "clockwise", 1: "counterclockwise"}[driving_rotation],
+            "centre_line_angle": 0.0,
+            "pressure_angle": None if real else pressure_angle or "paper_rule",
+            "tracking": CLOSED_FORM,
+            "contact": Block(law="johnson"),
+            **fields,
+            "damping": damping,
+            "friction": friction,
+        }
+    )
+
+
+def case_of(
+    kernel: Kernel,
+    wheels: Sequence[Block],
+    loads: Sequence[Block],
+    meshes: Sequence[Block],
+    housing: Block | None = None,
+    shafts: Sequence[Block] = (),
+) -> tuple[Block, list[int]]:
+    """Put the parts into a case.
+
+    Returns it, and which of the loads each is in the order of the case, wheel by wheel.
+    """
+    order = [k for i in range(len(wheels)) for k, one in enumerate(loads) if one.wheel == i]
+    root = {
+        "materials": {f"m{i}": given.material for i, given in enumerate(wheels)},
+        "wheels": [
+            {
+                **given,
+                "name": f"w{i}",
+                "material": f"m{i}",
+                "loads": [
+                    {key: value for key, value in one.items() if key != "wheel"}
+                    for one in loads
+                    if one.wheel == i
+                ],
+            }
+            for i, given in enumerate(wheels)
+        ],
+        "meshes": [
+            {
+                **given,
+                "driving": f"w{given.driving}",
+                "driven": f"w{given.driven}",
+                **{key: law_block(kernel, i, given[key]) for i, key in enumerate(FAMILIES)},
+            }
+            for given in meshes
+        ],
+        "shafts": [
+            {**given, "name": f"s{i}", "wheels": [f"w{k}" for k in given.wheels]}
+            for i, given in enumerate(shafts)
+        ],
     }
-    return _filled(MeshDescription(), defaults, fields)
+    of_housing = dict(housing or {})
+    if "gravity" in of_housing:
+        root["gravity"] = of_housing.pop("gravity")
+    if of_housing:
+        root["housing"] = of_housing
+    return Block(root), order
 
 
 def initial(

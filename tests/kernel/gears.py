@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kernel.description import Block, create
 from kernel.gearbox import Gearbox
-from kernel.gearbox_description import GearDescription, _bool
+from kernel.gearbox_description import _bool
 from kernel.kernel import OK, Floats, Integers, Kernel, Status, _at, _double, _error, _int
 
 
@@ -52,43 +53,23 @@ class GearMesh(ctypes.Structure):
     _fields_ = [*((name, _double) for name in _MESH_NUMBERS), ("exists", _bool)]
 
 
-class GivenGear(ctypes.Structure):
-    """`gear_description` of the tests."""
-
-    _fields_ = [
-        *((name, _double) for name in ("normal_module", "pressure_angle", "profile_shift")),
-        *((name, _double) for name in ("rack_addendum", "rack_dedendum", "rack_root_radius")),
-        *((name, _bool) for name in ("has_tip_diameter", "has_tip_alteration")),
-        *((name, _double) for name in ("tip_diameter", "tip_alteration")),
-        *((name, _double) for name in ("thickness_allowance", "bore")),
-    ]
-
-
-def _given(module: float, **given: Any) -> dict[str, Any]:
-    values = {
-        **{"normal_module": module, "pressure_angle": np.radians(20)},
-        **{"rack_addendum": 1.0, "rack_dedendum": 1.25, "rack_root_radius": 0.38},
-        **given,
-    }
-    for name in ("tip_diameter", "tip_alteration"):
-        values[f"has_{name}"] = name in given
-    return values
-
-
-def gear_description(module: float = 0.002, **given: Any) -> GearDescription:
-    """Describe a gear; the rack of ISO 53, profile A, and what else `GearDescription` has."""
-    return GearDescription(**_given(module, **given))
+def gear_description(module: float = 0.002, **given: Any) -> Block:
+    """Describe a gear; the rack of ISO 53, profile A, and what else a wheel with a module has."""
+    rack = {"rack_addendum": 1.0, "rack_dedendum": 1.25, "rack_root_radius": 0.38}
+    of_rack = {key.removeprefix("rack_"): given.pop(key, value) for key, value in rack.items()}
+    defaults = {"module": module, "pressure_angle": np.radians(20), "profile_shift": 0.0}
+    return Block({**defaults, "thickness_allowance": 0.0, "rack": Block(of_rack), **given})
 
 
 def gear(kernel: Kernel, teeth: int, module: float = 0.002, **given: Any) -> GearGeometry:
     """Geometry of a gear; raises KernelError if it is refused."""
     geometry, status = GearGeometry(), Status()
-    kernel.library.test_gear_derive(
-        teeth,
-        ctypes.byref(GivenGear(**_given(module, **given))),
-        ctypes.byref(geometry),
-        ctypes.byref(status),
-    )
+    form = gear_description(module, **given)
+    wheel = {"name": "w", "material": "m", "width": 1.0, "teeth": teeth, **form}
+    description = create(kernel.library, {"wheels": [wheel]}, status)
+    if description:
+        kernel.library.test_gear_derive(description, ctypes.byref(geometry), ctypes.byref(status))
+        kernel.library.evl_description_delete(ctypes.byref(description))
     if status.code != OK:
         raise _error(status)
     return geometry

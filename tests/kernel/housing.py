@@ -13,8 +13,9 @@ from typing import Any
 import mpmath as mp
 import numpy as np
 
+from kernel.description import Block
 from kernel.gearbox import TRACKED, Gearbox, State
-from kernel.gearbox_description import BEARING, SPEED, LoadDescription, load, mesh, wheel
+from kernel.gearbox_description import BEARING, SPEED, load, mesh, wheel
 from kernel.kernel import Kernel
 
 mp.mp.dps = 50
@@ -54,9 +55,7 @@ class Pair:
     reference: int = 0  # wheel whose angle is theta: a prescribed speed makes it so
     poisson: tuple[float, float] = (0.3, 0.3)
 
-    def gearbox(
-        self, kernel: Kernel, loads: tuple[LoadDescription, ...] = (), **fields: Any
-    ) -> Gearbox:
+    def gearbox(self, kernel: Kernel, loads: tuple[Block, ...] = (), **fields: Any) -> Gearbox:
         """Make the gearbox; fields of the mesh."""
         bearing = {
             **{"support_kind": BEARING, "support_mass": 5.0},

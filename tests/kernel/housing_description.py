@@ -1,84 +1,58 @@
-"""Descriptions of housings as `evolvent/kernel.h` has them."""
+"""Descriptions of housings in the words of the case file, in SI units and radians."""
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Sequence
 from typing import Any
 
-from kernel.kernel import _double, _int
+from kernel.description import Block
 
-HOUSING_FIXED, PRESCRIBED, MOUNTED = range(3)
-CONSTANT, RATE, HARMONIC, SPLINE = range(4)
+HOUSING_FIXED, PRESCRIBED, MOUNTED = "fixed", "prescribed", "mounted"
+CONSTANT, RATE, HARMONIC, SPLINE = "constant", "rate", "harmonic", "table"
 X, Y, Z, TURN_X, TURN_Y, TURN_Z = range(6)
 
-_vector = _double * 3
-_quaternion = _double * 4
-_numbers = ctypes.POINTER(_double)
-
-
-class MotionTerm(ctypes.Structure):
-    """`evl_motion_term`."""
-
-    _fields_ = [
-        ("coordinate", _int),
-        ("kind", _int),
-        ("value", _double),
-        ("frequency", _double),
-        ("phase", _double),
-        ("n", _int),
-        ("time", _numbers),
-        ("values", _numbers),
-    ]
-
-
-class HousingDescription(ctypes.Structure):
-    """`evl_housing`."""
-
-    _fields_ = [
-        ("kind", _int),
-        ("gravity", _vector),
-        ("n_terms", _int),
-        ("terms", ctypes.POINTER(MotionTerm)),
-        ("mass", _double),
-        *((name, _vector) for name in ("centre_of_mass", "inertia", "products_of_inertia")),
-        *((name, _vector) for name in ("mount_point", "stiffness", "damping")),
-        *((name, _vector) for name in ("rotational_stiffness", "rotational_damping")),
-        *((name, _vector) for name in ("force", "moment", "position")),
-        ("orientation", _quaternion),
-        ("velocity", _vector),
-        ("angular_velocity", _vector),
-    ]
+_MOUNT = {
+    "mount_point": "point",
+    **{
+        name: name
+        for name in ("stiffness", "damping", "rotational_stiffness", "rotational_damping")
+    },
+}
 
 
 def term(
     coordinate: int,
-    kind: int,
+    kind: str,
     value: float = 0.0,
     *,
     frequency: float = 0.0,
     phase: float = 0.0,
     table: Sequence[tuple[float, float]] = (),
-) -> MotionTerm:
+) -> Block:
     """Term of a prescribed motion; table: (time, value) pairs."""
-    result = MotionTerm(
-        coordinate=coordinate, kind=kind, value=value, frequency=frequency, phase=phase
-    )
-    if table:
-        result.n = len(table)
-        result.time = (_double * len(table))(*(time for time, _ in table))
-        result.values = (_double * len(table))(*(knot for _, knot in table))
+    result = Block(coordinate=coordinate, kind=kind, axis="xyz"[coordinate % 3])
+    if kind == HARMONIC:
+        result.update(amplitude=value, frequency=frequency, phase=phase)
+    elif kind == SPLINE:
+        result.update(time=[t for t, _ in table], value=[v for _, v in table])
+    else:
+        result.value = value
     return result
 
 
-def housing(kind: int, *, terms: Sequence[MotionTerm] = (), **values: Any) -> HousingDescription:
+def housing(kind: str, *, terms: Sequence[Block] = (), **values: Any) -> Block:
     """Housing with the numbers that are given; the others are 0, the orientation the ground's."""
-    result = HousingDescription(kind=kind, orientation=_quaternion(1.0))
-    if terms:
-        result.n_terms = len(terms)
-        result.terms = (MotionTerm * len(terms))(*terms)
-    for name, given in values.items():
-        field = getattr(result, name)
-        is_vector = isinstance(field, ctypes.Array)
-        setattr(result, name, type(field)(*map(float, given)) if is_vector else given)
+    result = Block(kind=kind)
+    for key, first in (("translation", X), ("rotation", TURN_X)):
+        of_key = [
+            {name: value for name, value in one.items() if name != "coordinate"}
+            for one in terms
+            if first <= one.coordinate < first + 3
+        ]
+        if of_key:
+            result[key] = of_key
+    mount = {_MOUNT[name]: values.pop(name) for name in list(values) if name in _MOUNT}
+    if mount:
+        result.mount = mount
+    result.update(values)
     return result

@@ -15,8 +15,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kernel.description import Kind, kinds
+
 OK, INVALID_INPUT, OUT_OF_DOMAIN, SINGULAR, NO_SOLUTION, NO_MEMORY = range(6)
 CONTACT, DAMPING, FRICTION = range(3)
+FAMILIES = ("contact", "damping", "friction")
 
 _double = ctypes.c_double
 _int = ctypes.c_int
@@ -42,46 +45,6 @@ class LawChoice(ctypes.Structure):
     """`evl_law_choice`."""
 
     _fields_ = [("law", _int), ("parameters", _double * 8)]
-
-
-class Parameter(ctypes.Structure):
-    """`evl_parameter`."""
-
-    _fields_ = [
-        ("name", ctypes.c_char * 32),
-        ("units", ctypes.c_char * 32),
-        ("description", ctypes.c_char * 96),
-        ("shape", _int),
-        ("required", ctypes.c_bool),
-        ("default_value", _double),
-        ("minimum", _double),
-        ("maximum", _double),
-        ("minimum_open", ctypes.c_bool),
-        ("maximum_open", ctypes.c_bool),
-    ]
-
-
-class KindInfo(ctypes.Structure):
-    """`evl_kind_info`."""
-
-    _fields_ = [
-        ("name", ctypes.c_char * 32),
-        ("description", ctypes.c_char * 96),
-        ("n_parameters", _int),
-        ("parameters", Parameter * 8),
-    ]
-
-
-class LawInfo(ctypes.Structure):
-    """`evl_law_info`."""
-
-    _fields_ = [
-        ("name", ctypes.c_char * 32),
-        ("description", ctypes.c_char * 96),
-        ("source", ctypes.c_char * 96),
-        ("n_parameters", _int),
-        ("parameters", Parameter * 8),
-    ]
 
 
 class ContactContext(ctypes.Structure):
@@ -306,43 +269,19 @@ class Kernel:
 
     # ---- laws
 
-    def laws(self, family: int) -> list[LawInfo]:
+    def laws(self, family: int) -> list[Kind]:
         """Return the table of a family."""
-        infos = []
-        for index in range(self.library.evl_law_count(family)):
-            info = LawInfo()
-            code = self.library.evl_law_describe(family, index, ctypes.byref(info))
-            assert code == OK, f"law {index} of family {family} is counted but not described"
-            infos.append(info)
-        return infos
-
-    def load_kinds(self) -> list[KindInfo]:
-        """Return the kinds of load in the order of their table."""
-        return self._kinds("load")
-
-    def support_kinds(self) -> list[KindInfo]:
-        """Return the kinds of support in the order of their table."""
-        return self._kinds("support")
-
-    def _kinds(self, of: str) -> list[KindInfo]:
-        infos = []
-        for kind in range(getattr(self.library, f"evl_{of}_kind_count")()):
-            info = KindInfo()
-            describe = getattr(self.library, f"evl_{of}_kind_describe")
-            assert describe(kind, ctypes.byref(info)) == OK, f"{of} kind {kind} is not described"
-            infos.append(info)
-        return infos
+        return kinds(self.library, FAMILIES[family])
 
     def law(self, family: int, name: str, **parameters: float) -> LawChoice:
         """Choose a law by name; parameters not given get their default."""
         for index, info in enumerate(self.laws(family)):
-            if info.name.decode() != name:
+            if info.name != name:
                 continue
             choice = LawChoice(law=index)
-            for i, parameter in enumerate(info.parameters[: info.n_parameters]):
-                key = parameter.name.decode()
-                default = None if parameter.required else parameter.default_value
-                choice.parameters[i] = parameters.pop(key, default)
+            for i, row in enumerate(info.rows):
+                default = None if row.required else float(row.default or "nan")
+                choice.parameters[i] = parameters.pop(row.key, default)
             assert not parameters, f"law {name} has no {', '.join(parameters)}"
             return choice
         raise KeyError(name)

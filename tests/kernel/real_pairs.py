@@ -14,9 +14,10 @@ from typing import Any, NamedTuple
 import mpmath as mp
 import numpy as np
 
-from kernel.deviations import NONE, ROOT, TIP, DeviationDescription, Formula, Profile, deviations
+from kernel.description import Block
+from kernel.deviations import NONE, ROOT, TIP, Formula, Profile, deviations
 from kernel.gearbox import COAST, DRIVE, LOADED, OFF, OPEN, Gearbox, State
-from kernel.gearbox_description import BEARING, FIXED, SPEED, LoadDescription, load, mesh, wheel
+from kernel.gearbox_description import BEARING, FIXED, SPEED, load, mesh, wheel
 from kernel.gears import gear_description
 from kernel.housing import length, turned, vector, wrapped
 from kernel.kernel import Kernel
@@ -42,11 +43,9 @@ class RealPair:
     reference: int = 0  # wheel whose angle is theta: a prescribed speed makes it so
     fixed: bool = False  # axles that do not move
     poisson: tuple[float, float] = (0.3, 0.3)
-    deviations: tuple[DeviationDescription | None, DeviationDescription | None] = (None, None)
+    deviations: tuple[Block | None, Block | None] = (None, None)
 
-    def gearbox(
-        self, kernel: Kernel, loads: tuple[LoadDescription, ...] = (), **fields: Any
-    ) -> Gearbox:
+    def gearbox(self, kernel: Kernel, loads: tuple[Block, ...] = (), **fields: Any) -> Gearbox:
         """Make the gearbox; fields of the mesh."""
         bearing = {
             **{"support_kind": FIXED if self.fixed else BEARING, "support_mass": 5.0},
@@ -80,7 +79,7 @@ class RealPair:
             backlash=self.backlash,
             **fields,
         )
-        description.paper_rule = False
+        description.pop("pressure_angle")
         return Gearbox(kernel, wheels, loads, [description])
 
     # ---- geometry, docs/geometry.md

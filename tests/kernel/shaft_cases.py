@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from kernel.description import Block
 from kernel.gearbox import Gearbox, State
 from kernel.gearbox_cases import draw
 from kernel.gearbox_description import (
@@ -21,7 +22,6 @@ from kernel.gearbox_description import (
     shaft,
     wheel,
 )
-from kernel.housing_description import HousingDescription
 from kernel.kernel import Kernel
 
 MOTOR, PINION, GEAR, SECOND_PINION, SECOND_GEAR, DRUM = range(6)
@@ -33,7 +33,7 @@ def two_stages(
     middle: float | None = 3e4,
     tracking: int = CLOSED_FORM,
     driven_by: str = "torque",
-    housing: HousingDescription | None = None,
+    housing: Block | None = None,
     against_housing: bool = False,
     **fields: Any,
 ) -> Gearbox:

@@ -87,15 +87,11 @@ def test_a_restitution_of_1_is_no_damping(kernel: Kernel, name: str):
 
 
 def test_the_smallest_v0_is_left_to_the_mesh_by_default(kernel: Kernel, name: str):
-    (info,) = [law for law in kernel.laws(DAMPING) if law.name.decode() == name]
-    restitution, v0_min = info.parameters[:2]
-    assert (v0_min.name, v0_min.units, v0_min.required) == (b"v0_min", b"m/s", False)
-    assert np.isnan(v0_min.default_value)
+    (info,) = [law for law in kernel.laws(DAMPING) if law.name == name]
+    restitution, v0_min = info.rows[:2]
+    assert (v0_min.key, v0_min.unit, v0_min.required) == ("v0_min", "m/s", False)
+    assert not v0_min.default
     assert (v0_min.minimum, v0_min.minimum_open) == (0, True)
-    assert (restitution.name, restitution.units, restitution.required) == (
-        b"restitution",
-        b"1",
-        True,
-    )
+    assert (restitution.key, restitution.unit, restitution.required) == ("restitution", "", True)
     assert (restitution.minimum, restitution.minimum_open) == (0, name in DIVIDING)
     assert (restitution.maximum, restitution.maximum_open) == (1, False)

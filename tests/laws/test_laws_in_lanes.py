@@ -20,8 +20,8 @@ from kernel.kernel import (
     Floats,
     Kernel,
     KernelError,
+    Kind,
     LawChoice,
-    LawInfo,
     _at,
     _contexts,
 )
@@ -31,16 +31,16 @@ STATES = 60  # times eight, of each law
 SPRING = 1e7  # stiffness of the contact that damping laws are asked in [N/m]
 
 
-def drawn(kernel: Kernel, family: int, info: LawInfo, random: np.random.Generator) -> LawChoice:
+def drawn(kernel: Kernel, family: int, info: Kind, random: np.random.Generator) -> LawChoice:
     """Choose a law with parameters anywhere in their ranges, or over six decades."""
     while True:
         values = {}
-        for parameter in info.parameters[: info.n_parameters]:
+        for parameter in info.rows:
             low = parameter.minimum if np.isfinite(parameter.minimum) else 0.0
             span = parameter.maximum - low
             step = random.uniform(0, span) if np.isfinite(span) else 10 ** random.uniform(-3, 3)
-            values[parameter.name.decode()] = low + step
-        choice = kernel.law(family, info.name.decode(), **values)
+            values[parameter.key] = low + step
+        choice = kernel.law(family, info.name, **values)
         try:
             kernel.law_validate(family, choice)
         except KernelError:
@@ -73,7 +73,7 @@ def cases(
                 "width": np.full(LANES, 0.02),
                 "v0": np.full(LANES, 10 ** random.uniform(-6, 0)),
             }
-            yield info.name.decode(), drawn(kernel, family, info, random), fields, random
+            yield info.name, drawn(kernel, family, info, random), fields, random
 
 
 def contexts_of(fields: dict[str, Floats]) -> ctypes.Array[ContactContext]:
@@ -84,7 +84,7 @@ def contexts_of(fields: dict[str, Floats]) -> ctypes.Array[ContactContext]:
 @pytest.mark.parametrize("bare", [0, 1], ids=["by its loop", "without a loop"])
 def test_every_elastic_law_gives_in_lanes_what_it_gives_alone(kernel: Kernel, bare: int):
     """The force and what enters the energy; and whether it has an answer in all of the states."""
-    answers = dict.fromkeys((info.name.decode() for info in kernel.laws(CONTACT)), 0)
+    answers = dict.fromkeys((info.name for info in kernel.laws(CONTACT)), 0)
     for name, law, fields, _ in cases(kernel, CONTACT):
         force, d_energy, excess = np.full((3, LANES), np.nan)
         answered = kernel.library.lanes_elastic(

@@ -15,6 +15,8 @@
 #ifndef EVOLVENT_KERNEL_H
 #define EVOLVENT_KERNEL_H
 
+#include <evolvent/description.h>
+
 #include <stdbool.h>
 
 #ifdef __cplusplus
@@ -49,6 +51,7 @@ typedef enum {
 
 enum {
     EVL_FIELD_LENGTH = 48,
+    EVL_PATH_LENGTH = 192,
     EVL_MESSAGE_LENGTH = 320,
     EVL_NAME_LENGTH = 32,
     EVL_TEXT_LENGTH = 96,
@@ -59,128 +62,42 @@ typedef struct {
     int code;                         /**< evl_code */
     int subject;                      /**< evl_subject: what the message is about */
     int index;                        /**< which wheel, mesh, load or shaft, from 0; -1 if none */
-    char field[EVL_FIELD_LENGTH];     /**< name of the offending parameter as in the structs below; "" if none */
+    char field[EVL_FIELD_LENGTH];     /**< key of the offending parameter in the block of the subject; "" if none */
     char message[EVL_MESSAGE_LENGTH]; /**< one sentence without a final newline; "" if there is nothing to say */
 } evl_status;
 
 /* ---- description of a gearbox ---------------------------------------------------------------------------------------------- */
 
-/** What carries an axle. */
+/** The table of all rows, the same for every case; those of a block stand together, the one that selects its variant first.
+ *  @return how many there are; of them `most` are written */
+EVL_API int evl_rows(int most, evl_row *rows);
+/** The kinds of a block that has them: contact, damping, friction, load, support. @return as above */
+EVL_API int evl_kinds(const char *block, int most, evl_kind *kinds);
+
+typedef struct evl_description evl_description;
+
+/** Make a description of entries, which are copied: every number in its range, every block complete. Keys with a default may stay
+ *  away, and so may what the kernel does not read, such as the duration. @return NULL with the reason in `status` */
+EVL_API evl_description *evl_description_create(int n, const evl_entry *entries, evl_status *status);
+/** Free a description and set the pointer to NULL. Nothing happens if it is NULL already. */
+EVL_API void evl_description_delete(evl_description **description);
+/** Where in the case is what a status is about: a path as in --set, as far as the case says it; "" if it is the case as a whole. */
+EVL_API void evl_description_path(const evl_description *description, const evl_status *status, char path[EVL_PATH_LENGTH]);
+
+/** A parameter: numbers that the description gives. */
 typedef struct {
-    int kind;                       /**< index in the table of kinds, evl_support_kind_describe */
-    int counts[EVL_MAX_PARAMETERS]; /**< how many numbers each parameter of the kind has; 0: not given */
-    const double *numbers; /**< [sum of counts] one parameter after the other, in the units of the table; copied */
-} evl_support;
+    char path[EVL_PATH_LENGTH]; /**< as in --set: wheels.pinion.tip_relief.amount */
+    char unit[EVL_SHORT_LENGTH]; /**< "" if none; angles in degrees */
+    int row;                     /**< in the table of rows */
+    int n;                       /**< how many numbers */
+} evl_parameter;
 
-/** A real gear: ISO 21771, cut by the basic rack of ISO 53. docs/geometry.md has the formulas. */
-typedef struct {
-    double normal_module;    /**< m_n [m] > 0 */
-    double pressure_angle;   /**< of the rack, alpha_n [rad], 5 to 45 deg */
-    double profile_shift;    /**< x, in modules */
-    double rack_addendum;    /**< h_aP*, in modules > 0 */
-    double rack_dedendum;    /**< h_fP*, in modules > 0 */
-    double rack_root_radius; /**< rho_fP*, in modules >= 0: rounding of the rack's root, cut by the tip of the tool */
-    bool has_tip_diameter;   /**< otherwise it follows from the tip alteration */
-    double tip_diameter;     /**< d_a [m] */
-    bool has_tip_alteration; /**< otherwise 0, unless the tip diameter gives another */
-    double tip_alteration;   /**< k, in modules */
-    double thickness_allowance; /**< change of the tooth thickness on the reference circle [m] <= 0 */
-    double bore;                /**< diameter [m] >= 0 */
-} evl_gear;
-
-typedef enum {
-    EVL_RELIEF_LINEAR = 0,   /**< constant slope over the length of roll */
-    EVL_RELIEF_PARABOLIC = 1 /**< slope 0 at its start */
-} evl_relief_shape;
-
-/** Material taken off towards one end of the profile; none if all is 0. */
-typedef struct {
-    double amount;      /**< at that end, along the normal [m] >= 0; 0: no relief */
-    bool by_roll_angle; /**< what `start` is */
-    double start;       /**< where it begins: diameter [m] or roll angle [rad], within the active profile */
-    int shape;          /**< evl_relief_shape */
-} evl_relief;
-
-/** What the flanks of a wheel lack in material; none if all is 0. docs/deviations.md has the formulas. Tooth 0 is the one in
- *  contact at the start in the wheel's first mesh; teeth count counterclockwise. */
-typedef struct {
-    evl_relief tip_relief;      /**< reaches its amount at the tip */
-    evl_relief root_relief;     /**< reaches its amount at the start of the active profile */
-    double profile_crowning;    /**< C_alpha at both ends of the active profile, 0 in its middle [m] >= 0 */
-    int n_pitch_errors;         /**< number of teeth, or 0: none listed */
-    const double *pitch_errors; /**< [n_pitch_errors] cumulative position deviation of each tooth, arc on the reference
-                                     circle, counterclockwise positive [m]; copied */
-    int accuracy_class;         /**< flank tolerance class, ISO 1328-1:2013, 1 to 11: generates pitch errors; 0: none */
-    int seed;                   /**< of the generator */
-    double runout_amount;       /**< e_c, distance of the teeth's centre from the axle [m] >= 0 */
-    double runout_phase;        /**< its direction from the middle of tooth 0 [rad] */
-} evl_flank_deviation;
-
-typedef struct {
-    int teeth;             /**< z >= 3; 0: a disc without teeth, which cannot mesh */
-    bool has_pitch_radius; /**< otherwise it follows from a mesh; for a disc from its inertia and mass */
-    double pitch_radius;   /**< [m] > 0; of a disc its radius */
-    double width;          /**< face width [m] > 0 */
-    bool has_centre;       /**< otherwise it follows from a mesh */
-    double centre[2];      /**< reference position of the axle in the housing frame [m] */
-    double youngs_modulus; /**< E [Pa] > 0 */
-    double poisson_ratio;  /**< nu, -1 < nu < 0.5 */
-    double density;        /**< [kg/m^3] > 0: mass and inertia of a solid disc of the pitch radius unless given below */
-    bool has_inertia;      /**< */
-    double inertia;        /**< J about the axle [kg m^2] > 0 */
-    bool has_mass;         /**< */
-    double mass;           /**< [kg] > 0 */
-    evl_support support;   /**< what carries its axle */
-    bool has_transverse_inertia;   /**< otherwise J/2 + mass width^2/12, which is that of a disc or a ring */
-    double transverse_inertia;     /**< about a diameter [kg m^2] >= J/2 */
-    double axial_position;         /**< z of the middle of the face in the housing frame [m] */
-    bool has_gear;                 /**< its radii follow from `gear`; otherwise from the pitch radius and its meshes */
-    evl_gear gear;                 /**< */
-    evl_flank_deviation deviation; /**< of its flanks from the involute; all 0 for a wheel without `gear` */
-} evl_wheel;
-
-/** A torque on a wheel from outside, or a prescribed speed, of which a wheel has at most one. */
-typedef struct {
-    int wheel;                      /**< which wheel it acts on, from 0 */
-    int kind;                       /**< index in the table of kinds, evl_load_kind_describe */
-    bool against_housing;           /**< where its reaction goes, and to what its speed refers; otherwise the ground */
-    int counts[EVL_MAX_PARAMETERS]; /**< how many numbers each parameter of the kind has; 0: not given */
-    const double *numbers; /**< [sum of counts] one parameter after the other, in the units of the table; copied */
-} evl_load;
-
-typedef enum { EVL_TRACKING_CLOSED_FORM = 0, EVL_TRACKING_ALGEBRAIC = 1, EVL_TRACKING_DIFFERENTIAL = 2 } evl_tracking;
-
-/** One law of a family with its parameters in the order of the law table (evl_law_describe). */
-typedef struct {
-    int law; /**< index in the family's table */
-    double parameters[EVL_MAX_PARAMETERS];
-} evl_law_choice;
-
-typedef struct {
-    int driving, driven;  /**< wheels, from 0, different */
-    int driving_rotation; /**< nominal sense of the driving wheel: -1 clockwise (the paper's), +1 counterclockwise */
-    bool has_centre_line_angle; /**< otherwise it follows from the two centres */
-    double centre_line_angle;   /**< direction from the driving to the driven axle [rad] */
-    bool paper_rule;            /**< alpha_w = 1.05 alpha_inf, Kosenko & Gusev 2011, section 7.1 */
-    double pressure_angle;    /**< working pressure angle alpha_w [rad] if not paper_rule, alpha_inf < alpha_w < pi/2 */
-    evl_law_choice contact;   /**< normal elastic force */
-    evl_law_choice damping;   /**< normal viscous force */
-    evl_law_choice friction;  /**< tangential force */
-    int tracking;             /**< evl_tracking */
-    bool has_centre_distance; /**< for two real gears; otherwise from the backlash, or else from the profile shifts */
-    double centre_distance;   /**< a_w [m] */
-    bool has_backlash;        /**< otherwise it follows from the centre distance */
-    double backlash;          /**< normal backlash j_bn [m] >= 0 */
-} evl_mesh;
-
-/** A shaft between two wheels on one axis: both turn at one nominal speed. It carries torque and nothing else, so each wheel keeps
- *  its own support. */
-typedef struct {
-    int wheel_a, wheel_b; /**< wheels, from 0, different; their centres are one */
-    bool rigid;           /**< the wheels turn as one body; stiffness and damping have no meaning */
-    double stiffness;     /**< torsional stiffness c [N m/rad] > 0: torque c (phi_a - phi_b) on wheel_b */
-    double damping;       /**< torsional damping d [N m s/rad] >= 0: d (phi_a' - phi_b') */
-} evl_shaft;
+/** Parameter `index` (from 0) of a description, in its order. @return whether there is one */
+EVL_API bool evl_description_parameter(const evl_description *description, int index, evl_parameter *parameter);
+/** Its numbers [n]. */
+EVL_API void evl_description_numbers(const evl_description *description, int index, double *numbers);
+/** Give it others [n]; gearboxes that were made before stay as they are. @return EVL_OK, or EVL_INVALID_INPUT: it keeps its own */
+EVL_API int evl_description_set(evl_description *description, int index, const double *numbers, evl_status *status);
 
 typedef enum {
     EVL_INITIAL_REST = 0,   /**< every wheel and support at rest */
@@ -197,115 +114,23 @@ typedef struct {
         mesh_position; /**< of EVL_INITIAL_STEADY, else 0: how many pitches from the start of contact a tooth pair of the first mesh is */
 } evl_initial;
 
-typedef enum {
-    EVL_MOTION_CONSTANT = 0, /**< value */
-    EVL_MOTION_RATE = 1,     /**< value * t */
-    EVL_MOTION_HARMONIC = 2, /**< value * sin(2 pi frequency t + phase) */
-    EVL_MOTION_TABLE = 3     /**< natural cubic spline through the knots, straight outside them */
-} evl_motion_kind;
-
-/** One term of a prescribed motion; the terms of a coordinate add up. */
-typedef struct {
-    int coordinate;          /**< 0..2: position x, y, z in the ground frame; 3..5: rotation vector */
-    int kind;                /**< evl_motion_kind */
-    double value;            /**< [m] or [rad]; a rate [m/s] or [rad/s] */
-    double frequency, phase; /**< [Hz] >= 0, [rad] */
-    int n;                   /**< knots of a table, at least 2; else 0 */
-    const double *time;      /**< [n] [s], strictly increasing; copied */
-    const double *values;    /**< [n] [m] or [rad]; copied */
-} evl_motion_term;
-
-typedef enum {
-    EVL_HOUSING_FIXED = 0,      /**< at rest, its frame that of the ground */
-    EVL_HOUSING_PRESCRIBED = 1, /**< moves as the terms say */
-    EVL_HOUSING_MOUNTED = 2     /**< a rigid body on a mount */
-} evl_housing_kind;
-
-/** The housing; all behind `terms` is for EVL_HOUSING_MOUNTED. docs/housing.md has the equations. */
-typedef struct {
-    int kind;                       /**< evl_housing_kind */
-    double gravity[3];              /**< ground frame [m/s^2] */
-    int n_terms;                    /**< */
-    const evl_motion_term *terms;   /**< [n_terms] for EVL_HOUSING_PRESCRIBED; copied */
-    double mass;                    /**< [kg] > 0 */
-    double centre_of_mass[3];       /**< housing frame [m] */
-    double inertia[3];              /**< I_xx, I_yy, I_zz about the centre of mass [kg m^2] */
-    double products_of_inertia[3];  /**< elements I_xy, I_yz, I_xz of the tensor [kg m^2] */
-    double mount_point[3];          /**< where the mount holds the housing, housing frame [m] */
-    double stiffness[3];            /**< of the mount, ground axes [N/m] >= 0 */
-    double damping[3];              /**< [N s/m] >= 0 */
-    double rotational_stiffness[3]; /**< [N m/rad] >= 0 */
-    double rotational_damping[3];   /**< [N m s/rad] >= 0 */
-    double force[3], moment[3];     /**< constant, ground frame; the force at the centre of mass [N], [N m] */
-    double position[3];             /**< of the origin at the start, ground frame [m] */
-    double orientation[4];          /**< quaternion w, x, y, z at the start, of any length but 0 */
-    double velocity[3];             /**< of the origin at the start, ground frame [m/s] */
-    double angular_velocity[3];     /**< at the start, housing frame [rad/s] */
-} evl_housing;
-
 /* ---- law tables ------------------------------------------------------------------------------------------------------------ */
 
 typedef enum { EVL_LAWS_CONTACT = 0, EVL_LAWS_DAMPING = 1, EVL_LAWS_FRICTION = 2 } evl_law_family;
 
-/** How many numbers a parameter is. */
-typedef enum {
-    EVL_SHAPE_NUMBER = 0,   /**< one */
-    EVL_SHAPE_KNOTS = 1,    /**< times of a table, strictly increasing, at least two */
-    EVL_SHAPE_AT_KNOTS = 2, /**< as many, at these times */
-    EVL_SHAPE_PAIR = 3      /**< two, x and y */
-} evl_shape;
-
+/** One law of a family with its parameters in the order of its rows. */
 typedef struct {
-    char name[EVL_NAME_LENGTH];  /**< as in the case file */
-    char units[EVL_NAME_LENGTH]; /**< "1" if without */
-    char description[EVL_TEXT_LENGTH];
-    int shape;               /**< evl_shape; of a law always one number */
-    bool required;           /**< there is no default */
-    double default_value;    /**< 0 if required; NaN: it may be left open; of a law, with NaN, and the mesh gives it */
-    double minimum, maximum; /**< accepted range; -/+infinity if unbounded */
-    bool minimum_open, maximum_open; /**< the end itself is refused */
-} evl_parameter;
-
-typedef struct {
-    char name[EVL_NAME_LENGTH]; /**< as in the case file */
-    char description[EVL_TEXT_LENGTH];
-    char source[EVL_TEXT_LENGTH];
-    int n_parameters;
-    evl_parameter parameters[EVL_MAX_PARAMETERS];
-} evl_law_info;
-
-/** Number of laws of a family; 0 if there is no such family. */
-EVL_API int evl_law_count(int family);
-/** Describe law `index` of a family. @return EVL_OK, or EVL_INVALID_INPUT if there is none. */
-EVL_API int evl_law_describe(int family, int index, evl_law_info *info);
-
-/** A kind of load or of support. */
-typedef struct {
-    char name[EVL_NAME_LENGTH]; /**< as in the case file */
-    char description[EVL_TEXT_LENGTH];
-    int n_parameters;
-    evl_parameter parameters[EVL_MAX_PARAMETERS];
-} evl_kind_info;
-
-/** Number of kinds of load. */
-EVL_API int evl_load_kind_count(void);
-/** Describe a kind of load. @return EVL_OK, or EVL_INVALID_INPUT if there is none. */
-EVL_API int evl_load_kind_describe(int kind, evl_kind_info *info);
-/** Number of kinds of support. */
-EVL_API int evl_support_kind_count(void);
-/** Describe a kind of support. @return EVL_OK, or EVL_INVALID_INPUT if there is none. */
-EVL_API int evl_support_kind_describe(int kind, evl_kind_info *info);
+    int law; /**< index in the family's kinds */
+    double parameters[EVL_MAX_PARAMETERS];
+} evl_law_choice;
 
 /* ---- gearbox --------------------------------------------------------------------------------------------------------------- */
 
 typedef struct evl_gearbox evl_gearbox;
 
-/** Make a gearbox: validate the description, resolve radii and centres, derive all geometry.
- *  All wheels have to be connected by meshes and shafts. Arrays without entries may be NULL. housing: NULL for a fixed one without
- *  gravity. @return the gearbox, or NULL with the reason in `status`. */
-EVL_API evl_gearbox *evl_gearbox_create(int n_wheels, const evl_wheel *wheels, int n_loads, const evl_load *loads,
-                                        int n_meshes, const evl_mesh *meshes, int n_shafts, const evl_shaft *shafts,
-                                        const evl_housing *housing, evl_status *status);
+/** Make a gearbox: resolve radii and centres, derive all geometry. All wheels have to be connected by meshes and shafts.
+ *  @return the gearbox, which no longer needs the description, or NULL with the reason in `status` */
+EVL_API evl_gearbox *evl_gearbox_create(const evl_description *description, evl_status *status);
 /** Free a gearbox and set the pointer to NULL. Nothing happens if it is NULL already. */
 EVL_API void evl_gearbox_delete(evl_gearbox **gearbox);
 

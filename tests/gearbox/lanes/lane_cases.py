@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from kernel.deviations import LINEAR, PARABOLIC, DeviationDescription, deviations, relief
+from kernel.description import Block
+from kernel.deviations import LINEAR, PARABOLIC, deviations, relief
 from kernel.gearbox import LOADED, Gearbox, State
 from kernel.gearbox_cases import draw
 from kernel.gearbox_description import (
@@ -123,13 +124,13 @@ def real_gears(kernel: Kernel, name: str, *, fixed: bool = False) -> Gearbox:
     support = {"support_kind": BEARING, "support_stiffness": (1e8, 3e8), "support_mass": 3.0}
     if fixed:
         support = {}
-    given: list[DeviationDescription] = [deviations(**fields) for fields in DEVIATIONS[name]]
+    given: list[Block] = [deviations(**fields) for fields in DEVIATIONS[name]]
     wheels = [
         wheel(teeth=z, width=0.02, gear=form, deviation=deviation, **support)
         for z, deviation in zip(TEETH, given, strict=True)
     ]
-    description = mesh(kernel, 0, 1, friction=(0.1, 1e-3), has_backlash=True, backlash=2e-5)
-    description.paper_rule = False
+    description = mesh(kernel, 0, 1, friction=(0.1, 1e-3), backlash=2e-5)
+    description.pop("pressure_angle")
     loads = [load(0, TORQUE, -20.0), load(1, VISCOUS, 5.0)]
     return Gearbox(kernel, wheels, loads, [description])
 

@@ -7,9 +7,9 @@ module laws_capi
    use evl_friction_law, only: friction_law_t, friction_one_by_one => lane_by_lane
    use evl_gearbox, only: gearbox_t
    use evl_kinds, only: lanes, wp
-   use evl_law_info, only: law_info_t
    use evl_law_table, only: damping_law, elastic_law, friction_law
    use law_calls, only: choice_of, given_contact, given_law
+   use evl_row, only: kind_t
    implicit none (type, external)
    private
 
@@ -148,7 +148,7 @@ contains
    end function context_of_lanes
 
    pure subroutine describe(info)
-      type(law_info_t), intent(inout) :: info
+      type(kind_t), intent(inout) :: info
 
       info%name = "bare"
    end subroutine describe

@@ -19,7 +19,7 @@ from gearbox.lanes.lane_cases import (
     real_gears,
     real_state,
 )
-from kernel.deviations import DeviationDescription
+from kernel.description import Block
 from kernel.gearbox import LOADED, OPEN, UNLOADED, Gearbox, State
 from kernel.gearbox_cases import chain, in_mode, paper_gearbox, prescribed
 from kernel.gearbox_description import ALGEBRAIC, CLOSED_FORM
@@ -123,7 +123,7 @@ def test_every_law_is_compared_here(
     kernel: Kernel, family: int, cases: dict[str, dict[str, float]]
 ):
     """All laws of the table but the rigid contact, which has no force law."""
-    names = {info.name.decode() for info in kernel.laws(family)} - {"rigid"}
+    names = {info.name for info in kernel.laws(family)} - {"rigid"}
     assert names == set(cases)
 
 
@@ -241,7 +241,7 @@ def test_real_gears_with_both_flanks_agree(kernel: Kernel, name: str, fixed: boo
 def test_every_kind_of_deviation_is_compared_here():
     """A field of the description that no case gives would go unnoticed."""
     given = {field for pair in DEVIATIONS.values() for wheel in pair for field in wheel}
-    fields = {name for name, *_ in DeviationDescription._fields_}
+    fields = {name for name, *_ in Block._fields_}
     assert given == fields - {"n_pitch_errors"}
 
 

@@ -1,0 +1,110 @@
+#include "case/case_entries.h"
+
+#include "base/memory.h"
+
+#include <stdlib.h>
+
+/** What is laid out so far. `numbers` moves as it grows: entries know their place in it by its beginning, until the end. */
+typedef struct {
+    const case_schema *schema;
+    int n, n_numbers, entry_room, number_room;
+    evl_entry *entries;
+    double *numbers;
+    int *first; /**< [n] of an entry's numbers */
+} layout;
+
+static void add_entry(layout *layout, const evl_row *row, int level, const char *name)
+{
+    if (layout->n == layout->entry_room) {
+        layout->entry_room = 2 * layout->n + 64;
+        layout->entries = xrealloc(layout->entries, (size_t)layout->entry_room, sizeof *layout->entries);
+        layout->first = xrealloc(layout->first, (size_t)layout->entry_room, sizeof *layout->first);
+    }
+    layout->first[layout->n] = layout->n_numbers;
+    layout->entries[layout->n++] = (evl_entry){.row = (int)(row - layout->schema->rows), .level = level, .name = name};
+}
+
+/** A number of the entry that was added last. */
+static void add_number(layout *layout, const case_node *node)
+{
+    if (layout->n_numbers == layout->number_room) {
+        layout->number_room = 2 * layout->n_numbers + 64;
+        layout->numbers = xrealloc(layout->numbers, (size_t)layout->number_room, sizeof *layout->numbers);
+    }
+    layout->numbers[layout->n_numbers++] = node_number(node);
+    layout->entries[layout->n - 1].n++;
+}
+
+static void add_block(layout *layout, const char *block, const case_node *node, int level);
+
+/** Blocks of a list or map, named numbers, or references: an entry each. */
+static void add_elements(layout *layout, const evl_row *row, const case_node *node, int level)
+{
+    for (int i = 0; i < node->n; i++) {
+        const case_node *value = node->entries[i].value;
+        const char *name = node->entries[i].key;
+        if (row->type == EVL_LIST) {
+            name = node_get_text(value, "name");
+        } else if (row->type == EVL_REFERENCES) {
+            name = value->text;
+        }
+        add_entry(layout, row, level, name);
+        if (row->type == EVL_NAMED) {
+            add_number(layout, value);
+        } else if (row->type != EVL_REFERENCES) {
+            add_block(layout, row->holds, value, level + 1);
+        }
+    }
+}
+
+static void add_value(layout *layout, const evl_row *row, const case_node *node, int level)
+{
+    switch (row->type) {
+    case EVL_LIST:
+    case EVL_MAP:
+    case EVL_NAMED:
+    case EVL_REFERENCES:
+        add_elements(layout, row, node, level);
+        return;
+    case EVL_BLOCK:
+        add_entry(layout, row, level, NULL);
+        add_block(layout, row->holds, node, level + 1);
+        return;
+    case EVL_NUMBER:
+    case EVL_INTEGER:
+        if (!node_is_number(node)) { /* one of the words that may stand for it */
+            add_entry(layout, row, level, node->text);
+            return;
+        }
+        add_entry(layout, row, level, NULL);
+        add_number(layout, node);
+        return;
+    default:
+        add_entry(layout, row, level, node->text);
+        for (int i = 0; i < node->n; i++) {
+            add_number(layout, node->entries[i].value);
+        }
+    }
+}
+
+static void add_block(layout *layout, const char *block, const case_node *node, int level)
+{
+    const char *variant = schema_variant(layout->schema, block, node);
+    for (int i = 0; i < node->n; i++) {
+        const evl_row *row = schema_find(layout->schema, block, variant, node->entries[i].key);
+        add_value(layout, row, node->entries[i].value, level);
+    }
+}
+
+void case_lay_out(const case_schema *schema, const case_node *root, description *description)
+{
+    layout layout = {.schema = schema};
+    add_block(&layout, CASE_ROOT, root, 1);
+    for (int i = 0; i < layout.n; i++) {
+        layout.entries[i].numbers = layout.numbers + layout.first[i];
+    }
+    free(layout.first);
+    description->n_entries = layout.n;
+    description->entries = layout.entries;
+    description->numbers = layout.numbers;
+}

@@ -1,0 +1,189 @@
+!> The table of all rows: what a case can say, block by block. A block is a line here, its rows stand with the thing that they describe.
+module evl_case_table
+   use evl_deviation_description, only: accuracy_rows, relief_rows, runout_rows
+   use evl_gear, only: rack_rows
+   use evl_gearbox_description, only: material_rows, mesh_rows, wheel_rows
+   use evl_gearbox_initial, only: initial_rows
+   use evl_housing_description, only: housing_rows, mount_rows
+   use evl_housing_motion, only: rotation_rows, translation_rows
+   use evl_kinds, only: wp
+   use evl_law_table, only: law_describe
+   use evl_load, only: load_t
+   use evl_load_kinds, only: load_of_kind
+   use evl_row, only: join_words, kind_t, positive, range_t, row_t, type_block, type_choice, type_integer, type_list, type_map, &
+                      type_number, type_text, type_triple
+   use evl_shaft, only: shaft_rows
+   use evl_status, only: code_ok
+   use evl_support, only: support_kind_t
+   use evl_support_kinds, only: support_of_kind
+   implicit none (type, external)
+   private
+
+   public :: case_table, kinds_of
+
+   type(row_t), parameter :: case_rows(*) = [ &
+      row_t("format", type_integer, "", "version of this format: 1", required=.true.), &
+      row_t("title", type_text, "", "what the case is about; becomes the title of the history", default="''"), &
+      row_t("materials", type_map, "", "the materials by name", range=range_t(minimum=1.0_wp), required=.true., &
+            holds="material"), &
+      row_t("wheels", type_list, "", "the wheels; the order is that of the history", range=range_t(minimum=2.0_wp), &
+            required=.true., holds="wheel"), &
+      row_t("meshes", type_list, "", "which wheels mesh, and how", range=range_t(minimum=1.0_wp), required=.true., &
+            holds="mesh"), &
+      row_t("shafts", type_list, "", "which wheels on one axis turn together", range=range_t(minimum=0.0_wp), default="[]", &
+            holds="shaft"), &
+      row_t("gravity", type_triple, "m/s2", "gravity in the ground frame", default="[0, 0, 0]"), &
+      row_t("housing", type_block, "", "how the housing moves", default="{kind: fixed}", holds="housing"), &
+      row_t("simulation", type_block, "", "what to compute", required=.true., holds="simulation")]
+
+   type(row_t), parameter :: simulation_rows(*) = [ &
+      row_t("duration", type_number, "s", "model time to compute, from 0", range=positive, required=.true.), &
+      row_t("output_interval", type_number, "s", "step of the output grid, not longer than the duration", range=positive, &
+            required=.true.), &
+      row_t("tolerance", type_number, "", "error allowed in a step, in units of each state's scale", &
+            range=range_t(1e-14_wp, 0.001_wp), default="1e-9"), &
+      row_t("max_step", type_number, "s", "longest step of the integrator", range=positive, default="0.02"), &
+      row_t("initial", type_block, "", "state at time 0", default="{kind: rest}", holds="initial"), &
+      row_t("integrator", type_choice, "", &
+            "SUNDIALS IDA for every case; radau for closed_form tracking without rigid contact in a housing that is" &
+            //" not mounted, where it is taken unless this says ida", &
+            words="ida radau")]
+
+   type(row_t), parameter :: support_rows(*) = [ &
+      row_t("kind", type_choice, "", "", default="fixed")]
+
+   type(row_t), parameter :: load_rows(*) = [ &
+      row_t("kind", type_choice, "", "", required=.true.), &
+      row_t("against", type_choice, "", "where the reaction goes, and to what a speed refers", default="ground", &
+            words="ground housing")]
+
+contains
+
+   !> All rows; those of a block stand together, the one that selects its variant first.
+   subroutine case_table(rows)
+      type(row_t), allocatable, intent(out) :: rows(:)
+      type(row_t), allocatable :: room(:)
+      integer :: n
+
+      allocate (room(256))
+      n = 0
+      call put("case", case_rows)
+      call put("material", material_rows)
+      call put("wheel", wheel_rows)
+      call put("rack", rack_rows)
+      call put("relief", relief_rows)
+      call put("accuracy", accuracy_rows)
+      call put("runout", runout_rows)
+      call put_kinds("support", support_rows, is_joined=.true.)
+      call put_kinds("load", load_rows, is_joined=.true.)
+      call put("mesh", mesh_rows)
+      call put("shaft", shaft_rows)
+      call put("housing", housing_rows)
+      call put("translation", translation_rows)
+      call put("rotation", rotation_rows)
+      call put("mount", mount_rows)
+      call put("simulation", simulation_rows)
+      call put("initial", initial_rows)
+      call put_kinds("contact", [row_t("law", type_choice, "", "law of the normal elastic force", default="johnson")])
+      call put_kinds("damping", [row_t("law", type_choice, "", "law of the normal viscous force", default="none")])
+      call put_kinds("friction", [row_t("law", type_choice, "", "law of the tangential force", default="none")])
+      rows = room(:n)
+
+   contains
+
+      !> The rows of a block.
+      subroutine put(block, more)
+         character(len=*), intent(in) :: block
+         type(row_t), intent(in) :: more(:)
+
+         if (n + size(more) > size(room)) room = [room, room]
+         room(n + 1:n + size(more)) = more
+         room(n + 1:n + size(more))%block = block
+         n = n + size(more)
+      end subroutine put
+
+      !> The rows of a block whose first selects one of its kinds, and those of each kind. Where they are joined, a row that several
+      !> kinds have stands once; those of laws stay apart, each with its law.
+      subroutine put_kinds(block, first, is_joined)
+         character(len=*), intent(in) :: block
+         type(row_t), intent(in) :: first(:)
+         logical, intent(in), optional :: is_joined
+         type(kind_t), allocatable :: kinds(:)
+         integer :: i, j, k, start, same
+
+         call kinds_of(block, kinds)
+         start = n + 1
+         call put(block, first)
+         call join_words(kinds%name, " ", room(start)%words)
+         if (room(start)%text == "") call join_words(kinds%text, "; ", room(start)%text)
+         do i = 1, size(kinds)
+            do k = 1, size(kinds(i)%rows)
+               same = 0
+               if (present(is_joined)) same = findloc([(means_same(room(j), kinds(i)%rows(k)), j=start, n)], .true., dim=1)
+               if (same > 0) then
+                  room(start + same - 1)%variants = trim(room(start + same - 1)%variants)//" "//kinds(i)%name
+               else
+                  call put(block, kinds(i)%rows(k:k))
+                  room(n)%variants = kinds(i)%name
+               end if
+            end do
+         end do
+      end subroutine put_kinds
+
+   end subroutine case_table
+
+   !> Whether two rows are the same but for the kinds that have them.
+   pure logical function means_same(a, b)
+      type(row_t), intent(in) :: a, b
+
+      means_same = a%key == b%key .and. a%text == b%text .and. a%type == b%type .and. (a%required .eqv. b%required)
+   end function means_same
+
+   !> The kinds of a block; none if it has none.
+   subroutine kinds_of(block, kinds)
+      character(len=*), intent(in) :: block !! contact, damping, friction, load or support
+      type(kind_t), allocatable, intent(out) :: kinds(:)
+      type(kind_t) :: info
+      logical :: is_one
+      integer :: i, n
+
+      n = 0
+      do
+         call describe(block, n, info, is_one)
+         if (.not. is_one) exit
+         n = n + 1
+      end do
+      allocate (kinds(n))
+      do i = 1, n
+         call describe(block, i - 1, kinds(i), is_one)
+         if (.not. allocated(kinds(i)%rows)) allocate (kinds(i)%rows(0))
+      end do
+   end subroutine kinds_of
+
+   !> One of them.
+   subroutine describe(block, index, info, is_one)
+      character(len=*), intent(in) :: block
+      integer, intent(in) :: index !! from 0
+      type(kind_t), intent(out) :: info
+      logical, intent(out) :: is_one
+      class(load_t), allocatable :: load
+      class(support_kind_t), allocatable :: support
+      integer :: code
+
+      is_one = .false.
+      select case (block)
+      case ("contact", "damping", "friction")
+         call law_describe(findloc([character(8) :: "contact", "damping", "friction"], block, dim=1) - 1, index, info, code)
+         is_one = code == code_ok
+      case ("load")
+         call load_of_kind(index, load)
+         is_one = allocated(load)
+         if (is_one) info = load%describe()
+      case ("support")
+         call support_of_kind(index, support)
+         is_one = allocated(support)
+         if (is_one) info = support%describe()
+      end select
+   end subroutine describe
+
+end module evl_case_table

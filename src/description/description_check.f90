@@ -1,0 +1,337 @@
+!> A description as it comes from outside: whether its entries are what the rows ask for, and where each of them stands.
+module evl_description_check
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use evl_given, only: description_t, entry_t
+   use evl_kinds, only: wp
+   use evl_row, only: range_error, row_t, type_at_knots, type_block, type_choice, type_knots, type_list, type_map, type_named, &
+                      type_size
+   use evl_status, only: code_invalid_input, fail, field_length, has_failed, quantity, status_t, subject_housing, &
+                         subject_initial, subject_load, subject_mesh, subject_none, subject_shaft, subject_wheel
+   implicit none (type, external)
+   private
+
+   public :: check_description, entry_path, path_length, place_of_status
+
+   integer, parameter :: path_length = 191 !! characters of a path; EVL_PATH_LENGTH without the NUL
+
+contains
+
+   !> Every entry has the numbers that its row asks for, and no block lacks what it requires.
+   !> Errors: code_invalid_input with subject, index and field.
+   subroutine check_description(description, status)
+      type(description_t), intent(in) :: description
+      type(status_t), intent(inout) :: status
+      integer :: i
+
+      associate (entries => description%entries, rows => description%rows)
+         do i = 1, size(entries)
+            if (has_failed(status)) return
+            if (entries(i)%row < 1 .or. entries(i)%row > size(rows)) then
+               call fail(status, code_invalid_input, "there is no such row in the table")
+            else if (.not. stands_in_its_block(description, i)) then
+               call refuse(description, i, "does not belong here", status)
+            else
+               call check_numbers(description, i, rows(entries(i)%row), status)
+               if (is_block(rows(entries(i)%row))) call check_block(description, i, status)
+            end if
+         end do
+      end associate
+   end subroutine check_description
+
+   !> Whether entries that follow one of this row are those of its block.
+   elemental logical function is_block(row)
+      type(row_t), intent(in) :: row
+
+      is_block = row%type == type_block .or. row%type == type_list .or. row%type == type_map
+   end function is_block
+
+   !> Index of the entry whose block has an entry; 0: it is a key of the case.
+   pure integer function parent_of(entries, place) result(i)
+      type(entry_t), intent(in) :: entries(:)
+      integer, intent(in) :: place
+
+      i = 0
+      if (entries(place)%level <= 1) return
+      do i = place - 1, 1, -1
+         if (entries(i)%level < entries(place)%level) return
+      end do
+   end function parent_of
+
+   !> Whether the row of an entry is one of the block that it stands in.
+   pure logical function stands_in_its_block(description, place) result(good)
+      type(description_t), intent(in) :: description
+      integer, intent(in) :: place
+      integer :: above
+
+      above = parent_of(description%entries, place)
+      associate (entry => description%entries(place), rows => description%rows)
+         if (above == 0) then
+            good = entry%level == 1 .and. rows(entry%row)%block == "case"
+         else
+            good = entry%level == description%entries(above)%level + 1 .and. &
+                   rows(entry%row)%block == rows(description%entries(above)%row)%holds
+         end if
+      end associate
+   end function stands_in_its_block
+
+   !> As many numbers as the row asks for, all in its range; or one of its words.
+   subroutine check_numbers(description, place, row, status)
+      type(description_t), intent(in) :: description
+      integer, intent(in) :: place
+      type(row_t), intent(in) :: row
+      type(status_t), intent(inout) :: status
+      integer :: i
+
+      associate (entry => description%entries(place))
+         if (row%words /= "" .and. entry%name /= "") then
+            if (index(" "//trim(row%words)//" ", " "//entry%name//" ") == 0) &
+               call refuse(description, place, "must be one of "//trim(row%words)//", not "//entry%name, status)
+            return
+         end if
+         if (row%type == type_choice) call refuse(description, place, "must be one of "//trim(row%words), status)
+         if (type_size(row%type) >= 0 .and. size(entry%numbers) /= type_size(row%type)) then
+            call refuse(description, place, trim(row%key)//" needs "//count_text(type_size(row%type)), status)
+            return
+         end if
+         do i = 1, size(entry%numbers)
+            if (range_error(row, entry%numbers(i)) == "" .or. has_failed(status)) cycle
+            call refuse(description, place, trim(range_error(row, entry%numbers(i))), status)
+         end do
+         if (has_failed(status)) return
+         if (row%type == type_knots) call check_knots(description, place, entry%numbers, status)
+         if (row%type == type_at_knots) call check_at_knots(description, place, status)
+      end associate
+   end subroutine check_numbers
+
+   !> "one number", "two numbers", ...
+   pure function count_text(n) result(text)
+      integer, intent(in) :: n !! 0 to 4
+      character(len=13) :: text
+      character(len=13), parameter :: texts(0:4) = [character(13) :: "no number", "one number", "two numbers", "three numbers", &
+                                                    "four numbers"]
+
+      text = texts(n)
+   end function count_text
+
+   !> The times of a table increase.
+   subroutine check_knots(description, place, time, status)
+      type(description_t), intent(in) :: description
+      integer, intent(in) :: place
+      real(wp), intent(in) :: time(:) !! [s]
+      type(status_t), intent(inout) :: status
+      integer :: i
+
+      if (size(time) < 2) call refuse(description, place, "a table needs at least two knots", status)
+      do i = 2, size(time)
+         if (time(i) > time(i - 1) .or. has_failed(status)) cycle
+         call refuse(description, place, "the times of a table must increase, but "//quantity(time(i), "s")//" follows " &
+                     //quantity(time(i - 1), "s"), status)
+      end do
+   end subroutine check_knots
+
+   !> A table has as many values as the block has times.
+   subroutine check_at_knots(description, place, status)
+      type(description_t), intent(in) :: description
+      integer, intent(in) :: place
+      type(status_t), intent(inout) :: status
+      integer :: i, n
+
+      n = -1
+      associate (entries => description%entries, above => parent_of(description%entries, place))
+         do i = above + 1, size(entries)
+            if (entries(i)%level <= entries(place)%level - 1) exit
+            if (description%rows(entries(i)%row)%type == type_knots) n = size(entries(i)%numbers)
+         end do
+         if (n >= 0 .and. n /= size(entries(place)%numbers)) &
+            call refuse(description, place, "a table needs as many values as times", status)
+      end associate
+   end subroutine check_at_knots
+
+   !> A block has what its variant requires, and nothing of another variant.
+   subroutine check_block(description, place, status)
+      type(description_t), intent(in) :: description
+      integer, intent(in) :: place
+      type(status_t), intent(inout) :: status
+      integer :: row, given
+
+      associate (rows => description%rows, block => description%rows(description%entries(place)%row)%holds)
+         do row = 1, size(rows)
+            if (rows(row)%block /= block .or. has_failed(status)) cycle
+            given = entry_of(description, place, rows(row)%key)
+            if (.not. in_variant(description, place, rows(row))) then
+               if (given == 0) cycle
+               if (description%entries(given)%row == row) &
+                  call refuse(description, given, "'"//trim(rows(row)%key)//"' has no meaning here", status)
+            else if (rows(row)%required .and. given == 0) then
+               call refuse(description, place, "'"//trim(rows(row)%key)//"' is missing", status, key=trim(rows(row)%key))
+            end if
+         end do
+      end associate
+   end subroutine check_block
+
+   !> Index of the entry of a key in the block of an entry; 0 if it is not given.
+   pure integer function entry_of(description, place, key) result(i)
+      type(description_t), intent(in) :: description
+      integer, intent(in) :: place
+      character(len=*), intent(in) :: key
+
+      associate (entries => description%entries)
+         do i = place + 1, size(entries)
+            if (entries(i)%level <= entries(place)%level) exit
+            if (entries(i)%level /= entries(place)%level + 1) cycle
+            if (entries(i)%row < 1 .or. entries(i)%row > size(description%rows)) cycle
+            if (description%rows(entries(i)%row)%key == key) return
+         end do
+      end associate
+      i = 0
+   end function entry_of
+
+   !> Whether a row belongs to the variant of a block, or beside what the block has.
+   pure logical function in_variant(description, place, row)
+      type(description_t), intent(in) :: description
+      integer, intent(in) :: place
+      type(row_t), intent(in) :: row
+      integer :: selector, given
+
+      in_variant = .true.
+      if (row%variants == "") return
+      if (row%variants(1:1) == "+") then
+         in_variant = entry_of(description, place, trim(row%variants(2:))) > 0
+         return
+      end if
+      do selector = 1, size(description%rows)
+         if (description%rows(selector)%block == row%block) exit
+      end do
+      given = entry_of(description, place, trim(description%rows(selector)%key))
+      if (given > 0) then
+         in_variant = index(" "//trim(row%variants)//" ", " "//description%entries(given)%name//" ") > 0
+      else
+         in_variant = index(" "//trim(row%variants)//" ", " "//trim(description%rows(selector)%default)//" ") > 0
+      end if
+   end function in_variant
+
+   !> Write a refusal of an entry, or of a key that its block lacks, down.
+   subroutine refuse(description, place, message, status, key)
+      type(description_t), intent(in) :: description
+      integer, intent(in) :: place
+      character(len=*), intent(in) :: message
+      type(status_t), intent(inout) :: status
+      character(len=*), intent(in), optional :: key
+      integer :: subject, index
+      character(len=field_length) :: field
+
+      if (has_failed(status)) return
+      call place_of(description, place, subject, index, field)
+      if (present(key)) field = trim(field)//trim(merge(".", " ", field /= ""))//key
+      call fail(status, code_invalid_input, message, subject, index, trim(field))
+   end subroutine refuse
+
+   !> What an entry is about: the subject, which one, and the field in it.
+   subroutine place_of(description, place, subject, number, field)
+      type(description_t), intent(in) :: description
+      integer, intent(in) :: place
+      integer, intent(out) :: subject
+      integer, intent(out) :: number !! from 1; 0 if the subject is one
+      character(len=*), intent(out) :: field
+      integer :: i, chain(32), n, from
+
+      n = 0
+      i = place
+      do while (i > 0)
+         n = n + 1
+         chain(n) = i
+         i = parent_of(description%entries, i)
+      end do
+      chain(:n) = chain(n:1:-1)
+      subject = subject_none
+      number = 0
+      from = 2
+      associate (entries => description%entries, rows => description%rows)
+         select case (rows(entries(chain(1))%row)%key)
+         case ("wheels")
+            subject = subject_wheel
+            if (n > 1) then
+               if (rows(entries(chain(2))%row)%key == "loads") subject = subject_load
+            end if
+         case ("meshes")
+            subject = subject_mesh
+         case ("shafts")
+            subject = subject_shaft
+         case ("housing")
+            subject = subject_housing
+         case ("simulation")
+            subject = subject_initial
+            from = 3
+         case default
+            from = 1
+         end select
+         if (subject == subject_load) from = 3
+         if (any(subject == [subject_wheel, subject_mesh, subject_shaft, subject_load])) &
+            number = count([(entries(i)%row == entries(chain(from - 1))%row, i=1, chain(from - 1))])
+         field = ""
+         do i = from, n
+            field = trim(field)//trim(merge(".", " ", i > from))//rows(entries(chain(i))%row)%key
+         end do
+      end associate
+   end subroutine place_of
+
+   !> The path of an entry, as --set takes it: names or numbers of elements between the keys.
+   recursive subroutine entry_path(description, place, path)
+      type(description_t), intent(in) :: description
+      integer, intent(in) :: place
+      character(len=*), intent(out) :: path
+      character(len=12) :: number
+      integer :: above, i
+
+      path = ""
+      if (place == 0) return
+      above = parent_of(description%entries, place)
+      call entry_path(description, above, path)
+      associate (entry => description%entries(place), row => description%rows(description%entries(place)%row))
+         if (path /= "") path = trim(path)//"."
+         path = trim(path)//row%key
+         if (row%type /= type_list .and. row%type /= type_map .and. row%type /= type_named) return
+         if (entry%name /= "") then
+            path = trim(path)//"."//entry%name
+         else
+            write (number, "(i0)") count([(description%entries(i)%row == entry%row, i=above + 1, place - 1)])
+            path = trim(path)//"."//number
+         end if
+      end associate
+   end subroutine entry_path
+
+   !> The path of what a status is about; "" if it is about nothing in particular.
+   subroutine place_of_status(description, status, path)
+      type(description_t), intent(in) :: description
+      type(status_t), intent(in) :: status
+      character(len=*), intent(out) :: path
+      character(len=8), parameter :: held(6) = [character(8) :: "wheel", "mesh", "load", "", "", "shaft"]
+      integer :: i, n
+
+      path = ""
+      associate (subject => status%subject, field => status%field, entries => description%entries)
+         if (any(field == ["speeds", "gaps  "]) .and. status%index > 0 .and. any(subject == [subject_wheel, subject_mesh])) then
+            path = "simulation.initial."//field
+         else if (subject == subject_initial) then
+            path = "simulation.initial"
+         else if (subject == subject_housing) then
+            path = "housing"
+         end if
+         if (status%index > 0 .and. held(max(subject, 1)) /= "") then
+            n = 0
+            do i = 1, size(entries)
+               if (description%rows(entries(i)%row)%holds == held(subject)) n = n + 1
+               if (n == status%index) exit
+            end do
+            if (i > size(entries)) return
+            if (path /= "") then
+               path = trim(path)//"."//entries(i)%name
+               return
+            end if
+            call entry_path(description, i, path)
+         end if
+         if (field /= "") path = trim(path)//trim(merge(".", " ", path /= ""))//field
+      end associate
+   end subroutine place_of_status
+
+end module evl_description_check

@@ -1,0 +1,69 @@
+/** What a case can say, and a case as data: the language that the kernel, which makes gearboxes of it, and the readers of case files
+ *  share. Plain data without any call.
+ *
+ *  A row is a key of a block: its type, unit, range, default and text. The kernel has the table of all rows (evl_rows): the case
+ *  file's schema, its errors and its documentation are made from it. A case is a list of entries, each of them a row with a value. */
+#ifndef EVOLVENT_DESCRIPTION_H
+#define EVOLVENT_DESCRIPTION_H
+
+#include <stdbool.h>
+
+enum { EVL_SHORT_LENGTH = 32, EVL_ROW_TEXT_LENGTH = 256 };
+
+typedef enum {
+    EVL_NUMBER = 0,      /**< a number in the range, or one of the words */
+    EVL_INTEGER = 1,     /**< a whole number in the range */
+    EVL_PAIR = 2,        /**< [x, y], both in the range */
+    EVL_TRIPLE = 3,      /**< [x, y, z], all in the range */
+    EVL_QUATERNION = 4,  /**< [w, x, y, z], all in the range */
+    EVL_SERIES = 5,      /**< a list of numbers */
+    EVL_KNOTS = 6,       /**< times of a table, strictly increasing, at least two */
+    EVL_AT_KNOTS = 7,    /**< as many numbers as the block has times */
+    EVL_NAMED = 8,       /**< name: number, for each name */
+    EVL_TEXT = 9,        /**< any text */
+    EVL_NAME = 10,       /**< a word that names this block in paths and references */
+    EVL_REFERENCE = 11,  /**< the name of an element of the list or map `holds` of the case */
+    EVL_REFERENCES = 12, /**< [name, name] of two of them */
+    EVL_CHOICE = 13,     /**< one of the words */
+    EVL_BLOCK = 14,      /**< keys of the block `holds` */
+    EVL_LIST = 15,       /**< a list of blocks `holds`, as many as the range says */
+    EVL_MAP = 16         /**< name: block `holds`, as many as the range says */
+} evl_row_type;
+
+/** One key of a block. */
+typedef struct {
+    char block[EVL_SHORT_LENGTH];    /**< the block that has it; "case" for the whole file */
+    char key[EVL_SHORT_LENGTH];      /**< */
+    int type;                        /**< evl_row_type */
+    char unit[EVL_SHORT_LENGTH];     /**< of its numbers; "" if they have none */
+    char text[EVL_ROW_TEXT_LENGTH];  /**< what it means, one line */
+    double minimum, maximum;         /**< range; -/+infinity if unbounded */
+    bool minimum_open, maximum_open; /**< the end itself is refused */
+    bool required;                   /**< */
+    char default_text
+        [2 * EVL_SHORT_LENGTH]; /**< YAML; "": none, the key stays away. {driving} stands for the value of that key */
+    char words[EVL_ROW_TEXT_LENGTH]; /**< choices, separated by blanks, else "" */
+    char holds[EVL_SHORT_LENGTH];    /**< block of a block, list or map; list or map of a reference; else "" */
+    char variants
+        [EVL_ROW_TEXT_LENGTH]; /**< values of the block's first key with which it may stand, separated by blanks; "" for
+                                             all; "+KEY": it may stand beside that key only */
+} evl_row;
+
+/** One of the kinds of a block that has them: a law, a kind of load or of support. Its rows are those with it in `variants`. */
+typedef struct {
+    char name[EVL_SHORT_LENGTH];      /**< as in the case file */
+    char text[EVL_ROW_TEXT_LENGTH];   /**< one line */
+    char source[EVL_ROW_TEXT_LENGTH]; /**< where it comes from; "" if nowhere else */
+} evl_kind;
+
+/** A key of a case with its value. The entries of a block, or of an element of a list or map, follow its own, one level deeper.
+ *  A list or map has an entry for each element, named numbers one for each number, references one for each name. */
+typedef struct {
+    int row;               /**< in the table */
+    int level;             /**< 1 for keys of the case */
+    const char *name;      /**< of the element or number; the word, text or name that is the value; else NULL or "" */
+    int n;                 /**< how many numbers */
+    const double *numbers; /**< in the unit of the row */
+} evl_entry;
+
+#endif

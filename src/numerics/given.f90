@@ -1,0 +1,276 @@
+!> What a case says, in the words of the rows in which things describe themselves: a tree of blocks, laid out as a list of entries.
+!>
+!> An entry is a key with its value; the entries of a block follow its own, one level deeper. A thing asks its block by key and
+!> gets numbers in SI units and radians; a key that is not given has the default of its row.
+module evl_given
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use evl_kinds, only: wp
+   use evl_row, only: has_default, row_t, short_length, text_length, type_size
+   implicit none (type, external)
+   private
+
+   public :: description_t, entry_t, given_t
+
+   real(wp), parameter :: radians_per_degree = 0.017453292519943295769_wp
+
+   !> A key, or an element of a list or map, or a number of a name.
+   type :: entry_t
+      integer :: row = 0                     !! which row
+      integer :: level = 1                   !! 1: a key of the case; one more in each block
+      character(len=:), allocatable :: name  !! of an element or a number; a word or text that is given; "" if there is none
+      real(wp), allocatable :: numbers(:)    !! in the unit of the row
+   end type entry_t
+
+   !> All that a case says. It stays where it is as long as views of it are in use.
+   type :: description_t
+      type(row_t), allocatable :: rows(:)
+      type(entry_t), allocatable :: entries(:)
+   end type description_t
+
+   !> A view of a block.
+   type :: given_t
+      type(row_t), pointer :: rows(:) => null()
+      type(entry_t), pointer :: entries(:) => null()  !! those in the block, without its own
+      integer :: level = 1                            !! of its keys
+      character(len=short_length) :: block = "case"   !! which block
+      character(len=text_length) :: name = ""         !! of an element
+      integer :: first = 0                            !! index of the first of the entries in the description
+   contains
+      procedure :: all_of
+      procedure :: has
+      procedure :: number
+      procedure :: in_unit
+      procedure :: whole
+      procedure :: numbers
+      procedure :: word
+      procedure :: inner
+      procedure :: elements
+      procedure, private :: find
+      procedure, private :: row_of
+   end type given_t
+
+contains
+
+   !> View the case as a whole.
+   subroutine all_of(self, description)
+      class(given_t), intent(out) :: self
+      type(description_t), target, intent(in) :: description
+
+      self%rows => description%rows
+      self%entries => description%entries
+      self%first = 1
+   end subroutine all_of
+
+   !> Index of the entry of a key; 0 if it is not given.
+   pure integer function find(self, key) result(i)
+      class(given_t), intent(in) :: self
+      character(len=*), intent(in) :: key
+
+      do i = 1, size(self%entries)
+         if (self%entries(i)%level /= self%level) cycle
+         if (self%rows(self%entries(i)%row)%key == key) return
+      end do
+      i = 0
+   end function find
+
+   !> Index of the row of a key that is not given, in the block's variant; 0 if there is none.
+   pure integer function row_of(self, key) result(i)
+      class(given_t), intent(in) :: self
+      character(len=*), intent(in) :: key
+      integer :: selector
+
+      do selector = 1, size(self%rows)
+         if (self%rows(selector)%block == self%block) exit
+      end do
+      do i = selector, size(self%rows)
+         if (self%rows(i)%block /= self%block .or. self%rows(i)%key /= key) cycle
+         if (self%rows(i)%variants == "" .or. self%rows(i)%variants(1:1) == "+") return
+         if (index(" "//trim(self%rows(i)%variants)//" ", " "//trim(self%word(trim(self%rows(selector)%key)))//" ") > 0) return
+      end do
+      i = 0
+   end function row_of
+
+   !> Whether a key is given.
+   pure logical function has(self, key)
+      class(given_t), intent(in) :: self
+      character(len=*), intent(in) :: key
+
+      has = self%find(key) > 0
+   end function has
+
+   !> The number of a key in SI units, angles in radians; its default if it is not given, NaN without one.
+   pure real(wp) function number(self, key)
+      class(given_t), intent(in) :: self
+      character(len=*), intent(in) :: key
+      real(wp), allocatable :: all(:)
+      character(len=short_length) :: unit
+
+      call take_numbers(self, key, all, unit)
+      number = ieee_value(number, ieee_quiet_nan)
+      if (size(all) > 0) number = all(1)
+      if (unit == "deg") number = number*radians_per_degree
+   end function number
+
+   !> The same in the unit of the row.
+   pure real(wp) function in_unit(self, key) result(number)
+      class(given_t), intent(in) :: self
+      character(len=*), intent(in) :: key
+      real(wp), allocatable :: all(:)
+      character(len=short_length) :: unit
+
+      call take_numbers(self, key, all, unit)
+      number = ieee_value(number, ieee_quiet_nan)
+      if (size(all) > 0) number = all(1)
+   end function in_unit
+
+   !> A whole number; 0 if it is not given and has no default.
+   pure integer function whole(self, key)
+      class(given_t), intent(in) :: self
+      character(len=*), intent(in) :: key
+      real(wp), allocatable :: all(:)
+      character(len=short_length) :: unit
+
+      call take_numbers(self, key, all, unit)
+      whole = 0
+      if (size(all) > 0) whole = nint(all(1))
+   end function whole
+
+   !> All numbers of a key in SI units, angles in radians; those of its default if it is not given, none without one.
+   pure function numbers(self, key) result(all)
+      class(given_t), intent(in) :: self
+      character(len=*), intent(in) :: key
+      real(wp), allocatable :: all(:)
+      character(len=short_length) :: unit
+
+      call take_numbers(self, key, all, unit)
+      if (unit == "deg") all(:) = all*radians_per_degree
+   end function numbers
+
+   !> The numbers of a key, and their unit.
+   pure subroutine take_numbers(self, key, all, unit)
+      class(given_t), intent(in) :: self
+      character(len=*), intent(in) :: key
+      real(wp), allocatable, intent(out) :: all(:)
+      character(len=*), intent(out) :: unit
+      integer :: i
+
+      i = self%find(key)
+      if (i > 0) then
+         unit = self%rows(self%entries(i)%row)%unit
+         allocate (all, source=self%entries(i)%numbers)
+         return
+      end if
+      i = self%row_of(key)
+      unit = ""
+      if (i > 0) unit = self%rows(i)%unit
+      call take_default(self%rows, i, all)
+   end subroutine take_numbers
+
+   !> The numbers of a default, such as 20 or [1, 0, 0, 0].
+   pure subroutine take_default(rows, i, all)
+      type(row_t), intent(in) :: rows(:)
+      integer, intent(in) :: i !! which row, or 0
+      real(wp), allocatable, intent(out) :: all(:)
+      character(len=len(rows%default)) :: text
+      integer :: stat
+
+      if (i == 0) then
+         allocate (all(0))
+         return
+      end if
+      allocate (all(merge(max(type_size(rows(i)%type), 0), 0, has_default(rows(i)))))
+      text = rows(i)%default
+      if (text(1:1) == "[") text = text(2:index(text, "]") - 1)
+      if (size(all) > 0) read (text, *, iostat=stat) all
+   end subroutine take_default
+
+   !> The word or text of a key; its default if it is not given, "" without one.
+   pure function word(self, key)
+      class(given_t), intent(in) :: self
+      character(len=*), intent(in) :: key
+      character(len=text_length) :: word
+      integer :: i
+
+      word = ""
+      i = self%find(key)
+      if (i > 0) then
+         word = self%entries(i)%name
+         return
+      end if
+      do i = 1, size(self%rows)
+         if (self%rows(i)%block /= self%block .or. self%rows(i)%key /= key) cycle
+         word = self%rows(i)%default
+         return
+      end do
+   end function word
+
+   !> The block of a key. If it is not given it has no entries: all its keys have their defaults.
+   subroutine inner(self, key, block)
+      class(given_t), intent(in) :: self
+      character(len=*), intent(in) :: key
+      type(given_t), intent(out) :: block
+      integer :: i
+
+      i = self%find(key)
+      if (i > 0) then
+         call view(self, i, block)
+      else
+         block%rows => self%rows
+         block%entries => self%entries(1:0)
+         block%level = self%level + 1
+         i = self%row_of(key)
+         if (i > 0) block%block = self%rows(i)%holds
+      end if
+   end subroutine inner
+
+   !> The elements of a list or map.
+   subroutine elements(self, key, blocks)
+      class(given_t), intent(in) :: self
+      character(len=*), intent(in) :: key
+      type(given_t), allocatable, intent(out) :: blocks(:)
+      integer :: i, n
+
+      n = 0
+      do i = 1, size(self%entries)
+         if (is_element(i)) n = n + 1
+      end do
+      allocate (blocks(n))
+      n = 0
+      do i = 1, size(self%entries)
+         if (.not. is_element(i)) cycle
+         n = n + 1
+         call view(self, i, blocks(n))
+      end do
+
+   contains
+
+      pure logical function is_element(i)
+         integer, intent(in) :: i
+
+         is_element = self%entries(i)%level == self%level
+         if (is_element) is_element = self%rows(self%entries(i)%row)%key == key
+      end function is_element
+
+   end subroutine elements
+
+   !> View the block whose own entry is at a place.
+   subroutine view(self, place, block)
+      class(given_t), intent(in) :: self
+      integer, intent(in) :: place
+      type(given_t), intent(out) :: block
+      integer :: last
+
+      last = place
+      do while (last < size(self%entries))
+         if (self%entries(last + 1)%level <= self%level) exit
+         last = last + 1
+      end do
+      block%rows => self%rows
+      block%entries => self%entries(place + 1:last)
+      block%level = self%level + 1
+      block%block = self%rows(self%entries(place)%row)%holds
+      block%name = self%entries(place)%name
+      block%first = self%first + place
+   end subroutine view
+
+end module evl_given

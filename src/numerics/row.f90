@@ -1,0 +1,184 @@
+!> How a thing describes itself: the rows of what a case can say of it, and whether a number is accepted.
+!>
+!> A row is a key of a block of the case file: its type, unit, range, default and text. Each range stands here only: the case file's
+!> schema, its errors, `evolvent show --keys` and the tables of the documentation are made from the rows.
+module evl_row
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
+   use evl_kinds, only: wp
+   use evl_status, only: message_length, quantity
+   implicit none (type, external)
+   private
+
+   public :: any_number, at_least, between, greater_than, has_default, is_left_open, join_words, kind_t, not_negative, &
+      parameter_row, positive
+   public :: range_error, range_t, row_t, short_length, text_length
+   public :: type_at_knots, type_block, type_choice, type_integer, type_knots, type_list, type_map, type_name, type_named
+   public :: type_number, type_pair, type_quaternion, type_reference, type_references, type_series, type_text, type_triple
+   public :: type_size
+
+   integer, parameter :: short_length = 31 !! characters of a key, a block or a unit; EVL_SHORT_LENGTH without the NUL
+   integer, parameter :: text_length = 255 !! characters of a text; EVL_ROW_TEXT_LENGTH without the NUL
+
+   ! evl_row_type of the C header
+   integer, parameter :: type_number = 0      !! a number in the range, or one of the words
+   integer, parameter :: type_integer = 1     !! a whole number in the range
+   integer, parameter :: type_pair = 2        !! [x, y], both in the range
+   integer, parameter :: type_triple = 3      !! [x, y, z], all in the range
+   integer, parameter :: type_quaternion = 4  !! [w, x, y, z], all in the range
+   integer, parameter :: type_series = 5      !! a list of numbers
+   integer, parameter :: type_knots = 6       !! times of a table, strictly increasing, at least two
+   integer, parameter :: type_at_knots = 7    !! as many numbers as the block has times
+   integer, parameter :: type_named = 8       !! name: number, for each name
+   integer, parameter :: type_text = 9        !! any text
+   integer, parameter :: type_name = 10       !! a word that names this block in paths and references
+   integer, parameter :: type_reference = 11  !! the name of an element of `holds`
+   integer, parameter :: type_references = 12 !! [name, name] of two of them
+   integer, parameter :: type_choice = 13     !! one of the words
+   integer, parameter :: type_block = 14      !! keys of the block `holds`
+   integer, parameter :: type_list = 15       !! a list of blocks `holds`, as many as the range says
+   integer, parameter :: type_map = 16        !! name: block `holds`, as many as the range says
+
+   !> Which numbers are accepted: finite ones from minimum to maximum.
+   type :: range_t
+      real(wp) :: minimum = -huge(1.0_wp) !! -huge: unbounded
+      real(wp) :: maximum = huge(1.0_wp)  !! +huge: unbounded
+      logical :: minimum_open = .false.   !! the end itself is refused
+      logical :: maximum_open = .false.
+   end type range_t
+
+   type(range_t), parameter :: any_number = range_t()
+   type(range_t), parameter :: positive = range_t(minimum=0.0_wp, minimum_open=.true.)
+   type(range_t), parameter :: not_negative = range_t(minimum=0.0_wp)
+
+   !> One key of a block.
+   type :: row_t
+      character(len=short_length) :: key = ""
+      integer :: type = type_number
+      character(len=short_length) :: unit = ""         !! of the numbers in the case file; "" if they have none
+      character(len=text_length) :: text = ""          !! what it means, one line
+      type(range_t) :: range = range_t()
+      logical :: required = .false.
+      character(len=2*short_length) :: default = ""    !! YAML; "" if there is none: the key stays away. {driving}: that key's value
+      character(len=text_length) :: words = ""         !! of a choice, or instead of a number; separated by blanks
+      character(len=short_length) :: holds = ""        !! block of a block, list or map; block that a reference is to
+      character(len=text_length) :: variants = ""      !! values of the block's first key with which it may stand; "" for all;
+                                                       !! "+KEY": it may stand beside that key only
+      character(len=short_length) :: block = ""        !! the block that has it; filled in where all rows are put together
+   end type row_t
+
+   !> One of the kinds of a block that has them: a law, a kind of load or of support.
+   type :: kind_t
+      character(len=short_length) :: name = ""   !! as in the case file
+      character(len=text_length) :: text = ""    !! one line
+      character(len=text_length) :: source = ""  !! where it comes from; "" if nowhere else
+      type(row_t), allocatable :: rows(:)        !! its own, in their order
+   end type kind_t
+
+contains
+
+   !> Ranges.
+   pure type(range_t) function at_least(minimum) result(range)
+      real(wp), intent(in) :: minimum
+
+      range = range_t(minimum=minimum)
+   end function at_least
+
+   pure type(range_t) function greater_than(minimum) result(range)
+      real(wp), intent(in) :: minimum
+
+      range = range_t(minimum=minimum, minimum_open=.true.)
+   end function greater_than
+
+   pure type(range_t) function between(minimum, maximum) result(range)
+      real(wp), intent(in) :: minimum, maximum
+
+      range = range_t(minimum, maximum)
+   end function between
+
+   !> A number of a law, load or support: required unless it has a default or may be left open.
+   pure type(row_t) function parameter_row(key, unit, text, range, default, left_open, type) result(row)
+      character(len=*), intent(in) :: key, unit, text
+      type(range_t), intent(in), optional :: range       !! any number if not given
+      character(len=*), intent(in), optional :: default
+      logical, intent(in), optional :: left_open         !! it may be missing, without a default
+      integer, intent(in), optional :: type              !! a number if not given
+
+      row%key = key
+      row%unit = unit
+      row%text = text
+      row%required = .not. present(default)
+      if (present(range)) row%range = range
+      if (present(default)) row%default = default
+      if (present(left_open)) row%required = row%required .and. .not. left_open
+      if (present(type)) row%type = type
+   end function parameter_row
+
+   !> Whether a row that is not given has a value all the same.
+   elemental logical function has_default(row)
+      type(row_t), intent(in) :: row
+
+      has_default = row%default /= ""
+   end function has_default
+
+   !> Whether a value, NaN, leaves a row open that may be.
+   elemental logical function is_left_open(row, value)
+      type(row_t), intent(in) :: row
+      real(wp), intent(in) :: value
+
+      is_left_open = .not. (row%required .or. has_default(row)) .and. ieee_is_nan(value)
+   end function is_left_open
+
+   !> How many numbers a value has; 0 if none, -1 if any.
+   elemental integer function type_size(type) result(n)
+      integer, intent(in) :: type
+
+      select case (type)
+      case (type_number, type_integer)
+         n = 1
+      case (type_pair)
+         n = 2
+      case (type_triple)
+         n = 3
+      case (type_quaternion)
+         n = 4
+      case (type_series, type_knots, type_at_knots, type_named)
+         n = -1
+      case default
+         n = 0
+      end select
+   end function type_size
+
+   !> Words, or texts, in one.
+   pure subroutine join_words(words, separator, all)
+      character(len=*), intent(in) :: words(:), separator
+      character(len=*), intent(out) :: all
+      integer :: i
+
+      all = words(1)
+      do i = 2, size(words)
+         all = trim(all)//separator//words(i)
+      end do
+   end subroutine join_words
+
+   !> What is wrong with a number, such as "coefficient = -1.00000 N s/m must be at least 0"; "" if it is accepted.
+   pure function range_error(row, value) result(text)
+      type(row_t), intent(in) :: row
+      real(wp), intent(in) :: value !! in row%unit
+      character(len=message_length) :: text
+
+      text = ""
+      associate (range => row%range)
+         if (.not. ieee_is_finite(value)) then
+            text = "a finite number"
+         else if (value < range%minimum .or. (range%minimum_open .and. value <= range%minimum)) then
+            text = trim(merge("greater than", "at least    ", range%minimum_open))//" "//quantity(range%minimum, trim(row%unit))
+         else if (value > range%maximum .or. (range%maximum_open .and. value >= range%maximum)) then
+            text = trim(merge("less than", "at most  ", range%maximum_open))//" "//quantity(range%maximum, trim(row%unit))
+         else if (row%type == type_integer .and. abs(value - anint(value)) > 0) then
+            text = "a whole number"
+         end if
+      end associate
+      if (text /= "") text = trim(row%key)//" = "//quantity(value, trim(row%unit))//" must be "//text
+   end function range_error
+
+end module evl_row
