@@ -32,8 +32,12 @@ contains
                call refuse(description, i, "does not belong here", status)
             else
                call check_numbers(description, i, rows(entries(i)%row), status)
-               if (is_block(rows(entries(i)%row))) call check_block(description, i, status)
             end if
+         end do
+         ! a word that selects a variant is one of its row's here
+         do i = 1, size(entries)
+            if (has_failed(status)) return
+            if (is_block(rows(entries(i)%row))) call check_block(description, i, status)
          end do
       end associate
    end subroutine check_description
@@ -160,8 +164,13 @@ contains
             given = entry_of(description, place, rows(row)%key)
             if (.not. in_variant(description, place, rows(row))) then
                if (given == 0) cycle
-               if (description%entries(given)%row == row) &
+               if (description%entries(given)%row /= row) cycle
+               if (rows(row)%variants(1:1) == "+") then
+                  call refuse(description, given, "'"//trim(rows(row)%key)//"' needs '"//trim(rows(row)%variants(2:)) &
+                              //"' beside it", status)
+               else
                   call refuse(description, given, "'"//trim(rows(row)%key)//"' has no meaning here", status)
+               end if
             else if (rows(row)%required .and. given == 0) then
                call refuse(description, place, "'"//trim(rows(row)%key)//"' is missing", status, key=trim(rows(row)%key))
             end if
@@ -233,7 +242,8 @@ contains
       integer, intent(out) :: subject
       integer, intent(out) :: number !! from 1; 0 if the subject is one
       character(len=*), intent(out) :: field
-      integer :: i, chain(32), n, from
+      integer :: i, chain(32), n, held
+      character(len=path_length) :: path, above
 
       n = 0
       i = place
@@ -245,34 +255,34 @@ contains
       chain(:n) = chain(n:1:-1)
       subject = subject_none
       number = 0
-      from = 2
+      held = 0
       associate (entries => description%entries, rows => description%rows)
-         select case (rows(entries(chain(1))%row)%key)
-         case ("wheels")
-            subject = subject_wheel
-            if (n > 1) then
-               if (rows(entries(chain(2))%row)%key == "loads") subject = subject_load
-            end if
-         case ("meshes")
-            subject = subject_mesh
-         case ("shafts")
-            subject = subject_shaft
-         case ("housing")
-            subject = subject_housing
-         case ("simulation")
-            subject = subject_initial
-            from = 3
-         case default
-            from = 1
-         end select
-         if (subject == subject_load) from = 3
-         if (any(subject == [subject_wheel, subject_mesh, subject_shaft, subject_load])) &
-            number = count([(entries(i)%row == entries(chain(from - 1))%row, i=1, chain(from - 1))])
-         field = ""
-         do i = from, n
-            field = trim(field)//trim(merge(".", " ", i > from))//rows(entries(chain(i))%row)%key
+         do i = 1, min(n, 2)
+            select case (rows(entries(chain(i))%row)%holds)
+            case ("wheel")
+               subject = subject_wheel
+            case ("load")
+               subject = subject_load
+            case ("mesh")
+               subject = subject_mesh
+            case ("shaft")
+               subject = subject_shaft
+            case ("housing")
+               subject = subject_housing
+            case ("initial")
+               subject = subject_initial
+            case default
+               cycle
+            end select
+            held = i
          end do
+         if (subject /= subject_none .and. subject /= subject_housing .and. subject /= subject_initial) &
+            number = count([(entries(i)%row == entries(chain(held))%row, i=1, chain(held))])
       end associate
+      call entry_path(description, place, path)
+      call entry_path(description, chain(max(held, 1)), above)
+      field = path
+      if (held > 0) field = path(len_trim(above) + 2:)
    end subroutine place_of
 
    !> The path of an entry, as --set takes it: names or numbers of elements between the keys.

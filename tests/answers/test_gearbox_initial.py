@@ -15,6 +15,7 @@ from kernel.gearbox_description import (
     BEARING,
     CLOSED_FORM,
     DIFFERENTIAL,
+    FIXED,
     REST,
     SLIDER,
     SPEED,
@@ -53,7 +54,7 @@ def accelerations(gearbox: Gearbox, state: State) -> np.ndarray:
 
 @TRACKINGS
 @FLANKS
-def test_at_rest_nothing_moves_and_the_flanks_touch(kernel: Kernel, tracking: int, sigma: int):
+def test_at_rest_nothing_moves_and_the_flanks_touch(kernel: Kernel, tracking: str, sigma: int):
     gearbox = chain(kernel, 4, tracking, sigma)
     state = gearbox.start()
     moving = [n for n, y in zip(gearbox.names, state.y, strict=True) if y != 0]
@@ -70,7 +71,7 @@ def test_at_rest_nothing_moves_and_the_flanks_touch(kernel: Kernel, tracking: in
 
 
 @TRACKINGS
-def test_touching_flanks_are_loaded_if_the_loads_press_them_together(kernel: Kernel, tracking: int):
+def test_touching_flanks_are_loaded_if_the_loads_press_them_together(kernel: Kernel, tracking: str):
     for torque, mode in ((-1.0, LOADED), (1.0, OPEN), (0.0, LOADED)):
         gearbox = two_wheels(kernel, load(0, TORQUE, torque), tracking=tracking)
         state = gearbox.start()
@@ -83,7 +84,7 @@ def test_touching_flanks_are_loaded_if_the_loads_press_them_together(kernel: Ker
 
 @TRACKINGS
 @FLANKS
-def test_given_speeds_and_gaps_are_those_of_the_state(kernel: Kernel, tracking: int, sigma: int):
+def test_given_speeds_and_gaps_are_those_of_the_state(kernel: Kernel, tracking: str, sigma: int):
     gearbox = chain(kernel, 4, tracking, sigma)
     speeds = np.array([-3.0, 1.9, -2.2, 3.1]) * sigma
     gaps = [2e-6, -3e-8, 0.0]
@@ -131,7 +132,7 @@ def test_overlapping_flanks_that_part_fast_start_without_force(kernel: Kernel):
 
 
 @TRACKINGS
-def test_gaps_in_a_ring_have_to_close(kernel: Kernel, tracking: int):
+def test_gaps_in_a_ring_have_to_close(kernel: Kernel, tracking: str):
     """On these flanks they add up to zero."""
     gearbox = chain(kernel, 4, tracking, closed=True)
     gaps = [1e-8, -1e-8, 3e-8, -3e-8]
@@ -148,7 +149,7 @@ def test_gaps_in_a_ring_have_to_close(kernel: Kernel, tracking: int):
 
 @TRACKINGS
 @pytest.mark.parametrize("friction", [0.0, 0.3])
-def test_the_paper_s_steady_state(kernel: Kernel, tracking: int, friction: float):
+def test_the_paper_s_steady_state(kernel: Kernel, tracking: str, friction: float):
     gearbox = paper_gearbox(kernel, tracking=tracking, friction=friction)
     state = gearbox.start(STEADY)
     o = gearbox.outputs(state)
@@ -179,13 +180,13 @@ def worst_acceleration(gearbox: Gearbox, state: State) -> float:
 @FLANKS
 @pytest.mark.parametrize("n", [2, 3, 4])
 def test_in_the_steady_state_of_a_train_nothing_accelerates_and_every_flank_pushes(
-    kernel: Kernel, n: int, tracking: int, sigma: int
+    kernel: Kernel, n: int, tracking: str, sigma: int
 ):
     wheels = [
         wheel(
             teeth=teeth,
             pitch_radius=0.005 * teeth,
-            support_kind=BEARING if teeth > 20 else 0,
+            support_kind=BEARING if teeth > 20 else FIXED,
             support_stiffness=(1e8, 3e8),
             support_damping=(1e4, 1e4),
         )

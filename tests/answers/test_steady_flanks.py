@@ -49,14 +49,14 @@ def both(**fields: Any) -> tuple[Block, Block]:
     return deviations(**fields), deviations(**fields)
 
 
-def tips(amount: float, shape: int) -> tuple[Block, Block]:
+def tips(amount: float, shape: str) -> tuple[Block, Block]:
     return (
         deviations(tip_relief=relief(amount, diameter=0.0592, shape=shape)),
         deviations(tip_relief=relief(amount, diameter=0.1043, shape=shape)),
     )
 
 
-def roots(amount: float, shape: int) -> tuple[Block, Block]:
+def roots(amount: float, shape: str) -> tuple[Block, Block]:
     return (
         deviations(root_relief=relief(amount, roll_angle=np.radians(13), shape=shape)),
         deviations(root_relief=relief(amount, roll_angle=np.radians(17), shape=shape)),
@@ -70,7 +70,7 @@ def classes(accuracy: int, seed: int) -> tuple[Block, Block]:
     )
 
 
-def everything(shape: int) -> tuple[Block, Block]:
+def everything(shape: str) -> tuple[Block, Block]:
     return (
         deviations(
             tip_relief=relief(12e-6, diameter=0.0592, shape=shape),

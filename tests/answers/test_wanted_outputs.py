@@ -20,7 +20,7 @@ Case = tuple[Gearbox, State]
 SEED = 11
 
 
-def trained(kernel: Kernel, tracking: int, mode: tuple[int, int]) -> Case:
+def trained(kernel: Kernel, tracking: str, mode: tuple[int, int]) -> Case:
     gearbox = chain(kernel, 4, tracking)
     return gearbox, in_mode(gearbox, np.random.default_rng(SEED), mode)
 

@@ -15,7 +15,7 @@ import pytest
 from scipy.optimize import brentq, minimize_scalar
 
 from kernel.description import Block
-from kernel.deviations import deviations, relief
+from kernel.deviations import LINEAR, PARABOLIC, deviations, relief
 from kernel.gearbox import Gearbox
 from kernel.gearbox_description import TORQUE, load, mesh, wheel
 from kernel.gears import gear_description
@@ -66,7 +66,7 @@ class Profile:
 
     def described(self) -> Block:
         """Describe it for the kernel."""
-        shape, r = self.power - 1, BASE[self.wheel]
+        shape, r = (LINEAR, PARABOLIC)[self.power - 1], BASE[self.wheel]
         blocks = {
             name: relief(amount, roll_angle=border / r, shape=shape)
             for name, (amount, border) in {"tip_relief": self.tip, "root_relief": self.root}.items()

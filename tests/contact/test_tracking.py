@@ -168,7 +168,7 @@ def test_differential_residual_is_equations_2_and_3_with_their_rows_scaled(
 @pytest.mark.parametrize("tracking", [ALGEBRAIC, DIFFERENTIAL])
 @pytest.mark.parametrize("seed", SEEDS)
 def test_derivative_of_the_tracked_variables_solves_equations_2_and_3(
-    kernel: Kernel, pair: Pair, tracking: int, seed: int
+    kernel: Kernel, pair: Pair, tracking: str, seed: int
 ):
     """In the algebraic form too: its states get their true derivative."""
     random = np.random.default_rng(seed)

@@ -220,7 +220,7 @@ def test_an_amount_that_is_no_number_is_refused_too(kernel: Kernel):
 
 @pytest.mark.parametrize("tracking", [ALGEBRAIC, DIFFERENTIAL])
 @pytest.mark.parametrize("index", [0, 1])
-def test_tracked_flanks_have_no_deviations(kernel: Kernel, tracking: int, index: int):
+def test_tracked_flanks_have_no_deviations(kernel: Kernel, tracking: str, index: int):
     given = [None] * 3
     given[index] = deviations(runout_amount=1e-6)
     error = refusal(kernel, given, tracking=tracking)
@@ -247,7 +247,8 @@ def test_a_wheel_without_module_has_no_deviations(kernel: Kernel):
     with pytest.raises(GearboxError) as caught:
         Gearbox(kernel, wheels, [load(0, TORQUE, -1.0)], [mesh(kernel)])
     assert (caught.value.subject, caught.value.index) == (WHEEL, 0)
-    assert caught.value.field == "module"
+    assert caught.value.field == "runout"
+    assert "needs 'module' beside it" in caught.value.message
 
 
 def test_pitch_errors_are_copied(kernel: Kernel):

@@ -75,7 +75,7 @@ def has_passed(gearbox: Gearbox, state: State, name: str) -> bool:
 @pytest.mark.parametrize("name", ["forward", "back"])
 @pytest.mark.parametrize("seed", range(4))
 def test_a_tooth_switch_leaves_the_contact_alone_but_moves_it_by_a_base_pitch(
-    kernel: Kernel, pair: Pair, tracking: int, name: str, seed: int
+    kernel: Kernel, pair: Pair, tracking: str, name: str, seed: int
 ):
     """h, F_n, lambda, mu and the invariants keep their value; the radii of curvature jump."""
     random = np.random.default_rng(seed)
@@ -123,7 +123,7 @@ def test_a_tooth_switch_leaves_the_contact_alone_but_moves_it_by_a_base_pitch(
 @EVERY_PAIR
 @TRACKINGS
 def test_the_switch_comes_when_the_driving_wheel_has_turned_by_a_pitch_from_the_centre_line(
-    kernel: Kernel, pair: Pair, tracking: int
+    kernel: Kernel, pair: Pair, tracking: str
 ):
     """sigma (phi_A - chi) has moved by one pitch: also when the axles have moved."""
     random = np.random.default_rng(3)
@@ -148,7 +148,7 @@ def test_the_switch_comes_when_the_driving_wheel_has_turned_by_a_pitch_from_the_
 @EVERY_PAIR
 @TRACKINGS
 def test_closing_flanks_are_loaded_and_keep_their_approach_speed(
-    kernel: Kernel, pair: Pair, tracking: int
+    kernel: Kernel, pair: Pair, tracking: str
 ):
     random = np.random.default_rng(4)
     gearbox = pair.gearbox(kernel, tracking=tracking, friction=FRICTION)
@@ -179,7 +179,7 @@ def approach(gearbox: Gearbox, state: State) -> float:
 
 
 @TRACKINGS
-def test_contact_roots_are_zero_where_the_flanks_touch(kernel: Kernel, tracking: int):
+def test_contact_roots_are_zero_where_the_flanks_touch(kernel: Kernel, tracking: str):
     gearbox = paper_gearbox(kernel, tracking=tracking)
     h_0 = gearbox.mesh_geometry().reference_penetration
     for gap in (1e-6, 1e-12, 0.0, -1e-12, -1e-6):
@@ -228,7 +228,7 @@ TRANSITIONS = {  # mode, root function, gap [m] and its rate [m/s]; mode afterwa
 @TRACKINGS
 def test_contact_modes_follow_the_roots(
     kernel: Kernel,
-    tracking: int,
+    tracking: str,
     before: int,
     root: str,
     gap: float,
@@ -268,7 +268,7 @@ def test_contact_modes_follow_the_roots(
 )
 @TRACKINGS
 def test_branches_of_friction_follow_the_sliding_velocity(
-    kernel: Kernel, tracking: int, branch: int, root: str, then: int, event: str
+    kernel: Kernel, tracking: str, branch: int, root: str, then: int, event: str
 ):
     """The root is zero where |v_t| is the knee, friction is the same on both sides of it, and the
     new branch's root is not passed.
@@ -318,7 +318,7 @@ def test_roots_without_a_meaning_are_one(kernel: Kernel):
 @EVERY_PAIR
 @pytest.mark.parametrize("tracking", [ALGEBRAIC, DIFFERENTIAL])
 def test_tracking_rests_while_the_flanks_are_far_apart_and_begins_anew(
-    kernel: Kernel, pair: Pair, tracking: int
+    kernel: Kernel, pair: Pair, tracking: str
 ):
     random = np.random.default_rng(6)
     gearbox = pair.gearbox(kernel, tracking=tracking)
@@ -364,7 +364,7 @@ def test_tracking_rests_while_the_flanks_are_far_apart_and_begins_anew(
 @EVERY_PAIR
 @pytest.mark.parametrize("tracking", [ALGEBRAIC, DIFFERENTIAL])
 def test_an_event_puts_tracked_points_back_onto_the_equations(
-    kernel: Kernel, pair: Pair, tracking: int
+    kernel: Kernel, pair: Pair, tracking: str
 ):
     """What integration has left of (1) is gone afterwards; the wheels stay where they are."""
     random = np.random.default_rng(10)
@@ -468,7 +468,7 @@ WRONG = pytest.mark.parametrize(
 @TRACKINGS
 @EVERY_BELONGING
 def test_an_event_that_did_not_happen_changes_nothing(
-    kernel: Kernel, tracking: int, belongs: Belonging
+    kernel: Kernel, tracking: str, belongs: Belonging
 ):
     gearbox, state = belonging(kernel, tracking, belongs, belongs.mode)
     state.yp = gearbox.derivative(state)
@@ -483,7 +483,7 @@ def test_an_event_that_did_not_happen_changes_nothing(
 @WRONG
 @EVERY_BELONGING
 def test_after_any_event_every_mode_is_the_one_that_belongs_to_the_state(
-    kernel: Kernel, tracking: int, belongs: Belonging, wrong: Mode
+    kernel: Kernel, tracking: str, belongs: Belonging, wrong: Mode
 ):
     """Whatever mode an event leaves, as where a slope of the flank jumps or a speed."""
     gearbox, state = belonging(kernel, tracking, belongs, wrong)
@@ -502,7 +502,7 @@ def test_after_any_event_every_mode_is_the_one_that_belongs_to_the_state(
 @WRONG
 @EVERY_BELONGING
 def test_a_mode_that_contradicts_the_state_is_refused(
-    kernel: Kernel, tracking: int, belongs: Belonging, wrong: Mode
+    kernel: Kernel, tracking: str, belongs: Belonging, wrong: Mode
 ):
     gearbox, state = belonging(kernel, tracking, belongs, wrong)
     if wrong == belongs.mode:
@@ -518,7 +518,7 @@ CAN_JUMP = ("contact", "force", "friction_high", "friction_low")
 
 
 def belonging(
-    kernel: Kernel, tracking: int, belongs: Belonging, mode: Mode
+    kernel: Kernel, tracking: str, belongs: Belonging, mode: Mode
 ) -> tuple[Gearbox, State]:
     """Make the paper's gearbox with damping and friction, and a state of it in any mode."""
     gearbox = paper_gearbox(kernel, tracking=tracking, friction=FRICTION, damping=DAMPING)

@@ -72,7 +72,7 @@ def test_the_three_trackings_give_the_same_outputs_where_the_points_face_each_ot
 
 @EVERY_PAIR
 @TRACKED
-def test_first_force_follows_a_displaced_mu(kernel: Kernel, pair: Pair, tracking: int):
+def test_first_force_follows_a_displaced_mu(kernel: Kernel, pair: Pair, tracking: str):
     """Displaced by 1 %, it gives Johnson's force at 1.01 h: the closed form would not change."""
     gearbox = pair.gearbox(kernel, tracking=tracking, damping=0.0)
     state = gearbox.start(2, speeds=(0, 3.0) if pair.reference else (0, 0), gaps=[-3e-9])
@@ -100,7 +100,7 @@ def test_first_force_follows_a_displaced_mu(kernel: Kernel, pair: Pair, tracking
 @EVERY_PAIR
 @TRACKED
 def test_displaced_wheels_leave_the_force_of_tracked_points_alone(
-    kernel: Kernel, pair: Pair, tracking: int
+    kernel: Kernel, pair: Pair, tracking: str
 ):
     """The closed form, by contrast, would see twice the penetration."""
     gearbox = pair.gearbox(kernel, tracking=tracking, damping=0.0)
@@ -121,7 +121,7 @@ def test_displaced_wheels_leave_the_force_of_tracked_points_alone(
 
 
 @TRACKINGS
-def test_force_of_the_contact_is_clipped_not_pulled(kernel: Kernel, tracking: int):
+def test_force_of_the_contact_is_clipped_not_pulled(kernel: Kernel, tracking: str):
     gearbox = paper_gearbox(kernel, tracking=tracking)
     state = gearbox.start(0, gaps=[-1e-9])
     loaded = gearbox.outputs(state)["normal_force"][0]
@@ -164,7 +164,7 @@ def test_a_penetration_past_the_limit_is_out_of_the_domain_with_value_and_limit(
 @pytest.mark.parametrize("branch", [-1, 0, 1])
 @pytest.mark.parametrize("seed", SEEDS)
 def test_torques_balance_on_each_wheel(
-    kernel: Kernel, pair: Pair, tracking: int, branch: int, seed: int
+    kernel: Kernel, pair: Pair, tracking: str, branch: int, seed: int
 ):
     """sigma F_n (r_b + (F_t/F_n) l) = J omega' - M, whatever sense the teeth slide in."""
     random = np.random.default_rng(seed)
@@ -195,7 +195,7 @@ def test_torques_balance_on_each_wheel(
 @TRACKINGS
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_axles_feel_opposite_forces_along_the_line_of_action_and_across_it(
-    kernel: Kernel, pair: Pair, tracking: int, seed: int
+    kernel: Kernel, pair: Pair, tracking: str, seed: int
 ):
     """-F_n e + F_t t on the driving axle; so no momentum is made."""
     random = np.random.default_rng(seed)
@@ -236,7 +236,7 @@ def kinetic(gearbox: Gearbox, o: dict[str, np.ndarray], masses: np.ndarray) -> f
 @pytest.mark.parametrize("sigma", [1, -1])
 @pytest.mark.parametrize("name", GEARBOXES)
 def test_energy_changes_by_the_work_of_the_loads_less_what_is_dissipated(
-    kernel: Kernel, name: str, tracking: int, sigma: int, mode: tuple[int, int]
+    kernel: Kernel, name: str, tracking: str, sigma: int, mode: tuple[int, int]
 ):
     """d/dt (T + V + dissipated - work) = 0 along the flow, in every mode."""
     gearbox = GEARBOXES[name](kernel, tracking, sigma)

@@ -48,7 +48,7 @@ RESTITUTIONS = pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
 @TRACKINGS
 @RESTITUTIONS
 def test_an_impact_is_newtons_with_the_friction_of_its_instant(
-    kernel: Kernel, pair: Pair, tracking: int, restitution: float
+    kernel: Kernel, pair: Pair, tracking: str, restitution: float
 ):
     """kappa' changes to -e times itself; wheels and axles get P times the force per unit F_n."""
     random = np.random.default_rng(1)
@@ -79,7 +79,7 @@ def test_an_impact_is_newtons_with_the_friction_of_its_instant(
 @TRACKINGS
 @RESTITUTIONS
 def test_an_impact_without_friction_loses_what_its_restitution_says(
-    kernel: Kernel, tracking: int, restitution: float
+    kernel: Kernel, tracking: str, restitution: float
 ):
     """(1 - e^2)/2 m v^2, m the mass that the gap feels; what is lost counts as dissipated."""
     random = np.random.default_rng(2)
@@ -125,7 +125,7 @@ def test_an_impact_between_a_prescribed_and_a_free_wheel_moves_the_free_one(
 @TRACKINGS
 @FLANKS
 def test_contacts_that_close_at_once_are_solved_together(
-    kernel: Kernel, restitutions: tuple[float, float], tracking: int, sigma: int
+    kernel: Kernel, restitutions: tuple[float, float], tracking: str, sigma: int
 ):
     random = np.random.default_rng(3)
     gearbox = rigid_train(kernel, 3, tracking, sigma, restitutions)
@@ -149,7 +149,7 @@ def test_contacts_that_close_at_once_are_solved_together(
 
 
 @TRACKINGS
-def test_a_closed_contact_stays_closed_while_another_one_is_struck(kernel: Kernel, tracking: int):
+def test_a_closed_contact_stays_closed_while_another_one_is_struck(kernel: Kernel, tracking: str):
     """The momentum goes through it: its own impulse keeps kappa' = 0."""
     random = np.random.default_rng(4)
     gearbox = rigid_train(kernel, 3, tracking, 1, (0.0, 0.6))

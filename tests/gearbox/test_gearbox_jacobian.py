@@ -58,7 +58,7 @@ def test_jacobian_of_trains_is_the_derivative_of_the_residual(
     kernel: Kernel,
     maker: Callable[[Kernel, int, int], Gearbox],
     sigma: int,
-    tracking: int,
+    tracking: str,
     mode: tuple[int, int],
 ):
     """All supports and all loads; wheels of different material, width and size."""
@@ -70,7 +70,7 @@ def test_jacobian_of_trains_is_the_derivative_of_the_residual(
 @EVERY_MODE
 @TRACKINGS
 def test_jacobian_of_a_pair_is_the_derivative_of_the_residual(
-    kernel: Kernel, pair, tracking: int, mode: tuple[int, int]
+    kernel: Kernel, pair, tracking: str, mode: tuple[int, int]
 ):
     """Both flanks, any centre line, both axles on bearings; penetrations from 1e-10 to 1e-5 m."""
     random = np.random.default_rng(12)

@@ -96,7 +96,7 @@ def test_a_mounted_housing_is_refused(kernel: Kernel):
 
 
 @pytest.mark.parametrize("tracking", [ALGEBRAIC, DIFFERENTIAL])
-def test_tracked_points_are_refused_at_their_mesh(kernel: Kernel, tracking: int):
+def test_tracked_points_are_refused_at_their_mesh(kernel: Kernel, tracking: str):
     gearbox = chain(kernel, 3, tracking, 1)
     with pytest.raises(GearboxError, match="algebraic states") as refused:
         serves(gearbox)

@@ -39,7 +39,7 @@ EVERY_PAIR = pytest.mark.parametrize("pair", PAIRS.values(), ids=PAIRS.keys())
 
 @TRACKINGS
 @FLANKS
-def test_the_normal_force_at_rest_is_that_of_the_torques(kernel: Kernel, tracking: int, sigma: int):
+def test_the_normal_force_at_rest_is_that_of_the_torques(kernel: Kernel, tracking: str, sigma: int):
     """Fixed axles, no sliding: kappa'' = 0 with the torques M_A and M_B alone."""
     wheels = [wheel(teeth=20, pitch_radius=0.2, centre=(0.0, 0.0)), wheel(teeth=30)]
     description = mesh(kernel, driving_rotation=-sigma, tracking=tracking, **rigid(kernel))
@@ -169,7 +169,7 @@ def test_jacobian_of_trains_with_rigid_contacts(
     kernel: Kernel,
     restitutions: tuple[float | None, ...],
     sigma: int,
-    tracking: int,
+    tracking: str,
     mode: tuple[int, int],
 ):
     random = np.random.default_rng(21)
@@ -182,7 +182,7 @@ def test_jacobian_of_trains_with_rigid_contacts(
 @TRACKINGS
 @EVERY_PAIR
 def test_jacobian_of_a_pair_with_rigid_contact(
-    kernel: Kernel, pair: Pair, tracking: int, mode: tuple[int, int]
+    kernel: Kernel, pair: Pair, tracking: str, mode: tuple[int, int]
 ):
     random = np.random.default_rng(22)
     gearbox = pair.gearbox(kernel, tracking=tracking, friction=FRICTION, **rigid(kernel))
@@ -192,7 +192,7 @@ def test_jacobian_of_a_pair_with_rigid_contact(
 
 @pytest.mark.parametrize("friction", [0.0, 0.2])
 @TRACKINGS
-def test_a_steady_start_accelerates_nothing(kernel: Kernel, tracking: int, friction: float):
+def test_a_steady_start_accelerates_nothing(kernel: Kernel, tracking: str, friction: float):
     loads = (load(0, TORQUE, -7.0), load(2, VISCOUS, 5.0))
     gearbox = rigid_train(kernel, 3, tracking, loads=loads, friction=(friction, KNEE))
     state = gearbox.start(STEADY)

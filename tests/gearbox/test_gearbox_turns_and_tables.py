@@ -44,7 +44,7 @@ def is_consistent(gearbox: Gearbox, state: State) -> bool:
 @TRACKINGS
 @pytest.mark.parametrize("turns", [-2, -1, 1, 2])
 def test_whole_turns_are_taken_off_the_reference_angle_and_nothing_else_changes(
-    kernel: Kernel, pair: Pair, tracking: int, turns: int
+    kernel: Kernel, pair: Pair, tracking: str, turns: int
 ):
     random = np.random.default_rng(7)
     gearbox = pair.gearbox(kernel, tracking=tracking, friction=FRICTION)
@@ -98,7 +98,7 @@ def test_any_event_past_a_turn_takes_it_off(kernel: Kernel):
 
 @TRACKINGS
 def test_knots_of_tables_come_in_their_order_and_leave_the_torque_continuous(
-    kernel: Kernel, tracking: int
+    kernel: Kernel, tracking: str
 ):
     gearbox = prescribed(kernel, tracking)  # knots at 0, 1 and at 0, 0.2, 3
     state = gearbox.start(SPEEDS, speeds=[0.0, 0.0])

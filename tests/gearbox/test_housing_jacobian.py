@@ -62,7 +62,7 @@ LOADS = (
 )
 
 
-def make(kernel: Kernel, body: str, driven_by: str, tracking: int) -> Gearbox:
+def make(kernel: Kernel, body: str, driven_by: str, tracking: str) -> Gearbox:
     wheels = [
         wheel(
             teeth=20,
@@ -91,7 +91,7 @@ def make(kernel: Kernel, body: str, driven_by: str, tracking: int) -> Gearbox:
     return Gearbox(kernel, wheels, loads(kernel, driven_by), [contact], HOUSINGS[body])
 
 
-def somewhere(kernel: Kernel, body: str, driven_by: str, tracking: int) -> tuple[Gearbox, State]:
+def somewhere(kernel: Kernel, body: str, driven_by: str, tracking: str) -> tuple[Gearbox, State]:
     """Return a state in contact in which everything moves, with rates that do not belong to it."""
     gearbox = make(kernel, body, driven_by, tracking)
     gaps = None if tracking == RIGID else [-3e-7]
@@ -140,7 +140,7 @@ def extrapolated(f: Callable[[float], Floats], step: float) -> Floats:
 @pytest.mark.parametrize("driver", LOADS)
 @pytest.mark.parametrize("kind", ["gravity", "prescribed", "mounted"])
 def test_jacobian_is_the_derivative_of_the_residual(
-    kernel: Kernel, kind: str, driver: str, tracking: int
+    kernel: Kernel, kind: str, driver: str, tracking: str
 ) -> None:
     gearbox, state = somewhere(kernel, kind, driver, tracking)
     names = gearbox.names
@@ -175,7 +175,7 @@ def test_jacobian_is_the_derivative_of_the_residual(
 @pytest.mark.parametrize("driver", LOADS)
 @pytest.mark.parametrize("kind", ["gravity", "prescribed", "mounted"])
 def test_derivative_solves_the_residual(
-    kernel: Kernel, kind: str, driver: str, tracking: int
+    kernel: Kernel, kind: str, driver: str, tracking: str
 ) -> None:
     gearbox, state = somewhere(kernel, kind, driver, tracking)
     yp = gearbox.derivative(state)

@@ -54,7 +54,7 @@ def test_every_smooth_law_of_the_program_has_its_case(kernel: Kernel):
 @pytest.mark.parametrize(("contact", "damping", "friction"), CASES)
 @TRACKINGS
 def test_jacobian_with_every_law_is_the_derivative_of_the_residual(
-    kernel: Kernel, tracking: int, contact: str, damping: str, friction: str, mode: int
+    kernel: Kernel, tracking: str, contact: str, damping: str, friction: str, mode: int
 ):
     """On supports that move in all directions, so that the radii of curvature vary as well."""
     spring = {"support_stiffness": (1e8, 3e8), "support_damping": (2e4, 1e4)}

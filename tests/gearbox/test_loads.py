@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from gearbox.test_housing_jacobian import HOUSINGS
-from kernel.description import Block
+from kernel.description import Block, Kind, kinds
 from kernel.gearbox import LOADED, Gearbox, State
 from kernel.gearbox_cases import in_mode
 from kernel.gearbox_description import (
@@ -26,7 +26,7 @@ from kernel.gearbox_description import (
     wheel,
 )
 from kernel.jacobian import check_jacobian
-from kernel.kernel import Kernel, KindInfo
+from kernel.kernel import Kernel
 from kernel.radau import LANES, model
 from load_samples import SAMPLES, SUPPORTS
 
@@ -68,23 +68,21 @@ def stirred(gearbox: Gearbox, seed: int = 3) -> State:
     return state
 
 
-def all_given(infos: list[KindInfo], samples: dict[str, dict[str, Any]]) -> None:
+def all_given(infos: list[Kind], samples: dict[str, dict[str, Any]]) -> None:
     """Check that every parameter of every kind is given in a sample."""
     for info in infos:
-        kind = info.name
-        of_kind = [sample for sample in samples.values() if sample["kind"] == kind]
-        assert of_kind, f"tests/load_samples.py has no sample of kind {kind}"
+        of_kind = [sample for sample in samples.values() if sample["kind"] == info.name]
+        assert of_kind, f"tests/load_samples.py has no sample of kind {info.name}"
         given = {key for sample in of_kind for key in sample}
-        rows = info.parameters[: info.n_parameters]
-        assert given == {"kind", *(row.name.decode() for row in rows)}
+        assert given == {"kind", *(row.key for row in info.rows)}
 
 
 def test_every_kind_of_load_has_a_sample(kernel: Kernel):
-    all_given(kernel.load_kinds(), SAMPLES)
+    all_given(kinds(kernel.library, "load"), SAMPLES)
 
 
 def test_every_kind_of_support_has_a_sample(kernel: Kernel):
-    all_given(kernel.support_kinds(), SUPPORTS)
+    all_given(kinds(kernel.library, "support"), SUPPORTS)
 
 
 @pytest.mark.parametrize("name", SUPPORTS)

@@ -8,7 +8,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from kernel.deviations import deviations, relief
+from kernel.deviations import ROOT, TIP, deviations, relief
 from kernel.gearbox import (
     DRIVE,
     LOADED,
@@ -115,13 +115,11 @@ def test_the_borders_of_reliefs_are_located(kernel: Kernel, name: str):
             at = slot(pair, contact.flank, contact.number)
             for i, wheel_name in enumerate("ab"):
                 formula = pair.formulas[i]
-                for part, given, zone in (
-                    ("tip", formula.given.tip_relief, 1),
-                    ("root", formula.given.root_relief, -1),
-                ):
+                for part, zone in (("tip", TIP), ("root", ROOT)):
+                    given = formula.relief(zone)
                     root = f"{part}_{wheel_name}"
                     value = gearbox.root(teeth.state, root, at)
-                    if given.amount == 0 or contact.zones[i] == -zone:
+                    if given is None or contact.zones[i] == -zone:
                         assert value == 1
                         continue
                     border = formula.start(given)

@@ -235,7 +235,7 @@ def test_jacobian_where_a_pair_overlaps_without_force(kernel: Kernel, pair: Real
 @PERFECT
 @pytest.mark.parametrize("tracking", [ALGEBRAIC, DIFFERENTIAL])
 def test_jacobian_of_tracked_pairs_is_the_derivative_of_the_residual(
-    kernel: Kernel, pair: RealPair, tracking: int
+    kernel: Kernel, pair: RealPair, tracking: str
 ):
     for gap in (GAPS["drive"], GAPS["coast"]):
         closed, teeth = made(kernel, pair, gap, 41)

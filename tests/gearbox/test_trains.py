@@ -72,7 +72,7 @@ def jacobian_error(gearbox: Gearbox, state: State, cj: float = 37.0) -> float:
 @DRIVERS
 @pytest.mark.parametrize("tracking", [CLOSED_FORM, ALGEBRAIC, DIFFERENTIAL])
 def test_jacobian_of_a_train_with_shafts_is_the_derivative_of_the_residual(
-    kernel: Kernel, middle: float | None, driven_by: str, tracking: int
+    kernel: Kernel, middle: float | None, driven_by: str, tracking: str
 ):
     """Elastic and rigid shafts, discs, the prescribed speed of every kind of rotor."""
     gearbox = two_stages(kernel, middle=middle, driven_by=driven_by, tracking=tracking)

@@ -106,7 +106,7 @@ def test_relief_reaches_its_amount_at_the_end_of_the_profile_and_crowning_at_bot
 
 @pytest.mark.parametrize(("shape", "slope_jumps"), [(LINEAR, True), (PARABOLIC, False)])
 def test_relief_is_continuous_at_its_border_and_a_parabolic_one_has_no_kink(
-    kernel: Kernel, shape: int, slope_jumps: bool
+    kernel: Kernel, shape: str, slope_jumps: bool
 ):
     description = deviations(
         tip_relief=relief(20e-6, roll_angle=0.5, shape=shape),
@@ -218,7 +218,7 @@ def test_derivatives_are_those_of_the_values(
     kernel: Kernel,
     amounts: tuple[float, ...],
     starts: tuple[float, float],
-    shape: int,
+    shape: str,
     rho: float,
     tooth: int,
     side: int,
@@ -256,7 +256,7 @@ def refusal(kernel: Kernel, description: Block) -> KernelError:
 @pytest.mark.parametrize(
     ("fields", "field", "words"),
     [
-        ({"tip_relief": relief(-1e-6, roll_angle=0.5)}, "tip_relief.amount", "not negative"),
+        ({"tip_relief": relief(-1e-6, roll_angle=0.5)}, "tip_relief.amount", "must be at least 0"),
         ({"root_relief": relief(np.nan, roll_angle=0.3)}, "root_relief.amount", "finite"),
         ({"profile_crowning": -1e-6}, "profile_crowning", "-1E-06 m"),
         ({"runout_amount": np.inf}, "runout.amount", "finite"),
@@ -268,7 +268,7 @@ def refusal(kernel: Kernel, description: Block) -> KernelError:
             "to 0.066 m",
         ),
         ({"tip_relief": relief(1e-6, diameter=0.05)}, "tip_relief.diameter", "active profile"),
-        ({"tip_relief": relief(1e-6, diameter=-0.06)}, "tip_relief.diameter", "active profile"),
+        ({"tip_relief": relief(1e-6, diameter=-0.06)}, "tip_relief.diameter", "greater than 0"),
         (
             {"root_relief": relief(1e-6, roll_angle=0.1)},
             "root_relief.roll_angle",
@@ -276,9 +276,9 @@ def refusal(kernel: Kernel, description: Block) -> KernelError:
             "8.50955 deg to 34.8655 deg",
         ),
         (
-            {"tip_relief": relief(1e-6, roll_angle=0.5, shape=7)},
+            {"tip_relief": relief(1e-6, roll_angle=0.5, shape="cubic")},
             "tip_relief.shape",
-            "no such shape",
+            "must be one of linear parabolic, not cubic",
         ),
         (
             {
@@ -291,8 +291,8 @@ def refusal(kernel: Kernel, description: Block) -> KernelError:
         ({"pitch_errors": PITCH[1:]}, "pitch_errors", "19 pitch errors are given for 20 teeth"),
         ({"pitch_errors": [*PITCH[1:], np.nan]}, "pitch_errors", "finite"),
         ({"pitch_errors": PITCH, "accuracy_class": 6}, "accuracy", "not both"),
-        ({"accuracy_class": 12}, "accuracy.class", "class 12 must be from 1 to 11"),
-        ({"accuracy_class": -1}, "accuracy.class", "from 1 to 11"),
+        ({"accuracy_class": 12}, "accuracy.class", "class = 12 must be at most 11"),
+        ({"accuracy_class": -1}, "accuracy.class", "class = -1 must be at least 1"),
     ],
 )
 def test_senseless_deviations_are_refused_by_name(

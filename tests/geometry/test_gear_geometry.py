@@ -322,14 +322,9 @@ UNDERCUT = [
 def rack_tip(teeth: int, given: dict[str, Any]) -> tuple[float, float, float, float]:
     """Return r, alpha, and depth and radius of the rounding of the rack's tip."""
     d = gear_description(**given)
-    x_e = d.profile_shift + d.thickness_allowance / (2 * d.normal_module * np.tan(d.pressure_angle))
-    depth = d.normal_module * (d.rack_dedendum - d.rack_root_radius - x_e)
-    return (
-        d.normal_module * teeth / 2,
-        d.pressure_angle,
-        depth,
-        d.normal_module * d.rack_root_radius,
-    )
+    x_e = d.profile_shift + d.thickness_allowance / (2 * d.module * np.tan(d.pressure_angle))
+    depth = d.module * (d.rack.dedendum - d.rack.root_radius - x_e)
+    return d.module * teeth / 2, d.pressure_angle, depth, d.module * d.rack.root_radius
 
 
 @pytest.mark.parametrize(("teeth", "given"), UNDERCUT)

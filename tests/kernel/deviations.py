@@ -154,6 +154,11 @@ class Formula:
     given: Block
     profile: Profile
 
+    def relief(self, zone: int) -> Block | None:
+        """Relief of the zone TIP or ROOT; None if there is none."""
+        given: Block = self.given.get({ROOT: "root_relief", TIP: "tip_relief"}[zone], {})
+        return given if given.get("amount", 0.0) > 0 else None
+
     def start(self, relief: Block) -> mp.mpf:
         """Radius of curvature at which a relief starts."""
         r_b = mp.mpf(self.profile.base_radius)
@@ -167,13 +172,10 @@ class Formula:
         low, high = mp.mpf(profile.rho_start), mp.mpf(profile.rho_tip)
         r_b, z = mp.mpf(profile.base_radius), profile.teeth
         e = mp.mpf(0)
-        if zone != NONE:
-            key, end = {ROOT: ("root_relief", low), TIP: ("tip_relief", high)}[zone]
-            if key in given and given[key].amount > 0:
-                chosen = given[key]
-                border = self.start(chosen)
-                power = 1 if chosen.shape == LINEAR else 2
-                e += chosen.amount * ((rho - border) / (end - border)) ** power
+        if zone != NONE and (chosen := self.relief(zone)):
+            border, end = self.start(chosen), low if zone == ROOT else high
+            power = 1 if chosen.shape == LINEAR else 2
+            e += chosen.amount * ((rho - border) / (end - border)) ** power
         e += given.get("profile_crowning", 0) * ((2 * rho - low - high) / (high - low)) ** 2
         if "pitch_errors" in given:
             arc = mp.mpf(given.pitch_errors[tooth % z])

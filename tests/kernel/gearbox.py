@@ -167,7 +167,7 @@ class Gearbox:
         self.library.evl_gearbox_create.restype = ctypes.c_void_p
         self.library.evl_gearbox_next_time_event.restype = _double
         status = Status()
-        case, order = case_of(kernel, wheels, loads, meshes, housing, shafts)
+        case, self.load_order = case_of(kernel, wheels, loads, meshes, housing, shafts)
         description = create(self.library, case, status)
         handle = None
         if description:
@@ -175,10 +175,7 @@ class Gearbox:
             self.library.evl_description_delete(ctypes.byref(description))
         self.handle = ctypes.c_void_p(handle)
         if not handle:
-            error = _error(status)
-            if error.subject == LOAD:  # which of those that were given
-                error.index = order[error.index]
-            raise error
+            self.check(status.code, status)
         assert status.code == OK
         self.sizes = Sizes()
         self.library.evl_gearbox_sizes(self.handle, ctypes.byref(self.sizes))
@@ -190,6 +187,17 @@ class Gearbox:
     def __del__(self) -> None:
         if getattr(self, "handle", None):
             self.library.evl_gearbox_delete(ctypes.byref(self.handle))
+
+    def _about(self, status: Status) -> tuple[int, int, str, str]:
+        """What a status is about; a load by its place among those that were given."""
+        index = self.load_order[status.index] if status.subject == LOAD else status.index
+        return status.subject, index, status.field.decode(), status.message.decode()
+
+    def check(self, code: int, status: Status) -> None:
+        """Raise a GearboxError unless a call was answered with EVL_OK."""
+        assert code == status.code
+        if code != OK:
+            raise GearboxError(code, *self._about(status))
 
     def _name(self, index: int) -> tuple[str, str]:
         name, units = ctypes.create_string_buffer(32), ctypes.create_string_buffer(32)
@@ -224,8 +232,7 @@ class Gearbox:
         for index in range(self.sizes.n_warnings):
             assert self.library.evl_gearbox_warning(self.handle, index, ctypes.byref(status))
             assert status.code == OK
-            about = (status.subject, status.index, status.field.decode())
-            warnings.append(Warned(*about, status.message.decode()))
+            warnings.append(Warned(*self._about(status)))
         assert not self.library.evl_gearbox_warning(
             self.handle, len(warnings), ctypes.byref(status)
         )
@@ -238,8 +245,7 @@ class Gearbox:
         ask.restype = _bool
         if not ask(self.handle, ctypes.byref(start), ctypes.byref(status)):
             return None
-        about = (status.subject, status.index, status.field.decode())
-        return Warned(*about, status.message.decode())
+        return Warned(*self._about(status))
 
     def wheel_geometry(self, index: int) -> WheelGeometry:
         """Geometry of a wheel."""
@@ -281,7 +287,7 @@ class Gearbox:
             *map(_at, arrays),
             ctypes.byref(status),
         )
-        _check(code, status)
+        self.check(code, status)
         return state
 
     def scales(self) -> tuple[Floats, Floats, Integers]:
@@ -297,7 +303,7 @@ class Gearbox:
         status = Status()
         code = getattr(self.library, name)(self.handle, *arguments, ctypes.byref(status))
         if code != OK:
-            _check(code, status)
+            self.check(code, status)
 
     def residual(self, state: State) -> Floats:
         """F(t, y, y')."""
@@ -471,14 +477,3 @@ def event_kinds(kernel: Kernel) -> list[tuple[str, str]]:
         kernel.library.evl_event_describe(kind, name, text)
         kinds.append((name.value.decode(), text.value.decode()))
     return kinds
-
-
-def _error(status: Status) -> GearboxError:
-    field, message = status.field.decode(), status.message.decode()
-    return GearboxError(status.code, status.subject, status.index, field, message)
-
-
-def _check(code: int, status: Status) -> None:
-    assert code == status.code
-    if code != OK:
-        raise _error(status)

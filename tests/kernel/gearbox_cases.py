@@ -46,7 +46,7 @@ def paper_gearbox(kernel: Kernel, **fields: Any) -> Gearbox:
     return Gearbox(kernel, wheels, loads, [mesh(kernel, **fields)])
 
 
-def chain(kernel: Kernel, n: int, tracking: int, sigma: int = 1, closed: bool = False) -> Gearbox:
+def chain(kernel: Kernel, n: int, tracking: str, sigma: int = 1, closed: bool = False) -> Gearbox:
     """Train of n wheels with every support and every load but a prescribed speed.
 
     Wheels differ in everything; `closed`: the last one meshes with the first, a ring.
@@ -114,7 +114,7 @@ def _apex(a: float, b: float, base: float, side: int) -> tuple[float, float]:
     return x, side * float(np.sqrt(a**2 - x**2))
 
 
-def prescribed(kernel: Kernel, tracking: int, sigma: int = 1) -> Gearbox:
+def prescribed(kernel: Kernel, tracking: str, sigma: int = 1) -> Gearbox:
     """Pair with a changing speed of the driven and a table of torques on the driving wheel."""
     wheels = [
         wheel(teeth=20, pitch_radius=0.2, support_kind=BEARING, support_stiffness=(1e9, 5e8)),

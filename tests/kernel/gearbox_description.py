@@ -20,6 +20,7 @@ FIXED, SLIDER, BEARING = "fixed", "slider", "bearing"
 TORQUE, VISCOUS, TABLE, SPEED = "torque", "viscous", "table", "speed"
 CLOSED_FORM, ALGEBRAIC, DIFFERENTIAL = "closed_form", "algebraic", "differential"
 REST, STEADY, SPEEDS = range(3)
+ROTATIONS: dict[int | str, str] = {-1: "clockwise", 1: "counterclockwise"}
 
 _bool = ctypes.c_bool
 
@@ -99,10 +100,10 @@ def load(
     return load_of(wheel, kind, against_housing=against_housing, **numbers)
 
 
-def load_of(wheel: int, kind: str, *, against_housing: bool = False, **numbers: Any) -> Block:
+def load_of(wheel: int, kind: str, *, against_housing: bool = False, **keys: Any) -> Block:
     """Load of a wheel by the keys of its kind."""
     against = "housing" if against_housing else "ground"
-    return Block(wheel=wheel, kind=kind, against=against, **numbers)
+    return Block({"wheel": wheel, "kind": kind, "against": against, **keys})
 
 
 def load_like(
@@ -138,8 +139,12 @@ def law_block(kernel: Kernel, family: int, choice: LawChoice | Block) -> Block:
     if isinstance(choice, dict):
         return choice
     law = kernel.laws(family)[choice.law]
-    numbers = zip((row.key for row in law.rows), choice.parameters, strict=False)
-    return Block(law=law.name, **{key: value for key, value in numbers if not np.isnan(value)})
+    given = {
+        row.key: value
+        for row, value in zip(law.rows, choice.parameters, strict=False)
+        if row.required or row.default or not np.isnan(value)
+    }
+    return Block(law=law.name, **given)
 
 
 def mesh(
@@ -150,7 +155,7 @@ def mesh(
     damping: float | tuple[str, float] | LawChoice | Block | None = 1e4,
     friction: float | tuple[float, float] | LawChoice | Block = 0.0,
     pressure_angle: float | None = None,
-    driving_rotation: int = -1,
+    driving_rotation: int | str = -1,
     real: bool = False,
     **fields: Any,
 ) -> Block:
@@ -169,7 +174,7 @@ def mesh(
     return _given(
         {
             **{"driving": driving, "driven": driven},
-            "driving_rotation": {-1: "clockwise", 1: "counterclockwise"}[driving_rotation],
+            "driving_rotation": ROTATIONS.get(driving_rotation, driving_rotation),
             "centre_line_angle": 0.0,
             "pressure_angle": None if real else pressure_angle or "paper_rule",
             "tracking": CLOSED_FORM,

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from kernel.gearbox import Gearbox, State, _check
+from kernel.gearbox import Gearbox, State
 from kernel.kernel import OK, Floats, Integers, Status, _at, _double, _int
 
 STEP, EVENT, STOP = range(3)
@@ -30,7 +30,7 @@ def serves(gearbox: Gearbox) -> None:
     """Raise a GearboxError if the integrator does not serve a gearbox."""
     status = Status()
     code = gearbox.library.evl_radau_serves(gearbox.handle, ctypes.byref(status))
-    _check(code, status)
+    gearbox.check(code, status)
 
 
 class Radau:
@@ -56,7 +56,7 @@ class Radau:
         )
         self.handle = ctypes.c_void_p(handle)
         if not handle:
-            _check(status.code, status)
+            gearbox.check(status.code, status)
         assert status.code == OK
 
     def __del__(self) -> None:
@@ -71,7 +71,7 @@ class Radau:
         status = Status()
         function = getattr(self.gearbox.library, name)
         code = function(self.handle, *arguments, ctypes.byref(status))
-        _check(code, status)
+        self.gearbox.check(code, status)
 
     def start(self, state: State) -> None:
         """Begin at a state."""
@@ -127,5 +127,5 @@ def model(gearbox: Gearbox, states: list[State]) -> tuple[Floats, Floats]:
     arrays = (gearbox.scales()[0], t, y, states[0].integers, states[0].reals, f, jacobian)
     status = Status()
     gearbox.library.lanes_model(gearbox.handle, *map(_at, arrays), ctypes.byref(status))
-    _check(status.code, status)
+    gearbox.check(status.code, status)
     return f.T, jacobian

@@ -51,7 +51,7 @@ GAPS = {"drive": -2e-5, "between": 2.5e-5, "coast": 7e-5}
 
 
 def made(
-    kernel: Kernel, pair: RealPair, gap: float, seed: int, tracking: int = CLOSED_FORM
+    kernel: Kernel, pair: RealPair, gap: float, seed: int, tracking: str = CLOSED_FORM
 ) -> tuple[Gearbox, Teeth]:
     """Make the gearbox with damping and friction, and a state with its pairs in their slots."""
     gearbox = pair.gearbox(

@@ -257,10 +257,10 @@ class Teeth:
     def zone(self, wheel: int, rho: mp.mpf) -> int:
         """Part of the profile."""
         formula = self.pair.formulas[wheel]
-        tip, root = formula.given.tip_relief, formula.given.root_relief
-        if tip.amount > 0 and rho > formula.start(tip):
+        tip, root = formula.relief(TIP), formula.relief(ROOT)
+        if tip and rho > formula.start(tip):
             return TIP
-        return ROOT if root.amount > 0 and rho < formula.start(root) else NONE
+        return ROOT if root and rho < formula.start(root) else NONE
 
     @cached_property
     def contacts(self) -> list[Contact]:

@@ -34,7 +34,7 @@ def rigid(kernel: Kernel, restitution: float = 0.0) -> dict[str, Any]:
 def rigid_train(
     kernel: Kernel,
     n: int = 3,
-    tracking: int = CLOSED_FORM,
+    tracking: str = CLOSED_FORM,
     sigma: int = 1,
     restitutions: tuple[float | None, ...] = (0.0, 0.0),
     outer_drive: bool = False,

@@ -31,7 +31,7 @@ def two_stages(
     kernel: Kernel,
     *,
     middle: float | None = 3e4,
-    tracking: int = CLOSED_FORM,
+    tracking: str = CLOSED_FORM,
     driven_by: str = "torque",
     housing: Block | None = None,
     against_housing: bool = False,

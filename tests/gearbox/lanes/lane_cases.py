@@ -62,13 +62,14 @@ LAWS = [
 
 TEETH = (20, 35)
 TIP, ROOT = (0.0645, 0.1095), (0.0575, 0.1015)  # diameters at which relief begins [m]
+ROOT_ROLL = (0.2, 0.24)  # about the same as roll angles
 DEVIATIONS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "perfect": ({}, {}),
     "linear tip relief": tuple({"tip_relief": relief(2e-5, diameter=d)} for d in TIP),
     "parabolic tip relief": tuple(
         {"tip_relief": relief(2e-5, diameter=d, shape=PARABOLIC)} for d in TIP
     ),
-    "linear root relief": tuple({"root_relief": relief(1e-5, diameter=d)} for d in ROOT),
+    "linear root relief": tuple({"root_relief": relief(1e-5, roll_angle=a)} for a in ROOT_ROLL),
     "parabolic root relief": tuple(
         {"root_relief": relief(1e-5, diameter=d, shape=PARABOLIC)} for d in ROOT
     ),

@@ -19,7 +19,8 @@ from gearbox.lanes.lane_cases import (
     real_gears,
     real_state,
 )
-from kernel.description import Block
+from kernel.description import rows
+from kernel.deviations import deviations
 from kernel.gearbox import LOADED, OPEN, UNLOADED, Gearbox, State
 from kernel.gearbox_cases import chain, in_mode, paper_gearbox, prescribed
 from kernel.gearbox_description import ALGEBRAIC, CLOSED_FORM
@@ -238,11 +239,21 @@ def test_real_gears_with_both_flanks_agree(kernel: Kernel, name: str, fixed: boo
     assert loaded >= 36  # at least a pair on the drive flank and two on the coast flank
 
 
-def test_every_kind_of_deviation_is_compared_here():
-    """A field of the description that no case gives would go unnoticed."""
-    given = {field for pair in DEVIATIONS.values() for wheel in pair for field in wheel}
-    fields = {name for name, *_ in Block._fields_}
-    assert given == fields - {"n_pitch_errors"}
+def test_every_kind_of_deviation_is_compared_here(kernel: Kernel):
+    """A row that no case gives would go unnoticed: all that needs a module but the gear's form."""
+    of_form = {
+        *("pressure_angle", "profile_shift", "rack", "tip_diameter", "tip_alteration"),
+        *("thickness_allowance", "bore"),
+    }
+    described = [deviations(**fields) for pair in DEVIATIONS.values() for fields in pair]
+    table = rows(kernel.library)
+    wanted = [row for row in table if row.block == "wheel" and row.variants == "+module"]
+    wanted = [row for row in wanted if row.key not in of_form]
+    assert {row.key for row in wanted} == {key for wheel in described for key in wheel}
+    for block in {row.holds for row in wanted} - {""}:
+        holders = {row.key for row in wanted if row.holds == block}
+        given = {key for wheel in described for name in holders & {*wheel} for key in wheel[name]}
+        assert given == {row.key for row in table if row.block == block}
 
 
 def test_axles_that_move_far_agree(kernel: Kernel):
