@@ -86,7 +86,8 @@ static bool read_number(const char *option, const char *text, double most, const
 
 static void refuse_steady_state(const prepared_case *prepared, const model_message *refusal, evl_error *error)
 {
-    if (strcmp(refusal->field, MODEL_START) == 0) { /* the case need not ask for it: its lines are not to blame */
+    if (strncmp(refusal->field, MODEL_START, strlen(MODEL_START)) ==
+        0) { /* the case need not ask for it: its lines are not to blame */
         evl_error_set(error, EVL_EXIT_CASE, case_path(prepared->file),
                       "there is no steady state to linearise at: %s; --at TIME linearises the motion at a time instead",
                       refusal->message);

@@ -35,11 +35,11 @@ module evl_gearbox_initial
 
    ! what a case says of the start
    type(row_t), parameter, public :: initial_rows(*) = [ &
-      row_t("kind", type_choice, "", "at rest; in steady motion under the loads; with given speeds", default="rest", &
-            words="rest steady speeds"), &
-      row_t("speeds", type_named, "rad/s", "angular velocity of every wheel by name", required=.true., variants="speeds"), &
-      row_t("gaps", type_named, "m", "gap between the flanks of a mesh by name, 0 if not given; negative: penetration", &
-            default="{}", variants="rest speeds")]
+                    row_t("kind", type_choice, "", "at rest; in steady motion under the loads; with given speeds", default="rest", &
+                                           words="rest steady speeds"), &
+              row_t("speeds", type_named, "rad/s", "angular velocity of every wheel by name", required=.true., variants="speeds"), &
+                 row_t("gaps", type_named, "m", "gap between the flanks of a mesh by name, 0 if not given; negative: penetration", &
+                                           default="{}", variants="rest speeds")]
 
    type :: initial_t
       integer :: kind = initial_rest       !! one of the kinds above

@@ -2,7 +2,7 @@
 module evl_capi_description
    use, intrinsic :: ieee_arithmetic, only: ieee_negative_inf, ieee_positive_inf, ieee_value
    use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_char, &
-                                          c_null_ptr, c_ptr
+                                                                             c_null_ptr, c_ptr
    use evl_capi_types, only: c_status, status_from_c, status_to_c, to_c
    use evl_case_table, only: case_table, kinds_of
    use evl_description_check, only: check_description, entry_path, path_length, place_of_status

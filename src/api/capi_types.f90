@@ -29,7 +29,6 @@ module evl_capi_types
       real(c_double) :: parameters(c_max_parameters)
    end type c_law_choice
 
-
 contains
 
    !> A blank-padded string as a C string.

@@ -1,4 +1,4 @@
-!> The table of all rows: what a case can say, block by block. A block is a line here, its rows stand with the thing that they describe.
+!> The table of all rows: what a case can say, block by block. A block is a line here, its rows stand with the thing they describe.
 module evl_case_table
    use evl_deviation_description, only: accuracy_rows, relief_rows, runout_rows
    use evl_gear, only: rack_rows
@@ -22,40 +22,40 @@ module evl_case_table
    public :: case_table, kinds_of
 
    type(row_t), parameter :: case_rows(*) = [ &
-      row_t("format", type_integer, "", "version of this format: 1", required=.true.), &
-      row_t("title", type_text, "", "what the case is about; becomes the title of the history", default="''"), &
-      row_t("materials", type_map, "", "the materials by name", range=range_t(minimum=1.0_wp), required=.true., &
-            holds="material"), &
-      row_t("wheels", type_list, "", "the wheels; the order is that of the history", range=range_t(minimum=2.0_wp), &
-            required=.true., holds="wheel"), &
-      row_t("meshes", type_list, "", "which wheels mesh, and how", range=range_t(minimum=1.0_wp), required=.true., &
-            holds="mesh"), &
-      row_t("shafts", type_list, "", "which wheels on one axis turn together", range=range_t(minimum=0.0_wp), default="[]", &
-            holds="shaft"), &
-      row_t("gravity", type_triple, "m/s2", "gravity in the ground frame", default="[0, 0, 0]"), &
-      row_t("housing", type_block, "", "how the housing moves", default="{kind: fixed}", holds="housing"), &
-      row_t("simulation", type_block, "", "what to compute", required=.true., holds="simulation")]
+                             row_t("format", type_integer, "", "version of this format: 1", required=.true.), &
+                          row_t("title", type_text, "", "what the case is about; becomes the title of the history", default="''"), &
+                         row_t("materials", type_map, "", "the materials by name", range=range_t(minimum=1.0_wp), required=.true., &
+                                   holds="material"), &
+                     row_t("wheels", type_list, "", "the wheels; the order is that of the history", range=range_t(minimum=2.0_wp), &
+                                   required=.true., holds="wheel"), &
+                      row_t("meshes", type_list, "", "which wheels mesh, and how", range=range_t(minimum=1.0_wp), required=.true., &
+                                   holds="mesh"), &
+             row_t("shafts", type_list, "", "which wheels on one axis turn together", range=range_t(minimum=0.0_wp), default="[]", &
+                                   holds="shaft"), &
+                             row_t("gravity", type_triple, "m/s2", "gravity in the ground frame", default="[0, 0, 0]"), &
+                             row_t("housing", type_block, "", "how the housing moves", default="{kind: fixed}", holds="housing"), &
+                             row_t("simulation", type_block, "", "what to compute", required=.true., holds="simulation")]
 
    type(row_t), parameter :: simulation_rows(*) = [ &
-      row_t("duration", type_number, "s", "model time to compute, from 0", range=positive, required=.true.), &
-      row_t("output_interval", type_number, "s", "step of the output grid, not longer than the duration", range=positive, &
-            required=.true.), &
-      row_t("tolerance", type_number, "", "error allowed in a step, in units of each state's scale", &
-            range=range_t(1e-14_wp, 0.001_wp), default="1e-9"), &
-      row_t("max_step", type_number, "s", "longest step of the integrator", range=positive, default="0.02"), &
-      row_t("initial", type_block, "", "state at time 0", default="{kind: rest}", holds="initial"), &
-      row_t("integrator", type_choice, "", &
-            "SUNDIALS IDA for every case; radau for closed_form tracking without rigid contact in a housing that is" &
-            //" not mounted, where it is taken unless this says ida", &
-            words="ida radau")]
+                            row_t("duration", type_number, "s", "model time to compute, from 0", range=positive, required=.true.), &
+               row_t("output_interval", type_number, "s", "step of the output grid, not longer than the duration", range=positive, &
+                                   required=.true.), &
+                             row_t("tolerance", type_number, "", "error allowed in a step, in units of each state's scale", &
+                                   range=range_t(1e-14_wp, 0.001_wp), default="1e-9"), &
+                            row_t("max_step", type_number, "s", "longest step of the integrator", range=positive, default="0.02"), &
+                             row_t("initial", type_block, "", "state at time 0", default="{kind: rest}", holds="initial"), &
+                             row_t("integrator", type_choice, "", &
+                          "SUNDIALS IDA for every case; radau for closed_form tracking without rigid contact in a housing that is" &
+                                   //" not mounted, where it is taken unless this says ida", &
+                                   words="ida radau")]
 
    type(row_t), parameter :: support_rows(*) = [ &
-      row_t("kind", type_choice, "", "", default="fixed")]
+                             row_t("kind", type_choice, "", "", default="fixed")]
 
    type(row_t), parameter :: load_rows(*) = [ &
-      row_t("kind", type_choice, "", "", required=.true.), &
-      row_t("against", type_choice, "", "where the reaction goes, and to what a speed refers", default="ground", &
-            words="ground housing")]
+                             row_t("kind", type_choice, "", "", required=.true.), &
+                        row_t("against", type_choice, "", "where the reaction goes, and to what a speed refers", default="ground", &
+                                   words="ground housing")]
 
 contains
 

@@ -112,7 +112,7 @@ contains
       integer, intent(in) :: n !! 0 to 4
       character(len=13) :: text
       character(len=13), parameter :: texts(0:4) = [character(13) :: "no number", "one number", "two numbers", "three numbers", &
-                                                    "four numbers"]
+                                                                                                                   "four numbers"]
 
       text = texts(n)
    end function count_text

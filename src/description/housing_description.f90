@@ -17,43 +17,43 @@ module evl_housing_description
 
    ! what a case says of the housing and its mount
    type(row_t), parameter, public :: housing_rows(*) = [ &
-      row_t("kind", type_choice, "", "at rest; moves as given; a rigid body on a mount", default="fixed", &
-            words="fixed prescribed mounted"), &
-      row_t("translation", type_list, "", "position of the origin in the ground frame; terms add up", &
-            range=range_t(minimum=0.0_wp), default="[]", holds="translation", variants="prescribed"), &
-      row_t("rotation", type_list, "", "rotation vector from the ground to the housing frame; terms add up", &
-            range=range_t(minimum=0.0_wp), default="[]", holds="rotation", variants="prescribed"), &
-      row_t("mass", type_number, "kg", "mass without wheels and supports", range=positive, required=.true., variants="mounted"), &
-      row_t("centre_of_mass", type_triple, "m", "centre of mass in the housing frame", default="[0, 0, 0]", variants="mounted"), &
-      row_t("inertia", type_triple, "kg m2", &
-            "elements xx, yy, zz of the inertia tensor about the centre of mass, housing frame", range=positive, &
-            required=.true., variants="mounted"), &
-      row_t("products_of_inertia", type_triple, "kg m2", &
-            "elements xy, yz, xz of the tensor: minus the integral of xy dm, and so on", default="[0, 0, 0]", &
-            variants="mounted"), &
-      row_t("mount", type_block, "", "springs and dampers to the ground", default="{}", holds="mount", variants="mounted"), &
-      row_t("force", type_triple, "N", "constant force at the centre of mass, ground frame", default="[0, 0, 0]", &
-            variants="mounted"), &
-      row_t("moment", type_triple, "N m", "constant moment, ground frame", default="[0, 0, 0]", variants="mounted"), &
-      row_t("position", type_triple, "m", "position of the origin at the start, ground frame", default="[0, 0, 0]", &
-            variants="mounted"), &
-      row_t("orientation", type_quaternion, "", &
-            "quaternion at the start, of any length but 0; it turns the ground frame into the housing frame", &
-            default="[1, 0, 0, 0]", variants="mounted"), &
-      row_t("velocity", type_triple, "m/s", "velocity of the origin at the start, ground frame", default="[0, 0, 0]", &
-            variants="mounted"), &
-      row_t("angular_velocity", type_triple, "rad/s", "angular velocity at the start, housing frame", default="[0, 0, 0]", &
-            variants="mounted")]
+                               row_t("kind", type_choice, "", "at rest; moves as given; a rigid body on a mount", default="fixed", &
+                                           words="fixed prescribed mounted"), &
+                                   row_t("translation", type_list, "", "position of the origin in the ground frame; terms add up", &
+                                         range=range_t(minimum=0.0_wp), default="[]", holds="translation", variants="prescribed"), &
+                            row_t("rotation", type_list, "", "rotation vector from the ground to the housing frame; terms add up", &
+                                           range=range_t(minimum=0.0_wp), default="[]", holds="rotation", variants="prescribed"), &
+        row_t("mass", type_number, "kg", "mass without wheels and supports", range=positive, required=.true., variants="mounted"), &
+        row_t("centre_of_mass", type_triple, "m", "centre of mass in the housing frame", default="[0, 0, 0]", variants="mounted"), &
+                                     row_t("inertia", type_triple, "kg m2", &
+                              "elements xx, yy, zz of the inertia tensor about the centre of mass, housing frame", range=positive, &
+                                           required=.true., variants="mounted"), &
+                                     row_t("products_of_inertia", type_triple, "kg m2", &
+                                 "elements xy, yz, xz of the tensor: minus the integral of xy dm, and so on", default="[0, 0, 0]", &
+                                           variants="mounted"), &
+             row_t("mount", type_block, "", "springs and dampers to the ground", default="{}", holds="mount", variants="mounted"), &
+                       row_t("force", type_triple, "N", "constant force at the centre of mass, ground frame", default="[0, 0, 0]", &
+                                           variants="mounted"), &
+                    row_t("moment", type_triple, "N m", "constant moment, ground frame", default="[0, 0, 0]", variants="mounted"), &
+                     row_t("position", type_triple, "m", "position of the origin at the start, ground frame", default="[0, 0, 0]", &
+                                           variants="mounted"), &
+                                     row_t("orientation", type_quaternion, "", &
+                                 "quaternion at the start, of any length but 0; it turns the ground frame into the housing frame", &
+                                           default="[1, 0, 0, 0]", variants="mounted"), &
+                   row_t("velocity", type_triple, "m/s", "velocity of the origin at the start, ground frame", default="[0, 0, 0]", &
+                                           variants="mounted"), &
+              row_t("angular_velocity", type_triple, "rad/s", "angular velocity at the start, housing frame", default="[0, 0, 0]", &
+                                           variants="mounted")]
 
    type(row_t), parameter, public :: mount_rows(*) = [ &
-      row_t("point", type_triple, "m", &
-            "where it holds the housing, housing frame; without force where housing and ground frame coincide", &
-            default="[0, 0, 0]"), &
-      row_t("stiffness", type_triple, "N/m", "along the ground's axes", range=not_negative, default="[0, 0, 0]"), &
-      row_t("damping", type_triple, "N s/m", "along the ground's axes", range=not_negative, default="[0, 0, 0]"), &
-      row_t("rotational_stiffness", type_triple, "N m/rad", "about x, y, z", range=not_negative, default="[0, 0, 0]"), &
-      row_t("rotational_damping", type_triple, "N m s/rad", "about the housing's x, y, z", range=not_negative, &
-            default="[0, 0, 0]")]
+                                     row_t("point", type_triple, "m", &
+                               "where it holds the housing, housing frame; without force where housing and ground frame coincide", &
+                                           default="[0, 0, 0]"), &
+                       row_t("stiffness", type_triple, "N/m", "along the ground's axes", range=not_negative, default="[0, 0, 0]"), &
+                       row_t("damping", type_triple, "N s/m", "along the ground's axes", range=not_negative, default="[0, 0, 0]"), &
+                  row_t("rotational_stiffness", type_triple, "N m/rad", "about x, y, z", range=not_negative, default="[0, 0, 0]"), &
+                          row_t("rotational_damping", type_triple, "N m s/rad", "about the housing's x, y, z", range=not_negative, &
+                                           default="[0, 0, 0]")]
 
 contains
 

@@ -26,28 +26,28 @@ module evl_gear
 
    ! what a case says of a wheel that is a real gear, and of its rack; lengths of the rack, x and k in modules
    type(row_t), parameter, public :: gear_rows(*) = [ &
-      row_t("module", type_number, "m", &
-            "normal module m_n: makes the wheel a real gear, ISO 21771; otherwise its radii follow from pitch_radius", &
-            range=positive), &
-      row_t("pressure_angle", type_number, "deg", "pressure angle alpha_n of the basic rack", range=range_t(5.0_wp, 45.0_wp), &
-            default="20", variants="+module"), &
-      row_t("profile_shift", type_number, "", "profile shift coefficient x, in modules", range=range_t(-5.0_wp, 5.0_wp), &
-            default="0", variants="+module"), &
-      row_t("rack", type_block, "", "basic rack, ISO 53", default="{}", holds="rack", variants="+module"), &
-      row_t("tip_diameter", type_number, "m", &
-            "tip diameter d_a; otherwise from the rack, the profile shift and tip_alteration", range=positive, &
-            variants="+module"), &
-      row_t("tip_alteration", type_number, "", "tip alteration coefficient k, in modules; 0 unless given", &
-            range=range_t(-5.0_wp, 5.0_wp), variants="+module"), &
-      row_t("thickness_allowance", type_number, "m", &
-            "change of the tooth thickness on the reference circle; negative: thinner teeth, backlash", &
-            range=range_t(maximum=0.0_wp), default="0", variants="+module"), &
-      row_t("bore", type_number, "m", "diameter of the bore", range=not_negative, default="0", variants="+module")]
+                                     row_t("module", type_number, "m", &
+                        "normal module m_n: makes the wheel a real gear, ISO 21771; otherwise its radii follow from pitch_radius", &
+                                           range=positive), &
+           row_t("pressure_angle", type_number, "deg", "pressure angle alpha_n of the basic rack", range=range_t(5.0_wp, 45.0_wp), &
+                                           default="20", variants="+module"), &
+                row_t("profile_shift", type_number, "", "profile shift coefficient x, in modules", range=range_t(-5.0_wp, 5.0_wp), &
+                                           default="0", variants="+module"), &
+                              row_t("rack", type_block, "", "basic rack, ISO 53", default="{}", holds="rack", variants="+module"), &
+                                     row_t("tip_diameter", type_number, "m", &
+                                "tip diameter d_a; otherwise from the rack, the profile shift and tip_alteration", range=positive, &
+                                           variants="+module"), &
+                              row_t("tip_alteration", type_number, "", "tip alteration coefficient k, in modules; 0 unless given", &
+                                           range=range_t(-5.0_wp, 5.0_wp), variants="+module"), &
+                                     row_t("thickness_allowance", type_number, "m", &
+                                       "change of the tooth thickness on the reference circle; negative: thinner teeth, backlash", &
+                                           range=range_t(maximum=0.0_wp), default="0", variants="+module"), &
+                       row_t("bore", type_number, "m", "diameter of the bore", range=not_negative, default="0", variants="+module")]
 
    type(row_t), parameter, public :: rack_rows(*) = [ &
-      row_t("addendum", type_number, "", "addendum h_aP, in modules", range=positive, default="1"), &
-      row_t("dedendum", type_number, "", "dedendum h_fP, in modules", range=positive, default="1.25"), &
-      row_t("root_radius", type_number, "", "root fillet radius rho_fP, in modules", range=not_negative, default="0.38")]
+                                     row_t("addendum", type_number, "", "addendum h_aP, in modules", range=positive, default="1"), &
+                                  row_t("dedendum", type_number, "", "dedendum h_fP, in modules", range=positive, default="1.25"), &
+                 row_t("root_radius", type_number, "", "root fillet radius rho_fP, in modules", range=not_negative, default="0.38")]
 
    !> The basic rack, in modules.
    type :: rack_t

@@ -181,7 +181,9 @@ contains
       allocate (all(merge(max(type_size(rows(i)%type), 0), 0, has_default(rows(i)))))
       text = rows(i)%default
       if (text(1:1) == "[") text = text(2:index(text, "]") - 1)
-      if (size(all) > 0) read (text, *, iostat=stat) all
+      if (size(all) == 0) return
+      read (text, *, iostat=stat) all
+      if (stat /= 0) all(:) = ieee_value(all, ieee_quiet_nan)
    end subroutine take_default
 
    !> The word or text of a key; its default if it is not given, "" without one.

@@ -22,10 +22,10 @@ contains
       info%text = "bearing: moves in x and y"
       allocate (info%rows, &
                 source=[parameter_row("mass", "kg", "mass that moves with the axle, beside the wheel's own", range=not_negative, &
-                                               default="0"), &
-                                 parameter_row("stiffness", "N/m", "stiffness in x and y", range=not_negative, type=type_pair), &
-                                 parameter_row("damping", "N s/m", "damping in x and y", range=not_negative, default="[0, 0]", &
-                                               type=type_pair)])
+                                      default="0"), &
+                        parameter_row("stiffness", "N/m", "stiffness in x and y", range=not_negative, type=type_pair), &
+                        parameter_row("damping", "N s/m", "damping in x and y", range=not_negative, default="[0, 0]", &
+                                      type=type_pair)])
    end function describe
 
    subroutine take(self, given, support)

@@ -37,12 +37,12 @@ contains
       info%name = "harmonic"
       info%text = "torque that oscillates over time or with the wheel's angle"
       allocate (info%rows, source=[parameter_row("mean", "N m", "mean torque, counterclockwise positive", default="0"), &
-                                 parameter_row("amplitude", "N m", "the torque is mean + amplitude sin(...)"), &
-                                 parameter_row("frequency", "Hz", "sin(2 pi frequency t + phase); or else order", range=positive, &
-                                               left_open=.true.), &
-                                 parameter_row("order", "", "sin(order phi + phase), phi the angle of the wheel since the start", &
-                                               range=positive, left_open=.true.), &
-                                 parameter_row("phase", "deg", "phase at time 0, or at angle 0", default="0")])
+                                   parameter_row("amplitude", "N m", "the torque is mean + amplitude sin(...)"), &
+                                  parameter_row("frequency", "Hz", "sin(2 pi frequency t + phase); or else order", range=positive, &
+                                                 left_open=.true.), &
+                                  parameter_row("order", "", "sin(order phi + phase), phi the angle of the wheel since the start", &
+                                                 range=positive, left_open=.true.), &
+                                   parameter_row("phase", "deg", "phase at time 0, or at angle 0", default="0")])
    end function describe
 
    pure subroutine refusal(given, message, field)

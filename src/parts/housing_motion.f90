@@ -18,32 +18,32 @@ module evl_housing_motion
 
    ! what a case says of a term
    type(row_t), parameter, public :: translation_rows(*) = [ &
-      row_t("kind", type_choice, "", "value; value t; amplitude sin(2 pi frequency t + phase); a spline through knots", &
-            required=.true., words="constant rate harmonic table"), &
-      row_t("axis", type_choice, "", "component that the term is added to", required=.true., words="x y z"), &
-      row_t("value", type_number, "m", "displacement", required=.true., variants="constant"), &
-      row_t("value", type_number, "m/s", "velocity", required=.true., variants="rate"), &
-      row_t("amplitude", type_number, "m", "amplitude", required=.true., variants="harmonic"), &
-      row_t("frequency", type_number, "Hz", "frequency", range=not_negative, required=.true., variants="harmonic"), &
-      row_t("phase", type_number, "deg", "phase at time 0", default="0", variants="harmonic"), &
-      row_t("time", type_knots, "s", "knots of the table, strictly increasing, at least two", required=.true., &
-            variants="table"), &
-      row_t("value", type_at_knots, "m", "displacement at the knots; natural cubic spline, straight outside", required=.true., &
-            variants="table")]
+                 row_t("kind", type_choice, "", "value; value t; amplitude sin(2 pi frequency t + phase); a spline through knots", &
+                                           required=.true., words="constant rate harmonic table"), &
+                            row_t("axis", type_choice, "", "component that the term is added to", required=.true., words="x y z"), &
+                                     row_t("value", type_number, "m", "displacement", required=.true., variants="constant"), &
+                                     row_t("value", type_number, "m/s", "velocity", required=.true., variants="rate"), &
+                                     row_t("amplitude", type_number, "m", "amplitude", required=.true., variants="harmonic"), &
+                     row_t("frequency", type_number, "Hz", "frequency", range=not_negative, required=.true., variants="harmonic"), &
+                                     row_t("phase", type_number, "deg", "phase at time 0", default="0", variants="harmonic"), &
+                          row_t("time", type_knots, "s", "knots of the table, strictly increasing, at least two", required=.true., &
+                                           variants="table"), &
+          row_t("value", type_at_knots, "m", "displacement at the knots; natural cubic spline, straight outside", required=.true., &
+                                           variants="table")]
 
    type(row_t), parameter, public :: rotation_rows(*) = [ &
-      row_t("kind", type_choice, "", "value; value t; amplitude sin(2 pi frequency t + phase); a spline through knots", &
-            required=.true., words="constant rate harmonic table"), &
-      row_t("axis", type_choice, "", "component that the term is added to", required=.true., words="x y z"), &
-      row_t("value", type_number, "deg", "angle", required=.true., variants="constant"), &
-      row_t("value", type_number, "rad/s", "rate of the angle", required=.true., variants="rate"), &
-      row_t("amplitude", type_number, "deg", "amplitude", required=.true., variants="harmonic"), &
-      row_t("frequency", type_number, "Hz", "frequency", range=not_negative, required=.true., variants="harmonic"), &
-      row_t("phase", type_number, "deg", "phase at time 0", default="0", variants="harmonic"), &
-      row_t("time", type_knots, "s", "knots of the table, strictly increasing, at least two", required=.true., &
-            variants="table"), &
-      row_t("value", type_at_knots, "deg", "angle at the knots; natural cubic spline, straight outside", required=.true., &
-            variants="table")]
+                 row_t("kind", type_choice, "", "value; value t; amplitude sin(2 pi frequency t + phase); a spline through knots", &
+                                           required=.true., words="constant rate harmonic table"), &
+                            row_t("axis", type_choice, "", "component that the term is added to", required=.true., words="x y z"), &
+                                     row_t("value", type_number, "deg", "angle", required=.true., variants="constant"), &
+                                     row_t("value", type_number, "rad/s", "rate of the angle", required=.true., variants="rate"), &
+                                     row_t("amplitude", type_number, "deg", "amplitude", required=.true., variants="harmonic"), &
+                     row_t("frequency", type_number, "Hz", "frequency", range=not_negative, required=.true., variants="harmonic"), &
+                                     row_t("phase", type_number, "deg", "phase at time 0", default="0", variants="harmonic"), &
+                          row_t("time", type_knots, "s", "knots of the table, strictly increasing, at least two", required=.true., &
+                                           variants="table"), &
+               row_t("value", type_at_knots, "deg", "angle at the knots; natural cubic spline, straight outside", required=.true., &
+                                           variants="table")]
 
    type :: motion_term
       integer :: coordinate = 0          !! which of the coordinates

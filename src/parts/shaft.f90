@@ -14,13 +14,13 @@ module evl_shaft
 
    ! what a case says of a shaft
    type(row_t), parameter, public :: shaft_rows(*) = [ &
-      row_t("kind", type_choice, "", "a torsion spring and damper; the wheels turn as one body", default="elastic", &
-            words="elastic rigid"), &
-      row_t("name", type_name, "", "name in paths and the history", required=.true.), &
-      row_t("wheels", type_references, "", "names of the two wheels that it joins, on one axis", required=.true., &
-            holds="wheels"), &
-      row_t("stiffness", type_number, "N m/rad", "torsional stiffness", range=positive, required=.true., variants="elastic"), &
-      row_t("damping", type_number, "N m s/rad", "torsional damping", range=not_negative, default="0", variants="elastic")]
+                     row_t("kind", type_choice, "", "a torsion spring and damper; the wheels turn as one body", default="elastic", &
+                                           words="elastic rigid"), &
+                                     row_t("name", type_name, "", "name in paths and the history", required=.true.), &
+                       row_t("wheels", type_references, "", "names of the two wheels that it joins, on one axis", required=.true., &
+                                           holds="wheels"), &
+           row_t("stiffness", type_number, "N m/rad", "torsional stiffness", range=positive, required=.true., variants="elastic"), &
+               row_t("damping", type_number, "N m s/rad", "torsional damping", range=not_negative, default="0", variants="elastic")]
 
    type :: shaft_t
       integer :: wheel_a = 0, wheel_b = 0    !! its wheels

@@ -24,12 +24,12 @@ contains
       allocate (info%rows, &
                 source=[parameter_row("direction", "deg", "angle of the direction to the x axis", &
                                       range=between(-360.0_wp, 360.0_wp), &
-                                               default="0"), &
-                                 parameter_row("mass", "kg", "mass that moves with the axle, beside the wheel's own", &
-                                               range=not_negative, &
-                                               default="0"), &
-                                 parameter_row("stiffness", "N/m", "stiffness of the spring", range=not_negative), &
-                                 parameter_row("damping", "N s/m", "coefficient of the damper", range=not_negative, default="0")])
+                                      default="0"), &
+                        parameter_row("mass", "kg", "mass that moves with the axle, beside the wheel's own", &
+                                      range=not_negative, &
+                                      default="0"), &
+                        parameter_row("stiffness", "N/m", "stiffness of the spring", range=not_negative), &
+                        parameter_row("damping", "N s/m", "coefficient of the damper", range=not_negative, default="0")])
    end function describe
 
    subroutine take(self, given, support)

@@ -30,12 +30,12 @@ contains
       info%text = "prescribed speed"
       allocate (info%rows, &
                 source=[parameter_row("value", "rad/s", "constant angular velocity; or else time and speed", left_open=.true.), &
-                                 parameter_row("time", "s", "knots of the table, strictly increasing, at least two", &
-                                               left_open=.true., &
-                                               type=type_knots), &
-                                 parameter_row("speed", "rad/s", &
-                                               "angular velocity at the knots; linear between them, constant outside", &
-                                               left_open=.true., type=type_at_knots)])
+                        parameter_row("time", "s", "knots of the table, strictly increasing, at least two", &
+                                      left_open=.true., &
+                                      type=type_knots), &
+                        parameter_row("speed", "rad/s", &
+                                      "angular velocity at the knots; linear between them, constant outside", &
+                                      left_open=.true., type=type_at_knots)])
    end function describe
 
    pure subroutine refusal(given, message, field)

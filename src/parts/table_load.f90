@@ -29,8 +29,8 @@ contains
       info%text = "torque over time"
       allocate (info%rows, &
                 source=[parameter_row("time", "s", "knots of the table, strictly increasing, at least two", type=type_knots), &
-                                 parameter_row("torque", "N m", "torque at the knots; linear between them, constant outside", &
-                                               type=type_at_knots)])
+                        parameter_row("torque", "N m", "torque at the knots; linear between them, constant outside", &
+                                      type=type_at_knots)])
    end function describe
 
    subroutine take(self, given)

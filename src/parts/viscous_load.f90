@@ -28,7 +28,7 @@ contains
       info%text = "torque against the speed"
       allocate (info%rows, &
                 source=[parameter_row("coefficient", "N m s/rad", "the torque is minus coefficient times angular velocity", &
-                                               range=not_negative)])
+                                      range=not_negative)])
    end function describe
 
    subroutine take(self, given)

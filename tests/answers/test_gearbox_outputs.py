@@ -9,7 +9,15 @@ import pytest
 
 from kernel.gearbox import LOADED, TRACKED, Gearbox
 from kernel.gearbox_cases import PAIRS, chain, in_mode, paper_gearbox, prescribed, scatter
-from kernel.gearbox_description import ALGEBRAIC, CLOSED_FORM, DIFFERENTIAL, TORQUE, load, mesh, wheel
+from kernel.gearbox_description import (
+    ALGEBRAIC,
+    CLOSED_FORM,
+    DIFFERENTIAL,
+    TORQUE,
+    load,
+    mesh,
+    wheel,
+)
 from kernel.housing import Housing, Pair
 from kernel.kernel import CONTACT, Kernel
 

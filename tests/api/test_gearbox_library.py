@@ -113,10 +113,15 @@ def test_the_kernel_writes_nothing(kernel_library: Path):
     program = f"""
 import ctypes
 library = ctypes.CDLL({str(kernel_library)!r})
-library.evl_gearbox_create.restype = ctypes.c_void_p
+library.evl_description_create.restype = library.evl_gearbox_create.restype = ctypes.c_void_p
 status = ctypes.create_string_buffer(512)
+no_such_row = (ctypes.c_int * 8)(-1)
 for _ in range(3):
-    assert library.evl_gearbox_create(0, None, 0, None, 0, None, 0, None, None, status) is None
+    assert library.evl_description_create(1, no_such_row, status) is None
+    description = ctypes.c_void_p(library.evl_description_create(0, None, status))
+    assert description
+    assert library.evl_gearbox_create(description, status) is None
+    library.evl_description_delete(ctypes.byref(description))
 """
     result = subprocess.run([sys.executable, "-c", program], capture_output=True, check=True)
     assert result.stdout == result.stderr == b""
@@ -137,6 +142,12 @@ def test_the_library_exports_what_the_header_declares(
     assert {name for name in exported if not name.startswith("__evl_")} == declared
 
 
+FOR_OTHER_PROGRAMS = {
+    "evl_description_set": "`evolvent` takes parameters from --set before there is a description;"
+    " a program that varies them has no case file. tests/driver/test_parameters.c is one",
+}
+
+
 def test_the_header_declares_what_a_program_calls_and_nothing_for_tests(
     root: Path, declared: set[str]
 ):
@@ -144,4 +155,5 @@ def test_the_header_declares_what_a_program_calls_and_nothing_for_tests(
     sources = [path.read_text() for path in (root / "driver").glob("*/*.[ch]")]
     called = set(re.findall(r"\bevl_\w+", "\n".join(sources)))
     assert declared
-    assert declared <= called, f"no program calls {sorted(declared - called)}"
+    left = declared - called
+    assert left == {*FOR_OTHER_PROGRAMS}, f"no program calls {sorted(left)}"

@@ -104,7 +104,7 @@ BAD_OPTIONS = {
     ),
     "a wheel meshing itself": (
         "meshes.0.driven=pinion",
-        "the wheel 'pinion' cannot mesh with itself",
+        "meshes.pinion-gear.driven: a wheel cannot mesh with itself",
     ),
     "unknown material": ("wheels.gear.material=steal", "there is no material 'steal'"),
     "one name for two wheels": ("wheels.gear.name=pinion", "is given to two wheels"),

@@ -167,7 +167,7 @@ REFUSED = {
     "another module": ("wheels.1.module=0.0021", f"{MESH}: its wheels cannot mesh: the base pitch"),
     "a wheel without module": (
         "wheels.1={name: gear, teeth: 40, width: 0.02, material: steel}",
-        f"{MESH}: 'pressure_angle' is missing",
+        f"{MESH}: one of its wheels has a module and the other has none: give both a module",
     ),
     "a pressure angle": ("meshes.0.pressure_angle=20", f"{MESH}.pressure_angle: a pressure angle"),
     "the paper's rule": ("meshes.0.pressure_angle=paper_rule", f"{MESH}.pressure_angle: "),

@@ -61,13 +61,12 @@ NOT_POSITIVE = [
 NOT_NEGATIVE = ("support_mass", "support_stiffness", "support_damping")
 BAD_WHEELS: list[tuple[dict[str, Any], str, str]] = [
     *(({"teeth": z}, "teeth", str(z)) for z in (-3, 1, 2, 10001)),
-    *(
-        ({name: value}, name, words)
-        for name in POSITIVE
-        for value, words in NOT_POSITIVE
-    ),
+    *(({name: value}, name, words) for name in POSITIVE for value, words in NOT_POSITIVE),
     *(({"centre": c}, "centre", "finite") for c in ((NAN, 0), (0, INF))),
-    *(({"support_kind": kind}, "support.kind", "must be one of fixed slider bearing") for kind in ("", "hydrostatic")),
+    *(
+        ({"support_kind": kind}, "support.kind", "must be one of fixed slider bearing")
+        for kind in ("", "hydrostatic")
+    ),
     *(
         ({"support_kind": SLIDER, "support_direction": value}, "support.direction", "finite")
         for value in (NAN, INF)

@@ -18,7 +18,16 @@ from kernel.gearbox_cases import (
     press,
     worst,
 )
-from kernel.gearbox_description import ALGEBRAIC, CLOSED_FORM, DIFFERENTIAL, TORQUE, VISCOUS, load, mesh, wheel
+from kernel.gearbox_description import (
+    ALGEBRAIC,
+    CLOSED_FORM,
+    DIFFERENTIAL,
+    TORQUE,
+    VISCOUS,
+    load,
+    mesh,
+    wheel,
+)
 from kernel.housing import Housing, Pair
 from kernel.kernel import CONTACT, OUT_OF_DOMAIN, Kernel
 

@@ -29,7 +29,12 @@ BAD_GEARS: dict[str, tuple[int, dict[str, Any], str, str]] = {
     "an infinite shift": (20, {"profile_shift": INF}, "profile_shift", "finite"),
     "an infinite alteration": (20, {"tip_alteration": INF}, "tip_alteration", "finite"),
     "a tip diameter of 0": (20, {"tip_diameter": 0.0}, "tip_diameter", "greater than 0"),
-    "thicker teeth": (20, {"thickness_allowance": 1e-5}, "thickness_allowance", "must be at most 0"),
+    "thicker teeth": (
+        20,
+        {"thickness_allowance": 1e-5},
+        "thickness_allowance",
+        "must be at most 0",
+    ),
     "a negative bore": (20, {"bore": -0.01}, "bore", "must be at least 0"),
     # full rounding: (pi/4 - 1.25 tan 20) cos 20/(1 - sin 20) = 0.4719
     "a rounding wider than the tip": (20, {"rack_root_radius": 0.48}, "rack.root_radius", "0.4719"),

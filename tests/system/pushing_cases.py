@@ -31,8 +31,7 @@ STIFFNESS = 1.4e10  # of a tooth pair over its width [N/m2]
 def levels(kernel: Kernel) -> tuple[Row, ...]:
     """Entries of each factor, in the order of `FACTORS`."""
     laws = [
-        tuple(info.name.decode() for info in kernel.laws(family))
-        for family in (CONTACT, DAMPING, FRICTION)
+        tuple(info.name for info in kernel.laws(family)) for family in (CONTACT, DAMPING, FRICTION)
     ]
     compliant = tuple(name for name in laws[0] if name != "rigid")
     integrators = ("radau", "ida")
@@ -89,35 +88,34 @@ class _Case:
 
     def law(self, family: int, name: str) -> Block:
         """Choose a law of a family, with values for its parameters."""
-        (info,) = [law for law in self.kernel.laws(family) if law.name.decode() == name]
+        (info,) = [law for law in self.kernel.laws(family) if law.name == name]
         block: Block = {"law": name}
-        for parameter in info.parameters[: info.n_parameters]:
-            key, units = parameter.name.decode(), parameter.units.decode()
-            block[key] = self.value(name, key, units)
-            assert parameter.minimum <= block[key] <= parameter.maximum, (name, key)
+        for given in info.rows:
+            block[given.key] = self.value(given.key, given.unit)
+            assert given.minimum <= block[given.key] <= given.maximum, (name, given.key)
         return block
 
-    def value(self, law: str, key: str, units: str) -> float:
+    def value(self, key: str, unit: str) -> float:
         """Draw a value of a law's parameter; one that nobody thought of fails."""
         frequency = math.sqrt(self.stiffness / self.mass)
         linear = 2 * self.log(0.02, 20) * self.stiffness / frequency  # damping ratio 0.02 to 20
         speed = self.log(1e-3, 2e-2)
         values = {
             ("stiffness", "N/m"): self.stiffness,
-            ("exponent", "1"): 1.3,
+            ("exponent", ""): 1.3,
             ("coefficient", "N/m^exponent"): self.stiffness * self.depth ** (1 - 1.3),
             ("coefficient", "N s/m"): linear,
             ("coefficient", "N s/m2"): linear / self.depth,
-            ("coefficient", "1"): 0.06,
-            ("value", "1"): self.draw.uniform(0.02, 0.9),
-            ("restitution", "1"): self.draw.uniform(0.3, 0.95),
+            ("coefficient", ""): 0.06,
+            ("value", ""): self.draw.uniform(0.02, 0.9),
+            ("restitution", ""): self.draw.uniform(0.3, 0.95),
             ("v0_min", "m/s"): self.log(1e-4, 0.1),
             ("regularisation_velocity", "m/s"): speed,
-            ("kinetic_coefficient", "1"): 0.04,
-            ("static_coefficient", "1"): 0.07,
+            ("kinetic_coefficient", ""): 0.04,
+            ("static_coefficient", ""): 0.07,
             ("stribeck_velocity", "m/s"): 10 * speed,
         }
-        return values[key, units]
+        return values[key, unit]
 
     def deviation(self, kind: str, teeth: int) -> Block:
         """Deviate in one way."""

@@ -23,7 +23,7 @@ DURATION = "simulation.duration=1e-3"
 
 
 def names(kernel: Kernel, family: int) -> list[str]:
-    return [info.name.decode() for info in kernel.laws(family)]
+    return [info.name for info in kernel.laws(family)]
 
 
 def row(**entries: str) -> tuple[str, ...]:

@@ -19,7 +19,7 @@ from gearbox.lanes.lane_cases import (
     real_gears,
     real_state,
 )
-from kernel.description import rows
+from kernel import description
 from kernel.deviations import deviations
 from kernel.gearbox import LOADED, OPEN, UNLOADED, Gearbox, State
 from kernel.gearbox_cases import chain, in_mode, paper_gearbox, prescribed
@@ -246,7 +246,7 @@ def test_every_kind_of_deviation_is_compared_here(kernel: Kernel):
         *("thickness_allowance", "bore"),
     }
     described = [deviations(**fields) for pair in DEVIATIONS.values() for fields in pair]
-    table = rows(kernel.library)
+    table = description.rows(kernel.library)
     wanted = [row for row in table if row.block == "wheel" and row.variants == "+module"]
     wanted = [row for row in wanted if row.key not in of_form]
     assert {row.key for row in wanted} == {key for wheel in described for key in wheel}
