@@ -82,11 +82,12 @@ EVL_API evl_description *evl_description_create(int n, const evl_entry *entries,
 /** Free a description and set the pointer to NULL. Nothing happens if it is NULL already. */
 EVL_API void evl_description_delete(evl_description **description);
 /** Where in the case is what a status is about: a path as in --set, as far as the case says it; "" if it is the case as a whole. */
-EVL_API void evl_description_path(const evl_description *description, const evl_status *status, char path[EVL_PATH_LENGTH]);
+EVL_API void evl_description_path(const evl_description *description, const evl_status *status,
+                                  char path[EVL_PATH_LENGTH]);
 
 /** A parameter: numbers that the description gives. */
 typedef struct {
-    char path[EVL_PATH_LENGTH]; /**< as in --set: wheels.pinion.tip_relief.amount */
+    char path[EVL_PATH_LENGTH];  /**< as in --set: wheels.pinion.tip_relief.amount */
     char unit[EVL_SHORT_LENGTH]; /**< "" if none; angles in degrees */
     int row;                     /**< in the table of rows */
     int n;                       /**< how many numbers */
