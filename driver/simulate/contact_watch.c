@@ -7,14 +7,23 @@
 #include <stdlib.h>
 #include <string.h>
 
+/** Place of a name in a table of the kernel: without it nothing could be watched, and nobody would know. */
+static int required(int index, const char *name)
+{
+    if (index < 0) {
+        (void)fprintf(stderr, "evolvent: the kernel has no '%s', by which lost contact is seen\n", name);
+        abort();
+    }
+    return index;
+}
+
 static int find_event(const char *name)
 {
-    for (int kind = 0; kind < model_n_event_kinds(); kind++) {
-        if (strcmp(model_event_kind(kind), name) == 0) {
-            return kind;
-        }
+    int kind = model_n_event_kinds() - 1;
+    while (kind >= 0 && strcmp(model_event_kind(kind), name) != 0) {
+        kind--;
     }
-    return -1;
+    return required(kind, name);
 }
 
 void contact_watch_init(contact_watch *watch, const model *model, int n_meshes)
@@ -23,13 +32,13 @@ void contact_watch_init(contact_watch *watch, const model *model, int n_meshes)
                              .opened = find_event("contact_opened"),
                              .closed = find_event("contact_closed"),
                              .impact = find_event("impact"),
-                             .offset = model_output_offset(model, "in_contact"),
+                             .offset = required(model_output_offset(model, "in_contact"), "in_contact"),
                              .meshes = xcalloc((size_t)n_meshes, sizeof *watch->meshes)};
 }
 
 void contact_watch_outputs(contact_watch *watch, const double *values)
 {
-    for (int i = 0; i < watch->n_meshes && watch->offset >= 0; i++) {
+    for (int i = 0; i < watch->n_meshes; i++) {
         watch->meshes[i].is_open = !(values[watch->offset + i] > 0.0);
         watch->meshes[i].had_contact = watch->meshes[i].had_contact || !watch->meshes[i].is_open;
     }

@@ -10,8 +10,8 @@
 
 typedef struct {
     int n_meshes;
-    int opened, closed, impact; /**< event kinds, -1 if the model has none; after an impact the flanks part again */
-    int offset;                 /**< of in_contact among the outputs, -1 if the model has none */
+    int opened, closed, impact; /**< event kinds; after an impact the flanks part again */
+    int offset;                 /**< of in_contact among the outputs */
     struct contact_watch_mesh {
         bool had_contact, is_open; /**< is_open: in the last outputs */
         double t_opened;           /**< of the last opening, 0 before the first [s] */

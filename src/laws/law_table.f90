@@ -49,30 +49,50 @@ contains
       n = 0
       select case (family)
       case (laws_contact)
-         call enter(johnson_t())
-         call enter(radzimovsky_t())
-         call enter(linear_spring_t())
-         call enter(yang_lin_t())
-         call enter(power_spring_t())
-         call enter(rigid_t())
+         call enter_elastic(johnson_t())
+         call enter_elastic(radzimovsky_t())
+         call enter_elastic(linear_spring_t())
+         call enter_elastic(yang_lin_t())
+         call enter_elastic(power_spring_t())
+         call enter_elastic(rigid_t())
       case (laws_damping)
-         call enter(no_damping_t())
-         call enter(linear_damping_t())
-         call enter(one_sided_damping_t())
-         call enter(hunt_crossley_t())
-         call enter(lankarani_nikravesh_t())
-         call enter(flores_t())
-         call enter(gonthier_t())
-         call enter(lee_wang_t())
-         call enter(damping_ratio_t())
+         call enter_damping(no_damping_t())
+         call enter_damping(linear_damping_t())
+         call enter_damping(one_sided_damping_t())
+         call enter_damping(hunt_crossley_t())
+         call enter_damping(lankarani_nikravesh_t())
+         call enter_damping(flores_t())
+         call enter_damping(gonthier_t())
+         call enter_damping(lee_wang_t())
+         call enter_damping(damping_ratio_t())
       case (laws_friction)
-         call enter(no_friction_t())
-         call enter(coulomb_t())
-         call enter(tanh_friction_t())
-         call enter(stribeck_t())
+         call enter_friction(no_friction_t())
+         call enter_friction(coulomb_t())
+         call enter_friction(tanh_friction_t())
+         call enter_friction(stribeck_t())
       end select
 
    contains
+
+      ! A law under another family's case does not compile.
+
+      subroutine enter_elastic(entry)
+         class(elastic_law_t), intent(in) :: entry
+
+         call enter(entry)
+      end subroutine enter_elastic
+
+      subroutine enter_damping(entry)
+         class(damping_law_t), intent(in) :: entry
+
+         call enter(entry)
+      end subroutine enter_damping
+
+      subroutine enter_friction(entry)
+         class(friction_law_t), intent(in) :: entry
+
+         call enter(entry)
+      end subroutine enter_friction
 
       subroutine enter(entry)
          class(force_law_t), intent(in) :: entry
