@@ -7,6 +7,9 @@
 
 enum { DAE_MESSAGE_LENGTH = 400 };
 
+/** Watched channels above this part of their largest so far are exact. */
+#define DAE_NEAR 0.98
+
 /** Answers of the model's procedures. DAE_RECOVERABLE: a trial state outside the model's domain; a smaller step may help. */
 typedef enum { DAE_OK = 0, DAE_RECOVERABLE = 1, DAE_FATAL = -1 } dae_code;
 
@@ -98,10 +101,14 @@ typedef struct dae {
 
     /** channels that an observer may watch between outputs: [n_watched] */
     int (*watched)(const void *self, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH]);
-    /** roots and watched at once, which costs little more than the roots */
-    int (*roots_and_watched)(const void *self, const dae_state *state, double *roots, double *values,
-                             char message[DAE_MESSAGE_LENGTH]);
-    int n_watched;
+    /** Roots and watched at once, which costs little more than the roots: a channel that is at most DAE_NEAR of its largest so far
+     *  may be an estimate, to a percent, and is positive.
+     *  @param highest  [n_watched] largest of each channel so far; infinite where nobody asks
+     *  @param kept     [n_kept] room for what is known of places before: zeros at first, and after each change of the
+     *                  discrete state */
+    int (*roots_and_watched)(const void *self, const dae_state *state, const double *highest, double *kept,
+                             double *roots, double *values, char message[DAE_MESSAGE_LENGTH]);
+    int n_watched, n_kept;
 
     const dae_stepper *stepper; /**< NULL: it brings none along */
 } dae;

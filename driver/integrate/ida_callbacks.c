@@ -67,7 +67,8 @@ int ida_roots(sunrealtype t, N_Vector y, N_Vector yp, sunrealtype *values, void 
     const dae_state state = integration_borrowed(s->run);
     const dae *m = s->run->model;
     const bool watches = s->run->observer->watch != NULL;
-    const int code = watches ? m->roots_and_watched(m->self, &state, values, s->channels, s->run->reason)
+    const int code = watches ? m->roots_and_watched(m->self, &state, s->run->observer->highest, s->kept, values,
+                                                    s->channels, s->run->reason)
                              : m->roots(m->self, &state, values, s->run->reason);
     s->t_channels = watches && code == DAE_OK ? t : NAN;
     note_refusal(s, code);

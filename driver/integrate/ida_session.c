@@ -54,7 +54,8 @@ static bool allocate_arrays(ida_session *s)
     s->directions = calloc((size_t)m->n_roots + 1, sizeof(int));
     s->watched_y = calloc((size_t)m->n, sizeof(double));
     s->channels = calloc((size_t)m->n_watched + 1, sizeof(double));
-    if (!s->row_units || !s->directions || !s->watched_y || !s->channels) {
+    s->kept = calloc((size_t)m->n_kept + 1, sizeof(double));
+    if (!s->row_units || !s->directions || !s->watched_y || !s->channels || !s->kept) {
         return false;
     }
     for (int i = 0; i < m->n; i++) {
@@ -113,6 +114,7 @@ void ida_session_close(ida_session *s)
     free(s->directions);
     free(s->watched_y);
     free(s->channels);
+    free(s->kept);
 }
 
 void ida_session_count(ida_session *s)

@@ -22,6 +22,7 @@ typedef struct {
     double t_watched;  /**< up to which the observer has seen the motion */
     double *channels;  /**< [n_watched] watched channels where the roots were asked last */
     double t_channels; /**< when that was */
+    double *kept;      /**< [n_kept] */
     bool continues;    /**< nothing happened there */
     SUNMatrix matrix;
     SUNLinearSolver solver;

@@ -64,6 +64,7 @@ static integrate_code start_anew(ida_session *s, double step)
     s->before = *s->run->counts;
     s->t_watched = s->run->state->t;
     s->t_channels = NAN; /* they belong to the motion before */
+    memset(s->kept, 0, (size_t)s->run->model->n_kept * sizeof(double));
     s->continues = false;
     if (IDAReInit(s->ida, s->run->state->t, s->y, s->yp) != IDA_SUCCESS ||
         IDASetInitStep(s->ida, step) != IDA_SUCCESS) {

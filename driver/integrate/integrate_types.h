@@ -18,7 +18,8 @@ typedef struct {
     double t_from, t_to;    /**< the same: a single state, at the start or the end of an integration */
     bool continues;         /**< the step before ended at t_from, and nothing happened there */
     const dae_state *state; /**< at t_to */
-    const double *watched;  /**< the channels there, if they are known, and then y is of no meaning; else NULL */
+    const double
+        *watched; /**< the channels there as of dae.roots_and_watched, and then y is of no meaning; else NULL */
     void *with;
     /** y at t in t_from .. t_to. @return false if it is not known after all */
     bool (*interpolate)(const void *with, double t, double *y);
@@ -39,6 +40,8 @@ typedef struct {
     int (*step)(void *self, double t);                    /**< now and then, between steps: progress, interrupts */
     /** every step, in order of time: what happens between the outputs; NULL: nobody watches. Always goes on. */
     void (*watch)(void *self, const integrate_step *step);
+    const double
+        *highest; /**< of who watches: [n_watched] largest of each channel so far, as of dae.roots_and_watched */
 } integrate_observer;
 
 typedef struct {

@@ -63,13 +63,13 @@ static int watched(const void *self, const dae_state *state, double *values, cha
     return model_answer(model, code, &status, message);
 }
 
-static int roots_and_watched(const void *self, const dae_state *state, double *roots, double *values,
-                             char message[DAE_MESSAGE_LENGTH])
+static int roots_and_watched(const void *self, const dae_state *state, const double *highest, double *kept,
+                             double *roots, double *values, char message[DAE_MESSAGE_LENGTH])
 {
     const model *model = self;
     evl_status status;
-    const int code =
-        evl_gearbox_roots_and_watched(model->gearbox, state->y, state->integers, state->reals, roots, values, &status);
+    const int code = evl_gearbox_roots_and_watched(model->gearbox, state->y, state->integers, state->reals, DAE_NEAR,
+                                                   highest, kept, roots, values, &status);
     return model_answer(model, code, &status, message);
 }
 
@@ -129,6 +129,7 @@ void model_describe_dae(model *model)
         .watched = watched,
         .roots_and_watched = roots_and_watched,
         .n_watched = evl_watched_count() * sizes->n_meshes,
+        .n_kept = evl_gearbox_watch_room(model->gearbox),
         .stepper = model_radau(model),
     };
 }

@@ -15,6 +15,9 @@ void extremes_delete(extremes **extremes);
 /** What observer.watch hears. */
 void extremes_watch(extremes *extremes, const integrate_step *step);
 
+/** What observer.highest is: [n_watched] the largest of each channel so far; infinite where nobody asks. */
+const double *extremes_highest(const extremes *extremes);
+
 /** An extreme of the table model_extremes, of a mesh; NaN if nothing was seen. */
 double extremes_value(const extremes *extremes, int index, int mesh);
 /** When it was first reached [s]. */

@@ -146,7 +146,8 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_stat
                                          .output = on_output,
                                          .event = on_event,
                                          .step = on_step,
-                                         .watch = sink->extremes == NULL ? NULL : on_watch};
+                                         .watch = sink->extremes == NULL ? NULL : on_watch,
+                                         .highest = sink->extremes == NULL ? NULL : extremes_highest(sink->extremes)};
     const description *description = case_description(prepared->file);
     contact_watch_init(&s.contact, prepared->model, description->n_meshes);
     s.invariants =

@@ -6,14 +6,15 @@ module evl_capi_extremes
    use evl_capi_types, only: c_name_length, c_status, c_text_length, status_to_c, to_c
    use evl_extremes, only: extremes_table, n_watched_outputs
    use evl_gearbox, only: gearbox_t
-   use evl_gearbox_watch, only: n_channels, watched_at
+   use evl_gearbox_watch, only: n_kept, watched_at
    use evl_output, only: output_t
    use evl_output_list, only: list_outputs
    use evl_status, only: code_ok, status_t
    implicit none (type, external)
    private
 
-   public :: evl_extreme_count, evl_extremes_describe, evl_gearbox_roots_and_watched, evl_gearbox_watched, evl_watched_count
+   public :: evl_extreme_count, evl_extremes_describe, evl_gearbox_roots_and_watched, evl_gearbox_watch_room, &
+             evl_gearbox_watched, evl_watched_count
 
    !> evl_extreme
    type, bind(c) :: c_extreme
@@ -61,23 +62,32 @@ contains
       type(status_t) :: s
 
       call c_f_pointer(handle, g)
-      call watched_at(g, y(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), values(:n_channels(g)), s)
+      call watched_at(g, y, integers, reals, values, s)
       code = s%code
       if (code /= code_ok .and. present(status)) call status_to_c(s, status)
    end function evl_gearbox_watched
 
-   integer(c_int) function evl_gearbox_roots_and_watched(handle, y, integers, reals, roots, values, status) result(code) bind(c)
+   integer(c_int) function evl_gearbox_watch_room(handle) result(n) bind(c)
       type(c_ptr), intent(in), value :: handle
-      real(c_double), intent(in) :: y(*), reals(*)
+      type(gearbox_t), pointer :: g
+
+      call c_f_pointer(handle, g)
+      n = n_kept*size(g%contacts)
+   end function evl_gearbox_watch_room
+
+   integer(c_int) function evl_gearbox_roots_and_watched(handle, y, integers, reals, near, highest, kept, roots, values, status) &
+      result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in) :: y(*), reals(*), highest(*)
       integer(c_int), intent(in) :: integers(*)
-      real(c_double), intent(inout) :: roots(*), values(*)
+      real(c_double), intent(in), value :: near
+      real(c_double), intent(inout) :: kept(n_kept, *), roots(*), values(*)
       type(c_status), intent(out), optional :: status
       type(gearbox_t), pointer :: g
       type(status_t) :: s
 
       call c_f_pointer(handle, g)
-      call watched_at(g, y(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), values(:n_channels(g)), s, &
-                      roots(:g%n_roots))
+      call watched_at(g, y, integers, reals, values, s, roots, near, highest, kept)
       code = s%code
       if (code /= code_ok .and. present(status)) call status_to_c(s, status)
    end function evl_gearbox_roots_and_watched

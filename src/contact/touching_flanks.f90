@@ -22,7 +22,7 @@ module evl_touching_flanks
    implicit none (type, external)
    private
 
-   public :: contact_pressure, largest_second_order, second_order_gap, touching_curvature
+   public :: contact_pressure, largest_second_order, pressure_at, second_order_gap, touching_curvature
 
    integer, parameter :: n_places = 200 !! of the path that are looked at
    integer, parameter :: n_teeth = 60   !! tooth pairs that are looked at, where runout makes them differ
@@ -41,8 +41,17 @@ contains
       type(contact_point), intent(in) :: point
 
       pressure = 0
-      if (normal > 0) pressure = sqrt(normal/contact%width*contact%e_star*touching_curvature(contact, mode, point)/pi)
+      if (normal > 0) pressure = pressure_at(contact, normal, touching_curvature(contact, mode, point))
    end function contact_pressure
+
+   !> The same where the flanks are known [Pa].
+   pure real(wp) function pressure_at(contact, normal, curvature) result(pressure)
+      type(tooth_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: normal    !! F_n [N] >= 0
+      real(wp), intent(in) :: curvature !! as of `touching_curvature`
+
+      pressure = sqrt(normal/contact%width*contact%e_star*curvature/pi)
+   end function pressure_at
 
    !> Sum of the curvatures of two flanks where they touch [1/m]; NaN if it is not positive, as where one is more hollow than the
    !> other is round. At the corner of a linear relief, that of the relief.

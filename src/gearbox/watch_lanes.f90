@@ -42,8 +42,7 @@ contains
       integer, intent(inout) :: channels(:)      !! the first n of these: which ones
       real(wp), intent(inout) :: values(lanes, *) !! of these
       real(wp), dimension(lanes) :: normal, friction
-      integer :: c, m
-      integer :: loaded
+      integer :: c, leader, loaded, m
 
       n = 0
       do m = 1, size(gearbox%pairs)
@@ -59,8 +58,8 @@ contains
          if (loaded > 1) call put(channel_of(m, watch_normal), normal, n, channels, values)
          if (loaded > 0 .and. .not. gearbox%contacts(gearbox%first(m))%friction%is_none()) &
             call put(channel_of(m, watch_friction), friction, n, channels, values)
-         call watch_mesh(gearbox, m, y, slots(leading_contact(gearbox, m, integers)), &
-                         gearbox%contacts(leading_contact(gearbox, m, integers)), n, channels, values)
+         leader = leading_contact(gearbox, m, integers)
+         call watch_mesh(gearbox, m, y, slots(leader), gearbox%contacts(leader), n, channels, values)
       end do
    end subroutine watched_in_lanes
 

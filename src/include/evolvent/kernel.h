@@ -460,9 +460,16 @@ EVL_API int evl_watched_count(void);
 /** All channels at a state [evl_watched_count() * n_meshes]. @return EVL_OK or EVL_OUT_OF_DOMAIN */
 EVL_API int evl_gearbox_watched(const evl_gearbox *gearbox, const double *y, const int *integers, const double *reals,
                                 double *values, evl_status *status);
-/** What evl_gearbox_roots and evl_gearbox_watched give, for little more than the first alone. */
+/** Length of `kept` below. */
+EVL_API int evl_gearbox_watch_room(const evl_gearbox *gearbox);
+/** What evl_gearbox_roots and evl_gearbox_watched give, for little more than the first alone: the pressure of flanks that deviate
+ *  from involutes may be an estimate where that is at most near * highest, to half a percent.
+ *  @param highest  largest so far of each channel; infinite where nobody asks, -infinite where all are to be exact
+ *  @param kept     [evl_gearbox_watch_room()] what was found before of flanks: zeros at first and after each change of the discrete
+ *                  state. It is the caller's */
 EVL_API int evl_gearbox_roots_and_watched(const evl_gearbox *gearbox, const double *y, const int *integers,
-                                          const double *reals, double *roots, double *values, evl_status *status);
+                                          const double *reals, double near, const double *highest, double *kept,
+                                          double *roots, double *values, evl_status *status);
 
 /* ---- natural modes --------------------------------------------------------------------------------------------------------- */
 

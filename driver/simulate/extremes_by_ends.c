@@ -1,0 +1,194 @@
+#include "simulate/extremes_by_ends.h"
+
+#include "base/peak.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+void channel_past_init(channel_past *past, const extreme_channels *channels)
+{
+    *past = (channel_past){.values = extreme_channels_array(channels),
+                           .older = extreme_channels_array(channels),
+                           .ends = extreme_channels_array(channels),
+                           .middle = extreme_channels_array(channels)};
+}
+
+void channel_past_free(channel_past *past)
+{
+    free(past->values);
+    free(past->older);
+    free(past->ends);
+    free(past->middle);
+}
+
+/** How far a channel may go from the mean of both ends of a step, judged by its moves in it and in the step before: as far beyond
+ *  the ends as the mean of both moves. */
+static double reach_of(double older, double a, double b, double half_ratio)
+{
+    return fabs(b - a) + fabs(a - older) * half_ratio;
+}
+
+/** Whether any channel may have exceeded its extremes inside the step. A loop without a branch, since most often none has. */
+static bool any_may_exceed(int n, const channel_past *past, double ratio, const double *restrict high,
+                           const double *restrict low)
+{
+    const double *restrict older = past->older, *restrict from = past->values, *restrict to = past->ends;
+    const double half_ratio = 0.5 * ratio;
+    int64_t any = 0;
+    for (int i = 0; i < n; i++) {
+        const double a = from[i], b = to[i], mean = 0.5 * (a + b), reach = reach_of(older[i], a, b, half_ratio);
+        any |= (int64_t)(mean + reach > high[i]) | (int64_t)(mean - reach < low[i]);
+    }
+    return any != 0;
+}
+
+/** Whether one of the ends is that of a channel that is only an estimate there, for it is far below its limit. */
+static bool is_estimate(const channel_past *past, int i, double limit)
+{
+    const double lowest = fmin(past->older[i], fmin(past->values[i], past->ends[i]));
+    return lowest > 0 && lowest <= DAE_NEAR * limit;
+}
+
+/** Of a channel that may have exceeded an extreme: whether its slope, in the sense of the search, falls through zero inside the
+ *  step. */
+static bool may_turn(const channel_past *past, int i, int sense, double ratio, double limit)
+{
+    static const double margin = 0.5; /* of the change of the slope: the third derivative is not known */
+    if (past->n_known < 2 || (sense > 0 && is_estimate(past, i, limit))) {
+        return true;
+    }
+    const double now = sense * (past->ends[i] - past->values[i]);
+    const double before = sense * (past->values[i] - past->older[i]) * ratio;
+    const double bend = (now - before) * 2 * ratio / (1 + ratio); /* by which the slope changes in the step */
+    const double doubt = margin * fabs(bend);
+    return now - 0.5 * bend + doubt >= 0 && now + 0.5 * bend - doubt <= 0;
+}
+
+/** The part of a step between two ends that are known: past.t and t[2]. */
+typedef struct {
+    extreme_channels *channels;
+    channel_past *past;
+    const integrate_step *step;
+    double t[3];  /**< both ends and the middle */
+    double ratio; /**< of its length to that of the one before */
+    enum { NOT_ASKED, KNOWN, UNKNOWN } middle;
+} part;
+
+/** The same judged by both ends and the middle, and if so the place is sought. */
+static void take_middle(const part *part, int i, int sense)
+{
+    static const double margin = 0.1, first_width = 0.05;
+    const channel_past *past = part->past;
+    const double f[3] = {sense * past->values[i], sense * past->middle[i], sense * past->ends[i]};
+    const double bend = fabs(f[0] - 2 * f[1] + f[2]), top = fmax(fmax(f[0], f[1]), f[2]);
+    const double doubt = margin * (bend + fabs(f[2] - f[0]));
+    const double slope_from = -3 * f[0] + 4 * f[1] - f[2], slope_to = f[0] - 4 * f[1] + 3 * f[2];
+    if (top + bend <= extreme_channels_limit(part->channels, i, sense) || slope_from + doubt < 0 ||
+        slope_to - doubt > 0) {
+        return;
+    }
+    const double turn = peak_of_parabola(part->t, f);
+    const extreme_place place = {.channel = i,
+                                 .sense = sense,
+                                 .left = part->t[0],
+                                 .right = part->t[2],
+                                 .start = isnan(turn) ? part->t[1] : fmin(fmax(turn, part->t[0]), part->t[2]),
+                                 .width = first_width * (part->t[2] - part->t[0]),
+                                 .expected = NAN};
+    extreme_channels_climb(part->channels, part->step, &place);
+}
+
+/** Ask for the middle, once. @return whether it is known */
+static bool has_middle(part *part)
+{
+    if (part->middle == NOT_ASKED) {
+        part->middle = extreme_channels_see(part->channels, part->step, part->t[1]) ? KNOWN : UNKNOWN;
+        memcpy(part->past->middle, part->channels->values, (size_t)part->channels->n * sizeof(double));
+    }
+    return part->middle == KNOWN;
+}
+
+/** A channel that may have exceeded an extreme: its end counts, and a turn is looked for. */
+static void take_channel(part *part, int i)
+{
+    extreme_channels *channels = part->channels;
+    const channel_past *past = part->past;
+    const double a = past->values[i], b = past->ends[i], mean = 0.5 * (a + b);
+    const double reach = reach_of(past->older[i], a, b, 0.5 * part->ratio);
+    const bool may_be_low = mean - reach < channels->low[i];
+    const bool may_be_high = mean + reach > channels->high[i];
+    if (!may_be_low && !may_be_high) {
+        return;
+    }
+    extreme_channels_take(channels, i, b, part->t[2]);
+    if (may_be_low && may_turn(past, i, -1, part->ratio, -channels->low[i]) && has_middle(part)) {
+        take_middle(part, i, -1);
+    }
+    if (may_be_high && may_turn(past, i, 1, part->ratio, channels->high[i]) && has_middle(part)) {
+        take_middle(part, i, 1);
+    }
+}
+
+static void take_ends(extreme_channels *channels, channel_past *past, const integrate_step *step, double to)
+{
+    const double ratio = past->n_known > 1 ? (to - past->t) / (past->t - past->t_older) : 1;
+    if (past->n_known == 1) { /* as if the step before had moved as little, or as much */
+        for (int i = 0; i < channels->n; i++) {
+            past->older[i] = 2 * past->values[i] - past->ends[i];
+        }
+    }
+    if (!any_may_exceed(channels->n_padded, past, ratio, channels->high, channels->low)) {
+        return;
+    }
+    part part = {channels, past, step, {past->t, 0.5 * (past->t + to), to}, ratio, NOT_ASKED};
+    for (int i = 0; i < channels->n; i++) {
+        take_channel(&part, i);
+    }
+}
+
+/** The end of the present step is where the next one goes on. */
+static void remember(channel_past *past, double t)
+{
+    double *free_values = past->older;
+    past->older = past->values;
+    past->values = past->ends;
+    past->ends = free_values;
+    past->t_older = past->t;
+    past->t = t;
+    past->n_known++;
+}
+
+static bool know_end(extreme_channels *channels, channel_past *past, const integrate_step *step, double t)
+{
+    const bool is_told = step->watched != NULL && t >= step->t_to;
+    const bool good = is_told || extreme_channels_know(channels, step, t);
+    memcpy(past->ends, is_told ? step->watched : channels->values, (size_t)channels->n * sizeof(double));
+    return good;
+}
+
+void extremes_by_ends(extreme_channels *channels, channel_past *past, const integrate_step *step, double from,
+                      double to)
+{
+    if (!step->continues || past->t < from) {
+        past->n_known = 0;
+    }
+    if (past->n_known == 0 && from < to && extreme_channels_see(channels, step, from)) {
+        memcpy(past->ends, channels->values, (size_t)channels->n * sizeof(double));
+        remember(past, from);
+    }
+    if (past->n_known == 0) {
+        if (extreme_channels_see(channels, step, to)) {
+            memcpy(past->ends, channels->values, (size_t)channels->n * sizeof(double));
+            remember(past, to);
+        }
+        return;
+    }
+    if (!know_end(channels, past, step, to)) {
+        past->n_known = 0;
+        return;
+    }
+    take_ends(channels, past, step, to);
+    remember(past, to);
+}
