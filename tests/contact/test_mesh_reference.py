@@ -10,7 +10,7 @@ import pytest
 from restitution import FACTORS, factor
 
 from kernel.description import Block
-from kernel.gearbox import Gearbox, GearboxError
+from kernel.gearbox import LOADED, OFF, Gearbox, GearboxError
 from kernel.gearbox_description import (
     SPEED,
     TORQUE,
@@ -154,8 +154,9 @@ def test_ratio_is_the_linear_law_with_its_coefficient(kernel: Kernel, contact: t
         psi = by_ratio.place("angle_deviation_1")
         state.y[psi] += sign * 1e-7 / BASE[1]
         state.y[psi + 1] += 1e-3
-        contacts = state.integers[1 : 1 + 3 * by_ratio.sizes.n_reals].reshape(-1, 3)
-        contacts[contacts[:, 1] != 4, 1] = 1  # all that are on the path carry load
+        for contact in range(by_ratio.sizes.n_reals):
+            mode = by_ratio.mode(state, contact)
+            mode[1] = OFF if mode[1] == OFF else LOADED  # all that are on the path carry load
         np.testing.assert_array_equal(by_ratio.derivative(state), by_coefficient.derivative(state))
         at_rest = state.copy()
         at_rest.y[psi + 1] -= 1e-3

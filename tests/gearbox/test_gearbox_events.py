@@ -89,7 +89,7 @@ def test_a_tooth_switch_leaves_the_contact_alone_but_moves_it_by_a_base_pitch(
     after, events = gearbox.apply(state, name)
     teeth = int(state.integers[1]) + sign
     kind = "tooth_switch" if sign > 0 else "tooth_switch_back"
-    assert events == [Event(kind, 0, teeth)]
+    assert gearbox.changing(events) == [Event(kind, 0, teeth)]
     assert moved(gearbox, after, state) <= 1
     assert after.integers[1] == teeth
     assert is_consistent(gearbox, after)
@@ -115,9 +115,10 @@ def test_a_tooth_switch_leaves_the_contact_alone_but_moves_it_by_a_base_pitch(
                 assert abs(new[output][0]) <= 1e-17 + 1e-9 * abs(old["gap"][0])
     other = "back" if name == "forward" else "forward"
     again, events = gearbox.apply(after, other)
-    assert [event.tooth_pair for event in events] == [teeth - sign]
+    assert [event.tooth_pair for event in gearbox.changing(events)] == [teeth - sign]
     assert moved(gearbox, again, state) <= 1
-    np.testing.assert_array_equal(again.integers, state.integers)
+    held = [i for i in range(len(state.integers)) if i not in gearbox.sides]
+    np.testing.assert_array_equal(again.integers[held], state.integers[held])
 
 
 @EVERY_PAIR

@@ -187,7 +187,8 @@ def test_a_contact_that_would_have_to_pull_opens_with_an_event(kernel: Kernel):
     first, _ = bodies.directions(0, 0.0, state)
     assert first @ (force / bodies.masses) > 0  # the blow parts the flanks of the first mesh
     after, events = close(gearbox, state, 1)
-    assert [(event.name, event.mesh) for event in events] == [("contact_opened", 0), ("impact", 1)]
+    happened = [(event.name, event.mesh) for event in gearbox.changing(events)]
+    assert happened == [("contact_opened", 0), ("impact", 1)]
     change = 1.5e-3 / (gap @ (force / bodies.masses)) * force / bodies.masses
     moved = bodies.speeds(after) - bodies.speeds(state)
     np.testing.assert_allclose(moved, change, rtol=0, atol=1e-10 * abs(change).max())

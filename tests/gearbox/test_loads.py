@@ -63,7 +63,7 @@ def stirred(gearbox: Gearbox, seed: int = 3) -> State:
     state = in_mode(gearbox, np.random.default_rng(seed), (LOADED, 0))
     state.t = 0.7
     state.y[gearbox.place("reference_speed")] = 4.0
-    state.integers[4:] = 2  # behind turns and the mode: knots passed, if there is a table
+    gearbox.put(state, "knots_passed", 2)  # if there is a table
     state.yp = gearbox.derivative(state)
     return state
 

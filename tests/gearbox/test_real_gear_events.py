@@ -61,6 +61,7 @@ def test_no_root_is_passed_where_pairs_are_where_they_belong(
 ):
     for seed in range(4):
         gearbox, teeth = made(kernel, pair, gap, 50 + seed)
+        gearbox.take_sides(teeth.state)
         found = passed(gearbox, teeth.state)
         # flanks that overlap may be held apart by the damper: that is the force's root alone
         force = {at for (_, name), at in gearbox.root_places.items() if name == "force"}

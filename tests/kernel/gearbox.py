@@ -20,6 +20,7 @@ from kernel.gearbox_description import REST, _bool, case_of, initial
 from kernel.kernel import OK, Floats, Integers, Kernel, Status, _at, _double, _int, _pair
 
 OPEN, LOADED, UNLOADED, APART, OFF = range(5)
+HELD = ("tooth_pair", "flanks", "friction", "zone_a", "zone_b")  # integers that are no sides
 DRIVE, COAST = range(2)
 NOTHING, WHEEL, MESH, LOAD, INITIAL, HOUSING, SHAFT = range(7)
 TRACKED = ("turn", "zeta", "dr_t", "dr_e", "gradient_ratio", "mu")
@@ -362,8 +363,28 @@ class Gearbox:
         n = 5 if (contact, "zone_a") in self.integer_names else 3
         return state.integers[first : first + n]
 
+    @cached_property
+    def sides(self) -> dict[int, tuple[int, str]]:
+        """Places of the sides of root functions that have one, with the names of these."""
+        names = enumerate(self.integer_names)
+        return {at: name for at, name in names if name[0] >= 0 and name[1] not in HELD}
+
+    def take_sides(self, state: State) -> None:
+        """Put every side that nobody has said (0) where the state lies: states made by hand."""
+        roots, directions = self.roots(state), self.root_directions(state)
+        for place, name in self.sides.items():
+            root = self.root_places[name]
+            if state.integers[place] == 0 and directions[root] != 0:
+                state.integers[place] = 1 if roots[root] * directions[root] > 0 else -1
+
+    def changing(self, events: list[Event]) -> list[Event]:
+        """Return the events that change a mode, without those that are only noted: any may be."""
+        noted = {name for _, name in self.sides.values()}
+        return [event for event in events if event.name not in noted]
+
     def check_modes(self, state: State) -> None:
         """Raise a GearboxError if the modes do not agree with the state."""
+        self.take_sides(state)
         self.values(state, check=True)
 
     def roots(self, state: State) -> Floats:
@@ -406,6 +427,7 @@ class Gearbox:
         """The same where the root functions at these places passed 0."""
         fired = np.zeros(self.sizes.n_roots, np.int32)
         fired[list(places)] = 1
+        self.take_sides(state)
         after = state.copy()
         events = (EventRecord * (self.sizes.n_events))()
         n_events = _int(-1)

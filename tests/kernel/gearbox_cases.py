@@ -226,6 +226,9 @@ def press(
 ) -> None:
     """Put a mesh into a mode of contact and a branch of friction, whatever the state says."""
     gearbox.mode(state, m)[1:] = mode, friction
+    for place, (contact, name) in gearbox.sides.items():
+        if contact == m and name != "side":
+            state.integers[place] = 0  # where the state lies: `take_sides`
 
 
 def branch(gearbox: Gearbox, state: State, m: int = 0, knee: float = 1e-3) -> int:

@@ -67,10 +67,10 @@ def made(
 
 def settle_friction(pair: RealPair, teeth: Teeth) -> None:
     """Put every loaded pair on the branch of friction that belongs to its sliding velocity."""
-    width = 5 if pair.deviates else 3
     for contact in teeth.contacts:
         if contact.gap >= 0:
             continue
-        at = 1 + width * (contact.flank * pair.slots + contact.number % pair.slots)
+        slot = contact.flank * pair.slots + contact.number % pair.slots
         slip = -teeth.force(contact, 0.0, (1.0, 1e9)).friction / teeth.force(contact).normal * 1e9
-        teeth.state.integers[at + 2] = 0 if abs(slip) <= FRICTION[1] else int(mp.sign(slip))
+        branch = 0 if abs(slip) <= FRICTION[1] else int(mp.sign(slip))
+        teeth.gearbox.mode(teeth.state, slot)[2] = branch

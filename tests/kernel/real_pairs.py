@@ -307,7 +307,6 @@ class Teeth:
         """
         p, n = self.pair, self.pair.slots
         _, _, rho = self.line(self.q)
-        width = 5 if p.deviates else 3
         for flank in (DRIVE, COAST):
             on_path = {c.number: c for c in self.contacts if c.flank == flank}
             first = self.first_radius(flank)
@@ -315,8 +314,7 @@ class Teeth:
             # numbers of the pairs that have entered: those up to this one
             entered = int(mp.floor((first - entry) * (1 if flank == DRIVE else -1) / p.base_pitch))
             for slot in range(n):
-                at = 1 + width * (flank * n + slot)
-                integers = self.state.integers[at : at + width]
+                integers = self.gearbox.mode(self.state, flank * n + slot)
                 number = entered - (entered - slot) % n
                 integers[:] = 0
                 if number in on_path:
