@@ -8,6 +8,7 @@ import math
 import numpy as np
 import pytest
 
+from kernel.description import Block
 from kernel.gearbox import Gearbox, State
 from kernel.gearbox_description import (
     BEARING,
@@ -21,7 +22,7 @@ from kernel.gearbox_description import (
     wheel,
 )
 from kernel.housing_cases import HOUSINGS
-from kernel.housing_description import HARMONIC, PRESCRIBED, HousingDescription, X, Y, housing, term
+from kernel.housing_description import HARMONIC, PRESCRIBED, X, Y, housing, term
 from kernel.jacobian import check_jacobian
 from kernel.kernel import Kernel
 
@@ -29,9 +30,7 @@ AMPLITUDE = (3e-4, -2e-4)  # m
 FREQUENCY = 40.0  # Hz
 
 
-def make(
-    kernel: Kernel, described: HousingDescription | None = None, tracking: int = CLOSED_FORM
-) -> Gearbox:
+def make(kernel: Kernel, described: Block | None = None, tracking: int = CLOSED_FORM) -> Gearbox:
     """Return a pair on a bearing and a slider."""
     wheels = [
         wheel(
