@@ -38,7 +38,7 @@ contains
       type(elastic_result) :: elastic
       type(viscous_result) :: viscous
       real(wp) :: factor, d_v
-      real(wp), dimension(n_local) :: d_rho_sum, d_energy, d_elastic, d_viscous, d_normal, d_friction, d_tangential
+      real(wp), dimension(n_local) :: d_energy, d_elastic, d_viscous, d_normal, d_friction, d_tangential
 
       call contact_with_gradient(contact, mode, rho_a0, q, line, point, d)
       if (.not. on_involutes(point)) then
@@ -51,11 +51,10 @@ contains
       d_v = 0
       if (mode%flanks == flanks_loaded) call contact%friction%factor(mode%friction, point%v_t, factor, d_v)
       call forces_of_laws(contact, mode, point, elastic, viscous%force, factor, force)
-      d_rho_sum = d%rho_a + d%rho_b
-      associate (r => point%rho_a + point%rho_b - point%h)
-         d_elastic = elastic%d_h*d%h + elastic%d_rho*d_rho_sum
+      d_elastic = force_change(elastic%d_h, elastic%d_rho_a, elastic%d_rho_b, d)
+      associate (r => point%rho_a + point%rho_b - point%h, d_rho => (elastic%d_rho_a + elastic%d_rho_b)/2)
          ! dV/dr changes with h as the force does with r, and is homogeneous in both; `excess` is constant enough
-         d_energy = elastic%d_rho*d%h + (elastic%d_energy - point%h*elastic%d_rho)/r*(d_rho_sum - d%h)
+         d_energy = d_rho*d%h + (elastic%d_energy - point%h*d_rho)/r*(d%rho_a + d%rho_b - d%h)
          gradient%dissipation = -point%rho_dot*d_energy - elastic%d_energy*d%rho_dot - elastic%excess*d%h_dot
          if (mode%flanks == flanks_unloaded) then
             gradient%torque_a = 0
@@ -65,7 +64,7 @@ contains
             return
          end if
          if (contact%rigid) d_elastic = unit(at_normal, mode%share)
-         d_viscous = viscous%d_h*d%h + viscous%d_rho*d_rho_sum + viscous%d_h_dot*d%h_dot
+         d_viscous = force_change(viscous%d_h, viscous%d_rho_a, viscous%d_rho_b, d) + viscous%d_h_dot*d%h_dot
          d_normal = d_elastic + d_viscous
          d_friction = -factor*d_normal - (force%normal*d_v)*d%v_t
          gradient%dissipation = gradient%dissipation + point%h_dot*d_viscous + viscous%force*d%h_dot - point%v_t*d_friction &
@@ -84,6 +83,16 @@ contains
       gradient%on_a(:, 1) = point%s*d_normal + point%c*d_tangential - force%on_a(2)*d%angle
       gradient%on_a(:, 2) = -point%c*d_normal + point%s*d_tangential + force%on_a(1)*d%angle
    end subroutine contact_gradient_at
+
+   !> How a force changes with the penetration and both radii of curvature. Where it depends on their sum alone, as most laws have it,
+   !> what one radius gains by the motion of the axles and the other loses cancels before it is multiplied.
+   pure function force_change(d_h, d_rho_a, d_rho_b, d) result(change)
+      real(wp), intent(in) :: d_h, d_rho_a, d_rho_b !! derivatives of the force [N/m]
+      type(contact_gradient), intent(in) :: d
+      real(wp) :: change(n_local)
+
+      change = d_h*d%h + d_rho_a*(d%rho_a + d%rho_b) + (d_rho_b - d_rho_a)*d%rho_b
+   end function force_change
 
    !> The contact as the mesh's tracking sees it, with its derivatives.
    pure subroutine contact_with_gradient(contact, mode, rho_a0, q, line, point, gradient)

@@ -27,11 +27,10 @@ module evl_mesh_reference
 
 contains
 
-   !> A perfect tooth pair at the pitch point. The radii of curvature enter the laws through their sum alone.
+   !> A perfect tooth pair at the pitch point. At that point each radius of curvature counts as half of their sum.
    pure type(contact_context) function nominal_context(contact) result(ctx)
       type(tooth_contact_t), intent(in) :: contact
 
-      ctx%rho_sum = contact%pair%rho_0
       ctx%rho_a = contact%pair%rho_0/2
       ctx%rho_b = contact%pair%rho_0/2
       ctx%e_star = contact%e_star

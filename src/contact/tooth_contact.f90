@@ -225,7 +225,6 @@ contains
 
       ctx%h = point%h
       ctx%h_dot = point%h_dot
-      ctx%rho_sum = point%rho_a + point%rho_b
       ctx%rho_a = point%rho_a
       ctx%rho_b = point%rho_b
       ctx%e_star = contact%e_star

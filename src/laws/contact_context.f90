@@ -9,7 +9,6 @@ module evl_contact_context
    type :: contact_context
       real(wp) :: h = 0.0_wp       !! penetration [m], negative for a gap
       real(wp) :: h_dot = 0.0_wp   !! its rate [m/s]
-      real(wp) :: rho_sum = 0.0_wp !! rho_a + rho_b [m]
       real(wp) :: rho_a = 0.0_wp   !! radius of curvature of the driving flank [m]
       real(wp) :: rho_b = 0.0_wp   !! radius of curvature of the driven flank [m]
       real(wp) :: e_star = 0.0_wp  !! effective modulus E* [Pa]
@@ -32,8 +31,8 @@ contains
       type(lane_context), intent(in) :: at
       integer, intent(in) :: l
 
-      ctx = contact_context(h=at%h(l), h_dot=at%h_dot(l), rho_sum=at%rho_a(l) + at%rho_b(l), rho_a=at%rho_a(l), &
-                            rho_b=at%rho_b(l), e_star=at%e_star, width=at%width, v0=at%v0, side=at%side)
+      ctx = contact_context(h=at%h(l), h_dot=at%h_dot(l), rho_a=at%rho_a(l), rho_b=at%rho_b(l), &
+                            e_star=at%e_star, width=at%width, v0=at%v0, side=at%side)
    end function context_of_lane
 
 end module evl_contact_context

@@ -16,10 +16,10 @@ module evl_damping_law
    !> A viscous force with its derivatives.
    type :: viscous_result
       real(wp) :: force = 0.0_wp     !! [N], over the whole width
-      real(wp) :: d_h = 0.0_wp       !! dF/dh at constant rho_sum [N/m]
-      real(wp) :: d_rho = 0.0_wp     !! dF/d(rho_sum) at constant h [N/m]
+      real(wp) :: d_h = 0.0_wp       !! dF/dh at constant radii of curvature [N/m]
+      real(wp) :: d_rho_a = 0.0_wp, d_rho_b = 0.0_wp !! dF/drho_a, dF/drho_b at constant h [N/m]
       real(wp) :: d_h_dot = 0.0_wp   !! dF/dh' [N s/m]
-      real(wp) :: d_elastic = 0.0_wp !! dF/d(elastic force); `viscous_force` puts it into the first two
+      real(wp) :: d_elastic = 0.0_wp !! dF/d(elastic force); `viscous_force` puts it into those before
    end type viscous_result
 
    type, abstract, extends(force_law_t) :: damping_law_t
@@ -58,7 +58,8 @@ contains
 
       call law%force(ctx, elastic%force, result)
       result%d_h = result%d_h + result%d_elastic*elastic%d_h
-      result%d_rho = result%d_rho + result%d_elastic*elastic%d_rho
+      result%d_rho_a = result%d_rho_a + result%d_elastic*elastic%d_rho_a
+      result%d_rho_b = result%d_rho_b + result%d_elastic*elastic%d_rho_b
    end subroutine viscous_force
 
    !> The force in eight states: a law without a loop of its own is asked state by state.

@@ -10,12 +10,12 @@ module evl_elastic_law
 
    public :: elastic_law_t, elastic_result, lane_by_lane
 
-   !> An elastic force with its derivatives, and those of the elastic energy V as `potential` has it. The radii enter
-   !> every law through their sum; r = rho_sum - h.
+   !> An elastic force with its derivatives, and those of the elastic energy V as `potential` has it; r = rho_a + rho_b - h. No law
+   !> so far tells one radius from the other in the energy.
    type :: elastic_result
       real(wp) :: force = 0.0_wp !! [N], over the whole width
-      real(wp) :: d_h = 0.0_wp   !! dF/dh at constant rho_sum [N/m]
-      real(wp) :: d_rho = 0.0_wp !! dF/d(rho_sum) at constant h, which is dF/dr [N/m]
+      real(wp) :: d_h = 0.0_wp   !! dF/dh at constant radii of curvature [N/m]
+      real(wp) :: d_rho_a = 0.0_wp, d_rho_b = 0.0_wp !! dF/drho_a, dF/drho_b at constant h [N/m]
       real(wp) :: d_energy = 0.0_wp !! dV/dr at constant h [J/m]
       real(wp) :: excess = 0.0_wp   !! dV/dh - F at constant r: what V, a series, gets wrong [N]
    end type elastic_result
@@ -45,7 +45,7 @@ module evl_elastic_law
          integer, intent(out) :: code                !! code_ok or code_out_of_domain
       end subroutine force
 
-      !> Elastic energy of the contact [J]: dV = F dh where rho_sum - h is constant, as in a mesh on fixed axles. Even in h.
+      !> Elastic energy of the contact [J]: dV = F dh where rho_a + rho_b - h is constant, as in a mesh on fixed axles. Even in h.
       pure function potential(self, ctx, force) result(energy)
          import :: contact_context, elastic_law_t, wp
          implicit none (type, external)

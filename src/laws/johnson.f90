@@ -63,7 +63,7 @@ contains
       type(elastic_result), intent(out) :: result
       integer, intent(out) :: code
 
-      call force_over_width(ctx%h, ctx%rho_sum, self%radii_factor, ctx%e_star, ctx%width, result, code)
+      call force_over_width(ctx%h, ctx%rho_a + ctx%rho_b, self%radii_factor, ctx%e_star, ctx%width, result, code)
    end subroutine force
 
    !> The same in eight states.
@@ -107,7 +107,7 @@ contains
       real(wp), intent(in) :: force
       real(wp) :: energy
 
-      energy = ctx%width*johnson_energy(ctx%h, abs(force)/ctx%width, ctx%rho_sum, ctx%e_star)
+      energy = ctx%width*johnson_energy(ctx%h, abs(force)/ctx%width, ctx%rho_a + ctx%rho_b, ctx%e_star)
    end function potential
 
    !> Penetration under a force.
@@ -118,7 +118,7 @@ contains
       real(wp), intent(out) :: h
       integer, intent(out) :: code
 
-      call johnson_penetration(force/ctx%width, self%radii_factor*ctx%rho_sum, ctx%e_star, h, code)
+      call johnson_penetration(force/ctx%width, self%radii_factor*(ctx%rho_a + ctx%rho_b), ctx%e_star, h, code)
    end subroutine penetration
 
    !> Why there is no force.
@@ -127,11 +127,11 @@ contains
       type(contact_context), intent(in) :: ctx
       character(len=*), intent(out) :: message
 
-      if (.not. ctx%rho_sum > 0.0_wp) then
-         message = "rho_A + rho_B = "//quantity(ctx%rho_sum, "m")//" is not positive, as the Johnson force needs"
+      if (.not. ctx%rho_a + ctx%rho_b > 0.0_wp) then
+         message = "rho_A + rho_B = "//quantity(ctx%rho_a + ctx%rho_b, "m")//" is not positive, as the Johnson force needs"
       else
          message = "penetration h = "//quantity(ctx%h, "m")//" exceeds the limit 4 (rho_A + rho_B)/e^2 = " &
-                   //quantity(johnson_penetration_limit(ctx%rho_sum), "m")//" of the Johnson force, eq. (15)"
+                   //quantity(johnson_penetration_limit(ctx%rho_a + ctx%rho_b), "m")//" of the Johnson force, eq. (15)"
       end if
    end subroutine limit_message
 
@@ -147,14 +147,15 @@ contains
       integer, intent(out) :: code    !! code_ok or code_out_of_domain
       real(wp) :: x, y, last
 
-      call johnson_force(h, factor*rho_sum, e_star, result%force, result%d_h, result%d_rho, code)
+      call johnson_force(h, factor*rho_sum, e_star, result%force, result%d_h, result%d_rho_a, code)
       x = abs(h)*(1/rho_sum)
       y = abs(result%force)*(1/rho_sum)*(1/(pi*e_star))
       last = -y*(x*(x/12 + y*(11.0_wp/72)) + y**2*(3.0_wp/32))
       result%d_energy = width*abs(result%force)*(last - y*(0.5_wp + x/6 + y*(2.0_wp/9)))
       result%force = width*result%force
       result%d_h = width*result%d_h
-      result%d_rho = width*(factor*result%d_rho)
+      result%d_rho_a = width*(factor*result%d_rho_a)
+      result%d_rho_b = result%d_rho_a
       result%excess = last*result%force
    end subroutine force_over_width
 

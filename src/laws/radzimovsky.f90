@@ -58,11 +58,11 @@ contains
       type(contact_context), intent(in) :: ctx
       character(len=*), intent(out) :: message
 
-      if (.not. ctx%rho_sum > 0.0_wp) then
-         message = "rho_A + rho_B = "//quantity(ctx%rho_sum, "m")//" is not positive, as the Radzimovsky force needs"
+      if (.not. ctx%rho_a + ctx%rho_b > 0.0_wp) then
+         message = "rho_A + rho_B = "//quantity(ctx%rho_a + ctx%rho_b, "m")//" is not positive, as the Radzimovsky force needs"
       else
          message = "penetration h = "//quantity(ctx%h, "m")//" exceeds the limit e^(-1/3) (rho_A + rho_B) = " &
-                   //quantity(johnson_penetration_limit(enlarged*ctx%rho_sum), "m")//" of the Radzimovsky force"
+                   //quantity(johnson_penetration_limit(enlarged*(ctx%rho_a + ctx%rho_b)), "m")//" of the Radzimovsky force"
       end if
    end subroutine limit_message
 

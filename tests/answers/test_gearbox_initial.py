@@ -117,7 +117,8 @@ def test_a_penetration_gives_its_force_at_once(kernel: Kernel):
     force = kernel.law_elastic_force(
         kernel.law(CONTACT, "johnson"),
         h=5e-9,
-        rho_sum=geometry.line_of_action_length + 5e-9,
+        rho_a=geometry.line_of_action_length,
+        rho_b=5e-9,
         e_star=geometry.effective_modulus,
         width=geometry.common_width,
     ).force[0]

@@ -189,7 +189,8 @@ def test_potential_energy_is_that_of_contacts_and_springs(kernel: Kernel):
     contact = gearbox.outputs(state)["potential_energy"][0]
     h = gearbox.outputs(state)["penetration"][0]
     geometry = gearbox.mesh_geometry()
-    place = {"rho_sum": geometry.line_of_action_length + h, "width": geometry.common_width}
+    rho = (geometry.line_of_action_length + h) / 2  # of either wheel: their sum counts
+    place = {"rho_a": rho, "rho_b": rho, "width": geometry.common_width}
     law = kernel.law(CONTACT, "johnson")
     of_law = kernel.law_elastic_potential(law, h=h, e_star=geometry.effective_modulus, **place)
     assert contact == pytest.approx(of_law.potential[0], rel=1e-13)

@@ -223,7 +223,7 @@ def test_a_rigid_contact_has_no_damping_that_could_refer_to_it(
 
 
 def test_a_law_that_refers_to_its_mesh_has_no_force_without_one(kernel: Kernel):
-    place = {"rho_sum": RHO, "rho_a": RHO / 2, "rho_b": RHO / 2, "e_star": E_STAR, "width": WIDTH}
+    place = {"rho_a": RHO / 2, "rho_b": RHO / 2, "e_star": E_STAR, "width": WIDTH}
     elastic = kernel.law(CONTACT, "johnson")
     for name, parameters in REFERRING:
         damping = kernel.law(DAMPING, name, **parameters)

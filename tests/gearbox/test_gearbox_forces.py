@@ -44,8 +44,9 @@ def johnson(kernel: Kernel, gearbox: Gearbox, h: float, rho_sum: float) -> float
     """Johnson's force of the first mesh."""
     geometry = gearbox.mesh_geometry()
     context = {"e_star": geometry.effective_modulus, "width": geometry.common_width}
+    context.update(rho_a=rho_sum / 2, rho_b=rho_sum / 2)
     law = kernel.law(CONTACT, "johnson")
-    return float(kernel.law_elastic_force(law, h=h, rho_sum=rho_sum, **context).force[0])
+    return float(kernel.law_elastic_force(law, h=h, **context).force[0])
 
 
 # ---- what the force sees

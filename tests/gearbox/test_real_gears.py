@@ -139,7 +139,7 @@ def radius_power(kernel: Kernel, gearbox: Gearbox, teeth: Teeth) -> float:
         change = 1e-7 * rho
         place = {"h": h, "e_star": geometry.effective_modulus, "width": geometry.common_width}
         values = [
-            kernel.law_elastic_potential(law, rho_sum=rho + sign * change, **place).potential[0]
+            kernel.law_elastic_potential(law, rho_a=rho, rho_b=sign * change, **place).potential[0]
             for sign in (1, -1)
         ]
         power += (values[0] - values[1]) / (2 * change) * excess

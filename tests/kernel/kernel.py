@@ -52,7 +52,7 @@ class ContactContext(ctypes.Structure):
 
     _fields_ = [
         (name, _double)
-        for name in ("h", "h_dot", "rho_sum", "rho_a", "rho_b", "e_star", "width", "v0")
+        for name in ("h", "h_dot", "rho_a", "rho_b", "e_star", "width", "v0")
     ]
 
 
@@ -96,8 +96,18 @@ class Force(NamedTuple):
     code: Integers
 
 
+class LawForce(NamedTuple):
+    """An elastic force with its derivatives to the penetration and to both radii of curvature."""
+
+    force: Floats
+    d_h: Floats
+    d_rho_a: Floats
+    d_rho_b: Floats
+    code: Integers
+
+
 class Energy(NamedTuple):
-    """Elastic energy with its derivatives to h and to rho_sum - h."""
+    """Elastic energy with its derivatives to h and to rho_a + rho_b - h."""
 
     potential: Floats
     d_h: Floats
@@ -110,7 +120,8 @@ class Viscous(NamedTuple):
 
     force: Floats
     d_h: Floats
-    d_rho: Floats
+    d_rho_a: Floats
+    d_rho_b: Floats
     d_h_dot: Floats
 
 
@@ -299,10 +310,10 @@ class Kernel:
         if status.code != OK:
             raise _error(status)
 
-    def law_elastic_force(self, choice: LawChoice, **context: ArrayLike) -> Force:
+    def law_elastic_force(self, choice: LawChoice, **context: ArrayLike) -> LawForce:
         """Elastic force over the width, at contexts given as arrays of their fields."""
         n, contexts = _contexts(context)
-        result = Force(np.empty(n), np.empty(n), np.empty(n), np.empty(n, np.int32))
+        result = LawForce(*np.empty((4, n)), np.empty(n, np.int32))
         self.library.test_law_elastic_force(n, ctypes.byref(choice), contexts, *map(_at, result))
         return result
 
@@ -339,7 +350,7 @@ class Kernel:
     ) -> Viscous:
         """Viscous force over the width, and its derivatives."""
         n, contexts = _contexts(context)
-        results = Viscous(np.empty(n), np.empty(n), np.empty(n), np.empty(n))
+        results = Viscous(*np.empty((5, n)))
         codes = np.empty(n, np.int32)
         self.library.test_law_viscous_force(
             n,

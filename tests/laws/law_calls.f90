@@ -24,7 +24,7 @@ module law_calls
 
    !> What a law may know about a contact: the fields of `contact_context` that tests give.
    type, bind(c) :: given_contact
-      real(c_double) :: h, h_dot, rho_sum, rho_a, rho_b, e_star, width, v0
+      real(c_double) :: h, h_dot, rho_a, rho_b, e_star, width, v0
    end type given_contact
 
 contains
@@ -40,12 +40,12 @@ contains
       call status_to_c(s, status)
    end subroutine test_law_validate
 
-   !> Elastic normal force with its derivatives to h and to rho_sum.
-   subroutine test_law_elastic_force(n, choice, contexts, force, d_h, d_rho, codes) bind(c)
+   !> Elastic normal force with its derivatives to h, rho_a and rho_b.
+   subroutine test_law_elastic_force(n, choice, contexts, force, d_h, d_rho_a, d_rho_b, codes) bind(c)
       integer(c_int), intent(in), value :: n
       type(given_law), intent(in) :: choice
       type(given_contact), intent(in) :: contexts(n)
-      real(c_double), intent(out) :: force(n), d_h(n), d_rho(n)
+      real(c_double), intent(out) :: force(n), d_h(n), d_rho_a(n), d_rho_b(n)
       integer(c_int), intent(out) :: codes(n)
       class(elastic_law_t), allocatable :: law
       type(elastic_result) :: elastic
@@ -56,7 +56,8 @@ contains
          call law%force(context_of(contexts(i)), elastic, codes(i))
          force(i) = elastic%force
          d_h(i) = elastic%d_h
-         d_rho(i) = elastic%d_rho
+         d_rho_a(i) = elastic%d_rho_a
+         d_rho_b(i) = elastic%d_rho_b
       end do
    end subroutine test_law_elastic_force
 
@@ -90,7 +91,7 @@ contains
       end do
    end subroutine test_law_penetration
 
-   !> Elastic energy with its derivatives to h and to the length rho_sum - h.
+   !> Elastic energy with its derivatives to h and to the length rho_a + rho_b - h.
    subroutine test_law_elastic_potential(n, choice, contexts, potential, d_h, d_length, codes) bind(c)
       integer(c_int), intent(in), value :: n
       type(given_law), intent(in) :: choice
@@ -110,12 +111,12 @@ contains
       end do
    end subroutine test_law_elastic_potential
 
-   !> Viscous normal force with its derivatives to h, to rho_sum and to h_dot.
-   subroutine test_law_viscous_force(n, contact, damping, contexts, force, d_h, d_rho, d_h_dot, codes) bind(c)
+   !> Viscous normal force with its derivatives to h, rho_a, rho_b and h_dot.
+   subroutine test_law_viscous_force(n, contact, damping, contexts, force, d_h, d_rho_a, d_rho_b, d_h_dot, codes) bind(c)
       integer(c_int), intent(in), value :: n
       type(given_law), intent(in) :: contact, damping
       type(given_contact), intent(in) :: contexts(n)
-      real(c_double), intent(out) :: force(n), d_h(n), d_rho(n), d_h_dot(n)
+      real(c_double), intent(out) :: force(n), d_h(n), d_rho_a(n), d_rho_b(n), d_h_dot(n)
       integer(c_int), intent(out) :: codes(n)
       class(elastic_law_t), allocatable :: acting_contact
       class(damping_law_t), allocatable :: acting_damping
@@ -136,7 +137,8 @@ contains
          end if
          force(i) = viscous%force
          d_h(i) = viscous%d_h
-         d_rho(i) = viscous%d_rho
+         d_rho_a(i) = viscous%d_rho_a
+         d_rho_b(i) = viscous%d_rho_b
          d_h_dot(i) = viscous%d_h_dot
       end do
    end subroutine test_law_viscous_force
@@ -193,7 +195,7 @@ contains
    elemental type(contact_context) function context_of(given) result(context)
       type(given_contact), intent(in) :: given
 
-      context = contact_context(h=given%h, h_dot=given%h_dot, rho_sum=given%rho_sum, rho_a=given%rho_a, rho_b=given%rho_b, &
+      context = contact_context(h=given%h, h_dot=given%h_dot, rho_a=given%rho_a, rho_b=given%rho_b, &
                                 e_star=given%e_star, width=given%width, v0=given%v0)
    end function context_of
 

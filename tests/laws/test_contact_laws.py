@@ -19,7 +19,8 @@ from kernel.kernel import (
     LawChoice,
 )
 
-PLACE = {"rho_sum": 0.065441, "rho_a": 0.02, "rho_b": 0.045441, "e_star": 1.1e11, "width": 0.1}
+PLACE = {"rho_a": 0.02, "rho_b": 0.045441, "e_star": 1.1e11, "width": 0.1}
+RHO = PLACE["rho_a"] + PLACE["rho_b"]
 H = np.array([-1e-6, -3e-9, 1e-12, 3e-9, 1e-5])
 
 
@@ -29,10 +30,11 @@ H = np.array([-1e-6, -3e-9, 1e-12, 3e-9, 1e-5])
 def test_elastic_force_is_johnsons_over_the_width(kernel: Kernel):
     law = kernel.law(CONTACT, "johnson")
     result = kernel.law_elastic_force(law, h=H, **PLACE)
-    per_width = kernel.johnson_force(H, PLACE["rho_sum"], PLACE["e_star"])
-    for name in ("force", "d_h", "d_rho"):
+    per_width = kernel.johnson_force(H, RHO, PLACE["e_star"])
+    fields = {"force": "force", "d_h": "d_h", "d_rho_a": "d_rho", "d_rho_b": "d_rho"}
+    for name, of_sum in fields.items():
         np.testing.assert_array_equal(
-            getattr(result, name), PLACE["width"] * getattr(per_width, name)
+            getattr(result, name), PLACE["width"] * getattr(per_width, of_sum)
         )
 
 
@@ -59,7 +61,7 @@ def test_leaving_the_elastic_law_is_explained_with_value_and_limit(kernel: Kerne
     context = {"h": 0.04, **PLACE}
     result = kernel.law_elastic_force(law, **context)
     assert list(result.code) == [OUT_OF_DOMAIN]
-    assert result.force[0] == result.d_h[0] == result.d_rho[0] == 0
+    assert result.force[0] == result.d_h[0] == result.d_rho_a[0] == result.d_rho_b[0] == 0
     message = kernel.law_elastic_limit(law, **context)
     sentence = (
         r"penetration h = (\S+) m exceeds the limit 4 \(rho_A \+ rho_B\)/e\^2 = (\S+) m "
@@ -69,8 +71,8 @@ def test_leaving_the_elastic_law_is_explained_with_value_and_limit(kernel: Kerne
     assert found, message
     value, limit = map(float, found.groups())
     assert value == pytest.approx(0.04, rel=1e-5)  # six digits are printed
-    assert limit == pytest.approx(4 * PLACE["rho_sum"] / np.e**2, rel=1e-5)
-    context["rho_sum"] = -1.0
+    assert limit == pytest.approx(4 * RHO / np.e**2, rel=1e-5)
+    context.update(rho_a=-2.0, rho_b=1.0)
     assert "rho_A + rho_B = -1" in kernel.law_elastic_limit(law, **context)
     _, codes = kernel.law_penetration(law, 1e12, **PLACE)
     assert list(codes) == [OUT_OF_DOMAIN]
@@ -97,7 +99,7 @@ def test_linear_damping_is_proportional_to_the_rate(kernel: Kernel):
     )
     np.testing.assert_array_equal(viscous.force, 1e4 * h_dot)
     np.testing.assert_array_equal(viscous.d_h, 0)
-    np.testing.assert_array_equal(viscous.d_rho, 0)
+    np.testing.assert_array_equal([viscous.d_rho_a, viscous.d_rho_b], 0)
     np.testing.assert_array_equal(viscous.d_h_dot, 1e4)
 
 
@@ -115,7 +117,7 @@ def test_one_sided_damping_acts_on_approach_only(kernel: Kernel):
     approach = h_dot > 0
     np.testing.assert_allclose(viscous.force, np.where(approach, 5e9 * h * h_dot, 0), rtol=4e-16)
     np.testing.assert_allclose(viscous.d_h, np.where(approach, 5e9 * h_dot, 0), rtol=4e-16)
-    np.testing.assert_array_equal(viscous.d_rho, 0)
+    np.testing.assert_array_equal([viscous.d_rho_a, viscous.d_rho_b], 0)
     np.testing.assert_allclose(viscous.d_h_dot, np.where(approach, 5e9 * h, 0), rtol=4e-16)
 
 

@@ -15,7 +15,7 @@ EPS = float(np.finfo(float).eps)
 E_STAR, WIDTH = 1.1e11, 0.1
 RHO_A, RHO_B = 0.02, 0.045441
 RHO = RHO_A + RHO_B
-PLACE = {"rho_sum": RHO, "rho_a": RHO_A, "rho_b": RHO_B, "e_star": E_STAR, "width": WIDTH}
+PLACE = {"rho_a": RHO_A, "rho_b": RHO_B, "e_star": E_STAR, "width": WIDTH}
 H = np.array([1e-12, 3e-9, 1e-6, 1e-4])
 LAWS = {
     "johnson": {},
@@ -83,7 +83,7 @@ def test_radzimovskys_derivatives_are_those_of_his_equation(kernel: Kernel, h: f
         return radzimovsky_force(h, ratio * rho, (1 - ratio) * rho)
 
     at, steps = (mp.mpf(h), mp.mpf(RHO)), (mp.mpf(h) * mp.mpf("1e-10"), mp.mpf("1e-12"))
-    for value, index in ((result.d_h[0], 0), (result.d_rho[0], 1)):
+    for value, index in ((result.d_h[0], 0), (result.d_rho_a[0], 1), (result.d_rho_b[0], 1)):
         step = [steps[i] if i == index else 0 for i in range(2)]
         above = force(at[0] + step[0], at[1] + step[1])
         below = force(at[0] - step[0], at[1] - step[1])
@@ -110,7 +110,7 @@ def test_leaving_radzimovskys_law_is_explained_with_value_and_limit(kernel: Kern
     assert inside.force[0] == pytest.approx(np.pi * E_STAR * WIDTH * limit, rel=2e-3)
     beyond = kernel.law_elastic_force(law, h=limit * (1 + 1e-12), **PLACE)
     assert list(beyond.code) == [OUT_OF_DOMAIN]
-    assert beyond.force[0] == beyond.d_h[0] == beyond.d_rho[0] == 0
+    assert beyond.force[0] == beyond.d_h[0] == beyond.d_rho_a[0] == beyond.d_rho_b[0] == 0
     _, codes = kernel.law_penetration(law, 1.001 * np.pi * E_STAR * WIDTH * limit, **PLACE)
     assert list(codes) == [OUT_OF_DOMAIN]
     message = kernel.law_elastic_limit(law, h=0.05, **PLACE)
@@ -121,7 +121,7 @@ def test_leaving_radzimovskys_law_is_explained_with_value_and_limit(kernel: Kern
     found = re.fullmatch(sentence, message)
     assert found, message
     assert float(found[1]) == pytest.approx(limit, rel=1e-5)  # six digits are printed
-    no_radii = kernel.law_elastic_limit(law, h=1e-9, **{**PLACE, "rho_sum": -1.0})
+    no_radii = kernel.law_elastic_limit(law, h=1e-9, **{**PLACE, "rho_a": -2.0, "rho_b": 1.0})
     assert "rho_A + rho_B = -1 m is not positive" in no_radii
 
 
@@ -152,7 +152,7 @@ def test_springs_have_force_stiffness_and_energy_of_their_power(
     assert relative(result.force[0], mp.sign(h) * k * size**m) < 8 * EPS
     assert relative(result.d_h[0], m * k * size ** (m - 1)) < 8 * EPS
     assert relative(potential[0], k * size ** (m + 1) / (m + 1)) < 8 * EPS
-    assert result.d_rho[0] == 0
+    assert result.d_rho_a[0] == result.d_rho_b[0] == 0
 
 
 def test_yang_and_lins_stiffness_for_equal_materials_is_the_one_they_print(kernel: Kernel):
@@ -166,7 +166,7 @@ def test_yang_and_lins_stiffness_for_equal_materials_is_the_one_they_print(kerne
 @pytest.mark.parametrize("name", SPRINGS)
 def test_springs_have_no_limit(kernel: Kernel, name: str):
     law = kernel.law(CONTACT, name, **LAWS[name])
-    far = {**PLACE, "h": 10.0, "rho_sum": -1.0}
+    far = {**PLACE, "h": 10.0, "rho_a": -2.0, "rho_b": 1.0}
     assert not kernel.law_elastic_force(law, **far).code.any()
     assert kernel.law_elastic_limit(law, **far) == ""
 
@@ -205,7 +205,7 @@ def at_ratio(kernel: Kernel, name: str, ratio: float):
 @of_radii
 @pytest.mark.parametrize(
     ("ratio", "tolerance"),
-    # the series leaves out (h/rho_sum)**3, with a factor of 0.005 to 0.01 here; 1e-13 is rounding
+    # the series leaves out (h/rho)**3, with a factor of 0.005 to 0.01 here; 1e-13 is rounding
     [(1e-12, 1e-13), (1e-8, 1e-13), (1e-5, 1e-13), (3e-4, 2e-13), (1e-3, 1e-11), (1e-2, 1e-8)],
 )
 def test_the_energy_is_the_work_along_the_path_of_a_mesh_on_fixed_axles(
@@ -244,11 +244,12 @@ def test_the_force_is_odd_and_the_potential_even_in_the_penetration(kernel: Kern
     plus, minus = (kernel.law_elastic_force(law, h=sign * H, **PLACE) for sign in (1, -1))
     np.testing.assert_array_equal(minus.force, -plus.force)
     np.testing.assert_array_equal(minus.d_h, plus.d_h)
-    np.testing.assert_array_equal(minus.d_rho, -plus.d_rho)
+    np.testing.assert_array_equal(minus.d_rho_a, -plus.d_rho_a)
+    np.testing.assert_array_equal(minus.d_rho_b, -plus.d_rho_b)
     potentials = [kernel.law_elastic_potential(law, h=sign * H, **PLACE)[0] for sign in (1, -1)]
     np.testing.assert_array_equal(*potentials)
     zero = kernel.law_elastic_force(law, h=0.0, **PLACE)
-    assert zero.force[0] == zero.d_rho[0] == 0
+    assert zero.force[0] == zero.d_rho_a[0] == zero.d_rho_b[0] == 0
     assert not zero.code.any()
     assert [part[0] for part in kernel.law_elastic_potential(law, h=0.0, **PLACE)] == [0, 0, 0, 0]
 
@@ -262,7 +263,7 @@ def test_penetration_inverts_the_force(kernel: Kernel, law):
 
 
 def test_the_stiffness_is_the_slope_of_the_force(kernel: Kernel, law):
-    """An independent look at d_h and d_rho: differences of the kernel's own force."""
+    """An independent look at all derivatives: differences of the kernel's own force."""
     step = 1e-5
     at = kernel.law_elastic_force(law, h=H, **PLACE)
     above, below = (
@@ -270,13 +271,16 @@ def test_the_stiffness_is_the_slope_of_the_force(kernel: Kernel, law):
     )
     # step**2 from the quotient, eps/step from rounding
     np.testing.assert_allclose((above - below) / (2 * step * H), at.d_h, rtol=1e-9)
-    above, below = (
-        kernel.law_elastic_force(law, h=H, **{**PLACE, "rho_sum": RHO * (1 + s * step)}).force
-        for s in (1, -1)
-    )
-    np.testing.assert_allclose(
-        (above - below) / (2 * step * RHO), at.d_rho, rtol=1e-8, atol=1e-12 * at.force.max()
-    )
+    for radius in ("rho_a", "rho_b"):
+        change = step * PLACE[radius]
+        above, below = (
+            kernel.law_elastic_force(law, h=H, **{**PLACE, radius: PLACE[radius] + s * change})
+            for s in (1, -1)
+        )
+        slope = (above.force - below.force) / (2 * change)
+        np.testing.assert_allclose(
+            slope, getattr(at, f"d_{radius}"), rtol=1e-8, atol=1e-9 * at.force.max()
+        )
 
 
 def test_the_force_grows_with_the_penetration_through_the_end_of_contact(kernel: Kernel, law):

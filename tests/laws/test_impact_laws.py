@@ -8,7 +8,7 @@ from restitution import DIVIDING, FACTORS, factor
 
 from kernel.kernel import CONTACT, DAMPING, Kernel
 
-PLACE = {"rho_sum": 0.065441, "rho_a": 0.02, "rho_b": 0.045441, "e_star": 1.1e11, "width": 0.1}
+PLACE = {"rho_a": 0.02, "rho_b": 0.045441, "e_star": 1.1e11, "width": 0.1}
 H, H_DOT = (grid.ravel() for grid in np.meshgrid([-2e-7, 3e-9, 1e-6], [-0.3, 0.0, 0.02]))
 ELASTIC = {"johnson": {}, "power": {"coefficient": 2e11, "exponent": 1.5}}
 
@@ -43,7 +43,8 @@ def test_the_force_is_the_elastic_one_times_chi_and_the_rate_over_v0(
     expected = {
         "force": elastic.force * chi * H_DOT / v0,
         "d_h": elastic.d_h * chi * H_DOT / v0,
-        "d_rho": elastic.d_rho * chi * H_DOT / v0,
+        "d_rho_a": elastic.d_rho_a * chi * H_DOT / v0,
+        "d_rho_b": elastic.d_rho_b * chi * H_DOT / v0,
         "d_h_dot": elastic.force * chi / v0,
     }
     for field, values in expected.items():
@@ -58,9 +59,10 @@ def test_derivatives_are_the_slopes_of_the_force(kernel: Kernel, name: str):
     for field, variable, values in (
         ("d_h", "h", H),
         ("d_h_dot", "h_dot", np.full_like(H, 0.1)),
-        ("d_rho", "rho_sum", np.full_like(H, PLACE["rho_sum"])),
+        ("d_rho_a", "rho_a", np.full_like(H, PLACE["rho_a"])),
+        ("d_rho_b", "rho_b", np.full_like(H, PLACE["rho_b"])),
     ):
-        centre = given.get(variable, PLACE["rho_sum"])
+        centre = {**PLACE, **given}[variable]
         above, below = (
             viscous(kernel, name, **{**given, variable: centre + s * step * values}).force
             for s in (1, -1)

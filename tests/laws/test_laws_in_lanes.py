@@ -68,7 +68,7 @@ def cases(
             fields = {
                 "h": scattered(random, -12, -4 if turn % 3 else 0),
                 "h_dot": scattered(random, -9, 1),
-                **{"rho_a": rho_a, "rho_b": rho_b, "rho_sum": rho_a + rho_b},
+                **{"rho_a": rho_a, "rho_b": rho_b},
                 "e_star": np.full(LANES, 1.15e11),
                 "width": np.full(LANES, 0.02),
                 "v0": np.full(LANES, 10 ** random.uniform(-6, 0)),
