@@ -18,7 +18,7 @@ module evl_gearbox_initial
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_initial, subject_load, subject_mesh, &
                          subject_wheel
    use evl_steady_state, only: find_steady_state
-   use evl_tooth_contact, only: contact_mode, flanks_loaded, flanks_off, flanks_open, tooth_contact_t
+   use evl_tooth_contact, only: contact_mode, contact_state, flanks_loaded, flanks_off, flanks_open, tooth_contact_t
    implicit none (type, external)
    private
 
@@ -229,19 +229,23 @@ contains
       integer, intent(inout) :: integers(:)
       real(wp), intent(inout) :: reals(:)
       type(status_t), intent(inout) :: status
-      type(contact_point) :: point
-      type(contact_mode) :: mode
+      type(contact_state) :: at(size(gearbox%contacts))
       real(wp) :: free(gearbox%n_states), q(n_local), parting
-      integer :: m
+      integer :: first, last, m
 
       call coupled_rates(gearbox, t, y, integers, reals, free, status)
       if (has_failed(status)) return
       do m = 1, size(gearbox%contacts)
-         associate (contact => gearbox%contacts(m))
-            mode = gearbox_mode(gearbox, m, integers, reals)
+         at(m)%mode = gearbox_mode(gearbox, m, integers, reals)
+         if (at(m)%mode%flanks /= flanks_off) &
+            call closed_form_point(gearbox, m, y, integers(i_turns), at(m)%mode%tooth_pair, at(m))
+      end do
+      do m = 1, size(gearbox%contacts)
+         associate (contact => gearbox%contacts(m), mode => at(m)%mode, point => at(m)%point, &
+                    flank => gearbox%flanks(gearbox%contacts(m)%i_flank)%flank)
             if (mode%flanks == flanks_off) cycle
-            call closed_form_point(gearbox, m, y, integers(i_turns), mode%tooth_pair, point)
-            call mode_at(contact, point, mode, status)
+            call flank%company(m, first, last)
+            call mode_at(flank, gearbox%contacts, m, first, last, at, status)
             if (has_failed(status)) return
             if (mode%flanks == flanks_open .and. contact%rigid) then
                call settle_rigid(contact, point, mode, status)
@@ -252,7 +256,7 @@ contains
                          + q(at_v_b + 1) - q(at_v_a + 1)
                if (point%h_dot > 0 .or. (.not. point%h_dot < 0 .and. parting <= 0)) mode%flanks = flanks_loaded
             end if
-            if (mode%flanks == flanks_loaded) call take_load(contact, point, mode)
+            if (mode%flanks == flanks_loaded) call take_load(contact, at(m))
             call gearbox_store_mode(gearbox, m, mode, integers, reals)
          end associate
       end do

@@ -1,20 +1,21 @@
 !> What the meshes of a gearbox tell.
 module evl_mesh_outputs
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use evl_closed_form, only: closed_form_gap, closed_form_line, gap_along, points_along, track_closed_form, transmission_error
+   use evl_closed_form, only: closed_form_gap, closed_form_line, gap_along, points_along, transmission_error
    use evl_contact_tracking, only: algebraic_residual, line_distance, tracked_positions
-   use evl_discrete_state, only: leading_contact
-   use evl_gearbox, only: gearbox_local, gearbox_t, i_turns, wheel_reference
+   use evl_contacts_at_state, only: place_contacts, those_that_do_not
+   use evl_discrete_state, only: gearbox_mode, leading_contact
+   use evl_gearbox, only: gearbox_local, gearbox_t, wheel_reference
    use evl_housing_outputs, only: add_mesh_reaction
    use evl_kinds, only: wp
-   use evl_local_variables, only: at_lambda, at_track, i_theta, n_local, n_track
+   use evl_local_variables, only: at_lambda, at_track, n_local, n_track
    use evl_output, only: dims_mesh, in_coast, in_meshes, needs_meshes, needs_pairs, needs_points, needs_reactions
    use evl_pair_outputs, only: tell_pairs
    use evl_support, only: axle_motion
    use evl_tangent_line, only: tangent_line_t
    use evl_teller, only: begin, needs, tell, teller_t
-   use evl_tooth_contact, only: contact_energy, contact_force, contact_state, flank_coast, flank_drive, flanks_apart, &
-                                flanks_loaded, flanks_off, locate_contact, nominal_rho, touches, tracking_closed_form
+   use evl_tooth_contact, only: contact_state, flank_coast, flank_drive, flanks_apart, flanks_loaded, flanks_off, &
+                                locate_anywhere, no_force, tooth_contact_t, touches, tracking_closed_form
    implicit none (type, external)
    private
 
@@ -106,13 +107,14 @@ contains
    end subroutine tell_coast
 
    !> A mesh at a state.
-   subroutine put_mesh(teller, wanted, gearbox, index, t, y, integers, contacts, torque, reactions, potential)
+   subroutine put_mesh(teller, wanted, gearbox, index, t, y, integers, reals, contacts, torque, reactions, potential)
       type(teller_t), intent(inout) :: teller
       integer, intent(in) :: wanted         !! what wanted outputs need
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index, integers(:)
-      real(wp), intent(in) :: t, y(:)
-      type(contact_state), intent(inout) :: contacts(:) !! as `gearbox_rates` leaves them; those of the mesh are completed
+      real(wp), intent(in) :: t, y(:), reals(:)
+      !> As `gearbox_rates` leaves them; those of the mesh are completed.
+      type(contact_state), intent(inout) :: contacts(size(gearbox%contacts))
       real(wp), intent(inout) :: torque(:)  !! of the meshes on the wheels so far [N m]
       real(wp), intent(inout) :: reactions(:, :) !! on the housing so far, (6, wheel): force [N], moment [N m]
       real(wp), intent(inout) :: potential  !! energy so far [J]
@@ -120,23 +122,33 @@ contains
       type(mesh_points) :: points
       type(tangent_line_t) :: line
       real(wp) :: lag, penetration
-      integer :: m, leader
+      integer :: i, leader, m
 
       leader = leading_contact(gearbox, index, integers)
-      do m = gearbox%first(index), gearbox%first(index + 1) - 1
-         if (.not. touches(contacts(m)%mode)) call complete(gearbox, m, y, integers, contacts(m))
-         if (contacts(m)%mode%flanks == flanks_off) cycle
-         call add_contact(gearbox, m, contacts(m), potential, total)
-         if (touches(contacts(m)%mode) .and. iand(wanted, needs_reactions) == needs_reactions) &
-            call add_mesh_reaction(gearbox, gearbox%contacts(m), contacts(m)%force%on_a, reactions)
+      do i = gearbox%contacts(gearbox%first(index))%i_flank, gearbox%contacts(gearbox%first(index + 1) - 1)%i_flank
+         associate (flank => gearbox%flanks(i)%flank, first => gearbox%flanks(i)%flank%first, last => gearbox%flanks(i)%flank%last)
+            do m = first, last
+               if (.not. touches(contacts(m)%mode)) contacts(m)%mode = gearbox_mode(gearbox, m, integers, reals)
+            end do
+            call place_contacts(gearbox, first, last, y, integers, those_that_do_not, contacts)
+            call flank%add_energy(gearbox%contacts, first, last, contacts, potential)
+            do m = first, last
+               if (.not. touches(contacts(m)%mode)) contacts(m)%force = no_force
+               if (contacts(m)%mode%flanks == flanks_off) cycle
+               call add_contact(gearbox%contacts(m), contacts(m), total)
+               if (touches(contacts(m)%mode) .and. iand(wanted, needs_reactions) == needs_reactions) &
+                  call add_mesh_reaction(gearbox, gearbox%contacts(m), contacts(m)%force%on_a, reactions)
+            end do
+         end associate
       end do
       if (iand(wanted, needs_pairs) == needs_pairs) call tell_pairs(teller, gearbox, index, contacts)
       associate (contact => gearbox%contacts(leader), at => contacts(leader))
+         if (at%mode%flanks == flanks_off .and. contact%tracking == tracking_closed_form) call locate_anywhere(contact, .false., at)
          torque(contact%wheel_a) = torque(contact%wheel_a) + total%torque_a
          torque(contact%wheel_b) = torque(contact%wheel_b) + total%torque_b
          lag = transmission_error(contact%pair, contact%axles_rest, at%q)
          call closed_form_line(contact%pair, at%q, line)
-         if (iand(wanted, needs_points) == needs_points) call find_points(gearbox, leader, t, y, integers, at, line, points)
+         if (iand(wanted, needs_points) == needs_points) call find_points(gearbox, contact, t, at, line, points)
          penetration = max(total%h(1), 0.0_wp)
          if (.not. total%h(1) > -huge(1.0_wp)) then ! no pair is on the path: nothing overlaps, whatever the involutes would
             total%h(1) = at%point%h
@@ -148,15 +160,12 @@ contains
    end subroutine put_mesh
 
    !> What a tooth pair adds to its mesh.
-   pure subroutine add_contact(gearbox, m, at, potential, total)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: m !! tooth contact
+   pure subroutine add_contact(contact, at, total)
+      type(tooth_contact_t), intent(in) :: contact
       type(contact_state), intent(in) :: at
-      real(wp), intent(inout) :: potential
       type(mesh_sum), intent(inout) :: total
 
-      associate (contact => gearbox%contacts(m), mode => at%mode, point => at%point, force => at%force)
-         potential = potential + contact_energy(contact, mode, point, force%elastic)
+      associate (mode => at%mode, point => at%point, force => at%force)
          total%normal = total%normal + force%normal
          if (contact%flank == flank_coast) total%coast = total%coast + force%normal
          if (contact%flank == flank_drive) total%friction = total%friction + force%friction
@@ -183,43 +192,20 @@ contains
       if (input > 0) efficiency = 1 - total%loss/input
    end function efficiency
 
-   !> Fill in what the rates leave out of a contact that does not touch: the point as its tracking sees it, or in closed form where
-   !> tracking rests.
-   pure subroutine complete(gearbox, m, y, integers, at)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: m, integers(:)
-      real(wp), intent(in) :: y(:)
-      type(contact_state), intent(inout) :: at
-      real(wp) :: rho_a0
-
-      associate (contact => gearbox%contacts(m))
-         call gearbox_local(gearbox, contact, y, at%q)
-         rho_a0 = nominal_rho(contact, y(i_theta), integers(i_turns), at%mode%tooth_pair)
-         if (at%mode%flanks == flanks_apart) then
-            call track_closed_form(contact%pair, rho_a0, at%q, at%point)
-         else
-            call locate_contact(contact, at%mode, rho_a0, at%q, at%point)
-         end if
-         at%force = contact_force()
-      end associate
-   end subroutine complete
-
    !> The points of the contact that speaks for its mesh.
-   subroutine find_points(gearbox, m, t, y, integers, at, line, points)
+   subroutine find_points(gearbox, contact, t, at, line, points)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: m !! tooth contact
-      real(wp), intent(in) :: t, y(:)
-      integer, intent(in) :: integers(:)
+      type(tooth_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: t
       type(contact_state), intent(in) :: at
       type(tangent_line_t), intent(in) :: line !! of action
       type(mesh_points), intent(out) :: points
       type(axle_motion) :: reference
-      real(wp) :: rho_a0, q(n_local), residual(n_track), point_a(2), point_b(2), origin(2)
+      real(wp) :: q(n_local), residual(n_track), point_a(2), point_b(2), origin(2)
       logical :: exists
 
       q = at%q
-      associate (contact => gearbox%contacts(m), distance => points%line_distance)
-         rho_a0 = nominal_rho(contact, y(i_theta), integers(i_turns), at%mode%tooth_pair)
+      associate (rho_a0 => at%rho_a0, distance => points%line_distance)
          if (contact%tracking == tracking_closed_form .or. at%mode%flanks == flanks_apart) then
             points%gradient_ratio = ieee_value(points%gradient_ratio, ieee_quiet_nan)
             points%residual = points%gradient_ratio

@@ -12,12 +12,12 @@ module evl_output_list
    use evl_mesh_outputs, only: mesh_points, mesh_sum, tell_coast, tell_mesh
    use evl_mesh_reference, only: mesh_reference_t
    use evl_output, only: dims_mesh, dims_mesh_pair, dims_shaft, dims_wheel, in_coast, in_pose, output_t
-   use evl_pair_outputs, only: no_force, no_point, tell_pair
+   use evl_pair_outputs, only: no_point, tell_pair
    use evl_rotation, only: identity
    use evl_shaft, only: shaft_t
    use evl_shaft_outputs, only: tell_shaft, tell_shaft_constants
    use evl_teller, only: fill, list, teller_t, told
-   use evl_tooth_contact, only: contact_state, flank_coast, tooth_contact_t
+   use evl_tooth_contact, only: contact_state, flank_coast, no_force, no_mode, tooth_contact_t
    use evl_tooth_outputs, only: active_radius, tell_mesh_teeth, tell_wheel_teeth
    use evl_wheel_outputs, only: tell_wheel, wheel_motion
    implicit none (type, external)
@@ -63,6 +63,7 @@ contains
       type(mesh_points) :: points
       type(shaft_t) :: shaft
 
+      at%mode = no_mode
       at%point = no_point
       call tell_wheel_constants(teller, 1, wheel)
       call tell_mesh_constants(teller, 1, contact, pair, reference)

@@ -104,9 +104,9 @@ contains
       reactions = 0
       if (iand(needed, needs_meshes) == needs_meshes) then
          do i = 1, size(gearbox%pairs)
-            call put_mesh(teller, needed, gearbox, i, t, y, integers, contacts, torque, reactions, potential)
+            call put_mesh(teller, needed, gearbox, i, t, y, integers, reals, contacts, torque, reactions, potential)
          end do
-         if (check) call check_modes(gearbox, y, integers, reals, contacts, status)
+         if (check) call check_modes(gearbox, contacts, status)
          if (has_failed(status)) return
          call load_torques(gearbox, t, y, f, frame, integers, torque, load_torque)
       end if

@@ -7,13 +7,13 @@ module evl_pair_outputs
    use evl_kinds, only: wp
    use evl_output, only: dims_mesh_pair, in_pairs, needs_pairs
    use evl_teller, only: begin, needs, tell, teller_t, wants
-   use evl_tooth_contact, only: contact_force, contact_mode, contact_state, flank_coast, flanks_off, tooth_contact_t, &
-                                tooth_of_a, tooth_of_b
+   use evl_tooth_contact, only: contact_force, contact_mode, contact_state, flank_coast, flanks_off, no_force, no_mode, &
+                                tooth_contact_t, tooth_of_a, tooth_of_b
    use evl_touching_flanks, only: contact_pressure
    implicit none (type, external)
    private
 
-   public :: no_force, no_point, tell_pair, tell_pairs
+   public :: no_point, tell_pair, tell_pairs
 
    real(wp), parameter :: nan = transfer(int(z"7FF8000000000000", int64), 1.0_wp)
    !> Off the path.
@@ -21,7 +21,6 @@ module evl_pair_outputs
                                                               c=nan, &
                                                               l_a=nan, l_b=nan, v_t=nan, arm_a=nan, arm_b=nan, tilt=nan, &
                                                               rho_dot=nan, omega_a=nan, omega_b=nan, multiplier=nan)
-   type(contact_force), parameter :: no_force = contact_force()
 
 contains
 
@@ -62,9 +61,11 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
       type(contact_state), intent(in) :: contacts(:) !! all of them, with their points
-      type(contact_mode), parameter :: nothing = contact_mode(flanks=flanks_off)
+      type(contact_mode) :: nothing
       integer :: m, before, place
 
+      nothing = no_mode
+      nothing%flanks = flanks_off
       before = (mesh - 1)*gearbox%n_pair_places
       if (gearbox%first(mesh + 1) - gearbox%first(mesh) < gearbox%n_pair_places) then
          do place = before + 1, before + gearbox%n_pair_places

@@ -1,13 +1,11 @@
 !> Positions and speeds that a start is made of.
 module evl_start_positions
-   use evl_closed_form, only: track_closed_form
-   use evl_contact_point, only: contact_point
    use evl_contact_roots, only: ends_of_path
    use evl_discrete_state, only: put_pair
    use evl_gearbox, only: gearbox_local, gearbox_t, i_turns
    use evl_kinds, only: wp
-   use evl_local_variables, only: i_theta, n_local
-   use evl_tooth_contact, only: contact_mode, flanks_off, flanks_open, locate_contact, nominal_rho, settle_zones
+   use evl_local_variables, only: i_theta
+   use evl_tooth_contact, only: contact_state, flanks_off, flanks_open, locate_anywhere, nominal_rho
    use evl_wheel_loads, only: segment_of
    implicit none (type, external)
    private
@@ -103,7 +101,7 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: y(:)
       integer, intent(inout) :: integers(:)
-      type(contact_point) :: point
+      type(contact_state) :: at
       real(wp) :: near, far
       integer :: m, pair
 
@@ -112,37 +110,31 @@ contains
             pair = contact%slot
             call put_pair(contact, pair, flanks_open, integers)
             if (contact%handover .and. .not. abs(y(i_theta)) > 0) cycle
-            call closed_form_point(gearbox, m, y, integers(i_turns), pair, point)
+            call closed_form_point(gearbox, m, y, integers(i_turns), pair, at)
             ! a pair is this many pitches on from where pairs enter, and n_slots pitches later the next one is there
-            call ends_of_path(contact, point, near, far)
+            call ends_of_path(gearbox%flanks(contact%i_flank)%flank, contact, at%point, near, far)
             pair = pair + contact%n_slots*floor((near + at_the_end)/contact%n_slots)
             call put_pair(contact, pair, flanks_open, integers)
             if (contact%handover) cycle
-            call closed_form_point(gearbox, m, y, integers(i_turns), pair, point)
-            call ends_of_path(contact, point, near, far)
+            call closed_form_point(gearbox, m, y, integers(i_turns), pair, at)
+            call ends_of_path(gearbox%flanks(contact%i_flank)%flank, contact, at%point, near, far)
             if (far < -at_the_end) call put_pair(contact, pair + contact%n_slots, flanks_off, integers)
          end associate
       end do
    end subroutine place_pairs
 
-   !> The contact of a mesh by the closed form, whatever its tracking.
-   subroutine closed_form_point(gearbox, index, y, turns, teeth, point)
+   !> A tooth contact by the closed form, whatever its tracking, with the parts of its modified flanks.
+   subroutine closed_form_point(gearbox, index, y, turns, teeth, at)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index, turns, teeth
       real(wp), intent(in) :: y(:)
-      type(contact_point), intent(out) :: point
-      type(contact_mode) :: mode
-      real(wp) :: q(n_local)
+      type(contact_state), intent(inout) :: at !! of its mode the tooth pair and the zones are put down
 
       associate (contact => gearbox%contacts(index))
-         call gearbox_local(gearbox, contact, y, q)
-         associate (rho_a0 => nominal_rho(contact, y(i_theta), turns, teeth))
-            call track_closed_form(contact%pair, rho_a0, q, point)
-            if (.not. contact%deviates) return
-            mode%tooth_pair = teeth
-            call settle_zones(contact, point, mode)
-            call locate_contact(contact, mode, rho_a0, q, point)
-         end associate
+         call gearbox_local(gearbox, contact, y, at%q)
+         at%mode%tooth_pair = teeth
+         at%rho_a0 = nominal_rho(contact, y(i_theta), turns, teeth)
+         call locate_anywhere(contact, .true., at)
       end associate
    end subroutine closed_form_point
 

@@ -1,7 +1,7 @@
 !> Why there is no steady state: what the start does not allow, a load of the wrong sense, a slope of flanks, or a pair at the end
 !> of its path.
 module evl_steady_refusals
-   use evl_contact_point, only: contact_point
+   use evl_contacts_at_state, only: look_at
    use evl_deviating_flanks, only: flank_value
    use evl_discrete_state, only: flanks_of, gearbox_mode, tooth_pair_of
    use evl_gearbox, only: gearbox_t, wheel_speed
@@ -11,8 +11,7 @@ module evl_steady_refusals
    use evl_start_positions, only: closed_form_point
    use evl_status, only: code_no_solution, fail, message_length, quantity, status_t, subject_housing, subject_initial, &
                          subject_load, subject_mesh
-   use evl_tooth_contact, only: contact_mode, flank_coast, flank_values, flanks_loaded, flanks_off, settle_zones, &
-                                tooth_contact_t, unclipped_force
+   use evl_tooth_contact, only: contact_state, flank_coast, flank_values, flanks_loaded, flanks_off, tooth_contact_t, unclipped
    use evl_wheel_loads, only: load_torque, segment_of
    implicit none (type, external)
    private
@@ -62,23 +61,22 @@ contains
       real(wp), intent(in) :: t, y(:), reals(:)
       integer, intent(in) :: integers(:)
       type(status_t), intent(inout) :: status
-      type(contact_point) :: point
-      real(wp) :: force
-      integer :: m
+      type(contact_state) :: at(size(gearbox%contacts))
+      integer :: first, last, m
 
       do m = 1, size(gearbox%contacts)
-         associate (contact => gearbox%contacts(m))
+         associate (contact => gearbox%contacts(m), h => at(m)%point%h)
             if (flanks_of(contact, integers) /= flanks_loaded .or. contact%flank == flank_coast) cycle
-            call closed_form_point(gearbox, m, y, 0, tooth_pair_of(contact, integers), point)
+            call gearbox%flanks(contact%i_flank)%flank%company(m, first, last)
+            call look_at(gearbox, first, last, y, integers, reals, at, status)
             if (contact%rigid) then
                if (y(contact%i_normal) > 0) cycle
-            else if (point%h > -touching*contact%h_scale) then
-               call unclipped_force(contact, gearbox_mode(gearbox, m, integers, reals), point, force, status)
-               if (force >= 0 .or. .not. point%h > 0) cycle
+            else if (h > -touching*contact%h_scale) then
+               if (unclipped(at(m)) >= 0 .or. .not. h > 0) cycle
                call refuse_slope(gearbox, y, integers, reals, status)
                return
             end if
-            call refuse_pull(gearbox, contact, t, y, integers, reals, point%h, status)
+            call refuse_pull(gearbox, contact, t, y, integers, reals, h, status)
             return
          end associate
       end do
@@ -198,8 +196,7 @@ contains
       real(wp), intent(in) :: y(:), reals(:)
       integer, intent(in) :: integers(:)
       type(status_t), intent(inout) :: status
-      type(contact_point) :: point
-      type(contact_mode) :: mode
+      type(contact_state) :: at
       type(flank_value) :: a, b
       real(wp) :: steepest, rate
       character(len=16) :: pair
@@ -210,17 +207,16 @@ contains
       rate = 0
       pair = ""
       do m = 1, size(gearbox%contacts)
-         associate (contact => gearbox%contacts(m))
+         associate (contact => gearbox%contacts(m), mode => at%mode)
             mode = gearbox_mode(gearbox, m, integers, reals)
             if (.not. contact%deviates .or. mode%flanks == flanks_off) cycle
-            call closed_form_point(gearbox, m, y, 0, mode%tooth_pair, point)
-            if (point%h <= 0 .and. mode%flanks /= flanks_loaded) cycle
-            call settle_zones(contact, point, mode)
-            call flank_values(contact, mode, point, a, b)
+            call closed_form_point(gearbox, m, y, 0, mode%tooth_pair, at)
+            if (at%point%h <= 0 .and. mode%flanks /= flanks_loaded) cycle
+            call flank_values(contact, mode, at%point, a, b)
             if (.not. abs(a%de - b%de) > abs(steepest)) cycle
             steepest = a%de - b%de
             worst = m
-            rate = point%h_dot
+            rate = at%point%h_dot
             write (pair, "(i0)") mode%tooth_pair
          end associate
       end do

@@ -1,7 +1,6 @@
 !> The steady state of a gearbox: nothing accelerates, and where flanks deviate the wheels follow their slopes.
 module evl_steady_state
    use evl_contact_modes, only: mode_at
-   use evl_contact_point, only: contact_point
    use evl_discrete_state, only: flanks_of, gearbox_mode, gearbox_store_mode, tooth_pair_of
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_scaling, only: gearbox_likely_speed
@@ -14,7 +13,7 @@ module evl_steady_state
    use evl_status, only: code_no_solution, fail, has_failed, quantity, status_t, subject_initial
    use evl_steady_newton, only: find_slopes, solve_steady, steady_system
    use evl_steady_refusals, only: check_pressed, check_steady, refuse_alternation, refuse_slope
-   use evl_tooth_contact, only: contact_mode, flank_drive, flanks_loaded, flanks_off, settle_friction, tracking_closed_form
+   use evl_tooth_contact, only: contact_state, flank_drive, flanks_loaded, flanks_off, settle_friction, tracking_closed_form
    use evl_wheel_loads, only: hold_loads, segment_of
    implicit none (type, external)
    private
@@ -118,7 +117,7 @@ contains
       real(wp), intent(inout) :: y(:)
       integer, intent(inout) :: integers(:)
       real(wp) :: penetrations(size(gearbox%pairs)), wanted(size(gearbox%pairs)), largest(size(gearbox%pairs))
-      type(contact_point) :: points(size(gearbox%contacts))
+      type(contact_state) :: at(size(gearbox%contacts))
       integer :: i
 
       wanted = merge(0.0_wp, gearbox%contacts(gearbox%first(:size(wanted)))%h_scale, &
@@ -126,7 +125,7 @@ contains
       penetrations = wanted
       do i = 1, merge(2, 1, any(gearbox%contacts%deviates))
          call set_gaps(gearbox, penetrations, y)
-         call look_at_pairs(gearbox, y, integers, points, largest)
+         call look_at_pairs(gearbox, y, integers, at, largest)
          where (largest > -huge(largest)) penetrations = penetrations + wanted - largest
       end do
       do i = 1, size(gearbox%contacts)
@@ -191,13 +190,12 @@ contains
       integer, intent(inout) :: integers(:)
       real(wp), intent(inout) :: reals(:)
       type(status_t), intent(inout) :: status
-      type(contact_point) :: points(size(gearbox%contacts))
+      type(contact_state) :: at(size(gearbox%contacts))
       real(wp) :: largest(size(gearbox%pairs))
       logical :: carried(size(gearbox%pairs))
-      type(contact_mode) :: mode
-      integer :: m, pass
+      integer :: first, last, m, pass
 
-      call look_at_pairs(gearbox, y, integers, points, largest)
+      call look_at_pairs(gearbox, y, integers, at, largest)
       m = minloc(largest, dim=1)
       if (.not. largest(m) > -huge(largest)) then
          call fail(status, code_no_solution, "there is no steady state: under load no tooth pair of a mesh of contact ratio " &
@@ -208,33 +206,35 @@ contains
       carried = .false.
       do pass = 1, 2 ! first what overlaps and pushes, then the nearest pair where that is nothing
          do m = 1, size(gearbox%contacts)
-            associate (contact => gearbox%contacts(m), drives => gearbox%contacts(m)%flank == flank_drive)
+            associate (contact => gearbox%contacts(m), drives => gearbox%contacts(m)%flank == flank_drive, mode => at(m)%mode, &
+                       flank => gearbox%flanks(gearbox%contacts(m)%i_flank)%flank)
                mode = gearbox_mode(gearbox, m, integers, reals)
                if (mode%flanks == flanks_off .or. (contact%rigid .and. .not. drives)) cycle
                if (pass == 1) then
-                  call mode_at(contact, points(m), mode, status)
+                  call flank%company(m, first, last)
+                  call mode_at(flank, gearbox%contacts, m, first, last, at, status)
                   if (has_failed(status)) return
                   mode%sides = 0 ! as the rates say, which the solution still changes
                   mode%v0 = 0    ! it follows from no approach
                   if (contact%rigid) mode%flanks = flanks_loaded ! one on the path pushes
                   if (drives .and. mode%flanks == flanks_loaded) carried(contact%mesh) = .true.
-               else if (drives .and. .not. carried(contact%mesh) .and. points(m)%h >= largest(contact%mesh)) then
+               else if (drives .and. .not. carried(contact%mesh) .and. at(m)%point%h >= largest(contact%mesh)) then
                   mode%flanks = flanks_loaded
                end if
-               if (mode%flanks == flanks_loaded) mode%friction = settle_friction(contact, points(m))
+               if (mode%flanks == flanks_loaded) mode%friction = settle_friction(contact, at(m)%point)
+               call gearbox_store_mode(gearbox, m, mode, integers, reals)
             end associate
-            call gearbox_store_mode(gearbox, m, mode, integers, reals)
          end do
       end do
    end subroutine load_all
 
    !> Put the tooth pairs that are on the path into their slots, and find their contacts and the largest penetration of every
    !> mesh's drive flank; -huge if none is on the path.
-   subroutine look_at_pairs(gearbox, y, integers, points, largest)
+   subroutine look_at_pairs(gearbox, y, integers, at, largest)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: y(:)
       integer, intent(inout) :: integers(:)
-      type(contact_point), intent(out) :: points(:)
+      type(contact_state), intent(inout) :: at(*)
       real(wp), intent(out) :: largest(:) !! [m]
       integer :: m
 
@@ -243,8 +243,8 @@ contains
       do m = 1, size(gearbox%contacts)
          associate (contact => gearbox%contacts(m))
             if (flanks_of(contact, integers) == flanks_off) cycle
-            call closed_form_point(gearbox, m, y, 0, tooth_pair_of(contact, integers), points(m))
-            if (contact%flank == flank_drive) largest(contact%mesh) = max(largest(contact%mesh), points(m)%h)
+            call closed_form_point(gearbox, m, y, 0, tooth_pair_of(contact, integers), at(m))
+            if (contact%flank == flank_drive) largest(contact%mesh) = max(largest(contact%mesh), at(m)%point%h)
          end associate
       end do
    end subroutine look_at_pairs

@@ -23,6 +23,7 @@ module evl_contact_lanes
    !> the parent.
    type, extends(lane_context) :: lane_contact
       real(wp), dimension(lanes) :: rho_a0 !! nominal radius of curvature on A [m]
+      real(wp), dimension(lanes) :: overlap !! as in `contact_state`
       real(wp), dimension(lanes) :: s, c, l_a, l_b, v_t, arm_a, arm_b, tilt, rho_dot, omega_a, omega_b
    end type lane_contact
 
@@ -66,6 +67,7 @@ contains
          call place_lane(pair, line, l, at)
       end do
       if (contact%deviates) call deviate_lanes(contact, mode, line, at)
+      at%overlap = at%h
    end subroutine contact_in_lanes
 
    !> One lane of a contact along its line of action.

@@ -1,63 +1,42 @@
 !> When something happens to a tooth contact: its root functions with their directions, and where it lies on the path of contact.
 module evl_contact_roots
-   use evl_closed_form, only: centre_line_turn, closed_form_gap
+   use evl_closed_form, only: centre_line_turn
    use evl_contact_point, only: contact_point
+   use evl_flank, only: flank_t
    use evl_flank_deviation, only: flank_deviation_t, zone_root, zone_tip
    use evl_kinds, only: wp
-   use evl_local_variables, only: at_psi_a, n_local
+   use evl_local_variables, only: at_psi_a
    use evl_root_kinds, only: live_loaded, live_on_path, live_one_sided, live_touching, moves_pair, n_discrete, n_held, &
                              n_root_kinds, n_sides, root_of, root_rows
-   use evl_status, only: status_t
-   use evl_tooth_contact, only: contact_mode, flank_drive, flanks_apart, flanks_loaded, flanks_off, flanks_open, &
-                                flanks_unloaded, tooth_contact_t, touches, tracking_closed_form, unclipped_force
+   use evl_tooth_contact, only: contact_mode, contact_state, flank_drive, flanks_apart, flanks_loaded, flanks_off, flanks_open, &
+                                flanks_unloaded, tooth_contact_t, touches, tracking_closed_form, unclipped
    implicit none (type, external)
    private
 
-   public :: by_kind, contact_root_direction, contact_root_directions, contact_roots, contact_roots_of_force, ends_of_path
-   public :: find_sides, is_past, list_roots
+   public :: by_kind, contact_root_direction, contact_root_directions, contact_roots, ends_of_path, find_sides, is_past, list_roots
 
    integer, parameter :: width = 1 !! states that the included formulas take at once
 
 contains
 
-   !> Root functions, of order 1; those without meaning in the mode are 1.
-   subroutine contact_roots(contact, mode, rho_a0, q, point, roots, status, unclipped)
+   !> Root functions of a contact, of order 1; those without meaning in the mode are 1.
+   pure subroutine contact_roots(flank, contact, at, directions, roots)
+      class(flank_t), intent(in) :: flank
       type(tooth_contact_t), intent(in) :: contact
-      type(contact_mode), intent(in) :: mode
-      real(wp), intent(in) :: rho_a0, q(n_local)
-      type(contact_point), intent(in) :: point
+      type(contact_state), intent(in) :: at           !! with what its flank says
+      integer, intent(out) :: directions(contact%n_roots) !! in which they count
       real(wp), intent(out) :: roots(contact%n_roots)
-      type(status_t), intent(inout) :: status
-      real(wp), intent(out), optional :: unclipped !! elastic + viscous force where flanks overlap, else 0 [N]
-      real(wp) :: force
-      integer :: directions(n_root_kinds)
-
-      force = 0
-      if (touches(mode)) call unclipped_force(contact, mode, point, force, status)
-      if (present(unclipped)) unclipped = force
-      call contact_roots_of_force(contact, mode, rho_a0, q, point, force, directions, roots)
-   end subroutine contact_roots
-
-   !> The same where the force is known.
-   pure subroutine contact_roots_of_force(contact, mode, rho_a0, q, point, force, directions, roots)
-      type(tooth_contact_t), intent(in) :: contact
-      type(contact_mode), intent(in) :: mode
-      real(wp), intent(in) :: rho_a0, q(n_local)
-      type(contact_point), intent(in) :: point
-      real(wp), intent(in) :: force                !! elastic + viscous, unclipped; of no meaning where flanks do not overlap [N]
-      integer, intent(out) :: directions(contact%n_roots)
-      real(wp), intent(out) :: roots(contact%n_roots)
-      real(wp) :: moved(width), h(width)
+      real(wp) :: moved(width)
 
       moved = 0
-      if (contact%handover) moved = pitches_moved(contact, [rho_a0], [q(at_psi_a)], [centre_line_turn(contact%pair, q)])
-      h = point%h
-      if (mode%flanks == flanks_apart) h = -closed_form_gap(contact%pair, q) ! its points are not tracked
-      call contact_root_directions(contact, mode, directions)
-      call closed_form_roots(contact, mode, directions, h, [point%h_dot], [point%v_t], [point%rho_a], [point%rho_b], [force], &
-                             moved, &
-                             roots)
-   end subroutine contact_roots_of_force
+      if (contact%handover) &
+         moved = pitches_moved(contact, [at%rho_a0], [at%q(at_psi_a)], [centre_line_turn(contact%pair, at%q)])
+      call contact_root_directions(contact, at%mode, directions)
+      associate (point => at%point)
+         call closed_form_roots(flank, contact, at%mode, directions, [at%overlap], [point%h_dot], [point%v_t], [point%rho_a], &
+                                [point%rho_b], [unclipped(at)], moved, roots)
+      end associate
+   end subroutine contact_roots
 
    include "contact/contact_roots.inc"
 
@@ -181,8 +160,7 @@ contains
          do flanks = flanks_open, flanks_off
             do branch = -1, 1 ! of friction, the zones or the sides
                directions(branch, flanks) = contact_root_direction( &
-                                            contact, contact_mode(flanks=flanks, friction=branch, zone_a=branch, zone_b=branch, &
-                                                                  sides=branch), kind)
+                                            contact, contact_mode(0, flanks, branch, branch, branch, branch, 1.0_wp, 0.0_wp), kind)
             end do
          end do
          if (all(directions == 0)) cycle
@@ -219,32 +197,34 @@ contains
    end function by_kind
 
    !> The sides on which a contact point lies.
-   pure subroutine find_sides(contact, point, force, mode)
+   pure subroutine find_sides(flank, contact, at)
+      class(flank_t), intent(in) :: flank
       type(tooth_contact_t), intent(in) :: contact
-      type(contact_point), intent(in) :: point
-      real(wp), intent(in) :: force !! elastic + viscous, unclipped; of no meaning where flanks do not overlap [N]
-      type(contact_mode), intent(inout) :: mode
+      type(contact_state), intent(inout) :: at !! with what its flank says, if it touches
       real(wp) :: quantity(width)
       integer :: i, kind
 
-      do i = 1, n_sides
-         kind = n_root_kinds - n_sides + i
-         call root_quantity(contact, mode, kind, [point%h], [point%h_dot], [point%v_t], [point%rho_a], [point%rho_b], [force], &
-                            [0.0_wp], quantity)
-         mode%sides(i) = merge(1, -1, quantity(1) > root_rows(kind)%border)
-      end do
+      associate (point => at%point)
+         do i = 1, n_sides
+            kind = n_root_kinds - n_sides + i
+            call root_quantity(flank, contact, at%mode, kind, [at%overlap], [point%h_dot], [point%v_t], [point%rho_a], &
+                               [point%rho_b], [unclipped(at)], [0.0_wp], quantity)
+            at%mode%sides(i) = merge(1, -1, quantity(1) > root_rows(kind)%border)
+         end do
+      end associate
    end subroutine find_sides
 
    !> How far a tooth pair is from the ends of the path of contact, in pitches; not negative while it is on the path.
-   pure subroutine ends_of_path(contact, point, near, far)
+   pure subroutine ends_of_path(flank, contact, point, near, far)
+      class(flank_t), intent(in) :: flank
       type(tooth_contact_t), intent(in) :: contact
       type(contact_point), intent(in) :: point
       real(wp), intent(out) :: near, far !! from the end where pairs enter in the nominal sense of rotation, and from the other
       real(wp), dimension(width) :: distance
 
-      call path_end(contact, [point%rho_a], [point%rho_b], 0, .false., distance)
+      call path_end(flank, contact, [point%rho_a], [point%rho_b], 0, .false., distance)
       near = distance(1)
-      call path_end(contact, [point%rho_a], [point%rho_b], 0, .true., distance)
+      call path_end(flank, contact, [point%rho_a], [point%rho_b], 0, .true., distance)
       far = distance(1)
    end subroutine ends_of_path
 

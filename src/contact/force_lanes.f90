@@ -1,4 +1,4 @@
-!> The forces of a tooth contact for eight states at once.
+!> A tooth contact and its forces in eight states at once; what acts is asked of the flank, as in one state.
 !>
 !> The loop of a law stands in the law's own file; a law without one is asked state by state.
 module evl_force_lanes
@@ -7,17 +7,33 @@ module evl_force_lanes
    use evl_contact_point, only: contact_point
    use evl_elastic_law, only: elastic_result
    use evl_kinds, only: lanes, wp
+   use evl_root_kinds, only: n_root_kinds
    use evl_tooth_contact, only: contact_force, contact_mode, flanks_unloaded, tooth_contact_t
    implicit none (type, external)
    private
 
-   public :: lane_force, forces_in_lanes, laws_in_lanes
+   public :: lane_force, lane_slot, laws_of_pair, resolve_in_lanes
 
-   !> Forces of a tooth contact in eight states; the components mean what those of `contact_force` mean.
+   !> Forces of a tooth contact in eight states; the components mean what those of `elastic_result` and `contact_force` mean.
    type :: lane_force
-      real(wp), dimension(lanes) :: elastic, viscous, d_energy, excess, factor
+      real(wp), dimension(lanes) :: elastic, viscous, d_energy, excess
+      real(wp), dimension(lanes) :: unclipped !! elastic + viscous [N]
+      real(wp), dimension(lanes) :: factor    !! phi of the friction law, where there is a force
       real(wp), dimension(lanes) :: torque_a, torque_b, on_a_t, on_a_e, dissipation
    end type lane_force
+
+   !> A tooth contact in eight states, as `contact_state` is one in one state: scratch of whoever asks. Between evaluations it keeps
+   !> what the last one knew.
+   type :: lane_slot
+      type(contact_mode) :: mode
+      logical :: touches = .false.            !! as the mode says
+      integer :: directions(n_root_kinds) = 0 !! of its root functions
+      real(wp) :: rho_start = 0               !! nominal radius of curvature on A at theta = 0 [m]
+      type(lane_contact) :: at                !! where it is, if it touches
+      type(lane_force) :: force               !! and what acts
+      real(wp) :: rho_seen = 0                !! rho_A where the curvature of deviating flanks was found last; 0: nowhere yet [m]
+      real(wp) :: curvature_seen = 0          !! the curvature there [1/m]
+   end type lane_slot
 
 contains
 
@@ -25,19 +41,29 @@ contains
    include "contact/lane_point.inc"
    include "contact/contact_forces.inc"
 
-   !> Forces of flanks that overlap.
-   subroutine forces_in_lanes(contact, mode, margin, at, force, answered)
+   !> What the laws of a pair say by itself, where its flanks overlap.
+   subroutine laws_of_pair(contact, at, force, answered)
+      type(tooth_contact_t), intent(in) :: contact
+      type(lane_contact), intent(in) :: at
+      type(lane_force), intent(inout) :: force
+      logical, intent(out) :: answered !! false if the laws or the involutes have no answer in one of the lanes
+
+      answered = all_positive(at%rho_a) .and. all_positive(at%rho_b)
+      if (.not. answered) return
+      call contact%elastic%force_lanes(at%lane_context, force%elastic, force%d_energy, force%excess, answered)
+      call contact%damping%force_lanes(at%lane_context, force%elastic, force%viscous)
+      force%unclipped = force%elastic + force%viscous
+   end subroutine laws_of_pair
+
+   !> Forces on the wheels and power lost, from what the laws say.
+   subroutine resolve_in_lanes(contact, mode, at, force)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_mode), intent(in) :: mode
-      real(wp), intent(in) :: margin(lanes) !! of the line of action
       type(lane_contact), intent(in) :: at
-      type(lane_force), intent(out) :: force
-      logical, intent(out) :: answered !! false if the laws or the involutes have no answer in one of the lanes
+      type(lane_force), intent(inout) :: force
       real(wp) :: sigma
       integer :: l
 
-      call laws_in_lanes(contact, margin, at, force, answered)
-      if (.not. answered) return
       sigma = contact%pair%sigma
       if (mode%flanks == flanks_unloaded) then
          force%torque_a = 0
@@ -54,21 +80,7 @@ contains
       do l = 1, lanes
          call resolve_lane(sigma, at, l, force)
       end do
-   end subroutine forces_in_lanes
-
-   !> Elastic and viscous force.
-   subroutine laws_in_lanes(contact, margin, at, force, answered)
-      type(tooth_contact_t), intent(in) :: contact
-      real(wp), intent(in) :: margin(lanes) !! of the line of action
-      type(lane_contact), intent(in) :: at
-      type(lane_force), intent(inout) :: force
-      logical, intent(out) :: answered
-
-      answered = all_positive(margin) .and. all_positive(at%rho_a) .and. all_positive(at%rho_b)
-      if (.not. answered) return
-      call contact%elastic%force_lanes(at%lane_context, force%elastic, force%d_energy, force%excess, answered)
-      call contact%damping%force_lanes(at%lane_context, force%elastic, force%viscous)
-   end subroutine laws_in_lanes
+   end subroutine resolve_in_lanes
 
    !> One lane of the forces on the wheels.
    pure subroutine resolve_lane(sigma, at, l, force)
@@ -104,7 +116,9 @@ contains
       integer, intent(in) :: l
       type(lane_force), intent(in) :: force
 
-      elastic = elastic_result(force=force%elastic(l), d_energy=force%d_energy(l), excess=force%excess(l))
+      elastic%force = force%elastic(l)
+      elastic%d_energy = force%d_energy(l)
+      elastic%excess = force%excess(l)
    end function elastic_of_lane
 
 end module evl_force_lanes

@@ -1,5 +1,5 @@
-!> One tooth contact of a mesh: a slot that tooth pairs pass through one after the other on one flank, the forces on both wheels,
-!> and what happens to it.
+!> One tooth contact of a mesh: a slot that tooth pairs pass through one after the other on one flank, and where the flanks of the
+!> pair touch. What acts there is asked of the flank: evl_flank.
 !>
 !> A mesh has as many slots on each flank, drive and coast, as tooth pairs can be on the path of contact at once, and one more
 !> that waits: pair k takes slot k mod n_slots. A pair is on the path while both radii of curvature are below those of the tips.
@@ -7,11 +7,10 @@
 !>
 !> Forces are counted on the driving wheel A, along t and against e; wheel B feels the opposite.
 module evl_tooth_contact
-   use evl_closed_form, only: track_closed_form
-   use evl_contact_context, only: contact_context
+   use evl_closed_form, only: closed_form_line, place_contact, place_radii, track_closed_form
    use evl_contact_point, only: contact_point, tracked_pair
    use evl_contact_tracking, only: track_points
-   use evl_damping_law, only: damping_law_t, viscous_force, viscous_result
+   use evl_damping_law, only: damping_law_t, viscous_result
    use evl_deviating_flanks, only: deviate, flank_value
    use evl_elastic_law, only: elastic_law_t, elastic_result
    use evl_flank_deviation, only: deviation_branch, deviation_on, deviation_zone, flank_branch, flank_deviation_t
@@ -19,16 +18,14 @@ module evl_tooth_contact
    use evl_kinds, only: wp
    use evl_local_variables, only: local_link, n_local, wheel_link
    use evl_rational, only: rational_pitches, rational_t
-   use evl_root_kinds, only: n_discrete, n_root_kinds, n_sides, side_of_rate
-   use evl_status, only: code_ok, code_out_of_domain, fail, quantity, status_t, subject_mesh
+   use evl_root_kinds, only: n_discrete, n_root_kinds, n_sides
    use evl_tangent_line, only: tangent_line_t
    implicit none (type, external)
    private
 
-   public :: tooth_contact_t, contact_state, contact_mode, contact_force
-   public :: contact_law, context_of, flank_branches, flank_values, forces_of_laws, left_involute, locate_contact
-   public :: contact_forces, contact_energy, on_involutes
-   public :: nominal_rho, nominal_start, unclipped_force, settle_friction, touches
+   public :: tooth_contact_t, contact_state, contact_mode, contact_force, no_force, no_mode
+   public :: flank_branches, flank_values, line_along, locate_anywhere, locate_contact, on_involutes
+   public :: nominal_rho, nominal_start, settle_friction, touches, unclipped
    public :: tracking_closed_form, tracking_algebraic, tracking_differential
    public :: flanks_open, flanks_loaded, flanks_unloaded, flanks_apart, flanks_off
    public :: flank_drive, flank_coast
@@ -50,6 +47,7 @@ module evl_tooth_contact
    type :: tooth_contact_t
       integer :: mesh = 0                 !! of the gearbox, to which the contact belongs
       integer :: flank = flank_drive      !! drive or coast
+      integer :: i_flank = 0              !! its flank, of the gearbox
       integer :: slot = 0, n_slots = 1    !! which of the flank's slots, from 0, and how many
       logical :: handover = .true.        !! one slot, and pairs change one pitch on; else at the ends of the path
       integer :: wheel_a = 0, wheel_b = 0 !! driving and driven wheel
@@ -98,31 +96,36 @@ module evl_tooth_contact
 
    !> Discrete state of a tooth contact.
    type :: contact_mode
-      integer :: tooth_pair = 0         !! pitches since the start
-      integer :: flanks = flanks_open   !! open, loaded, unloaded, apart, or off the path
-      integer :: friction = 0           !! branch of the friction law
-      integer :: zone_a = 0, zone_b = 0 !! parts of the modified flanks
-      integer :: sides(n_sides) = 0     !! of the borders of root kinds that have sides: +1 above, -1 below
-      real(wp) :: share = 1.0_wp        !! of a rigid flank's normal force that this pair carries
-      real(wp) :: v0 = 0.0_wp           !! approach speed at the last closing [m/s]
+      integer :: tooth_pair         !! pitches since the start
+      integer :: flanks   !! open, loaded, unloaded, apart, or off the path
+      integer :: friction           !! branch of the friction law
+      integer :: zone_a, zone_b !! parts of the modified flanks
+      integer :: sides(n_sides)     !! of the borders of root kinds that have sides: +1 above, -1 below
+      real(wp) :: share        !! of a rigid flank's normal force that this pair carries
+      real(wp) :: v0           !! approach speed at the last closing [m/s]
    end type contact_mode
+   type(contact_mode), parameter :: no_mode = contact_mode(0, flanks_open, 0, 0, 0, 0, 1.0_wp, 0.0_wp)
 
    !> Forces of a tooth contact.
    type :: contact_force
-      real(wp) :: normal = 0.0_wp   !! F_n >= 0 [N]
-      real(wp) :: elastic = 0.0_wp  !! its elastic part before clipping [N]
-      real(wp) :: viscous = 0.0_wp  !! its viscous part before clipping [N]
-      real(wp) :: friction = 0.0_wp !! F_t along t on A [N]
-      real(wp) :: torque_a = 0.0_wp, torque_b = 0.0_wp !! on the wheels [N m]
-      real(wp) :: on_a(2) = 0.0_wp  !! force on A in (t_0, e_0) [N]
-      real(wp) :: dissipation = 0.0_wp !! power lost to damping, clipping, friction and changing radii [W]
+      real(wp) :: normal   !! F_n >= 0 [N]
+      real(wp) :: friction !! F_t along t on A [N]
+      real(wp) :: torque_a, torque_b !! on the wheels [N m]
+      real(wp) :: on_a(2)  !! force on A in (t_0, e_0) [N]
+      real(wp) :: dissipation !! power lost to damping, clipping, friction and changing radii [W]
    end type contact_force
+   type(contact_force), parameter :: no_force = contact_force(0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp)
 
-   !> A tooth contact at a state of the gearbox.
+   !> A tooth contact at a state of the gearbox: scratch of whoever asks, which costs nothing until something is put there.
    type :: contact_state
       type(contact_mode) :: mode
-      real(wp) :: q(n_local)      !! local variables
+      real(wp) :: rho_a0             !! nominal radius of curvature on A [m]
+      real(wp) :: q(n_local)         !! local variables
       type(contact_point) :: point
+      real(wp) :: overlap            !! by how much its flanks would overlap if it carried nothing: h, less what its flank knows [m]
+      type(elastic_result) :: elastic !! as this and the rest not set where flanks do not touch
+      type(viscous_result) :: viscous
+      real(wp) :: factor, d_v        !! phi of the friction law, dphi/dv_t [s/m]
       type(contact_force) :: force
    end type contact_state
 
@@ -146,23 +149,66 @@ contains
       rho_a0 = contact%rho_start + contact%step*rational_pitches(contact%pitches_per_turn, turns, teeth)
    end function nominal_start
 
-   !> The contact as the mesh's tracking sees it.
-   pure subroutine locate_contact(contact, mode, rho_a0, q, point)
+   !> Where the contact of a tooth pair is, as its tracking sees it; in closed form where tracking rests. Of a pair off the path of
+   !> contact the radii of curvature are all that closed form gives: they say when a pair enters.
+   pure subroutine locate_contact(contact, line, at)
       type(tooth_contact_t), intent(in) :: contact
-      type(contact_mode), intent(in) :: mode
-      real(wp), intent(in) :: rho_a0, q(n_local)
-      type(contact_point), intent(out) :: point
+      type(tangent_line_t), intent(in) :: line    !! of action; tracked points do not use it
+      type(contact_state), intent(inout) :: at    !! with its mode, rho_a0 and local variables
+
+      if (at%mode%flanks == flanks_apart) then
+         call track_closed_form(contact%pair, at%rho_a0, at%q, at%point)
+      else if (contact%tracking /= tracking_closed_form) then
+         call track_points(contact%pair, at%rho_a0, at%q, at%point)
+      else if (at%mode%flanks == flanks_off) then
+         call place_radii(contact%pair, at%rho_a0, at%q, line, at%point)
+      else
+         call place_contact(contact%pair, at%rho_a0, at%q, line, at%point)
+         call deviate_contact(contact, at)
+      end if
+      at%overlap = at%point%h
+   end subroutine locate_contact
+
+   !> The same in closed form whatever the tracking, and wherever the pair is.
+   pure subroutine locate_anywhere(contact, settles, at)
+      type(tooth_contact_t), intent(in) :: contact
+      logical, intent(in) :: settles           !! the parts of the modified flanks follow from the place
+      type(contact_state), intent(inout) :: at !! as of `locate_contact`
+
+      call track_closed_form(contact%pair, at%rho_a0, at%q, at%point)
+      if (settles) call settle_zones(contact, at%point, at%mode)
+      call deviate_contact(contact, at)
+      at%overlap = at%point%h
+   end subroutine locate_anywhere
+
+   !> From the contact of perfect involutes to that of deviating flanks.
+   pure subroutine deviate_contact(contact, at)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_state), intent(inout) :: at
       type(flank_value) :: a, b
 
-      if (contact%tracking == tracking_closed_form) then
-         call track_closed_form(contact%pair, rho_a0, q, point)
-      else
-         call track_points(contact%pair, rho_a0, q, point)
-      end if
       if (.not. contact%deviates) return
-      call flank_values(contact, mode, point, a, b)
-      call deviate(contact%pair, a, b, q, point)
-   end subroutine locate_contact
+      call flank_values(contact, at%mode, at%point, a, b)
+      call deviate(contact%pair, a, b, at%q, at%point)
+   end subroutine deviate_contact
+
+   !> The line of action of a contact in closed form.
+   pure subroutine line_along(contact, q, line)
+      type(tooth_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: q(n_local)
+      type(tangent_line_t), intent(out) :: line
+
+      line = contact%rest_line
+      if (.not. contact%axles_rest) call closed_form_line(contact%pair, q, line)
+   end subroutine line_along
+
+   !> Elastic + viscous force as if nothing were clipped [N]; 0 where flanks do not overlap.
+   pure real(wp) function unclipped(at) result(force)
+      type(contact_state), intent(in) :: at !! with the forces of its laws
+
+      force = 0
+      if (touches(at%mode)) force = at%elastic%force + at%viscous%force
+   end function unclipped
 
    !> What the flanks of a tooth pair lack in material.
    pure subroutine flank_values(contact, mode, point, a, b)
@@ -217,146 +263,12 @@ contains
       mode%zone_b = deviation_zone(contact%deviation_b, point%rho_b)
    end subroutine settle_zones
 
-   !> What the laws may know.
-   pure type(contact_context) function context_of(contact, mode, point) result(ctx)
-      type(tooth_contact_t), intent(in) :: contact
-      type(contact_mode), intent(in) :: mode
-      type(contact_point), intent(in) :: point
-
-      ctx%h = point%h
-      ctx%h_dot = point%h_dot
-      ctx%rho_a = point%rho_a
-      ctx%rho_b = point%rho_b
-      ctx%e_star = contact%e_star
-      ctx%width = contact%width
-      ctx%v0 = mode%v0
-      ctx%side = mode%sides(side_of_rate)
-   end function context_of
-
-   !> Forces at a contact point. Nothing acts in the modes without contact.
-   subroutine contact_forces(contact, mode, point, force, status)
-      type(tooth_contact_t), intent(in) :: contact
-      type(contact_mode), intent(in) :: mode
-      type(contact_point), intent(in) :: point
-      type(contact_force), intent(out) :: force
-      type(status_t), intent(inout) :: status !! code_out_of_domain if a limit of the law or of the involutes is passed
-      type(elastic_result) :: elastic
-      type(viscous_result) :: viscous
-      real(wp) :: factor, d_v
-
-      if (.not. touches(mode)) return
-      if (.not. on_involutes(point)) then
-         call left_involute(contact, point, status)
-         return
-      end if
-      call contact_law(contact, mode, point, elastic, viscous, status)
-      factor = 0
-      if (mode%flanks == flanks_loaded) call contact%friction%factor(mode%friction, point%v_t, factor, d_v)
-      call forces_of_laws(contact, mode, point, elastic, viscous%force, factor, force)
-   end subroutine contact_forces
-
    !> Whether a contact lies on both involutes.
    pure logical function on_involutes(point)
       type(contact_point), intent(in) :: point
 
       on_involutes = point%exists .and. point%rho_a > 0 .and. point%rho_b > 0
    end function on_involutes
-
-   !> Forces from what the laws say where flanks overlap.
-   pure subroutine forces_of_laws(contact, mode, point, elastic, viscous, factor, force)
-      type(tooth_contact_t), intent(in) :: contact
-      type(contact_mode), intent(in) :: mode
-      type(contact_point), intent(in) :: point
-      type(elastic_result), intent(in) :: elastic
-      real(wp), intent(in) :: viscous !! [N]
-      real(wp), intent(in) :: factor  !! phi of the friction law
-      type(contact_force), intent(out) :: force
-
-      if (mode%flanks == flanks_unloaded) then
-         force%elastic = elastic%force
-         force%viscous = viscous
-         force%dissipation = unloaded_loss(point, elastic)
-      else
-         call resolve_forces(contact%pair%sigma, point, elastic, viscous, factor, force)
-      end if
-   end subroutine forces_of_laws
-
-   include "contact/contact_forces.inc"
-
-   !> Elastic and viscous force with derivatives.
-   subroutine contact_law(contact, mode, point, elastic, viscous, status)
-      type(tooth_contact_t), intent(in) :: contact
-      type(contact_mode), intent(in) :: mode
-      type(contact_point), intent(in) :: point
-      type(elastic_result), intent(out) :: elastic
-      type(viscous_result), intent(out) :: viscous
-      type(status_t), intent(inout) :: status
-      type(contact_context) :: ctx
-      character(len=len(status%message)) :: message
-      integer :: code
-
-      if (contact%rigid) then
-         elastic = elastic_result(force=mode%share*point%multiplier)
-         viscous = viscous_result()
-         return
-      end if
-      ctx = context_of(contact, mode, point)
-      call contact%elastic%force(ctx, elastic, code)
-      if (code /= code_ok) then
-         call contact%elastic%limit_message(ctx, message)
-         call fail(status, code, message, subject_mesh, contact%mesh, "contact")
-      end if
-      call viscous_force(contact%damping, ctx, elastic, viscous)
-   end subroutine contact_law
-
-   !> The contact has left an involute: say which radius of curvature ran out.
-   pure subroutine left_involute(contact, point, status)
-      type(tooth_contact_t), intent(in) :: contact
-      type(contact_point), intent(in) :: point
-      type(status_t), intent(inout) :: status
-      character(len=7) :: which
-
-      which = "driven"
-      if (point%rho_a <= 0 .or. .not. point%exists) which = "driving"
-      call fail(status, code_out_of_domain, "the contact has left the involute of the "//trim(which)//" wheel below its base" &
-                //" circle (radii of curvature rho_A = "//quantity(point%rho_a, "m")//", rho_B = "//quantity(point%rho_b, "m") &
-                //"): the tooth pair has turned back too far, or the gap is too wide", subject_mesh, contact%mesh, "tracking")
-   end subroutine left_involute
-
-   !> Elastic energy stored in the contact [J]; 0 without penetration.
-   pure real(wp) function contact_energy(contact, mode, point, elastic) result(energy)
-      type(tooth_contact_t), intent(in) :: contact
-      type(contact_mode), intent(in) :: mode
-      type(contact_point), intent(in) :: point
-      real(wp), intent(in), optional :: elastic !! elastic force there, if it is known [N]
-      type(contact_context) :: ctx
-      type(elastic_result) :: result
-      integer :: code
-
-      energy = 0
-      if (contact%rigid .or. .not. touches(mode)) return
-      ctx = context_of(contact, mode, point)
-      if (present(elastic)) then
-         result%force = elastic
-      else
-         call contact%elastic%force(ctx, result, code)
-      end if
-      energy = contact%elastic%potential(ctx, result%force)
-   end function contact_energy
-
-   !> Elastic + viscous force as if nothing were clipped [N].
-   subroutine unclipped_force(contact, mode, point, force, status)
-      type(tooth_contact_t), intent(in) :: contact
-      type(contact_mode), intent(in) :: mode
-      type(contact_point), intent(in) :: point
-      real(wp), intent(out) :: force
-      type(status_t), intent(inout) :: status
-      type(elastic_result) :: elastic
-      type(viscous_result) :: viscous
-
-      call contact_law(contact, mode, point, elastic, viscous, status)
-      force = elastic%force + viscous%force
-   end subroutine unclipped_force
 
    !> Whether the flanks of a tooth pair overlap, so that the laws say what acts.
    pure logical function touches(mode)

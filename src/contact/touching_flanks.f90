@@ -15,10 +15,9 @@ module evl_touching_flanks
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use evl_contact_point, only: contact_point
    use evl_deviating_flanks, only: flank_value
-   use evl_flank_deviation, only: deviation_borders, deviation_on, deviation_zone, flank_branch, flank_deviation_t, zone_none, &
-                                  zone_root, zone_tip
+   use evl_flank_deviation, only: deviation_borders, deviation_on, flank_branch, flank_deviation_t, zone_none, zone_root, zone_tip
    use evl_kinds, only: pi, wp
-   use evl_tooth_contact, only: contact_mode, flank_branches, flank_values, tooth_contact_t
+   use evl_tooth_contact, only: contact_mode, flank_branches, flank_values, no_mode, settle_zones, tooth_contact_t
    implicit none (type, external)
    private
 
@@ -194,8 +193,9 @@ contains
 
       there%rho_a = moved(rho_a, contact%pair%r_ba, x)
       there%rho_b = moved(rho_b, contact%pair%r_bb, -x)
-      mode = contact_mode(tooth_pair=pair, zone_a=deviation_zone(contact%deviation_a, there%rho_a), &
-                          zone_b=deviation_zone(contact%deviation_b, there%rho_b))
+      mode = no_mode
+      mode%tooth_pair = pair
+      call settle_zones(contact, there, mode)
       call flank_values(contact, mode, there, a, b)
       gap = turned_away(rho_a, there%rho_a - rho_a, contact%pair%r_ba) + a%e &
             + turned_away(rho_b, there%rho_b - rho_b, contact%pair%r_bb) + b%e

@@ -1,6 +1,7 @@
 !> Makes the tooth contacts of a gearbox from its meshes: how many there are, their constants, their links to the state.
 module evl_contact_build
    use evl_first_tooth_pair, only: tooth_phase_t
+   use evl_flank, only: flank_t
    use evl_gearbox, only: gearbox_t, wheel_t
    use evl_gearbox_description, only: mesh_input, wheel_input
    use evl_given, only: given_t
@@ -27,7 +28,7 @@ contains
    subroutine list_contacts(gearbox, meshes)
       type(gearbox_t), intent(inout) :: gearbox
       type(mesh_input), intent(in) :: meshes(:)
-      integer :: m, flank, slot, slots, n
+      integer :: m, flank, slot, slots, n, f
 
       allocate (gearbox%first(size(meshes) + 1))
       n = 0
@@ -36,16 +37,20 @@ contains
          n = n + n_slots(gearbox%pairs(m))*merge(2, 1, gearbox%pairs(m)%has_coast)
       end do
       gearbox%first(size(meshes) + 1) = n + 1
-      allocate (gearbox%contacts(n))
+      allocate (gearbox%contacts(n), gearbox%flanks(size(meshes) + count(gearbox%pairs%has_coast)))
+      f = 0
       do m = 1, size(meshes)
          n = gearbox%first(m) - 1
          slots = n_slots(gearbox%pairs(m))
          do flank = flank_drive, merge(flank_coast, flank_drive, gearbox%pairs(m)%has_coast)
+            f = f + 1
+            allocate (gearbox%flanks(f)%flank, source=flank_t(first=n + 1, last=n + slots))
             do slot = 0, slots - 1
                n = n + 1
                associate (contact => gearbox%contacts(n))
                   contact%mesh = m
                   contact%flank = flank
+                  contact%i_flank = f
                   contact%slot = slot
                   contact%n_slots = slots
                   contact%handover = slots == 1

@@ -1,131 +1,105 @@
 !> What changes in one tooth contact when something happens to it: its tooth pair, contact mode and friction branch.
 module evl_contact_events
-   use evl_closed_form, only: closed_form_line, place_radii, points_from_closed_form
+   use evl_closed_form, only: points_from_closed_form
    use evl_contact_modes, only: mode_at
-   use evl_contact_point, only: contact_point
    use evl_contact_roots, only: contact_root_direction, contact_roots, find_sides
-   use evl_discrete_state, only: flanks_of, gearbox_mode, gearbox_store_mode, pairs_loaded
+   use evl_contacts_at_state, only: all_of_them, look_at, place_contacts
+   use evl_discrete_state, only: flanks_of, gearbox_store_mode, pairs_loaded
    use evl_event_log, only: event_log, event_of_root, note
    use evl_flank_deviation, only: zone_none, zone_root, zone_tip
-   use evl_gearbox, only: gearbox_local, gearbox_t, i_turns
+   use evl_gearbox, only: gearbox_t
    use evl_kinds, only: wp
-   use evl_local_variables, only: i_theta, n_local, n_track
+   use evl_local_variables, only: n_local, n_track
    use evl_root_kinds, only: moves_friction, moves_pair, moves_zone_a, moves_zone_b, n_root_kinds, n_sides, root_of, root_rows
    use evl_status, only: code_no_solution, fail, quantity, status_t, subject_mesh
-   use evl_tangent_line, only: tangent_line_t
-   use evl_tooth_contact, only: contact_energy, contact_mode, flanks_apart, flanks_loaded, flanks_off, flanks_open, &
-                                flanks_unloaded, locate_contact, nominal_rho, settle_friction, settle_zones, tooth_contact_t, &
-                                touches, tracking_closed_form, unclipped_force
+   use evl_tooth_contact, only: contact_mode, contact_state, flanks_apart, flanks_loaded, flanks_off, flanks_open, &
+                                flanks_unloaded, settle_friction, settle_zones, tooth_contact_t, touches
    implicit none (type, external)
    private
 
-   public :: contact_event, point_of_contact, parts, roots_of_contact
+   public :: contact_event, parts, roots_of_contact
 
    logical, parameter :: moves_zone(n_root_kinds) = root_rows%moves == moves_zone_a .or. root_rows%moves == moves_zone_b
    real(wp), parameter :: grazing = 1.0e-6_wp !! penetration over its scale: below it flanks that part have lost contact
 
 contains
 
-   !> Local variables and contact point of a tooth contact.
-   !> Of a pair off the path of contact the radii of curvature are all that closed form gives: they say when a pair enters.
-   pure subroutine point_of_contact(gearbox, index, y, integers, mode, q, rho_a0, point)
+   !> A tooth contact with the company that its force depends on, and its root functions with the directions in which they count.
+   subroutine roots_of_contact(gearbox, m, y, integers, reals, at, directions, roots, status)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index, integers(:)
-      real(wp), intent(in) :: y(:)
-      type(contact_mode), intent(in) :: mode
-      real(wp), intent(out) :: q(n_local), rho_a0
-      type(contact_point), intent(out) :: point
-      type(tangent_line_t) :: line
-
-      associate (contact => gearbox%contacts(index))
-         call gearbox_local(gearbox, contact, y, q)
-         rho_a0 = nominal_rho(contact, y(i_theta), integers(i_turns), mode%tooth_pair)
-         if (mode%flanks == flanks_off .and. contact%tracking == tracking_closed_form) then
-            line = contact%rest_line
-            if (.not. contact%axles_rest) call closed_form_line(contact%pair, q, line)
-            call place_radii(contact%pair, rho_a0, q, line, point)
-         else
-            call locate_contact(contact, mode, rho_a0, q, point)
-         end if
-      end associate
-   end subroutine point_of_contact
-
-   !> The mode, the point and the root functions of one tooth contact.
-   subroutine roots_of_contact(gearbox, index, y, integers, reals, mode, point, roots, status)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index, integers(:)
+      integer, intent(in) :: m, integers(:)
       real(wp), intent(in) :: y(:), reals(:)
-      type(contact_mode), intent(out) :: mode
-      type(contact_point), intent(out) :: point
-      real(wp), intent(out) :: roots(gearbox%contacts(index)%n_roots)
+      type(contact_state), intent(inout) :: at(*) !! [contacts of the gearbox]
+      integer, intent(out) :: directions(gearbox%contacts(m)%n_roots)
+      real(wp), intent(out) :: roots(gearbox%contacts(m)%n_roots)
       type(status_t), intent(inout) :: status
-      real(wp) :: q(n_local), rho_a0
+      integer :: first, last
 
-      mode = gearbox_mode(gearbox, index, integers, reals)
-      call point_of_contact(gearbox, index, y, integers, mode, q, rho_a0, point)
-      call contact_roots(gearbox%contacts(index), mode, rho_a0, q, point, roots, status)
+      associate (flank => gearbox%flanks(gearbox%contacts(m)%i_flank)%flank)
+         call flank%company(m, first, last)
+         call look_at(gearbox, first, last, y, integers, reals, at, status)
+         call contact_roots(flank, gearbox%contacts(m), at(m), directions, roots)
+      end associate
    end subroutine roots_of_contact
 
    !> What happened to one tooth contact.
-   subroutine contact_event(gearbox, m, fired, y, integers, reals, log, status)
+   subroutine contact_event(gearbox, m, fired, y, integers, reals, at, log, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m
       logical, intent(in) :: fired(n_root_kinds) !! by kind
       real(wp), intent(inout) :: y(gearbox%n_states)
       integer, intent(inout) :: integers(:)
       real(wp), intent(inout) :: reals(:)
+      type(contact_state), intent(inout) :: at(*) !! [contacts of the gearbox]
       type(event_log), intent(inout) :: log
       type(status_t), intent(inout) :: status
-      type(contact_point) :: point
-      type(contact_mode) :: mode
-      real(wp) :: q(n_local), rho_a0, energy
+      real(wp) :: energy
       logical :: changed, entered, forward
       logical :: before(n_sides)
+      integer :: first, last
 
-      mode = gearbox_mode(gearbox, m, integers, reals)
-      associate (contact => gearbox%contacts(m))
+      call gearbox%flanks(gearbox%contacts(m)%i_flank)%flank%company(m, first, last)
+      call look_at(gearbox, first, last, y, integers, reals, at, status)
+      associate (contact => gearbox%contacts(m), mode => at(m)%mode)
          before = live_sides(contact, mode)
          changed = any(fired .and. root_rows%moves == moves_pair)
          forward = fired(root_of%forward) .or. fired(root_of%switch)
          entered = changed .and. mode%flanks == flanks_off
-         energy = energy_of(gearbox, m, mode, y, integers)
+         energy = energy_of(gearbox, m, first, last, at)
          if (changed) call change_pair(contact, forward, mode, log)
-         if (contact%deviates) call change_zones(gearbox, m, changed, fired, y, integers, mode, log)
-         call point_of_contact(gearbox, m, y, integers, mode, q, rho_a0, point)
+         if (contact%deviates) call change_zones(gearbox, m, changed, fired, y, integers, at, log)
+         call place_contacts(gearbox, m, m, y, integers, all_of_them, at)
          if (entered) then
-            call enter(gearbox, m, integers, point, mode, log, status)
+            call enter(gearbox, m, first, last, integers, at, log, status)
          else if (mode%flanks /= flanks_off) then
             if (any(fired .and. root_rows%moves == moves_friction)) call change_friction(contact, fired, mode, log)
-            call change_contact(contact, fired, point, mode, log)
+            call change_contact(contact, fired, at(m), log)
          end if
          ! the radii of curvature jump at a switch, and friction starts anew with a contact
          if (mode%flanks == flanks_loaded .and. (changed .or. fired(root_of%contact) .or. fired(root_of%force))) &
-            mode%friction = settle_friction(contact, point)
+            mode%friction = settle_friction(contact, at(m)%point)
+         call gearbox%flanks(contact%i_flank)%flank%laws(gearbox%contacts, first, last, at, status)
          ! what comes or goes with the flanks counts in the balance as negative loss or as loss
-         y(gearbox%i_dissipated) = y(gearbox%i_dissipated) + (energy - energy_of(gearbox, m, mode, y, integers))
+         y(gearbox%i_dissipated) = y(gearbox%i_dissipated) + (energy - energy_of(gearbox, m, first, last, at))
          call change_sides(contact, fired, mode, log)
-         if (fired(root_of%apart)) call change_distance(contact, q, mode, y, log)
-         call begin_sides(contact, before, point, mode, status)
+         if (fired(root_of%apart)) call change_distance(contact, at(m)%q, mode, y, log)
+         call begin_sides(gearbox, m, before, at)
+         call gearbox_store_mode(gearbox, m, mode, integers, reals)
       end associate
-      call gearbox_store_mode(gearbox, m, mode, integers, reals)
    end subroutine contact_event
 
-   !> Elastic energy of a tooth contact [J]. Flanks that overlap may take it away at once, or bring it: pairs that leave or enter
-   !> the path under load, and flanks of another pair that deviate in another way.
-   pure real(wp) function energy_of(gearbox, m, mode, y, integers) result(energy)
+   !> Elastic energy of a tooth contact and its company [J]. Flanks that overlap may take it away at once, or bring it: pairs that
+   !> leave or enter the path under load, and flanks of another pair that deviate in another way.
+   pure real(wp) function energy_of(gearbox, m, first, last, at) result(energy)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: m, integers(:)
-      type(contact_mode), intent(in) :: mode
-      real(wp), intent(in) :: y(gearbox%n_states)
-      type(contact_point) :: point
-      real(wp) :: q(n_local), rho_a0
+      integer, intent(in) :: m, first, last
+      type(contact_state), intent(in) :: at(*) !! with what the laws say
 
       energy = 0
       associate (contact => gearbox%contacts(m))
-         if (.not. touches(mode) .or. contact%rigid) return
          if (contact%handover .and. .not. contact%deviates) return ! the next pair has the same energy
-         call point_of_contact(gearbox, m, y, integers, mode, q, rho_a0, point)
-         if (abs(point%h) > grazing*contact%h_scale) energy = contact_energy(contact, mode, point)
+         if (touches(at(m)%mode) .and. abs(at(m)%point%h) > grazing*contact%h_scale) &
+            call gearbox%flanks(contact%i_flank)%flank%add_energy(gearbox%contacts, first, last, at, energy)
       end associate
    end function energy_of
 
@@ -147,32 +121,31 @@ contains
       else
          call note(log, event_at(contact, mode, root_of%forward), contact, mode%tooth_pair)
          if (forward) mode%tooth_pair = mode%tooth_pair + contact%n_slots
-         mode = contact_mode(tooth_pair=mode%tooth_pair, flanks=flanks_off, sides=mode%sides)
+         mode = contact_mode(mode%tooth_pair, flanks_off, 0, 0, 0, mode%sides, 1.0_wp, 0.0_wp)
       end if
    end subroutine change_pair
 
    !> The mode of a tooth pair that enters the path: flanks that overlap push at once, unless the damper pulls more.
-   subroutine enter(gearbox, m, integers, point, mode, log, status)
+   subroutine enter(gearbox, m, first, last, integers, at, log, status)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: m, integers(:)
-      type(contact_point), intent(in) :: point
-      type(contact_mode), intent(inout) :: mode
+      integer, intent(in) :: m, first, last, integers(:)
+      type(contact_state), intent(inout) :: at(*)
       type(event_log), intent(inout) :: log
       type(status_t), intent(inout) :: status
 
-      associate (contact => gearbox%contacts(m))
+      associate (contact => gearbox%contacts(m), mode => at(m)%mode, flank => gearbox%flanks(gearbox%contacts(m)%i_flank)%flank)
          if (contact%rigid) then
             if (pairs_loaded(gearbox, m, integers) > 0) then
                mode%flanks = flanks_loaded
-            else if (point%h > grazing*contact%h_scale) then
+            else if (at(m)%point%h > grazing*contact%h_scale) then
                call fail(status, code_no_solution, "a tooth pair enters a rigid contact with flanks that overlap by " &
-                         //quantity(point%h, "m")//": no other pair was on the path to keep them apart", subject_mesh, &
+                         //quantity(at(m)%point%h, "m")//": no other pair was on the path to keep them apart", subject_mesh, &
                          contact%mesh, "contact.law")
             end if
          else if (flank_rests(gearbox, m, integers)) then
             mode%flanks = flanks_apart
          else
-            call mode_at(contact, point, mode, status)
+            call mode_at(flank, gearbox%contacts, m, first, last, at, status)
             if (mode%flanks == flanks_unloaded) call note(log, root_rows(root_of%force)%falls, contact, mode%tooth_pair)
          end if
       end associate
@@ -190,20 +163,18 @@ contains
    end function flank_rests
 
    !> The contact passed the border of a relief, or lies on the flanks of another pair.
-   subroutine change_zones(gearbox, m, changed, fired, y, integers, mode, log)
+   pure subroutine change_zones(gearbox, m, changed, fired, y, integers, at, log)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m, integers(:)
       logical, intent(in) :: changed, fired(:)
       real(wp), intent(in) :: y(:)
-      type(contact_mode), intent(inout) :: mode
+      type(contact_state), intent(inout) :: at(*)
       type(event_log), intent(inout) :: log
-      type(contact_point) :: point
-      real(wp) :: q(n_local), rho_a0
 
-      associate (contact => gearbox%contacts(m))
+      associate (contact => gearbox%contacts(m), mode => at(m)%mode)
          if (changed) then
-            call point_of_contact(gearbox, m, y, integers, mode, q, rho_a0, point)
-            call settle_zones(contact, point, mode)
+            call place_contacts(gearbox, m, m, y, integers, all_of_them, at)
+            call settle_zones(contact, at(m)%point, mode)
          else if (any(fired .and. moves_zone)) then
             if (fired(root_of%tip_a)) mode%zone_a = merge(zone_none, zone_tip, mode%zone_a == zone_tip)
             if (fired(root_of%root_a)) mode%zone_a = merge(zone_none, zone_root, mode%zone_a == zone_root)
@@ -259,57 +230,56 @@ contains
    end function live_sides
 
    !> Sides that begin to have a meaning are found: nothing has passed a border.
-   subroutine begin_sides(contact, before, point, mode, status)
-      type(tooth_contact_t), intent(in) :: contact
+   subroutine begin_sides(gearbox, m, before, at)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: m
       logical, intent(in) :: before(n_sides) !! `live_sides` of the mode before
-      type(contact_point), intent(in) :: point
-      type(contact_mode), intent(inout) :: mode
-      type(status_t), intent(inout) :: status
-      type(contact_mode) :: found
+      type(contact_state), intent(inout) :: at(*)
       logical :: begins(n_sides)
-      real(wp) :: force
+      integer :: sides(n_sides)
 
-      begins = live_sides(contact, mode) .and. .not. before
-      if (.not. any(begins)) return
-      force = 0
-      if (touches(mode)) call unclipped_force(contact, mode, point, force, status)
-      found = mode
-      call find_sides(contact, point, force, found)
-      where (begins) mode%sides = found%sides
+      associate (flank => gearbox%flanks(gearbox%contacts(m)%i_flank)%flank, mode => at(m)%mode)
+         begins = live_sides(gearbox%contacts(m), mode) .and. .not. before
+         if (.not. any(begins)) return
+         sides = mode%sides
+         call find_sides(flank, gearbox%contacts(m), at(m))
+         where (.not. begins) mode%sides = sides
+      end associate
    end subroutine begin_sides
 
    !> Closing, opening, and the clip of the force.
-   pure subroutine change_contact(contact, fired, point, mode, log)
+   pure subroutine change_contact(contact, fired, at, log)
       type(tooth_contact_t), intent(in) :: contact
       logical, intent(in) :: fired(:)
-      type(contact_point), intent(in) :: point
-      type(contact_mode), intent(inout) :: mode
+      type(contact_state), intent(inout) :: at
       type(event_log), intent(inout) :: log
 
-      select case (mode%flanks)
-      case (flanks_open)
-         if (.not. fired(root_of%contact)) return
-         mode%flanks = flanks_loaded
-         mode%v0 = max(point%h_dot, 0.0_wp)
-         if (contact%rigid) return ! an impact decides
-         call note(log, root_rows(root_of%contact)%rises, contact, mode%tooth_pair)
-      case (flanks_loaded, flanks_unloaded)
-         if (fired(root_of%contact) .or. (fired(root_of%force) .and. parts(contact, point))) then
-            mode%flanks = flanks_open
-            call note(log, root_rows(root_of%contact)%falls, contact, mode%tooth_pair)
-         else if (fired(root_of%force)) then
-            call note(log, event_at(contact, mode, root_of%force), contact, mode%tooth_pair)
-            mode%flanks = merge(flanks_unloaded, flanks_loaded, mode%flanks == flanks_loaded)
-         end if
-      end select
+      associate (mode => at%mode)
+         select case (mode%flanks)
+         case (flanks_open)
+            if (.not. fired(root_of%contact)) return
+            mode%flanks = flanks_loaded
+            mode%v0 = max(at%point%h_dot, 0.0_wp)
+            if (contact%rigid) return ! an impact decides
+            call note(log, root_rows(root_of%contact)%rises, contact, mode%tooth_pair)
+         case (flanks_loaded, flanks_unloaded)
+            if (fired(root_of%contact) .or. (fired(root_of%force) .and. parts(contact, at))) then
+               mode%flanks = flanks_open
+               call note(log, root_rows(root_of%contact)%falls, contact, mode%tooth_pair)
+            else if (fired(root_of%force)) then
+               call note(log, event_at(contact, mode, root_of%force), contact, mode%tooth_pair)
+               mode%flanks = merge(flanks_unloaded, flanks_loaded, mode%flanks == flanks_loaded)
+            end if
+         end select
+      end associate
    end subroutine change_contact
 
    !> Whether the flanks lose contact at this instant: force and penetration vanish together, which of them first is rounding.
-   pure logical function parts(contact, point)
+   pure logical function parts(contact, at)
       type(tooth_contact_t), intent(in) :: contact
-      type(contact_point), intent(in) :: point
+      type(contact_state), intent(in) :: at
 
-      parts = point%h < grazing*contact%h_scale .and. (point%h_dot < 0 .or. contact%rigid)
+      parts = at%overlap < grazing*contact%h_scale .and. (at%point%h_dot < 0 .or. contact%rigid)
    end function parts
 
    !> The event that a root function of a contact is which passes zero in a mode.

@@ -1,27 +1,15 @@
-!> What the loops over lanes keep of each tooth contact: what its discrete state fixes, and what the last rates knew of it.
+!> Fills what the loops over lanes keep of each tooth contact.
 module evl_contacts_in_lanes
-   use evl_contact_lanes, only: lane_contact
    use evl_contact_roots, only: contact_root_directions
    use evl_discrete_state, only: gearbox_mode
+   use evl_force_lanes, only: lane_slot
    use evl_gearbox, only: gearbox_t, i_turns
-   use evl_kinds, only: lanes, wp
-   use evl_root_kinds, only: n_root_kinds
-   use evl_tooth_contact, only: contact_mode, contact_state, nominal_start, touches
+   use evl_kinds, only: wp
+   use evl_tooth_contact, only: contact_state, nominal_start, touches, unclipped
    implicit none (type, external)
    private
 
-   public :: lane_slot, put_down, settle_slots
-
-   type :: lane_slot
-      type(contact_mode) :: mode
-      integer :: directions(n_root_kinds) = 0 !! of its root functions
-      real(wp) :: rho_start = 0               !! nominal radius of curvature on A at theta = 0 [m]
-      type(lane_contact) :: at                !! the contact in eight states, if it touches
-      real(wp), dimension(lanes) :: unclipped !! elastic + viscous force there [N]
-      real(wp), dimension(lanes) :: friction  !! the friction law's factor of the normal force, where there is one
-      real(wp) :: rho_seen = 0                !! rho_A where the curvature of deviating flanks was found last; 0: nowhere yet [m]
-      real(wp) :: curvature_seen = 0          !! the curvature there [1/m]
-   end type lane_slot
+   public :: put_down, settle_slots
 
 contains
 
@@ -35,6 +23,7 @@ contains
 
       do i = 1, size(gearbox%contacts)
          slots(i)%mode = gearbox_mode(gearbox, i, integers, reals)
+         slots(i)%touches = touches(slots(i)%mode)
          call contact_root_directions(gearbox%contacts(i), slots(i)%mode, slots(i)%directions)
          slots(i)%rho_seen = 0
          slots(i)%rho_start = nominal_start(gearbox%contacts(i), integers(i_turns), slots(i)%mode%tooth_pair)
@@ -49,15 +38,15 @@ contains
       integer :: i
 
       do i = 1, size(slots)
-         if (.not. touches(slots(i)%mode)) cycle
-         associate (at => slots(i)%at, point => contacts(i)%point, force => contacts(i)%force)
+         if (.not. slots(i)%touches) cycle
+         associate (at => slots(i)%at, point => contacts(i)%point)
             at%h(lane) = point%h
+            at%overlap(lane) = contacts(i)%overlap
             at%v_t(lane) = point%v_t
             at%rho_a(lane) = point%rho_a
             at%rho_b(lane) = point%rho_b
-            slots(i)%unclipped(lane) = force%elastic + force%viscous
-            slots(i)%friction(lane) = 0
-            if (abs(force%normal) > 0) slots(i)%friction(lane) = -force%friction/force%normal
+            slots(i)%force%unclipped(lane) = unclipped(contacts(i))
+            slots(i)%force%factor(lane) = contacts(i)%factor
          end associate
       end do
    end subroutine put_down

@@ -10,7 +10,7 @@ module evl_discrete_state
    private
 
    public :: carries_points, first_pair, flanks_of, gearbox_mode, gearbox_store_mode, is_closed, leading_contact
-   public :: number_integers, pairs_loaded, put_flanks, put_pair, tooth_pair_of
+   public :: number_integers, pairs_loaded, put_flanks, put_pair, take_mode, tooth_pair_of
 
 contains
 
@@ -56,25 +56,40 @@ contains
       integer, intent(in) :: index    !! of the tooth contact
       integer, intent(in) :: integers(:)
       real(wp), intent(in) :: reals(:)
+
+      call take_mode(gearbox, index, integers, reals, mode)
+   end function gearbox_mode
+
+   !> The same put where it is wanted.
+   pure subroutine take_mode(gearbox, index, integers, reals, mode)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: reals(:)
+      type(contact_mode), intent(out) :: mode
       integer :: k, n
 
       associate (contact => gearbox%contacts(index), at => gearbox%contacts(index)%i_discrete)
          mode%tooth_pair = integers(at(1))
          mode%flanks = integers(at(2))
          mode%friction = integers(at(3))
+         mode%zone_a = 0
+         mode%zone_b = 0
          if (contact%deviates) then
             mode%zone_a = integers(at(4))
             mode%zone_b = integers(at(5))
          end if
          do k = 1, n_sides
+            mode%sides(k) = 0
             if (at(n_held + k) > 0) mode%sides(k) = integers(at(n_held + k))
          end do
          mode%v0 = reals(index)
+         mode%share = 1
          if (.not. contact%rigid) return
       end associate
       n = pairs_loaded(gearbox, index, integers)
       if (n > 1) mode%share = 1/real(n, wp)
-   end function gearbox_mode
+   end subroutine take_mode
 
    !> Put the discrete state of a tooth contact back.
    pure subroutine gearbox_store_mode(gearbox, index, mode, integers, reals)

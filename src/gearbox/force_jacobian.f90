@@ -3,10 +3,11 @@
 !>
 !> A row of psi' holds what acts on its rotor until `couple_reference` completes it.
 module evl_force_jacobian
-   use evl_closed_form, only: closed_form_line
-   use evl_contact_gradient, only: contact_gradient_at, mesh_force_gradient
-   use evl_discrete_state, only: gearbox_mode
-   use evl_gearbox, only: add_turn, gearbox_local, gearbox_t, i_turns, of_angle, of_speed, wheel_speed
+   use evl_contact_gradient, only: force_gradient, mesh_force_gradient, point_gradient
+   use evl_contact_point, only: contact_gradient
+   use evl_contacts_at_state, only: look_at_forces
+   use evl_flank, only: flank_t
+   use evl_gearbox, only: add_turn, gearbox_t, of_angle, of_speed, wheel_speed
    use evl_housing, only: at_omega, frame_t, housing_frame
    use evl_housing_jacobian, only: ride_gradient
    use evl_jacobian_entries, only: add_entry, entry_index, jacobian_entries, marked_entries
@@ -14,20 +15,12 @@ module evl_force_jacobian
    use evl_local_variables, only: i_omega, i_theta, local_link, n_local, wheel_link
    use evl_shaft, only: shaft_t, shaft_torque, shaft_twist
    use evl_status, only: has_failed, status_t
-   use evl_tangent_line, only: tangent_line_t
-   use evl_tooth_contact, only: contact_force, contact_mode, nominal_rho, tooth_contact_t, touches, tracking_closed_form
+   use evl_tooth_contact, only: contact_state, no_force, touches
    use evl_wheel_loads, only: load_gradient, load_torque, wheel_acceleration, wheel_follows_ground
    implicit none (type, external)
    private
 
    public :: add_constants, add_forces, couple_reference, find_pattern, scatter
-
-   !> What the contacts of a flank share: those of the last one stay for the next.
-   type :: flank_state
-      integer :: mesh = 0, flank = 0 !! of the gearbox; 0: none yet
-      real(wp) :: q(n_local)         !! local variables
-      type(tangent_line_t) :: line        !! of action; not set where points are tracked
-   end type flank_state
 
 contains
 
@@ -88,7 +81,6 @@ contains
       type(jacobian_entries), intent(in) :: entries
       real(wp), intent(inout) :: values(entries%n_entries)
       type(status_t), intent(inout) :: status
-      type(flank_state) :: at
       real(wp) :: spin
       integer :: i
 
@@ -97,8 +89,8 @@ contains
       do i = 1, size(gearbox%loads)
          call add_load(gearbox, i, t, y, integers, spin, entries, values)
       end do
-      do i = 1, size(gearbox%contacts)
-         call add_contact(gearbox, i, y, spin, integers, reals, at, entries, values, status)
+      do i = 1, size(gearbox%flanks)
+         call add_flank(gearbox, gearbox%flanks(i)%flank, y, spin, integers, reals, entries, values, status)
          if (has_failed(status)) return
       end do
       do i = 1, size(gearbox%shafts)
@@ -179,59 +171,45 @@ contains
       end associate
    end subroutine add_load_power
 
-   !> A tooth contact, if it touches, in the rows of its wheels, their supports and the energies.
-   subroutine add_contact(gearbox, index, y, spin, integers, reals, at, entries, values, status)
+   !> The tooth contacts of a flank that touch, in the rows of their wheels, the supports and the energies.
+   subroutine add_flank(gearbox, flank, y, spin, integers, reals, entries, values, status)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index
+      class(flank_t), intent(in) :: flank
       real(wp), intent(in) :: y(gearbox%n_states), spin, reals(:)
       integer, intent(in) :: integers(:)
-      type(flank_state), intent(inout) :: at !! of an earlier contact, or none
       type(jacobian_entries), intent(in) :: entries
       real(wp), intent(inout) :: values(entries%n_entries)
       type(status_t), intent(inout) :: status
-      real(wp) :: rho_a0
-      type(contact_force) :: force
+      type(contact_state) :: at(size(gearbox%contacts))
+      type(contact_gradient) :: d(size(gearbox%contacts))
       type(mesh_force_gradient) :: gradient
-      type(contact_mode) :: mode
+      integer :: m
 
-      associate (contact => gearbox%contacts(index))
+      if (.not. entries%marks) call look_at_forces(gearbox, flank%first, flank%last, y, integers, reals, at, status)
+      if (has_failed(status)) return
+      do m = flank%first, flank%last
+         if (entries%marks) cycle
+         if (touches(at(m)%mode)) call point_gradient(gearbox%contacts(m), at(m), d(m))
+      end do
+      do m = flank%first, flank%last
          if (entries%marks) then ! it may touch
+            at(m)%force = no_force
             gradient = mesh_force_gradient(torque_a=0.0_wp, torque_b=0.0_wp, on_a=0.0_wp, dissipation=0.0_wp)
          else
-            mode = gearbox_mode(gearbox, index, integers, reals)
-            if (.not. touches(mode)) return
-            if (at%mesh /= contact%mesh .or. at%flank /= contact%flank) call look_at_flank(gearbox, contact, y, at)
-            rho_a0 = nominal_rho(contact, y(i_theta), integers(i_turns), mode%tooth_pair)
-            call contact_gradient_at(contact, mode, rho_a0, at%q, at%line, force, gradient, status)
-            if (has_failed(status)) return
+            if (.not. touches(at(m)%mode)) cycle
+            call force_gradient(flank, gearbox%contacts, at, d, m, gradient)
          end if
-         call add_torque(gearbox, contact%links, contact%wheel_a, force%torque_a, gradient%torque_a, y, spin, entries, values)
-         call add_torque(gearbox, contact%links, contact%wheel_b, force%torque_b, gradient%torque_b, y, spin, entries, values)
-         call add_push(contact%links, contact%link_a, gearbox%wheels(contact%wheel_a)%support%per_mass, gradient%on_a, entries, &
-                       values)
-         call add_push(contact%links, contact%link_b, -gearbox%wheels(contact%wheel_b)%support%per_mass, gradient%on_a, entries, &
-                       values)
-         call scatter(contact%links, gearbox%i_dissipated, -1.0_wp, gradient%dissipation, entries, values)
-      end associate
-   end subroutine add_contact
-
-   !> Local variables and line of action, for all contacts of a flank.
-   pure subroutine look_at_flank(gearbox, contact, y, at)
-      type(gearbox_t), intent(in) :: gearbox
-      type(tooth_contact_t), intent(in) :: contact !! one of them
-      real(wp), intent(in) :: y(gearbox%n_states)
-      type(flank_state), intent(inout) :: at
-
-      at%mesh = contact%mesh
-      at%flank = contact%flank
-      call gearbox_local(gearbox, contact, y, at%q)
-      if (contact%tracking /= tracking_closed_form) return
-      if (contact%axles_rest) then
-         at%line = contact%rest_line
-      else
-         call closed_form_line(contact%pair, at%q, at%line)
-      end if
-   end subroutine look_at_flank
+         associate (contact => gearbox%contacts(m), force => at(m)%force)
+            call add_torque(gearbox, contact%links, contact%wheel_a, force%torque_a, gradient%torque_a, y, spin, entries, values)
+            call add_torque(gearbox, contact%links, contact%wheel_b, force%torque_b, gradient%torque_b, y, spin, entries, values)
+            call add_push(contact%links, contact%link_a, gearbox%wheels(contact%wheel_a)%support%per_mass, gradient%on_a, entries, &
+                          values)
+            call add_push(contact%links, contact%link_b, -gearbox%wheels(contact%wheel_b)%support%per_mass, gradient%on_a, &
+                          entries, values)
+            call scatter(contact%links, gearbox%i_dissipated, -1.0_wp, gradient%dissipation, entries, values)
+         end associate
+      end do
+   end subroutine add_flank
 
    !> How a shaft's torque accelerates the rotors of its wheels, which never changes.
    pure subroutine add_shaft_torque(gearbox, shaft, entries, values)

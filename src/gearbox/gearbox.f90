@@ -18,6 +18,7 @@
 !> of every table. Discrete reals: the approach speed at the last closing of every tooth contact.
 module evl_gearbox
    use evl_first_tooth_pair, only: tooth_phase_t
+   use evl_flank, only: flank_slot
    use evl_flank_deviation, only: flank_deviation_t
    use evl_gear, only: gear_t
    use evl_gears_in_mesh, only: gear_mesh_t
@@ -82,6 +83,7 @@ module evl_gearbox
       type(load_slot), allocatable :: loads(:)
       type(shaft_t), allocatable :: shafts(:)
       type(tooth_contact_t), allocatable :: contacts(:) !! mesh by mesh: slots of the drive flank, then of the coast flank
+      type(flank_slot), allocatable :: flanks(:)  !! in the order of their contacts
       type(spur_pair_t), allocatable :: pairs(:)  !! geometry of each mesh
       type(tooth_phase_t), allocatable :: phases(:) !! first tooth pair of each mesh
       integer, allocatable :: first(:)            !! first tooth contact of each mesh; behind the last mesh, one more than all

@@ -1,9 +1,9 @@
 !> When something happens to a gearbox, and what changes when it does.
 module evl_gearbox_events
    use evl_contact_events, only: roots_of_contact
-   use evl_contact_point, only: contact_point
-   use evl_contact_roots, only: contact_root_directions
+   use evl_contact_roots, only: contact_root_directions, contact_roots
    use evl_contact_tracking, only: project_points
+   use evl_contacts_at_state, only: look_at
    use evl_dae_residual, only: gearbox_derivative
    use evl_discrete_state, only: carries_points, gearbox_mode
    use evl_event_kinds, only: event_knot, event_revolution
@@ -14,10 +14,10 @@ module evl_gearbox_events
    use evl_knots, only: next_knot
    use evl_local_variables, only: at_track, i_theta, n_local, n_track
    use evl_rigid_events, only: closed_flanks, settle_rigid
-   use evl_root_kinds, only: n_sides
+   use evl_root_kinds, only: n_root_kinds, n_sides
    use evl_settle_modes, only: most_settling, settle_modes
    use evl_status, only: code_no_solution, fail, has_failed, status_t
-   use evl_tooth_contact, only: contact_mode, flanks_apart, nominal_rho
+   use evl_tooth_contact, only: contact_mode, contact_state, flanks_apart, nominal_rho
    implicit none (type, external)
    private
 
@@ -35,15 +35,18 @@ contains
       integer, intent(in) :: integers(:)
       real(wp), intent(out) :: roots(gearbox%n_roots)
       type(status_t), intent(inout) :: status
-      type(contact_point) :: point
-      type(contact_mode) :: mode
-      integer :: m
+      type(contact_state) :: at(size(gearbox%contacts))
+      integer :: directions(n_root_kinds), i, m
 
-      do m = 1, size(gearbox%contacts)
-         associate (first => gearbox%contacts(m)%i_root + 1, last => gearbox%contacts(m)%i_root + gearbox%contacts(m)%n_roots)
-            call roots_of_contact(gearbox, m, y, integers, reals, mode, point, roots(first:last), status)
+      do i = 1, size(gearbox%flanks)
+         associate (flank => gearbox%flanks(i)%flank, first => gearbox%flanks(i)%flank%first, last => gearbox%flanks(i)%flank%last)
+            call look_at(gearbox, first, last, y, integers, reals, at, status)
+            if (has_failed(status)) return
+            do m = first, last
+               call contact_roots(flank, gearbox%contacts(m), at(m), directions, &
+                                  roots(gearbox%contacts(m)%i_root + 1))
+            end do
          end associate
-         if (has_failed(status)) return
       end do
       roots(gearbox%n_roots) = turns_root(y(i_theta))
    end subroutine gearbox_roots
@@ -56,14 +59,13 @@ contains
       integer, intent(in) :: integers(:)
       real(wp), intent(inout) :: roots(gearbox%n_roots)
       type(status_t), intent(inout) :: status
-      type(contact_point) :: point
-      type(contact_mode) :: mode
-      integer :: m
+      type(contact_state) :: at(size(gearbox%contacts))
+      integer :: directions(n_root_kinds), m
 
       do m = 1, size(gearbox%contacts)
          associate (first => gearbox%contacts(m)%i_root + 1, last => gearbox%contacts(m)%i_root + gearbox%contacts(m)%n_roots)
             if (index > last) cycle
-            call roots_of_contact(gearbox, m, y, integers, reals, mode, point, roots(first:last), status)
+            call roots_of_contact(gearbox, m, y, integers, reals, at, directions, roots(first:last), status)
          end associate
          return
       end do

@@ -2,9 +2,10 @@
 !>
 !> It serves tooth contacts in closed form with a force law, in a fixed housing without gravity: see `lanes_serve`.
 module evl_gearbox_lanes
+   use, intrinsic :: iso_fortran_env, only: int64
    use evl_contact_lanes, only: contact_in_lanes
-   use evl_contacts_in_lanes, only: lane_slot
-   use evl_force_lanes, only: forces_in_lanes, lane_force
+   use evl_flank, only: flank_t
+   use evl_force_lanes, only: lane_force, lane_slot
    use evl_gearbox, only: gearbox_t, wheel_t
    use evl_gearbox_rates, only: gearbox_rates
    use evl_kinds, only: lanes, wp
@@ -13,7 +14,7 @@ module evl_gearbox_lanes
    use evl_local_variables, only: i_omega, i_theta, wheel_link
    use evl_shaft, only: shaft_t
    use evl_status, only: code_out_of_domain, fail, has_failed, status_t
-   use evl_tooth_contact, only: flanks_loaded, tooth_contact_t, touches, tracking_closed_form
+   use evl_tooth_contact, only: touches, tracking_closed_form
    use evl_wheel_loads, only: segment_of, turns_of_wheel, wheel_acceleration
    implicit none (type, external)
    private
@@ -22,6 +23,7 @@ module evl_gearbox_lanes
 
 contains
 
+   include "numerics/all_positive.inc"
    include "parts/springs_and_dampers.inc"
 
    !> Whether a gearbox can be evaluated here; if not, its states are asked one by one.
@@ -44,16 +46,16 @@ contains
       real(wp), intent(in) :: y(lanes, gearbox%n_states)
       integer, intent(in) :: integers(:)
       real(wp), intent(in) :: reals(:)
-      type(lane_slot), intent(inout) :: slots(:)       !! [tooth contacts] settled; those that touch are put down
+      !> [tooth contacts] settled; those that touch are put down
+      type(lane_slot), intent(inout) :: slots(size(gearbox%contacts))
       real(wp), intent(out) :: f(lanes, gearbox%n_states)
       type(status_t), intent(inout) :: status          !! code_out_of_domain if a law has no answer in one of the lanes
-      type(lane_line) :: line
       logical :: answered
       integer :: i
 
       f = 0
-      do i = 1, size(gearbox%contacts)
-         call add_contact(gearbox, gearbox%contacts(i), y, line, slots(i), f, answered)
+      do i = 1, size(gearbox%flanks)
+         call push_flank(gearbox, gearbox%flanks(i)%flank, y, slots, f, answered)
          if (.not. answered) then
             call say_why(gearbox, t, y, integers, reals, status)
             return
@@ -95,31 +97,39 @@ contains
       call fail(status, code_out_of_domain, "a contact law has no answer at one of the states")
    end subroutine say_why
 
-   !> Forces of a tooth contact in the rows of its wheels, their supports and the dissipated energy.
-   subroutine add_contact(gearbox, contact, y, line, slot, f, answered)
+   !> Forces of a flank in the rows of its wheels, their supports and the dissipated energy.
+   subroutine push_flank(gearbox, flank, y, slots, f, answered)
       type(gearbox_t), intent(in) :: gearbox
-      type(tooth_contact_t), intent(in) :: contact
+      class(flank_t), intent(in) :: flank
       real(wp), intent(in) :: y(lanes, gearbox%n_states)
-      type(lane_line), intent(inout) :: line    !! of an earlier contact, or nobody's
-      type(lane_slot), intent(inout) :: slot
+      type(lane_slot), intent(inout) :: slots(size(gearbox%contacts))
       real(wp), intent(inout) :: f(lanes, gearbox%n_states)
       logical, intent(out) :: answered
-      type(lane_force) :: force
+      type(lane_line) :: line
+      integer :: m
 
       answered = .true.
-      if (.not. touches(slot%mode)) return
-      call line_in_lanes(contact, y, line)
-      call contact_in_lanes(contact, slot%mode, slot%rho_start, line, slot%at)
-      call forces_in_lanes(contact, slot%mode, line%margin, slot%at, force, answered)
+      do m = flank%first, flank%last
+         if (.not. slots(m)%touches) cycle
+         call line_in_lanes(gearbox%contacts(m), y, line)
+         answered = all_positive(line%margin)
+         if (.not. answered) return
+         call contact_in_lanes(gearbox%contacts(m), slots(m)%mode, slots(m)%rho_start, line, slots(m)%at)
+      end do
+      if (line%mesh == 0) return ! none touches
+      call flank%forces_in_lanes(gearbox%contacts, flank%first, flank%last, slots, answered)
       if (.not. answered) return
-      slot%unclipped = force%elastic + force%viscous
-      if (slot%mode%flanks == flanks_loaded) slot%friction = force%factor
-      call add(force%torque_a, f(:, gearbox%wheels(contact%wheel_a)%i_speed))
-      call add(force%torque_b, f(:, gearbox%wheels(contact%wheel_b)%i_speed))
-      call push_axle(contact%link_a, 1.0_wp, force, f)
-      call push_axle(contact%link_b, -1.0_wp, force, f)
-      call add(force%dissipation, f(:, gearbox%i_dissipated))
-   end subroutine add_contact
+      do m = flank%first, flank%last
+         if (.not. slots(m)%touches) cycle
+         associate (contact => gearbox%contacts(m), force => slots(m)%force)
+            call add(force%torque_a, f(:, gearbox%wheels(contact%wheel_a)%i_speed))
+            call add(force%torque_b, f(:, gearbox%wheels(contact%wheel_b)%i_speed))
+            call push_axle(contact%link_a, 1.0_wp, force, f)
+            call push_axle(contact%link_b, -1.0_wp, force, f)
+            call add(force%dissipation, f(:, gearbox%i_dissipated))
+         end associate
+      end do
+   end subroutine push_flank
 
    !> Add to a row of the rates.
    pure subroutine add(x, row)

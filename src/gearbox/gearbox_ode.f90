@@ -3,8 +3,9 @@
 !> The gearbox itself does not change, and several models may share it: the discrete state is the model's own, put there between
 !> steps by gearbox_ode_set.
 module evl_gearbox_ode
-   use evl_contacts_in_lanes, only: lane_slot, put_down, settle_slots
+   use evl_contacts_in_lanes, only: put_down, settle_slots
    use evl_force_jacobian, only: add_constants, add_forces, couple_reference, find_pattern
+   use evl_force_lanes, only: lane_slot
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_events, only: gearbox_root, gearbox_root_directions, gearbox_roots
    use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
@@ -37,7 +38,9 @@ module evl_gearbox_ode
       type(jacobian_entries), private :: entries     !! of the Jacobian
       real(wp), allocatable, private :: constants(:) !! [nnz] what never changes in dF/dy, psi'' not yet coupled with theta''
       logical, private :: in_lanes = .false.       !! whether eight states can be evaluated at once
-      type(lane_slot), pointer, private :: slots(:) => null() !! [tooth contacts] for evaluations in lanes, which change them
+      !> [tooth contacts] for evaluations in lanes, which change them
+      type(lane_slot), pointer, contiguous, private :: slots(:) => null()
+      type(lane_slot), pointer, contiguous, private :: aside(:) => null() !! the same for root functions elsewhere
    contains
       procedure :: rhs
       procedure :: rhs_lanes
@@ -91,7 +94,8 @@ contains
       allocate (self%scale(gearbox%n_states), source=scale/weight)
       self%scale(i_theta) = self%scale(i_theta)/theta_weight
       self%scale(i_omega) = self%scale(i_omega)/omega_weight
-      allocate (self%integers(gearbox%n_integers), self%reals(size(gearbox%contacts)), self%slots(size(gearbox%contacts)))
+      allocate (self%integers(gearbox%n_integers), self%reals(size(gearbox%contacts)), self%slots(size(gearbox%contacts)), &
+                self%aside(size(gearbox%contacts)))
       self%integers = 0
       self%reals = 0
       call find_pattern(gearbox, self%jacobian_row, self%jacobian_column)
@@ -124,7 +128,7 @@ contains
    subroutine gearbox_ode_delete(self)
       type(gearbox_ode), intent(inout) :: self
 
-      if (associated(self%slots)) deallocate (self%slots)
+      if (associated(self%slots)) deallocate (self%slots, self%aside)
    end subroutine gearbox_ode_delete
 
    !> Give the model its discrete state.
@@ -132,10 +136,17 @@ contains
       type(gearbox_ode), intent(inout) :: self
       integer, intent(in) :: integers(*) !! [n_integers]
       real(wp), intent(in) :: reals(*)   !! [one a tooth contact]
+      integer :: i
 
       self%integers = integers(:size(self%integers))
       self%reals = reals(:size(self%reals))
       call settle_slots(self%gearbox, self%integers, self%reals, self%slots)
+      do i = 1, size(self%slots)
+         self%aside(i)%mode = self%slots(i)%mode
+         self%aside(i)%touches = self%slots(i)%touches
+         self%aside(i)%directions = self%slots(i)%directions
+         self%aside(i)%rho_start = self%slots(i)%rho_start
+      end do
    end subroutine gearbox_ode_set
 
    !> f(t, y)
@@ -233,7 +244,7 @@ contains
       type(status_t), intent(inout) :: status
 
       if (self%in_lanes) then
-         call roots_in_lanes(self%gearbox, y, self%integers, self%reals, self%slots, .false., values, status)
+         call roots_in_lanes(self%gearbox, y, self%integers, self%reals, self%slots, self%aside, .false., values, status)
       else
          call roots_one_by_one(self, t, y, values, status)
       end if
@@ -252,7 +263,7 @@ contains
       if (exact) then
          call self%roots_lanes(t, y, values, status)
       else
-         call roots_in_lanes(self%gearbox, y, self%integers, self%reals, self%slots, .true., values, status)
+         call roots_in_lanes(self%gearbox, y, self%integers, self%reals, self%slots, self%aside, .true., values, status)
       end if
    end subroutine roots_nearby
 

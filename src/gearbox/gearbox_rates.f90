@@ -1,7 +1,8 @@
 !> The equations of motion of a gearbox: accelerations of wheels and supports, and the powers, from forces and torques.
 module evl_gearbox_rates
-   use evl_discrete_state, only: gearbox_mode, is_closed
-   use evl_gearbox, only: carried_acceleration, gearbox_local, gearbox_t, i_turns, wheel_position, wheel_speed
+   use evl_contacts_at_state, only: look_at_forces
+   use evl_discrete_state, only: is_closed
+   use evl_gearbox, only: carried_acceleration, gearbox_local, gearbox_t, wheel_position, wheel_speed
    use evl_housing, only: at_omega, frame_t, housing_frame, housing_rates
    use evl_kinds, only: wp
    use evl_local_variables, only: i_omega, i_theta, n_local, wheel_link
@@ -11,7 +12,7 @@ module evl_gearbox_rates
    use evl_springs_and_dampers, only: damper_power, support_acceleration
    use evl_status, only: has_failed, status_t
    use evl_support, only: axle_deviation
-   use evl_tooth_contact, only: contact_forces, contact_state, locate_contact, nominal_rho, touches
+   use evl_tooth_contact, only: contact_state, touches
    use evl_wheel_loads, only: wheel_acceleration, wheel_follows_ground, wheel_housing_torque, wheel_load_torque, wheel_spin_torque
    implicit none (type, external)
    private
@@ -34,8 +35,9 @@ contains
       real(wp), intent(out) :: f(gearbox%n_states)
       type(status_t), intent(inout) :: status       !! code_out_of_domain if a law has no solution there
       real(wp), intent(in), optional :: yp(:)       !! of a mounted housing; v' = Omega' = 0 if not given
-      type(contact_state), intent(inout), optional :: contacts(:) !! all tooth contacts; of those that do not touch only the mode
-      type(contact_state) :: at
+      !> All tooth contacts; of those that do not touch only the mode
+      type(contact_state), intent(inout), optional :: contacts(size(gearbox%contacts))
+      type(contact_state) :: at(size(gearbox%contacts))
       type(frame_t) :: frame
       real(wp) :: torques(size(gearbox%wheels)), spin, alpha, dissipation, power
       integer :: i
@@ -48,20 +50,15 @@ contains
          alpha = frame%alpha(3)
       end if
       f = 0
-      do i = 1, size(gearbox%contacts)
-         call contact_at(gearbox, i, y, integers, reals, at, status)
-         if (has_failed(status)) return
-         if (present(contacts)) contacts(i) = at
-         if (.not. touches(at%mode)) cycle
-         associate (contact => gearbox%contacts(i), force => at%force)
-            associate (a => gearbox%wheels(contact%wheel_a), b => gearbox%wheels(contact%wheel_b))
-               f(a%i_speed) = f(a%i_speed) + force%torque_a
-               f(b%i_speed) = f(b%i_speed) + force%torque_b
-               call push_axle(contact%link_a, force%on_a, f)
-               call push_axle(contact%link_b, -force%on_a, f)
-            end associate
-            f(gearbox%i_dissipated) = f(gearbox%i_dissipated) + force%dissipation
+      do i = 1, size(gearbox%flanks)
+         associate (flank => gearbox%flanks(i)%flank)
+            if (present(contacts)) then
+               call push_flank(gearbox, flank%first, flank%last, y, integers, reals, contacts, f, status)
+            else
+               call push_flank(gearbox, flank%first, flank%last, y, integers, reals, at, f, status)
+            end if
          end associate
+         if (has_failed(status)) return
       end do
       do i = 1, size(gearbox%shafts)
          call twist_shaft(gearbox, i, y, f)
@@ -113,25 +110,32 @@ contains
       end associate
    end subroutine multiplier_row
 
-   !> A tooth contact at a state; of one that does not touch only the mode.
-   subroutine contact_at(gearbox, index, y, integers, reals, at, status)
+   !> Add the forces of a flank to the rows of its wheels and their supports.
+   subroutine push_flank(gearbox, first, last, y, integers, reals, at, f, status)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index
-      real(wp), intent(in) :: y(:), reals(:)
+      integer, intent(in) :: first, last !! its contacts
+      real(wp), intent(in) :: y(gearbox%n_states), reals(:)
       integer, intent(in) :: integers(:)
-      type(contact_state), intent(inout) :: at
+      type(contact_state), intent(inout) :: at(*)
+      real(wp), intent(inout) :: f(gearbox%n_states)
       type(status_t), intent(inout) :: status
-      real(wp) :: rho_a0
+      integer :: m
 
-      at%mode = gearbox_mode(gearbox, index, integers, reals)
-      if (.not. touches(at%mode)) return
-      associate (contact => gearbox%contacts(index), mode => at%mode)
-         call gearbox_local(gearbox, contact, y, at%q)
-         rho_a0 = nominal_rho(contact, y(i_theta), integers(i_turns), mode%tooth_pair)
-         call locate_contact(contact, mode, rho_a0, at%q, at%point)
-         call contact_forces(contact, mode, at%point, at%force, status)
-      end associate
-   end subroutine contact_at
+      call look_at_forces(gearbox, first, last, y, integers, reals, at, status)
+      if (has_failed(status)) return
+      do m = first, last
+         if (.not. touches(at(m)%mode)) cycle
+         associate (contact => gearbox%contacts(m), force => at(m)%force)
+            associate (row_a => gearbox%wheels(contact%wheel_a)%i_speed, row_b => gearbox%wheels(contact%wheel_b)%i_speed)
+               f(row_a) = f(row_a) + force%torque_a
+               f(row_b) = f(row_b) + force%torque_b
+            end associate
+            call push_axle(contact%link_a, force%on_a, f)
+            call push_axle(contact%link_b, -force%on_a, f)
+            f(gearbox%i_dissipated) = f(gearbox%i_dissipated) + force%dissipation
+         end associate
+      end do
+   end subroutine push_flank
 
    !> Add a mesh's force to the rows of an axle's degrees of freedom [N].
    pure subroutine push_axle(link, force, f)

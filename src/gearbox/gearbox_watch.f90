@@ -3,20 +3,21 @@
 !> They come in channels: each watched output of each mesh is one. That of an output of tooth pairs is the largest of the pairs:
 !> where one pair takes over from another it has a kink, but such a kink is no maximum.
 module evl_gearbox_watch
-   use evl_closed_form, only: track_closed_form, transmission_error
-   use evl_contact_events, only: point_of_contact
+   use evl_closed_form, only: transmission_error
    use evl_contact_point, only: contact_point
    use evl_contact_roots, only: contact_roots
-   use evl_discrete_state, only: gearbox_mode, leading_contact
+   use evl_contacts_at_state, only: look_at
+   use evl_discrete_state, only: leading_contact
    use evl_extremes, only: n_watched_outputs, watch_error, watch_friction, watch_normal, watch_pair_normal, watch_pair_pressure, &
                            watch_penetration, watch_sliding
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_events, only: turns_root
    use evl_kinds, only: wp
-   use evl_local_variables, only: i_theta, n_local
+   use evl_local_variables, only: i_theta
+   use evl_root_kinds, only: n_root_kinds
    use evl_status, only: has_failed, status_t
-   use evl_tooth_contact, only: contact_mode, flank_drive, flanks_apart, flanks_loaded, flanks_off, locate_contact, &
-                                tooth_contact_t, touches, unclipped_force
+   use evl_tooth_contact, only: contact_mode, contact_state, flank_drive, flanks_loaded, flanks_off, locate_anywhere, &
+                                tooth_contact_t, touches, tracking_closed_form, unclipped
    use evl_touching_flanks, only: contact_pressure, pressure_at, touching_curvature
    implicit none (type, external)
    private
@@ -53,86 +54,74 @@ contains
       real(wp), intent(in), optional :: near                    !! above this part of the largest so far all is exact
       real(wp), intent(in), optional :: highest(n_channels(gearbox)) !! the largest so far
       real(wp), intent(inout), optional :: kept(n_kept, size(gearbox%contacts)) !! as of `estimate_curvature`
-      type(contact_point) :: point
-      type(contact_mode) :: mode
-      real(wp) :: q(n_local), rho_a0, unclipped
-      integer :: c, leader, m
-      logical :: is_watched
+      type(contact_state) :: at(size(gearbox%contacts))
+      integer :: directions(n_root_kinds)
+      integer :: i, leader, m
+      real(wp) :: normal
 
       values = 0
-      do m = 1, size(gearbox%pairs)
-         leader = leading_contact(gearbox, m, integers)
-         do c = gearbox%first(m), gearbox%first(m + 1) - 1
-            mode = gearbox_mode(gearbox, c, integers, reals)
-            is_watched = c == leader .or. touches(mode)
-            if (.not. (is_watched .or. present(roots))) cycle
-            call point_of_contact(gearbox, c, y, integers, mode, q, rho_a0, point)
-            unclipped = 0
-            if (present(roots)) then
-               associate (first => gearbox%contacts(c)%i_root + 1, n => gearbox%contacts(c)%n_roots)
-                  call contact_roots(gearbox%contacts(c), mode, rho_a0, q, point, roots(first:first + n - 1), status, unclipped)
-               end associate
-            else if (touches(mode)) then
-               call unclipped_force(gearbox%contacts(c), mode, point, unclipped, status)
-            end if
+      do i = 1, size(gearbox%flanks)
+         associate (flank => gearbox%flanks(i)%flank, first => gearbox%flanks(i)%flank%first, last => gearbox%flanks(i)%flank%last)
+            call look_at(gearbox, first, last, y, integers, reals, at, status)
             if (has_failed(status)) return
-            if (c == leader) call watch_leader(gearbox%contacts(c), mode, rho_a0, q, point, values)
-            if (.not. touches(mode)) cycle
-            call watch_pair(gearbox%contacts(c), mode, point, unclipped, values)
-            if (mode%flanks /= flanks_loaded) cycle
-            associate (contact => gearbox%contacts(c), channel => channel_of(m, watch_pair_pressure))
-               if (.not. unclipped > 0) cycle
-               if (present(kept) .and. contact%deviates) then
-                  call raise_pressure(contact, mode, unclipped, point, near*highest(channel), kept(:, c), values(channel))
-               else if (contact%deviates) then
-                  call raise(contact_pressure(contact, mode, unclipped, point), values(channel))
-               else
-                  call raise(pressure_at(contact, unclipped, 1/point%rho_a + 1/point%rho_b), values(channel))
-               end if
-            end associate
-         end do
+            leader = 0
+            if (gearbox%contacts(first)%flank == flank_drive) leader = leading_contact(gearbox, gearbox%contacts(first)%mesh, &
+                                                                                       integers)
+            do m = first, last
+               associate (contact => gearbox%contacts(m))
+                  if (present(roots)) call contact_roots(flank, gearbox%contacts(m), at(m), &
+                                                         directions, roots(contact%i_root + 1))
+                  if (m == leader) call watch_mesh(contact, at(m), values)
+                  if (touches(at(m)%mode)) call watch_pair(contact, at(m), values)
+                  if (at(m)%mode%flanks /= flanks_loaded) cycle
+                  normal = unclipped(at(m))
+                  if (.not. normal > 0) cycle
+                  associate (channel => channel_of(contact%mesh, watch_pair_pressure), point => at(m)%point)
+                     if (present(kept) .and. contact%deviates) then
+                        call raise_pressure(contact, at(m)%mode, normal, point, near*highest(channel), kept(:, m), values(channel))
+                     else if (contact%deviates) then
+                        call raise(contact_pressure(contact, at(m)%mode, normal, point), values(channel))
+                     else
+                        call raise(pressure_at(contact, normal, 1/point%rho_a + 1/point%rho_b), values(channel))
+                     end if
+                  end associate
+               end associate
+            end do
+         end associate
       end do
       if (present(roots)) roots(gearbox%n_roots) = turns_root(y(i_theta))
    end subroutine watched_at
 
-   !> The channels of what a mesh has whether it touches or not.
-   pure subroutine watch_leader(contact, mode, rho_a0, q, point, values)
-      type(tooth_contact_t), intent(in) :: contact !! the one that speaks for its mesh
-      type(contact_mode), intent(in) :: mode
-      real(wp), intent(in) :: rho_a0, q(n_local)
-      type(contact_point), intent(in) :: point
-      real(wp), intent(inout) :: values(:)
-      type(contact_point) :: far
-
-      values(channel_of(contact%mesh, watch_error)) = transmission_error(contact%pair, contact%axles_rest, q)
-      associate (sliding => values(channel_of(contact%mesh, watch_sliding)))
-         sliding = point%v_t
-         if (mode%flanks /= flanks_apart .and. mode%flanks /= flanks_off) return
-         ! no pair's point is known
-         if (mode%flanks == flanks_apart) call track_closed_form(contact%pair, rho_a0, q, far)
-         if (mode%flanks == flanks_off) call locate_contact(contact, mode, rho_a0, q, far)
-         sliding = far%v_t
-      end associate
-   end subroutine watch_leader
-
-   !> What a tooth contact that touches adds to the channels, but for its pressure.
-   pure subroutine watch_pair(contact, mode, point, unclipped, values)
+   !> What the contact that speaks for its mesh adds to the channels, whether it touches or not.
+   pure subroutine watch_mesh(contact, at, values)
       type(tooth_contact_t), intent(in) :: contact
-      type(contact_mode), intent(in) :: mode
-      type(contact_point), intent(in) :: point
-      real(wp), intent(in) :: unclipped !! elastic + viscous force [N]
+      type(contact_state), intent(inout) :: at !! off the path its point goes on along the involutes
       real(wp), intent(inout) :: values(:)
-      real(wp) :: factor, d_v
+
+      if (at%mode%flanks == flanks_off .and. contact%tracking == tracking_closed_form) call locate_anywhere(contact, .false., at)
+      associate (before => channel_of(contact%mesh, 0))
+         values(before + watch_error) = transmission_error(contact%pair, contact%axles_rest, at%q)
+         values(before + watch_sliding) = at%point%v_t
+      end associate
+   end subroutine watch_mesh
+
+   !> What a tooth pair adds whose flanks overlap, but for its pressure.
+   pure subroutine watch_pair(contact, at, values)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_state), intent(in) :: at
+      real(wp), intent(inout) :: values(:)
+      real(wp) :: factor, d_v, normal
       integer :: before
 
       before = channel_of(contact%mesh, 0)
-      if (contact%flank == flank_drive) call raise(point%h, values(before + watch_penetration))
-      if (mode%flanks /= flanks_loaded) return
-      call raise(unclipped, values(before + watch_pair_normal))
-      values(before + watch_normal) = values(before + watch_normal) + unclipped
+      if (contact%flank == flank_drive) call raise(at%point%h, values(before + watch_penetration))
+      if (at%mode%flanks /= flanks_loaded) return
+      normal = unclipped(at)
+      call raise(normal, values(before + watch_pair_normal))
+      values(before + watch_normal) = values(before + watch_normal) + normal
       if (contact%flank /= flank_drive .or. contact%friction%is_none()) return
-      call contact%friction%factor(mode%friction, point%v_t, factor, d_v)
-      values(before + watch_friction) = values(before + watch_friction) - unclipped*factor
+      call contact%friction%factor(at%mode%friction, at%point%v_t, factor, d_v)
+      values(before + watch_friction) = values(before + watch_friction) - normal*factor
    end subroutine watch_pair
 
    !> Raise the pressure of a mesh to that of a tooth pair; one that a limit is far above is estimated.

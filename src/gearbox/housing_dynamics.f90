@@ -139,7 +139,7 @@ contains
       real(wp), intent(in) :: reals(:)
       real(wp), intent(out) :: f(gearbox%n_states)
       type(status_t), intent(inout) :: status !! code_out_of_domain or code_singular
-      type(contact_state), intent(inout), optional :: contacts(:) !! as in `gearbox_rates`
+      type(contact_state), intent(inout), optional :: contacts(size(gearbox%contacts)) !! as in `gearbox_rates`
       integer :: i
 
       call gearbox_rates(gearbox, t, y, integers, reals, f, status, contacts=contacts)

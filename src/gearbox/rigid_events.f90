@@ -17,7 +17,7 @@ module evl_rigid_events
    use evl_root_kinds, only: n_root_kinds, past, root_of
    use evl_settle_modes, only: located, settle_modes, tie
    use evl_status, only: code_no_solution, fail, has_failed, status_t, subject_mesh
-   use evl_tooth_contact, only: flanks_open
+   use evl_tooth_contact, only: contact_state, flanks_open
    implicit none (type, external)
    private
 
@@ -273,6 +273,7 @@ contains
       real(wp), intent(inout) :: reals(:)
       type(event_log), intent(inout) :: log
       type(status_t), intent(inout) :: status
+      type(contact_state) :: at(size(gearbox%contacts))
       logical :: fired(n_root_kinds)
       integer :: m
 
@@ -280,7 +281,7 @@ contains
       fired(root_of%contact) = .true.
       do m = leader, leader + gearbox%contacts(leader)%n_slots - 1
          if (flanks_of(gearbox%contacts(m), integers) == flanks_open) &
-            call contact_event(gearbox, m, fired, y, integers, reals, log, status)
+            call contact_event(gearbox, m, fired, y, integers, reals, at, log, status)
       end do
    end subroutine close_flank
 

@@ -1,9 +1,9 @@
 !> The root functions of a gearbox for eight states at once, as `gearbox_roots` gives them for one.
 module evl_roots_lanes
    use, intrinsic :: iso_fortran_env, only: int64
-   use evl_contact_lanes, only: contact_in_lanes, lane_contact
-   use evl_contacts_in_lanes, only: lane_slot
-   use evl_force_lanes, only: lane_force, laws_in_lanes
+   use evl_contact_lanes, only: contact_in_lanes
+   use evl_flank, only: flank_t
+   use evl_force_lanes, only: lane_slot
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_events, only: gearbox_roots, turns_root
    use evl_kinds, only: lanes, wp
@@ -25,27 +25,21 @@ contains
    include "contact/contact_roots.inc"
 
    !> Root functions of all states.
-   subroutine roots_in_lanes(gearbox, y, integers, reals, slots, nearby, roots, status)
+   subroutine roots_in_lanes(gearbox, y, integers, reals, slots, aside, nearby, roots, status)
       type(gearbox_t), intent(in) :: gearbox     !! one that `lanes_serve` accepts
       real(wp), intent(in) :: y(lanes, gearbox%n_states)
       integer, intent(in) :: integers(:)
       real(wp), intent(in) :: reals(:)
-      type(lane_slot), intent(in) :: slots(:)    !! [tooth contacts] settled
+      type(lane_slot), intent(in) :: slots(size(gearbox%contacts))    !! [tooth contacts] settled
+      type(lane_slot), intent(inout) :: aside(size(gearbox%contacts)) !! [tooth contacts] settled: scratch for these states
       logical, intent(in) :: nearby              !! where flanks overlap those of the last `rates_in_lanes` will do
       real(wp), intent(out) :: roots(lanes, gearbox%n_roots)
       type(status_t), intent(inout) :: status    !! code_out_of_domain if a law has no answer in one of the lanes
-      type(lane_line) :: line
       logical :: answered
-      integer :: m
+      integer :: i
 
-      do m = 1, size(gearbox%contacts)
-         associate (first => gearbox%contacts(m)%i_root + 1, last => gearbox%contacts(m)%i_root + gearbox%contacts(m)%n_roots)
-            if (nearby .and. touches(slots(m)%mode)) then
-               call roots_of_touch(gearbox%contacts(m), slots(m), y, line, roots(:, first:last))
-               cycle
-            end if
-            call roots_of_contact(gearbox%contacts(m), slots(m), y, line, roots(:, first:last), answered)
-         end associate
+      do i = 1, size(gearbox%flanks)
+         call roots_of_flank(gearbox, gearbox%flanks(i)%flank, y, slots, aside, nearby, roots, answered)
          if (.not. answered) then
             call say_why(gearbox, y, integers, reals, status)
             return
@@ -54,61 +48,61 @@ contains
       roots(:, gearbox%n_roots) = turns_root(y(:, i_theta))
    end subroutine roots_in_lanes
 
-   !> Those of one tooth contact.
-   subroutine roots_of_contact(contact, slot, y, line, roots, answered)
-      type(tooth_contact_t), intent(in) :: contact
-      type(lane_slot), intent(in) :: slot
-      real(wp), intent(in) :: y(lanes, *)
-      type(lane_line), intent(inout) :: line       !! of the contact before, or nobody's
-      real(wp), intent(out) :: roots(lanes, contact%n_roots)
+   !> Those of the tooth contacts of a flank.
+   subroutine roots_of_flank(gearbox, flank, y, slots, aside, nearby, roots, answered)
+      type(gearbox_t), intent(in) :: gearbox
+      class(flank_t), intent(in) :: flank
+      real(wp), intent(in) :: y(lanes, gearbox%n_states)
+      type(lane_slot), intent(in) :: slots(size(gearbox%contacts))
+      type(lane_slot), intent(inout) :: aside(size(gearbox%contacts))
+      logical, intent(in) :: nearby
+      real(wp), intent(inout) :: roots(lanes, gearbox%n_roots)
       logical, intent(out) :: answered
-      type(lane_contact) :: at
-      type(lane_force) :: force
-      real(wp), dimension(lanes) :: unclipped, moved
+      type(lane_line) :: line
+      integer :: m
 
-      call line_in_lanes(contact, y, line)
-      answered = all_positive(line%margin)
-      if (.not. answered) return
-      call contact_in_lanes(contact, slot%mode, slot%rho_start, line, at)
-      unclipped = 0
-      if (touches(slot%mode)) then
-         call laws_in_lanes(contact, line%margin, at, force, answered)
+      answered = .true.
+      do m = flank%first, flank%last
+         if (nearby .and. slots(m)%touches) cycle
+         call line_in_lanes(gearbox%contacts(m), y, line)
+         answered = all_positive(line%margin)
          if (.not. answered) return
-         unclipped = force%elastic + force%viscous
-      end if
-      call moved_in_lanes(contact, line, at%rho_a0, moved)
-      call closed_form_roots(contact, slot%mode, slot%directions, at%h, at%h_dot, at%v_t, at%rho_a, at%rho_b, unclipped, moved, &
-                             roots)
-   end subroutine roots_of_contact
+         call contact_in_lanes(gearbox%contacts(m), slots(m)%mode, slots(m)%rho_start, line, aside(m)%at)
+      end do
+      if (.not. nearby) call flank%laws_in_lanes(gearbox%contacts, flank%first, flank%last, aside, answered)
+      if (.not. answered) return
+      do m = flank%first, flank%last
+         associate (contact => gearbox%contacts(m), place => gearbox%contacts(m)%i_root + 1)
+            if (nearby .and. slots(m)%touches) then
+               call roots_of_contact(flank, contact, slots(m), y, line, roots(1, place))
+            else
+               call roots_of_contact(flank, contact, aside(m), y, line, roots(1, place))
+            end if
+         end associate
+      end do
+   end subroutine roots_of_flank
 
-   !> Those of one that touched in states nearby.
-   subroutine roots_of_touch(contact, slot, y, line, roots)
+   !> Those of one tooth contact.
+   subroutine roots_of_contact(flank, contact, slot, y, line, roots)
+      class(flank_t), intent(in) :: flank
       type(tooth_contact_t), intent(in) :: contact
       type(lane_slot), intent(in) :: slot
       real(wp), intent(in) :: y(lanes, *)
       type(lane_line), intent(inout) :: line       !! its motion may be needed
       real(wp), intent(out) :: roots(lanes, contact%n_roots)
-      real(wp) :: moved(lanes)
-
-      if (contact%handover) call motion_in_lanes(contact, y, line)
-      call moved_in_lanes(contact, line, slot%at%rho_a0, moved)
-      call closed_form_roots(contact, slot%mode, slot%directions, slot%at%h, slot%at%h_dot, slot%at%v_t, slot%at%rho_a, &
-                             slot%at%rho_b, slot%unclipped, moved, roots)
-   end subroutine roots_of_touch
-
-   !> How many pitches a pair that hands over has moved on; 0 for others.
-   subroutine moved_in_lanes(contact, line, rho_a0, moved)
-      type(tooth_contact_t), intent(in) :: contact
-      type(lane_line), intent(in) :: line
-      real(wp), intent(in) :: rho_a0(lanes)
-      real(wp), intent(out) :: moved(lanes)
-      real(wp) :: turn(lanes)
+      real(wp), dimension(lanes) :: moved, turn
 
       moved = 0
-      if (.not. contact%handover) return
-      call centre_turn_in_lanes(contact, line, turn)
-      moved = pitches_moved(contact, rho_a0, line%psi_a, turn)
-   end subroutine moved_in_lanes
+      if (contact%handover) then
+         if (line%mesh == 0) call motion_in_lanes(contact, y, line)
+         call centre_turn_in_lanes(contact, line, turn)
+         moved = pitches_moved(contact, slot%at%rho_a0, line%psi_a, turn)
+      end if
+      associate (at => slot%at)
+         call closed_form_roots(flank, contact, slot%mode, slot%directions, at%overlap, at%h_dot, at%v_t, at%rho_a, at%rho_b, &
+                                slot%force%unclipped, moved, roots)
+      end associate
+   end subroutine roots_of_contact
 
    !> The first lane without an answer says why, in the words of the scalar kernel.
    subroutine say_why(gearbox, y, integers, reals, status)

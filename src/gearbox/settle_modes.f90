@@ -6,14 +6,13 @@
 !> of contact, force and sliding are looked at in all tooth contacts, and what they say is done, until none is past its zero.
 module evl_settle_modes
    use evl_contact_events, only: contact_event, parts, roots_of_contact
-   use evl_contact_point, only: contact_point
-   use evl_contact_roots, only: by_kind, contact_root_directions, is_past
+   use evl_contact_roots, only: by_kind, is_past
    use evl_event_log, only: event_log
    use evl_gearbox, only: gearbox_t
    use evl_kinds, only: wp
    use evl_root_kinds, only: n_root_kinds, past, root_of, root_rows, settles_alone, settles_contact, settles_sliding
    use evl_status, only: code_no_solution, fail, has_failed, status_t, subject_mesh
-   use evl_tooth_contact, only: contact_mode, flanks_open, tooth_contact_t, tracking_closed_form
+   use evl_tooth_contact, only: contact_state, flanks_open, tooth_contact_t, tracking_closed_form
    implicit none (type, external)
    private
 
@@ -38,11 +37,12 @@ contains
       type(event_log), intent(inout) :: log
       type(status_t), intent(inout) :: status        !! code_no_solution if two modes contradict each other for ever
       logical :: settled, nothing, crossed(n_root_kinds, size(gearbox%contacts)), quiet(size(gearbox%contacts))
+      type(contact_state) :: at(size(gearbox%contacts))
       integer :: m, turn, restless
 
       do m = 1, size(gearbox%contacts)
          crossed(:, m) = by_kind(gearbox%contacts(m), fired)
-         call cross(gearbox, m, y, integers, reals, crossed(:, m), quiet(m), log, status)
+         call cross(gearbox, m, y, integers, reals, at, crossed(:, m), quiet(m), log, status)
          if (has_failed(status)) return
       end do
       restless = 0
@@ -50,7 +50,7 @@ contains
          settled = .true.
          do m = 1, size(gearbox%contacts)
             if (quiet(m)) cycle
-            call settle_contact(gearbox, m, crossed(:, m), y, integers, reals, nothing, log, status)
+            call settle_contact(gearbox, m, crossed(:, m), y, integers, reals, at, nothing, log, status)
             if (has_failed(status)) return
             quiet(m) = nothing .and. stands_alone(gearbox%contacts(m))
             if (nothing) cycle
@@ -64,12 +64,13 @@ contains
    end subroutine settle_modes
 
    !> Do what the root functions of one tooth contact say that crossed zero.
-   subroutine cross(gearbox, m, y, integers, reals, crossed, quiet, log, status)
+   subroutine cross(gearbox, m, y, integers, reals, at, crossed, quiet, log, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m
       real(wp), intent(inout) :: y(gearbox%n_states)
       integer, intent(inout) :: integers(:)
       real(wp), intent(inout) :: reals(:)
+      type(contact_state), intent(inout) :: at(*)     !! [contacts]
       logical, intent(inout) :: crossed(n_root_kinds) !! those located; those that cross at the same instant come to them
       logical, intent(out) :: quiet                   !! nothing crosses, and what happens to other contacts does not change that
       type(event_log), intent(inout) :: log
@@ -77,11 +78,11 @@ contains
       logical :: passed(n_root_kinds, 1)
 
       quiet = .false.
-      call passed_now(gearbox, m, y, integers, reals, [-tie], passed, status)
+      call passed_now(gearbox, m, y, integers, reals, at, [-tie], passed, status)
       if (has_failed(status)) return
       crossed = crossed .or. passed(:, 1)
       if (any(crossed)) then
-         call contact_event(gearbox, m, crossed, y, integers, reals, log, status)
+         call contact_event(gearbox, m, crossed, y, integers, reals, at, log, status)
       else
          quiet = stands_alone(gearbox%contacts(m))
       end if
@@ -89,13 +90,14 @@ contains
 
    !> Do what the root functions of one tooth contact say that have jumped past zero. What has just crossed zero lies on one side of
    !> it or the other, as exactly as events are located, and is not taken back for that.
-   subroutine settle_contact(gearbox, m, crossed, y, integers, reals, nothing, log, status)
+   subroutine settle_contact(gearbox, m, crossed, y, integers, reals, at, nothing, log, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m
       logical, intent(in) :: crossed(n_root_kinds) !! root functions that crossed zero at this event
       real(wp), intent(inout) :: y(gearbox%n_states)
       integer, intent(inout) :: integers(:)
       real(wp), intent(inout) :: reals(:)
+      type(contact_state), intent(inout) :: at(*)  !! [contacts]
       logical, intent(out) :: nothing              !! to do
       type(event_log), intent(inout) :: log
       type(status_t), intent(inout) :: status
@@ -104,7 +106,7 @@ contains
       integer :: i
 
       nothing = .true.
-      call passed_now(gearbox, m, y, integers, reals, [0.0_wp, located], passed, status)
+      call passed_now(gearbox, m, y, integers, reals, at, [0.0_wp, located], passed, status)
       if (has_failed(status) .or. .not. any(passed)) return
       jumped = .false.
       do i = settles_contact, settles_sliding
@@ -114,7 +116,7 @@ contains
       where (root_rows%settles == settles_alone) jumped = passed(:, at_all) .and. .not. crossed
       if (.not. any(jumped)) return
       nothing = .false.
-      call contact_event(gearbox, m, jumped, y, integers, reals, log, status)
+      call contact_event(gearbox, m, jumped, y, integers, reals, at, log, status)
    end subroutine settle_contact
 
    !> Whether what happens to other contacts changes nothing for this one: rigid ones share a force, tracked ones their points.
@@ -125,30 +127,28 @@ contains
    end function stands_alone
 
    !> Which root functions of one tooth contact are past zero at a state, as far as they decide by themselves.
-   subroutine passed_now(gearbox, m, y, integers, reals, by, passed, status)
+   subroutine passed_now(gearbox, m, y, integers, reals, at, by, passed, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m, integers(:)
       real(wp), intent(in) :: y(gearbox%n_states), reals(:)
+      type(contact_state), intent(inout) :: at(*) !! [contacts]
       real(wp), intent(in) :: by(:) !! as of `is_past`
       logical, intent(out) :: passed(n_root_kinds, size(by)) !! by kind, of each of them; false of those that it does not have
       type(status_t), intent(inout) :: status
-      type(contact_point) :: point
-      type(contact_mode) :: mode
       real(wp) :: roots(n_root_kinds)
       integer :: directions(n_root_kinds)
       integer :: i
 
       passed = .false.
       associate (contact => gearbox%contacts(m))
-         call roots_of_contact(gearbox, m, y, integers, reals, mode, point, roots, status)
+         call roots_of_contact(gearbox, m, y, integers, reals, at, directions, roots, status)
          if (has_failed(status)) return
-         call contact_root_directions(contact, mode, directions)
          do i = 1, contact%n_roots
             passed(contact%roots(i), :) = is_past(directions(i), roots(i), by)
          end do
          ! rigid flanks close by impacts, and their forces are found together
          if (contact%rigid) passed([root_of%contact, root_of%force], :) = .false.
-         if (mode%flanks == flanks_open .and. parts(contact, point)) passed(root_of%contact, :) = .false.
+         if (at(m)%mode%flanks == flanks_open .and. parts(contact, at(m))) passed(root_of%contact, :) = .false.
       end associate
    end subroutine passed_now
 

@@ -3,10 +3,10 @@
 module evl_watch_lanes
    use evl_contact_lanes, only: contact_in_lanes, lane_contact
    use evl_contact_point, only: contact_point, tracked_pair
-   use evl_contacts_in_lanes, only: lane_slot
    use evl_discrete_state, only: leading_contact
    use evl_extremes, only: watch_error, watch_friction, watch_normal, watch_pair_normal, watch_pair_pressure, watch_penetration, &
                            watch_sliding
+   use evl_force_lanes, only: lane_slot
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_watch, only: channel_of
    use evl_kinds, only: lanes, pi, wp
@@ -37,7 +37,8 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: y(lanes, gearbox%n_states)
       integer, intent(in) :: integers(:)
-      type(lane_slot), intent(inout) :: slots(:) !! [tooth contacts] as the last rates left them; curvatures are kept there
+      !> [tooth contacts] as the last rates left them; curvatures are kept there
+      type(lane_slot), intent(inout) :: slots(size(gearbox%contacts))
       integer, intent(out) :: n
       integer, intent(inout) :: channels(:)      !! the first n of these: which ones
       real(wp), intent(inout) :: values(lanes, *) !! of these
@@ -50,7 +51,7 @@ contains
          friction = 0
          loaded = 0
          do c = gearbox%first(m), gearbox%first(m + 1) - 1
-            if (.not. touches(slots(c)%mode)) cycle
+            if (.not. slots(c)%touches) cycle
             if (slots(c)%mode%flanks == flanks_loaded) loaded = loaded + 1
             call watch_pair(gearbox, c, slots(c), n, channels, values, normal, friction)
          end do
@@ -91,16 +92,16 @@ contains
       associate (contact => gearbox%contacts(c))
          if (contact%flank == flank_drive) call put(channel_of(contact%mesh, watch_penetration), slot%at%h, n, channels, values)
          if (slot%mode%flanks /= flanks_loaded) return
-         call put(channel_of(contact%mesh, watch_pair_normal), slot%unclipped, n, channels, values)
+         call put(channel_of(contact%mesh, watch_pair_normal), slot%force%unclipped, n, channels, values)
          factor = contact%e_star/(contact%width*pi)
          call curvature_in_lanes(contact, slot, curvature)
          !$omp simd
          do l = 1, lanes
-            normal(l) = normal(l) + slot%unclipped(l)
-            pressure(l) = pressure_in_lane(factor, slot%unclipped(l), curvature(l))
+            normal(l) = normal(l) + slot%force%unclipped(l)
+            pressure(l) = pressure_in_lane(factor, slot%force%unclipped(l), curvature(l))
          end do
          call put(channel_of(contact%mesh, watch_pair_pressure), pressure, n, channels, values)
-         if (contact%flank == flank_drive) friction = friction - slot%unclipped*slot%friction
+         if (contact%flank == flank_drive) friction = friction - slot%force%unclipped*slot%force%factor
       end associate
    end subroutine watch_pair
 
@@ -157,7 +158,7 @@ contains
       real(wp), dimension(lanes) :: lag, turn
 
       pair = leader%pair
-      if (touches(slot%mode)) then
+      if (slot%touches) then
          call put(channel_of(m, watch_sliding), slot%at%v_t, n, channels, values)
          call motion_in_lanes(leader, y, line)
       else

@@ -11,16 +11,17 @@ module evl_damping_law
    implicit none (type, external)
    private
 
-   public :: damping_law_t, lane_by_lane, viscous_force, viscous_result
+   public :: damping_law_t, lane_by_lane, no_viscous, viscous_force, viscous_result
 
    !> A viscous force with its derivatives.
    type :: viscous_result
-      real(wp) :: force = 0.0_wp     !! [N], over the whole width
-      real(wp) :: d_h = 0.0_wp       !! dF/dh at constant radii of curvature [N/m]
-      real(wp) :: d_rho_a = 0.0_wp, d_rho_b = 0.0_wp !! dF/drho_a, dF/drho_b at constant h [N/m]
-      real(wp) :: d_h_dot = 0.0_wp   !! dF/dh' [N s/m]
-      real(wp) :: d_elastic = 0.0_wp !! dF/d(elastic force); `viscous_force` puts it into those before
+      real(wp) :: force     !! [N], over the whole width
+      real(wp) :: d_h       !! dF/dh at constant radii of curvature [N/m]
+      real(wp) :: d_rho_a, d_rho_b !! dF/drho_a, dF/drho_b at constant h [N/m]
+      real(wp) :: d_h_dot   !! dF/dh' [N s/m]
+      real(wp) :: d_elastic !! dF/d(elastic force); `viscous_force` puts it into those before
    end type viscous_result
+   type(viscous_result), parameter :: no_viscous = viscous_result(0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp)
 
    type, abstract, extends(force_law_t) :: damping_law_t
    contains
@@ -56,6 +57,7 @@ contains
       type(elastic_result), intent(in) :: elastic !! elastic force there
       type(viscous_result), intent(out) :: result
 
+      result = no_viscous
       call law%force(ctx, elastic%force, result)
       result%d_h = result%d_h + result%d_elastic*elastic%d_h
       result%d_rho_a = result%d_rho_a + result%d_elastic*elastic%d_rho_a
@@ -72,7 +74,7 @@ contains
       integer :: l
 
       do l = 1, lanes
-         viscous = viscous_result()
+         viscous = no_viscous
          call self%force(context_of_lane(at, l), elastic(l), viscous)
          force(l) = viscous%force
       end do

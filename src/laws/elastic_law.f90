@@ -8,17 +8,18 @@ module evl_elastic_law
    implicit none (type, external)
    private
 
-   public :: elastic_law_t, elastic_result, lane_by_lane
+   public :: elastic_law_t, elastic_result, lane_by_lane, no_elastic
 
    !> An elastic force with its derivatives, and those of the elastic energy V as `potential` has it; r = rho_a + rho_b - h. No law
    !> so far tells one radius from the other in the energy.
    type :: elastic_result
-      real(wp) :: force = 0.0_wp !! [N], over the whole width
-      real(wp) :: d_h = 0.0_wp   !! dF/dh at constant radii of curvature [N/m]
-      real(wp) :: d_rho_a = 0.0_wp, d_rho_b = 0.0_wp !! dF/drho_a, dF/drho_b at constant h [N/m]
-      real(wp) :: d_energy = 0.0_wp !! dV/dr at constant h [J/m]
-      real(wp) :: excess = 0.0_wp   !! dV/dh - F at constant r: what V, a series, gets wrong [N]
+      real(wp) :: force !! [N], over the whole width
+      real(wp) :: d_h   !! dF/dh at constant radii of curvature [N/m]
+      real(wp) :: d_rho_a, d_rho_b !! dF/drho_a, dF/drho_b at constant h [N/m]
+      real(wp) :: d_energy !! dV/dr at constant h [J/m]
+      real(wp) :: excess   !! dV/dh - F at constant r: what V, a series, gets wrong [N]
    end type elastic_result
+   type(elastic_result), parameter :: no_elastic = elastic_result(0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp)
 
    type, abstract, extends(force_law_t) :: elastic_law_t
    contains

@@ -3,7 +3,7 @@
 !> It depends neither on the radii of curvature nor has it a limit of its own.
 module evl_linear_spring
    use evl_contact_context, only: contact_context, lane_context
-   use evl_elastic_law, only: elastic_law_t, elastic_result
+   use evl_elastic_law, only: elastic_law_t, elastic_result, no_elastic
    use evl_kinds, only: lanes, wp
    use evl_row, only: kind_t, parameter_row, positive
    use evl_status, only: code_ok
@@ -50,6 +50,7 @@ contains
       type(elastic_result), intent(out) :: result
       integer, intent(out) :: code
 
+      result = no_elastic
       result%d_h = self%stiffness(ctx%e_star, ctx%width)
       result%force = linear_spring(result%d_h, ctx%h)
       code = code_ok

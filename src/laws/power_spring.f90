@@ -7,7 +7,7 @@
 module evl_power_spring
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_contact_context, only: contact_context, lane_context
-   use evl_elastic_law, only: elastic_law_t, elastic_result
+   use evl_elastic_law, only: elastic_law_t, elastic_result, no_elastic
    use evl_kinds, only: lanes, wp
    use evl_row, only: at_least, kind_t, parameter_row, positive
    use evl_status, only: code_ok
@@ -51,6 +51,7 @@ contains
       type(elastic_result), intent(out) :: result
       integer, intent(out) :: code
 
+      result = no_elastic
       call power_spring(ctx%h, self%parameters(1), self%parameters(2), result%force, result%d_h)
       code = code_ok
    end subroutine force

@@ -1,7 +1,7 @@
 !> What rigid contact says of itself as a law: it has no force of its own, its flanks are a constraint of the gearbox.
 module evl_rigid
    use evl_contact_context, only: contact_context
-   use evl_elastic_law, only: elastic_law_t, elastic_result
+   use evl_elastic_law, only: elastic_law_t, elastic_result, no_elastic
    use evl_force_law, only: yes
    use evl_johnson, only: johnson_t
    use evl_kinds, only: wp
@@ -47,6 +47,7 @@ contains
       type(elastic_result), intent(out) :: result
       integer, intent(out) :: code
 
+      result = no_elastic
       code = code_out_of_domain
    end subroutine force
 

@@ -139,7 +139,7 @@ def relieved(kernel: Kernel, shape: int) -> Gearbox:
         for z, tip, root in ((20, 0.0625, 0.0578), (35, 0.1075, 0.1025))
     ]
     pair = mesh(kernel, friction=(0.1, 1e-3))
-    pair.paper_rule = False
+    pair.pop("pressure_angle")
     return Gearbox(kernel, wheels, [load(0, TORQUE, -20.0), load(1, VISCOUS, 5.0)], [pair])
 
 

@@ -3,7 +3,7 @@ module touching_calls
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_ptr
    use evl_contact_point, only: contact_point
    use evl_gearbox, only: gearbox_t
-   use evl_tooth_contact, only: contact_mode, settle_zones
+   use evl_tooth_contact, only: contact_mode, no_mode, settle_zones
    use evl_touching_flanks, only: second_order_gap, touching_curvature
    implicit none (type, external)
    private
@@ -26,6 +26,7 @@ contains
 
       call c_f_pointer(handle, g)
       associate (contact => g%contacts(g%first(mesh + 1)))
+         mode = no_mode
          mode%tooth_pair = pair
          do i = 1, n
             point%rho_a = rho(i)

@@ -51,8 +51,7 @@ class ContactContext(ctypes.Structure):
     """`given_contact` of the tests."""
 
     _fields_ = [
-        (name, _double)
-        for name in ("h", "h_dot", "rho_a", "rho_b", "e_star", "width", "v0")
+        (name, _double) for name in ("h", "h_dot", "rho_a", "rho_b", "e_star", "width", "v0")
     ]
 
 

@@ -3,7 +3,7 @@ module law_calls
    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int
    use evl_capi_types, only: c_max_parameters, c_message_length, c_status, status_to_c, to_c
    use evl_contact_context, only: contact_context
-   use evl_damping_law, only: damping_law_t, viscous_force, viscous_result
+   use evl_damping_law, only: damping_law_t, no_viscous, viscous_force, viscous_result
    use evl_elastic_law, only: elastic_law_t, elastic_result
    use evl_force_law, only: law_choice
    use evl_friction_law, only: friction_law_t
@@ -132,7 +132,7 @@ contains
          call acting_contact%force(ctx, elastic, codes(i))
          call viscous_force(acting_damping, ctx, elastic, viscous)
          if (acting_damping%left_to_mesh() /= "") then
-            viscous = viscous_result()
+            viscous = no_viscous
             if (codes(i) == code_ok) codes(i) = code_invalid_input
          end if
          force(i) = viscous%force

@@ -2,8 +2,9 @@
 module lanes_capi
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_loc, c_ptr
    use evl_capi_types, only: c_status, status_to_c
-   use evl_contacts_in_lanes, only: lane_slot, settle_slots
+   use evl_contacts_in_lanes, only: settle_slots
    use evl_elementary, only: exponential, hyperbolic_tangent, natural_logarithm, real_power, sine_cosine
+   use evl_force_lanes, only: lane_slot
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_events, only: gearbox_root, gearbox_root_directions
    use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
@@ -113,15 +114,16 @@ contains
       integer(c_int), intent(in) :: integers(*)
       real(c_double), intent(inout) :: roots(*)
       type(gearbox_t), pointer :: gearbox
-      type(lane_slot), allocatable :: slots(:)
+      type(lane_slot), allocatable :: slots(:), aside(:)
       type(status_t) :: status
 
       call c_f_pointer(handle, gearbox)
       allocate (slots(size(gearbox%contacts)))
       call settle_slots(gearbox, integers(:gearbox%n_integers), reals(:size(gearbox%contacts)), slots)
+      aside = slots
       associate (n => gearbox%n_states, m => gearbox%n_roots)
          call roots_in_lanes(gearbox, y(:lanes*n), integers(:gearbox%n_integers), reals(:size(gearbox%contacts)), &
-                             slots, .false., roots(:lanes*m), status)
+                             slots, aside, .false., roots(:lanes*m), status)
       end associate
       code = status%code
    end function lanes_roots
@@ -133,7 +135,7 @@ contains
       integer(c_int), intent(in) :: integers(*)
       real(c_double), intent(inout) :: roots(*)
       type(gearbox_t), pointer :: gearbox
-      type(lane_slot), allocatable :: slots(:)
+      type(lane_slot), allocatable :: slots(:), aside(:)
       real(c_double), allocatable :: f(:)
       type(status_t) :: status
 
@@ -142,8 +144,9 @@ contains
       associate (modes => integers(:gearbox%n_integers), speeds => reals(:size(gearbox%contacts)), &
                  n => gearbox%n_states, m => gearbox%n_roots)
          call settle_slots(gearbox, modes, speeds, slots)
+         aside = slots
          call rates_in_lanes(gearbox, t, y_before(:lanes*n), modes, speeds, slots, f, status)
-         call roots_in_lanes(gearbox, y(:lanes*n), modes, speeds, slots, .true., roots(:lanes*m), status)
+         call roots_in_lanes(gearbox, y(:lanes*n), modes, speeds, slots, aside, .true., roots(:lanes*m), status)
       end associate
       code = status%code
    end function lanes_roots_nearby

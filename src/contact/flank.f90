@@ -1,0 +1,220 @@
+!> A flank: all tooth contacts of one side of a mesh's teeth, drive or coast. What acts between them is asked of it, of all at once,
+!> and so is where tooth pairs come and go.
+!>
+!> On this flank each pair stands alone: the laws give its force from its own place. Where the teeth of a wheel yield together, the
+!> forces of all pairs follow from the places of all. Such a flank extends `flank_t` with its own answers to what can be overridden,
+!> and `description/contact_build.f90` chooses it; nobody else tells one from the other.
+!>
+!> The contacts of a flank share their local variables, since they lie between the same two wheels.
+module evl_flank
+   use evl_contact_context, only: contact_context
+   use evl_contact_point, only: contact_gradient, contact_point
+   use evl_damping_law, only: no_viscous, viscous_force
+   use evl_elastic_law, only: elastic_result, no_elastic
+   use evl_force_lanes, only: lane_slot, laws_of_pair, resolve_in_lanes
+   use evl_kinds, only: wp
+   use evl_local_variables, only: at_normal, n_local, unit
+   use evl_root_kinds, only: side_of_rate
+   use evl_status, only: code_ok, code_out_of_domain, fail, has_failed, quantity, status_t, subject_mesh
+   use evl_tooth_contact, only: contact_force, contact_state, flanks_unloaded, no_force, on_involutes, tooth_contact_t, touches
+   implicit none (type, external)
+   private
+
+   public :: flank_slot, flank_t
+
+   !> Its procedures are asked about some or all of its contacts, `company` says which must come together.
+   type :: flank_t
+      integer :: first = 1, last = 0 !! its tooth contacts among those of the gearbox
+      real(wp) :: reach = 0.0_wp     !! how far past the ends of the path of contact its pairs stay, in pitches
+   contains
+      procedure :: company
+      procedure :: laws
+      procedure :: add_energy
+      procedure :: force_changes
+      procedure :: laws_in_lanes
+      procedure, non_overridable :: forces
+      procedure, non_overridable :: forces_in_lanes
+   end type flank_t
+
+   !> A flank of any kind.
+   type :: flank_slot
+      class(flank_t), allocatable :: flank
+   end type flank_slot
+
+contains
+
+   !> The contacts whose places decide about the force of one: here that one alone.
+   pure subroutine company(self, contact, first, last)
+      class(flank_t), intent(in) :: self
+      integer, intent(in) :: contact      !! among those of the gearbox
+      integer, intent(out) :: first, last
+
+      first = contact
+      last = contact
+   end subroutine company
+
+   !> Elastic and viscous forces of the contacts that touch, as if nothing were clipped, with their derivatives; and of all the
+   !> overlap, where the others change that.
+   subroutine laws(self, contacts, first, last, at, status)
+      class(flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contacts(*) !! of the gearbox
+      integer, intent(in) :: first, last               !! those that are asked
+      type(contact_state), intent(inout) :: at(*) !! with their points
+      type(status_t), intent(inout) :: status     !! code_out_of_domain if a law has no answer
+      type(contact_context) :: ctx
+      character(len=len(status%message)) :: message
+      integer :: code, k
+
+      do k = first, last
+         if (.not. touches(at(k)%mode)) cycle
+         associate (contact => contacts(k), elastic => at(k)%elastic, viscous => at(k)%viscous)
+            if (contact%rigid) then
+               elastic = no_elastic
+               elastic%force = at(k)%mode%share*at(k)%point%multiplier
+               viscous = no_viscous
+               cycle
+            end if
+            ctx = context_of(contact, at(k))
+            call contact%elastic%force(ctx, elastic, code)
+            if (code /= code_ok) then
+               call contact%elastic%limit_message(ctx, message)
+               call fail(status, code, message, subject_mesh, contact%mesh, "contact")
+            end if
+            call viscous_force(contact%damping, ctx, elastic, viscous)
+         end associate
+      end do
+   end subroutine laws
+
+   !> What the laws may know of a pair.
+   pure type(contact_context) function context_of(contact, at) result(ctx)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_state), intent(in) :: at
+
+      ctx = contact_context(h=at%point%h, h_dot=at%point%h_dot, rho_a=at%point%rho_a, rho_b=at%point%rho_b, e_star=contact%e_star, &
+                            width=contact%width, v0=at%mode%v0, side=at%mode%sides(side_of_rate))
+   end function context_of
+
+   !> Add the elastic energy of the contacts that touch [J].
+   pure subroutine add_energy(self, contacts, first, last, at, energy)
+      class(flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contacts(*) !! of the gearbox
+      integer, intent(in) :: first, last               !! those that are asked
+      type(contact_state), intent(in) :: at(*) !! with their elastic forces
+      real(wp), intent(inout) :: energy
+      integer :: k
+
+      do k = first, last
+         if (contacts(k)%rigid .or. .not. touches(at(k)%mode)) cycle
+         energy = energy + contacts(k)%elastic%potential(context_of(contacts(k), at(k)), at(k)%elastic%force)
+      end do
+   end subroutine add_energy
+
+   !> How the elastic and the viscous force of a contact change with the local variables.
+   pure subroutine force_changes(self, contacts, at, d, k, elastic, viscous)
+      class(flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contacts(*)
+      type(contact_state), intent(in) :: at(*)
+      type(contact_gradient), intent(in) :: d(*) !! of the points of the contacts that touch
+      integer, intent(in) :: k                   !! which of them; it touches
+      real(wp), intent(out) :: elastic(n_local), viscous(n_local)
+
+      associate (e => at(k)%elastic, v => at(k)%viscous)
+         elastic = force_change(e%d_h, e%d_rho_a, e%d_rho_b, d(k))
+         if (contacts(k)%rigid) elastic = unit(at_normal, at(k)%mode%share)
+         viscous = force_change(v%d_h, v%d_rho_a, v%d_rho_b, d(k)) + v%d_h_dot*d(k)%h_dot
+      end associate
+   end subroutine force_changes
+
+   !> How a force changes with the penetration and both radii of curvature. Where it depends on their sum alone, as laws so far do,
+   !> what one radius gains by the motion of the axles and the other loses cancels before it is multiplied.
+   pure function force_change(d_h, d_rho_a, d_rho_b, d) result(change)
+      real(wp), intent(in) :: d_h, d_rho_a, d_rho_b !! derivatives of the force [N/m]
+      type(contact_gradient), intent(in) :: d
+      real(wp) :: change(n_local)
+
+      change = d_h*d%h + d_rho_a*(d%rho_a + d%rho_b) + (d_rho_b - d_rho_a)*d%rho_b
+   end function force_change
+
+   !> All forces of the contacts that touch.
+   subroutine forces(self, contacts, first, last, at, status)
+      class(flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contacts(*) !! of the gearbox
+      integer, intent(in) :: first, last               !! those that are asked
+      type(contact_state), intent(inout) :: at(*) !! with their points
+      type(status_t), intent(inout) :: status     !! code_out_of_domain if a limit of a law or of the involutes is passed
+      integer :: k
+
+      do k = first, last
+         if (.not. touches(at(k)%mode)) cycle
+         if (on_involutes(at(k)%point)) cycle
+         call left_involute(contacts(k), at(k)%point, status)
+         return
+      end do
+      call self%laws(contacts, first, last, at, status)
+      if (has_failed(status)) return
+      do k = first, last
+         if (.not. touches(at(k)%mode)) cycle
+         associate (contact => contacts(k), mode => at(k)%mode, point => at(k)%point, elastic => at(k)%elastic)
+            if (mode%flanks == flanks_unloaded) then
+               at(k)%factor = 0
+               at(k)%d_v = 0
+               at(k)%force = no_force
+               at(k)%force%dissipation = unloaded_loss(point, elastic)
+            else
+               call contact%friction%factor(mode%friction, point%v_t, at(k)%factor, at(k)%d_v)
+               call resolve_forces(contact%pair%sigma, point, elastic, at(k)%viscous%force, at(k)%factor, at(k)%force)
+            end if
+         end associate
+      end do
+   end subroutine forces
+
+   include "contact/contact_forces.inc"
+
+   !> `laws` in eight states.
+   subroutine laws_in_lanes(self, contacts, first, last, slots, answered)
+      class(flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contacts(*) !! of the gearbox
+      integer, intent(in) :: first, last               !! those that are asked
+      type(lane_slot), intent(inout) :: slots(*) !! those that touch with their places
+      logical, intent(out) :: answered           !! false if the laws or the involutes have no answer in one of the lanes
+      integer :: k
+
+      answered = .true.
+      do k = first, last
+         if (.not. slots(k)%touches) cycle
+         call laws_of_pair(contacts(k), slots(k)%at, slots(k)%force, answered)
+         if (.not. answered) return
+      end do
+   end subroutine laws_in_lanes
+
+   !> `forces` in eight states.
+   subroutine forces_in_lanes(self, contacts, first, last, slots, answered)
+      class(flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contacts(*) !! of the gearbox
+      integer, intent(in) :: first, last               !! those that are asked
+      type(lane_slot), intent(inout) :: slots(*) !! those that touch with their places
+      logical, intent(out) :: answered
+      integer :: k
+
+      call self%laws_in_lanes(contacts, first, last, slots, answered)
+      if (.not. answered) return
+      do k = first, last
+         if (slots(k)%touches) call resolve_in_lanes(contacts(k), slots(k)%mode, slots(k)%at, slots(k)%force)
+      end do
+   end subroutine forces_in_lanes
+
+   !> The contact has left an involute: say which radius of curvature ran out.
+   pure subroutine left_involute(contact, point, status)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_point), intent(in) :: point
+      type(status_t), intent(inout) :: status
+      character(len=7) :: which
+
+      which = "driven"
+      if (point%rho_a <= 0 .or. .not. point%exists) which = "driving"
+      call fail(status, code_out_of_domain, "the contact has left the involute of the "//trim(which)//" wheel below its base" &
+                //" circle (radii of curvature rho_A = "//quantity(point%rho_a, "m")//", rho_B = "//quantity(point%rho_b, "m") &
+                //"): the tooth pair has turned back too far, or the gap is too wide", subject_mesh, contact%mesh, "tracking")
+   end subroutine left_involute
+
+end module evl_flank

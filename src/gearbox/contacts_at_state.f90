@@ -1,0 +1,98 @@
+!> The tooth contacts of a gearbox at a state: the one way from states to where flanks touch and what acts there.
+module evl_contacts_at_state
+   use evl_discrete_state, only: flanks_of, take_mode
+   use evl_gearbox, only: gearbox_local, gearbox_t, i_turns
+   use evl_kinds, only: wp
+   use evl_local_variables, only: i_theta
+   use evl_status, only: status_t
+   use evl_tangent_line, only: tangent_line_t
+   use evl_tooth_contact, only: contact_state, line_along, locate_contact, nominal_rho, touches, tracking_closed_form
+   implicit none (type, external)
+   private
+
+   public :: look_at, look_at_forces, place_contacts
+   public :: all_of_them, those_that_touch, those_that_do_not
+
+   integer, parameter :: all_of_them = 0, those_that_touch = 1, those_that_do_not = 2
+
+contains
+
+   !> Contacts of one flank, all or the company of one: their modes, where they are, and what the laws say of those that touch.
+   subroutine look_at(gearbox, first, last, y, integers, reals, at, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: first, last          !! of the gearbox
+      real(wp), intent(in) :: y(gearbox%n_states), reals(:)
+      integer, intent(in) :: integers(:)
+      type(contact_state), intent(inout) :: at(*) !! [contacts of the gearbox]
+      type(status_t), intent(inout) :: status     !! code_out_of_domain if a law has no answer
+      logical :: any_touch
+      integer :: m
+
+      any_touch = .false.
+      do m = first, last
+         call take_mode(gearbox, m, integers, reals, at(m)%mode)
+         any_touch = any_touch .or. touches(at(m)%mode)
+      end do
+      call place_contacts(gearbox, first, last, y, integers, all_of_them, at)
+      if (.not. any_touch) return
+      associate (flank => gearbox%flanks(gearbox%contacts(first)%i_flank)%flank)
+         call flank%laws(gearbox%contacts, first, last, at, status)
+      end associate
+   end subroutine look_at
+
+   !> All contacts of one flank: whether they touch; of those that do their modes, where they are and what acts.
+   subroutine look_at_forces(gearbox, first, last, y, integers, reals, at, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: first, last
+      real(wp), intent(in) :: y(gearbox%n_states), reals(:)
+      integer, intent(in) :: integers(:)
+      type(contact_state), intent(inout) :: at(*)
+      type(status_t), intent(inout) :: status     !! code_out_of_domain if a limit of a law or of the involutes is passed
+      logical :: any_touch
+      integer :: m
+
+      any_touch = .false.
+      do m = first, last
+         at(m)%mode%flanks = flanks_of(gearbox%contacts(m), integers)
+         if (.not. touches(at(m)%mode)) cycle
+         any_touch = .true.
+         call take_mode(gearbox, m, integers, reals, at(m)%mode)
+      end do
+      if (.not. any_touch) return
+      call place_contacts(gearbox, first, last, y, integers, those_that_touch, at)
+      associate (flank => gearbox%flanks(gearbox%contacts(first)%i_flank)%flank)
+         call flank%forces(gearbox%contacts, first, last, at, status)
+      end associate
+   end subroutine look_at_forces
+
+   !> Put contacts of one flank in their places: they share local variables and the line of action.
+   pure subroutine place_contacts(gearbox, first, last, y, integers, which, at)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: first, last
+      real(wp), intent(in) :: y(gearbox%n_states)
+      integer, intent(in) :: integers(:)
+      integer, intent(in) :: which                !! one of the constants above
+      type(contact_state), intent(inout) :: at(*) !! with their modes
+      type(tangent_line_t) :: line
+      integer :: m, seen
+
+      seen = 0
+      do m = first, last
+         if (which /= all_of_them) then
+            if (touches(at(m)%mode) .neqv. which == those_that_touch) cycle
+         end if
+         associate (contact => gearbox%contacts(m))
+            if (seen == 0) then
+               call gearbox_local(gearbox, contact, y, at(m)%q)
+               if (contact%tracking == tracking_closed_form) call line_along(contact, at(m)%q, line)
+            else
+               at(m)%q = at(seen)%q
+            end if
+            seen = m
+            at(m)%rho_a0 = nominal_rho(contact, y(i_theta), integers(i_turns), at(m)%mode%tooth_pair)
+            call locate_contact(contact, line, at(m))
+         end associate
+      end do
+   end subroutine place_contacts
+
+end module evl_contacts_at_state

@@ -1,0 +1,141 @@
+!> A flank asked by itself for its tests: what its laws say of contacts that are put anywhere, in one state and in eight.
+module flank_calls
+   use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_ptr
+   use evl_contact_point, only: contact_gradient
+   use evl_force_lanes, only: lane_slot
+   use evl_gearbox, only: gearbox_t
+   use evl_kinds, only: lanes, wp
+   use evl_local_variables, only: n_local
+   use evl_status, only: status_t
+   use evl_tooth_contact, only: contact_state, flanks_open, no_mode
+   implicit none (type, external)
+   private
+
+   public :: test_flank_changes, test_flank_contacts, test_flank_laws, test_flank_in_lanes
+
+contains
+
+   !> How many tooth contacts the first flank of a gearbox has.
+   integer(c_int) function test_flank_contacts(handle) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      type(gearbox_t), pointer :: gearbox
+
+      call c_f_pointer(handle, gearbox)
+      test_flank_contacts = gearbox%flanks(1)%flank%last
+   end function test_flank_contacts
+
+   !> Put the contacts of the first flank in places of their own.
+   subroutine put(n, flanks, places, at)
+      integer, intent(in) :: n
+      integer(c_int), intent(in) :: flanks(n)
+      real(wp), intent(in) :: places(4, n) !! h, h', rho_A, rho_B
+      type(contact_state), intent(inout) :: at(n)
+      integer :: k
+
+      do k = 1, n
+         at(k)%mode = no_mode
+         at(k)%mode%flanks = flanks(k)
+         at(k)%mode%v0 = 0.1_wp
+         at(k)%point%h = places(1, k)
+         at(k)%point%h_dot = places(2, k)
+         at(k)%point%rho_a = places(3, k)
+         at(k)%point%rho_b = places(4, k)
+      end do
+   end subroutine put
+
+   !> Elastic and viscous forces; the code of the status.
+   integer(c_int) function test_flank_laws(handle, n, flanks, places, elastic, viscous) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: n
+      integer(c_int), intent(in) :: flanks(n)
+      real(c_double), intent(in) :: places(4, n)
+      real(c_double), intent(inout) :: elastic(n), viscous(n) !! of those that touch
+      type(gearbox_t), pointer :: gearbox
+      type(contact_state) :: at(n)
+      type(status_t) :: status
+      integer :: k
+
+      call c_f_pointer(handle, gearbox)
+      call put(n, flanks, places, at)
+      call gearbox%flanks(1)%flank%laws(gearbox%contacts, 1, n, at, status)
+      do k = 1, n
+         if (flanks(k) == flanks_open) cycle
+         elastic(k) = at(k)%elastic%force
+         viscous(k) = at(k)%viscous%force
+      end do
+      code = status%code
+   end function test_flank_laws
+
+   !> How both forces of contact `which` change with the places of all: the local variables stand for h, h', rho_A and rho_B of the
+   !> first contact, of the second, and so on.
+   subroutine test_flank_changes(handle, n, flanks, places, which, elastic, viscous) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: n, which
+      integer(c_int), intent(in) :: flanks(n)
+      real(c_double), intent(in) :: places(4, n)
+      real(c_double), intent(inout) :: elastic(4*n), viscous(4*n)
+      type(gearbox_t), pointer :: gearbox
+      type(contact_state) :: at(n)
+      type(contact_gradient) :: d(n)
+      type(status_t) :: status
+      real(wp) :: of_elastic(n_local), of_viscous(n_local)
+      integer :: k
+
+      call c_f_pointer(handle, gearbox)
+      call put(n, flanks, places, at)
+      associate (flank => gearbox%flanks(1)%flank)
+         call flank%laws(gearbox%contacts, 1, n, at, status)
+         do k = 1, n
+            d(k)%h = 0
+            d(k)%h_dot = 0
+            d(k)%rho_a = 0
+            d(k)%rho_b = 0
+            d(k)%h(4*k - 3) = 1
+            d(k)%h_dot(4*k - 2) = 1
+            d(k)%rho_a(4*k - 1) = 1
+            d(k)%rho_b(4*k) = 1
+         end do
+         call flank%force_changes(gearbox%contacts, at, d, which, of_elastic, of_viscous)
+      end associate
+      elastic = of_elastic(:4*n)
+      viscous = of_viscous(:4*n)
+   end subroutine test_flank_changes
+
+   !> Elastic and viscous forces in eight states; 1 if there is an answer.
+   integer(c_int) function test_flank_in_lanes(handle, n, flanks, places, elastic, viscous) result(answer) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: n
+      integer(c_int), intent(in) :: flanks(n)
+      real(c_double), intent(in) :: places(4, n, lanes)
+      real(c_double), intent(inout) :: elastic(n, lanes), viscous(n, lanes)
+      type(gearbox_t), pointer :: gearbox
+      type(lane_slot), allocatable :: slots(:)
+      type(contact_state) :: at(n)
+      logical :: answered
+      integer :: k
+
+      call c_f_pointer(handle, gearbox)
+      call put(n, flanks, places, at)
+      allocate (slots(n))
+      do k = 1, n
+         slots(k)%mode = at(k)%mode
+         slots(k)%touches = flanks(k) /= flanks_open
+         slots(k)%at%h = places(1, k, :)
+         slots(k)%at%h_dot = places(2, k, :)
+         slots(k)%at%rho_a = places(3, k, :)
+         slots(k)%at%rho_b = places(4, k, :)
+         slots(k)%at%e_star = gearbox%contacts(k)%e_star
+         slots(k)%at%width = gearbox%contacts(k)%width
+         slots(k)%at%v0 = at(k)%mode%v0
+         slots(k)%at%side = 0
+      end do
+      call gearbox%flanks(1)%flank%laws_in_lanes(gearbox%contacts, 1, n, slots, answered)
+      answer = merge(1, 0, answered)
+      do k = 1, n
+         if (.not. slots(k)%touches) cycle
+         elastic(k, :) = slots(k)%force%elastic
+         viscous(k, :) = slots(k)%force%viscous
+      end do
+   end function test_flank_in_lanes
+
+end module flank_calls

@@ -1,0 +1,134 @@
+"""The flank: forces of all its contacts, how they change, and that each pair stands alone."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from gearbox.lanes.lane_cases import CONTACTS, DAMPINGS
+from kernel.gearbox import LOADED, OPEN, UNLOADED, Gearbox
+from kernel.gearbox_description import TORQUE, VISCOUS, load, mesh, wheel
+from kernel.gears import gear_description
+from kernel.kernel import CONTACT, DAMPING, OK, Floats, Kernel, _at
+
+FLANKS = np.array([LOADED, UNLOADED, LOADED], np.int32)
+# h, h', rho_A, rho_B of each contact: deep and shallow, approaching and parting
+PLACES = np.array(
+    [[7e-6, 3e-3, 0.004, 0.021], [2e-7, -2e-3, 0.009, 0.016], [3e-5, 8e-4, 0.017, 0.008]]
+)
+LANES = 8
+LAWS = [(c, d) for c in CONTACTS for d in DAMPINGS]
+every_law = pytest.mark.parametrize(("contact", "damping"), LAWS)
+
+
+def pair(kernel: Kernel, contact: str, damping: str) -> Gearbox:
+    """Real gears of contact ratio 1.6: three contacts on each flank."""
+    form = gear_description(3e-3)
+    wheels = [wheel(teeth=z, width=0.02, gear=form) for z in (20, 35)]
+    description = mesh(kernel, 0, 1, has_backlash=True, backlash=2e-5)
+    description.paper_rule = False
+    description.contact = kernel.law(CONTACT, contact, **CONTACTS[contact])
+    description.damping = kernel.law(DAMPING, damping, **DAMPINGS[damping])
+    gearbox = Gearbox(
+        kernel, wheels, [load(0, TORQUE, -20.0), load(1, VISCOUS, 5.0)], [description]
+    )
+    assert kernel.library.test_flank_contacts(gearbox.handle) == len(PLACES)
+    return gearbox
+
+
+def laws(gearbox: Gearbox, places: Floats = PLACES, flanks: Floats = FLANKS) -> Floats:
+    """Elastic and viscous force of each contact, (2, contact); NaN where flanks do not touch."""
+    elastic, viscous = np.full((2, len(places)), np.nan)
+    arrays = (flanks, np.ascontiguousarray(places), elastic, viscous)
+    assert gearbox.library.test_flank_laws(gearbox.handle, len(places), *map(_at, arrays)) == OK
+    return np.array([elastic, viscous])
+
+
+def changes(gearbox: Gearbox, which: int) -> Floats:
+    """Derivatives of both forces of a contact by the places of all, (2, contact, place)."""
+    result = np.full((2, PLACES.size), np.nan)
+    gearbox.library.test_flank_changes(
+        gearbox.handle, len(PLACES), _at(FLANKS), _at(PLACES), which + 1, *map(_at, result)
+    )
+    return result.reshape(2, *PLACES.shape)
+
+
+@every_law
+def test_changes_of_the_forces_are_differences_of_the_forces(
+    kernel: Kernel, contact: str, damping: str
+):
+    """By the penetration, its rate, rho_A and rho_B, each apart, of every contact of the flank."""
+    gearbox = pair(kernel, contact, damping)
+    at = laws(gearbox)
+    for which in range(len(PLACES)):
+        found = changes(gearbox, which)
+        for other in range(len(PLACES)):
+            for place in range(4):
+                step = 1e-5 * abs(PLACES[other, place])
+                moved = [PLACES.copy(), PLACES.copy()]
+                moved[0][other, place] += step
+                moved[1][other, place] -= step
+                above, below = (laws(gearbox, m)[:, which] for m in moved)
+                # step**2 from the quotient, eps/step from rounding of the forces
+                noise = 1e-10 * np.abs(at[:, which]).max() / abs(PLACES[other, place])
+                np.testing.assert_allclose(
+                    (above - below) / (2 * step), found[:, other, place], rtol=1e-8, atol=noise
+                )
+
+
+@every_law
+def test_each_pair_stands_alone(kernel: Kernel, contact: str, damping: str):
+    """Wherever the others are, and whether they touch, a pair's forces keep their bits."""
+    gearbox = pair(kernel, contact, damping)
+    at = laws(gearbox)
+    for which in range(len(PLACES)):
+        others = [k for k in range(len(PLACES)) if k != which]
+        places, flanks = PLACES.copy(), FLANKS.copy()
+        places[others] *= 1.3
+        np.testing.assert_array_equal(laws(gearbox, places)[:, which], at[:, which])
+        flanks[others] = OPEN
+        np.testing.assert_array_equal(laws(gearbox, PLACES, flanks)[:, which], at[:, which])
+        assert np.isnan(laws(gearbox, PLACES, flanks)[:, others]).all()
+        assert not changes(gearbox, which)[:, others].any()
+
+
+@every_law
+def test_eight_states_have_the_forces_of_each(kernel: Kernel, contact: str, damping: str):
+    gearbox = pair(kernel, contact, damping)
+    random = np.random.default_rng(3)
+    places = PLACES * random.uniform(0.5, 2, (LANES, *PLACES.shape))
+    elastic, viscous = np.full((2, LANES, len(PLACES)), np.nan)
+    arrays = (FLANKS, places, elastic, viscous)
+    answer = kernel.library.test_flank_in_lanes(gearbox.handle, len(PLACES), *map(_at, arrays))
+    assert answer == 1
+    alone = np.array([laws(gearbox, place) for place in places])
+    # loops over lanes take reciprocals and powers of their own
+    np.testing.assert_allclose(elastic, alone[:, 0], rtol=1e-14)
+    np.testing.assert_allclose(viscous, alone[:, 1], rtol=1e-14, atol=1e-14)
+
+
+def test_two_callers_in_turn_have_the_bits_of_each_alone(kernel: Kernel):
+    """Scratch belongs to who asks: residual and roots of states that alternate on one gearbox."""
+    gearbox = pair(kernel, "johnson", "flores")
+    states = [gearbox.start() for _ in range(2)]
+    states[1].y *= 1 + 1e-6
+    states[1].y[2:] += 1e-7
+
+    def ask(state: object) -> list[Floats]:
+        return [gearbox.residual(state), gearbox.roots(state), gearbox.jacobian(state, 1.0)]
+
+    alone = [ask(state) for state in states]
+    for _ in range(3):
+        for state, expected in zip(states, alone, strict=True):
+            for found, value in zip(ask(state), expected, strict=True):
+                np.testing.assert_array_equal(found, value)
+
+
+def test_a_limit_of_a_law_is_refused_with_its_mesh(kernel: Kernel):
+    gearbox = pair(kernel, "johnson", "none")
+    places = PLACES.copy()
+    places[2, 0] = 0.05  # past 4 (rho_A + rho_B)/e**2
+    forces = np.full((2, len(PLACES)), np.nan)
+    arrays = (FLANKS, places, *forces)
+    code = kernel.library.test_flank_laws(gearbox.handle, len(PLACES), *map(_at, arrays))
+    assert code != OK
