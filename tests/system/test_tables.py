@@ -2,18 +2,21 @@
 
 Laws, loads and supports are the kernel's tables, so that an entry that is new takes part at once:
 its parameters are drawn, or a sample is asked for. Lanes and single states are compared in
-tests/laws and tests/gearbox/lanes.
+tests/laws and tests/gearbox/lanes. Rigid contact is no force law: radau refuses it, and there is
+nothing to compare but IDA with itself; it meets every load, support and friction law here.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 
 from evolvent import check_history
 from kernel.kernel import CONTACT, DAMPING, FRICTION, Kernel
 from load_samples import SAMPLES, SUPPORTS
+from system.cases import rigid
 from system.pushing_cases import DEVIATIONS, pushing_case
 from system.test_integrators import IDA, RADAU, TIGHT, error
 from system.test_loads import loaded
@@ -44,6 +47,17 @@ def check_case(runs, case: dict[str, Any], *settings: str, what: object = "") ->
         assert [name for name, verdict in verdicts.items() if verdict.failed] == [], what
     assert error(ida, exact) <= 1e-5, what
     assert error(radau, exact) <= 1e-6, what
+
+
+def check_rigid(runs, case: dict[str, Any], *settings: str, what: object = "") -> None:
+    """By IDA alone, against a tighter tolerance; nothing fails, and the flanks do meet."""
+    run = runs(rigid(case), IDA, "simulation.tolerance=1e-9", *settings)
+    exact = runs(rigid(case), IDA, "simulation.tolerance=1e-11", *settings)
+    assert run.exit_code == exact.exit_code == 0, (what, run.messages)
+    assert [v.invariant.name for v in check_history(run.history) if v.failed] == [], what
+    assert float(run.history["normal_force"].max()) > 0, what
+    speeds = [at.history["angular_velocity"].values for at in (run, exact)]
+    assert np.max(np.abs(speeds[0] - speeds[1])) <= 1e-5 * np.max(np.abs(speeds[1])), what
 
 
 @pytest.fixture(scope="session")
@@ -78,3 +92,24 @@ def test_every_support(runs, name: str, wheel: int) -> None:
     case = loaded("torque")
     case["wheels"][wheel]["support"] = dict(SUPPORTS[name])
     check_case(runs, case, "simulation.duration=0.02")
+
+
+@pytest.mark.parametrize("name", SAMPLES)
+def test_every_load_on_rigid_contact(runs, name: str) -> None:
+    check_rigid(runs, loaded(name), "simulation.duration=0.05")
+
+
+@pytest.mark.parametrize("name", SUPPORTS)
+def test_every_support_of_rigid_contact(runs, name: str) -> None:
+    case = loaded("torque")
+    case["wheels"][1]["support"] = dict(SUPPORTS[name])
+    # what energies are compared with: from rest it would be less than IDA's error at first
+    speeds = {"pinion": -3.0, "gear": 2.0}
+    case["simulation"]["initial"] = {"kind": "speeds", "speeds": speeds}
+    check_rigid(runs, case, "simulation.duration=0.02")
+
+
+def test_every_friction_law_on_rigid_contact(runs, kernel: Kernel) -> None:
+    for seed, name in enumerate(names(kernel, FRICTION)):
+        case = pushing_case(kernel, row(friction=name), seed)
+        check_rigid(runs, case, DURATION, what=name)
