@@ -24,7 +24,7 @@ module evl_capi_description
       character(kind=c_char) :: unit(short_length + 1), text(text_length + 1)
       real(c_double) :: minimum, maximum
       logical(c_bool) :: minimum_open, maximum_open, required
-      character(kind=c_char) :: default(2*short_length + 2), words(text_length + 1), holds(short_length + 1), &
+      character(kind=c_char) :: default_text(2*short_length + 2), words(text_length + 1), holds(short_length + 1), &
                                 variants(text_length + 1)
    end type c_row
 
@@ -78,7 +78,7 @@ contains
             to%minimum_open = logical(from%range%minimum_open, c_bool)
             to%maximum_open = logical(from%range%maximum_open, c_bool)
             to%required = logical(from%required, c_bool)
-            call to_c(from%default, to%default)
+            call to_c(from%default, to%default_text)
             call to_c(from%words, to%words)
             call to_c(from%holds, to%holds)
             call to_c(from%variants, to%variants)

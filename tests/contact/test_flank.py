@@ -25,8 +25,8 @@ def pair(kernel: Kernel, contact: str, damping: str) -> Gearbox:
     """Real gears of contact ratio 1.6: three contacts on each flank."""
     form = gear_description(3e-3)
     wheels = [wheel(teeth=z, width=0.02, gear=form) for z in (20, 35)]
-    description = mesh(kernel, 0, 1, has_backlash=True, backlash=2e-5)
-    description.paper_rule = False
+    description = mesh(kernel, 0, 1, backlash=2e-5)
+    description.pop("pressure_angle")
     description.contact = kernel.law(CONTACT, contact, **CONTACTS[contact])
     description.damping = kernel.law(DAMPING, damping, **DAMPINGS[damping])
     gearbox = Gearbox(
