@@ -5,7 +5,7 @@
 
 static const char *type_text(const evl_row *key)
 {
-    switch (key->type) {
+    switch ((evl_row_type)key->type) {
     case EVL_NUMBER:
         return "number";
     case EVL_INTEGER:

@@ -8,7 +8,7 @@
 !> Source: ISO 21771:2007, sections 4 and 5; ISO 53:1998, basic rack.
 module evl_gear
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use, intrinsic :: iso_c_binding, only: c_bool, c_int
+   use, intrinsic :: iso_c_binding, only: c_bool, c_double, c_int
    use evl_given, only: given_t
    use evl_involute_angle, only: involute_of_tangent
    use evl_kinds, only: pi, wp
@@ -57,25 +57,25 @@ module evl_gear
    !> All that follows from it and the number of teeth; `evl_gear_geometry` in the C header.
    type, bind(c) :: gear_t
       integer(c_int) :: teeth = 0                !! z; 0: not a real gear
-      real(wp) :: normal_module = 0.0_wp         !! m_n [m]
-      real(wp) :: pressure_angle = 0.0_wp        !! alpha_n [rad]
-      real(wp) :: profile_shift = 0.0_wp         !! x
-      real(wp) :: generating_shift = 0.0_wp      !! x_E
-      real(wp) :: undercut_shift = 0.0_wp        !! x_E below which there is undercut
-      real(wp) :: tip_alteration = 0.0_wp        !! k
-      real(wp) :: pitch = 0.0_wp                 !! p [m]
-      real(wp) :: base_pitch = 0.0_wp            !! p_b [m]
-      real(wp) :: reference_radius = 0.0_wp      !! r [m]
-      real(wp) :: base_radius = 0.0_wp           !! r_b [m]
-      real(wp) :: tip_radius = 0.0_wp            !! r_a [m]
-      real(wp) :: root_radius = 0.0_wp           !! r_f [m]
-      real(wp) :: form_radius = 0.0_wp           !! r_Ff, where the involute begins [m]
-      real(wp) :: bore_radius = 0.0_wp           !! [m]
-      real(wp) :: tooth_depth = 0.0_wp           !! h [m]
-      real(wp) :: thickness = 0.0_wp             !! s on the reference circle, with its allowance [m]
-      real(wp) :: thickness_allowance = 0.0_wp   !! A_s [m]
-      real(wp) :: tip_thickness = 0.0_wp         !! s_a [m]
-      real(wp) :: tooth_angle = 0.0_wp           !! psi [rad]
+      real(c_double) :: normal_module = 0.0_wp         !! m_n [m]
+      real(c_double) :: pressure_angle = 0.0_wp        !! alpha_n [rad]
+      real(c_double) :: profile_shift = 0.0_wp         !! x
+      real(c_double) :: generating_shift = 0.0_wp      !! x_E
+      real(c_double) :: undercut_shift = 0.0_wp        !! x_E below which there is undercut
+      real(c_double) :: tip_alteration = 0.0_wp        !! k
+      real(c_double) :: pitch = 0.0_wp                 !! p [m]
+      real(c_double) :: base_pitch = 0.0_wp            !! p_b [m]
+      real(c_double) :: reference_radius = 0.0_wp      !! r [m]
+      real(c_double) :: base_radius = 0.0_wp           !! r_b [m]
+      real(c_double) :: tip_radius = 0.0_wp            !! r_a [m]
+      real(c_double) :: root_radius = 0.0_wp           !! r_f [m]
+      real(c_double) :: form_radius = 0.0_wp           !! r_Ff, where the involute begins [m]
+      real(c_double) :: bore_radius = 0.0_wp           !! [m]
+      real(c_double) :: tooth_depth = 0.0_wp           !! h [m]
+      real(c_double) :: thickness = 0.0_wp             !! s on the reference circle, with its allowance [m]
+      real(c_double) :: thickness_allowance = 0.0_wp   !! A_s [m]
+      real(c_double) :: tip_thickness = 0.0_wp         !! s_a [m]
+      real(c_double) :: tooth_angle = 0.0_wp           !! psi [rad]
       logical(c_bool) :: is_undercut = .false.   !! whether the rack's tip cuts away a part of the involute
    end type gear_t
 

@@ -11,7 +11,7 @@
 !> Source: ISO 21771:2007, section 5.
 module evl_gears_in_mesh
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use, intrinsic :: iso_c_binding, only: c_bool
+   use, intrinsic :: iso_c_binding, only: c_bool, c_double
    use evl_gear, only: agreement, gear_radius_of_curvature, gear_t
    use evl_involute_angle, only: involute_of_tangent, tangent_of_involute
    use evl_kinds, only: pi, wp
@@ -32,28 +32,28 @@ module evl_gears_in_mesh
 
    !> All that follows from two gears and their centre distance; `evl_gear_mesh` in the C header.
    type, bind(c) :: gear_mesh_t
-      real(wp) :: centre_distance = 0.0_wp        !! a_w [m]
-      real(wp) :: reference_distance = 0.0_wp     !! a, sum of the reference radii [m]
-      real(wp) :: tight_distance = 0.0_wp         !! from the profile shifts, without backlash [m]
-      real(wp) :: base_radius_sum = 0.0_wp        !! R = r_bA + r_bB [m]
-      real(wp) :: working_pressure_angle = 0.0_wp !! alpha_w [rad]
-      real(wp) :: pitch_radius_a = 0.0_wp         !! r_w of A [m]
-      real(wp) :: pitch_radius_b = 0.0_wp         !! the same of B [m]
-      real(wp) :: line_of_action = 0.0_wp         !! T1T2 [m]
-      real(wp) :: base_pitch = 0.0_wp             !! p_b [m]
-      real(wp) :: path_of_contact = 0.0_wp        !! g_alpha [m]
-      real(wp) :: approach = 0.0_wp               !! g_f, path before the pitch point while A drives [m]
-      real(wp) :: recess = 0.0_wp                 !! g_a, path behind it [m]
-      real(wp) :: contact_ratio = 0.0_wp          !! eps_alpha
-      real(wp) :: rho_tip_a = 0.0_wp              !! radius of curvature at the tip of A [m]
-      real(wp) :: rho_tip_b = 0.0_wp              !! the same of B [m]
-      real(wp) :: active_radius_a = 0.0_wp        !! r_Nf, where the active profile of A begins [m]
-      real(wp) :: active_radius_b = 0.0_wp        !! the same of B [m]
-      real(wp) :: clearance_a = 0.0_wp            !! c, from the tip of B to the root circle of A [m]
-      real(wp) :: clearance_b = 0.0_wp            !! from the tip of A to the root circle of B [m]
-      real(wp) :: backlash = 0.0_wp               !! j_bn, normal [m]
-      real(wp) :: circumferential_backlash = 0.0_wp !! j_wt, on the working pitch circles [m]
-      real(wp) :: radial_backlash = 0.0_wp        !! j_r, about the approach of the axles that takes it all [m]
+      real(c_double) :: centre_distance = 0.0_wp        !! a_w [m]
+      real(c_double) :: reference_distance = 0.0_wp     !! a, sum of the reference radii [m]
+      real(c_double) :: tight_distance = 0.0_wp         !! from the profile shifts, without backlash [m]
+      real(c_double) :: base_radius_sum = 0.0_wp        !! R = r_bA + r_bB [m]
+      real(c_double) :: working_pressure_angle = 0.0_wp !! alpha_w [rad]
+      real(c_double) :: pitch_radius_a = 0.0_wp         !! r_w of A [m]
+      real(c_double) :: pitch_radius_b = 0.0_wp         !! the same of B [m]
+      real(c_double) :: line_of_action = 0.0_wp         !! T1T2 [m]
+      real(c_double) :: base_pitch = 0.0_wp             !! p_b [m]
+      real(c_double) :: path_of_contact = 0.0_wp        !! g_alpha [m]
+      real(c_double) :: approach = 0.0_wp               !! g_f, path before the pitch point while A drives [m]
+      real(c_double) :: recess = 0.0_wp                 !! g_a, path behind it [m]
+      real(c_double) :: contact_ratio = 0.0_wp          !! eps_alpha
+      real(c_double) :: rho_tip_a = 0.0_wp              !! radius of curvature at the tip of A [m]
+      real(c_double) :: rho_tip_b = 0.0_wp              !! the same of B [m]
+      real(c_double) :: active_radius_a = 0.0_wp        !! r_Nf, where the active profile of A begins [m]
+      real(c_double) :: active_radius_b = 0.0_wp        !! the same of B [m]
+      real(c_double) :: clearance_a = 0.0_wp            !! c, from the tip of B to the root circle of A [m]
+      real(c_double) :: clearance_b = 0.0_wp            !! from the tip of A to the root circle of B [m]
+      real(c_double) :: backlash = 0.0_wp               !! j_bn, normal [m]
+      real(c_double) :: circumferential_backlash = 0.0_wp !! j_wt, on the working pitch circles [m]
+      real(c_double) :: radial_backlash = 0.0_wp        !! j_r, about the approach of the axles that takes it all [m]
       logical(c_bool) :: exists = .false.         !! whether this mesh is one of two real gears
    end type gear_mesh_t
 

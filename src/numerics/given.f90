@@ -172,7 +172,7 @@ contains
       integer, intent(in) :: i !! which row, or 0
       real(wp), allocatable, intent(out) :: all(:)
       character(len=len(rows%default)) :: text
-      integer :: stat
+      integer :: k, stat
 
       if (i == 0) then
          allocate (all(0))
@@ -180,7 +180,9 @@ contains
       end if
       allocate (all(merge(max(type_size(rows(i)%type), 0), 0, has_default(rows(i)))))
       text = rows(i)%default
-      if (text(1:1) == "[") text = text(2:index(text, "]") - 1)
+      do k = 1, len(text)
+         if (scan(text(k:k), "[]") > 0) text(k:k) = " "
+      end do
       if (size(all) == 0) return
       read (text, *, iostat=stat) all
       if (stat /= 0) all(:) = ieee_value(all, ieee_quiet_nan)

@@ -228,9 +228,11 @@ contains
       type(housing_t), intent(in) :: housing
       real(wp), intent(in) :: y(:)
       real(wp), intent(inout) :: jacobian(:, :)
+      real(wp) :: turns(4, 3)
 
       associate (p => housing%i_state + at_orientation, o => housing%i_state + at_omega)
-         jacobian(:, o:o + 2) = matmul(jacobian(:, p:p + 3), small_turns(y(p:p + 3)))
+         turns = small_turns(y(p:p + 3))
+         jacobian(:, o:o + 2) = matmul(jacobian(:, p:p + 3), turns)
       end associate
    end subroutine housing_turn_columns
 
