@@ -5,6 +5,7 @@
 set(CMAKE_C_STANDARD 11)
 set(CMAKE_C_STANDARD_REQUIRED ON)
 set(CMAKE_C_EXTENSIONS OFF)
+set(CMAKE_Fortran_PREPROCESS OFF) # no source asks for it, and a build starts half as many processes
 
 add_library(evolvent_options INTERFACE)
 target_compile_definitions(evolvent_options INTERFACE $<$<COMPILE_LANGUAGE:C>:_POSIX_C_SOURCE=200809L>)
