@@ -136,23 +136,6 @@ class DyingExecutor(ProcessPoolExecutor):
         return future
 
 
-def test_a_batch_whose_worker_died_is_run_again(design, executable, reference, summary):
-    todo = prepared(design, executable, "pool", 3)
-    made = []
-
-    def renew() -> ProcessPoolExecutor:
-        made.append(ProcessPoolExecutor(2))
-        return made[-1]
-
-    with DyingExecutor(1) as dying:
-        code = run_with_executor(executable, design, Path("pool"), todo, dying, renew=renew)
-    assert code == 0
-    assert made
-    for executor in made:
-        executor.shutdown()
-    xr.testing.assert_identical(summary("pool"), reference)
-
-
 def test_a_batch_whose_dask_worker_was_killed_is_run_again(sweep, executable, summary, tmp_path):
     distributed = pytest.importorskip("distributed")
     (tmp_path / "long.yaml").write_text(PLAN.replace("value: 0.02", "value: 2"))
@@ -190,10 +173,14 @@ def test_an_executor_does_not_run_where_another_run_is_at_work(design, executabl
         holder.kill()
 
 
-def test_a_broken_executor_that_cannot_be_renewed_is_an_error(design, executable):
+def test_a_broken_executor_is_an_error_and_another_goes_on(design, executable, reference, summary):
     todo = prepared(design, executable, "pool", 3)
-    with DyingExecutor(1) as dying, pytest.raises(SweepError, match="worker died"):
+    with DyingExecutor(1) as dying, pytest.raises(SweepError, match="worker died") as caught:
         run_with_executor(executable, design, Path("pool"), todo, dying)
+    assert caught.value.code == 75
+    with ProcessPoolExecutor(2) as executor:
+        assert run_with_executor(executable, design, Path("pool"), todo, executor) == 0
+    xr.testing.assert_identical(summary("pool"), reference)
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,6 @@ import dataclasses
 import hashlib
 import json
 import math
-import os
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -20,7 +19,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from evolvent.sweep.errors import NOT_WRITTEN, SweepError
+from evolvent.sweep.errors import SweepError, replacing
 from evolvent.sweep.yaml_text import yaml_text
 
 FORMAT = 1
@@ -115,15 +114,8 @@ def write_design(design: Design, path: Path) -> None:
     SweepError
         It could not be written.
     """
-    temporary = path.with_name(f"{path.name}.{os.getpid()}.tmp")
-    try:
-        with h5py.File(temporary, "w") as file:
-            _write(design, file)
-        temporary.replace(path)
-    except OSError as error:
-        temporary.unlink(missing_ok=True)
-        reason = error.strerror or " ".join(str(error).split())
-        raise SweepError(f"{path}: cannot be written ({reason})", NOT_WRITTEN) from error
+    with replacing(path) as temporary, h5py.File(temporary, "w") as file:
+        _write(design, file)
 
 
 def read_design(path: Path) -> Design:

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from evolvent.sweep.design import Design, read_design
-from evolvent.sweep.errors import NOT_WRITTEN, SweepError
+from evolvent.sweep.errors import SweepError, replacing, writing
 
 JOURNAL = re.compile(r"shard-(\d+)-of-(\d+)\.jsonl")
 HASH = "design.txt"
@@ -35,10 +35,6 @@ class Shard:
     def stem(self) -> str:
         """Name of its files, without the ending."""
         return f"shard-{self.index}-of-{self.of}"
-
-    def cases(self, n_cases: int) -> np.ndarray:
-        """Numbers of its cases."""
-        return np.arange(self.index - 1, n_cases, self.of)
 
 
 def shards_of(folder: Path) -> list[Shard]:
@@ -94,15 +90,11 @@ def open_for_run(design_path: Path, folder: Path, version: str) -> Design:
 def _keep_design(design_path: Path, folder: Path) -> None:
     """Put a copy of the design into the folder, so that the folder says what it is about."""
     copy = folder / COPY
-    temporary = copy.with_name(f"{COPY}.{os.getpid()}.tmp")
-    try:
+    with writing(copy):
         folder.mkdir(parents=True, exist_ok=True)
         if not copy.exists() or not copy.samefile(design_path):
-            shutil.copyfile(design_path, temporary)
-            temporary.replace(copy)
-    except OSError as error:
-        temporary.unlink(missing_ok=True)
-        raise SweepError(f"{copy}: cannot be written ({error.strerror})", NOT_WRITTEN) from error
+            with replacing(copy) as temporary:
+                shutil.copyfile(design_path, temporary)
 
 
 def design_of(folder: Path, given: Path | None = None) -> Design:

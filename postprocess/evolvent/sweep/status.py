@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import re
 import time
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from evolvent.sweep.design import Design
 from evolvent.sweep.folder import Shard, is_locked
-from evolvent.sweep.journal import Counts, Records, read_records
+from evolvent.sweep.journal import Counts, read_records
 
 RECENT = 600.0  # the rate is that of the last so many seconds
-NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 MOST_LISTED = 20  # case numbers in a message
 
 
@@ -24,7 +23,7 @@ class Reason:
     """Failures that differ in their numbers only."""
 
     count: int
-    example: str  # one of the messages
+    example: str  # the message of that case
     case: int  # the first case that it happened to
 
 
@@ -57,13 +56,13 @@ def read_status(folder: Path, design: Design, now: float | None = None) -> Statu
     now = time.time() if now is None else now
     running = [shard for shard in records.shards if is_locked(folder, shard)]
     missing = records.counts.missing
-    rate = recent_rate(records.recorded_at, now if running else None)
+    rate = recent_rate(records.cases["recorded_at"].values, now if running else None)
     finished = now + missing / rate if running and missing and rate > 0.0 else float("nan")
     return Status(
         counts=records.counts,
-        repeated=len(records.repeated),
+        repeated=records.repeated.size,
         torn=records.torn,
-        reasons=reasons(records),
+        reasons=reasons(records.cases["message"].to_series()[records.unfinished]),
         running=running,
         rate=rate,
         finished_at=finished,
@@ -89,24 +88,17 @@ def recent_rate(recorded_at: np.ndarray, now: float | None) -> float:
     return float((recent.size - 1) / (end - recent[0]))
 
 
-def reasons(records: Records) -> list[Reason]:
-    """Why cases failed or were refused, most frequent first; numbers in messages do not matter."""
-    bad = np.flatnonzero(records.unfinished)
-    which, first, counts = np.unique(records.message[bad], return_index=True, return_counts=True)
-    rows = zip(which.tolist(), first.tolist(), counts.tolist(), strict=True)
-    return grouped(Reason(n, records.messages[which], int(bad[at])) for which, at, n in rows)
+def reasons(messages: pd.Series) -> list[Reason]:
+    """Why cases failed or were refused, most frequent first; numbers in messages do not matter.
 
-
-def grouped(reasons: Iterable[Reason]) -> list[Reason]:
-    """Draw reasons that differ in their numbers only together; most frequent first."""
-    groups: dict[str, Reason] = {}
-    for reason in reasons:
-        kind = NUMBER.sub("#", reason.example)
-        known = groups.get(kind, reason)
-        first = min(known, reason, key=lambda one: one.case)
-        count = reason.count + (known.count if known is not reason else 0)
-        groups[kind] = Reason(count, first.example, first.case)
-    return sorted(groups.values(), key=lambda reason: (-reason.count, reason.case))
+    Parameters
+    ----------
+    messages : with the numbers of the cases, which rise, as index.
+    """
+    kinds = messages.astype(str).str.replace(NUMBER, "#", regex=True)
+    groups = (group for _, group in messages.groupby(kinds))
+    found = [Reason(group.size, str(group.iloc[0]), int(group.index[0])) for group in groups]
+    return sorted(found, key=lambda reason: (-reason.count, reason.case))
 
 
 def listed(cases: np.ndarray) -> str:
@@ -114,12 +106,7 @@ def listed(cases: np.ndarray) -> str:
     numbers = np.sort(np.asarray(cases, dtype=np.int64))
     if numbers.size == 0:
         return "none"
-    ends = np.flatnonzero(np.diff(numbers) != 1)
-    starts = numbers[np.concatenate([[0], ends + 1])]
-    stops = numbers[np.concatenate([ends, [numbers.size - 1]])]
-    parts, shown = [], 0
-    for start, stop in list(zip(starts.tolist(), stops.tolist(), strict=True))[:MOST_LISTED]:
-        parts.append(str(start) if start == stop else f"{start}-{stop}")
-        shown += stop - start + 1
-    more = numbers.size - shown
+    runs = np.split(numbers, np.flatnonzero(np.diff(numbers) != 1) + 1)[:MOST_LISTED]
+    parts = [str(run[0]) if run.size == 1 else f"{run[0]}-{run[-1]}" for run in runs]
+    more = numbers.size - sum(run.size for run in runs)
     return ", ".join(parts) + (f" and {more} more" if more else "")

@@ -14,9 +14,9 @@ from rich.table import Table
 
 from evolvent.commands.program import new_console
 from evolvent.sweep.check import Checked
-from evolvent.sweep.collect import Collected
 from evolvent.sweep.design import Design
 from evolvent.sweep.estimate import span
+from evolvent.sweep.journal import Records
 from evolvent.sweep.status import Reason, Status, listed
 
 FIRST_ROWS = 8
@@ -57,7 +57,7 @@ def show_estimate(n_cases: int, seconds: float, is_bound: bool, n_cores: int) ->
 
 def show_refusals(sweep: Path, design: Design, checked: Checked) -> None:
     """Say how many cases would be refused and why, with the row of the first of each reason."""
-    complain(f"{sweep}: {checked.refused} of {checked.n_cases} cases would be refused:")
+    complain(f"{sweep}: {checked.refused} of {design.n_cases} cases would be refused:")
     for reason in checked.reasons[:MOST_REASONS]:
         row = ", ".join(
             f"{p.name} = {_value(p.values[reason.case])}" for p in design.parameters[:MOST_VALUES]
@@ -102,7 +102,7 @@ def show_status(directory: Path, found: Status) -> None:
         typer.echo(f"{found.torn} lines of the journals were cut off; they do not count")
 
 
-def show_collected(output: Path, collected: Collected) -> None:
+def show_collected(output: Path, collected: Records) -> None:
     """Print what a summary holds, and what it lacks."""
     typer.echo(f"{output}: {collected.counts}")
     if collected.holes.size:

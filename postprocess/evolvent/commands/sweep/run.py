@@ -62,7 +62,7 @@ def run(
         split = split or dask.split(design, program, workers)
     records = read_records(output, design, scalars=False)
     todo = folder.remaining_shards(records.recorded, split or 1)
-    tally = Tally(output, todo, records)
+    tally = Tally(output, records)
     if executor is ExecutorName.DASK:
         code = dask.run(program, design_file, output, todo, workers, scheduler, tally)
     else:
