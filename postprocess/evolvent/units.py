@@ -5,18 +5,9 @@ from __future__ import annotations
 import math
 import re
 
-PREFIXES = {
-    -15: "f",
-    -12: "p",
-    -9: "n",
-    -6: "µ",
-    -3: "m",
-    0: "",
-    3: "k",
-    6: "M",
-    9: "G",
-    12: "T",
-}
+PREFIXES = dict(
+    zip(range(-15, 15, 3), ("f", "p", "n", "µ", "m", "", "k", "M", "G", "T"), strict=True)
+)
 SUPERSCRIPTS = {2: "²", 3: "³", 4: "⁴"}
 # Units that take a prefix at their front; "kg" has one already and "1" has nothing to carry it.
 PREFIXABLE = ("m", "N", "Pa", "J", "rad", "s", "W")
