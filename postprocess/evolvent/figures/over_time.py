@@ -77,9 +77,8 @@ def _draw(axis: Axes, panel: Panel) -> None:
     shown_peaks = [
         _peaks_within(curve, values) for curve, values in zip(panel.curves, shown, strict=True)
     ]
-    heights = [abs(value) for curve in shown_peaks for _, value in curve]
-    largest = max([_largest(values) for values in shown] + heights)
-    factor, unit = prefixed(largest, units)
+    heights = [value for curve in shown_peaks for _, value in curve]
+    factor, unit = prefixed(np.concatenate([heights, *(values.values for values in shown)]), units)
     for number, (curve, values) in enumerate(zip(panel.curves, shown, strict=True)):
         style = LINES[(number if curve.style is None else curve.style) % len(LINES)]
         axis.plot(
@@ -183,11 +182,6 @@ def _thinned(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarr
     high = [s + int(np.argmax(finite[s : s + block])) for s in starts]
     kept = np.unique(np.concatenate([low, high, [0, values.size - 1]]))
     return time[kept], values[kept]
-
-
-def _largest(values: xr.DataArray) -> float:
-    finite = np.abs(values.values[np.isfinite(values.values)])
-    return float(finite.max(initial=0.0))
 
 
 def of_mesh(events: xr.Dataset | None, mesh: int) -> xr.Dataset | None:

@@ -134,7 +134,7 @@ def _along(axis: Axes, which: str, summary: xr.Dataset, name: str) -> np.ndarray
         getattr(axis, f"set_{which}ticks")(range(len(texts)), texts.tolist())
         return np.asarray(numbers, dtype=float)
     units = str(summary[name].attrs.get("units", ""))
-    factor, shown = prefixed(float(np.abs(values).max(initial=0.0)), units)
+    factor, shown = prefixed(values, units)
     label = name.replace("_", " ") + (f" [{shown}]" if shown else "")
     scale = "log" if _is_wide(values) else "linear"
     axis.set(**{f"{which}label": label, f"{which}scale": scale})
@@ -151,8 +151,7 @@ def _is_wide(values: np.ndarray) -> bool:
 def _scaled(summary: xr.Dataset, result: xr.DataArray) -> tuple[np.ndarray, str]:
     """Values of the cases that are done, NaN for the others, and the label."""
     values = np.where(summary["status"].values == DONE, result.values, np.nan)
-    finite = np.abs(values[np.isfinite(values)])
-    factor, shown = prefixed(float(finite.max(initial=0.0)), str(result.attrs.get("units", "1")))
+    factor, shown = prefixed(values, str(result.attrs.get("units", "1")))
     label = str(result.attrs.get("long_name") or str(result.name).replace("_", " "))
     return values * factor, f"{label} [{shown}]" if shown else label
 

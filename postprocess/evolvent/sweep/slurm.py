@@ -15,6 +15,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from evolvent.sweep.errors import SweepError, writing
 from evolvent.sweep.folder import Shard
+from evolvent.sweep.status import joined, runs
 
 A_SHARD = 600.0  # seconds that a shard should take
 MOST = 5000  # shards, unless more are asked for
@@ -129,7 +130,7 @@ def write_scripts(
         texts[kind if len(arrays) == 1 else f"{kind}-{number}"] = templates.get_template(
             "shards.sh.j2"
         ).render(
-            array=array_text(list(array.tasks)),
+            array=joined(runs(array.tasks), ","),
             log=f"shard-{array.offset}+%a.log" if array.offset else "shard-%a.log",
             shard=f"$(({array.offset} + {TASK}))" if array.offset else f"${TASK}",
             what="what is missing" if lists is None else "the listed cases",
@@ -181,17 +182,6 @@ def submit(arrays: Sequence[Path], collector: Path) -> tuple[list[str], str]:
 
 def _submit_collector(jobs: Sequence[str], collector: Path) -> str:
     return _sbatch([f"--dependency=afterany:{':'.join(jobs)}", str(collector)])
-
-
-def array_text(indices: list[int]) -> str:
-    """Write task numbers as Slurm's --array has them: 1-4,7."""
-    parts: list[list[int]] = []
-    for index in sorted(indices):
-        if parts and parts[-1][1] == index - 1:
-            parts[-1][1] = index
-        else:
-            parts.append([index, index])
-    return ",".join(f"{a}" if a == b else f"{a}-{b}" for a, b in parts)
 
 
 def _sbatch(arguments: list[str]) -> str:

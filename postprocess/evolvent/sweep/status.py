@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -101,12 +102,22 @@ def reasons(messages: pd.Series) -> list[Reason]:
     return sorted(found, key=lambda reason: (-reason.count, reason.case))
 
 
+def runs(numbers: np.ndarray | Sequence[int]) -> list[tuple[int, int]]:
+    """First and last of numbers that follow each other, in order."""
+    ordered = np.sort(np.asarray(numbers, dtype=np.int64))
+    parts = np.split(ordered, np.flatnonzero(np.diff(ordered) != 1) + 1)
+    return [(int(part[0]), int(part[-1])) for part in parts]
+
+
+def joined(runs: Sequence[tuple[int, int]], separator: str) -> str:
+    """Write runs of numbers: 3, 7-12, 40."""
+    return separator.join(str(a) if a == b else f"{a}-{b}" for a, b in runs)
+
+
 def listed(cases: np.ndarray) -> str:
     """Write case numbers with runs drawn together: 3, 7-12, 40 and 17 more."""
-    numbers = np.sort(np.asarray(cases, dtype=np.int64))
-    if numbers.size == 0:
+    if len(cases) == 0:
         return "none"
-    runs = np.split(numbers, np.flatnonzero(np.diff(numbers) != 1) + 1)[:MOST_LISTED]
-    parts = [str(run[0]) if run.size == 1 else f"{run[0]}-{run[-1]}" for run in runs]
-    more = numbers.size - sum(run.size for run in runs)
-    return ", ".join(parts) + (f" and {more} more" if more else "")
+    shown = runs(cases)[:MOST_LISTED]
+    more = len(cases) - sum(last - first + 1 for first, last in shown)
+    return joined(shown, ", ") + (f" and {more} more" if more else "")
