@@ -20,7 +20,6 @@ import h5py
 import numpy as np
 
 from evolvent.sweep.errors import SweepError, reason_of, replacing
-from evolvent.sweep.yaml_text import yaml_text
 
 FORMAT = 1
 LAST_HALF = (math.nan, math.nan)  # the window that is the last half of each case's duration
@@ -89,10 +88,6 @@ class Design:
     def sampling_text(self) -> str:
         """`sampling` as JSON."""
         return json.dumps(self.sampling)
-
-    def settings(self, case: int) -> list[str]:
-        """The texts PATH=VALUE that make a case of the base case."""
-        return [f"{p.path}={_value_text(p.values[case])}" for p in self.parameters if p.path]
 
 
 def identifier(path: str) -> str:
@@ -200,9 +195,3 @@ def _check_format(path: Path, file: h5py.File) -> None:
             f"{path}: was made by evolvent {file.attrs.get('evolvent_version', '?')} in design "
             f"format {number}, but this evolvent-sweep reads format {FORMAT}; plan it anew"
         )
-
-
-def _value_text(value: Any) -> str:
-    if isinstance(value, str):
-        return value  # YAML text already
-    return yaml_text(value.item() if isinstance(value, np.generic) else value)
