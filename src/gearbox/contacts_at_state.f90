@@ -1,16 +1,17 @@
 !> The tooth contacts of a gearbox at a state: the one way from states to where flanks touch and what acts there.
 module evl_contacts_at_state
-   use evl_discrete_state, only: flanks_of, take_mode
+   use evl_discrete_state, only: carries_points, flanks_of, take_mode, tooth_pair_of
    use evl_gearbox, only: gearbox_local, gearbox_t, i_turns
    use evl_kinds, only: wp
-   use evl_local_variables, only: i_theta
+   use evl_local_variables, only: i_theta, n_local
    use evl_status, only: status_t
    use evl_tangent_line, only: tangent_line_t
-   use evl_tooth_contact, only: contact_state, line_along, locate_contact, nominal_rho, touches, tracking_closed_form
+   use evl_tooth_contact, only: contact_state, flanks_apart, line_along, locate_contact, nominal_rho, touches, &
+                                tracking_closed_form
    implicit none (type, external)
    private
 
-   public :: look_at, look_at_forces, place_contacts
+   public :: find_tracked, look_at, look_at_forces, place_contacts
    public :: all_of_them, those_that_touch, those_that_do_not
 
    integer, parameter :: all_of_them = 0, those_that_touch = 1, those_that_do_not = 2
@@ -94,5 +95,23 @@ contains
          end associate
       end do
    end subroutine place_contacts
+
+   !> The local variables and the nominal radius of curvature of a contact whose tooth pair the flank's points are tracked of. Where
+   !> none are, or they rest since the flanks are too far apart, the rows of the tracked variables are y' = 0.
+   pure subroutine find_tracked(gearbox, index, y, integers, tracks, q, rho_a0)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index, integers(:)
+      real(wp), intent(in) :: y(gearbox%n_states)
+      logical, intent(out) :: tracks !! whether there is such a point; else nothing is found
+      real(wp), intent(out) :: q(n_local), rho_a0
+
+      associate (contact => gearbox%contacts(index))
+         tracks = carries_points(gearbox, index, integers)
+         if (tracks) tracks = flanks_of(contact, integers) /= flanks_apart
+         if (.not. tracks) return
+         call gearbox_local(gearbox, contact, y, q)
+         rho_a0 = nominal_rho(contact, y(i_theta), integers(i_turns), tooth_pair_of(contact, integers))
+      end associate
+   end subroutine find_tracked
 
 end module evl_contacts_at_state
