@@ -3,7 +3,7 @@ module evl_contact_events
    use evl_closed_form, only: points_from_closed_form
    use evl_contact_modes, only: mode_at
    use evl_contact_roots, only: contact_root_direction, contact_roots, find_sides
-   use evl_contacts_at_state, only: all_of_them, look_at, place_contacts
+   use evl_contacts_at_state, only: flank_place, look_at, place_contact
    use evl_discrete_state, only: gearbox_store_mode, pairs_with
    use evl_event_log, only: event_log, event_of_root, note
    use evl_flank, only: next_pair
@@ -57,6 +57,7 @@ contains
       real(wp) :: energy
       logical :: changed, entered, forward
       logical :: before(n_sides)
+      type(flank_place) :: place
       integer :: first, last
 
       call gearbox%flanks(gearbox%contacts(m)%i_flank)%flank%company(m, first, last)
@@ -69,7 +70,7 @@ contains
          energy = energy_of(gearbox, m, first, last, at)
          if (changed) call change_pair(contact, forward, mode, log)
          if (contact%deviates) call change_zones(gearbox, m, changed, fired, y, integers, at, log)
-         call place_contacts(gearbox, m, m, y, integers, all_of_them, at)
+         call place_contact(gearbox, m, y, integers, place, at)
          if (entered) then
             call enter(gearbox, m, first, last, integers, at, log, status)
          else if (mode%flanks /= flanks_off) then
@@ -161,10 +162,11 @@ contains
       real(wp), intent(in) :: y(:)
       type(contact_state), intent(inout) :: at(*)
       type(event_log), intent(inout) :: log
+      type(flank_place) :: place
 
       associate (contact => gearbox%contacts(m), mode => at(m)%mode)
          if (changed) then
-            call place_contacts(gearbox, m, m, y, integers, all_of_them, at)
+            call place_contact(gearbox, m, y, integers, place, at)
             call settle_zones(contact, at(m)%point, mode)
          else if (any(fired .and. moves_zone)) then
             if (fired(root_of%tip_a)) mode%zone_a = merge(zone_none, zone_tip, mode%zone_a == zone_tip)
