@@ -56,3 +56,98 @@ def compliant_penetration(
     h, d_force, codes = np.empty(n), np.empty(n), np.empty(n, np.int32)
     kernel.library.test_compliant_penetration(n, *map(_at, given), *map(_at, (h, d_force, codes)))
     return h, d_force, codes
+
+
+class Pairs(NamedTuple):
+    """Forces of pairs that yield together, overlaps g, energy, changes of the forces, turns."""
+
+    code: int
+    force: Floats
+    g: Floats
+    energy: float
+    change: Floats
+    turns: int
+
+
+def coupled_pairs(
+    kernel: Kernel,
+    h: ArrayLike,
+    length: float,
+    c: ArrayLike,
+    e_star: float,
+    *,
+    pushes_only: bool = True,
+    ways: ArrayLike = (),
+    d_length: ArrayLike = (),
+) -> Pairs:
+    """Forces per unit width; `ways` (way, pair) are dh - dC N, `d_length` dLambda along each."""
+    (h,) = _floats(h)
+    n = len(h)
+    c = np.ascontiguousarray(c, dtype=float)
+    ways = np.ascontiguousarray(ways, dtype=float).reshape(-1, n)
+    (d_length,) = _floats(np.zeros(len(ways)) if np.size(d_length) == 0 else d_length)
+    force, g, change = np.full(n, np.nan), np.full(n, np.nan), np.full_like(ways, np.nan)
+    energy, turns = ctypes.c_double(), ctypes.c_int()
+    code = kernel.library.test_coupled_pairs(
+        n,
+        _at(h),
+        ctypes.c_double(length),
+        _at(c),
+        ctypes.c_double(e_star),
+        ctypes.c_bool(pushes_only),
+        len(ways),
+        _at(ways),
+        _at(d_length),
+        _at(force),
+        _at(g),
+        ctypes.byref(energy),
+        _at(change),
+        ctypes.byref(turns),
+    )
+    return Pairs(code, force, g, energy.value, change, turns.value)
+
+
+class EdgePlace(NamedTuple):
+    """The gap S of a tip edge with its derivatives to x and rho; the foot r_A delta with its."""
+
+    gap: Floats
+    d_x: Floats
+    d_rho: Floats
+    d_xx: Floats
+    d_x_rho: Floats
+    d_rho_rho: Floats
+    foot: Floats
+    foot_x: Floats
+    foot_rho: Floats
+    foot_xx: Floats
+    foot_x_rho: Floats
+    foot_rho_rho: Floats
+    arm: Floats
+    turn: Floats
+    exists: Floats
+
+
+class Edge(NamedTuple):
+    """A tip edge: base radii of its wheel and of the mate, end of its flank, rounding."""
+
+    r_b: float
+    r_mate: float
+    rho_end: float
+    rounding: float = 0.0
+
+
+def edge_place(kernel: Kernel, edge: Edge, x: ArrayLike, rho: ArrayLike) -> EdgePlace:
+    """Where an edge touches."""
+    x, rho = _floats(x, rho)
+    places = np.empty((len(x), len(EdgePlace._fields)))
+    (numbers,) = _floats(edge)
+    kernel.library.test_edge_place(len(x), _at(numbers), _at(x), _at(rho), _at(places))
+    return EdgePlace(*places.T)
+
+
+def edge_end(kernel: Kernel, edge: Edge, slope: float, rho: float) -> float:
+    """Where the edge takes over from a relieved flank."""
+    call = kernel.library.test_edge_end
+    call.restype = ctypes.c_double
+    (numbers,) = _floats(edge)
+    return float(call(_at(numbers), ctypes.c_double(slope), ctypes.c_double(rho)))
