@@ -13,7 +13,7 @@
 !> Every term below is of second order in x, so that none of S is lost beside lengths of the wheel's size. With
 !> beta = theta - delta, V the motion of M per x along t and e turned by delta:
 !>
-!>    S = r_bB (theta - sin theta) + l_M (1 - cos theta) - a_t sin delta - a_e (1 - cos delta) + r_bA (delta - sin delta) - l_0 (1 - cos delta)
+!>    S = r_bB (theta - sin theta) + l_M (1 - cos theta) - a_t sin delta - (a_e + l_0) (1 - cos delta) + r_bA (delta - sin delta)
 !>    S' = 1 - cos beta + (l_M/r_bB) sin beta,   V_t = sin beta + (l_M/r_bB) cos beta,   S'' = V_t (1/r_bB + V_t/l)
 !>    delta' = -V_t/l,   dS/drho = cos delta - 1
 !>
@@ -73,8 +73,8 @@ contains
       at%exists = line%exists
       slope = centre/edge%r_b
       associate (delta => line%angle, s => line%s, c => line%c, beta => theta - line%angle, l => line%rho, r => edge%r_mate)
-         at%gap = edge%r_b*angle_less_sine(theta, sine) + centre*rise - a_t*s - a_e*versine(line) + r*angle_less_sine(delta, s) &
-                  - l_0*versine(line)
+         at%gap = edge%r_b*angle_less_sine(theta, sine) + centre*rise - a_t*s - (a_e + l_0)*versine(line) &
+                  + r*angle_less_sine(delta, s)
          along = sin(beta)
          v_t = along + slope*cos(beta)
          at%d_x = 2*sin(beta/2)**2 + slope*along

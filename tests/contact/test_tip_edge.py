@@ -99,7 +99,7 @@ def test_other_derivatives_are_those_of_gap_and_foot(kernel: Kernel, edge: Edge,
 def test_gap_of_equal_wheels_has_its_known_values(kernel: Kernel):
     """50/50, module 3 mm: figures of an independent program, and S''(0) in closed form."""
     at = edge_place(kernel, PAIR, [0.0, 1.25e-3, 3e-3], RHO)
-    assert RHO == pytest.approx(51.3030214988503e-3, rel=1e-13)
+    assert pytest.approx(51.3030214988503e-3, rel=1e-13) == RHO
     assert at.d_xx[0] == pytest.approx(19.3051027, rel=1e-8)
     assert at.gap[1] == pytest.approx(15.7718381767e-6, rel=1e-11)
     assert at.gap[2] == pytest.approx(96.3317856239e-6, rel=1e-11)

@@ -151,3 +151,105 @@ def edge_end(kernel: Kernel, edge: Edge, slope: float, rho: float) -> float:
     call.restype = ctypes.c_double
     (numbers,) = _floats(edge)
     return float(call(_at(numbers), ctypes.c_double(slope), ctypes.c_double(rho)))
+
+
+class Mesh(ctypes.Structure):
+    """`given_mesh` of the tests: one flank, with wheels that yield as somebody made up."""
+
+    _fields_ = [
+        ("sigma", ctypes.c_double),
+        *((name, ctypes.c_double * 2) for name in ("r_b", "ends", "roundings", "fillets")),
+        *(
+            (name, ctypes.c_double)
+            for name in ("line", "base_pitch", "e_star", "width", "k_difference", "reach", "scale")
+        ),
+        ("influence", (ctypes.c_double * 8) * 2),
+        ("lacks", (ctypes.c_double * 5) * 2),
+        ("is_drive", ctypes.c_int),
+        ("couples", ctypes.c_int),
+    ]
+
+
+class Potential(NamedTuple):
+    """The pairs of a flank: energy and its derivatives to rho_A, rho_B, rho, and what acts."""
+
+    code: int
+    zones: Integers
+    h: Floats
+    force: Floats  # per unit width
+    energy: float
+    gradient: Floats
+    second: Floats
+    change: Floats  # of the forces, (pair, of the three)
+    wheels: Floats  # torque on A, on B, force on A along t, e
+
+
+def flank_potential(
+    kernel: Kernel,
+    mesh: Mesh,
+    rho_a0: float,
+    numbers: ArrayLike,
+    q: ArrayLike = (0.0,) * 6,
+    zones: ArrayLike | None = None,
+) -> Potential:
+    """What acts at psi_A, psi_B, u_A, u_B; pairs in the zones in which they lie unless given."""
+    numbers = np.ascontiguousarray(numbers, np.int32)
+    n = len(numbers)
+    zones = np.full(n, -1, np.int32) if zones is None else np.array(zones, np.int32)
+    (q,) = _floats(q)
+    h, force, energy, gradient = np.empty(n), np.empty(n), np.empty(1), np.empty(3)
+    second, change, wheels = np.empty((3, 3)), np.empty((3, n)), np.empty(4)
+    code = kernel.library.test_flank_potential(
+        ctypes.byref(mesh),
+        ctypes.c_double(rho_a0),
+        _at(q),
+        n,
+        *map(_at, (numbers, zones, h, force, energy, gradient, second, change, wheels)),
+    )
+    return Potential(code, zones, h, force, energy[0], gradient, second, change.T, wheels)
+
+
+class Static(NamedTuple):
+    """A mesh at rest."""
+
+    h: float
+    h_0: float
+    stiffness: float
+    energy: float
+    gradient: Floats
+    numbers: Integers
+    zones: Integers
+    force: Floats  # per unit width
+    rho: Floats  # (pair, wheel)
+    feet: Floats
+    code: int
+    message: str
+
+
+def static_mesh(kernel: Kernel, mesh: Mesh, rho_a: float, force: float) -> Static:
+    """Solve for the transmission error at rho_A of pair 0 under a force."""
+    numbers, pairs = np.full(7, np.nan), np.full((6, 7), np.nan)
+    n, code = ctypes.c_int(), ctypes.c_int()
+    message = ctypes.create_string_buffer(320)
+    kernel.library.test_static_mesh(
+        ctypes.byref(mesh),
+        ctypes.c_double(rho_a),
+        ctypes.c_double(force),
+        _at(numbers),
+        ctypes.byref(n),
+        _at(pairs),
+        ctypes.byref(code),
+        message,
+    )
+    pairs = pairs[: n.value]
+    return Static(
+        *numbers[:4],
+        numbers[4:],
+        pairs[:, 0].astype(np.int32),
+        pairs[:, 1].astype(np.int32),
+        pairs[:, 2],
+        pairs[:, 3:5],
+        pairs[:, 5:],
+        code.value,
+        message.value.decode(),
+    )
