@@ -158,7 +158,7 @@ contains
       real(wp) :: x(0:sector%mesh%order), w(0:sector%mesh%order), d(0:sector%mesh%order, 0:sector%mesh%order), s(0:n_own), inset
       integer :: row, k
 
-      inset = outline%s_tip - sector%flank_arc(1)
+      inset = 1.5_wp*(outline%s_tip - sector%flank_arc(1))
       rho = chebyshev_points(n_own, involute_curvature(outline, outline%s_form + inset), &
                              involute_curvature(outline, outline%s_tip - inset))
       s = involute_arc(outline, rho)

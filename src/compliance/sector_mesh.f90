@@ -9,7 +9,7 @@
 !>
 !> The outline and the circles are exact on sides of elements, other sides are straight. Borders of elements stand where the
 !> outline's curvature jumps, and at both ends of the involute they come closer: there a load that ends at the edge is narrow.
-!> The mesh is in modules; order and places of the borders were chosen so that p = 8 is exact to 2e-5 of c.
+!> The mesh is in modules; order and places of the borders were chosen so that p = 8 is exact to 5e-5 of E c.
 module evl_sector_mesh
    use evl_kinds, only: wp
    use evl_lobatto, only: lobatto_rule
@@ -23,10 +23,10 @@ module evl_sector_mesh
 
    real(wp), parameter, public :: depth_of_rings = 1.1_wp        !! of the outermost ring under the root circle [modules]
    real(wp), parameter :: least_ring = 0.1_wp                    !! thickness of all rings at least [modules]
-   real(wp), parameter :: end_rows(3) = [0.06_wp, 0.11_wp, 0.21_wp] !! of the involute's ends [modules]
-   real(wp), parameter :: flank_row = 0.4_wp                     !! other rows of the involute at most [modules]
-   real(wp), parameter :: in_tooth(0:3) = [0.0_wp, 0.45_wp, 0.8_wp, 1.0_wp] !! columns, parts of the half thickness
-   real(wp), parameter :: in_body(0:3) = [0.0_wp, 0.36_wp, 0.7_wp, 1.0_wp]  !! the same below the tooth
+   real(wp), parameter :: end_rows(4) = [0.04_wp, 0.04_wp, 0.08_wp, 0.18_wp] !! of the involute's ends [modules]
+   real(wp), parameter :: flank_row = 0.28_wp                    !! other rows of the involute at most [modules]
+   real(wp), parameter :: in_tooth(0:4) = [0.0_wp, 0.42_wp, 0.75_wp, 0.92_wp, 1.0_wp] !! columns, parts of the half thickness
+   real(wp), parameter :: in_body(0:4) = [0.0_wp, 0.3_wp, 0.58_wp, 0.8_wp, 1.0_wp]  !! the same below the tooth
    real(wp), parameter :: in_fillet(3) = [0.15_wp, 0.45_wp, 1.0_wp]  !! rows of the upper half of the fillet
    real(wp), parameter :: under_root(3) = [0.2_wp, 0.5_wp, 1.0_wp]   !! rows below
    real(wp), parameter :: first_ring = 0.7_wp, growth = 1.5_wp       !! thickness [modules], of each ring over that before
