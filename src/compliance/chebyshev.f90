@@ -40,20 +40,22 @@ contains
       end do
    end function chebyshev_coefficients
 
-   !> T_k(x) and T_k'(x), k = 0 .. n.
-   pure subroutine chebyshev_values(x, t, dt)
+   !> T_k(x), T_k'(x), T_k''(x), k = 0 .. n.
+   pure subroutine chebyshev_values(x, t, dt, ddt)
       real(wp), intent(in) :: x
-      real(wp), intent(out) :: t(0:), dt(0:)
+      real(wp), intent(out) :: t(0:), dt(0:), ddt(0:) !! n >= 1
       integer :: k
 
       t(0) = 1
       dt(0) = 0
-      if (ubound(t, 1) < 1) return
+      ddt(0) = 0
       t(1) = x
       dt(1) = 1
+      ddt(1) = 0
       do k = 2, ubound(t, 1)
          t(k) = 2*x*t(k - 1) - t(k - 2)
          dt(k) = 2*t(k - 1) + 2*x*dt(k - 1) - dt(k - 2)
+         ddt(k) = 4*dt(k - 1) + 2*x*ddt(k - 1) - ddt(k - 2)
       end do
    end subroutine chebyshev_values
 
