@@ -3,6 +3,7 @@
 #include "base/number.h"
 #include "case/case_schema.h"
 #include "commands/command.h"
+#include "commands/show_compliance.h"
 #include "commands/show_deviations.h"
 #include "commands/show_gears.h"
 #include "simulate/prepare.h"
@@ -82,6 +83,7 @@ static void print_model(FILE *stream, const prepared_case *prepared)
     }
     show_gears(stream, description, model);
     show_deviations(stream, description, model);
+    show_compliance(stream, description, model);
     for (int i = 0; i < model_n_warnings(model); i++) {
         char *text = prepare_warning(prepared, i);
         fprintf(stream, "%s  %s\n", i == 0 ? "\nWarnings\n" : "", text);
@@ -154,6 +156,7 @@ static void write_model(json_writer *writer, const prepared_case *prepared)
     }
     json_close(writer, '}');
     write_deviations(writer, description, model);
+    write_compliance(writer, description, model);
     json_open(writer, "warnings", '[');
     for (int i = 0; i < model_n_warnings(model); i++) {
         char *text = prepare_warning(prepared, i);

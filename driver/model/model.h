@@ -134,6 +134,9 @@ int model_deviation(const model *model, int wheel, model_quantity rows[MODEL_MOS
 /** Cumulative position deviations of its teeth [teeth] [m]. @return whether it has pitch errors */
 bool model_pitch_errors(const model *model, int wheel, double *errors);
 
+/** How the wheels of a mesh give way and how stiff that makes it; no rows if none of them does. */
+int model_mesh_stiffness(const model *model, int mesh, model_quantity rows[MODEL_MOST_ROWS]);
+
 /** One of the numbers, or lists of them, that the case gives. */
 typedef struct {
     char path[192], unit[32]; /**< as in --set */

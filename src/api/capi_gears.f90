@@ -6,10 +6,11 @@ module evl_capi_gears
    use evl_gear, only: gear_t
    use evl_gearbox, only: gearbox_t
    use evl_gears_in_mesh, only: gear_mesh_t
+   use evl_mesh_stiffness, only: mesh_stiffness, mesh_stiffness_t
    implicit none (type, external)
    private
 
-   public :: evl_gearbox_gear, evl_gearbox_gear_mesh
+   public :: evl_gearbox_gear, evl_gearbox_gear_mesh, evl_gearbox_mesh_stiffness
 
 contains
 
@@ -34,5 +35,16 @@ contains
       geometry = g%gear_meshes(mesh + 1)
       is_mesh = geometry%exists
    end function evl_gearbox_gear_mesh
+
+   logical(c_bool) function evl_gearbox_mesh_stiffness(handle, mesh, stiffness) result(gives_way) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: mesh
+      type(mesh_stiffness_t), intent(out) :: stiffness
+      type(gearbox_t), pointer :: g
+
+      call c_f_pointer(handle, g)
+      call mesh_stiffness(g, mesh + 1, stiffness)
+      gives_way = stiffness%line_load > 0
+   end function evl_gearbox_mesh_stiffness
 
 end module evl_capi_gears

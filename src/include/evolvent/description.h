@@ -17,8 +17,8 @@ typedef enum {
     EVL_TRIPLE = 3,      /**< [x, y, z], all in the range */
     EVL_QUATERNION = 4,  /**< [w, x, y, z], all in the range */
     EVL_SERIES = 5,      /**< a list of numbers */
-    EVL_KNOTS = 6,       /**< times of a table, strictly increasing, at least two */
-    EVL_AT_KNOTS = 7,    /**< as many numbers as the block has times */
+    EVL_KNOTS = 6,       /**< knots of a table, strictly increasing, at least two */
+    EVL_AT_KNOTS = 7,    /**< as many numbers as the block has knots */
     EVL_NAMED = 8,       /**< name: number, for each name */
     EVL_TEXT = 9,        /**< any text */
     EVL_NAME = 10,       /**< a word that names this block in paths and references */

@@ -262,6 +262,19 @@ typedef struct {
  *  @return whether it has any; if not, all is zero. */
 EVL_API bool evl_gearbox_deviation(const evl_gearbox *gearbox, int wheel, evl_deviation_geometry *geometry,
                                    double *pitch_errors);
+/** How the wheels of a mesh give way under a line load, and how stiff that makes it. Per unit width; 0 for a wheel that does not. */
+typedef struct {
+    double driving[3], driven[3];     /**< c at start, pitch point and end of the path of contact [1/Pa] */
+    double next_driving, next_driven; /**< c_1 at the pitch point: the next flank by the same load [1/Pa] */
+    double line_load;                 /**< at which the stiffnesses hold: the nominal one, else 100 N/mm [N/m] */
+    double single_pair;               /**< one tooth pair at the pitch point, load over approach [Pa] */
+    double double_pair; /**< two, half a base pitch before and behind it; 0 if the path is too short [Pa] */
+    double iso;         /**< c' of ISO 6336-1, another thing: measured single pairs [Pa] */
+} evl_mesh_stiffness;
+
+/** Stiffness of a mesh. @return whether one of its wheels gives way; if not, all is zero. */
+EVL_API bool evl_gearbox_mesh_stiffness(const evl_gearbox *gearbox, int mesh, evl_mesh_stiffness *stiffness);
+
 /** Fill y, yp, integers and reals for time t. @return EVL_OK, EVL_INVALID_INPUT (initial values that contradict each other or the
  *  loads), EVL_NO_SOLUTION (steady state), EVL_OUT_OF_DOMAIN. */
 EVL_API int evl_gearbox_initial_state(const evl_gearbox *gearbox, const evl_initial *initial, double t, double *y,
