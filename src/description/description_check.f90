@@ -126,11 +126,11 @@ contains
       integer :: i
 
       if (size(knots) < 2) call refuse(description, place, "a table needs at least two knots", status)
-      associate (unit => trim(description%rows(description%entries(place)%row)%unit))
+      associate (row => description%rows(description%entries(place)%row))
          do i = 2, size(knots)
             if (knots(i) > knots(i - 1) .or. has_failed(status)) cycle
-            call refuse(description, place, "the knots of a table must increase, but "//quantity(knots(i), unit)//" follows " &
-                        //quantity(knots(i - 1), unit), status)
+            call refuse(description, place, "the knots of a table must increase, but "//quantity(knots(i), trim(row%unit)) &
+                        //" follows "//quantity(knots(i - 1), trim(row%unit)), status)
          end do
       end associate
    end subroutine check_knots
