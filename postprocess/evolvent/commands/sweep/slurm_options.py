@@ -8,8 +8,7 @@ from functools import wraps
 from inspect import Parameter, Signature, signature
 from typing import Annotated, Any, get_type_hints
 
-import typer
-
+from evolvent.commands.program import option
 from evolvent.sweep.slurm import Site
 
 
@@ -23,18 +22,17 @@ class Order:
 
 
 def asked(
-    cpus: Annotated[int, typer.Option("--cores", metavar="K", min=1, help="Cores of a shard.")] = 1,
-    submit: Annotated[bool, typer.Option("--submit", help="Submit the scripts as well.")] = False,
-    account: Annotated[str | None, typer.Option(help="Passed on to Slurm.")] = None,
-    partition: Annotated[str | None, typer.Option(help="Passed on to Slurm.")] = None,
-    time: Annotated[str | None, typer.Option(help="Time limit of a shard, passed on.")] = None,
+    cpus: Annotated[int, option("--cores K", "Cores of a shard.", min=1)] = 1,
+    submit: Annotated[bool, option("--submit", "Submit the scripts as well.")] = False,
+    account: Annotated[str | None, option("--account", "Passed on to Slurm.")] = None,
+    partition: Annotated[str | None, option("--partition", "Passed on to Slurm.")] = None,
+    time: Annotated[str | None, option("--time", "Time limit of a shard, passed on.")] = None,
     option: Annotated[
-        list[str] | None,
-        typer.Option(metavar="KEY=VALUE", help="Another #SBATCH option; may be repeated."),
+        list[str] | None, option("--option KEY=VALUE", "Another #SBATCH option; may be repeated.")
     ] = None,
     line: Annotated[
         list[str] | None,
-        typer.Option(metavar="SHELL", help="Line of the scripts, as 'module load X'; repeatable."),
+        option("--line SHELL", "Line of the scripts, as 'module load X'; repeatable."),
     ] = None,
 ) -> Order:
     """Take the options."""
