@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from sweeps import BEGAN, failed, line_of, make_design, row, write_journal
 
-from evolvent.sweep import run
 from evolvent.sweep.collect import open_summary
 from evolvent.sweep.estimate import span
 from evolvent.sweep.figures import figure_response
@@ -52,9 +51,8 @@ def test_every_command_counts_what_did_not_finish_alike(sweep, tmp_path):
     assert "8 of 20 cases, 5 did not finish" in progress_line(Tally(folder, records))
 
 
-def test_the_progress_of_a_run_is_what_the_program_counts(tmp_path, monkeypatch):
+def test_the_progress_of_a_run_is_what_the_program_counts(tmp_path):
     """Of ten cases five are recorded, two of them bad; these two are run again, and one other."""
-    monkeypatch.setattr(run, "A_LOOK", np.inf)  # it is asked each time
     design = make_design(10)
     before = [row(0), row(1), row(2), failed(3), failed(4)]
     journal = write_journal(tmp_path, design, before)
@@ -67,7 +65,7 @@ def test_the_progress_of_a_run_is_what_the_program_counts(tmp_path, monkeypatch)
     assert (tally.new, tally.recorded, tally.unfinished) == (3, 6, 2)
     with journal.open("a") as file:
         file.write(line_of(row(8))[30:] + "\n")
-    tally.look()
+    tally.look(at_once=True)
     assert (tally.new, tally.recorded, tally.unfinished) == (4, 7, 2)
 
 
