@@ -14,7 +14,7 @@ module evl_pair_compliance
    implicit none (type, external)
    private
 
-   public :: gather_compliance, influence_value, other_value, pair_compliance, wheel_influence_t
+   public :: gather_compliance, influence_value, other_value, own_of_pair, pair_compliance, wheel_influence_t
 
    !> c of a load's own place, with derivatives.
    type :: influence_value
@@ -84,10 +84,8 @@ contains
       integer :: k, l
 
       do k = 1, n
-         call a%own_tooth(feet(k)%foot(by_a), own(by_a))
-         call b%own_tooth(feet(k)%foot(by_b), own(by_b))
-         call add_materials(k_difference/2, feet(k)%foot, own)
-         compliance%c(k, k) = own(by_a)%c + own(by_b)%c
+         call own_of_pair(a, b, k_difference, feet(k)%foot, own)
+         compliance%c(k, k) = sum(own%c)
          compliance%d(k, k, :) = own%d/2
          compliance%d_own(k, k, :) = own%d2/2
       end do
@@ -124,16 +122,21 @@ contains
       compliance%d_both(second, first, w) = value%d_12
    end subroutine add_other
 
-   !> Wheels of two materials.
-   pure subroutine add_materials(half, foot, own)
-      real(wp), intent(in) :: half !! (K_A - K_B)/2 [1/Pa]
-      real(wp), intent(in) :: foot(2)
-      type(influence_value), intent(inout) :: own(2)
+   !> What a pair yields to its own load: the parts of A and B, whose sum is C_kk.
+   pure subroutine own_of_pair(a, b, k_difference, foot, own)
+      class(wheel_influence_t), intent(in) :: a, b
+      real(wp), intent(in) :: k_difference !! K_A - K_B [1/Pa]
+      real(wp), intent(in) :: foot(2)      !! roll lengths at which A and B are loaded [m]
+      type(influence_value), intent(out) :: own(2)
+      real(wp) :: half(2)
 
-      if (.not. abs(half) > 0) return
-      own(by_a)%c = own(by_a)%c + half*log(foot(by_a)/foot(by_b))
-      own%d = own%d + [half, -half]/foot
-      own%d2 = own%d2 - [half, -half]/foot**2
-   end subroutine add_materials
+      call a%own_tooth(foot(by_a), own(by_a))
+      call b%own_tooth(foot(by_b), own(by_b))
+      if (.not. abs(k_difference) > 0) return
+      half = [k_difference, -k_difference]/2
+      own(by_a)%c = own(by_a)%c + half(by_a)*log(foot(by_a)/foot(by_b))
+      own%d = own%d + half/foot
+      own%d2 = own%d2 - half/foot**2
+   end subroutine own_of_pair
 
 end module evl_pair_compliance

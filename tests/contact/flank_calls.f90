@@ -8,12 +8,40 @@ module flank_calls
    use evl_local_variables, only: n_local
    use evl_status, only: status_t
    use evl_tooth_contact, only: contact_state, flanks_open, no_mode
+   use evl_yielding_flank, only: yielding_flank_t
+   use made_up_wheel, only: made_up_t, n_numbers
    implicit none (type, external)
    private
 
+   public :: test_flank_bend
    public :: test_flank_changes, test_flank_contacts, test_flank_laws, test_flank_in_lanes
 
 contains
+
+   !> Let all flanks of a gearbox bend as somebody made up.
+   subroutine test_flank_bend(handle, scale, influence, k_difference) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in), value :: scale, k_difference
+      real(c_double), intent(in) :: influence(n_numbers, 2)
+      type(gearbox_t), pointer :: gearbox
+      type(yielding_flank_t) :: bent
+      type(made_up_t) :: wheel
+      integer :: i
+
+      call c_f_pointer(handle, gearbox)
+      wheel%scale = scale
+      bent%k_difference = k_difference
+      wheel%p = influence(:, 1)
+      allocate (bent%a, source=wheel)
+      wheel%p = influence(:, 2)
+      allocate (bent%b, source=wheel)
+      do i = 1, size(gearbox%flanks)
+         bent%first = gearbox%flanks(i)%flank%first
+         bent%last = gearbox%flanks(i)%flank%last
+         deallocate (gearbox%flanks(i)%flank)
+         allocate (gearbox%flanks(i)%flank, source=bent)
+      end do
+   end subroutine test_flank_bend
 
    !> How many tooth contacts the first flank of a gearbox has.
    integer(c_int) function test_flank_contacts(handle) bind(c)
