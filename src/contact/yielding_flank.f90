@@ -21,17 +21,18 @@ module evl_yielding_flank
    use evl_force_lanes, only: lane_slot
    use evl_kinds, only: lanes, pi, wp
    use evl_local_variables, only: n_local
-   use evl_pair_compliance, only: own_of_pair, own_value => influence_value, wheel_influence_t
+   use evl_pair_compliance, only: own_of_pair
    use evl_pair_place, only: by_a, by_b
    use evl_status, only: code_ok, fail, quantity, status_t, subject_mesh
    use evl_tooth_contact, only: contact_state, flanks_unloaded, tooth_contact_t, touches
+   use evl_wheel_compliance, only: own_at_t, wheel_compliance_t
    implicit none (type, external)
    private
 
    public :: yielding_flank_t
 
    type, extends(flank_t) :: yielding_flank_t
-      class(wheel_influence_t), allocatable :: a, b !! both wheels
+      class(wheel_compliance_t), allocatable :: a, b !! both wheels
       real(wp) :: k_difference = 0.0_wp             !! K_A - K_B, as in evl_pair_compliance [1/Pa]
    contains
       procedure :: laws
@@ -55,22 +56,22 @@ contains
       type(contact_state), intent(inout) :: at(*)
       type(status_t), intent(inout) :: status
       type(compliant_contact) :: answer
-      type(own_value) :: own(2)
+      type(own_at_t) :: own(2)
       integer :: code, k
 
       do k = first, last
          if (.not. touches(at(k)%mode)) cycle
          associate (contact => contacts(k), point => at(k)%point, elastic => at(k)%elastic, b => contacts(k)%width)
             call own_of_pair(self%a, self%b, self%k_difference, [point%rho_a, point%rho_b], own)
-            call compliant_force(point%h, line_of(point), sum(own%c), contact%e_star, answer, code)
+            call compliant_force(point%h, line_of(point), sum(own%value), contact%e_star, answer, code)
             if (code /= code_ok) &
                call fail(status, code, "penetration h = "//quantity(point%h, "m")//" has no force: the teeth would yield by more" &
                          //" than the length of the line of action", subject_mesh, contact%mesh, "contact")
             elastic = elastic_result(force=b*answer%force, d_h=b*(answer%d_h - answer%d_length), &
-                                     d_rho_a=b*(answer%d_length + answer%d_c*own(by_a)%d), &
-                                     d_rho_b=b*(answer%d_length + answer%d_c*own(by_b)%d), d_energy=0.0_wp, excess=0.0_wp)
-            at(k)%yielding%slope = own%d
-            at(k)%yielding%curvature = own%d2
+                                     d_rho_a=b*(answer%d_length + answer%d_c*own(by_a)%slope), &
+                                     d_rho_b=b*(answer%d_length + answer%d_c*own(by_b)%slope), d_energy=0.0_wp, excess=0.0_wp)
+            at(k)%yielding%slope = own%slope
+            at(k)%yielding%curvature = own%curvature
             call viscous_force(contact%damping, context_of(contact, at(k)), elastic, at(k)%viscous)
          end associate
       end do
@@ -179,7 +180,7 @@ contains
       integer, intent(in) :: first, last
       type(lane_slot), intent(inout) :: slots(*)
       logical, intent(out) :: answered
-      type(own_value) :: own(2)
+      type(own_at_t) :: own(2)
       real(wp) :: c(lanes), line(lanes)
       integer :: k, l
 
@@ -191,9 +192,9 @@ contains
             if (.not. answered) return
             do l = 1, lanes
                call own_of_pair(self%a, self%b, self%k_difference, [at%rho_a(l), at%rho_b(l)], own)
-               c(l) = sum(own%c)
-               force%slope_a(l) = own(by_a)%d
-               force%slope_b(l) = own(by_b)%d
+               c(l) = sum(own%value)
+               force%slope_a(l) = own(by_a)%slope
+               force%slope_b(l) = own(by_b)%slope
             end do
             line = at%rho_a + at%rho_b - at%h
             call compliant_force_lanes(at%h, line, c, at%e_star, force%elastic, answered)

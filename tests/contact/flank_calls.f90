@@ -7,9 +7,9 @@ module flank_calls
    use evl_gearbox, only: gearbox_t
    use evl_kinds, only: lanes, wp
    use evl_local_variables, only: n_local
-   use evl_pair_compliance, only: wheel_influence_t
    use evl_status, only: status_t
    use evl_tooth_contact, only: contact_state, flanks_open, no_mode
+   use evl_wheel_compliance, only: wheel_compliance_t
    use evl_yielding_flank, only: yielding_flank_t
    use made_up_wheel, only: made_up_t, n_numbers
    implicit none (type, external)
@@ -58,7 +58,7 @@ contains
    !> The numbers of a made up wheel.
    subroutine make_up(scale, p, wheel)
       real(wp), intent(in) :: scale, p(n_numbers)
-      class(wheel_influence_t), intent(inout) :: wheel
+      class(wheel_compliance_t), intent(inout) :: wheel
 
       select type (wheel)
       type is (made_up_t)
