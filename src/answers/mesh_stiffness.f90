@@ -29,8 +29,8 @@ module evl_mesh_stiffness
       real(c_double) :: driving(3) = 0.0_c_double, driven(3) = 0.0_c_double !! c at start, pitch point and end of the path [1/Pa]
       real(c_double) :: next_driving = 0.0_c_double, next_driven = 0.0_c_double !! c_1 at the pitch point [1/Pa]
       real(c_double) :: line_load = 0.0_c_double !! at which the stiffnesses hold [N/m]
-      real(c_double) :: single = 0.0_c_double    !! one pair at the pitch point [Pa]
-      real(c_double) :: double = 0.0_c_double    !! two pairs, half a base pitch before and behind it; 0: the path is too short [Pa]
+      real(c_double) :: single_pair = 0.0_c_double    !! one pair at the pitch point [Pa]
+      real(c_double) :: double_pair = 0.0_c_double    !! two pairs, half a base pitch before and behind it; 0: short path [Pa]
       real(c_double) :: iso = 0.0_c_double       !! c' of ISO 6336-1 [Pa]
    end type mesh_stiffness_t
 
@@ -64,9 +64,9 @@ contains
          answer%line_load = abs(contact%force_scale)/contact%width
          if (.not. answer%line_load > 0) answer%line_load = usual_load
          half = pair%base_pitch/2
-         answer%single = secant(gearbox, mesh, rho_a(2:2), answer%line_load)
+         answer%single_pair = secant(gearbox, mesh, rho_a(2:2), answer%line_load)
          if (rho_a(2) - half >= rho_a(1) .and. rho_a(2) + half <= rho_a(3)) &
-            answer%double = secant(gearbox, mesh, [rho_a(2) + half, rho_a(2) - half], answer%line_load)
+            answer%double_pair = secant(gearbox, mesh, [rho_a(2) + half, rho_a(2) - half], answer%line_load)
          ! both moduli from E*, for Poisson's ratio of metals
          answer%iso = iso_stiffness(gearbox%gears(contact%wheel_a), gearbox%gears(contact%wheel_b), answer%line_load) &
                       *2*contact%e_star*(1 - usual_ratio**2)/steel

@@ -4,11 +4,12 @@
 !> the thickness at the height y, S_f = 2 r_f theta_f the arc of the root under the tooth, u = y_F - x_F tan tau - r_f. From the
 !> root, y = r_f cos theta_f, to y_F, with E' and nu' of the plane state, and E = 1:
 !>
-!>    c = 1/E' int 12 [cos tau (y_F - y) - x_F sin tau]^2/(2x)^3 dy + 1.2 int 2 (1+nu) cos^2 tau/(2x) dy + 1/E' int sin^2 tau/(2x) dy
+!>    c = 1/E' int 12 [cos tau (y_F - y) - x_F sin tau]^2/(2x)^3 dy + 1.2 int 2 (1+nu) cos^2 tau/(2x) dy
+!>      + 1/E' int sin^2 tau/(2x) dy
 !>      + 1/E' cos^2 tau [L (u/S_f)^2 + M u/S_f + P (1 + Q tan^2 tau)] + K [ln(x_F/(2 rho cos tau)) + 1/2 - nu'/(2 (1 - nu'))]
 !>
-!> The last term is the contact down to the tooth's middle in place of Johnson's cylinder. L .. Q are Sainsot's for a ring. Two loaded
-!> teeth share the ring, but these formulas know one tooth alone.
+!> The last term is the contact down to the tooth's middle in place of Johnson's cylinder. L .. Q are Sainsot's for a ring. Two
+!> loaded teeth share the ring, but these formulas know one tooth alone.
 !>
 !> Sources: Weber & Banaschek 1953; Sainsot, Velex, Duverger, J. Mech. Des. 126 (2004) 748.
 module evl_analytic_compliance
@@ -28,10 +29,10 @@ module evl_analytic_compliance
 
    ! A .. F of L, M, P, Q = A/theta_f^2 + B h^2 + C h/theta_f + D/theta_f + E h + F
    real(wp), parameter :: sainsot(6, 4) = reshape([ &
-                          -5.574e-5_wp, -1.9986e-3_wp, -2.3015e-4_wp, 4.7702e-3_wp, 0.0271_wp, 6.8045_wp, &
-                          60.111e-5_wp, 28.100e-3_wp, -83.431e-4_wp, -9.9256e-3_wp, 0.1624_wp, 0.9086_wp, &
-                          -50.952e-5_wp, 185.50e-3_wp, 0.0538e-4_wp, 53.300e-3_wp, 0.2895_wp, 0.9236_wp, &
-                          -6.2042e-5_wp, 9.0889e-3_wp, -4.0964e-4_wp, 7.8297e-3_wp, -0.1472_wp, 0.6904_wp], [6, 4])
+                                                  -5.574e-5_wp, -1.9986e-3_wp, -2.3015e-4_wp, 4.7702e-3_wp, 0.0271_wp, 6.8045_wp, &
+                                                  60.111e-5_wp, 28.100e-3_wp, -83.431e-4_wp, -9.9256e-3_wp, 0.1624_wp, 0.9086_wp, &
+                                                  -50.952e-5_wp, 185.50e-3_wp, 0.0538e-4_wp, 53.300e-3_wp, 0.2895_wp, 0.9236_wp, &
+                                           -6.2042e-5_wp, 9.0889e-3_wp, -4.0964e-4_wp, 7.8297e-3_wp, -0.1472_wp, 0.6904_wp], [6, 4])
    real(wp), parameter, public :: ring_range(2) = [1.4_wp, 7.0_wp]     !! of h = r_f/r_hub
    real(wp), parameter, public :: root_range(2) = [0.01_wp, 0.12_wp]   !! of theta_f [rad]
 

@@ -2,7 +2,7 @@
 !>
 !> A sector between two cuts is a mirror image of itself. So its half is condensed onto the cut twice, with the middle line held as
 !> it is under symmetric (s) and under antisymmetric (a) loads. With radial and tangential components on the cuts, u_R on the right
-!> and u_L on the left one, M the mirror (tangential components change their sign): v_s = (u_R + M u_L)/2, v_a = (u_R - M u_L)/2, and
+!> and u_L on the left one, M the mirror (tangential components change sign): v_s = (u_R + M u_L)/2, v_a = (u_R - M u_L)/2, and
 !> the energy of the sector is v_s S_s v_s + v_a S_a v_a. In harmonic n, u_R = exp(i n gamma) u_L. With theta = n gamma/2,
 !> u_L = exp(-i theta) (x_r, -i x_t):
 !>

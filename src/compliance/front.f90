@@ -126,7 +126,7 @@ contains
          if (member(i) > 0) goes(i) = last(member(i)) == group
       end do
       out = pack([(i, i=1, size(member))], goes)
-      stay = pack([(i, i=1, size(member))], .not. goes)
+      stay = pack([(i, i=1, size(member))],.not. goes)
       call gather(front, out, out, done)
       call gather(front, stay, out, across)
       call gather(front, stay, stay, rest)

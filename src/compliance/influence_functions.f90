@@ -121,7 +121,7 @@ contains
          call element_stiffness(p, w, d, xy, law, stiffness(:, :, e), is_valid)
          if (is_valid) cycle
          write (which, "(i0)") e
-         call fail(status, code_invalid_input, "no mesh fits the tooth: element "//trim(which)//", "//part_of(sector, e) &
+         call fail(status, code_invalid_input, "no mesh fits the tooth: element "//trim(which)//", "//trim(part_of(sector, e)) &
                    //", would fold over; a larger root fillet or another profile shift helps, or compliance.model: analytic", &
                    subject_wheel, field="compliance")
          return
@@ -132,7 +132,7 @@ contains
    pure function part_of(sector, e) result(text)
       type(sector_mesh_t), intent(in) :: sector
       integer, intent(in) :: e
-      character(len=:), allocatable :: text
+      character(len=30) :: text
 
       associate (row => sector%row(e))
          if (row == 1) then
@@ -140,7 +140,7 @@ contains
          else if (row <= sector%row_form) then
             text = "at the involute"
          else if (row <= sector%row_fillet) then
-            text = "at the upper half of the fillet"
+            text = "at the fillet's upper half"
          else if (row <= sector%row_deep) then
             text = "under the fillet and the root"
          else

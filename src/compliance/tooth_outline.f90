@@ -4,7 +4,7 @@
 !> one. A point of the involute with the radius of curvature rho is r_b (cos t, sin t) + rho (-sin t, cos t), t = psi/2 - rho/r_b;
 !> its arc from the base circle is s = rho^2/(2 r_b). The fillet is cut by the round tip of the rack: where its normal makes the
 !> angle beta with the line of centres, it lies D = depth/cos beta + rounding from the pitch point along that normal, while the
-!> wheel has turned by depth tan beta/r. It begins at beta = pi/2 - alpha, where the involute does, and ends at 0 on the root circle.
+!> wheel has turned by depth tan beta/r. It begins at beta = pi/2 - alpha, with the involute, and ends at 0 on the root circle.
 !>
 !> Source: ISO 21771; ISO 53; the law of gearing.
 module evl_tooth_outline

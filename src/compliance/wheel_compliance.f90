@@ -2,9 +2,9 @@
 !> derivatives. Per unit width: metres a newton per metre, 1/Pa.
 !>
 !> c is what a cylinder's contact lacks: the displacement of the loaded flank into the material less that of Johnson's cylinder of
-!> radius rho. c_j is the displacement at rho of tooth 0 by a load at rho' of tooth j, j counted toward the side that the flank faces;
-!> c_-j(rho, rho') = c_j(rho', rho). Both are polynomials in rho between `low` and `high`, or cubics of a table. Beyond, c goes on
-!> straight, so c'' jumps at both ends; c_j goes on by its polynomial.
+!> radius rho. c_j is the displacement at rho of tooth 0 by a load at rho' of tooth j, counted toward the side that the flank
+!> faces; c_-j(rho, rho') = c_j(rho', rho). Both are polynomials in rho between `low` and `high`, or cubics of a table. Beyond, c
+!> goes on straight, so c'' jumps at both ends; c_j goes on by its polynomial.
 module evl_wheel_compliance
    use evl_chebyshev, only: chebyshev_coefficients, chebyshev_values
    use evl_influence_functions, only: influence_t, n_neighbours, n_other, n_own

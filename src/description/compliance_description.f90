@@ -21,10 +21,10 @@ module evl_compliance_description
 
    type(row_t), parameter, public :: compliance_rows(*) = [ &
                                      row_t("model", type_choice, "", &
-              "finite elements of the whole wheel; formulas of one tooth on a ring; a table; none: only the contact gives way", &
+                 "finite elements of the whole wheel; formulas of one tooth on a ring; a table; none: only the contact gives way", &
                                            default="finite_elements", words="finite_elements analytic table none"), &
                                      row_t("hub_diameter", type_number, "m", &
-                                  "diameter at which the wheel is held, solid from there to its teeth; otherwise its bore", &
+                                         "diameter at which the wheel is held, solid from there to its teeth; otherwise its bore", &
                                            range=positive, variants="finite_elements analytic"), &
                                      row_t("state", type_choice, "", &
                            "plane strain for wide teeth, plane stress for a width of less than 2 modules", default="plane_strain", &
@@ -32,13 +32,13 @@ module evl_compliance_description
                                      row_t("order", type_integer, "", "order of the elements; 8 gives c to 5e-5/E", &
                                            range=range_t(4.0_wp, 16.0_wp), default="8", variants="finite_elements"), &
                                      row_t("rho", type_knots, "m", &
-                                  "radii of curvature of the flank, strictly increasing, at least two", required=.true., &
+                                           "radii of curvature of the flank, strictly increasing, at least two", required=.true., &
                                            variants="table"), &
                                      row_t("c", type_at_knots, "1/Pa", &
-                                  "c there: displacement of the loaded flank a line load, less that of Johnson's cylinder", &
+                                         "c there: displacement of the loaded flank a line load, less that of Johnson's cylinder", &
                                            required=.true., variants="table"), &
                                      row_t("c_1", type_at_knots, "1/Pa", &
-                  "c_1 there: displacement of the flank next to one that is loaded at the same rho; otherwise no coupling", &
+                         "c_1 there: displacement of the flank next to one that is loaded at the same rho; otherwise no coupling", &
                                            range=not_negative, variants="table")]
 
    !> Influence functions that were computed for a wheel of the same gearbox.

@@ -11,7 +11,11 @@ ROOT = Path(__file__).parents[2]
 HEADERS = sorted((ROOT / "src" / "include" / "evolvent").glob("*.h"))
 
 #: Types of the kernel that C reads as they are; all others have the struct's name above them.
-SHARED = {"gear_t": "evl_gear_geometry", "gear_mesh_t": "evl_gear_mesh"}
+SHARED = {
+    "gear_t": "evl_gear_geometry",
+    "gear_mesh_t": "evl_gear_mesh",
+    "mesh_stiffness_t": "evl_mesh_stiffness",
+}
 
 
 def structs() -> dict[str, list[str]]:

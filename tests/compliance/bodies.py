@@ -1,4 +1,4 @@
-"""Plane bodies of curved quadrilaterals, condensed by the kernel's elements (`element_calls.f90`)."""
+"""Plane bodies of curved quadrilaterals, condensed by the kernel (`element_calls.f90`)."""
 
 from __future__ import annotations
 

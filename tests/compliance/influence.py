@@ -70,9 +70,7 @@ def influence(
     return Influence(rho, own, other)
 
 
-def element_points(
-    kernel: Kernel, gear: GearGeometry, hub_radius: float, order: int = 8
-) -> Floats:
+def element_points(kernel: Kernel, gear: GearGeometry, hub_radius: float, order: int = 8) -> Floats:
     """Points of all elements of half a sector (element, along eta, along xi, xy), in modules."""
     form = ctypes.byref(gear), _double(ROUNDING), _double(hub_radius / gear.normal_module), order
     n = kernel.library.test_sector_elements(*form)

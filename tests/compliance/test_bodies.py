@@ -74,11 +74,16 @@ def test_patch_of_curved_elements_answers_a_constant_strain_with_its_constant_st
     txy = shear / (2 * (1 + NU))
     moment = at.T @ force
     area = 0.0
-    x, w, d = lobatto(kernel, 6)
+    _, w, d = lobatto(kernel, 6)
     for e_sides in body.sides:
         for side, sign in ((0, 1), (1, 1), (2, -1), (3, -1)):
             along = d @ e_sides[side]
-            area += sign * 0.5 * w @ (e_sides[side][:, 0] * along[:, 1] - e_sides[side][:, 1] * along[:, 0])
+            area += (
+                sign
+                * 0.5
+                * w
+                @ (e_sides[side][:, 0] * along[:, 1] - e_sides[side][:, 1] * along[:, 0])
+            )
     assert moment == pytest.approx(area * np.array([[sxx, txy], [txy, syy]]), rel=1e-11)
 
 
@@ -94,9 +99,11 @@ def test_ring_held_inside_twists_under_torque_as_its_closed_form(kernel: Kernel)
     at = body.places()
     radius = np.hypot(*at.T)
     # antisymmetric: on both straight ends there is no radial displacement
-    ends = np.concatenate([2 * np.flatnonzero(at[:, 1] < 1e-12), 2 * np.flatnonzero(at[:, 0] < 1e-12) + 1])
+    ends = np.concatenate(
+        [2 * np.flatnonzero(at[:, 1] < 1e-12), 2 * np.flatnonzero(at[:, 0] < 1e-12) + 1]
+    )
     held = np.flatnonzero(radius < hub + 1e-9)
-    x, w, _ = lobatto(kernel, 10)
+    _, w, _ = lobatto(kernel, 10)
     load = np.zeros(len(at) * 2)
     sides, _ = body.nodes()
     for e in range(4):  # a tangential traction of 1 on the rim
@@ -121,10 +128,20 @@ def disc(kernel: Kernel, p: int, n: int, w: float) -> float:
     c = 0.45 * np.array([1.0, 1.0])
     tip = arc(1, 0, split)
     body.patch([straight(o, a), straight(a, c), straight(b, c), straight(o, b)], n, n, 1)
-    rest = [straight(a, np.array([1.0, 0])), tip, straight(c, tip(np.array([1.0]))[0]), straight(a, c)]
+    rest = [
+        straight(a, np.array([1.0, 0])),
+        tip,
+        straight(c, tip(np.array([1.0]))[0]),
+        straight(a, c),
+    ]
     body.patch(rest, n, n, 1)
     far = arc(1, np.pi / 2, split)
-    rest = [straight(b, c), straight(c, far(np.array([1.0]))[0]), far, straight(b, np.array([0, 1.0]))]
+    rest = [
+        straight(b, c),
+        straight(c, far(np.array([1.0]))[0]),
+        far,
+        straight(b, np.array([0, 1.0])),
+    ]
     body.patch(rest, n, n, 1)
     body.groups = list(range(1, len(body.groups) + 1))
     at = body.places()

@@ -1,4 +1,4 @@
-"""Influence functions of wheels: known digits, symmetry, refinement, sense, and a wheel put together."""
+"""Influence functions of wheels: known digits, symmetry, refinement, sense, a whole wheel."""
 
 from __future__ import annotations
 

@@ -1,0 +1,171 @@
+"""Compliance of wheels through the program: what is refused, and what show prints."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+Evolvent = Callable[..., subprocess.CompletedProcess[str]]
+
+CASE = 3
+BLOCK = "wheels.pinion.compliance"
+ELEMENTS = f"{BLOCK}={{}}"
+
+# options; what is said of the first
+BAD_OPTIONS = {
+    "no hub": (
+        [ELEMENTS, "wheels.pinion.bore=0"],
+        "hub_diameter: a solid wheel that is held nowhere",
+    ),
+    "hub under the teeth": (
+        [f"{BLOCK}={{hub_diameter: 0.05}}"],
+        "hub_diameter: the wheel is held at a diameter of 0.05 m, which leaves too little below "
+        "the root circle: give a hub_diameter of less than 0.0446176 m",
+    ),
+    "hub in the bore": (
+        [f"{BLOCK}={{hub_diameter: 0.02}}"],
+        "hub_diameter: hub_diameter 0.02 m lies within the bore of 0.025 m",
+    ),
+    "undercut": (
+        [ELEMENTS, "wheels.pinion.profile_shift=-0.2", "meshes.0.centre_distance=0.0795"],
+        "model: the teeth are undercut",
+    ),
+    "undercut, formulas": (
+        [
+            f"{BLOCK}={{model: analytic}}",
+            "wheels.pinion.profile_shift=-0.2",
+            "meshes.0.centre_distance=0.0795",
+        ],
+        "model: the teeth are undercut",
+    ),
+    "pointed tip": (
+        [ELEMENTS, "wheels.pinion.profile_shift=1.05", "meshes.0.centre_distance=0.083"],
+        "model: the teeth are 2.57447E-04 m thick at the tip, less than 0.1 modules",
+    ),
+    "falling table": (
+        [f"{BLOCK}={{model: table, rho: [0.004, 0.003], c: [1e-11, 2e-11]}}"],
+        "rho: the rhos of a table must increase: 0.003 m follows 0.004 m",
+    ),
+    "short table": (
+        [f"{BLOCK}={{model: table, rho: [0.004], c: [1e-11]}}"],
+        "rho: has 1 value, needs at least 2",
+    ),
+    "uneven table": (
+        [f"{BLOCK}={{model: table, rho: [0.004, 0.005], c: [1e-11]}}"],
+        "c: has 1 values, but rho has 2; they need the same number",
+    ),
+    "table without numbers": ([f"{BLOCK}={{model: table}}"], "'rho' is missing"),
+    "no such model": (
+        [f"{BLOCK}.model=beam"],
+        "model: must be one of finite_elements, analytic, table, none",
+    ),
+    "order of formulas": (
+        [f"{BLOCK}={{model: analytic, order: 8}}"],
+        "'order' does not go with 'model: analytic'",
+    ),
+    "another law": (
+        [
+            ELEMENTS,
+            "meshes.0.contact={law: linear, stiffness: 1e8}",
+            "meshes.0.damping={law: none}",
+        ],
+        "contact.law: a wheel with compliance needs contact {law: johnson}, from which its c is",
+    ),
+    "rigid": (
+        [ELEMENTS, "meshes.0.contact={law: rigid}", "meshes.0.damping={law: none}"],
+        "contact.law: a wheel with compliance needs contact {law: johnson}",
+    ),
+    "tracked": ([ELEMENTS, "meshes.0.tracking=differential"], "needs tracking: closed_form"),
+    "no dynamics yet": ([ELEMENTS], "the dynamics do not know yet how wheels give way"),
+}
+
+
+@pytest.mark.parametrize(("options", "reason"), BAD_OPTIONS.values(), ids=BAD_OPTIONS)
+def test_what_gives_no_compliance_is_refused_in_one_line(
+    evolvent: Evolvent, examples: Path, tmp_path: Path, options: list[str], reason: str
+) -> None:
+    given = [word for option in options for word in ("--set", option)]
+    result = evolvent("run", examples / "spur-pair.yaml", *given)
+    assert result.returncode == CASE, result.stderr
+    assert result.stdout == ""
+    assert result.stderr.count("\n") == 1
+    assert reason in result.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_wheels_that_are_stated_by_their_pitch_radius_have_none(
+    evolvent: Evolvent, examples: Path
+) -> None:
+    result = evolvent("run", examples / "paper.yaml", "--set", "wheels.0.compliance={}")
+    assert result.returncode == CASE
+    assert "wheels.pinion: 'compliance' needs 'module' beside it" in result.stderr
+
+
+def shown(evolvent: Evolvent, examples: Path, *options: str) -> dict:
+    """What show says of the spur pair as JSON."""
+    given = [word for option in options for word in ("--set", option)]
+    result = evolvent("show", examples / "spur-pair.yaml", "--json", *given)
+    return json.loads(result.stdout)
+
+
+def test_show_prints_compliance_and_stiffness_beside_those_of_the_standard(
+    evolvent: Evolvent, examples: Path
+) -> None:
+    """The 19/34 pair as in a static analysis by another program: its secant stiffness."""
+    fit = (
+        *("wheels.pinion.compliance={}", "wheels.gear.compliance={}"),
+        *("wheels.pinion.thickness_allowance=0", "wheels.gear.thickness_allowance=0"),
+        "meshes.0={name: pinion-gear, driving: pinion, driven: gear, driving_rotation: clockwise, "
+        "centre_line_angle: 0}",
+    )
+    told = shown(evolvent, examples, *fit)["compliance"]["pinion-gear"]
+    # c_B falls from start to end of the path, c_A rises
+    assert told["driving_at_start"] < told["driving_at_pitch_point"] < told["driving_at_end"]
+    assert told["driven_at_start"] > told["driven_at_pitch_point"] > told["driven_at_end"]
+    assert 0 < told["driving_next"] < told["driving_at_pitch_point"]
+    # over a pitch at 150 N/mm the secant goes from 13.56 to 19.83 N/(mm um); here the load is half
+    assert 12.5e9 < told["single_pair"] < told["double_pair"] < 19.9e9
+    # q' of ISO 6336-1, 9.3.1.1 by hand, rack 1.25, 20 degrees
+    z, x = (19, 34), (0.4, 0.1)
+    q = 0.04723 + 0.15551 / z[0] + 0.25791 / z[1] - 0.00635 * x[0] - 0.11654 * x[0] / z[0]
+    q += -0.00193 * x[1] - 0.24188 * x[1] / z[1] + 0.00529 * x[0] ** 2 + 0.00182 * x[1] ** 2
+    iso = 1e9 / q * 0.8 * (1 + 0.5 * (1.2 - 1.25)) * min(1, told["line_load"] / 1e5) ** 0.25
+    assert told["iso_6336"] == pytest.approx(iso, rel=1e-9)
+
+
+def test_equal_wheels_give_way_alike_and_a_wheel_without_the_block_not_at_all(
+    evolvent: Evolvent, examples: Path
+) -> None:
+    told = shown(evolvent, examples, ELEMENTS)["compliance"]["pinion-gear"]
+    assert "driven_at_start" not in told
+    assert shown(evolvent, examples)["compliance"] == {}
+    none = shown(evolvent, examples, f"{BLOCK}={{model: none}}")
+    assert none["compliance"] == {}
+    assert none["refusal"] == ""
+
+
+def test_table_gives_its_numbers(evolvent: Evolvent, examples: Path) -> None:
+    """A straight line of c, met at every place."""
+    table = "{model: table, rho: [0.001, 0.03], c: [2e-12, 6e-11], c_1: [5e-12, 5e-12]}"
+    told = shown(evolvent, examples, f"{BLOCK}={table}")["compliance"]["pinion-gear"]
+    places = [told[f"driving_at_{place}"] for place in ("start", "pitch_point", "end")]
+    assert np.all(np.diff(places) > 0)
+    assert told["driving_next"] == pytest.approx(5e-12, rel=1e-14)
+
+
+def test_formulas_warn_of_the_body_that_two_pairs_share(evolvent: Evolvent, examples: Path) -> None:
+    warnings = shown(evolvent, examples, f"{BLOCK}={{model: analytic}}")["warnings"]
+    assert any("two loaded pairs share the wheel's body" in line for line in warnings)
+    assert any("where it was not fitted" in line for line in warnings)
+
+
+def test_numbers_of_the_block_are_parameters(evolvent: Evolvent, examples: Path) -> None:
+    option = f"{BLOCK}={{hub_diameter: 0.03}}"
+    result = evolvent("show", examples / "spur-pair.yaml", "--parameters", "--set", option)
+    assert f"{BLOCK}.hub_diameter = 0.03 m\n" in result.stdout
+    assert f"{BLOCK}.order = 8\n" in result.stdout
