@@ -29,7 +29,7 @@ K = 2 * (1 - NU**2) / np.pi
 
 @dataclass
 class Wheel:
-    """Teeth, shift, hub radius, places rho in modules; E c, E c_1 there. Rack 1/1.25/0.38, 20 deg."""
+    """Teeth, shift, hub radius, places rho in modules; E c, E c_1. Rack 1/1.25/0.38, 20 deg."""
 
     teeth: int
     shift: float
