@@ -1,6 +1,5 @@
 /** What a command says on stderr while it works, each a line "evolvent: ...". A leaf. */
-#ifndef EVOLVENT_LOG_H
-#define EVOLVENT_LOG_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -14,5 +13,3 @@ void log_note(const char *format, ...);
 __attribute__((format(printf, 1, 2)))
 #endif
 void log_warning(const char *format, ...);
-
-#endif

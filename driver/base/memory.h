@@ -1,6 +1,5 @@
 /** Memory that is there, or the program ends with a message: nothing sensible can be done without it. A leaf. */
-#ifndef EVOLVENT_MEMORY_H
-#define EVOLVENT_MEMORY_H
+#pragma once
 
 #include <stddef.h>
 
@@ -14,5 +13,3 @@ char *xstrdup(const char *text);
 __attribute__((format(printf, 1, 2)))
 #endif
 char *xasprintf(const char *format, ...);
-
-#endif

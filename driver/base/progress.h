@@ -1,6 +1,5 @@
 /** A line on a terminal that tells how far a run is. Costs a decrement a step. A leaf. */
-#ifndef EVOLVENT_PROGRESS_H
-#define EVOLVENT_PROGRESS_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -24,5 +23,3 @@ static inline void progress_step(progress *progress, double t)
         progress_look(progress, t);
     }
 }
-
-#endif

@@ -1,6 +1,5 @@
 /** How a command ends: exit codes, and the one line that says why. A leaf. */
-#ifndef EVOLVENT_STATUS_H
-#define EVOLVENT_STATUS_H
+#pragma once
 
 #include <stdio.h>
 
@@ -41,5 +40,3 @@ void evl_error_set(evl_error *error, evl_exit code, const char *place, const cha
 
 /** Write "PLACE: MESSAGE", or "evolvent: MESSAGE" if there is no place, and a newline. */
 void evl_error_print(FILE *stream, const evl_error *error);
-
-#endif

@@ -1,6 +1,5 @@
 /** Lists of words: separated by blanks in tables and attributes, by commas in messages. A leaf. */
-#ifndef EVOLVENT_WORDS_H
-#define EVOLVENT_WORDS_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -10,5 +9,3 @@ bool words_contain(const char *words, const char *word);
 int words_split(const char *words, char ***list);
 /** The words with the separator between them, as a new string. */
 char *words_join(int n, const char *const *words, const char *separator);
-
-#endif

@@ -1,6 +1,5 @@
 /** One case of a batch: from its row in the design to its line in the journal. */
-#ifndef EVOLVENT_BATCH_CASE_H
-#define EVOLVENT_BATCH_CASE_H
+#pragma once
 
 #include "batch/batch_plan.h"
 #include "batch/journal.h"
@@ -29,5 +28,3 @@ char *batch_case_refusal(const evl_error *refusal);
 bool batch_case_run(const batch_plan *plan, long index, prepared_case *prepared, batch_row *row, evl_error *error);
 /** The row of a case that ended the process that ran it. */
 void batch_case_lost(const batch_plan *plan, long index, const char *message, batch_row *row);
-
-#endif

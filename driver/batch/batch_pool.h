@@ -1,6 +1,5 @@
 /** The parent of a batch's workers: starts and replaces them, records what they send. */
-#ifndef EVOLVENT_BATCH_POOL_H
-#define EVOLVENT_BATCH_POOL_H
+#pragma once
 
 #include "batch/batch_plan.h"
 #include "batch/journal.h"
@@ -19,5 +18,3 @@ void batch_pool_run(const batch_plan *plan, int jobs, bool show_progress, batch_
 
 /** Seconds of a clock that never goes back. */
 double batch_clock(void);
-
-#endif

@@ -1,6 +1,5 @@
 /** The numbers that a batch keeps of each case, accumulated while it is simulated: one table says which. */
-#ifndef EVOLVENT_BATCH_STATISTICS_H
-#define EVOLVENT_BATCH_STATISTICS_H
+#pragma once
 
 #include "integrate/events.h"
 #include "integrate/integrate_types.h"
@@ -42,5 +41,3 @@ void statistics_event(statistics *statistics, const event_record *record);
  *  @param is_complete  the case came to its end; otherwise the numbers of the meshes, whose window is not full, are NaN
  *  @param results      [table.n] */
 void statistics_finish(const statistics *statistics, const integrate_counts *counts, bool is_complete, double *results);
-
-#endif

@@ -1,6 +1,5 @@
 /** The processes that run the cases of a batch, and what goes from them to the parent. */
-#ifndef EVOLVENT_BATCH_WORKER_H
-#define EVOLVENT_BATCH_WORKER_H
+#pragma once
 
 #include "batch/batch_case.h"
 #include "batch/batch_queue.h"
@@ -47,5 +46,3 @@ batch_worker_news batch_worker_hear(batch_worker *worker, batch_answer *answer);
 void batch_worker_kill(batch_worker *worker);
 /** Wait for the end of a worker. @return its wait status */
 int batch_worker_end(batch_worker *worker);
-
-#endif

@@ -1,6 +1,5 @@
 /** A case file: read, edited by --set options, checked against the schema, and resolved to a description. */
-#ifndef EVOLVENT_CASE_H
-#define EVOLVENT_CASE_H
+#pragma once
 
 #include "base/status.h"
 #include "case/case_schema.h"
@@ -64,5 +63,3 @@ char *case_message(const char *field, const char *message);
  *  @param field  path of what is refused, such as "wheels.gear.support.stiffness"; "" for the whole case. A key that the case does
  *                not give leads to the place of its block. */
 void case_refuse(const case_file *file, const char *field, const char *message, evl_error *error);
-
-#endif

@@ -1,6 +1,5 @@
 /** A case parsed once and read many times: shared by case.c and case_base.c. */
-#ifndef EVOLVENT_CASE_BASE_H
-#define EVOLVENT_CASE_BASE_H
+#pragma once
 
 #include "case/case.h"
 #include "case/case_schema.h"
@@ -11,5 +10,3 @@ struct case_base {
     const case_schema *schema;
     case_node *root;
 };
-
-#endif

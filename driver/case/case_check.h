@@ -1,6 +1,5 @@
 /** The checker's parts: case_check.c walks the blocks, case_value.c looks at single values. */
-#ifndef EVOLVENT_CASE_CHECK_H
-#define EVOLVENT_CASE_CHECK_H
+#pragma once
 
 #include "case/case_schema.h"
 
@@ -32,5 +31,3 @@ bool check_choice(const checker *checker, const evl_row *key, const case_node *n
 bool check_number_of(const checker *checker, const evl_row *key, const case_node *node);
 /** A value of any type but block, list of blocks and map. */
 bool check_single_value(checker *checker, const evl_row *key, case_node *node);
-
-#endif

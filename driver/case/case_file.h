@@ -1,6 +1,5 @@
 /** What a case_file is made of: shared by case.c and case_edit.c. */
-#ifndef EVOLVENT_CASE_FILE_H
-#define EVOLVENT_CASE_FILE_H
+#pragma once
 
 #include "case/case.h"
 #include "case/case_schema.h"
@@ -26,5 +25,3 @@ struct case_file {
 case_file *case_file_create(const char *path, int n_set, const char *const *set_options);
 /** Apply the options to the tree that the file has, check and resolve it. @return false with the reason in `error` */
 bool case_file_resolve(case_file *file, const case_schema *schema, evl_error *error);
-
-#endif

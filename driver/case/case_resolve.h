@@ -1,6 +1,5 @@
 /** A checked case tree to a description: what goes beyond single keys (references, tables, names) is checked here. */
-#ifndef EVOLVENT_CASE_RESOLVE_H
-#define EVOLVENT_CASE_RESOLVE_H
+#pragma once
 
 #include "case/case_schema.h"
 #include "case/description.h"
@@ -10,5 +9,3 @@
  *  @return false with the reason in `error`; `description` can be freed in any case */
 bool case_resolve(const case_schema *schema, const char *path, case_node *root, description *description,
                   evl_error *error);
-
-#endif

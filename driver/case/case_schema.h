@@ -1,6 +1,5 @@
 /** What a case file may say: the table of all rows, which things describe themselves with. */
-#ifndef EVOLVENT_CASE_SCHEMA_H
-#define EVOLVENT_CASE_SCHEMA_H
+#pragma once
 
 #include "case/case_tree.h"
 
@@ -40,5 +39,3 @@ bool schema_check(const case_schema *schema, const char *path, case_node *root, 
 
 /** Print the table as a Markdown reference. */
 void schema_print(FILE *stream, const case_schema *schema);
-
-#endif

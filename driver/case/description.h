@@ -1,6 +1,5 @@
 /** A resolved case as plain data: what the case file says, defaults filled in. A leaf: knows no other room. */
-#ifndef EVOLVENT_CASE_DESCRIPTION_H
-#define EVOLVENT_CASE_DESCRIPTION_H
+#pragma once
 
 #include <evolvent/description.h>
 
@@ -38,5 +37,3 @@ typedef struct {
 
 /** Free what a description holds. */
 void description_clear(description *description);
-
-#endif

@@ -1,6 +1,5 @@
 /** What `evolvent show` prints of the deviations of flanks. */
-#ifndef EVOLVENT_SHOW_DEVIATIONS_H
-#define EVOLVENT_SHOW_DEVIATIONS_H
+#pragma once
 
 #include "base/json.h"
 #include "case/description.h"
@@ -12,5 +11,3 @@
 void show_deviations(FILE *stream, const description *description, const model *model);
 /** The object "deviations": by name of the wheel, in SI units and radians; empty if there are none. */
 void write_deviations(json_writer *writer, const description *description, const model *model);
-
-#endif

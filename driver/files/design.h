@@ -1,7 +1,6 @@
 /** A design: a base case and a table, case by parameter, of the --set values that make the cases of a sweep.
  *  docs/batch.md describes the file. The interface knows nothing of HDF5; design_hdf5.c does. */
-#ifndef EVOLVENT_DESIGN_H
-#define EVOLVENT_DESIGN_H
+#pragma once
 
 #include "base/status.h"
 
@@ -37,5 +36,3 @@ void design_delete(design **design);
 
 /** The --set option of a column for a case, "PATH=VALUE", a new string; numbers so that they read back exactly. */
 char *design_option(const design *design, int column, long index);
-
-#endif

@@ -2,8 +2,7 @@
  *
  *  A history grows as NAME.partial and gets NAME only by history_close, which replaces an older one. Every function that can fail returns false and
  *  keeps one sentence for history_error(); after a failure only history_abandon may follow. */
-#ifndef EVOLVENT_HISTORY_H
-#define EVOLVENT_HISTORY_H
+#pragma once
 
 #include "model/model_names.h"
 
@@ -54,5 +53,3 @@ const char *history_error(const history *history);
 const char *history_partial_path(const history *history);
 /** Version of the library, such as "HDF5 1.10.8". */
 const char *history_version(void);
-
-#endif

@@ -1,7 +1,6 @@
 /** What a history is before its first row: the file, its attributes and dimensions, and which columns its series have. Private to
  *  history*_hdf5.c. */
-#ifndef EVOLVENT_HISTORY_HEAD_HDF5_H
-#define EVOLVENT_HISTORY_HEAD_HDF5_H
+#pragma once
 
 #include "files/history.h"
 #include "files/netcdf_hdf5.h"
@@ -34,5 +33,3 @@ netcdf_variable history_describe_output(history *history, const model_output *ou
 bool history_put_attributes(history *history, int n, const history_attribute *attributes);
 /** Everything whose size is known: attributes, names, the group of events. */
 bool history_write_head(history *history, const history_layout *layout);
-
-#endif

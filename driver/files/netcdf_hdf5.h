@@ -3,8 +3,7 @@
  *
  *  Every function that can fail returns false, or a negative identifier, and keeps the reason of the first failure in
  *  the netcdf_file. Nothing is printed. */
-#ifndef EVOLVENT_NETCDF_HDF5_H
-#define EVOLVENT_NETCDF_HDF5_H
+#pragma once
 
 #include "files/scales_hdf5.h"
 #include "model/model_names.h"
@@ -83,5 +82,3 @@ bool netcdf_define_names(netcdf_file *file, hid_t group, netcdf_dimension *dimen
                          const char *long_name, const name_list *names);
 /** To come after the last variable of a dimension, and before a flush: tell the dimension who uses it. */
 bool netcdf_finish_dimension(netcdf_file *file, netcdf_dimension *dimension);
-
-#endif

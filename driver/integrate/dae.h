@@ -1,7 +1,6 @@
 /** What an integrator has to know of a model: a differential-algebraic system F(t, y, y') = 0 with discrete states, roots and events.
  *  Nothing here knows what is being modelled. */
-#ifndef EVOLVENT_DAE_H
-#define EVOLVENT_DAE_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -112,5 +111,3 @@ typedef struct dae {
 
     const dae_stepper *stepper; /**< NULL: it brings none along */
 } dae;
-
-#endif

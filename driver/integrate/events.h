@@ -1,6 +1,5 @@
 /** A record of one located event: what happened, and the state on both sides of it. */
-#ifndef EVOLVENT_EVENTS_H
-#define EVOLVENT_EVENTS_H
+#pragma once
 
 #include "integrate/dae.h"
 
@@ -10,5 +9,3 @@ typedef struct {
     int n;                           /**< length of the states */
     const dae_state *before, *after; /**< valid during the call only */
 } event_record;
-
-#endif

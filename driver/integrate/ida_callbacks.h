@@ -1,6 +1,5 @@
 /** What IDA asks of an integration, as functions of the kinds that it wants; `data` is the ida_session. Private to integrate/. */
-#ifndef EVOLVENT_IDA_CALLBACKS_H
-#define EVOLVENT_IDA_CALLBACKS_H
+#pragma once
 
 #include "integrate/ida_session.h"
 
@@ -12,5 +11,3 @@ int ida_weights(N_Vector y, N_Vector weight, void *data);
 
 /** Let the observer look at the motion from where it has seen it to t, in the last step. */
 void ida_watch_to(ida_session *s, double t, N_Vector y);
-
-#endif

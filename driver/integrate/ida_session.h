@@ -1,7 +1,6 @@
 /** What an integration with IDA has beside an integration. IDA gets states in units of their scales, so that one absolute tolerance
  *  holds for all of them. Private to integrate/. */
-#ifndef EVOLVENT_IDA_SESSION_H
-#define EVOLVENT_IDA_SESSION_H
+#pragma once
 
 #include "integrate/integration.h"
 
@@ -38,5 +37,3 @@ void ida_session_to_scaled(const ida_session *s, const double *from, N_Vector to
 
 /** Bring the run's counts up to date. */
 void ida_session_count(ida_session *s);
-
-#endif

@@ -1,6 +1,5 @@
 /** Integration with SUNDIALS IDA. Private to integrate/. */
-#ifndef EVOLVENT_INTEGRATE_IDA_H
-#define EVOLVENT_INTEGRATE_IDA_H
+#pragma once
 
 #include "integrate/integration.h"
 
@@ -9,5 +8,3 @@ integrate_code integrate_by_ida(integration *run);
 
 /** Version of its library, such as "SUNDIALS 6.4.1". */
 const char *integrate_ida_version(void);
-
-#endif

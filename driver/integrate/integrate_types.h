@@ -1,6 +1,5 @@
 /** What an integration is asked for, what its caller sees of it, and how it ended. */
-#ifndef EVOLVENT_INTEGRATE_TYPES_H
-#define EVOLVENT_INTEGRATE_TYPES_H
+#pragma once
 
 #include "integrate/dae.h"
 #include "integrate/events.h"
@@ -53,5 +52,3 @@ typedef struct {
 } integrate_counts;
 
 typedef enum { INTEGRATE_DONE = 0, INTEGRATE_STOPPED = 1, INTEGRATE_FAILED = 2 } integrate_code;
-
-#endif

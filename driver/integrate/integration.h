@@ -1,7 +1,6 @@
 /** What every integration has, whatever makes its steps: the output grid, events and their observers. Private to
  *  integrate/. */
-#ifndef EVOLVENT_INTEGRATION_H
-#define EVOLVENT_INTEGRATION_H
+#pragma once
 
 #include "integrate/integrate_types.h"
 
@@ -49,5 +48,3 @@ void integration_watch_state(const integration *run);
 
 /** Apply what happened at the present state, and tell. */
 integrate_code integration_apply_event(integration *run, bool time_event);
-
-#endif

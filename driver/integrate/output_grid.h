@@ -1,6 +1,5 @@
 /** The times of the outputs: a grid from the start, and the end. */
-#ifndef EVOLVENT_OUTPUT_GRID_H
-#define EVOLVENT_OUTPUT_GRID_H
+#pragma once
 
 #include "integrate/integrate_types.h"
 
@@ -9,5 +8,3 @@ double output_grid_time(const integrate_options *options, double t_start, long i
 
 /** Number of outputs of a whole integration from t_start. */
 long output_grid_size(const integrate_options *options, double t_start);
-
-#endif

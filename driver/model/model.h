@@ -1,6 +1,5 @@
 /** The gearbox as a dae and as a table of outputs: the driver's only door to the kernel. */
-#ifndef EVOLVENT_MODEL_H
-#define EVOLVENT_MODEL_H
+#pragma once
 
 #include "case/case_schema.h"
 #include "case/description.h"
@@ -148,5 +147,3 @@ const char *model_compiler(void);
 
 /** The processor the kernel was compiled for, as -march names it; "" if none was named. */
 const char *model_processor(void);
-
-#endif

@@ -1,7 +1,6 @@
 /** The extremes of the watched outputs over a run, or over a window of it: found between the outputs, from every step of the
  *  integration, on both sides of every event. The kernel's table says which there are. */
-#ifndef EVOLVENT_EXTREMES_H
-#define EVOLVENT_EXTREMES_H
+#pragma once
 
 #include "integrate/integrate_types.h"
 #include "model/model.h"
@@ -24,5 +23,3 @@ double extremes_value(const extremes *extremes, int index, int mesh);
 double extremes_time(const extremes *extremes, int index, int mesh);
 /** Place of an extreme in the table; -1 if there is none. */
 int extremes_find(const char *output, bool is_largest);
-
-#endif

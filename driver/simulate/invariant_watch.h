@@ -1,7 +1,6 @@
 /** Whether a run keeps its own invariants, seen at its outputs: the cheap ones of `evolvent-post check`, with the same scales and
  *  bounds. */
-#ifndef EVOLVENT_INVARIANT_WATCH_H
-#define EVOLVENT_INVARIANT_WATCH_H
+#pragma once
 
 #include "model/model.h"
 
@@ -18,5 +17,3 @@ void invariant_watch_outputs(invariant_watch *watch, double t, const double *val
 /** "held", or "broken: " and what is broken by how much.
  *  @return whether all held */
 bool invariant_watch_tell(const invariant_watch *watch, char *text, size_t size);
-
-#endif

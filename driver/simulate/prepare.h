@@ -1,6 +1,5 @@
 /** From a case file to a model, with every refusal shown at its place in the file. */
-#ifndef EVOLVENT_PREPARE_H
-#define EVOLVENT_PREPARE_H
+#pragma once
 
 #include "case/case.h"
 #include "model/model.h"
@@ -29,5 +28,3 @@ char *prepare_warning(const prepared_case *prepared, int index);
 /** All of them in one new string, "" if there are none. */
 char *prepare_warnings(const prepared_case *prepared, const char *separator);
 void prepared_case_free(prepared_case *prepared);
-
-#endif

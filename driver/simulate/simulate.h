@@ -1,6 +1,5 @@
 /** The integration of a prepared case, its outputs handed to whoever wants them: a history, statistics. */
-#ifndef EVOLVENT_SIMULATE_H
-#define EVOLVENT_SIMULATE_H
+#pragma once
 
 #include "integrate/integrate_types.h"
 #include "simulate/extremes.h"
@@ -39,5 +38,3 @@ integrate_options simulate_options(const prepared_case *prepared);
 /** Integrate from `state`, which is that of the end afterwards. A simulation that ends early hands over its last good state too,
  *  if its outputs exist. */
 void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_state *state, simulate_result *result);
-
-#endif
