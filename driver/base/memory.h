@@ -2,6 +2,17 @@
 #pragma once
 
 #include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+/** For a local pointer that is freed where its block ends, however that is left. An extension of gcc and clang. */
+#define OWNED __attribute__((cleanup(free_owned)))
+static inline void free_owned(const void *pointer)
+{
+    void *memory = NULL;
+    memcpy(&memory, pointer, sizeof memory); /* whatever it points to */
+    free(memory);
+}
 
 /** count * size bytes, zeroed; never NULL. */
 void *xcalloc(size_t count, size_t size);

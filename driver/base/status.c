@@ -39,7 +39,7 @@ static void keep_one_line(char *text)
     }
 }
 
-void evl_error_set(evl_error *error, evl_exit code, const char *place, const char *format, ...)
+bool evl_error_set(evl_error *error, evl_exit code, const char *place, const char *format, ...)
 {
     error->code = code;
     (void)snprintf(error->place, sizeof error->place, "%s", place);
@@ -49,6 +49,7 @@ void evl_error_set(evl_error *error, evl_exit code, const char *place, const cha
     va_end(arguments);
     keep_one_line(error->place);
     keep_one_line(error->message);
+    return false;
 }
 
 void evl_error_print(FILE *stream, const evl_error *error)

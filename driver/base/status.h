@@ -1,6 +1,7 @@
 /** How a command ends: exit codes, and the one line that says why. A leaf. */
 #pragma once
 
+#include <stdbool.h>
 #include <stdio.h>
 
 /** Every exit code of the program: name, number, meaning. */
@@ -32,11 +33,12 @@ typedef struct {
 } evl_error;
 
 /** Fill an error; control characters of foreign text become blanks, so that the message stays one line of valid text.
- *  @param place  "" if there is none */
+ *  @param place  "" if there is none
+ *  @return false, for who refuses */
 #if defined(__GNUC__)
 __attribute__((format(printf, 4, 5)))
 #endif
-void evl_error_set(evl_error *error, evl_exit code, const char *place, const char *format, ...);
+bool evl_error_set(evl_error *error, evl_exit code, const char *place, const char *format, ...);
 
 /** Write "PLACE: MESSAGE", or "evolvent: MESSAGE" if there is no place, and a newline. */
 void evl_error_print(FILE *stream, const evl_error *error);

@@ -39,9 +39,8 @@ char *words_join(int n, const char *const *words, const char *separator)
 {
     char *joined = xstrdup("");
     for (int i = 0; i < n; i++) {
-        char *longer = xasprintf("%s%s%s", joined, i == 0 ? "" : separator, words[i]);
-        free(joined);
-        joined = longer;
+        OWNED char *shorter = joined;
+        joined = xasprintf("%s%s%s", shorter, i == 0 ? "" : separator, words[i]);
     }
     return joined;
 }

@@ -23,9 +23,8 @@ static bool check_format(const case_file *file, evl_error *error)
     }
     char place[EVL_ERROR_PLACE_LENGTH];
     place_text(file->path, format->place, place);
-    evl_error_set(error, EVL_EXIT_CASE, place, "format: is %.32s, but this evolvent reads format %d only", format->text,
-                  FORMAT);
-    return false;
+    return evl_error_set(error, EVL_EXIT_CASE, place, "format: is %.32s, but this evolvent reads format %d only",
+                         format->text, FORMAT);
 }
 
 bool case_file_resolve(case_file *file, const case_schema *schema, evl_error *error)
@@ -150,20 +149,15 @@ const case_node *case_root(const case_file *file)
 /** The deepest node along a dotted path that the case has. */
 static const case_node *deepest(const case_node *block, const char *field)
 {
-    char *path = xstrdup(field);
-    for (char *key = path; key != NULL;) {
-        char *dot = strchr(key, '.');
-        if (dot != NULL) {
-            *dot = '\0';
-        }
-        const int step = block->kind == NODE_SCALAR ? -1 : node_step(block, key);
+    OWNED char *path = xstrdup(field);
+    char *rest = NULL;
+    for (char *key = strtok_r(path, ".", &rest); key != NULL; key = strtok_r(NULL, ".", &rest)) {
+        const int step = node_step(block, key);
         if (step < 0) {
             break;
         }
         block = block->entries[step].value;
-        key = dot == NULL ? NULL : dot + 1;
     }
-    free(path);
     return block;
 }
 
@@ -175,8 +169,7 @@ char *case_message(const char *field, const char *message)
 void case_refuse(const case_file *file, const char *field, const char *message, evl_error *error)
 {
     char place[EVL_ERROR_PLACE_LENGTH];
-    char *text = case_message(field, message);
+    OWNED char *text = case_message(field, message);
     place_text(file->path, deepest(file->root, field)->place, place);
     evl_error_set(error, EVL_EXIT_CASE, place, "%s", text);
-    free(text);
 }

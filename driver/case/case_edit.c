@@ -28,7 +28,8 @@ static const char *block_below(const evl_row *row, bool is_element)
 /** Follow the path of an option through a checked tree. */
 static case_number find_number(const case_schema *schema, case_node *root, const char *option)
 {
-    char *path = xasprintf("%.*s", (int)strcspn(option, "="), option), *rest = NULL;
+    OWNED char *path = xasprintf("%.*s", (int)strcspn(option, "="), option);
+    char *rest = NULL;
     const char *block = CASE_ROOT;
     case_number number = {.node = root};
     for (char *segment = strtok_r(path, ".", &rest); segment != NULL && number.node != NULL;
@@ -41,7 +42,6 @@ static case_number find_number(const case_schema *schema, case_node *root, const
         number.node = i < 0 ? NULL : number.node->entries[i].value;
         block = i < 0 ? NULL : block_below(number.row, !is_key);
     }
-    free(path);
     const bool is_value = number.row != NULL && number.node != NULL && number.node->kind == NODE_SCALAR;
     const bool is_number = is_value && number.node->place.option == option && holds_numbers(number.row->type);
     return is_number ? number : (case_number){NULL, NULL};

@@ -16,6 +16,8 @@ typedef struct {
 
 /** The rows of a block. @return the first; NULL if there is no such block */
 const evl_row *schema_block(const case_schema *schema, const char *block, int *n);
+/** The block's keys, of whatever variant, each once: a new array. */
+const char **schema_keys(const case_schema *schema, const char *block, int *n);
 /** The row of a key of a block in a variant ("" if the block has none); NULL if there is none. */
 const evl_row *schema_find(const case_schema *schema, const char *block, const char *variant, const char *key);
 /** The row whose value selects the variant of a block; NULL if the block has no variants. */
