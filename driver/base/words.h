@@ -5,7 +5,7 @@
 
 /** Whether `word` is one of the blank-separated words. */
 bool words_contain(const char *words, const char *word);
-/** The words as strings. @return their number; the caller frees the array and its first element */
+/** The words as strings, in one piece of memory that is the array. @return their number */
 int words_split(const char *words, char ***list);
 /** The words with the separator between them, as a new string. */
 char *words_join(int n, const char *const *words, const char *separator);

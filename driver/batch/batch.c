@@ -44,17 +44,15 @@ static bool read_share(const batch_options *options, batch_share *share, evl_err
         const char *rest = read_count(options->shard, MOST_SHARDS, &share->shard);
         rest = rest != NULL && rest[0] == '/' ? read_count(rest + 1, MOST_SHARDS, &share->n_shards) : NULL;
         if (rest == NULL || rest[0] != '\0' || share->shard > share->n_shards) {
-            evl_error_set(error, EVL_EXIT_USAGE, "", "--shard %s: write I/N, the shard I of N, from 1/N to N/N",
-                          options->shard);
-            return false;
+            return evl_error_set(error, EVL_EXIT_USAGE, "", "--shard %s: write I/N, the shard I of N, from 1/N to N/N",
+                                 options->shard);
         }
     }
     if (options->jobs != NULL) {
         const char *rest = read_count(options->jobs, MOST_JOBS, &share->jobs);
         if (rest == NULL || rest[0] != '\0') {
-            evl_error_set(error, EVL_EXIT_USAGE, "", "--jobs %s: write a number of processes from 1 to %d",
-                          options->jobs, MOST_JOBS);
-            return false;
+            return evl_error_set(error, EVL_EXIT_USAGE, "", "--jobs %s: write a number of processes from 1 to %d",
+                                 options->jobs, MOST_JOBS);
         }
     }
     return true;
@@ -69,37 +67,28 @@ static char *read_line(const char *path)
     if (file == NULL) {
         return NULL;
     }
-    char *line = NULL;
+    OWNED char *line = NULL;
     size_t room = 0;
-    ssize_t length = getline(&line, &room, file);
+    const ssize_t length = getline(&line, &room, file);
     (void)fclose(file);
-    if (length < 0) {
-        free(line);
-        return xstrdup("");
-    }
-    while (length > 0 && line[length - 1] == '\n') {
-        line[--length] = '\0';
-    }
-    return line;
+    return length < 0 ? xstrdup("") : xasprintf("%.*s", (int)strcspn(line, "\n"), line);
 }
 
 static bool fail_folder(const char *path, evl_error *error)
 {
-    evl_error_set(error, EVL_EXIT_IO, path, "cannot be written: %s", strerror(errno));
-    return false;
+    return evl_error_set(error, EVL_EXIT_IO, path, "cannot be written: %s", strerror(errno));
 }
 
 /** Write the mark under another name first: shards that start together find all of it or nothing. */
 static bool mark_folder(const char *mark, const char *hash, evl_error *error)
 {
-    char *partial = xasprintf("%s.%ld", mark, (long)getpid());
+    OWNED char *partial = xasprintf("%s.%ld", mark, (long)getpid());
     FILE *file = fopen(partial, "wb");
     bool good = file != NULL && fprintf(file, "%s\n", hash) > 0 && fflush(file) == 0 && fsync(fileno(file)) == 0;
     good = (file == NULL || fclose(file) == 0) && good;
     good = (good && (link(partial, mark) == 0 || errno == EEXIST || rename(partial, mark) == 0)) ||
            fail_folder(mark, error);
     (void)unlink(partial);
-    free(partial);
     return good;
 }
 
@@ -109,24 +98,21 @@ static bool claim_folder(const char *folder, const char *hash, evl_error *error)
     if (mkdir(folder, 0777) != 0 && errno != EEXIST) {
         return fail_folder(folder, error);
     }
-    char *mark = xasprintf("%s/design.txt", folder);
-    char *found = read_line(mark);
-    bool good = found != NULL || errno != ENOENT || mark_folder(mark, hash, error);
-    if (good && found == NULL) {
+    OWNED char *mark = xasprintf("%s/design.txt", folder), *found = read_line(mark);
+    if (found == NULL) {
+        if (errno == ENOENT && !mark_folder(mark, hash, error)) {
+            return false;
+        }
         found = read_line(mark);
     }
-    if (good && found == NULL) {
-        good = fail_folder(mark, error);
-    } else if (good && strcmp(found, hash) != 0) {
-        evl_error_set(error, EVL_EXIT_CASE, mark,
-                      "this folder holds the results of another design (%.16s..., not "
-                      "%.16s...); choose another folder",
-                      found, hash);
-        good = false;
+    if (found == NULL) {
+        return fail_folder(mark, error);
     }
-    free(found);
-    free(mark);
-    return good;
+    return strcmp(found, hash) == 0 ||
+           evl_error_set(error, EVL_EXIT_CASE, mark,
+                         "this folder holds the results of another design (%.16s..., not %.16s...); choose another "
+                         "folder",
+                         found, hash);
 }
 
 /* ---- the shard ---- */
@@ -137,8 +123,8 @@ typedef struct {
     design *design;
     batch_plan plan;
     batch_state state;
-    char *stem;      /**< FOLDER/shard-I-of-N */
-    long n_recorded; /**< cases, by runs before this one */
+    const char *stem; /**< FOLDER/shard-I-of-N */
+    long n_recorded;  /**< cases, by runs before this one */
 } shard_run;
 
 static bool open_histories(shard_run *run, evl_error *error)
@@ -147,7 +133,7 @@ static bool open_histories(shard_run *run, evl_error *error)
     if (histories->n_variables == 0) {
         return true;
     }
-    char *path = xasprintf("%s.h5", run->stem);
+    OWNED char *path = xasprintf("%s.h5", run->stem);
     if (run->n_recorded > 0 && access(path, F_OK) != 0) {
         log_warning("%s is gone, and with it the histories of the %ld cases recorded before", path, run->n_recorded);
     }
@@ -161,27 +147,22 @@ static bool open_histories(shard_run *run, evl_error *error)
                                  .n_variables = histories->n_variables,
                                  .variables = histories->variables,
                                  .names = &histories->names};
-    const bool good = stack_open(&run->plan.stack, &layout, error);
-    free(path);
-    return good;
+    return stack_open(&run->plan.stack, &layout, error);
 }
 
 static bool open_journal(shard_run *run, evl_error *error)
 {
     batch_state *state = &run->state;
-    char *path = xasprintf("%s.jsonl", run->stem);
-    char *head = batch_plan_head(&run->plan, run->share.shard, run->share.n_shards);
+    OWNED char *path = xasprintf("%s.jsonl", run->stem);
+    OWNED char *head = batch_plan_head(&run->plan, run->share.shard, run->share.n_shards);
     state->status = xcalloc((size_t)run->design->n_cases, sizeof *state->status);
-    bool good = journal_open(&state->journal, path, head, run->design->n_cases, state->status, &run->n_recorded, error);
-    if (good && run->n_recorded > 0 && !run->options->resume && run->options->cases == NULL) {
-        evl_error_set(error, EVL_EXIT_CASE, path,
-                      "%ld cases are recorded here already; go on with --resume, or choose another folder",
-                      run->n_recorded);
-        good = false;
+    if (!journal_open(&state->journal, path, head, run->design->n_cases, state->status, &run->n_recorded, error)) {
+        return false;
     }
-    free(head);
-    free(path);
-    return good;
+    return run->n_recorded == 0 || run->options->resume || run->options->cases != NULL ||
+           evl_error_set(error, EVL_EXIT_CASE, path,
+                         "%ld cases are recorded here already; go on with --resume, or choose another folder",
+                         run->n_recorded);
 }
 
 static evl_exit summarise(const shard_run *run, double seconds)
@@ -224,16 +205,15 @@ static evl_exit run_shard(shard_run *run, evl_error *error)
     file_lock lock;
     evl_exit code = EVL_EXIT_OK;
     run->state.journal.descriptor = -1;
-    run->stem = xasprintf("%s/shard-%d-of-%d", run->options->folder, run->share.shard, run->share.n_shards);
-    char *lock_path = xasprintf("%s.lock", run->stem);
+    OWNED char *stem = xasprintf("%s/shard-%d-of-%d", run->options->folder, run->share.shard, run->share.n_shards);
+    OWNED char *lock_path = xasprintf("%s.lock", stem);
+    run->stem = stem;
     if (claim_folder(run->options->folder, run->design->hash, error) && file_lock_take(&lock, lock_path, error)) {
         code = run_locked(run, error);
         file_lock_release(&lock);
     } else {
         code = error->code;
     }
-    free(lock_path);
-    free(run->stem);
     return code;
 }
 

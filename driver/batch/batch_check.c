@@ -2,11 +2,11 @@
 
 #include "base/interrupt.h"
 #include "base/json.h"
+#include "base/memory.h"
 #include "batch/batch_case.h"
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 
 /** What was found so far. */
 typedef struct {
@@ -16,13 +16,12 @@ typedef struct {
 
 static void write_refusal(long index, const evl_error *refusal)
 {
-    char *text = batch_case_refusal(refusal);
+    OWNED char *text = batch_case_refusal(refusal);
     json_writer writer = {.stream = stdout, .is_line = true};
     json_open(&writer, NULL, '{');
     json_integer(&writer, "case", index);
     json_text(&writer, "message", text);
     json_close(&writer, '}');
-    free(text);
 }
 
 static void write_findings(const findings *found)
@@ -53,8 +52,8 @@ evl_exit batch_check(const batch_plan *plan, evl_error *error)
     }
     prepared_case_free(&prepared);
     if (interrupt_signal != 0) {
-        evl_error_set(error, EVL_EXIT_INTERRUPTED, plan->design->file, "interrupted by %s",
-                      interrupt_name((int)interrupt_signal));
+        (void)evl_error_set(error, EVL_EXIT_INTERRUPTED, plan->design->file, "interrupted by %s",
+                            interrupt_name((int)interrupt_signal));
         return EVL_EXIT_INTERRUPTED;
     }
     write_findings(&found);

@@ -179,7 +179,7 @@ static bool has_workers(const pool *pool)
 /** Record what the workers say until they are all gone. */
 static bool listen_to_all(pool *pool)
 {
-    struct pollfd *ends = xcalloc((size_t)pool->n_workers, sizeof *ends);
+    OWNED struct pollfd *ends = xcalloc((size_t)pool->n_workers, sizeof *ends);
     bool good = true;
     while (good && interrupt_signal == 0 && has_workers(pool)) {
         for (int i = 0; i < pool->n_workers; i++) {
@@ -196,7 +196,6 @@ static bool listen_to_all(pool *pool)
             (void)nanosleep(&rest, NULL);
         }
     }
-    free(ends);
     return good;
 }
 

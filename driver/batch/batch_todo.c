@@ -45,25 +45,20 @@ static bool read_cases(const batch_plan *plan, const char *path, bool *is_wanted
 {
     enum { SHOWN = 40 }; /* characters of a bad line */
     FILE *file = fopen(path, "rb");
-    char *line = NULL;
+    OWNED char *line = NULL;
     size_t room = 0;
     long n_lines = 0;
-    bool good = file != NULL;
-    if (!good) {
-        evl_error_set(error, EVL_EXIT_CASE, path, "cannot be read: %s", strerror(errno));
-    }
+    bool good = file != NULL || evl_error_set(error, EVL_EXIT_CASE, path, "cannot be read: %s", strerror(errno));
     while (good && getline(&line, &room, file) > 0) {
         n_lines++;
         good = take_line(plan, line, is_wanted);
         if (!good) {
-            char *place = xasprintf("%s:%ld", path, n_lines);
+            OWNED char *place = xasprintf("%s:%ld", path, n_lines);
             const int length = (int)strcspn(line, "\r\n");
             evl_error_set(error, EVL_EXIT_CASE, place, "'%.*s' is no case of the design; its numbers are 0 to %ld",
                           length < SHOWN ? length : SHOWN, line, plan->design->n_cases - 1);
-            free(place);
         }
     }
-    free(line);
     (void)(file != NULL && fclose(file));
     return good;
 }
@@ -72,7 +67,7 @@ bool batch_todo(const batch_plan *plan, const char *cases_path, const journal_st
                 evl_error *error)
 {
     const long n = batch_shard_size(plan);
-    bool *is_wanted = xcalloc((size_t)plan->design->n_cases, sizeof *is_wanted);
+    OWNED bool *is_wanted = xcalloc((size_t)plan->design->n_cases, sizeof *is_wanted);
     const bool good = cases_path == NULL || read_cases(plan, cases_path, is_wanted, error);
     *todo = xcalloc((size_t)n, sizeof **todo);
     *n_todo = 0;
@@ -82,6 +77,5 @@ bool batch_todo(const batch_plan *plan, const char *cases_path, const journal_st
             (*todo)[(*n_todo)++] = index;
         }
     }
-    free(is_wanted);
     return good;
 }

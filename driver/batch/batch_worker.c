@@ -43,12 +43,10 @@ static bool send_bytes(int socket, const void *bytes, size_t length)
 /** With one call: each wakes the parent. */
 static bool send_answer(int socket, answer_head head, const char *text)
 {
-    char *message = xcalloc(sizeof head + head.length, 1);
+    OWNED char *message = xcalloc(sizeof head + head.length, 1);
     memcpy(message, &head, sizeof head);
     memcpy(message + sizeof head, text, head.length);
-    const bool good = send_bytes(socket, message, sizeof head + head.length);
-    free(message);
-    return good;
+    return send_bytes(socket, message, sizeof head + head.length);
 }
 
 /** Only the parent decides when a job ends: it is told as well. */
@@ -74,20 +72,11 @@ static bool run_case(const batch_work *work, long place, int socket, prepared_ca
     batch_row row = {0};
     evl_error error;
     answer_head head = {.place = place};
-    char *text = NULL;
     head.is_lost = !batch_case_run(work->plan, work->todo[place], prepared, &row, &error);
-    if (head.is_lost) {
-        text = xasprintf("%s: %s", error.place, error.message);
-        head.length = strlen(text);
-        free(row.line);
-    } else {
-        text = row.line;
-        head.length = row.length;
-    }
+    OWNED char *line = row.line, *reason = head.is_lost ? xasprintf("%s: %s", error.place, error.message) : NULL;
     head.status = row.status;
-    const bool good = send_answer(socket, head, text);
-    free(text);
-    return good;
+    head.length = head.is_lost ? strlen(reason) : row.length;
+    return send_answer(socket, head, head.is_lost ? reason : line);
 }
 
 static void run_cases(const batch_work *work, int number, long first, int socket)
@@ -104,8 +93,8 @@ static void run_cases(const batch_work *work, int number, long first, int socket
 
 static bool fail_start(evl_error *error)
 {
-    evl_error_set(error, EVL_EXIT_INTERRUPTED, "", "cannot start a worker: %s; use fewer --jobs", strerror(errno));
-    return false;
+    return evl_error_set(error, EVL_EXIT_INTERRUPTED, "", "cannot start a worker: %s; use fewer --jobs",
+                         strerror(errno));
 }
 
 bool batch_worker_start(batch_worker *worker, const batch_work *work, int number, long first, const batch_worker *all,

@@ -166,10 +166,10 @@ char *case_message(const char *field, const char *message)
     return xasprintf("%s%s%s", field, field[0] == '\0' ? "" : ": ", message);
 }
 
-void case_refuse(const case_file *file, const char *field, const char *message, evl_error *error)
+bool case_refuse(const case_file *file, const char *field, const char *message, evl_error *error)
 {
     char place[EVL_ERROR_PLACE_LENGTH];
     OWNED char *text = case_message(field, message);
     place_text(file->path, deepest(file->root, field)->place, place);
-    evl_error_set(error, EVL_EXIT_CASE, place, "%s", text);
+    return evl_error_set(error, EVL_EXIT_CASE, place, "%s", text);
 }

@@ -55,7 +55,7 @@ static bool refuse_word(const checker *checker, const evl_row *key, const case_n
 {
     OWNED char **words = NULL;
     const int n = words_split(key->words, &words);
-    OWNED char *text = words[0], *hint = suggest_phrase(node->text, n, (const char *const *)words);
+    OWNED char *hint = suggest_phrase(node->text, n, (const char *const *)words);
     OWNED char *list = words_join(n, (const char *const *)words, ", ");
     char found[64];
     node_describe(node, found);

@@ -2,7 +2,6 @@
 
 #include "base/memory.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #define COMMAND(name) extern const command name##_command;
@@ -52,10 +51,9 @@ void help_print_usage(FILE *stream, const command *command)
 static void print_option(const option_row *row)
 {
     const bool has_value = row->argument != NULL;
-    char *head = xasprintf("%s%s%s", row->name, has_value ? " " : "", has_value ? row->argument : "");
+    OWNED char *head = xasprintf("%s%s%s", row->name, has_value ? " " : "", has_value ? row->argument : "");
     const char letter[] = {'-', row->letter, ',', '\0'};
     printf("  %3s %-20s %s\n", row->letter != 0 ? letter : "", head, row->text);
-    free(head);
 }
 
 void help_print(const command *command)

@@ -59,14 +59,10 @@ static bool move_to(const prepared_case *prepared, double time, dae_state *state
     if (code == INTEGRATE_DONE) {
         return true;
     }
-    char *place = xasprintf("%s: t = %.9g s", case_path(prepared->file), state->t);
-    if (code == INTEGRATE_STOPPED) {
-        evl_error_set(error, EVL_EXIT_INTERRUPTED, place, "interrupted by %s", interrupt_name((int)interrupt_signal));
-    } else {
-        evl_error_set(error, EVL_EXIT_INTEGRATION, place, "%s", reason);
-    }
-    free(place);
-    return false;
+    OWNED char *place = xasprintf("%s: t = %.9g s", case_path(prepared->file), state->t);
+    return code == INTEGRATE_STOPPED ? evl_error_set(error, EVL_EXIT_INTERRUPTED, place, "interrupted by %s",
+                                                     interrupt_name((int)interrupt_signal))
+                                     : evl_error_set(error, EVL_EXIT_INTEGRATION, place, "%s", reason);
 }
 
 /* ---- the state ---- */
@@ -78,32 +74,28 @@ static bool read_number(const char *option, const char *text, double most, const
     if (text == NULL || (number_read(text, number) == NUMBER_FINITE && *number >= 0.0 && *number <= most)) {
         return true;
     }
-    char *place = xasprintf("--%s %s", option, text);
-    evl_error_set(error, EVL_EXIT_USAGE, place, "%s", range);
-    free(place);
-    return false;
+    OWNED char *place = xasprintf("--%s %s", option, text);
+    return evl_error_set(error, EVL_EXIT_USAGE, place, "%s", range);
 }
 
-static void refuse_steady_state(const prepared_case *prepared, const model_message *refusal, evl_error *error)
+/** @return false */
+static bool refuse_steady_state(const prepared_case *prepared, const model_message *refusal, evl_error *error)
 {
-    if (strncmp(refusal->field, MODEL_START, strlen(MODEL_START)) ==
-        0) { /* the case need not ask for it: its lines are not to blame */
-        evl_error_set(error, EVL_EXIT_CASE, case_path(prepared->file),
-                      "there is no steady state to linearise at: %s; --at TIME linearises the motion at a time instead",
-                      refusal->message);
-    } else {
-        prepare_refuse(prepared, refusal, error);
+    if (strncmp(refusal->field, MODEL_START, strlen(MODEL_START)) != 0) {
+        return prepare_refuse(prepared, refusal, error);
     }
+    return evl_error_set(/* the case need not ask for it: its lines are not to blame */
+                         error, EVL_EXIT_CASE, case_path(prepared->file),
+                         "there is no steady state to linearise at: %s; --at TIME linearises the motion at a time "
+                         "instead",
+                         refusal->message);
 }
 
 static bool find_steady_state(const prepared_case *prepared, double mesh_position, dae_state *state, evl_error *error)
 {
     model_message refusal;
-    if (model_steady_state(prepared->model, mesh_position, state, &refusal)) {
-        return true;
-    }
-    refuse_steady_state(prepared, &refusal, error);
-    return false;
+    return model_steady_state(prepared->model, mesh_position, state, &refusal) ||
+           refuse_steady_state(prepared, &refusal, error);
 }
 
 static bool find_state_at(const prepared_case *prepared, const char *at, double time, dae_state *state,
@@ -111,20 +103,11 @@ static bool find_state_at(const prepared_case *prepared, const char *at, double 
 {
     const double duration = case_description(prepared->file)->simulation.duration;
     if (time > duration) {
-        char *place = xasprintf("--at %s", at);
-        evl_error_set(error, EVL_EXIT_CASE, place,
-                      "the case ends at %.9g s; --set simulation.duration=%s makes it longer", duration, at);
-        free(place);
-        return false;
+        OWNED char *place = xasprintf("--at %s", at);
+        return evl_error_set(error, EVL_EXIT_CASE, place,
+                             "the case ends at %.9g s; --set simulation.duration=%s makes it longer", duration, at);
     }
-    if (!prepare_start(prepared, state, error)) {
-        return false;
-    }
-    if (time > state->t && !move_to(prepared, time, state, error)) {
-        dae_state_free(state);
-        return false;
-    }
-    return true;
+    return prepare_start(prepared, state, error) && (time <= state->t || move_to(prepared, time, state, error));
 }
 
 /* ---- the command ---- */
@@ -134,42 +117,34 @@ static bool linearise(const prepared_case *prepared, const dae_state *state, dou
                       evl_error *error)
 {
     char message[DAE_MESSAGE_LENGTH];
-    if (model_outputs(prepared->model, state, values, message) == DAE_OK &&
-        model_modes(prepared->model, state, modes, message)) {
-        return true;
-    }
-    evl_error_set(error, EVL_EXIT_CASE, case_path(prepared->file), "cannot be linearised at t = %.9g s: %s", state->t,
-                  message);
-    return false;
+    return (model_outputs(prepared->model, state, values, message) == DAE_OK &&
+            model_modes(prepared->model, state, modes, message)) ||
+           evl_error_set(error, EVL_EXIT_CASE, case_path(prepared->file), "cannot be linearised at t = %.9g s: %s",
+                         state->t, message);
 }
 
 static bool linearise_mean(const prepared_case *prepared, dae_state *state, double *values, natural_modes *modes,
                            evl_error *error)
 {
     model_message refusal;
-    if (model_mean_modes(prepared->model, state, values, modes, &refusal)) {
-        return true;
-    }
-    refuse_steady_state(prepared, &refusal, error);
-    return false;
+    return model_mean_modes(prepared->model, state, values, modes, &refusal) ||
+           refuse_steady_state(prepared, &refusal, error);
 }
 
 /** Whether the case could run: what cannot has no modes either. */
 static bool check_start(const prepared_case *prepared, evl_error *error)
 {
     dae_state start;
-    if (!prepare_start(prepared, &start, error)) {
-        return false;
-    }
+    const bool good = prepare_start(prepared, &start, error);
     dae_state_free(&start);
-    return true;
+    return good;
 }
 
 static evl_exit modes_of(const prepared_case *prepared, const modes_options *options, double time, double position,
                          evl_error *error)
 {
     dae_state state = {.t = 0.0};
-    double *values = xcalloc((size_t)model_n_values(prepared->model), sizeof *values);
+    OWNED double *values = xcalloc((size_t)model_n_values(prepared->model), sizeof *values);
     modes_report report = {.file = prepared->file,
                            .model = prepared->model,
                            .state = &state,
@@ -196,7 +171,6 @@ static evl_exit modes_of(const prepared_case *prepared, const modes_options *opt
     }
     natural_modes_free(&report.modes);
     dae_state_free(&state);
-    free(values);
     return error->code;
 }
 

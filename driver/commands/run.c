@@ -97,10 +97,10 @@ static bool create_history(run *run, const char *path)
     const description *description = case_description(run->prepared.file);
     const integrate_options options = simulate_options(&run->prepared);
     const int n_states = model_dae(model)->n, n_kinds = model_n_event_kinds();
-    const char **state_names = xcalloc((size_t)n_states, sizeof *state_names);
-    const char **state_units = xcalloc((size_t)n_states, sizeof *state_units);
-    const char **kinds = xcalloc((size_t)n_kinds, sizeof *kinds);
-    model_state *states = model_states(model);
+    OWNED const char **state_names = xcalloc((size_t)n_states, sizeof *state_names);
+    OWNED const char **state_units = xcalloc((size_t)n_states, sizeof *state_units);
+    OWNED const char **kinds = xcalloc((size_t)n_kinds, sizeof *kinds);
+    OWNED model_state *states = model_states(model);
     for (int i = 0; i < n_states; i++) {
         state_names[i] = states[i].name;
         state_units[i] = states[i].units;
@@ -108,9 +108,9 @@ static bool create_history(run *run, const char *path)
     for (int i = 0; i < n_kinds; i++) {
         kinds[i] = model_event_kind(i);
     }
-    char *warnings = prepare_warnings(&run->prepared, "\n");
-    char *versions = xasprintf("evolvent %s, %s, %s, C compiler %s, Fortran compiler %s", EVOLVENT_VERSION,
-                               integrate_version(), history_version(), EVOLVENT_C_COMPILER, model_compiler());
+    OWNED char *warnings = prepare_warnings(&run->prepared, "\n");
+    OWNED char *versions = xasprintf("evolvent %s, %s, %s, C compiler %s, Fortran compiler %s", EVOLVENT_VERSION,
+                                     integrate_version(), history_version(), EVOLVENT_C_COMPILER, model_compiler());
     const history_attribute attributes[] = {
         text_attribute("title", description->title), text_attribute("case", case_text(run->prepared.file)),
         text_attribute("versions", versions),        text_attribute("warnings", warnings),
@@ -131,12 +131,6 @@ static bool create_history(run *run, const char *path)
         .attributes = attributes,
     };
     run->history = history_create(&layout, run->message);
-    free(versions);
-    free(warnings);
-    free(kinds);
-    free(state_units);
-    free(state_names);
-    free(states);
     return run->history != NULL;
 }
 
@@ -144,8 +138,8 @@ static bool create_history(run *run, const char *path)
 static bool put_extremes(const run *run)
 {
     const int n = model_n_extremes(), n_meshes = case_description(run->prepared.file)->n_meshes;
-    model_output *outputs = xcalloc(2 * (size_t)n, sizeof *outputs);
-    double *values = xcalloc(2 * (size_t)n * (size_t)n_meshes, sizeof *values);
+    OWNED model_output *outputs = xcalloc(2 * (size_t)n, sizeof *outputs);
+    OWNED double *values = xcalloc(2 * (size_t)n * (size_t)n_meshes, sizeof *values);
     for (int i = 0; i < 2 * n; i++) {
         const model_extreme *extreme = &model_extremes()[i / 2];
         outputs[i] = i % 2 == 0 ? extreme->value : extreme->time;
@@ -156,10 +150,7 @@ static bool put_extremes(const run *run)
                 i % 2 == 0 ? extremes_value(run->extremes, i / 2, mesh) : extremes_time(run->extremes, i / 2, mesh);
         }
     }
-    const bool good = history_put_finals(run->history, 2 * n, outputs, values);
-    free(values);
-    free(outputs);
-    return good;
+    return history_put_finals(run->history, 2 * n, outputs, values);
 }
 
 /** @return false if the history could not be completed; the reason is in run->message */
@@ -221,8 +212,8 @@ static void conclude(run *run, const simulate_result *result, const char *path, 
 {
     char reason[2 * DAE_MESSAGE_LENGTH] = "";
     const char *status = "done", *remark = result->remark;
-    char *partial = xstrdup(history_partial_path(run->history));
-    char *place = xasprintf("%s: t = %.9g s", case_path(run->prepared.file), result->t);
+    OWNED char *partial = xstrdup(history_partial_path(run->history));
+    OWNED char *place = xasprintf("%s: t = %.9g s", case_path(run->prepared.file), result->t);
     if (remark[0] != '\0') {
         log_warning("%s", remark);
     }
@@ -245,8 +236,6 @@ static void conclude(run *run, const simulate_result *result, const char *path, 
         summarise(&result->counts, path);
         warn_of_invariants(result);
     }
-    free(place);
-    free(partial);
 }
 
 static void simulate_case(run *run, const char *path, dae_state *state, evl_error *error)
@@ -296,14 +285,13 @@ static evl_exit run_case(const char *file, const void *given, evl_error *error)
     if (!prepare_case(&run.prepared, file, options->set.n, options->set.values, error)) {
         return error->code;
     }
-    char *path = options->output != NULL ? xstrdup(options->output) : default_output(file);
+    OWNED char *path = options->output != NULL ? xstrdup(options->output) : default_output(file);
     if (is_same_file(path, file)) {
         evl_error_set(error, EVL_EXIT_USAGE, "", "the history would replace the case '%s'; name another file with -o",
                       path);
     } else {
         run_prepared(&run, options, path, error);
     }
-    free(path);
     prepared_case_free(&run.prepared);
     return error->code;
 }

@@ -83,9 +83,8 @@ static void print_model(FILE *stream, const prepared_case *prepared)
     show_gears(stream, description, model);
     show_deviations(stream, description, model);
     for (int i = 0; i < model_n_warnings(model); i++) {
-        char *text = prepare_warning(prepared, i);
+        OWNED char *text = prepare_warning(prepared, i);
         fprintf(stream, "%s  %s\n", i == 0 ? "\nWarnings\n" : "", text);
-        free(text);
     }
 }
 
@@ -156,9 +155,8 @@ static void write_model(json_writer *writer, const prepared_case *prepared)
     write_deviations(writer, description, model);
     json_open(writer, "warnings", '[');
     for (int i = 0; i < model_n_warnings(model); i++) {
-        char *text = prepare_warning(prepared, i);
+        OWNED char *text = prepare_warning(prepared, i);
         json_text(writer, NULL, text);
-        free(text);
     }
     json_close(writer, ']');
 }
@@ -174,10 +172,10 @@ static void show_json(FILE *stream, const prepared_case *prepared, const evl_err
     if (prepared->model != NULL) {
         write_model(&writer, prepared);
     }
-    char *line = refusal->code == EVL_EXIT_OK ? xstrdup("") : xasprintf("%s: %s", refusal->place, refusal->message);
+    OWNED char *line =
+        refusal->code == EVL_EXIT_OK ? xstrdup("") : xasprintf("%s: %s", refusal->place, refusal->message);
     json_text(&writer, "refusal", line);
     json_close(&writer, '}');
-    free(line);
 }
 
 /* ---- laws and keys ---- */
@@ -198,7 +196,7 @@ static void show_laws(FILE *stream)
     static const char *const families[] = {"contact", "damping", "friction"};
     for (size_t family = 0; family < sizeof families / sizeof *families; family++) {
         int n_laws = 0, n_rows = 0;
-        evl_kind *laws = model_kinds(families[family], &n_laws);
+        OWNED evl_kind *laws = model_kinds(families[family], &n_laws);
         const evl_row *rows = schema_block(model_schema(), families[family], &n_rows);
         fprintf(stream, "%s%s:\n", family == 0 ? "" : "\n", families[family]);
         for (int i = 0; i < n_laws; i++) {
@@ -212,7 +210,6 @@ static void show_laws(FILE *stream)
                 }
             }
         }
-        free(laws);
     }
 }
 

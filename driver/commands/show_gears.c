@@ -73,7 +73,7 @@ static void print_table(FILE *stream, const char *title, int n, const column *co
 void show_gears(FILE *stream, const description *description, const model *model)
 {
     const int n_wheels = description->n_wheels, n_meshes = description->n_meshes;
-    column *columns = xcalloc((size_t)(n_wheels > n_meshes ? n_wheels : n_meshes), sizeof *columns);
+    OWNED column *columns = xcalloc((size_t)(n_wheels > n_meshes ? n_wheels : n_meshes), sizeof *columns);
     for (int i = 0; i < n_wheels; i++) {
         columns[i].name = description->wheels[i];
         columns[i].n = model_gear(model, i, columns[i].rows);
@@ -84,5 +84,4 @@ void show_gears(FILE *stream, const description *description, const model *model
         columns[i].n = model_gear_mesh(model, i, columns[i].rows);
     }
     print_table(stream, "Gears in mesh (ISO 21771); 1 is the driving one", n_meshes, columns);
-    free(columns);
 }

@@ -24,8 +24,8 @@ typedef struct {
 /** @return false */
 static bool refuse(const reader *reader, const char *what, const char *message)
 {
-    evl_error_set(reader->error, EVL_EXIT_CASE, reader->path, "%s%s%s", what, what[0] == '\0' ? "" : ": ", message);
-    return false;
+    return evl_error_set(reader->error, EVL_EXIT_CASE, reader->path, "%s%s%s", what, what[0] == '\0' ? "" : ": ",
+                         message);
 }
 
 /* ---- attributes ---- */
@@ -95,23 +95,17 @@ static bool check_maker(const reader *reader)
         return refuse(reader, "", "is no design (no attribute evolvent_design_format); evolvent-sweep plan writes one");
     }
     if (format != FORMAT) {
-        evl_error_set(reader->error, EVL_EXIT_CASE, reader->path,
-                      "is a design of format %lld, but this evolvent reads format %d only; plan it again", format,
-                      FORMAT);
-        return false;
+        return evl_error_set(reader->error, EVL_EXIT_CASE, reader->path,
+                             "is a design of format %lld, but this evolvent reads format %d only; plan it again",
+                             format, FORMAT);
     }
-    char *version = NULL;
-    if (!need_text(reader, "evolvent_version", &version)) {
-        return false;
-    }
-    const bool is_ours = strcmp(version, EVOLVENT_VERSION) == 0;
-    if (!is_ours) {
-        evl_error_set(reader->error, EVL_EXIT_CASE, reader->path,
-                      "was made by evolvent %.32s, this is %s; plan it again, so that one version makes all results",
-                      version, EVOLVENT_VERSION);
-    }
-    free(version);
-    return is_ours;
+    OWNED char *version = NULL;
+    return need_text(reader, "evolvent_version", &version) &&
+           (strcmp(version, EVOLVENT_VERSION) == 0 ||
+            evl_error_set(
+                reader->error, EVL_EXIT_CASE, reader->path,
+                "was made by evolvent %.32s, this is %s; plan it again, so that one version makes all results", version,
+                EVOLVENT_VERSION));
 }
 
 static bool read_head(const reader *reader, design *design)
@@ -134,9 +128,9 @@ static bool read_head(const reader *reader, design *design)
         return refuse(reader, "window", "this attribute of the design is missing, or not two times [s]");
     }
     if (design->window[0] > design->window[1] || design->window[1] < 0) {
-        evl_error_set(reader->error, EVL_EXIT_CASE, reader->path,
-                      "window: from %g to %g s is no span of time in a case", design->window[0], design->window[1]);
-        return false;
+        return evl_error_set(reader->error, EVL_EXIT_CASE, reader->path,
+                             "window: from %g to %g s is no span of time in a case", design->window[0],
+                             design->window[1]);
     }
     if (!read_numbers(reader->file, "history_every", H5T_NATIVE_LLONG, 1, &every) || every < 1 || every > 1000000000) {
         return refuse(reader, "history_every", "this attribute of the design is missing, or less than 1");
@@ -231,8 +225,7 @@ static bool read_columns(reader *reader, design *design)
 static bool open_file(reader *reader)
 {
     if (access(reader->path, R_OK) != 0) {
-        evl_error_set(reader->error, EVL_EXIT_CASE, reader->path, "cannot be read: %s", strerror(errno));
-        return false;
+        return evl_error_set(reader->error, EVL_EXIT_CASE, reader->path, "cannot be read: %s", strerror(errno));
     }
     (void)setenv("HDF5_USE_FILE_LOCKING", "FALSE", 1); /* shards read it at one time, from folders that may not lock */
     (void)H5dont_atexit();
@@ -294,12 +287,7 @@ void design_delete(design **pointer)
 /** "PATH=VALUE" as a new string. */
 static char *make_option(const char *path, const char *value)
 {
-    const size_t length = strlen(path), size = strlen(value) + 1;
-    char *option = xcalloc(length + 1 + size, 1);
-    memcpy(option, path, length + 1);
-    option[length] = '=';
-    memcpy(option + length + 1, value, size);
-    return option;
+    return xasprintf("%s=%s", path, value);
 }
 
 char *design_option(const design *design, int column, long index)

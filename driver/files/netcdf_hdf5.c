@@ -205,14 +205,13 @@ static bool add_flags(netcdf_file *file, hid_t dataset, const netcdf_variable *v
 {
     const hsize_t length = (hsize_t)variable->n_flags;
     const hid_t space = H5Screate_simple(1, &length, NULL);
-    int *values = xcalloc((size_t)variable->n_flags, sizeof *values);
+    OWNED int *values = xcalloc((size_t)variable->n_flags, sizeof *values);
     for (int i = 0; i < variable->n_flags; i++) {
         values[i] = i;
     }
     bool good = space >= 0 ? add(file, dataset, "flag_values", H5T_NATIVE_INT, space, values) : netcdf_fail(file);
     good = good && add_text(file, dataset, "flag_meanings", variable->flag_meanings);
     (void)(space >= 0 && H5Sclose(space));
-    free(values);
     return good;
 }
 

@@ -35,27 +35,26 @@ static bool define_dimensions(builder *b, const stack_layout *layout)
     static const char *const axes[] = {"x", "y", "z"}, *const parts[] = {"w", "x", "y", "z"};
     const netcdf_variable cases = netcdf_describe(NETCDF_LONG, "case", "1", "", "number of the case in its design");
     const netcdf_variable time = netcdf_describe(NETCDF_REAL, "time", "s", "t", "model time");
-    long *numbers = xcalloc((size_t)layout->n_rows, sizeof *numbers);
+    OWNED long *numbers = xcalloc((size_t)layout->n_rows, sizeof *numbers);
     for (long row = 0; row < layout->n_rows; row++) {
         numbers[row] = layout->first_case + row * layout->stride;
     }
-    const bool good =
-        define_coordinate(b, &b->cases, &cases, layout->n_rows, numbers) &&
-        define_coordinate(b, &b->time, &time, layout->n_times, layout->times) &&
-        netcdf_define_names(&b->netcdf, b->netcdf.id, &b->wheel, "wheel", "name of the wheel",
-                            &layout->names->wheels) &&
-        netcdf_define_names(&b->netcdf, b->netcdf.id, &b->mesh, "mesh", "name of the mesh", &layout->names->meshes) &&
-        netcdf_define_names(&b->netcdf, b->netcdf.id, &b->shaft, "shaft", "name of the shaft",
-                            &layout->names->shafts) &&
-        netcdf_define_names(&b->netcdf, b->netcdf.id, &b->axis, "axis", "axis of the housing frame",
-                            &(name_list){2, axes}) &&
-        netcdf_define_names(&b->netcdf, b->netcdf.id, &b->space, "space", "axis of a frame", &(name_list){3, axes}) &&
-        netcdf_define_names(&b->netcdf, b->netcdf.id, &b->quaternion, "quaternion", "part of a quaternion",
-                            &(name_list){4, parts}) &&
-        netcdf_define_names(&b->netcdf, b->netcdf.id, &b->pair, "pair", "place of a tooth pair: flank and slot",
-                            &layout->names->pairs);
-    free(numbers);
-    return good;
+    return define_coordinate(b, &b->cases, &cases, layout->n_rows, numbers) &&
+           define_coordinate(b, &b->time, &time, layout->n_times, layout->times) &&
+           netcdf_define_names(&b->netcdf, b->netcdf.id, &b->wheel, "wheel", "name of the wheel",
+                               &layout->names->wheels) &&
+           netcdf_define_names(&b->netcdf, b->netcdf.id, &b->mesh, "mesh", "name of the mesh",
+                               &layout->names->meshes) &&
+           netcdf_define_names(&b->netcdf, b->netcdf.id, &b->shaft, "shaft", "name of the shaft",
+                               &layout->names->shafts) &&
+           netcdf_define_names(&b->netcdf, b->netcdf.id, &b->axis, "axis", "axis of the housing frame",
+                               &(name_list){2, axes}) &&
+           netcdf_define_names(&b->netcdf, b->netcdf.id, &b->space, "space", "axis of a frame",
+                               &(name_list){3, axes}) &&
+           netcdf_define_names(&b->netcdf, b->netcdf.id, &b->quaternion, "quaternion", "part of a quaternion",
+                               &(name_list){4, parts}) &&
+           netcdf_define_names(&b->netcdf, b->netcdf.id, &b->pair, "pair", "place of a tooth pair: flank and slot",
+                               &layout->names->pairs);
 }
 
 /** The dimensions behind case and time; the compiler complains if the model has others. */
@@ -148,7 +147,7 @@ static bool sync_file(const char *path)
 /** The file gets its name when it is complete. */
 static bool make_file(const stack_layout *layout, evl_error *error)
 {
-    char *partial = xasprintf("%s.partial", layout->path);
+    OWNED char *partial = xasprintf("%s.partial", layout->path);
     builder b = {0};
     bool good = netcdf_create(&b.netcdf, partial) && fill_file(&b, layout);
     good = netcdf_close(&b.netcdf) && good;
@@ -162,7 +161,6 @@ static bool make_file(const stack_layout *layout, evl_error *error)
     if (!good) {
         (void)unlink(partial);
     }
-    free(partial);
     return good;
 }
 
@@ -251,9 +249,8 @@ bool stack_write(const stack *stack, long row, const float *values, evl_error *e
                 continue;
             }
             if (more <= 0) {
-                evl_error_set(error, EVL_EXIT_IO, stack->path, "cannot be written: %s",
-                              strerror(more < 0 ? errno : ENOSPC));
-                return false;
+                return evl_error_set(error, EVL_EXIT_IO, stack->path, "cannot be written: %s",
+                                     strerror(more < 0 ? errno : ENOSPC));
             }
             done += (size_t)more;
         }
@@ -267,8 +264,7 @@ bool stack_sync(const stack *stack, evl_error *error)
     if (fdatasync(stack->descriptor) == 0 || errno == EINVAL) {
         return true;
     }
-    evl_error_set(error, EVL_EXIT_IO, stack->path, "cannot be written: %s", strerror(errno));
-    return false;
+    return evl_error_set(error, EVL_EXIT_IO, stack->path, "cannot be written: %s", strerror(errno));
 }
 
 void stack_close(stack *stack)

@@ -15,13 +15,12 @@ static void shape_part(const model *model, const dae_state *state, const double 
 {
     const size_t n_wheels = (size_t)model->sizes.n_wheels, n_meshes = (size_t)model->sizes.n_meshes;
     const size_t n = 3 * n_wheels + 2 * n_meshes;
-    double *values = xcalloc(n, sizeof *values);
+    OWNED double *values = xcalloc(n, sizeof *values);
     double *displacements = values + n_wheels, *penetrations = values + 3 * n_wheels;
     evl_gearbox_shape(model->gearbox, state->y, change, values, displacements, penetrations, penetrations + n_meshes);
     for (size_t i = 0; i < n; i++) {
         mode->arcs[i] += unit * values[i]; /* the other parts stand behind the arcs */
     }
-    free(values);
 }
 
 /** The value that everything is divided by: that of the wheel or axle that moves most, with the phase of its larger coordinate. */
@@ -62,14 +61,13 @@ static natural_mode create_mode(const model *model, const dae_state *state, cons
                          .displacements = (double complex(*)[2])(values + n_wheels),
                          .penetrations = values + 3 * n_wheels,
                          .transmission_errors = values + 3 * n_wheels + n_meshes};
-    double *change = xcalloc((size_t)model->sizes.n_states, sizeof *change);
+    OWNED double *change = xcalloc((size_t)model->sizes.n_states, sizeof *change);
     for (int part = 0; part < 2; part++) {
         for (int i = 0; i < model->sizes.n_states; i++) {
             change[i] = vector[2 * i + part];
         }
         shape_part(model, state, change, part == 0 ? 1.0 : I, &mode);
     }
-    free(change);
     normalise(model, &mode);
     return mode;
 }

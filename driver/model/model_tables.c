@@ -67,7 +67,7 @@ static model_output describe_extreme(const evl_extreme *from, bool is_time)
 static void copy_extremes(void)
 {
     const int n = evl_extreme_count();
-    evl_extreme *texts = xcalloc((size_t)n, sizeof *texts);
+    OWNED evl_extreme *texts = xcalloc((size_t)n, sizeof *texts);
     extremes = xcalloc((size_t)n, sizeof *extremes);
     evl_extremes_describe(texts);
     for (int i = 0; i < n; i++) {
@@ -78,7 +78,6 @@ static void copy_extremes(void)
                                       .watched = from->watched,
                                       .is_largest = from->is_largest};
     }
-    free(texts);
 }
 
 static int compare_outputs(const void *a, const void *b)
@@ -155,14 +154,12 @@ void model_describe_outputs(model *model)
     const size_t n = (size_t)sizes->n_outputs;
     (void)pthread_once(&once, copy_tables);
     model->outputs = memcpy(xcalloc(n, sizeof *model->outputs), outputs, n * sizeof *model->outputs);
-    int *offsets = xcalloc(n, sizeof *offsets), *counts = xcalloc(n, sizeof *counts);
+    OWNED int *offsets = xcalloc(n, sizeof *offsets), *counts = xcalloc(n, sizeof *counts);
     evl_gearbox_output_places(model->gearbox, offsets, counts);
     for (int i = 0; i < sizes->n_outputs; i++) {
         model->outputs[i].offset = offsets[i];
         model->outputs[i].count = counts[i];
     }
-    free(offsets);
-    free(counts);
 }
 
 void model_pair_places(const model *model, int *n, int *n_drive)

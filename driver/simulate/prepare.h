@@ -21,8 +21,8 @@ bool prepare_edited(prepared_case *prepared, const case_base *base, int n_set, c
 bool prepare_to_show(prepared_case *prepared, const char *path, int n_set, const char *const *set, evl_error *error);
 /** The state that the case starts from, the last thing that can be refused. @return false with the reason in `error` */
 bool prepare_start(const prepared_case *prepared, dae_state *state, evl_error *error);
-/** Turn a refusal by the model into one of the case file. */
-void prepare_refuse(const prepared_case *prepared, const model_message *refusal, evl_error *error);
+/** Turn a refusal by the model into one of the case file. @return false */
+bool prepare_refuse(const prepared_case *prepared, const model_message *refusal, evl_error *error);
 /** Warning `index` of the model, with the name of what it is about in front as in a refusal: a new string. */
 char *prepare_warning(const prepared_case *prepared, int index);
 /** All of them in one new string, "" if there are none. */

@@ -137,10 +137,8 @@ integrate_options simulate_options(const prepared_case *prepared)
 void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_state *state, simulate_result *result)
 {
     *result = (simulate_result){.end = SIMULATE_DONE};
-    simulation s = {.prepared = prepared,
-                    .sink = sink,
-                    .values = xcalloc((size_t)model_n_values(prepared->model), sizeof(double)),
-                    .t_given = -1.0};
+    OWNED double *values = xcalloc((size_t)model_n_values(prepared->model), sizeof *values);
+    simulation s = {.prepared = prepared, .sink = sink, .values = values, .t_given = -1.0};
     const integrate_options options = simulate_options(prepared);
     const integrate_observer observer = {.self = &s,
                                          .output = on_output,
@@ -167,5 +165,4 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_stat
     result->held = invariant_watch_tell(s.invariants, result->invariants, sizeof result->invariants);
     invariant_watch_delete(&s.invariants);
     contact_watch_free(&s.contact);
-    free(s.values);
 }
