@@ -67,11 +67,13 @@ static char *read_line(const char *path)
     if (file == NULL) {
         return NULL;
     }
-    OWNED char *line = NULL;
+    char *line = NULL;
     size_t room = 0;
     const ssize_t length = getline(&line, &room, file);
     (void)fclose(file);
-    return length < 0 ? xstrdup("") : xasprintf("%.*s", (int)strcspn(line, "\n"), line);
+    char *text = length < 0 ? xstrdup("") : xasprintf("%.*s", (int)strcspn(line, "\n"), line);
+    free(line);
+    return text;
 }
 
 static bool fail_folder(const char *path, evl_error *error)

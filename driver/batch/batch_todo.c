@@ -45,10 +45,13 @@ static bool read_cases(const batch_plan *plan, const char *path, bool *is_wanted
 {
     enum { SHOWN = 40 }; /* characters of a bad line */
     FILE *file = fopen(path, "rb");
-    OWNED char *line = NULL;
+    char *line = NULL;
     size_t room = 0;
     long n_lines = 0;
-    bool good = file != NULL || evl_error_set(error, EVL_EXIT_CASE, path, "cannot be read: %s", strerror(errno));
+    bool good = true;
+    if (file == NULL) {
+        return evl_error_set(error, EVL_EXIT_CASE, path, "cannot be read: %s", strerror(errno));
+    }
     while (good && getline(&line, &room, file) > 0) {
         n_lines++;
         good = take_line(plan, line, is_wanted);
@@ -59,7 +62,8 @@ static bool read_cases(const batch_plan *plan, const char *path, bool *is_wanted
                           length < SHOWN ? length : SHOWN, line, plan->design->n_cases - 1);
         }
     }
-    (void)(file != NULL && fclose(file));
+    free(line);
+    (void)fclose(file);
     return good;
 }
 

@@ -116,8 +116,7 @@ static bool write_all(const journal *journal, const char *text, size_t length, e
 /** The whole file but for the head, line by line. @return the head without its newline; NULL if it has none */
 static char *read_lines(FILE *file, long n_cases, journal_status *status, long *n_recorded, bool *is_torn)
 {
-    OWNED char *line = NULL;
-    char *head = NULL;
+    char *line = NULL, *head = NULL;
     size_t room = 0;
     *is_torn = false;
     for (ssize_t length = getline(&line, &room, file); length > 0; length = getline(&line, &room, file)) {
@@ -131,6 +130,7 @@ static char *read_lines(FILE *file, long n_cases, journal_status *status, long *
             head = xstrdup(line);
         }
     }
+    free(line);
     return head;
 }
 

@@ -140,7 +140,7 @@ static bool read_journal(collection *found, int shard, evl_error *error)
 {
     shard_journal *journal = &found->shards[shard];
     journal->file = fopen(journal->path, "rb");
-    OWNED char *line = NULL;
+    char *line = NULL;
     size_t room = 0;
     long offset = 0;
     bool good = journal->file != NULL;
@@ -155,6 +155,7 @@ static bool read_journal(collection *found, int shard, evl_error *error)
             good = take_line(found, shard, line, (size_t)n - 1, offset, error);
         }
     }
+    free(line);
     if (error->code == EVL_EXIT_OK && (journal->file == NULL || ferror(journal->file) != 0)) {
         evl_error_set(error, EVL_EXIT_CASE, journal->path, "cannot be read: %s", strerror(errno));
     }
