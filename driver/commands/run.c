@@ -179,15 +179,26 @@ static bool close_history(run *run, bool commit, const char *status, const char 
 
 /* The run itself. */
 
+static double number_of(const char *name, int n, const evl_quantity *quantities)
+{
+    int i = 0;
+    while (i < n && strcmp(quantities[i].name, name) != 0) {
+        i++;
+    }
+    return i < n ? quantities[i].value[0] : NAN;
+}
+
 /** What the meshes' stiffness and damping come to. */
 static void tell_vibrations(const run *run)
 {
     const description *description = case_description(run->prepared.file);
     for (int i = 0; i < description->n_meshes; i++) {
-        const mesh_vibration mesh = model_mesh_vibration(run->prepared.model, i);
-        if (!isnan(mesh.damping_ratio)) {
+        evl_quantity mesh[EVL_MOST_QUANTITIES];
+        const int n = model_geometry(run->prepared.model, EVL_OF_MESH, i, mesh);
+        if (!isnan(number_of("damping_ratio", n, mesh))) {
             log_note("mesh %s at %.5g N, one tooth pair: natural frequency %.5g Hz, damping ratio %.3g",
-                     description->meshes[i], mesh.force, mesh.natural_frequency, mesh.damping_ratio);
+                     description->meshes[i], number_of("reference_force", n, mesh),
+                     number_of("natural_frequency", n, mesh), number_of("damping_ratio", n, mesh));
         }
     }
 }

@@ -3,15 +3,11 @@
 #include "base/number.h"
 #include "case/case_schema.h"
 #include "commands/command.h"
-#include "commands/show_deviations.h"
-#include "commands/show_gears.h"
+#include "commands/show_geometry.h"
 #include "simulate/prepare.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-static const double DEGREES_PER_RADIAN = 57.295779513082320877;
 
 typedef struct {
     option_values set;
@@ -19,44 +15,6 @@ typedef struct {
 } show_options;
 
 /* ---- for reading ---- */
-
-static const char *unit_text(const char *units)
-{
-    return strcmp(units, "1") == 0 ? "" : units;
-}
-
-static int longer(int width, const char *text)
-{
-    const int length = (int)strlen(text);
-    return length > width ? length : width;
-}
-
-static void print_rows(FILE *stream, int n, const model_quantity *rows)
-{
-    int name_width = 0, symbol_width = 0;
-    for (int i = 0; i < n; i++) {
-        name_width = longer(name_width, rows[i].long_name);
-        symbol_width = longer(symbol_width, rows[i].symbol);
-    }
-    for (int i = 0; i < n; i++) {
-        const model_quantity *row = &rows[i];
-        const char *unit = unit_text(row->units);
-        fprintf(stream, "  %-*s  %-*s  ", name_width, row->long_name, symbol_width, row->symbol);
-        if (row->n == 2) {
-            fprintf(stream, "(%.10g, %.10g)", row->value[0], row->value[1]);
-        } else if (isnan(row->value[0])) {
-            fputs("-\n", stream);
-            continue;
-        } else {
-            fprintf(stream, "%.10g", row->value[0]);
-        }
-        fprintf(stream, "%s%s", unit[0] == '\0' ? "" : " ", unit);
-        if (row->is_angle) {
-            fprintf(stream, " = %.8g deg", row->value[0] * DEGREES_PER_RADIAN);
-        }
-        fputc('\n', stream);
-    }
-}
 
 static void print_indented(FILE *stream, const char *text)
 {
@@ -70,18 +28,7 @@ static void print_indented(FILE *stream, const char *text)
 static void print_model(FILE *stream, const prepared_case *prepared)
 {
     const model *model = prepared->model;
-    const description *description = case_description(prepared->file);
-    model_quantity rows[MODEL_MOST_ROWS];
-    for (int i = 0; i < description->n_wheels; i++) {
-        fprintf(stream, "\nWheel %s\n", description->wheels[i]);
-        print_rows(stream, model_wheel_geometry(model, i, rows), rows);
-    }
-    for (int i = 0; i < description->n_meshes; i++) {
-        fprintf(stream, "\nMesh %s\n", description->meshes[i]);
-        print_rows(stream, model_mesh_geometry(model, i, rows), rows);
-    }
-    show_gears(stream, description, model);
-    show_deviations(stream, description, model);
+    show_geometry(stream, case_description(prepared->file), model);
     for (int i = 0; i < model_n_warnings(model); i++) {
         OWNED char *text = prepare_warning(prepared, i);
         fprintf(stream, "%s  %s\n", i == 0 ? "\nWarnings\n" : "", text);
@@ -117,42 +64,10 @@ static void write_node(json_writer *writer, const char *key, const case_node *no
     }
 }
 
-/** A wheel or mesh, and within it what it is as a gear, if it is a real one. */
-static void write_rows(json_writer *writer, const char *key, int n, const model_quantity *rows, int n_gear,
-                       const model_quantity *gear_rows)
-{
-    json_open(writer, key, '{');
-    for (int i = 0; i < n; i++) {
-        if (rows[i].n == 2) {
-            json_numbers(writer, rows[i].name, 2, rows[i].value);
-        } else {
-            json_number(writer, rows[i].name, rows[i].value[0]);
-        }
-    }
-    if (n_gear > 0) {
-        write_rows(writer, "gear", n_gear, gear_rows, 0, NULL);
-    }
-    json_close(writer, '}');
-}
-
 static void write_model(json_writer *writer, const prepared_case *prepared)
 {
     const model *model = prepared->model;
-    const description *description = case_description(prepared->file);
-    model_quantity rows[MODEL_MOST_ROWS], gear_rows[MODEL_MOST_ROWS];
-    json_open(writer, "wheels", '{');
-    for (int i = 0; i < description->n_wheels; i++) {
-        const int n = model_wheel_geometry(model, i, rows), n_gear = model_gear(model, i, gear_rows);
-        write_rows(writer, description->wheels[i], n, rows, n_gear, gear_rows);
-    }
-    json_close(writer, '}');
-    json_open(writer, "meshes", '{');
-    for (int i = 0; i < description->n_meshes; i++) {
-        const int n = model_mesh_geometry(model, i, rows), n_gear = model_gear_mesh(model, i, gear_rows);
-        write_rows(writer, description->meshes[i], n, rows, n_gear, gear_rows);
-    }
-    json_close(writer, '}');
-    write_deviations(writer, description, model);
+    write_geometry(writer, case_description(prepared->file), model);
     json_open(writer, "warnings", '[');
     for (int i = 0; i < model_n_warnings(model); i++) {
         OWNED char *text = prepare_warning(prepared, i);

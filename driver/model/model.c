@@ -42,17 +42,19 @@ model *model_create(const description *description, model_message *error)
     return model;
 }
 
-int model_teeth(const model *model, int wheel)
-{
-    static const double turn = 6.283185307179586477;
-    evl_wheel_geometry geometry;
-    evl_gearbox_wheel_geometry(model->gearbox, wheel, &geometry);
-    return geometry.angular_pitch > 0 ? (int)(turn / geometry.angular_pitch + 0.5) : 0;
-}
-
 int model_support_directions(const model *model, int wheel, double directions[2][2])
 {
     return evl_gearbox_support_directions(model->gearbox, wheel, directions[0]);
+}
+
+int model_geometry(const model *model, evl_of of, int index, evl_quantity quantities[EVL_MOST_QUANTITIES])
+{
+    return evl_gearbox_geometry(model->gearbox, (int)of, index, quantities);
+}
+
+int model_pitch_errors(const model *model, int wheel, int most, double *errors)
+{
+    return evl_gearbox_pitch_errors(model->gearbox, wheel, most, errors);
 }
 
 void model_damping(const model *model, int mesh, double parameters[MODEL_MOST_PARAMETERS])

@@ -95,43 +95,18 @@ typedef struct {
 /** What the states are, a new array of as many as its dae has. */
 model_state *model_states(const model *model);
 
-/** The vibration of a mesh with one tooth pair in contact at the nominal load. */
-typedef struct {
-    double force;                            /**< [N] */
-    double natural_frequency, damping_ratio; /**< [Hz], 1; NaN where nothing vibrates or no load is known */
-} mesh_vibration;
-mesh_vibration model_mesh_vibration(const model *model, int mesh);
-
 /** The parameters of the damping law of a mesh, with what the case left open filled in. */
 enum { MODEL_MOST_PARAMETERS = 8 };
 void model_damping(const model *model, int mesh, double parameters[MODEL_MOST_PARAMETERS]);
 
-/** Number of teeth of a wheel; 0 of a disc. */
-int model_teeth(const model *model, int wheel);
-
 /** Directions in which the support of a wheel lets its axle move, unit vectors. @return how many */
 int model_support_directions(const model *model, int wheel, double directions[2][2]);
 
-/** Derived geometry as (name, unit, symbol, long name, value) rows, for `evolvent show`. */
-typedef struct {
-    const char *name, *units, *symbol, *long_name;
-    int n; /**< 1, or 2 for a point */
-    double value[2];
-    bool is_angle; /**< shown in degrees as well */
-} model_quantity;
-enum { MODEL_MOST_ROWS = 40 };
-/* Each returns the number of rows written. */
-int model_wheel_geometry(const model *model, int wheel, model_quantity rows[MODEL_MOST_ROWS]);
-int model_mesh_geometry(const model *model, int mesh, model_quantity rows[MODEL_MOST_ROWS]);
-/** What ISO 21771 says of a real gear; no rows if the wheel is none. */
-int model_gear(const model *model, int wheel, model_quantity rows[MODEL_MOST_ROWS]);
-/** The same of two real gears in mesh. */
-int model_gear_mesh(const model *model, int mesh, model_quantity rows[MODEL_MOST_ROWS]);
-
-/** Where the deviations of a wheel's flanks begin and how large its pitch errors are; no rows if it has none. */
-int model_deviation(const model *model, int wheel, model_quantity rows[MODEL_MOST_ROWS]);
-/** Cumulative position deviations of its teeth [teeth] [m]. @return whether it has pitch errors */
-bool model_pitch_errors(const model *model, int wheel, double *errors);
+/** The geometry that follows from the case. @return how many quantities there are, 0 where it is not what they are of */
+int model_geometry(const model *model, evl_of of, int index, evl_quantity quantities[EVL_MOST_QUANTITIES]);
+/** Cumulative position deviations of a wheel's teeth [m]. @return how many there are, 0 if it has no pitch errors; `most` of
+ *  them are written */
+int model_pitch_errors(const model *model, int wheel, int most, double *errors);
 
 /** One of the numbers, or lists of them, that the case gives. */
 typedef struct {

@@ -17,14 +17,13 @@ module evl_capi
    use evl_gearbox_initial, only: gearbox_initial_speeds, gearbox_start
    use evl_gearbox_scaling, only: gearbox_state_scales
    use evl_given, only: description_t
-   use evl_kinds, only: pi
    use evl_state_names, only: gearbox_state_name
    use evl_status, only: code_no_memory, code_ok, fail, has_failed, status_t
    implicit none (type, external)
    private
 
    public :: evl_gearbox_create, evl_gearbox_delete, evl_gearbox_sizes
-   public :: evl_gearbox_wheel_geometry, evl_gearbox_mesh_geometry, evl_gearbox_initial_state, evl_gearbox_scales
+   public :: evl_gearbox_initial_state, evl_gearbox_scales
    public :: evl_gearbox_state_name, evl_gearbox_residual, evl_gearbox_jacobian, evl_gearbox_derivative
    public :: evl_event_count, evl_event_describe
    public :: evl_gearbox_roots, evl_gearbox_root_directions, evl_gearbox_next_time_event
@@ -35,23 +34,6 @@ module evl_capi
       integer(c_int) :: n_wheels, n_meshes, n_loads, n_states, n_integers, n_reals, n_roots, n_outputs, n_values, n_warnings, &
                         n_pair_places, n_drive_places, n_shafts, n_events
    end type c_sizes
-
-   !> evl_wheel_geometry
-   type, bind(c) :: c_wheel_geometry
-      real(c_double) :: pitch_radius, base_radius, tip_radius, angular_pitch, mass, inertia, centre(2), speed_ratio
-      logical(c_bool) :: is_reference
-   end type c_wheel_geometry
-
-   !> evl_mesh_geometry
-   type, bind(c) :: c_mesh_geometry
-      integer(c_int) :: sigma
-      real(c_double) :: transmission_ratio, centre_distance, centre_line_angle, minimum_pressure_angle, working_pressure_angle
-      real(c_double) :: base_pitch, contact_ratio, line_of_action_length
-      real(c_double), dimension(2) :: point_k_a, point_k_b, point_a, point_b, pitch_point
-      real(c_double) :: tip_radius_driving, tip_radius_driven, rho_start_driving, rho_start_driven
-      real(c_double) :: common_width, effective_modulus, elastic_share_driving, reference_force, reference_penetration
-      real(c_double) :: reference_stiffness, reference_mass, natural_frequency, damping_coefficient, damping_ratio
-   end type c_mesh_geometry
 
    !> evl_event
    type, bind(c) :: c_event
@@ -122,45 +104,6 @@ contains
                       g%n_roots, size(g%output_counts), g%n_values, size(g%warnings), g%n_pair_places, g%n_drive_places, &
                       size(g%shafts), gearbox_event_room(g))
    end subroutine evl_gearbox_sizes
-
-   subroutine evl_gearbox_wheel_geometry(handle, index, geometry) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      integer(c_int), intent(in), value :: index
-      type(c_wheel_geometry), intent(out) :: geometry
-      type(gearbox_t), pointer :: g
-      real(c_double) :: pitch
-
-      g => gearbox_of(handle)
-      associate (wheel => g%wheels(index + 1))
-         pitch = 0
-         if (wheel%teeth > 0) pitch = 2*pi/wheel%teeth
-         geometry = c_wheel_geometry(wheel%pitch_radius, wheel%base_radius, wheel%tip_radius, pitch, wheel%mass, wheel%inertia, &
-                                     wheel%centre, wheel%ratio, logical(index + 1 == g%reference, c_bool))
-      end associate
-   end subroutine evl_gearbox_wheel_geometry
-
-   subroutine evl_gearbox_mesh_geometry(handle, index, geometry) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      integer(c_int), intent(in), value :: index
-      type(c_mesh_geometry), intent(out) :: geometry
-      type(gearbox_t), pointer :: g
-
-      g => gearbox_of(handle)
-      associate (contact => g%contacts(g%first(index + 1)), pair => g%pairs(index + 1), at => g%references(index + 1))
-         geometry = c_mesh_geometry( &
-                    sigma=pair%sigma, transmission_ratio=pair%ratio, centre_distance=pair%centre_distance, &
-                    centre_line_angle=pair%chi, minimum_pressure_angle=pair%alpha_inf, &
-                    working_pressure_angle=pair%alpha_w, base_pitch=pair%base_pitch, &
-                    contact_ratio=norm2(pair%point_b - pair%point_a)/pair%base_pitch, line_of_action_length=pair%rho, &
-                    point_k_a=pair%point_k_a, point_k_b=pair%point_k_b, point_a=pair%point_a, point_b=pair%point_b, &
-                    pitch_point=pair%pitch_point, tip_radius_driving=pair%tip_radius_a, &
-                    tip_radius_driven=pair%tip_radius_b, rho_start_driving=pair%rho_start_a, &
-                    rho_start_driven=pair%rho_start_b, common_width=contact%width, effective_modulus=contact%e_star, &
-                    elastic_share_driving=contact%pair%share_a, reference_force=contact%force_scale, &
-                    reference_penetration=contact%h_scale, reference_stiffness=at%stiffness, reference_mass=at%mass, &
-                    natural_frequency=at%frequency, damping_coefficient=at%damping, damping_ratio=at%ratio)
-      end associate
-   end subroutine evl_gearbox_mesh_geometry
 
    integer(c_int) function evl_gearbox_initial_state(handle, initial, t, y, yp, integers, reals, status) result(code) bind(c)
       type(c_ptr), intent(in), value :: handle
