@@ -156,7 +156,7 @@ static int count_wheels(const model *model)
 {
     for (int i = 0; i < model_n_outputs(model); i++) {
         const model_output *output = &model_outputs_table(model)[i];
-        if (output->dims == MODEL_DIMS_WHEEL) {
+        if (strcmp(output->dims, "wheel") == 0) {
             return output->count;
         }
     }

@@ -81,16 +81,6 @@ static bool is_same_file(const char *a, const char *b)
 
 /* The history's head and end. */
 
-static history_attribute text_attribute(const char *key, const char *text)
-{
-    return (history_attribute){.key = key, .kind = HISTORY_TEXT, .text = text};
-}
-
-static history_attribute count_attribute(const char *key, long count)
-{
-    return (history_attribute){.key = key, .kind = HISTORY_INTEGER, .integer = count};
-}
-
 static bool create_history(run *run, const char *path)
 {
     const model *model = run->prepared.model;
@@ -112,9 +102,9 @@ static bool create_history(run *run, const char *path)
     OWNED char *versions = xasprintf("evolvent %s, %s, %s, C compiler %s, Fortran compiler %s", EVOLVENT_VERSION,
                                      integrate_version(), history_version(), EVOLVENT_C_COMPILER, model_compiler());
     const history_attribute attributes[] = {
-        text_attribute("title", description->title), text_attribute("case", case_text(run->prepared.file)),
-        text_attribute("versions", versions),        text_attribute("warnings", warnings),
-        text_attribute("status", "running"),         text_attribute("status_message", ""),
+        {"title", .text = description->title}, {"case", .text = case_text(run->prepared.file)},
+        {"versions", .text = versions},        {"warnings", .text = warnings},
+        {"status", .text = "running"},         {"status_message", .text = ""},
     };
     const history_layout layout = {
         .path = path,
@@ -159,19 +149,19 @@ static bool close_history(run *run, bool commit, const char *status, const char 
     const integrate_counts *counts = &result->counts;
     const bool by_stepper = simulate_options(&run->prepared).by_stepper;
     const history_attribute attributes[] = {
-        text_attribute("status", status),
-        text_attribute("status_message", message),
-        text_attribute("invariants", result->invariants),
-        count_attribute("integrator_steps", counts->steps),
-        count_attribute("integrator_residuals", counts->residuals),
-        count_attribute("integrator_jacobians", counts->jacobians),
-        count_attribute("integrator_linear_setups", counts->linear_setups),
-        count_attribute("integrator_newton_iterations", counts->newton_iterations),
-        count_attribute("integrator_root_evaluations", counts->roots_evaluated),
-        count_attribute("integrator_events", counts->events),
-        by_stepper ? count_attribute("integrator_rejections", counts->rejections)
-                   : count_attribute("integrator_error_test_failures", counts->error_test_failures),
-        count_attribute("integrator_convergence_failures", counts->convergence_failures),
+        {"status", .text = status},
+        {"status_message", .text = message},
+        {"invariants", .text = result->invariants},
+        {"integrator_steps", .integer = counts->steps},
+        {"integrator_residuals", .integer = counts->residuals},
+        {"integrator_jacobians", .integer = counts->jacobians},
+        {"integrator_linear_setups", .integer = counts->linear_setups},
+        {"integrator_newton_iterations", .integer = counts->newton_iterations},
+        {"integrator_root_evaluations", .integer = counts->roots_evaluated},
+        {"integrator_events", .integer = counts->events},
+        by_stepper ? (history_attribute){"integrator_rejections", .integer = counts->rejections}
+                   : (history_attribute){"integrator_error_test_failures", .integer = counts->error_test_failures},
+        {"integrator_convergence_failures", .integer = counts->convergence_failures},
     };
     const int n = (int)(sizeof attributes / sizeof *attributes) - (by_stepper ? 1 : 0);
     return history_close(&run->history, commit, n, attributes, run->message);

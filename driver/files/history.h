@@ -8,10 +8,8 @@
 
 typedef struct {
     const char *key;
-    enum { HISTORY_TEXT, HISTORY_INTEGER, HISTORY_REAL } kind;
-    const char *text;
+    const char *text; /**< NULL: it is the integer */
     long long integer;
-    double real;
 } history_attribute;
 
 typedef struct {

@@ -30,13 +30,7 @@ static void free_history(history *history)
 {
     series_free(&history->times);
     series_free(&history->events);
-    scale_free(&history->wheel.scale);
-    scale_free(&history->mesh.scale);
-    scale_free(&history->shaft.scale);
-    scale_free(&history->axis.scale);
-    scale_free(&history->space.scale);
-    scale_free(&history->quaternion.scale);
-    scale_free(&history->pair.scale);
+    dimensions_free(&history->dimensions);
     scale_free(&history->side.scale);
     free(history->outputs);
     free(history->event_kinds);
@@ -79,10 +73,7 @@ static bool write_all(history *history, bool is_last)
 {
     netcdf_file *netcdf = &history->netcdf;
     return series_write(&history->times, is_last) && series_write(&history->events, is_last) &&
-           netcdf_finish_dimension(netcdf, &history->wheel) && netcdf_finish_dimension(netcdf, &history->mesh) &&
-           netcdf_finish_dimension(netcdf, &history->shaft) && netcdf_finish_dimension(netcdf, &history->axis) &&
-           netcdf_finish_dimension(netcdf, &history->space) && netcdf_finish_dimension(netcdf, &history->quaternion) &&
-           netcdf_finish_dimension(netcdf, &history->pair) && netcdf_finish_dimension(netcdf, &history->side);
+           dimensions_finish(&history->dimensions, netcdf) && netcdf_finish_dimension(netcdf, &history->side);
 }
 
 /** From time to time, so that most of a killed run can be read. */

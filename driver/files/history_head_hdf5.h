@@ -2,8 +2,8 @@
  *  history*_hdf5.c. */
 #pragma once
 
+#include "files/dimensions_hdf5.h"
 #include "files/history.h"
-#include "files/netcdf_hdf5.h"
 #include "files/output_file.h"
 #include "files/series_hdf5.h"
 
@@ -15,7 +15,8 @@ enum { EVENT_NUMBER, EVENT_TIME, EVENT_KIND, EVENT_MESH, EVENT_FLANK, EVENT_TOOT
 struct history {
     output_file file;
     netcdf_file netcdf;
-    netcdf_dimension wheel, mesh, shaft, axis, space, quaternion, pair, side;
+    dimensions dimensions;
+    netcdf_dimension side;
     series times, events;
     int n_outputs, n_values, n_states;
     model_output *outputs;

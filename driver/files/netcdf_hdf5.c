@@ -190,11 +190,6 @@ bool netcdf_put_integer(netcdf_file *file, hid_t object, const char *name, long 
     return put(file, object, name, H5T_NATIVE_LLONG, file->scalar, &value);
 }
 
-bool netcdf_put_real(netcdf_file *file, hid_t object, const char *name, double value)
-{
-    return put(file, object, name, H5T_NATIVE_DOUBLE, file->scalar, &value);
-}
-
 static bool add_text(netcdf_file *file, hid_t dataset, const char *name, const char *text)
 {
     return add(file, dataset, name, file->text, file->scalar, &text);

@@ -64,7 +64,6 @@ hid_t netcdf_create_group(netcdf_file *file, const char *name);
 /* Set an attribute of a group or variable; an older value is replaced. */
 bool netcdf_put_text(netcdf_file *file, hid_t object, const char *name, const char *text);
 bool netcdf_put_integer(netcdf_file *file, hid_t object, const char *name, long long value);
-bool netcdf_put_real(netcdf_file *file, hid_t object, const char *name, double value);
 
 /** A variable without dimensions yet; texts that are too long are cut. */
 netcdf_variable netcdf_describe(netcdf_type type, const char *name, const char *units, const char *symbol,

@@ -5,23 +5,10 @@
 #include "case/description.h"
 #include "integrate/dae.h"
 
-typedef enum {
-    MODEL_DIMS_NONE,
-    MODEL_DIMS_WHEEL,
-    MODEL_DIMS_MESH,
-    MODEL_DIMS_WHEEL_AXIS,
-    MODEL_DIMS_MESH_AXIS,
-    MODEL_DIMS_SPACE,
-    MODEL_DIMS_QUATERNION,
-    MODEL_DIMS_WHEEL_SPACE,
-    MODEL_DIMS_MESH_PAIR,
-    MODEL_DIMS_SHAFT
-} model_dims;
-
 /** One variable of the history: constant over time (is_static) or one value, or array of values, a time. */
 typedef struct {
     const char *name, *units, *symbol, *long_name; /**< live as long as the program */
-    model_dims dims;
+    const char *dims; /**< words of the dimensions besides time: "", "wheel", "mesh axis" and so on */
     bool is_static, is_integer;
     int offset, count; /**< place in the array that model_outputs fills; count 0: the case has no such variable */
 } model_output;

@@ -24,17 +24,17 @@ static model_extreme *extremes;              /**< [evl_extreme_count()] */
 
 static void copy_outputs(void)
 {
-    static const model_dims dims[] = {
-        [EVL_DIMS_NONE] = MODEL_DIMS_NONE,
-        [EVL_DIMS_WHEEL] = MODEL_DIMS_WHEEL,
-        [EVL_DIMS_MESH] = MODEL_DIMS_MESH,
-        [EVL_DIMS_WHEEL_AXIS] = MODEL_DIMS_WHEEL_AXIS,
-        [EVL_DIMS_MESH_AXIS] = MODEL_DIMS_MESH_AXIS,
-        [EVL_DIMS_SPACE] = MODEL_DIMS_SPACE,
-        [EVL_DIMS_QUATERNION] = MODEL_DIMS_QUATERNION,
-        [EVL_DIMS_WHEEL_SPACE] = MODEL_DIMS_WHEEL_SPACE,
-        [EVL_DIMS_MESH_PAIR] = MODEL_DIMS_MESH_PAIR,
-        [EVL_DIMS_SHAFT] = MODEL_DIMS_SHAFT,
+    static const char *const dims[] = {
+        [EVL_DIMS_NONE] = "",
+        [EVL_DIMS_WHEEL] = "wheel",
+        [EVL_DIMS_MESH] = "mesh",
+        [EVL_DIMS_WHEEL_AXIS] = "wheel axis",
+        [EVL_DIMS_MESH_AXIS] = "mesh axis",
+        [EVL_DIMS_SPACE] = "space",
+        [EVL_DIMS_QUATERNION] = "quaternion",
+        [EVL_DIMS_WHEEL_SPACE] = "wheel space",
+        [EVL_DIMS_MESH_PAIR] = "mesh pair",
+        [EVL_DIMS_SHAFT] = "shaft",
     };
     const int n = evl_output_count();
     output_texts = xcalloc((size_t)n, sizeof *output_texts);
@@ -60,7 +60,7 @@ static model_output describe_extreme(const evl_extreme *from, bool is_time)
                           .symbol = is_time ? "t" : xasprintf("%s %s", which, from->symbol),
                           .long_name =
                               is_time ? xasprintf("first time of the %s", from->long_name) : xstrdup(from->long_name),
-                          .dims = MODEL_DIMS_MESH,
+                          .dims = "mesh",
                           .is_static = true};
 }
 
