@@ -81,7 +81,7 @@ static void add(statistics_table *table, char *name, const char *units, char *lo
 
 void statistics_table_init(statistics_table *table, int n_meshes, char *const *mesh_names)
 {
-    const int n_kinds = model_n_event_kinds();
+    const int n_kinds = model_tables()->n_event_kinds;
     *table = (statistics_table){.n_meshes = n_meshes};
     table->scalars = xcalloc((size_t)n_meshes * N_OF_MESH + N_OF_CASE + (size_t)n_kinds, sizeof *table->scalars);
     for (int mesh = 0; mesh < n_meshes; mesh++) {
@@ -98,7 +98,7 @@ void statistics_table_init(statistics_table *table, int n_meshes, char *const *m
         add(table, xstrdup(of_case[i].name), of_case[i].units, xstrdup(of_case[i].long_name), of_case[i].is_count);
     }
     for (int kind = 0; kind < n_kinds; kind++) {
-        const char *name = model_event_kind(kind);
+        const char *name = model_tables()->event_kinds[kind];
         add(table, xasprintf("events_%s", name), "1", xasprintf("number of events %s", name), true);
     }
 }
@@ -174,7 +174,7 @@ statistics *statistics_create(const statistics_table *table, const model *model,
                                       .t_first = NAN,
                                       .of_mesh = xcalloc((size_t)table->n_meshes * N_OF_MESH, sizeof(accumulator)),
                                       .extremes = extremes_create(model, table->n_meshes, from, to),
-                                      .events = xcalloc((size_t)model_n_event_kinds(), sizeof(long))};
+                                      .events = xcalloc((size_t)model_tables()->n_event_kinds, sizeof(long))};
     for (int mesh = 0; mesh < table->n_meshes; mesh++) {
         for (int i = 0; i < N_OF_MESH; i++) {
             const int offset = model_output_offset(model, resolve_output(model, of_mesh[i].output));
@@ -268,7 +268,7 @@ void statistics_outputs(statistics *statistics, double t, const double *values)
 
 void statistics_event(statistics *statistics, const event_record *record)
 {
-    if (record->what.kind >= 0 && record->what.kind < model_n_event_kinds()) {
+    if (record->what.kind >= 0 && record->what.kind < model_tables()->n_event_kinds) {
         statistics->events[record->what.kind]++;
     }
 }
@@ -310,7 +310,7 @@ void statistics_finish(const statistics *statistics, const integrate_counts *cou
     results[n + STEPS] = (double)counts->steps;
     results[n + CPU_TIME] = counts->cpu_seconds;
     n += N_OF_CASE;
-    for (int kind = 0; kind < model_n_event_kinds(); kind++) {
+    for (int kind = 0; kind < model_tables()->n_event_kinds; kind++) {
         results[n++] = (double)statistics->events[kind];
     }
 }

@@ -6,7 +6,7 @@
 #include "commands/modes_print.h"
 #include "commands/warn.h"
 #include "integrate/integrate.h"
-#include "simulate/prepare.h"
+#include "simulate/simulate.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -23,18 +23,6 @@ typedef struct {
 
 /* ---- the motion up to a time ---- */
 
-static int on_output(void *self, const dae_state *state, char reason[DAE_MESSAGE_LENGTH])
-{
-    (void)self, (void)state, (void)reason;
-    return 0;
-}
-
-static int on_event(void *self, const event_record *record)
-{
-    (void)self, (void)record;
-    return 0;
-}
-
 static int on_step(void *self, double t)
 {
     progress_step(self, t);
@@ -43,14 +31,10 @@ static int on_step(void *self, double t)
 
 static bool move_to(const prepared_case *prepared, double time, dae_state *state, evl_error *error)
 {
-    const simulation_description *simulation = &case_description(prepared->file)->simulation;
-    const integrate_options options = {.t_end = time,
-                                       .output_interval = time,
-                                       .tolerance = simulation->tolerance,
-                                       .max_step = simulation->max_step,
-                                       .by_stepper = simulation->integrator == INTEGRATOR_RADAU};
+    integrate_options options = simulate_options(prepared);
+    options.t_end = options.output_interval = time;
     progress progress;
-    const integrate_observer observer = {.self = &progress, .output = on_output, .event = on_event, .step = on_step};
+    const integrate_observer observer = {.self = &progress, .step = on_step};
     integrate_counts counts;
     char reason[DAE_MESSAGE_LENGTH];
     progress_start(&progress, true, state->t, time);

@@ -86,21 +86,11 @@ static bool create_history(run *run, const char *path)
     const model *model = run->prepared.model;
     const description *description = case_description(run->prepared.file);
     const integrate_options options = simulate_options(&run->prepared);
-    const int n_states = model_dae(model)->n, n_kinds = model_n_event_kinds();
-    OWNED const char **state_names = xcalloc((size_t)n_states, sizeof *state_names);
-    OWNED const char **state_units = xcalloc((size_t)n_states, sizeof *state_units);
-    OWNED const char **kinds = xcalloc((size_t)n_kinds, sizeof *kinds);
     OWNED model_state *states = model_states(model);
-    for (int i = 0; i < n_states; i++) {
-        state_names[i] = states[i].name;
-        state_units[i] = states[i].units;
-    }
-    for (int i = 0; i < n_kinds; i++) {
-        kinds[i] = model_event_kind(i);
-    }
     OWNED char *warnings = prepare_warnings(&run->prepared, "\n");
-    OWNED char *versions = xasprintf("evolvent %s, %s, %s, C compiler %s, Fortran compiler %s", EVOLVENT_VERSION,
-                                     integrate_version(), history_version(), EVOLVENT_C_COMPILER, model_compiler());
+    OWNED char *versions =
+        xasprintf("evolvent %s, %s, %s, C compiler %s, Fortran compiler %s", EVOLVENT_VERSION, integrate_version(),
+                  history_version(), EVOLVENT_C_COMPILER, model_tables()->compiler);
     const history_attribute attributes[] = {
         {"title", .text = description->title}, {"case", .text = case_text(run->prepared.file)},
         {"versions", .text = versions},        {"warnings", .text = warnings},
@@ -111,11 +101,10 @@ static bool create_history(run *run, const char *path)
         .names = &run->names,
         .n_outputs = model_n_outputs(model),
         .outputs = model_outputs_table(model),
-        .n_states = n_states,
-        .state_names = state_names,
-        .state_units = state_units,
-        .n_event_kinds = n_kinds,
-        .event_kinds = kinds,
+        .n_states = model_dae(model)->n,
+        .states = states,
+        .n_event_kinds = model_tables()->n_event_kinds,
+        .event_kinds = model_tables()->event_kinds,
         .max_rows = output_grid_size(&options, 0),
         .n_attributes = sizeof attributes / sizeof *attributes,
         .attributes = attributes,
@@ -127,11 +116,11 @@ static bool create_history(run *run, const char *path)
 /** The extremes over the run, as variables of the meshes. */
 static bool put_extremes(const run *run)
 {
-    const int n = model_n_extremes(), n_meshes = case_description(run->prepared.file)->n_meshes;
+    const int n = model_tables()->n_extremes, n_meshes = case_description(run->prepared.file)->n_meshes;
     OWNED model_output *outputs = xcalloc(2 * (size_t)n, sizeof *outputs);
     OWNED double *values = xcalloc(2 * (size_t)n * (size_t)n_meshes, sizeof *values);
     for (int i = 0; i < 2 * n; i++) {
-        const model_extreme *extreme = &model_extremes()[i / 2];
+        const model_extreme *extreme = &model_tables()->extremes[i / 2];
         outputs[i] = i % 2 == 0 ? extreme->value : extreme->time;
         outputs[i].count = n_meshes;
         outputs[i].offset = i * n_meshes;

@@ -18,7 +18,7 @@ typedef struct {
     int n_outputs;
     const model_output *outputs;
     int n_states;
-    const char *const *state_names, *const *state_units;
+    const model_state *states;
     int n_event_kinds;
     const char *const *event_kinds;
     long max_rows; /**< the most that history_append will be called; 0 if that is not known */

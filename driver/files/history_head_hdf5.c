@@ -86,11 +86,11 @@ static void plan_events(history *history, hid_t group, const history_layout *lay
         series_add_column(events, &columns[i], i, 1);
     }
     for (int i = 0; i < layout->n_states; i++) {
-        const char *state = layout->state_names[i];
+        const char *state = layout->states[i].name;
         char name[64], long_name[128];
         make_name(state, name, sizeof name);
         (void)snprintf(long_name, sizeof long_name, "state %s on both sides of the event", state);
-        netcdf_variable variable = netcdf_describe(NETCDF_REAL, name, layout->state_units[i], state, long_name);
+        netcdf_variable variable = netcdf_describe(NETCDF_REAL, name, layout->states[i].units, state, long_name);
         variable.rank = 1;
         variable.dimensions[0] = &history->side;
         series_add_column(events, &variable, EVENT_STATES + 2 * i, 2);

@@ -30,7 +30,8 @@ typedef struct {
 /** An answer to an output: it shows that an event in the step was missed, and the step is made anew, smaller. */
 enum { INTEGRATE_ANEW = 2 };
 
-/** What the caller wants to hear. Each returns 0 to go on; anything else ends the integration with INTEGRATE_STOPPED. */
+/** What the caller wants to hear; NULL: not that. Each returns 0 to go on; anything else ends the integration with
+ *  INTEGRATE_STOPPED. */
 typedef struct {
     void *self;
     /** grid points in order of time, the start and t_end among them; may answer INTEGRATE_ANEW, with a sentence in `reason` */
@@ -42,13 +43,5 @@ typedef struct {
     const double
         *highest; /**< of who watches: [n_watched] largest of each channel so far, as of dae.roots_and_watched */
 } integrate_observer;
-
-typedef struct {
-    long steps, residuals, jacobians, linear_setups, newton_iterations, roots_evaluated, events;
-    long error_test_failures, convergence_failures; /**< of IDA; a stepper counts both as rejections */
-    long rejections;
-    dae_growth growth;  /**< the fastest, if a stepper made shorter steps for one */
-    double cpu_seconds; /**< of the integration with its observers */
-} integrate_counts;
 
 typedef enum { INTEGRATE_DONE = 0, INTEGRATE_STOPPED = 1, INTEGRATE_FAILED = 2 } integrate_code;

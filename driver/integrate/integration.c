@@ -71,7 +71,8 @@ double integration_output_time(const integration *run)
 
 integrate_code integration_give_output(integration *run, const dae_state *state, bool *missed)
 {
-    const int answer = run->observer->output(run->observer->self, state, run->reason);
+    const integrate_observer *observer = run->observer;
+    const int answer = observer->output == NULL ? 0 : observer->output(observer->self, state, run->reason);
     *missed = answer == INTEGRATE_ANEW;
     if (answer == 0) {
         run->reason[0] = '\0';
@@ -128,7 +129,7 @@ integrate_code integration_apply_event(integration *run, bool time_event)
     for (int i = 0; i < n_events; i++) {
         const event_record record = {run->state->t, run->events[i], m->n, &run->old, run->state};
         run->counts->events++;
-        if (run->observer->event(run->observer->self, &record) != 0) {
+        if (run->observer->event != NULL && run->observer->event(run->observer->self, &record) != 0) {
             return INTEGRATE_STOPPED;
         }
     }

@@ -24,8 +24,6 @@ typedef struct {
 
 typedef struct model model;
 
-/** What a case may say; lives as long as the program. */
-const case_schema *model_schema(void);
 /** The laws of a block: contact, damping or friction; the caller frees the array. */
 evl_kind *model_kinds(const char *block, int *n);
 
@@ -65,16 +63,23 @@ typedef struct {
     int watched;              /**< which of the watched outputs */
     bool is_largest;          /**< else the smallest */
 } model_extreme;
-int model_n_extremes(void);
-const model_extreme *model_extremes(void);
-/** How many outputs are watched: channel n * mesh + watched of model_dae is one of a mesh. */
-int model_n_watched(void);
+
+/** What is the same for all models; lives as long as the program. */
+struct model_tables {
+    case_schema schema; /**< what a case may say */
+    int n_event_kinds;
+    const char *const *event_kinds; /**< their names */
+    int n_extremes;
+    const model_extreme *extremes;
+    int n_watched;         /**< outputs: channel n_watched * mesh + watched of model_dae is one of a mesh */
+    const char *compiler;  /**< that built the kernel */
+    const char *processor; /**< for which it was compiled, as -march names it; "" if none was named */
+};
+const struct model_tables *model_tables(void);
+const case_schema *model_schema(void);
 
 /** Places that the outputs have for the tooth pairs of a mesh, and how many of them, the first, are for the drive flank. */
 void model_pair_places(const model *model, int *n, int *n_drive);
-
-int model_n_event_kinds(void);
-const char *model_event_kind(int kind);
 
 typedef struct {
     char name[32], units[32];
@@ -103,9 +108,3 @@ typedef struct {
 } model_parameter;
 /** Parameter `index`, from 0. @return whether there is one */
 bool model_parameter_at(const model *model, int index, model_parameter *parameter);
-
-/** The compiler that built the kernel. */
-const char *model_compiler(void);
-
-/** The processor the kernel was compiled for, as -march names it; "" if none was named. */
-const char *model_processor(void);

@@ -15,12 +15,10 @@ static void copy_text(char *to, size_t size, const char *from)
 
 /* What is the same for all models is copied from the kernel once, whichever thread asks first. */
 static pthread_once_t once = PTHREAD_ONCE_INIT;
-static case_schema schema;
-static char (*event_names)[EVL_NAME_LENGTH]; /**< [evl_event_count()] */
-static evl_output *output_texts;             /**< [evl_output_count()] */
-static model_output *outputs;                /**< [evl_output_count()] without places */
-static int *outputs_by_name;                 /**< [evl_output_count()] in the order of their names */
-static model_extreme *extremes;              /**< [evl_extreme_count()] */
+static struct model_tables tables;
+static evl_output *output_texts; /**< [evl_output_count()] */
+static model_output *outputs;    /**< [evl_output_count()] without places */
+static int *outputs_by_name;     /**< [evl_output_count()] in the order of their names */
 
 static void copy_outputs(void)
 {
@@ -66,9 +64,9 @@ static model_output describe_extreme(const evl_extreme *from, bool is_time)
 
 static void copy_extremes(void)
 {
-    const int n = evl_extreme_count();
+    const int n = tables.n_extremes = evl_extreme_count();
     OWNED evl_extreme *texts = xcalloc((size_t)n, sizeof *texts);
-    extremes = xcalloc((size_t)n, sizeof *extremes);
+    model_extreme *extremes = xcalloc((size_t)n, sizeof *extremes);
     evl_extremes_describe(texts);
     for (int i = 0; i < n; i++) {
         const evl_extreme *from = &texts[i];
@@ -78,6 +76,7 @@ static void copy_extremes(void)
                                       .watched = from->watched,
                                       .is_largest = from->is_largest};
     }
+    tables.extremes = extremes;
 }
 
 static int compare_outputs(const void *a, const void *b)
@@ -100,30 +99,51 @@ static void sort_outputs(void)
     qsort(outputs_by_name, (size_t)n, sizeof *outputs_by_name, compare_outputs);
 }
 
-static void copy_tables(void)
+static void copy_rows(void)
 {
     enum { ROOM = 256 };
     evl_row *rows = xcalloc(ROOM, sizeof *rows);
-    schema.n = evl_rows(ROOM, rows);
-    if (schema.n > ROOM) {
-        rows = xrealloc(rows, (size_t)schema.n, sizeof *rows);
-        (void)evl_rows(schema.n, rows);
+    const int n = evl_rows(ROOM, rows);
+    if (n > ROOM) {
+        rows = xrealloc(rows, (size_t)n, sizeof *rows);
+        (void)evl_rows(n, rows);
     }
-    schema.rows = rows;
-    event_names = xcalloc((size_t)evl_event_count(), sizeof *event_names);
-    for (int kind = 0; kind < evl_event_count(); kind++) {
-        char text[EVL_TEXT_LENGTH];
-        evl_event_describe(kind, event_names[kind], text);
+    tables.schema = (case_schema){.n = n, .rows = rows};
+}
+
+static void copy_event_kinds(void)
+{
+    const int n = tables.n_event_kinds = evl_event_count();
+    const char **names = xcalloc((size_t)n, sizeof *names);
+    for (int kind = 0; kind < n; kind++) {
+        char name[EVL_NAME_LENGTH], text[EVL_TEXT_LENGTH];
+        evl_event_describe(kind, name, text);
+        names[kind] = xstrdup(name);
     }
+    tables.event_kinds = names;
+}
+
+static void copy_tables(void)
+{
+    tables.n_watched = evl_watched_count();
+    tables.compiler = evl_kernel_compiler();
+    tables.processor = evl_kernel_processor();
+    copy_rows();
+    copy_event_kinds();
     copy_outputs();
     copy_extremes();
     sort_outputs();
 }
 
-const case_schema *model_schema(void)
+const struct model_tables *model_tables(void)
 {
     (void)pthread_once(&once, copy_tables);
-    return &schema;
+    return &tables;
+}
+
+const case_schema *model_schema(void)
+{
+    return &model_tables()->schema;
 }
 
 evl_kind *model_kinds(const char *block, int *n)
@@ -190,33 +210,6 @@ int model_n_values(const model *model)
     return model->sizes.n_values;
 }
 
-int model_n_extremes(void)
-{
-    return evl_extreme_count();
-}
-
-const model_extreme *model_extremes(void)
-{
-    (void)pthread_once(&once, copy_tables);
-    return extremes;
-}
-
-int model_n_watched(void)
-{
-    return evl_watched_count();
-}
-
-int model_n_event_kinds(void)
-{
-    return evl_event_count();
-}
-
-const char *model_event_kind(int kind)
-{
-    (void)pthread_once(&once, copy_tables);
-    return kind < 0 || kind >= evl_event_count() ? "" : event_names[kind];
-}
-
 model_state *model_states(const model *model)
 {
     model_state *states = xcalloc((size_t)model->sizes.n_states, sizeof *states);
@@ -227,14 +220,4 @@ model_state *model_states(const model *model)
         copy_text(states[i].units, sizeof states[i].units, units);
     }
     return states;
-}
-
-const char *model_compiler(void)
-{
-    return evl_kernel_compiler();
-}
-
-const char *model_processor(void)
-{
-    return evl_kernel_processor();
 }

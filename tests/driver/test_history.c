@@ -23,8 +23,7 @@ enum { N_VALUES = 9, N_STATES = 2 };
 
 static const char *const wheels[] = {"pinion", "gear"};
 static const char *const meshes[] = {"pinion-gear"};
-static const char *const states[] = {"reference_angle", "angle_deviation[1]"};
-static const char *const state_units[] = {"rad", "rad"};
+static const model_state states[] = {{"reference_angle", "rad"}, {"angle_deviation[1]", "rad"}};
 static const char *const kinds[] = {"tooth_switch", "contact_closed"};
 static const model_output outputs[] = {
     {"teeth", "1", "z", "number of teeth", "wheel", true, true, 0, 2},
@@ -71,8 +70,7 @@ static history *create(const char *path, char *message)
                                    .n_outputs = sizeof outputs / sizeof *outputs,
                                    .outputs = outputs,
                                    .n_states = N_STATES,
-                                   .state_names = states,
-                                   .state_units = state_units,
+                                   .states = states,
                                    .n_event_kinds = 2,
                                    .event_kinds = kinds,
                                    .n_attributes = 2,
