@@ -5,11 +5,5 @@
 
 /** Quiet: notes are left out; warnings and errors stay. */
 void log_set_quiet(bool quiet);
-#if defined(__GNUC__)
-__attribute__((format(printf, 1, 2)))
-#endif
-void log_note(const char *format, ...);
-#if defined(__GNUC__)
-__attribute__((format(printf, 1, 2)))
-#endif
-void log_warning(const char *format, ...);
+__attribute__((format(printf, 1, 2))) void log_note(const char *format, ...);
+__attribute__((format(printf, 1, 2))) void log_warning(const char *format, ...);

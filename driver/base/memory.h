@@ -18,7 +18,4 @@ void *xcalloc(size_t count, size_t size);
 void *xrealloc(void *old, size_t count, size_t size);
 char *xstrdup(const char *text);
 /** A new string as printf would print it. */
-#if defined(__GNUC__)
-__attribute__((format(printf, 1, 2)))
-#endif
-char *xasprintf(const char *format, ...);
+__attribute__((format(printf, 1, 2))) char *xasprintf(const char *format, ...);

@@ -35,10 +35,8 @@ typedef struct {
 /** Fill an error; control characters of foreign text become blanks, so that the message stays one line of valid text.
  *  @param place  "" if there is none
  *  @return false, for who refuses */
-#if defined(__GNUC__)
-__attribute__((format(printf, 4, 5)))
-#endif
-bool evl_error_set(evl_error *error, evl_exit code, const char *place, const char *format, ...);
+__attribute__((format(printf, 4, 5))) bool evl_error_set(evl_error *error, evl_exit code, const char *place,
+                                                         const char *format, ...);
 
 /** Write "PLACE: MESSAGE", or "evolvent: MESSAGE" if there is no place, and a newline. */
 void evl_error_print(FILE *stream, const evl_error *error);

@@ -159,9 +159,10 @@ static bool attend(pool *pool, int number, batch_worker_news *news)
     bool good = true;
     while (good && (*news = batch_worker_hear(&pool->workers[number], &answer)) == WORKER_ANSWERED) {
         if (answer.is_lost) {
-            *pool->error = answer.error;
+            OWNED char *reason = answer.row.line;
+            return evl_error_set(pool->error, EVL_EXIT_IO, "", "%s", reason);
         }
-        good = !answer.is_lost && record(pool, answer.place, &answer.row);
+        good = record(pool, answer.place, &answer.row);
     }
     return good;
 }

@@ -24,10 +24,9 @@ typedef struct {
 
 /** What a worker has to say of a case. */
 typedef struct {
-    long place;      /**< of the case in the list */
-    bool is_lost;    /**< its row could not be stored on disk: `error` says why */
-    batch_row row;   /**< otherwise; its line belongs to the receiver */
-    evl_error error; /**< of is_lost */
+    long place;    /**< of the case in the list */
+    bool is_lost;  /**< its row could not be stored on disk */
+    batch_row row; /**< its line, or why it is lost, belongs to the receiver */
 } batch_answer;
 
 /** Fork a worker. It takes cases from the queue until there is none, ends when its parent does, however that ends, and ignores

@@ -20,10 +20,8 @@ checker checker_at(const checker *above, const char *step);
 
 /* All of these return false with the error filled in if they refuse. */
 
-#if defined(__GNUC__)
-__attribute__((format(printf, 3, 4)))
-#endif
-bool checker_refuse(const checker *checker, case_place place, const char *format, ...);
+__attribute__((format(printf, 3, 4))) bool checker_refuse(const checker *checker, case_place place, const char *format,
+                                                          ...);
 bool refuse_type(const checker *checker, const case_node *node, const char *wanted, const char *unit);
 
 /** A name that paths and references can use. */

@@ -20,10 +20,7 @@ typedef struct {
 } parser;
 
 /** Complain in one line, remind of the usage in a few. @return false */
-#if defined(__GNUC__)
-__attribute__((format(printf, 2, 3)))
-#endif
-static bool misuse(const parser *parser, const char *format, ...)
+__attribute__((format(printf, 2, 3))) static bool misuse(const parser *parser, const char *format, ...)
 {
     evl_error error = {.code = EVL_EXIT_OK};
     char text[EVL_ERROR_MESSAGE_LENGTH];

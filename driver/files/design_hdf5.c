@@ -2,10 +2,10 @@
 
 #include "base/memory.h"
 #include "base/number.h"
+#include "files/netcdf_hdf5.h"
 
 #include <errno.h>
 #include <evolvent_version.h>
-#include <hdf5.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -30,40 +30,6 @@ static bool refuse(const reader *reader, const char *what, const char *message)
 
 /* ---- attributes ---- */
 
-/** A text attribute, of variable or fixed length, as a new string. NULL if there is none. */
-static char *read_text(const reader *reader, hid_t object, const char *name)
-{
-    if (H5Aexists(object, name) <= 0) {
-        return NULL;
-    }
-    const hid_t attribute = H5Aopen(object, name, H5P_DEFAULT);
-    const hid_t type = H5Aget_type(attribute), space = H5Aget_space(attribute);
-    char *result = NULL;
-    if (H5Tget_class(type) == H5T_STRING && H5Sget_simple_extent_npoints(space) == 1) {
-        if (H5Tis_variable_str(type) > 0) {
-            char *value = NULL;
-            if (H5Aread(attribute, type, &value) >= 0) {
-                result = xstrdup(value == NULL ? "" : value);
-                (void)H5Dvlen_reclaim(type, space, H5P_DEFAULT, &value);
-            }
-        } else {
-            char *value = xcalloc(H5Tget_size(type) + 1, 1);
-            if (H5Aread(attribute, type, value) >= 0) {
-                result = value;
-            } else {
-                free(value);
-            }
-        }
-    } else if (H5Sget_simple_extent_type(space) == H5S_NULL && H5Tget_class(type) == H5T_STRING) {
-        result = xstrdup(""); /* how h5py writes an empty text of fixed length */
-    }
-    (void)reader;
-    (void)H5Sclose(space);
-    (void)H5Tclose(type);
-    (void)H5Aclose(attribute);
-    return result;
-}
-
 /** Numbers of an attribute, converted. @return false if it is not there or holds another number of them */
 static bool read_numbers(hid_t object, const char *name, hid_t type, int n, void *values)
 {
@@ -83,7 +49,7 @@ static bool read_numbers(hid_t object, const char *name, hid_t type, int n, void
 
 static bool need_text(const reader *reader, const char *name, char **text)
 {
-    *text = read_text(reader, reader->file, name);
+    *text = netcdf_get_text(reader->file, name);
     return *text != NULL || refuse(reader, name, "this attribute of the design is missing, or no text");
 }
 
@@ -116,7 +82,7 @@ static bool read_head(const reader *reader, design *design)
         !need_text(reader, "history_variables", &design->history_variables)) {
         return false;
     }
-    design->title = read_text(reader, reader->file, "title");
+    design->title = netcdf_get_text(reader->file, "title");
     design->title = design->title == NULL ? xstrdup("") : design->title;
     if (!read_numbers(reader->file, "n_cases", H5T_NATIVE_LLONG, 1, &n_cases) || n_cases < 0) {
         return refuse(reader, "n_cases", "this attribute of the design is missing, or no count");
@@ -182,7 +148,7 @@ static bool read_column(const reader *reader, const char *name, design *design)
     }
     const hid_t space = H5Dget_space(dataset);
     const bool fits = H5Sget_simple_extent_ndims(space) == 1 && H5Sget_simple_extent_npoints(space) == design->n_cases;
-    char *path = read_text(reader, dataset, "path");
+    char *path = netcdf_get_text(dataset, "path");
     bool good = fits && path != NULL;
     if (!fits) {
         evl_error_set(reader->error, EVL_EXIT_CASE, reader->path, "%s: has not one value for each of the %ld cases",
@@ -227,10 +193,7 @@ static bool open_file(reader *reader)
     if (access(reader->path, R_OK) != 0) {
         return evl_error_set(reader->error, EVL_EXIT_CASE, reader->path, "cannot be read: %s", strerror(errno));
     }
-    (void)setenv("HDF5_USE_FILE_LOCKING", "FALSE", 1); /* shards read it at one time, from folders that may not lock */
-    (void)H5dont_atexit();
-    (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
-    reader->file = H5Fopen(reader->path, H5F_ACC_RDONLY, H5P_DEFAULT);
+    reader->file = netcdf_open(reader->path);
     return reader->file >= 0 || refuse(reader, "", "is no HDF5 file; evolvent-sweep plan writes a design");
 }
 

@@ -190,6 +190,45 @@ bool netcdf_put_integer(netcdf_file *file, hid_t object, const char *name, long 
     return put(file, object, name, H5T_NATIVE_LLONG, file->scalar, &value);
 }
 
+hid_t netcdf_open(const char *path)
+{
+    prepare_library();
+    (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+    return H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
+}
+
+char *netcdf_get_text(hid_t object, const char *name)
+{
+    if (H5Aexists(object, name) <= 0) {
+        return NULL;
+    }
+    const hid_t attribute = H5Aopen(object, name, H5P_DEFAULT);
+    const hid_t type = H5Aget_type(attribute), space = H5Aget_space(attribute);
+    char *result = NULL;
+    if (H5Tget_class(type) == H5T_STRING && H5Sget_simple_extent_npoints(space) == 1) {
+        if (H5Tis_variable_str(type) > 0) {
+            char *value = NULL;
+            if (H5Aread(attribute, type, &value) >= 0) {
+                result = xstrdup(value == NULL ? "" : value);
+                (void)H5Dvlen_reclaim(type, space, H5P_DEFAULT, &value);
+            }
+        } else {
+            char *value = xcalloc(H5Tget_size(type) + 1, 1);
+            if (H5Aread(attribute, type, value) >= 0) {
+                result = value;
+            } else {
+                free(value);
+            }
+        }
+    } else if (H5Sget_simple_extent_type(space) == H5S_NULL && H5Tget_class(type) == H5T_STRING) {
+        result = xstrdup(""); /* how h5py writes an empty text of fixed length */
+    }
+    (void)H5Sclose(space);
+    (void)H5Tclose(type);
+    (void)H5Aclose(attribute);
+    return result;
+}
+
 static bool add_text(netcdf_file *file, hid_t dataset, const char *name, const char *text)
 {
     return add(file, dataset, name, file->text, file->scalar, &text);

@@ -59,6 +59,12 @@ bool netcdf_close(netcdf_file *file);
 /** Keep the reason of a failed HDF5 call, unless there is an earlier one. @return false */
 bool netcdf_fail(netcdf_file *file);
 
+/** Open a file of anyone's to read it, without locks: shards do at one time, from folders that may not lock. Negative if it is
+ *  no HDF5 file. */
+hid_t netcdf_open(const char *path);
+/** A text attribute, of variable or fixed length, as a new string. NULL if there is none. */
+char *netcdf_get_text(hid_t object, const char *name);
+
 hid_t netcdf_create_group(netcdf_file *file, const char *name);
 
 /* Set an attribute of a group or variable; an older value is replaced. */

@@ -106,14 +106,8 @@ static bool make_file(const stack_layout *layout, evl_error *error)
 
 static bool has_hash(hid_t file, const char *hash)
 {
-    char *found = NULL;
-    const hid_t attribute = H5Aexists(file, "design") > 0 ? H5Aopen(file, "design", H5P_DEFAULT) : H5I_INVALID_HID;
-    const hid_t type = H5Aget_type(attribute);
-    const bool good = H5Aread(attribute, type, &found) >= 0 && found != NULL && strcmp(found, hash) == 0;
-    (void)H5free_memory(found);
-    (void)H5Tclose(type);
-    (void)H5Aclose(attribute);
-    return good;
+    OWNED char *found = netcdf_get_text(file, "design");
+    return found != NULL && strcmp(found, hash) == 0;
 }
 
 static bool find_rows(stack *stack, hid_t file, const stack_layout *layout)
@@ -142,7 +136,7 @@ bool stack_open(stack *stack, const stack_layout *layout, evl_error *error)
                             .offsets = xcalloc((size_t)layout->n_variables, sizeof(long long))};
     bool good = access(layout->path, F_OK) == 0 || make_file(layout, error);
     if (good) {
-        const hid_t file = H5Fopen(layout->path, H5F_ACC_RDONLY, H5P_DEFAULT);
+        const hid_t file = netcdf_open(layout->path);
         good = file >= 0 && find_rows(stack, file, layout);
         (void)(file >= 0 && H5Fclose(file));
         if (!good) {
