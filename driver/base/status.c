@@ -3,30 +3,11 @@
 #include <stdarg.h>
 #include <string.h>
 
-static const struct {
-    evl_exit code;
-    const char *text;
-} exits[] = {
-#define EVL_EXIT_ROW(name, number, text) {name, text},
-    EVL_EXIT_CODES(EVL_EXIT_ROW)
-#undef EVL_EXIT_ROW
-};
-
-const char *evl_exit_text(int code)
-{
-    for (size_t i = 0; i < sizeof exits / sizeof *exits; i++) {
-        if ((int)exits[i].code == code) {
-            return exits[i].text;
-        }
-    }
-    return "unknown";
-}
-
 void evl_exit_print_table(FILE *stream)
 {
-    for (size_t i = 0; i < sizeof exits / sizeof *exits; i++) {
-        fprintf(stream, "  %2d  %s\n", (int)exits[i].code, exits[i].text);
-    }
+#define EVL_EXIT_LINE(name, number, text) fprintf(stream, "  %2d  %s\n", number, text);
+    EVL_EXIT_CODES(EVL_EXIT_LINE)
+#undef EVL_EXIT_LINE
 }
 
 static void keep_one_line(char *text)

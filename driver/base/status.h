@@ -18,8 +18,6 @@
 typedef enum { EVL_EXIT_CODES(EVL_EXIT_ENUMERATOR) } evl_exit;
 #undef EVL_EXIT_ENUMERATOR
 
-/** What an exit code means; "unknown" if there is no such code. */
-const char *evl_exit_text(int code);
 /** One line "  code  meaning" for each exit code, as --help shows them. */
 void evl_exit_print_table(FILE *stream);
 

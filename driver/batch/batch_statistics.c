@@ -39,11 +39,10 @@ enum { N_OF_MESH = sizeof of_mesh / sizeof *of_mesh };
 enum { ENERGY_RESIDUAL, STEPS, CPU_TIME, N_OF_CASE };
 static const struct {
     const char *name, *units, *long_name;
-    bool is_count;
 } of_case[N_OF_CASE] = {
-    [ENERGY_RESIDUAL] = {"energy_residual", "1", "largest error of the energy balance over the energy put in", false},
-    [STEPS] = {"steps", "1", "steps of the integrator", true},
-    [CPU_TIME] = {"cpu_time", "s", "processor time of the integration", false},
+    [ENERGY_RESIDUAL] = {"energy_residual", "1", "largest error of the energy balance over the energy put in"},
+    [STEPS] = {"steps", "1", "steps of the integrator"},
+    [CPU_TIME] = {"cpu_time", "s", "processor time of the integration"},
 };
 
 /* ---- the table ---- */
@@ -73,10 +72,9 @@ static char *name_of_mesh(const statistics_table *table, const char *name, int m
     return full;
 }
 
-static void add(statistics_table *table, char *name, const char *units, char *long_name, bool is_count)
+static void add(statistics_table *table, char *name, const char *units, char *long_name)
 {
-    table->scalars[table->n++] =
-        (statistics_scalar){.name = name, .units = xstrdup(units), .long_name = long_name, .is_count = is_count};
+    table->scalars[table->n++] = (statistics_scalar){.name = name, .units = xstrdup(units), .long_name = long_name};
 }
 
 void statistics_table_init(statistics_table *table, int n_meshes, char *const *mesh_names)
@@ -87,19 +85,19 @@ void statistics_table_init(statistics_table *table, int n_meshes, char *const *m
     for (int mesh = 0; mesh < n_meshes; mesh++) {
         for (int i = 0; i < N_OF_MESH; i++) {
             if (n_meshes == 1) {
-                add(table, xstrdup(of_mesh[i].name), of_mesh[i].units, xstrdup(of_mesh[i].long_name), false);
+                add(table, xstrdup(of_mesh[i].name), of_mesh[i].units, xstrdup(of_mesh[i].long_name));
             } else {
                 add(table, name_of_mesh(table, of_mesh[i].name, mesh, mesh_names[mesh]), of_mesh[i].units,
-                    xasprintf("%s, mesh '%s'", of_mesh[i].long_name, mesh_names[mesh]), false);
+                    xasprintf("%s, mesh '%s'", of_mesh[i].long_name, mesh_names[mesh]));
             }
         }
     }
     for (int i = 0; i < N_OF_CASE; i++) {
-        add(table, xstrdup(of_case[i].name), of_case[i].units, xstrdup(of_case[i].long_name), of_case[i].is_count);
+        add(table, xstrdup(of_case[i].name), of_case[i].units, xstrdup(of_case[i].long_name));
     }
     for (int kind = 0; kind < n_kinds; kind++) {
         const char *name = model_tables()->event_kinds[kind];
-        add(table, xasprintf("events_%s", name), "1", xasprintf("number of events %s", name), true);
+        add(table, xasprintf("events_%s", name), "1", xasprintf("number of events %s", name));
     }
 }
 

@@ -1,7 +1,6 @@
 /** The numbers that a batch keeps of each case, accumulated while it is simulated: one table says which. */
 #pragma once
 
-#include "integrate/events.h"
 #include "integrate/integrate_types.h"
 #include "model/model.h"
 #include "simulate/extremes.h"
@@ -11,7 +10,6 @@
 /** One number of a case. */
 typedef struct {
     char *name, *units, *long_name;
-    bool is_count;
 } statistics_scalar;
 
 /** What all cases of a batch have in common. */

@@ -2,9 +2,7 @@
 
 #include "base/memory.h"
 #include "base/number.h"
-#include "case/case_entries.h"
 #include "case/case_file.h"
-#include "case/case_resolve.h"
 
 #include <math.h>
 #include <stdlib.h>

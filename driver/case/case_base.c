@@ -1,5 +1,5 @@
 /* A case parsed once: what a batch asks of it before its rows are tried. */
-#include "case/case_base.h"
+#include "case/case_file.h"
 
 #include "base/memory.h"
 #include "base/suggest.h"

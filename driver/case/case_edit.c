@@ -2,11 +2,8 @@
  * that was checked stays good if each new number is one that its key allows. */
 #include "base/memory.h"
 #include "base/number.h"
-#include "case/case_base.h"
 #include "case/case_check.h"
-#include "case/case_entries.h"
 #include "case/case_file.h"
-#include "case/case_resolve.h"
 
 #include <stdlib.h>
 #include <string.h>

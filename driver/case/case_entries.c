@@ -1,4 +1,4 @@
-#include "case/case_entries.h"
+#include "case/case_file.h"
 
 #include "base/memory.h"
 

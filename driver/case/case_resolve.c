@@ -1,4 +1,4 @@
-#include "case/case_resolve.h"
+#include "case/case_file.h"
 
 #include "base/memory.h"
 #include "base/suggest.h"

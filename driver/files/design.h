@@ -20,7 +20,7 @@ typedef struct {
 } design_column;
 
 typedef struct {
-    char *file, *hash, *title;
+    char *file, *hash;
     char *base_case;         /**< YAML */
     double window[2];        /**< [s] of the statistics, from and to; NaN: half of each case's duration, its end */
     char *history_variables; /**< names, separated by blanks; "" if no histories are wanted */

@@ -82,8 +82,6 @@ static bool read_head(const reader *reader, design *design)
         !need_text(reader, "history_variables", &design->history_variables)) {
         return false;
     }
-    design->title = netcdf_get_text(reader->file, "title");
-    design->title = design->title == NULL ? xstrdup("") : design->title;
     if (!read_numbers(reader->file, "n_cases", H5T_NATIVE_LLONG, 1, &n_cases) || n_cases < 0) {
         return refuse(reader, "n_cases", "this attribute of the design is missing, or no count");
     }
@@ -241,7 +239,6 @@ void design_delete(design **pointer)
     free(design->columns);
     free(design->file);
     free(design->hash);
-    free(design->title);
     free(design->base_case);
     free(design->history_variables);
     free(design);

@@ -1,7 +1,5 @@
 #include "integrate/integrate.h"
 
-#include "integrate/integrate_ida.h"
-#include "integrate/integrate_stepper.h"
 #include "integrate/integration.h"
 
 #include <float.h>

@@ -1,7 +1,6 @@
 /* IDA steps freely and interpolates; after an event it starts anew. */
-#include "integrate/integrate_ida.h"
+#include "integrate/integration.h"
 
-#include "integrate/ida_callbacks.h"
 #include "integrate/ida_session.h"
 
 #include <ida/ida.h>

@@ -1,5 +1,5 @@
 /* A stepper goes as it likes, the grid is interpolated. */
-#include "integrate/integrate_stepper.h"
+#include "integrate/integration.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,7 +2,14 @@
 #pragma once
 
 #include "integrate/dae.h"
-#include "integrate/events.h"
+
+/** A located event: what happened, and the state on both sides of it. */
+typedef struct {
+    double t;
+    dae_event what;
+    int n;                           /**< length of the states */
+    const dae_state *before, *after; /**< valid during the call only */
+} event_record;
 
 typedef struct {
     double t_end;           /**< [s] */

@@ -2,7 +2,7 @@
  *  flight; they are taken to be apart for good once this flight has lasted longer than each before it. */
 #pragma once
 
-#include "integrate/events.h"
+#include "integrate/integrate_types.h"
 #include "model/model.h"
 
 #include <stddef.h>

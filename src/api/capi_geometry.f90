@@ -1,13 +1,13 @@
-!> C interface of the geometry that follows from a description. The header documents each procedure.
+!> C interface of what follows from a description: geometry, directions of supports, damping. The header documents each procedure.
 module evl_capi_geometry
    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_f_pointer, c_int, c_ptr
-   use evl_capi_types, only: c_name_length, c_text_length, to_c
+   use evl_capi_types, only: c_law_choice, c_name_length, c_text_length, to_c
    use evl_derived_geometry, only: derived_t, pitch_errors_of, quantities_of
    use evl_gearbox, only: gearbox_t
    implicit none (type, external)
    private
 
-   public :: evl_gearbox_geometry, evl_gearbox_pitch_errors
+   public :: evl_gearbox_damping, evl_gearbox_geometry, evl_gearbox_pitch_errors, evl_gearbox_support_directions
 
    !> evl_quantity
    type, bind(c) :: c_quantity
@@ -52,5 +52,28 @@ contains
       n = size(found)
       errors(:min(n, most)) = found(:min(n, most))
    end function evl_gearbox_pitch_errors
+
+   integer(c_int) function evl_gearbox_support_directions(handle, wheel, directions) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: wheel
+      real(c_double), intent(out) :: directions(4)
+      type(gearbox_t), pointer :: g
+
+      call c_f_pointer(handle, g)
+      associate (support => g%wheels(wheel + 1)%support)
+         directions = [support%direction(:, 1), support%direction(:, 2)]
+         evl_gearbox_support_directions = support%n
+      end associate
+   end function evl_gearbox_support_directions
+
+   subroutine evl_gearbox_damping(handle, mesh, choice) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: mesh
+      type(c_law_choice), intent(out) :: choice
+      type(gearbox_t), pointer :: g
+
+      call c_f_pointer(handle, g)
+      choice = c_law_choice(g%references(mesh + 1)%law%law, g%references(mesh + 1)%law%parameters)
+   end subroutine evl_gearbox_damping
 
 end module evl_capi_geometry
