@@ -10,6 +10,9 @@ typedef struct progress {
     unsigned long stride, countdown; /**< steps between looks at the clock; steps to the next one */
 } progress;
 
+/** Seconds of a clock that never goes back. */
+double clock_seconds(void);
+
 /** Begin a run from t_start to t_end. Nothing is ever shown if `enabled` is false or stderr is no terminal. */
 void progress_start(progress *progress, bool enabled, double t_start, double t_end);
 /** For progress_step only: look at the clock, and draw the line if it is time to. */

@@ -35,6 +35,12 @@ int words_split(const char *words, char ***list)
     return n;
 }
 
+int words_width(int width, const char *text)
+{
+    const int length = (int)strlen(text);
+    return length > width ? length : width;
+}
+
 char *words_join(int n, const char *const *words, const char *separator)
 {
     char *joined = xstrdup("");

@@ -7,5 +7,7 @@
 bool words_contain(const char *words, const char *word);
 /** The words as strings, in one piece of memory that is the array. @return their number */
 int words_split(const char *words, char ***list);
+/** The length of a text, if it is more than the width: of a column. */
+int words_width(int width, const char *text);
 /** The words with the separator between them, as a new string. */
 char *words_join(int n, const char *const *words, const char *separator);

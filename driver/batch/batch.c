@@ -4,6 +4,7 @@
 #include "base/lock.h"
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/progress.h"
 #include "batch/batch_check.h"
 #include "batch/batch_pool.h"
 #include "batch/batch_todo.h"
@@ -190,9 +191,9 @@ static evl_exit run_locked(shard_run *run, evl_error *error)
     if (open_journal(run, error) &&
         batch_todo(&run->plan, run->options->cases, state->status, &state->todo, &state->n_todo, error) &&
         (state->n_todo == 0 || open_histories(run, error))) {
-        const double start = batch_clock();
+        const double start = clock_seconds();
         batch_pool_run(&run->plan, run->share.jobs, !run->options->quiet, state, error);
-        code = error->code == EVL_EXIT_OK ? summarise(run, batch_clock() - start) : error->code;
+        code = error->code == EVL_EXIT_OK ? summarise(run, clock_seconds() - start) : error->code;
     } else {
         code = error->code;
     }

@@ -176,7 +176,7 @@ static void conclude(const batch_sink *sink, const prepared_case *prepared, long
     const batch_plan *plan = sink->plan;
     const bool is_done = result->end == SIMULATE_DONE;
     OWNED double *results = xcalloc((size_t)plan->table.n, sizeof *results);
-    statistics_finish(sink->statistics, &result->counts, is_done, results);
+    statistics_finish(sink->statistics, result, results);
     OWNED char *remark = result->held ? xstrdup(result->remark)
                                       : xasprintf("%s%sits own invariants are %s", result->remark,
                                                   result->remark[0] != '\0' ? "; " : "", result->invariants);

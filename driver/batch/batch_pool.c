@@ -3,6 +3,7 @@
 #include "base/interrupt.h"
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/progress.h"
 #include "batch/batch_worker.h"
 
 #include <errno.h>
@@ -34,13 +35,6 @@ typedef struct {
     double started, synced, shown;
     bool show_progress, is_terminal;
 } pool;
-
-double batch_clock(void)
-{
-    struct timespec now;
-    (void)clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 /* ---- what is to be seen and to be safe ---- */
 
@@ -86,7 +80,7 @@ static bool sync_all(pool *pool)
 
 static bool look_at_clock(pool *pool)
 {
-    const double now = batch_clock();
+    const double now = clock_seconds();
     if (pool->show_progress && now - pool->shown >= (pool->is_terminal ? terminal_interval : elsewhere_interval)) {
         show_progress(pool, now);
         pool->shown = now;
@@ -273,7 +267,7 @@ static void keep_unrecorded(pool *pool)
 
 void batch_pool_run(const batch_plan *plan, int jobs, bool show_progress, batch_state *state, evl_error *error)
 {
-    const double now = batch_clock();
+    const double now = clock_seconds();
     pool pool = {.work = {.plan = plan},
                  .state = state,
                  .error = error,

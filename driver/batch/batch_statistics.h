@@ -3,7 +3,7 @@
 
 #include "integrate/integrate_types.h"
 #include "model/model.h"
-#include "simulate/extremes.h"
+#include "simulate/simulate.h"
 
 #include <stdbool.h>
 
@@ -36,6 +36,6 @@ extremes *statistics_extremes(const statistics *statistics);
 void statistics_outputs(statistics *statistics, double t, const double *values);
 void statistics_event(statistics *statistics, const event_record *record);
 /** The numbers of the table; NaN where there was nothing to accumulate.
- *  @param is_complete  the case came to its end; otherwise the numbers of the meshes, whose window is not full, are NaN
+ *  @param result   of the simulation; if it did not come to its end, the numbers of the meshes, whose window is not full, are NaN
  *  @param results      [table.n] */
-void statistics_finish(const statistics *statistics, const integrate_counts *counts, bool is_complete, double *results);
+void statistics_finish(const statistics *statistics, const simulate_result *result, double *results);

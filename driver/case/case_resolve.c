@@ -200,19 +200,21 @@ static bool take_gaps(const checker *checker, case_node *gaps, const description
 static bool take_initial(const checker *checker, case_node *block, description *description)
 {
     static const char *const kinds[] = {
-        [INITIAL_REST] = "rest", [INITIAL_STEADY] = "steady", [INITIAL_SPEEDS] = "speeds"};
-    initial_description *initial = &description->simulation.initial;
+        [EVL_INITIAL_REST] = "rest", [EVL_INITIAL_STEADY] = "steady", [EVL_INITIAL_SPEEDS] = "speeds"};
+    evl_initial *initial = &description->simulation.initial;
     const struct checker of_speeds = checker_at(checker, "speeds"), of_gaps = checker_at(checker, "gaps");
-    initial->kind = (initial_kind)node_get_choice(block, "kind", 3, kinds);
-    if (initial->kind == INITIAL_SPEEDS) {
-        initial->speeds = xcalloc((size_t)description->n_wheels, sizeof *initial->speeds);
-        if (!take_speeds(&of_speeds, node_get(block, "speeds"), description, initial->speeds)) {
+    initial->kind = node_get_choice(block, "kind", 3, kinds);
+    if (initial->kind == EVL_INITIAL_SPEEDS) {
+        double *values = xcalloc((size_t)description->n_wheels, sizeof *values);
+        initial->speeds = values;
+        if (!take_speeds(&of_speeds, node_get(block, "speeds"), description, values)) {
             return false;
         }
     }
-    if (initial->kind != INITIAL_STEADY) {
-        initial->gaps = xcalloc((size_t)description->n_meshes, sizeof *initial->gaps);
-        if (!take_gaps(&of_gaps, node_get(block, "gaps"), description, initial->gaps)) {
+    if (initial->kind != EVL_INITIAL_STEADY) {
+        double *values = xcalloc((size_t)description->n_meshes, sizeof *values);
+        initial->gaps = values;
+        if (!take_gaps(&of_gaps, node_get(block, "gaps"), description, values)) {
             return false;
         }
     }

@@ -8,8 +8,8 @@ void description_clear(description *description)
     free(description->wheels);
     free(description->meshes);
     free(description->shafts);
-    free(description->simulation.initial.speeds);
-    free(description->simulation.initial.gaps);
+    free((void *)description->simulation.initial.speeds);
+    free((void *)description->simulation.initial.gaps);
     free(description->entries);
     free(description->numbers);
     memset(description, 0, sizeof *description);

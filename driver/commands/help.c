@@ -1,8 +1,7 @@
 #include "commands/help.h"
 
 #include "base/memory.h"
-
-#include <string.h>
+#include "base/words.h"
 
 #define COMMAND(name) extern const command name##_command;
 #include "commands/commands.inc"
@@ -30,8 +29,7 @@ static void print_commands(FILE *stream)
 {
     int width = 0;
     for (int i = 0; i < n_commands; i++) {
-        const int length = (int)strlen(commands[i]->name);
-        width = length > width ? length : width;
+        width = words_width(width, commands[i]->name);
     }
     fputs("Commands:\n", stream);
     for (int i = 0; i < n_commands; i++) {

@@ -115,17 +115,8 @@ static bool linearise_mean(const prepared_case *prepared, dae_state *state, doub
            refuse_steady_state(prepared, &refusal, error);
 }
 
-/** Whether the case could run: what cannot has no modes either. */
-static bool check_start(const prepared_case *prepared, evl_error *error)
-{
-    dae_state start;
-    const bool good = prepare_start(prepared, &start, error);
-    dae_state_free(&start);
-    return good;
-}
-
-static evl_exit modes_of(const prepared_case *prepared, const modes_options *options, double time, double position,
-                         evl_error *error)
+static void modes_of(const prepared_case *prepared, const modes_options *options, double time, double position,
+                     evl_error *error)
 {
     dae_state state = {.t = 0.0};
     OWNED double *values = xcalloc((size_t)model_n_values(prepared->model), sizeof *values);
@@ -137,7 +128,8 @@ static evl_exit modes_of(const prepared_case *prepared, const modes_options *opt
                                    : options->at != NULL ? MODES_AT
                                                          : MODES_STEADY,
                            .mesh_position = position};
-    bool good = options->at != NULL || check_start(prepared, error);
+    /* what cannot run has no modes either */
+    bool good = options->at != NULL || prepare_check_start(prepared, error);
     if (good && options->mean) {
         good = linearise_mean(prepared, &state, values, &report.modes, error);
     } else if (good) {
@@ -155,25 +147,23 @@ static evl_exit modes_of(const prepared_case *prepared, const modes_options *opt
     }
     natural_modes_free(&report.modes);
     dae_state_free(&state);
-    return error->code;
 }
 
 static evl_exit modes(const char *file, const void *given, evl_error *error)
 {
     static const double most_pitches = 1e6;
     const modes_options *options = given;
-    prepared_case prepared;
+    prepared_case prepared = {0};
     double time = 0.0, position = 0.0;
     interrupt_install();
-    if (!read_number("at", options->at, HUGE_VAL, "the time must be a number of seconds, at least 0", &time, error) ||
-        !read_number("mesh-position", options->mesh_position, most_pitches,
-                     "the position must be a number of pitches, from 0 to 1e6", &position, error) ||
-        !prepare_case(&prepared, file, options->set.n, options->set.values, error)) {
-        return error->code;
+    if (read_number("at", options->at, HUGE_VAL, "the time must be a number of seconds, at least 0", &time, error) &&
+        read_number("mesh-position", options->mesh_position, most_pitches,
+                    "the position must be a number of pitches, from 0 to 1e6", &position, error) &&
+        prepare_case(&prepared, file, options->set.n, options->set.values, error)) {
+        modes_of(&prepared, options, time, position, error);
     }
-    const evl_exit code = modes_of(&prepared, options, time, position, error);
     prepared_case_free(&prepared);
-    return code;
+    return error->code;
 }
 
 static const char *check(const void *given)

@@ -272,14 +272,11 @@ static evl_exit run_case(const char *file, const void *given, evl_error *error)
     run run = {0};
     log_set_quiet(options->quiet);
     interrupt_install();
-    if (!prepare_case(&run.prepared, file, options->set.n, options->set.values, error)) {
-        return error->code;
-    }
     OWNED char *path = options->output != NULL ? xstrdup(options->output) : default_output(file);
-    if (is_same_file(path, file)) {
-        evl_error_set(error, EVL_EXIT_USAGE, "", "the history would replace the case '%s'; name another file with -o",
-                      path);
-    } else {
+    if (prepare_case(&run.prepared, file, options->set.n, options->set.values, error) &&
+        (!is_same_file(path, file) ||
+         evl_error_set(error, EVL_EXIT_USAGE, "", "the history would replace the case '%s'; name another file with -o",
+                       path))) {
         run_prepared(&run, options, path, error);
     }
     prepared_case_free(&run.prepared);

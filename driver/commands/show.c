@@ -200,7 +200,8 @@ static evl_exit show(const char *file, const void *given, evl_error *error)
         show_keys(stdout);
     } else {
         prepared_case prepared;
-        (void)prepare_to_show(&prepared, file, options->set.n, options->set.values, error);
+        (void)(prepare_case(&prepared, file, options->set.n, options->set.values, error) &&
+               prepare_check_start(&prepared, error));
         if (prepared.file != NULL) {
             show_prepared(&prepared, options, error);
         }

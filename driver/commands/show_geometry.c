@@ -1,6 +1,7 @@
 #include "commands/show_geometry.h"
 
 #include "base/memory.h"
+#include "base/words.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -40,12 +41,6 @@ static bool is_angle(const evl_quantity *quantity)
     return strcmp(quantity->units, "rad") == 0;
 }
 
-static int longer(int width, const char *text)
-{
-    const int length = (int)strlen(text);
-    return length > width ? length : width;
-}
-
 /* ---- for reading ---- */
 
 /** Each in a line. */
@@ -53,8 +48,8 @@ static void print_rows(FILE *stream, const char *title, const column *column)
 {
     int name_width = 0, symbol_width = 0;
     for (int i = 0; i < column->n; i++) {
-        name_width = longer(name_width, column->rows[i].long_name);
-        symbol_width = longer(symbol_width, column->rows[i].symbol);
+        name_width = words_width(name_width, column->rows[i].long_name);
+        symbol_width = words_width(symbol_width, column->rows[i].symbol);
     }
     fprintf(stream, "\n%s %s\n", title, column->name);
     for (int i = 0; i < column->n; i++) {
@@ -97,7 +92,7 @@ static void print_columns(FILE *stream, int n, const column *columns)
 {
     int name_width = 0;
     for (int i = 0; i < columns[0].n; i++) {
-        name_width = longer(name_width, columns[0].rows[i].long_name);
+        name_width = words_width(name_width, columns[0].rows[i].long_name);
     }
     fprintf(stream, "  %-*s  %-9s  %-3s", name_width, "", "", "");
     for (int k = 0; k < n; k++) {

@@ -1,6 +1,7 @@
 #include "files/history.h"
 
 #include "base/memory.h"
+#include "base/progress.h"
 #include "files/history_head_hdf5.h"
 
 #include <stdio.h>
@@ -9,12 +10,6 @@
 #include <time.h>
 
 enum { FLUSH_SECONDS = 5 };
-
-static time_t monotonic_seconds(void)
-{
-    struct timespec now;
-    return clock_gettime(CLOCK_MONOTONIC, &now) == 0 ? now.tv_sec : 0;
-}
 
 /** Say why writing failed; the first reason counts. @return false */
 static bool fail(history *history)
@@ -57,7 +52,7 @@ history *history_create(const history_layout *layout, char message[DAE_MESSAGE_L
     }
     history->row = xcalloc(1 + (size_t)history->n_values, sizeof *history->row);
     history->event_row = xcalloc(EVENT_STATES + 2 * (size_t)layout->n_states, sizeof *history->event_row);
-    history->last_flush = monotonic_seconds();
+    history->last_flush = clock_seconds();
     if (!history_write_head(history, layout)) {
         (void)fail(history);
         (void)snprintf(message, DAE_MESSAGE_LENGTH, "%s", history->message);
@@ -79,7 +74,7 @@ static bool write_all(history *history, bool is_last)
 /** From time to time, so that most of a killed run can be read. */
 static bool flush_if_due(history *history)
 {
-    const time_t now = monotonic_seconds();
+    const double now = clock_seconds();
     if (now - history->last_flush < FLUSH_SECONDS) {
         return true;
     }

@@ -7,8 +7,6 @@
 #include "files/output_file.h"
 #include "files/series_hdf5.h"
 
-#include <time.h>
-
 /** Columns of the series of events; then come both sides of each state. */
 enum { EVENT_NUMBER, EVENT_TIME, EVENT_KIND, EVENT_MESH, EVENT_FLANK, EVENT_TOOTH_PAIR, EVENT_STATES };
 
@@ -24,7 +22,7 @@ struct history {
     double *row;       /**< [1 + n_values] time and outputs */
     double *event_row; /**< [EVENT_STATES + 2 n_states] */
     long long n_rows, n_events;
-    time_t last_flush;
+    double last_flush; /**< clock [s] */
     char message[DAE_MESSAGE_LENGTH];
 };
 

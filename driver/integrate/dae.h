@@ -20,6 +20,9 @@ typedef struct {
     double *reals;  /**< [n_reals] */
 } dae_state;
 
+/** Free the arrays, and make them NULL. */
+void dae_state_free(dae_state *state);
+
 /** One thing that happened at an event; `subject`, `side` and `count` mean something to the model only. */
 typedef struct {
     int kind;    /**< index in the model's table of event kinds */

@@ -22,12 +22,13 @@ static bool allocate_state(const dae *m, dae_state *state)
     return state->y && state->yp && state->integers && state->reals;
 }
 
-static void free_state(dae_state *state)
+void dae_state_free(dae_state *state)
 {
     free(state->y);
     free(state->yp);
     free(state->integers);
     free(state->reals);
+    *state = (dae_state){0};
 }
 
 static void copy_state(const dae *m, dae_state *to, const dae_state *from)
@@ -50,8 +51,8 @@ bool integration_begin(integration *run)
 
 void integration_end(integration *run)
 {
-    free_state(&run->trial);
-    free_state(&run->old);
+    dae_state_free(&run->trial);
+    dae_state_free(&run->old);
     free(run->fired);
     free(run->events);
 }

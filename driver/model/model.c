@@ -16,15 +16,9 @@ static void explain(const model *model, const evl_status *status, model_message 
 
 model *model_create(const description *description, model_message *error)
 {
-    static const int kinds[] = {
-        [INITIAL_REST] = EVL_INITIAL_REST,
-        [INITIAL_STEADY] = EVL_INITIAL_STEADY,
-        [INITIAL_SPEEDS] = EVL_INITIAL_SPEEDS,
-    };
     evl_status status = {.index = -1};
     model *model = xcalloc(1, sizeof *model);
-    const initial_description *initial = &description->simulation.initial;
-    model->initial = (evl_initial){.kind = kinds[initial->kind], .speeds = initial->speeds, .gaps = initial->gaps};
+    model->initial = description->simulation.initial;
     model->description = evl_description_create(description->n_entries, description->entries, &status);
     model->gearbox = model->description == NULL ? NULL : evl_gearbox_create(model->description, &status);
     if (model->gearbox == NULL) {
@@ -135,15 +129,6 @@ bool model_steady_state(const model *model, double mesh_position, dae_state *sta
 {
     const evl_initial steady = {.kind = EVL_INITIAL_STEADY, .mesh_position = mesh_position};
     return start(model, &steady, state, error);
-}
-
-void dae_state_free(dae_state *state)
-{
-    free(state->y);
-    free(state->yp);
-    free(state->integers);
-    free(state->reals);
-    *state = (dae_state){0};
 }
 
 int model_n_warnings(const model *model)

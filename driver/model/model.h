@@ -41,7 +41,6 @@ bool model_initial_state(const model *model, dae_state *state, model_message *er
 /** The same for the steady state under the loads at t = 0, whatever initial state the description gives.
  *  @param mesh_position  pitches of the first mesh from the start of contact, where the case starts with 0 */
 bool model_steady_state(const model *model, double mesh_position, dae_state *state, model_message *error);
-void dae_state_free(dae_state *state);
 
 int model_n_warnings(const model *model);
 void model_warning(const model *model, int index, model_message *warning);

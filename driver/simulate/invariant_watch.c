@@ -205,6 +205,12 @@ static void find_deviations(const invariant_watch *watch, double worst[N_INVARIA
     }
 }
 
+double invariant_watch_energy(const invariant_watch *watch)
+{
+    const double scale = fmax(watch->gross + watch->stored, watch->largest);
+    return scale > 0 ? watch->drift / scale : NAN;
+}
+
 bool invariant_watch_tell(const invariant_watch *watch, char *text, size_t size)
 {
     double worst[N_INVARIANTS];

@@ -71,26 +71,21 @@ static bool make_model(prepared_case *prepared, evl_error *error)
 bool prepare_case(prepared_case *prepared, const char *path, int n_set, const char *const *set, evl_error *error)
 {
     *prepared = (prepared_case){.file = case_read(path, n_set, set, model_schema(), error)};
-    const bool good = prepared->file != NULL && make_model(prepared, error);
-    if (!good) {
-        prepared_case_free(prepared);
-    }
-    return good;
-}
-
-bool prepare_to_show(prepared_case *prepared, const char *path, int n_set, const char *const *set, evl_error *error)
-{
-    dae_state state = {0};
-    *prepared = (prepared_case){.file = case_read(path, n_set, set, model_schema(), error)};
-    const bool good = prepared->file != NULL && make_model(prepared, error) && prepare_start(prepared, &state, error);
-    dae_state_free(&state);
-    return good;
+    return prepared->file != NULL && make_model(prepared, error);
 }
 
 bool prepare_start(const prepared_case *prepared, dae_state *state, evl_error *error)
 {
     model_message refusal;
     return model_initial_state(prepared->model, state, &refusal) || prepare_refuse(prepared, &refusal, error);
+}
+
+bool prepare_check_start(const prepared_case *prepared, evl_error *error)
+{
+    dae_state state;
+    const bool good = prepare_start(prepared, &state, error);
+    dae_state_free(&state);
+    return good;
 }
 
 bool prepare_edited(prepared_case *prepared, const case_base *base, int n_set, const char *const *set, evl_error *error)

@@ -160,6 +160,7 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_stat
     }
     result->t = state->t;
     result->held = invariant_watch_tell(s.invariants, result->invariants, sizeof result->invariants);
+    result->energy_residual = invariant_watch_energy(s.invariants);
     invariant_watch_delete(&s.invariants);
     contact_watch_free(&s.contact);
 }

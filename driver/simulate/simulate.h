@@ -28,6 +28,8 @@ typedef struct {
     char message[DAE_MESSAGE_LENGTH]; /**< of SIMULATE_FAILED */
     /** What deserves a word at the end: contact lost for good, a vibration that feeds itself; "" if nothing does. */
     char remark[DAE_MESSAGE_LENGTH];
+    /** Energy that appeared or got lost, over what was put in or is there; NaN if that is nothing. */
+    double energy_residual;
     bool held;                           /**< whether it kept its invariants at all its outputs */
     char invariants[DAE_MESSAGE_LENGTH]; /**< "held", or "broken: " and which ones by how much */
 } simulate_result;

@@ -66,6 +66,22 @@ typedef struct {
     const double *numbers; /**< in the unit of the row */
 } evl_entry;
 
+/* How a case starts. */
+typedef enum {
+    EVL_INITIAL_REST = 0,   /**< every wheel and support at rest */
+    EVL_INITIAL_STEADY = 1, /**< nothing accelerates; speeds are kinematic, or follow deviating flanks */
+    EVL_INITIAL_SPEEDS = 2  /**< given speeds */
+} evl_initial_kind;
+
+typedef struct {
+    int kind;             /**< evl_initial_kind */
+    const double *speeds; /**< [n_wheels] [rad/s] for EVL_INITIAL_SPEEDS, else NULL */
+    /** [n_meshes] initial gap between the flanks [m], negative: penetration; NULL: all touch. Not for steady */
+    const double *gaps;
+    /** of EVL_INITIAL_STEADY, else 0: how many pitches from the start of contact a tooth pair of the first mesh is */
+    double mesh_position;
+} evl_initial;
+
 /** What a quantity that follows from a case is of. */
 typedef enum {
     EVL_OF_WHEEL = 0,

@@ -100,21 +100,6 @@ EVL_API void evl_description_numbers(const evl_description *description, int ind
 /** Give it others [n]; gearboxes that were made before stay as they are. @return EVL_OK, or EVL_INVALID_INPUT: it keeps its own */
 EVL_API int evl_description_set(evl_description *description, int index, const double *numbers, evl_status *status);
 
-typedef enum {
-    EVL_INITIAL_REST = 0,   /**< every wheel and support at rest */
-    EVL_INITIAL_STEADY = 1, /**< nothing accelerates; speeds are kinematic, or follow deviating flanks */
-    EVL_INITIAL_SPEEDS = 2  /**< given speeds */
-} evl_initial_kind;
-
-typedef struct {
-    int kind;             /**< evl_initial_kind */
-    const double *speeds; /**< [n_wheels] [rad/s] for EVL_INITIAL_SPEEDS, else NULL */
-    const double *
-        gaps; /**< [n_meshes] initial gap between the flanks [m], negative: penetration; NULL: all touch. Not for steady */
-    double
-        mesh_position; /**< of EVL_INITIAL_STEADY, else 0: how many pitches from the start of contact a tooth pair of the first mesh is */
-} evl_initial;
-
 /* ---- law tables ------------------------------------------------------------------------------------------------------------ */
 
 typedef enum { EVL_LAWS_CONTACT = 0, EVL_LAWS_DAMPING = 1, EVL_LAWS_FRICTION = 2 } evl_law_family;
