@@ -1,8 +1,6 @@
 /** Numbers as the case file writes them: YAML 1.2 core schema, decimal. A leaf. */
 #pragma once
 
-#include <stdbool.h>
-
 typedef enum {
     NUMBER_FINITE,
     NUMBER_NOT_FINITE, /**< .nan, .inf, or too large for a double */

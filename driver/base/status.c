@@ -1,7 +1,6 @@
 #include "base/status.h"
 
 #include <stdarg.h>
-#include <string.h>
 
 void evl_exit_print_table(FILE *stream)
 {

@@ -1,6 +1,5 @@
 #include "batch/batch.h"
 
-#include "base/interrupt.h"
 #include "base/lock.h"
 #include "base/log.h"
 #include "base/memory.h"

@@ -71,12 +71,8 @@ static bool has_history_shape(const batch_plan *plan, const model *model, const 
     const batch_histories *histories = &plan->histories;
     bool good = options->t_end == histories->duration && options->output_interval == histories->output_interval;
     for (int i = 0; i < histories->n_variables && good; i++) {
-        const model_output *wanted = &histories->variables[i];
-        good = false;
-        for (int k = 0; k < model_n_outputs(model) && !good; k++) {
-            const model_output *output = &model_outputs_table(model)[k];
-            good = strcmp(output->name, wanted->name) == 0 && output->count == wanted->count;
-        }
+        const model_output *wanted = &histories->variables[i], *output = model_output_named(model, wanted->name);
+        good = output != NULL && output->count == wanted->count;
     }
     return good;
 }

@@ -8,7 +8,6 @@
 #include "simulate/simulate.h"
 
 #include <evolvent_version.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -78,17 +77,12 @@ static bool choose_variables(batch_plan *plan, const model *model, evl_error *er
     char *rest = NULL;
     histories->variables = xcalloc((size_t)model_n_outputs(model), sizeof *histories->variables);
     for (char *name = strtok_r(names, " ", &rest); name != NULL; name = strtok_r(NULL, " ", &rest)) {
-        const model_output *found = NULL;
+        const model_output *found = model_output_named(model, name);
         bool is_new = true;
-        for (int i = 0; i < model_n_outputs(model) && found == NULL; i++) {
-            const model_output *output = &model_outputs_table(model)[i];
-            const bool is_it = strcmp(output->name, name) == 0 && !output->is_static && output->count > 0;
-            found = is_it ? output : NULL;
-        }
         for (int i = 0; i < histories->n_variables; i++) {
             is_new = is_new && strcmp(histories->variables[i].name, name) != 0;
         }
-        if (found == NULL) {
+        if (found == NULL || found->is_static || found->count == 0) {
             return refuse_variable(plan, model, name, error);
         }
         if (is_new) {

@@ -5,8 +5,6 @@
 #include "model/model.h"
 #include "simulate/simulate.h"
 
-#include <stdbool.h>
-
 /** One number of a case. */
 typedef struct {
     char *name, *units, *long_name;

@@ -4,7 +4,6 @@
 #include "base/number.h"
 #include "case/case_file.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

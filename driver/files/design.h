@@ -4,19 +4,20 @@
 
 #include "base/status.h"
 
-#include <stdbool.h>
-
 typedef enum { DESIGN_REAL, DESIGN_INTEGER, DESIGN_TEXT } design_type;
+
+/** All of one size, as a file has them side by side. */
+typedef union {
+    double real;
+    long long integer;
+    char *text;
+} design_value;
 
 /** One parameter: a column of the table. */
 typedef struct {
     char *path; /**< as in --set */
     design_type type;
-    union {
-        double *reals;
-        long long *integers;
-        char **texts;
-    } values; /**< [n_cases] */
+    design_value *values; /**< [n_cases] */
 } design_column;
 
 typedef struct {

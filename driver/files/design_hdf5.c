@@ -111,28 +111,15 @@ static bool read_head(const reader *reader, design *design)
 
 static bool read_values(const reader *reader, hid_t dataset, const char *name, long n, design_column *column)
 {
+    _Static_assert(sizeof(design_value) == sizeof(double), "values stand side by side");
     const hid_t type = H5Dget_type(dataset);
-    bool good = false;
-    switch (H5Tget_class(type)) {
-    case H5T_FLOAT:
-        column->type = DESIGN_REAL;
-        column->values.reals = xcalloc((size_t)n, sizeof *column->values.reals);
-        good = H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, column->values.reals) >= 0;
-        break;
-    case H5T_INTEGER:
-        column->type = DESIGN_INTEGER;
-        column->values.integers = xcalloc((size_t)n, sizeof *column->values.integers);
-        good = H5Dread(dataset, H5T_NATIVE_LLONG, H5S_ALL, H5S_ALL, H5P_DEFAULT, column->values.integers) >= 0;
-        break;
-    case H5T_STRING:
-        column->type = DESIGN_TEXT;
-        column->values.texts = xcalloc((size_t)n, sizeof *column->values.texts);
-        good = H5Tis_variable_str(type) > 0 &&
-               H5Dread(dataset, reader->text, H5S_ALL, H5S_ALL, H5P_DEFAULT, column->values.texts) >= 0;
-        break;
-    default:
-        break;
-    }
+    const H5T_class_t class = H5Tget_class(type);
+    const bool is_real = class == H5T_FLOAT, is_integer = class == H5T_INTEGER;
+    const hid_t in_memory = is_real ? H5T_NATIVE_DOUBLE : is_integer ? H5T_NATIVE_LLONG : reader->text;
+    column->type = is_real ? DESIGN_REAL : is_integer ? DESIGN_INTEGER : DESIGN_TEXT;
+    column->values = xcalloc((size_t)n, sizeof *column->values);
+    const bool good = (is_real || is_integer || (class == H5T_STRING && H5Tis_variable_str(type) > 0)) &&
+                      H5Dread(dataset, in_memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, column->values) >= 0;
     (void)H5Tclose(type);
     return good || refuse(reader, name, "cannot be read; a column holds floats, integers, or texts of variable length");
 }
@@ -217,13 +204,11 @@ design *design_read(const char *path, evl_error *error)
 
 static void free_column(design_column *column, long n_cases)
 {
-    if (column->type == DESIGN_TEXT && column->values.texts != NULL) {
-        for (long i = 0; i < n_cases; i++) {
-            (void)H5free_memory(column->values.texts[i]);
-        }
+    for (long i = 0; i < n_cases && column->type == DESIGN_TEXT && column->values != NULL; i++) {
+        (void)H5free_memory(column->values[i].text);
     }
     free(column->path);
-    free(column->values.reals); /* whichever of the three it is */
+    free(column->values);
 }
 
 void design_delete(design **pointer)
@@ -244,26 +229,20 @@ void design_delete(design **pointer)
     free(design);
 }
 
-/** "PATH=VALUE" as a new string. */
-static char *make_option(const char *path, const char *value)
-{
-    return xasprintf("%s=%s", path, value);
-}
-
 char *design_option(const design *design, int column, long index)
 {
     const design_column *from = &design->columns[column];
-    if (from->type == DESIGN_TEXT) {
-        const char *text = from->values.texts[index];
-        return make_option(from->path, text == NULL ? "" : text);
-    }
+    const design_value *value = &from->values[index];
     char text[NUMBER_TEXT_LENGTH] = ".nan";
-    if (from->type == DESIGN_INTEGER) {
-        (void)snprintf(text, sizeof text, "%lld", from->values.integers[index]);
-    } else if (isinf(from->values.reals[index])) {
-        (void)snprintf(text, sizeof text, from->values.reals[index] > 0 ? ".inf" : "-.inf");
-    } else if (!isnan(from->values.reals[index])) {
-        number_write(text, from->values.reals[index]);
+    if (from->type == DESIGN_TEXT) {
+        return xasprintf("%s=%s", from->path, value->text == NULL ? "" : value->text);
     }
-    return make_option(from->path, text);
+    if (from->type == DESIGN_INTEGER) {
+        (void)snprintf(text, sizeof text, "%lld", value->integer);
+    } else if (isinf(value->real)) {
+        (void)snprintf(text, sizeof text, value->real > 0 ? ".inf" : "-.inf");
+    } else if (!isnan(value->real)) {
+        number_write(text, value->real);
+    }
+    return xasprintf("%s=%s", from->path, text);
 }

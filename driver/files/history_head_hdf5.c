@@ -1,7 +1,6 @@
 /* docs/result_format.md describes what this file and history_hdf5.c write. */
 #include "files/history_head_hdf5.h"
 
-#include "base/memory.h"
 #include "base/words.h"
 
 #include <ctype.h>

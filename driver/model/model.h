@@ -47,6 +47,8 @@ void model_warning(const model *model, int index, model_message *warning);
 
 int model_n_outputs(const model *model);
 const model_output *model_outputs_table(const model *model);
+/** An output by its name; NULL if there is none. */
+const model_output *model_output_named(const model *model, const char *name);
 /** Place of an output, by its name, in the array that model_outputs fills; -1 if there is none. */
 int model_output_offset(const model *model, const char *name);
 int model_n_values(const model *model);

@@ -198,11 +198,17 @@ const model_output *model_outputs_table(const model *model)
     return model->outputs;
 }
 
-int model_output_offset(const model *model, const char *name)
+const model_output *model_output_named(const model *model, const char *name)
 {
     const int *found =
         bsearch(name, outputs_by_name, (size_t)model->sizes.n_outputs, sizeof *outputs_by_name, compare_with_name);
-    return found == NULL ? -1 : model->outputs[*found].offset;
+    return found == NULL ? NULL : &model->outputs[*found];
+}
+
+int model_output_offset(const model *model, const char *name)
+{
+    const model_output *found = model_output_named(model, name);
+    return found == NULL ? -1 : found->offset;
 }
 
 int model_n_values(const model *model)
