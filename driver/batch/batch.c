@@ -167,7 +167,8 @@ static bool open_journal(shard_run *run, evl_error *error)
                          run->n_recorded);
 }
 
-static evl_exit summarise(const shard_run *run, double seconds)
+/** @return whether cases did not finish */
+static bool summarise(const shard_run *run, double seconds)
 {
     const long n = batch_shard_size(&run->plan);
     long counts[JOURNAL_REFUSED + 1] = {0};
@@ -179,63 +180,53 @@ static evl_exit summarise(const shard_run *run, double seconds)
              "%.3g s: %s.jsonl",
              run->share.shard, run->share.n_shards, n, counts[JOURNAL_DONE], bad, counts[JOURNAL_FAILED],
              counts[JOURNAL_REFUSED], run->state.n_finished, seconds, run->stem);
-    return bad > 0 ? EVL_EXIT_PARTIAL : EVL_EXIT_OK;
+    return bad > 0;
 }
 
-/** With the lock held. */
-static evl_exit run_locked(shard_run *run, evl_error *error)
+/** With the lock held. @return as summarise */
+static bool run_locked(shard_run *run, evl_error *error)
 {
     batch_state *state = &run->state;
-    evl_exit code = EVL_EXIT_OK;
+    bool is_partial = false;
     if (open_journal(run, error) &&
         batch_todo(&run->plan, run->options->cases, state->status, &state->todo, &state->n_todo, error) &&
         (state->n_todo == 0 || open_histories(run, error))) {
         const double start = clock_seconds();
         batch_pool_run(&run->plan, run->share.jobs, !run->options->quiet, state, error);
-        code = error->code == EVL_EXIT_OK ? summarise(run, clock_seconds() - start) : error->code;
-    } else {
-        code = error->code;
+        is_partial = error->code == EVL_EXIT_OK && summarise(run, clock_seconds() - start);
     }
     free(state->todo);
     free(state->status);
     journal_close(&state->journal);
-    return code;
+    return is_partial;
 }
 
-static evl_exit run_shard(shard_run *run, evl_error *error)
+static bool run_shard(shard_run *run, evl_error *error)
 {
     file_lock lock;
-    evl_exit code = EVL_EXIT_OK;
+    bool is_partial = false;
     run->state.journal.descriptor = -1;
     OWNED char *stem = xasprintf("%s/shard-%d-of-%d", run->options->folder, run->share.shard, run->share.n_shards);
     OWNED char *lock_path = xasprintf("%s.lock", stem);
     run->stem = stem;
     if (claim_folder(run->options->folder, run->design->hash, error) && file_lock_take(&lock, lock_path, error)) {
-        code = run_locked(run, error);
+        is_partial = run_locked(run, error);
         file_lock_release(&lock);
-    } else {
-        code = error->code;
     }
-    return code;
+    return is_partial;
 }
 
 evl_exit batch(const char *design, const batch_options *options, evl_error *error)
 {
     shard_run run = {.options = options};
-    if (!read_share(options, &run.share, error)) {
-        return error->code;
-    }
-    run.design = design_read(design, error);
-    if (run.design == NULL) {
-        return error->code;
-    }
-    evl_exit code = EVL_EXIT_CASE;
-    if (batch_plan_init(&run.plan, run.design, error)) {
+    bool is_partial = false;
+    if (read_share(options, &run.share, error) && (run.design = design_read(design, error)) != NULL &&
+        batch_plan_init(&run.plan, run.design, error)) {
         run.plan.first_case = run.share.shard - 1;
         run.plan.stride = run.share.n_shards;
-        code = options->check ? batch_check(&run.plan, error) : run_shard(&run, error);
+        is_partial = options->check ? batch_check(&run.plan, error) : run_shard(&run, error);
         batch_plan_free(&run.plan);
     }
     design_delete(&run.design);
-    return code;
+    return is_partial ? EVL_EXIT_PARTIAL : error->code;
 }

@@ -34,7 +34,7 @@ static void write_findings(const findings *found)
     json_close(&writer, '}');
 }
 
-evl_exit batch_check(const batch_plan *plan, evl_error *error)
+bool batch_check(const batch_plan *plan, evl_error *error)
 {
     findings found = {.shortest = NAN};
     prepared_case prepared = {0};
@@ -52,10 +52,9 @@ evl_exit batch_check(const batch_plan *plan, evl_error *error)
     }
     prepared_case_free(&prepared);
     if (interrupt_signal != 0) {
-        (void)evl_error_set(error, EVL_EXIT_INTERRUPTED, plan->design->file, "interrupted by %s",
-                            interrupt_name((int)interrupt_signal));
-        return EVL_EXIT_INTERRUPTED;
+        return evl_error_set(error, EVL_EXIT_INTERRUPTED, plan->design->file, "interrupted by %s",
+                             interrupt_name((int)interrupt_signal));
     }
     write_findings(&found);
-    return found.refused > 0 ? EVL_EXIT_PARTIAL : EVL_EXIT_OK;
+    return found.refused > 0;
 }

@@ -221,7 +221,7 @@ void statistics_event(statistics *statistics, const event_record *record)
 /** An extreme in the window. */
 static double extreme_of(const statistics *statistics, int row, int mesh, bool is_largest)
 {
-    return extremes_value(statistics->extremes, extremes_find(of_mesh[row].output, is_largest), mesh);
+    return extremes_found(statistics->extremes, extremes_find(of_mesh[row].output, is_largest), mesh).value;
 }
 
 static double reduce(const statistics *statistics, int row, int mesh, double span)

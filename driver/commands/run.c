@@ -125,8 +125,8 @@ static bool put_extremes(const run *run)
         outputs[i].count = n_meshes;
         outputs[i].offset = i * n_meshes;
         for (int mesh = 0; mesh < n_meshes; mesh++) {
-            values[outputs[i].offset + mesh] =
-                i % 2 == 0 ? extremes_value(run->extremes, i / 2, mesh) : extremes_time(run->extremes, i / 2, mesh);
+            const extreme_found found = extremes_found(run->extremes, i / 2, mesh);
+            values[outputs[i].offset + mesh] = i % 2 == 0 ? found.value : found.time;
         }
     }
     return history_put_finals(run->history, 2 * n, outputs, values);

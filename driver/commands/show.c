@@ -25,24 +25,19 @@ static void print_indented(FILE *stream, const char *text)
     }
 }
 
-static void print_model(FILE *stream, const prepared_case *prepared)
-{
-    const model *model = prepared->model;
-    show_geometry(stream, case_description(prepared->file), model);
-    for (int i = 0; i < model_n_warnings(model); i++) {
-        OWNED char *text = prepare_warning(prepared, i);
-        fprintf(stream, "%s  %s\n", i == 0 ? "\nWarnings\n" : "", text);
-    }
-}
-
 /** The resolved case, the derived geometry of every wheel and mesh, and the warnings, for reading. Of a case without a model the
  *  case alone. */
 static void show_text(FILE *stream, const prepared_case *prepared)
 {
     fprintf(stream, "Case %s, with all defaults (angles in degrees)\n\n", case_path(prepared->file));
     print_indented(stream, case_text(prepared->file));
-    if (prepared->model != NULL) {
-        print_model(stream, prepared);
+    if (prepared->model == NULL) {
+        return;
+    }
+    show_geometry(stream, case_description(prepared->file), prepared->model);
+    OWNED char *warnings = prepare_warnings(prepared, "\n  ");
+    if (warnings[0] != '\0') {
+        fprintf(stream, "\nWarnings\n  %s\n", warnings);
     }
 }
 

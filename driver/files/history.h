@@ -16,7 +16,7 @@ typedef struct {
     const char *path; /**< final name */
     const model_names *names;
     int n_outputs;
-    const model_output *outputs;
+    const model_output *outputs; /**< outlive the history */
     int n_states;
     const model_state *states;
     int n_event_kinds;

@@ -26,7 +26,6 @@ static void free_history(history *history)
     series_free(&history->events);
     dimensions_free(&history->dimensions);
     scale_free(&history->side.scale);
-    free(history->outputs);
     free(history->event_kinds);
     free(history->row);
     free(history->event_row);
@@ -43,9 +42,8 @@ history *history_create(const history_layout *layout, char message[DAE_MESSAGE_L
     history->file = file;
     history->n_outputs = layout->n_outputs;
     history->n_states = layout->n_states;
-    history->outputs = xcalloc((size_t)layout->n_outputs, sizeof *history->outputs);
+    history->outputs = layout->outputs;
     for (int i = 0; i < layout->n_outputs; i++) {
-        history->outputs[i] = layout->outputs[i];
         const int end = layout->outputs[i].offset + layout->outputs[i].count;
         history->n_values = end > history->n_values ? end : history->n_values;
     }

@@ -17,7 +17,7 @@ struct history {
     netcdf_dimension side;
     series times, events;
     int n_outputs, n_values, n_states;
-    model_output *outputs;
+    const model_output *outputs;
     char *event_kinds; /**< as one string of words */
     double *row;       /**< [1 + n_values] time and outputs */
     double *event_row; /**< [EVENT_STATES + 2 n_states] */

@@ -94,9 +94,7 @@ static void counts(const void *stepper, integrate_counts *counts)
 {
     const radau_stepper *s = stepper;
     evl_radau_counts now;
-    evl_radau_growth growth;
     evl_radau_get_counts(s->radau, &now);
-    evl_radau_get_growth(s->radau, &growth);
     counts->steps = now.steps;
     counts->rejections = now.rejections;
     counts->residuals = now.evaluations;
@@ -104,7 +102,7 @@ static void counts(const void *stepper, integrate_counts *counts)
     counts->jacobians = now.jacobians;
     counts->linear_setups = now.factorisations;
     counts->roots_evaluated = now.root_evaluations;
-    counts->growth = (dae_growth){.t = growth.t, .rate = growth.rate, .frequency = growth.frequency};
+    counts->growth = (dae_growth){.t = now.growth_t, .rate = now.growth_rate, .frequency = now.growth_frequency};
 }
 
 const dae_stepper *model_radau(const model *model)

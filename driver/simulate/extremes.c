@@ -54,18 +54,16 @@ const double *extremes_highest(const extremes *extremes)
     return extremes->channels.high;
 }
 
-double extremes_value(const extremes *extremes, int index, int mesh)
+extreme_found extremes_found(const extremes *extremes, int index, int mesh)
 {
     const extreme_channels *channels = &extremes->channels;
-    const double *of = model_tables()->extremes[index].is_largest ? channels->high : channels->low;
-    return channels->has_begun ? of[channel_of(index, mesh)] : NAN;
-}
-
-double extremes_time(const extremes *extremes, int index, int mesh)
-{
-    const extreme_channels *channels = &extremes->channels;
-    const double *of = model_tables()->extremes[index].is_largest ? channels->high_time : channels->low_time;
-    return channels->has_begun ? of[channel_of(index, mesh)] : NAN;
+    const int channel = channel_of(index, mesh);
+    if (!channels->has_begun) {
+        return (extreme_found){NAN, NAN};
+    }
+    return model_tables()->extremes[index].is_largest
+               ? (extreme_found){channels->high[channel], channels->high_time[channel]}
+               : (extreme_found){channels->low[channel], channels->low_time[channel]};
 }
 
 int extremes_find(const char *output, bool is_largest)

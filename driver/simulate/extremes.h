@@ -17,9 +17,11 @@ void extremes_watch(extremes *extremes, const integrate_step *step);
 /** What observer.highest is: [n_watched] the largest of each channel so far; infinite where nobody asks. */
 const double *extremes_highest(const extremes *extremes);
 
-/** An extreme of the table model_extremes, of a mesh; NaN if nothing was seen. */
-double extremes_value(const extremes *extremes, int index, int mesh);
-/** When it was first reached [s]. */
-double extremes_time(const extremes *extremes, int index, int mesh);
+/** An extreme of a mesh, and when it was first reached [s]; NaN if nothing was seen. */
+typedef struct {
+    double value, time;
+} extreme_found;
+/** @param index  in the table of extremes */
+extreme_found extremes_found(const extremes *extremes, int index, int mesh);
 /** Place of an extreme in the table; -1 if there is none. */
 int extremes_find(const char *output, bool is_largest);

@@ -17,7 +17,7 @@ module evl_capi_radau
    private
 
    public :: evl_radau_serves, evl_radau_create, evl_radau_delete, evl_radau_start, evl_radau_advance, evl_radau_interpolate, &
-             evl_radau_candidate, evl_radau_look, evl_radau_restart, evl_radau_redo, evl_radau_get_counts, evl_radau_get_growth
+             evl_radau_candidate, evl_radau_look, evl_radau_restart, evl_radau_redo, evl_radau_get_counts
 
    !> evl_radau
    type :: integration_t
@@ -30,12 +30,8 @@ module evl_capi_radau
    !> evl_radau_counts
    type, bind(c) :: c_counts
       integer(c_int) :: steps, rejections, evaluations, iterations, jacobians, factorisations, root_evaluations
+      real(c_double) :: growth_t, growth_rate, growth_frequency
    end type c_counts
-
-   !> evl_radau_growth
-   type, bind(c) :: c_growth
-      real(c_double) :: t, rate, frequency
-   end type c_growth
 
    !> evl_candidate
    type, bind(c) :: c_candidate
@@ -201,23 +197,14 @@ contains
       type(c_counts), intent(out) :: counts
       type(integration_t), pointer :: self
       type(radau_counts) :: c
-
-      call c_f_pointer(handle, self)
-      c = radau_get_counts(self%solver)
-      counts = c_counts(c%steps, c%rejections, c%evaluations + n_stages*c%lane_evaluations, c%lane_evaluations, c%jacobians, &
-                        c%factorisations, c%root_evaluations)
-   end subroutine evl_radau_get_counts
-
-   subroutine evl_radau_get_growth(handle, growth) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      type(c_growth), intent(out) :: growth
-      type(integration_t), pointer :: self
       type(radau_growth) :: g
 
       call c_f_pointer(handle, self)
+      c = radau_get_counts(self%solver)
       g = radau_get_growth(self%solver)
-      growth = c_growth(g%t, g%re, g%im)
-   end subroutine evl_radau_get_growth
+      counts = c_counts(c%steps, c%rejections, c%evaluations + n_stages*c%lane_evaluations, c%lane_evaluations, c%jacobians, &
+                        c%factorisations, c%root_evaluations, g%t, g%re, g%im)
+   end subroutine evl_radau_get_counts
 
    !> The code of a status, told to C if it asks.
    integer(c_int) function answer(s, status) result(code)

@@ -227,14 +227,11 @@ typedef struct {
     int jacobians;        /**< evaluated */
     int factorisations;   /**< of the systems of all stages at once */
     int root_evaluations; /**< of the root functions beyond once a step */
+    /* of all modes that grow the one that did so fastest, if steps were cut for one: docs/radau.md */
+    double growth_t;         /**< when [s] */
+    double growth_rate;      /**< at which it grows, the real part of its eigenvalue [1/s]; 0: there is none */
+    double growth_frequency; /**< imaginary part [rad/s], >= 0 */
 } evl_radau_counts;
-
-/** A mode that grows: docs/radau.md. */
-typedef struct {
-    double t;         /**< when [s] */
-    double rate;      /**< at which it grows, the real part of its eigenvalue [1/s]; 0: there is none */
-    double frequency; /**< imaginary part [rad/s], >= 0 */
-} evl_radau_growth;
 
 /** Whether it can be integrated so. @return EVL_OK, or EVL_INVALID_INPUT with what stands in the way: a rigid contact,
  *  tracked contact points, a mounted housing. */
@@ -267,9 +264,6 @@ EVL_API void evl_radau_restart(evl_radau *radau, double t, const double *y, cons
 /** Take the last step back: go on from its start (t, y), which are set, in smaller ones. */
 EVL_API void evl_radau_redo(evl_radau *radau, double *t, double *y);
 EVL_API void evl_radau_get_counts(const evl_radau *radau, evl_radau_counts *counts);
-/** Of all modes that grow the one that did so fastest since evl_radau_start, if steps were cut for one. */
-EVL_API void evl_radau_get_growth(const evl_radau *radau, evl_radau_growth *growth);
-
 /** A place in a step where a channel may exceed the extreme so far. */
 typedef struct {
     int channel;        /**< as of evl_gearbox_watched */
