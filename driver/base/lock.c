@@ -40,7 +40,7 @@ bool file_lock_take(file_lock *lock, const char *path, evl_error *error)
     struct flock region = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
     lock->descriptor = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     if (lock->descriptor < 0) {
-        return evl_error_set(error, EVL_EXIT_IO, path, "cannot be written: %s", strerror(errno));
+        return evl_error_set_unwritten(error, path);
     }
     if (fcntl(lock->descriptor, F_SETLK, &region) == 0) {
         write_owner(lock->descriptor);

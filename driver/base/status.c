@@ -1,6 +1,10 @@
 #include "base/status.h"
 
+#include "base/memory.h"
+
+#include <errno.h>
 #include <stdarg.h>
+#include <string.h>
 
 void evl_exit_print_table(FILE *stream)
 {
@@ -30,6 +34,16 @@ bool evl_error_set(evl_error *error, evl_exit code, const char *place, const cha
     keep_one_line(error->place);
     keep_one_line(error->message);
     return false;
+}
+
+bool evl_error_set_unwritten(evl_error *error, const char *path)
+{
+    return evl_error_set(error, EVL_EXIT_IO, path, "cannot be written: %s", strerror(errno));
+}
+
+char *evl_error_text(const evl_error *error)
+{
+    return xasprintf("%s: %s", error->place, error->message);
 }
 
 void evl_error_print(FILE *stream, const evl_error *error)

@@ -36,5 +36,9 @@ typedef struct {
 __attribute__((format(printf, 4, 5))) bool evl_error_set(evl_error *error, evl_exit code, const char *place,
                                                          const char *format, ...);
 
+/** Say that a file cannot be written for the reason in errno: EVL_EXIT_IO. @return false */
+bool evl_error_set_unwritten(evl_error *error, const char *path);
+/** "PLACE: MESSAGE" of an error that has a place, as a new string. */
+char *evl_error_text(const evl_error *error);
 /** Write "PLACE: MESSAGE", or "evolvent: MESSAGE" if there is no place, and a newline. */
 void evl_error_print(FILE *stream, const evl_error *error);

@@ -76,11 +76,6 @@ static char *read_line(const char *path)
     return text;
 }
 
-static bool fail_folder(const char *path, evl_error *error)
-{
-    return evl_error_set(error, EVL_EXIT_IO, path, "cannot be written: %s", strerror(errno));
-}
-
 /** Write the mark under another name first: shards that start together find all of it or nothing. */
 static bool mark_folder(const char *mark, const char *hash, evl_error *error)
 {
@@ -89,7 +84,7 @@ static bool mark_folder(const char *mark, const char *hash, evl_error *error)
     bool good = file != NULL && fprintf(file, "%s\n", hash) > 0 && fflush(file) == 0 && fsync(fileno(file)) == 0;
     good = (file == NULL || fclose(file) == 0) && good;
     good = (good && (link(partial, mark) == 0 || errno == EEXIST || rename(partial, mark) == 0)) ||
-           fail_folder(mark, error);
+           evl_error_set_unwritten(error, mark);
     (void)unlink(partial);
     return good;
 }
@@ -98,7 +93,7 @@ static bool mark_folder(const char *mark, const char *hash, evl_error *error)
 static bool claim_folder(const char *folder, const char *hash, evl_error *error)
 {
     if (mkdir(folder, 0777) != 0 && errno != EEXIST) {
-        return fail_folder(folder, error);
+        return evl_error_set_unwritten(error, folder);
     }
     OWNED char *mark = xasprintf("%s/design.txt", folder), *found = read_line(mark);
     if (found == NULL) {
@@ -108,7 +103,7 @@ static bool claim_folder(const char *folder, const char *hash, evl_error *error)
         found = read_line(mark);
     }
     if (found == NULL) {
-        return fail_folder(mark, error);
+        return evl_error_set_unwritten(error, mark);
     }
     return strcmp(found, hash) == 0 ||
            evl_error_set(error, EVL_EXIT_CASE, mark,

@@ -47,11 +47,6 @@ void batch_case_lost(const batch_plan *plan, long index, const char *message, ba
     write_row(plan, index, JOURNAL_FAILED, message, NULL, row);
 }
 
-char *batch_case_refusal(const evl_error *refusal)
-{
-    return xasprintf("%s: %s", refusal->place, refusal->message);
-}
-
 /* ---- what a case has to have ---- */
 
 /** The window of a case, the design's NaNs filled in. @return false if no output lies in it */
@@ -215,7 +210,7 @@ bool batch_case_run(const batch_plan *plan, long index, prepared_case *prepared,
     evl_error refusal;
     batch_start start;
     if (!batch_case_prepare(plan, index, prepared, &start, &refusal)) {
-        OWNED char *message = batch_case_refusal(&refusal);
+        OWNED char *message = evl_error_text(&refusal);
         write_row(plan, index, JOURNAL_REFUSED, message, NULL, row);
         return true;
     }

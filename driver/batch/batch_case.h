@@ -20,8 +20,6 @@ typedef struct {
  *  @return false with the reason in `refusal` */
 bool batch_case_prepare(const batch_plan *plan, long index, prepared_case *prepared, batch_start *start,
                         evl_error *refusal);
-/** A refusal in the words of `evolvent run`, as a new string. */
-char *batch_case_refusal(const evl_error *refusal);
 /** Run a case. What is wrong with it is told in its row.
  *  @param[in,out] prepared  zeros before the first case, to be freed after the last one
  *  @return false with the reason in `error` if its history could not be written */

@@ -4,7 +4,7 @@
 #include "base/memory.h"
 #include "base/suggest.h"
 #include "batch/journal.h"
-#include "integrate/output_grid.h"
+#include "integrate/integrate_types.h"
 #include "simulate/simulate.h"
 
 #include <evolvent_version.h>

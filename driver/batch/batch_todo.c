@@ -13,18 +13,25 @@ long batch_shard_size(const batch_plan *plan)
     return plan->first_case < n ? (n - 1 - plan->first_case) / plan->stride + 1 : 0;
 }
 
+static const char *skip_blanks(const char *text)
+{
+    while (*text == ' ' || *text == '\t' || *text == '\r' || *text == '\n') {
+        text++;
+    }
+    return text;
+}
+
 /** Take the number of a line. @return false if it has none */
 static bool take_line(const batch_plan *plan, const char *line, bool *is_wanted)
 {
     char *end = NULL;
-    static const char blanks[] = " \t\r\n";
-    const char *start = line + strspn(line, blanks);
+    const char *start = skip_blanks(line);
     if (*start == '\0') {
         return true;
     }
     errno = 0;
     const long index = strtol(start, &end, 10);
-    if (end == start || end[strspn(end, blanks)] != '\0' || errno != 0 || index < 0 || index >= plan->design->n_cases) {
+    if (end == start || *skip_blanks(end) != '\0' || errno != 0 || index < 0 || index >= plan->design->n_cases) {
         return false;
     }
     if (index % plan->stride == plan->first_case) { /* else it is another shard's */

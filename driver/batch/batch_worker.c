@@ -65,12 +65,14 @@ static bool run_case(const batch_work *work, long place, int socket, prepared_ca
     evl_error error = {.code = EVL_EXIT_OK};
     batch_answer answer = {.place = place};
     answer.is_lost = !batch_case_run(work->plan, work->todo[place], prepared, &answer.row, &error);
-    OWNED char *line = answer.row.line, *reason = xasprintf("%s: %s", error.place, error.message);
     if (answer.is_lost) {
-        answer.row.line = reason;
-        answer.row.length = strlen(reason);
+        free(answer.row.line);
+        answer.row.line = evl_error_text(&error);
+        answer.row.length = strlen(answer.row.line);
     }
-    return send_answer(socket, &answer);
+    const bool good = send_answer(socket, &answer);
+    free(answer.row.line);
+    return good;
 }
 
 static void run_cases(const batch_work *work, int number, long first, int socket)

@@ -35,6 +35,18 @@ bool case_file_resolve(case_file *file, const case_schema *schema, evl_error *er
            case_resolve(schema, file->path, file->root, &file->description, error);
 }
 
+void description_clear(description *description)
+{
+    free(description->wheels);
+    free(description->meshes);
+    free(description->shafts);
+    free((void *)description->simulation.initial.speeds);
+    free((void *)description->simulation.initial.gaps);
+    free(description->entries);
+    free(description->numbers);
+    memset(description, 0, sizeof *description);
+}
+
 case_file *case_file_create(const char *path, int n_set, const char *const *set_options)
 {
     case_file *file = xcalloc(1, sizeof *file);

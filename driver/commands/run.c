@@ -6,7 +6,7 @@
 #include "commands/warn.h"
 #include "files/history.h"
 #include "integrate/integrate.h"
-#include "integrate/output_grid.h"
+#include "integrate/integrate_types.h"
 #include "simulate/extremes.h"
 #include "simulate/simulate.h"
 

@@ -82,8 +82,7 @@ static void show_json(FILE *stream, const prepared_case *prepared, const evl_err
     if (prepared->model != NULL) {
         write_model(&writer, prepared);
     }
-    OWNED char *line =
-        refusal->code == EVL_EXIT_OK ? xstrdup("") : xasprintf("%s: %s", refusal->place, refusal->message);
+    OWNED char *line = refusal->code == EVL_EXIT_OK ? xstrdup("") : evl_error_text(refusal);
     json_text(&writer, "refusal", line);
     json_close(&writer, '}');
 }
@@ -121,11 +120,6 @@ static void show_laws(FILE *stream)
             }
         }
     }
-}
-
-static void show_keys(FILE *stream)
-{
-    schema_print(stream, model_schema());
 }
 
 /* ---- parameters ---- */
@@ -192,7 +186,7 @@ static evl_exit show(const char *file, const void *given, evl_error *error)
     if (options->laws) {
         show_laws(stdout);
     } else if (options->keys) {
-        show_keys(stdout);
+        schema_print(stdout, model_schema());
     } else {
         prepared_case prepared;
         (void)(prepare_case(&prepared, file, options->set.n, options->set.values, error) &&

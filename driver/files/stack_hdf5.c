@@ -93,7 +93,7 @@ static bool make_file(const stack_layout *layout, evl_error *error)
         evl_error_set(error, EVL_EXIT_IO, layout->path, "cannot be written: %s; ask for fewer histories, or make room",
                       b.netcdf.reason);
     } else if (!sync_file(partial) || rename(partial, layout->path) != 0) {
-        evl_error_set(error, EVL_EXIT_IO, layout->path, "cannot be written: %s", strerror(errno));
+        evl_error_set_unwritten(error, layout->path);
         good = false;
     }
     if (!good) {
@@ -148,7 +148,7 @@ bool stack_open(stack *stack, const stack_layout *layout, evl_error *error)
         stack->descriptor = open(layout->path, O_WRONLY | O_CLOEXEC);
         good = stack->descriptor >= 0;
         if (!good) {
-            evl_error_set(error, EVL_EXIT_IO, layout->path, "cannot be written: %s", strerror(errno));
+            evl_error_set_unwritten(error, layout->path);
         }
     }
     if (!good) {
@@ -181,8 +181,8 @@ bool stack_write(const stack *stack, long row, const float *values, evl_error *e
                 continue;
             }
             if (more <= 0) {
-                return evl_error_set(error, EVL_EXIT_IO, stack->path, "cannot be written: %s",
-                                     strerror(more < 0 ? errno : ENOSPC));
+                errno = more < 0 ? errno : ENOSPC;
+                return evl_error_set_unwritten(error, stack->path);
             }
             done += (size_t)more;
         }
@@ -196,7 +196,7 @@ bool stack_sync(const stack *stack, evl_error *error)
     if (fdatasync(stack->descriptor) == 0 || errno == EINVAL) {
         return true;
     }
-    return evl_error_set(error, EVL_EXIT_IO, stack->path, "cannot be written: %s", strerror(errno));
+    return evl_error_set_unwritten(error, stack->path);
 }
 
 void stack_close(stack *stack)

@@ -40,8 +40,3 @@ integrate_code integrate(const dae *model, const integrate_options *options, con
     counts->cpu_seconds = cpu_now() - cpu_start;
     return code;
 }
-
-const char *integrate_version(void)
-{
-    return integrate_ida_version();
-}

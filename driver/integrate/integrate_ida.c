@@ -2,6 +2,7 @@
 #include "integrate/integration.h"
 
 #include "integrate/ida_session.h"
+#include "integrate/integrate.h"
 
 #include <ida/ida.h>
 #include <math.h>
@@ -213,7 +214,7 @@ integrate_code integrate_by_ida(integration *run)
     return code;
 }
 
-const char *integrate_ida_version(void)
+const char *integrate_version(void)
 {
     return "SUNDIALS " SUNDIALS_VERSION;
 }

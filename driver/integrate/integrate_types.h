@@ -52,3 +52,9 @@ typedef struct {
 } integrate_observer;
 
 typedef enum { INTEGRATE_DONE = 0, INTEGRATE_STOPPED = 1, INTEGRATE_FAILED = 2 } integrate_code;
+
+/** Of output `index`, 0 at the start; the last one is the end itself. */
+double output_grid_time(const integrate_options *options, double t_start, long index);
+
+/** Number of outputs of a whole integration from t_start. */
+long output_grid_size(const integrate_options *options, double t_start);

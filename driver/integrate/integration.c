@@ -1,7 +1,5 @@
 #include "integrate/integration.h"
 
-#include "integrate/output_grid.h"
-
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -12,6 +10,19 @@
 static const double smallest_step = 64 * DBL_EPSILON;
 static const int most_events_at_once = 1000; /* events without progress in time before giving up */
 static const int most_times_missed = 12; /* an event at one output: each time the step is a quarter of what it was */
+
+static const double grid_slack = 1e-6; /* of an output interval: a grid point this near the end is the end */
+
+double output_grid_time(const integrate_options *options, double t_start, long index)
+{
+    const double t = t_start + (double)index * options->output_interval;
+    return t > options->t_end - grid_slack * options->output_interval ? options->t_end : t;
+}
+
+long output_grid_size(const integrate_options *options, double t_start)
+{
+    return (long)((options->t_end - t_start) / options->output_interval - grid_slack) + 2;
+}
 
 static bool allocate_state(const dae *m, dae_state *state)
 {

@@ -52,6 +52,3 @@ integrate_code integration_apply_event(integration *run, bool time_event);
 /* To the end, by SUNDIALS IDA or by the stepper that the model brings along. The run's `reason` is empty and its counts are zero. */
 integrate_code integrate_by_ida(integration *run);
 integrate_code integrate_by_stepper(integration *run);
-
-/** Version of IDA's library, such as "SUNDIALS 6.4.1". */
-const char *integrate_ida_version(void);
