@@ -5,7 +5,7 @@ module evl_capi
    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_char, c_null_ptr, c_ptr
    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
    use evl_capi_description, only: c_initial, initial_from_c
-   use evl_capi_types, only: c_name_length, c_status, c_text_length, status_to_c, to_c
+   use evl_capi_types, only: answer, c_name_length, c_status, c_text_length, status_to_c, to_c
    use evl_dae_jacobian, only: gearbox_jacobian
    use evl_dae_residual, only: gearbox_derivative, gearbox_residual
    use evl_event_kinds, only: event_kind
@@ -18,7 +18,7 @@ module evl_capi
    use evl_gearbox_scaling, only: gearbox_state_scales
    use evl_given, only: description_t
    use evl_state_names, only: gearbox_state_name
-   use evl_status, only: code_no_memory, code_ok, fail, has_failed, status_t
+   use evl_status, only: code_no_memory, fail, has_failed, status_t
    implicit none (type, external)
    private
 
@@ -49,15 +49,6 @@ contains
 
       call c_f_pointer(handle, gearbox)
    end function gearbox_of
-
-   !> Hand a status over, and its code.
-   integer(c_int) function answer(status, c) result(code)
-      type(status_t), intent(in) :: status
-      type(c_status), intent(out), optional :: c
-
-      if (present(c)) call status_to_c(status, c)
-      code = status%code
-   end function answer
 
    type(c_ptr) function evl_gearbox_create(description, status) result(handle) bind(c)
       type(c_ptr), intent(in), value :: description
@@ -111,7 +102,7 @@ contains
       real(c_double), intent(in), value :: t
       real(c_double), intent(inout) :: y(*), yp(*), reals(*)
       integer(c_int), intent(inout) :: integers(*)
-      type(c_status), intent(out), optional :: status
+      type(c_status), intent(inout), optional :: status
       type(status_t) :: s
       type(gearbox_t), pointer :: g
 
@@ -152,15 +143,14 @@ contains
       real(c_double), intent(in) :: y(*), yp(*), reals(*)
       integer(c_int), intent(in) :: integers(*)
       real(c_double), intent(inout) :: residual(*)
-      type(c_status), intent(out), optional :: status
+      type(c_status), intent(inout), optional :: status
       type(status_t) :: s
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
       call gearbox_residual(g, t, y(:g%n_states), yp(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), &
                             residual(:g%n_states), s)
-      code = s%code
-      if (code /= code_ok) code = answer(s, status)
+      code = answer(s, status)
    end function evl_gearbox_residual
 
    integer(c_int) function evl_gearbox_jacobian(handle, t, cj, y, yp, integers, reals, jacobian, status) result(code) bind(c)
@@ -169,7 +159,7 @@ contains
       real(c_double), intent(in) :: y(*), yp(*), reals(*)
       integer(c_int), intent(in) :: integers(*)
       real(c_double), intent(inout), target :: jacobian(*)
-      type(c_status), intent(out), optional :: status
+      type(c_status), intent(inout), optional :: status
       type(status_t) :: s
       real(c_double), pointer :: matrix(:, :)
       type(gearbox_t), pointer :: g
@@ -178,8 +168,7 @@ contains
       call c_f_pointer(c_loc(jacobian), matrix, [g%n_states, g%n_states])
       call gearbox_jacobian(g, t, cj, y(:g%n_states), yp(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), &
                             matrix, s)
-      code = s%code
-      if (code /= code_ok) code = answer(s, status)
+      code = answer(s, status)
    end function evl_gearbox_jacobian
 
    integer(c_int) function evl_gearbox_derivative(handle, t, y, integers, reals, yp, status) result(code) bind(c)
@@ -188,7 +177,7 @@ contains
       real(c_double), intent(in) :: y(*), reals(*)
       integer(c_int), intent(in) :: integers(*)
       real(c_double), intent(inout) :: yp(*)
-      type(c_status), intent(out), optional :: status
+      type(c_status), intent(inout), optional :: status
       type(status_t) :: s
       type(gearbox_t), pointer :: g
 
@@ -216,15 +205,14 @@ contains
       real(c_double), intent(in) :: y(*), reals(*)
       integer(c_int), intent(in) :: integers(*)
       real(c_double), intent(inout) :: values(*)
-      type(c_status), intent(out), optional :: status
+      type(c_status), intent(inout), optional :: status
       type(status_t) :: s
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
       call gearbox_roots(g, y(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), &
                          values(:g%n_roots), s)
-      code = s%code
-      if (code /= code_ok) code = answer(s, status)
+      code = answer(s, status)
    end function evl_gearbox_roots
 
    subroutine evl_gearbox_root_directions(handle, integers, directions) bind(c)
@@ -257,7 +245,7 @@ contains
       integer(c_int), intent(inout) :: integers(*)
       type(c_event), intent(inout) :: events(*)
       integer(c_int), intent(out) :: n_events
-      type(c_status), intent(out), optional :: status
+      type(c_status), intent(inout), optional :: status
       type(event_log) :: log
       type(status_t) :: s
       integer :: i
