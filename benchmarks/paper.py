@@ -18,11 +18,8 @@ import tempfile
 from collections import defaultdict
 from pathlib import Path
 
-from process import ROOT, cost
-
-from evolvent import check_history, open_events, open_history
-from evolvent.figures.style import save
-from evolvent.pages.paper import (
+from paper_page import RINGING, Costs, page
+from paper_runs import (
     PaperRun,
     PaperRuns,
     claims,
@@ -30,7 +27,10 @@ from evolvent.pages.paper import (
     figure_normal_force,
     figure_transmission_error,
 )
-from evolvent.pages.paper_page import RINGING, Costs, page
+from process import ROOT, cost
+
+from evolvent import check_history, open_events, open_history
+from evolvent.figures.style import save
 
 CASES = {
     "compliant": "paper.yaml",

@@ -152,8 +152,8 @@ static bool open_journal(shard_run *run, evl_error *error)
     batch_state *state = &run->state;
     OWNED char *path = xasprintf("%s.jsonl", run->stem);
     OWNED char *head = batch_plan_head(&run->plan, run->share.shard, run->share.n_shards);
-    state->status = xcalloc((size_t)run->design->n_cases, sizeof *state->status);
-    if (!journal_open(&state->journal, path, head, run->design->n_cases, state->status, &run->n_recorded, error)) {
+    state->cases = xcalloc((size_t)run->design->n_cases, sizeof *state->cases);
+    if (!journal_open(&state->journal, path, head, run->design->n_cases, state->cases, &run->n_recorded, error)) {
         return false;
     }
     return run->n_recorded == 0 || run->options->resume || run->options->cases != NULL ||
@@ -168,7 +168,7 @@ static bool summarise(const shard_run *run, double seconds)
     const long n = batch_shard_size(&run->plan);
     long counts[JOURNAL_REFUSED + 1] = {0};
     for (long i = 0; i < n; i++) {
-        counts[run->state.status[run->plan.first_case + i * run->plan.stride]]++;
+        counts[run->state.cases[run->plan.first_case + i * run->plan.stride].status]++;
     }
     const long bad = counts[JOURNAL_FAILED] + counts[JOURNAL_REFUSED];
     log_note("shard %d of %d: %ld cases, %ld done, %ld did not finish (%ld failed, %ld refused); %ld of them now, in "
@@ -184,14 +184,14 @@ static bool run_locked(shard_run *run, evl_error *error)
     batch_state *state = &run->state;
     bool is_partial = false;
     if (open_journal(run, error) &&
-        batch_todo(&run->plan, run->options->cases, state->status, &state->todo, &state->n_todo, error) &&
+        batch_todo(&run->plan, run->options->cases, state->cases, &state->todo, &state->n_todo, error) &&
         (state->n_todo == 0 || open_histories(run, error))) {
         const double start = clock_seconds();
         batch_pool_run(&run->plan, run->share.jobs, !run->options->quiet, state, error);
         is_partial = error->code == EVL_EXIT_OK && summarise(run, clock_seconds() - start);
     }
     free(state->todo);
-    free(state->status);
+    free(state->cases);
     journal_close(&state->journal);
     return is_partial;
 }

@@ -98,7 +98,7 @@ static bool record(pool *pool, long place, batch_row *row)
 {
     const bool good = journal_append(&pool->state->journal, row->line, row->length, pool->error);
     if (good) {
-        pool->state->status[pool->left[place]] = row->status;
+        pool->state->cases[pool->left[place]].status = row->status;
         pool->state->n_finished++;
         pool->n_bad += row->status == JOURNAL_DONE ? 0 : 1;
         pool->n_tries[place] = -1;

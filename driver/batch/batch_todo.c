@@ -3,6 +3,7 @@
 #include "base/memory.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,27 +22,37 @@ static const char *skip_blanks(const char *text)
     return text;
 }
 
+/** The cases that a file names. */
+typedef struct {
+    bool *is_wanted; /**< [n_cases] */
+    long after;      /**< rows of the journal, behind which what is recorded is not run again */
+} case_list;
+
 /** Take the number of a line. @return false if it has none */
-static bool take_line(const batch_plan *plan, const char *line, bool *is_wanted)
+static bool take_line(const batch_plan *plan, const char *line, bool is_first, case_list *list)
 {
+    static const char after[] = "after ";
     char *end = NULL;
     const char *start = skip_blanks(line);
     if (*start == '\0') {
         return true;
     }
+    const bool is_after = is_first && strncmp(start, after, sizeof after - 1) == 0;
+    start += is_after ? sizeof after - 1 : 0;
     errno = 0;
     const long index = strtol(start, &end, 10);
-    if (end == start || *skip_blanks(end) != '\0' || errno != 0 || index < 0 || index >= plan->design->n_cases) {
+    const bool is_number = end != start && *skip_blanks(end) == '\0' && errno == 0 && index >= 0;
+    if (is_number && is_after) {
+        list->after = index;
+    } else if (!is_number || index >= plan->design->n_cases) {
         return false;
-    }
-    if (index % plan->stride == plan->first_case) { /* else it is another shard's */
-        is_wanted[index] = true; /* NOLINT(clang-analyzer-security.ArrayBound): it is less than n_cases */
+    } else if (index % plan->stride == plan->first_case) { /* else it is another shard's */
+        list->is_wanted[index] = true; /* NOLINT(clang-analyzer-security.ArrayBound): it is less than n_cases */
     }
     return true;
 }
 
-/** @param is_wanted  [n_cases] */
-static bool read_cases(const batch_plan *plan, const char *path, bool *is_wanted, evl_error *error)
+static bool read_cases(const batch_plan *plan, const char *path, case_list *list, evl_error *error)
 {
     enum { SHOWN = 40 }; /* characters of a bad line */
     FILE *file = fopen(path, "rb");
@@ -54,7 +65,7 @@ static bool read_cases(const batch_plan *plan, const char *path, bool *is_wanted
     }
     while (good && getline(&line, &room, file) > 0) {
         n_lines++;
-        good = take_line(plan, line, is_wanted);
+        good = take_line(plan, line, n_lines == 1, list);
         if (!good) {
             OWNED char *place = xasprintf("%s:%ld", path, n_lines);
             const int length = (int)strcspn(line, "\r\n");
@@ -67,17 +78,19 @@ static bool read_cases(const batch_plan *plan, const char *path, bool *is_wanted
     return good;
 }
 
-bool batch_todo(const batch_plan *plan, const char *cases_path, const journal_status *status, long **todo, long *n_todo,
+bool batch_todo(const batch_plan *plan, const char *cases_path, const journal_case *cases, long **todo, long *n_todo,
                 evl_error *error)
 {
     const long n = batch_shard_size(plan);
     OWNED bool *is_wanted = xcalloc((size_t)plan->design->n_cases, sizeof *is_wanted);
-    const bool good = cases_path == NULL || read_cases(plan, cases_path, is_wanted, error);
+    case_list list = {.is_wanted = is_wanted, .after = LONG_MAX};
+    const bool good = cases_path == NULL || read_cases(plan, cases_path, &list, error);
     *todo = xcalloc((size_t)n, sizeof **todo);
     *n_todo = 0;
     for (long i = 0; i < n && good; i++) {
         const long index = plan->first_case + i * plan->stride;
-        if (cases_path != NULL ? is_wanted[index] : status[index] == JOURNAL_MISSING) {
+        const bool is_left = list.is_wanted[index] && cases[index].row <= list.after;
+        if (cases_path != NULL ? is_left : cases[index].status == JOURNAL_MISSING) {
             (*todo)[(*n_todo)++] = index;
         }
     }

@@ -78,13 +78,17 @@ const char *journal_numbers(const journal_row *row)
     return text < row->end ? text + 1 : row->end;
 }
 
-static void take_line(const char *line, size_t length, long n_cases, journal_status *status, long *n_recorded)
+static void take_line(const char *line, size_t length, long n_cases, journal_case *cases, long *n_rows,
+                      long *n_recorded)
 {
     journal_row row;
-    if (journal_read_row(line, length, &row) && row.status != JOURNAL_MISSING && row.index >= 0 &&
-        row.index < n_cases) {
-        *n_recorded += status[row.index] == JOURNAL_MISSING ? 1 : 0;
-        status[row.index] = row.status;
+    if (!journal_read_row(line, length, &row)) {
+        return;
+    }
+    ++*n_rows;
+    if (row.status != JOURNAL_MISSING && row.index >= 0 && row.index < n_cases) {
+        *n_recorded += cases[row.index].status == JOURNAL_MISSING ? 1 : 0;
+        cases[row.index] = (journal_case){.status = row.status, .row = *n_rows};
     }
 }
 
@@ -114,10 +118,11 @@ static bool write_all(const journal *journal, const char *text, size_t length, e
 }
 
 /** The whole file but for the head, line by line. @return the head without its newline; NULL if it has none */
-static char *read_lines(FILE *file, long n_cases, journal_status *status, long *n_recorded, bool *is_torn)
+static char *read_lines(FILE *file, long n_cases, journal_case *cases, long *n_recorded, bool *is_torn)
 {
     char *line = NULL, *head = NULL;
     size_t room = 0;
+    long n_rows = 0;
     *is_torn = false;
     for (ssize_t length = getline(&line, &room, file); length > 0; length = getline(&line, &room, file)) {
         *is_torn = line[length - 1] != '\n';
@@ -125,7 +130,7 @@ static char *read_lines(FILE *file, long n_cases, journal_status *status, long *
             line[--length] = '\0';
         }
         if (head != NULL) {
-            take_line(line, (size_t)length, n_cases, status, n_recorded);
+            take_line(line, (size_t)length, n_cases, cases, &n_rows, n_recorded);
         } else if (!*is_torn) {
             head = xstrdup(line);
         }
@@ -135,7 +140,7 @@ static char *read_lines(FILE *file, long n_cases, journal_status *status, long *
 }
 
 /** Read what is there, and make the end ready for the next line. */
-static bool take_over(journal *journal, const char *head, long n_cases, journal_status *status, long *n_recorded,
+static bool take_over(journal *journal, const char *head, long n_cases, journal_case *cases, long *n_recorded,
                       evl_error *error)
 {
     FILE *file = fopen(journal->path, "rb");
@@ -143,7 +148,7 @@ static bool take_over(journal *journal, const char *head, long n_cases, journal_
         return fail(journal, error);
     }
     bool is_torn = false;
-    OWNED char *found = read_lines(file, n_cases, status, n_recorded, &is_torn);
+    OWNED char *found = read_lines(file, n_cases, cases, n_recorded, &is_torn);
     const bool was_read = ferror(file) == 0;
     (void)fclose(file);
     if (!was_read) {
@@ -161,17 +166,17 @@ static bool take_over(journal *journal, const char *head, long n_cases, journal_
     return !is_torn || write_all(journal, "\n", 1, error);
 }
 
-bool journal_open(journal *journal, const char *path, const char *head, long n_cases, journal_status *status,
+bool journal_open(journal *journal, const char *path, const char *head, long n_cases, journal_case *cases,
                   long *n_recorded, evl_error *error)
 {
     *journal = (struct journal){.path = xstrdup(path), .is_dirty = true};
     *n_recorded = 0;
     for (long i = 0; i < n_cases; i++) {
-        status[i] = JOURNAL_MISSING;
+        cases[i] = (journal_case){.status = JOURNAL_MISSING};
     }
     journal->descriptor = open(path, O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
     if (journal->descriptor < 0 ? !fail(journal, error)
-                                : !take_over(journal, head, n_cases, status, n_recorded, error)) {
+                                : !take_over(journal, head, n_cases, cases, n_recorded, error)) {
         journal_close(journal);
         return false;
     }

@@ -30,6 +30,12 @@ bool journal_read_row(const char *line, size_t length, journal_row *row);
 /** Where the numbers of a case begin, behind its message. */
 const char *journal_numbers(const journal_row *row);
 
+/** What is recorded of a case. */
+typedef struct {
+    journal_status status;
+    long row; /**< that says so, from 1; 0 if there is none */
+} journal_case;
+
 typedef struct journal {
     char *path;
     int descriptor;
@@ -37,10 +43,10 @@ typedef struct journal {
 } journal;
 
 /** Open the journal, creating it with the line `head` (without its newline) if it does not exist or has no complete line.
- *  @param status  [n_cases] what is recorded of each case; the later of two lines counts
+ *  @param cases  [n_cases] what is recorded of each; the later of two lines counts
  *  @param n_recorded  number of cases of which something is recorded
  *  @return false with the reason in `error`: EVL_EXIT_CASE if it has another head, EVL_EXIT_IO */
-bool journal_open(journal *journal, const char *path, const char *head, long n_cases, journal_status *status,
+bool journal_open(journal *journal, const char *path, const char *head, long n_cases, journal_case *cases,
                   long *n_recorded, evl_error *error);
 /** Append a line, its newline included, with one write. A line that does not fit on the disk leaves nothing behind. */
 bool journal_append(journal *journal, const char *line, size_t length, evl_error *error);

@@ -12,7 +12,8 @@
 typedef struct {
     int index, of;
     char *path;
-    char *head; /**< the journal's first line; NULL if that was torn */
+    char *head;  /**< the journal's first line; NULL if that was torn */
+    long n_rows; /**< lines that count, behind it */
     FILE *file;
 } shard_journal;
 
@@ -20,6 +21,7 @@ typedef struct {
 typedef struct {
     int shard; /**< -1 if there is none */
     int times; /**< that the case is recorded */
+    journal_status status;
     long offset;
     size_t length; /**< of the line, without its newline */
     double at;     /**< Unix time [s] */
@@ -132,7 +134,9 @@ static bool take_line(collection *found, int shard, const char *line, size_t len
         return evl_error_set(error, EVL_EXIT_CASE, journal->path, "case %ld: the status '%.*s' is not known", row.index,
                              (int)strcspn(row.word, "\""), row.word);
     }
-    take_record(found, &row, (record){.shard = shard, .offset = offset, .length = length, .at = row.at});
+    found->shards[shard].n_rows++;
+    take_record(found, &row,
+                (record){.shard = shard, .status = row.status, .offset = offset, .length = length, .at = row.at});
     return true;
 }
 
@@ -162,11 +166,28 @@ static bool read_journal(collection *found, int shard, evl_error *error)
     return error->code == EVL_EXIT_OK;
 }
 
+/** How many cases became what, and how many lines say so. */
+static void print_counts(FILE *stream, const collection *found)
+{
+    long n_rows = 0;
+    for (int i = 0; i < found->n_shards; i++) {
+        n_rows += found->shards[i].n_rows;
+    }
+    fprintf(stream, "{\"torn\":%ld,\"rows\":%ld", found->torn, n_rows);
+    for (journal_status status = JOURNAL_DONE; status <= JOURNAL_REFUSED; status++) {
+        long n = 0;
+        for (long i = 0; i < found->n_cases; i++) {
+            n += found->records[i].shard >= 0 && found->records[i].status == status ? 1 : 0;
+        }
+        fprintf(stream, ",\"%s\":%ld", journal_status_name(status), n);
+    }
+}
+
 /** What all records have in common, and which cases have several. */
 static void print_heads(FILE *stream, const collection *found)
 {
     const char *separator = "";
-    fprintf(stream, "{\"torn\":%ld,\"repeated\":[", found->torn);
+    fputs(",\"repeated\":[", stream);
     for (long i = 0; i < found->n_cases; i++) {
         if (found->records[i].times > 1) {
             fprintf(stream, "%s%ld", separator, i);
@@ -176,10 +197,10 @@ static void print_heads(FILE *stream, const collection *found)
     fputs("],\"journals\":[", stream);
     for (int i = 0; i < found->n_shards; i++) {
         const shard_journal *journal = &found->shards[i];
-        fprintf(stream, "%s{\"shard\":%d,\"of\":%d,\"head\":%s}", i == 0 ? "" : ",", journal->index, journal->of,
-                journal->head != NULL ? journal->head : "null");
+        fprintf(stream, "%s{\"shard\":%d,\"of\":%d,\"rows\":%ld,\"head\":%s}", i == 0 ? "" : ",", journal->index,
+                journal->of, journal->n_rows, journal->head != NULL ? journal->head : "null");
     }
-    fputs("]}\n", stream);
+    fputs("]", stream);
 }
 
 /** The line of the journal behind the number of that. */
@@ -211,7 +232,7 @@ static void collection_free(collection *found)
     free(found->records);
 }
 
-evl_exit records(FILE *stream, const char *folder, bool brief, evl_error *error)
+evl_exit records(FILE *stream, const char *folder, records_detail detail, evl_error *error)
 {
     collection found = {.torn = 0};
     bool good = find_journals(&found, folder, error);
@@ -219,10 +240,15 @@ evl_exit records(FILE *stream, const char *folder, bool brief, evl_error *error)
         good = read_journal(&found, i, error);
     }
     if (good) {
+        print_counts(stream, &found);
+    }
+    if (good && detail != RECORDS_COUNTS) {
         print_heads(stream, &found);
     }
-    for (long i = 0; i < found.n_cases && good; i++) {
-        good = found.records[i].shard < 0 || print_record(stream, &found, &found.records[i], brief, error);
+    fputs(good ? "}\n" : "", stream);
+    for (long i = 0; i < found.n_cases && good && detail != RECORDS_COUNTS; i++) {
+        good = found.records[i].shard < 0 ||
+               print_record(stream, &found, &found.records[i], detail == RECORDS_BRIEF, error);
     }
     collection_free(&found);
     return error->code;

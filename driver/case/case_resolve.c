@@ -72,30 +72,36 @@ static bool check_reference(const checker *checker, const case_node *root, const
 
 /* ---- tables ---- */
 
-/** The times of a table increase. */
-static bool check_knots(const checker *checker, const case_node *time)
+/** The knots of a table, such as times, increase. */
+static bool check_knots(const checker *checker, const evl_row *row, const case_node *knots)
 {
-    if (time->n < 2) {
-        return checker_refuse(checker, time->place, "has %d %s, needs at least 2", time->n,
-                              time->n == 1 ? "value" : "values");
+    if (knots->n < 2) {
+        return checker_refuse(checker, knots->place, "has %d %s, needs at least 2", knots->n,
+                              knots->n == 1 ? "value" : "values");
     }
-    for (int i = 1; i < time->n; i++) {
-        const case_node *knot = time->entries[i].value, *before = time->entries[i - 1].value;
+    for (int i = 1; i < knots->n; i++) {
+        const case_node *knot = knots->entries[i].value, *before = knots->entries[i - 1].value;
         if (node_number(knot) <= node_number(before)) {
-            return checker_refuse(checker, knot->place, "the times of a table must increase: %s s follows %s s",
-                                  knot->text, before->text);
+            return checker_refuse(checker, knot->place, "the %ss of a table must increase: %s %s follows %s %s",
+                                  row->key, knot->text, row->unit, before->text, row->unit);
         }
     }
     return true;
 }
 
-/** A table has as many values as times, if it has both. */
-static bool check_at_knots(const checker *checker, const case_node *block, const case_node *values)
+/** A table has as many values as knots, if it has both. */
+static bool check_at_knots(const checker *checker, const evl_row *row, const case_node *block, const case_node *values)
 {
-    const case_node *time = node_get(block, "time");
-    return time == NULL || values->n == time->n ||
-           checker_refuse(checker, values->place, "has %d values, but time has %d; they need the same number",
-                          values->n, time->n);
+    int n = 0;
+    const evl_row *rows = schema_block(checker->schema, row->block, &n);
+    for (int i = 0; i < n; i++) {
+        const case_node *knots = rows[i].type == EVL_KNOTS ? node_get(block, rows[i].key) : NULL;
+        if (knots != NULL && values->n != knots->n) {
+            return checker_refuse(checker, values->place, "has %d values, but %s has %d; they need the same number",
+                                  values->n, rows[i].key, knots->n);
+        }
+    }
+    return true;
 }
 
 /* ---- what goes beyond single keys, in all blocks ---- */
@@ -126,9 +132,9 @@ static bool check_row(const checker *checker, const case_node *root, const evl_r
         return check_reference(checker, root, row->holds, node->entries[0].value) &&
                check_reference(checker, root, row->holds, node->entries[1].value);
     case EVL_KNOTS:
-        return check_knots(checker, node);
+        return check_knots(checker, row, node);
     case EVL_AT_KNOTS:
-        return check_at_knots(checker, block, node);
+        return check_at_knots(checker, row, block, node);
     case EVL_BLOCK:
         return check_inside(checker, root, row->holds, node);
     case EVL_LIST:

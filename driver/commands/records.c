@@ -3,23 +3,25 @@
 #include "commands/command.h"
 
 typedef struct {
-    bool brief;
+    bool brief, counts;
 } records_options;
 
 static evl_exit run(const char *file, const void *given, evl_error *error)
 {
     const records_options *options = given;
-    return records(stdout, file, options->brief, error);
+    const records_detail detail = options->counts ? RECORDS_COUNTS : options->brief ? RECORDS_BRIEF : RECORDS_WHOLE;
+    return records(stdout, file, detail, error);
 }
 
 static const option_row rows[] = {
     {OPTION_FLAG, 0, "--brief", NULL, offsetof(records_options, brief), "without the numbers of the cases"},
+    {OPTION_FLAG, 0, "--counts", NULL, offsetof(records_options, counts), "only how many cases became what"},
     OPTION_ROW_HELP,
 };
 
 const command records_command = {
     .name = "records",
-    .synopsis = "DIR [--brief]",
+    .synopsis = "DIR [--brief | --counts]",
     .summary = "print what a batch has recorded of each case",
     .text = "Prints, as lines of JSON, what the journals of a folder record: first the journals, then of each case the "
             "record\n"

@@ -146,6 +146,28 @@ static void print_deviations(FILE *stream, const model *model, int wheel, const 
     }
 }
 
+/** How the wheels of a mesh give way: nothing if none does. */
+static void print_compliance(FILE *stream, const model *model, int mesh, const char *name)
+{
+    static const struct {
+        const char *units, *usual;
+        double factor;
+    } table[] = {{"1/Pa", "um mm/N", 1e9}, {"Pa", "N/(mm um)", 1e-9}, {"N/m", "N/mm", 1e-3}};
+    const column column = column_of(model, EVL_OF_COMPLIANCE, mesh, name);
+    if (column.n > 0) {
+        fprintf(stream, "\nCompliance of the wheels in mesh %s, beside that of the contact\n", name);
+    }
+    for (int i = 0; i < column.n; i++) {
+        const evl_quantity *row = &column.rows[i];
+        size_t k = 0;
+        while (strcmp(row->units, table[k].units) != 0) {
+            k++;
+        }
+        fprintf(stream, "  %-52s %-4s %12.6g %s\n", row->long_name, row->symbol, row->value[0] * table[k].factor,
+                table[k].usual);
+    }
+}
+
 void show_geometry(FILE *stream, const description *description, const model *model)
 {
     for (int i = 0; i < description->n_wheels; i++) {
@@ -161,6 +183,9 @@ void show_geometry(FILE *stream, const description *description, const model *mo
                 description->n_meshes, description->meshes);
     for (int i = 0; i < description->n_wheels; i++) {
         print_deviations(stream, model, i, description->wheels[i]);
+    }
+    for (int i = 0; i < description->n_meshes; i++) {
+        print_compliance(stream, model, i, description->meshes[i]);
     }
 }
 
@@ -197,11 +222,12 @@ static void write_all(json_writer *writer, const char *key, const model *model, 
     json_close(writer, '}');
 }
 
-static void write_deviations(json_writer *writer, const model *model, int wheel, const char *name)
+/** Of what has any, with its pitch errors. */
+static void write_one(json_writer *writer, const model *model, evl_of of, int index, const char *name)
 {
-    const column column = column_of(model, EVL_OF_DEVIATION, wheel, name);
+    const column column = column_of(model, of, index, name);
     int n = 0;
-    OWNED double *errors = pitch_errors_of(model, wheel, &n);
+    OWNED double *errors = of == EVL_OF_DEVIATION ? pitch_errors_of(model, index, &n) : NULL;
     if (column.n == 0) {
         return;
     }
@@ -219,7 +245,12 @@ void write_geometry(json_writer *writer, const description *description, const m
     write_all(writer, "meshes", model, EVL_OF_MESH, EVL_OF_GEAR_MESH, description->n_meshes, description->meshes);
     json_open(writer, "deviations", '{');
     for (int i = 0; i < description->n_wheels; i++) {
-        write_deviations(writer, model, i, description->wheels[i]);
+        write_one(writer, model, EVL_OF_DEVIATION, i, description->wheels[i]);
+    }
+    json_close(writer, '}');
+    json_open(writer, "compliance", '{');
+    for (int i = 0; i < description->n_meshes; i++) {
+        write_one(writer, model, EVL_OF_COMPLIANCE, i, description->meshes[i]);
     }
     json_close(writer, '}');
 }

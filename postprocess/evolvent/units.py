@@ -5,29 +5,23 @@ from __future__ import annotations
 import math
 import re
 
-PREFIXES = {
-    -15: "f",
-    -12: "p",
-    -9: "n",
-    -6: "µ",
-    -3: "m",
-    0: "",
-    3: "k",
-    6: "M",
-    9: "G",
-    12: "T",
-}
+import numpy as np
+from numpy.typing import ArrayLike
+
+PREFIXES = dict(
+    zip(range(-15, 15, 3), ("f", "p", "n", "µ", "m", "", "k", "M", "G", "T"), strict=True)
+)
 SUPERSCRIPTS = {2: "²", 3: "³", 4: "⁴"}
 # Units that take a prefix at their front; "kg" has one already and "1" has nothing to carry it.
 PREFIXABLE = ("m", "N", "Pa", "J", "rad", "s", "W")
 
 
-def prefixed(largest: float, units: str) -> tuple[float, str]:
+def prefixed(values: ArrayLike, units: str) -> tuple[float, str]:
     """Choose a prefix.
 
     Parameters
     ----------
-    largest : the largest absolute value to be shown, in `units`.
+    values : what is to be shown, in `units`; the largest absolute value counts.
     units : SI unit such as "m", "rad/s", "N m"; "1" if without.
 
     Returns
@@ -35,11 +29,13 @@ def prefixed(largest: float, units: str) -> tuple[float, str]:
     The factor that values are to be multiplied by, and the unit with its prefix. The factor is 1
     for units that take none, for 0 and for what is no finite number.
     """
+    sizes = np.abs(np.asarray(values, dtype=float))
+    largest = float(sizes[np.isfinite(sizes)].max(initial=0.0))
     exponent = 0
     head = units.replace("/", " ").split()
-    if head and head[0] in PREFIXABLE and math.isfinite(largest) and largest != 0.0:
+    if head and head[0] in PREFIXABLE and largest != 0.0:
         # A little slack: 999.9999 of one unit is better shown as 1 of the next.
-        exponent = 3 * math.floor((math.log10(abs(largest)) + 1e-9) / 3)
+        exponent = 3 * math.floor((math.log10(largest) + 1e-9) / 3)
         exponent = min(max(exponent, min(PREFIXES)), max(PREFIXES))
     return 10.0**-exponent, PREFIXES[exponent] + displayed(units)
 

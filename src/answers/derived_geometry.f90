@@ -6,13 +6,14 @@ module evl_derived_geometry
    use evl_kinds, only: pi, wp
    use evl_mesh_geometry, only: spur_pair_t
    use evl_mesh_reference, only: mesh_reference_t
+   use evl_mesh_stiffness, only: mesh_stiffness, mesh_stiffness_t
    use evl_pitch_errors, only: single_pitch_deviation, total_pitch_deviation
    use evl_tooth_contact, only: tooth_contact_t
    implicit none (type, external)
    private
 
    public :: derived_t, most_rows, quantity_t, quantities_of
-   public :: of_deviation, of_gear, of_gear_mesh, of_mesh, of_wheel
+   public :: of_compliance, of_deviation, of_gear, of_gear_mesh, of_mesh, of_wheel
    public :: pitch_errors_of
 
    integer, parameter :: of_wheel = 0     !! a wheel
@@ -20,6 +21,7 @@ module evl_derived_geometry
    integer, parameter :: of_gear = 2      !! a wheel that is a real gear, ISO 21771
    integer, parameter :: of_gear_mesh = 3 !! a mesh of two of them
    integer, parameter :: of_deviation = 4 !! how the flanks of a wheel deviate
+   integer, parameter :: of_compliance = 5 !! how the wheels of a mesh give way, and how stiff that makes it
 
    integer, parameter :: most_rows = 40 !! EVL_MOST_QUANTITIES
 
@@ -58,6 +60,8 @@ contains
          if (gearbox%gear_meshes(index)%exists) call tell_gear_mesh(gearbox%gear_meshes(index), derived)
       case (of_deviation)
          if (gearbox%wheels(index)%deviation%exists) call tell_deviation(gearbox, index, derived)
+      case (of_compliance)
+         call tell_compliance(gearbox, index, derived)
       end select
    end subroutine quantities_of
 
@@ -196,6 +200,33 @@ contains
                    total_pitch_deviation(d%pitch)*to_arc)
       end associate
    end subroutine tell_deviation
+
+   !> Compliances and stiffnesses of a mesh, per unit width; no rows of a wheel that does not give way.
+   subroutine tell_compliance(gearbox, index, to)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      type(derived_t), intent(inout) :: to
+      type(mesh_stiffness_t) :: s
+      integer :: n
+
+      call mesh_stiffness(gearbox, index, s)
+      if (.not. s%line_load > 0) return
+      call tell(to, "driving_at_start", "1/Pa", "c_A", "driving wheel, flank at the start of the path", s%driving(1))
+      call tell(to, "driving_at_pitch_point", "1/Pa", "c_A", "at the pitch point", s%driving(2))
+      call tell(to, "driving_at_end", "1/Pa", "c_A", "at the end", s%driving(3))
+      call tell(to, "driving_next", "1/Pa", "c_A1", "the next flank by a load there", s%next_driving)
+      call tell(to, "driven_at_start", "1/Pa", "c_B", "driven wheel, flank at the start of the path", s%driven(1))
+      call tell(to, "driven_at_pitch_point", "1/Pa", "c_B", "at the pitch point", s%driven(2))
+      call tell(to, "driven_at_end", "1/Pa", "c_B", "at the end", s%driven(3))
+      call tell(to, "driven_next", "1/Pa", "c_B1", "the next flank by a load there", s%next_driven)
+      call tell(to, "line_load", "N/m", "w", "line load of the stiffnesses", s%line_load)
+      call tell(to, "single_pair", "Pa", "", "stiffness of one tooth pair, at the pitch point", s%single)
+      call tell(to, "double_pair", "Pa", "", "of two, half a base pitch before and behind it", s%double)
+      call tell(to, "iso_6336", "Pa", "c'", "ISO 6336-1, measured pairs without body: not the same", s%iso)
+      n = to%n
+      to%n = count(abs(to%rows(:n)%value(1)) > 0)
+      to%rows(:to%n) = pack(to%rows(:n), abs(to%rows(:n)%value(1)) > 0)
+   end subroutine tell_compliance
 
    !> Whether a wheel's teeth stand elsewhere than at equal pitches.
    logical function has_pitch_errors(gearbox, index)

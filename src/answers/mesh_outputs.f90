@@ -3,7 +3,7 @@ module evl_mesh_outputs
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use evl_closed_form, only: closed_form_gap, closed_form_line, gap_along, points_along, transmission_error
    use evl_contact_tracking, only: algebraic_residual, line_distance, tracked_positions
-   use evl_contacts_at_state, only: place_contacts, those_that_do_not
+   use evl_contacts_at_state, only: flank_place, place_contact
    use evl_discrete_state, only: gearbox_mode, leading_contact
    use evl_gearbox, only: gearbox_local, gearbox_t, wheel_reference
    use evl_housing_outputs, only: add_mesh_reaction
@@ -122,15 +122,18 @@ contains
       type(mesh_points) :: points
       type(tangent_line_t) :: line
       real(wp) :: lag, penetration
+      type(flank_place) :: place
       integer :: i, leader, m
 
       leader = leading_contact(gearbox, index, integers)
       do i = gearbox%contacts(gearbox%first(index))%i_flank, gearbox%contacts(gearbox%first(index + 1) - 1)%i_flank
          associate (flank => gearbox%flanks(i)%flank, first => gearbox%flanks(i)%flank%first, last => gearbox%flanks(i)%flank%last)
+            place%of = 0
             do m = first, last
-               if (.not. touches(contacts(m)%mode)) contacts(m)%mode = gearbox_mode(gearbox, m, integers, reals)
+               if (touches(contacts(m)%mode)) cycle
+               contacts(m)%mode = gearbox_mode(gearbox, m, integers, reals)
+               call place_contact(gearbox, m, y, integers, place, contacts)
             end do
-            call place_contacts(gearbox, first, last, y, integers, those_that_do_not, contacts)
             call flank%add_energy(gearbox%contacts, first, last, contacts, potential)
             do m = first, last
                if (.not. touches(contacts(m)%mode)) contacts(m)%force = no_force

@@ -2,6 +2,7 @@
 module evl_start_positions
    use evl_contact_roots, only: ends_of_path
    use evl_discrete_state, only: put_pair
+   use evl_flank, only: pair_on_path
    use evl_gearbox, only: gearbox_local, gearbox_t, i_turns
    use evl_kinds, only: wp
    use evl_local_variables, only: i_theta
@@ -111,9 +112,8 @@ contains
             call put_pair(contact, pair, flanks_open, integers)
             if (contact%handover .and. .not. abs(y(i_theta)) > 0) cycle
             call closed_form_point(gearbox, m, y, integers(i_turns), pair, at)
-            ! a pair is this many pitches on from where pairs enter, and n_slots pitches later the next one is there
             call ends_of_path(gearbox%flanks(contact%i_flank)%flank, contact, at%point, near, far)
-            pair = pair + contact%n_slots*floor((near + at_the_end)/contact%n_slots)
+            pair = pair_on_path(contact, pair, near + at_the_end)
             call put_pair(contact, pair, flanks_open, integers)
             if (contact%handover) cycle
             call closed_form_point(gearbox, m, y, integers(i_turns), pair, at)

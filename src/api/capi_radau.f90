@@ -7,7 +7,7 @@ module evl_capi_radau
    use evl_capi_types, only: answer, c_status
    use evl_extreme_finder, only: candidate_t, most_candidates
    use evl_gearbox, only: gearbox_t
-   use evl_gearbox_ode, only: gearbox_ode, gearbox_ode_create, gearbox_ode_delete, gearbox_ode_serves, gearbox_ode_set
+   use evl_gearbox_ode, only: gearbox_ode, gearbox_ode_create, gearbox_ode_serves, gearbox_ode_set
    use evl_kinds, only: wp
    use evl_radau, only: radau_advance, radau_counts, radau_create, radau_get_counts, radau_get_growth, radau_growth, &
                         radau_interpolate, radau_look, radau_options, radau_redo, radau_restart, radau_start, radau_step, radau_t
@@ -79,7 +79,6 @@ contains
       if (code == code_ok) then
          handle = c_loc(self)
       else if (associated(self)) then
-         call gearbox_ode_delete(self%model)
          deallocate (self)
       end if
    end function evl_radau_create
@@ -90,10 +89,7 @@ contains
 
       if (.not. present(handle)) return
       call c_f_pointer(handle, self)
-      if (associated(self)) then
-         call gearbox_ode_delete(self%model)
-         deallocate (self)
-      end if
+      if (associated(self)) deallocate (self)
       handle = c_null_ptr
    end subroutine evl_radau_delete
 

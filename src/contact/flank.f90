@@ -16,17 +16,21 @@ module evl_flank
    use evl_local_variables, only: at_normal, n_local, unit
    use evl_root_kinds, only: side_of_rate
    use evl_status, only: code_ok, code_out_of_domain, fail, has_failed, quantity, status_t, subject_mesh
-   use evl_tooth_contact, only: contact_force, contact_state, flanks_unloaded, no_force, on_involutes, tooth_contact_t, touches
+   use evl_tooth_contact, only: contact_force, contact_mode, contact_state, flanks_off, flanks_unloaded, no_force, on_involutes, &
+                                tooth_contact_t, touches
    implicit none (type, external)
    private
 
-   public :: flank_slot, flank_t
+   public :: exactly_one, flank_slot, flank_t, next_pair, pair_on_path
+
+   real(wp), parameter :: exactly_one = 1.0e-9_wp !! contact ratios this near a whole number are one; at 1 pairs hand over
 
    !> Its procedures are asked about some or all of its contacts, `company` says which must come together.
    type :: flank_t
       integer :: first = 1, last = 0 !! its tooth contacts among those of the gearbox
       real(wp) :: reach = 0.0_wp     !! how far past the ends of the path of contact its pairs stay, in pitches
    contains
+      procedure :: slots_for
       procedure :: company
       procedure :: laws
       procedure :: add_energy
@@ -42,6 +46,41 @@ module evl_flank
    end type flank_slot
 
 contains
+
+   !> Slots of a flank: as many as tooth pairs can be on its path of contact at once, and one for the pair that waits.
+   pure integer function slots_for(self, contact_ratio, hands_over) result(n)
+      class(flank_t), intent(in) :: self
+      real(wp), intent(in) :: contact_ratio !! path of contact over base pitch
+      logical, intent(in) :: hands_over     !! a pair hands its load to the next one pitch on
+      real(wp) :: pitches
+
+      n = 1
+      pitches = contact_ratio + 2*self%reach
+      if (.not. (hands_over .or. abs(pitches - 1) < exactly_one)) n = ceiling(pitches - exactly_one) + 1
+   end function slots_for
+
+   !> The tooth pair that takes the place of one that passes an end of the path, or a pitch.
+   pure integer function next_pair(contact, mode, forward) result(pair)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode !! of the pair that passes
+      logical, intent(in) :: forward         !! at the end where pairs leave in the nominal sense of rotation
+
+      pair = mode%tooth_pair
+      if (contact%handover) then
+         pair = pair + merge(1, -1, forward)
+      else if (forward) then
+         pair = pair + merge(-contact%n_slots, contact%n_slots, mode%flanks == flanks_off)
+      end if
+   end function next_pair
+
+   !> The tooth pair of a slot that is on the path, or will be the next: one is there every n_slots pitches.
+   pure integer function pair_on_path(contact, pair, pitches) result(there)
+      type(tooth_contact_t), intent(in) :: contact
+      integer, intent(in) :: pair     !! a pair of this slot
+      real(wp), intent(in) :: pitches !! how far it is on from where pairs enter
+
+      there = pair + contact%n_slots*floor(pitches/contact%n_slots)
+   end function pair_on_path
 
    !> The contacts whose places decide about the force of one: here that one alone.
    pure subroutine company(self, contact, first, last)

@@ -1,5 +1,6 @@
 !> The table of all rows: what a case can say, block by block. A block is a line here, its rows stand with the thing they describe.
 module evl_case_table
+   use evl_compliance_description, only: compliance_rows
    use evl_deviation_description, only: accuracy_rows, relief_rows, runout_rows
    use evl_gear, only: rack_rows
    use evl_gearbox_description, only: material_rows, mesh_rows, wheel_rows
@@ -74,6 +75,7 @@ contains
       call put("relief", relief_rows)
       call put("accuracy", accuracy_rows)
       call put("runout", runout_rows)
+      call put("compliance", compliance_rows)
       call put_kinds("support", support_rows, is_joined=.true.)
       call put_kinds("load", load_rows, is_joined=.true.)
       call put("mesh", mesh_rows)

@@ -1,7 +1,7 @@
 !> Makes the tooth contacts of a gearbox from its meshes: how many there are, their constants, their links to the state.
 module evl_contact_build
    use evl_first_tooth_pair, only: tooth_phase_t
-   use evl_flank, only: flank_t
+   use evl_flank, only: exactly_one, flank_t
    use evl_gearbox, only: gearbox_t, wheel_t
    use evl_gearbox_description, only: mesh_input, wheel_input
    use evl_given, only: given_t
@@ -19,7 +19,6 @@ module evl_contact_build
 
    public :: list_contacts, take_contact, find_dependents
 
-   real(wp), parameter :: exactly_one = 1.0e-9_wp !! contact ratios this near a whole number are one; at 1 pairs hand over
    real(wp), parameter :: least_apart = 1.0e-3_wp !! in base pitches: gap_apart where the path ends on a base circle
 
 contains
@@ -28,32 +27,37 @@ contains
    subroutine list_contacts(gearbox, meshes)
       type(gearbox_t), intent(inout) :: gearbox
       type(mesh_input), intent(in) :: meshes(:)
-      integer :: m, flank, slot, slots, n, f
+      integer :: m, flank, n, f
 
-      allocate (gearbox%first(size(meshes) + 1))
+      allocate (gearbox%first(size(meshes) + 1), gearbox%flanks(size(meshes) + count(gearbox%pairs%has_coast)))
       n = 0
-      do m = 1, size(meshes)
-         gearbox%first(m) = n + 1
-         n = n + n_slots(gearbox%pairs(m))*merge(2, 1, gearbox%pairs(m)%has_coast)
-      end do
-      gearbox%first(size(meshes) + 1) = n + 1
-      allocate (gearbox%contacts(n), gearbox%flanks(size(meshes) + count(gearbox%pairs%has_coast)))
       f = 0
       do m = 1, size(meshes)
-         n = gearbox%first(m) - 1
-         slots = n_slots(gearbox%pairs(m))
+         gearbox%first(m) = n + 1
+         associate (pair => gearbox%pairs(m))
+            do flank = flank_drive, merge(flank_coast, flank_drive, pair%has_coast)
+               f = f + 1
+               allocate (flank_t :: gearbox%flanks(f)%flank)
+               gearbox%flanks(f)%flank%first = n + 1
+               n = n + gearbox%flanks(f)%flank%slots_for(pair%contact_ratio, pair%handover)
+               gearbox%flanks(f)%flank%last = n
+            end do
+         end associate
+      end do
+      gearbox%first(size(meshes) + 1) = n + 1
+      allocate (gearbox%contacts(n))
+      f = 0
+      do m = 1, size(meshes)
          do flank = flank_drive, merge(flank_coast, flank_drive, gearbox%pairs(m)%has_coast)
             f = f + 1
-            allocate (gearbox%flanks(f)%flank, source=flank_t(first=n + 1, last=n + slots))
-            do slot = 0, slots - 1
-               n = n + 1
-               associate (contact => gearbox%contacts(n))
+            do n = gearbox%flanks(f)%flank%first, gearbox%flanks(f)%flank%last
+               associate (contact => gearbox%contacts(n), of => gearbox%flanks(f)%flank)
                   contact%mesh = m
                   contact%flank = flank
                   contact%i_flank = f
-                  contact%slot = slot
-                  contact%n_slots = slots
-                  contact%handover = slots == 1
+                  contact%slot = n - of%first
+                  contact%n_slots = of%last - of%first + 1
+                  contact%handover = contact%n_slots == 1
                   call elastic_law(meshes(m)%contact, contact%elastic)
                   call damping_law(meshes(m)%damping, contact%damping)
                   call friction_law(meshes(m)%friction, contact%friction)
@@ -67,14 +71,6 @@ contains
          end do
       end do
    end subroutine list_contacts
-
-   !> Slots of a flank.
-   pure integer function n_slots(pair) result(n)
-      type(spur_pair_t), intent(in) :: pair
-
-      n = 1
-      if (.not. (pair%handover .or. abs(pair%contact_ratio - 1) < exactly_one)) n = ceiling(pair%contact_ratio - exactly_one) + 1
-   end function n_slots
 
    !> Geometry, laws and links to the state of a tooth contact.
    subroutine take_contact(gearbox, wheels, given, index, status)

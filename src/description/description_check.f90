@@ -117,20 +117,22 @@ contains
       text = texts(n)
    end function count_text
 
-   !> The times of a table increase.
-   subroutine check_knots(description, place, time, status)
+   !> The knots of a table increase.
+   subroutine check_knots(description, place, knots, status)
       type(description_t), intent(in) :: description
       integer, intent(in) :: place
-      real(wp), intent(in) :: time(:) !! [s]
+      real(wp), intent(in) :: knots(:) !! in the unit of the row
       type(status_t), intent(inout) :: status
       integer :: i
 
-      if (size(time) < 2) call refuse(description, place, "a table needs at least two knots", status)
-      do i = 2, size(time)
-         if (time(i) > time(i - 1) .or. has_failed(status)) cycle
-         call refuse(description, place, "the times of a table must increase, but "//quantity(time(i), "s")//" follows " &
-                     //quantity(time(i - 1), "s"), status)
-      end do
+      if (size(knots) < 2) call refuse(description, place, "a table needs at least two knots", status)
+      associate (row => description%rows(description%entries(place)%row))
+         do i = 2, size(knots)
+            if (knots(i) > knots(i - 1) .or. has_failed(status)) cycle
+            call refuse(description, place, "the knots of a table must increase, but "//quantity(knots(i), trim(row%unit)) &
+                        //" follows "//quantity(knots(i - 1), trim(row%unit)), status)
+         end do
+      end associate
    end subroutine check_knots
 
    !> A table has as many values as the block has times.
@@ -147,7 +149,7 @@ contains
             if (description%rows(entries(i)%row)%type == type_knots) n = size(entries(i)%numbers)
          end do
          if (n >= 0 .and. n /= size(entries(place)%numbers)) &
-            call refuse(description, place, "a table needs as many values as times", status)
+            call refuse(description, place, "a table needs as many values as knots", status)
       end associate
    end subroutine check_at_knots
 

@@ -28,6 +28,9 @@ module evl_gearbox_description
                                            range=positive), &
                                      gear_rows, &
                                      deviation_rows, &
+                                     row_t("compliance", type_block, "", &
+                            "how teeth and body give way; without it only the contact is soft", holds="compliance", &
+                                           variants="+module"), &
                                      row_t("width", type_number, "m", "face width", range=positive, required=.true.), &
                               row_t("centre", type_pair, "m", "reference position of the axle; otherwise it follows from a mesh"), &
                                 row_t("material", type_reference, "", "name of its material", required=.true., holds="materials"), &

@@ -3,9 +3,10 @@ module evl_contact_events
    use evl_closed_form, only: points_from_closed_form
    use evl_contact_modes, only: mode_at
    use evl_contact_roots, only: contact_root_direction, contact_roots, find_sides
-   use evl_contacts_at_state, only: all_of_them, look_at, place_contacts
-   use evl_discrete_state, only: flanks_of, gearbox_store_mode, pairs_loaded
+   use evl_contacts_at_state, only: flank_place, look_at, place_contact
+   use evl_discrete_state, only: gearbox_store_mode, pairs_with
    use evl_event_log, only: event_log, event_of_root, note
+   use evl_flank, only: next_pair
    use evl_flank_deviation, only: zone_none, zone_root, zone_tip
    use evl_gearbox, only: gearbox_t
    use evl_kinds, only: wp
@@ -56,6 +57,7 @@ contains
       real(wp) :: energy
       logical :: changed, entered, forward
       logical :: before(n_sides)
+      type(flank_place) :: place
       integer :: first, last
 
       call gearbox%flanks(gearbox%contacts(m)%i_flank)%flank%company(m, first, last)
@@ -68,7 +70,7 @@ contains
          energy = energy_of(gearbox, m, first, last, at)
          if (changed) call change_pair(contact, forward, mode, log)
          if (contact%deviates) call change_zones(gearbox, m, changed, fired, y, integers, at, log)
-         call place_contacts(gearbox, m, m, y, integers, all_of_them, at)
+         call place_contact(gearbox, m, y, integers, place, at)
          if (entered) then
             call enter(gearbox, m, first, last, integers, at, log, status)
          else if (mode%flanks /= flanks_off) then
@@ -109,19 +111,20 @@ contains
       logical, intent(in) :: forward !! at the end where pairs leave in the nominal sense of rotation
       type(contact_mode), intent(inout) :: mode
       type(event_log), intent(inout) :: log
+      integer :: next
 
+      next = next_pair(contact, mode, forward)
       if (contact%handover) then
          ! both tracked points move by one base pitch along e, and so does rho_A0: turn, zeta, dr, lambda and mu stay
-         mode%tooth_pair = mode%tooth_pair + merge(1, -1, forward)
+         mode%tooth_pair = next
          call note(log, event_at(contact, mode, merge(root_of%switch, root_of%switch_back, forward)), contact, mode%tooth_pair)
       else if (mode%flanks == flanks_off) then
-         if (forward) mode%tooth_pair = mode%tooth_pair - contact%n_slots
+         mode%tooth_pair = next
          call note(log, event_at(contact, mode, root_of%forward), contact, mode%tooth_pair)
          mode%flanks = flanks_open
       else
          call note(log, event_at(contact, mode, root_of%forward), contact, mode%tooth_pair)
-         if (forward) mode%tooth_pair = mode%tooth_pair + contact%n_slots
-         mode = contact_mode(mode%tooth_pair, flanks_off, 0, 0, 0, mode%sides, 1.0_wp, 0.0_wp)
+         mode = contact_mode(next, flanks_off, 0, 0, 0, mode%sides, 1.0_wp, 0.0_wp)
       end if
    end subroutine change_pair
 
@@ -135,14 +138,14 @@ contains
 
       associate (contact => gearbox%contacts(m), mode => at(m)%mode, flank => gearbox%flanks(gearbox%contacts(m)%i_flank)%flank)
          if (contact%rigid) then
-            if (pairs_loaded(gearbox, m, integers) > 0) then
+            if (pairs_with(gearbox, m, flanks_loaded, integers) > 0) then
                mode%flanks = flanks_loaded
             else if (at(m)%point%h > grazing*contact%h_scale) then
                call fail(status, code_no_solution, "a tooth pair enters a rigid contact with flanks that overlap by " &
                          //quantity(at(m)%point%h, "m")//": no other pair was on the path to keep them apart", subject_mesh, &
                          contact%mesh, "contact.law")
             end if
-         else if (flank_rests(gearbox, m, integers)) then
+         else if (pairs_with(gearbox, m, flanks_apart, integers) > 0) then ! its tracking rests
             mode%flanks = flanks_apart
          else
             call mode_at(flank, gearbox%contacts, m, first, last, at, status)
@@ -150,17 +153,6 @@ contains
          end if
       end associate
    end subroutine enter
-
-   !> Whether the tracking of a flank rests because its tooth pairs are too far apart.
-   pure logical function flank_rests(gearbox, m, integers)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: m, integers(:)
-      integer :: i
-
-      associate (first => m - gearbox%contacts(m)%slot, n => gearbox%contacts(m)%n_slots)
-         flank_rests = any([(flanks_of(gearbox%contacts(i), integers) == flanks_apart, i=first, first + n - 1)])
-      end associate
-   end function flank_rests
 
    !> The contact passed the border of a relief, or lies on the flanks of another pair.
    pure subroutine change_zones(gearbox, m, changed, fired, y, integers, at, log)
@@ -170,10 +162,11 @@ contains
       real(wp), intent(in) :: y(:)
       type(contact_state), intent(inout) :: at(*)
       type(event_log), intent(inout) :: log
+      type(flank_place) :: place
 
       associate (contact => gearbox%contacts(m), mode => at(m)%mode)
          if (changed) then
-            call place_contacts(gearbox, m, m, y, integers, all_of_them, at)
+            call place_contact(gearbox, m, y, integers, place, at)
             call settle_zones(contact, at(m)%point, mode)
          else if (any(fired .and. moves_zone)) then
             if (fired(root_of%tip_a)) mode%zone_a = merge(zone_none, zone_tip, mode%zone_a == zone_tip)

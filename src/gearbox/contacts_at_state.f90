@@ -1,19 +1,23 @@
 !> The tooth contacts of a gearbox at a state: the one way from states to where flanks touch and what acts there.
 module evl_contacts_at_state
-   use evl_discrete_state, only: flanks_of, take_mode
+   use evl_discrete_state, only: carries_points, flanks_of, take_mode, tooth_pair_of
    use evl_gearbox, only: gearbox_local, gearbox_t, i_turns
    use evl_kinds, only: wp
-   use evl_local_variables, only: i_theta
+   use evl_local_variables, only: i_theta, n_local
    use evl_status, only: status_t
    use evl_tangent_line, only: tangent_line_t
-   use evl_tooth_contact, only: contact_state, line_along, locate_contact, nominal_rho, touches, tracking_closed_form
+   use evl_tooth_contact, only: contact_state, flanks_apart, line_along, locate_contact, nominal_rho, touches, &
+                                tracking_closed_form
    implicit none (type, external)
    private
 
-   public :: look_at, look_at_forces, place_contacts
-   public :: all_of_them, those_that_touch, those_that_do_not
+   public :: find_tracked, flank_place, look_at, look_at_forces, place_contact
 
-   integer, parameter :: all_of_them = 0, those_that_touch = 1, those_that_do_not = 2
+   !> What the contacts of a flank share at a state: whoever is placed first finds it.
+   type :: flank_place
+      integer :: of = 0            !! the contact of the flank that was placed before, whose local variables are those of all; 0: none
+      type(tangent_line_t) :: line !! the line of action, where tracking is closed_form
+   end type flank_place
 
 contains
 
@@ -25,6 +29,7 @@ contains
       integer, intent(in) :: integers(:)
       type(contact_state), intent(inout) :: at(*) !! [contacts of the gearbox]
       type(status_t), intent(inout) :: status     !! code_out_of_domain if a law has no answer
+      type(flank_place) :: place
       logical :: any_touch
       integer :: m
 
@@ -32,8 +37,8 @@ contains
       do m = first, last
          call take_mode(gearbox, m, integers, reals, at(m)%mode)
          any_touch = any_touch .or. touches(at(m)%mode)
+         call place_contact(gearbox, m, y, integers, place, at)
       end do
-      call place_contacts(gearbox, first, last, y, integers, all_of_them, at)
       if (.not. any_touch) return
       associate (flank => gearbox%flanks(gearbox%contacts(first)%i_flank)%flank)
          call flank%laws(gearbox%contacts, first, last, at, status)
@@ -48,51 +53,59 @@ contains
       integer, intent(in) :: integers(:)
       type(contact_state), intent(inout) :: at(*)
       type(status_t), intent(inout) :: status     !! code_out_of_domain if a limit of a law or of the involutes is passed
-      logical :: any_touch
+      type(flank_place) :: place
       integer :: m
 
-      any_touch = .false.
       do m = first, last
          at(m)%mode%flanks = flanks_of(gearbox%contacts(m), integers)
          if (.not. touches(at(m)%mode)) cycle
-         any_touch = .true.
          call take_mode(gearbox, m, integers, reals, at(m)%mode)
+         call place_contact(gearbox, m, y, integers, place, at)
       end do
-      if (.not. any_touch) return
-      call place_contacts(gearbox, first, last, y, integers, those_that_touch, at)
+      if (place%of == 0) return
       associate (flank => gearbox%flanks(gearbox%contacts(first)%i_flank)%flank)
          call flank%forces(gearbox%contacts, first, last, at, status)
       end associate
    end subroutine look_at_forces
 
-   !> Put contacts of one flank in their places: they share local variables and the line of action.
-   pure subroutine place_contacts(gearbox, first, last, y, integers, which, at)
+   !> Put a contact in its place.
+   pure subroutine place_contact(gearbox, m, y, integers, place, at)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: first, last
+      integer, intent(in) :: m
       real(wp), intent(in) :: y(gearbox%n_states)
       integer, intent(in) :: integers(:)
-      integer, intent(in) :: which                !! one of the constants above
-      type(contact_state), intent(inout) :: at(*) !! with their modes
-      type(tangent_line_t) :: line
-      integer :: m, seen
+      type(flank_place), intent(inout) :: place   !! of its flank
+      type(contact_state), intent(inout) :: at(*) !! with its mode
 
-      seen = 0
-      do m = first, last
-         if (which /= all_of_them) then
-            if (touches(at(m)%mode) .neqv. which == those_that_touch) cycle
+      associate (contact => gearbox%contacts(m))
+         if (place%of == 0) then
+            call gearbox_local(gearbox, contact, y, at(m)%q)
+            if (contact%tracking == tracking_closed_form) call line_along(contact, at(m)%q, place%line)
+         else
+            at(m)%q = at(place%of)%q
          end if
-         associate (contact => gearbox%contacts(m))
-            if (seen == 0) then
-               call gearbox_local(gearbox, contact, y, at(m)%q)
-               if (contact%tracking == tracking_closed_form) call line_along(contact, at(m)%q, line)
-            else
-               at(m)%q = at(seen)%q
-            end if
-            seen = m
-            at(m)%rho_a0 = nominal_rho(contact, y(i_theta), integers(i_turns), at(m)%mode%tooth_pair)
-            call locate_contact(contact, line, at(m))
-         end associate
-      end do
-   end subroutine place_contacts
+         place%of = m
+         at(m)%rho_a0 = nominal_rho(contact, y(i_theta), integers(i_turns), at(m)%mode%tooth_pair)
+         call locate_contact(contact, place%line, at(m))
+      end associate
+   end subroutine place_contact
+
+   !> The local variables and the nominal radius of curvature of a contact whose tooth pair the flank's points are tracked of. Where
+   !> none are, or they rest since the flanks are too far apart, the rows of the tracked variables are y' = 0.
+   pure subroutine find_tracked(gearbox, index, y, integers, tracks, q, rho_a0)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index, integers(:)
+      real(wp), intent(in) :: y(gearbox%n_states)
+      logical, intent(out) :: tracks !! whether there is such a point; else nothing is found
+      real(wp), intent(out) :: q(n_local), rho_a0
+
+      associate (contact => gearbox%contacts(index))
+         tracks = carries_points(gearbox, index, integers)
+         if (tracks) tracks = flanks_of(contact, integers) /= flanks_apart
+         if (.not. tracks) return
+         call gearbox_local(gearbox, contact, y, q)
+         rho_a0 = nominal_rho(contact, y(i_theta), integers(i_turns), tooth_pair_of(contact, integers))
+      end associate
+   end subroutine find_tracked
 
 end module evl_contacts_at_state

@@ -2,19 +2,20 @@
 module evl_dae_jacobian
    use evl_contact_point, only: contact_gradient, contact_point
    use evl_contact_tracking, only: algebraic_jacobian, differential_jacobian
-   use evl_discrete_state, only: carries_points, gearbox_mode, is_closed
+   use evl_contacts_at_state, only: find_tracked
+   use evl_discrete_state, only: is_closed
    use evl_force_jacobian, only: add_constants, add_forces, couple_reference, scatter
-   use evl_gearbox, only: gearbox_local, gearbox_t, i_turns
+   use evl_gearbox, only: gearbox_local, gearbox_t
    use evl_gearbox_rates, only: gearbox_rates
    use evl_housing, only: frame_t, housing_frame
    use evl_housing_dynamics, only: housing_coupling
    use evl_housing_jacobian, only: housing_gradient, mounted_gradient
    use evl_jacobian_entries, only: full_matrix, jacobian_entries
    use evl_kinds, only: wp
-   use evl_local_variables, only: at_psi_dot_a, at_v_b, i_theta, n_local, n_track
+   use evl_local_variables, only: at_psi_dot_a, at_v_b, n_local, n_track
    use evl_rigid_contact, only: rigid_acceleration_gradient, rigid_gradient
    use evl_status, only: has_failed, status_t
-   use evl_tooth_contact, only: contact_mode, flanks_apart, nominal_rho, tooth_contact_t, tracking_algebraic
+   use evl_tooth_contact, only: tooth_contact_t, tracking_algebraic
    implicit none (type, external)
    private
 
@@ -60,7 +61,7 @@ contains
          if (is_closed(gearbox, i, integers)) call add_constraint(gearbox, gearbox%contacts(i), y, entries, jacobian)
       end do
       do i = 1, size(gearbox%contacts)
-         if (carries_points(gearbox, i, integers)) call add_tracking(gearbox, i, cj, y, yp, integers, reals, entries, jacobian)
+         call add_tracking(gearbox, i, cj, y, yp, integers, entries, jacobian)
       end do
    end subroutine gearbox_jacobian
 
@@ -132,22 +133,20 @@ contains
    end subroutine add_constraint
 
    !> The rows of a mesh's tracked variables.
-   pure subroutine add_tracking(gearbox, index, cj, y, yp, integers, reals, entries, jacobian)
+   pure subroutine add_tracking(gearbox, index, cj, y, yp, integers, entries, jacobian)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
-      real(wp), intent(in) :: cj, y(:), yp(:), reals(:)
+      real(wp), intent(in) :: cj, y(:), yp(:)
       integer, intent(in) :: integers(:)
       type(jacobian_entries), intent(in) :: entries
       real(wp), intent(inout) :: jacobian(gearbox%n_states, gearbox%n_states)
       real(wp) :: q(n_local), rho_a0, local(n_track, n_local)
-      type(contact_mode) :: mode
+      logical :: tracks
       integer :: row
 
-      mode = gearbox_mode(gearbox, index, integers, reals)
-      if (mode%flanks == flanks_apart) return
+      call find_tracked(gearbox, index, y, integers, tracks, q, rho_a0)
+      if (.not. tracks) return
       associate (contact => gearbox%contacts(index))
-         call gearbox_local(gearbox, contact, y, q)
-         rho_a0 = nominal_rho(contact, y(i_theta), integers(i_turns), mode%tooth_pair)
          if (contact%tracking == tracking_algebraic) then
             call algebraic_jacobian(contact%pair, rho_a0, q, local)
          else

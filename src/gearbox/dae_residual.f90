@@ -1,16 +1,17 @@
 !> The gearbox as a differential-algebraic system F(t, y, y') = 0, and the y' that belongs to y.
 module evl_dae_residual
    use evl_contact_tracking, only: algebraic_residual, differential_rates, differential_residual
-   use evl_discrete_state, only: carries_points, gearbox_mode, is_closed
-   use evl_gearbox, only: gearbox_local, gearbox_t, i_turns
+   use evl_contacts_at_state, only: find_tracked
+   use evl_discrete_state, only: is_closed
+   use evl_gearbox, only: gearbox_local, gearbox_t
    use evl_gearbox_rates, only: gearbox_rates
    use evl_housing_dynamics, only: coupled_rates, housing_residual
    use evl_kinds, only: wp
-   use evl_local_variables, only: i_theta, n_local, n_track
+   use evl_local_variables, only: n_local, n_track
    use evl_rigid_contact, only: rigid_constraint
    use evl_rigid_forces, only: multiplier_rates
    use evl_status, only: code_out_of_domain, code_singular, fail, has_failed, status_t, subject_mesh
-   use evl_tooth_contact, only: contact_mode, flanks_apart, nominal_rho, tracking_algebraic
+   use evl_tooth_contact, only: tracking_algebraic
    implicit none (type, external)
    private
 
@@ -28,8 +29,7 @@ contains
       real(wp), intent(out) :: residual(gearbox%n_states)
       type(status_t), intent(inout) :: status
       real(wp) :: q(n_local), rho_a0
-      type(contact_mode) :: mode
-      logical :: exists
+      logical :: exists, tracks
       integer :: i
 
       call gearbox_rates(gearbox, t, y, integers, reals, residual, status, yp)
@@ -50,11 +50,8 @@ contains
       end do
       do i = 1, size(gearbox%contacts)
          associate (contact => gearbox%contacts(i))
-            if (.not. carries_points(gearbox, i, integers)) cycle
-            mode = gearbox_mode(gearbox, i, integers, reals)
-            if (mode%flanks == flanks_apart) cycle ! the tracked variables rest: their rows are y' = 0
-            call gearbox_local(gearbox, contact, y, q)
-            rho_a0 = nominal_rho(contact, y(i_theta), integers(i_turns), mode%tooth_pair)
+            call find_tracked(gearbox, i, y, integers, tracks, q, rho_a0)
+            if (.not. tracks) cycle
             associate (first => contact%i_track, last => contact%i_track + n_track - 1)
                if (contact%tracking == tracking_algebraic) then
                   call algebraic_residual(contact%pair, rho_a0, q, residual(first:last), exists)
@@ -89,8 +86,7 @@ contains
       real(wp), intent(out) :: yp(gearbox%n_states)
       type(status_t), intent(inout) :: status !! code_out_of_domain or code_singular
       real(wp) :: q(n_local), rho_a0
-      type(contact_mode) :: mode
-      logical :: solved
+      logical :: solved, tracks
       integer :: i
 
       call coupled_rates(gearbox, t, y, integers, reals, yp, status)
@@ -99,11 +95,8 @@ contains
       if (has_failed(status)) return
       do i = 1, size(gearbox%contacts)
          associate (contact => gearbox%contacts(i))
-            if (.not. carries_points(gearbox, i, integers)) cycle
-            mode = gearbox_mode(gearbox, i, integers, reals)
-            if (mode%flanks == flanks_apart) cycle
-            call gearbox_local(gearbox, contact, y, q)
-            rho_a0 = nominal_rho(contact, y(i_theta), integers(i_turns), mode%tooth_pair)
+            call find_tracked(gearbox, i, y, integers, tracks, q, rho_a0)
+            if (.not. tracks) cycle
             call differential_rates(contact%pair, rho_a0, q, yp(contact%i_track:contact%i_track + n_track - 1), solved)
             if (.not. solved) then
                call fail(status, code_singular, "the contact points' velocities are not determined at this state", &

@@ -10,7 +10,7 @@ module evl_discrete_state
    private
 
    public :: carries_points, first_pair, flanks_of, gearbox_mode, gearbox_store_mode, is_closed, leading_contact
-   public :: number_integers, pairs_loaded, put_flanks, put_pair, take_mode, tooth_pair_of
+   public :: number_integers, pairs_with, put_flanks, put_pair, take_mode, tooth_pair_of
 
 contains
 
@@ -87,7 +87,7 @@ contains
          mode%share = 1
          if (.not. contact%rigid) return
       end associate
-      n = pairs_loaded(gearbox, index, integers)
+      n = pairs_with(gearbox, index, flanks_loaded, integers)
       if (n > 1) mode%share = 1/real(n, wp)
    end subroutine take_mode
 
@@ -142,20 +142,21 @@ contains
       integers(contact%i_discrete(moves_flanks)) = flanks
    end subroutine put_flanks
 
-   !> How many tooth pairs of a contact's flank carry load.
-   pure integer function pairs_loaded(gearbox, index, integers) result(n)
+   !> How many tooth pairs of a contact's flank are in a state of contact.
+   pure integer function pairs_with(gearbox, index, flanks, integers) result(n)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index    !! of any tooth contact of the flank
+      integer, intent(in) :: flanks   !! flanks_open, ...
       integer, intent(in) :: integers(:)
       integer :: m
 
       n = 0
       associate (first => index - gearbox%contacts(index)%slot)
          do m = first, first + gearbox%contacts(index)%n_slots - 1
-            if (flanks_of(gearbox%contacts(m), integers) == flanks_loaded) n = n + 1
+            if (flanks_of(gearbox%contacts(m), integers) == flanks) n = n + 1
          end do
       end associate
-   end function pairs_loaded
+   end function pairs_with
 
    !> Whether a flank's tracked points are those of this contact's tooth pair: the first one of the flank that is on the path.
    pure logical function carries_points(gearbox, index, integers)
@@ -204,7 +205,7 @@ contains
       integer, intent(in) :: integers(:)
 
       is_closed = gearbox%contacts(index)%leads
-      if (is_closed) is_closed = pairs_loaded(gearbox, index, integers) > 0
+      if (is_closed) is_closed = pairs_with(gearbox, index, flanks_loaded, integers) > 0
    end function is_closed
 
    !> The tooth pair of a flank that has been longest on the path; that of the first slot if none is.

@@ -34,6 +34,7 @@ module evl_gearbox
    use evl_status, only: status_t
    use evl_support, only: axle_deviation, axle_motion, support_t
    use evl_tooth_contact, only: tooth_contact_t
+   use evl_wheel_compliance, only: wheel_compliance_t
    implicit none (type, external)
    private
 
@@ -88,6 +89,7 @@ module evl_gearbox
       type(tooth_phase_t), allocatable :: phases(:) !! first tooth pair of each mesh
       integer, allocatable :: first(:)            !! first tooth contact of each mesh; behind the last mesh, one more than all
       type(gear_t), allocatable :: gears(:)            !! of each wheel, initial values if it is no real gear
+      type(wheel_compliance_t), allocatable :: compliances(:) !! of each wheel
       type(gear_mesh_t), allocatable :: gear_meshes(:) !! of each mesh, the same
       type(mesh_reference_t), allocatable :: references(:) !! each mesh at its nominal load
       type(housing_t) :: housing

@@ -3,12 +3,12 @@ module evl_gearbox_events
    use evl_contact_events, only: roots_of_contact
    use evl_contact_roots, only: contact_root_directions, contact_roots
    use evl_contact_tracking, only: project_points
-   use evl_contacts_at_state, only: look_at
+   use evl_contacts_at_state, only: find_tracked, look_at
    use evl_dae_residual, only: gearbox_derivative
-   use evl_discrete_state, only: carries_points, gearbox_mode
+   use evl_discrete_state, only: gearbox_mode
    use evl_event_kinds, only: event_knot, event_revolution
    use evl_event_log, only: event_log, n_event_kinds, note
-   use evl_gearbox, only: gearbox_local, gearbox_t, i_turns
+   use evl_gearbox, only: gearbox_t, i_turns
    use evl_housing, only: housing_renormalise
    use evl_kinds, only: pi, wp
    use evl_knots, only: next_knot
@@ -17,7 +17,7 @@ module evl_gearbox_events
    use evl_root_kinds, only: n_root_kinds, n_sides
    use evl_settle_modes, only: most_settling, settle_modes
    use evl_status, only: code_no_solution, fail, has_failed, status_t
-   use evl_tooth_contact, only: contact_mode, contact_state, flanks_apart, nominal_rho
+   use evl_tooth_contact, only: contact_mode, contact_state
    implicit none (type, external)
    private
 
@@ -162,7 +162,7 @@ contains
       end if
       if (gearbox%n_multipliers > 0 .and. .not. has_failed(status)) &
          call settle_rigid(gearbox, t, was_closed, y, integers, reals, log, status)
-      call project_tracked(gearbox, y, integers, reals)
+      call project_tracked(gearbox, y, integers)
       call housing_renormalise(gearbox%housing, y)
       if (log%n > gearbox_event_room(gearbox)) call fail(status, code_no_solution, &
                                                          "more happens at one instant than its log has room for")
@@ -170,23 +170,19 @@ contains
    end subroutine gearbox_apply_event
 
    !> Restart with the tracked points exactly on their flanks; where they cannot be put, the derivative says why.
-   subroutine project_tracked(gearbox, y, integers, reals)
+   subroutine project_tracked(gearbox, y, integers)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(inout) :: y(gearbox%n_states)
       integer, intent(in) :: integers(:)
-      real(wp), intent(in) :: reals(:)
-      type(contact_mode) :: mode
-      real(wp) :: q(n_local)
-      logical :: solved
+      real(wp) :: q(n_local), rho_a0
+      logical :: solved, tracks
       integer :: m
 
       do m = 1, size(gearbox%contacts)
          associate (contact => gearbox%contacts(m))
-            if (.not. carries_points(gearbox, m, integers)) cycle
-            mode = gearbox_mode(gearbox, m, integers, reals)
-            if (mode%flanks == flanks_apart) cycle
-            call gearbox_local(gearbox, contact, y, q)
-            call project_points(contact%pair, nominal_rho(contact, y(i_theta), integers(i_turns), mode%tooth_pair), q, solved)
+            call find_tracked(gearbox, m, y, integers, tracks, q, rho_a0)
+            if (.not. tracks) cycle
+            call project_points(contact%pair, rho_a0, q, solved)
             if (solved) y(contact%i_track:contact%i_track + n_track - 1) = q(at_track:)
          end associate
       end do

@@ -23,7 +23,7 @@ module evl_gearbox_ode
    implicit none (type, external)
    private
 
-   public :: gearbox_ode, gearbox_ode_serves, gearbox_ode_create, gearbox_ode_delete, gearbox_ode_set
+   public :: gearbox_ode, gearbox_ode_serves, gearbox_ode_create, gearbox_ode_set
 
    !> Small errors of theta and omega shift the time at which a tooth pair enters, and with it a motion of 1 kHz: they count
    !> more than what moves at that frequency.
@@ -39,16 +39,14 @@ module evl_gearbox_ode
       real(wp), allocatable, private :: constants(:) !! [nnz] what never changes in dF/dy, psi'' not yet coupled with theta''
       logical, private :: in_lanes = .false.       !! whether eight states can be evaluated at once
       !> [tooth contacts] for evaluations in lanes, which change them
-      type(lane_slot), pointer, contiguous, private :: slots(:) => null()
-      type(lane_slot), pointer, contiguous, private :: aside(:) => null() !! the same for root functions elsewhere
+      type(lane_slot), allocatable, private :: slots(:)
+      type(lane_slot), allocatable, private :: aside(:) !! the same for root functions elsewhere
    contains
       procedure :: rhs
       procedure :: rhs_lanes
       procedure :: jacobian
-      procedure :: root
       procedure :: roots
       procedure :: roots_lanes
-      procedure :: roots_nearby
       procedure :: watched_nearby
       procedure :: root_directions
    end type gearbox_ode
@@ -124,13 +122,6 @@ contains
       if (falls) growth = growth_by_damping
    end function kind_of_growth
 
-   !> Free what it holds beside its components.
-   subroutine gearbox_ode_delete(self)
-      type(gearbox_ode), intent(inout) :: self
-
-      if (associated(self%slots)) deallocate (self%slots, self%aside)
-   end subroutine gearbox_ode_delete
-
    !> Give the model its discrete state.
    subroutine gearbox_ode_set(self, integers, reals)
       type(gearbox_ode), intent(inout) :: self
@@ -162,7 +153,7 @@ contains
 
    !> f of eight states.
    subroutine rhs_lanes(self, t, y, f, status)
-      class(gearbox_ode), intent(in) :: self
+      class(gearbox_ode), intent(inout) :: self
       real(wp), intent(in) :: t(lanes)
       real(wp), intent(in) :: y(lanes, self%n)
       real(wp), intent(out) :: f(lanes, self%n)
@@ -177,7 +168,7 @@ contains
 
    !> f of eight states, each by itself; the arrays of its own cost an allocation that `rhs_lanes` can do without.
    subroutine rhs_one_by_one(self, t, y, f, status)
-      class(gearbox_ode), intent(in) :: self
+      class(gearbox_ode), intent(inout) :: self
       real(wp), intent(in) :: t(lanes)
       real(wp), intent(in) :: y(lanes, self%n)
       real(wp), intent(out) :: f(lanes, self%n)
@@ -212,64 +203,42 @@ contains
       values = -values
    end subroutine jacobian
 
-   !> Root functions at a state.
-   subroutine roots(self, t, y, values, status)
+   !> Root functions at a state, all or one.
+   subroutine roots(self, t, y, values, status, only)
       class(gearbox_ode), intent(in) :: self
       real(wp), intent(in) :: t !! none depends on time alone: knots of tables are stop times
       real(wp), intent(in) :: y(self%n)
-      real(wp), intent(out) :: values(self%n_roots)
-      type(status_t), intent(inout) :: status
-
-      call gearbox_roots(self%gearbox, y, self%integers, self%reals, values, status)
-   end subroutine roots
-
-   !> One root function at a state.
-   subroutine root(self, index, t, y, values, status)
-      class(gearbox_ode), intent(in) :: self
-      integer, intent(in) :: index
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(self%n)
       real(wp), intent(inout) :: values(self%n_roots)
       type(status_t), intent(inout) :: status
+      integer, intent(in), optional :: only
 
-      call gearbox_root(self%gearbox, index, y, self%integers, self%reals, values, status)
-   end subroutine root
+      if (present(only)) then
+         call gearbox_root(self%gearbox, only, y, self%integers, self%reals, values, status)
+      else
+         call gearbox_roots(self%gearbox, y, self%integers, self%reals, values, status)
+      end if
+   end subroutine roots
 
-   !> Root functions of eight states.
-   subroutine roots_lanes(self, t, y, values, status)
-      class(gearbox_ode), intent(in) :: self
+   !> Root functions of eight states near those of the last evaluation in lanes, which knows the contacts that touch.
+   subroutine roots_lanes(self, t, y, exact, values, status)
+      class(gearbox_ode), intent(inout) :: self
       real(wp), intent(in) :: t(lanes)
       real(wp), intent(in) :: y(lanes, self%n)
+      logical, intent(inout) :: exact
       real(wp), intent(out) :: values(lanes, self%n_roots)
       type(status_t), intent(inout) :: status
 
       if (self%in_lanes) then
-         call roots_in_lanes(self%gearbox, y, self%integers, self%reals, self%slots, self%aside, .false., values, status)
+         call roots_in_lanes(self%gearbox, y, self%integers, self%reals, self%slots, self%aside,.not. exact, values, status)
       else
+         exact = .true.
          call roots_one_by_one(self, t, y, values, status)
       end if
    end subroutine roots_lanes
 
-   !> Root functions of eight states near those of the last evaluation in lanes, which knows the contacts that touch.
-   subroutine roots_nearby(self, t, y, values, exact, status)
-      class(gearbox_ode), intent(in) :: self
-      real(wp), intent(in) :: t(lanes)
-      real(wp), intent(in) :: y(lanes, self%n)
-      real(wp), intent(out) :: values(lanes, self%n_roots)
-      logical, intent(out) :: exact
-      type(status_t), intent(inout) :: status
-
-      exact = .not. self%in_lanes
-      if (exact) then
-         call self%roots_lanes(t, y, values, status)
-      else
-         call roots_in_lanes(self%gearbox, y, self%integers, self%reals, self%slots, self%aside, .true., values, status)
-      end if
-   end subroutine roots_nearby
-
    !> Watched channels of eight states near those of the last evaluation.
    subroutine watched_nearby(self, y, n, channels, values)
-      class(gearbox_ode), intent(in) :: self
+      class(gearbox_ode), intent(inout) :: self
       real(wp), intent(in) :: y(lanes, self%n)
       integer, intent(out) :: n
       integer, intent(inout) :: channels(:)

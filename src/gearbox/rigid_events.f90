@@ -5,7 +5,7 @@
 !> part so slowly that their load presses them together again stay closed: else they open each other in turn, ever faster.
 module evl_rigid_events
    use evl_contact_events, only: contact_event
-   use evl_discrete_state, only: first_pair, flanks_of, is_closed
+   use evl_discrete_state, only: first_pair, flanks_of, is_closed, pairs_with
    use evl_event_kinds, only: event_closed, event_impact, event_impacts_ended, event_opened
    use evl_event_log, only: event_log, note
    use evl_gearbox, only: gearbox_local, gearbox_t
@@ -244,13 +244,10 @@ contains
    pure logical function may_close(gearbox, leader, integers)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: leader, integers(:)
-      integer :: m
 
       may_close = gearbox%contacts(leader)%leads
       if (.not. may_close) return
-      may_close = .not. is_closed(gearbox, leader, integers) &
-                  .and. any([(flanks_of(gearbox%contacts(m), integers) == flanks_open, &
-                              m=leader, leader + gearbox%contacts(leader)%n_slots - 1)])
+      may_close = .not. is_closed(gearbox, leader, integers) .and. pairs_with(gearbox, leader, flanks_open, integers) > 0
    end function may_close
 
    !> Gap of a rigid flank and its rate [m], [m/s].

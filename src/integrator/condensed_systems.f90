@@ -18,7 +18,7 @@ module evl_condensed_systems
    implicit none (type, external)
    private
 
-   public :: condensed_t, condensed_create, condensed_factor, condensed_solve, condensed_solve_first, condensed_entries
+   public :: condensed_t, condensed_create, condensed_factor, condensed_solve, condensed_solve_first
 
    integer, parameter :: most_inverted = 8 !! unknowns up to which inverses are faster than factors
 
@@ -136,14 +136,6 @@ contains
          self%coupling_start(m + 1) = size(self%coupling_entry) + 1
       end associate
    end subroutine plan_condensation
-
-   !> Entries of what solves the condensed systems.
-   pure integer function condensed_entries(self) result(entries)
-      type(condensed_t), intent(in) :: self
-
-      entries = size(self%kept)**2
-      if (.not. self%is_inverted) entries = size(self%factors%column)
-   end function condensed_entries
 
    !> Factor s_k I - J for the four complex shifts.
    pure subroutine condensed_factor(self, shift, jacobian, good)

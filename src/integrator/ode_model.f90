@@ -9,11 +9,11 @@
 !> allocate.
 module evl_ode_model
    use evl_kinds, only: lanes, wp
-   use evl_status, only: code_ok, fail, code_invalid_input, has_failed, quantity, status_t
+   use evl_status, only: code_invalid_input, fail, status_t
    implicit none (type, external)
    private
 
-   public :: never, ode_model, check_model
+   public :: never, ode_model
    public :: growth_by_coupling, growth_by_damping, growth_never
 
    integer, parameter :: never = 2 !! as a direction: the root function has no zero in this discrete state and is not looked at
@@ -36,10 +36,8 @@ module evl_ode_model
       procedure(rhs_interface), deferred :: rhs
       procedure(rhs_lanes_interface), deferred :: rhs_lanes
       procedure(jacobian_interface), deferred :: jacobian
-      procedure :: root => root_of_all
       procedure :: roots => no_roots
       procedure :: roots_lanes => no_roots_lanes
-      procedure :: roots_nearby => exact_roots
       procedure :: watched_nearby => nothing_watched
       procedure :: root_directions => no_directions
    end type ode_model
@@ -60,7 +58,7 @@ module evl_ode_model
       subroutine rhs_lanes_interface(self, t, y, f, status)
          import :: lanes, ode_model, status_t, wp
          implicit none (type, external)
-         class(ode_model), intent(in) :: self
+         class(ode_model), intent(inout) :: self !! scratch of its own may change
          real(wp), intent(in) :: t(lanes)
          real(wp), intent(in) :: y(lanes, self%n)
          real(wp), intent(out) :: f(lanes, self%n)
@@ -81,108 +79,43 @@ module evl_ode_model
 
 contains
 
-   !> Refuse a model that the integrator could not work with.
-   subroutine check_model(model, status)
-      class(ode_model), intent(in) :: model
-      type(status_t), intent(inout) :: status
-      integer :: i, p
-      logical :: taken(model%n, model%n)
-
-      if (model%n < 1) then
-         call fail(status, code_invalid_input, "the model has no states")
-         return
-      end if
-      if (.not. (allocated(model%scale) .and. allocated(model%jacobian_row) .and. allocated(model%jacobian_column))) then
-         call fail(status, code_invalid_input, "the model lacks its scales or the pattern of its Jacobian")
-         return
-      end if
-      if (size(model%scale) /= model%n .or. size(model%jacobian_row) /= size(model%jacobian_column)) then
-         call fail(status, code_invalid_input, "the model's scales or the pattern of its Jacobian have the wrong length")
-         return
-      end if
-      do i = 1, model%n
-         if (.not. (model%scale(i) > 0 .and. model%scale(i) <= huge(1.0_wp))) then
-            call fail(status, code_invalid_input, "scale "//quantity(model%scale(i), "")//" of a state is not positive", &
-                      index=i, field="scale")
-            return
-         end if
-      end do
-      taken = .false.
-      do p = 1, size(model%jacobian_row)
-         associate (i => model%jacobian_row(p), j => model%jacobian_column(p))
-            if (min(i, j) < 1 .or. max(i, j) > model%n) then
-               call fail(status, code_invalid_input, "an entry of the Jacobian lies outside the matrix", index=p, &
-                         field="jacobian_row")
-            else if (taken(i, j)) then
-               call fail(status, code_invalid_input, "an entry of the Jacobian is listed twice", index=p, field="jacobian_row")
-            else
-               taken(i, j) = .true.
-            end if
-         end associate
-         if (has_failed(status)) return
-      end do
-   end subroutine check_model
-
    !> Values of the root functions: an event is where one of them passes through zero. Each must be smooth between events.
-   subroutine no_roots(self, t, y, values, status)
+   subroutine no_roots(self, t, y, values, status, only)
       class(ode_model), intent(in) :: self
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(self%n)
-      real(wp), intent(out) :: values(self%n_roots)
+      real(wp), intent(inout) :: values(self%n_roots)
       type(status_t), intent(inout) :: status !! touched on failure only
+      integer, intent(in), optional :: only   !! the one that is wanted, 1 .. n_roots: the others need not be found
 
-      associate (unused_t => t, unused_y => y)
+      associate (unused_t => t, unused_y => y, unused_only => present(only))
          values = 0
       end associate
       if (self%n_roots > 0) call fail(status, code_invalid_input, "the model counts root functions but has none")
    end subroutine no_roots
 
-   !> Value of one root function, in its place; the others may change to theirs. For a model that needs less for one than for all.
-   subroutine root_of_all(self, index, t, y, values, status)
-      class(ode_model), intent(in) :: self
-      integer, intent(in) :: index !! which one: 1 .. n_roots
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(self%n)
-      real(wp), intent(inout) :: values(self%n_roots)
-      type(status_t), intent(inout) :: status !! touched on failure only
-
-      associate (unused => index)
-         call self%roots(t, y, values, status)
-      end associate
-   end subroutine root_of_all
-
-   !> Root functions of eight states at once.
-   subroutine no_roots_lanes(self, t, y, values, status)
-      class(ode_model), intent(in) :: self
+   !> Root functions of eight states at once, which are almost those of the last `rhs_lanes`. For a first look they need not be
+   !> exact: a model that knows most of them from there may give them as they were there. Where one comes near zero the exact ones
+   !> are asked for as well.
+   subroutine no_roots_lanes(self, t, y, exact, values, status)
+      class(ode_model), intent(inout) :: self
       real(wp), intent(in) :: t(lanes)
       real(wp), intent(in) :: y(lanes, self%n)
+      logical, intent(inout) :: exact !! whether they have to be; on return, whether they are
       real(wp), intent(out) :: values(lanes, self%n_roots)
       type(status_t), intent(inout) :: status !! touched on failure only
 
       associate (unused_t => t, unused_y => y)
          values = 0
       end associate
+      exact = .true.
       if (self%n_roots > 0) call fail(status, code_invalid_input, "the model counts root functions but has none")
    end subroutine no_roots_lanes
-
-   !> Root functions of eight states that are almost those of the last `rhs_lanes`, for a first look: a model that knows most of
-   !> them from there may give them as they were there. Where one comes near zero `roots_lanes` is asked as well.
-   subroutine exact_roots(self, t, y, values, exact, status)
-      class(ode_model), intent(in) :: self
-      real(wp), intent(in) :: t(lanes)
-      real(wp), intent(in) :: y(lanes, self%n)
-      real(wp), intent(out) :: values(lanes, self%n_roots)
-      logical, intent(out) :: exact           !! whether they are what `roots_lanes` gives
-      type(status_t), intent(inout) :: status !! touched on failure only
-
-      exact = .true.
-      call self%roots_lanes(t, y, values, status)
-   end subroutine exact_roots
 
    !> Watched channels in eight states that are almost those of the last `rhs_lanes`, in rows that are smooth between events: a
    !> channel is the largest of its rows. What is 0 may be left out.
    subroutine nothing_watched(self, y, n, channels, values)
-      class(ode_model), intent(in) :: self
+      class(ode_model), intent(inout) :: self
       real(wp), intent(in) :: y(lanes, self%n)
       integer, intent(out) :: n
       integer, intent(inout) :: channels(:)       !! [n_rows] the first n of these: to which channel a row belongs

@@ -21,7 +21,7 @@ module evl_radau
    use evl_extreme_finder, only: candidate_t, extreme_finder_create, extreme_finder_t
    use evl_growth, only: growth_create, growth_forget, growth_t, limit_step
    use evl_kinds, only: lanes, wp
-   use evl_ode_model, only: check_model, growth_never, ode_model
+   use evl_ode_model, only: growth_never, ode_model
    use evl_root_finder, only: root_finder_create, root_finder_restart, root_finder_t
    use evl_root_forecast, only: forecast_crossing
    use evl_stage_solver, only: factor_systems, forget, forget_start, move_start, newton_converged, predict_from, set_weights, &
@@ -115,7 +115,7 @@ module evl_radau
       module subroutine attempt(self, model, h, error, status)
          implicit none (type, external)
          type(radau_t), intent(inout) :: self
-         class(ode_model), intent(in) :: model
+         class(ode_model), intent(inout) :: model
          real(wp), intent(in) :: h
          real(wp), intent(out) :: error !! weighted estimate: the step is good below 1
          type(status_t), intent(inout) :: status
@@ -125,7 +125,7 @@ module evl_radau
       module subroutine finish(self, model, h, to_stop, t_stop, done, outcome, status)
          implicit none (type, external)
          type(radau_t), intent(inout) :: self
-         class(ode_model), intent(in) :: model
+         class(ode_model), intent(inout) :: model
          real(wp), intent(in) :: h       !! the step
          logical, intent(in) :: to_stop  !! it ends at t_stop
          real(wp), intent(in) :: t_stop
@@ -162,7 +162,7 @@ module evl_radau
       module subroutine radau_look(self, model, high, low, n, found)
          implicit none (type, external)
          type(radau_t), intent(inout) :: self
-         class(ode_model), intent(in) :: model
+         class(ode_model), intent(inout) :: model
          real(wp), intent(in) :: high(:), low(:)      !! [n_watched] extremes so far; +huge and -huge if nobody asks
          integer, intent(out) :: n
          type(candidate_t), intent(inout) :: found(:) !! [most_candidates n_rows] times in units of `radau_step`
@@ -185,8 +185,6 @@ contains
       type(radau_options), intent(in) :: options
       type(status_t), intent(inout) :: status
 
-      call check_model(model, status)
-      if (has_failed(status)) return
       if (.not. (options%tolerance >= 1.0e-13_wp .and. options%tolerance <= 0.1_wp)) then
          call fail(status, code_invalid_input, "tolerance "//quantity(options%tolerance, "")//" is not in 1e-13 .. 0.1", &
                    field="tolerance")
@@ -279,7 +277,7 @@ contains
    !> Make one step, at most to t_stop and at most to the next event.
    subroutine radau_advance(self, model, t_stop, outcome, status)
       type(radau_t), intent(inout) :: self
-      class(ode_model), intent(in) :: model
+      class(ode_model), intent(inout) :: model
       real(wp), intent(in) :: t_stop          !! after the present time
       integer, intent(out) :: outcome         !! one of the outcomes above; of no use on failure
       type(status_t), intent(inout) :: status !! `code_out_of_domain`: the model has no answer for any step, in its words;

@@ -68,7 +68,7 @@ contains
    !> the rest is a correction along the new polynomial, or, if it is too large for that, one more step.
    subroutine go_to_event(self, model, h, first, done, status)
       type(radau_t), intent(inout) :: self
-      class(ode_model), intent(in) :: model
+      class(ode_model), intent(inout) :: model
       real(wp), intent(in) :: h
       integer, intent(in) :: first
       logical, intent(out) :: done

@@ -94,7 +94,7 @@ contains
    !> Find the first crossing of each function in a step and locate it on the collocation polynomial.
    subroutine find_crossings(self, model, step, y, z, stage_y, first, status)
       type(root_finder_t), intent(inout) :: self
-      class(ode_model), intent(in) :: model
+      class(ode_model), intent(inout) :: model
       type(step_state), intent(in) :: step
       real(wp), intent(in) :: y(model%n)        !! at the start
       real(wp), intent(in) :: z(lanes, model%n) !! increments
@@ -108,12 +108,14 @@ contains
       first = 0
       time = step%t + step%h*node
       self%change = 0
-      call model%roots_nearby(time, stage_y, self%g, exact, status)
+      exact = .false.
+      call model%roots_lanes(time, stage_y, exact, self%g, status)
       if (has_failed(status)) return
       call list_near(self%n, self%n_live, self%live, self%g, self%sign_now, self%sign_after, self%n_near, self%near)
       if (self%n_near == 0) return
       if (.not. exact) then
-         call model%roots_lanes(time, stage_y, self%g, status)
+         exact = .true.
+         call model%roots_lanes(time, stage_y, exact, self%g, status)
          if (has_failed(status)) return
          call list_near(self%n, self%n_live, self%live, self%g, self%sign_now, self%sign_after, self%n_near, self%near)
       end if
@@ -344,7 +346,7 @@ contains
       type(status_t), intent(inout) :: status
 
       call go_to(self, y, z, tau)
-      call model%root(i, step%t + tau*step%h, self%y, self%value, status)
+      call model%roots(step%t + tau*step%h, self%y, self%value, status, only=i)
    end subroutine value_at
 
    !> All root functions at one time of a step.

@@ -245,7 +245,7 @@ contains
    !> Find the stages of the step from (t, y) to t + h, from the prediction in z and w; the factors are those of h.
    subroutine solve_stages(self, model, t, y, h, outcome, status)
       type(stage_solver_t), intent(inout) :: self
-      class(ode_model), intent(in) :: model
+      class(ode_model), intent(inout) :: model
       real(wp), intent(in) :: t, h
       real(wp), intent(in) :: y(self%n)
       integer, intent(out) :: outcome         !! one of the codes newton_...
@@ -259,7 +259,7 @@ contains
    !> Newton's iteration for the coupled states; the last change is left in `change`, transformed.
    subroutine iterate_to_end(self, model, t, y, h, outcome, status)
       type(stage_solver_t), intent(inout) :: self
-      class(ode_model), intent(in) :: model
+      class(ode_model), intent(inout) :: model
       real(wp), intent(in) :: t, h
       real(wp), intent(in) :: y(self%n)
       integer, intent(out) :: outcome

@@ -46,6 +46,7 @@ contains
    include "numerics/all_positive.inc"
    include "numerics/logarithm_terms.inc"
    include "numerics/logarithm.inc"
+   include "numerics/lambert_w.inc"
 
    !> Name and source.
    pure subroutine describe(info)
@@ -183,38 +184,6 @@ contains
       d_rho = sign(4.0_wp*ratio*d_h*w_inverse, -h)
       code = merge(code_ok, code_out_of_domain, inside)
    end subroutine johnson_force
-
-   !> Of w - ln w = 1 + excess, w > 1, that is w = -W_{-1}(-exp(-1 - excess)): v = w - 1 and 1/w.
-   !>
-   !> v is p = sqrt(2 excess) times a rational function of p, fitted for the least largest relative error over 0 < p < 37.4
-   !> (tests/reference/johnson_fraction.py): that error is 6.7e-17. All coefficients are positive, so nothing cancels, and both
-   !> polynomials are 1 at p = 0, where v begins as p does.
-   elemental subroutine lambert_w(excess, v, w_inverse)
-      real(wp), intent(in) :: excess     !! -ln(x) - 1, in (0, 698)
-      real(wp), intent(out) :: v         !! w - 1
-      real(wp), intent(out) :: w_inverse !! 1/w
-      real(wp), parameter :: n(11) = [1.91933769723438345e+00_wp, 1.65582549061094202e+00_wp, 8.45138060724112465e-01_wp, &
-                                      2.80289015626441302e-01_wp, 6.2254870687928949e-02_wp, 9.18229989354789232e-03_wp, &
-                                      8.59994248950026805e-04_wp, 4.6805618900177341e-05_wp, 1.30471136271924595e-06_wp, &
-                                      1.55596029151868745e-08_wp, 5.54424225361925718e-11_wp]
-      real(wp), parameter :: d(10) = [1.58600436390104367e+00_wp, 1.09937959153302007e+00_wp, 4.38326223806263887e-01_wp, &
-                                      1.09284561137510324e-01_wp, 1.72968118434370046e-02_wp, 1.68225513335539635e-03_wp, &
-                                      9.30391275656978935e-05_wp, 2.60669191930539083e-06_wp, 3.11183640626739897e-08_wp, &
-                                      1.10885488074740248e-10_wp]
-      real(wp) :: p, p2, p4, p8, above, below
-
-      p = sqrt(2.0_wp*excess)
-      p2 = p**2
-      p4 = p2**2
-      p8 = p4**2
-      above = (((1.0_wp + p*n(1)) + p2*(n(2) + p*n(3))) + p4*((n(4) + p*n(5)) + p2*(n(6) + p*n(7)))) &
-              + p8*((n(8) + p*n(9)) + p2*(n(10) + p*n(11))) ! short chains
-      below = (((1.0_wp + p*d(1)) + p2*(d(2) + p*d(3))) + p4*((d(4) + p*d(5)) + p2*(d(6) + p*d(7)))) &
-              + p8*((d(8) + p*d(9)) + p2*d(10))
-      above = p*above
-      v = above/below
-      w_inverse = below/(below + above)
-   end subroutine lambert_w
 
    !> Penetration from the force per unit width.
    !>

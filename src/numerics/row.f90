@@ -26,8 +26,8 @@ module evl_row
    integer, parameter :: type_triple = 3      !! [x, y, z], all in the range
    integer, parameter :: type_quaternion = 4  !! [w, x, y, z], all in the range
    integer, parameter :: type_series = 5      !! a list of numbers
-   integer, parameter :: type_knots = 6       !! times of a table, strictly increasing, at least two
-   integer, parameter :: type_at_knots = 7    !! as many numbers as the block has times
+   integer, parameter :: type_knots = 6       !! knots of a table, strictly increasing, at least two
+   integer, parameter :: type_at_knots = 7    !! as many numbers as the block has knots
    integer, parameter :: type_named = 8       !! name: number, for each name
    integer, parameter :: type_text = 9        !! any text
    integer, parameter :: type_name = 10       !! a word that names this block in paths and references

@@ -451,6 +451,48 @@ def test_named_cases_are_run_again_and_the_later_line_counts(
     assert after.results == {**after.results, **{r["case"]: _timeless(r) for r in after.rows[:6]}}
 
 
+def test_a_list_leaves_out_what_was_recorded_since_it_was_written(
+    evolvent: Evolvent, design: Path
+) -> None:
+    """A job that is requeued goes on with what is left of its list."""
+    assert evolvent("batch", design, "-o", "r").returncode == 0
+    cases = design.parent / "cases.txt"
+
+    def run(text: str) -> list[int]:
+        journal = design.parent / JOURNAL
+        before = len(read_journal(journal).rows) if journal.exists() else 0
+        cases.write_text(text)
+        result = evolvent("batch", design, "-o", "r", "--cases", "cases.txt")
+        assert result.returncode == 0, result.stderr
+        return [row["case"] for row in read_journal(journal).rows[before:]]
+
+    journal = json.loads(evolvent("records", "r").stdout.splitlines()[0])["journals"][0]
+    assert journal["rows"] == 6
+    assert run("after 6\n4\n") == [4]
+    assert run("after 6\n4\n1\n") == [1]  # 4 was run since
+    assert run("after 6\n4\n1\n") == []
+    assert run("after 8\n4\n1\n") == [1, 4]  # a later list
+    (design.parent / JOURNAL).unlink()
+    assert run("after 6\n4\n1\n") == [1, 4]
+
+
+def test_records_are_counted_by_what_became_of_the_cases(
+    evolvent: Evolvent, design: Path, tmp_path: Path
+) -> None:
+    columns = {
+        "wheels.pinion.loads.0.value": [-1.0, -2.0, -3.0],
+        "simulation.duration": [0.01, -1, 0.01],
+    }
+    bad = write_design(tmp_path / "bad.h5", columns)
+    assert evolvent("batch", bad, "-o", "r").returncode == 1
+    (tmp_path / "cases.txt").write_text("0\n")
+    assert evolvent("batch", bad, "-o", "r", "--cases", "cases.txt").returncode == 1
+    counts = {"torn": 0, "rows": 4, "done": 2, "failed": 0, "refused": 1}
+    assert json.loads(evolvent("records", "r", "--counts").stdout) == counts
+    head = json.loads(evolvent("records", "r", "--brief").stdout.splitlines()[0])
+    assert {key: head[key] for key in counts} == counts
+
+
 def _timeless(row: dict[str, object]) -> dict[str, object]:
     return {name: value for name, value in row.items() if name not in TIMINGS}
 
@@ -463,7 +505,7 @@ def test_named_cases_of_other_shards_are_left_to_them(evolvent: Evolvent, design
     assert sorted(read_folder(design.parent / "r")) == [0, 1, 2, 3]
 
 
-@pytest.mark.parametrize("line", ["6", "-1", "one", "1 2", "99999999999999999999"])
+@pytest.mark.parametrize("line", ["6", "-1", "one", "1 2", "99999999999999999999", "after 3"])
 def test_numbers_of_no_case_are_refused(evolvent: Evolvent, design: Path, line: str) -> None:
     (design.parent / "cases.txt").write_text(f"0\n{line}\n")
     result = evolvent("batch", design, "-o", "r", "--cases", "cases.txt")

@@ -23,7 +23,7 @@ static const char path[] = "test_journal.tmp.jsonl";
 static const char head[] = "{\"journal\":1}";
 #define ROW(index, status) "{\"case\":" #index ",\"status\":\"" status "\",\"message\":\"{a: 1}\",\"at\":1.5}"
 
-static journal_status status[N_CASES];
+static journal_case cases[N_CASES];
 static long n_recorded;
 
 static void write_file(const char *text)
@@ -46,7 +46,7 @@ static void assert_file(const char *expected)
 
 static bool open_file(journal *journal, evl_error *error)
 {
-    return journal_open(journal, path, head, N_CASES, status, &n_recorded, error);
+    return journal_open(journal, path, head, N_CASES, cases, &n_recorded, error);
 }
 
 static int remove_file(void **state)
@@ -63,14 +63,14 @@ static void a_new_journal_has_its_head_only(void **state)
     assert_true(open_file(&journal, &error));
     assert_int_equal(n_recorded, 0);
     for (int i = 0; i < N_CASES; i++) {
-        assert_int_equal(status[i], JOURNAL_MISSING);
+        assert_int_equal(cases[i].status, JOURNAL_MISSING);
     }
     assert_true(journal_sync(&journal, &error));
     journal_close(&journal);
     assert_file("{\"journal\":1}\n");
 }
 
-static void what_was_appended_is_read_and_the_later_line_counts(void **state)
+static void what_was_appended_is_read_with_its_row_and_the_later_line_counts(void **state)
 {
     (void)state;
     static const char *const rows[] = {ROW(2, "failed") "\n", ROW(0, "done") "\n", ROW(2, "done") "\n",
@@ -85,7 +85,11 @@ static void what_was_appended_is_read_and_the_later_line_counts(void **state)
     assert_true(open_file(&journal, &error));
     journal_close(&journal);
     static const journal_status expected[] = {JOURNAL_DONE, JOURNAL_MISSING, JOURNAL_DONE, JOURNAL_REFUSED};
-    assert_memory_equal(status, expected, sizeof expected);
+    static const long row[] = {2, 0, 3, 4};
+    for (int i = 0; i < N_CASES; i++) {
+        assert_int_equal(cases[i].status, expected[i]);
+        assert_int_equal(cases[i].row, row[i]);
+    }
     assert_int_equal(n_recorded, 3);
 }
 
@@ -103,13 +107,13 @@ static void every_cut_of_the_last_line_leaves_the_others_and_is_closed(void **st
         assert_true(open_file(&journal, &error));
         journal_close(&journal);
         const bool is_there = cut >= length - 1; /* only the newline is missing */
-        assert_int_equal(status[1], JOURNAL_DONE);
-        assert_int_equal(status[2], is_there ? JOURNAL_FAILED : JOURNAL_MISSING);
+        assert_int_equal(cases[1].status, JOURNAL_DONE);
+        assert_int_equal(cases[2].status, is_there ? JOURNAL_FAILED : JOURNAL_MISSING);
         (void)snprintf(closed, sizeof closed, "%s%s", text, cut == start || cut == length ? "" : "\n");
         assert_file(closed);
         assert_true(open_file(&journal, &error)); /* a closed torn line does not count either */
         journal_close(&journal);
-        assert_int_equal(status[2], is_there ? JOURNAL_FAILED : JOURNAL_MISSING);
+        assert_int_equal(cases[2].status, is_there ? JOURNAL_FAILED : JOURNAL_MISSING);
     }
 }
 
@@ -235,7 +239,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(a_new_journal_has_its_head_only, remove_file),
-        cmocka_unit_test_teardown(what_was_appended_is_read_and_the_later_line_counts, remove_file),
+        cmocka_unit_test_teardown(what_was_appended_is_read_with_its_row_and_the_later_line_counts, remove_file),
         cmocka_unit_test_teardown(every_cut_of_the_last_line_leaves_the_others_and_is_closed, remove_file),
         cmocka_unit_test_teardown(lines_that_are_none_of_ours_do_not_count, remove_file),
         cmocka_unit_test_teardown(a_torn_head_is_written_anew, remove_file),

@@ -3,11 +3,11 @@ module callback_model
    use, intrinsic :: iso_c_binding, only: c_double, c_f_procpointer, c_funptr, c_int
    use evl_kinds, only: lanes, wp
    use evl_ode_model, only: ode_model
-   use evl_status, only: code_ok, fail, status_t
+   use evl_status, only: code_invalid_input, code_ok, fail, has_failed, quantity, status_t
    implicit none (type, external)
    private
 
-   public :: callback_model_t, callback_model_create
+   public :: callback_model_t, callback_model_create, check_model
 
    type, extends(ode_model) :: callback_model_t
       procedure(vector_callback), pointer, nopass :: f => null()
@@ -80,7 +80,7 @@ contains
    end subroutine rhs
 
    subroutine rhs_lanes(self, t, y, f, status)
-      class(callback_model_t), intent(in) :: self
+      class(callback_model_t), intent(inout) :: self
       real(wp), intent(in) :: t(lanes)
       real(wp), intent(in) :: y(lanes, self%n)
       real(wp), intent(out) :: f(lanes, self%n)
@@ -105,25 +105,28 @@ contains
       call answer(self%df_dy(t, y, values), status)
    end subroutine jacobian
 
-   subroutine roots(self, t, y, values, status)
+   subroutine roots(self, t, y, values, status, only)
       class(callback_model_t), intent(in) :: self
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(self%n)
-      real(wp), intent(out) :: values(self%n_roots)
+      real(wp), intent(inout) :: values(self%n_roots)
       type(status_t), intent(inout) :: status
+      integer, intent(in), optional :: only
 
       call answer(self%g(t, y, values), status)
    end subroutine roots
 
-   subroutine roots_lanes(self, t, y, values, status)
-      class(callback_model_t), intent(in) :: self
+   subroutine roots_lanes(self, t, y, exact, values, status)
+      class(callback_model_t), intent(inout) :: self
       real(wp), intent(in) :: t(lanes)
       real(wp), intent(in) :: y(lanes, self%n)
+      logical, intent(inout) :: exact
       real(wp), intent(out) :: values(lanes, self%n_roots)
       type(status_t), intent(inout) :: status
       real(wp) :: state(self%n), here(self%n_roots)
       integer :: k
 
+      exact = .true.
       do k = 1, lanes
          state = y(k, :)
          call answer(self%g(t(k), state, here), status)
@@ -137,5 +140,47 @@ contains
 
       call self%directions(directions)
    end subroutine root_directions
+
+   !> Refuse a model that the integrator could not work with.
+   subroutine check_model(model, status)
+      class(ode_model), intent(in) :: model
+      type(status_t), intent(inout) :: status
+      integer :: i, p
+      logical :: taken(model%n, model%n)
+
+      if (model%n < 1) then
+         call fail(status, code_invalid_input, "the model has no states")
+         return
+      end if
+      if (.not. (allocated(model%scale) .and. allocated(model%jacobian_row) .and. allocated(model%jacobian_column))) then
+         call fail(status, code_invalid_input, "the model lacks its scales or the pattern of its Jacobian")
+         return
+      end if
+      if (size(model%scale) /= model%n .or. size(model%jacobian_row) /= size(model%jacobian_column)) then
+         call fail(status, code_invalid_input, "the model's scales or the pattern of its Jacobian have the wrong length")
+         return
+      end if
+      do i = 1, model%n
+         if (.not. (model%scale(i) > 0 .and. model%scale(i) <= huge(1.0_wp))) then
+            call fail(status, code_invalid_input, "scale "//quantity(model%scale(i), "")//" of a state is not positive", &
+                      index=i, field="scale")
+            return
+         end if
+      end do
+      taken = .false.
+      do p = 1, size(model%jacobian_row)
+         associate (i => model%jacobian_row(p), j => model%jacobian_column(p))
+            if (min(i, j) < 1 .or. max(i, j) > model%n) then
+               call fail(status, code_invalid_input, "an entry of the Jacobian lies outside the matrix", index=p, &
+                         field="jacobian_row")
+            else if (taken(i, j)) then
+               call fail(status, code_invalid_input, "an entry of the Jacobian is listed twice", index=p, field="jacobian_row")
+            else
+               taken(i, j) = .true.
+            end if
+         end associate
+         if (has_failed(status)) return
+      end do
+   end subroutine check_model
 
 end module callback_model

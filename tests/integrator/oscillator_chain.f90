@@ -93,7 +93,7 @@ contains
    end subroutine rhs
 
    subroutine rhs_lanes(self, t, y, f, status)
-      class(oscillator_chain_t), intent(in) :: self
+      class(oscillator_chain_t), intent(inout) :: self
       real(wp), intent(in) :: t(lanes)
       real(wp), intent(in) :: y(lanes, self%n)
       real(wp), intent(out) :: f(lanes, self%n)
@@ -159,23 +159,26 @@ contains
 
    end subroutine jacobian
 
-   subroutine roots(self, t, y, values, status)
+   subroutine roots(self, t, y, values, status, only)
       class(oscillator_chain_t), intent(in) :: self
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(self%n)
-      real(wp), intent(out) :: values(self%n_roots)
+      real(wp), intent(inout) :: values(self%n_roots)
       type(status_t), intent(inout) :: status
+      integer, intent(in), optional :: only
 
       values = y(self%masses + 1:)
    end subroutine roots
 
-   subroutine roots_lanes(self, t, y, values, status)
-      class(oscillator_chain_t), intent(in) :: self
+   subroutine roots_lanes(self, t, y, exact, values, status)
+      class(oscillator_chain_t), intent(inout) :: self
       real(wp), intent(in) :: t(lanes)
       real(wp), intent(in) :: y(lanes, self%n)
+      logical, intent(inout) :: exact
       real(wp), intent(out) :: values(lanes, self%n_roots)
       type(status_t), intent(inout) :: status
 
+      exact = .true.
       values = y(:, self%masses + 1:)
    end subroutine roots_lanes
 

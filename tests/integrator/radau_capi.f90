@@ -3,11 +3,10 @@
 !> Indices count from 0 in C. Each function that can fail returns a code of `evl_status`; rt_message gives the words.
 module radau_capi
    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_funptr, c_int, c_loc, c_null_char, c_ptr
-   use callback_model, only: callback_model_create, callback_model_t
+   use callback_model, only: callback_model_create, callback_model_t, check_model
    use chain_run, only: run_chain
    use evl_collocation, only: lagrange_at
-   use evl_condensed_systems, only: condensed_create, condensed_entries, condensed_factor, condensed_solve, &
-                                    condensed_solve_first, condensed_t
+   use evl_condensed_systems, only: condensed_create, condensed_factor, condensed_solve, condensed_solve_first, condensed_t
    use evl_dense_lu, only: dense_lu_create, dense_lu_factor, dense_lu_solve, dense_lu_solve_first, dense_lu_t
    use evl_eigenvalues, only: find_eigenvalues
    use evl_kinds, only: lanes, wp
@@ -122,7 +121,9 @@ contains
       model%growth = growth
       allocate (session)
       allocate (session%model, source=model)
-      call radau_create(session%solver, session%model, radau_options(tolerance, max_step, first_step), session%status)
+      call check_model(session%model, session%status)
+      if (.not. has_failed(session%status)) &
+         call radau_create(session%solver, session%model, radau_options(tolerance, max_step, first_step), session%status)
       handle = c_loc(session)
    end function rt_new
 
@@ -267,5 +268,13 @@ contains
       end select
       code = session%status%code
    end function rt_integrate_chain
+
+   !> Entries of what solves the condensed systems.
+   pure integer function condensed_entries(self) result(entries)
+      type(condensed_t), intent(in) :: self
+
+      entries = size(self%kept)**2
+      if (.not. self%is_inverted) entries = size(self%factors%column)
+   end function condensed_entries
 
 end module radau_capi

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from real_gears import RealPair, no_events
 
 from evolvent import HistoryError, open_events
-from evolvent.figures.over_time import MAX_POINTS
+from evolvent.figures.over_time import MAX_POINTS, PEAK
 from evolvent.figures.style import MAX_MARKS, save
 from evolvent.figures.table import (
     FIGURES,
@@ -65,6 +65,20 @@ def test_penetration_figure_shows_both_lengths_in_nanometres(friction_run):
         ("penetration $h$", "penetration"),
     ):
         np.testing.assert_allclose(lines[label], history[name][:, 0] * 1e9, rtol=1e-12)
+
+
+def test_a_part_of_a_run_marks_the_extremes_in_it_only(friction_run):
+    history = friction_run.history
+    time, depth = history["time"].values, history["penetration"].values
+    told = history.assign(
+        penetration_max=("mesh", depth.max(axis=0) * 3), penetration_max_time=("mesh", [time[2]])
+    )
+    marked = penetration(Run(told))
+    assert _texts(marked)[-1] == PEAK
+    part = penetration(Run(told.isel(time=slice(10, None))))
+    part.draw_without_rendering()  # one far outside of the panel left no room for it
+    assert PEAK not in _texts(part)
+    assert part.axes[0].get_ylim()[1] < marked.axes[0].get_ylim()[1] / 2
 
 
 def test_transmission_errors_of_several_runs_come_with_their_labels(friction_run, smooth_run):

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from evolvent.figures.scheme import figure_mesh_scheme, mesh_geometry
+from evolvent.figures.scheme import figure_mesh_scheme
+from evolvent.physics.teeth import drawn_meshes
 
 
 def _turned(history: xr.Dataset, angle: float, flank: int) -> xr.Dataset:
@@ -24,7 +25,7 @@ def _turned(history: xr.Dataset, angle: float, flank: int) -> xr.Dataset:
     ids=["paper", "mirrored", "turned", "turned-mirrored"],
 )
 def geometry(request, smooth_run):
-    return mesh_geometry(_turned(smooth_run.history, *request.param), 0)
+    return drawn_meshes(_turned(smooth_run.history, *request.param))[0]
 
 
 def test_line_of_action_touches_both_base_circles(geometry):
@@ -66,23 +67,25 @@ def test_flank_is_an_involute_of_its_base_circle(geometry, wheel):
 
 
 def test_flanks_touch_on_the_line_of_action(geometry):
-    contact = geometry.start + 0.3 * geometry.path
-    point = geometry.points["K_A"] + contact * geometry.along
+    start, along, _ = geometry.line()
+    contact = geometry.path[0] + 0.3 * (geometry.path[1] - geometry.path[0])
+    point = start + contact * along
     one, two = (geometry.flank(wheel, contact, n=20001) for wheel in (0, 1))
     for flank in (one, two):
         nearest = int(np.argmin(np.abs(flank - point)))
         assert abs(flank[nearest] - point) < 1e-5  # half of the spacing of the points
         tangent = flank[nearest + 1] - flank[nearest - 1]
-        along = (tangent * geometry.along.conjugate()).real / abs(tangent)
-        assert abs(along) < 1e-3  # the normal is the line of action
+        aligned = (tangent * along.conjugate()).real / abs(tangent)
+        assert abs(aligned) < 1e-3  # the normal is the line of action
 
 
 def test_flanks_do_not_cut_each_other(geometry):
     """Each flank stays on its side of the common tangent: apart from the contact, on both sides."""
-    contact = geometry.start + 0.3 * geometry.path
-    point = geometry.points["K_A"] + contact * geometry.along
+    start, along, _ = geometry.line()
+    contact = geometry.path[0] + 0.3 * (geometry.path[1] - geometry.path[0])
+    point = start + contact * along
     for wheel, side in ((0, -1), (1, 1)):
-        beyond = ((geometry.flank(wheel, contact) - point) * geometry.along.conjugate()).real
+        beyond = ((geometry.flank(wheel, contact) - point) * along.conjugate()).real
         assert (side * beyond >= -1e-15).all()
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 import h5py
 import pytest
 
-from evolvent.sweep.folder import is_locked, shards_of
+from evolvent.sweep.folder import Shard, is_locked
 from processes import awaits
 
 HERE = Path(__file__).resolve().parent
@@ -77,6 +77,10 @@ def wait_for_jobs() -> None:
     wait_until(lambda: ask("squeue", "--noheader") == "", "the end of all jobs")
 
 
+def journals(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.glob("shard-*.jsonl"))
+
+
 def recorded(folder: Path) -> list[int]:
     """Cases in the order of the journals, whatever became of them."""
     cases = []
@@ -133,7 +137,7 @@ def test_an_array_with_failing_cases_is_collected_and_goes_on_with_what_is_missi
     wait_for_jobs()
 
     assert sorted(recorded(Path("d"))) == list(range(n))
-    assert len(shards_of(Path("d"))) == 4
+    assert journals(Path("d")) == [f"shard-{i}-of-4.jsonl" for i in range(1, 5)]
     with h5py.File("d/summary.h5") as summary:  # the collector came after the array
         status = summary["status"][:].tolist()
     assert [i for i in range(n) if status[i] == 2] == sorted(turned)
@@ -179,7 +183,7 @@ def test_more_shards_than_an_array_takes_go_in_several_and_failed_cases_are_retr
     assert re.search(r"submitted: 12 shards as 3 arrays, \d+, \d+, \d+, the collector as \d+", out)
     wait_for_jobs()
     assert sorted(recorded(Path("d"))) == list(range(n))
-    assert [shard.index for shard in shards_of(Path("d"))] == list(range(1, 13))
+    assert journals(Path("d")) == sorted(f"shard-{i}-of-12.jsonl" for i in range(1, 13))
     logs = {path.name for path in Path("d/slurm").glob("shard-*.log")}
     assert logs >= {"shard-1.log", "shard-5+1.log", "shard-10+2.log"}
     counts = "24 cases: 21 done, 3 did not finish (2 failed, 1 refused), 0 missing"
@@ -245,7 +249,7 @@ def assert_continued(first: list[int], n: int) -> None:
     """All cases are recorded once, and those of the first start stayed."""
     assert recorded(Path("d"))[: len(first)] == first
     assert sorted(recorded(Path("d"))) == list(range(n))
-    assert not is_locked(Path("d"), shards_of(Path("d"))[0])
+    assert not is_locked(Path("d"), Shard(1, 1))
     assert (
         f"{n} cases: {n} done, 0 did not finish, 0 missing"
         in Path("d/slurm/collect.log").read_text()

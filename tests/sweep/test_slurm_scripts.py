@@ -1,4 +1,4 @@
-"""Scripts for Slurm without one: how shards become arrays, and what is left of a retry."""
+"""Scripts for Slurm without one: how shards become arrays, and what their tasks run."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ import pytest
 from evolvent.sweep import slurm
 from evolvent.sweep.errors import SweepError
 from evolvent.sweep.folder import Shard
-from evolvent.sweep.left import left, write_list
 
 
 def fake(folder: Path, name: str, text: str, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -46,7 +45,7 @@ def test_every_python_module_that_a_script_starts_can_be_started(tmp_path):
     )
     texts = "".join(file.read_text() for file in (*files, collector))
     modules = set(re.findall(r" -m (evolvent\S*)", texts))
-    assert len(modules) == 2  # what is left of a list, and collect
+    assert modules == {"evolvent.commands.sweep"}
     for module in modules:
         done = subprocess.run(
             [sys.executable, "-m", module, "--help"], capture_output=True, text=True, check=False
@@ -92,19 +91,15 @@ echo $(wc -l <{calls});cluster"""
     assert len(asked) == 4
 
 
-def test_a_retry_that_is_requeued_goes_on_with_what_is_left(tmp_path):
-    shard, lists = Shard(4, 2), tmp_path / "slurm" / "retry"
-    lists.mkdir(parents=True)
-    journal = tmp_path / "shard-2-of-4.jsonl"
-    row = '{{"case":{},"status":"failed"}}\n'.format
-    journal.write_text(row(1) + row(5) + row(9))
-    write_list(tmp_path, lists, shard, [1, 9, 13])
-    assert left(tmp_path, lists, shard) == [1, 9, 13]  # recorded before
-    with journal.open("a") as file:
-        file.write(row(9) + row(13)[:-3])  # cut off
-    assert left(tmp_path, lists, shard) == [1, 13]
-    journal.unlink()
-    assert left(tmp_path, lists, shard) == [1, 9, 13]
+def test_a_task_of_a_retry_runs_the_list_of_its_shard(tmp_path):
+    lists, arrays = tmp_path / "a b", slurm.split_arrays([Shard(12, 7)], 5)
+    (script,), _ = slurm.write_scripts(
+        Path("/bin/evolvent"), tmp_path / "d.h5", tmp_path, arrays, 1, slurm.Site(), lists
+    )
+    (line,) = (text for text in script.read_text().splitlines() if "batch" in text.split()[:2])
+    shown = ["bash", "-c", f"shard=7; printf '%s\\n' {line.removesuffix('&')}"]
+    words = subprocess.run(shown, capture_output=True, text=True, check=True).stdout.splitlines()
+    assert words[words.index("--cases") + 1] == f"{lists}/shard-7-of-12.txt"
 
 
 def test_scripts_of_several_arrays_name_their_shards(tmp_path):

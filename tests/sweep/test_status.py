@@ -48,7 +48,7 @@ def test_every_command_counts_what_did_not_finish_alike(sweep, tmp_path):
         figure = figure_response(summary, "penetration_max", ())
     legend = [text.get_text() for found in figure.legends for text in found.get_texts()]
     assert "did not finish: 5 of 20" in legend
-    assert "8 of 20 cases, 5 did not finish" in progress_line(Tally(folder, [], records))
+    assert "8 of 20 cases, 5 did not finish" in progress_line(Tally(folder, records))
 
 
 def test_reasons_that_differ_in_numbers_are_one_and_the_most_frequent_comes_first(tmp_path):

@@ -12,9 +12,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from evolvent.history import HistoryError
-from evolvent.pages.paper import (
+from paper_page import Costs, page
+from paper_runs import (
     PaperRun,
     PaperRuns,
     calm,
@@ -28,7 +27,8 @@ from evolvent.pages.paper import (
     mean_force,
     quasi_static,
 )
-from evolvent.pages.paper_page import Costs, page
+
+from evolvent.history import HistoryError
 from system.runs import FRICTION, FRICTIONLESS
 
 RIGID, RIGID_FRICTION = "paper-rigid.yaml", "paper-rigid-friction.yaml"

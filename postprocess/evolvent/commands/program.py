@@ -10,6 +10,7 @@ from typing import Annotated
 
 import typer
 from rich.console import Console
+from rich.table import Column
 
 from evolvent.version import __version__
 
@@ -56,6 +57,11 @@ def make_program(
 def new_console() -> Console:
     """Console for tables; into a file or pipe lines are not broken: scripts read them."""
     return Console() if sys.stdout.isatty() else Console(width=160)
+
+
+def right(header: str) -> Column:
+    """Column of a table whose texts stand at the right, as numbers do."""
+    return Column(header, justify="right")
 
 
 def json_number(value: float | None) -> float | str | None:

@@ -74,18 +74,18 @@ def figure_over_time(panels: Sequence[Panel]) -> Figure:
 def _draw(axis: Axes, panel: Panel) -> None:
     shown = [_within(curve.values, panel.window) for curve in panel.curves]
     units = str(shown[0].attrs.get("units", "1"))
-    shown_peaks = [_peaks_within(curve, panel.window) for curve in panel.curves]
-    heights = [abs(value) for curve in shown_peaks for _, value in curve]
-    largest = max([_largest(values) for values in shown] + heights)
-    factor, unit = prefixed(largest, units)
+    shown_peaks = [
+        _peaks_within(curve, values) for curve, values in zip(panel.curves, shown, strict=True)
+    ]
+    heights = [value for curve in shown_peaks for _, value in curve]
+    factor, unit = prefixed(np.concatenate([heights, *(values.values for values in shown)]), units)
     for number, (curve, values) in enumerate(zip(panel.curves, shown, strict=True)):
         style = LINES[(number if curve.style is None else curve.style) % len(LINES)]
         axis.plot(
             *_thinned(values["time"].values, values.values * factor), label=curve.label, **style
         )
-    for number, (curve, places) in enumerate(zip(panel.curves, shown_peaks, strict=True)):
-        style = LINES[(number if curve.style is None else curve.style) % len(LINES)]
-        _mark_peaks(axis, places, factor, style["color"])
+    for line, places in zip(list(axis.lines), shown_peaks, strict=True):
+        _mark_peaks(axis, places, factor, line.get_color())
     axis.set_ylabel(f"{panel.ylabel} [{unit}]" if unit else panel.ylabel)
     times = [values["time"].values for values in shown if values.size]
     if times:
@@ -96,12 +96,10 @@ def _draw(axis: Axes, panel: Panel) -> None:
     axis.ticklabel_format(useOffset=False)
 
 
-def _peaks_within(curve: Curve, window: tuple[float, float] | None) -> list[tuple[float, float]]:
-    return [
-        (time, value)
-        for time, value in curve.peaks
-        if window is None or window[0] <= time <= window[1]
-    ]
+def _peaks_within(curve: Curve, shown: xr.DataArray) -> list[tuple[float, float]]:
+    """Extremes among the times that are shown: one beyond would stand outside of the panel."""
+    times = shown["time"].values
+    return [peak for peak in curve.peaks if times.size and times[0] <= peak[0] <= times[-1]]
 
 
 def _mark_peaks(
@@ -184,11 +182,6 @@ def _thinned(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarr
     high = [s + int(np.argmax(finite[s : s + block])) for s in starts]
     kept = np.unique(np.concatenate([low, high, [0, values.size - 1]]))
     return time[kept], values[kept]
-
-
-def _largest(values: xr.DataArray) -> float:
-    finite = np.abs(values.values[np.isfinite(values.values)])
-    return float(finite.max(initial=0.0))
 
 
 def of_mesh(events: xr.Dataset | None, mesh: int) -> xr.Dataset | None:

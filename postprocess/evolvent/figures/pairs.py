@@ -70,18 +70,14 @@ def draw_pairs(
             _draw_pairs(force, pressure, history, mesh, x)
             if events is not None:
                 marks.update(_mark_changes(force, history, events, mesh, x))
-            handles, labels = force.get_legend_handles_labels()
-            chosen = [i for i, label in enumerate(labels) if label not in marks]
+            entries = zip(*force.get_legend_handles_labels(), strict=True)
+            named: Any = zip(*(entry for entry in entries if entry[1] not in marks), strict=True)
             if n > 1:
                 force.set_title(f"mesh {name}", loc="left", fontsize=12, fontweight="bold")
-                force.legend(
-                    [handles[i] for i in chosen], [labels[i] for i in chosen],
-                    loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.1,
-                )  # fmt: skip
+                place: Any = {"bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.1}
+                force.legend(*named, loc="lower right", ncols=2, **place)
             else:
-                figure.legend(
-                    [handles[i] for i in chosen], [labels[i] for i in chosen], loc=ABOVE, ncols=3
-                )
+                figure.legend(*named, loc=ABOVE, ncols=3)
         if marks:
             figure.legend(list(marks.values()), list(marks), loc=BELOW, ncols=2)
     return figure
@@ -94,8 +90,8 @@ def _draw_pairs(force: Axes, pressure: Axes, history: xr.Dataset, mesh: int, x: 
     pressures = require(history, "pair_contact_pressure").values[:, mesh]
     on_path = require(history, "pair_on_path").values[:, mesh] > 0
     numbers = require(history, "pair_number").values[:, mesh]
-    load_factor, load_unit = prefixed(_largest(total), "N")
-    pressure_factor, pressure_unit = prefixed(_largest(pressures), "Pa")
+    load_factor, load_unit = prefixed(total, "N")
+    pressure_factor, pressure_unit = prefixed(pressures, "Pa")
     force.plot(x, total * load_factor, label="sum of all pairs", **SUM)
     coast_shown = False
     for place, name in enumerate(str(v) for v in history["pair"].values):
@@ -163,7 +159,3 @@ def _naming(numbers: np.ndarray) -> str:
     if numbers.size > MAX_NAMED:
         texts.append("…")
     return f"tooth pair{'s' if numbers.size > 1 else ''} {', '.join(texts)}"
-
-
-def _largest(values: np.ndarray) -> float:
-    return float(np.abs(values[np.isfinite(values)]).max(initial=0.0))

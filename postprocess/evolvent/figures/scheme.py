@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,103 +11,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
-from numpy.typing import NDArray
 
 from evolvent.figures.style import BELOW, STYLE
-from evolvent.history import require
+from evolvent.physics.teeth import DrawnMesh, drawn_meshes
 
 DRIVING_COLOR, DRIVEN_COLOR, ACTION_COLOR = "#10243e", "#b8530f", "#2b7bb0"
 CIRCLES: dict[str, Any] = {"base": (0, (6, 2)), "pitch": (0, (6, 2, 1.2, 2)), "tip": "-"}
 LINE_OF_ACTION, PATH_OF_CONTACT, FLANK = 1.0, 3.0, 2.2  # line widths [pt]
 # The drawn contact is this far from a to b: away from the labelled points.
 DRAWN_CONTACT = 0.3
-
-
-@dataclass(frozen=True)
-class MeshGeometry:
-    """The geometry of one mesh at its reference centres; points are complex numbers x + iy [m]."""
-
-    names: tuple[str, str]  # of the driving and the driven wheel
-    sigma: int
-    centres: tuple[complex, complex]
-    base_radii: tuple[float, float]  # [m]
-    pitch_radii: tuple[float, float]  # [m]
-    tip_radii: tuple[float, float]  # [m], which reach to the ends of contact of this mesh
-    across: complex  # unit vector t, normal to the line of action
-    along: complex  # unit vector e: the driving wheel pushes this way
-    length: float  # of the line of action [m]
-    start: float  # distance of a from K_A [m]
-    path: float  # length of the path of contact [m]
-
-    @property
-    def points(self) -> dict[str, complex]:
-        """K_A, K_B, a, b and the pitch point."""
-        k_a = self.centres[0] + self.base_radii[0] * self.across
-        a = k_a + self.start * self.along
-        axis = self.centres[1] - self.centres[0]
-        return {
-            "K_A": k_a,
-            "K_B": k_a + self.length * self.along,
-            "a": a,
-            "b": a + self.path * self.along,
-            "P": self.centres[0] + axis / abs(axis) * self.pitch_radii[0],
-        }
-
-    def flank(self, wheel: int, contact: float, n: int = 200) -> NDArray[np.complex128]:
-        """Return an involute flank that touches the line of action.
-
-        Parameters
-        ----------
-        wheel : 0 driving, 1 driven.
-        contact : distance of the contact point from K_A [m].
-        n : number of points.
-
-        Returns
-        -------
-        Points from the root on the base circle to the tip, shape (n,).
-
-        Source: the involute by its radius of curvature rho, Kosenko & Gusev 2011, section 4.
-        """
-        base, tip = self.base_radii[wheel], self.tip_radii[wheel]
-        rho = np.linspace(0.0, np.sqrt(tip**2 - base**2), n)
-        at_contact = contact if wheel == 0 else self.length - contact
-        turned = np.exp(1j * self.sigma * (rho - at_contact) / base)
-        outward = 1.0 if wheel == 0 else -1.0
-        local = outward * (base * self.across + rho * self.along)
-        return np.asarray(self.centres[wheel] + turned * local)
-
-
-def mesh_geometry(history: xr.Dataset, mesh: int) -> MeshGeometry:
-    """Collect the geometry of mesh number `mesh` from the static variables of a history."""
-
-    def of_mesh(name: str) -> float:
-        return float(require(history, name)[mesh])
-
-    wheels = [int(of_mesh(f"{side}_wheel")) for side in ("driving", "driven")]
-    sigma = int(of_mesh("flank"))
-    centres = [complex(*require(history, "centre").values[wheel]) for wheel in wheels]
-    base = [float(require(history, "base_radius")[wheel]) for wheel in wheels]
-    distance = abs(centres[1] - centres[0])
-    alpha = of_mesh("working_pressure_angle")
-    across = (centres[1] - centres[0]) / distance * np.exp(1j * sigma * alpha)
-    ratio = of_mesh("contact_ratio") if "contact_ratio" in history else 1.0
-    path, start = ratio * of_mesh("base_pitch"), of_mesh("rho_start_driving")
-    return MeshGeometry(
-        names=(str(history["wheel"].values[wheels[0]]), str(history["wheel"].values[wheels[1]])),
-        sigma=sigma,
-        centres=(centres[0], centres[1]),
-        base_radii=(base[0], base[1]),
-        pitch_radii=(base[0] / np.cos(alpha), base[1] / np.cos(alpha)),
-        tip_radii=(
-            float(np.hypot(base[0], start + path)),
-            float(np.hypot(base[1], of_mesh("rho_start_driven"))),
-        ),
-        across=complex(across),
-        along=complex(-1j * sigma * across),
-        length=of_mesh("line_of_action_length"),
-        start=start,
-        path=path,
-    )
 
 
 def figure_mesh_scheme(history: xr.Dataset, mesh: int = 0) -> Figure:
@@ -121,7 +32,8 @@ def figure_mesh_scheme(history: xr.Dataset, mesh: int = 0) -> Figure:
 
     Source: Kosenko & Gusev 2011, Figure 1.
     """
-    geometry = mesh_geometry(history, mesh)
+    geometry = drawn_meshes(history)[mesh]
+    names = [str(history["wheel"].values[wheel]) for wheel in geometry.wheels]
     with rc_context(STYLE | {"axes.grid": False}):
         figure = Figure(figsize=(10.5, 6.3), layout="constrained")
         whole, zone = figure.subplots(1, 2, width_ratios=[1.5, 1.0])
@@ -132,7 +44,7 @@ def figure_mesh_scheme(history: xr.Dataset, mesh: int = 0) -> Figure:
             axis.set_ylabel("y [m]")
         _frame_whole(whole, geometry)
         _frame_zone(zone, geometry)
-        _label_wheels(whole, geometry)
+        _label_wheels(whole, geometry, names)
         _label_points(zone, geometry)
         low, high = zone.get_xlim(), zone.get_ylim()
         frame = Rectangle((low[0], high[0]), low[1] - low[0], high[1] - high[0])
@@ -144,7 +56,7 @@ def figure_mesh_scheme(history: xr.Dataset, mesh: int = 0) -> Figure:
     return figure
 
 
-def _draw(axis: Axes, geometry: MeshGeometry) -> None:
+def _draw(axis: Axes, geometry: DrawnMesh) -> None:
     turn = np.exp(1j * np.linspace(0.0, 2 * np.pi, 1441))
     for wheel, color in enumerate((DRIVING_COLOR, DRIVEN_COLOR)):
         radii = (geometry.base_radii, geometry.pitch_radii, geometry.tip_radii)
@@ -156,7 +68,7 @@ def _draw(axis: Axes, geometry: MeshGeometry) -> None:
     axis.plot(ends.real, ends.imag, color=ACTION_COLOR, linewidth=LINE_OF_ACTION)
     path = np.array([points["a"], points["b"]])
     axis.plot(path.real, path.imag, color=ACTION_COLOR, linewidth=PATH_OF_CONTACT)
-    contact = geometry.start + DRAWN_CONTACT * geometry.path
+    contact = geometry.path[0] + DRAWN_CONTACT * (geometry.path[1] - geometry.path[0])
     for wheel, color in enumerate((DRIVING_COLOR, DRIVEN_COLOR)):
         flank = geometry.flank(wheel, contact)
         axis.plot(flank.real, flank.imag, color=color, linewidth=FLANK)
@@ -178,23 +90,23 @@ def _legend_entries() -> list[Line2D]:
     ]
 
 
-def _frame_whole(axis: Axes, geometry: MeshGeometry) -> None:
+def _frame_whole(axis: Axes, geometry: DrawnMesh) -> None:
     centres = np.array(geometry.centres)
     reach = 1.04 * np.array(geometry.tip_radii)
     axis.set_xlim((centres.real - reach).min(), (centres.real + reach).max())
     axis.set_ylim((centres.imag - reach).min(), (centres.imag + reach).max())
 
 
-def _frame_zone(axis: Axes, geometry: MeshGeometry) -> None:
+def _frame_zone(axis: Axes, geometry: DrawnMesh) -> None:
     ends = np.array([geometry.points["K_A"], geometry.points["K_B"]])
-    margin = 0.25 * geometry.length
+    margin = 0.25 * abs(ends[1] - ends[0])
     axis.set_xlim(ends.real.min() - margin, ends.real.max() + margin)
     axis.set_ylim(ends.imag.min() - margin / 2, ends.imag.max() + margin / 2)
 
 
-def _label_wheels(axis: Axes, geometry: MeshGeometry) -> None:
+def _label_wheels(axis: Axes, geometry: DrawnMesh, names: list[str]) -> None:
     colors = (DRIVING_COLOR, DRIVEN_COLOR)
-    for centre, name, color in zip(geometry.centres, geometry.names, colors, strict=True):
+    for centre, name, color in zip(geometry.centres, names, colors, strict=True):
         axis.plot(centre.real, centre.imag, "+", color=color, markersize=10)
         axis.annotate(
             name,
@@ -206,13 +118,15 @@ def _label_wheels(axis: Axes, geometry: MeshGeometry) -> None:
         )
 
 
-def _label_points(axis: Axes, geometry: MeshGeometry) -> None:
+def _label_points(axis: Axes, geometry: DrawnMesh) -> None:
     """Label the points beside the line of action, near pairs on opposite sides of it."""
     sides = {"K_A": -1, "a": 1, "P": 1, "b": -1, "K_B": 1}
     names = {"K_A": "$K_A$", "K_B": "$K_B$", "a": "$a$", "b": "$b$", "P": "pitch point"}
+    start, _, _ = geometry.line()
+    across = (start - geometry.centres[0]) / geometry.base_radii[0]
     for key, point in geometry.points.items():
         axis.plot(point.real, point.imag, "o", color=ACTION_COLOR, markersize=5, zorder=5)
-        offset = 14 * sides[key] * geometry.across
+        offset = 14 * sides[key] * across
         axis.annotate(
             names[key],
             (point.real, point.imag),

@@ -10,7 +10,7 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 # Told apart by lightness and by dashes, so that they survive a grey printer.
-LINES = (
+LINES: tuple[dict[str, Any], ...] = (
     {"color": "#10243e", "linestyle": "-"},
     {"color": "#d1681c", "linestyle": (0, (5, 2))},
     {"color": "#3f8fc4", "linestyle": (0, (1.2, 1.2))},

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
+from collections import Counter
 from dataclasses import dataclass
 from typing import Any
 
@@ -112,10 +113,10 @@ def static_table(history: xr.Dataset, dim: str) -> dict[str, list[Any]]:
 def event_counts(history: xr.Dataset, events: xr.Dataset) -> list[tuple[str, str, int]]:
     """Count the events of each kind and mesh: (kind in words, name of the mesh or "", number)."""
     names = [str(v) for v in history["mesh"].values]
-    counted: dict[tuple[str, str], int] = {}
-    for kind, mesh in zip(events["kind"].values, events["mesh"].values, strict=True):
-        key = (str(kind).replace("_", " "), names[mesh] if mesh >= 0 else "")
-        counted[key] = counted.get(key, 0) + 1
+    counted = Counter(
+        (str(kind).replace("_", " "), names[mesh] if mesh >= 0 else "")
+        for kind, mesh in zip(events["kind"].values, events["mesh"].values, strict=True)
+    )
     return [(kind, mesh, number) for (kind, mesh), number in counted.items()]
 
 

@@ -68,15 +68,16 @@ class Scene:
         history = self.history
         turned = require(history, "angle").values[row]
         moved = require(history, "centre_displacement").values[row]
-        for wheel, patch, mark, angle, shift in zip(
-            self.wheels, self.patches, self.marks, turned, moved, strict=True
-        ):
-            shift = complex(*shift)
-            patch.set_xy(_xy(wheel.outline(float(angle), shift, self.exaggeration)))
-            spoke = np.array([0.6, 0.75]) * wheel.radius * np.exp(1j * float(angle))
+        for number, (patch, mark) in self.artists.items():
+            wheel, angle, shift = (
+                self.wheels[number],
+                float(turned[number]),
+                complex(*moved[number]),
+            )
+            patch.set_xy(_xy(wheel.outline(angle, shift, self.exaggeration)))
+            spoke = np.array([0.6, 0.75]) * wheel.radius * np.exp(1j * angle)
             mark.set_data(*_xy(wheel.centre + shift + spoke).T)
-        arrows, points = [], []
-        loads = []
+        arrows, points, loads = [], [], []
         for number, lines in zip(self.shown, self.lines, strict=True):
             mesh = self.meshes[number]
             shifts = mesh.shifts(history, row)
@@ -100,11 +101,10 @@ class Scene:
         return self.figure
 
     def _whole(self) -> tuple[float, float, float, float]:
-        low = [w.centre - (1 + 1j) * w.radius for w in self.wheels]
-        high = [w.centre + (1 + 1j) * w.radius for w in self.wheels]
-        x = min(p.real for p in low), max(p.real for p in high)
-        y = min(p.imag for p in low), max(p.imag for p in high)
-        return _fitted(x, y, 0.03)
+        centres = np.array([wheel.centre for wheel in self.wheels])
+        radii = np.array([wheel.radius for wheel in self.wheels])
+        x, y = ((c - radii, c + radii) for c in (centres.real, centres.imag))
+        return _fitted((x[0].min(), x[1].max()), (y[0].min(), y[1].max()), 0.03)
 
     def _around(self, mesh: DrawnMesh) -> tuple[float, float, float, float]:
         start, along, _ = mesh.line(False, (0j, 0j))
@@ -140,12 +140,12 @@ class Scene:
 
     def _add_artists(self) -> None:
         axes = self.axes
-        self.patches: list[Polygon] = []
-        self.marks: list[Line2D] = []
+        self.artists: dict[int, tuple[Polygon, Line2D]] = {}
         self.lines: list[list[tuple[Line2D, Line2D]]] = []
         # of wheels one behind the other, the smaller ones are in front
         behind = np.argsort([-wheel.radius for wheel in self.wheels]).argsort()
-        for number, wheel in enumerate(self.wheels):
+        for number in self.visible:
+            wheel = self.wheels[number]
             fill = to_rgba(FILLS[number % len(FILLS)], 1.0 if len(self.visible) <= 2 else 0.6)
             disc = wheel.profile is None
             depth = 1 + behind[number] / len(self.wheels)
@@ -153,18 +153,12 @@ class Scene:
             patch.set(facecolor="none" if disc else fill, linestyle="--" if disc else "-")
             (mark,) = axes.plot([], [], color=EDGE, linewidth=2.5, zorder=depth + 0.01)
             axes.add_patch(patch)
-            self.patches.append(patch)
-            self.marks.append(mark)
-            patch.set_visible(number in self.visible)
-            mark.set_visible(number in self.visible)
+            self.artists[number] = patch, mark
         self._name_wheels()
         for number in self.shown:
             flanks = []
             for coast in range(1 + self.meshes[number].has_coast):
-                style: dict[str, Any] = {
-                    "color": ACTION,
-                    "linestyle": (0, (2, 2)) if coast else "-",
-                }
+                style: dict[str, Any] = {"color": ACTION, "linestyle": COAST if coast else "-"}
                 (whole,) = axes.plot([], [], linewidth=0.9, zorder=3, **style)
                 (path,) = axes.plot([], [], linewidth=2.6, zorder=3, **style)
                 flanks.append((whole, path))

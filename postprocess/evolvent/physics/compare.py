@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -50,7 +50,7 @@ def compare_histories(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
                 f"{source_name(first)} are {', '.join(names[0])}; only like runs can be compared"
             )
     one, two, how = _on_common_times(first, second)
-    differences: dict[str, Difference] = {}
+    differences: dict[str, dict[str, Any]] = {}
     lacking: dict[str, list[str]] = {"only_in_first": [], "only_in_second": []}
     for name in dict.fromkeys(str(n) for n in [*first.data_vars, *second.data_vars]):
         if name in SETTINGS or name.endswith(EXTREME_TIMES):
@@ -61,38 +61,13 @@ def compare_histories(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
             lacking["only_in_second"].append(name)
         else:
             differences[name] = _largest_difference(name, one[name], two[name])
-    found = differences.values()
+    columns = ("absolute", "largest", "relative", "where", "units")
+    told = {side: ", ".join(names) for side, names in lacking.items()}
     return xr.Dataset(
-        {
-            "absolute": ("variable", [d.absolute for d in found]),
-            "largest": ("variable", [d.largest for d in found]),
-            "relative": ("variable", [d.relative for d in found]),
-            "where": ("variable", [d.where for d in found]),
-            "units": ("variable", [str(first[n].attrs.get("units", "1")) for n in differences]),
-        },
+        {key: ("variable", [found[key] for found in differences.values()]) for key in columns},
         coords={"variable": list(differences)},
-        attrs={
-            "times": how,
-            "n_times": one.sizes["time"],
-            **{side: ", ".join(names) for side, names in lacking.items()},
-        },
+        attrs={"times": how, "n_times": one.sizes["time"], **told},
     )
-
-
-@dataclass(frozen=True)
-class Difference:
-    """The largest difference of one variable."""
-
-    absolute: float
-    largest: float
-    where: str
-
-    @property
-    def relative(self) -> float:
-        """Difference over the largest value."""
-        if self.absolute == 0.0:
-            return 0.0
-        return self.absolute / self.largest if self.largest > 0.0 else float("inf")
 
 
 def _on_common_times(first: xr.Dataset, second: xr.Dataset) -> tuple[xr.Dataset, xr.Dataset, str]:
@@ -126,12 +101,14 @@ def _is_blank(values: xr.DataArray) -> bool:
     return values.dtype.kind == "f" and values.size > 0 and bool(np.isnan(values.values).all())
 
 
-def _largest_difference(name: str, first: xr.DataArray, second: xr.DataArray) -> Difference:
+def _largest_difference(name: str, first: xr.DataArray, second: xr.DataArray) -> dict[str, Any]:
     if first.dims != second.dims or first.shape != second.shape:
         raise HistoryError(f"variable `{name}` has different dimensions in the two histories")
     one, two = first.values.astype(float), second.values.astype(float)
+    units = str(first.attrs.get("units", "1"))
+    none = {"absolute": 0.0, "largest": 0.0, "relative": 0.0, "where": "", "units": units}
     if one.size == 0:
-        return Difference(0.0, 0.0, "")
+        return none
     with np.errstate(invalid="ignore"):
         difference = np.abs(one - two)
     difference[np.isnan(difference)] = np.inf
@@ -146,9 +123,17 @@ def _largest_difference(name: str, first: xr.DataArray, second: xr.DataArray) ->
     largest = float(np.abs(finite).max(initial=0.0))
     position = np.unravel_index(int(np.argmax(difference)), difference.shape)
     if difference[position] == 0.0:
-        return Difference(0.0, largest, "")
+        return {**none, "largest": largest}
     places = []
     for dim, index in zip(first.dims, position, strict=True):
         label = first[dim].values[index]
         places.append(f"t = {label:.6g} s" if dim == "time" else str(label))
-    return Difference(float(difference[position]), largest, ", ".join(places))
+    absolute = float(difference[position])
+    relative = absolute / largest if largest > 0.0 else float("inf")
+    return {
+        "absolute": absolute,
+        "largest": largest,
+        "relative": relative,
+        "where": ", ".join(places),
+        "units": units,
+    }

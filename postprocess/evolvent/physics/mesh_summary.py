@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from scipy.integrate import trapezoid
 
 from evolvent.history import require
 from evolvent.units import quantity
@@ -54,32 +53,27 @@ def mesh_summaries(history: xr.Dataset) -> list[MeshSummary]:
     """
     if "pair_normal_force" not in history or history.sizes["time"] < 2:
         return []
-    time = history["time"].values
-    span = float(time[-1] - time[0])
-    speed = require(history, "angular_velocity").values
+    span = float(history["time"][-1] - history["time"][0])
+    speed = require(history, "angular_velocity")
+    coast = np.array(["coast" in str(pair) for pair in history["pair"].values])
     found = []
     for mesh, name in enumerate(history["mesh"].values):
-        loaded = require(history, "pair_normal_force").values[:, mesh] > 0
-        numbers = require(history, "pair_number").values[:, mesh]
-        flanks = ["coast" in str(pair) for pair in history["pair"].values]
-        seen = {
-            (flanks[place], int(number))
-            for place in range(len(flanks))
-            for number in np.unique(numbers[loaded[:, place], place])
-        }
-        count = require(history, "pairs_in_contact").values[:, mesh].astype(float)
-        loss = float(trapezoid(require(history, "friction_loss").values[:, mesh], time))
-        wheel = int(require(history, "driving_wheel")[mesh])
-        torque = require(history, "mesh_torque_driving").values[:, mesh]
-        handed = abs(float(trapezoid(torque * speed[:, wheel], time)))
-        ratio = history["contact_ratio"].values[mesh] if "contact_ratio" in history else None
+        one = history.isel(mesh=mesh)
+        loaded = require(one, "pair_normal_force").values > 0
+        # Number and flank of each pair that carried load.
+        flanks = np.broadcast_to(coast, loaded.shape)
+        seen = np.stack([require(one, "pair_number").values[loaded], flanks[loaded]])
+        count = require(one, "pairs_in_contact").astype(float)
+        loss = float(require(one, "friction_loss").integrate("time"))
+        driving = speed.isel(wheel=int(require(one, "driving_wheel")))
+        handed = abs(float((require(one, "mesh_torque_driving") * driving).integrate("time")))
         found.append(
             MeshSummary(
                 name=str(name),
-                pairs=len(seen),
-                contact_ratio=None if ratio is None else float(ratio),
-                mean_pairs=float(trapezoid(count, time)) / span,
-                apart=float(trapezoid((count == 0).astype(float), time)) / span,
+                pairs=np.unique(seen, axis=1).shape[1],
+                contact_ratio=float(one["contact_ratio"]) if "contact_ratio" in one else None,
+                mean_pairs=float(count.integrate("time")) / span,
+                apart=float((count == 0).astype(float).integrate("time")) / span,
                 friction_loss=loss,
                 efficiency=1 - loss / handed if handed > abs(loss) else None,
             )

@@ -168,7 +168,7 @@ class DrawnWheel:
 
 @dataclass(frozen=True)
 class DrawnMesh:
-    """One mesh: what the points where its flanks touch depend on."""
+    """One mesh: what the points where its flanks touch depend on; its radii and points at rest."""
 
     name: str
     wheels: tuple[int, int]  # driving, driven
@@ -178,7 +178,9 @@ class DrawnMesh:
     path: tuple[float, float]  # radii of curvature of the driving flank at its ends [m]
     has_coast: bool
 
-    def line(self, coast: bool, shifts: tuple[complex, complex]) -> tuple[complex, complex, float]:
+    def line(
+        self, coast: bool = False, shifts: tuple[complex, complex] = (0j, 0j)
+    ) -> tuple[complex, complex, float]:
         """The line of action: K_A, its unit vector e, and its length [m].
 
         Source: Kosenko & Gusev 2011, section 7.1; for the coast flank the mirror image.
@@ -191,6 +193,56 @@ class DrawnMesh:
         across = axis / abs(axis) * np.exp(1j * sigma * alpha)
         length = float(np.sqrt(max(abs(axis) ** 2 - total**2, 0.0)))
         return complex(centre + self.base_radii[0] * across), complex(-1j * sigma * across), length
+
+    @property
+    def pitch_radii(self) -> tuple[float, float]:
+        """Radii of the operating pitch circles [m]."""
+        ratio = abs(self.centres[1] - self.centres[0]) / sum(self.base_radii)
+        return self.base_radii[0] * ratio, self.base_radii[1] * ratio
+
+    @property
+    def tip_radii(self) -> tuple[float, float]:
+        """Radii that reach to the ends of the path of contact [m]."""
+        rho = self.path[1], self.line()[2] - self.path[0]
+        return float(np.hypot(self.base_radii[0], rho[0])), float(
+            np.hypot(self.base_radii[1], rho[1])
+        )
+
+    @property
+    def points(self) -> dict[str, complex]:
+        """K_A, K_B, the ends a and b of the path of contact, and the pitch point."""
+        start, along, length = self.line()
+        axis = self.centres[1] - self.centres[0]
+        return {
+            "K_A": start,
+            "K_B": start + length * along,
+            "a": start + self.path[0] * along,
+            "b": start + self.path[1] * along,
+            "P": self.centres[0] + axis / abs(axis) * self.pitch_radii[0],
+        }
+
+    def flank(self, wheel: int, contact: float, n: int = 200) -> Points:
+        """Return an involute flank that touches the line of action.
+
+        Parameters
+        ----------
+        wheel : 0 driving, 1 driven.
+        contact : distance of the contact point from K_A [m].
+        n : number of points.
+
+        Returns
+        -------
+        Points from the root on the base circle to the tip, shape (n,).
+
+        Source: the involute by its radius of curvature rho, Kosenko & Gusev 2011, section 4.
+        """
+        start, along, length = self.line()
+        base, tip = self.base_radii[wheel], self.tip_radii[wheel]
+        across = (start - self.centres[0]) / self.base_radii[0]
+        rho = np.linspace(0.0, np.sqrt(tip**2 - base**2), n)
+        turned = np.exp(1j * self.sigma * (rho - (contact, length - contact)[wheel]) / base)
+        local = (1, -1)[wheel] * (base * across + rho * along)
+        return np.asarray(self.centres[wheel] + turned * local)
 
     def shifts(self, history: xr.Dataset, row: int) -> tuple[complex, complex]:
         """Displacements of both axles at an output [m]."""
@@ -208,7 +260,11 @@ def drawn_meshes(history: xr.Dataset) -> list[DrawnMesh]:
         b = int(require(history, "driven_wheel")[number])
         start = float(require(history, "rho_start_driving")[number])
         length = float(require(history, "base_pitch")[number])
-        ratio = float(require(history, "contact_ratio")[number])
+        # Histories of pairs without these have the paper's kind: one tooth pair, one flank.
+        ratio, has_coast = (
+            history[name].values[number] if name in history else usual
+            for name, usual in (("contact_ratio", 1.0), ("has_coast_flanks", False))
+        )
         meshes.append(
             DrawnMesh(
                 name=str(name),
@@ -216,8 +272,8 @@ def drawn_meshes(history: xr.Dataset) -> list[DrawnMesh]:
                 sigma=int(require(history, "flank")[number]),
                 centres=(centres[a], centres[b]),
                 base_radii=(float(base[a]), float(base[b])),
-                path=(start, start + ratio * length),
-                has_coast=bool(require(history, "has_coast_flanks")[number]),
+                path=(start, start + float(ratio) * length),
+                has_coast=bool(has_coast),
             )
         )
     return meshes

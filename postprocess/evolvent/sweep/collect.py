@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,24 +9,13 @@ import h5py
 import numpy as np
 import xarray as xr
 
-from evolvent.sweep.design import TEXT, Design
-from evolvent.sweep.errors import NOT_WRITTEN, SweepError
-from evolvent.sweep.histories import add_histories
-from evolvent.sweep.journal import STATUSES, Counts, Records, read_records
+from evolvent.sweep.design import Design
+from evolvent.sweep.errors import SweepError, replacing
+from evolvent.sweep.histories import add_histories, history_coordinates
+from evolvent.sweep.journal import STATUSES, Records, read_records
 from evolvent.version import __version__
 
 FORMAT = 1
-
-
-@dataclass(frozen=True)
-class Collected:
-    """What was collected, and what has to be known of it."""
-
-    counts: Counts
-    holes: np.ndarray  # numbers of the cases that are missing
-    repeated: np.ndarray  # numbers of the cases that are recorded more than once
-    torn: int
-    versions: tuple[str, ...]
 
 
 def collect(
@@ -38,7 +25,7 @@ def collect(
     *,
     copy_histories: bool = False,
     parquet: Path | None = None,
-) -> Collected:
+) -> Records:
     """Write the summary of a folder: dims (case), and (case, time) if there are histories.
 
     Every case of the design is there, in its order. Missing ones have the status "missing" and
@@ -50,34 +37,28 @@ def collect(
     copy_histories : copy them; else they stay in the shards and the summary refers to them.
     parquet : a copy of all that has the dimension case alone, if given.
 
+    Returns
+    -------
+    What was collected.
+
     Raises
     ------
     SweepError
         Journals that cannot be read, or a summary that cannot be written.
     """
     records = read_records(folder, design)
-    temporary = output.with_name(f"{output.name}.{os.getpid()}.tmp")
-    try:
-        with h5py.File(temporary, "w", track_order=True) as file:
-            _write_attributes(file, design, records)
-            cases = _write_cases(file, design, records)
-            if design.history_variables:
-                add_histories(file, cases, folder, records, output.parent, copy_histories)
-        temporary.replace(output)
-    except OSError as error:
-        reason = error.strerror or " ".join(str(error).split())
-        raise SweepError(f"{output}: cannot be written ({reason})", NOT_WRITTEN) from error
-    finally:
-        temporary.unlink(missing_ok=True)
+    summary = _summary(design, records)
+    with replacing(output) as temporary:
+        whole = summary
+        if design.history_variables:
+            whole = summary.merge(history_coordinates(folder, records))
+        whole.to_netcdf(temporary, engine="h5netcdf")
+        if design.history_variables:
+            with h5py.File(temporary, "r+") as file:
+                add_histories(file, folder, records, output.parent, copy_histories)
     if parquet is not None:
-        _write_parquet(output, parquet)
-    return Collected(
-        counts=records.counts,
-        holes=records.holes(),
-        repeated=np.array(sorted(records.repeated), dtype=np.int64),
-        torn=records.torn,
-        versions=tuple(sorted(records.versions)),
-    )
+        _write_parquet(summary, parquet)
+    return records
 
 
 def open_summary(path: Path) -> xr.Dataset:
@@ -112,13 +93,23 @@ def open_summary(path: Path) -> xr.Dataset:
     return summary
 
 
-def _write_attributes(file: h5py.File, design: Design, records: Records) -> None:
-    file.attrs.update(
-        {
+def _summary(design: Design, records: Records) -> xr.Dataset:
+    """All that has the dimension case alone."""
+    number = {"long_name": "number of the case in the design, from 0"}
+    variables: dict[str, Any] = {}
+    for p in design.parameters:
+        name = p.name if p.name not in records.cases else f"{p.name}_parameter"
+        attributes: dict[str, Any] = {"units": p.units} if p.units else {}
+        attributes |= {"role": "parameter", "path": p.path, "derived": np.int8(p.derived)}
+        variables[name] = ("case", p.values, attributes)
+    return xr.Dataset(
+        {**variables, **records.cases.drop_vars("shard")},
+        coords={"case": ("case", np.arange(design.n_cases), number)},
+        attrs={
             "Conventions": "CF-1.11",
             "title": design.title,
             "evolvent_summary_format": np.int64(FORMAT),
-            "evolvent_version": " ".join(sorted(records.versions)) or design.version,
+            "evolvent_version": " ".join(records.versions) or design.version,
             "collected_by": f"evolvent-sweep {__version__}",
             "case": design.case,
             "design": design.hash,
@@ -127,65 +118,17 @@ def _write_attributes(file: h5py.File, design: Design, records: Records) -> None
             "seed": np.int64(design.seed),
             "sampling": design.sampling_text,
             "window": np.array(design.window),
-        }
+        },
     )
 
 
-def _write_cases(file: h5py.File, design: Design, records: Records) -> h5py.Dataset:
-    """Write all variables with the dimension case alone; return its scale."""
-    cases = file.create_dataset("case", data=np.arange(design.n_cases))
-    cases.attrs["long_name"] = "number of the case in the design, from 0"
-    cases.make_scale("case")
-
-    def add(name: str, values: Any, kind: Any = None, **attributes: Any) -> None:
-        dataset = file.create_dataset(name, data=values, dtype=kind)
-        dataset.attrs.update(attributes)
-        if dataset.dtype.kind == "f":
-            dataset.attrs["_FillValue"] = np.array([np.nan], dtype=dataset.dtype)
-        dataset.dims[0].attach_scale(cases)
-
-    for p in design.parameters:
-        name = p.name if p.name not in records.scalars else f"{p.name}_parameter"
-        attributes: dict[str, Any] = {"units": p.units} if p.units else {}
-        attributes |= {"role": "parameter", "path": p.path, "derived": np.int8(p.derived)}
-        add(name, p.values, TEXT if p.is_text else None, **attributes)
-    for scalar in records.scalars.values():
-        attributes = {"units": scalar.units} if scalar.units else {}
-        add(scalar.name, scalar.values, role="result", long_name=scalar.long_name, **attributes)
-    add(
-        "status",
-        records.status,
-        long_name="what became of the case",
-        flag_values=np.arange(len(STATUSES), dtype=np.int8),
-        flag_meanings=" ".join(STATUSES),
-    )
-    texts = np.array(records.messages, dtype=object)[records.message]
-    add("message", texts, TEXT, long_name="why the case failed or was refused")
-    add("exit_code", records.exit_code, long_name="exit code of the case, -1 if missing")
-    add(
-        "recorded_at",
-        records.recorded_at,
-        long_name="when the case was finished, since 1970-01-01 00:00 UTC",
-        units="s",
-    )
-    return cases
-
-
-def _write_parquet(summary: Path, path: Path) -> None:
-    temporary = path.with_name(f"{path.name}.{os.getpid()}.tmp")
+def _write_parquet(summary: xr.Dataset, path: Path) -> None:
+    table = summary.to_dataframe()
+    table["status"] = np.array(STATUSES, dtype=object)[table["status"].to_numpy()]
     try:
-        with open_summary(summary) as data:
-            flat = data[[name for name in data.variables if data[name].dims == ("case",)]]
-            table = flat.to_dataframe()
-        meanings = np.array(STATUSES, dtype=object)
-        table["status"] = meanings[table["status"].to_numpy()]
-        table.to_parquet(temporary)
-        temporary.replace(path)
+        with replacing(path) as temporary:
+            table.to_parquet(temporary)
     except ImportError as error:
         raise SweepError(
             f"{path}: Parquet needs pyarrow; install it with: pip install 'evolvent[parquet]'"
         ) from error
-    except OSError as error:
-        raise SweepError(f"{path}: cannot be written ({error.strerror})", NOT_WRITTEN) from error
-    finally:
-        temporary.unlink(missing_ok=True)

@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Any
 
 from evolvent.sweep.design import Design
-from evolvent.sweep.errors import USAGE, SweepError
+from evolvent.sweep.errors import USAGE, SweepError, reason_of
 from evolvent.sweep.estimate import seconds_per_case
 from evolvent.sweep.folder import Shard
 from evolvent.sweep.pool import run_with_executor, task_count
-from evolvent.sweep.run import Display, Tally
+from evolvent.sweep.run import Tally, display
 
 
 def split(design: Design, program: Path, workers: int) -> int:
@@ -53,9 +53,8 @@ def run(
         else:
             client = make_client(n_workers=workers, threads_per_worker=1, dashboard_address=None)
     except (OSError, ValueError) as error:
-        reason = " ".join(str(error).split())
-        raise SweepError(f"no Dask scheduler at {scheduler}: {reason}") from error
-    with client, Display(tally) as show:
+        raise SweepError(f"no Dask scheduler at {scheduler}: {reason_of(error)}") from error
+    with client, display(tally) as show:
         # A task is the same command on any worker, but it must not be taken for a known result.
         executor = client.get_executor(pure=False)
         return run_with_executor(program, design, folder, shards, executor, show=show)

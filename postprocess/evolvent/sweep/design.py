@@ -10,7 +10,6 @@ import dataclasses
 import hashlib
 import json
 import math
-import os
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -20,13 +19,14 @@ from typing import Any
 import h5py
 import numpy as np
 
-from evolvent.sweep.errors import NOT_WRITTEN, SweepError
-from evolvent.sweep.yaml_text import yaml_text
+from evolvent.sweep.errors import SweepError, reason_of, replacing
 
 FORMAT = 1
 LAST_HALF = (math.nan, math.nan)  # the window that is the last half of each case's duration
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 TEXT = h5py.string_dtype("utf-8")
+# Attributes of the file by the names of their fields.
+TEXTS, NUMBERS = ("title", "case", "plan", "method"), ("n_cases", "history_every", "seed")
 
 
 @dataclass(frozen=True)
@@ -89,10 +89,6 @@ class Design:
         """`sampling` as JSON."""
         return json.dumps(self.sampling)
 
-    def settings(self, case: int) -> list[str]:
-        """The texts PATH=VALUE that make a case of the base case."""
-        return [f"{p.path}={_value_text(p.values[case])}" for p in self.parameters if p.path]
-
 
 def identifier(path: str) -> str:
     """Make a name of a path: wheels.pinion.teeth becomes wheels_pinion_teeth."""
@@ -115,15 +111,8 @@ def write_design(design: Design, path: Path) -> None:
     SweepError
         It could not be written.
     """
-    temporary = path.with_name(f"{path.name}.{os.getpid()}.tmp")
-    try:
-        with h5py.File(temporary, "w") as file:
-            _write(design, file)
-        temporary.replace(path)
-    except OSError as error:
-        temporary.unlink(missing_ok=True)
-        reason = error.strerror or " ".join(str(error).split())
-        raise SweepError(f"{path}: cannot be written ({reason})", NOT_WRITTEN) from error
+    with replacing(path) as temporary, h5py.File(temporary, "w") as file:
+        _write(design, file)
 
 
 def read_design(path: Path) -> Design:
@@ -141,8 +130,7 @@ def read_design(path: Path) -> Design:
             _check_format(path, file)
             design = _read(file)
     except OSError as error:
-        reason = " ".join(str(error).split())
-        raise SweepError(f"{path}: is not a readable HDF5 file ({reason})") from error
+        raise SweepError(f"{path}: is not a readable HDF5 file ({reason_of(error)})") from error
     except (KeyError, TypeError, ValueError) as error:
         raise SweepError(f"{path}: is no complete design ({error}); plan it anew") from error
     if design.plan and design.given_hash != design.recomputed_hash:
@@ -151,22 +139,13 @@ def read_design(path: Path) -> Design:
 
 
 def _write(design: Design, file: h5py.File) -> None:
+    file.attrs.update({name: getattr(design, name) for name in (*TEXTS, *NUMBERS, "hash")})
     file.attrs.update(
-        {
-            "evolvent_design_format": np.int64(FORMAT),
-            "evolvent_version": design.version,
-            "title": design.title,
-            "case": design.case,
-            "hash": design.hash,
-            "window": np.array(design.window),
-            "history_variables": " ".join(design.history_variables),
-            "history_every": np.int64(design.history_every),
-            "n_cases": np.int64(design.n_cases),
-            "plan": design.plan,
-            "method": design.method,
-            "seed": np.int64(design.seed),
-            "sampling": design.sampling_text,
-        }
+        evolvent_design_format=FORMAT,
+        evolvent_version=design.version,
+        window=design.window,
+        history_variables=" ".join(design.history_variables),
+        sampling=design.sampling_text,
     )
     group = file.create_group("parameters")
     for number, parameter in enumerate(design.parameters):
@@ -187,21 +166,19 @@ def _read(file: h5py.File) -> Design:
         units = str(column.attrs.get("units", ""))
         derived = bool(column.attrs.get("derived", 0))
         parameters.append(Parameter(name, path, units, values, derived))
-    attrs = file.attrs
+    # Designs of other programs have only what a batch needs.
+    attrs = {"plan": "", "method": "list", "seed": 0, "sampling": "{}", **file.attrs}
     begin, end = (float(t) for t in attrs["window"])
+    texts: dict[str, Any] = {name: str(attrs[name]) for name in TEXTS}
+    numbers: dict[str, Any] = {name: int(attrs[name]) for name in NUMBERS}
     design = Design(
-        title=str(attrs["title"]),
-        case=str(attrs["case"]),
+        **texts,
+        **numbers,
         parameters=tuple(parameters),
-        n_cases=int(attrs["n_cases"]),
         window=(begin, end),
         history_variables=tuple(str(attrs["history_variables"]).split()),
-        history_every=int(attrs["history_every"]),
-        plan=str(attrs.get("plan", "")),
-        method=str(attrs.get("method", "list")),
-        seed=int(attrs.get("seed", 0)),
         version=str(attrs["evolvent_version"]),
-        sampling=json.loads(str(attrs.get("sampling", "{}"))),
+        sampling=json.loads(str(attrs["sampling"])),
         given_hash=str(attrs["hash"]),
     )
     if design.n_cases < 1 or any(p.values.shape != (design.n_cases,) for p in parameters):
@@ -218,9 +195,3 @@ def _check_format(path: Path, file: h5py.File) -> None:
             f"{path}: was made by evolvent {file.attrs.get('evolvent_version', '?')} in design "
             f"format {number}, but this evolvent-sweep reads format {FORMAT}; plan it anew"
         )
-
-
-def _value_text(value: Any) -> str:
-    if isinstance(value, str):
-        return value  # YAML text already
-    return yaml_text(value.item() if isinstance(value, np.generic) else value)

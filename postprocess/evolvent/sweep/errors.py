@@ -1,6 +1,11 @@
-"""The error of every part of evolvent-sweep."""
+"""The error of every part of evolvent-sweep, and files that are written whole or not at all."""
 
 from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
 
 FAILED_CASES, USAGE, BAD_INPUT, NOT_WRITTEN, INTERRUPTED = 1, 2, 3, 74, 75
 
@@ -24,3 +29,41 @@ class SweepError(Exception):
         return SweepError(
             message if message.startswith(place) else f"{place}: {message}", self.code
         )
+
+
+def reason_of(error: Exception) -> str:
+    """What an error of the system or a library says, in one line."""
+    return getattr(error, "strerror", None) or " ".join(str(error).split())
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Say which file or folder it is that cannot be written.
+
+    Raises
+    ------
+    SweepError
+        It cannot be written.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise SweepError(f"{path}: cannot be written ({reason_of(error)})", NOT_WRITTEN) from error
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """Give the name of a file that replaces an older one when it is whole.
+
+    Raises
+    ------
+    SweepError
+        It cannot be written.
+    """
+    temporary = path.with_name(f"{path.name}.{os.getpid()}.tmp")
+    try:
+        with writing(path):
+            yield temporary
+            temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)

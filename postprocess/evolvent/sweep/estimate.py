@@ -11,7 +11,7 @@ import numpy as np
 
 from evolvent.sweep.design import Design, take, write_design
 from evolvent.sweep.errors import BAD_INPUT, FAILED_CASES, INTERRUPTED, SweepError
-from evolvent.sweep.journal import read_records
+from evolvent.sweep.journal import count_records
 from evolvent.sweep.program import environment, last_message
 
 TRIED = 12  # cases, spread over the design
@@ -53,7 +53,7 @@ def seconds_per_case(design: Design, program: Path) -> tuple[float, bool]:
             if process.returncode not in (0, FAILED_CASES, INTERRUPTED):
                 messages.seek(0)
                 raise SweepError(last_message(messages.read()), BAD_INPUT)
-        done = int(np.count_nonzero(read_records(folder / "trial", trial, scalars=False).status))
+        done = count_records(folder / "trial")["rows"]
     return elapsed / max(done, 1), done == 0
 
 

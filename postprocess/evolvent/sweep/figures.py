@@ -6,7 +6,6 @@ Cases that did not finish are part of the answer and are shown: crosses at their
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from evolvent.figures.style import LINES, STYLE
+from evolvent.figures.style import ABOVE, LINES, STYLE
 from evolvent.sweep.errors import USAGE, SweepError
 from evolvent.sweep.journal import DONE, did_not_finish
 from evolvent.units import displayed, prefixed
@@ -33,23 +32,6 @@ MARKED: dict[str, Any] = {
 MAP_COLOURS = "viridis"
 
 
-@dataclass(frozen=True)
-class _Axis:
-    """A parameter as numbers on an axis."""
-
-    label: str
-    values: np.ndarray
-    texts: list[str]  # of the numbers 0, 1, ... if the parameter is a text
-    log: bool
-
-    def prepare(self, axis: Axes, which: str) -> None:
-        getattr(axis, f"set_{which}label")(self.label)
-        if self.texts:
-            getattr(axis, f"set_{which}ticks")(range(len(self.texts)), self.texts)
-        elif self.log:
-            getattr(axis, f"set_{which}scale")("log")
-
-
 def figure_response(summary: xr.Dataset, response: str, against: Sequence[str] = ()) -> Figure:
     """Draw a result against one parameter, as lines or points, or against two, as a map.
 
@@ -59,38 +41,32 @@ def figure_response(summary: xr.Dataset, response: str, against: Sequence[str] =
     response : name of a result.
     against : one or two parameters; the one of most values if none is named.
     """
-    result = _result(summary, response)
+    result = _one_of(summary, "result", response)
     varying = varying_parameters(summary)
     names = list(against) or _most_varied(summary, varying)
     for name in names:
-        if name not in parameters(summary):
-            raise SweepError(
-                f"the summary has no parameter '{name}'; it has {', '.join(parameters(summary))}",
-                USAGE,
-            )
+        _one_of(summary, "parameter", name)
+    others = [name for name in varying if name not in names]
     with rc_context(STYLE):
         figure = Figure(figsize=(7.5, 4.6), layout="constrained")
         axis = figure.subplots()
         if len(names) == 1:
-            _draw_lines(axis, summary, result, names[0], [v for v in varying if v != names[0]])
+            _draw_lines(axis, summary, result, names[0], others)
         elif len(names) == 2:
-            others = [v for v in varying if v not in names]
-            _draw_map(figure, axis, summary, result, names[0], names[1], others)
+            _draw_map(axis, summary, result, names[0], names[1], others)
         else:
             raise SweepError("a figure shows a result against one or two parameters", USAGE)
         handles, labels = axis.get_legend_handles_labels()
         if labels:
-            above: Any = "outside upper left"
-            figure.legend(handles, labels, loc=above, ncols=3, columnspacing=1.4)
+            figure.legend(handles, labels, loc=ABOVE, ncols=3, columnspacing=1.4)
     return figure
 
 
 def figure_indices(indices: xr.Dataset) -> Figure:
     """Draw sensitivity indices with their confidence intervals, dims (parameter)."""
     names = [str(name) for name in indices["parameter"].values]
-    kinds = [kind for kind in ("first_order", "total") if kind in indices]
-    colours = {"first_order": LINES[0]["color"], "total": LINES[2]["color"]}
-    labels = {"first_order": "first order", "total": "total"}
+    lines = {"first_order": LINES[0], "total": LINES[2]}
+    kinds = [kind for kind in lines if kind in indices]
     width = 0.8 / len(kinds)
     with rc_context(STYLE):
         figure = Figure(figsize=(7.5, 1.8 + 0.7 * len(names)), layout="constrained")
@@ -101,43 +77,33 @@ def figure_indices(indices: xr.Dataset) -> Figure:
                 indices[kind].values,
                 height=0.9 * width,
                 xerr=indices[f"{kind}_confidence"].values,
-                color=colours[kind],
+                color=lines[kind]["color"],
                 error_kw={"ecolor": "#555555", "capsize": 3},
-                label=labels[kind],
+                label=kind.replace("_", " "),
             )
         axis.set_yticks(range(len(names)), names)
         axis.set_axisbelow(True)
         axis.invert_yaxis()
         axis.set_xlabel(f"share of the variance of {indices.attrs['response']}")
         axis.set_xlim(left=min(0.0, axis.get_xlim()[0]))
-        above: Any = "outside upper left"
-        figure.legend(loc=above, ncols=2)
+        figure.legend(loc=ABOVE, ncols=2)
     return figure
 
 
-def parameters(summary: xr.Dataset) -> list[str]:
-    """Names of the parameters."""
-    return [str(n) for n, v in summary.variables.items() if v.attrs.get("role") == "parameter"]
-
-
-def results(summary: xr.Dataset) -> list[str]:
-    """Names of the results."""
-    return [str(n) for n, v in summary.variables.items() if v.attrs.get("role") == "result"]
+def with_role(summary: xr.Dataset, role: str) -> list[str]:
+    """Names of the variables with a role: "parameter" or "result"."""
+    return [str(n) for n, v in summary.variables.items() if v.attrs.get("role") == role]
 
 
 def varying_parameters(summary: xr.Dataset) -> list[str]:
     """Parameters that were chosen freely: not constant, not derived, not tied to one before."""
-    chosen: list[str] = []
-    ranks: list[np.ndarray] = []
-    for name in parameters(summary):
-        if summary[name].attrs.get("derived", 0):
-            continue
+    chosen: dict[str, np.ndarray] = {}
+    for name in with_role(summary, "parameter"):
         rank = np.unique(summary[name].values, return_inverse=True)[1]
-        if rank.max(initial=0) == 0 or any(_follows(rank, other) for other in ranks):
-            continue
-        chosen.append(name)
-        ranks.append(rank)
-    return chosen
+        is_free = rank.max(initial=0) > 0 and not summary[name].attrs.get("derived", 0)
+        if is_free and not any(_follows(rank, other) for other in chosen.values()):
+            chosen[name] = rank
+    return list(chosen)
 
 
 def _follows(rank: np.ndarray, other: np.ndarray) -> bool:
@@ -152,23 +118,27 @@ def _most_varied(summary: xr.Dataset, varying: list[str]) -> list[str]:
     return [max(numeric or varying, key=lambda name: np.unique(summary[name].values).size)]
 
 
-def _result(summary: xr.Dataset, name: str) -> xr.DataArray:
-    if name not in results(summary):
-        raise SweepError(
-            f"the summary has no result '{name}'; it has {', '.join(results(summary))}", USAGE
-        )
+def _one_of(summary: xr.Dataset, role: str, name: str) -> xr.DataArray:
+    known = with_role(summary, role)
+    if name not in known:
+        raise SweepError(f"the summary has no {role} '{name}'; it has {', '.join(known)}", USAGE)
     return summary[name]
 
 
-def _axis(summary: xr.Dataset, name: str) -> _Axis:
+def _along(axis: Axes, which: str, summary: xr.Dataset, name: str) -> np.ndarray:
+    """Put a parameter along an axis; return its values as numbers there."""
     values = summary[name].values
     if values.dtype.kind not in "if":
         texts, numbers = np.unique(values.astype(str), return_inverse=True)
-        return _Axis(name, numbers.astype(float), [str(text) for text in texts], False)
+        axis.set(**{f"{which}label": name})
+        getattr(axis, f"set_{which}ticks")(range(len(texts)), texts.tolist())
+        return np.asarray(numbers, dtype=float)
     units = str(summary[name].attrs.get("units", ""))
-    factor, shown = prefixed(float(np.abs(values).max(initial=0.0)), units)
+    factor, shown = prefixed(values, units)
     label = name.replace("_", " ") + (f" [{shown}]" if shown else "")
-    return _Axis(label, values * factor, [], _is_wide(values))
+    scale = "log" if _is_wide(values) else "linear"
+    axis.set(**{f"{which}label": label, f"{which}scale": scale})
+    return np.asarray(values * factor)
 
 
 def _is_wide(values: np.ndarray) -> bool:
@@ -181,8 +151,7 @@ def _is_wide(values: np.ndarray) -> bool:
 def _scaled(summary: xr.Dataset, result: xr.DataArray) -> tuple[np.ndarray, str]:
     """Values of the cases that are done, NaN for the others, and the label."""
     values = np.where(summary["status"].values == DONE, result.values, np.nan)
-    finite = np.abs(values[np.isfinite(values)])
-    factor, shown = prefixed(float(finite.max(initial=0.0)), str(result.attrs.get("units", "1")))
+    factor, shown = prefixed(values, str(result.attrs.get("units", "1")))
     label = str(result.attrs.get("long_name") or str(result.name).replace("_", " "))
     return values * factor, f"{label} [{shown}]" if shown else label
 
@@ -190,69 +159,48 @@ def _scaled(summary: xr.Dataset, result: xr.DataArray) -> tuple[np.ndarray, str]
 def _draw_lines(
     axis: Axes, summary: xr.Dataset, result: xr.DataArray, name: str, others: list[str]
 ) -> None:
-    x = _axis(summary, name)
+    x = _along(axis, "x", summary, name)
     values, label = _scaled(summary, result)
-    x.prepare(axis, "x")
-    axis.set_ylabel(label)
-    if _is_wide(values[np.isfinite(values)]):
-        axis.set_yscale("log")
-    for number, (text, members) in enumerate(_groups(summary, name, others)):
-        order = members[np.argsort(x.values[members], kind="stable")]
-        kept = order[np.isfinite(values[order])]
-        if text is None:
-            axis.plot(x.values[kept], values[kept], ".", color=LINES[0]["color"], markersize=4)
-        else:
-            style: dict[str, Any] = LINES[number % len(LINES)]
-            dots: dict[str, Any] = {"marker": ".", "markersize": 6} if members.size <= 60 else {}
-            # A gap in the line where a case failed.
-            shown = values[order]
-            axis.plot(x.values[order], shown, label=text or None, **style, **dots)
-    failed = did_not_finish(summary["status"].values)
-    if failed.any():
-        axis.plot(
-            x.values[failed],
-            np.full(int(failed.sum()), 0.03),
-            transform=axis.get_xaxis_transform(),
-            label=_counted(failed, "did not finish"),
-            **MARKED,
-        )
+    finite = np.isfinite(values)
+    axis.set(ylabel=label, yscale="log" if _is_wide(values[finite]) else "linear")
+    groups = _groups(summary, name, others)
+    if groups is None:
+        axis.plot(x[finite], values[finite], ".", color=LINES[0]["color"], markersize=4)
+    for number, (text, members) in enumerate((groups or {}).items()):
+        order = members[np.argsort(x[members], kind="stable")]
+        style = LINES[number % len(LINES)]
+        dots: dict[str, Any] = {"marker": ".", "markersize": 6} if members.size <= 60 else {}
+        # A gap in the line where a case failed.
+        axis.plot(x[order], values[order], label=text or None, **style, **dots)
+    edge = np.full(x.size, 0.03)
+    _mark_unfinished(axis, summary, x, edge, transform=axis.get_xaxis_transform())
     axis.margins(y=0.08)
 
 
-def _groups(
-    summary: xr.Dataset, name: str, others: list[str]
-) -> list[tuple[str | None, np.ndarray]]:
-    """Cases that make a line: those that differ in `name` only. A text of None makes points."""
-    everything = np.arange(summary.sizes["case"])
+def _groups(summary: xr.Dataset, name: str, others: list[str]) -> dict[str, np.ndarray] | None:
+    """Cases that make a line, with its text: those that differ in `name` only. None for points."""
+    n_cases = summary.sizes["case"]
     if not others:
-        return [("", everything)]
+        return {"": np.arange(n_cases)}
+    which = summary[others].to_dataframe().groupby(others).ngroup().to_numpy()
+    groups = [np.flatnonzero(which == number) for number in range(int(which.max()) + 1)]
     # Only as many cases can differ in one parameter as it has values.
-    size = np.unique(summary[name].values).size
-    combinations = np.stack(
-        [np.unique(summary[o].values, return_inverse=True)[1] for o in others], axis=1
-    )
-    distinct, which = np.unique(combinations, axis=0, return_inverse=True)
-    which = which.reshape(-1)
-    if len(distinct) > MOST_LINES or size * len(distinct) != everything.size:
-        return [(None, everything)]
-    groups: list[tuple[str | None, np.ndarray]] = []
-    for number in range(len(distinct)):
-        members = np.flatnonzero(which == number)
-        text = ", ".join(f"{o} = {_shown(summary, o, members[0])}" for o in others)
-        groups.append((text, members))
-    return groups
+    if len(groups) > MOST_LINES or np.unique(summary[name]).size * len(groups) != n_cases:
+        return None
+    return {
+        ", ".join(f"{other} = {_shown(summary[other], members[0])}" for other in others): members
+        for members in groups
+    }
 
 
-def _shown(summary: xr.Dataset, name: str, case: int) -> str:
-    value = summary[name].values[case]
+def _shown(values: xr.DataArray, case: int) -> str:
+    value = values.values[case]
     if not isinstance(value, float | np.floating | int | np.integer):
         return str(value)
-    units = displayed(str(summary[name].attrs.get("units", "1")))
-    return f"{value:.4g} {units}".strip()
+    return f"{value:.4g} {displayed(str(values.attrs.get('units', '1')))}".strip()
 
 
 def _draw_map(
-    figure: Figure,
     axis: Axes,
     summary: xr.Dataset,
     result: xr.DataArray,
@@ -260,12 +208,10 @@ def _draw_map(
     second: str,
     others: list[str],
 ) -> None:
-    x, y = _axis(summary, first), _axis(summary, second)
+    x, y = _along(axis, "x", summary, first), _along(axis, "y", summary, second)
     values, label = _scaled(summary, result)
-    x.prepare(axis, "x")
-    y.prepare(axis, "y")
-    columns, column = np.unique(x.values, return_inverse=True)
-    rows, row = np.unique(y.values, return_inverse=True)
+    columns, column = np.unique(x, return_inverse=True)
+    rows, row = np.unique(y, return_inverse=True)
     if not others and columns.size * rows.size == values.size:
         cells = np.full((rows.size, columns.size), np.nan)
         cells[row, column] = values
@@ -273,16 +219,16 @@ def _draw_map(
         axis.grid(visible=False)
     else:
         good = np.isfinite(values)
-        drawn = axis.scatter(
-            x.values[good], y.values[good], c=values[good], s=14, cmap=MAP_COLOURS, zorder=3
-        )
-    figure.colorbar(drawn, ax=axis, label=label)
+        drawn = axis.scatter(x[good], y[good], c=values[good], s=14, cmap=MAP_COLOURS, zorder=3)
+    axis.figure.colorbar(drawn, ax=axis, label=label)
+    _mark_unfinished(axis, summary, x, y)
+
+
+def _mark_unfinished(
+    axis: Axes, summary: xr.Dataset, x: np.ndarray, y: np.ndarray, **place: Any
+) -> None:
+    """Cross the cases that did not finish at their places, and count them in the legend."""
     failed = did_not_finish(summary["status"].values)
     if failed.any():
-        axis.plot(
-            x.values[failed], y.values[failed], label=_counted(failed, "did not finish"), **MARKED
-        )
-
-
-def _counted(chosen: np.ndarray, word: str) -> str:
-    return f"{word}: {int(chosen.sum())} of {chosen.size}"
+        label = f"did not finish: {int(failed.sum())} of {failed.size}"
+        axis.plot(x[failed], y[failed], label=label, **MARKED, **place)

@@ -7,18 +7,17 @@ from __future__ import annotations
 
 import fcntl
 import os
-import re
 import shutil
 import struct
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from evolvent.sweep.design import Design, read_design
-from evolvent.sweep.errors import NOT_WRITTEN, SweepError
+from evolvent.sweep.errors import SweepError, replacing, writing
 
-JOURNAL = re.compile(r"shard-(\d+)-of-(\d+)\.jsonl")
 HASH = "design.txt"
 COPY = "design.h5"
 FLOCK = "hhqqi4x"  # struct flock of Linux: type, whence, start, length, owner
@@ -35,16 +34,6 @@ class Shard:
     def stem(self) -> str:
         """Name of its files, without the ending."""
         return f"shard-{self.index}-of-{self.of}"
-
-    def cases(self, n_cases: int) -> np.ndarray:
-        """Numbers of its cases."""
-        return np.arange(self.index - 1, n_cases, self.of)
-
-
-def shards_of(folder: Path) -> list[Shard]:
-    """Shards that have a journal in the folder."""
-    found = (JOURNAL.fullmatch(path.name) for path in folder.glob("shard-*-of-*.jsonl"))
-    return sorted(Shard(of=int(m[2]), index=int(m[1])) for m in found if m)
 
 
 def check_folder(folder: Path, design: Design) -> None:
@@ -94,15 +83,11 @@ def open_for_run(design_path: Path, folder: Path, version: str) -> Design:
 def _keep_design(design_path: Path, folder: Path) -> None:
     """Put a copy of the design into the folder, so that the folder says what it is about."""
     copy = folder / COPY
-    temporary = copy.with_name(f"{COPY}.{os.getpid()}.tmp")
-    try:
+    with writing(copy):
         folder.mkdir(parents=True, exist_ok=True)
         if not copy.exists() or not copy.samefile(design_path):
-            shutil.copyfile(design_path, temporary)
-            temporary.replace(copy)
-    except OSError as error:
-        temporary.unlink(missing_ok=True)
-        raise SweepError(f"{copy}: cannot be written ({error.strerror})", NOT_WRITTEN) from error
+            with replacing(copy) as temporary:
+                shutil.copyfile(design_path, temporary)
 
 
 def design_of(folder: Path, given: Path | None = None) -> Design:
@@ -145,15 +130,19 @@ def remaining_shards(recorded: np.ndarray, of: int) -> list[Shard]:
     return [Shard(of, i) for i in range(1, of + 1) if not recorded[i - 1 :: of].all()]
 
 
-def common_split(folder: Path) -> int | None:
+def common_split(folder: Path, shards: Sequence[Shard]) -> int | None:
     """Into how many shards the folder is split; None if nothing was run in it.
+
+    Parameters
+    ----------
+    shards : those that have a journal.
 
     Raises
     ------
     SweepError
         Splits of several kinds, which would repeat cases.
     """
-    splits = {shard.of for shard in shards_of(folder)}
+    splits = {shard.of for shard in shards}
     if len(splits) > 1:
         kinds = " and ".join(map(str, sorted(splits)))
         raise SweepError(

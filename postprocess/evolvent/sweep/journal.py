@@ -10,22 +10,43 @@ import io
 import json
 import subprocess
 import tempfile
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 
 from evolvent.sweep.design import Design
 from evolvent.sweep.errors import SweepError
 from evolvent.sweep.folder import Shard
-from evolvent.sweep.program import find_program, last_message
+from evolvent.sweep.program import call, find_program, last_message
 
 # Values of the variable `status` and their meanings; 0 is a case that no journal has.
 STATUSES = ("missing", "done", "failed", "refused")
 MISSING, DONE, FAILED, REFUSED = range(4)
 BLOCK = 4096  # records that are turned into numbers at a time
+# Variables of the records by the keys of their lines: value of a missing case, and attributes.
+FIELDS: dict[str, tuple[str, Any, dict[str, Any]]] = {
+    "status": (
+        "status",
+        np.int8(MISSING),
+        {
+            "long_name": "what became of the case",
+            "flag_values": np.arange(len(STATUSES), dtype=np.int8),
+            "flag_meanings": " ".join(STATUSES),
+        },
+    ),
+    "message": ("message", "", {"long_name": "why the case failed or was refused"}),
+    "exit": ("exit_code", np.int16(-1), {"long_name": "exit code of the case, -1 if missing"}),
+    "at": (
+        "recorded_at",
+        np.nan,
+        {"long_name": "when the case was finished, since 1970-01-01 00:00 UTC", "units": "s"},
+    ),
+    "journal": ("shard", np.int32(-1), {}),  # index of the shards that the record is from
+}
 
 
 @dataclass(frozen=True)
@@ -61,64 +82,34 @@ class Counts:
         )
 
 
-def count(status: np.ndarray) -> Counts:
-    """Count cases by their status, an index of `STATUSES`."""
-    counts = np.bincount(np.asarray(status, dtype=np.int64), minlength=len(STATUSES))
-    missing, done, failed, refused = (int(n) for n in counts)
-    return Counts(done, failed, refused, missing)
-
-
 def did_not_finish(status: np.ndarray) -> np.ndarray:
     """Of each case whether it is recorded, but failed or was refused."""
     return np.isin(status, (FAILED, REFUSED))
 
 
 @dataclass(frozen=True)
-class Scalar:
-    """A result of every case: its description and its values (case), NaN where there is none."""
-
-    name: str
-    units: str
-    long_name: str
-    values: np.ndarray
-
-
-@dataclass
 class Records:
     """What is known of each case of a design."""
 
-    status: np.ndarray  # (case), index of `STATUSES`
-    exit_code: np.ndarray  # (case), -1 if missing
-    recorded_at: np.ndarray  # (case), Unix time [s], NaN if missing
-    shard: np.ndarray  # (case), index of `shards` that the record is from, -1 if missing
-    message: np.ndarray  # (case), index of `messages`
-    texts: dict[str, int] = field(default_factory=lambda: {"": 0})  # the messages' indices
-    scalars: dict[str, Scalar] = field(default_factory=dict)
-    shards: list[Shard] = field(default_factory=list)
-    versions: set[str] = field(default_factory=set)  # of evolvent
-    repeated: set[int] = field(default_factory=set)  # cases that are recorded more than once
-    torn: int = 0  # lines that were cut off
+    cases: xr.Dataset  # (case): the variables of `FIELDS`, and the results if they were asked for
+    counts: Counts
+    shards: list[Shard]  # those that have a journal
+    rows: dict[Shard, int]  # lines of the journals
+    versions: list[str]  # of evolvent
+    repeated: np.ndarray  # cases that are recorded more than once
+    torn: int  # lines that were cut off
 
     @property
     def recorded(self) -> np.ndarray:
         """Of each case whether it is recorded."""
-        return np.asarray(self.status != MISSING)
+        return np.asarray(self.cases["status"].values != MISSING)
 
     @property
     def unfinished(self) -> np.ndarray:
         """Of each case whether it failed or was refused."""
-        return did_not_finish(self.status)
+        return did_not_finish(self.cases["status"].values)
 
     @property
-    def counts(self) -> Counts:
-        """How many cases became what."""
-        return count(self.status)
-
-    @property
-    def messages(self) -> list[str]:
-        """Messages by their index."""
-        return list(self.texts)
-
     def holes(self) -> np.ndarray:
         """Numbers of the cases that are missing."""
         return np.flatnonzero(~self.recorded)
@@ -154,51 +145,63 @@ def read_records(folder: Path, design: Design, scalars: bool = True) -> Records:
                 precise_float=True,
             )
             for block in blocks:
-                _take(records, block)
+                _take(records.cases, block)
         if process.wait() != 0:
             messages.seek(0)
             raise SweepError(last_message(messages.read()), process.returncode)
     return records
 
 
+def count_records(folder: Path) -> dict[str, int]:
+    """Ask the program how many cases became what, and how many lines of journals say so (`rows`).
+
+    Raises
+    ------
+    SweepError
+        A journal that cannot be read.
+    """
+    done = call(find_program(), "records", folder, "--counts")
+    if done.returncode != 0:
+        raise SweepError(last_message(done.stderr), done.returncode)
+    return dict(json.loads(done.stdout))
+
+
 def _empty(folder: Path, design: Design, head: dict[str, Any], scalars: bool) -> Records:
     """Nothing is known of any case."""
     n = design.n_cases
-    shards = [Shard(journal["of"], journal["shard"]) for journal in head["journals"]]
+    rows = {Shard(one["of"], one["shard"]): one["rows"] for one in head["journals"]}
     heads = [journal["head"] for journal in head["journals"]]
-    for shard, one in zip(shards, heads, strict=True):
+    for shard, one in zip(rows, heads, strict=True):
         if one is not None and one["design"] != design.hash:
             raise SweepError(
                 f"{folder / shard.stem}.jsonl: is of another design (its hash is "
                 f"{one['design'][:12]}, not {design.hash[:12]})"
             )
-    told = [s for one in heads if one and scalars for s in one["scalars"]]
+    told = {s["name"]: s for one in heads if one and scalars for s in one["scalars"]}
+    variables: dict[str, Any] = {}
+    for name, scalar in told.items():
+        attributes = {key: scalar[key] for key in ("units", "long_name") if scalar[key]}
+        variables[name] = ("case", np.full(n, np.nan), {"role": "result", **attributes})
+    for name, nothing, attributes in FIELDS.values():
+        kind = object if isinstance(nothing, str) else None
+        variables[name] = ("case", np.full(n, nothing, dtype=kind), attributes)
+    counts = {status: head[status] for status in STATUSES[DONE:]}
     return Records(
-        status=np.zeros(n, dtype=np.int8),
-        exit_code=np.full(n, -1, dtype=np.int16),
-        recorded_at=np.full(n, np.nan),
-        shard=np.full(n, -1, dtype=np.int32),
-        message=np.zeros(n, dtype=np.int32),
-        scalars={
-            name: Scalar(name, s["units"], s["long_name"], np.full(n, np.nan))
-            for name, s in {s["name"]: s for s in told}.items()
-        },
-        shards=shards,
-        versions={str(one["evolvent"]) for one in heads if one},
-        repeated=set(head["repeated"]),
+        cases=xr.Dataset(variables),
+        counts=Counts(**counts, missing=n - sum(counts.values())),
+        shards=list(rows),
+        rows=rows,
+        versions=sorted({str(one["evolvent"]) for one in heads if one}),
+        repeated=np.array(head["repeated"], dtype=np.int64),
         torn=head["torn"],
     )
 
 
-def _take(records: Records, block: pd.DataFrame) -> None:
+def _take(cases: xr.Dataset, block: pd.DataFrame) -> None:
     """Put records where their cases are."""
-    cases = block["case"].to_numpy()
-    texts = records.texts
-    records.status[cases] = block["status"].map(STATUSES.index)
-    records.exit_code[cases] = block["exit"]
-    records.recorded_at[cases] = block["at"]
-    records.shard[cases] = block["journal"]
-    records.message[cases] = [texts.setdefault(text, len(texts)) for text in block["message"]]
-    for name, scalar in records.scalars.items():
-        if name in block:
-            scalar.values[cases] = block[name].to_numpy(dtype=float)
+    block["status"] = block["status"].map(STATUSES.index)
+    for key in block.columns.drop("case"):
+        name = FIELDS[key][0] if key in FIELDS else key
+        if name in cases:
+            values = cases[name].values
+            values[block["case"].to_numpy()] = block[key].to_numpy(dtype=values.dtype)

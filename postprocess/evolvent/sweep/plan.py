@@ -9,7 +9,7 @@ from evolvent.sweep.design import LAST_HALF, Design
 from evolvent.sweep.errors import SweepError
 from evolvent.sweep.program import program_version
 from evolvent.sweep.sampling import columns
-from evolvent.sweep.spec import Spec, read_spec
+from evolvent.sweep.spec import read_spec, read_text
 
 
 def make_plan(path: Path, program: Path) -> tuple[Design, Checked]:
@@ -29,14 +29,9 @@ def make_plan(path: Path, program: Path) -> tuple[Design, Checked]:
     """
     spec = read_spec(path)
     parameters, n_cases, sampling = columns(spec)
-    try:
-        case = spec.case.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "is not UTF-8 text"
-        raise SweepError(f"{path}: case {spec.case}: cannot be read ({reason})") from error
     design = Design(
         title=spec.title,
-        case=case,
+        case=read_text(spec.case, f"{path}: case {spec.case}"),
         parameters=tuple(parameters),
         n_cases=n_cases,
         window=spec.window or LAST_HALF,
@@ -56,12 +51,9 @@ def make_plan(path: Path, program: Path) -> tuple[Design, Checked]:
             f"{path}: all {design.n_cases} cases would be refused; case {most.case}: "
             f"{most.example}{others}"
         )
-    _check_window(spec, checked.shortest)
-    return design, checked
-
-
-def _check_window(spec: Spec, shortest: float) -> None:
-    if spec.window is not None and spec.window[1] > shortest:
+    if design.window[1] > checked.shortest:
         raise SweepError(
-            f"{spec.source}: window.to: is {spec.window[1]:g} s, but a case ends at {shortest:g} s"
+            f"{path}: window.to: is {design.window[1]:g} s, but a case ends at "
+            f"{checked.shortest:g} s"
         )
+    return design, checked

@@ -1,4 +1,4 @@
-"""Run a design with any executor of the kind of `concurrent.futures`: processes, MPI, Dask.
+"""Run a design with any executor of the kind of `concurrent.futures`: threads, MPI, Dask.
 
 The design is cut into shards, and a shard is one task, so that a task takes seconds and not the
 milliseconds of a case. Workers write into the folder, which they have to share. A task whose worker
@@ -8,15 +8,15 @@ died is submitted again; what its shard has recorded is not repeated.
 from __future__ import annotations
 
 import math
-import subprocess
 import time
+from collections import Counter
 from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from pathlib import Path
 
-from evolvent.sweep.errors import FAILED_CASES, SweepError
+from evolvent.sweep.errors import FAILED_CASES, INTERRUPTED, SweepError
 from evolvent.sweep.folder import Shard, is_locked
-from evolvent.sweep.program import environment, last_message
+from evolvent.sweep.program import call, last_message
 from evolvent.sweep.run import batch_command
 
 SHORTEST = 1.0  # duration of a task [s]
@@ -39,7 +39,6 @@ def run_with_executor(
     shards: list[Shard],
     executor: Executor,
     *,
-    renew: Callable[[], Executor] | None = None,
     show: Callable[[], None] | None = None,
 ) -> int:
     """Run shards as tasks of an executor.
@@ -47,7 +46,6 @@ def run_with_executor(
     Parameters
     ----------
     program, design, folder : paths that the workers have as well.
-    renew : makes another executor after one broke, as pools of processes do when a worker dies.
     show : called several times a second.
 
     Returns
@@ -57,8 +55,8 @@ def run_with_executor(
     Raises
     ------
     SweepError
-        Another run is at work in the folder, or a task failed whatever was tried, with the reason
-        of the last attempt.
+        Another run is at work in the folder, the executor broke, or a task failed whatever was
+        tried, with the reason of the last attempt.
     """
     for shard in shards:
         if is_locked(folder, shard):
@@ -66,45 +64,49 @@ def run_with_executor(
                 f"{folder}: another run is at work on shard {shard.index}/{shard.of}; "
                 "wait for it, or end it first"
             )
-    attempts = dict.fromkeys(shards, 0)
+    try:
+        return _run(program, design.absolute(), folder.absolute(), shards, executor, show)
+    except BrokenExecutor as error:
+        raise SweepError(
+            "the executor broke: a worker died; run the same command again to go on", INTERRUPTED
+        ) from error
+
+
+def _run(
+    program: Path,
+    design: Path,
+    folder: Path,
+    shards: list[Shard],
+    executor: Executor,
+    show: Callable[[], None] | None,
+) -> int:
+    attempts: Counter[Shard] = Counter()
+    running: dict[Future[tuple[int, str]], Shard] = {}
     result = 0
 
-    def submit(shard: Shard) -> Future[tuple[int, str]]:
+    def submit(shard: Shard) -> None:
         attempts[shard] += 1
-        paths = (str(program), str(design.absolute()), str(folder.absolute()))
-        return executor.submit(run_task, *paths, shard.index, shard.of)
+        paths = (str(program), str(design), str(folder))
+        running[executor.submit(run_task, *paths, shard.index, shard.of)] = shard
 
-    waiting: list[Shard] = list(shards)
-    running: dict[Future[tuple[int, str]], Shard] = {}
-    while waiting or running:
-        try:
-            while waiting:
-                running[submit(waiting[-1])] = waiting[-1]
-                waiting.pop()
-        except BrokenExecutor:  # met again below, by the futures of the same executor
-            attempts[waiting[-1]] -= 1
-            if not running:
-                executor = _renewed(renew)
-                continue
+    for shard in shards:
+        submit(shard)
+    while running:
         done, _ = wait(running, timeout=ASKED, return_when=FIRST_COMPLETED)
-        broken = False
         for future in done:
             shard = running.pop(future)
-            code, message, broke = _outcome(future)
-            broken |= broke
+            code, message = _outcome(future)
             if code in (0, FAILED_CASES):
                 result = max(result, code)
-            elif broke or code < 0 or code == 75:
-                if attempts[shard] >= ATTEMPTS:
-                    raise SweepError(
-                        f"shard {shard.index}/{shard.of} was tried {ATTEMPTS} times: {message}", 75
-                    )
-                waiting.append(shard)
-            else:
+            elif code >= 0 and code != INTERRUPTED:
                 raise SweepError(message, code)
-        if broken and renew is not None:
-            waiting += [running.pop(future) for future in list(running)]
-            executor = _renewed(renew)
+            elif attempts[shard] < ATTEMPTS:
+                submit(shard)
+            else:
+                raise SweepError(
+                    f"shard {shard.index}/{shard.of} was tried {ATTEMPTS} times: {message}",
+                    INTERRUPTED,
+                )
         if show is not None:
             show()
     return result
@@ -119,26 +121,15 @@ def run_task(program: str, design: str, folder: str, index: int, of: int) -> tup
     shard, place = Shard(of, index), Path(folder)
     while is_locked(place, shard):
         time.sleep(ASKED)
-    command = batch_command(Path(program), Path(design), place, shard, jobs=1)
-    done = subprocess.run(
-        command, capture_output=True, text=True, errors="replace", env=environment(), check=False
-    )
+    done = call(*batch_command(Path(program), Path(design), place, shard, jobs=1))
     return done.returncode, last_message(done.stderr)
 
 
-def _outcome(future: Future[tuple[int, str]]) -> tuple[int, str, bool]:
-    """Exit code, message, and whether the executor or the worker broke."""
+def _outcome(future: Future[tuple[int, str]]) -> tuple[int, str]:
+    """Exit code and message of a task; -1 if its worker died."""
     try:
-        return *future.result(), False
-    except BrokenExecutor as error:
-        return -1, str(error), True
+        return future.result()
+    except BrokenExecutor:
+        raise
     except Exception as error:  # Dask's KilledWorker and what else happens to workers
-        return -1, f"{type(error).__name__}: {' '.join(str(error).split())[:200]}", False
-
-
-def _renewed(renew: Callable[[], Executor] | None) -> Executor:
-    if renew is None:
-        raise SweepError(
-            "the executor broke: a worker died; run the same command again to go on", 75
-        )
-    return renew()
+        return -1, f"{type(error).__name__}: {' '.join(str(error).split())[:200]}"

@@ -39,11 +39,23 @@ def find_program() -> Path:
 
 def program_version(program: Path) -> str:
     """Version of the program, such as "0.1.0"."""
-    done = subprocess.run([program, "--version"], capture_output=True, text=True, check=False)
+    done = call(program, "--version")
     words = done.stdout.split()
     if done.returncode != 0 or len(words) < 2:
         raise SweepError(f"{program}: does not tell its version; is it evolvent?")
     return words[1]
+
+
+def call(program: Path | str, *words: object) -> subprocess.CompletedProcess[str]:
+    """Run the program to its end; what it says and its exit code are in the answer."""
+    return subprocess.run(
+        [str(program), *map(str, words)],
+        capture_output=True,
+        text=True,
+        errors="replace",
+        env=environment(),
+        check=False,
+    )
 
 
 def last_message(messages: str) -> str:

@@ -3,51 +3,54 @@
 from __future__ import annotations
 
 import tempfile
-from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
-from evolvent.sweep.errors import NOT_WRITTEN, SweepError
+from evolvent.sweep.errors import writing
 from evolvent.sweep.folder import COPY, Shard
-from evolvent.sweep.journal import MISSING, Records
-from evolvent.sweep.left import write_list
+from evolvent.sweep.journal import Records
 from evolvent.sweep.run import Tally, run_shards
 from evolvent.sweep.slurm import SCRIPTS
 
 
-def lists_of_cases(records: Records, cases: list[int]) -> dict[Shard, list[int]]:
-    """Cases by the shard that recorded them; one that is missing by a shard of the newest split."""
-    of_newest = records.shards[-1].of if records.shards else 1
-    lists: dict[Shard, list[int]] = {}
-    for case in cases:
-        number = int(records.shard[case])
-        of = records.shards[number].of if number >= 0 else of_newest
-        lists.setdefault(Shard(of, case % of + 1), []).append(case)
-    return dict(sorted(lists.items()))
+def write_lists(records: Records, cases: list[int], place: Path) -> dict[Shard, Path]:
+    """Write for `evolvent batch --cases` which cases each shard runs again.
 
-
-def write_lists(records: Records, folder: Path, cases: list[int]) -> tuple[Path, list[Shard]]:
-    """Write the lists of a retry on Slurm; return their folder, and the shards.
+    A case is run again by the shard that recorded it; one that is missing by a shard of the newest
+    split. What is recorded after the list was written is not run once more: a job of a cluster that
+    is requeued goes on with what is left.
 
     Raises
     ------
     SweepError
         They cannot be written.
     """
+    of_newest = records.shards[-1].of if records.shards else 1
+    lists: dict[Shard, list[int]] = {}
+    for case, number in zip(cases, records.cases["shard"].values[cases], strict=True):
+        of = records.shards[number].of if number >= 0 else of_newest
+        lists.setdefault(Shard(of, case % of + 1), []).append(case)
+    files = {shard: place / f"{shard.stem}.txt" for shard in sorted(lists)}
+    with writing(place):
+        for shard, path in files.items():
+            lines = [f"after {records.rows.get(shard, 0)}", *map(str, lists[shard])]
+            path.write_text("\n".join([*lines, ""]), encoding="ascii")
+    return files
+
+
+def folder_of_lists(folder: Path) -> Path:
+    """Make a folder for the lists of a retry on Slurm: an earlier one may wait for its own.
+
+    Raises
+    ------
+    SweepError
+        It cannot be made.
+    """
     place = folder.absolute() / SCRIPTS / "lists"
-    lists = lists_of_cases(records, cases)
-    try:
+    with writing(place):
         place.mkdir(parents=True, exist_ok=True)
-        place = Path(
-            tempfile.mkdtemp(prefix="", dir=place)
-        )  # an earlier retry may wait for its own
+        place = Path(tempfile.mkdtemp(prefix="", dir=place))
         place.chmod(0o755)
-        for shard, chosen in lists.items():
-            write_list(folder, place, shard, chosen)
-    except OSError as error:
-        raise SweepError(f"{place}: cannot be written ({error.strerror})", NOT_WRITTEN) from error
-    return place, list(lists)
+    return place
 
 
 def retry_cases(program: Path, folder: Path, records: Records, cases: list[int], jobs: int) -> int:
@@ -62,13 +65,7 @@ def retry_cases(program: Path, folder: Path, records: Records, cases: list[int],
     -------
     Exit code of the run: 0, 1 (cases did not finish) or 75 (interrupted).
     """
-    lists = lists_of_cases(records, cases)
-    shards = list(lists)
     with tempfile.TemporaryDirectory(prefix="evolvent-sweep-") as name:
-        files = {shard: Path(name) / f"{shard.stem}.txt" for shard in shards}
-        for shard, path in files.items():
-            path.write_text("".join(f"{case}\n" for case in lists[shard]), encoding="ascii")
-        chosen = np.isin(np.arange(records.status.size), cases)
-        others = replace(records, status=np.where(chosen, MISSING, records.status))
-        tally = Tally(folder, shards, others)
-        return run_shards(program, folder / COPY, folder, shards, jobs, tally, files)
+        files = write_lists(records, cases, Path(name))
+        tally = Tally(folder, records, again=int(records.recorded[cases].sum()))
+        return run_shards(program, folder / COPY, folder, list(files), jobs, tally, files)

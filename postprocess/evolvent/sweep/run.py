@@ -7,79 +7,66 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import FrameType
 from typing import Any
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
-from evolvent.sweep.errors import FAILED_CASES, SweepError
+from evolvent.sweep.errors import FAILED_CASES, INTERRUPTED, SweepError
 from evolvent.sweep.estimate import span
 from evolvent.sweep.folder import Shard
-from evolvent.sweep.journal import Records
+from evolvent.sweep.journal import Records, count_records
 from evolvent.sweep.program import environment, last_message
 
 LOOKED = 0.25  # seconds between two looks at the journals
+A_LOOK = 0.05  # share of the time that looks may take
 LINE_EACH = 60.0  # seconds between two lines if nobody watches
 FORWARDED = (signal.SIGTERM, signal.SIGINT, signal.SIGUSR1)
 
 
 @dataclass
 class Tally:
-    """Counts the lines that journals grow by."""
+    """Counts the cases that are recorded while a run goes on."""
 
     folder: Path
-    shards: Sequence[Shard]
     before: Records  # when the run began
-    unfinished: int = 0  # failed or refused
+    again: int = 0  # cases that are recorded, and run once more
     began: float = field(default_factory=time.monotonic)
     new: int = 0
-    _read: dict[Path, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.unfinished = self.before.counts.unfinished
-        for shard in self.shards:
-            path = self.folder / f"{shard.stem}.jsonl"
-            self._read[path] = path.stat().st_size if path.exists() else 0
+        self._next = self.began
 
     def look(self) -> None:
-        """Read what was appended since the last look."""
-        for path, position in self._read.items():
-            try:
-                with path.open("rb") as journal:
-                    journal.seek(position)
-                    grown = journal.read()
-            except FileNotFoundError:
-                continue
-            whole = grown[: grown.rfind(b"\n") + 1]
-            self._read[path] = position + len(whole)
-            rows = whole.count(b'"case":')
-            self.new += rows
-            self.unfinished += rows - whole.count(b'"status":"done"')
+        """Ask what is recorded now, unless that was asked a moment ago."""
+        start = time.monotonic()
+        if start >= self._next:
+            told = count_records(self.folder)
+            self.new = told["rows"] - sum(self.before.rows.values())
+            self.unfinished = told["failed"] + told["refused"]
+            self._next = start + (time.monotonic() - start) / A_LOOK
 
     @property
     def total(self) -> int:
         """Number of cases of the design."""
-        return self.before.status.size
+        return self.before.counts.n_cases
 
     @property
     def recorded(self) -> int:
-        """Number of recorded cases."""
-        return min(int(self.before.recorded.sum()) + self.new, self.total)
+        """Number of recorded cases, without those that are still to be run once more."""
+        return min(self.total - self.before.counts.missing - self.again + self.new, self.total)
 
     @property
-    def rate(self) -> float:
-        """Cases a second since the run began."""
-        return self.new / max(time.monotonic() - self.began, 1e-9)
-
-    @property
-    def remaining(self) -> str:
-        """Time that is left, as people say it."""
-        missing = self.total - self.recorded
-        return span(missing / self.rate) if self.new else "?"
+    def pace(self) -> str:
+        """What did not finish, how fast it goes and how long it takes, in words."""
+        rate = self.new / max(time.monotonic() - self.began, 1e-9)
+        left = span((self.total - self.recorded) / rate) if self.new else "?"
+        return f"{self.unfinished} did not finish, {rate:.3g} a second, {left} left"
 
 
 def batch_command(
@@ -118,7 +105,7 @@ def run_shards(
         The batch refused, could not write, or was killed; with its message and exit code.
     """
     result = 0
-    with Display(tally) as show:
+    with display(tally) as show:
         for shard in shards:
             chosen = None if cases is None else cases[shard]
             code = _run(batch_command(program, design, folder, shard, jobs, chosen), show)
@@ -139,99 +126,64 @@ def _run(command: list[str], show: Callable[[], None]) -> int:
             env=environment(),
             process_group=0,
         )
-        with _Forwarding(process):
-            while True:
-                try:
+        with _forwarding(process):
+            while process.returncode is None:
+                with suppress(subprocess.TimeoutExpired):
                     process.wait(LOOKED)
-                except subprocess.TimeoutExpired:
-                    show()
-                else:
-                    break
-        show()
-        if process.returncode in (0, FAILED_CASES, 75):
+                show()
+        if process.returncode in (0, FAILED_CASES, INTERRUPTED):
             return process.returncode
         messages.seek(0)
         reason = last_message(messages.read())
     if process.returncode < 0:
         name = signal.Signals(-process.returncode).name
         raise SweepError(
-            f"evolvent batch was ended by {name}; run the same command again to go on", 75
+            f"evolvent batch was ended by {name}; run the same command again to go on", INTERRUPTED
         )
     raise SweepError(reason, process.returncode)
 
 
-class _Forwarding:
-    """Passes signals on to a process while it runs."""
-
-    def __init__(self, process: subprocess.Popen[Any]) -> None:
-        self.process = process
-        self.before: dict[int, Any] = {}
-
-    def __enter__(self) -> None:
-        try:
-            for number in FORWARDED:
-                self.before[number] = signal.signal(number, self._forward)
-        except ValueError:  # not in the main thread: whoever is there handles signals
-            self.before = {}
-
-    def __exit__(self, *_: object) -> None:
-        for number, handler in self.before.items():
-            signal.signal(number, handler)
-
-    def _forward(self, number: int, _: FrameType | None) -> None:
-        self.process.send_signal(number)
+@contextmanager
+def _forwarding(process: subprocess.Popen[Any]) -> Iterator[None]:
+    """Pass signals on to a process while it runs."""
+    before: dict[int, Any] = {}
+    with suppress(ValueError):  # not in the main thread: whoever is there handles signals
+        for number in FORWARDED:
+            before[number] = signal.signal(number, lambda n, _: process.send_signal(n))
+    try:
+        yield
+    finally:
+        for forwarded, handler in before.items():
+            signal.signal(forwarded, handler)
 
 
-class Display:
-    """Shows the progress: a bar on a terminal, else a line a minute."""
+@contextmanager
+def display(tally: Tally) -> Iterator[Callable[[], None]]:
+    """Give what shows the progress when it is called: a bar on a terminal, else a line a minute."""
+    bar = Progress(
+        TextColumn("{task.completed:.0f} of {task.total:.0f} cases"),
+        BarColumn(),
+        TextColumn("{task.description}"),
+        console=Console(stderr=True),
+        disable=not sys.stderr.isatty(),
+    )
+    task = bar.add_task(tally.pace, total=tally.total)
+    last_line = time.monotonic()
 
-    def __init__(self, tally: Tally) -> None:
-        self.tally = tally
-        self.last_line = time.monotonic()
-        self.bar: Progress | None = None
-
-    def __enter__(self) -> Callable[[], None]:
-        if not sys.stderr.isatty():
-            return self._line
-        self.bar = Progress(
-            TextColumn("{task.completed:.0f} of {task.total:.0f} cases"),
-            BarColumn(),
-            TextColumn(
-                "{task.fields[bad]} did not finish, {task.fields[rate]}, {task.fields[left]} left"
-            ),
-            console=Console(stderr=True),
-        )
-        texts: dict[str, Any] = {"bad": self.tally.unfinished, "rate": "?", "left": "?"}
-        self.task = self.bar.add_task("", total=self.tally.total, **texts)
-        self.bar.start()
-        return self._bar
-
-    def __exit__(self, *_: object) -> None:
-        if self.bar is not None:
-            self.bar.stop()
-
-    def _bar(self) -> None:
-        tally = self.tally
+    def show() -> None:
+        nonlocal last_line
+        if bar.disable and time.monotonic() - last_line < LINE_EACH:
+            return
         tally.look()
-        assert self.bar is not None
-        self.bar.update(
-            self.task,
-            completed=tally.recorded,
-            bad=tally.unfinished,
-            rate=f"{tally.rate:.3g} a second",
-            left=tally.remaining,
-        )
+        bar.update(task, completed=tally.recorded, description=tally.pace)
+        if bar.disable:
+            last_line = time.monotonic()
+            print(progress_line(tally), file=sys.stderr, flush=True)
 
-    def _line(self) -> None:
-        self.tally.look()
-        if time.monotonic() - self.last_line >= LINE_EACH:
-            self.last_line = time.monotonic()
-            print(progress_line(self.tally), file=sys.stderr, flush=True)
+    with bar:
+        yield show
 
 
 def progress_line(tally: Tally) -> str:
     """The progress in one line, for logs."""
-    return (
-        f"evolvent-sweep: {tally.recorded} of {tally.total} cases, {tally.unfinished} "
-        f"did not finish, {tally.rate:.3g} a second, {tally.remaining} left"
-    )
+    return f"evolvent-sweep: {tally.recorded} of {tally.total} cases, {tally.pace}"

@@ -12,7 +12,7 @@ import pandas as pd
 from scipy.stats import qmc
 
 from evolvent.sweep.design import Parameter, identifier
-from evolvent.sweep.errors import SweepError
+from evolvent.sweep.errors import SweepError, reason_of
 from evolvent.sweep.expression import evaluate
 from evolvent.sweep.spec import SAMPLED, Entry, Spec, check_unique
 from evolvent.sweep.yaml_text import yaml_text
@@ -53,46 +53,30 @@ def _columns(spec: Spec) -> tuple[list[Parameter], int, dict[str, Any]]:
     if not 1 <= length <= MOST_CASES:
         raise SweepError(f"has {length} cases, must have 1 to {MOST_CASES}")
 
-    values = _given(spec, entries, length, sampling, table)
-    for entry in entries:
+    cube = _unit_cube(spec, sampling) if sampling else None
+    values: dict[str, np.ndarray] = {}
+    repeat = length  # of the factorial: how often each value of a column stands in a row
+    derived_last = sorted(entries, key=lambda entry: entry.source == "expression")
+    for entry in derived_last:
         if entry.source == "expression":
-            values[entry.name] = _derived(entry, values, length)
+            column = _derived(entry, values, length)
+        elif entry.source == "value":
+            column = np.repeat(_typed([entry.value]), length)
+        elif table is not None:
+            column = _of_table(table, entry, spec.file)
+        elif cube is not None:
+            column = _scaled(entry, cube[:, sampling["names"].index(entry.name)])
+        else:
+            column = _levels(entry)
+            if spec.method == "factorial":  # the last parameter runs fastest
+                repeat //= column.size
+                column = np.resize(np.repeat(column, repeat), length)
+        values[entry.name] = column
     parameters = [
         Parameter(e.name, e.path, e.units, values[e.name], e.source == "expression")
         for e in entries
     ]
     return parameters, length, sampling
-
-
-def _given(
-    spec: Spec,
-    entries: tuple[Entry, ...],
-    length: int,
-    sampling: dict[str, Any],
-    table: pd.DataFrame | None,
-) -> dict[str, np.ndarray]:
-    """Columns that are not derived, by name."""
-    cube = _unit_cube(spec, sampling) if sampling else None
-    values: dict[str, np.ndarray] = {}
-    repeat = length  # of the factorial: how often each value of a column stands in a row
-    for entry in entries:
-        if entry.source == "expression":
-            continue
-        if entry.source == "value":
-            values[entry.name] = np.repeat(_typed([entry.value]), length)
-        elif table is not None:
-            values[entry.name] = _of_table(table, entry, spec.file)
-        elif cube is not None:
-            drawn = cube[:, sampling["names"].index(entry.name)]
-            values[entry.name] = _scaled(entry, drawn)
-        else:
-            levels = _levels(entry)
-            if spec.method == "factorial":  # the last parameter runs fastest
-                repeat //= levels.size
-                block = np.repeat(levels, repeat)
-                levels = np.tile(block, length // block.size)
-            values[entry.name] = levels
-    return values
 
 
 def _length(spec: Spec) -> tuple[int, dict[str, Any]]:
@@ -125,11 +109,8 @@ def _levels(entry: Entry) -> np.ndarray:
     """Values of a parameter on a grid."""
     if entry.source == "values":
         return _typed(list(entry.values))
-    number = int(entry.number or 0)
-    if entry.log:
-        levels = np.geomspace(entry.begin, entry.end, number)
-    else:
-        levels = np.linspace(entry.begin, entry.end, number)
+    spaced = np.geomspace if entry.log else np.linspace
+    levels = spaced(entry.begin, entry.end, _count(entry))
     if not entry.whole:
         return levels
     whole = np.round(levels).astype(np.int64)
@@ -192,13 +173,11 @@ def _derived(entry: Entry, values: dict[str, np.ndarray], length: int) -> np.nda
 
 def _typed(values: list[Any]) -> np.ndarray:
     """Make an array: int64, float64, or YAML texts if a value is no number."""
-    if all(isinstance(v, int) and not isinstance(v, bool) and abs(v) < 2**63 for v in values):
+    if all(type(v) is int and abs(v) < 2**63 for v in values):
         return np.array(values, dtype=np.int64)
-    if all(isinstance(v, int | float) and not isinstance(v, bool) for v in values):
+    if all(type(v) in (int, float) for v in values):
         return np.array(values, dtype=np.float64)
-    texts = np.empty(len(values), dtype=object)
-    texts[:] = [yaml_text(v) for v in values]
-    return texts
+    return np.array([yaml_text(v) for v in values], dtype=object)
 
 
 def _read_table(spec: Spec) -> pd.DataFrame:
@@ -217,8 +196,7 @@ def _read_table(spec: Spec) -> pd.DataFrame:
     except FileNotFoundError as error:
         raise SweepError(f"{path}: no such file") from error
     except (OSError, ValueError) as error:
-        reason = " ".join(str(error).split())
-        raise SweepError(f"{path}: is no readable table ({reason})") from error
+        raise SweepError(f"{path}: is no readable table ({reason_of(error)})") from error
     return table.rename(columns=lambda name: str(name).strip())
 
 
@@ -243,15 +221,12 @@ def _of_table(table: pd.DataFrame, entry: Entry, path: Path | None) -> np.ndarra
     if empty.size:
         raise SweepError(f"{entry.place}: {path} has no value for case {empty[0]}")
     if pd.api.types.is_bool_dtype(column.dtype):
-        return np.where(column.to_numpy(dtype=bool), "true", "false").astype(object)
-    if pd.api.types.is_integer_dtype(column.dtype):
-        return np.asarray(column, dtype=np.int64)
-    if pd.api.types.is_numeric_dtype(column.dtype):
-        values = np.asarray(column, dtype=np.float64)
-        if not np.isfinite(values).all():
-            bad = int(np.flatnonzero(~np.isfinite(values))[0])
-            raise SweepError(f"{entry.place}: {path} has {values[bad]} for case {bad}")
-        return values
-    texts = np.empty(len(column), dtype=object)
-    texts[:] = [str(text) for text in column]
-    return texts
+        column = column.map({True: "true", False: "false"})
+    if not pd.api.types.is_numeric_dtype(column.dtype):
+        return np.array([str(text) for text in column], dtype=object)
+    whole = pd.api.types.is_integer_dtype(column.dtype)
+    values = np.asarray(column, dtype=np.int64 if whole else np.float64)
+    bad = np.flatnonzero(~np.isfinite(values))
+    if bad.size:
+        raise SweepError(f"{entry.place}: {path} has {values[bad[0]]} for case {bad[0]}")
+    return values

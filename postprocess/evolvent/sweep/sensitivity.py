@@ -8,6 +8,7 @@ random balance designs (Tarantola, Gatelli and Mara 2006, Reliab. Eng. Syst. Saf
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -56,65 +57,43 @@ def sobol_indices(summary: xr.Dataset, response: str) -> xr.Dataset:
         ) from error
     values = summary[response].values.astype(float)
     good = (summary["status"].values == DONE) & np.isfinite(values)
-    by = _saltelli if method == "saltelli" else _random_balance
-    with np.errstate(all="ignore"):
-        found, left_out = by(summary, sampling, values, good)
-    indices = xr.Dataset(
-        {name: ("parameter", np.asarray(v, dtype=float)) for name, v in found.items()},
-        coords={"parameter": sampling["names"]},
-    )
-    return indices.assign_attrs(response=response, method=method, left_out=left_out)
-
-
-def _saltelli(
-    summary: xr.Dataset, sampling: dict[str, Any], values: np.ndarray, good: np.ndarray
-) -> tuple[dict[str, Any], int]:
-    from SALib.analyze import sobol
-
-    names = sampling["names"]
-    second = bool(sampling["second_order"])
-    group = 2 * len(names) + 2 if second else len(names) + 2
-    whole = good.reshape(-1, group).all(axis=1)
-    _check_enough(int(whole.sum()), "complete groups")
-    kept = values.reshape(-1, group)[whole].reshape(-1)
-    _check_varies(kept, summary)
-    problem = {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
-    seed = int(summary.attrs["seed"])
-    found = sobol.analyze(problem, kept, calc_second_order=second, seed=seed)
-    return {
-        "first_order": found["S1"],
-        "first_order_confidence": found["S1_conf"],
-        "total": found["ST"],
-        "total_confidence": found["ST_conf"],
-    }, int(values.size - kept.size)
-
-
-def _random_balance(
-    summary: xr.Dataset, sampling: dict[str, Any], values: np.ndarray, good: np.ndarray
-) -> tuple[dict[str, Any], int]:
-    from SALib.analyze import rbd_fast
-
-    names = sampling["names"]
-    _check_enough(int(good.sum()), "cases")
-    _check_varies(values[good], summary)
-    # Only the order of a parameter's values matters: texts count by their rank.
-    ranks = np.stack(
-        [np.unique(summary[n].values[good], return_inverse=True)[1] for n in names], axis=1
-    )
-    problem = {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
-    seed = int(summary.attrs["seed"])
-    found = rbd_fast.analyze(problem, ranks.astype(float), values[good], seed=seed)
-    return {
-        "first_order": found["S1"],
-        "first_order_confidence": found["S1_conf"],
-    }, int((~good).sum())
-
-
-def _check_enough(count: int, what: str) -> None:
+    names, group = sampling["names"], 1
+    if method == "saltelli":
+        group = 2 * len(names) + 2 if sampling["second_order"] else len(names) + 2
+        good = np.repeat(good.reshape(-1, group).all(axis=1), group)
+    count = int(good.sum()) // group
     if count < FEWEST:
+        what = "complete groups" if method == "saltelli" else "cases"
         raise SweepError(f"{count} {what} are too few for sensitivity indices; take {FEWEST}")
-
-
-def _check_varies(values: np.ndarray, summary: xr.Dataset) -> None:
-    if np.ptp(values) == 0.0:
+    if np.ptp(values[good]) == 0.0:
         raise SweepError("the result is the same in all cases; there is no variance to share")
+    with np.errstate(all="ignore"):
+        found = _analysed(summary.isel(case=good), sampling, values[good])
+    indices = {
+        f"{kind}{word}": ("parameter", np.asarray(found[f"{key}{end}"], dtype=float))
+        for kind, key in (("first_order", "S1"), ("total", "ST"))
+        for word, end in (("", ""), ("_confidence", "_conf"))
+        if key in found
+    }
+    return xr.Dataset(
+        indices,
+        coords={"parameter": names},
+        attrs={"response": response, "method": method, "left_out": int((~good).sum())},
+    )
+
+
+def _analysed(
+    summary: xr.Dataset, sampling: dict[str, Any], values: np.ndarray
+) -> Mapping[str, Any]:
+    """What SALib says of cases that all are good."""
+    from SALib.analyze import rbd_fast, sobol
+
+    names, seed = sampling["names"], int(summary.attrs["seed"])
+    problem = {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
+    if summary.attrs["method"] == "saltelli":
+        second = bool(sampling["second_order"])
+        return dict(sobol.analyze(problem, values, calc_second_order=second, seed=seed))
+    # Only the order of a parameter's values matters: texts count by their rank.
+    ranks = [np.unique(summary[name].values, return_inverse=True)[1] for name in names]
+    samples = np.stack(ranks, axis=1).astype(float)
+    return dict(rbd_fast.analyze(problem, samples, values, seed=seed))

@@ -11,66 +11,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from evolvent.sweep.errors import NOT_WRITTEN, SweepError
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from evolvent.sweep.errors import SweepError, writing
 from evolvent.sweep.folder import Shard
+from evolvent.sweep.status import joined, runs
 
 A_SHARD = 600.0  # seconds that a shard should take
 MOST = 5000  # shards, unless more are asked for
 USUAL_TASKS = 1000  # of an array, that Slurm allows unless its site says otherwise
 SCRIPTS = "slurm"  # folder of the scripts and logs, in that of the sweep
 MOST_REQUEUES = 50
-
-SHARDS = """\
-#!/bin/bash
-#SBATCH --job-name={name}
-#SBATCH --array={array}
-#SBATCH --cpus-per-task={cores}
-#SBATCH --output="{logs}/{log}"
-#SBATCH --open-mode=append
-#SBATCH --requeue
-#SBATCH --signal=B:USR1@120
-{site}# Written by evolvent-sweep. Each task runs {what} of its shard.
-{lines}export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
-shard={shard}
-{chosen}
-{batch} --shard "$shard/{of}" --jobs "${{SLURM_CPUS_PER_TASK:-1}}" &
-batch=$!
-out_of_time=false
-trap 'out_of_time=true; kill -USR1 "$batch"' USR1
-trap 'kill -TERM "$batch"' TERM INT
-# A signal ends `wait` before the program has ended.
-while kill -0 "$batch" 2>/dev/null; do wait "$batch"; done
-wait "$batch"
-code=$?
-if [ "$code" = 75 ] && $out_of_time && [ "${{SLURM_RESTART_COUNT:-0}}" -lt {requeues} ]; then
-  scontrol requeue "$SLURM_JOB_ID"
-fi
-[ "$code" = 1 ] && exit 0 # cases failed, which the journal tells; the shard is complete
-exit "$code"
-"""
-
-TASK = "$SLURM_ARRAY_TASK_ID"
-
-# Of the cases that are to be run again, those that an earlier start of this task has not.
-CHOSEN = """\
-cases=$(mktemp) || exit
-trap 'rm -f "$cases"' EXIT
-{left} "$shard" {of} >"$cases" || exit
-[ -s "$cases" ] || exit 0
-"""
-
-COLLECTOR = """\
-#!/bin/bash
-#SBATCH --job-name={name}-collect
-#SBATCH --output="{logs}/collect.log"
-#SBATCH --open-mode=append
-{site}# Written by evolvent-sweep.
-{lines}
-{collect}
-code=$?
-{status}
-exit "$code"
-"""
+TASK = "SLURM_ARRAY_TASK_ID"
 
 
 @dataclass(frozen=True)
@@ -161,7 +113,12 @@ def write_scripts(
     python = [sys.executable, "-m", "evolvent.commands.sweep"]
     batch = [str(program), "batch", str(design.absolute()), "-o", str(folder), "--resume"]
     collect = [*python, "collect", str(folder), "-o", str(folder / "summary.h5")]
-    common = {
+    templates = Environment(
+        loader=PackageLoader("evolvent.sweep"),
+        keep_trailing_newline=True,
+        undefined=StrictUndefined,
+    )
+    templates.globals = {
         "name": folder.name.replace(" ", "-"),
         "logs": str(place).replace("%", "%%"),
         "lines": "".join(f"{line}\n" for line in site.lines),
@@ -169,40 +126,34 @@ def write_scripts(
     kind = "shards" if lists is None else "retry"
     texts = {}
     for number, array in enumerate(arrays, start=1):
-        stem = kind if len(arrays) == 1 else f"{kind}-{number}"
-        chosen = ""
-        if lists is not None:
-            left = shlex.join([*python[:2], "evolvent.sweep.left", str(folder), str(lists)])
-            chosen = CHOSEN.format(left=left, of=array.of)
-        texts[f"{stem}.sh"] = SHARDS.format(
-            **common,
-            array=array_text(list(array.tasks)),
+        listed = f' --cases {shlex.quote(str(lists))}/"shard-$shard-of-{array.of}.txt"'
+        texts[kind if len(arrays) == 1 else f"{kind}-{number}"] = templates.get_template(
+            "shards.sh.j2"
+        ).render(
+            array=joined(runs(array.tasks), ","),
             log=f"shard-{array.offset}+%a.log" if array.offset else "shard-%a.log",
-            shard=f"$(({array.offset} + SLURM_ARRAY_TASK_ID))" if array.offset else TASK,
+            shard=f"$(({array.offset} + {TASK}))" if array.offset else f"${TASK}",
             what="what is missing" if lists is None else "the listed cases",
             cores=cores,
             site=site.head(),
             of=array.of,
-            chosen=chosen,
-            batch=shlex.join(batch) + (' --cases "$cases"' if chosen else ""),
+            batch=shlex.join(batch),
+            cases="" if lists is None else listed,
             requeues=MOST_REQUEUES,
         )
-    texts["collect.sh"] = COLLECTOR.format(
-        **common,
+    collector = templates.get_template("collect.sh.j2").render(
         site=site.head(with_time=False),
         collect=shlex.join(collect),
         status=shlex.join([*python, "status", str(folder)]),
     )
-    try:
+    with writing(place):
         place.mkdir(parents=True, exist_ok=True)
         for old in place.glob(f"{kind}*.sh"):  # of a command that made other arrays
             old.unlink()
-        for name, text in texts.items():
-            (place / name).write_text(text, encoding="utf-8")
-            (place / name).chmod(0o755)
-    except OSError as error:
-        raise SweepError(f"{place}: cannot be written ({error.strerror})", NOT_WRITTEN) from error
-    return [place / name for name in texts if name != "collect.sh"], place / "collect.sh"
+        for name, text in {**texts, "collect": collector}.items():
+            (place / f"{name}.sh").write_text(text, encoding="utf-8")
+            (place / f"{name}.sh").chmod(0o755)
+    return [place / f"{name}.sh" for name in texts], place / "collect.sh"
 
 
 def submit(arrays: Sequence[Path], collector: Path) -> tuple[list[str], str]:
@@ -231,17 +182,6 @@ def submit(arrays: Sequence[Path], collector: Path) -> tuple[list[str], str]:
 
 def _submit_collector(jobs: Sequence[str], collector: Path) -> str:
     return _sbatch([f"--dependency=afterany:{':'.join(jobs)}", str(collector)])
-
-
-def array_text(indices: list[int]) -> str:
-    """Write task numbers as Slurm's --array has them: 1-4,7."""
-    parts: list[list[int]] = []
-    for index in sorted(indices):
-        if parts and parts[-1][1] == index - 1:
-            parts[-1][1] = index
-        else:
-            parts.append([index, index])
-    return ",".join(f"{a}" if a == b else f"{a}-{b}" for a, b in parts)
 
 
 def _sbatch(arguments: list[str]) -> str:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from evolvent.sweep.design import NAME, identifier
-from evolvent.sweep.errors import SweepError
+from evolvent.sweep.errors import SweepError, reason_of
 from evolvent.sweep.yaml_text import read_yaml
 
 FORMAT = 1
@@ -79,11 +79,7 @@ def read_spec(path: Path) -> Spec:
     SweepError
         Unreadable, or with a key or value that is not understood; the message names the place.
     """
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "is not UTF-8 text"
-        raise SweepError(f"{path}: cannot be read ({reason})") from error
+    text = read_text(path, str(path))
     try:
         return _spec(path, text, _mapping(read_yaml(text, str(path)), "the plan", TOP_KEYS))
     except SweepError as error:
@@ -127,6 +123,26 @@ def _spec(path: Path, text: str, top: Mapping[str, Any]) -> Spec:
     )
 
 
+def read_text(path: Path, name: str) -> str:
+    """Read a file of the plan.
+
+    Parameters
+    ----------
+    name : what it is called in messages.
+
+    Raises
+    ------
+    SweepError
+        It cannot be read.
+    """
+    try:
+        return path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise SweepError(f"{name}: cannot be read (is not UTF-8 text)") from error
+    except OSError as error:
+        raise SweepError(f"{name}: cannot be read ({reason_of(error)})") from error
+
+
 def check_unique(entries: Sequence[Entry]) -> None:
     """Refuse two parameters of one name or path."""
     for attribute in ("name", "path"):
@@ -160,23 +176,22 @@ def _entry(given: Any, place: str, method: str) -> Entry:
         raise SweepError(f"{place}: needs exactly one of {', '.join(SOURCES)}, not {found}")
     source = sources[0]
     _refuse_idle_keys(keys, place, source, method)
-    units = _text(keys.get("units", ""), f"{place}.units")
-    common: dict[str, Any] = {"place": place, "name": name, "path": path, "source": source}
-    whole = _truth(keys.get("whole", False), f"{place}.whole")
+    said: dict[str, Any] = {"whole": _truth(keys.get("whole", False), f"{place}.whole")}
     match source:
-        case "value":
-            return Entry(**common, units=units, value=keys["value"])
         case "values":
             values = keys["values"]
             if not isinstance(values, list) or not values:
                 raise SweepError(f"{place}: values must be a list of at least one")
-            return Entry(**common, units=units, values=tuple(values))
+            said["values"] = tuple(values)
         case "from":
-            return Entry(**common, units=units, **_range(keys, place, method, whole))
+            said |= _range(keys, place, method, said["whole"])
+        case "column":
+            said["column"] = _text(keys["column"], f"{place}.column")
         case "expression":
-            return Entry(**common, units=units, expression=str(keys["expression"]), whole=whole)
+            said["expression"] = str(keys["expression"])
         case _:
-            return Entry(**common, units=units, column=_text(keys["column"], f"{place}.column"))
+            said["value"] = keys["value"]
+    return Entry(place, name, path, _text(keys.get("units", ""), f"{place}.units"), source, **said)
 
 
 def _refuse_idle_keys(keys: Mapping[str, Any], place: str, source: str, method: str) -> None:
@@ -210,7 +225,7 @@ def _range(keys: Mapping[str, Any], place: str, method: str, whole: bool) -> dic
             raise SweepError(f"{place}: number is 1, but the range has two ends; use `value`")
     elif "number" in keys:
         raise SweepError(f"{place}: number has no meaning with {method}; see `samples`")
-    return {"begin": begin, "end": end, "number": number, "log": log, "whole": whole}
+    return {"begin": begin, "end": end, "number": number, "log": log}
 
 
 def _window(given: Any) -> tuple[float, float] | None:
@@ -228,46 +243,45 @@ def _mapping(given: Any, place: str, known: Sequence[str]) -> dict[str, Any]:
         raise SweepError(f"{place}: must be a block of keys and values")
     for key in given:
         if key not in known:
-            near = difflib.get_close_matches(str(key), known, 1)
-            hint = f" (did you mean '{near[0]}'?)" if near else ""
-            raise SweepError(f"{place}: unknown key '{key}'{hint}; known here: {', '.join(known)}")
+            raise SweepError(
+                f"{place}: unknown key '{key}'{_hint(key, known)}; known here: {', '.join(known)}"
+            )
+    return given
+
+
+def _hint(given: Any, known: Sequence[str]) -> str:
+    near = difflib.get_close_matches(str(given), known, 1)
+    return f" (did you mean '{near[0]}'?)" if near else ""
+
+
+def _checked(given: Any, good: bool, place: str, must: str) -> Any:
+    if not good:
+        shown = "missing" if given is None else f"'{given}'"
+        raise SweepError(f"{place}: is {shown}, must be {must}")
     return given
 
 
 def _one_of(given: Any, known: Sequence[str], place: str) -> str:
-    if given not in known:
-        near = difflib.get_close_matches(str(given), known, 1)
-        hint = f" (did you mean '{near[0]}'?)" if near else ""
-        shown = "missing" if given is None else f"'{given}'"
-        raise SweepError(f"{place}: is {shown}, must be one of {', '.join(known)}{hint}")
-    return str(given)
+    must = f"one of {', '.join(known)}{_hint(given, known)}"
+    return str(_checked(given, given in known, place, must))
 
 
 def _number(given: Any, place: str) -> float:
-    if isinstance(given, bool) or not isinstance(given, int | float) or not math.isfinite(given):
-        shown = "missing" if given is None else f"'{given}'"
-        raise SweepError(f"{place}: is {shown}, must be a finite number")
-    return float(given)
+    good = type(given) in (int, float) and math.isfinite(given)
+    return float(_checked(given, good, place, "a finite number"))
 
 
 def _whole(given: Any, place: str, least: int) -> int:
-    if isinstance(given, bool) or not isinstance(given, int) or not least <= given < 2**53:
-        shown = "missing" if given is None else f"'{given}'"
-        raise SweepError(f"{place}: is {shown}, must be a whole number of at least {least}")
-    return given
+    good = type(given) is int and least <= given < 2**53
+    return int(_checked(given, good, place, f"a whole number of at least {least}"))
 
 
 def _truth(given: Any, place: str) -> bool:
-    if not isinstance(given, bool):
-        raise SweepError(f"{place}: is '{given}', must be true or false")
-    return given
+    return bool(_checked(given, isinstance(given, bool), place, "true or false"))
 
 
 def _text(given: Any, place: str) -> str:
-    if not isinstance(given, str):
-        shown = "missing" if given is None else f"'{given}'"
-        raise SweepError(f"{place}: is {shown}, must be a text")
-    return given
+    return str(_checked(given, isinstance(given, str), place, "a text"))
 
 
 def _strings(given: Any, place: str) -> tuple[str, ...]:

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import re
 import time
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from evolvent.sweep.design import Design
 from evolvent.sweep.folder import Shard, is_locked
-from evolvent.sweep.journal import Counts, Records, read_records
+from evolvent.sweep.journal import Counts, read_records
 
 RECENT = 600.0  # the rate is that of the last so many seconds
-NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 MOST_LISTED = 20  # case numbers in a message
 
 
@@ -24,7 +24,7 @@ class Reason:
     """Failures that differ in their numbers only."""
 
     count: int
-    example: str  # one of the messages
+    example: str  # the message of that case
     case: int  # the first case that it happened to
 
 
@@ -57,13 +57,13 @@ def read_status(folder: Path, design: Design, now: float | None = None) -> Statu
     now = time.time() if now is None else now
     running = [shard for shard in records.shards if is_locked(folder, shard)]
     missing = records.counts.missing
-    rate = recent_rate(records.recorded_at, now if running else None)
+    rate = recent_rate(records.cases["recorded_at"].values, now if running else None)
     finished = now + missing / rate if running and missing and rate > 0.0 else float("nan")
     return Status(
         counts=records.counts,
-        repeated=len(records.repeated),
+        repeated=records.repeated.size,
         torn=records.torn,
-        reasons=reasons(records),
+        reasons=reasons(records.cases["message"].to_series()[records.unfinished]),
         running=running,
         rate=rate,
         finished_at=finished,
@@ -89,37 +89,35 @@ def recent_rate(recorded_at: np.ndarray, now: float | None) -> float:
     return float((recent.size - 1) / (end - recent[0]))
 
 
-def reasons(records: Records) -> list[Reason]:
-    """Why cases failed or were refused, most frequent first; numbers in messages do not matter."""
-    bad = np.flatnonzero(records.unfinished)
-    which, first, counts = np.unique(records.message[bad], return_index=True, return_counts=True)
-    rows = zip(which.tolist(), first.tolist(), counts.tolist(), strict=True)
-    return grouped(Reason(n, records.messages[which], int(bad[at])) for which, at, n in rows)
+def reasons(messages: pd.Series) -> list[Reason]:
+    """Why cases failed or were refused, most frequent first; numbers in messages do not matter.
+
+    Parameters
+    ----------
+    messages : with the numbers of the cases, which rise, as index.
+    """
+    kinds = messages.astype(str).str.replace(NUMBER, "#", regex=True)
+    groups = (group for _, group in messages.groupby(kinds))
+    found = [Reason(group.size, str(group.iloc[0]), int(group.index[0])) for group in groups]
+    return sorted(found, key=lambda reason: (-reason.count, reason.case))
 
 
-def grouped(reasons: Iterable[Reason]) -> list[Reason]:
-    """Draw reasons that differ in their numbers only together; most frequent first."""
-    groups: dict[str, Reason] = {}
-    for reason in reasons:
-        kind = NUMBER.sub("#", reason.example)
-        known = groups.get(kind, reason)
-        first = min(known, reason, key=lambda one: one.case)
-        count = reason.count + (known.count if known is not reason else 0)
-        groups[kind] = Reason(count, first.example, first.case)
-    return sorted(groups.values(), key=lambda reason: (-reason.count, reason.case))
+def runs(numbers: np.ndarray | Sequence[int]) -> list[tuple[int, int]]:
+    """First and last of numbers that follow each other, in order."""
+    ordered = np.sort(np.asarray(numbers, dtype=np.int64))
+    parts = np.split(ordered, np.flatnonzero(np.diff(ordered) != 1) + 1)
+    return [(int(part[0]), int(part[-1])) for part in parts]
+
+
+def joined(runs: Sequence[tuple[int, int]], separator: str) -> str:
+    """Write runs of numbers: 3, 7-12, 40."""
+    return separator.join(str(a) if a == b else f"{a}-{b}" for a, b in runs)
 
 
 def listed(cases: np.ndarray) -> str:
     """Write case numbers with runs drawn together: 3, 7-12, 40 and 17 more."""
-    numbers = np.sort(np.asarray(cases, dtype=np.int64))
-    if numbers.size == 0:
+    if len(cases) == 0:
         return "none"
-    ends = np.flatnonzero(np.diff(numbers) != 1)
-    starts = numbers[np.concatenate([[0], ends + 1])]
-    stops = numbers[np.concatenate([ends, [numbers.size - 1]])]
-    parts, shown = [], 0
-    for start, stop in list(zip(starts.tolist(), stops.tolist(), strict=True))[:MOST_LISTED]:
-        parts.append(str(start) if start == stop else f"{start}-{stop}")
-        shown += stop - start + 1
-    more = numbers.size - shown
-    return ", ".join(parts) + (f" and {more} more" if more else "")
+    shown = runs(cases)[:MOST_LISTED]
+    more = len(cases) - sum(last - first + 1 for first, last in shown)
+    return joined(shown, ", ") + (f" and {more} more" if more else "")

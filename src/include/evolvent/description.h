@@ -17,8 +17,8 @@ typedef enum {
     EVL_TRIPLE = 3,      /**< [x, y, z], all in the range */
     EVL_QUATERNION = 4,  /**< [w, x, y, z], all in the range */
     EVL_SERIES = 5,      /**< a list of numbers */
-    EVL_KNOTS = 6,       /**< times of a table, strictly increasing, at least two */
-    EVL_AT_KNOTS = 7,    /**< as many numbers as the block has times */
+    EVL_KNOTS = 6,       /**< knots of a table, strictly increasing, at least two */
+    EVL_AT_KNOTS = 7,    /**< as many numbers as the block has knots */
     EVL_NAMED = 8,       /**< name: number, for each name */
     EVL_TEXT = 9,        /**< any text */
     EVL_NAME = 10,       /**< a word that names this block in paths and references */
@@ -88,7 +88,8 @@ typedef enum {
     EVL_OF_MESH = 1,
     EVL_OF_GEAR = 2,      /**< a wheel that is a real gear, ISO 21771 */
     EVL_OF_GEAR_MESH = 3, /**< a mesh of two of them */
-    EVL_OF_DEVIATION = 4  /**< how the flanks of a wheel deviate */
+    EVL_OF_DEVIATION = 4, /**< how the flanks of a wheel deviate */
+    EVL_OF_COMPLIANCE = 5 /**< how the wheels of a mesh give way under a line load, and how stiff that makes it */
 } evl_of;
 
 enum { EVL_MOST_QUANTITIES = 40 };

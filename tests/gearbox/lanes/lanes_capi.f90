@@ -8,7 +8,7 @@ module lanes_capi
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_events, only: gearbox_root, gearbox_root_directions
    use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
-   use evl_gearbox_ode, only: gearbox_ode, gearbox_ode_create, gearbox_ode_delete, gearbox_ode_set
+   use evl_gearbox_ode, only: gearbox_ode, gearbox_ode_create, gearbox_ode_set
    use evl_gearbox_rates, only: gearbox_rates
    use evl_kinds, only: lanes
    use evl_roots_lanes, only: roots_in_lanes
@@ -261,7 +261,6 @@ contains
       do p = 1, size(values)
          if (.not. has_failed(s)) matrix(model%jacobian_row(p), model%jacobian_column(p)) = values(p)
       end do
-      call gearbox_ode_delete(model)
       call status_to_c(s, status)
    end subroutine lanes_model
 

@@ -10,14 +10,8 @@ import typer
 from rich.markup import escape
 from rich.table import Table
 
-from evolvent.commands.post.common import (
-    BROKEN,
-    UNREADABLE,
-    AsJson,
-    Files,
-    complain,
-)
-from evolvent.commands.program import json_number, new_console
+from evolvent.commands.post.common import BROKEN, UNREADABLE, AsJson, Files, complain
+from evolvent.commands.program import json_number, new_console, right
 from evolvent.history import HistoryError, open_history, run_warning
 from evolvent.physics.invariants import Verdict, check_history
 
@@ -53,9 +47,10 @@ def check(files: Files, as_json: AsJson = False) -> None:
 
 
 def _print_verdicts(path: Path, verdicts: list[Verdict]) -> None:
-    table = Table(title=escape(str(path)), title_justify="left", title_style="bold", box=None)
-    for column in ("invariant", "worst", "bound", "relative to", "where", "verdict"):
-        table.add_column(column, justify="right" if column in ("worst", "bound") else "left")
+    table = Table(
+        "invariant", right("worst"), right("bound"), "relative to", "where", "verdict",
+        title=escape(str(path)), title_justify="left", title_style="bold", box=None,
+    )  # fmt: skip
     styles = {"pass": "green", "fail": "bold red", "not applicable": "dim"}
     for v in verdicts:
         table.add_row(
@@ -75,14 +70,11 @@ def _verdicts_as_json(path: Path, warning: str | None, verdicts: list[Verdict]) 
         "warning": warning,
         "invariants": [
             {
-                "name": v.invariant.name,
-                "formula": v.invariant.formula,
-                "relative_to": v.invariant.relative_to,
-                "bound": v.bound,
+                **{key: getattr(v.invariant, key) for key in ("name", "formula", "relative_to")},
+                **{
+                    key: getattr(v, key) for key in ("bound", "worst", "where", "verdict", "reason")
+                },
                 "worst": json_number(v.worst),
-                "where": v.where,
-                "verdict": v.verdict,
-                "reason": v.reason,
             }
             for v in verdicts
         ],

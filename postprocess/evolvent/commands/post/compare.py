@@ -11,13 +11,8 @@ import xarray as xr
 from rich.markup import escape
 from rich.table import Table
 
-from evolvent.commands.post.common import (
-    BROKEN,
-    AsJson,
-    complain,
-    open_with_warning,
-)
-from evolvent.commands.program import json_number, new_console
+from evolvent.commands.post.common import BROKEN, AsJson, complain, open_with_warning
+from evolvent.commands.program import json_number, new_console, right
 from evolvent.physics.compare import compare_histories
 from evolvent.units import displayed
 
@@ -57,24 +52,17 @@ def compare(
 
 
 def _print_differences(result: xr.Dataset, beyond: list[bool]) -> None:
-    table = Table(box=None)
-    for column in ("variable", "largest difference", "relative", "where"):
-        is_number = column in ("largest difference", "relative")
-        table.add_column(column, justify="right" if is_number else "left")
-    same = 0
-    for number, name in enumerate(result["variable"].values):
-        row = result.isel(variable=number)
-        if row["absolute"].item() == 0.0:
-            same += 1
-            continue
-        style = "bold red" if beyond[number] else None
-        units = row["units"].item()
+    table = Table("variable", right("largest difference"), right("relative"), "where", box=None)
+    rows = result.to_dataframe().assign(beyond=beyond)
+    differing = rows[rows["absolute"] != 0.0]
+    same = len(rows) - len(differing)
+    for row in differing.itertuples():
         table.add_row(
-            escape(str(name)),
-            f"{row['absolute'].item():.3e} {displayed(units)}".rstrip(),
-            f"{row['relative'].item():.2e}",
-            escape(row["where"].item()),
-            style=style,
+            escape(str(row.Index)),
+            f"{row.absolute:.3e} {displayed(row.units)}".rstrip(),
+            f"{row.relative:.2e}",
+            escape(row.where),
+            style="bold red" if row.beyond else None,
         )
     console = new_console()
     console.print(f"Compared on {result.attrs['times']}.", highlight=False)
@@ -90,13 +78,10 @@ def _print_differences(result: xr.Dataset, beyond: list[bool]) -> None:
 
 def _differences_as_json(result: xr.Dataset) -> dict[str, Any]:
     variables = {
-        str(name): {
-            "absolute": json_number(result["absolute"].values[i]),
-            "relative": json_number(result["relative"].values[i]),
-            "largest": json_number(result["largest"].values[i]),
-            "units": str(result["units"].values[i]),
-            "where": str(result["where"].values[i]),
+        str(row.Index): {
+            **{key: json_number(getattr(row, key)) for key in ("absolute", "relative", "largest")},
+            **{key: str(getattr(row, key)) for key in ("units", "where")},
         }
-        for i, name in enumerate(result["variable"].values)
+        for row in result.to_dataframe().itertuples()
     }
     return {**result.attrs, "variables": variables}

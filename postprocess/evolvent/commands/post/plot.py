@@ -11,12 +11,7 @@ import typer
 from matplotlib.figure import Figure
 from rich.table import Table
 
-from evolvent.commands.post.common import (
-    Files,
-    fail_to_write,
-    open_with_warning,
-    refuse,
-)
+from evolvent.commands.post.common import Files, fail_to_write, open_with_warning, refuse
 from evolvent.commands.program import new_console
 from evolvent.figures.style import Format, save
 from evolvent.figures.table import FIGURES, Run, pairs
@@ -29,9 +24,7 @@ def _list(wanted: bool) -> None:
     """Print the table of the figures instead of drawing."""
     if not wanted:
         return
-    table = Table(box=None)
-    for column in ("quantity", "what is drawn", "of the variables"):
-        table.add_column(column)
+    table = Table("quantity", "what is drawn", "of the variables", box=None)
     for row in FIGURES.values():
         name = row.name if row.by_default else f"{row.name} (if asked for)"
         table.add_row(name, row.text, ", ".join(row.needs))

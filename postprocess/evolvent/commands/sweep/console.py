@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +13,11 @@ import xarray as xr
 from rich.markup import escape
 from rich.table import Table
 
-from evolvent.commands.program import new_console
+from evolvent.commands.program import new_console, right
 from evolvent.sweep.check import Checked
-from evolvent.sweep.collect import Collected
 from evolvent.sweep.design import Design
 from evolvent.sweep.estimate import span
+from evolvent.sweep.journal import Records
 from evolvent.sweep.status import Reason, Status, listed
 
 FIRST_ROWS = 8
@@ -34,10 +35,8 @@ def show_design(design: Design) -> None:
     new_console().print(
         f"{design.n_cases} cases by {design.method}, seed {design.seed}", highlight=False
     )
-    table = Table(box=None)
-    table.add_column("case", justify="right")
-    for p in design.parameters:
-        table.add_column(escape(f"{p.name} [{p.units}]" if p.units else p.name), justify="right")
+    heads = [escape(f"{p.name} [{p.units}]" if p.units else p.name) for p in design.parameters]
+    table = Table(*map(right, ("case", *heads)), box=None)
     for case in range(min(FIRST_ROWS, design.n_cases)):
         texts = [_value(p.values[case]) for p in design.parameters]
         table.add_row(str(case), *map(escape, texts))
@@ -57,7 +56,7 @@ def show_estimate(n_cases: int, seconds: float, is_bound: bool, n_cores: int) ->
 
 def show_refusals(sweep: Path, design: Design, checked: Checked) -> None:
     """Say how many cases would be refused and why, with the row of the first of each reason."""
-    complain(f"{sweep}: {checked.refused} of {checked.n_cases} cases would be refused:")
+    complain(f"{sweep}: {checked.refused} of {design.n_cases} cases would be refused:")
     for reason in checked.reasons[:MOST_REASONS]:
         row = ", ".join(
             f"{p.name} = {_value(p.values[reason.case])}" for p in design.parameters[:MOST_VALUES]
@@ -80,19 +79,13 @@ def show_counts(directory: Path, found: Status) -> None:
 
 def show_status(directory: Path, found: Status) -> None:
     """Print how far a sweep has come."""
-    table = Table(box=None, show_header=False)
-    table.add_column(justify="right")
-    table.add_column()
+    table = Table(right(""), "", box=None, show_header=False)
     counts = found.counts
     number, _, words = counts.unfinished_text.partition(" ")
-    rows = [
-        (str(counts.done), "done"),
-        (number, words),
-        (str(counts.missing), "missing"),
-        (str(counts.n_cases), "cases"),
-    ]
-    for row in rows:
-        table.add_row(*row)
+    table.add_row(str(counts.done), "done")
+    table.add_row(number, words)
+    table.add_row(str(counts.missing), "missing")
+    table.add_row(str(counts.n_cases), "cases")
     new_console().print(table)
     for reason in found.reasons[:MOST_REASONS]:
         typer.echo(f"{reason.count} x {reason.example} (case {reason.case})")
@@ -102,7 +95,7 @@ def show_status(directory: Path, found: Status) -> None:
         typer.echo(f"{found.torn} lines of the journals were cut off; they do not count")
 
 
-def show_collected(output: Path, collected: Collected) -> None:
+def show_collected(output: Path, collected: Records) -> None:
     """Print what a summary holds, and what it lacks."""
     typer.echo(f"{output}: {collected.counts}")
     if collected.holes.size:
@@ -118,10 +111,7 @@ def show_collected(output: Path, collected: Collected) -> None:
 def show_indices(indices: xr.Dataset) -> None:
     """Print sensitivity indices."""
     kinds = [kind for kind in ("first_order", "total") if kind in indices]
-    table = Table(box=None)
-    table.add_column("parameter")
-    for kind in kinds:
-        table.add_column(kind.replace("_", " "), justify="right")
+    table = Table("parameter", *[right(kind.replace("_", " ")) for kind in kinds], box=None)
     for number, name in enumerate(indices["parameter"].values):
         row = indices.isel(parameter=number)
         table.add_row(
@@ -136,18 +126,13 @@ def show_indices(indices: xr.Dataset) -> None:
 
 def status_as_json(found: Status) -> dict[str, Any]:
     """Status for scripts; what is not known is null."""
+    told = ("done", "unfinished", "failed", "refused", "missing")
     return {
         "cases": found.counts.n_cases,
-        "done": found.counts.done,
-        "unfinished": found.counts.unfinished,
-        "failed": found.counts.failed,
-        "refused": found.counts.refused,
-        "missing": found.counts.missing,
+        **{key: getattr(found.counts, key) for key in told},
         "repeated": found.repeated,
         "torn_lines": found.torn,
-        "reasons": [
-            {"count": r.count, "example": r.example, "case": r.case} for r in found.reasons
-        ],
+        "reasons": [asdict(reason) for reason in found.reasons],
         "running_shards": [f"{shard.index}/{shard.of}" for shard in found.running],
         "rate": found.rate if math.isfinite(found.rate) else None,
         "finished_at": found.finished_at if math.isfinite(found.finished_at) else None,

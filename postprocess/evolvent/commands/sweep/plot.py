@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from evolvent.commands.sweep import console
-from evolvent.sweep.errors import NOT_WRITTEN, SweepError
+from evolvent.sweep.errors import SweepError, writing
 
 
 def plot(
@@ -42,7 +42,7 @@ def plot(
     if indices and against:
         raise typer.BadParameter("has no meaning with --indices", param_hint="--against")
     with open_summary(file) as summary:
-        known = figures.results(summary)
+        known = figures.with_role(summary, "result")
         if not known:
             raise SweepError(f"{file}: has no results; no case is recorded")
         name = response or known[0]
@@ -55,8 +55,6 @@ def plot(
     path = output or Path(f"{file.stem}-{name}{'-indices' if indices else ''}.png")
     if path.suffix.lstrip(".").lower() not in list(Format):
         raise typer.BadParameter(f"{path} must end in .png, .svg or .pdf", param_hint="--output")
-    try:
+    with writing(path):
         save(figure, path)
-    except OSError as error:
-        raise SweepError(f"{path}: cannot be written ({error.strerror})", NOT_WRITTEN) from error
     typer.echo(path)

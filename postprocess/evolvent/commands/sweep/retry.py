@@ -14,7 +14,7 @@ from evolvent.sweep import folder
 from evolvent.sweep.errors import SweepError
 from evolvent.sweep.journal import read_records
 from evolvent.sweep.program import cores, find_program, program_version
-from evolvent.sweep.retry import retry_cases, write_lists
+from evolvent.sweep.retry import folder_of_lists, retry_cases, write_lists
 
 
 @with_options_of_slurm
@@ -64,7 +64,8 @@ def retry(
         typer.echo(f"{directory}: no case failed or was refused")
         return
     if on_slurm:
-        lists, shards = write_lists(records, directory, sorted(wanted))
+        lists = folder_of_lists(directory)
+        shards = list(write_lists(records, sorted(wanted), lists))
         to_slurm(program, directory, shards, order, lists)
         return
     code = retry_cases(program, directory, records, sorted(wanted), jobs or cores())

@@ -57,12 +57,12 @@ def run(
     program = find_program()
     design = folder.open_for_run(design_file, output, program_version(program))
     workers = jobs or cores()
-    split = shards or folder.common_split(output)
+    records = read_records(output, design, scalars=False)
+    split = shards or folder.common_split(output, records.shards)
     if executor is ExecutorName.DASK:
         split = split or dask.split(design, program, workers)
-    records = read_records(output, design, scalars=False)
     todo = folder.remaining_shards(records.recorded, split or 1)
-    tally = Tally(output, todo, records)
+    tally = Tally(output, records)
     if executor is ExecutorName.DASK:
         code = dask.run(program, design_file, output, todo, workers, scheduler, tally)
     else:

@@ -41,13 +41,14 @@ def slurm(
     """  # noqa: D301
     program = find_program()
     design = folder.open_for_run(design_file, output, program_version(program))
-    split = shards or folder.common_split(output)
+    records = read_records(output, design, scalars=False)
+    split = shards or folder.common_split(output, records.shards)
     if split is None:
         seconds, _ = seconds_per_case(design, program)
         split = scripts.shard_count(design.n_cases, seconds, order.cpus)
     if split > design.n_cases:
         raise SweepError(f"--shards {split}: the design has only {design.n_cases} cases", USAGE)
-    todo = folder.remaining_shards(read_records(output, design, scalars=False).recorded, split)
+    todo = folder.remaining_shards(records.recorded, split)
     if not todo:
         typer.echo(f"{output}: all {design.n_cases} cases are recorded; there is nothing to run")
         return

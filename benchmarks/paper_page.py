@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
-
-from evolvent.pages.paper import (
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from paper_runs import (
     MEAN_FROM,
     SETTLING,
     Claim,
@@ -72,7 +72,7 @@ class JumpRow:
 def page(runs: PaperRuns, claims: Sequence[Claim], costs: Costs) -> str:
     """Make the page, Markdown; its figures lie beside it."""
     environment = Environment(
-        loader=PackageLoader("evolvent.pages"),
+        loader=FileSystemLoader(Path(__file__).parent),
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,

@@ -1,0 +1,162 @@
+!> How stiff a mesh is whose wheels give way: one tooth pair at the pitch point, and two that share the load; and what ISO 6336-1
+!> says of the same teeth, which is another thing: measured single pairs of wheels with and without webs, without the body.
+!>
+!> A pair that carries the line load N goes together by h = N [ln(4 pi E* rho/N) - 1]/(pi E*) + sum over the loaded pairs l of
+!> C_kl N_l: Johnson's contact, and C_kk = c_A + c_B + (K_A - K_B)/2 ln(rho_A/rho_B), C_kl = c_A,k-l + c_B,l-k. The second term
+!> of C_kk is what (5.57) shares otherwise between unequal materials. The stiffness is the secant, the whole load over h.
+!>
+!> Source: K. L. Johnson, Contact Mechanics, 1985, (5.57); ISO 6336-1:2006, 9.3.
+module evl_mesh_stiffness
+   use evl_gear, only: gear_t
+   use evl_gearbox, only: gearbox_t
+   use evl_kinds, only: pi, wp
+   use evl_wheel_compliance, only: coupling_at_t, own_at_t
+   implicit none (type, external)
+   private
+
+   public :: mesh_stiffness, mesh_stiffness_t
+
+   real(wp), parameter :: usual_load = 1.0e5_wp      !! line load without a nominal one [N/m]
+   real(wp), parameter :: full_load = 1.0e5_wp       !! of ISO 6336-1; c' falls below [N/m]
+   real(wp), parameter :: steel = 2.06e11_wp         !! Young's modulus of ISO 6336-1 [Pa]
+   real(wp), parameter :: usual_ratio = 0.3_wp       !! Poisson's
+   real(wp), parameter :: measured = 0.8_wp          !! C_M: measured over theory
+   integer, parameter :: most_turns = 60
+
+   !> Compliances and stiffnesses of a mesh, per unit width.
+   type :: mesh_stiffness_t
+      real(wp) :: driving(3) = 0.0_wp, driven(3) = 0.0_wp !! c at start, pitch point and end of the path [1/Pa]
+      real(wp) :: next_driving = 0.0_wp, next_driven = 0.0_wp !! c_1 at the pitch point [1/Pa]
+      real(wp) :: line_load = 0.0_wp !! at which the stiffnesses hold [N/m]
+      real(wp) :: single = 0.0_wp    !! one pair at the pitch point [Pa]
+      real(wp) :: double = 0.0_wp    !! two pairs, half a base pitch before and behind it; 0: the path is too short [Pa]
+      real(wp) :: iso = 0.0_wp       !! c' of ISO 6336-1 [Pa]
+   end type mesh_stiffness_t
+
+contains
+
+   !> Compliances and stiffnesses of a mesh; initial values if none of its wheels gives way.
+   subroutine mesh_stiffness(gearbox, mesh, answer)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: mesh
+      type(mesh_stiffness_t), intent(out) :: answer
+      type(coupling_at_t) :: next
+      type(own_at_t) :: at
+      real(wp) :: rho_a(3), half
+      integer :: i
+
+      associate (contact => gearbox%contacts(gearbox%first(mesh)), pair => gearbox%pairs(mesh))
+         associate (a => gearbox%compliances(contact%wheel_a), b => gearbox%compliances(contact%wheel_b))
+            if (.not. (a%exists .or. b%exists)) return
+            rho_a = [pair%rho - pair%rho_tip_b, pair%base_radius_a*tan(pair%alpha_w), pair%rho_tip_a]
+            do i = 1, 3
+               call a%own(rho_a(i), at)
+               answer%driving(i) = at%value
+               call b%own(pair%rho - rho_a(i), at)
+               answer%driven(i) = at%value
+            end do
+            call a%coupling(1, rho_a(2), rho_a(2), next)
+            answer%next_driving = next%value
+            call b%coupling(1, pair%rho - rho_a(2), pair%rho - rho_a(2), next)
+            answer%next_driven = next%value
+         end associate
+         answer%line_load = abs(contact%force_scale)/contact%width
+         if (.not. answer%line_load > 0) answer%line_load = usual_load
+         half = pair%base_pitch/2
+         answer%single = secant(gearbox, mesh, rho_a(2:2), answer%line_load)
+         if (rho_a(2) - half >= rho_a(1) .and. rho_a(2) + half <= rho_a(3)) &
+            answer%double = secant(gearbox, mesh, [rho_a(2) + half, rho_a(2) - half], answer%line_load)
+         ! both moduli from E*, for Poisson's ratio of metals
+         answer%iso = iso_stiffness(gearbox%gears(contact%wheel_a), gearbox%gears(contact%wheel_b), answer%line_load) &
+                      *2*contact%e_star*(1 - usual_ratio**2)/steel
+      end associate
+   end subroutine mesh_stiffness
+
+   !> Load over approach of pairs that share a line load [Pa]; the first is the elder.
+   real(wp) function secant(gearbox, mesh, rho_a, line_load) result(stiffness)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: mesh
+      real(wp), intent(in) :: rho_a(:)  !! radii of curvature on the driving wheel [m]
+      real(wp), intent(in) :: line_load !! of all [N/m]
+      real(wp) :: share(size(rho_a)), matrix(2, 2), contact_part, before
+      integer :: k, turn
+
+      associate (contact => gearbox%contacts(gearbox%first(mesh)), pair => gearbox%pairs(mesh))
+         share = line_load/size(rho_a)
+         stiffness = 0
+         do turn = 1, most_turns
+            before = stiffness
+            do k = 1, size(rho_a)
+               contact_part = (log(4*pi*contact%e_star*pair%rho/share(k)) - 1)/(pi*contact%e_star)
+               matrix(k, k) = contact_part + own_part(gearbox, mesh, rho_a(k))
+            end do
+            if (size(rho_a) == 1) then
+               stiffness = 1/matrix(1, 1)
+               return
+            end if
+            matrix(1, 2) = coupling(gearbox, mesh, rho_a(1), rho_a(2))
+            ! h from equal approaches of both: M N = h
+            share = line_load*[matrix(2, 2) - matrix(1, 2), matrix(1, 1) - matrix(1, 2)] &
+                    /(matrix(1, 1) + matrix(2, 2) - 2*matrix(1, 2))
+            stiffness = line_load/(matrix(1, 1)*share(1) + matrix(1, 2)*share(2))
+            if (abs(stiffness - before) <= 1e-13_wp*stiffness) exit
+         end do
+      end associate
+   end function secant
+
+   !> C_kk.
+   real(wp) function own_part(gearbox, mesh, rho_a) result(c)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: mesh
+      real(wp), intent(in) :: rho_a
+      type(own_at_t) :: a, b
+
+      associate (contact => gearbox%contacts(gearbox%first(mesh)), pair => gearbox%pairs(mesh))
+         call gearbox%compliances(contact%wheel_a)%own(rho_a, a)
+         call gearbox%compliances(contact%wheel_b)%own(pair%rho - rho_a, b)
+         c = a%value + b%value + (2*contact%pair%share_a - 1)/(pi*contact%e_star)*log(rho_a/(pair%rho - rho_a))
+      end associate
+   end function own_part
+
+   !> C_kl of two pairs one pitch apart.
+   real(wp) function coupling(gearbox, mesh, elder, younger) result(c)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: mesh
+      real(wp), intent(in) :: elder, younger !! rho on the driving wheel [m]
+      type(coupling_at_t) :: a, b
+
+      ! the driving flank faces the sense in which it turns, so the elder pair's tooth is the next one there; on the driven
+      ! wheel the flank faces against it
+      associate (contact => gearbox%contacts(gearbox%first(mesh)), pair => gearbox%pairs(mesh))
+         call gearbox%compliances(contact%wheel_a)%coupling(1, younger, elder, a)
+         call gearbox%compliances(contact%wheel_b)%coupling(-1, pair%rho - younger, pair%rho - elder, b)
+         c = a%value + b%value
+      end associate
+   end function coupling
+
+   !> c' of ISO 6336-1 for steel and solid wheels [Pa].
+   pure real(wp) function iso_stiffness(a, b, line_load) result(stiffness)
+      type(gear_t), intent(in) :: a, b
+      real(wp), intent(in) :: line_load !! [N/m]
+      real(wp) :: flexibility, z1, z2
+
+      z1 = a%teeth
+      z2 = b%teeth
+      associate (x1 => a%profile_shift, x2 => b%profile_shift)
+         flexibility = 0.04723_wp + 0.15551_wp/z1 + 0.25791_wp/z2 - 0.00635_wp*x1 - 0.11654_wp*x1/z1 - 0.00193_wp*x2 &
+                       - 0.24188_wp*x2/z2 + 0.00529_wp*x1**2 + 0.00182_wp*x2**2
+      end associate
+      stiffness = 1.0e9_wp/flexibility*measured*(of_rack(a) + of_rack(b))/2
+      if (line_load < full_load) stiffness = stiffness*(line_load/full_load)**0.25_wp
+   end function iso_stiffness
+
+   !> C_B, by the rack's dedendum and pressure angle.
+   pure real(wp) function of_rack(gear)
+      type(gear_t), intent(in) :: gear
+
+      associate (dedendum => (gear%reference_radius - gear%root_radius)/gear%normal_module + gear%generating_shift)
+         of_rack = (1 + 0.5_wp*(1.2_wp - dedendum))*(1 - 0.02_wp*(20 - gear%pressure_angle*180/pi))
+      end associate
+   end function of_rack
+
+end module evl_mesh_stiffness

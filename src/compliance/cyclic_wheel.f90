@@ -1,0 +1,101 @@
+!> A whole wheel from one half of a sector: loads on one tooth, displacements on all.
+!>
+!> A sector between two cuts is a mirror image of itself. So its half is condensed onto the cut twice, with the middle line held as
+!> it is under symmetric (s) and under antisymmetric (a) loads. With radial and tangential components on the cuts, u_R on the right
+!> and u_L on the left one, M the mirror (tangential components change their sign): v_s = (u_R + M u_L)/2, v_a = (u_R - M u_L)/2, and
+!> the energy of the sector is v_s S_s v_s + v_a S_a v_a. In harmonic n, u_R = exp(i n gamma) u_L. With theta = n gamma/2,
+!> u_L = exp(-i theta) (x_r, -i x_t):
+!>
+!>    v_s = D_s x,  v_a = i D_a x,    D_s = (cos theta, sin theta),  D_a = (sin theta, -cos theta)  for (radial, tangential)
+!>    S_n = 2 (D_s S_s D_s + D_a S_a D_a)      real, symmetric; clamped at the hub, positive definite
+!>
+!> With the loads' shares t_s, t_a of the cut and g_s = D_s t_s, g_a = D_a t_a, the displacement at place a of tooth k (counted
+!> toward the loaded flank's side) by a unit load at place b of tooth 0 is
+!>
+!>    G_k(a, b) = A(a, b) delta_k0 + 1/z sum over all n of [cos(n k gamma) P - sin(n k gamma) X](a, b)
+!>    P = g_s S_n^-1 g_s + g_a S_n^-1 g_a,   X(a, b) = g_a(a) S_n^-1 g_s(b) - g_s(a) S_n^-1 g_a(b)
+!>
+!> where A is half the sum of both compliances with the cut held.
+module evl_cyclic_wheel
+   use evl_kinds, only: pi, wp
+   use evl_lapack, only: dpotrf, dsyrk, dtrsm
+   implicit none (type, external)
+   private
+
+   public :: turn_to_polar, wheel_response
+
+contains
+
+   !> Radial and tangential in place of x and y for the first unknowns of a condensed matrix, all on a ray.
+   pure subroutine turn_to_polar(angle, n, matrix)
+      real(wp), intent(in) :: angle !! of the ray [rad]
+      integer, intent(in) :: n      !! unknowns on the ray, x and y in turn
+      real(wp), intent(inout) :: matrix(:, :)
+      real(wp) :: radial(size(matrix, 1)), c, s
+      integer :: i
+
+      c = cos(angle)
+      s = sin(angle)
+      do i = 1, n, 2
+         radial = c*matrix(:, i) + s*matrix(:, i + 1)
+         matrix(:, i + 1) = c*matrix(:, i + 1) - s*matrix(:, i)
+         matrix(:, i) = radial
+      end do
+      do i = 1, n, 2
+         radial = c*matrix(i, :) + s*matrix(i + 1, :)
+         matrix(i + 1, :) = c*matrix(i + 1, :) - s*matrix(i, :)
+         matrix(i, :) = radial
+      end do
+   end subroutine turn_to_polar
+
+   !> G_k(a, b) for k = 0 .. n_teeth, from both condensed matrices in polar components.
+   subroutine wheel_response(teeth, n_cut, symmetric, antisymmetric, response, is_definite)
+      integer, intent(in) :: teeth                        !! z
+      integer, intent(in) :: n_cut                        !! unknowns on the cut, radial and tangential in turn; loads follow
+      real(wp), intent(in) :: symmetric(:, :), antisymmetric(:, :)
+      real(wp), intent(out) :: response(:, :, 0:)         !! (displaced at, loaded at, tooth)
+      logical, intent(out) :: is_definite
+      real(wp), allocatable :: s(:, :), g(:, :), products(:, :)
+      real(wp) :: by_s(n_cut), by_a(n_cut), theta, turned, share
+      integer :: n_loads, n, k, i, info, a, b
+
+      n_loads = size(response, 1)
+      allocate (s(n_cut, n_cut), g(n_cut, 2*n_loads), products(2*n_loads, 2*n_loads))
+      response = 0
+      response(:, :, 0) = -(symmetric(n_cut + 1:, n_cut + 1:) + antisymmetric(n_cut + 1:, n_cut + 1:))/2
+      do n = 0, teeth/2
+         theta = pi*n/teeth
+         by_s(1::2) = cos(theta)
+         by_s(2::2) = sin(theta)
+         by_a(1::2) = sin(theta)
+         by_a(2::2) = -cos(theta)
+         do i = 1, n_cut
+            s(:, i) = 2*(by_s(i)*by_s*symmetric(:n_cut, i) + by_a(i)*by_a*antisymmetric(:n_cut, i))
+         end do
+         do i = 1, n_loads
+            g(:, i) = by_s*symmetric(:n_cut, n_cut + i)
+            g(:, n_loads + i) = by_a*antisymmetric(:n_cut, n_cut + i)
+         end do
+         call dpotrf("L", n_cut, s, n_cut, info)
+         is_definite = info == 0
+         if (.not. is_definite) return
+         call dtrsm("L", "L", "N", "N", n_cut, 2*n_loads, 1.0_wp, s, n_cut, g, n_cut)
+         call dsyrk("L", "T", 2*n_loads, n_cut, 1.0_wp, g, n_cut, 0.0_wp, products, 2*n_loads)
+         do i = 1, 2*n_loads
+            products(i, i:) = products(i:, i)
+         end do
+         share = merge(1.0_wp, 2.0_wp, n == 0 .or. 2*n == teeth)/teeth
+         do k = 0, ubound(response, 3)
+            turned = 2*theta*k
+            do b = 1, n_loads
+               do a = 1, n_loads
+                  response(a, b, k) = response(a, b, k) + share*( &
+                                      cos(turned)*(products(a, b) + products(n_loads + a, n_loads + b)) &
+                                      - sin(turned)*(products(n_loads + a, b) - products(a, n_loads + b)))
+               end do
+            end do
+         end do
+      end do
+   end subroutine wheel_response
+
+end module evl_cyclic_wheel

@@ -1,0 +1,226 @@
+!> The influence functions of a wheel by spectral elements: c at Chebyshev points of the flank, c_j at pairs of them, for E = 1.
+!>
+!> The flank of tooth 0 is loaded at each place by the smooth load of half width w, and by one of w/sqrt 2. Its mean displacement
+!> u_w under the own load, less what the load's shape contributes, is c up to w^2, and two widths remove that:
+!>
+!>    c_w = u_w - K (-ln w + e_1) - q w e_2/rho + K (1 - ln 2 rho),   c = 2 c_{w/sqrt 2} - c_w + (ln 2/18) K (w/rho)^2
+!>
+!> with K = 2/(pi E'), e_1 and e_2 the moments of -ln|x-y| and |x-y| under the load's shape; q is the tangential part of Flamant's
+!> solution on a curved surface. c_j needs no such care: the load on another tooth is far.
+module evl_influence_functions
+   use evl_chebyshev, only: chebyshev_points
+   use evl_cyclic_wheel, only: turn_to_polar, wheel_response
+   use evl_flank_loads, only: load_part, n_gauss, put_load
+   use evl_front, only: condense
+   use evl_kinds, only: pi, wp
+   use evl_lobatto, only: lobatto_rule
+   use evl_number_text, only: number_length
+   use evl_plane_element, only: element_stiffness, elasticity_t
+   use evl_plane_mesh, only: element_points
+   use evl_sector_mesh, only: end_rows, sector_mesh, sector_mesh_t
+   use evl_status, only: code_invalid_input, fail, has_failed, status_t, subject_wheel
+   use evl_tooth_outline, only: involute_arc, involute_curvature, involute_normal, tooth_outline_t
+   implicit none (type, external)
+   private
+
+   public :: compute_influence, finish_own_tooth, influence_t
+
+   integer, parameter, public :: n_own = 16    !! intervals of c's points
+   integer, parameter, public :: n_other = 8   !! of c_j's points, which are every other of c's
+   integer, parameter, public :: n_neighbours = 3 !! j = 1 .. 3
+   real(wp), parameter :: widest = 0.25_wp     !! w in modules
+   real(wp), parameter :: mean_logarithm = 1.3628052003925655_wp, mean_distance = 0.3807303807_wp !! e_1, e_2
+
+   !> Samples, in modules and for E = 1.
+   type :: influence_t
+      real(wp) :: rho(0:n_own) = 0                                   !! radii of curvature
+      real(wp) :: own(0:n_own) = 0                                   !! E c
+      real(wp) :: other(0:n_other, 0:n_other, -n_neighbours:n_neighbours) = 0 !! E c_j (here on tooth 0, there on tooth j)
+   end type influence_t
+
+contains
+
+   !> Influence functions of a wheel held at its hub.
+   !>
+   !> Errors: code_invalid_input with subject_wheel where the outline cannot be meshed.
+   subroutine compute_influence(outline, hub_radius, p, law, influence, status)
+      type(tooth_outline_t), intent(in) :: outline
+      real(wp), intent(in) :: hub_radius !! in modules
+      integer, intent(in) :: p           !! order of the elements
+      type(elasticity_t), intent(in) :: law
+      type(influence_t), intent(out) :: influence
+      type(status_t), intent(inout) :: status
+      type(sector_mesh_t) :: sector
+      real(wp), allocatable :: stiffness(:, :, :), loads(:, :), halves(:, :, :), response(:, :, :)
+      real(wp) :: widths(0:n_own)
+      integer :: j
+      logical :: is_definite
+
+      call sector_mesh(outline, hub_radius, p, sector)
+      call all_stiffnesses(sector, law, stiffness, status)
+      if (has_failed(status)) return
+      call place_loads(outline, sector, influence%rho, widths, loads)
+      call both_halves(outline, sector, stiffness, loads, halves, is_definite)
+      allocate (response(size(loads, 2), size(loads, 2), 0:n_neighbours))
+      if (is_definite) call wheel_response(outline%teeth, 2*size(sector%cut) - 2, halves(:, :, 1), halves(:, :, 2), response, &
+                                           is_definite)
+      if (.not. is_definite) then
+         call fail(status, code_invalid_input, "the stiffness of a tooth sector is not positive definite, so its compliance has" &
+                   //" no value: another 'order' or hub_diameter may help", subject_wheel, field="compliance")
+         return
+      end if
+      do j = 0, n_own
+         influence%own(j) = finish_own_tooth(response(j + 1, j + 1, 0), response(n_own + j + 2, n_own + j + 2, 0), widths(j), &
+                                             influence%rho(j), law)
+      end do
+      ! displaced on tooth 0, loaded on tooth j: displaced on tooth -j, loaded on tooth 0
+      do j = 1, n_neighbours
+         influence%other(:, :, -j) = response(1:n_own + 1:2, 1:n_own + 1:2, j)
+         influence%other(:, :, j) = transpose(response(1:n_own + 1:2, 1:n_own + 1:2, j))
+      end do
+   end subroutine compute_influence
+
+   !> E c from the mean displacements under both widths.
+   elemental real(wp) function finish_own_tooth(wide, narrow, w, rho, law) result(c)
+      real(wp), intent(in) :: wide, narrow !! mean displacement with w, with w/sqrt 2
+      real(wp), intent(in) :: w, rho
+      type(elasticity_t), intent(in) :: law
+      real(wp) :: k
+
+      k = 2/pi/law%plane_modulus
+      c = 2*one_width(narrow, w/sqrt(2.0_wp)) - one_width(wide, w) + log(2.0_wp)/18*k*(w/rho)**2
+
+   contains
+
+      !> c_w.
+      pure real(wp) function one_width(mean, half)
+         real(wp), intent(in) :: mean, half
+
+         one_width = mean - k*(mean_logarithm - log(half)) - law%tangential*half*mean_distance/rho + k*(1 - log(2*rho))
+      end function one_width
+
+   end function finish_own_tooth
+
+   !> Condensed stiffnesses of all elements. Errors: where an element folds, in which part of the outline.
+   subroutine all_stiffnesses(sector, law, stiffness, status)
+      type(sector_mesh_t), intent(in) :: sector
+      type(elasticity_t), intent(in) :: law
+      real(wp), allocatable, intent(out) :: stiffness(:, :, :)
+      type(status_t), intent(inout) :: status
+      real(wp) :: x(0:sector%mesh%order), w(0:sector%mesh%order), d(0:sector%mesh%order, 0:sector%mesh%order)
+      real(wp) :: xy(2, 0:sector%mesh%order, 0:sector%mesh%order)
+      character(len=number_length) :: which
+      logical :: is_valid
+      integer :: p, e
+
+      p = sector%mesh%order
+      call lobatto_rule(x, w, d)
+      allocate (stiffness(8*p, 8*p, size(sector%row)))
+      do e = 1, size(sector%row)
+         call element_points(sector%mesh, e, x, xy)
+         call element_stiffness(p, w, d, xy, law, stiffness(:, :, e), is_valid)
+         if (is_valid) cycle
+         write (which, "(i0)") e
+         call fail(status, code_invalid_input, "no mesh fits the tooth: element "//trim(which)//", "//part_of(sector, e) &
+                   //", would fold over; a larger root fillet or another profile shift helps, or compliance.model: analytic", &
+                   subject_wheel, field="compliance")
+         return
+      end do
+   end subroutine all_stiffnesses
+
+   !> The part of a sector in which an element lies.
+   pure function part_of(sector, e) result(text)
+      type(sector_mesh_t), intent(in) :: sector
+      integer, intent(in) :: e
+      character(len=:), allocatable :: text
+
+      associate (row => sector%row(e))
+         if (row == 1) then
+            text = "at the tip"
+         else if (row <= sector%row_form) then
+            text = "at the involute"
+         else if (row <= sector%row_fillet) then
+            text = "at the upper half of the fillet"
+         else if (row <= sector%row_deep) then
+            text = "under the fillet and the root"
+         else
+            text = "in the rings of the body"
+         end if
+      end associate
+   end function part_of
+
+   !> Places of the loads, their widths, and the loads: wide ones first.
+   subroutine place_loads(outline, sector, rho, widths, loads)
+      type(tooth_outline_t), intent(in) :: outline
+      type(sector_mesh_t), intent(in) :: sector
+      real(wp), intent(out) :: rho(0:n_own), widths(0:n_own)
+      real(wp), allocatable, intent(out) :: loads(:, :)
+      real(wp) :: x(0:sector%mesh%order), w(0:sector%mesh%order), d(0:sector%mesh%order, 0:sector%mesh%order), s(0:n_own), inset
+      integer :: row, k
+
+      inset = 1.5_wp*(outline%s_tip - sector%flank_arc(1))
+      rho = chebyshev_points(n_own, involute_curvature(outline, outline%s_form + inset), &
+                             involute_curvature(outline, outline%s_tip - inset))
+      s = involute_arc(outline, rho)
+      widths = min(widest, s - outline%s_form, outline%s_tip - s)
+      call lobatto_rule(x, w, d)
+      allocate (loads(2*sector%mesh%n_nodes, 2*n_own + 2), source=0.0_wp)
+      do row = 1, sector%n_flank
+         do k = 0, n_own
+            call put(widths(k), k + 1)
+            call put(widths(k)/sqrt(2.0_wp), n_own + k + 2)
+         end do
+      end do
+
+   contains
+
+      !> The part of a load on this row.
+      subroutine put(half, load)
+         real(wp), intent(in) :: half
+         integer, intent(in) :: load
+         real(wp) :: places(n_gauss), weights(n_gauss), force(2, n_gauss)
+         integer :: i
+
+         associate (from => sector%flank_arc(row - 1), to => sector%flank_arc(row))
+            if (s(k) - half > from .or. s(k) + half < to) return
+            call load_part(from, to, s(k), half, places, weights)
+            do i = 1, n_gauss
+               force(:, i) = weights(i)*involute_normal(outline, involute_curvature(outline, places(i)))
+            end do
+            call put_load(x, sector%flank(:, row), from, to, places, force, loads(:, load))
+         end associate
+      end subroutine put
+
+   end subroutine place_loads
+
+   !> The half sector condensed onto its cut, with its middle line held for symmetric and for antisymmetric loads.
+   subroutine both_halves(outline, sector, stiffness, loads, halves, is_definite)
+      type(tooth_outline_t), intent(in) :: outline
+      type(sector_mesh_t), intent(in) :: sector
+      real(wp), intent(in) :: stiffness(:, :, :), loads(:, :)
+      real(wp), allocatable, intent(out) :: halves(:, :, :)
+      logical, intent(out) :: is_definite
+      real(wp), allocatable :: one(:, :)
+      logical :: is_fixed(2*sector%mesh%n_nodes)
+      integer :: kept(2*size(sector%cut) - 2), side, n
+
+      ! the cut's last node is on the hub
+      associate (cut => sector%cut(:size(sector%cut) - 1))
+         kept(1::2) = 2*cut - 1
+         kept(2::2) = 2*cut
+      end associate
+      n = size(kept) + size(loads, 2)
+      allocate (halves(n, n, 2))
+      do side = 1, 2
+         is_fixed = .false.
+         is_fixed(2*sector%hub) = .true.
+         is_fixed(2*sector%hub - 1) = .true.
+         is_fixed(2*sector%axis - merge(0, 1, side == 1)) = .true.
+         call condense(sector%mesh, stiffness, is_fixed, kept, loads, one, is_definite)
+         if (.not. is_definite) return
+         call turn_to_polar(outline%half_pitch, size(kept), one)
+         halves(:, :, side) = one
+      end do
+   end subroutine both_halves
+
+end module evl_influence_functions

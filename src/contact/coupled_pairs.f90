@@ -1,0 +1,239 @@
+!> Forces of tooth pairs whose teeth yield together: all pairs of one flank at once, per unit width.
+!>
+!> The forces N are where the potential of the flank has its maximum,
+!>
+!>    max over N of  sum_k N_k h_k - W(N),   W = sum_k N_k**2/(2 pi E*) [ln(4 pi E* Lambda/N_k) - 1/2] + 1/2 sum_kl C_kl N_k N_l
+!>
+!> that is
+!>
+!>    h_k = N_k/(pi E*) [ln(4 pi E* Lambda/N_k) - 1] + sum_l C_kl N_l
+!>
+!> for each pair that carries; with `pushes_only` a pair carries nothing where the others open its gap,
+!> g_k = h_k - sum_{l /= k} C_kl N_l <= 0, else N is continued as an odd function of g, so that a root is found from both sides.
+!>
+!> Newton's method on the pairs that carry, from the forces of pairs that stand alone. At N = 0 the slope dh/dN is infinite: a pair
+!> whose force would change its sign, or begin, takes the force that belongs to its g. Where Newton's step does not halve the
+!> residual, each pair in turn takes that force: W is convex, so that this alone would converge too, slowly.
+!>
+!> Derivatives: with the matrix A = diag(dh_J/dN) + C of the pairs that carry, dN = A**-1 (dh - dC N - N/(pi E* Lambda) dLambda).
+!>
+!> Nothing is allocated; at most `most_pairs` pairs.
+module evl_coupled_pairs
+   use evl_compliant_johnson, only: compliant_contact, compliant_energy, compliant_force, compliant_penetration
+   use evl_kinds, only: pi, wp
+   use evl_status, only: code_no_solution, code_ok, code_singular
+   implicit none (type, external)
+   private
+
+   public :: coupled_answer, energy_of_pairs, force_change_of_pairs, most_pairs, overlaps, solve_pairs
+
+   integer, parameter :: most_pairs = 6 !! on one flank
+
+   integer, parameter :: most_turns = 200
+   real(wp), parameter :: near = 1.0e-8_wp           !! a step this small, of the force, leaves an error of its square
+   real(wp), parameter :: rounding = 16*epsilon(near) !! a residual this small, of its terms, is none
+
+   !> Forces of all pairs, and what their derivatives need.
+   type :: coupled_answer
+      integer :: n = 0
+      real(wp) :: force(most_pairs) = 0.0_wp    !! N [N/m]
+      logical :: carries(most_pairs) = .false.  !! whether it is one of those that Newton's method moves
+      real(wp) :: factor(most_pairs, most_pairs) = 0.0_wp !! lower triangle: Cholesky factor of A; 1 on the diagonal of the others
+      integer :: turns = 0                      !! that it took
+   end type coupled_answer
+
+contains
+
+   !> Solve for the forces.
+   pure subroutine solve_pairs(n, h, length, c, e_star, pushes_only, answer, code)
+      integer, intent(in) :: n                      !! pairs, at most `most_pairs`
+      real(wp), intent(in) :: h(n)                  !! penetrations [m]
+      real(wp), intent(in) :: length                !! Lambda [m], > 0
+      real(wp), intent(in) :: c(most_pairs, *)      !! what pair k yields to a unit load on l, symmetric [1/Pa]
+      real(wp), intent(in) :: e_star                !! effective modulus [Pa]
+      logical, intent(in) :: pushes_only            !! no pair pulls; else forces are odd
+      type(coupled_answer), intent(out) :: answer
+      integer, intent(out) :: code                  !! code_ok, code_out_of_domain, code_singular or code_no_solution
+      real(wp), dimension(most_pairs) :: residual, scale, step, trial
+      real(wp) :: least, size_of
+      logical :: definite, done, keeps_sign
+      integer :: k, turn
+
+      answer%n = n
+      code = code_ok
+      do k = 1, n
+         call answer_gap(h(k), length, c(k, k), e_star, pushes_only, answer%force(k), code)
+         if (code /= code_ok) return
+      end do
+      least = huge(least)
+      definite = .true.
+      do turn = 1, most_turns
+         answer%turns = turn
+         call look(n, h, length, c, e_star, pushes_only, answer, residual, scale, code)
+         if (code /= code_ok) return
+         call factorise(n, answer, code)
+         size_of = sum(abs(residual(:n)))
+         if (code == code_ok .and. size_of <= least/2) then
+            least = size_of
+            step(:n) = residual(:n)
+            call solve(n, answer, step)
+            done = .true.
+            trial(:n) = answer%force(:n) + step(:n)
+            do k = 1, n
+               keeps_sign = answer%carries(k) .and. trial(k)*answer%force(k) > 0
+               if (.not. keeps_sign) then
+                  call answer_gap(h(k) - others(n, c, k, trial), length, c(k, k), e_star, pushes_only, trial(k), code)
+                  if (code /= code_ok) return
+                  step(k) = trial(k) - answer%force(k)
+               end if
+               if (keeps_sign .and. abs(step(k)) <= near*abs(trial(k))) cycle
+               done = done .and. c(k, k)*abs(step(k)) <= rounding*scale(k)
+            end do
+            answer%force(:n) = trial(:n)
+            if (done) return
+         else
+            if (all(abs(residual(:n)) <= rounding*scale(:n))) return ! Newton's method has no more to give
+            definite = code == code_ok
+            do k = 1, n
+               call answer_gap(h(k) - others(n, c, k, answer%force), length, c(k, k), e_star, pushes_only, answer%force(k), code)
+               if (code /= code_ok) return
+            end do
+         end if
+      end do
+      code = merge(code_no_solution, code_singular, definite)
+   end subroutine solve_pairs
+
+   !> What is left of the equations at the present forces, and the matrix A of the pairs that carry.
+   pure subroutine look(n, h, length, c, e_star, pushes_only, answer, residual, scale, code)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: h(n), length, c(most_pairs, *), e_star
+      logical, intent(in) :: pushes_only
+      type(coupled_answer), intent(inout) :: answer
+      real(wp), intent(out) :: residual(most_pairs) !! [m]
+      real(wp), intent(out) :: scale(most_pairs)    !! of the terms that cancel in it [m]
+      integer, intent(out) :: code
+      real(wp) :: apart, slope, own
+      integer :: k
+
+      code = code_ok
+      do k = 1, n
+         apart = others(n, c, k, answer%force)
+         scale(k) = abs(h(k)) + abs(apart)
+         answer%carries(k) = abs(answer%force(k)) > 0
+         answer%factor(k, :n) = 0
+         if (answer%carries(k)) then
+            call compliant_penetration(answer%force(k), length, c(k, k), e_star, own, slope, code)
+            if (code /= code_ok) return
+            residual(k) = h(k) - apart - own
+            where (answer%carries(:k - 1)) answer%factor(k, :k - 1) = c(k, :k - 1)
+            answer%factor(k, k) = slope
+         else
+            residual(k) = h(k) - apart
+            if (pushes_only) residual(k) = max(residual(k), 0.0_wp)
+            answer%factor(k, k) = 1
+         end if
+      end do
+   end subroutine look
+
+   !> The force of a pair under its own penetration.
+   pure subroutine answer_gap(g, length, c, e_star, pushes_only, force, code)
+      real(wp), intent(in) :: g, length, c, e_star
+      logical, intent(in) :: pushes_only
+      real(wp), intent(out) :: force
+      integer, intent(out) :: code
+      type(compliant_contact) :: contact
+
+      force = 0
+      code = code_ok
+      if (pushes_only .and. g <= 0) return
+      call compliant_force(g, length, c, e_star, contact, code)
+      force = contact%force
+   end subroutine answer_gap
+
+   !> By how much the other pairs open the gap of one [m].
+   pure real(wp) function others(n, c, k, force)
+      integer, intent(in) :: n, k
+      real(wp), intent(in) :: c(most_pairs, *), force(n)
+      integer :: l
+
+      others = 0
+      do l = 1, n
+         if (l /= k) others = others + c(k, l)*force(l)
+      end do
+   end function others
+
+   !> Penetrations less what the other pairs open: g_k, the roots of closing and opening [m].
+   pure subroutine overlaps(n, h, c, answer, g)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: h(n), c(most_pairs, *)
+      type(coupled_answer), intent(in) :: answer
+      real(wp), intent(out) :: g(n)
+      integer :: k
+
+      do k = 1, n
+         g(k) = h(k) - others(n, c, k, answer%force)
+      end do
+   end subroutine overlaps
+
+   !> How the forces change. In: dh - dC N, out: dN, both of the pairs; those that carry nothing get 0.
+   pure subroutine force_change_of_pairs(answer, length, e_star, d_length, change)
+      type(coupled_answer), intent(in) :: answer
+      real(wp), intent(in) :: length, e_star
+      real(wp), intent(in) :: d_length     !! change of Lambda
+      real(wp), intent(inout) :: change(*) !! [n]
+
+      associate (n => answer%n)
+         change(:n) = change(:n) - answer%force(:n)*(d_length/(pi*e_star*length))
+         call solve(n, answer, change)
+      end associate
+   end subroutine force_change_of_pairs
+
+   !> Elastic energy per unit width, sum N_k h_k - W = sum_k [N_k h_k/2 - N_k**2/(4 pi E*)], that of the bodies included [J/m].
+   pure real(wp) function energy_of_pairs(answer, h, e_star) result(energy)
+      type(coupled_answer), intent(in) :: answer
+      real(wp), intent(in) :: h(*) !! [n], [m]
+      real(wp), intent(in) :: e_star
+
+      energy = sum(compliant_energy(h(:answer%n), answer%force(:answer%n), e_star))
+   end function energy_of_pairs
+
+   !> Cholesky factor of A in place.
+   pure subroutine factorise(n, answer, code)
+      integer, intent(in) :: n
+      type(coupled_answer), intent(inout) :: answer
+      integer, intent(out) :: code !! code_singular if A is not positive definite
+      integer :: i, j
+
+      code = code_singular
+      associate (a => answer%factor)
+         do j = 1, n
+            a(j, j) = a(j, j) - dot_product(a(j, :j - 1), a(j, :j - 1))
+            if (.not. a(j, j) > 0) return
+            a(j, j) = sqrt(a(j, j))
+            do i = j + 1, n
+               a(i, j) = (a(i, j) - dot_product(a(i, :j - 1), a(j, :j - 1)))/a(j, j)
+            end do
+         end do
+      end associate
+      code = code_ok
+   end subroutine factorise
+
+   !> A x = b for the pairs that carry, 0 for the others.
+   pure subroutine solve(n, answer, x)
+      integer, intent(in) :: n
+      type(coupled_answer), intent(in) :: answer
+      real(wp), intent(inout) :: x(*) !! b, then the solution
+      integer :: i
+
+      associate (a => answer%factor)
+         do i = 1, n
+            if (.not. answer%carries(i)) x(i) = 0
+            x(i) = (x(i) - dot_product(a(i, :i - 1), x(:i - 1)))/a(i, i)
+         end do
+         do i = n, 1, -1
+            x(i) = (x(i) - dot_product(a(i + 1:n, i), x(i + 1:n)))/a(i, i)
+         end do
+      end associate
+   end subroutine solve
+
+end module evl_coupled_pairs

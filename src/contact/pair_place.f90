@@ -1,0 +1,172 @@
+!> Where a tooth pair touches, on its flanks or with a tip edge, as a function of three lengths.
+!>
+!> They are the radii of curvature rho_A and rho_B of the involutes in the line of action, and the length rho of that line, the
+!> distance of the base circles' tangent points. The penetration of perfect flanks is rho_A + rho_B - rho. All derivatives of this
+!> file are to the three, in this order, to second order; those to the wheels' positions follow from them.
+!>
+!> A flank that lacks e_F at its end, with the slope e' there, goes on straight beyond, up to x_*, where its edge takes over (see
+!> evl_tip_edge). There the edge's wheel lacks e_F + e' x_* + S(x) - S(x_*), and the mate is touched r_b (delta(x) - delta(x_*))
+!> beside the line of action. Both gap and feet are continuous; so is the slope of the gap, but for what motions of the axles move
+!> x_*, which stays.
+module evl_pair_place
+   use evl_deviating_flanks, only: flank_value
+   use evl_kinds, only: wp
+   use evl_tip_edge, only: edge_place, edge_t, place_edge
+   implicit none (type, external)
+   private
+
+   public :: by_a, by_b, by_line, pair_feet, pair_place, tip_t
+   public :: edge_of, end_of, find_feet, on_edge, on_flank, on_straight_end, penetrate, zone_at
+
+   integer, parameter :: by_a = 1, by_b = 2, by_line = 3 !! rho_A, rho_B, rho among the derivatives; A and B among the wheels
+
+   integer, parameter :: on_flank = 0        !! both flanks touch
+   integer, parameter :: on_straight_end = 1 !! a flank that went on straight, of A; of B: 2
+   integer, parameter :: on_edge = 3         !! a tip edge, of A; of B: 4
+
+   !> Tip of a wheel's teeth.
+   type :: tip_t
+      type(edge_t) :: edge
+      real(wp) :: value = 0.0_wp, slope = 0.0_wp !! of the profile's modification at the end of the flank [m], [1]
+      real(wp) :: takes_over = 0.0_wp !! x_* [m]
+   end type tip_t
+
+   !> What a pair's zone makes of the three lengths.
+   type :: pair_feet
+      integer :: zone = on_flank
+      integer :: wheel = 0                  !! whose end or edge it is; 0: none
+      logical :: exists = .true.            !! false if the edge is inside the mate's base circle
+      real(wp) :: x = 0.0_wp                !! roll length past the end of that wheel's flank [m]
+      real(wp) :: rho(3) = 0.0_wp           !! rho_A, rho_B, rho [m]
+      real(wp) :: foot(2) = 0.0_wp          !! roll lengths at which A and B are loaded [m]
+      real(wp) :: d_foot(3, 2) = 0.0_wp     !! their derivatives
+      real(wp) :: d2_foot(3, 3, 2) = 0.0_wp
+      real(wp) :: lack = 0.0_wp             !! what the wheel with the end or edge lacks by it [m]
+      real(wp) :: d_lack(3) = 0.0_wp, d2_lack(3, 3) = 0.0_wp
+      real(wp) :: arm = 0.0_wp              !! of the friction force about the edge's wheel [m]
+      real(wp) :: turn = 0.0_wp             !! of the force from the line of action [rad]
+   end type pair_feet
+
+   !> Penetration of a pair.
+   type :: pair_place
+      real(wp) :: h = 0.0_wp !! [m]
+      real(wp) :: d_h(3) = 0.0_wp, d2_h(3, 3) = 0.0_wp
+   end type pair_place
+
+contains
+
+   !> The straight end of a wheel's flank; its edge.
+   elemental integer function end_of(wheel)
+      integer, intent(in) :: wheel !! by_a or by_b
+
+      end_of = on_straight_end + wheel - 1
+   end function end_of
+
+   elemental integer function edge_of(wheel)
+      integer, intent(in) :: wheel
+
+      edge_of = on_edge + wheel - 1
+   end function edge_of
+
+   !> The zone of a pair. Where both ends are past, which takes a penetration as long as the path, that of A.
+   pure integer function zone_at(tips, rho_a, rho_b) result(zone)
+      type(tip_t), intent(in) :: tips(2)
+      real(wp), intent(in) :: rho_a, rho_b
+      real(wp) :: x(2)
+      integer :: wheel
+
+      x = [rho_a, rho_b] - tips%edge%rho_end
+      zone = on_flank
+      do wheel = by_b, by_a, -1
+         if (x(wheel) > tips(wheel)%takes_over) then
+            zone = edge_of(wheel)
+         else if (x(wheel) > 0) then
+            zone = end_of(wheel)
+         end if
+      end do
+   end function zone_at
+
+   !> Where both wheels are touched.
+   pure subroutine find_feet(tips, zone, rho_a, rho_b, line, feet)
+      type(tip_t), intent(in) :: tips(2)
+      integer, intent(in) :: zone             !! which may be continued past its borders
+      real(wp), intent(in) :: rho_a, rho_b    !! [m]
+      real(wp), intent(in) :: line            !! rho [m]
+      type(pair_feet), intent(out) :: feet
+
+      feet%zone = zone
+      feet%rho = [rho_a, rho_b, line]
+      feet%foot = [rho_a, rho_b]
+      feet%d_foot(by_a, by_a) = 1
+      feet%d_foot(by_b, by_b) = 1
+      if (zone == on_flank) return
+      feet%wheel = merge(by_a, by_b, zone == end_of(by_a) .or. zone == edge_of(by_a))
+      associate (w => feet%wheel, tip => tips(feet%wheel))
+         feet%x = feet%rho(w) - tip%edge%rho_end
+         feet%foot(w) = tip%edge%rho_end
+         feet%d_foot(w, w) = 0
+         if (zone == end_of(w)) then
+            feet%lack = tip%value + tip%slope*feet%x
+            feet%d_lack(w) = tip%slope
+         else
+            call touch_with_edge(tip, w, feet)
+         end if
+      end associate
+   end subroutine find_feet
+
+   !> An edge touches the mate.
+   pure subroutine touch_with_edge(tip, w, feet)
+      type(tip_t), intent(in) :: tip
+      integer, intent(in) :: w !! the edge's wheel
+      type(pair_feet), intent(inout) :: feet
+      type(edge_place) :: at, begin
+
+      call place_edge(tip%edge, feet%x, feet%rho(by_line), at)
+      feet%exists = at%exists
+      begin = edge_place() ! all of it is zero at x = 0
+      if (tip%takes_over > 0) call place_edge(tip%edge, tip%takes_over, feet%rho(by_line), begin)
+      feet%arm = at%arm
+      feet%turn = at%turn
+      feet%lack = tip%value + tip%slope*tip%takes_over + (at%gap - begin%gap)
+      feet%d_lack(w) = at%d_x
+      feet%d_lack(by_line) = at%d_rho - begin%d_rho
+      feet%d2_lack(w, w) = at%d_xx
+      feet%d2_lack(w, by_line) = at%d_x_rho
+      feet%d2_lack(by_line, w) = at%d_x_rho
+      feet%d2_lack(by_line, by_line) = at%d_rho_rho - begin%d_rho_rho
+      associate (mate => 3 - w)
+         feet%foot(mate) = feet%rho(mate) - (at%foot - begin%foot)
+         feet%d_foot(w, mate) = -at%foot_x
+         feet%d_foot(by_line, mate) = -(at%foot_rho - begin%foot_rho)
+         feet%d2_foot(w, w, mate) = -at%foot_xx
+         feet%d2_foot(w, by_line, mate) = -at%foot_x_rho
+         feet%d2_foot(by_line, w, mate) = -at%foot_x_rho
+         feet%d2_foot(by_line, by_line, mate) = -(at%foot_rho_rho - begin%foot_rho_rho)
+      end associate
+   end subroutine touch_with_edge
+
+   !> The penetration, with what both wheels lack besides: on a flank all of it, where the foot is; of a wheel with an end or edge
+   !> what goes on beyond the end of its profile, at its own radius of curvature.
+   pure subroutine penetrate(feet, lacks, place)
+      type(pair_feet), intent(in) :: feet
+      type(flank_value), intent(in) :: lacks(2)
+      type(pair_place), intent(out) :: place
+      integer :: w
+
+      place%h = feet%rho(by_a) + feet%rho(by_b) - feet%rho(by_line) - feet%lack
+      place%d_h = [1.0_wp, 1.0_wp, -1.0_wp] - feet%d_lack
+      place%d2_h = -feet%d2_lack
+      do w = by_a, by_b
+         place%h = place%h - lacks(w)%e
+         if (w == feet%wheel) then
+            place%d_h(w) = place%d_h(w) - lacks(w)%de
+            place%d2_h(w, w) = place%d2_h(w, w) - lacks(w)%d2e
+         else
+            place%d_h = place%d_h - lacks(w)%de*feet%d_foot(:, w)
+            place%d2_h = place%d2_h - lacks(w)%de*feet%d2_foot(:, :, w) &
+                         - lacks(w)%d2e*spread(feet%d_foot(:, w), 2, 3)*spread(feet%d_foot(:, w), 1, 3)
+         end if
+      end do
+   end subroutine penetrate
+
+end module evl_pair_place

@@ -1,0 +1,243 @@
+!> A mesh at rest: the penetration and the forces of all tooth pairs of one flank, at a position of the driving wheel and under a
+!> force along the line of action.
+!>
+!> Axles are fixed. The driving wheel stands at rho_A of pair 0, the driven one where the torque about the driving axle is r_bA
+!> times the force: dU/drho_A = F. h is the transmission error, by which the driven wheel lags along the line of action:
+!> rho_A + rho_B = rho + h.
+module evl_static_mesh
+   use evl_coupled_pairs, only: most_pairs
+   use evl_deviating_flanks, only: flank_value
+   use evl_flank_potential, only: find_potential, flank_potential, second_derivatives
+   use evl_kinds, only: wp
+   use evl_pair_compliance, only: gather_compliance, pair_compliance, wheel_influence_t
+   use evl_pair_place, only: by_a, by_b, edge_of, find_feet, pair_feet, pair_place, penetrate, tip_t, zone_at
+   use evl_status, only: code_no_solution, code_ok, code_out_of_domain, fail, has_failed, quantity, status_t
+   implicit none (type, external)
+   private
+
+   public :: flank_lacks_t, solve_static, static_mesh_t, static_state
+
+   real(wp), parameter :: tolerance = 1.0e-13_wp !! of the force, relative
+   integer, parameter :: most_turns = 100
+
+   !> What the flanks of the pairs lack in material.
+   type, abstract :: flank_lacks_t
+   contains
+      procedure(lack), deferred :: at
+   end type flank_lacks_t
+
+   abstract interface
+
+      !> What one wheel's flank of a pair lacks.
+      pure subroutine lack(self, wheel, pair, rho, beyond, value)
+         import :: flank_lacks_t, flank_value, wp
+         implicit none (type, external)
+         class(flank_lacks_t), intent(in) :: self
+         integer, intent(in) :: wheel  !! by_a or by_b
+         integer, intent(in) :: pair   !! number of the tooth pair
+         real(wp), intent(in) :: rho   !! [m]
+         logical, intent(in) :: beyond !! past the end of the flank: without the modifications of the profile, which the tip knows
+         type(flank_value), intent(out) :: value
+      end subroutine lack
+
+   end interface
+
+   !> One flank of a mesh on fixed axles.
+   type :: static_mesh_t
+      type(tip_t) :: tips(2)
+      real(wp) :: fillets(2) = 0.0_wp    !! radii of curvature where the fillets of A and B begin; 0: not known [m]
+      real(wp) :: line = 0.0_wp          !! rho [m]
+      real(wp) :: base_pitch = 0.0_wp    !! [m]
+      real(wp) :: e_star = 0.0_wp        !! effective modulus [Pa]
+      real(wp) :: width = 0.0_wp         !! common face width [m]
+      real(wp) :: k_difference = 0.0_wp  !! K_A - K_B [1/Pa]
+      real(wp) :: reach = 0.0_wp         !! how far past the ends of their flanks pairs count, with their edges [m]
+      logical :: is_drive = .true., couples = .true.
+      class(wheel_influence_t), allocatable :: a, b
+      class(flank_lacks_t), allocatable :: lacks
+   end type static_mesh_t
+
+   !> Such a mesh at rest.
+   type :: static_state
+      real(wp) :: h = 0.0_wp                     !! transmission error [m]
+      real(wp) :: h_0 = 0.0_wp                   !! without load [m]
+      real(wp) :: stiffness = 0.0_wp             !! dF/dh at rest of the driving wheel [N/m]
+      integer :: n = 0                           !! pairs that can touch
+      integer :: numbers(most_pairs) = 0
+      type(pair_feet) :: feet(most_pairs)
+      type(pair_place) :: places(most_pairs)
+      type(flank_potential) :: potential
+   end type static_state
+
+contains
+
+   !> The mesh under a force.
+   subroutine solve_static(mesh, rho_a, force, state, status)
+      type(static_mesh_t), intent(in) :: mesh
+      real(wp), intent(in) :: rho_a !! of pair 0 [m]
+      real(wp), intent(in) :: force !! torque about the driving axle over its base radius, > 0 [N]
+      type(static_state), intent(out) :: state
+      type(status_t), intent(inout) :: status
+      real(wp) :: low, high, h, off, h_0
+      integer :: turn
+
+      call find_free_play(mesh, rho_a, h_0, status)
+      if (has_failed(status)) return
+      low = h_0
+      high = h_0
+      h = h_0 + 40*force/(mesh%e_star*mesh%width) ! about what two teeth yield
+      do turn = 1, most_turns
+         call look(mesh, rho_a, h, state, status)
+         if (has_failed(status)) return
+         off = force - state%potential%gradient(by_a)
+         if (abs(off) <= tolerance*force) exit
+         if (off > 0) then
+            low = h
+         else
+            high = h
+         end if
+         if (state%stiffness > 0) h = h + off/state%stiffness
+         if (high > low) then ! the force is known on both sides
+            if (.not. state%stiffness > 0 .or. h <= low .or. h >= high) h = (low + high)/2
+            if (.not. (low < h .and. h < high)) exit ! they are neighbours: a step of the force, at an end of a path
+         else
+            h = max(h, low + abs(low - h_0)/2)
+         end if
+      end do
+      if (turn > most_turns) call fail(status, code_no_solution, "no transmission error was found under "//quantity(force, "N") &
+                                       //" at rho_A = "//quantity(rho_a, "m"))
+      state%h_0 = h_0
+      if (.not. has_failed(status)) call check(mesh, state, status)
+   end subroutine solve_static
+
+   !> The transmission error at which the first pair touches.
+   subroutine find_free_play(mesh, rho_a, h_0, status)
+      type(static_mesh_t), intent(in) :: mesh
+      real(wp), intent(in) :: rho_a
+      real(wp), intent(out) :: h_0
+      type(status_t), intent(inout) :: status
+      type(pair_feet) :: feet
+      type(pair_place) :: place
+      real(wp) :: h, step
+      integer :: first, last, k, turn
+
+      h_0 = huge(h_0)
+      call pairs_within_reach(mesh, rho_a, 0.0_wp, first, last)
+      do k = first, last
+         h = 0
+         do turn = 1, most_turns
+            call put(mesh, k, rho_a, h, feet, place)
+            step = -place%h/place%d_h(by_b)
+            h = h + step
+            if (abs(step) <= tolerance*mesh%base_pitch*epsilon(h)**0.25_wp .or. .not. feet%exists) exit
+         end do
+         if (feet%exists) h_0 = min(h_0, h)
+      end do
+      if (h_0 < huge(h_0)) return
+      call fail(status, code_no_solution, "no tooth pair can touch at rho_A = "//quantity(rho_a, "m"))
+   end subroutine find_free_play
+
+   !> Numbers of the pairs that can touch.
+   pure subroutine pairs_within_reach(mesh, rho_a, h, first, last)
+      type(static_mesh_t), intent(in) :: mesh
+      real(wp), intent(in) :: rho_a, h
+      integer, intent(out) :: first, last
+
+      associate (ends => mesh%tips%edge%rho_end + mesh%reach, p => mesh%base_pitch)
+         first = ceiling((rho_a - ends(by_a))/p)
+         last = floor((rho_a + ends(by_b) - mesh%line - h)/p)
+      end associate
+   end subroutine pairs_within_reach
+
+   !> One pair in its place.
+   pure subroutine put(mesh, k, rho_a, h, feet, place)
+      type(static_mesh_t), intent(in) :: mesh
+      integer, intent(in) :: k
+      real(wp), intent(in) :: rho_a, h
+      type(pair_feet), intent(out) :: feet
+      type(pair_place), intent(out) :: place
+      type(flank_value) :: lacks(2)
+      real(wp) :: rho(2)
+      integer :: w
+
+      rho(by_a) = rho_a - k*mesh%base_pitch
+      rho(by_b) = mesh%line + h - rho(by_a)
+      call find_feet(mesh%tips, zone_at(mesh%tips, rho(by_a), rho(by_b)), rho(by_a), rho(by_b), mesh%line, feet)
+      do w = by_a, by_b
+         call mesh%lacks%at(w, k, merge(rho(w), feet%foot(w), w == feet%wheel), w == feet%wheel, lacks(w))
+      end do
+      call penetrate(feet, lacks, place)
+      ! rho_A + rho_B - rho is h but for rounding
+      place%h = place%h + (h - (rho(by_a) + rho(by_b) - mesh%line))
+   end subroutine put
+
+   !> All pairs at a transmission error, and what acts.
+   subroutine look(mesh, rho_a, h, state, status)
+      type(static_mesh_t), intent(in) :: mesh
+      real(wp), intent(in) :: rho_a, h
+      type(static_state), intent(inout) :: state
+      type(status_t), intent(inout) :: status
+      type(pair_compliance) :: compliance
+      real(wp) :: second(3, 3)
+      integer :: code, first, i, last
+
+      call pairs_within_reach(mesh, rho_a, h, first, last)
+      state%n = max(last - first + 1, 0)
+      state%h = h
+      if (state%n > most_pairs) then
+         call fail(status, code_out_of_domain, "more tooth pairs can touch at once than the program can couple")
+         return
+      end if
+      associate (n => state%n)
+         do i = 1, n
+            state%numbers(i) = first + i - 1
+            call put(mesh, state%numbers(i), rho_a, h, state%feet(i), state%places(i))
+            if (.not. state%feet(i)%exists) state%places(i)%h = min(state%places(i)%h, 0.0_wp)
+         end do
+         call gather_compliance(mesh%a, mesh%b, mesh%k_difference, mesh%is_drive, mesh%couples, n, state%numbers(:n), &
+                                state%feet(:n), compliance)
+         call find_potential(n, state%places(:n), state%feet(:n), compliance, mesh%e_star, mesh%width, .true., state%potential, &
+                             code)
+         if (code /= code_ok) then
+            call fail(status, code, "the forces of the tooth pairs have no solution at a transmission error of "//quantity(h, "m") &
+                      //": the compliances of the wheels do not fit together")
+            return
+         end if
+         second = second_derivatives(n, state%places(:n), state%feet(:n), compliance, mesh%e_star, mesh%width, state%potential)
+      end associate
+      state%stiffness = second(by_a, by_b)
+   end subroutine look
+
+   !> Pairs that carry where nothing is known of them.
+   subroutine check(mesh, state, status)
+      type(static_mesh_t), intent(in) :: mesh
+      type(static_state), intent(in) :: state
+      type(status_t), intent(inout) :: status
+      integer :: i, mate
+
+      do i = 1, state%n
+         associate (feet => state%feet(i))
+            if (.not. state%potential%answer%force(i) > 0 .or. feet%wheel == 0) cycle
+            if (feet%zone /= edge_of(feet%wheel)) cycle
+            mate = by_a + by_b - feet%wheel
+            if (feet%foot(mate) < mesh%fillets(mate)) then
+               call fail(status, code_out_of_domain, &
+                         "a tip edge of the "//trim(name_of(feet%wheel))//" wheel touches the fillet of the " &
+                         //trim(name_of(mate))//" wheel, at a radius of curvature of "//quantity(feet%foot(mate), "m") &
+                         //", which begins at "//quantity(mesh%fillets(mate), "m")//": relieve the tips, or lower the load")
+            else if (all(feet%rho(:by_b) > mesh%tips%edge%rho_end)) then
+               call fail(status, code_out_of_domain, "a tooth pair is past both ends of its path of contact and carries force" &
+                         //": the teeth yield by more than the path is long")
+            end if
+         end associate
+      end do
+   end subroutine check
+
+   !> A wheel in words.
+   pure character(len=7) function name_of(wheel)
+      integer, intent(in) :: wheel
+
+      name_of = merge("driving", "driven ", wheel == by_a)
+   end function name_of
+
+end module evl_static_mesh

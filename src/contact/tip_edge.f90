@@ -1,0 +1,137 @@
+!> The tip edge of a tooth on the flank of its mate, before and after the path of contact.
+!>
+!> Written for the edge of B on the flank of A; for the edge of A both wheels are exchanged. x = rho_B - rho_F is the roll length by
+!> which B's contact has passed the end of its flank, rho_F the radius of curvature there, r_t the rounding of the tip (0: a sharp
+!> edge), l_M = rho_F - r_t where the rounding has its centre M. B turns on by theta = x/r_bB, and with it M by
+!>
+!>    a_t = r_bB (1 - cos theta) + l_M sin theta,   a_e = -r_bB sin theta + l_M (1 - cos theta)
+!>
+!> The tangent from A's base circle to M was l_0 = rho - l_M long, rho the length of the line of action; now it is l long and has
+!> turned by delta. A's flank is an involute, whose normals these tangents are, so the gap is that of the flanks without an end, and
+!> S = (l - l_0) + r_bA delta + x: a deviation of the edge's wheel beyond the end of its flank.
+!>
+!> Every term below is of second order in x, so that none of S is lost beside lengths of the wheel's size. With
+!> beta = theta - delta, V the motion of M per x along t and e turned by delta:
+!>
+!>    S = r_bB (theta - sin theta) + l_M (1 - cos theta) - a_t sin delta - (a_e + l_0) (1 - cos delta) + r_bA (delta - sin delta)
+!>    S' = 1 - cos beta + (l_M/r_bB) sin beta,   V_t = sin beta + (l_M/r_bB) cos beta,   S'' = V_t (1/r_bB + V_t/l)
+!>    delta' = -V_t/l,   dS/drho = cos delta - 1
+!>
+!> Derived in docs/compliant_flanks.md.
+module evl_tip_edge
+   use evl_kinds, only: wp
+   use evl_tangent_line, only: find_tangent_line, tangent_line_t, versine
+   implicit none (type, external)
+   private
+
+   public :: edge_place, edge_t, end_of_flank, place_edge
+
+   !> A tip edge and the wheels that meet there.
+   type :: edge_t
+      real(wp) :: r_b = 0.0_wp     !! base radius of the edge's wheel [m]
+      real(wp) :: r_mate = 0.0_wp  !! base radius of its mate [m]
+      real(wp) :: rho_end = 0.0_wp !! radius of curvature at the end of the edge's flank [m]
+      real(wp) :: rounding = 0.0_wp !! radius of the tip's rounding [m]
+   end type edge_t
+
+   !> Where an edge touches. Derivatives to x at constant rho, and to rho at constant x.
+   type :: edge_place
+      logical :: exists = .false. !! false if the edge is inside the mate's base circle
+      real(wp) :: gap = 0.0_wp    !! S [m]
+      real(wp) :: d_x = 0.0_wp, d_rho = 0.0_wp
+      real(wp) :: d_xx = 0.0_wp, d_x_rho = 0.0_wp, d_rho_rho = 0.0_wp !! [1/m]
+      real(wp) :: foot = 0.0_wp   !! r_mate delta: what the mate's radius of curvature at the edge is less than on the path [m]
+      real(wp) :: foot_x = 0.0_wp, foot_rho = 0.0_wp
+      real(wp) :: foot_xx = 0.0_wp, foot_x_rho = 0.0_wp, foot_rho_rho = 0.0_wp !! [1/m]
+      real(wp) :: arm = 0.0_wp    !! of the friction force about the edge's wheel [m]
+      real(wp) :: turn = 0.0_wp   !! delta, by which the normal has turned [rad]
+   end type edge_place
+
+   real(wp), parameter :: small = 0.5_wp     !! below which x - sin x comes from a series [rad]
+   integer, parameter :: most_turns = 50
+   real(wp), parameter :: tolerance = 1.0e-14_wp !! of x_*, relative
+
+contains
+
+   !> Where the edge touches at x, or would without the flank before it: S continues to x < 0.
+   elemental subroutine place_edge(edge, x, rho, at)
+      type(edge_t), intent(in) :: edge
+      real(wp), intent(in) :: x   !! roll length of the edge's wheel past the end of its flank [m]
+      real(wp), intent(in) :: rho !! length of the line of action [m]
+      type(edge_place), intent(out) :: at
+      type(tangent_line_t) :: line
+      real(wp) :: theta, centre, l_0, a_t, a_e, sine, rise, slope, v_t, along, turn_x, turn_rho, l_x, l_rho
+
+      theta = x/edge%r_b
+      centre = edge%rho_end - edge%rounding
+      l_0 = rho - centre
+      sine = sin(theta)
+      rise = 2*sin(theta/2)**2
+      a_t = edge%r_b*rise + centre*sine
+      a_e = -edge%r_b*sine + centre*rise
+      call find_tangent_line(edge%r_mate, l_0, a_t, a_e, line)
+      at%exists = line%exists
+      slope = centre/edge%r_b
+      associate (delta => line%angle, s => line%s, c => line%c, beta => theta - line%angle, l => line%rho, r => edge%r_mate)
+         at%gap = edge%r_b*angle_less_sine(theta, sine) + centre*rise - a_t*s - (a_e + l_0)*versine(line) &
+                  + r*angle_less_sine(delta, s)
+         along = sin(beta)
+         v_t = along + slope*cos(beta)
+         at%d_x = 2*sin(beta/2)**2 + slope*along
+         turn_x = -v_t/l
+         turn_rho = -s/l
+         l_x = at%d_x - 1 - r*turn_x
+         l_rho = c - r*turn_rho
+         at%d_rho = -versine(line)
+         at%d_xx = v_t*(1/edge%r_b - turn_x)
+         at%d_x_rho = -s*turn_x
+         at%d_rho_rho = -s*turn_rho
+         at%foot = r*delta
+         at%foot_x = r*turn_x
+         at%foot_rho = r*turn_rho
+         at%foot_xx = -r*((1 - at%d_x)*(1/edge%r_b - turn_x) + turn_x*l_x)/l
+         at%foot_x_rho = -r*(c*turn_x + turn_rho*l_x)/l
+         at%foot_rho_rho = -r*(c*turn_rho + turn_rho*l_rho)/l
+         at%arm = edge%r_b*v_t + edge%rounding
+         at%turn = delta
+      end associate
+   end subroutine place_edge
+
+   !> Where the edge takes over from a flank that lacks material with the slope e' at its end: x_* [m], from S'(x_*) = e'. Before
+   !> it the flank touches first, as if it went on straight.
+   !>
+   !> Valid: any slope of a flank; 0 for none, and for flanks that swell towards their end
+   pure real(wp) function end_of_flank(edge, slope, rho) result(x)
+      type(edge_t), intent(in) :: edge
+      real(wp), intent(in) :: slope !! de/drho at the end of the flank
+      real(wp), intent(in) :: rho   !! length of the line of action [m]
+      type(edge_place) :: at
+      real(wp) :: step
+      integer :: turn
+
+      x = 0
+      if (.not. slope > 0) return
+      do turn = 1, most_turns
+         call place_edge(edge, x, rho, at)
+         step = (slope - at%d_x)/at%d_xx
+         x = x + step
+         if (abs(step) <= tolerance*x) return
+      end do
+   end function end_of_flank
+
+   !> x - sin x without cancellation.
+   elemental real(wp) function angle_less_sine(x, sine) result(rest)
+      real(wp), intent(in) :: x    !! [rad]
+      real(wp), intent(in) :: sine !! of it
+      real(wp) :: x2
+
+      if (abs(x) > small) then
+         rest = x - sine
+      else
+         x2 = x**2
+         rest = x*x2*(1/6.0_wp - x2*(1/120.0_wp - x2*(1/5040.0_wp - x2*(1/362880.0_wp - x2*(1/39916800.0_wp &
+                                                                                            - x2*(1/6227020800.0_wp))))))
+      end if
+   end function angle_less_sine
+
+end module evl_tip_edge

@@ -1,0 +1,129 @@
+!> Johnson's contact in series with a body that yields: normal force per unit width of a tooth pair that stands alone.
+!>
+!> With the length Lambda, the body's compliance c [1/Pa] and w > 1:
+!>
+!>    h = N/(pi E*) [ln(4 pi E* Lambda/N) - 1] + c N
+!>    N = pi E* h/w,   w - ln w = ell,   ell = ln(4 Lambda/(e h)) + pi E* c
+!>
+!> It is Johnson's law with the length Lambda exp(pi E* c); that exponential is never formed. With v = w - 1
+!>
+!>    dN/dh = pi E*/v,   dN/dc = -pi E* N/v,   dN/dLambda = -N/(Lambda v),   V = N h/2 - N**2/(4 pi E*)
+!>
+!> and dV = N dh - N**2/2 dc - N**2/(2 pi E* Lambda) dLambda, exactly.
+!>
+!> Valid: 1 < ell < 699; that is h < 4 Lambda/e**2 exp(pi E* c), past which there is no solution, which is reported, and
+!> h > Lambda exp(pi E* c - 698.6), below which N is linear in h: 1e-285 m for pi E* c = 40 and Lambda = 0.1 m. Forces are odd
+!> in h.
+!>
+!> Source: K. L. Johnson, Contact Mechanics, 1985, (5.57); the rest is derived in docs/compliant_flanks.md.
+module evl_compliant_johnson
+   use, intrinsic :: iso_fortran_env, only: int64
+   use evl_kinds, only: lanes, pi, wp
+   use evl_status, only: code_ok, code_out_of_domain
+   implicit none (type, external)
+   private
+
+   public :: compliant_contact, compliant_energy, compliant_force, compliant_force_lanes, compliant_penetration
+
+   real(wp), parameter :: smallest = tiny(1.0_wp)    !! h/(4 Lambda) whose logarithm is taken
+   real(wp), parameter :: largest_excess = 698.0_wp !! ell - 1 up to which w is known
+
+   !> A force per unit width with its derivatives.
+   type :: compliant_contact
+      real(wp) :: force    !! N [N/m]
+      real(wp) :: d_h      !! dN/dh [N/m^2]; 0 at h = 0, its (logarithmic) limit
+      real(wp) :: d_c      !! dN/dc [N^2/m^2]
+      real(wp) :: d_length !! dN/dLambda [N/m^2]
+   end type compliant_contact
+
+contains
+
+   include "numerics/all_positive.inc"
+   include "numerics/logarithm_terms.inc"
+   include "numerics/logarithm.inc"
+   include "numerics/lambert_w.inc"
+
+   !> Force per unit width with its derivatives; zero on error. Without branches: outside it computes something else and drops it.
+   elemental subroutine compliant_force(h, length, c, e_star, contact, code)
+      real(wp), intent(in) :: h      !! penetration [m]; the force is odd in it
+      real(wp), intent(in) :: length !! Lambda [m], > 0
+      real(wp), intent(in) :: c      !! what the body yields to a unit load [1/Pa]
+      real(wp), intent(in) :: e_star !! effective modulus [Pa], > 0
+      type(compliant_contact), intent(out) :: contact
+      integer, intent(out) :: code   !! code_ok or code_out_of_domain
+      real(wp) :: ratio, excess, v, w_inverse, slope
+      logical :: inside
+
+      ratio = (0.25_wp*abs(h))*(1/length)
+      excess = min(pi*e_star*c - natural_logarithm(max(ratio, smallest)) - 2.0_wp, largest_excess)
+      inside = length > 0.0_wp .and. ratio <= huge(ratio) .and. excess > 0.0_wp
+      call lambert_w(max(excess, epsilon(excess)), v, w_inverse)
+      slope = merge(1/v, 0.0_wp, inside .and. abs(h) > 0.0_wp)
+      contact%force = merge(pi*e_star*h*w_inverse, 0.0_wp, inside)
+      contact%d_h = pi*e_star*slope
+      contact%d_c = -(pi*e_star*contact%force)*slope
+      contact%d_length = -(contact%force*slope)*(1/length)
+      code = merge(code_ok, code_out_of_domain, inside)
+   end subroutine compliant_force
+
+   !> The same in eight states.
+   pure subroutine compliant_force_lanes(h, length, c, e_star, force, answered)
+      real(wp), intent(in), dimension(lanes) :: h, length, c
+      real(wp), intent(in) :: e_star
+      real(wp), intent(out) :: force(lanes)
+      logical, intent(out) :: answered !! false if one of the states is outside the law's domain
+      real(wp) :: answers(lanes)
+      integer :: l
+
+      !$omp simd
+      do l = 1, lanes
+         call force_of_lane(h(l), length(l), c(l), e_star, force(l), answers(l))
+      end do
+      answered = all_positive(answers)
+   end subroutine compliant_force_lanes
+
+   !> One lane of it.
+   elemental subroutine force_of_lane(h, length, c, e_star, force, answer)
+      real(wp), intent(in) :: h, length, c, e_star
+      real(wp), intent(out) :: force
+      real(wp), intent(out) :: answer !! 1, or 0 outside the law's domain
+      type(compliant_contact) :: contact
+      integer :: code
+
+      call compliant_force(h, length, c, e_star, contact, code)
+      force = contact%force
+      answer = merge(1.0_wp, 0.0_wp, code == code_ok)
+   end subroutine force_of_lane
+
+   !> Penetration under a force per unit width, with its derivative to the force.
+   !>
+   !> Valid: any force with ln(4 pi E* Lambda/N) + pi E* c > 2, where the penetration grows with the force
+   elemental subroutine compliant_penetration(force, length, c, e_star, h, d_force, code)
+      real(wp), intent(in) :: force   !! N [N/m]; the penetration is odd in it
+      real(wp), intent(in) :: length  !! Lambda [m], > 0
+      real(wp), intent(in) :: c       !! [1/Pa]
+      real(wp), intent(in) :: e_star  !! effective modulus [Pa], > 0
+      real(wp), intent(out) :: h       !! [m]; 0 on error
+      real(wp), intent(out) :: d_force !! dh/dN [m^2/N]; 0 on error
+      integer, intent(out) :: code
+      real(wp) :: ratio, w
+      logical :: inside
+
+      ratio = abs(force)*(1/(4*pi*e_star*length))
+      w = pi*e_star*c - natural_logarithm(max(ratio, smallest)) - 1.0_wp
+      inside = min(length, e_star) > 0.0_wp .and. ratio <= huge(ratio) .and. w > 1.0_wp
+      h = merge(force*w*(1/(pi*e_star)), 0.0_wp, inside)
+      d_force = merge((w - 1.0_wp)*(1/(pi*e_star)), 0.0_wp, inside)
+      code = merge(code_ok, code_out_of_domain, inside)
+   end subroutine compliant_penetration
+
+   !> Elastic energy per unit width [J/m], that of the body included; even in h.
+   elemental real(wp) function compliant_energy(h, force, e_star) result(energy)
+      real(wp), intent(in) :: h      !! penetration [m]
+      real(wp), intent(in) :: force  !! N at h [N/m]
+      real(wp), intent(in) :: e_star !! effective modulus [Pa]
+
+      energy = force*h/2 - force**2/(4*pi*e_star)
+   end function compliant_energy
+
+end module evl_compliant_johnson

@@ -1,0 +1,35 @@
+!> Tip edges, for the tests: C calls that the kernel does not export.
+module edge_calls
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use evl_tip_edge, only: edge_place, edge_t, end_of_flank, place_edge
+   implicit none (type, external)
+   private
+
+   public :: test_edge_end, test_edge_place
+
+contains
+
+   !> S with its derivatives, the foot with its, arm and turn, in the order of `edge_place`; the last is 1 if there is a tangent.
+   subroutine test_edge_place(n, edge, x, rho, places) bind(c)
+      integer(c_int), intent(in), value :: n
+      real(c_double), intent(in) :: edge(4), x(n), rho(n)
+      real(c_double), intent(out) :: places(15, n)
+      type(edge_place) :: at
+      integer :: i
+
+      do i = 1, n
+         call place_edge(edge_t(edge(1), edge(2), edge(3), edge(4)), x(i), rho(i), at)
+         places(:, i) = [at%gap, at%d_x, at%d_rho, at%d_xx, at%d_x_rho, at%d_rho_rho, at%foot, at%foot_x, at%foot_rho, &
+                         at%foot_xx, at%foot_x_rho, at%foot_rho_rho, at%arm, at%turn, merge(1.0_c_double, 0.0_c_double, at%exists)]
+      end do
+   end subroutine test_edge_place
+
+   !> Where the edge takes over from a relieved flank.
+   real(c_double) function test_edge_end(edge, slope, rho) result(x) bind(c)
+      real(c_double), intent(in) :: edge(4)
+      real(c_double), intent(in), value :: slope, rho
+
+      x = end_of_flank(edge_t(edge(1), edge(2), edge(3), edge(4)), slope, rho)
+   end function test_edge_end
+
+end module edge_calls

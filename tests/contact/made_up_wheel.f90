@@ -1,0 +1,86 @@
+!> A wheel that yields as somebody made up, for the tests: smooth functions with a few parameters in place of elements.
+module made_up_wheel
+   use evl_deviating_flanks, only: flank_value
+   use evl_kinds, only: wp
+   use evl_pair_compliance, only: influence_value, other_value, wheel_influence_t
+   use evl_static_mesh, only: flank_lacks_t
+   implicit none (type, external)
+   private
+
+   public :: made_up_t, n_numbers, relieved_t
+
+   integer, parameter :: n_numbers = 8
+
+   !> With u = rho/scale: c = p1 + p2 u + p3 exp(u), c_j = p4 exp(-p5 j) (1 + p6 u + p7 u' + p8 u u' + p7 u**2).
+   type, extends(wheel_influence_t) :: made_up_t
+      real(wp) :: scale = 1.0_wp
+      real(wp) :: p(n_numbers) = 0.0_wp
+   contains
+      procedure :: own_tooth
+      procedure :: other_tooth
+   end type made_up_t
+
+   !> Flanks with a parabola of the profile, p1 + p2 s + p3 s**2, s = rho less the end of the flank, and p4 + p5 s for each tooth
+   !> pair k times cos k.
+   type, extends(flank_lacks_t) :: relieved_t
+      real(wp) :: ends(2) = 0.0_wp
+      real(wp) :: p(5, 2) = 0.0_wp
+   contains
+      procedure :: at => relieved
+   end type relieved_t
+
+contains
+
+   !> c
+   pure subroutine own_tooth(self, rho, value)
+      class(made_up_t), intent(in) :: self
+      real(wp), intent(in) :: rho
+      type(influence_value), intent(out) :: value
+      real(wp) :: u
+
+      u = rho/self%scale
+      value%c = self%p(1) + self%p(2)*u + self%p(3)*exp(u)
+      value%d = (self%p(2) + self%p(3)*exp(u))/self%scale
+      value%d2 = self%p(3)*exp(u)/self%scale**2
+   end subroutine own_tooth
+
+   !> c_j
+   pure subroutine other_tooth(self, j, rho, rho_load, value)
+      class(made_up_t), intent(in) :: self
+      integer, intent(in) :: j
+      real(wp), intent(in) :: rho, rho_load
+      type(other_value), intent(out) :: value
+      real(wp) :: u, v, far
+
+      u = rho/self%scale
+      v = rho_load/self%scale
+      associate (p => self%p, s => self%scale)
+         far = p(4)*exp(-p(5)*j)
+         value%c = far*(1 + p(6)*u + p(7)*(v + u**2) + p(8)*u*v)
+         value%d_1 = far*(p(6) + 2*p(7)*u + p(8)*v)/s
+         value%d_2 = far*(p(7) + p(8)*u)/s
+         value%d_11 = far*2*p(7)/s**2
+         value%d_12 = far*p(8)/s**2
+      end associate
+   end subroutine other_tooth
+
+   !> What a flank lacks.
+   pure subroutine relieved(self, wheel, pair, rho, beyond, value)
+      class(relieved_t), intent(in) :: self
+      integer, intent(in) :: wheel, pair
+      real(wp), intent(in) :: rho
+      logical, intent(in) :: beyond
+      type(flank_value), intent(out) :: value
+      real(wp) :: s
+
+      s = rho - self%ends(wheel)
+      associate (p => self%p(:, wheel))
+         value = flank_value((p(4) + p(5)*s)*cos(real(pair, wp)), p(5)*cos(real(pair, wp)), 0.0_wp)
+         if (beyond) return
+         value%e = value%e + p(1) + s*(p(2) + p(3)*s)
+         value%de = value%de + p(2) + 2*p(3)*s
+         value%d2e = 2*p(3)
+      end associate
+   end subroutine relieved
+
+end module made_up_wheel

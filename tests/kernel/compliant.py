@@ -1,0 +1,255 @@
+"""Teeth that bend, from Python: what the kernel has of them for its tests."""
+
+from __future__ import annotations
+
+import ctypes
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kernel.kernel import Floats, Integers, Kernel, _at, _floats
+
+LANES = 8
+
+
+class Contact(NamedTuple):
+    """Forces per unit width with their derivatives to h, c and Lambda, and energies."""
+
+    force: Floats
+    d_h: Floats
+    d_c: Floats
+    d_length: Floats
+    energy: Floats
+    code: Integers
+
+
+def compliant_force(
+    kernel: Kernel, h: ArrayLike, length: ArrayLike, c: ArrayLike, e_star: ArrayLike
+) -> Contact:
+    """Johnson's contact in series with a body."""
+    given = _floats(h, length, c, e_star)
+    n = len(given[0])
+    result = Contact(*np.empty((5, n)), np.empty(n, np.int32))
+    kernel.library.test_compliant_force(n, *map(_at, given), *map(_at, result))
+    return result
+
+
+def compliant_lanes(
+    kernel: Kernel, h: ArrayLike, length: ArrayLike, c: ArrayLike, e_star: float
+) -> tuple[Floats, bool]:
+    """Eight forces at once, and whether there is an answer."""
+    given = _floats(h, length, c, np.zeros(LANES))
+    force = np.empty(LANES)
+    answer = kernel.library.test_compliant_lanes(
+        *map(_at, given[:3]), ctypes.c_double(e_star), _at(force)
+    )
+    return force, bool(answer)
+
+
+def compliant_penetration(
+    kernel: Kernel, force: ArrayLike, length: ArrayLike, c: ArrayLike, e_star: ArrayLike
+) -> tuple[Floats, Floats, Integers]:
+    """Penetration under a force, its derivative, and the codes."""
+    given = _floats(force, length, c, e_star)
+    n = len(given[0])
+    h, d_force, codes = np.empty(n), np.empty(n), np.empty(n, np.int32)
+    kernel.library.test_compliant_penetration(n, *map(_at, given), *map(_at, (h, d_force, codes)))
+    return h, d_force, codes
+
+
+class Pairs(NamedTuple):
+    """Forces of pairs that yield together, overlaps g, energy, changes of the forces, turns."""
+
+    code: int
+    force: Floats
+    g: Floats
+    energy: float
+    change: Floats
+    turns: int
+
+
+def coupled_pairs(
+    kernel: Kernel,
+    h: ArrayLike,
+    length: float,
+    c: ArrayLike,
+    e_star: float,
+    *,
+    pushes_only: bool = True,
+    ways: ArrayLike = (),
+    d_length: ArrayLike = (),
+) -> Pairs:
+    """Forces per unit width; `ways` (way, pair) are dh - dC N, `d_length` dLambda along each."""
+    (h,) = _floats(h)
+    n = len(h)
+    c = np.ascontiguousarray(c, dtype=float)
+    ways = np.ascontiguousarray(ways, dtype=float).reshape(-1, n)
+    (d_length,) = _floats(np.zeros(len(ways)) if np.size(d_length) == 0 else d_length)
+    force, g, change = np.full(n, np.nan), np.full(n, np.nan), np.full_like(ways, np.nan)
+    energy, turns = ctypes.c_double(), ctypes.c_int()
+    code = kernel.library.test_coupled_pairs(
+        n,
+        _at(h),
+        ctypes.c_double(length),
+        _at(c),
+        ctypes.c_double(e_star),
+        ctypes.c_bool(pushes_only),
+        len(ways),
+        _at(ways),
+        _at(d_length),
+        _at(force),
+        _at(g),
+        ctypes.byref(energy),
+        _at(change),
+        ctypes.byref(turns),
+    )
+    return Pairs(code, force, g, energy.value, change, turns.value)
+
+
+class EdgePlace(NamedTuple):
+    """The gap S of a tip edge with its derivatives to x and rho; the foot r_A delta with its."""
+
+    gap: Floats
+    d_x: Floats
+    d_rho: Floats
+    d_xx: Floats
+    d_x_rho: Floats
+    d_rho_rho: Floats
+    foot: Floats
+    foot_x: Floats
+    foot_rho: Floats
+    foot_xx: Floats
+    foot_x_rho: Floats
+    foot_rho_rho: Floats
+    arm: Floats
+    turn: Floats
+    exists: Floats
+
+
+class Edge(NamedTuple):
+    """A tip edge: base radii of its wheel and of the mate, end of its flank, rounding."""
+
+    r_b: float
+    r_mate: float
+    rho_end: float
+    rounding: float = 0.0
+
+
+def edge_place(kernel: Kernel, edge: Edge, x: ArrayLike, rho: ArrayLike) -> EdgePlace:
+    """Where an edge touches."""
+    x, rho = _floats(x, rho)
+    places = np.empty((len(x), len(EdgePlace._fields)))
+    (numbers,) = _floats(edge)
+    kernel.library.test_edge_place(len(x), _at(numbers), _at(x), _at(rho), _at(places))
+    return EdgePlace(*places.T)
+
+
+def edge_end(kernel: Kernel, edge: Edge, slope: float, rho: float) -> float:
+    """Where the edge takes over from a relieved flank."""
+    call = kernel.library.test_edge_end
+    call.restype = ctypes.c_double
+    (numbers,) = _floats(edge)
+    return float(call(_at(numbers), ctypes.c_double(slope), ctypes.c_double(rho)))
+
+
+class Mesh(ctypes.Structure):
+    """`given_mesh` of the tests: one flank, with wheels that yield as somebody made up."""
+
+    _fields_ = [
+        ("sigma", ctypes.c_double),
+        *((name, ctypes.c_double * 2) for name in ("r_b", "ends", "roundings", "fillets")),
+        *(
+            (name, ctypes.c_double)
+            for name in ("line", "base_pitch", "e_star", "width", "k_difference", "reach", "scale")
+        ),
+        ("influence", (ctypes.c_double * 8) * 2),
+        ("lacks", (ctypes.c_double * 5) * 2),
+        ("is_drive", ctypes.c_int),
+        ("couples", ctypes.c_int),
+    ]
+
+
+class Potential(NamedTuple):
+    """The pairs of a flank: energy and its derivatives to rho_A, rho_B, rho, and what acts."""
+
+    code: int
+    zones: Integers
+    h: Floats
+    force: Floats  # per unit width
+    energy: float
+    gradient: Floats
+    second: Floats
+    change: Floats  # of the forces, (pair, of the three)
+    wheels: Floats  # torque on A, on B, force on A along t, e
+
+
+def flank_potential(
+    kernel: Kernel,
+    mesh: Mesh,
+    rho_a0: float,
+    numbers: ArrayLike,
+    q: ArrayLike = (0.0,) * 6,
+    zones: ArrayLike | None = None,
+) -> Potential:
+    """What acts at psi_A, psi_B, u_A, u_B; pairs in the zones in which they lie unless given."""
+    numbers = np.ascontiguousarray(numbers, np.int32)
+    n = len(numbers)
+    zones = np.full(n, -1, np.int32) if zones is None else np.array(zones, np.int32)
+    (q,) = _floats(q)
+    h, force, energy, gradient = np.empty(n), np.empty(n), np.empty(1), np.empty(3)
+    second, change, wheels = np.empty((3, 3)), np.empty((3, n)), np.empty(4)
+    code = kernel.library.test_flank_potential(
+        ctypes.byref(mesh),
+        ctypes.c_double(rho_a0),
+        _at(q),
+        n,
+        *map(_at, (numbers, zones, h, force, energy, gradient, second, change, wheels)),
+    )
+    return Potential(code, zones, h, force, energy[0], gradient, second, change.T, wheels)
+
+
+class Static(NamedTuple):
+    """A mesh at rest."""
+
+    h: float
+    h_0: float
+    stiffness: float
+    energy: float
+    gradient: Floats
+    numbers: Integers
+    zones: Integers
+    force: Floats  # per unit width
+    rho: Floats  # (pair, wheel)
+    feet: Floats
+    code: int
+    message: str
+
+
+def static_mesh(kernel: Kernel, mesh: Mesh, rho_a: float, force: float) -> Static:
+    """Solve for the transmission error at rho_A of pair 0 under a force."""
+    numbers, pairs = np.full(7, np.nan), np.full((6, 7), np.nan)
+    n, code = ctypes.c_int(), ctypes.c_int()
+    message = ctypes.create_string_buffer(320)
+    kernel.library.test_static_mesh(
+        ctypes.byref(mesh),
+        ctypes.c_double(rho_a),
+        ctypes.c_double(force),
+        _at(numbers),
+        ctypes.byref(n),
+        _at(pairs),
+        ctypes.byref(code),
+        message,
+    )
+    pairs = pairs[: n.value]
+    return Static(
+        *numbers[:4],
+        numbers[4:],
+        pairs[:, 0].astype(np.int32),
+        pairs[:, 1].astype(np.int32),
+        pairs[:, 2],
+        pairs[:, 3:5],
+        pairs[:, 5:],
+        code.value,
+        message.value.decode(),
+    )
