@@ -8,8 +8,8 @@
  *    reals     [n_reals]     discrete state: approach speed at the last closing of each mesh
  *
  *  Each call is a function of (gearbox, state) alone: it prints nothing, keeps nothing, and may run in any number of threads on the
- *  same gearbox. Every fallible call returns an evl_code and, if `status` is not NULL, fills it with one sentence that names the
- *  symbol, its value and its unit.
+ *  same gearbox. Every fallible call returns an evl_code and, where it fails and `status` is not NULL, fills it with one sentence
+ *  that names the symbol, its value and its unit.
  *
  *  SI units and radians throughout; angles, angular velocities and torques are counterclockwise positive. */
 #ifndef EVOLVENT_KERNEL_H
