@@ -7,7 +7,7 @@
 typedef struct {
     journal journal;
     journal_case *cases; /**< [n_cases] */
-    long *todo;             /**< numbers of the cases to run, in their order */
+    long *todo;          /**< numbers of the cases to run, in their order */
     long n_todo;
     long n_finished; /**< of them, so far */
 } batch_state;
