@@ -29,17 +29,27 @@ contains
       type(contact_gradient), intent(in) :: d(*) !! of the points of the contacts that touch
       integer, intent(in) :: k                   !! which of them; it touches
       type(mesh_force_gradient), intent(out) :: gradient
-      real(wp), dimension(n_local) :: d_energy, d_elastic, d_viscous, d_normal, d_friction, d_tangential
+      real(wp), dimension(n_local) :: d_elastic, d_viscous, loss
 
       call flank%force_changes(contacts, at, d, k, d_elastic, d_viscous)
-      associate (contact => contacts(k), point => at(k)%point, force => at(k)%force, elastic => at(k)%elastic, &
-                 viscous => at(k)%viscous, d => d(k))
-         associate (r => point%rho_a + point%rho_b - point%h, d_r => (elastic%d_rho_a + elastic%d_rho_b)/2)
-            ! dV/dr changes with h as the force does with r, and is homogeneous in both; `excess` is constant enough
-            d_energy = d_r*d%h + (elastic%d_energy - point%h*d_r)/r*(d%rho_a + d%rho_b - d%h)
-         end associate
-         gradient%dissipation = -point%rho_dot*d_energy - elastic%d_energy*d%rho_dot - elastic%excess*d%h_dot
-         if (at(k)%mode%flanks == flanks_unloaded) then
+      loss = flank%loss_change(at(k)%point, at(k)%elastic, d(k))
+      call plain_gradient(contacts(k), at(k), d(k), d_elastic, d_viscous, loss, gradient)
+      call flank%add_yielding_changes(contacts(k), at(k), d(k), d_elastic, gradient%torque_a, gradient%torque_b, gradient%on_a)
+   end subroutine force_gradient
+
+   !> The same of flanks that press on each other and nothing else.
+   pure subroutine plain_gradient(contact, at, d, d_elastic, d_viscous, loss, gradient)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_state), intent(in) :: at
+      type(contact_gradient), intent(in) :: d
+      real(wp), intent(in), dimension(n_local) :: d_elastic, d_viscous !! of both forces
+      real(wp), intent(in) :: loss(n_local)                           !! as of `loss_change`
+      type(mesh_force_gradient), intent(out) :: gradient
+      real(wp), dimension(n_local) :: d_normal, d_friction, d_tangential
+
+      associate (point => at%point, force => at%force, elastic => at%elastic, viscous => at%viscous)
+         gradient%dissipation = -loss
+         if (at%mode%flanks == flanks_unloaded) then
             gradient%torque_a = 0
             gradient%torque_b = 0
             gradient%on_a = 0
@@ -47,7 +57,7 @@ contains
             return
          end if
          d_normal = d_elastic + d_viscous
-         d_friction = -at(k)%factor*d_normal - (force%normal*at(k)%d_v)*d%v_t
+         d_friction = -at%factor*d_normal - (force%normal*at%d_v)*d%v_t
          gradient%dissipation = gradient%dissipation + point%h_dot*d_viscous + viscous%force*d%h_dot - point%v_t*d_friction &
                                 - force%friction*d%v_t
          associate (sigma => contact%pair%sigma)
@@ -63,7 +73,7 @@ contains
          gradient%on_a(:, 1) = point%s*d_normal + point%c*d_tangential - force%on_a(2)*d%angle
          gradient%on_a(:, 2) = -point%c*d_normal + point%s*d_tangential + force%on_a(1)*d%angle
       end associate
-   end subroutine force_gradient
+   end subroutine plain_gradient
 
    !> Derivatives of a contact point.
    pure subroutine point_gradient(contact, at, gradient)

@@ -21,7 +21,7 @@ module evl_flank
    implicit none (type, external)
    private
 
-   public :: exactly_one, flank_slot, flank_t, next_pair, pair_on_path
+   public :: context_of, exactly_one, flank_slot, flank_t, next_pair, pair_on_path
 
    real(wp), parameter :: exactly_one = 1.0e-9_wp !! contact ratios this near a whole number are one; at 1 pairs hand over
 
@@ -35,7 +35,11 @@ module evl_flank
       procedure :: laws
       procedure :: add_energy
       procedure :: force_changes
+      procedure :: loss_change
+      procedure :: add_yielding
+      procedure :: add_yielding_changes
       procedure :: laws_in_lanes
+      procedure :: add_yielding_in_lanes
       procedure, non_overridable :: forces
       procedure, non_overridable :: forces_in_lanes
    end type flank_t
@@ -174,6 +178,48 @@ contains
       change = d_h*d%h + d_rho_a*(d%rho_a + d%rho_b) + (d_rho_b - d_rho_a)*d%rho_b
    end function force_change
 
+   !> How the power changes that the elastic energy gains without the work of the force, V' - F h'.
+   pure function loss_change(self, point, elastic, d) result(change)
+      class(flank_t), intent(in) :: self
+      type(contact_point), intent(in) :: point
+      type(elastic_result), intent(in) :: elastic
+      type(contact_gradient), intent(in) :: d
+      real(wp) :: change(n_local), d_energy(n_local)
+
+      associate (r => point%rho_a + point%rho_b - point%h, d_r => (elastic%d_rho_a + elastic%d_rho_b)/2)
+         ! dV/dr changes with h as the force does with r, and is homogeneous in both; `excess` is constant enough
+         d_energy = d_r*d%h + (elastic%d_energy - point%h*d_r)/r*(d%rho_a + d%rho_b - d%h)
+      end associate
+      change = point%rho_dot*d_energy + elastic%d_energy*d%rho_dot + elastic%excess*d%h_dot
+   end function loss_change
+
+   !> Add what else the elastic energy does to the wheels: here nothing.
+   pure subroutine add_yielding(self, contact, at)
+      class(flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_state), intent(inout) :: at !! of a pair that touches, with its forces
+
+   end subroutine add_yielding
+
+   !> Add how that changes with the local variables: here not at all.
+   pure subroutine add_yielding_changes(self, contact, at, d, elastic, torque_a, torque_b, on_a)
+      class(flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_state), intent(in) :: at
+      type(contact_gradient), intent(in) :: d
+      real(wp), intent(in) :: elastic(n_local) !! of the elastic force
+      real(wp), intent(inout) :: torque_a(n_local), torque_b(n_local), on_a(n_local, 2)
+
+   end subroutine add_yielding_changes
+
+   !> Add it in eight states.
+   pure subroutine add_yielding_in_lanes(self, contact, slot)
+      class(flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contact
+      type(lane_slot), intent(inout) :: slot !! of a pair that touches, with its forces
+
+   end subroutine add_yielding_in_lanes
+
    !> All forces of the contacts that touch.
    subroutine forces(self, contacts, first, last, at, status)
       class(flank_t), intent(in) :: self
@@ -204,6 +250,7 @@ contains
                call resolve_forces(contact%pair%sigma, point, elastic, at(k)%viscous%force, at(k)%factor, at(k)%force)
             end if
          end associate
+         call self%add_yielding(contacts(k), at(k))
       end do
    end subroutine forces
 
@@ -238,7 +285,9 @@ contains
       call self%laws_in_lanes(contacts, first, last, slots, answered)
       if (.not. answered) return
       do k = first, last
-         if (slots(k)%touches) call resolve_in_lanes(contacts(k), slots(k)%mode, slots(k)%at, slots(k)%force)
+         if (.not. slots(k)%touches) cycle
+         call resolve_in_lanes(contacts(k), slots(k)%mode, slots(k)%at, slots(k)%force)
+         call self%add_yielding_in_lanes(contacts(k), slots(k))
       end do
    end subroutine forces_in_lanes
 

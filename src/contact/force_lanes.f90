@@ -17,6 +17,7 @@ module evl_force_lanes
    !> Forces of a tooth contact in eight states; the components mean what those of `elastic_result` and `contact_force` mean.
    type :: lane_force
       real(wp), dimension(lanes) :: elastic, viscous, d_energy, excess
+      real(wp), dimension(lanes) :: slope_a, slope_b !! as in `pair_yielding`; of flanks that yield only
       real(wp), dimension(lanes) :: unclipped !! elastic + viscous [N]
       real(wp), dimension(lanes) :: factor    !! phi of the friction law, where there is a force
       real(wp), dimension(lanes) :: torque_a, torque_b, on_a_t, on_a_e, dissipation

@@ -9,9 +9,10 @@ module evl_static_mesh
    use evl_deviating_flanks, only: flank_value
    use evl_flank_potential, only: find_potential, flank_potential, second_derivatives
    use evl_kinds, only: wp
-   use evl_pair_compliance, only: gather_compliance, pair_compliance, wheel_influence_t
+   use evl_pair_compliance, only: gather_compliance, pair_compliance
    use evl_pair_place, only: by_a, by_b, edge_of, find_feet, pair_feet, pair_place, penetrate, tip_t, zone_at
    use evl_status, only: code_no_solution, code_ok, code_out_of_domain, fail, has_failed, quantity, status_t
+   use evl_wheel_compliance, only: wheel_compliance_t
    implicit none (type, external)
    private
 
@@ -53,7 +54,7 @@ module evl_static_mesh
       real(wp) :: k_difference = 0.0_wp  !! K_A - K_B [1/Pa]
       real(wp) :: reach = 0.0_wp         !! how far past the ends of their flanks pairs count, with their edges [m]
       logical :: is_drive = .true., couples = .true.
-      class(wheel_influence_t), allocatable :: a, b
+      class(wheel_compliance_t), allocatable :: a, b
       class(flank_lacks_t), allocatable :: lacks
    end type static_mesh_t
 

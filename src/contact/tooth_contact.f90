@@ -116,6 +116,12 @@ module evl_tooth_contact
    end type contact_force
    type(contact_force), parameter :: no_force = contact_force(0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp)
 
+   !> How the compliance of a tooth pair changes with its place; of flanks that yield only.
+   type :: pair_yielding
+      real(wp) :: slope(2)     !! dC/drho_A, dC/drho_B [1/(Pa m)]
+      real(wp) :: curvature(2) !! the second derivatives
+   end type pair_yielding
+
    !> A tooth contact at a state of the gearbox: scratch of whoever asks, which costs nothing until something is put there.
    type :: contact_state
       type(contact_mode) :: mode
@@ -125,6 +131,7 @@ module evl_tooth_contact
       real(wp) :: overlap            !! by how much its flanks would overlap if it carried nothing: h, less what its flank knows [m]
       type(elastic_result) :: elastic !! as this and the rest not set where flanks do not touch
       type(viscous_result) :: viscous
+      type(pair_yielding) :: yielding
       real(wp) :: factor, d_v        !! phi of the friction law, dphi/dv_t [s/m]
       type(contact_force) :: force
    end type contact_state

@@ -2,18 +2,70 @@
 module flank_calls
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_ptr
    use evl_contact_point, only: contact_gradient
+   use evl_flank, only: flank_slot
    use evl_force_lanes, only: lane_slot
    use evl_gearbox, only: gearbox_t
    use evl_kinds, only: lanes, wp
    use evl_local_variables, only: n_local
    use evl_status, only: status_t
    use evl_tooth_contact, only: contact_state, flanks_open, no_mode
+   use evl_wheel_compliance, only: wheel_compliance_t
+   use evl_yielding_flank, only: yielding_flank_t
+   use made_up_wheel, only: made_up_t, n_numbers
    implicit none (type, external)
    private
 
+   public :: test_flank_bend
    public :: test_flank_changes, test_flank_contacts, test_flank_laws, test_flank_in_lanes
 
 contains
+
+   !> Let all flanks of a gearbox bend as somebody made up.
+   subroutine test_flank_bend(handle, scale, influence, k_difference) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in), value :: scale, k_difference
+      real(c_double), intent(in) :: influence(n_numbers, 2)
+      type(gearbox_t), pointer :: gearbox
+      integer :: i
+
+      call c_f_pointer(handle, gearbox)
+      do i = 1, size(gearbox%flanks)
+         call bend(scale, influence, k_difference, gearbox%flanks(i))
+      end do
+   end subroutine test_flank_bend
+
+   !> One of them. Built in place: gfortran 12 frees twice what it copies of nested polymorphic components.
+   subroutine bend(scale, influence, k_difference, slot)
+      real(wp), intent(in) :: scale, influence(n_numbers, 2), k_difference
+      type(flank_slot), intent(inout) :: slot
+      integer :: first, last
+
+      first = slot%flank%first
+      last = slot%flank%last
+      deallocate (slot%flank)
+      allocate (yielding_flank_t :: slot%flank)
+      slot%flank%first = first
+      slot%flank%last = last
+      select type (flank => slot%flank)
+      type is (yielding_flank_t)
+         flank%k_difference = k_difference
+         allocate (made_up_t :: flank%a, flank%b)
+         call make_up(scale, influence(:, 1), flank%a)
+         call make_up(scale, influence(:, 2), flank%b)
+      end select
+   end subroutine bend
+
+   !> The numbers of a made up wheel.
+   subroutine make_up(scale, p, wheel)
+      real(wp), intent(in) :: scale, p(n_numbers)
+      class(wheel_compliance_t), intent(inout) :: wheel
+
+      select type (wheel)
+      type is (made_up_t)
+         wheel%scale = scale
+         wheel%p = p
+      end select
+   end subroutine make_up
 
    !> How many tooth contacts the first flank of a gearbox has.
    integer(c_int) function test_flank_contacts(handle) bind(c)

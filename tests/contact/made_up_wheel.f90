@@ -2,8 +2,8 @@
 module made_up_wheel
    use evl_deviating_flanks, only: flank_value
    use evl_kinds, only: wp
-   use evl_pair_compliance, only: influence_value, other_value, wheel_influence_t
    use evl_static_mesh, only: flank_lacks_t
+   use evl_wheel_compliance, only: coupling_at_t, own_at_t, wheel_compliance_t
    implicit none (type, external)
    private
 
@@ -12,12 +12,12 @@ module made_up_wheel
    integer, parameter :: n_numbers = 8
 
    !> With u = rho/scale: c = p1 + p2 u + p3 exp(u), c_j = p4 exp(-p5 j) (1 + p6 u + p7 u' + p8 u u' + p7 u**2).
-   type, extends(wheel_influence_t) :: made_up_t
+   type, extends(wheel_compliance_t) :: made_up_t
       real(wp) :: scale = 1.0_wp
       real(wp) :: p(n_numbers) = 0.0_wp
    contains
-      procedure :: own_tooth
-      procedure :: other_tooth
+      procedure :: own => own_tooth
+      procedure :: coupling => other_tooth
    end type made_up_t
 
    !> Flanks with a parabola of the profile, p1 + p2 s + p3 s**2, s = rho less the end of the flank, and p4 + p5 s for each tooth
@@ -32,35 +32,35 @@ module made_up_wheel
 contains
 
    !> c
-   pure subroutine own_tooth(self, rho, value)
+   pure subroutine own_tooth(self, rho, at)
       class(made_up_t), intent(in) :: self
       real(wp), intent(in) :: rho
-      type(influence_value), intent(out) :: value
+      type(own_at_t), intent(out) :: at
       real(wp) :: u
 
       u = rho/self%scale
-      value%c = self%p(1) + self%p(2)*u + self%p(3)*exp(u)
-      value%d = (self%p(2) + self%p(3)*exp(u))/self%scale
-      value%d2 = self%p(3)*exp(u)/self%scale**2
+      at%value = self%p(1) + self%p(2)*u + self%p(3)*exp(u)
+      at%slope = (self%p(2) + self%p(3)*exp(u))/self%scale
+      at%curvature = self%p(3)*exp(u)/self%scale**2
    end subroutine own_tooth
 
    !> c_j
-   pure subroutine other_tooth(self, j, rho, rho_load, value)
+   pure subroutine other_tooth(self, j, here, there, at)
       class(made_up_t), intent(in) :: self
       integer, intent(in) :: j
-      real(wp), intent(in) :: rho, rho_load
-      type(other_value), intent(out) :: value
+      real(wp), intent(in) :: here, there
+      type(coupling_at_t), intent(out) :: at
       real(wp) :: u, v, far
 
-      u = rho/self%scale
-      v = rho_load/self%scale
+      u = here/self%scale
+      v = there/self%scale
       associate (p => self%p, s => self%scale)
          far = p(4)*exp(-p(5)*j)
-         value%c = far*(1 + p(6)*u + p(7)*(v + u**2) + p(8)*u*v)
-         value%d_1 = far*(p(6) + 2*p(7)*u + p(8)*v)/s
-         value%d_2 = far*(p(7) + p(8)*u)/s
-         value%d_11 = far*2*p(7)/s**2
-         value%d_12 = far*p(8)/s**2
+         at%value = far*(1 + p(6)*u + p(7)*(v + u**2) + p(8)*u*v)
+         at%by_here = far*(p(6) + 2*p(7)*u + p(8)*v)/s
+         at%by_there = far*(p(7) + p(8)*u)/s
+         at%here_here = far*2*p(7)/s**2
+         at%here_there = far*p(8)/s**2
       end associate
    end subroutine other_tooth
 

@@ -15,7 +15,7 @@ module potential_calls
    implicit none (type, external)
    private
 
-   public :: test_flank_potential, test_static_mesh
+   public :: given_mesh, take_mesh, test_flank_potential, test_static_mesh
 
    !> A mesh as tests state it.
    type, bind(c) :: given_mesh
@@ -31,6 +31,7 @@ contains
    subroutine take_mesh(given, mesh)
       type(given_mesh), intent(in) :: given
       type(static_mesh_t), intent(out) :: mesh
+      type(made_up_t) :: wheel
       integer :: w
 
       do w = 1, 2
@@ -50,8 +51,11 @@ contains
       mesh%reach = given%reach
       mesh%is_drive = given%is_drive /= 0
       mesh%couples = given%couples /= 0
-      allocate (mesh%a, source=made_up_t(given%scale, given%influence(:, 1)))
-      allocate (mesh%b, source=made_up_t(given%scale, given%influence(:, 2)))
+      wheel%scale = given%scale
+      wheel%p = given%influence(:, 1)
+      allocate (mesh%a, source=wheel)
+      wheel%p = given%influence(:, 2)
+      allocate (mesh%b, source=wheel)
       allocate (mesh%lacks, source=relieved_t(given%ends, given%lacks))
    end subroutine take_mesh
 

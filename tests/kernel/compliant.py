@@ -253,3 +253,38 @@ def static_mesh(kernel: Kernel, mesh: Mesh, rho_a: float, force: float) -> Stati
         code.value,
         message.value.decode(),
     )
+
+
+class Curve(NamedTuple):
+    """A mesh at rest at many places; force per unit width and zone of the pairs -1, 0, 1."""
+
+    h: Floats
+    stiffness: Floats
+    force: Floats
+    zone: Integers
+
+
+def true_mesh(
+    kernel: Kernel,
+    mesh: Mesh,
+    samples: tuple[Floats, Floats, Floats],
+    youngs: float,
+    rho_a: ArrayLike,
+    force: float,
+) -> Curve:
+    """With rho [modules], E c and E c_j of both wheels as they come from the elements."""
+    (rho_a,) = _floats(rho_a)
+    n = len(rho_a)
+    numbers, forces, zones = np.empty((n, 5)), np.empty((n, 3)), np.empty((n, 3), np.int32)
+    kernel.library.test_true_mesh(
+        ctypes.byref(mesh),
+        *(_at(np.ascontiguousarray(s)) for s in samples),
+        ctypes.c_double(3e-3),
+        ctypes.c_double(youngs),
+        n,
+        _at(rho_a),
+        ctypes.c_double(force),
+        *map(_at, (numbers, forces, zones)),
+    )
+    assert not numbers[:, 4].any()
+    return Curve(numbers[:, 0], numbers[:, 2], forces, zones)

@@ -9,7 +9,7 @@ import textwrap
 
 import numpy as np
 import pytest
-from sweeps import BEGAN, failed, make_design, row, write_journal
+from sweeps import BEGAN, failed, line_of, make_design, row, write_journal
 
 from evolvent.sweep.collect import open_summary
 from evolvent.sweep.estimate import span
@@ -49,6 +49,24 @@ def test_every_command_counts_what_did_not_finish_alike(sweep, tmp_path):
     legend = [text.get_text() for found in figure.legends for text in found.get_texts()]
     assert "did not finish: 5 of 20" in legend
     assert "8 of 20 cases, 5 did not finish" in progress_line(Tally(folder, records))
+
+
+def test_the_progress_of_a_run_is_what_the_program_counts(tmp_path):
+    """Of ten cases five are recorded, two of them bad; these two are run again, and one other."""
+    design = make_design(10)
+    before = [row(0), row(1), row(2), failed(3), failed(4)]
+    journal = write_journal(tmp_path, design, before)
+    tally = Tally(tmp_path, read_records(tmp_path, design), again=2)
+    assert (tally.total, tally.recorded, tally.unfinished) == (10, 3, 2)
+    with journal.open("a") as file:
+        file.write("".join(line_of(one) + "\n" for one in (row(3), failed(4), failed(7))))
+        file.write(line_of(row(8))[:30])  # goes on
+    tally.look()
+    assert (tally.new, tally.recorded, tally.unfinished) == (3, 6, 2)
+    with journal.open("a") as file:
+        file.write(line_of(row(8))[30:] + "\n")
+    tally.look(at_once=True)
+    assert (tally.new, tally.recorded, tally.unfinished) == (4, 7, 2)
 
 
 def test_reasons_that_differ_in_numbers_are_one_and_the_most_frequent_comes_first(tmp_path):

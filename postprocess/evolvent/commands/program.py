@@ -6,7 +6,7 @@ import math
 import sys
 from collections.abc import Callable, Sequence
 from importlib import import_module
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
@@ -37,7 +37,7 @@ def make_program(
 
     @app.callback(invoke_without_command=True)
     def _options(
-        version: Annotated[bool, typer.Option("--version", help="Show the version.")] = False,
+        version: Annotated[bool, option("--version", "Show the version.")] = False,
     ) -> None:
         if version:
             typer.echo(f"{name} {__version__}")
@@ -52,6 +52,19 @@ def make_program(
             sys.exit(error.code)  # type: ignore[attr-defined]
 
     return main
+
+
+def option(shown: str, text: str, **more: Any) -> Any:
+    """Describe an option as its help shows it: option("-o --output DIR", "Folder of the results.").
+
+    Parameters
+    ----------
+    more : what else `typer.Option` takes.
+    """
+    *names, last = shown.split()
+    if last.startswith("-"):
+        return typer.Option(*names, last, help=text, **more)
+    return typer.Option(*names, metavar=last, help=text, **more)
 
 
 def new_console() -> Console:

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from evolvent.history import require
+from evolvent.physics.applicable import base_radii
 
 
 def contact_torque(history: xr.Dataset) -> xr.DataArray:
@@ -15,30 +16,31 @@ def contact_torque(history: xr.Dataset) -> xr.DataArray:
     several tooth pairs share the load, what the model says of their torques.
     """
     several = history.sizes.get("pair", 1) > 1
+    force, friction = require(history, "normal_force"), require(history, "friction_force")
     total = xr.zeros_like(require(history, "load_torque"))
-    base_radius = require(history, "base_radius").values
-    for side in ("driving", "driven"):
-        wheels = require(history, f"{side}_wheel").values.astype(int)
-        arms = require(history, f"friction_arm_{side}")
-        for mesh, wheel in enumerate(wheels):
-            force = require(history, "normal_force").isel(mesh=mesh)
-            friction = require(history, "friction_force").isel(mesh=mesh)
-            torque = force * base_radius[wheel] + friction * arms.isel(mesh=mesh)
-            torque = torque * float(history["flank"][mesh])
-            if several:
-                torque = require(history, f"mesh_torque_{side}").isel(mesh=mesh)
-            total[{"wheel": int(wheel)}] += torque.values
+    for side, base_radius in zip(("driving", "driven"), base_radii(history), strict=True):
+        arm = require(history, f"friction_arm_{side}")
+        torque = (force * base_radius + friction * arm) * require(history, "flank")
+        if several:
+            torque = require(history, f"mesh_torque_{side}")
+        _add_to(total, require(history, f"{side}_wheel"), torque)
     return total.assign_attrs(units="N m", long_name="torque of the contacts")
 
 
 def shaft_torque(history: xr.Dataset) -> xr.DataArray:
     """Torque of all shafts on each wheel [N m], dims (time, wheel); 0 without shafts."""
     total = xr.zeros_like(require(history, "load_torque"))
-    for shaft in range(history.sizes.get("shaft", 0)):
-        torque = require(history, "shaft_torque").isel(shaft=shaft).values
-        total[{"wheel": int(require(history, "shaft_wheel_first")[shaft])}] -= torque
-        total[{"wheel": int(require(history, "shaft_wheel_second")[shaft])}] += torque
+    if "shaft" in history.sizes:
+        torque = require(history, "shaft_torque")
+        _add_to(total, require(history, "shaft_wheel_first"), -torque)
+        _add_to(total, require(history, "shaft_wheel_second"), torque)
     return total.assign_attrs(units="N m", long_name="torque of the shafts")
+
+
+def _add_to(total: xr.DataArray, wheels: xr.DataArray, torque: xr.DataArray) -> None:
+    """Add torques to those of their wheels, of which one may have several."""
+    of_wheels = total.transpose("wheel", "time").values  # a view
+    np.add.at(of_wheels, wheels.values.astype(int), torque.transpose(..., "time").values)
 
 
 def largest_shaft_torque(history: xr.Dataset) -> xr.DataArray:

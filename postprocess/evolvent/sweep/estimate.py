@@ -12,7 +12,7 @@ import numpy as np
 from evolvent.sweep.design import Design, take, write_design
 from evolvent.sweep.errors import BAD_INPUT, FAILED_CASES, INTERRUPTED, SweepError
 from evolvent.sweep.journal import count_records
-from evolvent.sweep.program import environment, last_message
+from evolvent.sweep.program import started
 
 TRIED = 12  # cases, spread over the design
 LONGEST = 30.0  # of the trial [s]
@@ -37,13 +37,7 @@ def seconds_per_case(design: Design, program: Path) -> tuple[float, bool]:
         write_design(trial, folder / "design.h5")
         command = [str(program), "batch", str(folder / "design.h5"), "-o", str(folder / "trial")]
         start = time.monotonic()
-        with (folder / "messages.txt").open("w+") as messages:
-            process = subprocess.Popen(
-                [*command, "--jobs", "1"],
-                stdout=subprocess.DEVNULL,
-                stderr=messages,
-                env=environment(),
-            )
+        with started([*command, "--jobs", "1"]) as (process, said):
             try:
                 process.wait(LONGEST)
             except subprocess.TimeoutExpired:
@@ -51,8 +45,7 @@ def seconds_per_case(design: Design, program: Path) -> tuple[float, bool]:
                 process.wait()
             elapsed = time.monotonic() - start
             if process.returncode not in (0, FAILED_CASES, INTERRUPTED):
-                messages.seek(0)
-                raise SweepError(last_message(messages.read()), BAD_INPUT)
+                raise SweepError(said(), BAD_INPUT)
         done = count_records(folder / "trial")["rows"]
     return elapsed / max(done, 1), done == 0
 

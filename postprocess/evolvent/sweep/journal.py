@@ -9,7 +9,6 @@ from __future__ import annotations
 import io
 import json
 import subprocess
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,7 +20,7 @@ import xarray as xr
 from evolvent.sweep.design import Design
 from evolvent.sweep.errors import SweepError
 from evolvent.sweep.folder import Shard
-from evolvent.sweep.program import call, find_program, last_message
+from evolvent.sweep.program import call, find_program, last_message, started
 
 # Values of the variable `status` and their meanings; 0 is a case that no journal has.
 STATUSES = ("missing", "done", "failed", "refused")
@@ -128,10 +127,7 @@ def read_records(folder: Path, design: Design, scalars: bool = True) -> Records:
         A journal of another design, of another format, or that cannot be read.
     """
     command = [str(find_program()), "records", str(folder), *([] if scalars else ["--brief"])]
-    with (
-        tempfile.TemporaryFile("w+", errors="replace") as messages,
-        subprocess.Popen(command, stdout=subprocess.PIPE, stderr=messages) as process,
-    ):
+    with started(command, stdout=subprocess.PIPE) as (process, said):
         assert process.stdout is not None
         head = process.stdout.readline()
         if head:
@@ -147,8 +143,7 @@ def read_records(folder: Path, design: Design, scalars: bool = True) -> Records:
             for block in blocks:
                 _take(records.cases, block)
         if process.wait() != 0:
-            messages.seek(0)
-            raise SweepError(last_message(messages.read()), process.returncode)
+            raise SweepError(said(), process.returncode)
     return records
 
 

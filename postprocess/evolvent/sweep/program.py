@@ -6,7 +6,11 @@ import os
 import shutil
 import subprocess
 import sys
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from evolvent.sweep.errors import USAGE, SweepError
 
@@ -56,6 +60,29 @@ def call(program: Path | str, *words: object) -> subprocess.CompletedProcess[str
         env=environment(),
         check=False,
     )
+
+
+@contextmanager
+def started(
+    command: Sequence[str], **options: Any
+) -> Iterator[tuple[subprocess.Popen[Any], Callable[[], str]]]:
+    """Start the program; give its process, and what tells its last message when it has ended.
+
+    Parameters
+    ----------
+    options : of `subprocess.Popen`; nothing is read or written by the program if none are given.
+    """
+    usual: dict[str, Any] = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL}
+    with tempfile.TemporaryFile("w+", errors="replace") as messages:
+
+        def said() -> str:
+            messages.seek(0)
+            return last_message(messages.read())
+
+        with subprocess.Popen(
+            command, **{**usual, **options}, stderr=messages, env=environment()
+        ) as process:
+            yield process, said
 
 
 def last_message(messages: str) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -20,10 +19,10 @@ from evolvent.sweep.errors import FAILED_CASES, INTERRUPTED, SweepError
 from evolvent.sweep.estimate import span
 from evolvent.sweep.folder import Shard
 from evolvent.sweep.journal import Records, count_records
-from evolvent.sweep.program import environment, last_message
+from evolvent.sweep.program import started
 
 LOOKED = 0.25  # seconds between two looks at the journals
-A_LOOK = 0.05  # share of the time that looks may take
+A_LOOK = 0.1  # share of the time that looks may take
 LINE_EACH = 60.0  # seconds between two lines if nobody watches
 FORWARDED = (signal.SIGTERM, signal.SIGINT, signal.SIGUSR1)
 
@@ -40,15 +39,17 @@ class Tally:
 
     def __post_init__(self) -> None:
         self.unfinished = self.before.counts.unfinished
-        self._next = self.began
+        self._looked = self._next = self.began
 
-    def look(self) -> None:
-        """Ask what is recorded now, unless that was asked a moment ago."""
+    def look(self, at_once: bool = False) -> None:
+        """Ask what is recorded now; unless at once, not if that was asked a moment ago."""
         start = time.monotonic()
-        if start >= self._next:
-            told = count_records(self.folder)
-            self.new = told["rows"] - sum(self.before.rows.values())
-            self.unfinished = told["failed"] + told["refused"]
+        if at_once or start >= self._next:
+            with suppress(SweepError):  # the run goes on; at its end the same is asked again
+                told = count_records(self.folder)
+                self.new = told["rows"] - sum(self.before.rows.values())
+                self.unfinished = told["failed"] + told["refused"]
+            self._looked = start
             self._next = start + (time.monotonic() - start) / A_LOOK
 
     @property
@@ -64,7 +65,7 @@ class Tally:
     @property
     def pace(self) -> str:
         """What did not finish, how fast it goes and how long it takes, in words."""
-        rate = self.new / max(time.monotonic() - self.began, 1e-9)
+        rate = self.new / max(self._looked - self.began, 1e-9)
         left = span((self.total - self.recorded) / rate) if self.new else "?"
         return f"{self.unfinished} did not finish, {rate:.3g} a second, {left} left"
 
@@ -116,25 +117,16 @@ def run_shards(
 
 
 def _run(command: list[str], show: Callable[[], None]) -> int:
-    with tempfile.TemporaryFile("w+", errors="replace") as messages:
-        # A group of its own: Ctrl-C reaches it once, through this process.
-        process = subprocess.Popen(
-            command,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=messages,
-            env=environment(),
-            process_group=0,
-        )
+    # A group of its own: Ctrl-C reaches it once, through this process.
+    with started(command, process_group=0) as (process, said):
         with _forwarding(process):
             while process.returncode is None:
                 with suppress(subprocess.TimeoutExpired):
                     process.wait(LOOKED)
                 show()
-        if process.returncode in (0, FAILED_CASES, INTERRUPTED):
-            return process.returncode
-        messages.seek(0)
-        reason = last_message(messages.read())
+        reason = said()
+    if process.returncode in (0, FAILED_CASES, INTERRUPTED):
+        return int(process.returncode)
     if process.returncode < 0:
         name = signal.Signals(-process.returncode).name
         raise SweepError(
@@ -167,14 +159,14 @@ def display(tally: Tally) -> Iterator[Callable[[], None]]:
         console=Console(stderr=True),
         disable=not sys.stderr.isatty(),
     )
-    task = bar.add_task(tally.pace, total=tally.total)
+    task = bar.add_task(tally.pace, total=tally.total, completed=tally.recorded)
     last_line = time.monotonic()
 
-    def show() -> None:
+    def show(at_once: bool = False) -> None:
         nonlocal last_line
         if bar.disable and time.monotonic() - last_line < LINE_EACH:
             return
-        tally.look()
+        tally.look(at_once)
         bar.update(task, completed=tally.recorded, description=tally.pace)
         if bar.disable:
             last_line = time.monotonic()
@@ -182,6 +174,7 @@ def display(tally: Tally) -> Iterator[Callable[[], None]]:
 
     with bar:
         yield show
+        show(at_once=True)
 
 
 def progress_line(tally: Tally) -> str:

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from evolvent.commands.post.common import complain, fail_to_write, open_with_warning, refuse
+from evolvent.commands.program import option
 from evolvent.history import file_label
 from evolvent.pages import animation
 
@@ -16,47 +17,41 @@ def animate(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="History (.h5).")],
     output: Annotated[
         Path | None,
-        typer.Option(
-            "-o",
-            "--output",
-            metavar="PATH",
-            help="File, .gif or .mp4; the history's name with .gif if not given.",
+        option(
+            "-o --output PATH", "File, .gif or .mp4; the history's name with .gif if not given."
         ),
     ] = None,
     mesh: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Zoom on this mesh; else the whole gearbox.")
+        str | None, option("--mesh NAME", "Zoom on this mesh; else the whole gearbox.")
     ] = None,
-    begin: Annotated[
-        float | None, typer.Option("--from", metavar="TIME", help="First time shown [s].")
-    ] = None,
+    begin: Annotated[float | None, option("--from TIME", "First time shown [s].")] = None,
     end: Annotated[
         float | None,
-        typer.Option(
-            "--to",
-            metavar="TIME",
-            help="Last time shown [s]. Without --to and --speed: the last, or what 120 frames "
+        option(
+            "--to TIME",
+            "Last time shown [s]. Without --to and --speed: the last, or what 120 frames "
             "can show of fast wheels.",
         ),
     ] = None,
-    fps: Annotated[float, typer.Option(min=1.0, max=50.0, help="Frames a second.")] = 20.0,
+    fps: Annotated[float, option("--fps", "Frames a second.", min=1.0, max=50.0)] = 20.0,
     speed: Annotated[
         float | None,
-        typer.Option(
-            metavar="X",
-            help="Seconds of the run in one second of the picture, 0.01 for a hundredfold slow "
+        option(
+            "--speed X",
+            "Seconds of the run in one second of the picture, 0.01 for a hundredfold slow "
             "motion; one that makes 120 frames if not given.",
         ),
     ] = None,
     dpi: Annotated[
-        int, typer.Option(min=30, max=400, help="Pixels an inch of a picture 7.2 inches wide.")
+        int, option("--dpi", "Pixels an inch of a picture 7.2 inches wide.", min=30, max=400)
     ] = 100,
     exaggerate: Annotated[
         float,
-        typer.Option(
-            metavar="X",
-            min=0.0,
-            help="Factor of tip and root relief and crowning, which are too small to be seen. "
+        option(
+            "--exaggerate X",
+            "Factor of tip and root relief and crowning, which are too small to be seen. "
             "Pitch errors and runout are not drawn.",
+            min=0.0,
         ),
     ] = 1.0,
 ) -> None:

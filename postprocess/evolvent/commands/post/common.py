@@ -8,13 +8,14 @@ from typing import Annotated, NoReturn
 import typer
 import xarray as xr
 
+from evolvent.commands.program import option
 from evolvent.history import HistoryError, open_history, run_warning
 
 BROKEN, USAGE, UNREADABLE, NOT_WRITTEN = 1, 2, HistoryError.code, 74
 
 Files = Annotated[list[Path], typer.Argument(metavar="FILE", help="Histories (.h5).")]
 File = Annotated[Path, typer.Argument(metavar="FILE", help="History (.h5).")]
-AsJson = Annotated[bool, typer.Option("--json", help="Write JSON, for scripts.")]
+AsJson = Annotated[bool, option("--json", "Write JSON, for scripts.")]
 
 
 def complain(message: str) -> None:

@@ -12,7 +12,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from evolvent.commands.post.common import BROKEN, AsJson, complain, open_with_warning
-from evolvent.commands.program import json_number, new_console, right
+from evolvent.commands.program import json_number, new_console, option, right
 from evolvent.physics.compare import compare_histories
 from evolvent.units import displayed
 
@@ -21,8 +21,7 @@ def compare(
     first: Annotated[Path, typer.Argument(metavar="A", help="History (.h5).")],
     second: Annotated[Path, typer.Argument(metavar="B", help="History (.h5) of a like run.")],
     tolerance: Annotated[
-        float | None,
-        typer.Option(metavar="X", min=0.0, help="Largest relative difference accepted."),
+        float | None, option("--tolerance X", "Largest relative difference accepted.", min=0.0)
     ] = None,
     as_json: AsJson = False,
 ) -> None:

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from rich.table import Table
 
 from evolvent.commands.post.common import Files, fail_to_write, open_with_warning, refuse
-from evolvent.commands.program import new_console
+from evolvent.commands.program import new_console, option
 from evolvent.figures.style import Format, save
 from evolvent.figures.table import FIGURES, Run, pairs
 from evolvent.history import file_label, open_events
@@ -34,45 +34,29 @@ def _list(wanted: bool) -> None:
 
 def plot(
     files: Files,
-    output: Annotated[
-        Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for the figures.")
-    ] = Path(),
-    file_format: Annotated[Format, typer.Option("--format", help="File format.")] = Format.PNG,
+    output: Annotated[Path, option("-o --output DIR", "Folder for the figures.")] = Path(),
+    file_format: Annotated[Format, option("--format", "File format.")] = Format.PNG,
     quantities: Annotated[
         list[Quantity] | None,
-        typer.Option(
-            "--quantity", help="What to draw; may be repeated. All but pairs if not given."
-        ),
+        option("--quantity", "What to draw; may be repeated. All but pairs if not given."),
     ] = None,
     begin: Annotated[
-        float,
-        typer.Option(
-            "--from",
-            metavar="TIME",
-            show_default=False,
-            help="First time drawn [s]; else the first.",
-        ),
+        float, option("--from TIME", "First time drawn [s]; else the first.", show_default=False)
     ] = -math.inf,
     end: Annotated[
-        float,
-        typer.Option(
-            "--to", metavar="TIME", show_default=False, help="Last time drawn [s]; else the last."
-        ),
+        float, option("--to TIME", "Last time drawn [s]; else the last.", show_default=False)
     ] = math.inf,
     with_pairs: Annotated[
         bool,
-        typer.Option(
+        option(
             "--pairs",
-            help="Draw the load of each tooth pair over the roll angle of the driving wheel: of "
+            "Draw the load of each tooth pair over the roll angle of the driving wheel: of "
             "the last 6 pitches, unless --from or --to is given.",
         ),
     ] = False,
-    over_time: Annotated[
-        bool, typer.Option("--over-time", help="With --pairs: over time.")
-    ] = False,
+    over_time: Annotated[bool, option("--over-time", "With --pairs: over time.")] = False,
     _: Annotated[
-        bool,
-        typer.Option("--list", help="List the figures instead.", callback=_list, is_eager=True),
+        bool, option("--list", "List the figures instead.", callback=_list, is_eager=True)
     ] = False,
 ) -> None:
     """Draw quantities over time; the transmission errors of all files come in one figure.

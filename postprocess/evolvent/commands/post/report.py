@@ -8,16 +8,14 @@ from typing import Annotated
 import typer
 
 from evolvent.commands.post.common import File, fail_to_write, open_with_warning
+from evolvent.commands.program import option
 from evolvent.history import file_label, open_events
 
 
 def report(
     file: File,
     output: Annotated[
-        Path | None,
-        typer.Option(
-            "-o", "--output", metavar="HTML", help="Page; the history's name if not given."
-        ),
+        Path | None, option("-o --output HTML", "Page; the history's name if not given.")
     ] = None,
 ) -> None:
     """Write one self-contained HTML page about a run.

@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
+from evolvent.commands.program import option
 from evolvent.commands.sweep import console
 from evolvent.commands.sweep.common import Folder, OtherDesign
 from evolvent.sweep import folder
@@ -15,15 +14,12 @@ from evolvent.sweep.collect import collect as make_summary
 
 def collect(
     directory: Folder,
-    output: Annotated[
-        Path, typer.Option("-o", "--output", metavar="SUMMARY", help="Summary (.h5).")
-    ],
+    output: Annotated[Path, option("-o --output SUMMARY", "Summary (.h5).")],
     copy_histories: Annotated[
-        bool,
-        typer.Option("--copy-histories", help="Copy histories; else the summary refers to them."),
+        bool, option("--copy-histories", "Copy histories; else the summary refers to them.")
     ] = False,
     parquet: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="A copy as Parquet, without histories.")
+        Path | None, option("--parquet FILE", "A copy as Parquet, without histories.")
     ] = None,
     other_design: OtherDesign = None,
 ) -> None:

@@ -7,23 +7,16 @@ from typing import Annotated
 
 import typer
 
+from evolvent.commands.program import option
 from evolvent.commands.sweep import console
 from evolvent.sweep import folder
 from evolvent.sweep.errors import FAILED_CASES
 
 DesignFile = Annotated[Path, typer.Argument(metavar="DESIGN", help="Design (.h5), from `plan`.")]
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of the results.")]
-Into = Annotated[
-    Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for the results.")
-]
-OtherDesign = Annotated[
-    Path | None,
-    typer.Option("--design", metavar="DESIGN", help="Design, if DIR has no design.h5."),
-]
-Jobs = Annotated[
-    int | None,
-    typer.Option("--jobs", metavar="J", min=1, help="Worker processes; all cores if not given."),
-]
+Into = Annotated[Path, option("-o --output DIR", "Folder for the results.")]
+OtherDesign = Annotated[Path | None, option("--design DESIGN", "Design, if DIR has no design.h5.")]
+Jobs = Annotated[int | None, option("--jobs J", "Worker processes; all cores if not given.", min=1)]
 
 
 def told(directory: Path, code: int) -> int:

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from evolvent.commands.program import option
 from evolvent.commands.sweep import console
 from evolvent.sweep.design import write_design
 from evolvent.sweep.errors import FAILED_CASES
@@ -17,16 +18,13 @@ from evolvent.sweep.program import cores, find_program
 def plan(
     sweep: Annotated[Path, typer.Argument(metavar="SWEEP", help="Plan (.yaml).")],
     output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", metavar="DESIGN", help="Design; SWEEP.h5 if not given."),
+        Path | None, option("-o --output DESIGN", "Design; SWEEP.h5 if not given.")
     ] = None,
     dry_run: Annotated[
-        bool,
-        typer.Option("--dry-run", help="Show the cases and how long they take; write nothing."),
+        bool, option("--dry-run", "Show the cases and how long they take; write nothing.")
     ] = False,
     keep_refused: Annotated[
-        bool,
-        typer.Option("--keep-refused", help="Exit code 0 also if cases would be refused."),
+        bool, option("--keep-refused", "Exit code 0 also if cases would be refused.")
     ] = False,
 ) -> None:
     """Make a design, the table of all cases, from a plan.

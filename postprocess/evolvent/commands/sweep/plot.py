@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from evolvent.commands.program import option
 from evolvent.commands.sweep import console
 from evolvent.sweep.errors import SweepError, writing
 
@@ -14,17 +15,13 @@ from evolvent.sweep.errors import SweepError, writing
 def plot(
     file: Annotated[Path, typer.Argument(metavar="SUMMARY", help="Summary (.h5).")],
     response: Annotated[
-        str | None,
-        typer.Option("-r", "--response", metavar="NAME", help="Result to draw; the first one."),
+        str | None, option("-r --response NAME", "Result to draw; the first one.")
     ] = None,
     against: Annotated[
-        list[str] | None,
-        typer.Option("-a", "--against", metavar="NAME", help="Parameter; give it twice for a map."),
+        list[str] | None, option("-a --against NAME", "Parameter; give it twice for a map.")
     ] = None,
-    indices: Annotated[bool, typer.Option("--indices", help="Draw Sobol indices instead.")] = False,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="FILE", help="Figure (png, svg, pdf).")
-    ] = None,
+    indices: Annotated[bool, option("--indices", "Draw Sobol indices instead.")] = False,
+    output: Annotated[Path | None, option("-o --output FILE", "Figure (png, svg, pdf).")] = None,
 ) -> None:
     """Draw a result against one or two parameters. Cases that did not finish are marked.
 

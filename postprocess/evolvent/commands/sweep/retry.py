@@ -7,6 +7,7 @@ from typing import Annotated
 import numpy as np
 import typer
 
+from evolvent.commands.program import option
 from evolvent.commands.sweep.common import Folder, Jobs, told
 from evolvent.commands.sweep.slurm_jobs import to_slurm
 from evolvent.commands.sweep.slurm_options import Order, with_options_of_slurm
@@ -20,15 +21,13 @@ from evolvent.sweep.retry import folder_of_lists, retry_cases, write_lists
 @with_options_of_slurm
 def retry(
     directory: Folder,
-    failed: Annotated[
-        bool, typer.Option("--failed", help="All cases that did not finish.")
-    ] = False,
+    failed: Annotated[bool, option("--failed", "All cases that did not finish.")] = False,
     case: Annotated[
-        list[int] | None, typer.Option(metavar="NUMBER", help="This case; may be repeated.")
+        list[int] | None, option("--case NUMBER", "This case; may be repeated.")
     ] = None,
     jobs: Jobs = None,
     on_slurm: Annotated[
-        bool, typer.Option("--slurm", help="As jobs of Slurm; the options below are for them.")
+        bool, option("--slurm", "As jobs of Slurm; the options below are for them.")
     ] = False,
     *,
     order: Order,

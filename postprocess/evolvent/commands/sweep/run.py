@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from evolvent.commands.program import option
 from evolvent.commands.sweep.common import DesignFile, Into, Jobs, told
 from evolvent.sweep import dask, folder
 from evolvent.sweep.journal import read_records
@@ -26,22 +27,15 @@ def run(
     output: Into,
     jobs: Jobs = None,
     executor: Annotated[
-        ExecutorName, typer.Option(help="Who runs the cases: this machine, or a Dask cluster.")
+        ExecutorName, option("--executor", "Who runs the cases: this machine, or a Dask cluster.")
     ] = ExecutorName.EMBEDDED,
     scheduler: Annotated[
         str | None,
-        typer.Option(
-            metavar="ADDRESS", help="Dask scheduler; workers on this machine if not given."
-        ),
+        option("--scheduler ADDRESS", "Dask scheduler; workers on this machine if not given."),
     ] = None,
     shards: Annotated[
         int | None,
-        typer.Option(
-            "--shards",
-            metavar="N",
-            min=1,
-            help="Split into N shards; 1, or as the folder is, if not given.",
-        ),
+        option("--shards N", "Split into N shards; 1, or as the folder is, if not given.", min=1),
     ] = None,
 ) -> None:
     """Run what is missing of a design, here and now.

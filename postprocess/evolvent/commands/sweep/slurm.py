@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from evolvent.commands.program import option
 from evolvent.commands.sweep.common import DesignFile, Into
 from evolvent.commands.sweep.slurm_jobs import to_slurm
 from evolvent.commands.sweep.slurm_options import Order, with_options_of_slurm
@@ -22,10 +23,7 @@ def slurm(
     design_file: DesignFile,
     output: Into,
     shards: Annotated[
-        int | None,
-        typer.Option(
-            "--shards", metavar="N", min=1, help="Split into N shards; of ten minutes if not given."
-        ),
+        int | None, option("--shards N", "Split into N shards; of ten minutes if not given.", min=1)
     ] = None,
     *,
     order: Order,

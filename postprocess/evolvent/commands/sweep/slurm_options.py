@@ -3,53 +3,47 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import wraps
 from inspect import Parameter, Signature, signature
 from typing import Annotated, Any, get_type_hints
 
-import typer
-
+from evolvent.commands.program import option
 from evolvent.sweep.slurm import Site
 
 
 @dataclass(frozen=True)
 class Order:
-    """What jobs Slurm is asked for."""
+    """What jobs Slurm is asked for: each field is an option."""
 
-    cpus: int = 1  # of a shard
-    submit: bool = False
-    site: Site = field(default_factory=Site)
-
-
-def asked(
-    cpus: Annotated[int, typer.Option("--cores", metavar="K", min=1, help="Cores of a shard.")] = 1,
-    submit: Annotated[bool, typer.Option("--submit", help="Submit the scripts as well.")] = False,
-    account: Annotated[str | None, typer.Option(help="Passed on to Slurm.")] = None,
-    partition: Annotated[str | None, typer.Option(help="Passed on to Slurm.")] = None,
-    time: Annotated[str | None, typer.Option(help="Time limit of a shard, passed on.")] = None,
-    option: Annotated[
+    cpus: Annotated[int, option("--cores K", "Cores of a shard.", min=1)] = 1
+    submit: Annotated[bool, option("--submit", "Submit the scripts as well.")] = False
+    account: Annotated[str | None, option("--account", "Passed on to Slurm.")] = None
+    partition: Annotated[str | None, option("--partition", "Passed on to Slurm.")] = None
+    time: Annotated[str | None, option("--time", "Time limit of a shard, passed on.")] = None
+    options: Annotated[
+        list[str] | None, option("--option KEY=VALUE", "Another #SBATCH option; may be repeated.")
+    ] = None
+    lines: Annotated[
         list[str] | None,
-        typer.Option(metavar="KEY=VALUE", help="Another #SBATCH option; may be repeated."),
-    ] = None,
-    line: Annotated[
-        list[str] | None,
-        typer.Option(metavar="SHELL", help="Line of the scripts, as 'module load X'; repeatable."),
-    ] = None,
-) -> Order:
-    """Take the options."""
-    site = Site(account, partition, time, tuple(option or ()), tuple(line or ()))
-    return Order(cpus, submit, site)
+        option("--line SHELL", "Line of the scripts, as 'module load X'; repeatable."),
+    ] = None
+
+    @property
+    def site(self) -> Site:
+        """What stands in the head of the scripts."""
+        options, lines = tuple(self.options or ()), tuple(self.lines or ())
+        return Site(self.account, self.partition, self.time, options, lines)
 
 
 def with_options_of_slurm(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command the options of `asked`, whose answer it gets as its argument `order`."""
-    of_slurm = _parameters(asked)
+    """Give a command the options of an `Order`, which it gets as its argument `order`."""
+    of_slurm = _parameters(Order)
     own = {name: one for name, one in _parameters(command).items() if name != "order"}
 
     @wraps(command)
     def with_options(**values: Any) -> None:
-        order = asked(**{name: values[name] for name in of_slurm})
+        order = Order(**{name: values[name] for name in of_slurm})
         command(**{name: values[name] for name in own}, order=order)
 
     shown = {**own, **of_slurm}

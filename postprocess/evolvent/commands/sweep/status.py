@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from evolvent.commands.program import option
 from evolvent.commands.sweep import console
 from evolvent.commands.sweep.common import Folder, OtherDesign
 from evolvent.sweep import folder
@@ -15,7 +16,7 @@ from evolvent.sweep.status import read_status
 
 def status(
     directory: Folder,
-    as_json: Annotated[bool, typer.Option("--json", help="Write JSON, for scripts.")] = False,
+    as_json: Annotated[bool, option("--json", "Write JSON, for scripts.")] = False,
     other_design: OtherDesign = None,
 ) -> None:
     """Show what is done, what failed and why, what is missing, and when it will be finished.

@@ -1,0 +1,232 @@
+!> A flank whose teeth and wheel bodies bend, each pair by itself: Johnson's contact in series with c_A(rho_A) + c_B(rho_B).
+!>
+!> The elastic energy V depends on the place of a pair too. With F over the width b, C the compliance and r = rho_A + rho_B - h the
+!> length of the line of action, P = F**2/(2 pi E* b r):
+!>
+!>    dV = (F + P) dh - (a_A drho_A + a_B drho_B),   a_i = F**2/(2 b) dC/drho_i + P
+!>
+!> so that beside F the force P acts along the gradient of h, and a_i as the slope of a deviation would: on the torques with the
+!> arms r_b, on the axles as -(r_bA a_A + r_bB a_B)/r along t. Viscous forces and friction know nothing of it. No energy is lost.
+!>
+!> Where flanks deviate, r is longer than the line by what they lack: a part of 1e-4 of a part of 1e-4 of the force on axles.
+!>
+!> Source: docs/compliant_flanks.md, sections 1 and 3.
+module evl_yielding_flank
+   use, intrinsic :: iso_fortran_env, only: int64
+   use evl_compliant_johnson, only: compliant_contact, compliant_energy, compliant_force, compliant_force_lanes
+   use evl_contact_point, only: contact_gradient, contact_point
+   use evl_damping_law, only: viscous_force
+   use evl_elastic_law, only: elastic_result
+   use evl_flank, only: context_of, flank_t
+   use evl_force_lanes, only: lane_slot
+   use evl_kinds, only: lanes, pi, wp
+   use evl_local_variables, only: n_local
+   use evl_pair_compliance, only: own_of_pair
+   use evl_pair_place, only: by_a, by_b
+   use evl_status, only: code_ok, fail, quantity, status_t, subject_mesh
+   use evl_tooth_contact, only: contact_state, flanks_unloaded, tooth_contact_t, touches
+   use evl_wheel_compliance, only: own_at_t, wheel_compliance_t
+   implicit none (type, external)
+   private
+
+   public :: yielding_flank_t
+
+   type, extends(flank_t) :: yielding_flank_t
+      class(wheel_compliance_t), allocatable :: a, b !! both wheels
+      real(wp) :: k_difference = 0.0_wp             !! K_A - K_B, as in evl_pair_compliance [1/Pa]
+   contains
+      procedure :: laws
+      procedure :: add_energy
+      procedure :: loss_change
+      procedure :: add_yielding
+      procedure :: add_yielding_changes
+      procedure :: laws_in_lanes
+      procedure :: add_yielding_in_lanes
+   end type yielding_flank_t
+
+contains
+
+   include "numerics/all_positive.inc"
+
+   !> Elastic and viscous forces of the contacts that touch.
+   subroutine laws(self, contacts, first, last, at, status)
+      class(yielding_flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contacts(*)
+      integer, intent(in) :: first, last
+      type(contact_state), intent(inout) :: at(*)
+      type(status_t), intent(inout) :: status
+      type(compliant_contact) :: answer
+      type(own_at_t) :: own(2)
+      integer :: code, k
+
+      do k = first, last
+         if (.not. touches(at(k)%mode)) cycle
+         associate (contact => contacts(k), point => at(k)%point, elastic => at(k)%elastic, b => contacts(k)%width)
+            call own_of_pair(self%a, self%b, self%k_difference, [point%rho_a, point%rho_b], own)
+            call compliant_force(point%h, line_of(point), sum(own%value), contact%e_star, answer, code)
+            if (code /= code_ok) &
+               call fail(status, code, "penetration h = "//quantity(point%h, "m")//" has no force: the teeth would yield by more" &
+                         //" than the length of the line of action", subject_mesh, contact%mesh, "contact")
+            elastic = elastic_result(force=b*answer%force, d_h=b*(answer%d_h - answer%d_length), &
+                                     d_rho_a=b*(answer%d_length + answer%d_c*own(by_a)%slope), &
+                                     d_rho_b=b*(answer%d_length + answer%d_c*own(by_b)%slope), d_energy=0.0_wp, excess=0.0_wp)
+            at(k)%yielding%slope = own%slope
+            at(k)%yielding%curvature = own%curvature
+            call viscous_force(contact%damping, context_of(contact, at(k)), elastic, at(k)%viscous)
+         end associate
+      end do
+   end subroutine laws
+
+   !> Length of the line of action [m].
+   pure real(wp) function line_of(point)
+      type(contact_point), intent(in) :: point
+
+      line_of = point%rho_a + point%rho_b - point%h
+   end function line_of
+
+   !> Add the elastic energy, that of the bodies included.
+   pure subroutine add_energy(self, contacts, first, last, at, energy)
+      class(yielding_flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contacts(*)
+      integer, intent(in) :: first, last
+      type(contact_state), intent(in) :: at(*)
+      real(wp), intent(inout) :: energy
+      integer :: k
+
+      do k = first, last
+         if (.not. touches(at(k)%mode)) cycle
+         associate (b => contacts(k)%width)
+            energy = energy + b*compliant_energy(at(k)%point%h, at(k)%elastic%force/b, contacts(k)%e_star)
+         end associate
+      end do
+   end subroutine add_energy
+
+   !> Nothing is gained without work.
+   pure function loss_change(self, point, elastic, d) result(change)
+      class(yielding_flank_t), intent(in) :: self
+      type(contact_point), intent(in) :: point
+      type(elastic_result), intent(in) :: elastic
+      type(contact_gradient), intent(in) :: d
+      real(wp) :: change(n_local)
+
+      change = 0
+   end function loss_change
+
+   !> P and a_i of a pair [N].
+   pure subroutine side_forces(contact, line, force, slope, p, a)
+      type(tooth_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: line, force, slope(2)
+      real(wp), intent(out) :: p, a(2)
+
+      p = force**2/(2*pi*contact%e_star*contact%width*line)
+      a = force**2/(2*contact%width)*slope + p
+   end subroutine side_forces
+
+   !> Add what P and a_i do to the wheels.
+   pure subroutine add_yielding(self, contact, at)
+      class(yielding_flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_state), intent(inout) :: at
+      real(wp) :: a(2), p, tangential
+
+      associate (pair => contact%pair, point => at%point, force => at%force)
+         call side_forces(contact, line_of(point), at%elastic%force, at%yielding%slope, p, a)
+         force%torque_a = force%torque_a + pair%sigma*(p*point%arm_a - pair%r_ba*a(by_a))
+         force%torque_b = force%torque_b + pair%sigma*(p*point%arm_b - pair%r_bb*a(by_b))
+         tangential = p*point%tilt - (pair%r_ba*a(by_a) + pair%r_bb*a(by_b))/line_of(point)
+         force%on_a = force%on_a + p*[point%s, -point%c] + tangential*[point%c, point%s]
+      end associate
+   end subroutine add_yielding
+
+   !> Add how that changes with the local variables.
+   pure subroutine add_yielding_changes(self, contact, at, d, elastic, torque_a, torque_b, on_a)
+      class(yielding_flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_state), intent(in) :: at
+      type(contact_gradient), intent(in) :: d
+      real(wp), intent(in) :: elastic(n_local)
+      real(wp), intent(inout) :: torque_a(n_local), torque_b(n_local), on_a(n_local, 2)
+      real(wp), dimension(n_local) :: d_a, d_b, d_p, d_line, d_tangential
+      real(wp) :: a(2), p, across
+
+      associate (pair => contact%pair, point => at%point, yielding => at%yielding, f => at%elastic%force, b => contact%width, &
+                 line => line_of(at%point))
+         call side_forces(contact, line, f, yielding%slope, p, a)
+         d_line = d%rho_a + d%rho_b - d%h
+         d_p = f/(pi*contact%e_star*b*line)*elastic - p/line*d_line
+         d_a = (f/b*yielding%slope(by_a))*elastic + (f**2/(2*b)*yielding%curvature(by_a))*d%rho_a + d_p
+         d_b = (f/b*yielding%slope(by_b))*elastic + (f**2/(2*b)*yielding%curvature(by_b))*d%rho_b + d_p
+         across = (pair%r_ba*a(by_a) + pair%r_bb*a(by_b))/line
+         torque_a = torque_a + pair%sigma*(point%arm_a*d_p - pair%r_ba*d_a)
+         torque_b = torque_b + pair%sigma*(point%arm_b*d_p - pair%r_bb*d_b)
+         d_tangential = point%tilt*d_p - (pair%r_ba*d_a + pair%r_bb*d_b - across*d_line)/line
+         if (contact%deviates) then
+            torque_a = torque_a + (pair%sigma*p)*d%arm_a
+            torque_b = torque_b + (pair%sigma*p)*d%arm_b
+            d_tangential = d_tangential + p*d%tilt
+         end if
+         on_a(:, 1) = on_a(:, 1) + point%s*d_p + point%c*d_tangential
+         on_a(:, 2) = on_a(:, 2) - point%c*d_p + point%s*d_tangential
+         if (at%mode%flanks /= flanks_unloaded) return ! else nothing has turned what acts with the normal
+         on_a(:, 1) = on_a(:, 1) - at%force%on_a(2)*d%angle
+         on_a(:, 2) = on_a(:, 2) + at%force%on_a(1)*d%angle
+      end associate
+   end subroutine add_yielding_changes
+
+   !> `laws` in eight states.
+   subroutine laws_in_lanes(self, contacts, first, last, slots, answered)
+      class(yielding_flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contacts(*)
+      integer, intent(in) :: first, last
+      type(lane_slot), intent(inout) :: slots(*)
+      logical, intent(out) :: answered
+      type(own_at_t) :: own(2)
+      real(wp) :: c(lanes), line(lanes)
+      integer :: k, l
+
+      answered = .true.
+      do k = first, last
+         if (.not. slots(k)%touches) cycle
+         associate (at => slots(k)%at, force => slots(k)%force)
+            answered = all_positive(at%rho_a) .and. all_positive(at%rho_b)
+            if (.not. answered) return
+            do l = 1, lanes
+               call own_of_pair(self%a, self%b, self%k_difference, [at%rho_a(l), at%rho_b(l)], own)
+               c(l) = sum(own%value)
+               force%slope_a(l) = own(by_a)%slope
+               force%slope_b(l) = own(by_b)%slope
+            end do
+            line = at%rho_a + at%rho_b - at%h
+            call compliant_force_lanes(at%h, line, c, at%e_star, force%elastic, answered)
+            if (.not. answered) return
+            force%elastic = at%width*force%elastic
+            force%d_energy = 0
+            force%excess = 0
+            call contacts(k)%damping%force_lanes(at%lane_context, force%elastic, force%viscous)
+            force%unclipped = force%elastic + force%viscous
+         end associate
+      end do
+   end subroutine laws_in_lanes
+
+   !> Add what P and a_i do to the wheels in eight states.
+   pure subroutine add_yielding_in_lanes(self, contact, slot)
+      class(yielding_flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contact
+      type(lane_slot), intent(inout) :: slot
+      real(wp) :: a(2), line, p, tangential
+      integer :: l
+
+      associate (pair => contact%pair, at => slot%at, force => slot%force)
+         do l = 1, lanes
+            line = at%rho_a(l) + at%rho_b(l) - at%h(l)
+            call side_forces(contact, line, force%elastic(l), [force%slope_a(l), force%slope_b(l)], p, a)
+            force%torque_a(l) = force%torque_a(l) + pair%sigma*(p*at%arm_a(l) - pair%r_ba*a(by_a))
+            force%torque_b(l) = force%torque_b(l) + pair%sigma*(p*at%arm_b(l) - pair%r_bb*a(by_b))
+            tangential = p*at%tilt(l) - (pair%r_ba*a(by_a) + pair%r_bb*a(by_b))/line
+            force%on_a_t(l) = force%on_a_t(l) + p*at%s(l) + tangential*at%c(l)
+            force%on_a_e(l) = force%on_a_e(l) - p*at%c(l) + tangential*at%s(l)
+         end do
+      end associate
+   end subroutine add_yielding_in_lanes
+
+end module evl_yielding_flank
