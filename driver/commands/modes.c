@@ -75,13 +75,6 @@ static bool refuse_steady_state(const prepared_case *prepared, const model_messa
                          refusal->message);
 }
 
-static bool find_steady_state(const prepared_case *prepared, double mesh_position, dae_state *state, evl_error *error)
-{
-    model_message refusal;
-    return model_steady_state(prepared->model, mesh_position, state, &refusal) ||
-           refuse_steady_state(prepared, &refusal, error);
-}
-
 static bool find_state_at(const prepared_case *prepared, const char *at, double time, dae_state *state,
                           evl_error *error)
 {
@@ -107,18 +100,11 @@ static bool linearise(const prepared_case *prepared, const dae_state *state, dou
                          state->t, message);
 }
 
-static bool linearise_mean(const prepared_case *prepared, dae_state *state, double *values, natural_modes *modes,
-                           evl_error *error)
-{
-    model_message refusal;
-    return model_mean_modes(prepared->model, state, values, modes, &refusal) ||
-           refuse_steady_state(prepared, &refusal, error);
-}
-
 static void modes_of(const prepared_case *prepared, const modes_options *options, double time, double position,
                      evl_error *error)
 {
     dae_state state = {.t = 0.0};
+    model_message refusal;
     OWNED double *values = xcalloc((size_t)model_n_values(prepared->model), sizeof *values);
     modes_report report = {.file = prepared->file,
                            .model = prepared->model,
@@ -131,10 +117,12 @@ static void modes_of(const prepared_case *prepared, const modes_options *options
     /* what cannot run has no modes either */
     bool good = options->at != NULL || prepare_check_start(prepared, error);
     if (good && options->mean) {
-        good = linearise_mean(prepared, &state, values, &report.modes, error);
+        good = model_mean_modes(prepared->model, &state, values, &report.modes, &refusal) ||
+               refuse_steady_state(prepared, &refusal, error);
     } else if (good) {
         good = (options->at != NULL ? find_state_at(prepared, options->at, time, &state, error)
-                                    : find_steady_state(prepared, position, &state, error)) &&
+                                    : model_steady_state(prepared->model, position, &state, &refusal) ||
+                                          refuse_steady_state(prepared, &refusal, error)) &&
                linearise(prepared, &state, values, &report.modes, error);
     }
     if (good) {
