@@ -1,6 +1,5 @@
 /** SIGINT, SIGTERM and SIGUSR1, by which batch systems warn, as a question that a run asks now and then. A leaf. */
-#ifndef EVOLVENT_INTERRUPT_H
-#define EVOLVENT_INTERRUPT_H
+#pragma once
 
 #include <signal.h>
 
@@ -11,5 +10,3 @@ extern volatile sig_atomic_t interrupt_signal;
 void interrupt_install(void);
 /** "SIGINT", "SIGTERM" or "SIGUSR1" */
 const char *interrupt_name(int signal);
-
-#endif

@@ -1,6 +1,5 @@
 /** Writes JSON, one value after the other, indented or as one line. A leaf. */
-#ifndef EVOLVENT_JSON_H
-#define EVOLVENT_JSON_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdio.h>
@@ -22,5 +21,3 @@ void json_text(json_writer *writer, const char *key, const char *text);
 void json_number(json_writer *writer, const char *key, double value);
 void json_numbers(json_writer *writer, const char *key, int n, const double *values);
 void json_integer(json_writer *writer, const char *key, long value);
-
-#endif

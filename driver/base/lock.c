@@ -40,8 +40,7 @@ bool file_lock_take(file_lock *lock, const char *path, evl_error *error)
     struct flock region = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
     lock->descriptor = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     if (lock->descriptor < 0) {
-        evl_error_set(error, EVL_EXIT_IO, path, "cannot be written: %s", strerror(errno));
-        return false;
+        return evl_error_set_unwritten(error, path);
     }
     if (fcntl(lock->descriptor, F_SETLK, &region) == 0) {
         write_owner(lock->descriptor);
@@ -50,10 +49,10 @@ bool file_lock_take(file_lock *lock, const char *path, evl_error *error)
     if (errno == EACCES || errno == EAGAIN) {
         char owner[256];
         read_owner(lock->descriptor, owner, sizeof owner);
-        evl_error_set(error, EVL_EXIT_CASE, path, "another run is at work here (%s); wait for it, or end it first",
-                      owner[0] != '\0' ? owner : "it has not said which");
         file_lock_release(lock);
-        return false;
+        return evl_error_set(error, EVL_EXIT_CASE, path,
+                             "another run is at work here (%s); wait for it, or end it first",
+                             owner[0] != '\0' ? owner : "it has not said which");
     }
     log_warning("%s: this folder cannot lock (%s): see to it that no second run works here", path, strerror(errno));
     return true;

@@ -1,6 +1,5 @@
 /** A lock on a folder's part that ends with the process that holds it, however that ends. A leaf. */
-#ifndef EVOLVENT_LOCK_H
-#define EVOLVENT_LOCK_H
+#pragma once
 
 #include "base/status.h"
 
@@ -14,5 +13,3 @@ typedef struct {
  *  @return false with the reason in `error`: EVL_EXIT_CASE naming the owner, if another process holds it; EVL_EXIT_IO */
 bool file_lock_take(file_lock *lock, const char *path, evl_error *error);
 void file_lock_release(file_lock *lock);
-
-#endif

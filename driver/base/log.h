@@ -1,18 +1,9 @@
 /** What a command says on stderr while it works, each a line "evolvent: ...". A leaf. */
-#ifndef EVOLVENT_LOG_H
-#define EVOLVENT_LOG_H
+#pragma once
 
 #include <stdbool.h>
 
 /** Quiet: notes are left out; warnings and errors stay. */
 void log_set_quiet(bool quiet);
-#if defined(__GNUC__)
-__attribute__((format(printf, 1, 2)))
-#endif
-void log_note(const char *format, ...);
-#if defined(__GNUC__)
-__attribute__((format(printf, 1, 2)))
-#endif
-void log_warning(const char *format, ...);
-
-#endif
+__attribute__((format(printf, 1, 2))) void log_note(const char *format, ...);
+__attribute__((format(printf, 1, 2))) void log_warning(const char *format, ...);

@@ -1,8 +1,5 @@
 /** Numbers as the case file writes them: YAML 1.2 core schema, decimal. A leaf. */
-#ifndef EVOLVENT_NUMBER_H
-#define EVOLVENT_NUMBER_H
-
-#include <stdbool.h>
+#pragma once
 
 typedef enum {
     NUMBER_FINITE,
@@ -19,5 +16,3 @@ enum { NUMBER_TEXT_LENGTH = 40 };
 void number_write(char text[NUMBER_TEXT_LENGTH], double value);
 /** As %g writes it: with 15 digits if these read back as `value`, with 17 if not. */
 void number_write_plain(char text[NUMBER_TEXT_LENGTH], double value);
-
-#endif

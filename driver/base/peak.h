@@ -1,6 +1,5 @@
 /** The maximum of a smooth function in a bracket, by parabolas. Knows nothing of what the function is. */
-#ifndef EVOLVENT_PEAK_H
-#define EVOLVENT_PEAK_H
+#pragma once
 
 /** The function at t; NaN where it is not known, which ends the search. */
 typedef double (*peak_function)(void *with, double t);
@@ -18,5 +17,3 @@ void peak_climb(peak_function function, void *with, const peak_bracket *bracket)
 
 /** Where the parabola through three points has its maximum; NaN if it has none. */
 double peak_of_parabola(const double t[3], const double f[3]);
-
-#endif

@@ -9,7 +9,7 @@ static const double draw_interval = 0.1;  /* [s] between two lines */
 static const double look_interval = 0.02; /* [s] between two looks at the clock, aimed at */
 static const double growth = 4.0;         /* of the stride at most, because steps do not all cost the same */
 
-static double clock_seconds(void)
+double clock_seconds(void)
 {
     struct timespec now;
     (void)clock_gettime(CLOCK_MONOTONIC, &now);

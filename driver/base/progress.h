@@ -1,6 +1,5 @@
 /** A line on a terminal that tells how far a run is. Costs a decrement a step. A leaf. */
-#ifndef EVOLVENT_PROGRESS_H
-#define EVOLVENT_PROGRESS_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -10,6 +9,9 @@ typedef struct progress {
     double started, looked, drawn;   /**< clock [s]: of the start, the last look at the clock, the last line */
     unsigned long stride, countdown; /**< steps between looks at the clock; steps to the next one */
 } progress;
+
+/** Seconds of a clock that never goes back. */
+double clock_seconds(void);
 
 /** Begin a run from t_start to t_end. Nothing is ever shown if `enabled` is false or stderr is no terminal. */
 void progress_start(progress *progress, bool enabled, double t_start, double t_end);
@@ -24,5 +26,3 @@ static inline void progress_step(progress *progress, double t)
         progress_look(progress, t);
     }
 }
-
-#endif

@@ -1,32 +1,16 @@
 #include "base/status.h"
 
+#include "base/memory.h"
+
+#include <errno.h>
 #include <stdarg.h>
 #include <string.h>
 
-static const struct {
-    evl_exit code;
-    const char *text;
-} exits[] = {
-#define EVL_EXIT_ROW(name, number, text) {name, text},
-    EVL_EXIT_CODES(EVL_EXIT_ROW)
-#undef EVL_EXIT_ROW
-};
-
-const char *evl_exit_text(int code)
-{
-    for (size_t i = 0; i < sizeof exits / sizeof *exits; i++) {
-        if ((int)exits[i].code == code) {
-            return exits[i].text;
-        }
-    }
-    return "unknown";
-}
-
 void evl_exit_print_table(FILE *stream)
 {
-    for (size_t i = 0; i < sizeof exits / sizeof *exits; i++) {
-        fprintf(stream, "  %2d  %s\n", (int)exits[i].code, exits[i].text);
-    }
+#define EVL_EXIT_LINE(name, number, text) fprintf(stream, "  %2d  %s\n", number, text);
+    EVL_EXIT_CODES(EVL_EXIT_LINE)
+#undef EVL_EXIT_LINE
 }
 
 static void keep_one_line(char *text)
@@ -39,7 +23,7 @@ static void keep_one_line(char *text)
     }
 }
 
-void evl_error_set(evl_error *error, evl_exit code, const char *place, const char *format, ...)
+bool evl_error_set(evl_error *error, evl_exit code, const char *place, const char *format, ...)
 {
     error->code = code;
     (void)snprintf(error->place, sizeof error->place, "%s", place);
@@ -49,6 +33,17 @@ void evl_error_set(evl_error *error, evl_exit code, const char *place, const cha
     va_end(arguments);
     keep_one_line(error->place);
     keep_one_line(error->message);
+    return false;
+}
+
+bool evl_error_set_unwritten(evl_error *error, const char *path)
+{
+    return evl_error_set(error, EVL_EXIT_IO, path, "cannot be written: %s", strerror(errno));
+}
+
+char *evl_error_text(const evl_error *error)
+{
+    return xasprintf("%s: %s", error->place, error->message);
 }
 
 void evl_error_print(FILE *stream, const evl_error *error)

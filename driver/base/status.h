@@ -1,7 +1,7 @@
 /** How a command ends: exit codes, and the one line that says why. A leaf. */
-#ifndef EVOLVENT_STATUS_H
-#define EVOLVENT_STATUS_H
+#pragma once
 
+#include <stdbool.h>
 #include <stdio.h>
 
 /** Every exit code of the program: name, number, meaning. */
@@ -18,8 +18,6 @@
 typedef enum { EVL_EXIT_CODES(EVL_EXIT_ENUMERATOR) } evl_exit;
 #undef EVL_EXIT_ENUMERATOR
 
-/** What an exit code means; "unknown" if there is no such code. */
-const char *evl_exit_text(int code);
 /** One line "  code  meaning" for each exit code, as --help shows them. */
 void evl_exit_print_table(FILE *stream);
 
@@ -33,13 +31,14 @@ typedef struct {
 } evl_error;
 
 /** Fill an error; control characters of foreign text become blanks, so that the message stays one line of valid text.
- *  @param place  "" if there is none */
-#if defined(__GNUC__)
-__attribute__((format(printf, 4, 5)))
-#endif
-void evl_error_set(evl_error *error, evl_exit code, const char *place, const char *format, ...);
+ *  @param place  "" if there is none
+ *  @return false, for who refuses */
+__attribute__((format(printf, 4, 5))) bool evl_error_set(evl_error *error, evl_exit code, const char *place,
+                                                         const char *format, ...);
 
+/** Say that a file cannot be written for the reason in errno: EVL_EXIT_IO. @return false */
+bool evl_error_set_unwritten(evl_error *error, const char *path);
+/** "PLACE: MESSAGE" of an error that has a place, as a new string. */
+char *evl_error_text(const evl_error *error);
 /** Write "PLACE: MESSAGE", or "evolvent: MESSAGE" if there is no place, and a newline. */
 void evl_error_print(FILE *stream, const evl_error *error);
-
-#endif

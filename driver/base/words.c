@@ -20,10 +20,10 @@ bool words_contain(const char *words, const char *word)
 
 int words_split(const char *words, char ***list)
 {
-    char *copy = xstrdup(words);
-    char **items = xcalloc(strlen(words) / 2 + 2, sizeof *items);
+    const size_t size = strlen(words) + 1, most = size / 2 + 1;
+    char **items = xcalloc(most * sizeof *items + size, 1);
+    char *copy = memcpy(items + most, words, size);
     int n = 0;
-    items[0] = copy;
     for (char *start = copy; *start != '\0';) {
         items[n++] = start;
         start += strcspn(start, " ");
@@ -35,13 +35,18 @@ int words_split(const char *words, char ***list)
     return n;
 }
 
+int words_width(int width, const char *text)
+{
+    const int length = (int)strlen(text);
+    return length > width ? length : width;
+}
+
 char *words_join(int n, const char *const *words, const char *separator)
 {
     char *joined = xstrdup("");
     for (int i = 0; i < n; i++) {
-        char *longer = xasprintf("%s%s%s", joined, i == 0 ? "" : separator, words[i]);
-        free(joined);
-        joined = longer;
+        OWNED char *shorter = joined;
+        joined = xasprintf("%s%s%s", shorter, i == 0 ? "" : separator, words[i]);
     }
     return joined;
 }

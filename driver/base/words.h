@@ -1,14 +1,13 @@
 /** Lists of words: separated by blanks in tables and attributes, by commas in messages. A leaf. */
-#ifndef EVOLVENT_WORDS_H
-#define EVOLVENT_WORDS_H
+#pragma once
 
 #include <stdbool.h>
 
 /** Whether `word` is one of the blank-separated words. */
 bool words_contain(const char *words, const char *word);
-/** The words as strings. @return their number; the caller frees the array and its first element */
+/** The words as strings, in one piece of memory that is the array. @return their number */
 int words_split(const char *words, char ***list);
+/** The length of a text, if it is more than the width: of a column. */
+int words_width(int width, const char *text);
 /** The words with the separator between them, as a new string. */
 char *words_join(int n, const char *const *words, const char *separator);
-
-#endif

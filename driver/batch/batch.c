@@ -1,9 +1,9 @@
 #include "batch/batch.h"
 
-#include "base/interrupt.h"
 #include "base/lock.h"
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/progress.h"
 #include "batch/batch_check.h"
 #include "batch/batch_pool.h"
 #include "batch/batch_todo.h"
@@ -44,17 +44,15 @@ static bool read_share(const batch_options *options, batch_share *share, evl_err
         const char *rest = read_count(options->shard, MOST_SHARDS, &share->shard);
         rest = rest != NULL && rest[0] == '/' ? read_count(rest + 1, MOST_SHARDS, &share->n_shards) : NULL;
         if (rest == NULL || rest[0] != '\0' || share->shard > share->n_shards) {
-            evl_error_set(error, EVL_EXIT_USAGE, "", "--shard %s: write I/N, the shard I of N, from 1/N to N/N",
-                          options->shard);
-            return false;
+            return evl_error_set(error, EVL_EXIT_USAGE, "", "--shard %s: write I/N, the shard I of N, from 1/N to N/N",
+                                 options->shard);
         }
     }
     if (options->jobs != NULL) {
         const char *rest = read_count(options->jobs, MOST_JOBS, &share->jobs);
         if (rest == NULL || rest[0] != '\0') {
-            evl_error_set(error, EVL_EXIT_USAGE, "", "--jobs %s: write a number of processes from 1 to %d",
-                          options->jobs, MOST_JOBS);
-            return false;
+            return evl_error_set(error, EVL_EXIT_USAGE, "", "--jobs %s: write a number of processes from 1 to %d",
+                                 options->jobs, MOST_JOBS);
         }
     }
     return true;
@@ -71,35 +69,23 @@ static char *read_line(const char *path)
     }
     char *line = NULL;
     size_t room = 0;
-    ssize_t length = getline(&line, &room, file);
+    const ssize_t length = getline(&line, &room, file);
     (void)fclose(file);
-    if (length < 0) {
-        free(line);
-        return xstrdup("");
-    }
-    while (length > 0 && line[length - 1] == '\n') {
-        line[--length] = '\0';
-    }
-    return line;
-}
-
-static bool fail_folder(const char *path, evl_error *error)
-{
-    evl_error_set(error, EVL_EXIT_IO, path, "cannot be written: %s", strerror(errno));
-    return false;
+    char *text = length < 0 ? xstrdup("") : xasprintf("%.*s", (int)strcspn(line, "\n"), line);
+    free(line);
+    return text;
 }
 
 /** Write the mark under another name first: shards that start together find all of it or nothing. */
 static bool mark_folder(const char *mark, const char *hash, evl_error *error)
 {
-    char *partial = xasprintf("%s.%ld", mark, (long)getpid());
+    OWNED char *partial = xasprintf("%s.%ld", mark, (long)getpid());
     FILE *file = fopen(partial, "wb");
     bool good = file != NULL && fprintf(file, "%s\n", hash) > 0 && fflush(file) == 0 && fsync(fileno(file)) == 0;
     good = (file == NULL || fclose(file) == 0) && good;
     good = (good && (link(partial, mark) == 0 || errno == EEXIST || rename(partial, mark) == 0)) ||
-           fail_folder(mark, error);
+           evl_error_set_unwritten(error, mark);
     (void)unlink(partial);
-    free(partial);
     return good;
 }
 
@@ -107,26 +93,23 @@ static bool mark_folder(const char *mark, const char *hash, evl_error *error)
 static bool claim_folder(const char *folder, const char *hash, evl_error *error)
 {
     if (mkdir(folder, 0777) != 0 && errno != EEXIST) {
-        return fail_folder(folder, error);
+        return evl_error_set_unwritten(error, folder);
     }
-    char *mark = xasprintf("%s/design.txt", folder);
-    char *found = read_line(mark);
-    bool good = found != NULL || errno != ENOENT || mark_folder(mark, hash, error);
-    if (good && found == NULL) {
+    OWNED char *mark = xasprintf("%s/design.txt", folder), *found = read_line(mark);
+    if (found == NULL) {
+        if (errno == ENOENT && !mark_folder(mark, hash, error)) {
+            return false;
+        }
         found = read_line(mark);
     }
-    if (good && found == NULL) {
-        good = fail_folder(mark, error);
-    } else if (good && strcmp(found, hash) != 0) {
-        evl_error_set(error, EVL_EXIT_CASE, mark,
-                      "this folder holds the results of another design (%.16s..., not "
-                      "%.16s...); choose another folder",
-                      found, hash);
-        good = false;
+    if (found == NULL) {
+        return evl_error_set_unwritten(error, mark);
     }
-    free(found);
-    free(mark);
-    return good;
+    return strcmp(found, hash) == 0 ||
+           evl_error_set(error, EVL_EXIT_CASE, mark,
+                         "this folder holds the results of another design (%.16s..., not %.16s...); choose another "
+                         "folder",
+                         found, hash);
 }
 
 /* ---- the shard ---- */
@@ -137,8 +120,8 @@ typedef struct {
     design *design;
     batch_plan plan;
     batch_state state;
-    char *stem;      /**< FOLDER/shard-I-of-N */
-    long n_recorded; /**< cases, by runs before this one */
+    const char *stem; /**< FOLDER/shard-I-of-N */
+    long n_recorded;  /**< cases, by runs before this one */
 } shard_run;
 
 static bool open_histories(shard_run *run, evl_error *error)
@@ -147,7 +130,7 @@ static bool open_histories(shard_run *run, evl_error *error)
     if (histories->n_variables == 0) {
         return true;
     }
-    char *path = xasprintf("%s.h5", run->stem);
+    OWNED char *path = xasprintf("%s.h5", run->stem);
     if (run->n_recorded > 0 && access(path, F_OK) != 0) {
         log_warning("%s is gone, and with it the histories of the %ld cases recorded before", path, run->n_recorded);
     }
@@ -161,30 +144,26 @@ static bool open_histories(shard_run *run, evl_error *error)
                                  .n_variables = histories->n_variables,
                                  .variables = histories->variables,
                                  .names = &histories->names};
-    const bool good = stack_open(&run->plan.stack, &layout, error);
-    free(path);
-    return good;
+    return stack_open(&run->plan.stack, &layout, error);
 }
 
 static bool open_journal(shard_run *run, evl_error *error)
 {
     batch_state *state = &run->state;
-    char *path = xasprintf("%s.jsonl", run->stem);
-    char *head = batch_plan_head(&run->plan, run->share.shard, run->share.n_shards);
+    OWNED char *path = xasprintf("%s.jsonl", run->stem);
+    OWNED char *head = batch_plan_head(&run->plan, run->share.shard, run->share.n_shards);
     state->cases = xcalloc((size_t)run->design->n_cases, sizeof *state->cases);
-    bool good = journal_open(&state->journal, path, head, run->design->n_cases, state->cases, &run->n_recorded, error);
-    if (good && run->n_recorded > 0 && !run->options->resume && run->options->cases == NULL) {
-        evl_error_set(error, EVL_EXIT_CASE, path,
-                      "%ld cases are recorded here already; go on with --resume, or choose another folder",
-                      run->n_recorded);
-        good = false;
+    if (!journal_open(&state->journal, path, head, run->design->n_cases, state->cases, &run->n_recorded, error)) {
+        return false;
     }
-    free(head);
-    free(path);
-    return good;
+    return run->n_recorded == 0 || run->options->resume || run->options->cases != NULL ||
+           evl_error_set(error, EVL_EXIT_CASE, path,
+                         "%ld cases are recorded here already; go on with --resume, or choose another folder",
+                         run->n_recorded);
 }
 
-static evl_exit summarise(const shard_run *run, double seconds)
+/** @return whether cases did not finish */
+static bool summarise(const shard_run *run, double seconds)
 {
     const long n = batch_shard_size(&run->plan);
     long counts[JOURNAL_REFUSED + 1] = {0};
@@ -196,64 +175,53 @@ static evl_exit summarise(const shard_run *run, double seconds)
              "%.3g s: %s.jsonl",
              run->share.shard, run->share.n_shards, n, counts[JOURNAL_DONE], bad, counts[JOURNAL_FAILED],
              counts[JOURNAL_REFUSED], run->state.n_finished, seconds, run->stem);
-    return bad > 0 ? EVL_EXIT_PARTIAL : EVL_EXIT_OK;
+    return bad > 0;
 }
 
-/** With the lock held. */
-static evl_exit run_locked(shard_run *run, evl_error *error)
+/** With the lock held. @return as summarise */
+static bool run_locked(shard_run *run, evl_error *error)
 {
     batch_state *state = &run->state;
-    evl_exit code = EVL_EXIT_OK;
+    bool is_partial = false;
     if (open_journal(run, error) &&
         batch_todo(&run->plan, run->options->cases, state->cases, &state->todo, &state->n_todo, error) &&
         (state->n_todo == 0 || open_histories(run, error))) {
-        const double start = batch_clock();
+        const double start = clock_seconds();
         batch_pool_run(&run->plan, run->share.jobs, !run->options->quiet, state, error);
-        code = error->code == EVL_EXIT_OK ? summarise(run, batch_clock() - start) : error->code;
-    } else {
-        code = error->code;
+        is_partial = error->code == EVL_EXIT_OK && summarise(run, clock_seconds() - start);
     }
     free(state->todo);
     free(state->cases);
     journal_close(&state->journal);
-    return code;
+    return is_partial;
 }
 
-static evl_exit run_shard(shard_run *run, evl_error *error)
+static bool run_shard(shard_run *run, evl_error *error)
 {
     file_lock lock;
-    evl_exit code = EVL_EXIT_OK;
+    bool is_partial = false;
     run->state.journal.descriptor = -1;
-    run->stem = xasprintf("%s/shard-%d-of-%d", run->options->folder, run->share.shard, run->share.n_shards);
-    char *lock_path = xasprintf("%s.lock", run->stem);
+    OWNED char *stem = xasprintf("%s/shard-%d-of-%d", run->options->folder, run->share.shard, run->share.n_shards);
+    OWNED char *lock_path = xasprintf("%s.lock", stem);
+    run->stem = stem;
     if (claim_folder(run->options->folder, run->design->hash, error) && file_lock_take(&lock, lock_path, error)) {
-        code = run_locked(run, error);
+        is_partial = run_locked(run, error);
         file_lock_release(&lock);
-    } else {
-        code = error->code;
     }
-    free(lock_path);
-    free(run->stem);
-    return code;
+    return is_partial;
 }
 
 evl_exit batch(const char *design, const batch_options *options, evl_error *error)
 {
     shard_run run = {.options = options};
-    if (!read_share(options, &run.share, error)) {
-        return error->code;
-    }
-    run.design = design_read(design, error);
-    if (run.design == NULL) {
-        return error->code;
-    }
-    evl_exit code = EVL_EXIT_CASE;
-    if (batch_plan_init(&run.plan, run.design, error)) {
+    bool is_partial = false;
+    if (read_share(options, &run.share, error) && (run.design = design_read(design, error)) != NULL &&
+        batch_plan_init(&run.plan, run.design, error)) {
         run.plan.first_case = run.share.shard - 1;
         run.plan.stride = run.share.n_shards;
-        code = options->check ? batch_check(&run.plan, error) : run_shard(&run, error);
+        is_partial = options->check ? batch_check(&run.plan, error) : run_shard(&run, error);
         batch_plan_free(&run.plan);
     }
     design_delete(&run.design);
-    return code;
+    return is_partial ? EVL_EXIT_PARTIAL : error->code;
 }

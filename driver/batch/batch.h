@@ -1,6 +1,5 @@
 /** Many cases, those of a shard of a design, in one process or a few. docs/batch.md describes what it leaves. */
-#ifndef EVOLVENT_BATCH_H
-#define EVOLVENT_BATCH_H
+#pragma once
 
 #include "base/status.h"
 
@@ -19,5 +18,3 @@ typedef struct {
 /** Run the shard of a design, or check it. Progress and a summary go to the log.
  *  @return EVL_EXIT_OK, or the code of `error`; EVL_EXIT_PARTIAL, with no error, if cases of the shard failed or were refused */
 evl_exit batch(const char *design, const batch_options *options, evl_error *error);
-
-#endif

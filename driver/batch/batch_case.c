@@ -47,11 +47,6 @@ void batch_case_lost(const batch_plan *plan, long index, const char *message, ba
     write_row(plan, index, JOURNAL_FAILED, message, NULL, row);
 }
 
-char *batch_case_refusal(const evl_error *refusal)
-{
-    return xasprintf("%s: %s", refusal->place, refusal->message);
-}
-
 /* ---- what a case has to have ---- */
 
 /** The window of a case, the design's NaNs filled in. @return false if no output lies in it */
@@ -71,12 +66,8 @@ static bool has_history_shape(const batch_plan *plan, const model *model, const 
     const batch_histories *histories = &plan->histories;
     bool good = options->t_end == histories->duration && options->output_interval == histories->output_interval;
     for (int i = 0; i < histories->n_variables && good; i++) {
-        const model_output *wanted = &histories->variables[i];
-        good = false;
-        for (int k = 0; k < model_n_outputs(model) && !good; k++) {
-            const model_output *output = &model_outputs_table(model)[k];
-            good = strcmp(output->name, wanted->name) == 0 && output->count == wanted->count;
-        }
+        const model_output *wanted = &histories->variables[i], *output = model_output_named(model, wanted->name);
+        good = output != NULL && output->count == wanted->count;
     }
     return good;
 }
@@ -89,24 +80,20 @@ static bool check_case(const batch_plan *plan, const prepared_case *prepared, do
     const int n_meshes = case_description(prepared->file)->n_meshes;
     const char *place = case_path(prepared->file);
     if (n_meshes != plan->table.n_meshes) {
-        evl_error_set(
+        return evl_error_set(
             refusal, EVL_EXIT_CASE, place,
             "the number of meshes is %d, that of the base case %d; all cases of a design have the same meshes",
             n_meshes, plan->table.n_meshes);
-        return false;
     }
     if (!find_window(plan, &options, from, to)) {
-        evl_error_set(refusal, EVL_EXIT_CASE, place,
-                      "the window from %g to %g s holds no output of this case, which ends at %g s", *from, *to,
-                      options.t_end);
-        return false;
+        return evl_error_set(refusal, EVL_EXIT_CASE, place,
+                             "the window from %g to %g s holds no output of this case, which ends at %g s", *from, *to,
+                             options.t_end);
     }
-    if (!has_history_shape(plan, prepared->model, &options) && plan->histories.n_variables > 0) {
-        evl_error_set(refusal, EVL_EXIT_CASE, place,
-                      "its history has other times or sizes than those of the other cases; plan it without histories");
-        return false;
-    }
-    return true;
+    return plan->histories.n_variables == 0 || has_history_shape(plan, prepared->model, &options) ||
+           evl_error_set(
+               refusal, EVL_EXIT_CASE, place,
+               "its history has other times or sizes than those of the other cases; plan it without histories");
 }
 
 /* ---- what the simulation tells ---- */
@@ -170,10 +157,8 @@ static void start_history(batch_sink *sink, const model *model)
 /** What `evolvent run` would warn of. */
 static char *remarks(const prepared_case *prepared, const char *remark)
 {
-    char *warnings = prepare_warnings(prepared, "; ");
-    char *text = xasprintf("%s%s%s", warnings, warnings[0] != '\0' && remark[0] != '\0' ? "; " : "", remark);
-    free(warnings);
-    return text;
+    OWNED char *warnings = prepare_warnings(prepared, "; ");
+    return xasprintf("%s%s%s", warnings, warnings[0] != '\0' && remark[0] != '\0' ? "; " : "", remark);
 }
 
 static void conclude(const batch_sink *sink, const prepared_case *prepared, long index, const simulate_result *result,
@@ -181,17 +166,14 @@ static void conclude(const batch_sink *sink, const prepared_case *prepared, long
 {
     const batch_plan *plan = sink->plan;
     const bool is_done = result->end == SIMULATE_DONE;
-    double *results = xcalloc((size_t)plan->table.n, sizeof *results);
-    statistics_finish(sink->statistics, &result->counts, is_done, results);
-    char *remark = result->held ? xstrdup(result->remark)
-                                : xasprintf("%s%sits own invariants are %s", result->remark,
-                                            result->remark[0] != '\0' ? "; " : "", result->invariants);
-    char *message =
+    OWNED double *results = xcalloc((size_t)plan->table.n, sizeof *results);
+    statistics_finish(sink->statistics, result, results);
+    OWNED char *remark = result->held ? xstrdup(result->remark)
+                                      : xasprintf("%s%sits own invariants are %s", result->remark,
+                                                  result->remark[0] != '\0' ? "; " : "", result->invariants);
+    OWNED char *message =
         is_done ? remarks(prepared, remark) : xasprintf("failed at t = %.9g s: %s", result->t, result->message);
-    free(remark);
     write_row(plan, index, is_done ? JOURNAL_DONE : JOURNAL_FAILED, message, results, row);
-    free(message);
-    free(results);
 }
 
 static bool simulate_prepared(const batch_plan *plan, long index, const prepared_case *prepared, batch_start *start,
@@ -228,9 +210,8 @@ bool batch_case_run(const batch_plan *plan, long index, prepared_case *prepared,
     evl_error refusal;
     batch_start start;
     if (!batch_case_prepare(plan, index, prepared, &start, &refusal)) {
-        char *message = batch_case_refusal(&refusal);
+        OWNED char *message = evl_error_text(&refusal);
         write_row(plan, index, JOURNAL_REFUSED, message, NULL, row);
-        free(message);
         return true;
     }
     const bool good = simulate_prepared(plan, index, prepared, &start, row, error);

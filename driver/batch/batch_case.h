@@ -1,6 +1,5 @@
 /** One case of a batch: from its row in the design to its line in the journal. */
-#ifndef EVOLVENT_BATCH_CASE_H
-#define EVOLVENT_BATCH_CASE_H
+#pragma once
 
 #include "batch/batch_plan.h"
 #include "batch/journal.h"
@@ -21,13 +20,9 @@ typedef struct {
  *  @return false with the reason in `refusal` */
 bool batch_case_prepare(const batch_plan *plan, long index, prepared_case *prepared, batch_start *start,
                         evl_error *refusal);
-/** A refusal in the words of `evolvent run`, as a new string. */
-char *batch_case_refusal(const evl_error *refusal);
 /** Run a case. What is wrong with it is told in its row.
  *  @param[in,out] prepared  zeros before the first case, to be freed after the last one
  *  @return false with the reason in `error` if its history could not be written */
 bool batch_case_run(const batch_plan *plan, long index, prepared_case *prepared, batch_row *row, evl_error *error);
 /** The row of a case that ended the process that ran it. */
 void batch_case_lost(const batch_plan *plan, long index, const char *message, batch_row *row);
-
-#endif

@@ -2,11 +2,11 @@
 
 #include "base/interrupt.h"
 #include "base/json.h"
+#include "base/memory.h"
 #include "batch/batch_case.h"
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 
 /** What was found so far. */
 typedef struct {
@@ -16,13 +16,12 @@ typedef struct {
 
 static void write_refusal(long index, const evl_error *refusal)
 {
-    char *text = batch_case_refusal(refusal);
+    OWNED char *text = evl_error_text(refusal);
     json_writer writer = {.stream = stdout, .is_line = true};
     json_open(&writer, NULL, '{');
     json_integer(&writer, "case", index);
     json_text(&writer, "message", text);
     json_close(&writer, '}');
-    free(text);
 }
 
 static void write_findings(const findings *found)
@@ -35,7 +34,7 @@ static void write_findings(const findings *found)
     json_close(&writer, '}');
 }
 
-evl_exit batch_check(const batch_plan *plan, evl_error *error)
+bool batch_check(const batch_plan *plan, evl_error *error)
 {
     findings found = {.shortest = NAN};
     prepared_case prepared = {0};
@@ -53,10 +52,9 @@ evl_exit batch_check(const batch_plan *plan, evl_error *error)
     }
     prepared_case_free(&prepared);
     if (interrupt_signal != 0) {
-        evl_error_set(error, EVL_EXIT_INTERRUPTED, plan->design->file, "interrupted by %s",
-                      interrupt_name((int)interrupt_signal));
-        return EVL_EXIT_INTERRUPTED;
+        return evl_error_set(error, EVL_EXIT_INTERRUPTED, plan->design->file, "interrupted by %s",
+                             interrupt_name((int)interrupt_signal));
     }
     write_findings(&found);
-    return found.refused > 0 ? EVL_EXIT_PARTIAL : EVL_EXIT_OK;
+    return found.refused > 0;
 }

@@ -1,12 +1,9 @@
 /** Asks of every case of a shard whether it would be refused, without running any. */
-#ifndef EVOLVENT_BATCH_CHECK_H
-#define EVOLVENT_BATCH_CHECK_H
+#pragma once
 
 #include "base/status.h"
 #include "batch/batch_plan.h"
 
 /** A line of JSON on stdout for each case that would be refused, and one for all of them. docs/batch.md describes them.
- *  @return EVL_EXIT_OK; EVL_EXIT_PARTIAL, with no error, if some would be refused; EVL_EXIT_INTERRUPTED with an error */
-evl_exit batch_check(const batch_plan *plan, evl_error *error);
-
-#endif
+ *  @return whether some would be refused; false too with an error, EVL_EXIT_INTERRUPTED */
+bool batch_check(const batch_plan *plan, evl_error *error);

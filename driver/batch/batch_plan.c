@@ -4,11 +4,10 @@
 #include "base/memory.h"
 #include "base/suggest.h"
 #include "batch/journal.h"
-#include "integrate/output_grid.h"
+#include "integrate/integrate_types.h"
 #include "simulate/simulate.h"
 
 #include <evolvent_version.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -20,9 +19,8 @@ static bool check_paths(const batch_plan *plan, evl_error *error)
         evl_error reason;
         const char *path = design->columns[i].path;
         if (strchr(path, '=') != NULL || !case_base_has_path(plan->base, path, &reason)) {
-            evl_error_set(error, EVL_EXIT_CASE, design->file, "no case has the path '%.200s': %s", path,
-                          strchr(path, '=') != NULL ? "it contains '='" : reason.message);
-            return false;
+            return evl_error_set(error, EVL_EXIT_CASE, design->file, "no case has the path '%.200s': %s", path,
+                                 strchr(path, '=') != NULL ? "it contains '='" : reason.message);
         }
     }
     return true;
@@ -31,19 +29,18 @@ static bool check_paths(const batch_plan *plan, evl_error *error)
 static void take_table(batch_plan *plan)
 {
     const int n = case_base_elements(plan->base, "meshes", NULL);
-    char **names = xcalloc((size_t)n, sizeof *names);
+    OWNED char **names = xcalloc((size_t)n, sizeof *names);
     (void)case_base_elements(plan->base, "meshes", names);
     statistics_table_init(&plan->table, n, names);
     for (int i = 0; i < n; i++) {
         free(names[i]);
     }
-    free(names);
 }
 
 bool batch_prepare(const batch_plan *plan, long index, prepared_case *prepared, evl_error *error)
 {
     const design *design = plan->design;
-    char **options = xcalloc((size_t)design->n_columns, sizeof *options);
+    OWNED char **options = xcalloc((size_t)design->n_columns, sizeof *options);
     for (int i = 0; i < design->n_columns; i++) {
         options[i] = design_option(design, i, index);
     }
@@ -51,7 +48,6 @@ bool batch_prepare(const batch_plan *plan, long index, prepared_case *prepared, 
     for (int i = 0; i < design->n_columns; i++) {
         free(options[i]);
     }
-    free(options);
     return good;
 }
 
@@ -60,7 +56,7 @@ bool batch_prepare(const batch_plan *plan, long index, prepared_case *prepared, 
 static bool refuse_variable(const batch_plan *plan, const model *model, const char *name, evl_error *error)
 {
     const int n = model_n_outputs(model);
-    const char **names = xcalloc((size_t)n, sizeof *names);
+    OWNED const char **names = xcalloc((size_t)n, sizeof *names);
     int n_names = 0;
     for (int i = 0; i < n; i++) {
         const model_output *output = &model_outputs_table(model)[i];
@@ -68,40 +64,32 @@ static bool refuse_variable(const batch_plan *plan, const model *model, const ch
             names[n_names++] = output->name;
         }
     }
-    char *hint = suggest_phrase(name, n_names, names);
-    evl_error_set(error, EVL_EXIT_CASE, plan->design->file,
-                  "history_variables: a history of these cases has no '%.64s' over time%s", name, hint);
-    free(hint);
-    free(names);
-    return false;
+    OWNED char *hint = suggest_phrase(name, n_names, names);
+    return evl_error_set(error, EVL_EXIT_CASE, plan->design->file,
+                         "history_variables: a history of these cases has no '%.64s' over time%s", name, hint);
 }
 
 /** Find the variables by the names that stand in the design. */
 static bool choose_variables(batch_plan *plan, const model *model, evl_error *error)
 {
     batch_histories *histories = &plan->histories;
-    char *names = xstrdup(plan->design->history_variables), *rest = NULL;
+    OWNED char *names = xstrdup(plan->design->history_variables);
+    char *rest = NULL;
     histories->variables = xcalloc((size_t)model_n_outputs(model), sizeof *histories->variables);
-    bool good = true;
-    for (char *name = strtok_r(names, " ", &rest); name != NULL && good; name = strtok_r(NULL, " ", &rest)) {
-        const model_output *found = NULL;
+    for (char *name = strtok_r(names, " ", &rest); name != NULL; name = strtok_r(NULL, " ", &rest)) {
+        const model_output *found = model_output_named(model, name);
         bool is_new = true;
-        for (int i = 0; i < model_n_outputs(model) && found == NULL; i++) {
-            const model_output *output = &model_outputs_table(model)[i];
-            const bool is_it = strcmp(output->name, name) == 0 && !output->is_static && output->count > 0;
-            found = is_it ? output : NULL;
-        }
         for (int i = 0; i < histories->n_variables; i++) {
             is_new = is_new && strcmp(histories->variables[i].name, name) != 0;
         }
-        if (found == NULL) {
-            good = refuse_variable(plan, model, name, error);
-        } else if (is_new) {
+        if (found == NULL || found->is_static || found->count == 0) {
+            return refuse_variable(plan, model, name, error);
+        }
+        if (is_new) {
             histories->variables[histories->n_variables++] = *found;
         }
     }
-    free(names);
-    return good;
+    return true;
 }
 
 static void take_times(batch_plan *plan, const prepared_case *prepared)
@@ -143,9 +131,8 @@ static bool plan_histories(batch_plan *plan, evl_error *error)
 bool batch_plan_init(batch_plan *plan, const design *design, evl_error *error)
 {
     *plan = (batch_plan){.design = design, .stack = {.descriptor = -1}};
-    char *name = xasprintf("%s: base case", design->file);
+    OWNED char *name = xasprintf("%s: base case", design->file);
     plan->base = case_base_parse(name, design->base_case, model_schema(), error);
-    free(name);
     if (plan->base == NULL) {
         return false;
     }

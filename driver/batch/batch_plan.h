@@ -1,6 +1,5 @@
 /** What all cases of a batch share: made once, before the workers are. */
-#ifndef EVOLVENT_BATCH_PLAN_H
-#define EVOLVENT_BATCH_PLAN_H
+#pragma once
 
 #include "batch/batch_statistics.h"
 #include "case/case.h"
@@ -37,5 +36,3 @@ char *batch_plan_head(const batch_plan *plan, int shard, int n_shards);
 
 /** Make a case from its row. `prepared` and the result are those of prepare_edited. */
 bool batch_prepare(const batch_plan *plan, long index, prepared_case *prepared, evl_error *error);
-
-#endif

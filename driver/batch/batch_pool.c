@@ -3,6 +3,7 @@
 #include "base/interrupt.h"
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/progress.h"
 #include "batch/batch_worker.h"
 
 #include <errno.h>
@@ -34,13 +35,6 @@ typedef struct {
     double started, synced, shown;
     bool show_progress, is_terminal;
 } pool;
-
-double batch_clock(void)
-{
-    struct timespec now;
-    (void)clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 /* ---- what is to be seen and to be safe ---- */
 
@@ -86,7 +80,7 @@ static bool sync_all(pool *pool)
 
 static bool look_at_clock(pool *pool)
 {
-    const double now = batch_clock();
+    const double now = clock_seconds();
     if (pool->show_progress && now - pool->shown >= (pool->is_terminal ? terminal_interval : elsewhere_interval)) {
         show_progress(pool, now);
         pool->shown = now;
@@ -159,9 +153,10 @@ static bool attend(pool *pool, int number, batch_worker_news *news)
     bool good = true;
     while (good && (*news = batch_worker_hear(&pool->workers[number], &answer)) == WORKER_ANSWERED) {
         if (answer.is_lost) {
-            *pool->error = answer.error;
+            OWNED char *reason = answer.row.line;
+            return evl_error_set(pool->error, EVL_EXIT_IO, "", "%s", reason);
         }
-        good = !answer.is_lost && record(pool, answer.place, &answer.row);
+        good = record(pool, answer.place, &answer.row);
     }
     return good;
 }
@@ -179,7 +174,7 @@ static bool has_workers(const pool *pool)
 /** Record what the workers say until they are all gone. */
 static bool listen_to_all(pool *pool)
 {
-    struct pollfd *ends = xcalloc((size_t)pool->n_workers, sizeof *ends);
+    OWNED struct pollfd *ends = xcalloc((size_t)pool->n_workers, sizeof *ends);
     bool good = true;
     while (good && interrupt_signal == 0 && has_workers(pool)) {
         for (int i = 0; i < pool->n_workers; i++) {
@@ -196,7 +191,6 @@ static bool listen_to_all(pool *pool)
             (void)nanosleep(&rest, NULL);
         }
     }
-    free(ends);
     return good;
 }
 
@@ -273,7 +267,7 @@ static void keep_unrecorded(pool *pool)
 
 void batch_pool_run(const batch_plan *plan, int jobs, bool show_progress, batch_state *state, evl_error *error)
 {
-    const double now = batch_clock();
+    const double now = clock_seconds();
     pool pool = {.work = {.plan = plan},
                  .state = state,
                  .error = error,

@@ -1,6 +1,5 @@
 /** The parent of a batch's workers: starts and replaces them, records what they send. */
-#ifndef EVOLVENT_BATCH_POOL_H
-#define EVOLVENT_BATCH_POOL_H
+#pragma once
 
 #include "batch/batch_plan.h"
 #include "batch/journal.h"
@@ -16,8 +15,3 @@ typedef struct {
 /** Run all that is to do in `jobs` workers. Interrupted by a signal, or if something cannot be written, it ends what runs,
  *  brings to the disk what is recorded, and says so in `error`. */
 void batch_pool_run(const batch_plan *plan, int jobs, bool show_progress, batch_state *state, evl_error *error);
-
-/** Seconds of a clock that never goes back. */
-double batch_clock(void);
-
-#endif

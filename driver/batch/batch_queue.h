@@ -1,7 +1,6 @@
 /** The cases of a batch, taken by its workers one by one. Nobody has to hand them out: a worker never waits for the parent, and
  *  all are busy until the last case is taken. */
-#ifndef EVOLVENT_BATCH_QUEUE_H
-#define EVOLVENT_BATCH_QUEUE_H
+#pragma once
 
 /** Lies in memory that a process shares with those it forks. */
 typedef struct batch_queue batch_queue;
@@ -17,5 +16,3 @@ long batch_queue_take(batch_queue *queue, int worker);
 long batch_queue_last(const batch_queue *queue, int worker);
 /** All places are there again, n of them; no worker may be at work. */
 void batch_queue_restart(batch_queue *queue, long n);
-
-#endif

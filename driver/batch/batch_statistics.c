@@ -39,11 +39,10 @@ enum { N_OF_MESH = sizeof of_mesh / sizeof *of_mesh };
 enum { ENERGY_RESIDUAL, STEPS, CPU_TIME, N_OF_CASE };
 static const struct {
     const char *name, *units, *long_name;
-    bool is_count;
 } of_case[N_OF_CASE] = {
-    [ENERGY_RESIDUAL] = {"energy_residual", "1", "largest error of the energy balance over the energy put in", false},
-    [STEPS] = {"steps", "1", "steps of the integrator", true},
-    [CPU_TIME] = {"cpu_time", "s", "processor time of the integration", false},
+    [ENERGY_RESIDUAL] = {"energy_residual", "1", "largest error of the energy balance over the energy put in"},
+    [STEPS] = {"steps", "1", "steps of the integrator"},
+    [CPU_TIME] = {"cpu_time", "s", "processor time of the integration"},
 };
 
 /* ---- the table ---- */
@@ -73,33 +72,32 @@ static char *name_of_mesh(const statistics_table *table, const char *name, int m
     return full;
 }
 
-static void add(statistics_table *table, char *name, const char *units, char *long_name, bool is_count)
+static void add(statistics_table *table, char *name, const char *units, char *long_name)
 {
-    table->scalars[table->n++] =
-        (statistics_scalar){.name = name, .units = xstrdup(units), .long_name = long_name, .is_count = is_count};
+    table->scalars[table->n++] = (statistics_scalar){.name = name, .units = xstrdup(units), .long_name = long_name};
 }
 
 void statistics_table_init(statistics_table *table, int n_meshes, char *const *mesh_names)
 {
-    const int n_kinds = model_n_event_kinds();
+    const int n_kinds = model_tables()->n_event_kinds;
     *table = (statistics_table){.n_meshes = n_meshes};
     table->scalars = xcalloc((size_t)n_meshes * N_OF_MESH + N_OF_CASE + (size_t)n_kinds, sizeof *table->scalars);
     for (int mesh = 0; mesh < n_meshes; mesh++) {
         for (int i = 0; i < N_OF_MESH; i++) {
             if (n_meshes == 1) {
-                add(table, xstrdup(of_mesh[i].name), of_mesh[i].units, xstrdup(of_mesh[i].long_name), false);
+                add(table, xstrdup(of_mesh[i].name), of_mesh[i].units, xstrdup(of_mesh[i].long_name));
             } else {
                 add(table, name_of_mesh(table, of_mesh[i].name, mesh, mesh_names[mesh]), of_mesh[i].units,
-                    xasprintf("%s, mesh '%s'", of_mesh[i].long_name, mesh_names[mesh]), false);
+                    xasprintf("%s, mesh '%s'", of_mesh[i].long_name, mesh_names[mesh]));
             }
         }
     }
     for (int i = 0; i < N_OF_CASE; i++) {
-        add(table, xstrdup(of_case[i].name), of_case[i].units, xstrdup(of_case[i].long_name), of_case[i].is_count);
+        add(table, xstrdup(of_case[i].name), of_case[i].units, xstrdup(of_case[i].long_name));
     }
     for (int kind = 0; kind < n_kinds; kind++) {
-        const char *name = model_event_kind(kind);
-        add(table, xasprintf("events_%s", name), "1", xasprintf("number of events %s", name), true);
+        const char *name = model_tables()->event_kinds[kind];
+        add(table, xasprintf("events_%s", name), "1", xasprintf("number of events %s", name));
     }
 }
 
@@ -122,27 +120,16 @@ typedef struct {
     double last; /**< of the output before */
 } accumulator;
 
-/** Terms of the energy balance T + V + dissipated - work = constant, over the whole case. */
-typedef struct {
-    int kinetic, potential, dissipated, work, torque, speed; /**< offsets */
-    int n_wheels;
-    double start, stored_at_start; /**< [J] */
-    double gross, power;           /**< work that was put in [J], and the power at the last output [W] */
-    double largest, largest_error;
-} energy_balance;
-
 struct statistics {
     const statistics_table *table;
     double from, to;
-    double t;        /**< of the last output */
-    bool has_output; /**< any at all */
-    double t_first;  /**< of the window */
+    double t;       /**< of the last output */
+    double t_first; /**< of the window */
     double t_last;
     bool is_in_window;    /**< the last output was */
     accumulator *of_mesh; /**< [n_meshes * N_OF_MESH] */
-    energy_balance energy;
-    extremes *extremes; /**< in the window */
-    long *events;       /**< [kinds] */
+    extremes *extremes;   /**< in the window */
+    long *events;         /**< [kinds] */
 };
 
 static const char *resolve_output(const model *model, const char *name)
@@ -150,17 +137,6 @@ static const char *resolve_output(const model *model, const char *name)
     const bool counts_pairs = strcmp(name, "pairs_in_contact") == 0;
     /* A model of one pair a mesh tells only whether that is in contact. */
     return counts_pairs && model_output_offset(model, name) < 0 ? "in_contact" : name;
-}
-
-static int count_wheels(const model *model)
-{
-    for (int i = 0; i < model_n_outputs(model); i++) {
-        const model_output *output = &model_outputs_table(model)[i];
-        if (output->dims == MODEL_DIMS_WHEEL) {
-            return output->count;
-        }
-    }
-    return 0;
 }
 
 statistics *statistics_create(const statistics_table *table, const model *model, double from, double to,
@@ -174,20 +150,13 @@ statistics *statistics_create(const statistics_table *table, const model *model,
                                       .t_first = NAN,
                                       .of_mesh = xcalloc((size_t)table->n_meshes * N_OF_MESH, sizeof(accumulator)),
                                       .extremes = extremes_create(model, table->n_meshes, from, to),
-                                      .events = xcalloc((size_t)model_n_event_kinds(), sizeof(long))};
+                                      .events = xcalloc((size_t)model_tables()->n_event_kinds, sizeof(long))};
     for (int mesh = 0; mesh < table->n_meshes; mesh++) {
         for (int i = 0; i < N_OF_MESH; i++) {
             const int offset = model_output_offset(model, resolve_output(model, of_mesh[i].output));
             statistics->of_mesh[mesh * N_OF_MESH + i] = (accumulator){.offset = offset < 0 ? -1 : offset + mesh};
         }
     }
-    statistics->energy = (energy_balance){.kinetic = model_output_offset(model, "kinetic_energy"),
-                                          .potential = model_output_offset(model, "potential_energy"),
-                                          .dissipated = model_output_offset(model, "dissipated_energy"),
-                                          .work = model_output_offset(model, "load_work"),
-                                          .torque = model_output_offset(model, "load_torque"),
-                                          .speed = model_output_offset(model, "angular_velocity"),
-                                          .n_wheels = count_wheels(model)};
     return statistics;
 }
 
@@ -230,31 +199,8 @@ static void add_to_meshes(statistics *statistics, double dt, const double *value
     }
 }
 
-static void add_to_energy(energy_balance *energy, bool is_first, double dt, const double *values)
-{
-    const double kinetic = values[energy->kinetic], stored = kinetic + values[energy->potential];
-    const double balance = stored + values[energy->dissipated] - values[energy->work];
-    double power = 0;
-    for (int i = 0; i < energy->n_wheels; i++) {
-        power += fmax(values[energy->torque + i] * values[energy->speed + i], 0.0);
-    }
-    if (is_first) {
-        energy->start = balance;
-        energy->stored_at_start = stored;
-    } else {
-        energy->gross += 0.5 * dt * (energy->power + power);
-    }
-    energy->power = power;
-    const int energies[] = {energy->kinetic, energy->potential, energy->dissipated, energy->work};
-    for (int i = 0; i < 4; i++) {
-        energy->largest = fmax(energy->largest, fabs(values[energies[i]]));
-    }
-    energy->largest_error = fmax(energy->largest_error, fabs(balance - energy->start));
-}
-
 void statistics_outputs(statistics *statistics, double t, const double *values)
 {
-    add_to_energy(&statistics->energy, !statistics->has_output, t - statistics->t, values);
     const bool is_in_window = t >= statistics->from && t <= statistics->to;
     if (is_in_window) {
         add_to_meshes(statistics, statistics->is_in_window ? t - statistics->t : 0.0, values);
@@ -262,28 +208,20 @@ void statistics_outputs(statistics *statistics, double t, const double *values)
         statistics->t_last = t;
     }
     statistics->is_in_window = is_in_window;
-    statistics->has_output = true;
     statistics->t = t;
 }
 
 void statistics_event(statistics *statistics, const event_record *record)
 {
-    if (record->what.kind >= 0 && record->what.kind < model_n_event_kinds()) {
+    if (record->what.kind >= 0 && record->what.kind < model_tables()->n_event_kinds) {
         statistics->events[record->what.kind]++;
     }
-}
-
-/** Over what the energy that appeared or got lost is measured, as in evolvent-post check. */
-static double energy_residual(const energy_balance *energy)
-{
-    const double scale = fmax(energy->gross + fabs(energy->stored_at_start), energy->largest);
-    return scale > 0 ? energy->largest_error / scale : NAN;
 }
 
 /** An extreme in the window. */
 static double extreme_of(const statistics *statistics, int row, int mesh, bool is_largest)
 {
-    return extremes_value(statistics->extremes, extremes_find(of_mesh[row].output, is_largest), mesh);
+    return extremes_found(statistics->extremes, extremes_find(of_mesh[row].output, is_largest), mesh).value;
 }
 
 static double reduce(const statistics *statistics, int row, int mesh, double span)
@@ -299,18 +237,18 @@ static double reduce(const statistics *statistics, int row, int mesh, double spa
     }
 }
 
-void statistics_finish(const statistics *statistics, const integrate_counts *counts, bool is_complete, double *results)
+void statistics_finish(const statistics *statistics, const simulate_result *result, double *results)
 {
     const double span = statistics->t_last - statistics->t_first;
     int n = 0;
     for (int i = 0; i < statistics->table->n_meshes * N_OF_MESH; i++) {
-        results[n++] = is_complete ? reduce(statistics, i % N_OF_MESH, i / N_OF_MESH, span) : NAN;
+        results[n++] = result->end == SIMULATE_DONE ? reduce(statistics, i % N_OF_MESH, i / N_OF_MESH, span) : NAN;
     }
-    results[n + ENERGY_RESIDUAL] = statistics->has_output ? energy_residual(&statistics->energy) : NAN;
-    results[n + STEPS] = (double)counts->steps;
-    results[n + CPU_TIME] = counts->cpu_seconds;
+    results[n + ENERGY_RESIDUAL] = result->energy_residual;
+    results[n + STEPS] = (double)result->counts.steps;
+    results[n + CPU_TIME] = result->counts.cpu_seconds;
     n += N_OF_CASE;
-    for (int kind = 0; kind < model_n_event_kinds(); kind++) {
+    for (int kind = 0; kind < model_tables()->n_event_kinds; kind++) {
         results[n++] = (double)statistics->events[kind];
     }
 }

@@ -1,18 +1,13 @@
 /** The numbers that a batch keeps of each case, accumulated while it is simulated: one table says which. */
-#ifndef EVOLVENT_BATCH_STATISTICS_H
-#define EVOLVENT_BATCH_STATISTICS_H
+#pragma once
 
-#include "integrate/events.h"
 #include "integrate/integrate_types.h"
 #include "model/model.h"
-#include "simulate/extremes.h"
-
-#include <stdbool.h>
+#include "simulate/simulate.h"
 
 /** One number of a case. */
 typedef struct {
     char *name, *units, *long_name;
-    bool is_count;
 } statistics_scalar;
 
 /** What all cases of a batch have in common. */
@@ -39,8 +34,6 @@ extremes *statistics_extremes(const statistics *statistics);
 void statistics_outputs(statistics *statistics, double t, const double *values);
 void statistics_event(statistics *statistics, const event_record *record);
 /** The numbers of the table; NaN where there was nothing to accumulate.
- *  @param is_complete  the case came to its end; otherwise the numbers of the meshes, whose window is not full, are NaN
+ *  @param result   of the simulation; if it did not come to its end, the numbers of the meshes, whose window is not full, are NaN
  *  @param results      [table.n] */
-void statistics_finish(const statistics *statistics, const integrate_counts *counts, bool is_complete, double *results);
-
-#endif
+void statistics_finish(const statistics *statistics, const simulate_result *result, double *results);

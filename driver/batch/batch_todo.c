@@ -59,23 +59,22 @@ static bool read_cases(const batch_plan *plan, const char *path, case_list *list
     char *line = NULL;
     size_t room = 0;
     long n_lines = 0;
-    bool good = file != NULL;
-    if (!good) {
-        evl_error_set(error, EVL_EXIT_CASE, path, "cannot be read: %s", strerror(errno));
+    bool good = true;
+    if (file == NULL) {
+        return evl_error_set(error, EVL_EXIT_CASE, path, "cannot be read: %s", strerror(errno));
     }
     while (good && getline(&line, &room, file) > 0) {
         n_lines++;
         good = take_line(plan, line, n_lines == 1, list);
         if (!good) {
-            char *place = xasprintf("%s:%ld", path, n_lines);
+            OWNED char *place = xasprintf("%s:%ld", path, n_lines);
             const int length = (int)strcspn(line, "\r\n");
             evl_error_set(error, EVL_EXIT_CASE, place, "'%.*s' is no case of the design; its numbers are 0 to %ld",
                           length < SHOWN ? length : SHOWN, line, plan->design->n_cases - 1);
-            free(place);
         }
     }
     free(line);
-    (void)(file != NULL && fclose(file));
+    (void)fclose(file);
     return good;
 }
 
@@ -83,7 +82,8 @@ bool batch_todo(const batch_plan *plan, const char *cases_path, const journal_ca
                 evl_error *error)
 {
     const long n = batch_shard_size(plan);
-    case_list list = {.is_wanted = xcalloc((size_t)plan->design->n_cases, sizeof *list.is_wanted), .after = LONG_MAX};
+    OWNED bool *is_wanted = xcalloc((size_t)plan->design->n_cases, sizeof *is_wanted);
+    case_list list = {.is_wanted = is_wanted, .after = LONG_MAX};
     const bool good = cases_path == NULL || read_cases(plan, cases_path, &list, error);
     *todo = xcalloc((size_t)n, sizeof **todo);
     *n_todo = 0;
@@ -94,6 +94,5 @@ bool batch_todo(const batch_plan *plan, const char *cases_path, const journal_ca
             (*todo)[(*n_todo)++] = index;
         }
     }
-    free(list.is_wanted);
     return good;
 }

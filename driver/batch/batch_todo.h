@@ -1,6 +1,5 @@
 /** Which cases a run of a shard has to do. */
-#ifndef EVOLVENT_BATCH_TODO_H
-#define EVOLVENT_BATCH_TODO_H
+#pragma once
 
 #include "batch/batch_plan.h"
 #include "batch/journal.h"
@@ -15,5 +14,3 @@ long batch_shard_size(const batch_plan *plan);
  *  @return false with the reason in `error` */
 bool batch_todo(const batch_plan *plan, const char *cases_path, const journal_case *cases, long **todo, long *n_todo,
                 evl_error *error);
-
-#endif

@@ -13,14 +13,6 @@
 #include <sys/prctl.h>
 #endif
 
-/** What goes before the text of an answer. */
-typedef struct {
-    long place;
-    bool is_lost;
-    journal_status status;
-    size_t length;
-} answer_head;
-
 /* ---- in the worker ---- */
 
 static bool send_bytes(int socket, const void *bytes, size_t length)
@@ -40,15 +32,14 @@ static bool send_bytes(int socket, const void *bytes, size_t length)
     return true;
 }
 
-/** With one call: each wakes the parent. */
-static bool send_answer(int socket, answer_head head, const char *text)
+/** The answer and the text behind it, with one call: each wakes the parent. */
+static bool send_answer(int socket, const batch_answer *answer)
 {
-    char *message = xcalloc(sizeof head + head.length, 1);
-    memcpy(message, &head, sizeof head);
-    memcpy(message + sizeof head, text, head.length);
-    const bool good = send_bytes(socket, message, sizeof head + head.length);
-    free(message);
-    return good;
+    const size_t length = sizeof *answer + answer->row.length;
+    OWNED char *message = xcalloc(length, 1);
+    memcpy(message, answer, sizeof *answer);
+    memcpy(message + sizeof *answer, answer->row.line, answer->row.length);
+    return send_bytes(socket, message, length);
 }
 
 /** Only the parent decides when a job ends: it is told as well. */
@@ -71,22 +62,16 @@ static void leave_signals_to_parent(pid_t parent)
 /** @return false if the parent is gone */
 static bool run_case(const batch_work *work, long place, int socket, prepared_case *prepared)
 {
-    batch_row row = {0};
-    evl_error error;
-    answer_head head = {.place = place};
-    char *text = NULL;
-    head.is_lost = !batch_case_run(work->plan, work->todo[place], prepared, &row, &error);
-    if (head.is_lost) {
-        text = xasprintf("%s: %s", error.place, error.message);
-        head.length = strlen(text);
-        free(row.line);
-    } else {
-        text = row.line;
-        head.length = row.length;
+    evl_error error = {.code = EVL_EXIT_OK};
+    batch_answer answer = {.place = place};
+    answer.is_lost = !batch_case_run(work->plan, work->todo[place], prepared, &answer.row, &error);
+    if (answer.is_lost) {
+        free(answer.row.line);
+        answer.row.line = evl_error_text(&error);
+        answer.row.length = strlen(answer.row.line);
     }
-    head.status = row.status;
-    const bool good = send_answer(socket, head, text);
-    free(text);
+    const bool good = send_answer(socket, &answer);
+    free(answer.row.line);
     return good;
 }
 
@@ -104,8 +89,8 @@ static void run_cases(const batch_work *work, int number, long first, int socket
 
 static bool fail_start(evl_error *error)
 {
-    evl_error_set(error, EVL_EXIT_INTERRUPTED, "", "cannot start a worker: %s; use fewer --jobs", strerror(errno));
-    return false;
+    return evl_error_set(error, EVL_EXIT_INTERRUPTED, "", "cannot start a worker: %s; use fewer --jobs",
+                         strerror(errno));
 }
 
 bool batch_worker_start(batch_worker *worker, const batch_work *work, int number, long first, const batch_worker *all,
@@ -150,26 +135,18 @@ static int wait_for(pid_t pid)
 /** A whole message at the start of the buffer? Then hand its text over. */
 static bool take_answer(batch_worker *worker, batch_answer *answer)
 {
-    answer_head head;
-    if (worker->n_bytes < sizeof head) {
+    if (worker->n_bytes < sizeof *answer) {
         return false;
     }
-    memcpy(&head, worker->buffer, sizeof head);
-    const size_t length = sizeof head + head.length;
+    memcpy(answer, worker->buffer, sizeof *answer);
+    const size_t length = sizeof *answer + answer->row.length;
     if (worker->n_bytes < length) {
         return false;
     }
-    char *text = xcalloc(head.length + 1, 1);
-    memcpy(text, worker->buffer + sizeof head, head.length);
+    answer->row.line = xcalloc(answer->row.length + 1, 1);
+    memcpy(answer->row.line, worker->buffer + sizeof *answer, answer->row.length);
     worker->n_bytes -= length;
     memmove(worker->buffer, worker->buffer + length, worker->n_bytes);
-    *answer = (batch_answer){.place = head.place, .is_lost = head.is_lost};
-    if (head.is_lost) {
-        evl_error_set(&answer->error, EVL_EXIT_IO, "", "%s", text);
-        free(text);
-    } else {
-        answer->row = (batch_row){.status = head.status, .line = text, .length = head.length};
-    }
     return true;
 }
 

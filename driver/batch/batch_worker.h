@@ -1,6 +1,5 @@
 /** The processes that run the cases of a batch, and what goes from them to the parent. */
-#ifndef EVOLVENT_BATCH_WORKER_H
-#define EVOLVENT_BATCH_WORKER_H
+#pragma once
 
 #include "batch/batch_case.h"
 #include "batch/batch_queue.h"
@@ -25,10 +24,9 @@ typedef struct {
 
 /** What a worker has to say of a case. */
 typedef struct {
-    long place;      /**< of the case in the list */
-    bool is_lost;    /**< its row could not be stored on disk: `error` says why */
-    batch_row row;   /**< otherwise; its line belongs to the receiver */
-    evl_error error; /**< of is_lost */
+    long place;    /**< of the case in the list */
+    bool is_lost;  /**< its row could not be stored on disk */
+    batch_row row; /**< its line, or why it is lost, belongs to the receiver */
 } batch_answer;
 
 /** Fork a worker. It takes cases from the queue until there is none, ends when its parent does, however that ends, and ignores
@@ -47,5 +45,3 @@ batch_worker_news batch_worker_hear(batch_worker *worker, batch_answer *answer);
 void batch_worker_kill(batch_worker *worker);
 /** Wait for the end of a worker. @return its wait status */
 int batch_worker_end(batch_worker *worker);
-
-#endif

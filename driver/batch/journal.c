@@ -21,9 +21,8 @@ const char *journal_status_name(journal_status status)
 /** @return false */
 static bool fail(const journal *journal, evl_error *error)
 {
-    evl_error_set(error, EVL_EXIT_IO, journal->path,
-                  "cannot be written: %s; what is recorded stays, go on with --resume", strerror(errno));
-    return false;
+    return evl_error_set(error, EVL_EXIT_IO, journal->path,
+                         "cannot be written: %s; what is recorded stays, go on with --resume", strerror(errno));
 }
 
 /** Where the end of a row begins, ",\"at\":TIME}"; NULL if it is torn. No text inside a row can look like that: its quotes
@@ -149,24 +148,22 @@ static bool take_over(journal *journal, const char *head, long n_cases, journal_
         return fail(journal, error);
     }
     bool is_torn = false;
-    char *found = read_lines(file, n_cases, cases, n_recorded, &is_torn);
+    OWNED char *found = read_lines(file, n_cases, cases, n_recorded, &is_torn);
     const bool was_read = ferror(file) == 0;
     (void)fclose(file);
-    bool good = was_read || fail(journal, error);
-    if (good && found == NULL) { /* nothing was ever recorded */
-        char *line = xasprintf("%s\n", head);
-        good = (ftruncate(journal->descriptor, 0) == 0 || fail(journal, error)) &&
-               write_all(journal, line, strlen(line), error);
-        free(line);
-    } else if (good && strcmp(found, head) != 0) {
-        evl_error_set(error, EVL_EXIT_CASE, journal->path,
-                      "belongs to another design, or was begun by another version; choose another folder");
-        good = false;
-    } else if (good && is_torn) {
-        good = write_all(journal, "\n", 1, error);
+    if (!was_read) {
+        return fail(journal, error);
     }
-    free(found);
-    return good;
+    if (found == NULL) { /* nothing was ever recorded */
+        OWNED char *line = xasprintf("%s\n", head);
+        return (ftruncate(journal->descriptor, 0) == 0 || fail(journal, error)) &&
+               write_all(journal, line, strlen(line), error);
+    }
+    if (strcmp(found, head) != 0) {
+        return evl_error_set(error, EVL_EXIT_CASE, journal->path,
+                             "belongs to another design, or was begun by another version; choose another folder");
+    }
+    return !is_torn || write_all(journal, "\n", 1, error);
 }
 
 bool journal_open(journal *journal, const char *path, const char *head, long n_cases, journal_case *cases,

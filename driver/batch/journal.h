@@ -2,8 +2,7 @@
  *
  *  The first line tells what the others are about. A line counts only when it is complete: whatever ends the program, at
  *  most the last line is torn, and that is closed by a newline before the next one. */
-#ifndef EVOLVENT_JOURNAL_H
-#define EVOLVENT_JOURNAL_H
+#pragma once
 
 #include "base/status.h"
 
@@ -55,5 +54,3 @@ bool journal_append(journal *journal, const char *line, size_t length, evl_error
 bool journal_sync(journal *journal, evl_error *error);
 /** Close without a sync. */
 void journal_close(journal *journal);
-
-#endif

@@ -63,8 +63,7 @@ static bool find_journals(collection *found, const char *folder, evl_error *erro
 {
     DIR *listing = opendir(folder);
     if (listing == NULL) {
-        evl_error_set(error, EVL_EXIT_CASE, folder, "cannot be read: %s", strerror(errno));
-        return false;
+        return evl_error_set(error, EVL_EXIT_CASE, folder, "cannot be read: %s", strerror(errno));
     }
     for (const struct dirent *entry = readdir(listing); entry != NULL; entry = readdir(listing)) {
         found->shards = xrealloc(found->shards, (size_t)found->n_shards + 1, sizeof *found->shards);
@@ -85,15 +84,14 @@ static bool take_head(collection *found, shard_journal *journal, const char *lin
 {
     static const char mark[] = "{\"journal\":";
     if (strncmp(line, mark, sizeof mark - 1) != 0) {
-        evl_error_set(error, EVL_EXIT_CASE, journal->path, "is no journal (its first line says nothing of it)");
-        return false;
+        return evl_error_set(error, EVL_EXIT_CASE, journal->path, "is no journal (its first line says nothing of it)");
     }
     const long format = strtol(line + sizeof mark - 1, NULL, 10);
     if (format != JOURNAL_FORMAT) {
-        evl_error_set(error, EVL_EXIT_CASE, journal->path,
-                      "has journal format %ld, but this evolvent reads format %d; use the evolvent that wrote it",
-                      format, JOURNAL_FORMAT);
-        return false;
+        return evl_error_set(
+            error, EVL_EXIT_CASE, journal->path,
+            "has journal format %ld, but this evolvent reads format %d; use the evolvent that wrote it", format,
+            JOURNAL_FORMAT);
     }
     const char *count = strstr(line, "\"n_cases\":");
     const long n_cases = count != NULL ? strtol(count + strlen("\"n_cases\":"), NULL, 10) : 0;
@@ -129,14 +127,12 @@ static bool take_line(collection *found, int shard, const char *line, size_t len
         return true;
     }
     if (row.index < 0 || row.index >= found->n_cases) {
-        evl_error_set(error, EVL_EXIT_CASE, journal->path, "has case %ld, but the design has %ld", row.index,
-                      found->n_cases);
-        return false;
+        return evl_error_set(error, EVL_EXIT_CASE, journal->path, "has case %ld, but the design has %ld", row.index,
+                             found->n_cases);
     }
     if (row.status == JOURNAL_MISSING) {
-        evl_error_set(error, EVL_EXIT_CASE, journal->path, "case %ld: the status '%.*s' is not known", row.index,
-                      (int)strcspn(row.word, "\""), row.word);
-        return false;
+        return evl_error_set(error, EVL_EXIT_CASE, journal->path, "case %ld: the status '%.*s' is not known", row.index,
+                             (int)strcspn(row.word, "\""), row.word);
     }
     found->shards[shard].n_rows++;
     take_record(found, &row,
@@ -211,20 +207,16 @@ static void print_heads(FILE *stream, const collection *found)
 static bool print_record(FILE *stream, const collection *found, const record *record, bool brief, evl_error *error)
 {
     const shard_journal *journal = &found->shards[record->shard];
-    char *line = xcalloc(record->length + 1, 1);
+    OWNED char *line = xcalloc(record->length + 1, 1);
     journal_row row;
-    const bool good = fseek(journal->file, record->offset, SEEK_SET) == 0 &&
-                      fread(line, 1, record->length, journal->file) == record->length &&
-                      journal_read_row(line, record->length, &row);
-    if (good) {
-        const char *end = brief ? journal_numbers(&row) : line + record->length;
-        fprintf(stream, "{\"journal\":%d,%.*s%s\n", record->shard, (int)(end - line - 1), line + 1,
-                brief ? row.end : "");
-    } else {
-        evl_error_set(error, EVL_EXIT_CASE, journal->path, "changed while it was read");
+    if (fseek(journal->file, record->offset, SEEK_SET) != 0 ||
+        fread(line, 1, record->length, journal->file) != record->length ||
+        !journal_read_row(line, record->length, &row)) {
+        return evl_error_set(error, EVL_EXIT_CASE, journal->path, "changed while it was read");
     }
-    free(line);
-    return good;
+    const char *end = brief ? journal_numbers(&row) : line + record->length;
+    fprintf(stream, "{\"journal\":%d,%.*s%s\n", record->shard, (int)(end - line - 1), line + 1, brief ? row.end : "");
+    return true;
 }
 
 static void collection_free(collection *found)

@@ -1,6 +1,5 @@
 /** What the journals of a folder record of each case, for whoever collects or counts it. docs/batch.md describes the lines. */
-#ifndef EVOLVENT_RECORDS_H
-#define EVOLVENT_RECORDS_H
+#pragma once
 
 #include "base/status.h"
 
@@ -16,5 +15,3 @@ typedef enum {
  *  of the cases.
  *  @return the code of `error`: EVL_EXIT_CASE with the journal's path if one cannot be understood or read */
 evl_exit records(FILE *stream, const char *folder, records_detail detail, evl_error *error);
-
-#endif

@@ -2,11 +2,8 @@
 
 #include "base/memory.h"
 #include "base/number.h"
-#include "case/case_entries.h"
 #include "case/case_file.h"
-#include "case/case_resolve.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -23,9 +20,8 @@ static bool check_format(const case_file *file, evl_error *error)
     }
     char place[EVL_ERROR_PLACE_LENGTH];
     place_text(file->path, format->place, place);
-    evl_error_set(error, EVL_EXIT_CASE, place, "format: is %.32s, but this evolvent reads format %d only", format->text,
-                  FORMAT);
-    return false;
+    return evl_error_set(error, EVL_EXIT_CASE, place, "format: is %.32s, but this evolvent reads format %d only",
+                         format->text, FORMAT);
 }
 
 bool case_file_resolve(case_file *file, const case_schema *schema, evl_error *error)
@@ -37,6 +33,18 @@ bool case_file_resolve(case_file *file, const case_schema *schema, evl_error *er
     }
     return check_format(file, error) && schema_check(schema, file->path, file->root, error) &&
            case_resolve(schema, file->path, file->root, &file->description, error);
+}
+
+void description_clear(description *description)
+{
+    free(description->wheels);
+    free(description->meshes);
+    free(description->shafts);
+    free((void *)description->simulation.initial.speeds);
+    free((void *)description->simulation.initial.gaps);
+    free(description->entries);
+    free(description->numbers);
+    memset(description, 0, sizeof *description);
 }
 
 case_file *case_file_create(const char *path, int n_set, const char *const *set_options)
@@ -150,20 +158,15 @@ const case_node *case_root(const case_file *file)
 /** The deepest node along a dotted path that the case has. */
 static const case_node *deepest(const case_node *block, const char *field)
 {
-    char *path = xstrdup(field);
-    for (char *key = path; key != NULL;) {
-        char *dot = strchr(key, '.');
-        if (dot != NULL) {
-            *dot = '\0';
-        }
-        const int step = block->kind == NODE_SCALAR ? -1 : node_step(block, key);
+    OWNED char *path = xstrdup(field);
+    char *rest = NULL;
+    for (char *key = strtok_r(path, ".", &rest); key != NULL; key = strtok_r(NULL, ".", &rest)) {
+        const int step = node_step(block, key);
         if (step < 0) {
             break;
         }
         block = block->entries[step].value;
-        key = dot == NULL ? NULL : dot + 1;
     }
-    free(path);
     return block;
 }
 
@@ -172,11 +175,10 @@ char *case_message(const char *field, const char *message)
     return xasprintf("%s%s%s", field, field[0] == '\0' ? "" : ": ", message);
 }
 
-void case_refuse(const case_file *file, const char *field, const char *message, evl_error *error)
+bool case_refuse(const case_file *file, const char *field, const char *message, evl_error *error)
 {
     char place[EVL_ERROR_PLACE_LENGTH];
-    char *text = case_message(field, message);
+    OWNED char *text = case_message(field, message);
     place_text(file->path, deepest(file->root, field)->place, place);
-    evl_error_set(error, EVL_EXIT_CASE, place, "%s", text);
-    free(text);
+    return evl_error_set(error, EVL_EXIT_CASE, place, "%s", text);
 }

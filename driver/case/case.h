@@ -1,6 +1,5 @@
 /** A case file: read, edited by --set options, checked against the schema, and resolved to a description. */
-#ifndef EVOLVENT_CASE_H
-#define EVOLVENT_CASE_H
+#pragma once
 
 #include "base/status.h"
 #include "case/case_schema.h"
@@ -62,7 +61,6 @@ const struct case_node *case_root(const case_file *file);
 char *case_message(const char *field, const char *message);
 /** Turn a refusal by the model into an error that names the place in the file or the option.
  *  @param field  path of what is refused, such as "wheels.gear.support.stiffness"; "" for the whole case. A key that the case does
- *                not give leads to the place of its block. */
-void case_refuse(const case_file *file, const char *field, const char *message, evl_error *error);
-
-#endif
+ *                not give leads to the place of its block.
+ *  @return false */
+bool case_refuse(const case_file *file, const char *field, const char *message, evl_error *error);

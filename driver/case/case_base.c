@@ -1,5 +1,5 @@
 /* A case parsed once: what a batch asks of it before its rows are tried. */
-#include "case/case_base.h"
+#include "case/case_file.h"
 
 #include "base/memory.h"
 #include "base/suggest.h"
@@ -45,29 +45,24 @@ int case_base_elements(const case_base *base, const char *list, char **names)
 static void refuse_key(const case_schema *schema, const char *block, const char *parent, const char *key,
                        evl_error *error)
 {
-    const char **keys = xcalloc((size_t)schema->n, sizeof *keys);
     int n = 0;
-    for (int i = 0; i < schema->n; i++) {
-        if (strcmp(schema->rows[i].block, block) == 0) {
-            keys[n++] = schema->rows[i].key;
-        }
-    }
-    char *hint = suggest_phrase(key, n, keys);
+    OWNED const char **keys = schema_keys(schema, block, &n);
+    OWNED char *hint = suggest_phrase(key, n, keys);
     evl_error_set(error, EVL_EXIT_CASE, "", "%s has no key '%s'%s", parent[0] == '\0' ? "a case" : parent, key, hint);
-    free(hint);
-    free(keys);
 }
 
 /** What a path leads to: from a block of the schema down, `parent` being the part that was walked already. */
 static bool walk(const case_schema *schema, const char *block, const char *parent, const char *path, evl_error *error)
 {
     const size_t length = strcspn(path, ".");
-    char *segment = xasprintf("%.*s", (int)length, path);
+    OWNED char *segment = xasprintf("%.*s", (int)length, path);
     const char *rest = path[length] == '.' ? path + length + 1 : NULL;
     bool good = false, is_known = false;
-    for (int i = 0; i < schema->n && !good; i++) {
-        const evl_row *key = &schema->rows[i];
-        if (strcmp(key->block, block) != 0 || strcmp(key->key, segment) != 0) {
+    int n = 0;
+    const evl_row *rows = schema_block(schema, block, &n);
+    for (int i = 0; i < n && !good; i++) {
+        const evl_row *key = &rows[i];
+        if (strcmp(key->key, segment) != 0) {
             continue;
         }
         is_known = true;
@@ -77,14 +72,12 @@ static bool walk(const case_schema *schema, const char *block, const char *paren
             inner = dot == NULL ? NULL : dot + 1;
         }
         const int walked = (int)(inner == NULL ? strlen(path) : (size_t)(inner - path) - 1);
-        char *here = xasprintf("%s%s%.*s", parent, parent[0] == '\0' ? "" : ".", walked, path);
+        OWNED char *here = xasprintf("%s%s%.*s", parent, parent[0] == '\0' ? "" : ".", walked, path);
         good = inner == NULL || key->type < EVL_BLOCK || walk(schema, key->holds, here, inner, error);
-        free(here);
     }
     if (!is_known) {
         refuse_key(schema, block, parent, segment, error);
     }
-    free(segment);
     return good;
 }
 
@@ -92,9 +85,8 @@ bool case_base_has_path(const case_base *base, const char *path, evl_error *erro
 {
     memset(error, 0, sizeof *error);
     case_node *copy = node_copy(base->root);
-    char *option = xasprintf("%s=0", path);
+    OWNED char *option = xasprintf("%s=0", path);
     const bool good = tree_set(copy, option, error) && walk(base->schema, CASE_ROOT, "", path, error);
     node_delete(&copy);
-    free(option);
     return good;
 }

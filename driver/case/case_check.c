@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bool check_block(checker *checker, const char *block, case_node *node);
+static bool check_block(const checker *checker, const char *block, case_node *node);
 
 static bool check_count(const checker *checker, const evl_row *key, const case_node *node)
 {
@@ -19,7 +19,7 @@ static bool check_count(const checker *checker, const evl_row *key, const case_n
                           (int)key->minimum);
 }
 
-static bool check_list(checker *checker, const evl_row *key, case_node *node)
+static bool check_list(const checker *checker, const evl_row *key, case_node *node)
 {
     if (node->kind != NODE_SEQUENCE) {
         return refuse_type(checker, node, "a list", "");
@@ -28,20 +28,16 @@ static bool check_list(checker *checker, const evl_row *key, case_node *node)
         return false;
     }
     for (int i = 0; i < node->n; i++) {
-        char *name = node_element_name(node->entries[i].value);
-        char *step = name == NULL || name[0] == '\0' ? xasprintf("%d", i) : xstrdup(name);
-        const size_t above = checker_enter(checker, step);
-        free(name);
-        free(step);
-        if (!check_block(checker, key->holds, node->entries[i].value)) {
+        OWNED char *name = node_element_name(node->entries[i].value), *index = xasprintf("%d", i);
+        const struct checker inner = checker_at(checker, name == NULL || name[0] == '\0' ? index : name);
+        if (!check_block(&inner, key->holds, node->entries[i].value)) {
             return false;
         }
-        checker_leave(checker, above);
     }
     return true;
 }
 
-static bool check_map(checker *checker, const evl_row *key, case_node *node)
+static bool check_map(const checker *checker, const evl_row *key, case_node *node)
 {
     if (node->kind != NODE_MAPPING) {
         return refuse_type(checker, node, "blocks by name, {name: {...}}", "");
@@ -54,16 +50,15 @@ static bool check_map(checker *checker, const evl_row *key, case_node *node)
         if (!check_name(checker, entry->key_place, entry->key)) {
             return false;
         }
-        const size_t above = checker_enter(checker, entry->key);
-        if (!check_block(checker, key->holds, entry->value)) {
+        const struct checker inner = checker_at(checker, entry->key);
+        if (!check_block(&inner, key->holds, entry->value)) {
             return false;
         }
-        checker_leave(checker, above);
     }
     return true;
 }
 
-static bool check_value(checker *checker, const evl_row *key, case_node *node)
+static bool check_value(const checker *checker, const evl_row *key, case_node *node)
 {
     switch (key->type) {
     case EVL_BLOCK:
@@ -77,41 +72,18 @@ static bool check_value(checker *checker, const evl_row *key, case_node *node)
     }
 }
 
-/** The block's keys, each once; those of one variant, or all of them if it is NULL. */
-static int collect_keys(const checker *checker, const char *block, const char *variant, const char **keys)
+static bool refuse_key(const checker *checker, const char *block, const case_entry *entry)
 {
     int n = 0;
-    for (int i = 0; i < checker->schema->n; i++) {
-        const evl_row *row = &checker->schema->rows[i];
-        bool is_new = strcmp(row->block, block) == 0 && (variant == NULL || row_in_variant(row, variant));
-        for (int k = 0; k < n && is_new; k++) {
-            is_new = strcmp(keys[k], row->key) != 0;
-        }
-        if (is_new) {
-            keys[n++] = row->key;
-        }
-    }
-    return n;
-}
-
-static bool refuse_key(const checker *checker, const char *block, const char *variant, const case_entry *entry)
-{
-    const char **keys = xcalloc((size_t)checker->schema->n, sizeof *keys);
-    const int n = collect_keys(checker, block, variant, keys);
-    char *hint = suggest_phrase(entry->key, n, keys);
+    OWNED const char **keys = schema_keys(checker->schema, block, &n);
+    OWNED char *hint = suggest_phrase(entry->key, n, keys), *list = words_join(n, keys, ", ");
     if (strcmp(entry->key, "<<") == 0) {
-        (void)checker_refuse(checker, entry->key_place,
-                             "merge keys (<<) are not supported; write the keys out or use an alias");
-    } else if (hint[0] != '\0') {
-        (void)checker_refuse(checker, entry->key_place, "unknown key '%.64s'%s", entry->key, hint);
-    } else {
-        char *list = words_join(n, keys, ", ");
-        (void)checker_refuse(checker, entry->key_place, "unknown key '%.64s'; known here: %s", entry->key, list);
-        free(list);
+        return checker_refuse(checker, entry->key_place,
+                              "merge keys (<<) are not supported; write the keys out or use an alias");
     }
-    free(hint);
-    free(keys);
-    return false;
+    const bool is_like_one = hint[0] != '\0';
+    return checker_refuse(checker, entry->key_place, "unknown key '%.64s'%s%s", entry->key,
+                          is_like_one ? hint : "; known here: ", is_like_one ? "" : list);
 }
 
 static bool refuse_missing(const checker *checker, const evl_row *key, const case_node *node)
@@ -124,10 +96,8 @@ static bool refuse_missing(const checker *checker, const evl_row *key, const cas
 static case_node *default_value(const checker *checker, const evl_row *key, const case_node *node)
 {
     if (key->type == EVL_NAME) {
-        char *name = node_element_name(node); /* the one name with a default is {driving}-{driven} */
-        case_node *value = name == NULL ? NULL : node_create_scalar(name, true, node->place);
-        free(name);
-        return value;
+        OWNED char *name = node_element_name(node); /* the one name with a default is {driving}-{driven} */
+        return name == NULL ? NULL : node_create_scalar(name, true, node->place);
     }
     const bool is_plain = isalnum((unsigned char)key->default_text[0]) && strpbrk(key->default_text, ":#,[]{}") == NULL;
     return is_plain ? node_create_scalar(key->default_text, true, node->place) /* the parser would say the same */
@@ -136,14 +106,15 @@ static case_node *default_value(const checker *checker, const evl_row *key, cons
 
 static bool check_key_names(const checker *checker, const char *block, const case_node *node)
 {
+    int n = 0;
+    const evl_row *rows = schema_block(checker->schema, block, &n);
     for (int i = 0; i < node->n; i++) {
-        bool is_known = false;
-        for (int k = 0; k < checker->schema->n && !is_known; k++) {
-            const evl_row *row = &checker->schema->rows[k];
-            is_known = strcmp(row->block, block) == 0 && strcmp(row->key, node->entries[i].key) == 0;
+        int k = 0;
+        while (k < n && strcmp(rows[k].key, node->entries[i].key) != 0) {
+            k++;
         }
-        if (!is_known) {
-            return refuse_key(checker, block, NULL, &node->entries[i]);
+        if (k == n) {
+            return refuse_key(checker, block, &node->entries[i]);
         }
     }
     return true;
@@ -166,7 +137,7 @@ static bool refuse_variant(const checker *checker, const evl_row *selector, cons
 }
 
 /** Find the variant from the selector, and refuse keys of other variants. */
-static bool check_variant(checker *checker, const char *block, const case_node *node, const char **variant)
+static bool check_variant(const checker *checker, const char *block, const case_node *node, const char **variant)
 {
     const evl_row *key = schema_selector(checker->schema, block);
     *variant = "";
@@ -180,11 +151,10 @@ static bool check_variant(checker *checker, const char *block, const case_node *
     if (value == NULL) {
         *variant = key->default_text;
     } else {
-        const size_t above = checker_enter(checker, key->key);
-        if (!check_choice(checker, key, value)) {
+        const struct checker inner = checker_at(checker, key->key);
+        if (!check_choice(&inner, key, value)) {
             return false;
         }
-        checker_leave(checker, above);
         *variant = value->text;
     }
     for (int i = 0; i < node->n; i++) {
@@ -214,7 +184,7 @@ static bool check_needs(const checker *checker, const char *block, const char *v
     return true;
 }
 
-static bool check_block(checker *checker, const char *block, case_node *node)
+static bool check_block(const checker *checker, const char *block, case_node *node)
 {
     const char *variant = "";
     if (node->kind != NODE_MAPPING) {
@@ -224,19 +194,18 @@ static bool check_block(checker *checker, const char *block, case_node *node)
         !check_needs(checker, block, variant, node)) {
         return false;
     }
-    const case_schema *schema = checker->schema;
-    for (int i = 0; i < schema->n; i++) {
-        const evl_row *row = &schema->rows[i];
-        if (strcmp(row->block, block) == 0 && row_in_variant(row, variant) && row->required &&
-            node_find(node, row->key) < 0) {
-            return refuse_missing(checker, row, node);
+    int n = 0;
+    const evl_row *rows = schema_block(checker->schema, block, &n);
+    for (int i = 0; i < n; i++) {
+        if (row_in_variant(&rows[i], variant) && rows[i].required && node_find(node, rows[i].key) < 0) {
+            return refuse_missing(checker, &rows[i], node);
         }
     }
-    case_node ordered = {.kind = NODE_MAPPING};
+    case_node *ordered = node_create(NODE_MAPPING, node->place);
     bool good = true;
-    for (int i = 0; i < schema->n && good; i++) {
-        const evl_row *row = &schema->rows[i];
-        if (strcmp(row->block, block) != 0 || !row_in_variant(row, variant) || !has_what_it_needs(row, node)) {
+    for (int i = 0; i < n && good; i++) {
+        const evl_row *row = &rows[i];
+        if (!row_in_variant(row, variant) || !has_what_it_needs(row, node)) {
             continue;
         }
         const int at = node_find(node, row->key);
@@ -246,33 +215,24 @@ static bool check_block(checker *checker, const char *block, case_node *node)
             value = default_value(checker, row, node);
         }
         if (value != NULL) {
-            const size_t above = checker_enter(checker, row->key);
-            good = check_value(checker, row, value);
-            if (good) {
-                checker_leave(checker, above);
-            }
+            const struct checker inner = checker_at(checker, row->key);
+            good = check_value(&inner, row, value);
             if (at >= 0) {
                 node->entries[at].value = NULL;
             }
-            node_append(&ordered, row->key, place, value);
+            node_append(ordered, row->key, place, value);
         }
     }
     /* what is left of the old entries, and on failure the values not yet checked, goes */
-    case_entry *old = node->entries;
-    const int n_old = node->n;
-    node->entries = ordered.entries;
-    node->n = ordered.n;
-    node->capacity = ordered.capacity;
-    for (int i = 0; i < n_old; i++) {
-        free(old[i].key);
-        node_delete(&old[i].value);
-    }
-    free(old);
+    const case_node old = *node;
+    *node = *ordered;
+    *ordered = old;
+    node_delete(&ordered);
     return good;
 }
 
 bool schema_check(const case_schema *schema, const char *path, case_node *root, evl_error *error)
 {
-    checker checker = {.schema = schema, .path = path, .error = error};
+    const checker checker = {.schema = schema, .path = path, .error = error};
     return check_block(&checker, CASE_ROOT, root);
 }

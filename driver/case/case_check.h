@@ -1,28 +1,27 @@
 /** The checker's parts: case_check.c walks the blocks, case_value.c looks at single values. */
-#ifndef EVOLVENT_CASE_CHECK_H
-#define EVOLVENT_CASE_CHECK_H
+#pragma once
 
 #include "case/case_schema.h"
 
 enum { LABEL_LENGTH = 320, NAME_BYTES = 64 };
 
-typedef struct {
+/** Where a check is: from the root down, a checker for each step. */
+
+typedef struct checker {
     const case_schema *schema;
     const char *path;
     evl_error *error;
-    char label[LABEL_LENGTH]; /**< where in the tree: "wheels.gear.support" */
+    const struct checker *above; /**< of the block around; NULL at the root */
+    const char *step;            /**< from there: a key, a name or an index; NULL at the root */
 } checker;
 
-/** Go down one step. @return what checker_leave() takes to come back */
-size_t checker_enter(checker *checker, const char *step);
-void checker_leave(checker *checker, size_t length);
+/** One step down the tree, for as long as both arguments live. */
+checker checker_at(const checker *above, const char *step);
 
 /* All of these return false with the error filled in if they refuse. */
 
-#if defined(__GNUC__)
-__attribute__((format(printf, 3, 4)))
-#endif
-bool checker_refuse(const checker *checker, case_place place, const char *format, ...);
+__attribute__((format(printf, 3, 4))) bool checker_refuse(const checker *checker, case_place place, const char *format,
+                                                          ...);
 bool refuse_type(const checker *checker, const case_node *node, const char *wanted, const char *unit);
 
 /** A name that paths and references can use. */
@@ -31,6 +30,4 @@ bool check_choice(const checker *checker, const evl_row *key, const case_node *n
 /** A number of a key whose value is one number or several. */
 bool check_number_of(const checker *checker, const evl_row *key, const case_node *node);
 /** A value of any type but block, list of blocks and map. */
-bool check_single_value(checker *checker, const evl_row *key, case_node *node);
-
-#endif
+bool check_single_value(const checker *checker, const evl_row *key, case_node *node);

@@ -2,11 +2,8 @@
  * that was checked stays good if each new number is one that its key allows. */
 #include "base/memory.h"
 #include "base/number.h"
-#include "case/case_base.h"
 #include "case/case_check.h"
-#include "case/case_entries.h"
 #include "case/case_file.h"
-#include "case/case_resolve.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -28,7 +25,8 @@ static const char *block_below(const evl_row *row, bool is_element)
 /** Follow the path of an option through a checked tree. */
 static case_number find_number(const case_schema *schema, case_node *root, const char *option)
 {
-    char *path = xasprintf("%.*s", (int)strcspn(option, "="), option), *rest = NULL;
+    OWNED char *path = xasprintf("%.*s", (int)strcspn(option, "="), option);
+    char *rest = NULL;
     const char *block = CASE_ROOT;
     case_number number = {.node = root};
     for (char *segment = strtok_r(path, ".", &rest); segment != NULL && number.node != NULL;
@@ -41,7 +39,6 @@ static case_number find_number(const case_schema *schema, case_node *root, const
         number.node = i < 0 ? NULL : number.node->entries[i].value;
         block = i < 0 ? NULL : block_below(number.row, !is_key);
     }
-    free(path);
     const bool is_value = number.row != NULL && number.node != NULL && number.node->kind == NODE_SCALAR;
     const bool is_number = is_value && number.node->place.option == option && holds_numbers(number.row->type);
     return is_number ? number : (case_number){NULL, NULL};

@@ -1,29 +1,10 @@
 /* Nodes to YAML text. */
-#include "base/memory.h"
 #include "base/number.h"
 #include "case/case_tree.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include <yaml.h>
-
-typedef struct {
-    char *text;
-    size_t length, capacity;
-} text_buffer;
-
-static int append_bytes(void *self, unsigned char *bytes, size_t size)
-{
-    text_buffer *buffer = self;
-    if (buffer->length + size + 1 > buffer->capacity) {
-        buffer->capacity = 2 * (buffer->length + size + 1);
-        buffer->text = xrealloc(buffer->text, buffer->capacity, 1);
-    }
-    memcpy(buffer->text + buffer->length, bytes, size);
-    buffer->length += size;
-    buffer->text[buffer->length] = '\0';
-    return 1;
-}
 
 /** Every event of a tree is well formed and the buffer grows at will, so only memory can fail. */
 static void emit(yaml_emitter_t *emitter, int initialized, yaml_event_t *event)
@@ -93,13 +74,15 @@ static void emit_node(yaml_emitter_t *emitter, const case_node *node, int level)
 
 char *tree_text(const case_node *root)
 {
-    text_buffer buffer = {0};
+    char *text = NULL;
+    size_t length = 0;
+    FILE *stream = open_memstream(&text, &length);
     yaml_emitter_t emitter;
     yaml_event_t event;
-    if (!yaml_emitter_initialize(&emitter)) {
+    if (stream == NULL || !yaml_emitter_initialize(&emitter)) {
         abort();
     }
-    yaml_emitter_set_output(&emitter, append_bytes, &buffer);
+    yaml_emitter_set_output_file(&emitter, stream);
     yaml_emitter_set_unicode(&emitter, 1);
     yaml_emitter_set_width(&emitter, 120);
     emit(&emitter, yaml_stream_start_event_initialize(&event, YAML_UTF8_ENCODING), &event);
@@ -109,5 +92,6 @@ char *tree_text(const case_node *root)
     emit(&emitter, yaml_stream_end_event_initialize(&event), &event);
     (void)yaml_emitter_flush(&emitter);
     yaml_emitter_delete(&emitter);
-    return buffer.text;
+    (void)fclose(stream);
+    return text;
 }

@@ -1,36 +1,26 @@
-#include "case/case_entries.h"
+#include "case/case_file.h"
 
 #include "base/memory.h"
 
-#include <stdlib.h>
-
-/** What is laid out so far. `numbers` moves as it grows: entries know their place in it by its beginning, until the end. */
+/** What is laid out so far; both arrays have room for all that the tree can give. */
 typedef struct {
     const case_schema *schema;
-    int n, n_numbers, entry_room, number_room;
+    int n, n_numbers;
     evl_entry *entries;
     double *numbers;
-    int *first; /**< [n] of an entry's numbers */
 } layout;
 
 static void add_entry(layout *layout, const evl_row *row, int level, const char *name)
 {
-    if (layout->n == layout->entry_room) {
-        layout->entry_room = 2 * layout->n + 64;
-        layout->entries = xrealloc(layout->entries, (size_t)layout->entry_room, sizeof *layout->entries);
-        layout->first = xrealloc(layout->first, (size_t)layout->entry_room, sizeof *layout->first);
-    }
-    layout->first[layout->n] = layout->n_numbers;
-    layout->entries[layout->n++] = (evl_entry){.row = (int)(row - layout->schema->rows), .level = level, .name = name};
+    layout->entries[layout->n++] = (evl_entry){.row = (int)(row - layout->schema->rows),
+                                               .level = level,
+                                               .name = name,
+                                               .numbers = layout->numbers + layout->n_numbers};
 }
 
 /** A number of the entry that was added last. */
 static void add_number(layout *layout, const case_node *node)
 {
-    if (layout->n_numbers == layout->number_room) {
-        layout->number_room = 2 * layout->n_numbers + 64;
-        layout->numbers = xrealloc(layout->numbers, (size_t)layout->number_room, sizeof *layout->numbers);
-    }
     layout->numbers[layout->n_numbers++] = node_number(node);
     layout->entries[layout->n - 1].n++;
 }
@@ -96,14 +86,23 @@ static void add_block(layout *layout, const char *block, const case_node *node, 
     }
 }
 
+/** Nodes of a tree: each gives one entry and one number at most. */
+static size_t count_nodes(const case_node *node)
+{
+    size_t n = 1;
+    for (int i = 0; i < node->n; i++) {
+        n += count_nodes(node->entries[i].value);
+    }
+    return n;
+}
+
 void case_lay_out(const case_schema *schema, const case_node *root, description *description)
 {
-    layout layout = {.schema = schema};
+    const size_t most = count_nodes(root);
+    layout layout = {.schema = schema,
+                     .entries = xcalloc(most, sizeof *layout.entries),
+                     .numbers = xcalloc(most, sizeof *layout.numbers)};
     add_block(&layout, CASE_ROOT, root, 1);
-    for (int i = 0; i < layout.n; i++) {
-        layout.entries[i].numbers = layout.numbers + layout.first[i];
-    }
-    free(layout.first);
     description->n_entries = layout.n;
     description->entries = layout.entries;
     description->numbers = layout.numbers;

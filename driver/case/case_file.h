@@ -1,10 +1,16 @@
 /** What a case_file is made of: shared by case.c and case_edit.c. */
-#ifndef EVOLVENT_CASE_FILE_H
-#define EVOLVENT_CASE_FILE_H
+#pragma once
 
 #include "case/case.h"
 #include "case/case_schema.h"
 #include "case/case_tree.h"
+
+/** Of case_base_parse. */
+struct case_base {
+    char *name;
+    const case_schema *schema;
+    case_node *root;
+};
 
 /** Where an option of an edited base has put a number. */
 typedef struct {
@@ -27,4 +33,10 @@ case_file *case_file_create(const char *path, int n_set, const char *const *set_
 /** Apply the options to the tree that the file has, check and resolve it. @return false with the reason in `error` */
 bool case_file_resolve(case_file *file, const case_schema *schema, evl_error *error);
 
-#endif
+/** Fill `description`, but for its entries, from a tree that schema_check accepted; gaps that are not given are added to the tree as 0.
+ *  @param path  the case file, for the places in messages
+ *  @return false with the reason in `error`; `description` can be freed in any case */
+bool case_resolve(const case_schema *schema, const char *path, case_node *root, description *description,
+                  evl_error *error);
+/** Fill the entries of a description. Their names are the texts of the tree, which have to stay where they are. */
+void case_lay_out(const case_schema *schema, const case_node *root, description *description);

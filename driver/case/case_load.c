@@ -33,7 +33,7 @@ static void refuse(const yaml_loader *loader, case_place place, const char *mess
 {
     char text[EVL_ERROR_PLACE_LENGTH];
     place_text(loader->path, place, text);
-    evl_error_set(loader->error, EVL_EXIT_CASE, text, "%s", message);
+    (void)evl_error_set(loader->error, EVL_EXIT_CASE, text, "%s", message);
 }
 
 /* ---- the parser's refusals ---- */
@@ -68,7 +68,7 @@ static bool is_indented_by_tab(const char *text, size_t length, yaml_mark_t mark
 static void refuse_yaml(const yaml_loader *loader, const yaml_parser_t *parser, const char *text, size_t length)
 {
     const char *problem = parser->problem == NULL ? "unknown problem" : parser->problem;
-    char *message = NULL;
+    OWNED char *message = NULL;
     yaml_mark_t mark = parser->problem_mark;
     if (parser->error == YAML_READER_ERROR) {
         mark = mark_of_offset(text, length, parser->problem_offset);
@@ -82,7 +82,6 @@ static void refuse_yaml(const yaml_loader *loader, const yaml_parser_t *parser, 
         message = xasprintf("not valid YAML: %s", problem);
     }
     refuse(loader, place_of(loader, mark), message);
-    free(message);
 }
 
 /* ---- libyaml's document to nodes ---- */
@@ -130,11 +129,10 @@ static bool copy_mapping(yaml_loader *loader, const yaml_node_t *from, int level
         }
         const int earlier = node_find(to, text);
         if (earlier >= 0) {
-            char *message = loader->path == NULL ? xasprintf("the key '%s' is given twice", text)
-                                                 : xasprintf("the key '%s' is given twice, first in line %d", text,
-                                                             to->entries[earlier].key_place.line);
+            OWNED char *message = loader->path == NULL ? xasprintf("the key '%s' is given twice", text)
+                                                       : xasprintf("the key '%s' is given twice, first in line %d",
+                                                                   text, to->entries[earlier].key_place.line);
             refuse(loader, place, message);
-            free(message);
             return false;
         }
         if (to->n == MOST_KEYS) {
@@ -166,10 +164,9 @@ static case_node *copy_node(yaml_loader *loader, int id, int level)
         static const char core[] = "tag:yaml.org,2002:";
         const char *tag = (const char *)from->tag;
         const bool is_core = strncmp(tag, core, sizeof core - 1) == 0;
-        char *message = xasprintf("the tag '%s%s' has no meaning in a case; remove it", is_core ? "!!" : "",
-                                  is_core ? tag + sizeof core - 1 : tag);
+        OWNED char *message = xasprintf("the tag '%s%s' has no meaning in a case; remove it", is_core ? "!!" : "",
+                                        is_core ? tag + sizeof core - 1 : tag);
         refuse(loader, place, message);
-        free(message);
         return NULL;
     }
     if (from->type == YAML_SCALAR_NODE) {
@@ -282,14 +279,9 @@ case_node *tree_load_file(const char *path, evl_error *error)
         return NULL;
     }
     size_t length = 0;
-    char *text = read_bytes(file, path, &length, error);
+    OWNED char *text = read_bytes(file, path, &length, error);
     (void)fclose(file);
-    if (text == NULL) {
-        return NULL;
-    }
-    case_node *root = load_named(path, text, length, error);
-    free(text);
-    return root;
+    return text == NULL ? NULL : load_named(path, text, length, error);
 }
 
 case_node *tree_load_text(const char *text, case_place place, evl_error *error)

@@ -3,44 +3,25 @@
 
 #include <string.h>
 
-static const char *type_text(const evl_row *key)
-{
-    switch ((evl_row_type)key->type) {
-    case EVL_NUMBER:
-        return "number";
-    case EVL_INTEGER:
-        return "whole number";
-    case EVL_PAIR:
-        return "[x, y]";
-    case EVL_TRIPLE:
-        return "[x, y, z]";
-    case EVL_QUATERNION:
-        return "[w, x, y, z]";
-    case EVL_SERIES:
-    case EVL_KNOTS:
-    case EVL_AT_KNOTS:
-        return "list of numbers";
-    case EVL_NAMED:
-        return "{name: number}";
-    case EVL_TEXT:
-        return "text";
-    case EVL_NAME:
-        return "name";
-    case EVL_REFERENCE:
-        return "name of a thing in the case";
-    case EVL_REFERENCES:
-        return "[name, name]";
-    case EVL_CHOICE:
-        return "one of";
-    case EVL_BLOCK:
-        return "block";
-    case EVL_LIST:
-        return "list of blocks";
-    case EVL_MAP:
-        return "{name: block}";
-    }
-    return "";
-}
+static const char *const type_texts[] = {
+    [EVL_NUMBER] = "number",
+    [EVL_INTEGER] = "whole number",
+    [EVL_PAIR] = "[x, y]",
+    [EVL_TRIPLE] = "[x, y, z]",
+    [EVL_QUATERNION] = "[w, x, y, z]",
+    [EVL_SERIES] = "list of numbers",
+    [EVL_KNOTS] = "list of numbers",
+    [EVL_AT_KNOTS] = "list of numbers",
+    [EVL_NAMED] = "{name: number}",
+    [EVL_TEXT] = "text",
+    [EVL_NAME] = "name",
+    [EVL_REFERENCE] = "name of a thing in the case",
+    [EVL_REFERENCES] = "[name, name]",
+    [EVL_CHOICE] = "one of",
+    [EVL_BLOCK] = "block",
+    [EVL_LIST] = "list of blocks",
+    [EVL_MAP] = "{name: block}",
+};
 
 static void print_words(FILE *stream, const char *words, const char *before)
 {
@@ -57,7 +38,7 @@ static void print_key(FILE *stream, const evl_row *key)
     row_range_text(key, range);
     fprintf(stream, "| `%s` |", key->key);
     print_words(stream, row_needs(key) == NULL ? key->variants : row_needs(key), " ");
-    fprintf(stream, " | %s", type_text(key));
+    fprintf(stream, " | %s", type_texts[key->type]);
     print_words(stream, key->words, key->type == EVL_NUMBER ? " or " : " ");
     if (key->type >= EVL_BLOCK) {
         print_words(stream, key->holds, " ");

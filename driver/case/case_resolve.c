@@ -1,4 +1,4 @@
-#include "case/case_resolve.h"
+#include "case/case_file.h"
 
 #include "base/memory.h"
 #include "base/suggest.h"
@@ -42,10 +42,10 @@ static const char **unique_names(const checker *checker, const case_node *root, 
     *n = list->n;
     for (int i = 1; i < list->n; i++) {
         if (index_of(names[i], i, names) >= 0) {
+            OWNED const char **refused = names;
             const case_node *node = node_get(list->entries[i].value, "name");
             (void)checker_refuse(checker, node->place, "%s: the name '%s' is given to two %s; give each %s its own",
                                  key, names[i], key, what);
-            free(names);
             return NULL;
         }
     }
@@ -58,27 +58,22 @@ static const char *one_of(const char *list)
     return strcmp(list, "materials") == 0 ? "material" : strcmp(list, "wheels") == 0 ? "wheel" : "mesh";
 }
 
-static bool check_reference(checker *checker, const case_node *root, const char *list, const case_node *node)
+static bool check_reference(const checker *checker, const case_node *root, const char *list, const case_node *node)
 {
     const case_node *among = node_get(root, list);
-    const char **names = names_of(among);
-    const bool good = index_of(node->text, among->n, names) >= 0;
-    if (!good) {
-        char *hint = suggest_phrase(node->text, among->n, names);
-        char *all = words_join(among->n, names, ", ");
-        (void)checker_refuse(checker, node->place, "there is no %s '%.64s'%s; the case has %s", one_of(list),
-                             node->text, hint, all);
-        free(all);
-        free(hint);
+    OWNED const char **names = names_of(among);
+    if (index_of(node->text, among->n, names) >= 0) {
+        return true;
     }
-    free(names);
-    return good;
+    OWNED char *hint = suggest_phrase(node->text, among->n, names), *all = words_join(among->n, names, ", ");
+    return checker_refuse(checker, node->place, "there is no %s '%.64s'%s; the case has %s", one_of(list), node->text,
+                          hint, all);
 }
 
 /* ---- tables ---- */
 
 /** The knots of a table, such as times, increase. */
-static bool check_knots(checker *checker, const evl_row *row, const case_node *knots)
+static bool check_knots(const checker *checker, const evl_row *row, const case_node *knots)
 {
     if (knots->n < 2) {
         return checker_refuse(checker, knots->place, "has %d %s, needs at least 2", knots->n,
@@ -95,7 +90,7 @@ static bool check_knots(checker *checker, const evl_row *row, const case_node *k
 }
 
 /** A table has as many values as knots, if it has both. */
-static bool check_at_knots(checker *checker, const evl_row *row, const case_node *block, const case_node *values)
+static bool check_at_knots(const checker *checker, const evl_row *row, const case_node *block, const case_node *values)
 {
     int n = 0;
     const evl_row *rows = schema_block(checker->schema, row->block, &n);
@@ -111,25 +106,23 @@ static bool check_at_knots(checker *checker, const evl_row *row, const case_node
 
 /* ---- what goes beyond single keys, in all blocks ---- */
 
-static bool check_inside(checker *checker, const case_node *root, const char *block, const case_node *node);
+static bool check_inside(const checker *checker, const case_node *root, const char *block, const case_node *node);
 
-static bool check_elements(checker *checker, const case_node *root, const evl_row *row, const case_node *node)
+static bool check_elements(const checker *checker, const case_node *root, const evl_row *row, const case_node *node)
 {
     for (int i = 0; i < node->n; i++) {
         const case_node *value = node->entries[i].value;
-        char *index = xasprintf("%d", i);
+        OWNED char *index = xasprintf("%d", i);
         const char *name = node->kind == NODE_MAPPING ? node->entries[i].key : node_get_text(value, "name");
-        const size_t above = checker_enter(checker, name == NULL ? index : name);
-        free(index);
-        if (!check_inside(checker, root, row->holds, value)) {
+        const struct checker inner = checker_at(checker, name == NULL ? index : name);
+        if (!check_inside(&inner, root, row->holds, value)) {
             return false;
         }
-        checker_leave(checker, above);
     }
     return true;
 }
 
-static bool check_row(checker *checker, const case_node *root, const evl_row *row, const case_node *block,
+static bool check_row(const checker *checker, const case_node *root, const evl_row *row, const case_node *block,
                       const case_node *node)
 {
     switch (row->type) {
@@ -152,17 +145,16 @@ static bool check_row(checker *checker, const case_node *root, const evl_row *ro
     }
 }
 
-static bool check_inside(checker *checker, const case_node *root, const char *block, const case_node *node)
+static bool check_inside(const checker *checker, const case_node *root, const char *block, const case_node *node)
 {
     const char *variant = schema_variant(checker->schema, block, node);
     for (int i = 0; i < node->n; i++) {
         const case_entry *entry = &node->entries[i];
         const evl_row *row = schema_find(checker->schema, block, variant, entry->key);
-        const size_t above = checker_enter(checker, entry->key);
-        if (!check_row(checker, root, row, node, entry->value)) {
+        const struct checker inner = checker_at(checker, entry->key);
+        if (!check_row(&inner, root, row, node, entry->value)) {
             return false;
         }
-        checker_leave(checker, above);
     }
     return true;
 }
@@ -170,26 +162,23 @@ static bool check_inside(checker *checker, const case_node *root, const char *bl
 /* ---- the simulation ---- */
 
 /** Numbers by name, into the order of `names`. */
-static bool take_named(checker *checker, const case_node *numbers, const char *what, int n, const char *const *names,
-                       double *values)
+static bool take_named(const checker *checker, const case_node *numbers, const char *what, int n,
+                       const char *const *names, double *values)
 {
     for (int i = 0; i < numbers->n; i++) {
         const case_entry *entry = &numbers->entries[i];
         const int index = index_of(entry->key, n, names);
         if (index < 0) {
-            char *hint = suggest_phrase(entry->key, n, names);
-            (void)checker_refuse(checker, entry->key_place, "there is no %s '%.64s'%s", what, entry->key, hint);
-            free(hint);
-            return false;
+            OWNED char *hint = suggest_phrase(entry->key, n, names);
+            return checker_refuse(checker, entry->key_place, "there is no %s '%.64s'%s", what, entry->key, hint);
         }
         values[index] = node_number(entry->value);
     }
     return true;
 }
 
-static bool take_speeds(checker *checker, const case_node *speeds, const description *description, double *values)
+static bool take_speeds(const checker *checker, const case_node *speeds, const description *description, double *values)
 {
-    const size_t above = checker_enter(checker, "speeds");
     if (!take_named(checker, speeds, "wheel", description->n_wheels, description->wheels, values)) {
         return false;
     }
@@ -198,17 +187,14 @@ static bool take_speeds(checker *checker, const case_node *speeds, const descrip
             return checker_refuse(checker, speeds->place, "the speed of wheel '%s' is missing", description->wheels[i]);
         }
     }
-    checker_leave(checker, above);
     return true;
 }
 
-static bool take_gaps(checker *checker, case_node *gaps, const description *description, double *values)
+static bool take_gaps(const checker *checker, case_node *gaps, const description *description, double *values)
 {
-    const size_t above = checker_enter(checker, "gaps");
     if (!take_named(checker, gaps, "mesh", description->n_meshes, description->meshes, values)) {
         return false;
     }
-    checker_leave(checker, above);
     for (int i = 0; i < description->n_meshes; i++) {
         if (node_get(gaps, description->meshes[i]) == NULL) {
             node_append(gaps, description->meshes[i], gaps->place, node_create_scalar("0", true, gaps->place));
@@ -217,26 +203,27 @@ static bool take_gaps(checker *checker, case_node *gaps, const description *desc
     return true;
 }
 
-static bool take_initial(checker *checker, case_node *block, description *description)
+static bool take_initial(const checker *checker, case_node *block, description *description)
 {
     static const char *const kinds[] = {
-        [INITIAL_REST] = "rest", [INITIAL_STEADY] = "steady", [INITIAL_SPEEDS] = "speeds"};
-    initial_description *initial = &description->simulation.initial;
-    const size_t above = checker_enter(checker, "initial");
-    initial->kind = (initial_kind)node_get_choice(block, "kind", 3, kinds);
-    if (initial->kind == INITIAL_SPEEDS) {
-        initial->speeds = xcalloc((size_t)description->n_wheels, sizeof *initial->speeds);
-        if (!take_speeds(checker, node_get(block, "speeds"), description, initial->speeds)) {
+        [EVL_INITIAL_REST] = "rest", [EVL_INITIAL_STEADY] = "steady", [EVL_INITIAL_SPEEDS] = "speeds"};
+    evl_initial *initial = &description->simulation.initial;
+    const struct checker of_speeds = checker_at(checker, "speeds"), of_gaps = checker_at(checker, "gaps");
+    initial->kind = node_get_choice(block, "kind", 3, kinds);
+    if (initial->kind == EVL_INITIAL_SPEEDS) {
+        double *values = xcalloc((size_t)description->n_wheels, sizeof *values);
+        initial->speeds = values;
+        if (!take_speeds(&of_speeds, node_get(block, "speeds"), description, values)) {
             return false;
         }
     }
-    if (initial->kind != INITIAL_STEADY) {
-        initial->gaps = xcalloc((size_t)description->n_meshes, sizeof *initial->gaps);
-        if (!take_gaps(checker, node_get(block, "gaps"), description, initial->gaps)) {
+    if (initial->kind != EVL_INITIAL_STEADY) {
+        double *values = xcalloc((size_t)description->n_meshes, sizeof *values);
+        initial->gaps = values;
+        if (!take_gaps(&of_gaps, node_get(block, "gaps"), description, values)) {
             return false;
         }
     }
-    checker_leave(checker, above);
     return true;
 }
 
@@ -248,42 +235,38 @@ static integrator_kind integrator_of(const case_node *block)
     return node_get_is(block, "integrator", "radau") ? INTEGRATOR_RADAU : INTEGRATOR_IDA;
 }
 
-static bool take_simulation(checker *checker, const case_node *root, description *description)
+static bool take_simulation(const checker *checker, const case_node *block, description *description)
 {
-    const case_node *block = node_get(root, "simulation"), *interval = node_get(block, "output_interval");
+    const struct checker of_interval = checker_at(checker, "output_interval");
+    const struct checker of_tolerance = checker_at(checker, "tolerance"), of_initial = checker_at(checker, "initial");
+    const case_node *interval = node_get(block, "output_interval");
     simulation_description *simulation = &description->simulation;
     simulation->duration = node_get_number(block, "duration");
     simulation->output_interval = node_number(interval);
     simulation->tolerance = node_get_number(block, "tolerance");
     simulation->integrator = integrator_of(block);
     simulation->max_step = node_get_number(block, "max_step");
-    const size_t above = checker_enter(checker, "simulation");
     const bool is_longer = simulation->output_interval > simulation->duration;
     if (is_longer || simulation->duration / simulation->output_interval > MOST_OUTPUTS) {
-        (void)checker_enter(checker, "output_interval");
-        return is_longer ? checker_refuse(checker, interval->place, "is %s s, longer than the duration of %s s",
+        return is_longer ? checker_refuse(&of_interval, interval->place, "is %s s, longer than the duration of %s s",
                                           interval->text, node_get_text(block, "duration"))
-                         : checker_refuse(checker, interval->place,
+                         : checker_refuse(&of_interval, interval->place,
                                           "is %s s, which gives more than %g rows in %s s; take a longer one",
                                           interval->text, MOST_OUTPUTS, node_get_text(block, "duration"));
     }
     if (simulation->integrator == INTEGRATOR_RADAU && simulation->tolerance < RADAU_SMALLEST_TOLERANCE) {
-        (void)checker_enter(checker, "tolerance");
-        return checker_refuse(checker, node_get(block, "tolerance")->place,
+        return checker_refuse(&of_tolerance, node_get(block, "tolerance")->place,
                               "is %s, but integrator radau takes %g or more; take integrator ida for less",
                               node_get_text(block, "tolerance"), RADAU_SMALLEST_TOLERANCE);
     }
-    if (!take_initial(checker, node_get(block, "initial"), description)) {
-        return false;
-    }
-    checker_leave(checker, above);
-    return true;
+    return take_initial(&of_initial, node_get(block, "initial"), description);
 }
 
 bool case_resolve(const case_schema *schema, const char *path, case_node *root, description *description,
                   evl_error *error)
 {
-    checker checker = {.schema = schema, .path = path, .error = error};
+    const checker checker = {.schema = schema, .path = path, .error = error};
+    const struct checker of_simulation = checker_at(&checker, "simulation");
     description->title = node_get_text(root, "title");
     description->wheels = unique_names(&checker, root, "wheels", "wheel", &description->n_wheels);
     description->meshes =
@@ -291,5 +274,5 @@ bool case_resolve(const case_schema *schema, const char *path, case_node *root, 
     description->shafts =
         description->meshes == NULL ? NULL : unique_names(&checker, root, "shafts", "shaft", &description->n_shafts);
     return description->shafts != NULL && check_inside(&checker, root, CASE_ROOT, root) &&
-           take_simulation(&checker, root, description);
+           take_simulation(&of_simulation, node_get(root, "simulation"), description);
 }

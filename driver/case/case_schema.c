@@ -1,5 +1,6 @@
 #include "case/case_schema.h"
 
+#include "base/memory.h"
 #include "base/words.h"
 
 #include <math.h>
@@ -16,6 +17,23 @@ const evl_row *schema_block(const case_schema *schema, const char *block, int *n
         ++*n;
     }
     return *n == 0 ? NULL : &schema->rows[first];
+}
+
+const char **schema_keys(const case_schema *schema, const char *block, int *n)
+{
+    int n_rows = 0;
+    const evl_row *rows = schema_block(schema, block, &n_rows);
+    const char **keys = xcalloc((size_t)n_rows, sizeof *keys);
+    *n = 0;
+    for (int i = 0; i < n_rows; i++) {
+        int k = 0;
+        while (k < *n && strcmp(keys[k], rows[i].key) != 0) {
+            k++;
+        }
+        keys[k] = rows[i].key;
+        *n = k == *n ? k + 1 : *n;
+    }
+    return keys;
 }
 
 const char *row_needs(const evl_row *row)

@@ -1,6 +1,5 @@
 /** What a case file may say: the table of all rows, which things describe themselves with. */
-#ifndef EVOLVENT_CASE_SCHEMA_H
-#define EVOLVENT_CASE_SCHEMA_H
+#pragma once
 
 #include "case/case_tree.h"
 
@@ -17,6 +16,8 @@ typedef struct {
 
 /** The rows of a block. @return the first; NULL if there is no such block */
 const evl_row *schema_block(const case_schema *schema, const char *block, int *n);
+/** The block's keys, of whatever variant, each once: a new array. */
+const char **schema_keys(const case_schema *schema, const char *block, int *n);
 /** The row of a key of a block in a variant ("" if the block has none); NULL if there is none. */
 const evl_row *schema_find(const case_schema *schema, const char *block, const char *variant, const char *key);
 /** The row whose value selects the variant of a block; NULL if the block has no variants. */
@@ -40,5 +41,3 @@ bool schema_check(const case_schema *schema, const char *path, case_node *root, 
 
 /** Print the table as a Markdown reference. */
 void schema_print(FILE *stream, const case_schema *schema);
-
-#endif

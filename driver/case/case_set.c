@@ -12,9 +12,10 @@ typedef struct {
     evl_error *error;
 } set_edit;
 
-static void refuse_element(const set_edit *edit, const case_node *sequence, const char *parent, const char *segment)
+/** @param n_parent  bytes of the path to the sequence, with which the option begins */
+static void refuse_element(const set_edit *edit, const case_node *sequence, int n_parent, const char *segment)
 {
-    const char **names = xcalloc((size_t)sequence->n, sizeof *names);
+    OWNED const char **names = xcalloc((size_t)sequence->n, sizeof *names);
     int n = 0;
     for (int i = 0; i < sequence->n; i++) {
         char *name = node_element_name(sequence->entries[i].value);
@@ -23,32 +24,32 @@ static void refuse_element(const set_edit *edit, const case_node *sequence, cons
         }
     }
     if (n == 0) {
-        evl_error_set(edit->error, EVL_EXIT_CASE, edit->place, "%s has no element '%s'; it has %d, counted from 0",
-                      parent, segment, sequence->n);
+        evl_error_set(edit->error, EVL_EXIT_CASE, edit->place, "%.*s has no element '%s'; it has %d, counted from 0",
+                      n_parent, edit->option, segment, sequence->n);
     } else {
-        char *hint = suggest_phrase(segment, n, names);
-        evl_error_set(edit->error, EVL_EXIT_CASE, edit->place, "%s has no '%s'%s", parent, segment, hint);
-        free(hint);
+        OWNED char *hint = suggest_phrase(segment, n, names);
+        evl_error_set(edit->error, EVL_EXIT_CASE, edit->place, "%.*s has no '%s'%s", n_parent, edit->option, segment,
+                      hint);
     }
     for (int i = 0; i < n; i++) {
         free((void *)names[i]);
     }
-    free(names);
 }
 
 /** The entry of `node` that `segment` names, made (with a NULL value) if it is not there yet. NULL if refused. */
-static case_entry *enter(const set_edit *edit, case_node *node, const char *parent, const char *segment)
+static case_entry *enter(const set_edit *edit, case_node *node, int n_parent, const char *segment)
 {
     const case_place place = {.option = edit->option};
     if (node->kind == NODE_SCALAR) {
-        evl_error_set(edit->error, EVL_EXIT_CASE, edit->place, "%s is a single value and has no '%s'", parent, segment);
+        evl_error_set(edit->error, EVL_EXIT_CASE, edit->place, "%.*s is a single value and has no '%s'", n_parent,
+                      edit->option, segment);
         return NULL;
     }
     const bool is_mapping = node->kind == NODE_MAPPING;
     const int i = node_step(node, segment);
     const bool is_next = !is_mapping && node_index(segment) == node->n; /* the element behind the last one */
     if (i < 0 && !is_mapping && !is_next) {
-        refuse_element(edit, node, parent, segment);
+        refuse_element(edit, node, n_parent, segment);
         return NULL;
     }
     if (i < 0) {
@@ -63,39 +64,29 @@ static case_entry *enter(const set_edit *edit, case_node *node, const char *pare
 static bool put(const set_edit *edit, case_node *root, char *path, case_node *value)
 {
     case_node *node = root;
-    char *parent = xstrdup("");
-    char *segment = path;
-    bool done = false;
-    while (!done) {
+    for (char *segment = path; segment != NULL;) {
         char *dot = strchr(segment, '.');
         if (dot != NULL) {
             *dot = '\0';
         }
-        case_entry *entry = enter(edit, node, parent, segment);
+        case_entry *entry = enter(edit, node, segment > path ? (int)(segment - path) - 1 : 0, segment);
         if (entry == NULL) {
-            break;
+            return false;
         }
         if (dot == NULL) {
             node_delete(&entry->value);
             entry->value = value;
             entry->key_place = value->place;
-            done = true;
-        } else {
-            if (entry->value == NULL || node_is_null(entry->value)) {
-                /* a number cannot be a key: what follows is a list */
-                const bool is_list = node_index(dot + 1) >= 0;
-                node_delete(&entry->value);
-                entry->value = node_create(is_list ? NODE_SEQUENCE : NODE_MAPPING, value->place);
-            }
-            node = entry->value;
-            char *longer = xasprintf("%s%s%s", parent, parent[0] == '\0' ? "" : ".", segment);
-            free(parent);
-            parent = longer;
-            segment = dot + 1;
+        } else if (entry->value == NULL || node_is_null(entry->value)) {
+            /* a number cannot be a key: what follows is a list */
+            const bool is_list = node_index(dot + 1) >= 0;
+            node_delete(&entry->value);
+            entry->value = node_create(is_list ? NODE_SEQUENCE : NODE_MAPPING, value->place);
         }
+        node = entry->value;
+        segment = dot == NULL ? NULL : dot + 1;
     }
-    free(parent);
-    return done;
+    return true;
 }
 
 static bool has_empty_segment(const char *path)
@@ -110,19 +101,16 @@ bool tree_set(case_node *root, const char *option, evl_error *error)
     const case_place place = {.option = option};
     place_text("", place, edit.place);
     const char *equals = strchr(option, '=');
-    char *path = equals == NULL ? NULL : xasprintf("%.*s", (int)(equals - option), option);
+    OWNED char *path = equals == NULL ? NULL : xasprintf("%.*s", (int)(equals - option), option);
     if (path == NULL || has_empty_segment(path)) {
-        evl_error_set(error, EVL_EXIT_USAGE, edit.place,
-                      "%s; write --set PATH=VALUE, such as --set wheels.pinion.teeth=20",
-                      path == NULL ? "has no '='" : "has an empty part in its path");
-        free(path);
-        return false;
+        return evl_error_set(error, EVL_EXIT_USAGE, edit.place,
+                             "%s; write --set PATH=VALUE, such as --set wheels.pinion.teeth=20",
+                             path == NULL ? "has no '='" : "has an empty part in its path");
     }
     case_node *value = tree_load_text(equals + 1, place, error);
     const bool done = value != NULL && put(&edit, root, path, value);
     if (!done) {
         node_delete(&value);
     }
-    free(path);
     return done;
 }

@@ -176,10 +176,8 @@ int node_step(const case_node *node, const char *segment)
         return node_find(node, segment);
     }
     for (int i = 0; i < node->n; i++) {
-        char *name = node_element_name(node->entries[i].value);
-        const bool found = name != NULL && strcmp(name, segment) == 0;
-        free(name);
-        if (found) {
+        OWNED char *name = node_element_name(node->entries[i].value);
+        if (name != NULL && strcmp(name, segment) == 0) {
             return i;
         }
     }

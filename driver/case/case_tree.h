@@ -1,12 +1,10 @@
 /** The case file as a tree of nodes, each of which knows where it comes from: a line of the file or a --set option.
  *  libyaml is used by case_load.c and case_emit.c only. */
-#ifndef EVOLVENT_CASE_TREE_H
-#define EVOLVENT_CASE_TREE_H
+#pragma once
 
 #include "base/status.h"
 
 #include <stdbool.h>
-#include <stddef.h>
 
 /** Where a node comes from. */
 typedef struct {
@@ -93,5 +91,3 @@ bool tree_set(case_node *root, const char *option, evl_error *error);
 
 /** The tree as YAML text, a new string. */
 char *tree_text(const case_node *root);
-
-#endif

@@ -11,35 +11,35 @@
 #include <stdlib.h>
 #include <string.h>
 
-size_t checker_enter(checker *checker, const char *step)
+checker checker_at(const checker *above, const char *step)
 {
-    const size_t above = strnlen(checker->label, LABEL_LENGTH - 1);
-    size_t length = above;
-    if (length > 0 && length < LABEL_LENGTH - 1) {
-        checker->label[length++] = '.';
-    }
-    const size_t added = strnlen(step, LABEL_LENGTH - 1 - length);
-    memcpy(checker->label + length, step, added);
-    checker->label[length + added] = '\0';
-    return above;
+    checker inner = *above;
+    inner.above = above;
+    inner.step = step;
+    return inner;
 }
 
-void checker_leave(checker *checker, size_t length)
+/** "wheels.gear.support" @return its length */
+static size_t write_label(const checker *checker, char label[LABEL_LENGTH])
 {
-    checker->label[length] = '\0';
+    size_t length = checker->above == NULL ? 0 : write_label(checker->above, label);
+    if (checker->step != NULL) {
+        (void)snprintf(label + length, LABEL_LENGTH - length, "%s%s", length == 0 ? "" : ".", checker->step);
+        length += strlen(label + length);
+    }
+    return length;
 }
 
 bool checker_refuse(const checker *checker, case_place place, const char *format, ...)
 {
-    char message[EVL_ERROR_MESSAGE_LENGTH], where[EVL_ERROR_PLACE_LENGTH];
+    char message[EVL_ERROR_MESSAGE_LENGTH], where[EVL_ERROR_PLACE_LENGTH], label[LABEL_LENGTH] = "";
     va_list arguments;
     va_start(arguments, format);
     (void)vsnprintf(message, sizeof message, format, arguments);
     va_end(arguments);
     place_text(checker->path, place, where);
-    evl_error_set(checker->error, EVL_EXIT_CASE, where, "%s%s%s", checker->label, checker->label[0] == '\0' ? "" : ": ",
-                  message);
-    return false;
+    (void)write_label(checker, label);
+    return evl_error_set(checker->error, EVL_EXIT_CASE, where, "%s%s%s", label, label[0] == '\0' ? "" : ": ", message);
 }
 
 bool refuse_type(const checker *checker, const case_node *node, const char *wanted, const char *unit)
@@ -53,23 +53,16 @@ bool refuse_type(const checker *checker, const case_node *node, const char *want
 
 static bool refuse_word(const checker *checker, const evl_row *key, const case_node *node)
 {
-    char **words = NULL;
+    OWNED char **words = NULL;
     const int n = words_split(key->words, &words);
-    char *hint = suggest_phrase(node->text, n, (const char *const *)words);
-    char *list = words_join(n, (const char *const *)words, ", ");
+    OWNED char *hint = suggest_phrase(node->text, n, (const char *const *)words);
+    OWNED char *list = words_join(n, (const char *const *)words, ", ");
     char found[64];
     node_describe(node, found);
-    if (key->type == EVL_NUMBER) {
-        (void)checker_refuse(checker, node->place, "must be a number [%s] or %s, not %s%s", key->unit, list, found,
-                             hint);
-    } else {
-        (void)checker_refuse(checker, node->place, "must be %s%s, not %s%s", n > 1 ? "one of " : "", list, found, hint);
-    }
-    free(list);
-    free(hint);
-    free(words[0]);
-    free(words);
-    return false;
+    return key->type == EVL_NUMBER ? checker_refuse(checker, node->place, "must be a number [%s] or %s, not %s%s",
+                                                    key->unit, list, found, hint)
+                                   : checker_refuse(checker, node->place, "must be %s%s, not %s%s",
+                                                    n > 1 ? "one of " : "", list, found, hint);
 }
 
 static bool is_in_range(const evl_row *key, double value)
@@ -119,7 +112,8 @@ bool check_number_of(const checker *checker, const evl_row *key, const case_node
 }
 
 /** A list of so many numbers, which `wanted` describes. */
-static bool check_components(checker *checker, const evl_row *key, const case_node *node, int n, const char *wanted)
+static bool check_components(const checker *checker, const evl_row *key, const case_node *node, int n,
+                             const char *wanted)
 {
     if (node->kind != NODE_SEQUENCE) {
         return refuse_type(checker, node, wanted, key->unit);
@@ -136,7 +130,7 @@ static bool check_components(checker *checker, const evl_row *key, const case_no
     return good;
 }
 
-static bool check_numbers(checker *checker, const evl_row *key, const case_node *node)
+static bool check_numbers(const checker *checker, const evl_row *key, const case_node *node)
 {
     const bool is_series = row_is_series(key);
     if (node->kind != (is_series ? NODE_SEQUENCE : NODE_MAPPING)) {
@@ -146,12 +140,11 @@ static bool check_numbers(checker *checker, const evl_row *key, const case_node 
     for (int i = 0; i < node->n; i++) {
         char index[16];
         (void)snprintf(index, sizeof index, "%d", i);
-        const size_t above = checker_enter(checker, is_series ? index : node->entries[i].key);
+        const struct checker inner = checker_at(checker, is_series ? index : node->entries[i].key);
         double value = 0;
-        if (!check_number(checker, key, node->entries[i].value, &value)) {
+        if (!check_number(&inner, key, node->entries[i].value, &value)) {
             return false;
         }
-        checker_leave(checker, above);
     }
     return true;
 }
@@ -208,7 +201,7 @@ bool check_choice(const checker *checker, const evl_row *key, const case_node *n
     return words_contain(key->words, node->text) || refuse_word(checker, key, node);
 }
 
-static bool check_two_names(checker *checker, case_node *node)
+static bool check_two_names(const checker *checker, case_node *node)
 {
     if (node->kind != NODE_SEQUENCE || node->n != 2) {
         return refuse_type(checker, node, "two names [a, b]", "");
@@ -216,7 +209,7 @@ static bool check_two_names(checker *checker, case_node *node)
     return check_text(checker, node->entries[0].value) && check_text(checker, node->entries[1].value);
 }
 
-bool check_single_value(checker *checker, const evl_row *key, case_node *node)
+bool check_single_value(const checker *checker, const evl_row *key, case_node *node)
 {
     double value = 0;
     switch (key->type) {

@@ -1,16 +1,7 @@
 /** A resolved case as plain data: what the case file says, defaults filled in. A leaf: knows no other room. */
-#ifndef EVOLVENT_CASE_DESCRIPTION_H
-#define EVOLVENT_CASE_DESCRIPTION_H
+#pragma once
 
 #include <evolvent/description.h>
-
-typedef enum { INITIAL_REST, INITIAL_STEADY, INITIAL_SPEEDS } initial_kind;
-
-typedef struct {
-    initial_kind kind;
-    double *speeds; /**< [n_wheels] for INITIAL_SPEEDS, else NULL */
-    double *gaps;   /**< [n_meshes], zeros by default; NULL for INITIAL_STEADY */
-} initial_description;
 
 /** INTEGRATOR_OPEN: the case does not say, and the model has not been asked yet what serves it. */
 typedef enum { INTEGRATOR_OPEN, INTEGRATOR_IDA, INTEGRATOR_RADAU } integrator_kind;
@@ -21,8 +12,8 @@ typedef enum { INTEGRATOR_OPEN, INTEGRATOR_IDA, INTEGRATOR_RADAU } integrator_ki
 typedef struct {
     integrator_kind integrator;
     double duration, output_interval, tolerance;
-    double max_step; /**< [s] */
-    initial_description initial;
+    double max_step;     /**< [s] */
+    evl_initial initial; /**< its arrays belong to it */
 } simulation_description;
 
 /** Texts are the tree's that it was made from, which has to outlive it. */
@@ -38,5 +29,3 @@ typedef struct {
 
 /** Free what a description holds. */
 void description_clear(description *description);
-
-#endif

@@ -20,10 +20,7 @@ typedef struct {
 } parser;
 
 /** Complain in one line, remind of the usage in a few. @return false */
-#if defined(__GNUC__)
-__attribute__((format(printf, 2, 3)))
-#endif
-static bool misuse(const parser *parser, const char *format, ...)
+__attribute__((format(printf, 2, 3))) static bool misuse(const parser *parser, const char *format, ...)
 {
     evl_error error = {.code = EVL_EXIT_OK};
     char text[EVL_ERROR_MESSAGE_LENGTH];
@@ -40,18 +37,12 @@ static bool misuse(const parser *parser, const char *format, ...)
 static bool unknown_option(const parser *parser, const char *word)
 {
     const int n = strncmp(word, "--", 2) == 0 ? parser->command->n_options : 0;
-    const char **names = xcalloc((size_t)n + 1, sizeof *names);
+    OWNED const char **names = xcalloc((size_t)n + 1, sizeof *names);
     for (int i = 0; i < n; i++) {
         names[i] = parser->command->options[i].name;
     }
-    char *given = xstrdup(word);
-    given[strcspn(given, "=")] = '\0';
-    char *phrase = suggest_phrase(given, n, names);
-    (void)misuse(parser, "unknown option '%s'%s", given, phrase);
-    free(phrase);
-    free(given);
-    free(names);
-    return false;
+    OWNED char *given = xasprintf("%.*s", (int)strcspn(word, "="), word), *phrase = suggest_phrase(given, n, names);
+    return misuse(parser, "unknown option '%s'%s", given, phrase);
 }
 
 static bool takes_value(const option_row *row)
@@ -232,17 +223,15 @@ evl_exit cli_run(const command *program, int argc, char **argv, evl_error *error
         return run_command(program, argc < 2 ? 0 : 1, argv + 1, error);
     }
     const parser parser = {.command = program};
-    const char **names = xcalloc((size_t)n_commands, sizeof *names);
+    OWNED const char **names = xcalloc((size_t)n_commands, sizeof *names);
     const command *found = NULL;
     for (int i = 0; i < n_commands; i++) {
         names[i] = commands[i]->name;
         found = strcmp(argv[1], names[i]) == 0 ? commands[i] : found;
     }
     if (found == NULL) {
-        char *phrase = suggest_phrase(argv[1], n_commands, names);
+        OWNED char *phrase = suggest_phrase(argv[1], n_commands, names);
         (void)misuse(&parser, "unknown command '%s'%s", argv[1], phrase);
-        free(phrase);
     }
-    free(names);
     return found != NULL ? run_command(found, argc - 2, argv + 2, error) : EVL_EXIT_USAGE;
 }

@@ -1,11 +1,9 @@
 /** A command describes itself: its name, its texts, its options, what it does. Each stands in a file of its own and is a line in
  *  commands.inc; parsing, help and complaints follow from the struct. */
-#ifndef EVOLVENT_COMMAND_H
-#define EVOLVENT_COMMAND_H
+#pragma once
 
 #include "base/status.h"
 
-#include <stdbool.h>
 #include <stddef.h>
 
 /** The values of an option that may be repeated, in their order. */
@@ -65,5 +63,3 @@ typedef struct {
      "no progress and no summary; warnings and errors only"}
 #define OPTION_ROW_JSON(options)                                                                                       \
     {OPTION_FLAG, 0, "--json", NULL, offsetof(options, json), "one JSON object, in SI units and radians"}
-
-#endif

@@ -1,9 +1,7 @@
 #include "commands/help.h"
 
 #include "base/memory.h"
-
-#include <stdlib.h>
-#include <string.h>
+#include "base/words.h"
 
 #define COMMAND(name) extern const command name##_command;
 #include "commands/commands.inc"
@@ -31,8 +29,7 @@ static void print_commands(FILE *stream)
 {
     int width = 0;
     for (int i = 0; i < n_commands; i++) {
-        const int length = (int)strlen(commands[i]->name);
-        width = length > width ? length : width;
+        width = words_width(width, commands[i]->name);
     }
     fputs("Commands:\n", stream);
     for (int i = 0; i < n_commands; i++) {
@@ -52,10 +49,9 @@ void help_print_usage(FILE *stream, const command *command)
 static void print_option(const option_row *row)
 {
     const bool has_value = row->argument != NULL;
-    char *head = xasprintf("%s%s%s", row->name, has_value ? " " : "", has_value ? row->argument : "");
+    OWNED char *head = xasprintf("%s%s%s", row->name, has_value ? " " : "", has_value ? row->argument : "");
     const char letter[] = {'-', row->letter, ',', '\0'};
     printf("  %3s %-20s %s\n", row->letter != 0 ? letter : "", head, row->text);
-    free(head);
 }
 
 void help_print(const command *command)

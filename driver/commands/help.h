@@ -1,6 +1,5 @@
 /** What is printed of commands: usage, lists, `--help`. */
-#ifndef EVOLVENT_HELP_H
-#define EVOLVENT_HELP_H
+#pragma once
 
 #include "commands/command.h"
 
@@ -14,5 +13,3 @@ void help_print_usage(FILE *stream, const command *command);
 
 /** All there is to say of a command, on stdout. */
 void help_print(const command *command);
-
-#endif

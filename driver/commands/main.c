@@ -17,9 +17,9 @@ typedef struct {
 static evl_exit print_versions(const char *file, const void *options, evl_error *error)
 {
     (void)file, (void)options;
-    const char *processor = model_processor();
+    const char *processor = model_tables()->processor;
     printf("evolvent %s\n%s\n%s\nC compiler %s\nFortran compiler %s\n", EVOLVENT_VERSION, integrate_version(),
-           history_version(), EVOLVENT_C_COMPILER, model_compiler());
+           history_version(), EVOLVENT_C_COMPILER, model_tables()->compiler);
     printf("kernel compiled for %s\n", *processor ? processor : "the compiler's usual processor");
     return error->code;
 }

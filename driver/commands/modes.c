@@ -6,7 +6,7 @@
 #include "commands/modes_print.h"
 #include "commands/warn.h"
 #include "integrate/integrate.h"
-#include "simulate/prepare.h"
+#include "simulate/simulate.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -23,18 +23,6 @@ typedef struct {
 
 /* ---- the motion up to a time ---- */
 
-static int on_output(void *self, const dae_state *state, char reason[DAE_MESSAGE_LENGTH])
-{
-    (void)self, (void)state, (void)reason;
-    return 0;
-}
-
-static int on_event(void *self, const event_record *record)
-{
-    (void)self, (void)record;
-    return 0;
-}
-
 static int on_step(void *self, double t)
 {
     progress_step(self, t);
@@ -43,14 +31,10 @@ static int on_step(void *self, double t)
 
 static bool move_to(const prepared_case *prepared, double time, dae_state *state, evl_error *error)
 {
-    const simulation_description *simulation = &case_description(prepared->file)->simulation;
-    const integrate_options options = {.t_end = time,
-                                       .output_interval = time,
-                                       .tolerance = simulation->tolerance,
-                                       .max_step = simulation->max_step,
-                                       .by_stepper = simulation->integrator == INTEGRATOR_RADAU};
+    integrate_options options = simulate_options(prepared);
+    options.t_end = options.output_interval = time;
     progress progress;
-    const integrate_observer observer = {.self = &progress, .output = on_output, .event = on_event, .step = on_step};
+    const integrate_observer observer = {.self = &progress, .step = on_step};
     integrate_counts counts;
     char reason[DAE_MESSAGE_LENGTH];
     progress_start(&progress, true, state->t, time);
@@ -59,14 +43,10 @@ static bool move_to(const prepared_case *prepared, double time, dae_state *state
     if (code == INTEGRATE_DONE) {
         return true;
     }
-    char *place = xasprintf("%s: t = %.9g s", case_path(prepared->file), state->t);
-    if (code == INTEGRATE_STOPPED) {
-        evl_error_set(error, EVL_EXIT_INTERRUPTED, place, "interrupted by %s", interrupt_name((int)interrupt_signal));
-    } else {
-        evl_error_set(error, EVL_EXIT_INTEGRATION, place, "%s", reason);
-    }
-    free(place);
-    return false;
+    OWNED char *place = xasprintf("%s: t = %.9g s", case_path(prepared->file), state->t);
+    return code == INTEGRATE_STOPPED ? evl_error_set(error, EVL_EXIT_INTERRUPTED, place, "interrupted by %s",
+                                                     interrupt_name((int)interrupt_signal))
+                                     : evl_error_set(error, EVL_EXIT_INTEGRATION, place, "%s", reason);
 }
 
 /* ---- the state ---- */
@@ -78,32 +58,21 @@ static bool read_number(const char *option, const char *text, double most, const
     if (text == NULL || (number_read(text, number) == NUMBER_FINITE && *number >= 0.0 && *number <= most)) {
         return true;
     }
-    char *place = xasprintf("--%s %s", option, text);
-    evl_error_set(error, EVL_EXIT_USAGE, place, "%s", range);
-    free(place);
-    return false;
+    OWNED char *place = xasprintf("--%s %s", option, text);
+    return evl_error_set(error, EVL_EXIT_USAGE, place, "%s", range);
 }
 
-static void refuse_steady_state(const prepared_case *prepared, const model_message *refusal, evl_error *error)
+/** @return false */
+static bool refuse_steady_state(const prepared_case *prepared, const model_message *refusal, evl_error *error)
 {
-    if (strncmp(refusal->field, MODEL_START, strlen(MODEL_START)) ==
-        0) { /* the case need not ask for it: its lines are not to blame */
-        evl_error_set(error, EVL_EXIT_CASE, case_path(prepared->file),
-                      "there is no steady state to linearise at: %s; --at TIME linearises the motion at a time instead",
-                      refusal->message);
-    } else {
-        prepare_refuse(prepared, refusal, error);
+    if (strncmp(refusal->field, MODEL_START, strlen(MODEL_START)) != 0) {
+        return prepare_refuse(prepared, refusal, error);
     }
-}
-
-static bool find_steady_state(const prepared_case *prepared, double mesh_position, dae_state *state, evl_error *error)
-{
-    model_message refusal;
-    if (model_steady_state(prepared->model, mesh_position, state, &refusal)) {
-        return true;
-    }
-    refuse_steady_state(prepared, &refusal, error);
-    return false;
+    return evl_error_set(/* the case need not ask for it: its lines are not to blame */
+                         error, EVL_EXIT_CASE, case_path(prepared->file),
+                         "there is no steady state to linearise at: %s; --at TIME linearises the motion at a time "
+                         "instead",
+                         refusal->message);
 }
 
 static bool find_state_at(const prepared_case *prepared, const char *at, double time, dae_state *state,
@@ -111,20 +80,11 @@ static bool find_state_at(const prepared_case *prepared, const char *at, double 
 {
     const double duration = case_description(prepared->file)->simulation.duration;
     if (time > duration) {
-        char *place = xasprintf("--at %s", at);
-        evl_error_set(error, EVL_EXIT_CASE, place,
-                      "the case ends at %.9g s; --set simulation.duration=%s makes it longer", duration, at);
-        free(place);
-        return false;
+        OWNED char *place = xasprintf("--at %s", at);
+        return evl_error_set(error, EVL_EXIT_CASE, place,
+                             "the case ends at %.9g s; --set simulation.duration=%s makes it longer", duration, at);
     }
-    if (!prepare_start(prepared, state, error)) {
-        return false;
-    }
-    if (time > state->t && !move_to(prepared, time, state, error)) {
-        dae_state_free(state);
-        return false;
-    }
-    return true;
+    return prepare_start(prepared, state, error) && (time <= state->t || move_to(prepared, time, state, error));
 }
 
 /* ---- the command ---- */
@@ -134,42 +94,18 @@ static bool linearise(const prepared_case *prepared, const dae_state *state, dou
                       evl_error *error)
 {
     char message[DAE_MESSAGE_LENGTH];
-    if (model_outputs(prepared->model, state, values, message) == DAE_OK &&
-        model_modes(prepared->model, state, modes, message)) {
-        return true;
-    }
-    evl_error_set(error, EVL_EXIT_CASE, case_path(prepared->file), "cannot be linearised at t = %.9g s: %s", state->t,
-                  message);
-    return false;
+    return (model_outputs(prepared->model, state, values, message) == DAE_OK &&
+            model_modes(prepared->model, state, modes, message)) ||
+           evl_error_set(error, EVL_EXIT_CASE, case_path(prepared->file), "cannot be linearised at t = %.9g s: %s",
+                         state->t, message);
 }
 
-static bool linearise_mean(const prepared_case *prepared, dae_state *state, double *values, natural_modes *modes,
-                           evl_error *error)
-{
-    model_message refusal;
-    if (model_mean_modes(prepared->model, state, values, modes, &refusal)) {
-        return true;
-    }
-    refuse_steady_state(prepared, &refusal, error);
-    return false;
-}
-
-/** Whether the case could run: what cannot has no modes either. */
-static bool check_start(const prepared_case *prepared, evl_error *error)
-{
-    dae_state start;
-    if (!prepare_start(prepared, &start, error)) {
-        return false;
-    }
-    dae_state_free(&start);
-    return true;
-}
-
-static evl_exit modes_of(const prepared_case *prepared, const modes_options *options, double time, double position,
-                         evl_error *error)
+static void modes_of(const prepared_case *prepared, const modes_options *options, double time, double position,
+                     evl_error *error)
 {
     dae_state state = {.t = 0.0};
-    double *values = xcalloc((size_t)model_n_values(prepared->model), sizeof *values);
+    model_message refusal;
+    OWNED double *values = xcalloc((size_t)model_n_values(prepared->model), sizeof *values);
     modes_report report = {.file = prepared->file,
                            .model = prepared->model,
                            .state = &state,
@@ -178,12 +114,15 @@ static evl_exit modes_of(const prepared_case *prepared, const modes_options *opt
                                    : options->at != NULL ? MODES_AT
                                                          : MODES_STEADY,
                            .mesh_position = position};
-    bool good = options->at != NULL || check_start(prepared, error);
+    /* what cannot run has no modes either */
+    bool good = options->at != NULL || prepare_check_start(prepared, error);
     if (good && options->mean) {
-        good = linearise_mean(prepared, &state, values, &report.modes, error);
+        good = model_mean_modes(prepared->model, &state, values, &report.modes, &refusal) ||
+               refuse_steady_state(prepared, &refusal, error);
     } else if (good) {
         good = (options->at != NULL ? find_state_at(prepared, options->at, time, &state, error)
-                                    : find_steady_state(prepared, position, &state, error)) &&
+                                    : model_steady_state(prepared->model, position, &state, &refusal) ||
+                                          refuse_steady_state(prepared, &refusal, error)) &&
                linearise(prepared, &state, values, &report.modes, error);
     }
     if (good) {
@@ -196,26 +135,23 @@ static evl_exit modes_of(const prepared_case *prepared, const modes_options *opt
     }
     natural_modes_free(&report.modes);
     dae_state_free(&state);
-    free(values);
-    return error->code;
 }
 
 static evl_exit modes(const char *file, const void *given, evl_error *error)
 {
     static const double most_pitches = 1e6;
     const modes_options *options = given;
-    prepared_case prepared;
+    prepared_case prepared = {0};
     double time = 0.0, position = 0.0;
     interrupt_install();
-    if (!read_number("at", options->at, HUGE_VAL, "the time must be a number of seconds, at least 0", &time, error) ||
-        !read_number("mesh-position", options->mesh_position, most_pitches,
-                     "the position must be a number of pitches, from 0 to 1e6", &position, error) ||
-        !prepare_case(&prepared, file, options->set.n, options->set.values, error)) {
-        return error->code;
+    if (read_number("at", options->at, HUGE_VAL, "the time must be a number of seconds, at least 0", &time, error) &&
+        read_number("mesh-position", options->mesh_position, most_pitches,
+                    "the position must be a number of pitches, from 0 to 1e6", &position, error) &&
+        prepare_case(&prepared, file, options->set.n, options->set.values, error)) {
+        modes_of(&prepared, options, time, position, error);
     }
-    const evl_exit code = modes_of(&prepared, options, time, position, error);
     prepared_case_free(&prepared);
-    return code;
+    return error->code;
 }
 
 static const char *check(const void *given)

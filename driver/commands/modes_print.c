@@ -1,6 +1,7 @@
 #include "commands/modes_print.h"
 
 #include "base/json.h"
+#include "base/words.h"
 
 #include <math.h>
 #include <string.h>
@@ -41,20 +42,14 @@ static double time_constant(const natural_mode *mode)
 /* Below this damping ratio there is no damping, but rounding. */
 static const double no_damping = 1e-12;
 
-static int longer(int width, const char *text)
-{
-    const int length = (int)strlen(text);
-    return length > width ? length : width;
-}
-
 static int name_width(const description *description)
 {
     int width = (int)strlen("wheel");
     for (int i = 0; i < description->n_wheels; i++) {
-        width = longer(width, description->wheels[i]);
+        width = words_width(width, description->wheels[i]);
     }
     for (int i = 0; i < description->n_meshes; i++) {
-        width = longer(width, description->meshes[i]);
+        width = words_width(width, description->meshes[i]);
     }
     return width;
 }
@@ -171,7 +166,7 @@ static void print_wheel(FILE *stream, int width, const modes_report *report, int
 {
     const char *name = case_description(report->file)->wheels[index];
     const double complex *displacement = mode->displacements[index];
-    print_coordinate(stream, width, name, model_teeth(report->model, index) > 0 ? "rotation r_b phi" : "rotation r phi",
+    print_coordinate(stream, width, name, value_of(report, "teeth", index) > 0 ? "rotation r_b phi" : "rotation r phi",
                      mode->arcs[index]);
     double directions[2][2];
     const int n = model_support_directions(report->model, index, directions);

@@ -1,6 +1,5 @@
 /** What `evolvent modes` prints. */
-#ifndef EVOLVENT_MODES_PRINT_H
-#define EVOLVENT_MODES_PRINT_H
+#pragma once
 
 #include "case/case.h"
 #include "model/model_modes.h"
@@ -28,5 +27,3 @@ typedef struct {
 void modes_print_text(FILE *stream, const modes_report *report);
 /** One JSON object in SI units and in full precision, for scripts. */
 void modes_print_json(FILE *stream, const modes_report *report);
-
-#endif

@@ -6,7 +6,7 @@
 #include "commands/warn.h"
 #include "files/history.h"
 #include "integrate/integrate.h"
-#include "integrate/output_grid.h"
+#include "integrate/integrate_types.h"
 #include "simulate/extremes.h"
 #include "simulate/simulate.h"
 
@@ -81,85 +81,55 @@ static bool is_same_file(const char *a, const char *b)
 
 /* The history's head and end. */
 
-static history_attribute text_attribute(const char *key, const char *text)
-{
-    return (history_attribute){.key = key, .kind = HISTORY_TEXT, .text = text};
-}
-
-static history_attribute count_attribute(const char *key, long count)
-{
-    return (history_attribute){.key = key, .kind = HISTORY_INTEGER, .integer = count};
-}
-
 static bool create_history(run *run, const char *path)
 {
     const model *model = run->prepared.model;
     const description *description = case_description(run->prepared.file);
     const integrate_options options = simulate_options(&run->prepared);
-    const int n_states = model_dae(model)->n, n_kinds = model_n_event_kinds();
-    const char **state_names = xcalloc((size_t)n_states, sizeof *state_names);
-    const char **state_units = xcalloc((size_t)n_states, sizeof *state_units);
-    const char **kinds = xcalloc((size_t)n_kinds, sizeof *kinds);
-    model_state *states = model_states(model);
-    for (int i = 0; i < n_states; i++) {
-        state_names[i] = states[i].name;
-        state_units[i] = states[i].units;
-    }
-    for (int i = 0; i < n_kinds; i++) {
-        kinds[i] = model_event_kind(i);
-    }
-    char *warnings = prepare_warnings(&run->prepared, "\n");
-    char *versions = xasprintf("evolvent %s, %s, %s, C compiler %s, Fortran compiler %s", EVOLVENT_VERSION,
-                               integrate_version(), history_version(), EVOLVENT_C_COMPILER, model_compiler());
+    OWNED model_state *states = model_states(model);
+    OWNED char *warnings = prepare_warnings(&run->prepared, "\n");
+    OWNED char *versions =
+        xasprintf("evolvent %s, %s, %s, C compiler %s, Fortran compiler %s", EVOLVENT_VERSION, integrate_version(),
+                  history_version(), EVOLVENT_C_COMPILER, model_tables()->compiler);
     const history_attribute attributes[] = {
-        text_attribute("title", description->title), text_attribute("case", case_text(run->prepared.file)),
-        text_attribute("versions", versions),        text_attribute("warnings", warnings),
-        text_attribute("status", "running"),         text_attribute("status_message", ""),
+        {"title", .text = description->title}, {"case", .text = case_text(run->prepared.file)},
+        {"versions", .text = versions},        {"warnings", .text = warnings},
+        {"status", .text = "running"},         {"status_message", .text = ""},
     };
     const history_layout layout = {
         .path = path,
         .names = &run->names,
         .n_outputs = model_n_outputs(model),
         .outputs = model_outputs_table(model),
-        .n_states = n_states,
-        .state_names = state_names,
-        .state_units = state_units,
-        .n_event_kinds = n_kinds,
-        .event_kinds = kinds,
+        .n_states = model_dae(model)->n,
+        .states = states,
+        .n_event_kinds = model_tables()->n_event_kinds,
+        .event_kinds = model_tables()->event_kinds,
         .max_rows = output_grid_size(&options, 0),
         .n_attributes = sizeof attributes / sizeof *attributes,
         .attributes = attributes,
     };
     run->history = history_create(&layout, run->message);
-    free(versions);
-    free(warnings);
-    free(kinds);
-    free(state_units);
-    free(state_names);
-    free(states);
     return run->history != NULL;
 }
 
 /** The extremes over the run, as variables of the meshes. */
 static bool put_extremes(const run *run)
 {
-    const int n = model_n_extremes(), n_meshes = case_description(run->prepared.file)->n_meshes;
-    model_output *outputs = xcalloc(2 * (size_t)n, sizeof *outputs);
-    double *values = xcalloc(2 * (size_t)n * (size_t)n_meshes, sizeof *values);
+    const int n = model_tables()->n_extremes, n_meshes = case_description(run->prepared.file)->n_meshes;
+    OWNED model_output *outputs = xcalloc(2 * (size_t)n, sizeof *outputs);
+    OWNED double *values = xcalloc(2 * (size_t)n * (size_t)n_meshes, sizeof *values);
     for (int i = 0; i < 2 * n; i++) {
-        const model_extreme *extreme = &model_extremes()[i / 2];
+        const model_extreme *extreme = &model_tables()->extremes[i / 2];
         outputs[i] = i % 2 == 0 ? extreme->value : extreme->time;
         outputs[i].count = n_meshes;
         outputs[i].offset = i * n_meshes;
         for (int mesh = 0; mesh < n_meshes; mesh++) {
-            values[outputs[i].offset + mesh] =
-                i % 2 == 0 ? extremes_value(run->extremes, i / 2, mesh) : extremes_time(run->extremes, i / 2, mesh);
+            const extreme_found found = extremes_found(run->extremes, i / 2, mesh);
+            values[outputs[i].offset + mesh] = i % 2 == 0 ? found.value : found.time;
         }
     }
-    const bool good = history_put_finals(run->history, 2 * n, outputs, values);
-    free(values);
-    free(outputs);
-    return good;
+    return history_put_finals(run->history, 2 * n, outputs, values);
 }
 
 /** @return false if the history could not be completed; the reason is in run->message */
@@ -168,19 +138,19 @@ static bool close_history(run *run, bool commit, const char *status, const char 
     const integrate_counts *counts = &result->counts;
     const bool by_stepper = simulate_options(&run->prepared).by_stepper;
     const history_attribute attributes[] = {
-        text_attribute("status", status),
-        text_attribute("status_message", message),
-        text_attribute("invariants", result->invariants),
-        count_attribute("integrator_steps", counts->steps),
-        count_attribute("integrator_residuals", counts->residuals),
-        count_attribute("integrator_jacobians", counts->jacobians),
-        count_attribute("integrator_linear_setups", counts->linear_setups),
-        count_attribute("integrator_newton_iterations", counts->newton_iterations),
-        count_attribute("integrator_root_evaluations", counts->roots_evaluated),
-        count_attribute("integrator_events", counts->events),
-        by_stepper ? count_attribute("integrator_rejections", counts->rejections)
-                   : count_attribute("integrator_error_test_failures", counts->error_test_failures),
-        count_attribute("integrator_convergence_failures", counts->convergence_failures),
+        {"status", .text = status},
+        {"status_message", .text = message},
+        {"invariants", .text = result->invariants},
+        {"integrator_steps", .integer = counts->steps},
+        {"integrator_residuals", .integer = counts->residuals},
+        {"integrator_jacobians", .integer = counts->jacobians},
+        {"integrator_linear_setups", .integer = counts->linear_setups},
+        {"integrator_newton_iterations", .integer = counts->newton_iterations},
+        {"integrator_root_evaluations", .integer = counts->roots_evaluated},
+        {"integrator_events", .integer = counts->events},
+        by_stepper ? (history_attribute){"integrator_rejections", .integer = counts->rejections}
+                   : (history_attribute){"integrator_error_test_failures", .integer = counts->error_test_failures},
+        {"integrator_convergence_failures", .integer = counts->convergence_failures},
     };
     const int n = (int)(sizeof attributes / sizeof *attributes) - (by_stepper ? 1 : 0);
     return history_close(&run->history, commit, n, attributes, run->message);
@@ -188,15 +158,26 @@ static bool close_history(run *run, bool commit, const char *status, const char 
 
 /* The run itself. */
 
+static double number_of(const char *name, int n, const evl_quantity *quantities)
+{
+    int i = 0;
+    while (i < n && strcmp(quantities[i].name, name) != 0) {
+        i++;
+    }
+    return i < n ? quantities[i].value[0] : NAN;
+}
+
 /** What the meshes' stiffness and damping come to. */
 static void tell_vibrations(const run *run)
 {
     const description *description = case_description(run->prepared.file);
     for (int i = 0; i < description->n_meshes; i++) {
-        const mesh_vibration mesh = model_mesh_vibration(run->prepared.model, i);
-        if (!isnan(mesh.damping_ratio)) {
+        evl_quantity mesh[EVL_MOST_QUANTITIES];
+        const int n = model_geometry(run->prepared.model, EVL_OF_MESH, i, mesh);
+        if (!isnan(number_of("damping_ratio", n, mesh))) {
             log_note("mesh %s at %.5g N, one tooth pair: natural frequency %.5g Hz, damping ratio %.3g",
-                     description->meshes[i], mesh.force, mesh.natural_frequency, mesh.damping_ratio);
+                     description->meshes[i], number_of("reference_force", n, mesh),
+                     number_of("natural_frequency", n, mesh), number_of("damping_ratio", n, mesh));
         }
     }
 }
@@ -221,8 +202,8 @@ static void conclude(run *run, const simulate_result *result, const char *path, 
 {
     char reason[2 * DAE_MESSAGE_LENGTH] = "";
     const char *status = "done", *remark = result->remark;
-    char *partial = xstrdup(history_partial_path(run->history));
-    char *place = xasprintf("%s: t = %.9g s", case_path(run->prepared.file), result->t);
+    OWNED char *partial = xstrdup(history_partial_path(run->history));
+    OWNED char *place = xasprintf("%s: t = %.9g s", case_path(run->prepared.file), result->t);
     if (remark[0] != '\0') {
         log_warning("%s", remark);
     }
@@ -245,8 +226,6 @@ static void conclude(run *run, const simulate_result *result, const char *path, 
         summarise(&result->counts, path);
         warn_of_invariants(result);
     }
-    free(place);
-    free(partial);
 }
 
 static void simulate_case(run *run, const char *path, dae_state *state, evl_error *error)
@@ -293,17 +272,13 @@ static evl_exit run_case(const char *file, const void *given, evl_error *error)
     run run = {0};
     log_set_quiet(options->quiet);
     interrupt_install();
-    if (!prepare_case(&run.prepared, file, options->set.n, options->set.values, error)) {
-        return error->code;
-    }
-    char *path = options->output != NULL ? xstrdup(options->output) : default_output(file);
-    if (is_same_file(path, file)) {
-        evl_error_set(error, EVL_EXIT_USAGE, "", "the history would replace the case '%s'; name another file with -o",
-                      path);
-    } else {
+    OWNED char *path = options->output != NULL ? xstrdup(options->output) : default_output(file);
+    if (prepare_case(&run.prepared, file, options->set.n, options->set.values, error) &&
+        (!is_same_file(path, file) ||
+         evl_error_set(error, EVL_EXIT_USAGE, "", "the history would replace the case '%s'; name another file with -o",
+                       path))) {
         run_prepared(&run, options, path, error);
     }
-    free(path);
     prepared_case_free(&run.prepared);
     return error->code;
 }

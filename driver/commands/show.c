@@ -3,16 +3,11 @@
 #include "base/number.h"
 #include "case/case_schema.h"
 #include "commands/command.h"
-#include "commands/show_compliance.h"
-#include "commands/show_deviations.h"
-#include "commands/show_gears.h"
+#include "commands/show_geometry.h"
 #include "simulate/prepare.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-static const double DEGREES_PER_RADIAN = 57.295779513082320877;
 
 typedef struct {
     option_values set;
@@ -20,44 +15,6 @@ typedef struct {
 } show_options;
 
 /* ---- for reading ---- */
-
-static const char *unit_text(const char *units)
-{
-    return strcmp(units, "1") == 0 ? "" : units;
-}
-
-static int longer(int width, const char *text)
-{
-    const int length = (int)strlen(text);
-    return length > width ? length : width;
-}
-
-static void print_rows(FILE *stream, int n, const model_quantity *rows)
-{
-    int name_width = 0, symbol_width = 0;
-    for (int i = 0; i < n; i++) {
-        name_width = longer(name_width, rows[i].long_name);
-        symbol_width = longer(symbol_width, rows[i].symbol);
-    }
-    for (int i = 0; i < n; i++) {
-        const model_quantity *row = &rows[i];
-        const char *unit = unit_text(row->units);
-        fprintf(stream, "  %-*s  %-*s  ", name_width, row->long_name, symbol_width, row->symbol);
-        if (row->n == 2) {
-            fprintf(stream, "(%.10g, %.10g)", row->value[0], row->value[1]);
-        } else if (isnan(row->value[0])) {
-            fputs("-\n", stream);
-            continue;
-        } else {
-            fprintf(stream, "%.10g", row->value[0]);
-        }
-        fprintf(stream, "%s%s", unit[0] == '\0' ? "" : " ", unit);
-        if (row->is_angle) {
-            fprintf(stream, " = %.8g deg", row->value[0] * DEGREES_PER_RADIAN);
-        }
-        fputc('\n', stream);
-    }
-}
 
 static void print_indented(FILE *stream, const char *text)
 {
@@ -68,37 +25,19 @@ static void print_indented(FILE *stream, const char *text)
     }
 }
 
-static void print_model(FILE *stream, const prepared_case *prepared)
-{
-    const model *model = prepared->model;
-    const description *description = case_description(prepared->file);
-    model_quantity rows[MODEL_MOST_ROWS];
-    for (int i = 0; i < description->n_wheels; i++) {
-        fprintf(stream, "\nWheel %s\n", description->wheels[i]);
-        print_rows(stream, model_wheel_geometry(model, i, rows), rows);
-    }
-    for (int i = 0; i < description->n_meshes; i++) {
-        fprintf(stream, "\nMesh %s\n", description->meshes[i]);
-        print_rows(stream, model_mesh_geometry(model, i, rows), rows);
-    }
-    show_gears(stream, description, model);
-    show_deviations(stream, description, model);
-    show_compliance(stream, description, model);
-    for (int i = 0; i < model_n_warnings(model); i++) {
-        char *text = prepare_warning(prepared, i);
-        fprintf(stream, "%s  %s\n", i == 0 ? "\nWarnings\n" : "", text);
-        free(text);
-    }
-}
-
 /** The resolved case, the derived geometry of every wheel and mesh, and the warnings, for reading. Of a case without a model the
  *  case alone. */
 static void show_text(FILE *stream, const prepared_case *prepared)
 {
     fprintf(stream, "Case %s, with all defaults (angles in degrees)\n\n", case_path(prepared->file));
     print_indented(stream, case_text(prepared->file));
-    if (prepared->model != NULL) {
-        print_model(stream, prepared);
+    if (prepared->model == NULL) {
+        return;
+    }
+    show_geometry(stream, case_description(prepared->file), prepared->model);
+    OWNED char *warnings = prepare_warnings(prepared, "\n  ");
+    if (warnings[0] != '\0') {
+        fprintf(stream, "\nWarnings\n  %s\n", warnings);
     }
 }
 
@@ -120,48 +59,14 @@ static void write_node(json_writer *writer, const char *key, const case_node *no
     }
 }
 
-/** A wheel or mesh, and within it what it is as a gear, if it is a real one. */
-static void write_rows(json_writer *writer, const char *key, int n, const model_quantity *rows, int n_gear,
-                       const model_quantity *gear_rows)
-{
-    json_open(writer, key, '{');
-    for (int i = 0; i < n; i++) {
-        if (rows[i].n == 2) {
-            json_numbers(writer, rows[i].name, 2, rows[i].value);
-        } else {
-            json_number(writer, rows[i].name, rows[i].value[0]);
-        }
-    }
-    if (n_gear > 0) {
-        write_rows(writer, "gear", n_gear, gear_rows, 0, NULL);
-    }
-    json_close(writer, '}');
-}
-
 static void write_model(json_writer *writer, const prepared_case *prepared)
 {
     const model *model = prepared->model;
-    const description *description = case_description(prepared->file);
-    model_quantity rows[MODEL_MOST_ROWS], gear_rows[MODEL_MOST_ROWS];
-    json_open(writer, "wheels", '{');
-    for (int i = 0; i < description->n_wheels; i++) {
-        const int n = model_wheel_geometry(model, i, rows), n_gear = model_gear(model, i, gear_rows);
-        write_rows(writer, description->wheels[i], n, rows, n_gear, gear_rows);
-    }
-    json_close(writer, '}');
-    json_open(writer, "meshes", '{');
-    for (int i = 0; i < description->n_meshes; i++) {
-        const int n = model_mesh_geometry(model, i, rows), n_gear = model_gear_mesh(model, i, gear_rows);
-        write_rows(writer, description->meshes[i], n, rows, n_gear, gear_rows);
-    }
-    json_close(writer, '}');
-    write_deviations(writer, description, model);
-    write_compliance(writer, description, model);
+    write_geometry(writer, case_description(prepared->file), model);
     json_open(writer, "warnings", '[');
     for (int i = 0; i < model_n_warnings(model); i++) {
-        char *text = prepare_warning(prepared, i);
+        OWNED char *text = prepare_warning(prepared, i);
         json_text(writer, NULL, text);
-        free(text);
     }
     json_close(writer, ']');
 }
@@ -177,10 +82,9 @@ static void show_json(FILE *stream, const prepared_case *prepared, const evl_err
     if (prepared->model != NULL) {
         write_model(&writer, prepared);
     }
-    char *line = refusal->code == EVL_EXIT_OK ? xstrdup("") : xasprintf("%s: %s", refusal->place, refusal->message);
+    OWNED char *line = refusal->code == EVL_EXIT_OK ? xstrdup("") : evl_error_text(refusal);
     json_text(&writer, "refusal", line);
     json_close(&writer, '}');
-    free(line);
 }
 
 /* ---- laws and keys ---- */
@@ -201,7 +105,7 @@ static void show_laws(FILE *stream)
     static const char *const families[] = {"contact", "damping", "friction"};
     for (size_t family = 0; family < sizeof families / sizeof *families; family++) {
         int n_laws = 0, n_rows = 0;
-        evl_kind *laws = model_kinds(families[family], &n_laws);
+        OWNED evl_kind *laws = model_kinds(families[family], &n_laws);
         const evl_row *rows = schema_block(model_schema(), families[family], &n_rows);
         fprintf(stream, "%s%s:\n", family == 0 ? "" : "\n", families[family]);
         for (int i = 0; i < n_laws; i++) {
@@ -215,13 +119,7 @@ static void show_laws(FILE *stream)
                 }
             }
         }
-        free(laws);
     }
-}
-
-static void show_keys(FILE *stream)
-{
-    schema_print(stream, model_schema());
 }
 
 /* ---- parameters ---- */
@@ -288,10 +186,11 @@ static evl_exit show(const char *file, const void *given, evl_error *error)
     if (options->laws) {
         show_laws(stdout);
     } else if (options->keys) {
-        show_keys(stdout);
+        schema_print(stdout, model_schema());
     } else {
         prepared_case prepared;
-        (void)prepare_to_show(&prepared, file, options->set.n, options->set.values, error);
+        (void)(prepare_case(&prepared, file, options->set.n, options->set.values, error) &&
+               prepare_check_start(&prepared, error));
         if (prepared.file != NULL) {
             show_prepared(&prepared, options, error);
         }

@@ -1,27 +1,27 @@
 /** A design: a base case and a table, case by parameter, of the --set values that make the cases of a sweep.
  *  docs/batch.md describes the file. The interface knows nothing of HDF5; design_hdf5.c does. */
-#ifndef EVOLVENT_DESIGN_H
-#define EVOLVENT_DESIGN_H
+#pragma once
 
 #include "base/status.h"
 
-#include <stdbool.h>
-
 typedef enum { DESIGN_REAL, DESIGN_INTEGER, DESIGN_TEXT } design_type;
+
+/** All of one size, as a file has them side by side. */
+typedef union {
+    double real;
+    long long integer;
+    char *text;
+} design_value;
 
 /** One parameter: a column of the table. */
 typedef struct {
     char *path; /**< as in --set */
     design_type type;
-    union {
-        double *reals;
-        long long *integers;
-        char **texts;
-    } values; /**< [n_cases] */
+    design_value *values; /**< [n_cases] */
 } design_column;
 
 typedef struct {
-    char *file, *hash, *title;
+    char *file, *hash;
     char *base_case;         /**< YAML */
     double window[2];        /**< [s] of the statistics, from and to; NaN: half of each case's duration, its end */
     char *history_variables; /**< names, separated by blanks; "" if no histories are wanted */
@@ -37,5 +37,3 @@ void design_delete(design **design);
 
 /** The --set option of a column for a case, "PATH=VALUE", a new string; numbers so that they read back exactly. */
 char *design_option(const design *design, int column, long index);
-
-#endif

@@ -2,10 +2,10 @@
 
 #include "base/memory.h"
 #include "base/number.h"
+#include "files/netcdf_hdf5.h"
 
 #include <errno.h>
 #include <evolvent_version.h>
-#include <hdf5.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,45 +24,11 @@ typedef struct {
 /** @return false */
 static bool refuse(const reader *reader, const char *what, const char *message)
 {
-    evl_error_set(reader->error, EVL_EXIT_CASE, reader->path, "%s%s%s", what, what[0] == '\0' ? "" : ": ", message);
-    return false;
+    return evl_error_set(reader->error, EVL_EXIT_CASE, reader->path, "%s%s%s", what, what[0] == '\0' ? "" : ": ",
+                         message);
 }
 
 /* ---- attributes ---- */
-
-/** A text attribute, of variable or fixed length, as a new string. NULL if there is none. */
-static char *read_text(const reader *reader, hid_t object, const char *name)
-{
-    if (H5Aexists(object, name) <= 0) {
-        return NULL;
-    }
-    const hid_t attribute = H5Aopen(object, name, H5P_DEFAULT);
-    const hid_t type = H5Aget_type(attribute), space = H5Aget_space(attribute);
-    char *result = NULL;
-    if (H5Tget_class(type) == H5T_STRING && H5Sget_simple_extent_npoints(space) == 1) {
-        if (H5Tis_variable_str(type) > 0) {
-            char *value = NULL;
-            if (H5Aread(attribute, type, &value) >= 0) {
-                result = xstrdup(value == NULL ? "" : value);
-                (void)H5Dvlen_reclaim(type, space, H5P_DEFAULT, &value);
-            }
-        } else {
-            char *value = xcalloc(H5Tget_size(type) + 1, 1);
-            if (H5Aread(attribute, type, value) >= 0) {
-                result = value;
-            } else {
-                free(value);
-            }
-        }
-    } else if (H5Sget_simple_extent_type(space) == H5S_NULL && H5Tget_class(type) == H5T_STRING) {
-        result = xstrdup(""); /* how h5py writes an empty text of fixed length */
-    }
-    (void)reader;
-    (void)H5Sclose(space);
-    (void)H5Tclose(type);
-    (void)H5Aclose(attribute);
-    return result;
-}
 
 /** Numbers of an attribute, converted. @return false if it is not there or holds another number of them */
 static bool read_numbers(hid_t object, const char *name, hid_t type, int n, void *values)
@@ -83,7 +49,7 @@ static bool read_numbers(hid_t object, const char *name, hid_t type, int n, void
 
 static bool need_text(const reader *reader, const char *name, char **text)
 {
-    *text = read_text(reader, reader->file, name);
+    *text = netcdf_get_text(reader->file, name);
     return *text != NULL || refuse(reader, name, "this attribute of the design is missing, or no text");
 }
 
@@ -95,23 +61,17 @@ static bool check_maker(const reader *reader)
         return refuse(reader, "", "is no design (no attribute evolvent_design_format); evolvent-sweep plan writes one");
     }
     if (format != FORMAT) {
-        evl_error_set(reader->error, EVL_EXIT_CASE, reader->path,
-                      "is a design of format %lld, but this evolvent reads format %d only; plan it again", format,
-                      FORMAT);
-        return false;
+        return evl_error_set(reader->error, EVL_EXIT_CASE, reader->path,
+                             "is a design of format %lld, but this evolvent reads format %d only; plan it again",
+                             format, FORMAT);
     }
-    char *version = NULL;
-    if (!need_text(reader, "evolvent_version", &version)) {
-        return false;
-    }
-    const bool is_ours = strcmp(version, EVOLVENT_VERSION) == 0;
-    if (!is_ours) {
-        evl_error_set(reader->error, EVL_EXIT_CASE, reader->path,
-                      "was made by evolvent %.32s, this is %s; plan it again, so that one version makes all results",
-                      version, EVOLVENT_VERSION);
-    }
-    free(version);
-    return is_ours;
+    OWNED char *version = NULL;
+    return need_text(reader, "evolvent_version", &version) &&
+           (strcmp(version, EVOLVENT_VERSION) == 0 ||
+            evl_error_set(
+                reader->error, EVL_EXIT_CASE, reader->path,
+                "was made by evolvent %.32s, this is %s; plan it again, so that one version makes all results", version,
+                EVOLVENT_VERSION));
 }
 
 static bool read_head(const reader *reader, design *design)
@@ -122,8 +82,6 @@ static bool read_head(const reader *reader, design *design)
         !need_text(reader, "history_variables", &design->history_variables)) {
         return false;
     }
-    design->title = read_text(reader, reader->file, "title");
-    design->title = design->title == NULL ? xstrdup("") : design->title;
     if (!read_numbers(reader->file, "n_cases", H5T_NATIVE_LLONG, 1, &n_cases) || n_cases < 0) {
         return refuse(reader, "n_cases", "this attribute of the design is missing, or no count");
     }
@@ -134,9 +92,9 @@ static bool read_head(const reader *reader, design *design)
         return refuse(reader, "window", "this attribute of the design is missing, or not two times [s]");
     }
     if (design->window[0] > design->window[1] || design->window[1] < 0) {
-        evl_error_set(reader->error, EVL_EXIT_CASE, reader->path,
-                      "window: from %g to %g s is no span of time in a case", design->window[0], design->window[1]);
-        return false;
+        return evl_error_set(reader->error, EVL_EXIT_CASE, reader->path,
+                             "window: from %g to %g s is no span of time in a case", design->window[0],
+                             design->window[1]);
     }
     if (!read_numbers(reader->file, "history_every", H5T_NATIVE_LLONG, 1, &every) || every < 1 || every > 1000000000) {
         return refuse(reader, "history_every", "this attribute of the design is missing, or less than 1");
@@ -153,28 +111,15 @@ static bool read_head(const reader *reader, design *design)
 
 static bool read_values(const reader *reader, hid_t dataset, const char *name, long n, design_column *column)
 {
+    _Static_assert(sizeof(design_value) == sizeof(double), "values stand side by side");
     const hid_t type = H5Dget_type(dataset);
-    bool good = false;
-    switch (H5Tget_class(type)) {
-    case H5T_FLOAT:
-        column->type = DESIGN_REAL;
-        column->values.reals = xcalloc((size_t)n, sizeof *column->values.reals);
-        good = H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, column->values.reals) >= 0;
-        break;
-    case H5T_INTEGER:
-        column->type = DESIGN_INTEGER;
-        column->values.integers = xcalloc((size_t)n, sizeof *column->values.integers);
-        good = H5Dread(dataset, H5T_NATIVE_LLONG, H5S_ALL, H5S_ALL, H5P_DEFAULT, column->values.integers) >= 0;
-        break;
-    case H5T_STRING:
-        column->type = DESIGN_TEXT;
-        column->values.texts = xcalloc((size_t)n, sizeof *column->values.texts);
-        good = H5Tis_variable_str(type) > 0 &&
-               H5Dread(dataset, reader->text, H5S_ALL, H5S_ALL, H5P_DEFAULT, column->values.texts) >= 0;
-        break;
-    default:
-        break;
-    }
+    const H5T_class_t class = H5Tget_class(type);
+    const bool is_real = class == H5T_FLOAT, is_integer = class == H5T_INTEGER;
+    const hid_t in_memory = is_real ? H5T_NATIVE_DOUBLE : is_integer ? H5T_NATIVE_LLONG : reader->text;
+    column->type = is_real ? DESIGN_REAL : is_integer ? DESIGN_INTEGER : DESIGN_TEXT;
+    column->values = xcalloc((size_t)n, sizeof *column->values);
+    const bool good = (is_real || is_integer || (class == H5T_STRING && H5Tis_variable_str(type) > 0)) &&
+                      H5Dread(dataset, in_memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, column->values) >= 0;
     (void)H5Tclose(type);
     return good || refuse(reader, name, "cannot be read; a column holds floats, integers, or texts of variable length");
 }
@@ -188,7 +133,7 @@ static bool read_column(const reader *reader, const char *name, design *design)
     }
     const hid_t space = H5Dget_space(dataset);
     const bool fits = H5Sget_simple_extent_ndims(space) == 1 && H5Sget_simple_extent_npoints(space) == design->n_cases;
-    char *path = read_text(reader, dataset, "path");
+    char *path = netcdf_get_text(dataset, "path");
     bool good = fits && path != NULL;
     if (!fits) {
         evl_error_set(reader->error, EVL_EXIT_CASE, reader->path, "%s: has not one value for each of the %ld cases",
@@ -231,13 +176,9 @@ static bool read_columns(reader *reader, design *design)
 static bool open_file(reader *reader)
 {
     if (access(reader->path, R_OK) != 0) {
-        evl_error_set(reader->error, EVL_EXIT_CASE, reader->path, "cannot be read: %s", strerror(errno));
-        return false;
+        return evl_error_set(reader->error, EVL_EXIT_CASE, reader->path, "cannot be read: %s", strerror(errno));
     }
-    (void)setenv("HDF5_USE_FILE_LOCKING", "FALSE", 1); /* shards read it at one time, from folders that may not lock */
-    (void)H5dont_atexit();
-    (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
-    reader->file = H5Fopen(reader->path, H5F_ACC_RDONLY, H5P_DEFAULT);
+    reader->file = netcdf_open(reader->path);
     return reader->file >= 0 || refuse(reader, "", "is no HDF5 file; evolvent-sweep plan writes a design");
 }
 
@@ -263,13 +204,11 @@ design *design_read(const char *path, evl_error *error)
 
 static void free_column(design_column *column, long n_cases)
 {
-    if (column->type == DESIGN_TEXT && column->values.texts != NULL) {
-        for (long i = 0; i < n_cases; i++) {
-            (void)H5free_memory(column->values.texts[i]);
-        }
+    for (long i = 0; i < n_cases && column->type == DESIGN_TEXT && column->values != NULL; i++) {
+        (void)H5free_memory(column->values[i].text);
     }
     free(column->path);
-    free(column->values.reals); /* whichever of the three it is */
+    free(column->values);
 }
 
 void design_delete(design **pointer)
@@ -285,37 +224,25 @@ void design_delete(design **pointer)
     free(design->columns);
     free(design->file);
     free(design->hash);
-    free(design->title);
     free(design->base_case);
     free(design->history_variables);
     free(design);
 }
 
-/** "PATH=VALUE" as a new string. */
-static char *make_option(const char *path, const char *value)
-{
-    const size_t length = strlen(path), size = strlen(value) + 1;
-    char *option = xcalloc(length + 1 + size, 1);
-    memcpy(option, path, length + 1);
-    option[length] = '=';
-    memcpy(option + length + 1, value, size);
-    return option;
-}
-
 char *design_option(const design *design, int column, long index)
 {
     const design_column *from = &design->columns[column];
-    if (from->type == DESIGN_TEXT) {
-        const char *text = from->values.texts[index];
-        return make_option(from->path, text == NULL ? "" : text);
-    }
+    const design_value *value = &from->values[index];
     char text[NUMBER_TEXT_LENGTH] = ".nan";
-    if (from->type == DESIGN_INTEGER) {
-        (void)snprintf(text, sizeof text, "%lld", from->values.integers[index]);
-    } else if (isinf(from->values.reals[index])) {
-        (void)snprintf(text, sizeof text, from->values.reals[index] > 0 ? ".inf" : "-.inf");
-    } else if (!isnan(from->values.reals[index])) {
-        number_write(text, from->values.reals[index]);
+    if (from->type == DESIGN_TEXT) {
+        return xasprintf("%s=%s", from->path, value->text == NULL ? "" : value->text);
     }
-    return make_option(from->path, text);
+    if (from->type == DESIGN_INTEGER) {
+        (void)snprintf(text, sizeof text, "%lld", value->integer);
+    } else if (isinf(value->real)) {
+        (void)snprintf(text, sizeof text, value->real > 0 ? ".inf" : "-.inf");
+    } else if (!isnan(value->real)) {
+        number_write(text, value->real);
+    }
+    return xasprintf("%s=%s", from->path, text);
 }

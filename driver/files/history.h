@@ -2,26 +2,23 @@
  *
  *  A history grows as NAME.partial and gets NAME only by history_close, which replaces an older one. Every function that can fail returns false and
  *  keeps one sentence for history_error(); after a failure only history_abandon may follow. */
-#ifndef EVOLVENT_HISTORY_H
-#define EVOLVENT_HISTORY_H
+#pragma once
 
 #include "model/model_names.h"
 
 typedef struct {
     const char *key;
-    enum { HISTORY_TEXT, HISTORY_INTEGER, HISTORY_REAL } kind;
-    const char *text;
+    const char *text; /**< NULL: it is the integer */
     long long integer;
-    double real;
 } history_attribute;
 
 typedef struct {
     const char *path; /**< final name */
     const model_names *names;
     int n_outputs;
-    const model_output *outputs;
+    const model_output *outputs; /**< outlive the history */
     int n_states;
-    const char *const *state_names, *const *state_units;
+    const model_state *states;
     int n_event_kinds;
     const char *const *event_kinds;
     long max_rows; /**< the most that history_append will be called; 0 if that is not known */
@@ -54,5 +51,3 @@ const char *history_error(const history *history);
 const char *history_partial_path(const history *history);
 /** Version of the library, such as "HDF5 1.10.8". */
 const char *history_version(void);
-
-#endif

@@ -1,20 +1,14 @@
 #include "files/history.h"
 
 #include "base/memory.h"
+#include "base/progress.h"
 #include "files/history_head_hdf5.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 enum { FLUSH_SECONDS = 5 };
-
-static time_t monotonic_seconds(void)
-{
-    struct timespec now;
-    return clock_gettime(CLOCK_MONOTONIC, &now) == 0 ? now.tv_sec : 0;
-}
 
 /** Say why writing failed; the first reason counts. @return false */
 static bool fail(history *history)
@@ -30,15 +24,8 @@ static void free_history(history *history)
 {
     series_free(&history->times);
     series_free(&history->events);
-    scale_free(&history->wheel.scale);
-    scale_free(&history->mesh.scale);
-    scale_free(&history->shaft.scale);
-    scale_free(&history->axis.scale);
-    scale_free(&history->space.scale);
-    scale_free(&history->quaternion.scale);
-    scale_free(&history->pair.scale);
+    dimensions_free(&history->dimensions);
     scale_free(&history->side.scale);
-    free(history->outputs);
     free(history->event_kinds);
     free(history->row);
     free(history->event_row);
@@ -55,15 +42,14 @@ history *history_create(const history_layout *layout, char message[DAE_MESSAGE_L
     history->file = file;
     history->n_outputs = layout->n_outputs;
     history->n_states = layout->n_states;
-    history->outputs = xcalloc((size_t)layout->n_outputs, sizeof *history->outputs);
+    history->outputs = layout->outputs;
     for (int i = 0; i < layout->n_outputs; i++) {
-        history->outputs[i] = layout->outputs[i];
         const int end = layout->outputs[i].offset + layout->outputs[i].count;
         history->n_values = end > history->n_values ? end : history->n_values;
     }
     history->row = xcalloc(1 + (size_t)history->n_values, sizeof *history->row);
     history->event_row = xcalloc(EVENT_STATES + 2 * (size_t)layout->n_states, sizeof *history->event_row);
-    history->last_flush = monotonic_seconds();
+    history->last_flush = clock_seconds();
     if (!history_write_head(history, layout)) {
         (void)fail(history);
         (void)snprintf(message, DAE_MESSAGE_LENGTH, "%s", history->message);
@@ -79,16 +65,13 @@ static bool write_all(history *history, bool is_last)
 {
     netcdf_file *netcdf = &history->netcdf;
     return series_write(&history->times, is_last) && series_write(&history->events, is_last) &&
-           netcdf_finish_dimension(netcdf, &history->wheel) && netcdf_finish_dimension(netcdf, &history->mesh) &&
-           netcdf_finish_dimension(netcdf, &history->shaft) && netcdf_finish_dimension(netcdf, &history->axis) &&
-           netcdf_finish_dimension(netcdf, &history->space) && netcdf_finish_dimension(netcdf, &history->quaternion) &&
-           netcdf_finish_dimension(netcdf, &history->pair) && netcdf_finish_dimension(netcdf, &history->side);
+           dimensions_finish(&history->dimensions, netcdf) && netcdf_finish_dimension(netcdf, &history->side);
 }
 
 /** From time to time, so that most of a killed run can be read. */
 static bool flush_if_due(history *history)
 {
-    const time_t now = monotonic_seconds();
+    const double now = clock_seconds();
     if (now - history->last_flush < FLUSH_SECONDS) {
         return true;
     }

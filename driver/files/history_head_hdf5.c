@@ -1,7 +1,6 @@
 /* docs/result_format.md describes what this file and history_hdf5.c write. */
 #include "files/history_head_hdf5.h"
 
-#include "base/memory.h"
 #include "base/words.h"
 
 #include <ctype.h>
@@ -10,33 +9,11 @@
 
 enum { FORMAT = 1, ROWS = 8192, EVENT_ROWS = 256 };
 
-static void set_dimensions(history *history, const model_output *output, netcdf_variable *variable)
-{
-    const struct {
-        int rank;
-        netcdf_dimension *first, *second;
-    } dims[] = {
-        [MODEL_DIMS_NONE] = {0, NULL, NULL},
-        [MODEL_DIMS_WHEEL] = {1, &history->wheel, NULL},
-        [MODEL_DIMS_MESH] = {1, &history->mesh, NULL},
-        [MODEL_DIMS_WHEEL_AXIS] = {2, &history->wheel, &history->axis},
-        [MODEL_DIMS_MESH_AXIS] = {2, &history->mesh, &history->axis},
-        [MODEL_DIMS_SPACE] = {1, &history->space, NULL},
-        [MODEL_DIMS_QUATERNION] = {1, &history->quaternion, NULL},
-        [MODEL_DIMS_WHEEL_SPACE] = {2, &history->wheel, &history->space},
-        [MODEL_DIMS_MESH_PAIR] = {2, &history->mesh, &history->pair},
-        [MODEL_DIMS_SHAFT] = {1, &history->shaft, NULL},
-    };
-    variable->rank = dims[output->dims].rank;
-    variable->dimensions[0] = dims[output->dims].first;
-    variable->dimensions[1] = dims[output->dims].second;
-}
-
 netcdf_variable history_describe_output(history *history, const model_output *output)
 {
     netcdf_variable variable = netcdf_describe(output->is_integer ? NETCDF_INTEGER : NETCDF_REAL, output->name,
                                                output->units, output->symbol, output->long_name);
-    set_dimensions(history, output, &variable);
+    dimensions_append(&history->dimensions, output, &variable);
     return variable;
 }
 
@@ -46,17 +23,8 @@ bool history_put_attributes(history *history, int n, const history_attribute *at
     bool good = true;
     for (int i = 0; i < n && good; i++) {
         const history_attribute *attribute = &attributes[i];
-        switch (attribute->kind) {
-        case HISTORY_TEXT:
-            good = netcdf_put_text(netcdf, netcdf->id, attribute->key, attribute->text);
-            break;
-        case HISTORY_INTEGER:
-            good = netcdf_put_integer(netcdf, netcdf->id, attribute->key, attribute->integer);
-            break;
-        case HISTORY_REAL:
-            good = netcdf_put_real(netcdf, netcdf->id, attribute->key, attribute->real);
-            break;
-        }
+        good = attribute->text != NULL ? netcdf_put_text(netcdf, netcdf->id, attribute->key, attribute->text)
+                                       : netcdf_put_integer(netcdf, netcdf->id, attribute->key, attribute->integer);
     }
     return good;
 }
@@ -117,11 +85,11 @@ static void plan_events(history *history, hid_t group, const history_layout *lay
         series_add_column(events, &columns[i], i, 1);
     }
     for (int i = 0; i < layout->n_states; i++) {
-        const char *state = layout->state_names[i];
+        const char *state = layout->states[i].name;
         char name[64], long_name[128];
         make_name(state, name, sizeof name);
         (void)snprintf(long_name, sizeof long_name, "state %s on both sides of the event", state);
-        netcdf_variable variable = netcdf_describe(NETCDF_REAL, name, layout->state_units[i], state, long_name);
+        netcdf_variable variable = netcdf_describe(NETCDF_REAL, name, layout->states[i].units, state, long_name);
         variable.rank = 1;
         variable.dimensions[0] = &history->side;
         series_add_column(events, &variable, EVENT_STATES + 2 * i, 2);
@@ -129,43 +97,18 @@ static void plan_events(history *history, hid_t group, const history_layout *lay
     series_start(events, EVENT_ROWS);
 }
 
-/** Whether there are outputs of these dimensions. */
-static bool has_dims(const history_layout *layout, model_dims dims)
-{
-    bool has = false;
-    for (int i = 0; i < layout->n_outputs; i++) {
-        has = has || (layout->outputs[i].dims == dims && layout->outputs[i].count > 0);
-    }
-    return has;
-}
-
 bool history_write_head(history *history, const history_layout *layout)
 {
-    static const char *const axes[] = {"x", "y", "z"}, *const sides[] = {"before", "after"};
-    static const char *const components[] = {"w", "x", "y", "z"};
+    static const char *const sides[] = {"before", "after"};
     netcdf_file *netcdf = &history->netcdf;
     if (!netcdf_create(netcdf, history->file.partial_path)) {
         return false;
     }
-    const hid_t root = netcdf->id;
-    const bool good =
-        netcdf_put_text(netcdf, root, "Conventions", "CF-1.10") &&
-        netcdf_put_integer(netcdf, root, "evolvent_format", FORMAT) &&
-        history_put_attributes(history, layout->n_attributes, layout->attributes) &&
-        netcdf_define_names(netcdf, root, &history->wheel, "wheel", "wheel", &layout->names->wheels) &&
-        netcdf_define_names(netcdf, root, &history->mesh, "mesh", "mesh", &layout->names->meshes) &&
-        (layout->names->shafts.n == 0 ||
-         netcdf_define_names(netcdf, root, &history->shaft, "shaft", "shaft", &layout->names->shafts)) &&
-        netcdf_define_names(netcdf, root, &history->axis, "axis", "axis of the housing frame", &(name_list){2, axes}) &&
-        (!has_dims(layout, MODEL_DIMS_WHEEL_SPACE) ||
-         netcdf_define_names(netcdf, root, &history->space, "space", "component of a vector in space",
-                             &(name_list){3, axes})) &&
-        (!has_dims(layout, MODEL_DIMS_QUATERNION) ||
-         netcdf_define_names(netcdf, root, &history->quaternion, "quaternion", "component of a quaternion",
-                             &(name_list){4, components})) &&
-        (!has_dims(layout, MODEL_DIMS_MESH_PAIR) ||
-         netcdf_define_names(netcdf, root, &history->pair, "pair", "place of a tooth pair: flank and slot",
-                             &layout->names->pairs));
+    const bool good = netcdf_put_text(netcdf, netcdf->id, "Conventions", "CF-1.10") &&
+                      netcdf_put_integer(netcdf, netcdf->id, "evolvent_format", FORMAT) &&
+                      history_put_attributes(history, layout->n_attributes, layout->attributes) &&
+                      dimensions_define(&history->dimensions, netcdf, DIMENSIONS_OF_HISTORY, layout->names,
+                                        layout->n_outputs, layout->outputs);
     const hid_t group = good ? netcdf_create_group(netcdf, "events") : H5I_INVALID_HID;
     if (group < 0 ||
         !netcdf_define_names(netcdf, group, &history->side, "side", "side of the event", &(name_list){2, sides})) {

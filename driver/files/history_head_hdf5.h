@@ -1,14 +1,11 @@
 /** What a history is before its first row: the file, its attributes and dimensions, and which columns its series have. Private to
  *  history*_hdf5.c. */
-#ifndef EVOLVENT_HISTORY_HEAD_HDF5_H
-#define EVOLVENT_HISTORY_HEAD_HDF5_H
+#pragma once
 
+#include "files/dimensions_hdf5.h"
 #include "files/history.h"
-#include "files/netcdf_hdf5.h"
 #include "files/output_file.h"
 #include "files/series_hdf5.h"
-
-#include <time.h>
 
 /** Columns of the series of events; then come both sides of each state. */
 enum { EVENT_NUMBER, EVENT_TIME, EVENT_KIND, EVENT_MESH, EVENT_FLANK, EVENT_TOOTH_PAIR, EVENT_STATES };
@@ -16,15 +13,16 @@ enum { EVENT_NUMBER, EVENT_TIME, EVENT_KIND, EVENT_MESH, EVENT_FLANK, EVENT_TOOT
 struct history {
     output_file file;
     netcdf_file netcdf;
-    netcdf_dimension wheel, mesh, shaft, axis, space, quaternion, pair, side;
+    dimensions dimensions;
+    netcdf_dimension side;
     series times, events;
     int n_outputs, n_values, n_states;
-    model_output *outputs;
+    const model_output *outputs;
     char *event_kinds; /**< as one string of words */
     double *row;       /**< [1 + n_values] time and outputs */
     double *event_row; /**< [EVENT_STATES + 2 n_states] */
     long long n_rows, n_events;
-    time_t last_flush;
+    double last_flush; /**< clock [s] */
     char message[DAE_MESSAGE_LENGTH];
 };
 
@@ -34,5 +32,3 @@ netcdf_variable history_describe_output(history *history, const model_output *ou
 bool history_put_attributes(history *history, int n, const history_attribute *attributes);
 /** Everything whose size is known: attributes, names, the group of events. */
 bool history_write_head(history *history, const history_layout *layout);
-
-#endif

@@ -190,9 +190,43 @@ bool netcdf_put_integer(netcdf_file *file, hid_t object, const char *name, long 
     return put(file, object, name, H5T_NATIVE_LLONG, file->scalar, &value);
 }
 
-bool netcdf_put_real(netcdf_file *file, hid_t object, const char *name, double value)
+hid_t netcdf_open(const char *path)
 {
-    return put(file, object, name, H5T_NATIVE_DOUBLE, file->scalar, &value);
+    prepare_library();
+    (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+    return H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
+}
+
+char *netcdf_get_text(hid_t object, const char *name)
+{
+    if (H5Aexists(object, name) <= 0) {
+        return NULL;
+    }
+    const hid_t attribute = H5Aopen(object, name, H5P_DEFAULT);
+    const hid_t type = H5Aget_type(attribute), space = H5Aget_space(attribute);
+    char *result = NULL;
+    if (H5Tget_class(type) == H5T_STRING && H5Sget_simple_extent_npoints(space) == 1) {
+        if (H5Tis_variable_str(type) > 0) {
+            char *value = NULL;
+            if (H5Aread(attribute, type, &value) >= 0) {
+                result = xstrdup(value == NULL ? "" : value);
+                (void)H5Dvlen_reclaim(type, space, H5P_DEFAULT, &value);
+            }
+        } else {
+            char *value = xcalloc(H5Tget_size(type) + 1, 1);
+            if (H5Aread(attribute, type, value) >= 0) {
+                result = value;
+            } else {
+                free(value);
+            }
+        }
+    } else if (H5Sget_simple_extent_type(space) == H5S_NULL && H5Tget_class(type) == H5T_STRING) {
+        result = xstrdup(""); /* how h5py writes an empty text of fixed length */
+    }
+    (void)H5Sclose(space);
+    (void)H5Tclose(type);
+    (void)H5Aclose(attribute);
+    return result;
 }
 
 static bool add_text(netcdf_file *file, hid_t dataset, const char *name, const char *text)
@@ -205,14 +239,13 @@ static bool add_flags(netcdf_file *file, hid_t dataset, const netcdf_variable *v
 {
     const hsize_t length = (hsize_t)variable->n_flags;
     const hid_t space = H5Screate_simple(1, &length, NULL);
-    int *values = xcalloc((size_t)variable->n_flags, sizeof *values);
+    OWNED int *values = xcalloc((size_t)variable->n_flags, sizeof *values);
     for (int i = 0; i < variable->n_flags; i++) {
         values[i] = i;
     }
     bool good = space >= 0 ? add(file, dataset, "flag_values", H5T_NATIVE_INT, space, values) : netcdf_fail(file);
     good = good && add_text(file, dataset, "flag_meanings", variable->flag_meanings);
     (void)(space >= 0 && H5Sclose(space));
-    free(values);
     return good;
 }
 

@@ -3,8 +3,7 @@
  *
  *  Every function that can fail returns false, or a negative identifier, and keeps the reason of the first failure in
  *  the netcdf_file. Nothing is printed. */
-#ifndef EVOLVENT_NETCDF_HDF5_H
-#define EVOLVENT_NETCDF_HDF5_H
+#pragma once
 
 #include "files/scales_hdf5.h"
 #include "model/model_names.h"
@@ -60,12 +59,17 @@ bool netcdf_close(netcdf_file *file);
 /** Keep the reason of a failed HDF5 call, unless there is an earlier one. @return false */
 bool netcdf_fail(netcdf_file *file);
 
+/** Open a file of anyone's to read it, without locks: shards do at one time, from folders that may not lock. Negative if it is
+ *  no HDF5 file. */
+hid_t netcdf_open(const char *path);
+/** A text attribute, of variable or fixed length, as a new string. NULL if there is none. */
+char *netcdf_get_text(hid_t object, const char *name);
+
 hid_t netcdf_create_group(netcdf_file *file, const char *name);
 
 /* Set an attribute of a group or variable; an older value is replaced. */
 bool netcdf_put_text(netcdf_file *file, hid_t object, const char *name, const char *text);
 bool netcdf_put_integer(netcdf_file *file, hid_t object, const char *name, long long value);
-bool netcdf_put_real(netcdf_file *file, hid_t object, const char *name, double value);
 
 /** A variable without dimensions yet; texts that are too long are cut. */
 netcdf_variable netcdf_describe(netcdf_type type, const char *name, const char *units, const char *symbol,
@@ -83,5 +87,3 @@ bool netcdf_define_names(netcdf_file *file, hid_t group, netcdf_dimension *dimen
                          const char *long_name, const name_list *names);
 /** To come after the last variable of a dimension, and before a flush: tell the dimension who uses it. */
 bool netcdf_finish_dimension(netcdf_file *file, netcdf_dimension *dimension);
-
-#endif

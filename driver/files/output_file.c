@@ -90,7 +90,7 @@ bool output_file_open(output_file *file, const char *path, char *message, size_t
 /** A rename is safe on disk only when its folder is. Not all file systems can do that, and the file itself is safe. */
 static void sync_folder(const char *path)
 {
-    char *folder = xstrdup(path);
+    OWNED char *folder = xstrdup(path);
     char *slash = strrchr(folder, '/');
     if (slash != NULL) {
         slash[slash == folder ? 1 : 0] = '\0';
@@ -100,7 +100,6 @@ static void sync_folder(const char *path)
         (void)fsync(descriptor);
         (void)close(descriptor);
     }
-    free(folder);
 }
 
 bool output_file_close(output_file *file, bool commit, char *message, size_t size)

@@ -1,6 +1,5 @@
 /** A file that gets its name only when it is complete: it grows as NAME.partial under a lock. A leaf. */
-#ifndef EVOLVENT_OUTPUT_FILE_H
-#define EVOLVENT_OUTPUT_FILE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -20,5 +19,3 @@ void output_file_drop(output_file *file, bool remove);
 
 /** One sentence: the path, the reason, and what to do. `reason` NULL: that of the system error. */
 void output_file_describe(const char *path, int system_error, const char *reason, char *message, size_t size);
-
-#endif

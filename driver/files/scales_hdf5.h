@@ -2,8 +2,7 @@
  *
  *  H5DSattach_scale gives the same file, but rewrites a scale's list of users with every further user: a fifth of what a
  *  short history costs. */
-#ifndef EVOLVENT_SCALES_HDF5_H
-#define EVOLVENT_SCALES_HDF5_H
+#pragma once
 
 #include <hdf5.h>
 #include <stdbool.h>
@@ -30,5 +29,3 @@ bool scales_attach(hid_t dataset, int rank, dimension_scale *const *scales);
 /** Write the list of users, if there are new ones. */
 bool scale_list_users(dimension_scale *scale);
 void scale_free(dimension_scale *scale);
-
-#endif

@@ -2,8 +2,7 @@
  *
  *  The variables are created with the first write, because only then is it known whether the rows are many: a short
  *  series gets chunks of its own length. */
-#ifndef EVOLVENT_SERIES_HDF5_H
-#define EVOLVENT_SERIES_HDF5_H
+#pragma once
 
 #include "files/netcdf_hdf5.h"
 
@@ -44,5 +43,3 @@ bool series_append(series *rows, const double *row);
 /** Put on file what is only in memory. `is_last`: no more rows will follow. */
 bool series_write(series *rows, bool is_last);
 void series_free(series *rows);
-
-#endif

@@ -3,8 +3,7 @@
  *
  *  The whole file is made before the first case runs. After that rows are written in their place, past HDF5: whatever
  *  ends the program, the file can be read. */
-#ifndef EVOLVENT_STACK_H
-#define EVOLVENT_STACK_H
+#pragma once
 
 #include "base/status.h"
 #include "model/model_names.h"
@@ -41,5 +40,3 @@ bool stack_write(const stack *stack, long row, const float *values, evl_error *e
 /** Bring to the disk what was written. */
 bool stack_sync(const stack *stack, evl_error *error);
 void stack_close(stack *stack);
-
-#endif

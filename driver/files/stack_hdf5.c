@@ -1,7 +1,7 @@
 #include "files/stack.h"
 
 #include "base/memory.h"
-#include "files/netcdf_hdf5.h"
+#include "files/dimensions_hdf5.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -12,7 +12,8 @@
 
 typedef struct {
     netcdf_file netcdf;
-    netcdf_dimension cases, time, wheel, mesh, shaft, axis, space, quaternion, pair;
+    netcdf_dimension cases, time;
+    dimensions of_outputs;
 } builder;
 
 /* ---- making the file ---- */
@@ -32,106 +33,42 @@ static bool define_coordinate(builder *b, netcdf_dimension *dimension, const net
 
 static bool define_dimensions(builder *b, const stack_layout *layout)
 {
-    static const char *const axes[] = {"x", "y", "z"}, *const parts[] = {"w", "x", "y", "z"};
     const netcdf_variable cases = netcdf_describe(NETCDF_LONG, "case", "1", "", "number of the case in its design");
     const netcdf_variable time = netcdf_describe(NETCDF_REAL, "time", "s", "t", "model time");
-    long *numbers = xcalloc((size_t)layout->n_rows, sizeof *numbers);
+    OWNED long *numbers = xcalloc((size_t)layout->n_rows, sizeof *numbers);
     for (long row = 0; row < layout->n_rows; row++) {
         numbers[row] = layout->first_case + row * layout->stride;
     }
-    const bool good =
-        define_coordinate(b, &b->cases, &cases, layout->n_rows, numbers) &&
-        define_coordinate(b, &b->time, &time, layout->n_times, layout->times) &&
-        netcdf_define_names(&b->netcdf, b->netcdf.id, &b->wheel, "wheel", "name of the wheel",
-                            &layout->names->wheels) &&
-        netcdf_define_names(&b->netcdf, b->netcdf.id, &b->mesh, "mesh", "name of the mesh", &layout->names->meshes) &&
-        netcdf_define_names(&b->netcdf, b->netcdf.id, &b->shaft, "shaft", "name of the shaft",
-                            &layout->names->shafts) &&
-        netcdf_define_names(&b->netcdf, b->netcdf.id, &b->axis, "axis", "axis of the housing frame",
-                            &(name_list){2, axes}) &&
-        netcdf_define_names(&b->netcdf, b->netcdf.id, &b->space, "space", "axis of a frame", &(name_list){3, axes}) &&
-        netcdf_define_names(&b->netcdf, b->netcdf.id, &b->quaternion, "quaternion", "part of a quaternion",
-                            &(name_list){4, parts}) &&
-        netcdf_define_names(&b->netcdf, b->netcdf.id, &b->pair, "pair", "place of a tooth pair: flank and slot",
-                            &layout->names->pairs);
-    free(numbers);
-    return good;
-}
-
-/** The dimensions behind case and time; the compiler complains if the model has others. */
-static int inner_dimensions(builder *b, model_dims dims, netcdf_dimension *inner[2])
-{
-    inner[0] = inner[1] = NULL;
-    switch (dims) {
-    case MODEL_DIMS_NONE:
-        break;
-    case MODEL_DIMS_WHEEL:
-        inner[0] = &b->wheel;
-        break;
-    case MODEL_DIMS_MESH:
-        inner[0] = &b->mesh;
-        break;
-    case MODEL_DIMS_WHEEL_AXIS:
-        inner[0] = &b->wheel;
-        inner[1] = &b->axis;
-        break;
-    case MODEL_DIMS_MESH_AXIS:
-        inner[0] = &b->mesh;
-        inner[1] = &b->axis;
-        break;
-    case MODEL_DIMS_SPACE:
-        inner[0] = &b->space;
-        break;
-    case MODEL_DIMS_QUATERNION:
-        inner[0] = &b->quaternion;
-        break;
-    case MODEL_DIMS_WHEEL_SPACE:
-        inner[0] = &b->wheel;
-        inner[1] = &b->space;
-        break;
-    case MODEL_DIMS_MESH_PAIR:
-        inner[0] = &b->mesh;
-        inner[1] = &b->pair;
-        break;
-    case MODEL_DIMS_SHAFT:
-        inner[0] = &b->shaft;
-        break;
-    }
-    return (inner[0] != NULL) + (inner[1] != NULL);
+    return define_coordinate(b, &b->cases, &cases, layout->n_rows, numbers) &&
+           define_coordinate(b, &b->time, &time, layout->n_times, layout->times) &&
+           dimensions_define(&b->of_outputs, &b->netcdf, DIMENSIONS_OF_STACK, layout->names, 0, NULL);
 }
 
 static bool define_variable(builder *b, const model_output *output)
 {
-    netcdf_dimension *inner[2];
-    const int n = inner_dimensions(b, output->dims, inner);
     netcdf_variable variable =
         netcdf_describe(NETCDF_FLOAT, output->name, output->units, output->symbol, output->long_name);
-    variable.rank = 2 + n;
+    variable.rank = 2;
     variable.dimensions[0] = &b->cases;
     variable.dimensions[1] = &b->time;
-    for (int i = 0; i < n; i++) {
-        variable.dimensions[2 + i] = inner[i];
-    }
+    dimensions_append(&b->of_outputs, output, &variable);
     const hid_t dataset = netcdf_define(&b->netcdf, b->netcdf.id, &variable, 0);
     return dataset >= 0 && H5Dclose(dataset) >= 0;
 }
 
 static bool fill_file(builder *b, const stack_layout *layout)
 {
-    netcdf_dimension *const all[] = {&b->cases, &b->time,  &b->wheel,      &b->mesh, &b->shaft,
-                                     &b->axis,  &b->space, &b->quaternion, &b->pair};
     netcdf_file *netcdf = &b->netcdf;
     bool good = netcdf_put_text(netcdf, netcdf->id, "Conventions", "CF-1.8") &&
                 netcdf_put_text(netcdf, netcdf->id, "design", layout->hash) && define_dimensions(b, layout);
     for (int i = 0; i < layout->n_variables && good; i++) {
         good = define_variable(b, &layout->variables[i]);
     }
-    for (size_t i = 0; i < sizeof all / sizeof *all && good; i++) {
-        good = netcdf_finish_dimension(netcdf, all[i]);
-    }
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
-        scale_free(&all[i]->scale);
-    }
+    good = good && netcdf_finish_dimension(netcdf, &b->cases) && netcdf_finish_dimension(netcdf, &b->time) &&
+           dimensions_finish(&b->of_outputs, netcdf);
+    scale_free(&b->cases.scale);
+    scale_free(&b->time.scale);
+    dimensions_free(&b->of_outputs);
     return good;
 }
 
@@ -148,7 +85,7 @@ static bool sync_file(const char *path)
 /** The file gets its name when it is complete. */
 static bool make_file(const stack_layout *layout, evl_error *error)
 {
-    char *partial = xasprintf("%s.partial", layout->path);
+    OWNED char *partial = xasprintf("%s.partial", layout->path);
     builder b = {0};
     bool good = netcdf_create(&b.netcdf, partial) && fill_file(&b, layout);
     good = netcdf_close(&b.netcdf) && good;
@@ -156,13 +93,12 @@ static bool make_file(const stack_layout *layout, evl_error *error)
         evl_error_set(error, EVL_EXIT_IO, layout->path, "cannot be written: %s; ask for fewer histories, or make room",
                       b.netcdf.reason);
     } else if (!sync_file(partial) || rename(partial, layout->path) != 0) {
-        evl_error_set(error, EVL_EXIT_IO, layout->path, "cannot be written: %s", strerror(errno));
+        evl_error_set_unwritten(error, layout->path);
         good = false;
     }
     if (!good) {
         (void)unlink(partial);
     }
-    free(partial);
     return good;
 }
 
@@ -170,14 +106,8 @@ static bool make_file(const stack_layout *layout, evl_error *error)
 
 static bool has_hash(hid_t file, const char *hash)
 {
-    char *found = NULL;
-    const hid_t attribute = H5Aexists(file, "design") > 0 ? H5Aopen(file, "design", H5P_DEFAULT) : H5I_INVALID_HID;
-    const hid_t type = H5Aget_type(attribute);
-    const bool good = H5Aread(attribute, type, &found) >= 0 && found != NULL && strcmp(found, hash) == 0;
-    (void)H5free_memory(found);
-    (void)H5Tclose(type);
-    (void)H5Aclose(attribute);
-    return good;
+    OWNED char *found = netcdf_get_text(file, "design");
+    return found != NULL && strcmp(found, hash) == 0;
 }
 
 static bool find_rows(stack *stack, hid_t file, const stack_layout *layout)
@@ -206,7 +136,7 @@ bool stack_open(stack *stack, const stack_layout *layout, evl_error *error)
                             .offsets = xcalloc((size_t)layout->n_variables, sizeof(long long))};
     bool good = access(layout->path, F_OK) == 0 || make_file(layout, error);
     if (good) {
-        const hid_t file = H5Fopen(layout->path, H5F_ACC_RDONLY, H5P_DEFAULT);
+        const hid_t file = netcdf_open(layout->path);
         good = file >= 0 && find_rows(stack, file, layout);
         (void)(file >= 0 && H5Fclose(file));
         if (!good) {
@@ -218,7 +148,7 @@ bool stack_open(stack *stack, const stack_layout *layout, evl_error *error)
         stack->descriptor = open(layout->path, O_WRONLY | O_CLOEXEC);
         good = stack->descriptor >= 0;
         if (!good) {
-            evl_error_set(error, EVL_EXIT_IO, layout->path, "cannot be written: %s", strerror(errno));
+            evl_error_set_unwritten(error, layout->path);
         }
     }
     if (!good) {
@@ -251,9 +181,8 @@ bool stack_write(const stack *stack, long row, const float *values, evl_error *e
                 continue;
             }
             if (more <= 0) {
-                evl_error_set(error, EVL_EXIT_IO, stack->path, "cannot be written: %s",
-                              strerror(more < 0 ? errno : ENOSPC));
-                return false;
+                errno = more < 0 ? errno : ENOSPC;
+                return evl_error_set_unwritten(error, stack->path);
             }
             done += (size_t)more;
         }
@@ -267,8 +196,7 @@ bool stack_sync(const stack *stack, evl_error *error)
     if (fdatasync(stack->descriptor) == 0 || errno == EINVAL) {
         return true;
     }
-    evl_error_set(error, EVL_EXIT_IO, stack->path, "cannot be written: %s", strerror(errno));
-    return false;
+    return evl_error_set_unwritten(error, stack->path);
 }
 
 void stack_close(stack *stack)

@@ -1,7 +1,6 @@
 /** What an integrator has to know of a model: a differential-algebraic system F(t, y, y') = 0 with discrete states, roots and events.
  *  Nothing here knows what is being modelled. */
-#ifndef EVOLVENT_DAE_H
-#define EVOLVENT_DAE_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -21,6 +20,9 @@ typedef struct {
     double *reals;  /**< [n_reals] */
 } dae_state;
 
+/** Free the arrays, and make them NULL. */
+void dae_state_free(dae_state *state);
+
 /** One thing that happened at an event; `subject`, `side` and `count` mean something to the model only. */
 typedef struct {
     int kind;    /**< index in the model's table of event kinds */
@@ -32,17 +34,21 @@ typedef struct {
 /** How a step of a dae_stepper ended. */
 typedef enum { DAE_STEPPED, DAE_AT_EVENT, DAE_AT_STOP } dae_outcome;
 
-/** What the steps of a dae_stepper cost. */
-typedef struct {
-    long steps, rejections, evaluations, iterations, jacobians, factorisations, root_evaluations;
-} dae_stepper_counts;
-
 /** A mode of the linearised model that grows. */
 typedef struct {
     double t;         /**< when */
     double rate;      /**< real part of its eigenvalue; 0: there is none */
     double frequency; /**< imaginary part, angular, >= 0 */
 } dae_growth;
+
+/** What an integration cost. */
+typedef struct {
+    long steps, residuals, jacobians, linear_setups, newton_iterations, roots_evaluated, events;
+    long error_test_failures, convergence_failures; /**< of IDA; a stepper counts both as rejections */
+    long rejections;
+    dae_growth growth;  /**< the fastest, if a stepper made shorter steps for one */
+    double cpu_seconds; /**< of the integration with its observers */
+} integrate_counts;
 
 /** A place in a step where a watched channel may exceed the extreme so far. */
 typedef struct {
@@ -62,8 +68,8 @@ typedef struct {
      *  of the state; fired: [n_roots] */
     int (*advance)(void *stepper, double t_stop, dae_state *state, int *fired, dae_outcome *outcome,
                    char message[DAE_MESSAGE_LENGTH]);
-    /** y at t within the last step */
-    void (*interpolate)(const void *stepper, double t, double *y);
+    /** y at t within the last step. @return true: it is known */
+    bool (*interpolate)(const void *stepper, double t, double *y);
     /** How many candidates for new extremes the last step has, before a restart.
      *  @param high, low  [n_watched] of each channel so far; infinite where nobody asks */
     int (*look)(void *stepper, const double *high, const double *low);
@@ -72,9 +78,8 @@ typedef struct {
     void (*restart)(void *stepper, const dae_state *state);
     /** take the last step back and go on from its start, which t and y of the state become, in smaller steps */
     void (*redo)(void *stepper, dae_state *state);
-    void (*counts)(const void *stepper, dae_stepper_counts *counts);
-    /** of the modes that grow the one that did so fastest, if steps were made shorter for one */
-    void (*growth)(const void *stepper, dae_growth *growth);
+    /** what its steps cost; of the modes that grow the one that did so fastest, if steps were made shorter for one */
+    void (*counts)(const void *stepper, integrate_counts *counts);
 } dae_stepper;
 
 typedef struct dae {
@@ -112,5 +117,3 @@ typedef struct dae {
 
     const dae_stepper *stepper; /**< NULL: it brings none along */
 } dae;
-
-#endif

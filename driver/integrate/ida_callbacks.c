@@ -1,4 +1,4 @@
-#include "integrate/ida_callbacks.h"
+#include "integrate/ida_session.h"
 
 #include <float.h>
 #include <ida/ida.h>

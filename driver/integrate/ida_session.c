@@ -5,6 +5,7 @@
 
 #include <ida/ida.h>
 #include <nvector/nvector_serial.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <sundials/sundials_config.h>
 #include <sunlinsol/sunlinsol_dense.h>
@@ -119,23 +120,22 @@ void ida_session_close(ida_session *s)
 
 void ida_session_count(ida_session *s)
 {
-    integrate_counts now = {0};
-    IDAGetNumSteps(s->ida, &now.steps);
-    IDAGetNumResEvals(s->ida, &now.residuals);
-    IDAGetNumJacEvals(s->ida, &now.jacobians);
-    IDAGetNumLinSolvSetups(s->ida, &now.linear_setups);
-    IDAGetNumNonlinSolvIters(s->ida, &now.newton_iterations);
-    IDAGetNumErrTestFails(s->ida, &now.error_test_failures);
-    IDAGetNumNonlinSolvConvFails(s->ida, &now.convergence_failures);
-    IDAGetNumGEvals(s->ida, &now.roots_evaluated);
-    integrate_counts *total = s->run->counts;
-    const integrate_counts *before = &s->before;
-    total->steps = before->steps + now.steps;
-    total->residuals = before->residuals + now.residuals;
-    total->jacobians = before->jacobians + now.jacobians;
-    total->linear_setups = before->linear_setups + now.linear_setups;
-    total->newton_iterations = before->newton_iterations + now.newton_iterations;
-    total->error_test_failures = before->error_test_failures + now.error_test_failures;
-    total->convergence_failures = before->convergence_failures + now.convergence_failures;
-    total->roots_evaluated = before->roots_evaluated + now.roots_evaluated;
+    /* where each counter stands, and what tells how far it is since the last restart */
+    static const struct {
+        size_t place;
+        int (*get)(void *ida, long *count);
+    } counters[] = {{offsetof(integrate_counts, steps), IDAGetNumSteps},
+                    {offsetof(integrate_counts, residuals), IDAGetNumResEvals},
+                    {offsetof(integrate_counts, jacobians), IDAGetNumJacEvals},
+                    {offsetof(integrate_counts, linear_setups), IDAGetNumLinSolvSetups},
+                    {offsetof(integrate_counts, newton_iterations), IDAGetNumNonlinSolvIters},
+                    {offsetof(integrate_counts, error_test_failures), IDAGetNumErrTestFails},
+                    {offsetof(integrate_counts, convergence_failures), IDAGetNumNonlinSolvConvFails},
+                    {offsetof(integrate_counts, roots_evaluated), IDAGetNumGEvals}};
+    for (size_t i = 0; i < sizeof counters / sizeof *counters; i++) {
+        long now = 0;
+        (void)counters[i].get(s->ida, &now);
+        *(long *)((char *)s->run->counts + counters[i].place) =
+            *(const long *)((const char *)&s->before + counters[i].place) + now;
+    }
 }

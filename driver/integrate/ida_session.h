@@ -1,7 +1,6 @@
 /** What an integration with IDA has beside an integration. IDA gets states in units of their scales, so that one absolute tolerance
  *  holds for all of them. Private to integrate/. */
-#ifndef EVOLVENT_IDA_SESSION_H
-#define EVOLVENT_IDA_SESSION_H
+#pragma once
 
 #include "integrate/integration.h"
 
@@ -39,4 +38,12 @@ void ida_session_to_scaled(const ida_session *s, const double *from, N_Vector to
 /** Bring the run's counts up to date. */
 void ida_session_count(ida_session *s);
 
-#endif
+/* What IDA asks of an integration, as functions of the kinds that it wants; `data` is the session. */
+int ida_residual(sunrealtype t, N_Vector y, N_Vector yp, N_Vector r, void *data);
+int ida_jacobian(sunrealtype t, sunrealtype cj, N_Vector y, N_Vector yp, N_Vector r, SUNMatrix matrix, void *data,
+                 N_Vector a, N_Vector b, N_Vector c);
+int ida_roots(sunrealtype t, N_Vector y, N_Vector yp, sunrealtype *values, void *data);
+int ida_weights(N_Vector y, N_Vector weight, void *data);
+
+/** Let the observer look at the motion from where it has seen it to t, in the last step. */
+void ida_watch_to(ida_session *s, double t, N_Vector y);

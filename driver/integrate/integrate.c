@@ -1,7 +1,5 @@
 #include "integrate/integrate.h"
 
-#include "integrate/integrate_ida.h"
-#include "integrate/integrate_stepper.h"
 #include "integrate/integration.h"
 
 #include <float.h>
@@ -41,9 +39,4 @@ integrate_code integrate(const dae *model, const integrate_options *options, con
     integration_end(&run);
     counts->cpu_seconds = cpu_now() - cpu_start;
     return code;
-}
-
-const char *integrate_version(void)
-{
-    return integrate_ida_version();
 }

@@ -1,7 +1,6 @@
 /** Integration of a dae with SUNDIALS IDA or with the model's own stepper: located events, consistent restarts, output on a grid by
  *  dense output. */
-#ifndef EVOLVENT_INTEGRATE_H
-#define EVOLVENT_INTEGRATE_H
+#pragma once
 
 #include "integrate/integrate_types.h"
 
@@ -12,5 +11,3 @@ integrate_code integrate(const dae *model, const integrate_options *options, con
 
 /** Version of the integrator's library, such as "SUNDIALS 6.4.1". */
 const char *integrate_version(void);
-
-#endif

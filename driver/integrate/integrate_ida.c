@@ -1,8 +1,8 @@
 /* IDA steps freely and interpolates; after an event it starts anew. */
-#include "integrate/integrate_ida.h"
+#include "integrate/integration.h"
 
-#include "integrate/ida_callbacks.h"
 #include "integrate/ida_session.h"
+#include "integrate/integrate.h"
 
 #include <ida/ida.h>
 #include <math.h>
@@ -214,7 +214,7 @@ integrate_code integrate_by_ida(integration *run)
     return code;
 }
 
-const char *integrate_ida_version(void)
+const char *integrate_version(void)
 {
     return "SUNDIALS " SUNDIALS_VERSION;
 }

@@ -1,5 +1,5 @@
 /* A stepper goes as it likes, the grid is interpolated. */
-#include "integrate/integrate_stepper.h"
+#include "integrate/integration.h"
 
 #include <math.h>
 #include <string.h>
@@ -19,7 +19,7 @@ static integrate_code give_outputs(integration *run, void *stepper, bool *missed
         }
         dae_state state = integration_borrowed(run);
         state.t = t_out;
-        with->interpolate(stepper, fmin(t_out, run->state->t), state.y);
+        (void)with->interpolate(stepper, fmin(t_out, run->state->t), state.y);
         const integrate_code code = integration_give_output(run, &state, missed);
         if (code == INTEGRATE_STOPPED) {
             run->state->t = t_out;
@@ -35,30 +35,6 @@ static integrate_code give_outputs(integration *run, void *stepper, bool *missed
     }
 }
 
-typedef struct {
-    const dae_stepper *with;
-    void *stepper;
-} stepper_step;
-
-static bool interpolate(const void *with, double t, double *y)
-{
-    const stepper_step *step = with;
-    step->with->interpolate(step->stepper, t, y);
-    return true;
-}
-
-static int look(void *with, const double *high, const double *low)
-{
-    const stepper_step *step = with;
-    return step->with->look(step->stepper, high, low);
-}
-
-static void candidate(const void *with, int index, dae_candidate *candidate)
-{
-    const stepper_step *step = with;
-    step->with->candidate(step->stepper, index, candidate);
-}
-
 /* Let the observer look into the step just made. */
 static void watch(integration *run, void *stepper)
 {
@@ -67,14 +43,13 @@ static void watch(integration *run, void *stepper)
     if (run->observer->watch == NULL || !(run->state->t > t_before)) {
         return;
     }
-    stepper_step with = {run->model->stepper, stepper};
     const integrate_step step = {.t_from = t_before,
                                  .t_to = run->state->t,
                                  .state = run->state,
-                                 .with = &with,
-                                 .interpolate = interpolate,
-                                 .look = look,
-                                 .candidate = candidate};
+                                 .with = stepper,
+                                 .interpolate = run->model->stepper->interpolate,
+                                 .look = run->model->stepper->look,
+                                 .candidate = run->model->stepper->candidate};
     run->observer->watch(run->observer->self, &step);
 }
 
@@ -139,20 +114,6 @@ static integrate_code step_to_the_end(integration *run, void *stepper)
     return code;
 }
 
-static void count(const integration *run, const void *stepper)
-{
-    dae_stepper_counts now;
-    run->model->stepper->counts(stepper, &now);
-    run->counts->steps = now.steps;
-    run->counts->rejections = now.rejections;
-    run->counts->residuals = now.evaluations;
-    run->counts->newton_iterations = now.iterations;
-    run->counts->jacobians = now.jacobians;
-    run->counts->linear_setups = now.factorisations;
-    run->counts->roots_evaluated = now.root_evaluations;
-    run->model->stepper->growth(stepper, &run->counts->growth);
-}
-
 integrate_code integrate_by_stepper(integration *run)
 {
     const dae *m = run->model;
@@ -170,7 +131,7 @@ integrate_code integrate_by_stepper(integration *run)
     code = INTEGRATE_FAILED;
     if (m->stepper->start(stepper, run->state, run->reason) == DAE_OK) {
         code = step_to_the_end(run, stepper);
-        count(run, stepper);
+        m->stepper->counts(stepper, run->counts);
     }
     m->stepper->destroy(stepper);
     return code;

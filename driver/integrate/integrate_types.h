@@ -1,9 +1,15 @@
 /** What an integration is asked for, what its caller sees of it, and how it ended. */
-#ifndef EVOLVENT_INTEGRATE_TYPES_H
-#define EVOLVENT_INTEGRATE_TYPES_H
+#pragma once
 
 #include "integrate/dae.h"
-#include "integrate/events.h"
+
+/** A located event: what happened, and the state on both sides of it. */
+typedef struct {
+    double t;
+    dae_event what;
+    int n;                           /**< length of the states */
+    const dae_state *before, *after; /**< valid during the call only */
+} event_record;
 
 typedef struct {
     double t_end;           /**< [s] */
@@ -31,7 +37,8 @@ typedef struct {
 /** An answer to an output: it shows that an event in the step was missed, and the step is made anew, smaller. */
 enum { INTEGRATE_ANEW = 2 };
 
-/** What the caller wants to hear. Each returns 0 to go on; anything else ends the integration with INTEGRATE_STOPPED. */
+/** What the caller wants to hear; NULL: not that. Each returns 0 to go on; anything else ends the integration with
+ *  INTEGRATE_STOPPED. */
 typedef struct {
     void *self;
     /** grid points in order of time, the start and t_end among them; may answer INTEGRATE_ANEW, with a sentence in `reason` */
@@ -44,14 +51,10 @@ typedef struct {
         *highest; /**< of who watches: [n_watched] largest of each channel so far, as of dae.roots_and_watched */
 } integrate_observer;
 
-typedef struct {
-    long steps, residuals, jacobians, linear_setups, newton_iterations, roots_evaluated, events;
-    long error_test_failures, convergence_failures; /**< of IDA; a stepper counts both as rejections */
-    long rejections;
-    dae_growth growth;  /**< the fastest, if a stepper made shorter steps for one */
-    double cpu_seconds; /**< of the integration with its observers */
-} integrate_counts;
-
 typedef enum { INTEGRATE_DONE = 0, INTEGRATE_STOPPED = 1, INTEGRATE_FAILED = 2 } integrate_code;
 
-#endif
+/** Of output `index`, 0 at the start; the last one is the end itself. */
+double output_grid_time(const integrate_options *options, double t_start, long index);
+
+/** Number of outputs of a whole integration from t_start. */
+long output_grid_size(const integrate_options *options, double t_start);

@@ -1,7 +1,5 @@
 #include "integrate/integration.h"
 
-#include "integrate/output_grid.h"
-
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -13,6 +11,19 @@ static const double smallest_step = 64 * DBL_EPSILON;
 static const int most_events_at_once = 1000; /* events without progress in time before giving up */
 static const int most_times_missed = 12; /* an event at one output: each time the step is a quarter of what it was */
 
+static const double grid_slack = 1e-6; /* of an output interval: a grid point this near the end is the end */
+
+double output_grid_time(const integrate_options *options, double t_start, long index)
+{
+    const double t = t_start + (double)index * options->output_interval;
+    return t > options->t_end - grid_slack * options->output_interval ? options->t_end : t;
+}
+
+long output_grid_size(const integrate_options *options, double t_start)
+{
+    return (long)((options->t_end - t_start) / options->output_interval - grid_slack) + 2;
+}
+
 static bool allocate_state(const dae *m, dae_state *state)
 {
     state->y = calloc((size_t)m->n, sizeof(double));
@@ -22,12 +33,13 @@ static bool allocate_state(const dae *m, dae_state *state)
     return state->y && state->yp && state->integers && state->reals;
 }
 
-static void free_state(dae_state *state)
+void dae_state_free(dae_state *state)
 {
     free(state->y);
     free(state->yp);
     free(state->integers);
     free(state->reals);
+    *state = (dae_state){0};
 }
 
 static void copy_state(const dae *m, dae_state *to, const dae_state *from)
@@ -50,8 +62,8 @@ bool integration_begin(integration *run)
 
 void integration_end(integration *run)
 {
-    free_state(&run->trial);
-    free_state(&run->old);
+    dae_state_free(&run->trial);
+    dae_state_free(&run->old);
     free(run->fired);
     free(run->events);
 }
@@ -71,7 +83,8 @@ double integration_output_time(const integration *run)
 
 integrate_code integration_give_output(integration *run, const dae_state *state, bool *missed)
 {
-    const int answer = run->observer->output(run->observer->self, state, run->reason);
+    const integrate_observer *observer = run->observer;
+    const int answer = observer->output == NULL ? 0 : observer->output(observer->self, state, run->reason);
     *missed = answer == INTEGRATE_ANEW;
     if (answer == 0) {
         run->reason[0] = '\0';
@@ -128,7 +141,7 @@ integrate_code integration_apply_event(integration *run, bool time_event)
     for (int i = 0; i < n_events; i++) {
         const event_record record = {run->state->t, run->events[i], m->n, &run->old, run->state};
         run->counts->events++;
-        if (run->observer->event(run->observer->self, &record) != 0) {
+        if (run->observer->event != NULL && run->observer->event(run->observer->self, &record) != 0) {
             return INTEGRATE_STOPPED;
         }
     }

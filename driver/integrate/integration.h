@@ -1,7 +1,6 @@
 /** What every integration has, whatever makes its steps: the output grid, events and their observers. Private to
  *  integrate/. */
-#ifndef EVOLVENT_INTEGRATION_H
-#define EVOLVENT_INTEGRATION_H
+#pragma once
 
 #include "integrate/integrate_types.h"
 
@@ -50,4 +49,6 @@ void integration_watch_state(const integration *run);
 /** Apply what happened at the present state, and tell. */
 integrate_code integration_apply_event(integration *run, bool time_event);
 
-#endif
+/* To the end, by SUNDIALS IDA or by the stepper that the model brings along. The run's `reason` is empty and its counts are zero. */
+integrate_code integrate_by_ida(integration *run);
+integrate_code integrate_by_stepper(integration *run);

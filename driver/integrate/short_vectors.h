@@ -3,8 +3,7 @@
  *  Distributions ship SUNDIALS without optimisation (Debian 12 does): its loops then take half of a run's time. These give the
  *  same results to the bit, unless SUNDIALS was compiled to fuse multiplications with additions, which x86-64 does not do by
  *  default. */
-#ifndef EVOLVENT_SHORT_VECTORS_H
-#define EVOLVENT_SHORT_VECTORS_H
+#pragma once
 
 #include <nvector/nvector_serial.h>
 #include <sunlinsol/sunlinsol_dense.h>
@@ -14,5 +13,3 @@ void short_vectors_use(N_Vector vector);
 
 /** Let a dense solver solve by the procedure of this file; it goes on factorising by its own. */
 void short_vectors_solve(SUNLinearSolver solver);
-
-#endif

@@ -16,15 +16,9 @@ static void explain(const model *model, const evl_status *status, model_message 
 
 model *model_create(const description *description, model_message *error)
 {
-    static const int kinds[] = {
-        [INITIAL_REST] = EVL_INITIAL_REST,
-        [INITIAL_STEADY] = EVL_INITIAL_STEADY,
-        [INITIAL_SPEEDS] = EVL_INITIAL_SPEEDS,
-    };
     evl_status status = {.index = -1};
     model *model = xcalloc(1, sizeof *model);
-    const initial_description *initial = &description->simulation.initial;
-    model->initial = (evl_initial){.kind = kinds[initial->kind], .speeds = initial->speeds, .gaps = initial->gaps};
+    model->initial = description->simulation.initial;
     model->description = evl_description_create(description->n_entries, description->entries, &status);
     model->gearbox = model->description == NULL ? NULL : evl_gearbox_create(model->description, &status);
     if (model->gearbox == NULL) {
@@ -42,17 +36,19 @@ model *model_create(const description *description, model_message *error)
     return model;
 }
 
-int model_teeth(const model *model, int wheel)
-{
-    static const double turn = 6.283185307179586477;
-    evl_wheel_geometry geometry;
-    evl_gearbox_wheel_geometry(model->gearbox, wheel, &geometry);
-    return geometry.angular_pitch > 0 ? (int)(turn / geometry.angular_pitch + 0.5) : 0;
-}
-
 int model_support_directions(const model *model, int wheel, double directions[2][2])
 {
     return evl_gearbox_support_directions(model->gearbox, wheel, directions[0]);
+}
+
+int model_geometry(const model *model, evl_of of, int index, evl_quantity quantities[EVL_MOST_QUANTITIES])
+{
+    return evl_gearbox_geometry(model->gearbox, (int)of, index, quantities);
+}
+
+int model_pitch_errors(const model *model, int wheel, int most, double *errors)
+{
+    return evl_gearbox_pitch_errors(model->gearbox, wheel, most, errors);
 }
 
 void model_damping(const model *model, int mesh, double parameters[MODEL_MOST_PARAMETERS])
@@ -133,15 +129,6 @@ bool model_steady_state(const model *model, double mesh_position, dae_state *sta
 {
     const evl_initial steady = {.kind = EVL_INITIAL_STEADY, .mesh_position = mesh_position};
     return start(model, &steady, state, error);
-}
-
-void dae_state_free(dae_state *state)
-{
-    free(state->y);
-    free(state->yp);
-    free(state->integers);
-    free(state->reals);
-    *state = (dae_state){0};
 }
 
 int model_n_warnings(const model *model)

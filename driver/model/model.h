@@ -1,28 +1,14 @@
 /** The gearbox as a dae and as a table of outputs: the driver's only door to the kernel. */
-#ifndef EVOLVENT_MODEL_H
-#define EVOLVENT_MODEL_H
+#pragma once
 
 #include "case/case_schema.h"
 #include "case/description.h"
 #include "integrate/dae.h"
 
-typedef enum {
-    MODEL_DIMS_NONE,
-    MODEL_DIMS_WHEEL,
-    MODEL_DIMS_MESH,
-    MODEL_DIMS_WHEEL_AXIS,
-    MODEL_DIMS_MESH_AXIS,
-    MODEL_DIMS_SPACE,
-    MODEL_DIMS_QUATERNION,
-    MODEL_DIMS_WHEEL_SPACE,
-    MODEL_DIMS_MESH_PAIR,
-    MODEL_DIMS_SHAFT
-} model_dims;
-
 /** One variable of the history: constant over time (is_static) or one value, or array of values, a time. */
 typedef struct {
     const char *name, *units, *symbol, *long_name; /**< live as long as the program */
-    model_dims dims;
+    const char *dims; /**< words of the dimensions besides time: "", "wheel", "mesh axis" and so on */
     bool is_static, is_integer;
     int offset, count; /**< place in the array that model_outputs fills; count 0: the case has no such variable */
 } model_output;
@@ -38,8 +24,6 @@ typedef struct {
 
 typedef struct model model;
 
-/** What a case may say; lives as long as the program. */
-const case_schema *model_schema(void);
 /** The laws of a block: contact, damping or friction; the caller frees the array. */
 evl_kind *model_kinds(const char *block, int *n);
 
@@ -57,13 +41,14 @@ bool model_initial_state(const model *model, dae_state *state, model_message *er
 /** The same for the steady state under the loads at t = 0, whatever initial state the description gives.
  *  @param mesh_position  pitches of the first mesh from the start of contact, where the case starts with 0 */
 bool model_steady_state(const model *model, double mesh_position, dae_state *state, model_message *error);
-void dae_state_free(dae_state *state);
 
 int model_n_warnings(const model *model);
 void model_warning(const model *model, int index, model_message *warning);
 
 int model_n_outputs(const model *model);
 const model_output *model_outputs_table(const model *model);
+/** An output by its name; NULL if there is none. */
+const model_output *model_output_named(const model *model, const char *name);
 /** Place of an output, by its name, in the array that model_outputs fills; -1 if there is none. */
 int model_output_offset(const model *model, const char *name);
 int model_n_values(const model *model);
@@ -79,16 +64,23 @@ typedef struct {
     int watched;              /**< which of the watched outputs */
     bool is_largest;          /**< else the smallest */
 } model_extreme;
-int model_n_extremes(void);
-const model_extreme *model_extremes(void);
-/** How many outputs are watched: channel n * mesh + watched of model_dae is one of a mesh. */
-int model_n_watched(void);
+
+/** What is the same for all models; lives as long as the program. */
+struct model_tables {
+    case_schema schema; /**< what a case may say */
+    int n_event_kinds;
+    const char *const *event_kinds; /**< their names */
+    int n_extremes;
+    const model_extreme *extremes;
+    int n_watched;         /**< outputs: channel n_watched * mesh + watched of model_dae is one of a mesh */
+    const char *compiler;  /**< that built the kernel */
+    const char *processor; /**< for which it was compiled, as -march names it; "" if none was named */
+};
+const struct model_tables *model_tables(void);
+const case_schema *model_schema(void);
 
 /** Places that the outputs have for the tooth pairs of a mesh, and how many of them, the first, are for the drive flank. */
 void model_pair_places(const model *model, int *n, int *n_drive);
-
-int model_n_event_kinds(void);
-const char *model_event_kind(int kind);
 
 typedef struct {
     char name[32], units[32];
@@ -96,46 +88,18 @@ typedef struct {
 /** What the states are, a new array of as many as its dae has. */
 model_state *model_states(const model *model);
 
-/** The vibration of a mesh with one tooth pair in contact at the nominal load. */
-typedef struct {
-    double force;                            /**< [N] */
-    double natural_frequency, damping_ratio; /**< [Hz], 1; NaN where nothing vibrates or no load is known */
-} mesh_vibration;
-mesh_vibration model_mesh_vibration(const model *model, int mesh);
-
 /** The parameters of the damping law of a mesh, with what the case left open filled in. */
 enum { MODEL_MOST_PARAMETERS = 8 };
 void model_damping(const model *model, int mesh, double parameters[MODEL_MOST_PARAMETERS]);
 
-/** Number of teeth of a wheel; 0 of a disc. */
-int model_teeth(const model *model, int wheel);
-
 /** Directions in which the support of a wheel lets its axle move, unit vectors. @return how many */
 int model_support_directions(const model *model, int wheel, double directions[2][2]);
 
-/** Derived geometry as (name, unit, symbol, long name, value) rows, for `evolvent show`. */
-typedef struct {
-    const char *name, *units, *symbol, *long_name;
-    int n; /**< 1, or 2 for a point */
-    double value[2];
-    bool is_angle; /**< shown in degrees as well */
-} model_quantity;
-enum { MODEL_MOST_ROWS = 40 };
-/* Each returns the number of rows written. */
-int model_wheel_geometry(const model *model, int wheel, model_quantity rows[MODEL_MOST_ROWS]);
-int model_mesh_geometry(const model *model, int mesh, model_quantity rows[MODEL_MOST_ROWS]);
-/** What ISO 21771 says of a real gear; no rows if the wheel is none. */
-int model_gear(const model *model, int wheel, model_quantity rows[MODEL_MOST_ROWS]);
-/** The same of two real gears in mesh. */
-int model_gear_mesh(const model *model, int mesh, model_quantity rows[MODEL_MOST_ROWS]);
-
-/** Where the deviations of a wheel's flanks begin and how large its pitch errors are; no rows if it has none. */
-int model_deviation(const model *model, int wheel, model_quantity rows[MODEL_MOST_ROWS]);
-/** Cumulative position deviations of its teeth [teeth] [m]. @return whether it has pitch errors */
-bool model_pitch_errors(const model *model, int wheel, double *errors);
-
-/** How the wheels of a mesh give way and how stiff that makes it; no rows if none of them does. */
-int model_mesh_stiffness(const model *model, int mesh, model_quantity rows[MODEL_MOST_ROWS]);
+/** The geometry that follows from the case. @return how many quantities there are, 0 where it is not what they are of */
+int model_geometry(const model *model, evl_of of, int index, evl_quantity quantities[EVL_MOST_QUANTITIES]);
+/** Cumulative position deviations of a wheel's teeth [m]. @return how many there are, 0 if it has no pitch errors; `most` of
+ *  them are written */
+int model_pitch_errors(const model *model, int wheel, int most, double *errors);
 
 /** One of the numbers, or lists of them, that the case gives. */
 typedef struct {
@@ -145,11 +109,3 @@ typedef struct {
 } model_parameter;
 /** Parameter `index`, from 0. @return whether there is one */
 bool model_parameter_at(const model *model, int index, model_parameter *parameter);
-
-/** The compiler that built the kernel. */
-const char *model_compiler(void);
-
-/** The processor the kernel was compiled for, as -march names it; "" if none was named. */
-const char *model_processor(void);
-
-#endif

@@ -10,9 +10,8 @@ int model_answer(const model *model, int code, const evl_status *status, char me
         return DAE_OK;
     }
     if (status->subject == EVL_SUBJECT_MESH && status->index >= 0) {
-        char *named = xasprintf("mesh '%s': %s", model->mesh_names[status->index], status->message);
+        OWNED char *named = xasprintf("mesh '%s': %s", model->mesh_names[status->index], status->message);
         (void)snprintf(message, DAE_MESSAGE_LENGTH, "%s", named);
-        free(named);
     } else {
         (void)snprintf(message, DAE_MESSAGE_LENGTH, "%s", status->message);
     }
@@ -90,7 +89,7 @@ static int apply_event(const void *self, dae_state *state, const int *fired, boo
 {
     const model *model = self;
     evl_status status;
-    evl_event *happened =
+    OWNED evl_event *happened =
         xrealloc(NULL, (size_t)model->sizes.n_events, sizeof *happened); /* as many as told are filled */
     *n_events = 0;
     const int code = evl_gearbox_apply_event(model->gearbox, state->t, fired, time_event, state->y, state->yp,
@@ -98,7 +97,6 @@ static int apply_event(const void *self, dae_state *state, const int *fired, boo
     for (int i = 0; i < *n_events; i++) {
         events[i] = (dae_event){happened[i].kind, happened[i].mesh, happened[i].flank, happened[i].tooth_pair};
     }
-    free(happened);
     return model_answer(model, code, &status, message);
 }
 

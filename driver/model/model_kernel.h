@@ -1,6 +1,5 @@
 /** What the files of the model share: the only include of the kernel's header. Private to model/. */
-#ifndef EVOLVENT_MODEL_KERNEL_H
-#define EVOLVENT_MODEL_KERNEL_H
+#pragma once
 
 #include "model/model.h"
 
@@ -28,5 +27,3 @@ dae_state model_create_state(const model *model);
 void model_explain_start(const model *model, const evl_status *status, model_message *error);
 /** Fill the table of outputs. */
 void model_describe_outputs(model *model);
-
-#endif

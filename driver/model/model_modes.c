@@ -15,13 +15,12 @@ static void shape_part(const model *model, const dae_state *state, const double 
 {
     const size_t n_wheels = (size_t)model->sizes.n_wheels, n_meshes = (size_t)model->sizes.n_meshes;
     const size_t n = 3 * n_wheels + 2 * n_meshes;
-    double *values = xcalloc(n, sizeof *values);
+    OWNED double *values = xcalloc(n, sizeof *values);
     double *displacements = values + n_wheels, *penetrations = values + 3 * n_wheels;
     evl_gearbox_shape(model->gearbox, state->y, change, values, displacements, penetrations, penetrations + n_meshes);
     for (size_t i = 0; i < n; i++) {
         mode->arcs[i] += unit * values[i]; /* the other parts stand behind the arcs */
     }
-    free(values);
 }
 
 /** The value that everything is divided by: that of the wheel or axle that moves most, with the phase of its larger coordinate. */
@@ -62,81 +61,64 @@ static natural_mode create_mode(const model *model, const dae_state *state, cons
                          .displacements = (double complex(*)[2])(values + n_wheels),
                          .penetrations = values + 3 * n_wheels,
                          .transmission_errors = values + 3 * n_wheels + n_meshes};
-    double *change = xcalloc((size_t)model->sizes.n_states, sizeof *change);
+    OWNED double *change = xcalloc((size_t)model->sizes.n_states, sizeof *change);
     for (int part = 0; part < 2; part++) {
         for (int i = 0; i < model->sizes.n_states; i++) {
             change[i] = vector[2 * i + part];
         }
         shape_part(model, state, change, part == 0 ? 1.0 : I, &mode);
     }
-    free(change);
     normalise(model, &mode);
     return mode;
 }
 
-/** What the kernel finds of a matrix. */
-typedef struct {
-    int n; /**< eigenvalues */
-    double *eigenvalues, *vectors;
-} eigenproblem;
-
-static eigenproblem create_problem(const model *model)
+/** The modes at a state, or, with room for mean outputs, of the mean over steady states: then the state is found. */
+static bool find_modes(const model *model, const dae_state *state, double *means, natural_modes *modes,
+                       evl_status *status)
 {
     const size_t n = (size_t)model->sizes.n_states;
-    return (eigenproblem){.eigenvalues = xcalloc(2 * n, sizeof(double)), .vectors = xcalloc(2 * n * n, sizeof(double))};
-}
-
-static void free_problem(eigenproblem *problem)
-{
-    free(problem->vectors);
-    free(problem->eigenvalues);
-}
-
-static void take_modes(const model *model, const dae_state *state, const eigenproblem *problem, natural_modes *modes)
-{
-    const size_t n = (size_t)model->sizes.n_states;
+    OWNED double *eigenvalues = xcalloc(2 * n, sizeof *eigenvalues), *vectors = xcalloc(2 * n * n, sizeof *vectors);
+    int n_found = 0;
+    *modes = (natural_modes){.n = 0};
+    *status = (evl_status){.index = -1};
+    const int code = means == NULL
+                         ? evl_gearbox_modes(model->gearbox, state->t, state->y, state->integers, state->reals,
+                                             &n_found, &modes->n_rigid, eigenvalues, vectors, status)
+                         : evl_gearbox_mean_modes(model->gearbox, state->t, state->y, state->integers, state->reals,
+                                                  &n_found, &modes->n_rigid, eigenvalues, vectors, means, status);
+    if (code != EVL_OK) {
+        return false;
+    }
     modes->modes = xcalloc(n, sizeof *modes->modes);
-    for (int k = 0; k < problem->n; k++) {
-        const double *eigenvalue = &problem->eigenvalues[2 * k];
+    for (int k = 0; k < n_found; k++) {
+        const double *eigenvalue = &eigenvalues[2 * k];
         if (eigenvalue[1] > 0.0 || (eigenvalue[1] == 0.0 && eigenvalue[0] != 0.0)) {
-            modes->modes[modes->n++] = create_mode(model, state, eigenvalue, &problem->vectors[2 * n * (size_t)k]);
+            modes->modes[modes->n++] = create_mode(model, state, eigenvalue, &vectors[2 * n * (size_t)k]);
         }
     }
+    return true;
 }
 
 bool model_modes(const model *model, const dae_state *state, natural_modes *modes, char message[DAE_MESSAGE_LENGTH])
 {
-    eigenproblem problem = create_problem(model);
     evl_status status;
-    *modes = (natural_modes){.n = 0};
-    const int code = evl_gearbox_modes(model->gearbox, state->t, state->y, state->integers, state->reals, &problem.n,
-                                       &modes->n_rigid, problem.eigenvalues, problem.vectors, &status);
-    if (code == EVL_OK) {
-        take_modes(model, state, &problem, modes);
-    } else {
+    const bool good = find_modes(model, state, NULL, modes, &status);
+    if (!good) {
         (void)snprintf(message, DAE_MESSAGE_LENGTH, "%s", status.message);
     }
-    free_problem(&problem);
-    return code == EVL_OK;
+    return good;
 }
 
 bool model_mean_modes(const model *model, dae_state *state, double *values, natural_modes *modes, model_message *error)
 {
-    eigenproblem problem = create_problem(model);
-    evl_status status = {.index = -1};
-    *modes = (natural_modes){.n = 0};
+    evl_status status;
     *state = model_create_state(model);
-    const int code =
-        evl_gearbox_mean_modes(model->gearbox, state->t, state->y, state->integers, state->reals, &problem.n,
-                               &modes->n_rigid, problem.eigenvalues, problem.vectors, values, &status);
-    if (code == EVL_OK) {
-        take_modes(model, state, &problem, modes);
-    } else {
+    const bool good = find_modes(model, state, values, modes, &status);
+    if (!good) {
         model_explain_start(model, &status, error);
         dae_state_free(state);
     }
-    free_problem(&problem);
-    return code == EVL_OK;
+    return good;
 }
 
 void natural_modes_free(natural_modes *modes)

@@ -1,6 +1,5 @@
 /** Natural modes of the gearbox at a state. */
-#ifndef EVOLVENT_MODEL_MODES_H
-#define EVOLVENT_MODEL_MODES_H
+#pragma once
 
 #include "model/model.h"
 
@@ -38,5 +37,3 @@ typedef struct {
     double position; /**< pitches from the start of contact, from 0 to 1, of the tooth pair that came last */
 } mesh_standing;
 mesh_standing model_mesh_standing(const model *model, const dae_state *state, int mesh);
-
-#endif

@@ -4,30 +4,32 @@
 
 #include <stdlib.h>
 
-model_names model_names_copy(const model *model, const description *description)
+static name_list copy_names(int n, const char *const *names)
 {
-    int n_pairs, n_drive;
-    model_pair_places(model, &n_pairs, &n_drive);
-    char **wheels = xcalloc((size_t)description->n_wheels, sizeof *wheels);
-    char **meshes = xcalloc((size_t)description->n_meshes, sizeof *meshes);
-    char **shafts = xcalloc((size_t)description->n_shafts, sizeof *shafts);
-    char **pairs = xcalloc((size_t)n_pairs, sizeof *pairs);
-    for (int i = 0; i < description->n_wheels; i++) {
-        wheels[i] = xstrdup(description->wheels[i]);
+    char **copy = xcalloc((size_t)n, sizeof *copy);
+    for (int i = 0; i < n; i++) {
+        copy[i] = xstrdup(names[i]);
     }
-    for (int i = 0; i < description->n_meshes; i++) {
-        meshes[i] = xstrdup(description->meshes[i]);
-    }
-    for (int i = 0; i < description->n_shafts; i++) {
-        shafts[i] = xstrdup(description->shafts[i]);
-    }
-    for (int i = 0; i < n_pairs; i++) {
+    return (name_list){n, (const char *const *)copy};
+}
+
+static name_list name_pairs(const model *model)
+{
+    int n, n_drive;
+    model_pair_places(model, &n, &n_drive);
+    char **pairs = xcalloc((size_t)n, sizeof *pairs);
+    for (int i = 0; i < n; i++) {
         pairs[i] = i < n_drive ? xasprintf("drive_%d", i) : xasprintf("coast_%d", i - n_drive);
     }
-    return (model_names){.wheels = {description->n_wheels, (const char *const *)wheels},
-                         .meshes = {description->n_meshes, (const char *const *)meshes},
-                         .shafts = {description->n_shafts, (const char *const *)shafts},
-                         .pairs = {n_pairs, (const char *const *)pairs}};
+    return (name_list){n, (const char *const *)pairs};
+}
+
+model_names model_names_copy(const model *model, const description *description)
+{
+    return (model_names){.wheels = copy_names(description->n_wheels, description->wheels),
+                         .meshes = copy_names(description->n_meshes, description->meshes),
+                         .shafts = copy_names(description->n_shafts, description->shafts),
+                         .pairs = name_pairs(model)};
 }
 
 void model_names_free(model_names *names)

@@ -1,6 +1,5 @@
 /** The names of what the values of a model belong to. */
-#ifndef EVOLVENT_MODEL_NAMES_H
-#define EVOLVENT_MODEL_NAMES_H
+#pragma once
 
 #include "case/case.h"
 #include "model/model.h"
@@ -18,5 +17,3 @@ typedef struct {
 /** Copies, which outlive model and description. */
 model_names model_names_copy(const model *model, const description *description);
 void model_names_free(model_names *names);
-
-#endif

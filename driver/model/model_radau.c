@@ -57,10 +57,11 @@ static int advance(void *stepper, double t_stop, dae_state *state, int *fired, d
     return answer(s, code, &status, message);
 }
 
-static void interpolate(const void *stepper, double t, double *y)
+static bool interpolate(const void *stepper, double t, double *y)
 {
     const radau_stepper *s = stepper;
     evl_radau_interpolate(s->radau, t, y);
+    return true;
 }
 
 static int look(void *stepper, const double *high, const double *low)
@@ -89,26 +90,19 @@ static void redo(void *stepper, dae_state *state)
     evl_radau_redo(s->radau, &state->t, state->y);
 }
 
-static void counts(const void *stepper, dae_stepper_counts *counts)
+static void counts(const void *stepper, integrate_counts *counts)
 {
     const radau_stepper *s = stepper;
     evl_radau_counts now;
     evl_radau_get_counts(s->radau, &now);
-    *counts = (dae_stepper_counts){.steps = now.steps,
-                                   .rejections = now.rejections,
-                                   .evaluations = now.evaluations,
-                                   .iterations = now.iterations,
-                                   .jacobians = now.jacobians,
-                                   .factorisations = now.factorisations,
-                                   .root_evaluations = now.root_evaluations};
-}
-
-static void growth(const void *stepper, dae_growth *growth)
-{
-    const radau_stepper *s = stepper;
-    evl_radau_growth found;
-    evl_radau_get_growth(s->radau, &found);
-    *growth = (dae_growth){.t = found.t, .rate = found.rate, .frequency = found.frequency};
+    counts->steps = now.steps;
+    counts->rejections = now.rejections;
+    counts->residuals = now.evaluations;
+    counts->newton_iterations = now.iterations;
+    counts->jacobians = now.jacobians;
+    counts->linear_setups = now.factorisations;
+    counts->roots_evaluated = now.root_evaluations;
+    counts->growth = (dae_growth){.t = now.growth_t, .rate = now.growth_rate, .frequency = now.growth_frequency};
 }
 
 const dae_stepper *model_radau(const model *model)
@@ -122,7 +116,6 @@ const dae_stepper *model_radau(const model *model)
                                       .candidate = candidate,
                                       .restart = restart,
                                       .redo = redo,
-                                      .counts = counts,
-                                      .growth = growth};
+                                      .counts = counts};
     return evl_radau_serves(model->gearbox, NULL) == EVL_OK ? &radau : NULL;
 }

@@ -15,26 +15,24 @@ static void copy_text(char *to, size_t size, const char *from)
 
 /* What is the same for all models is copied from the kernel once, whichever thread asks first. */
 static pthread_once_t once = PTHREAD_ONCE_INIT;
-static case_schema schema;
-static char (*event_names)[EVL_NAME_LENGTH]; /**< [evl_event_count()] */
-static evl_output *output_texts;             /**< [evl_output_count()] */
-static model_output *outputs;                /**< [evl_output_count()] without places */
-static int *outputs_by_name;                 /**< [evl_output_count()] in the order of their names */
-static model_extreme *extremes;              /**< [evl_extreme_count()] */
+static struct model_tables tables;
+static evl_output *output_texts; /**< [evl_output_count()] */
+static model_output *outputs;    /**< [evl_output_count()] without places */
+static int *outputs_by_name;     /**< [evl_output_count()] in the order of their names */
 
 static void copy_outputs(void)
 {
-    static const model_dims dims[] = {
-        [EVL_DIMS_NONE] = MODEL_DIMS_NONE,
-        [EVL_DIMS_WHEEL] = MODEL_DIMS_WHEEL,
-        [EVL_DIMS_MESH] = MODEL_DIMS_MESH,
-        [EVL_DIMS_WHEEL_AXIS] = MODEL_DIMS_WHEEL_AXIS,
-        [EVL_DIMS_MESH_AXIS] = MODEL_DIMS_MESH_AXIS,
-        [EVL_DIMS_SPACE] = MODEL_DIMS_SPACE,
-        [EVL_DIMS_QUATERNION] = MODEL_DIMS_QUATERNION,
-        [EVL_DIMS_WHEEL_SPACE] = MODEL_DIMS_WHEEL_SPACE,
-        [EVL_DIMS_MESH_PAIR] = MODEL_DIMS_MESH_PAIR,
-        [EVL_DIMS_SHAFT] = MODEL_DIMS_SHAFT,
+    static const char *const dims[] = {
+        [EVL_DIMS_NONE] = "",
+        [EVL_DIMS_WHEEL] = "wheel",
+        [EVL_DIMS_MESH] = "mesh",
+        [EVL_DIMS_WHEEL_AXIS] = "wheel axis",
+        [EVL_DIMS_MESH_AXIS] = "mesh axis",
+        [EVL_DIMS_SPACE] = "space",
+        [EVL_DIMS_QUATERNION] = "quaternion",
+        [EVL_DIMS_WHEEL_SPACE] = "wheel space",
+        [EVL_DIMS_MESH_PAIR] = "mesh pair",
+        [EVL_DIMS_SHAFT] = "shaft",
     };
     const int n = evl_output_count();
     output_texts = xcalloc((size_t)n, sizeof *output_texts);
@@ -60,15 +58,15 @@ static model_output describe_extreme(const evl_extreme *from, bool is_time)
                           .symbol = is_time ? "t" : xasprintf("%s %s", which, from->symbol),
                           .long_name =
                               is_time ? xasprintf("first time of the %s", from->long_name) : xstrdup(from->long_name),
-                          .dims = MODEL_DIMS_MESH,
+                          .dims = "mesh",
                           .is_static = true};
 }
 
 static void copy_extremes(void)
 {
-    const int n = evl_extreme_count();
-    evl_extreme *texts = xcalloc((size_t)n, sizeof *texts);
-    extremes = xcalloc((size_t)n, sizeof *extremes);
+    const int n = tables.n_extremes = evl_extreme_count();
+    OWNED evl_extreme *texts = xcalloc((size_t)n, sizeof *texts);
+    model_extreme *extremes = xcalloc((size_t)n, sizeof *extremes);
     evl_extremes_describe(texts);
     for (int i = 0; i < n; i++) {
         const evl_extreme *from = &texts[i];
@@ -78,7 +76,7 @@ static void copy_extremes(void)
                                       .watched = from->watched,
                                       .is_largest = from->is_largest};
     }
-    free(texts);
+    tables.extremes = extremes;
 }
 
 static int compare_outputs(const void *a, const void *b)
@@ -101,30 +99,51 @@ static void sort_outputs(void)
     qsort(outputs_by_name, (size_t)n, sizeof *outputs_by_name, compare_outputs);
 }
 
-static void copy_tables(void)
+static void copy_rows(void)
 {
     enum { ROOM = 256 };
     evl_row *rows = xcalloc(ROOM, sizeof *rows);
-    schema.n = evl_rows(ROOM, rows);
-    if (schema.n > ROOM) {
-        rows = xrealloc(rows, (size_t)schema.n, sizeof *rows);
-        (void)evl_rows(schema.n, rows);
+    const int n = evl_rows(ROOM, rows);
+    if (n > ROOM) {
+        rows = xrealloc(rows, (size_t)n, sizeof *rows);
+        (void)evl_rows(n, rows);
     }
-    schema.rows = rows;
-    event_names = xcalloc((size_t)evl_event_count(), sizeof *event_names);
-    for (int kind = 0; kind < evl_event_count(); kind++) {
-        char text[EVL_TEXT_LENGTH];
-        evl_event_describe(kind, event_names[kind], text);
+    tables.schema = (case_schema){.n = n, .rows = rows};
+}
+
+static void copy_event_kinds(void)
+{
+    const int n = tables.n_event_kinds = evl_event_count();
+    const char **names = xcalloc((size_t)n, sizeof *names);
+    for (int kind = 0; kind < n; kind++) {
+        char name[EVL_NAME_LENGTH], text[EVL_TEXT_LENGTH];
+        evl_event_describe(kind, name, text);
+        names[kind] = xstrdup(name);
     }
+    tables.event_kinds = names;
+}
+
+static void copy_tables(void)
+{
+    tables.n_watched = evl_watched_count();
+    tables.compiler = evl_kernel_compiler();
+    tables.processor = evl_kernel_processor();
+    copy_rows();
+    copy_event_kinds();
     copy_outputs();
     copy_extremes();
     sort_outputs();
 }
 
-const case_schema *model_schema(void)
+const struct model_tables *model_tables(void)
 {
     (void)pthread_once(&once, copy_tables);
-    return &schema;
+    return &tables;
+}
+
+const case_schema *model_schema(void)
+{
+    return &model_tables()->schema;
 }
 
 evl_kind *model_kinds(const char *block, int *n)
@@ -155,14 +174,12 @@ void model_describe_outputs(model *model)
     const size_t n = (size_t)sizes->n_outputs;
     (void)pthread_once(&once, copy_tables);
     model->outputs = memcpy(xcalloc(n, sizeof *model->outputs), outputs, n * sizeof *model->outputs);
-    int *offsets = xcalloc(n, sizeof *offsets), *counts = xcalloc(n, sizeof *counts);
+    OWNED int *offsets = xcalloc(n, sizeof *offsets), *counts = xcalloc(n, sizeof *counts);
     evl_gearbox_output_places(model->gearbox, offsets, counts);
     for (int i = 0; i < sizes->n_outputs; i++) {
         model->outputs[i].offset = offsets[i];
         model->outputs[i].count = counts[i];
     }
-    free(offsets);
-    free(counts);
 }
 
 void model_pair_places(const model *model, int *n, int *n_drive)
@@ -181,43 +198,22 @@ const model_output *model_outputs_table(const model *model)
     return model->outputs;
 }
 
-int model_output_offset(const model *model, const char *name)
+const model_output *model_output_named(const model *model, const char *name)
 {
     const int *found =
         bsearch(name, outputs_by_name, (size_t)model->sizes.n_outputs, sizeof *outputs_by_name, compare_with_name);
-    return found == NULL ? -1 : model->outputs[*found].offset;
+    return found == NULL ? NULL : &model->outputs[*found];
+}
+
+int model_output_offset(const model *model, const char *name)
+{
+    const model_output *found = model_output_named(model, name);
+    return found == NULL ? -1 : found->offset;
 }
 
 int model_n_values(const model *model)
 {
     return model->sizes.n_values;
-}
-
-int model_n_extremes(void)
-{
-    return evl_extreme_count();
-}
-
-const model_extreme *model_extremes(void)
-{
-    (void)pthread_once(&once, copy_tables);
-    return extremes;
-}
-
-int model_n_watched(void)
-{
-    return evl_watched_count();
-}
-
-int model_n_event_kinds(void)
-{
-    return evl_event_count();
-}
-
-const char *model_event_kind(int kind)
-{
-    (void)pthread_once(&once, copy_tables);
-    return kind < 0 || kind >= evl_event_count() ? "" : event_names[kind];
 }
 
 model_state *model_states(const model *model)
@@ -230,93 +226,4 @@ model_state *model_states(const model *model)
         copy_text(states[i].units, sizeof states[i].units, units);
     }
     return states;
-}
-
-const char *model_compiler(void)
-{
-    return evl_kernel_compiler();
-}
-
-const char *model_processor(void)
-{
-    return evl_kernel_processor();
-}
-
-static model_quantity number(const char *name, const char *units, const char *symbol, const char *long_name,
-                             double value)
-{
-    const bool is_angle = strcmp(units, "rad") == 0;
-    return (model_quantity){name, units, symbol, long_name, 1, {value, 0.0}, is_angle};
-}
-
-static model_quantity point(const char *name, const char *symbol, const char *long_name, const double value[2])
-{
-    return (model_quantity){name, "m", symbol, long_name, 2, {value[0], value[1]}, false};
-}
-
-int model_wheel_geometry(const model *model, int wheel, model_quantity rows[MODEL_MOST_ROWS])
-{
-    evl_wheel_geometry g;
-    evl_gearbox_wheel_geometry(model->gearbox, wheel, &g);
-    int n = 0;
-    rows[n++] = number("pitch_radius", "m", "r", "pitch radius", g.pitch_radius);
-    rows[n++] = number("base_radius", "m", "r_b", "base radius", g.base_radius);
-    rows[n++] = number("tip_radius", "m", "r_a", "tip radius, the largest over its meshes", g.tip_radius);
-    rows[n++] = number("angular_pitch", "rad", "gamma", "angular pitch", g.angular_pitch);
-    rows[n++] = number("mass", "kg", "m", "mass of the wheel", g.mass);
-    rows[n++] = number("inertia", "kg m2", "J", "moment of inertia about the axle", g.inertia);
-    rows[n++] = point("centre", "O", "reference position of the axle", g.centre);
-    rows[n++] = number("speed_ratio", "1", "g", "nominal speed over that of the reference wheel", g.speed_ratio);
-    return n;
-}
-
-mesh_vibration model_mesh_vibration(const model *model, int mesh)
-{
-    evl_mesh_geometry g;
-    evl_gearbox_mesh_geometry(model->gearbox, mesh, &g);
-    return (mesh_vibration){
-        .force = g.reference_force, .natural_frequency = g.natural_frequency, .damping_ratio = g.damping_ratio};
-}
-
-int model_mesh_geometry(const model *model, int mesh, model_quantity rows[MODEL_MOST_ROWS])
-{
-    evl_mesh_geometry g;
-    evl_gearbox_mesh_geometry(model->gearbox, mesh, &g);
-    int n = 0;
-    rows[n++] = number("flank", "1", "sigma", "+1: the driving wheel turns clockwise, -1: counterclockwise", g.sigma);
-    rows[n++] =
-        number("transmission_ratio", "1", "n", "teeth of the driven over the driving wheel", g.transmission_ratio);
-    rows[n++] = number("centre_distance", "m", "d", "distance of the axles", g.centre_distance);
-    rows[n++] =
-        number("centre_line_angle", "rad", "chi", "direction from the driving to the driven axle", g.centre_line_angle);
-    rows[n++] =
-        number("minimum_pressure_angle", "rad", "alpha_inf", "least working pressure angle", g.minimum_pressure_angle);
-    rows[n++] = number("working_pressure_angle", "rad", "alpha_w", "working pressure angle", g.working_pressure_angle);
-    rows[n++] = number("base_pitch", "m", "p_b", "base pitch", g.base_pitch);
-    rows[n++] = number("contact_ratio", "1", "epsilon_alpha", "transverse contact ratio", g.contact_ratio);
-    rows[n++] =
-        number("line_of_action_length", "m", "rho", "length |K_A K_B| of the line of action", g.line_of_action_length);
-    rows[n++] = point("point_k_a", "K_A", "line of action at the driving wheel's base circle", g.point_k_a);
-    rows[n++] = point("point_k_b", "K_B", "line of action at the driven wheel's base circle", g.point_k_b);
-    rows[n++] = point("point_a", "a", "nominal start of contact", g.point_a);
-    rows[n++] = point("point_b", "b", "nominal end of contact", g.point_b);
-    rows[n++] = point("pitch_point", "C", "pitch point", g.pitch_point);
-    rows[n++] = number("tip_radius_driving", "m", "r_aA", "tip radius of the driving wheel", g.tip_radius_driving);
-    rows[n++] = number("tip_radius_driven", "m", "r_aB", "tip radius of the driven wheel", g.tip_radius_driven);
-    rows[n++] =
-        number("rho_start_driving", "m", "rho_A", "radius of curvature of the driving flank at a", g.rho_start_driving);
-    rows[n++] =
-        number("rho_start_driven", "m", "rho_B", "radius of curvature of the driven flank at a", g.rho_start_driven);
-    rows[n++] = number("common_width", "m", "b", "common face width", g.common_width);
-    rows[n++] = number("effective_modulus", "Pa", "E*", "effective modulus of elasticity", g.effective_modulus);
-    rows[n++] = number("elastic_share_driving", "1", "w_A", "share of the driving wheel in the compliance",
-                       g.elastic_share_driving);
-    rows[n++] = number("reference_force", "N", "F_0", "normal force that the loads suggest", g.reference_force);
-    rows[n++] = number("reference_penetration", "m", "h_0", "its penetration", g.reference_penetration);
-    rows[n++] = number("reference_stiffness", "N/m", "k", "stiffness of one tooth pair there", g.reference_stiffness);
-    rows[n++] = number("reference_mass", "kg", "m", "mass of the wheels along the line of action", g.reference_mass);
-    rows[n++] = number("natural_frequency", "Hz", "f_0", "natural frequency with one tooth pair", g.natural_frequency);
-    rows[n++] = number("damping_coefficient", "N s/m", "c", "coefficient of its damper", g.damping_coefficient);
-    rows[n++] = number("damping_ratio", "1", "zeta", "damping ratio with one tooth pair", g.damping_ratio);
-    return n;
 }

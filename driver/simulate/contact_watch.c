@@ -19,8 +19,8 @@ static int required(int index, const char *name)
 
 static int find_event(const char *name)
 {
-    int kind = model_n_event_kinds() - 1;
-    while (kind >= 0 && strcmp(model_event_kind(kind), name) != 0) {
+    int kind = model_tables()->n_event_kinds - 1;
+    while (kind >= 0 && strcmp(model_tables()->event_kinds[kind], name) != 0) {
         kind--;
     }
     return required(kind, name);

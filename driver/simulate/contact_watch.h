@@ -1,9 +1,8 @@
 /** Whether the flanks of each mesh meet: a run that ends apart for good deserves a word. Teeth that rattle end many a run in
  *  flight; they are taken to be apart for good once this flight has lasted longer than each before it. */
-#ifndef EVOLVENT_CONTACT_WATCH_H
-#define EVOLVENT_CONTACT_WATCH_H
+#pragma once
 
-#include "integrate/events.h"
+#include "integrate/integrate_types.h"
 #include "model/model.h"
 
 #include <stddef.h>
@@ -27,5 +26,3 @@ void contact_watch_event(contact_watch *watch, const event_record *record);
 bool contact_watch_lost(const contact_watch *watch, double t_end, const char *const *mesh_names, char *text,
                         size_t size);
 void contact_watch_free(contact_watch *watch);
-
-#endif

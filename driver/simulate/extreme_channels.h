@@ -1,6 +1,5 @@
 /** The extremes of channels so far, and the channels at single states of a step. Private to the search for extremes. */
-#ifndef EVOLVENT_EXTREME_CHANNELS_H
-#define EVOLVENT_EXTREME_CHANNELS_H
+#pragma once
 
 #include "integrate/integrate_types.h"
 
@@ -44,5 +43,3 @@ typedef struct {
 
 /** Go there and take note of what is seen on the way. */
 void extreme_channels_climb(extreme_channels *channels, const integrate_step *step, const extreme_place *place);
-
-#endif

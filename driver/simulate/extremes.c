@@ -15,7 +15,7 @@ struct extremes {
 
 static int channel_of(int index, int mesh)
 {
-    return model_n_watched() * mesh + model_extremes()[index].watched;
+    return model_tables()->n_watched * mesh + model_tables()->extremes[index].watched;
 }
 
 extremes *extremes_create(const model *model, int n_meshes, double from, double to)
@@ -24,10 +24,10 @@ extremes *extremes_create(const model *model, int n_meshes, double from, double 
     *extremes = (struct extremes){.from = from, .to = to};
     extreme_channels_init(&extremes->channels, model_dae(model));
     channel_past_init(&extremes->past, &extremes->channels);
-    for (int k = 0; k < model_n_extremes(); k++) {
+    for (int k = 0; k < model_tables()->n_extremes; k++) {
         for (int mesh = 0; mesh < n_meshes; mesh++) {
             const int channel = channel_of(k, mesh);
-            if (model_extremes()[k].is_largest) {
+            if (model_tables()->extremes[k].is_largest) {
                 extremes->channels.high[channel] = -INFINITY;
             } else {
                 extremes->channels.low[channel] = INFINITY;
@@ -54,24 +54,23 @@ const double *extremes_highest(const extremes *extremes)
     return extremes->channels.high;
 }
 
-double extremes_value(const extremes *extremes, int index, int mesh)
+extreme_found extremes_found(const extremes *extremes, int index, int mesh)
 {
     const extreme_channels *channels = &extremes->channels;
-    const double *of = model_extremes()[index].is_largest ? channels->high : channels->low;
-    return channels->has_begun ? of[channel_of(index, mesh)] : NAN;
-}
-
-double extremes_time(const extremes *extremes, int index, int mesh)
-{
-    const extreme_channels *channels = &extremes->channels;
-    const double *of = model_extremes()[index].is_largest ? channels->high_time : channels->low_time;
-    return channels->has_begun ? of[channel_of(index, mesh)] : NAN;
+    const int channel = channel_of(index, mesh);
+    if (!channels->has_begun) {
+        return (extreme_found){NAN, NAN};
+    }
+    return model_tables()->extremes[index].is_largest
+               ? (extreme_found){channels->high[channel], channels->high_time[channel]}
+               : (extreme_found){channels->low[channel], channels->low_time[channel]};
 }
 
 int extremes_find(const char *output, bool is_largest)
 {
-    for (int k = 0; k < model_n_extremes(); k++) {
-        if (strcmp(model_extremes()[k].output, output) == 0 && model_extremes()[k].is_largest == is_largest) {
+    for (int k = 0; k < model_tables()->n_extremes; k++) {
+        if (strcmp(model_tables()->extremes[k].output, output) == 0 &&
+            model_tables()->extremes[k].is_largest == is_largest) {
             return k;
         }
     }

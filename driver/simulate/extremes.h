@@ -1,7 +1,6 @@
 /** The extremes of the watched outputs over a run, or over a window of it: found between the outputs, from every step of the
  *  integration, on both sides of every event. The kernel's table says which there are. */
-#ifndef EVOLVENT_EXTREMES_H
-#define EVOLVENT_EXTREMES_H
+#pragma once
 
 #include "integrate/integrate_types.h"
 #include "model/model.h"
@@ -18,11 +17,11 @@ void extremes_watch(extremes *extremes, const integrate_step *step);
 /** What observer.highest is: [n_watched] the largest of each channel so far; infinite where nobody asks. */
 const double *extremes_highest(const extremes *extremes);
 
-/** An extreme of the table model_extremes, of a mesh; NaN if nothing was seen. */
-double extremes_value(const extremes *extremes, int index, int mesh);
-/** When it was first reached [s]. */
-double extremes_time(const extremes *extremes, int index, int mesh);
+/** An extreme of a mesh, and when it was first reached [s]; NaN if nothing was seen. */
+typedef struct {
+    double value, time;
+} extreme_found;
+/** @param index  in the table of extremes */
+extreme_found extremes_found(const extremes *extremes, int index, int mesh);
 /** Place of an extreme in the table; -1 if there is none. */
 int extremes_find(const char *output, bool is_largest);
-
-#endif

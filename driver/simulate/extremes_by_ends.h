@@ -1,7 +1,6 @@
 /** Extremes in the steps of an integrator that tells no more of the channels than what they are at the ends of its steps: three
  *  ends in a row say whether a curve may have turned between the last two. Private to the search for extremes. */
-#ifndef EVOLVENT_EXTREMES_BY_ENDS_H
-#define EVOLVENT_EXTREMES_BY_ENDS_H
+#pragma once
 
 #include "simulate/extreme_channels.h"
 
@@ -19,5 +18,3 @@ void channel_past_free(channel_past *past);
 /** Look at a step, from and to times in it. */
 void extremes_by_ends(extreme_channels *channels, channel_past *past, const integrate_step *step, double from,
                       double to);
-
-#endif

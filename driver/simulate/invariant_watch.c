@@ -25,63 +25,40 @@ static const struct {
 static const double least_depth_bound = 1e-10, rounding = 4 * DBL_EPSILON;
 
 /** Outputs that are looked at. */
-enum {
-    KINETIC,
-    POTENTIAL,
-    DISSIPATED,
-    WORK,
-    TORQUE,
-    ANGULAR_VELOCITY,
-    ANGLE_DEVIATION,
-    CENTRE_DISPLACEMENT,
-    BASE_RADIUS,
-    DRIVING_WHEEL,
-    DRIVEN_WHEEL,
-    TRACKING,
-    CONTACT_MODE,
-    RIGID,
-    LAG,
-    GAP,
-    DEVIATION,
-    CURVATURE,
-    PENETRATION,
-    REFERENCE_PENETRATION,
-    REFERENCE_FORCE,
-    RATIO,
-    RESIDUAL_DRIVING,
-    RESIDUAL_DRIVEN,
-    LINE_DRIVING,
-    LINE_DRIVEN,
-    N_OUTPUTS
-};
-static const char *const names[N_OUTPUTS] = {
-    [KINETIC] = "kinetic_energy",
-    [POTENTIAL] = "potential_energy",
-    [DISSIPATED] = "dissipated_energy",
-    [WORK] = "load_work",
-    [TORQUE] = "load_torque",
-    [ANGULAR_VELOCITY] = "angular_velocity",
-    [ANGLE_DEVIATION] = "angle_deviation",
-    [CENTRE_DISPLACEMENT] = "centre_displacement",
-    [BASE_RADIUS] = "base_radius",
-    [DRIVING_WHEEL] = "driving_wheel",
-    [DRIVEN_WHEEL] = "driven_wheel",
-    [TRACKING] = "tracking",
-    [CONTACT_MODE] = "contact_mode",
-    [RIGID] = "rigid_contact",
-    [LAG] = "transmission_error",
-    [GAP] = "gap",
-    [DEVIATION] = "flank_deviation",
-    [CURVATURE] = "separation_curvature",
-    [PENETRATION] = "penetration",
-    [REFERENCE_PENETRATION] = "reference_penetration",
-    [REFERENCE_FORCE] = "reference_force",
-    [RATIO] = "gradient_ratio",
-    [RESIDUAL_DRIVING] = "tracking_residual_driving",
-    [RESIDUAL_DRIVEN] = "tracking_residual_driven",
-    [LINE_DRIVING] = "line_distance_driving",
-    [LINE_DRIVEN] = "line_distance_driven",
-};
+#define OUTPUTS(X)                                                                                                     \
+    X(KINETIC, "kinetic_energy")                                                                                       \
+    X(POTENTIAL, "potential_energy")                                                                                   \
+    X(DISSIPATED, "dissipated_energy")                                                                                 \
+    X(WORK, "load_work")                                                                                               \
+    X(TORQUE, "load_torque")                                                                                           \
+    X(ANGULAR_VELOCITY, "angular_velocity")                                                                            \
+    X(ANGLE_DEVIATION, "angle_deviation")                                                                              \
+    X(CENTRE_DISPLACEMENT, "centre_displacement")                                                                      \
+    X(BASE_RADIUS, "base_radius")                                                                                      \
+    X(DRIVING_WHEEL, "driving_wheel")                                                                                  \
+    X(DRIVEN_WHEEL, "driven_wheel")                                                                                    \
+    X(TRACKING, "tracking")                                                                                            \
+    X(CONTACT_MODE, "contact_mode")                                                                                    \
+    X(RIGID, "rigid_contact")                                                                                          \
+    X(LAG, "transmission_error")                                                                                       \
+    X(GAP, "gap")                                                                                                      \
+    X(DEVIATION, "flank_deviation")                                                                                    \
+    X(CURVATURE, "separation_curvature")                                                                               \
+    X(PENETRATION, "penetration")                                                                                      \
+    X(REFERENCE_PENETRATION, "reference_penetration")                                                                  \
+    X(REFERENCE_FORCE, "reference_force")                                                                              \
+    X(RATIO, "gradient_ratio")                                                                                         \
+    X(RESIDUAL_DRIVING, "tracking_residual_driving")                                                                   \
+    X(RESIDUAL_DRIVEN, "tracking_residual_driven")                                                                     \
+    X(LINE_DRIVING, "line_distance_driving")                                                                           \
+    X(LINE_DRIVEN, "line_distance_driven")
+
+#define OUTPUT_PLACE(place, name) place,
+enum { OUTPUTS(OUTPUT_PLACE) N_OUTPUTS };
+#undef OUTPUT_PLACE
+#define OUTPUT_NAME(place, name) name,
+static const char *const names[N_OUTPUTS] = {OUTPUTS(OUTPUT_NAME)};
+#undef OUTPUT_NAME
 static const double mode_loaded = 1, mode_apart = 3; /**< apart: the flanks are too far apart to track points on them */
 
 struct invariant_watch {
@@ -226,6 +203,12 @@ static void find_deviations(const invariant_watch *watch, double worst[N_INVARIA
             worst[POINTS_ON_LINE] = larger(worst[POINTS_ON_LINE], mesh->on_line / depth);
         }
     }
+}
+
+double invariant_watch_energy(const invariant_watch *watch)
+{
+    const double scale = fmax(watch->gross + watch->stored, watch->largest);
+    return scale > 0 ? watch->drift / scale : NAN;
 }
 
 bool invariant_watch_tell(const invariant_watch *watch, char *text, size_t size)

@@ -1,7 +1,6 @@
 /** Whether a run keeps its own invariants, seen at its outputs: the cheap ones of `evolvent-post check`, with the same scales and
  *  bounds. */
-#ifndef EVOLVENT_INVARIANT_WATCH_H
-#define EVOLVENT_INVARIANT_WATCH_H
+#pragma once
 
 #include "model/model.h"
 
@@ -15,8 +14,9 @@ invariant_watch *invariant_watch_create(const model *model, int n_wheels, int n_
 void invariant_watch_delete(invariant_watch **watch);
 /** @param values  of model_outputs, in order of time */
 void invariant_watch_outputs(invariant_watch *watch, double t, const double *values);
+/** Largest error of the energy balance over the energy that was put in, or that was there if that is more; NaN if there was
+ *  none. */
+double invariant_watch_energy(const invariant_watch *watch);
 /** "held", or "broken: " and what is broken by how much.
  *  @return whether all held */
 bool invariant_watch_tell(const invariant_watch *watch, char *text, size_t size);
-
-#endif

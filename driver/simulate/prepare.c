@@ -5,9 +5,9 @@
 
 #include <stdlib.h>
 
-void prepare_refuse(const prepared_case *prepared, const model_message *refusal, evl_error *error)
+bool prepare_refuse(const prepared_case *prepared, const model_message *refusal, evl_error *error)
 {
-    case_refuse(prepared->file, refusal->field, refusal->message, error);
+    return case_refuse(prepared->file, refusal->field, refusal->message, error);
 }
 
 char *prepare_warning(const prepared_case *prepared, int index)
@@ -20,7 +20,7 @@ char *prepare_warning(const prepared_case *prepared, int index)
 char *prepare_warnings(const prepared_case *prepared, const char *separator)
 {
     const int n = model_n_warnings(prepared->model);
-    char **warnings = xcalloc((size_t)n, sizeof *warnings);
+    OWNED char **warnings = xcalloc((size_t)n, sizeof *warnings);
     for (int i = 0; i < n; i++) {
         warnings[i] = prepare_warning(prepared, i);
     }
@@ -28,7 +28,6 @@ char *prepare_warnings(const prepared_case *prepared, const char *separator)
     for (int i = 0; i < n; i++) {
         free(warnings[i]);
     }
-    free(warnings);
     return text;
 }
 
@@ -62,41 +61,30 @@ static bool make_model(prepared_case *prepared, evl_error *error)
 {
     model_message refusal;
     prepared->model = model_create(case_description(prepared->file), &refusal);
-    const bool good = prepared->model != NULL && settle_integrator(prepared, &refusal);
-    if (good) {
-        settle_damping(prepared);
-    } else {
-        prepare_refuse(prepared, &refusal, error);
+    if (prepared->model == NULL || !settle_integrator(prepared, &refusal)) {
+        return prepare_refuse(prepared, &refusal, error);
     }
-    return good;
+    settle_damping(prepared);
+    return true;
 }
 
 bool prepare_case(prepared_case *prepared, const char *path, int n_set, const char *const *set, evl_error *error)
 {
     *prepared = (prepared_case){.file = case_read(path, n_set, set, model_schema(), error)};
-    const bool good = prepared->file != NULL && make_model(prepared, error);
-    if (!good) {
-        prepared_case_free(prepared);
-    }
-    return good;
-}
-
-bool prepare_to_show(prepared_case *prepared, const char *path, int n_set, const char *const *set, evl_error *error)
-{
-    dae_state state = {0};
-    *prepared = (prepared_case){.file = case_read(path, n_set, set, model_schema(), error)};
-    const bool good = prepared->file != NULL && make_model(prepared, error) && prepare_start(prepared, &state, error);
-    dae_state_free(&state);
-    return good;
+    return prepared->file != NULL && make_model(prepared, error);
 }
 
 bool prepare_start(const prepared_case *prepared, dae_state *state, evl_error *error)
 {
     model_message refusal;
-    const bool good = model_initial_state(prepared->model, state, &refusal);
-    if (!good) {
-        prepare_refuse(prepared, &refusal, error);
-    }
+    return model_initial_state(prepared->model, state, &refusal) || prepare_refuse(prepared, &refusal, error);
+}
+
+bool prepare_check_start(const prepared_case *prepared, evl_error *error)
+{
+    dae_state state;
+    const bool good = prepare_start(prepared, &state, error);
+    dae_state_free(&state);
     return good;
 }
 

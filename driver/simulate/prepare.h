@@ -1,6 +1,5 @@
 /** From a case file to a model, with every refusal shown at its place in the file. */
-#ifndef EVOLVENT_PREPARE_H
-#define EVOLVENT_PREPARE_H
+#pragma once
 
 #include "case/case.h"
 #include "model/model.h"
@@ -10,24 +9,22 @@ typedef struct {
     model *model;
 } prepared_case;
 
-/** Read and check the case and make its model. @return false with the reason in `error`; then there is nothing to free */
+/** Read and check the case and make its model. @return false with the reason in `error`: `file` is NULL if it could not be read,
+ *  `model` if there is none. In any case it is to be freed */
 bool prepare_case(prepared_case *prepared, const char *path, int n_set, const char *const *set, evl_error *error);
 /** The same from a base that was parsed before.
  *  @param[in,out] prepared  zeros, or what an earlier call with this base has made: it becomes the new case
  *  @return false with the reason in `error`; then it serves for the next call only. In any case it is to be freed */
 bool prepare_edited(prepared_case *prepared, const case_base *base, int n_set, const char *const *set,
                     evl_error *error);
-/** What there is of a case that may be refused: `file` is NULL if it could not be read, `model` if there is none.
- *  @return whether `evolvent run` would begin; if not, its refusal is in `error`. In any case it is to be freed */
-bool prepare_to_show(prepared_case *prepared, const char *path, int n_set, const char *const *set, evl_error *error);
 /** The state that the case starts from, the last thing that can be refused. @return false with the reason in `error` */
 bool prepare_start(const prepared_case *prepared, dae_state *state, evl_error *error);
-/** Turn a refusal by the model into one of the case file. */
-void prepare_refuse(const prepared_case *prepared, const model_message *refusal, evl_error *error);
+/** Whether there is such a state: then `evolvent run` would begin. @return false with the reason in `error` */
+bool prepare_check_start(const prepared_case *prepared, evl_error *error);
+/** Turn a refusal by the model into one of the case file. @return false */
+bool prepare_refuse(const prepared_case *prepared, const model_message *refusal, evl_error *error);
 /** Warning `index` of the model, with the name of what it is about in front as in a refusal: a new string. */
 char *prepare_warning(const prepared_case *prepared, int index);
 /** All of them in one new string, "" if there are none. */
 char *prepare_warnings(const prepared_case *prepared, const char *separator);
 void prepared_case_free(prepared_case *prepared);
-
-#endif

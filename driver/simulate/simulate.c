@@ -103,25 +103,22 @@ static void remark_contact(const simulation *s, simulate_result *result)
 static void remark_growth(const dae_growth *growth, simulate_result *result)
 {
     const double size = hypot(growth->rate, growth->frequency);
-    const size_t length = strlen(result->remark), left = sizeof result->remark - length;
-    char *end = result->remark + length;
-    const char *separator = length > 0 ? "; " : "";
+    const size_t length = strlen(result->remark);
+    char how[80];
     if (!(growth->rate > 0.0)) {
         return;
     }
     if (growth->frequency > 0.0) {
-        (void)snprintf(
-            end, left,
-            "%sa vibration feeds itself: %.4g Hz, damping ratio %.2g at t = %.4g s; steps were shortened for "
-            "it, but it grows from less than the tolerance, so when it comes up is uncertain",
-            separator, size / two_pi, -growth->rate / size, growth->t);
+        (void)snprintf(how, sizeof how, "a vibration feeds itself: %.4g Hz, damping ratio %.2g", size / two_pi,
+                       -growth->rate / size);
     } else {
-        (void)snprintf(
-            end, left,
-            "%sa motion feeds itself: it grows by %.4g 1/s at t = %.4g s; steps were shortened for it, but it "
-            "grows from less than the tolerance, so when it comes up is uncertain",
-            separator, growth->rate, growth->t);
+        (void)snprintf(how, sizeof how, "a motion feeds itself: it grows by %.4g 1/s", growth->rate);
     }
+    (void)snprintf(
+        result->remark + length, sizeof result->remark - length,
+        "%s%s at t = %.4g s; steps were shortened for it, but it grows from less than the tolerance, so when "
+        "it comes up is uncertain",
+        length > 0 ? "; " : "", how, growth->t);
 }
 
 integrate_options simulate_options(const prepared_case *prepared)
@@ -137,10 +134,8 @@ integrate_options simulate_options(const prepared_case *prepared)
 void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_state *state, simulate_result *result)
 {
     *result = (simulate_result){.end = SIMULATE_DONE};
-    simulation s = {.prepared = prepared,
-                    .sink = sink,
-                    .values = xcalloc((size_t)model_n_values(prepared->model), sizeof(double)),
-                    .t_given = -1.0};
+    OWNED double *values = xcalloc((size_t)model_n_values(prepared->model), sizeof *values);
+    simulation s = {.prepared = prepared, .sink = sink, .values = values, .t_given = -1.0};
     const integrate_options options = simulate_options(prepared);
     const integrate_observer observer = {.self = &s,
                                          .output = on_output,
@@ -165,7 +160,7 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_stat
     }
     result->t = state->t;
     result->held = invariant_watch_tell(s.invariants, result->invariants, sizeof result->invariants);
+    result->energy_residual = invariant_watch_energy(s.invariants);
     invariant_watch_delete(&s.invariants);
     contact_watch_free(&s.contact);
-    free(s.values);
 }

@@ -1,6 +1,5 @@
 /** The integration of a prepared case, its outputs handed to whoever wants them: a history, statistics. */
-#ifndef EVOLVENT_SIMULATE_H
-#define EVOLVENT_SIMULATE_H
+#pragma once
 
 #include "integrate/integrate_types.h"
 #include "simulate/extremes.h"
@@ -29,6 +28,8 @@ typedef struct {
     char message[DAE_MESSAGE_LENGTH]; /**< of SIMULATE_FAILED */
     /** What deserves a word at the end: contact lost for good, a vibration that feeds itself; "" if nothing does. */
     char remark[DAE_MESSAGE_LENGTH];
+    /** Energy that appeared or got lost, over what was put in or is there; NaN if that is nothing. */
+    double energy_residual;
     bool held;                           /**< whether it kept its invariants at all its outputs */
     char invariants[DAE_MESSAGE_LENGTH]; /**< "held", or "broken: " and which ones by how much */
 } simulate_result;
@@ -39,5 +40,3 @@ integrate_options simulate_options(const prepared_case *prepared);
 /** Integrate from `state`, which is that of the end afterwards. A simulation that ends early hands over its last good state too,
  *  if its outputs exist. */
 void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_state *state, simulate_result *result);
-
-#endif

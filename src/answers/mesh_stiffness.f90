@@ -7,7 +7,6 @@
 !>
 !> Source: K. L. Johnson, Contact Mechanics, 1985, (5.57); ISO 6336-1:2006, 9.3.
 module evl_mesh_stiffness
-   use, intrinsic :: iso_c_binding, only: c_double
    use evl_gear, only: gear_t
    use evl_gearbox, only: gearbox_t
    use evl_kinds, only: pi, wp
@@ -24,14 +23,14 @@ module evl_mesh_stiffness
    real(wp), parameter :: measured = 0.8_wp          !! C_M: measured over theory
    integer, parameter :: most_turns = 60
 
-   !> Compliances and stiffnesses of a mesh, per unit width; `evl_mesh_stiffness` in the C header.
-   type, bind(c) :: mesh_stiffness_t
-      real(c_double) :: driving(3) = 0.0_c_double, driven(3) = 0.0_c_double !! c at start, pitch point and end of the path [1/Pa]
-      real(c_double) :: next_driving = 0.0_c_double, next_driven = 0.0_c_double !! c_1 at the pitch point [1/Pa]
-      real(c_double) :: line_load = 0.0_c_double !! at which the stiffnesses hold [N/m]
-      real(c_double) :: single_pair = 0.0_c_double    !! one pair at the pitch point [Pa]
-      real(c_double) :: double_pair = 0.0_c_double    !! two pairs, half a base pitch before and behind it; 0: short path [Pa]
-      real(c_double) :: iso = 0.0_c_double       !! c' of ISO 6336-1 [Pa]
+   !> Compliances and stiffnesses of a mesh, per unit width.
+   type :: mesh_stiffness_t
+      real(wp) :: driving(3) = 0.0_wp, driven(3) = 0.0_wp !! c at start, pitch point and end of the path [1/Pa]
+      real(wp) :: next_driving = 0.0_wp, next_driven = 0.0_wp !! c_1 at the pitch point [1/Pa]
+      real(wp) :: line_load = 0.0_wp !! at which the stiffnesses hold [N/m]
+      real(wp) :: single_pair = 0.0_wp !! one pair at the pitch point [Pa]
+      real(wp) :: double_pair = 0.0_wp !! two pairs, half a base pitch before and behind it; 0: the path is too short [Pa]
+      real(wp) :: iso = 0.0_wp       !! c' of ISO 6336-1 [Pa]
    end type mesh_stiffness_t
 
 contains

@@ -5,7 +5,7 @@ module evl_capi
    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_char, c_null_ptr, c_ptr
    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
    use evl_capi_description, only: c_initial, initial_from_c
-   use evl_capi_types, only: c_name_length, c_status, c_text_length, status_to_c, to_c
+   use evl_capi_types, only: answer, c_name_length, c_status, c_text_length, status_to_c, to_c
    use evl_dae_jacobian, only: gearbox_jacobian
    use evl_dae_residual, only: gearbox_derivative, gearbox_residual
    use evl_event_kinds, only: event_kind
@@ -17,14 +17,13 @@ module evl_capi
    use evl_gearbox_initial, only: gearbox_initial_speeds, gearbox_start
    use evl_gearbox_scaling, only: gearbox_state_scales
    use evl_given, only: description_t
-   use evl_kinds, only: pi
    use evl_state_names, only: gearbox_state_name
-   use evl_status, only: code_no_memory, code_ok, fail, has_failed, status_t
+   use evl_status, only: code_no_memory, fail, has_failed, status_t
    implicit none (type, external)
    private
 
    public :: evl_gearbox_create, evl_gearbox_delete, evl_gearbox_sizes
-   public :: evl_gearbox_wheel_geometry, evl_gearbox_mesh_geometry, evl_gearbox_initial_state, evl_gearbox_scales
+   public :: evl_gearbox_initial_state, evl_gearbox_scales
    public :: evl_gearbox_state_name, evl_gearbox_residual, evl_gearbox_jacobian, evl_gearbox_derivative
    public :: evl_event_count, evl_event_describe
    public :: evl_gearbox_roots, evl_gearbox_root_directions, evl_gearbox_next_time_event
@@ -35,23 +34,6 @@ module evl_capi
       integer(c_int) :: n_wheels, n_meshes, n_loads, n_states, n_integers, n_reals, n_roots, n_outputs, n_values, n_warnings, &
                         n_pair_places, n_drive_places, n_shafts, n_events
    end type c_sizes
-
-   !> evl_wheel_geometry
-   type, bind(c) :: c_wheel_geometry
-      real(c_double) :: pitch_radius, base_radius, tip_radius, angular_pitch, mass, inertia, centre(2), speed_ratio
-      logical(c_bool) :: is_reference
-   end type c_wheel_geometry
-
-   !> evl_mesh_geometry
-   type, bind(c) :: c_mesh_geometry
-      integer(c_int) :: sigma
-      real(c_double) :: transmission_ratio, centre_distance, centre_line_angle, minimum_pressure_angle, working_pressure_angle
-      real(c_double) :: base_pitch, contact_ratio, line_of_action_length
-      real(c_double), dimension(2) :: point_k_a, point_k_b, point_a, point_b, pitch_point
-      real(c_double) :: tip_radius_driving, tip_radius_driven, rho_start_driving, rho_start_driven
-      real(c_double) :: common_width, effective_modulus, elastic_share_driving, reference_force, reference_penetration
-      real(c_double) :: reference_stiffness, reference_mass, natural_frequency, damping_coefficient, damping_ratio
-   end type c_mesh_geometry
 
    !> evl_event
    type, bind(c) :: c_event
@@ -67,15 +49,6 @@ contains
 
       call c_f_pointer(handle, gearbox)
    end function gearbox_of
-
-   !> Hand a status over, and its code.
-   integer(c_int) function answer(status, c) result(code)
-      type(status_t), intent(in) :: status
-      type(c_status), intent(out), optional :: c
-
-      if (present(c)) call status_to_c(status, c)
-      code = status%code
-   end function answer
 
    type(c_ptr) function evl_gearbox_create(description, status) result(handle) bind(c)
       type(c_ptr), intent(in), value :: description
@@ -123,52 +96,13 @@ contains
                       size(g%shafts), gearbox_event_room(g))
    end subroutine evl_gearbox_sizes
 
-   subroutine evl_gearbox_wheel_geometry(handle, index, geometry) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      integer(c_int), intent(in), value :: index
-      type(c_wheel_geometry), intent(out) :: geometry
-      type(gearbox_t), pointer :: g
-      real(c_double) :: pitch
-
-      g => gearbox_of(handle)
-      associate (wheel => g%wheels(index + 1))
-         pitch = 0
-         if (wheel%teeth > 0) pitch = 2*pi/wheel%teeth
-         geometry = c_wheel_geometry(wheel%pitch_radius, wheel%base_radius, wheel%tip_radius, pitch, wheel%mass, wheel%inertia, &
-                                     wheel%centre, wheel%ratio, logical(index + 1 == g%reference, c_bool))
-      end associate
-   end subroutine evl_gearbox_wheel_geometry
-
-   subroutine evl_gearbox_mesh_geometry(handle, index, geometry) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      integer(c_int), intent(in), value :: index
-      type(c_mesh_geometry), intent(out) :: geometry
-      type(gearbox_t), pointer :: g
-
-      g => gearbox_of(handle)
-      associate (contact => g%contacts(g%first(index + 1)), pair => g%pairs(index + 1), at => g%references(index + 1))
-         geometry = c_mesh_geometry( &
-                    sigma=pair%sigma, transmission_ratio=pair%ratio, centre_distance=pair%centre_distance, &
-                    centre_line_angle=pair%chi, minimum_pressure_angle=pair%alpha_inf, &
-                    working_pressure_angle=pair%alpha_w, base_pitch=pair%base_pitch, &
-                    contact_ratio=norm2(pair%point_b - pair%point_a)/pair%base_pitch, line_of_action_length=pair%rho, &
-                    point_k_a=pair%point_k_a, point_k_b=pair%point_k_b, point_a=pair%point_a, point_b=pair%point_b, &
-                    pitch_point=pair%pitch_point, tip_radius_driving=pair%tip_radius_a, &
-                    tip_radius_driven=pair%tip_radius_b, rho_start_driving=pair%rho_start_a, &
-                    rho_start_driven=pair%rho_start_b, common_width=contact%width, effective_modulus=contact%e_star, &
-                    elastic_share_driving=contact%pair%share_a, reference_force=contact%force_scale, &
-                    reference_penetration=contact%h_scale, reference_stiffness=at%stiffness, reference_mass=at%mass, &
-                    natural_frequency=at%frequency, damping_coefficient=at%damping, damping_ratio=at%ratio)
-      end associate
-   end subroutine evl_gearbox_mesh_geometry
-
    integer(c_int) function evl_gearbox_initial_state(handle, initial, t, y, yp, integers, reals, status) result(code) bind(c)
       type(c_ptr), intent(in), value :: handle
       type(c_initial), intent(in) :: initial
       real(c_double), intent(in), value :: t
       real(c_double), intent(inout) :: y(*), yp(*), reals(*)
       integer(c_int), intent(inout) :: integers(*)
-      type(c_status), intent(out), optional :: status
+      type(c_status), intent(inout), optional :: status
       type(status_t) :: s
       type(gearbox_t), pointer :: g
 
@@ -209,15 +143,14 @@ contains
       real(c_double), intent(in) :: y(*), yp(*), reals(*)
       integer(c_int), intent(in) :: integers(*)
       real(c_double), intent(inout) :: residual(*)
-      type(c_status), intent(out), optional :: status
+      type(c_status), intent(inout), optional :: status
       type(status_t) :: s
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
       call gearbox_residual(g, t, y(:g%n_states), yp(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), &
                             residual(:g%n_states), s)
-      code = s%code
-      if (code /= code_ok) code = answer(s, status)
+      code = answer(s, status)
    end function evl_gearbox_residual
 
    integer(c_int) function evl_gearbox_jacobian(handle, t, cj, y, yp, integers, reals, jacobian, status) result(code) bind(c)
@@ -226,7 +159,7 @@ contains
       real(c_double), intent(in) :: y(*), yp(*), reals(*)
       integer(c_int), intent(in) :: integers(*)
       real(c_double), intent(inout), target :: jacobian(*)
-      type(c_status), intent(out), optional :: status
+      type(c_status), intent(inout), optional :: status
       type(status_t) :: s
       real(c_double), pointer :: matrix(:, :)
       type(gearbox_t), pointer :: g
@@ -235,8 +168,7 @@ contains
       call c_f_pointer(c_loc(jacobian), matrix, [g%n_states, g%n_states])
       call gearbox_jacobian(g, t, cj, y(:g%n_states), yp(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), &
                             matrix, s)
-      code = s%code
-      if (code /= code_ok) code = answer(s, status)
+      code = answer(s, status)
    end function evl_gearbox_jacobian
 
    integer(c_int) function evl_gearbox_derivative(handle, t, y, integers, reals, yp, status) result(code) bind(c)
@@ -245,7 +177,7 @@ contains
       real(c_double), intent(in) :: y(*), reals(*)
       integer(c_int), intent(in) :: integers(*)
       real(c_double), intent(inout) :: yp(*)
-      type(c_status), intent(out), optional :: status
+      type(c_status), intent(inout), optional :: status
       type(status_t) :: s
       type(gearbox_t), pointer :: g
 
@@ -273,15 +205,14 @@ contains
       real(c_double), intent(in) :: y(*), reals(*)
       integer(c_int), intent(in) :: integers(*)
       real(c_double), intent(inout) :: values(*)
-      type(c_status), intent(out), optional :: status
+      type(c_status), intent(inout), optional :: status
       type(status_t) :: s
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
       call gearbox_roots(g, y(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), &
                          values(:g%n_roots), s)
-      code = s%code
-      if (code /= code_ok) code = answer(s, status)
+      code = answer(s, status)
    end function evl_gearbox_roots
 
    subroutine evl_gearbox_root_directions(handle, integers, directions) bind(c)
@@ -314,7 +245,7 @@ contains
       integer(c_int), intent(inout) :: integers(*)
       type(c_event), intent(inout) :: events(*)
       integer(c_int), intent(out) :: n_events
-      type(c_status), intent(out), optional :: status
+      type(c_status), intent(inout), optional :: status
       type(event_log) :: log
       type(status_t) :: s
       integer :: i

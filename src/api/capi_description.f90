@@ -3,7 +3,7 @@ module evl_capi_description
    use, intrinsic :: ieee_arithmetic, only: ieee_negative_inf, ieee_positive_inf, ieee_value
    use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_char, &
                                                                              c_null_ptr, c_ptr
-   use evl_capi_types, only: c_status, status_from_c, status_to_c, to_c
+   use evl_capi_types, only: answer, c_status, status_from_c, status_to_c, to_c
    use evl_case_table, only: case_table, kinds_of
    use evl_description_check, only: check_description, entry_path, path_length, place_of_status
    use evl_gearbox_initial, only: initial_t
@@ -221,7 +221,7 @@ contains
       type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: index
       real(c_double), intent(in) :: numbers(*)
-      type(c_status), intent(out), optional :: status
+      type(c_status), intent(inout), optional :: status
       type(description_t), pointer :: d
       type(status_t) :: s
       real(c_double), allocatable :: before(:)
@@ -233,8 +233,7 @@ contains
          call check_description(d, s)
          if (has_failed(s)) to(:) = before
       end associate
-      if (present(status)) call status_to_c(s, status)
-      code = s%code
+      code = answer(s, status)
    end function evl_description_set
 
    subroutine evl_description_path(handle, status, path) bind(c)

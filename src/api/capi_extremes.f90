@@ -3,13 +3,13 @@
 !> The header's section "extremes" documents each procedure; here is only the passage from Fortran to C.
 module evl_capi_extremes
    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_int, c_ptr
-   use evl_capi_types, only: c_name_length, c_status, c_text_length, status_to_c, to_c
+   use evl_capi_types, only: answer, c_name_length, c_status, c_text_length, to_c
    use evl_extremes, only: extremes_table, n_watched_outputs
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_watch, only: n_kept, watched_at
    use evl_output, only: output_t
    use evl_output_list, only: list_outputs
-   use evl_status, only: code_ok, status_t
+   use evl_status, only: status_t
    implicit none (type, external)
    private
 
@@ -57,14 +57,13 @@ contains
       real(c_double), intent(in) :: y(*), reals(*)
       integer(c_int), intent(in) :: integers(*)
       real(c_double), intent(inout) :: values(*)
-      type(c_status), intent(out), optional :: status
+      type(c_status), intent(inout), optional :: status
       type(gearbox_t), pointer :: g
       type(status_t) :: s
 
       call c_f_pointer(handle, g)
       call watched_at(g, y, integers, reals, values, s)
-      code = s%code
-      if (code /= code_ok .and. present(status)) call status_to_c(s, status)
+      code = answer(s, status)
    end function evl_gearbox_watched
 
    integer(c_int) function evl_gearbox_watch_room(handle) result(n) bind(c)
@@ -82,14 +81,13 @@ contains
       integer(c_int), intent(in) :: integers(*)
       real(c_double), intent(in), value :: near
       real(c_double), intent(inout) :: kept(n_kept, *), roots(*), values(*)
-      type(c_status), intent(out), optional :: status
+      type(c_status), intent(inout), optional :: status
       type(gearbox_t), pointer :: g
       type(status_t) :: s
 
       call c_f_pointer(handle, g)
       call watched_at(g, y, integers, reals, values, s, roots, near, highest, kept)
-      code = s%code
-      if (code /= code_ok .and. present(status)) call status_to_c(s, status)
+      code = answer(s, status)
    end function evl_gearbox_roots_and_watched
 
 end module evl_capi_extremes

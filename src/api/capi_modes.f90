@@ -3,7 +3,7 @@
 !> The header's section "natural modes" documents each procedure; here is only the passage from C to Fortran.
 module evl_capi_modes
    use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_f_pointer, c_int, c_loc, c_ptr
-   use evl_capi_types, only: c_status, status_to_c
+   use evl_capi_types, only: answer, c_status
    use evl_discrete_state, only: gearbox_mode, leading_contact
    use evl_gearbox, only: gearbox_t, i_turns
    use evl_local_variables, only: i_theta
@@ -48,7 +48,7 @@ contains
       integer(c_int), intent(in) :: integers(*)
       integer(c_int), intent(out) :: n_modes, n_rigid
       real(c_double), intent(inout), target :: eigenvalues(*), vectors(*) !! pairs of real and imaginary part
-      type(c_status), intent(out), optional :: status
+      type(c_status), intent(inout), optional :: status
       type(gearbox_t), pointer :: g
       complex(c_double_complex), pointer :: values(:), columns(:, :)
       type(status_t) :: s
@@ -58,8 +58,7 @@ contains
       call c_f_pointer(c_loc(vectors), columns, [g%n_states, g%n_states])
       call gearbox_modes(g, t, y(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), n_modes, n_rigid, &
                          values, columns, s)
-      if (present(status)) call status_to_c(s, status)
-      code = s%code
+      code = answer(s, status)
    end function evl_gearbox_modes
 
    integer(c_int) function evl_gearbox_mean_modes(handle, t, y, integers, reals, n_modes, n_rigid, eigenvalues, vectors, &
@@ -70,7 +69,7 @@ contains
       integer(c_int), intent(inout) :: integers(*)
       integer(c_int), intent(out) :: n_modes, n_rigid
       real(c_double), intent(inout), target :: eigenvalues(*), vectors(*) !! pairs of real and imaginary part
-      type(c_status), intent(out), optional :: status
+      type(c_status), intent(inout), optional :: status
       type(gearbox_t), pointer :: g
       complex(c_double_complex), pointer :: eigen(:), columns(:, :)
       type(status_t) :: s
@@ -80,8 +79,7 @@ contains
       call c_f_pointer(c_loc(vectors), columns, [g%n_states, g%n_states])
       call gearbox_mean_modes(g, t, y(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), n_modes, n_rigid, eigen, &
                               columns, values(:g%n_values), s)
-      if (present(status)) call status_to_c(s, status)
-      code = s%code
+      code = answer(s, status)
    end function evl_gearbox_mean_modes
 
    real(c_double) function evl_gearbox_mesh_position(handle, mesh, y, integers) result(pitches) bind(c)

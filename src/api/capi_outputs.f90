@@ -3,12 +3,12 @@
 !> The header's section "outputs" documents each procedure; here is only the passage from Fortran to C.
 module evl_capi_outputs
    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_int, c_ptr
-   use evl_capi_types, only: c_name_length, c_status, c_text_length, status_to_c, to_c
+   use evl_capi_types, only: answer, c_name_length, c_status, c_text_length, to_c
    use evl_gearbox, only: gearbox_t
    use evl_output, only: output_t
    use evl_output_list, only: count_outputs, list_outputs
    use evl_outputs, only: gearbox_outputs
-   use evl_status, only: code_ok, status_t
+   use evl_status, only: status_t
    implicit none (type, external)
    private
 
@@ -55,15 +55,14 @@ contains
       integer(c_int), intent(in) :: integers(*)
       logical(c_bool), intent(in), value :: check
       real(c_double), intent(inout) :: values(*)
-      type(c_status), intent(out), optional :: status
+      type(c_status), intent(inout), optional :: status
       type(status_t) :: s
       type(gearbox_t), pointer :: g
 
       call c_f_pointer(handle, g)
       call gearbox_outputs(g, t, y(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), logical(check), &
                            values(:g%n_values), s)
-      code = s%code
-      if (code /= code_ok .and. present(status)) call status_to_c(s, status)
+      code = answer(s, status)
    end function evl_gearbox_outputs
 
    pure subroutine output_to_c(entry, output)

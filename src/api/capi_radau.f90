@@ -4,7 +4,7 @@
 !> address of a model and its integrator.
 module evl_capi_radau
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_loc, c_null_ptr, c_ptr
-   use evl_capi_types, only: c_status, status_to_c
+   use evl_capi_types, only: answer, c_status
    use evl_extreme_finder, only: candidate_t, most_candidates
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_ode, only: gearbox_ode, gearbox_ode_create, gearbox_ode_serves, gearbox_ode_set
@@ -17,7 +17,7 @@ module evl_capi_radau
    private
 
    public :: evl_radau_serves, evl_radau_create, evl_radau_delete, evl_radau_start, evl_radau_advance, evl_radau_interpolate, &
-             evl_radau_candidate, evl_radau_look, evl_radau_restart, evl_radau_redo, evl_radau_get_counts, evl_radau_get_growth
+             evl_radau_candidate, evl_radau_look, evl_radau_restart, evl_radau_redo, evl_radau_get_counts
 
    !> evl_radau
    type :: integration_t
@@ -30,12 +30,8 @@ module evl_capi_radau
    !> evl_radau_counts
    type, bind(c) :: c_counts
       integer(c_int) :: steps, rejections, evaluations, iterations, jacobians, factorisations, root_evaluations
+      real(c_double) :: growth_t, growth_rate, growth_frequency
    end type c_counts
-
-   !> evl_radau_growth
-   type, bind(c) :: c_growth
-      real(c_double) :: t, rate, frequency
-   end type c_growth
 
    !> evl_candidate
    type, bind(c) :: c_candidate
@@ -47,7 +43,7 @@ contains
 
    integer(c_int) function evl_radau_serves(handle, status) result(code) bind(c)
       type(c_ptr), intent(in), value :: handle
-      type(c_status), intent(out), optional :: status
+      type(c_status), intent(inout), optional :: status
       type(gearbox_t), pointer :: gearbox
       type(status_t) :: s
 
@@ -60,7 +56,7 @@ contains
       type(c_ptr), intent(in), value :: gearbox_handle
       real(c_double), intent(in) :: scale(*)
       real(c_double), intent(in), value :: tolerance, max_step
-      type(c_status), intent(out), optional :: status
+      type(c_status), intent(inout), optional :: status
       type(gearbox_t), pointer :: gearbox
       type(integration_t), pointer :: self
       type(status_t) :: s
@@ -102,7 +98,7 @@ contains
       real(c_double), intent(in), value :: t
       real(c_double), intent(in) :: y(*), reals(*)
       integer(c_int), intent(in) :: integers(*)
-      type(c_status), intent(out), optional :: status
+      type(c_status), intent(inout), optional :: status
       type(integration_t), pointer :: self
       type(status_t) :: s
 
@@ -119,7 +115,7 @@ contains
       real(c_double), intent(inout) :: y(*)
       integer(c_int), intent(inout) :: fired(*)
       integer(c_int), intent(out) :: outcome
-      type(c_status), intent(out), optional :: status
+      type(c_status), intent(inout), optional :: status
       type(integration_t), pointer :: self
 
       call c_f_pointer(handle, self)
@@ -197,31 +193,13 @@ contains
       type(c_counts), intent(out) :: counts
       type(integration_t), pointer :: self
       type(radau_counts) :: c
-
-      call c_f_pointer(handle, self)
-      c = radau_get_counts(self%solver)
-      counts = c_counts(c%steps, c%rejections, c%evaluations + n_stages*c%lane_evaluations, c%lane_evaluations, c%jacobians, &
-                        c%factorisations, c%root_evaluations)
-   end subroutine evl_radau_get_counts
-
-   subroutine evl_radau_get_growth(handle, growth) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      type(c_growth), intent(out) :: growth
-      type(integration_t), pointer :: self
       type(radau_growth) :: g
 
       call c_f_pointer(handle, self)
+      c = radau_get_counts(self%solver)
       g = radau_get_growth(self%solver)
-      growth = c_growth(g%t, g%re, g%im)
-   end subroutine evl_radau_get_growth
-
-   !> The code of a status, told to C if it asks.
-   integer(c_int) function answer(s, status) result(code)
-      type(status_t), intent(in) :: s
-      type(c_status), intent(out), optional :: status
-
-      code = s%code
-      if (present(status)) call status_to_c(s, status)
-   end function answer
+      counts = c_counts(c%steps, c%rejections, c%evaluations + n_stages*c%lane_evaluations, c%lane_evaluations, c%jacobians, &
+                        c%factorisations, c%root_evaluations, g%t, g%re, g%im)
+   end subroutine evl_radau_get_counts
 
 end module evl_capi_radau

@@ -2,13 +2,13 @@
 module evl_capi_types
    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_int, c_null_char
    use evl_force_law, only: law_choice
-   use evl_status, only: status_t
+   use evl_status, only: code_ok, status_t
    implicit none (type, external)
    private
 
    public :: c_law_choice, c_status
    public :: c_field_length, c_max_parameters, c_message_length, c_name_length, c_text_length
-   public :: choice_from_c, status_from_c, status_to_c, to_c
+   public :: answer, choice_from_c, status_from_c, status_to_c, to_c
 
    integer, parameter :: c_max_parameters = 8 !! EVL_MAX_PARAMETERS
    integer, parameter :: c_name_length = 32       !! EVL_NAME_LENGTH
@@ -67,6 +67,15 @@ contains
          status%field(i:i) = c%field(i)
       end do
    end function status_from_c
+
+   !> The code of a call, and why it failed if it did.
+   integer(c_int) function answer(status, c) result(code)
+      type(status_t), intent(in) :: status
+      type(c_status), intent(inout), optional :: c
+
+      code = status%code
+      if (code /= code_ok .and. present(c)) call status_to_c(status, c)
+   end function answer
 
    elemental type(law_choice) function choice_from_c(c) result(choice)
       type(c_law_choice), intent(in) :: c

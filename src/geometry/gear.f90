@@ -54,7 +54,7 @@ module evl_gear
       real(wp) :: addendum, dedendum, root_radius
    end type rack_t
 
-   !> All that follows from it and the number of teeth; `evl_gear_geometry` in the C header.
+   !> All that follows from it and the number of teeth. Interoperable for the tests.
    type, bind(c) :: gear_t
       integer(c_int) :: teeth = 0                !! z; 0: not a real gear
       real(c_double) :: normal_module = 0.0_wp         !! m_n [m]

@@ -30,7 +30,7 @@ module evl_gears_in_mesh
       real(wp) :: backlash = 0.0_wp        !! j_bn [m]
    end type gear_mesh_input
 
-   !> All that follows from two gears and their centre distance; `evl_gear_mesh` in the C header.
+   !> All that follows from two gears and their centre distance. Interoperable for the tests.
    type, bind(c) :: gear_mesh_t
       real(c_double) :: centre_distance = 0.0_wp        !! a_w [m]
       real(c_double) :: reference_distance = 0.0_wp     !! a, sum of the reference radii [m]

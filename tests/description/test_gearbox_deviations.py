@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Sequence
 
 import numpy as np
@@ -17,7 +16,7 @@ from kernel.deviations import (
     pitch_tolerances,
     relief,
 )
-from kernel.gearbox import MESH, WHEEL, Gearbox, GearboxError
+from kernel.gearbox import MESH, OF_DEVIATION, WHEEL, Gearbox, GearboxError
 from kernel.gearbox_description import (
     ALGEBRAIC,
     DIFFERENTIAL,
@@ -121,30 +120,14 @@ def test_an_accuracy_class_is_that_of_the_reference_diameter(kernel: Kernel):
     np.testing.assert_allclose(e, arcs * np.cos(ALPHA), rtol=1e-12, atol=1e-18)
 
 
-class DeviationGeometry(ctypes.Structure):
-    """`evl_deviation_geometry`."""
-
-    _fields_ = [
-        (name, ctypes.c_double)
-        for name in (
-            *("tip_relief_radius", "tip_relief_roll_angle"),
-            *("root_relief_radius", "root_relief_roll_angle"),
-            *("profile_start_radius", "profile_tip_radius"),
-            *("single_pitch", "total_pitch"),
-        )
-    ]
-
-
-def geometry_of(gearbox: Gearbox, wheel: int) -> tuple[bool, DeviationGeometry, Floats]:
-    """Tell whether there are deviations, where they begin, and the pitch errors."""
-    geometry, errors = DeviationGeometry(), np.full(TEETH[wheel], np.nan)
-    call = gearbox.library.evl_gearbox_deviation
-    call.restype = ctypes.c_bool
-    exists = call(gearbox.handle, wheel, ctypes.byref(geometry), _at(errors))
-    again = DeviationGeometry()
-    assert call(gearbox.handle, wheel, ctypes.byref(again), None) == exists
-    assert bytes(again) == bytes(geometry)
-    return exists, geometry, errors
+def pitch_errors_of(gearbox: Gearbox, wheel: int) -> Floats:
+    """Cumulative position deviations of the teeth; none if there are none."""
+    errors = np.full(TEETH[wheel], np.nan)
+    ask = gearbox.library.evl_gearbox_pitch_errors
+    n = ask(gearbox.handle, wheel, 0, None)
+    assert ask(gearbox.handle, wheel, len(errors), _at(errors)) == n
+    assert np.isnan(errors[n:]).all()
+    return errors[:n]
 
 
 def test_a_gearbox_tells_where_deviations_begin_and_how_large_pitch_errors_are(kernel: Kernel):
@@ -157,29 +140,22 @@ def test_a_gearbox_tells_where_deviations_begin_and_how_large_pitch_errors_are(k
         None,
     ]
     gearbox = train(kernel, given)
-    exists, geometry, errors = geometry_of(gearbox, 0)
     r_b, ends = profile(0).base_radius, profile(0)
-    assert exists
-    np.testing.assert_array_equal(errors, 0)
-    assert geometry.tip_relief_radius == pytest.approx(0.0315, rel=1e-14)
-    assert geometry.tip_relief_roll_angle == pytest.approx(
-        np.sqrt(0.0315**2 - r_b**2) / r_b, rel=1e-13
-    )
-    assert geometry.root_relief_roll_angle == pytest.approx(0.2, rel=1e-14)
-    assert geometry.root_relief_radius == pytest.approx(r_b * np.hypot(1, 0.2), rel=1e-14)
-    assert geometry.profile_start_radius == pytest.approx(np.hypot(r_b, ends.rho_start), rel=1e-13)
-    assert geometry.profile_tip_radius == pytest.approx(0.033, rel=1e-14)
-    assert geometry.single_pitch == geometry.total_pitch == 0
-    exists, geometry, errors = geometry_of(gearbox, 1)
-    assert exists
-    np.testing.assert_allclose(errors, pitch, rtol=1e-14, atol=0)
-    assert geometry.single_pitch == pytest.approx(6e-6, rel=1e-13)
-    assert geometry.total_pitch == pytest.approx(6e-6, rel=1e-13)
-    assert geometry.tip_relief_radius == geometry.root_relief_roll_angle == 0
-    exists, geometry, errors = geometry_of(gearbox, 2)
-    assert not exists
-    assert not any(bytes(geometry))
-    np.testing.assert_array_equal(errors, 0)
+    assert gearbox.quantities(OF_DEVIATION, 0) == {
+        "profile_start_diameter": pytest.approx(2 * np.hypot(r_b, ends.rho_start), rel=1e-13),
+        "profile_tip_diameter": pytest.approx(0.066, rel=1e-14),
+        "tip_relief_diameter": pytest.approx(0.063, rel=1e-14),
+        "tip_relief_roll_angle": pytest.approx(np.sqrt(0.0315**2 - r_b**2) / r_b, rel=1e-13),
+        "root_relief_diameter": pytest.approx(2 * r_b * np.hypot(1, 0.2), rel=1e-14),
+        "root_relief_roll_angle": pytest.approx(0.2, rel=1e-14),
+    }
+    told = gearbox.quantities(OF_DEVIATION, 1)
+    assert list(told)[2:] == ["single_pitch_deviation", "total_pitch_deviation"]
+    assert told["single_pitch_deviation"] == pytest.approx(6e-6, rel=1e-13)
+    assert told["total_pitch_deviation"] == pytest.approx(6e-6, rel=1e-13)
+    assert gearbox.quantities(OF_DEVIATION, 2) == {}
+    np.testing.assert_allclose(pitch_errors_of(gearbox, 1), pitch, rtol=1e-14, atol=0)
+    assert len(pitch_errors_of(gearbox, 0)) == len(pitch_errors_of(gearbox, 2)) == 0
 
 
 def test_wheels_without_deviations_have_none(kernel: Kernel):

@@ -119,7 +119,7 @@ static void the_papers_case_gives_the_papers_numbers(void **state)
     assert_true(number_at(file, "meshes.0.friction.coefficient") == 0);
     assert_true(number_at(file, "meshes.0.friction.regularisation_velocity") == 1e-4);
     assert_true(description->simulation.duration == 5 && description->simulation.output_interval == 1e-3);
-    assert_int_equal(description->simulation.initial.kind, INITIAL_REST);
+    assert_int_equal(description->simulation.initial.kind, EVL_INITIAL_REST);
     case_delete(&file);
     assert_null(file);
 }

@@ -78,8 +78,7 @@ static void assert_alike(const char *path, const portrait *a, const portrait *b)
 
 static evl_initial initial_of(const case_file *file)
 {
-    const initial_description *initial = &case_description(file)->simulation.initial;
-    return (evl_initial){.kind = (int)initial->kind, .speeds = initial->speeds, .gaps = initial->gaps};
+    return case_description(file)->simulation.initial;
 }
 
 /** Another number that the row accepts, if there is one near. */

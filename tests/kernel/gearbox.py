@@ -22,6 +22,7 @@ from kernel.kernel import OK, Floats, Integers, Kernel, Status, _at, _double, _i
 OPEN, LOADED, UNLOADED, APART, OFF = range(5)
 HELD = ("tooth_pair", "flanks", "friction", "zone_a", "zone_b")  # integers that are no sides
 DRIVE, COAST = range(2)
+OF_WHEEL, OF_MESH, OF_GEAR, OF_GEAR_MESH, OF_DEVIATION = range(5)
 NOTHING, WHEEL, MESH, LOAD, INITIAL, HOUSING, SHAFT = range(7)
 TRACKED = ("turn", "zeta", "dr_t", "dr_e", "gradient_ratio", "mu")
 
@@ -40,7 +41,7 @@ class Sizes(ctypes.Structure):
 
 
 class WheelGeometry(ctypes.Structure):
-    """`evl_wheel_geometry`."""
+    """`c_wheel_geometry` of `tests/gearbox/geometry_calls.f90`."""
 
     _fields_ = [
         *((name, _double) for name in ("pitch_radius", "base_radius", "tip_radius")),
@@ -52,7 +53,7 @@ class WheelGeometry(ctypes.Structure):
 
 
 class MeshGeometry(ctypes.Structure):
-    """`evl_mesh_geometry`."""
+    """`c_mesh_geometry` there."""
 
     _fields_ = [
         ("sigma", _int),
@@ -70,6 +71,17 @@ class MeshGeometry(ctypes.Structure):
         *((name, _double) for name in ("reference_stiffness", "reference_mass")),
         *((name, _double) for name in ("natural_frequency", "damping_coefficient")),
         ("damping_ratio", _double),
+    ]
+
+
+class Quantity(ctypes.Structure):
+    """`evl_quantity`."""
+
+    _fields_ = [
+        *((name, ctypes.c_char * 32) for name in ("name", "units", "symbol")),
+        ("long_name", ctypes.c_char * 96),
+        ("n", _int),
+        ("value", _pair),
     ]
 
 
@@ -251,14 +263,22 @@ class Gearbox:
     def wheel_geometry(self, index: int) -> WheelGeometry:
         """Geometry of a wheel."""
         geometry = WheelGeometry()
-        self.library.evl_gearbox_wheel_geometry(self.handle, index, ctypes.byref(geometry))
+        self.library.test_wheel_geometry(self.handle, index, ctypes.byref(geometry))
         return geometry
 
     def mesh_geometry(self, index: int = 0) -> MeshGeometry:
         """Geometry of a mesh."""
         geometry = MeshGeometry()
-        self.library.evl_gearbox_mesh_geometry(self.handle, index, ctypes.byref(geometry))
+        self.library.test_mesh_geometry(self.handle, index, ctypes.byref(geometry))
         return geometry
+
+    def quantities(self, of: int, index: int) -> dict[str, Any]:
+        """What `evl_gearbox_geometry` tells, by name: numbers, and points as lists."""
+        rows = (Quantity * 40)()
+        n = self.library.evl_gearbox_geometry(self.handle, of, index, rows)
+        return {
+            row.name.decode(): row.value[0] if row.n == 1 else list(row.value) for row in rows[:n]
+        }
 
     # ---- states
 

@@ -1,6 +1,7 @@
 """Real gears of the kernel from Python: a thin ctypes binding.
 
-Those of a gearbox by `evolvent/kernel.h`, gears alone by `tests/geometry/gear_calls.f90`.
+Those of a gearbox by `tests/gearbox/geometry_calls.f90`, gears alone by
+`tests/geometry/gear_calls.f90`.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from kernel.kernel import OK, Floats, Integers, Kernel, Status, _at, _double, _e
 
 
 class GearGeometry(ctypes.Structure):
-    """`evl_gear_geometry`."""
+    """`gear_t` of the kernel."""
 
     _fields_ = [
         ("teeth", _int),
@@ -48,7 +49,7 @@ _MESH_NUMBERS = (
 
 
 class GearMesh(ctypes.Structure):
-    """`evl_gear_mesh`."""
+    """`gear_mesh_t` of the kernel."""
 
     _fields_ = [*((name, _double) for name in _MESH_NUMBERS), ("exists", _bool)]
 
@@ -131,7 +132,7 @@ def involute_inverse(kernel: Kernel, involutes: ArrayLike) -> Floats:
 def gear_of(gearbox: Gearbox, wheel: int) -> GearGeometry | None:
     """Geometry of a wheel of a gearbox as a real gear; None if it is none."""
     geometry = GearGeometry()
-    ask = gearbox.library.evl_gearbox_gear
+    ask = gearbox.library.test_gear_of
     ask.restype = _bool
     return geometry if ask(gearbox.handle, wheel, ctypes.byref(geometry)) else None
 
@@ -139,6 +140,6 @@ def gear_of(gearbox: Gearbox, wheel: int) -> GearGeometry | None:
 def mesh_of(gearbox: Gearbox, mesh: int) -> GearMesh | None:
     """Geometry of a mesh of a gearbox; None if it is not one of two real gears."""
     geometry = GearMesh()
-    ask = gearbox.library.evl_gearbox_gear_mesh
+    ask = gearbox.library.test_mesh_of
     ask.restype = _bool
     return geometry if ask(gearbox.handle, mesh, ctypes.byref(geometry)) else None

@@ -18,11 +18,9 @@ class Counts(ctypes.Structure):
     """`evl_radau_counts`."""
 
     _fields_ = [
-        (name, _int)
-        for name in (
-            *("steps", "rejections", "evaluations", "iterations"),
-            *("jacobians", "factorisations", "root_evaluations"),
-        )
+        *((name, _int) for name in ("steps", "rejections", "evaluations", "iterations")),
+        *((name, _int) for name in ("jacobians", "factorisations", "root_evaluations")),
+        *((f"growth_{name}", _double) for name in ("t", "rate", "frequency")),
     ]
 
 

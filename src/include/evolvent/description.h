@@ -1,5 +1,5 @@
-/** What a case can say, and a case as data: the language that the kernel, which makes gearboxes of it, and the readers of case files
- *  share. Plain data without any call.
+/** What a case can say, a case as data, and what follows from it: the language that the kernel, which makes gearboxes of it, and
+ *  the readers of case files share. Plain data without any call.
  *
  *  A row is a key of a block: its type, unit, range, default and text. The kernel has the table of all rows (evl_rows): the case
  *  file's schema, its errors and its documentation are made from it. A case is a list of entries, each of them a row with a value. */
@@ -65,5 +65,42 @@ typedef struct {
     int n;                 /**< how many numbers */
     const double *numbers; /**< in the unit of the row */
 } evl_entry;
+
+/* How a case starts. */
+typedef enum {
+    EVL_INITIAL_REST = 0,   /**< every wheel and support at rest */
+    EVL_INITIAL_STEADY = 1, /**< nothing accelerates; speeds are kinematic, or follow deviating flanks */
+    EVL_INITIAL_SPEEDS = 2  /**< given speeds */
+} evl_initial_kind;
+
+typedef struct {
+    int kind;             /**< evl_initial_kind */
+    const double *speeds; /**< [n_wheels] [rad/s] for EVL_INITIAL_SPEEDS, else NULL */
+    /** [n_meshes] initial gap between the flanks [m], negative: penetration; NULL: all touch. Not for steady */
+    const double *gaps;
+    /** of EVL_INITIAL_STEADY, else 0: how many pitches from the start of contact a tooth pair of the first mesh is */
+    double mesh_position;
+} evl_initial;
+
+/** What a quantity that follows from a case is of. */
+typedef enum {
+    EVL_OF_WHEEL = 0,
+    EVL_OF_MESH = 1,
+    EVL_OF_GEAR = 2,      /**< a wheel that is a real gear, ISO 21771 */
+    EVL_OF_GEAR_MESH = 3, /**< a mesh of two of them */
+    EVL_OF_DEVIATION = 4, /**< how the flanks of a wheel deviate */
+    EVL_OF_COMPLIANCE = 5 /**< how the wheels of a mesh give way under a line load, and how stiff that makes it */
+} evl_of;
+
+enum { EVL_MOST_QUANTITIES = 40 };
+
+/** One of them, in SI units and radians. */
+typedef struct {
+    char name[EVL_SHORT_LENGTH], units[EVL_SHORT_LENGTH];
+    char symbol[EVL_SHORT_LENGTH]; /**< as in docs/symbols.md; "" if none */
+    char long_name[3 * EVL_SHORT_LENGTH];
+    int n; /**< 1, or 2 for a point */
+    double value[2];
+} evl_quantity;
 
 #endif

@@ -8,8 +8,8 @@
  *    reals     [n_reals]     discrete state: approach speed at the last closing of each mesh
  *
  *  Each call is a function of (gearbox, state) alone: it prints nothing, keeps nothing, and may run in any number of threads on the
- *  same gearbox. Every fallible call returns an evl_code and, if `status` is not NULL, fills it with one sentence that names the
- *  symbol, its value and its unit.
+ *  same gearbox. Every fallible call returns an evl_code and, where it fails and `status` is not NULL, fills it with one sentence
+ *  that names the symbol, its value and its unit.
  *
  *  SI units and radians throughout; angles, angular velocities and torques are counterclockwise positive. */
 #ifndef EVOLVENT_KERNEL_H
@@ -100,21 +100,6 @@ EVL_API void evl_description_numbers(const evl_description *description, int ind
 /** Give it others [n]; gearboxes that were made before stay as they are. @return EVL_OK, or EVL_INVALID_INPUT: it keeps its own */
 EVL_API int evl_description_set(evl_description *description, int index, const double *numbers, evl_status *status);
 
-typedef enum {
-    EVL_INITIAL_REST = 0,   /**< every wheel and support at rest */
-    EVL_INITIAL_STEADY = 1, /**< nothing accelerates; speeds are kinematic, or follow deviating flanks */
-    EVL_INITIAL_SPEEDS = 2  /**< given speeds */
-} evl_initial_kind;
-
-typedef struct {
-    int kind;             /**< evl_initial_kind */
-    const double *speeds; /**< [n_wheels] [rad/s] for EVL_INITIAL_SPEEDS, else NULL */
-    const double *
-        gaps; /**< [n_meshes] initial gap between the flanks [m], negative: penetration; NULL: all touch. Not for steady */
-    double
-        mesh_position; /**< of EVL_INITIAL_STEADY, else 0: how many pitches from the start of contact a tooth pair of the first mesh is */
-} evl_initial;
-
 /* ---- law tables ------------------------------------------------------------------------------------------------------------ */
 
 typedef enum { EVL_LAWS_CONTACT = 0, EVL_LAWS_DAMPING = 1, EVL_LAWS_FRICTION = 2 } evl_law_family;
@@ -151,130 +136,17 @@ EVL_API bool evl_gearbox_warning(const evl_gearbox *gearbox, int index, evl_stat
 /** The same of speeds above 1e5 rad/s, of the loads or the start. */
 EVL_API bool evl_gearbox_speed_warning(const evl_gearbox *gearbox, const evl_initial *initial, evl_status *warning);
 
-typedef struct {
-    double pitch_radius, base_radius,
-        tip_radius;       /**< [m]; tip_radius is the largest over its meshes, 0 without a mesh */
-    double angular_pitch; /**< 2 pi/z [rad]; 0 without teeth */
-    double mass, inertia; /**< of the wheel itself [kg], [kg m^2] */
-    double centre[2];     /**< [m] */
-    double speed_ratio;   /**< g: nominal speed over that of the reference wheel */
-    bool is_reference;    /**< its angle is the reference angle theta */
-} evl_wheel_geometry;
-
-typedef struct {
-    int sigma;                                    /**< +1: driving wheel nominally clockwise, -1: counterclockwise */
-    double transmission_ratio;                    /**< n = z_driven/z_driving */
-    double centre_distance;                       /**< [m] */
-    double centre_line_angle;                     /**< [rad] */
-    double minimum_pressure_angle;                /**< alpha_inf [rad] */
-    double working_pressure_angle;                /**< alpha_w [rad] */
-    double base_pitch;                            /**< [m] */
-    double contact_ratio;                         /**< |ab| over it */
-    double line_of_action_length;                 /**< |K_A K_B| [m] */
-    double point_k_a[2], point_k_b[2];            /**< where the line of action touches the base circles [m] */
-    double point_a[2], point_b[2];                /**< nominal start and end of contact [m] */
-    double pitch_point[2];                        /**< [m] */
-    double tip_radius_driving, tip_radius_driven; /**< |b - O_A|, |a - O_B| [m] */
-    double rho_start_driving, rho_start_driven;   /**< radii of curvature at a [m] */
-    double common_width;                          /**< b [m] */
-    double effective_modulus;                     /**< E* [Pa] */
-    double elastic_share_driving;                 /**< w_A = E* (1-nu_A^2)/E_A */
-    double reference_force;       /**< normal force that the loads suggest [N]: the scale of the error weights */
-    double reference_penetration; /**< its penetration h_0 [m] */
-    double
-        reference_stiffness; /**< k: dF/dh of one tooth pair under it [N/m]; NaN for a rigid contact and without load */
-    double
-        reference_mass; /**< m: 1/(r_bA^2/J_A + r_bB^2/J_B) [kg]; NaN too if both speeds are prescribed, as all below */
-    double natural_frequency;   /**< sqrt(k/m)/(2 pi) [Hz] */
-    double damping_coefficient; /**< c: dF/dh' of the damper there, mean of approach and separation [N s/m] */
-    double damping_ratio;       /**< c/(2 sqrt(k m)) */
-} evl_mesh_geometry;
-
-/** What follows from an evl_gear and the number of teeth. Lengths [m], angles [rad]. docs/geometry.md has the formulas. */
-typedef struct {
-    int teeth;                  /**< z */
-    double normal_module;       /**< m_n */
-    double pressure_angle;      /**< alpha_n */
-    double profile_shift;       /**< x */
-    double generating_shift;    /**< x_E, with which the thickness allowance is cut */
-    double undercut_shift;      /**< x_E below which there is undercut */
-    double tip_alteration;      /**< k */
-    double pitch;               /**< p */
-    double base_pitch;          /**< p_b */
-    double reference_radius;    /**< r */
-    double base_radius;         /**< r_b */
-    double tip_radius;          /**< r_a */
-    double root_radius;         /**< r_f */
-    double form_radius;         /**< r_Ff, where the involute begins */
-    double bore_radius;         /**< */
-    double tooth_depth;         /**< h */
-    double thickness;           /**< s, arc of the reference circle */
-    double thickness_allowance; /**< A_s, contained in it */
-    double tip_thickness;       /**< s_a, arc of the tip circle */
-    double tooth_angle;         /**< psi, angle that the tooth fills on the base circle */
-    bool is_undercut;           /**< the rack's tip cuts away a part of the involute */
-} evl_gear_geometry;
-
-/** What follows from two gears, A driving B, and their centre distance. Lengths [m], angles [rad]. */
-typedef struct {
-    double centre_distance;                  /**< a_w */
-    double reference_distance;               /**< a, sum of the reference radii */
-    double tight_distance;                   /**< from the profile shifts, without backlash; 0 if there is none */
-    double base_radius_sum;                  /**< R, sum of the base radii */
-    double working_pressure_angle;           /**< alpha_w */
-    double pitch_radius_a, pitch_radius_b;   /**< r_w, operating pitch radii */
-    double line_of_action;                   /**< T1T2 */
-    double base_pitch;                       /**< p_b */
-    double path_of_contact;                  /**< g_alpha */
-    double approach, recess;                 /**< g_f, g_a: path before and behind the pitch point */
-    double contact_ratio;                    /**< eps_alpha */
-    double rho_tip_a, rho_tip_b;             /**< radii of curvature at the tips */
-    double active_radius_a, active_radius_b; /**< r_Nf, where the active profiles begin */
-    double clearance_a, clearance_b;         /**< c, from the mate's tip to the root circle */
-    double backlash;                         /**< j_bn, normal */
-    double circumferential_backlash;         /**< j_wt, on the operating pitch circles */
-    double radial_backlash;                  /**< j_r */
-    bool exists;                             /**< whether the mesh is one of two real gears; if not, all is zero */
-} evl_gear_mesh;
-
+/** The geometry that follows from the description, of a wheel or a mesh as evl_of says. quantities: [EVL_MOST_QUANTITIES].
+ *  @return how many there are, 0 where it is not what they are of */
+EVL_API int evl_gearbox_geometry(const evl_gearbox *gearbox, int of, int index, evl_quantity *quantities);
+/** Cumulative position deviations of a wheel's teeth: `most` of them are written, arcs on the reference circle [m].
+ *  @return how many there are, one a tooth; 0 if it has no pitch errors */
+EVL_API int evl_gearbox_pitch_errors(const evl_gearbox *gearbox, int wheel, int most, double *errors);
 /** Directions in which the support of a wheel lets its axle move: unit vectors (x, y) one after the other. @return how many, 0 to 2 */
 EVL_API int evl_gearbox_support_directions(const evl_gearbox *gearbox, int wheel, double directions[4]);
 
-EVL_API void evl_gearbox_wheel_geometry(const evl_gearbox *gearbox, int wheel, evl_wheel_geometry *geometry);
-EVL_API void evl_gearbox_mesh_geometry(const evl_gearbox *gearbox, int mesh, evl_mesh_geometry *geometry);
 /** The damping law of a mesh as it was chosen, with what it left open filled in. */
 EVL_API void evl_gearbox_damping(const evl_gearbox *gearbox, int mesh, evl_law_choice *choice);
-/** Geometry of a wheel as a real gear. @return whether it is one; if not, geometry is zero. */
-EVL_API bool evl_gearbox_gear(const evl_gearbox *gearbox, int wheel, evl_gear_geometry *geometry);
-/** Geometry of a mesh of two real gears. @return whether it is one; if not, geometry is zero. */
-EVL_API bool evl_gearbox_gear_mesh(const evl_gearbox *gearbox, int mesh, evl_gear_mesh *geometry);
-
-/** What follows from an evl_flank_deviation. Lengths [m], angles [rad]; 0 for what a wheel has not. */
-typedef struct {
-    double tip_relief_radius, tip_relief_roll_angle;   /**< where tip relief starts */
-    double root_relief_radius, root_relief_roll_angle; /**< where root relief starts */
-    double profile_start_radius, profile_tip_radius;   /**< ends of the profile that they refer to */
-    double single_pitch;                               /**< f_p, largest single pitch deviation */
-    double total_pitch;                                /**< F_p, total cumulative pitch deviation */
-} evl_deviation_geometry;
-
-/** Deviations of a wheel; pitch_errors: [teeth] [m], arcs on the reference circle, or NULL.
- *  @return whether it has any; if not, all is zero. */
-EVL_API bool evl_gearbox_deviation(const evl_gearbox *gearbox, int wheel, evl_deviation_geometry *geometry,
-                                   double *pitch_errors);
-/** How the wheels of a mesh give way under a line load, and how stiff that makes it. Per unit width; 0 for a wheel that does not. */
-typedef struct {
-    double driving[3], driven[3];     /**< c at start, pitch point and end of the path of contact [1/Pa] */
-    double next_driving, next_driven; /**< c_1 at the pitch point: the next flank by the same load [1/Pa] */
-    double line_load;                 /**< at which the stiffnesses hold: the nominal one, else 100 N/mm [N/m] */
-    double single_pair;               /**< one tooth pair at the pitch point, load over approach [Pa] */
-    double double_pair; /**< two, half a base pitch before and behind it; 0 if the path is too short [Pa] */
-    double iso;         /**< c' of ISO 6336-1, another thing: measured single pairs [Pa] */
-} evl_mesh_stiffness;
-
-/** Stiffness of a mesh. @return whether one of its wheels gives way; if not, all is zero. */
-EVL_API bool evl_gearbox_mesh_stiffness(const evl_gearbox *gearbox, int mesh, evl_mesh_stiffness *stiffness);
-
 /** Fill y, yp, integers and reals for time t. @return EVL_OK, EVL_INVALID_INPUT (initial values that contradict each other or the
  *  loads), EVL_NO_SOLUTION (steady state), EVL_OUT_OF_DOMAIN. */
 EVL_API int evl_gearbox_initial_state(const evl_gearbox *gearbox, const evl_initial *initial, double t, double *y,
@@ -355,14 +227,11 @@ typedef struct {
     int jacobians;        /**< evaluated */
     int factorisations;   /**< of the systems of all stages at once */
     int root_evaluations; /**< of the root functions beyond once a step */
+    /* of all modes that grow the one that did so fastest, if steps were cut for one: docs/radau.md */
+    double growth_t;         /**< when [s] */
+    double growth_rate;      /**< at which it grows, the real part of its eigenvalue [1/s]; 0: there is none */
+    double growth_frequency; /**< imaginary part [rad/s], >= 0 */
 } evl_radau_counts;
-
-/** A mode that grows: docs/radau.md. */
-typedef struct {
-    double t;         /**< when [s] */
-    double rate;      /**< at which it grows, the real part of its eigenvalue [1/s]; 0: there is none */
-    double frequency; /**< imaginary part [rad/s], >= 0 */
-} evl_radau_growth;
 
 /** Whether it can be integrated so. @return EVL_OK, or EVL_INVALID_INPUT with what stands in the way: a rigid contact,
  *  tracked contact points, a mounted housing. */
@@ -395,9 +264,6 @@ EVL_API void evl_radau_restart(evl_radau *radau, double t, const double *y, cons
 /** Take the last step back: go on from its start (t, y), which are set, in smaller ones. */
 EVL_API void evl_radau_redo(evl_radau *radau, double *t, double *y);
 EVL_API void evl_radau_get_counts(const evl_radau *radau, evl_radau_counts *counts);
-/** Of all modes that grow the one that did so fastest since evl_radau_start, if steps were cut for one. */
-EVL_API void evl_radau_get_growth(const evl_radau *radau, evl_radau_growth *growth);
-
 /** A place in a step where a channel may exceed the extreme so far. */
 typedef struct {
     int channel;        /**< as of evl_gearbox_watched */

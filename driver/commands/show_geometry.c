@@ -1,0 +1,256 @@
+#include "commands/show_geometry.h"
+
+#include "base/memory.h"
+#include "base/words.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST_COLUMNS = 4, COLUMN_WIDTH = 16, ERRORS_A_LINE = 10 };
+
+static const double MILLIMETRES_PER_METRE = 1e3;
+static const double MICROMETRES_PER_METRE = 1e6;
+static const double DEGREES_PER_RADIAN = 57.295779513082320877;
+
+/** The quantities of a wheel or mesh. */
+typedef struct {
+    const char *name;
+    int n;
+    evl_quantity rows[EVL_MOST_QUANTITIES];
+} column;
+
+static column column_of(const model *model, evl_of of, int index, const char *name)
+{
+    column column = {.name = name};
+    column.n = model_geometry(model, of, index, column.rows);
+    return column;
+}
+
+/** Pitch errors of a wheel, a new array; none if it has none. */
+static double *pitch_errors_of(const model *model, int wheel, int *n)
+{
+    *n = model_pitch_errors(model, wheel, 0, NULL);
+    double *errors = xcalloc((size_t)*n, sizeof *errors);
+    (void)model_pitch_errors(model, wheel, *n, errors);
+    return errors;
+}
+
+static bool is_angle(const evl_quantity *quantity)
+{
+    return strcmp(quantity->units, "rad") == 0;
+}
+
+/* ---- for reading ---- */
+
+/** Each in a line. */
+static void print_rows(FILE *stream, const char *title, const column *column)
+{
+    int name_width = 0, symbol_width = 0;
+    for (int i = 0; i < column->n; i++) {
+        name_width = words_width(name_width, column->rows[i].long_name);
+        symbol_width = words_width(symbol_width, column->rows[i].symbol);
+    }
+    fprintf(stream, "\n%s %s\n", title, column->name);
+    for (int i = 0; i < column->n; i++) {
+        const evl_quantity *row = &column->rows[i];
+        fprintf(stream, "  %-*s  %-*s  ", name_width, row->long_name, symbol_width, row->symbol);
+        if (row->n == 2) {
+            fprintf(stream, "(%.10g, %.10g)", row->value[0], row->value[1]);
+        } else if (isnan(row->value[0])) {
+            fputs("-\n", stream);
+            continue;
+        } else {
+            fprintf(stream, "%.10g", row->value[0]);
+        }
+        if (strcmp(row->units, "1") != 0) {
+            fprintf(stream, " %s", row->units);
+        }
+        if (is_angle(row)) {
+            fprintf(stream, " = %.8g deg", row->value[0] * DEGREES_PER_RADIAN);
+        }
+        fputc('\n', stream);
+    }
+}
+
+/** As drawings have it. */
+static double in_usual_unit(const evl_quantity *quantity)
+{
+    const double factor = is_angle(quantity)                  ? DEGREES_PER_RADIAN
+                          : strcmp(quantity->units, "m") == 0 ? MILLIMETRES_PER_METRE
+                                                              : 1.0;
+    return quantity->value[0] * factor;
+}
+
+static const char *usual_unit(const evl_quantity *quantity)
+{
+    return is_angle(quantity) ? "deg" : strcmp(quantity->units, "m") == 0 ? "mm" : "";
+}
+
+/** Up to MOST_COLUMNS columns beside each other; all have the same rows. */
+static void print_columns(FILE *stream, int n, const column *columns)
+{
+    int name_width = 0;
+    for (int i = 0; i < columns[0].n; i++) {
+        name_width = words_width(name_width, columns[0].rows[i].long_name);
+    }
+    fprintf(stream, "  %-*s  %-9s  %-3s", name_width, "", "", "");
+    for (int k = 0; k < n; k++) {
+        fprintf(stream, "  %*s", COLUMN_WIDTH, columns[k].name);
+    }
+    fputc('\n', stream);
+    for (int i = 0; i < columns[0].n; i++) {
+        const evl_quantity *first = &columns[0].rows[i];
+        fprintf(stream, "  %-*s  %-9s  %-3s", name_width, first->long_name, first->symbol, usual_unit(first));
+        for (int k = 0; k < n; k++) {
+            fprintf(stream, "  %*.10g", COLUMN_WIDTH, in_usual_unit(&columns[k].rows[i]));
+        }
+        fputc('\n', stream);
+    }
+}
+
+/** A table of those that have rows, MOST_COLUMNS at a time: nothing if the case has no real gears. */
+static void print_table(FILE *stream, const char *title, const model *model, evl_of of, int n, const char *const *names)
+{
+    column shown[MOST_COLUMNS];
+    int n_shown = 0;
+    for (int i = 0; i < n; i++) {
+        shown[n_shown] = column_of(model, of, i, names[i]);
+        n_shown += shown[n_shown].n > 0 ? 1 : 0;
+        if (n_shown == MOST_COLUMNS || (i == n - 1 && n_shown > 0)) {
+            fprintf(stream, "\n%s\n", title);
+            print_columns(stream, n_shown, shown);
+            n_shown = 0;
+        }
+    }
+}
+
+static void print_deviations(FILE *stream, const model *model, int wheel, const char *name)
+{
+    const column column = column_of(model, EVL_OF_DEVIATION, wheel, name);
+    int n = 0;
+    OWNED double *errors = pitch_errors_of(model, wheel, &n);
+    if (column.n > 0) {
+        fprintf(stream, "\nDeviations of the flanks of wheel %s\n", name);
+    }
+    for (int i = 0; i < column.n; i++) {
+        const evl_quantity *row = &column.rows[i];
+        fprintf(stream, "  %-43s %-5s %16.10g %s\n", row->long_name, row->symbol, in_usual_unit(row), usual_unit(row));
+    }
+    if (n > 0) {
+        fprintf(stream, "  pitch errors of teeth 0 to %d [um]", n - 1);
+    }
+    for (int i = 0; i < n; i++) {
+        fprintf(stream, "%s%8.3f%s", i % ERRORS_A_LINE == 0 ? "\n  " : "", errors[i] * MICROMETRES_PER_METRE,
+                i == n - 1 ? "\n" : "");
+    }
+}
+
+/** How the wheels of a mesh give way: nothing if none does. */
+static void print_compliance(FILE *stream, const model *model, int mesh, const char *name)
+{
+    static const struct {
+        const char *units, *usual;
+        double factor;
+    } table[] = {{"1/Pa", "um mm/N", 1e9}, {"Pa", "N/(mm um)", 1e-9}, {"N/m", "N/mm", 1e-3}};
+    const column column = column_of(model, EVL_OF_COMPLIANCE, mesh, name);
+    if (column.n > 0) {
+        fprintf(stream, "\nCompliance of the wheels in mesh %s, beside that of the contact\n", name);
+    }
+    for (int i = 0; i < column.n; i++) {
+        const evl_quantity *row = &column.rows[i];
+        size_t k = 0;
+        while (strcmp(row->units, table[k].units) != 0) {
+            k++;
+        }
+        fprintf(stream, "  %-52s %-4s %12.6g %s\n", row->long_name, row->symbol, row->value[0] * table[k].factor,
+                table[k].usual);
+    }
+}
+
+void show_geometry(FILE *stream, const description *description, const model *model)
+{
+    for (int i = 0; i < description->n_wheels; i++) {
+        const column column = column_of(model, EVL_OF_WHEEL, i, description->wheels[i]);
+        print_rows(stream, "Wheel", &column);
+    }
+    for (int i = 0; i < description->n_meshes; i++) {
+        const column column = column_of(model, EVL_OF_MESH, i, description->meshes[i]);
+        print_rows(stream, "Mesh", &column);
+    }
+    print_table(stream, "Gears (ISO 21771)", model, EVL_OF_GEAR, description->n_wheels, description->wheels);
+    print_table(stream, "Gears in mesh (ISO 21771); 1 is the driving one", model, EVL_OF_GEAR_MESH,
+                description->n_meshes, description->meshes);
+    for (int i = 0; i < description->n_wheels; i++) {
+        print_deviations(stream, model, i, description->wheels[i]);
+    }
+    for (int i = 0; i < description->n_meshes; i++) {
+        print_compliance(stream, model, i, description->meshes[i]);
+    }
+}
+
+/* ---- for scripts ---- */
+
+static void write_rows(json_writer *writer, const column *column)
+{
+    for (int i = 0; i < column->n; i++) {
+        const evl_quantity *row = &column->rows[i];
+        if (row->n == 2) {
+            json_numbers(writer, row->name, 2, row->value);
+        } else {
+            json_number(writer, row->name, row->value[0]);
+        }
+    }
+}
+
+/** The wheels or meshes, and within each what it is as a real gear, if it is one. */
+static void write_all(json_writer *writer, const char *key, const model *model, evl_of of, evl_of of_gear, int n,
+                      const char *const *names)
+{
+    json_open(writer, key, '{');
+    for (int i = 0; i < n; i++) {
+        const column column = column_of(model, of, i, names[i]), gear = column_of(model, of_gear, i, names[i]);
+        json_open(writer, names[i], '{');
+        write_rows(writer, &column);
+        if (gear.n > 0) {
+            json_open(writer, "gear", '{');
+            write_rows(writer, &gear);
+            json_close(writer, '}');
+        }
+        json_close(writer, '}');
+    }
+    json_close(writer, '}');
+}
+
+/** Of what has any, with its pitch errors. */
+static void write_one(json_writer *writer, const model *model, evl_of of, int index, const char *name)
+{
+    const column column = column_of(model, of, index, name);
+    int n = 0;
+    OWNED double *errors = of == EVL_OF_DEVIATION ? pitch_errors_of(model, index, &n) : NULL;
+    if (column.n == 0) {
+        return;
+    }
+    json_open(writer, name, '{');
+    write_rows(writer, &column);
+    if (n > 0) {
+        json_numbers(writer, "pitch_errors", n, errors);
+    }
+    json_close(writer, '}');
+}
+
+void write_geometry(json_writer *writer, const description *description, const model *model)
+{
+    write_all(writer, "wheels", model, EVL_OF_WHEEL, EVL_OF_GEAR, description->n_wheels, description->wheels);
+    write_all(writer, "meshes", model, EVL_OF_MESH, EVL_OF_GEAR_MESH, description->n_meshes, description->meshes);
+    json_open(writer, "deviations", '{');
+    for (int i = 0; i < description->n_wheels; i++) {
+        write_one(writer, model, EVL_OF_DEVIATION, i, description->wheels[i]);
+    }
+    json_close(writer, '}');
+    json_open(writer, "compliance", '{');
+    for (int i = 0; i < description->n_meshes; i++) {
+        write_one(writer, model, EVL_OF_COMPLIANCE, i, description->meshes[i]);
+    }
+    json_close(writer, '}');
+}

@@ -1,0 +1,69 @@
+#include "files/dimensions_hdf5.h"
+
+#include "base/words.h"
+
+static const char *const axes[] = {"x", "y", "z"}, *const parts[] = {"w", "x", "y", "z"};
+
+/** In the order of the file. */
+static const struct {
+    const char *name, *long_names[2]; /**< by use */
+    bool is_always;                   /**< in a history too, with or without an output */
+    name_list names;                  /**< n = 0: those of the case */
+} table[N_DIMENSIONS] = {
+    {"wheel", {"wheel", "name of the wheel"}, true, {0, NULL}},
+    {"mesh", {"mesh", "name of the mesh"}, true, {0, NULL}},
+    {"shaft", {"shaft", "name of the shaft"}, false, {0, NULL}},
+    {"axis", {"axis of the housing frame", "axis of the housing frame"}, true, {2, axes}},
+    {"space", {"component of a vector in space", "axis of a frame"}, false, {3, axes}},
+    {"quaternion", {"component of a quaternion", "part of a quaternion"}, false, {4, parts}},
+    {"pair", {"place of a tooth pair: flank and slot", "place of a tooth pair: flank and slot"}, false, {0, NULL}},
+};
+
+static bool is_used(int dimension, int n_outputs, const model_output *outputs)
+{
+    bool is_used = table[dimension].is_always;
+    for (int i = 0; i < n_outputs; i++) {
+        is_used = is_used || (outputs[i].count > 0 && words_contain(outputs[i].dims, table[dimension].name));
+    }
+    return is_used;
+}
+
+bool dimensions_define(dimensions *dimensions, netcdf_file *file, dimensions_use use, const model_names *names,
+                       int n_outputs, const model_output *outputs)
+{
+    const name_list *const of_case[N_DIMENSIONS] = {&names->wheels, &names->meshes, &names->shafts, NULL,
+                                                    NULL,           NULL,           &names->pairs};
+    bool good = true;
+    for (int i = 0; i < N_DIMENSIONS && good; i++) {
+        if (use == DIMENSIONS_OF_STACK || is_used(i, n_outputs, outputs)) {
+            good = netcdf_define_names(file, file->id, &dimensions->of[i], table[i].name, table[i].long_names[use],
+                                       of_case[i] != NULL ? of_case[i] : &table[i].names);
+        }
+    }
+    return good;
+}
+
+void dimensions_append(dimensions *dimensions, const model_output *output, netcdf_variable *variable)
+{
+    for (int i = 0; i < N_DIMENSIONS; i++) {
+        if (words_contain(output->dims, table[i].name)) {
+            variable->dimensions[variable->rank++] = &dimensions->of[i];
+        }
+    }
+}
+
+bool dimensions_finish(dimensions *dimensions, netcdf_file *file)
+{
+    bool good = true;
+    for (int i = 0; i < N_DIMENSIONS && good; i++) {
+        good = netcdf_finish_dimension(file, &dimensions->of[i]);
+    }
+    return good;
+}
+
+void dimensions_free(dimensions *dimensions)
+{
+    for (int i = 0; i < N_DIMENSIONS; i++) {
+        scale_free(&dimensions->of[i].scale);
+    }
+}

@@ -1,0 +1,22 @@
+/** The dimensions that outputs have, in the order of the words of model_output.dims. Private to *_hdf5.c. */
+#pragma once
+
+#include "files/netcdf_hdf5.h"
+#include "model/model.h"
+
+typedef enum { DIMENSIONS_OF_HISTORY, DIMENSIONS_OF_STACK } dimensions_use;
+
+enum { N_DIMENSIONS = 7 };
+
+typedef struct {
+    netcdf_dimension of[N_DIMENSIONS];
+} dimensions;
+
+/** Define those that the outputs may have, with their names; in a history only those that its outputs do have. */
+bool dimensions_define(dimensions *dimensions, netcdf_file *file, dimensions_use use, const model_names *names,
+                       int n_outputs, const model_output *outputs);
+/** Append the dimensions of an output to those of a variable. */
+void dimensions_append(dimensions *dimensions, const model_output *output, netcdf_variable *variable);
+/** As netcdf_finish_dimension, all of them. */
+bool dimensions_finish(dimensions *dimensions, netcdf_file *file);
+void dimensions_free(dimensions *dimensions);
