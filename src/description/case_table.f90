@@ -1,20 +1,23 @@
 !> The table of all rows: what a case can say, block by block. A block is a line here, its rows stand with the thing they describe.
 module evl_case_table
    use evl_compliance_description, only: compliance_rows
+   use evl_damping_law, only: damping_law_t
    use evl_deviation_description, only: accuracy_rows, relief_rows, runout_rows
+   use evl_elastic_law, only: elastic_law_t
+   use evl_friction_law, only: friction_law_t
    use evl_gear, only: rack_rows
    use evl_gearbox_description, only: material_rows, mesh_rows, wheel_rows
    use evl_gearbox_initial, only: initial_rows
    use evl_housing_description, only: housing_rows, mount_rows
    use evl_housing_motion, only: rotation_rows, translation_rows
+   use evl_kind_finder, only: kind_finder
    use evl_kinds, only: wp
-   use evl_law_table, only: law_describe
+   use evl_law_table, only: damping_law, elastic_law, friction_law
    use evl_load, only: load_t
    use evl_load_kinds, only: load_of_kind
    use evl_row, only: join_words, kind_t, positive, range_t, row_t, type_block, type_choice, type_integer, type_list, type_map, &
                       type_number, type_text, type_triple
    use evl_shaft, only: shaft_rows
-   use evl_status, only: code_ok
    use evl_support, only: support_kind_t
    use evl_support_kinds, only: support_of_kind
    implicit none (type, external)
@@ -145,47 +148,37 @@ contains
    subroutine kinds_of(block, kinds)
       character(len=*), intent(in) :: block !! contact, damping, friction, load or support
       type(kind_t), allocatable, intent(out) :: kinds(:)
-      type(kind_t) :: info
-      logical :: is_one
-      integer :: i, n
+      type(kind_finder) :: finder
 
-      n = 0
-      do
-         call describe(block, n, info, is_one)
-         if (.not. is_one) exit
-         n = n + 1
-      end do
-      allocate (kinds(n))
-      do i = 1, n
-         call describe(block, i - 1, kinds(i), is_one)
-         if (.not. allocated(kinds(i)%rows)) allocate (kinds(i)%rows(0))
-      end do
+      call walk()
+      allocate (finder%kinds(finder%n))
+      finder%n = 0
+      call walk()
+      call move_alloc(finder%kinds, kinds)
+
+   contains
+
+      subroutine walk()
+         class(elastic_law_t), allocatable :: elastic
+         class(damping_law_t), allocatable :: damping
+         class(friction_law_t), allocatable :: friction
+         class(load_t), allocatable :: load
+         class(support_kind_t), allocatable :: support
+
+         select case (block)
+         case ("contact")
+            call elastic_law(finder, elastic)
+         case ("damping")
+            call damping_law(finder, damping)
+         case ("friction")
+            call friction_law(finder, friction)
+         case ("load")
+            call load_of_kind(finder, load)
+         case ("support")
+            call support_of_kind(finder, support)
+         end select
+      end subroutine walk
+
    end subroutine kinds_of
-
-   !> One of them.
-   subroutine describe(block, index, info, is_one)
-      character(len=*), intent(in) :: block
-      integer, intent(in) :: index !! from 0
-      type(kind_t), intent(out) :: info
-      logical, intent(out) :: is_one
-      class(load_t), allocatable :: load
-      class(support_kind_t), allocatable :: support
-      integer :: code
-
-      is_one = .false.
-      select case (block)
-      case ("contact", "damping", "friction")
-         call law_describe(findloc([character(8) :: "contact", "damping", "friction"], block, dim=1) - 1, index, info, code)
-         is_one = code == code_ok
-      case ("load")
-         call load_of_kind(index, load)
-         is_one = allocated(load)
-         if (is_one) info = load%describe()
-      case ("support")
-         call support_of_kind(index, support)
-         is_one = allocated(support)
-         if (is_one) info = support%describe()
-      end select
-   end subroutine describe
 
 end module evl_case_table

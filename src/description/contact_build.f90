@@ -6,7 +6,6 @@ module evl_contact_build
    use evl_gearbox_description, only: mesh_input, wheel_input
    use evl_given, only: given_t
    use evl_kinds, only: wp
-   use evl_law_table, only: damping_law, elastic_law, friction_law
    use evl_local_variables, only: at_normal, at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_theta, at_track, &
                                   at_u_a, at_u_b, at_v_a, at_v_b, i_omega, i_theta, local_link, n_track, wheel_link
    use evl_mesh_geometry, only: spur_pair_least_radius, spur_pair_t
@@ -58,9 +57,9 @@ contains
                   contact%slot = n - of%first
                   contact%n_slots = of%last - of%first + 1
                   contact%handover = contact%n_slots == 1
-                  call elastic_law(meshes(m)%contact, contact%elastic)
-                  call damping_law(meshes(m)%damping, contact%damping)
-                  call friction_law(meshes(m)%friction, contact%friction)
+                  allocate (contact%elastic, source=meshes(m)%contact)
+                  allocate (contact%damping, source=meshes(m)%damping)
+                  allocate (contact%friction, source=meshes(m)%friction)
                   contact%rigid = contact%elastic%is_rigid()
                   contact%one_sided = contact%damping%has_sides()
                   contact%deviates = any(gearbox%wheels([meshes(m)%driving, meshes(m)%driven])%deviation%exists)

@@ -4,13 +4,15 @@ module evl_gearbox_description
    use evl_damping_law, only: damping_law_t
    use evl_deviation_description, only: deviation_rows
    use evl_elastic_law, only: elastic_law_t
-   use evl_force_law, only: law_choice
+   use evl_force_law, only: force_law_t
+   use evl_friction_law, only: friction_law_t
    use evl_gear, only: gear_rows
    use evl_given, only: given_t
+   use evl_kind_finder, only: kind_finder
    use evl_kinds, only: wp
-   use evl_law_table, only: chosen_law, damping_law, elastic_law, law_validate, laws_contact, laws_damping, laws_friction
-   use evl_row, only: not_negative, positive, range_t, row_t, type_block, type_choice, type_integer, type_list, type_name, &
-                      type_number, type_pair, type_reference
+   use evl_law_table, only: damping_law, elastic_law, friction_law
+   use evl_row, only: kind_t, not_negative, positive, range_t, row_t, short_length, type_block, type_choice, type_integer, &
+                      type_list, type_name, type_number, type_pair, type_reference
    use evl_status, only: code_invalid_input, fail, has_failed, message_length, status_t, subject_mesh, subject_none, &
                          subject_shaft, subject_wheel
    use evl_tooth_contact, only: tracking_algebraic, tracking_closed_form, tracking_differential
@@ -87,7 +89,9 @@ module evl_gearbox_description
    type, extends(given_t) :: mesh_input
       integer :: driving = 0, driven = 0       !! wheels, from 1
       integer :: driving_rotation = -1         !! +1: counterclockwise
-      type(law_choice) :: contact, damping, friction
+      class(elastic_law_t), allocatable :: contact
+      class(damping_law_t), allocatable :: damping
+      class(friction_law_t), allocatable :: friction
       integer :: tracking = tracking_closed_form
    end type mesh_input
 
@@ -193,8 +197,6 @@ contains
       integer, intent(in) :: index
       type(wheel_input), intent(in) :: wheels(:)
       type(status_t), intent(inout) :: status
-      class(elastic_law_t), allocatable :: elastic
-      class(damping_law_t), allocatable :: damping
 
       mesh%driving = named(mesh%word("driving"), wheels)
       mesh%driven = named(mesh%word("driven"), wheels)
@@ -215,34 +217,59 @@ contains
          call fail(status, code_invalid_input, "a wheel without teeth cannot mesh", subject_mesh, index, &
                    merge("driving", "driven ", wheels(mesh%driving)%teeth == 0))
       end if
-      call read_law(mesh, "contact", laws_contact, index, mesh%contact, status)
-      call read_law(mesh, "damping", laws_damping, index, mesh%damping, status)
-      call read_law(mesh, "friction", laws_friction, index, mesh%friction, status)
+      if (.not. has_failed(status)) call read_laws(mesh, index, status)
       if (has_failed(status)) return
-      call elastic_law(mesh%contact, elastic)
-      call damping_law(mesh%damping, damping)
-      if (.not. elastic%is_rigid() .or. damping%is_none()) return
+      if (.not. mesh%contact%is_rigid() .or. mesh%damping%is_none()) return
       call fail(status, code_invalid_input, "a rigid contact has no penetration that could be damped: choose the damping law" &
                 //" none", subject_mesh, index, "damping.law")
    end subroutine read_mesh
 
-   !> A law of a mesh; the field is named family.parameter.
-   subroutine read_law(mesh, key, family, index, choice, status)
-      type(mesh_input), intent(in) :: mesh
-      character(len=*), intent(in) :: key
-      integer, intent(in) :: family, index
-      type(law_choice), intent(out) :: choice
+   !> The laws of a mesh with their parameters.
+   subroutine read_laws(mesh, index, status)
+      type(mesh_input), intent(inout) :: mesh
+      integer, intent(in) :: index
       type(status_t), intent(inout) :: status
-      type(given_t) :: block
-      character(len=32) :: field
+      character(len=*), parameter :: keys(3) = [character(len=8) :: "contact", "damping", "friction"]
+      type(given_t) :: blocks(3)
+      type(kind_finder) :: finders(3)
+      integer :: i
+
+      call mesh%inner("contact", blocks(1))
+      call mesh%inner("damping", blocks(2))
+      call mesh%inner("friction", blocks(3))
+      finders%name = [character(len=short_length) ::(blocks(i)%word("law"), i=1, 3)]
+      call elastic_law(finders(1), mesh%contact)
+      call damping_law(finders(2), mesh%damping)
+      call friction_law(finders(3), mesh%friction)
+      i = findloc(finders%found%name, "", dim=1)
+      if (i > 0) then
+         call fail(status, code_invalid_input, "there is no such law", subject_mesh, index, trim(keys(i))//".law")
+         return
+      end if
+      call take_parameters(mesh%contact, "contact", blocks(1), finders(1)%found, index, status)
+      call take_parameters(mesh%damping, "damping", blocks(2), finders(2)%found, index, status)
+      call take_parameters(mesh%friction, "friction", blocks(3), finders(3)%found, index, status)
+   end subroutine read_laws
+
+   !> The parameters of a law, NaN for those that its block leaves open; the field of an error is named family.parameter.
+   subroutine take_parameters(law, family, block, info, index, status)
+      class(force_law_t), intent(inout) :: law
+      character(len=*), intent(in) :: family
+      type(given_t), intent(in) :: block
+      type(kind_t), intent(in) :: info !! of the law
+      integer, intent(in) :: index
+      type(status_t), intent(inout) :: status
+      character(len=short_length) :: field
       character(len=message_length) :: message
-      integer :: code
+      integer :: i
 
       if (has_failed(status)) return
-      call mesh%inner(key, block)
-      call chosen_law(family, block, choice)
-      call law_validate(family, choice, code, field, message)
-      if (code == code_invalid_input) call fail(status, code, message, subject_mesh, index, key//"."//field)
-   end subroutine read_law
+      do i = 1, size(info%rows)
+         law%parameters(i) = block%number(trim(info%rows(i)%key))
+      end do
+      call law%check(field, message)
+      if (message /= "") call fail(status, code_invalid_input, trim(message)//" (law "//trim(info%name)//")", subject_mesh, index, &
+                                   family//"."//field)
+   end subroutine take_parameters
 
 end module evl_gearbox_description

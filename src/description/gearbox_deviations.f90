@@ -1,12 +1,10 @@
 !> Gives the wheels of a gearbox the deviations of their flanks, and refuses meshes that cannot have any.
 module evl_gearbox_deviations
    use evl_deviation_description, only: deviation_create, has_deviation, profile_t
-   use evl_elastic_law, only: elastic_law_t
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_description, only: mesh_input, wheel_input
    use evl_given, only: given_t
    use evl_kinds, only: wp
-   use evl_law_table, only: elastic_law
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel, warn
    use evl_tooth_contact, only: tracking_closed_form
    use evl_touching_flanks, only: largest_second_order
@@ -91,7 +89,6 @@ contains
       type(mesh_input), intent(in) :: mesh
       integer, intent(in) :: index
       type(status_t), intent(inout) :: status
-      class(elastic_law_t), allocatable :: law
 
       if (.not. any(gearbox%wheels([mesh%driving, mesh%driven])%deviation%exists)) return
       if (mesh%tracking /= tracking_closed_form) then
@@ -99,8 +96,7 @@ contains
                    //" deviations of its wheels out", subject_mesh, index, "tracking")
          return
       end if
-      call elastic_law(mesh%contact, law)
-      if (law%is_rigid()) &
+      if (mesh%contact%is_rigid()) &
          call fail(status, code_invalid_input, "flanks with deviations need an elastic contact: take another law, or leave the" &
                    //" deviations of its wheels out", subject_mesh, index, "contact.law")
    end subroutine check_mesh

@@ -3,9 +3,10 @@ module evl_loads_build
    use evl_gearbox, only: load_slot
    use evl_gearbox_description, only: wheel_input
    use evl_given, only: given_t
+   use evl_kind_finder, only: kind_finder
    use evl_load, only: load_t
    use evl_load_kinds, only: load_of_kind
-   use evl_row, only: kind_t, short_length
+   use evl_row, only: short_length
    use evl_status, only: code_invalid_input, fail, has_failed, message_length, status_t, subject_load
    implicit none (type, external)
    private
@@ -48,19 +49,12 @@ contains
       integer, intent(in) :: wheel, index
       class(load_t), allocatable, intent(out) :: load
       type(status_t), intent(inout) :: status
-      type(kind_t) :: info
+      type(kind_finder) :: finder
       character(len=message_length) :: message
       character(len=short_length) :: field
-      integer :: kind
 
-      kind = -1
-      do
-         kind = kind + 1
-         call load_of_kind(kind, load)
-         if (.not. allocated(load)) exit
-         info = load%describe()
-         if (info%name == given%word("kind")) exit
-      end do
+      finder%name = given%word("kind")
+      call load_of_kind(finder, load)
       if (.not. allocated(load)) then
          call fail(status, code_invalid_input, "there is no such kind of load", subject_load, index, "kind")
          return

@@ -1,8 +1,8 @@
 !> Makes a support from what a case says of it, by its kind.
 module evl_support_build
    use evl_given, only: given_t
+   use evl_kind_finder, only: kind_finder
    use evl_kinds, only: wp
-   use evl_row, only: kind_t
    use evl_status, only: code_invalid_input, fail, status_t, subject_wheel
    use evl_support, only: support_kind_t, support_t
    use evl_support_kinds, only: support_of_kind
@@ -21,17 +21,10 @@ contains
       type(support_t), intent(out) :: support
       type(status_t), intent(inout) :: status
       class(support_kind_t), allocatable :: kind
-      type(kind_t) :: info
-      integer :: i
+      type(kind_finder) :: finder
 
-      i = -1
-      do
-         i = i + 1
-         call support_of_kind(i, kind)
-         if (.not. allocated(kind)) exit
-         info = kind%describe()
-         if (info%name == given%word("kind")) exit
-      end do
+      finder%name = given%word("kind")
+      call support_of_kind(finder, kind)
       if (.not. allocated(kind)) then
          call fail(status, code_invalid_input, "there is no such kind of support", subject_wheel, wheel, "support.kind")
          return

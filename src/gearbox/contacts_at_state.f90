@@ -15,7 +15,7 @@ module evl_contacts_at_state
 
    !> What the contacts of a flank share at a state: whoever is placed first finds it.
    type :: flank_place
-      integer :: of = 0            !! the contact of the flank that was placed before, whose local variables are those of all; 0: none
+      integer :: of = 0            !! the contact placed before, whose local variables are those of all; 0: none
       type(tangent_line_t) :: line !! the line of action, where tracking is closed_form
    end type flank_place
 

@@ -1,7 +1,7 @@
 !> What every force law has, whatever its family: parameters, and what it says of itself.
 module evl_force_law
+   use evl_kind_finder, only: described_t
    use evl_kinds, only: wp
-   use evl_row, only: kind_t
    implicit none (type, external)
    private
 
@@ -10,32 +10,20 @@ module evl_force_law
 
    integer, parameter :: max_law_parameters = 8 !! EVL_MAX_PARAMETERS
 
-   !> One law of a family with its parameters, as a case chooses it. Assumed valid below: see law_validate.
+   !> One law of a family with its parameters, as a case chooses it.
    type :: law_choice
       integer :: law = 0                                     !! index in the family's table, from 0
       real(wp) :: parameters(max_law_parameters) = 0.0_wp    !! in the units of the table
    end type law_choice
 
    !> A law that acts. Its families extend it: evl_elastic_law, evl_damping_law, evl_friction_law.
-   type, abstract :: force_law_t
+   type, abstract, extends(described_t) :: force_law_t
       integer :: index = -1                                  !! in the family's table; -1 of a law that nobody chose
       real(wp) :: parameters(max_law_parameters) = 0.0_wp    !! in the order and the units of the description
    contains
-      procedure(describe), deferred, nopass :: describe
       procedure :: check => accept
       procedure, nopass :: is_none => no
    end type force_law_t
-
-   abstract interface
-
-      !> Name, source and parameters; `info` comes empty.
-      pure subroutine describe(info)
-         import :: kind_t
-         implicit none (type, external)
-         type(kind_t), intent(inout) :: info
-      end subroutine describe
-
-   end interface
 
 contains
 

@@ -16,7 +16,8 @@ module evl_bearing_support
 
 contains
 
-   pure type(kind_t) function describe() result(info)
+   pure subroutine describe(info)
+      type(kind_t), intent(inout) :: info
 
       info%name = "bearing"
       info%text = "bearing: moves in x and y"
@@ -26,7 +27,7 @@ contains
                         parameter_row("stiffness", "N/m", "stiffness in x and y", range=not_negative, type=type_pair), &
                         parameter_row("damping", "N s/m", "damping in x and y", range=not_negative, default="[0, 0]", &
                                       type=type_pair)])
-   end function describe
+   end subroutine describe
 
    subroutine take(self, given, support)
       class(bearing_support), intent(inout) :: self

@@ -21,12 +21,13 @@ module evl_constant_load
 
 contains
 
-   pure type(kind_t) function describe() result(info)
+   pure subroutine describe(info)
+      type(kind_t), intent(inout) :: info
 
       info%name = "torque"
       info%text = "constant torque"
       allocate (info%rows, source=[parameter_row("value", "N m", "torque, counterclockwise positive")])
-   end function describe
+   end subroutine describe
 
    subroutine take(self, given)
       class(constant_load), intent(inout) :: self

@@ -16,11 +16,12 @@ module evl_fixed_support
 
 contains
 
-   pure type(kind_t) function describe() result(info)
+   pure subroutine describe(info)
+      type(kind_t), intent(inout) :: info
 
       info%name = "fixed"
       info%text = "fixed axle"
-   end function describe
+   end subroutine describe
 
    subroutine take(self, given, support)
       class(fixed_support), intent(inout) :: self

@@ -32,7 +32,8 @@ contains
 
    include "numerics/sine_cosine.inc"
 
-   pure type(kind_t) function describe() result(info)
+   pure subroutine describe(info)
+      type(kind_t), intent(inout) :: info
 
       info%name = "harmonic"
       info%text = "torque that oscillates over time or with the wheel's angle"
@@ -43,7 +44,7 @@ contains
                                   parameter_row("order", "", "sin(order phi + phase), phi the angle of the wheel since the start", &
                                                  range=positive, left_open=.true.), &
                                    parameter_row("phase", "deg", "phase at time 0, or at angle 0", default="0")])
-   end function describe
+   end subroutine describe
 
    pure subroutine refusal(given, message, field)
       type(given_t), intent(in) :: given

@@ -4,9 +4,10 @@
 module evl_load
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use evl_given, only: given_t
+   use evl_kind_finder, only: described_t
    use evl_kinds, only: lanes, wp
    use evl_knots, only: knots_t
-   use evl_row, only: kind_t, short_length
+   use evl_row, only: short_length
    implicit none (type, external)
    private
 
@@ -28,7 +29,7 @@ module evl_load
       integer :: segment = 0
    end type lane_points
 
-   type, abstract :: load_t
+   type, abstract, extends(described_t) :: load_t
       integer :: wheel = 0                  !! which wheel it acts on
       logical :: against_housing = .false.  !! the reaction, and the speed referred to; otherwise the ground
       integer :: i_segment = 0              !! index of the segment in the discrete state; 0 without knots
@@ -41,7 +42,6 @@ module evl_load
       real(wp) :: fastest = 0.0_wp          !! largest magnitude of the prescribed speed [rad/s]
       character(len=short_length) :: sense = "value" !! parameter that gives its torque or speed its sense
    contains
-      procedure(describe_kind), deferred, nopass :: describe
       procedure(take_numbers), deferred :: take
       procedure(torque_there), deferred :: ask
       procedure(largest_torque), deferred :: largest
@@ -53,12 +53,6 @@ module evl_load
    end type load_t
 
    abstract interface
-
-      !> Name, text and rows of the kind.
-      pure type(kind_t) function describe_kind()
-         import :: kind_t
-         implicit none (type, external)
-      end function describe_kind
 
       !> Take the parameters: every one is in its range, and `refusal` has nothing to say.
       subroutine take_numbers(self, given)

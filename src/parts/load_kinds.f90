@@ -2,6 +2,7 @@
 module evl_load_kinds
    use evl_constant_load, only: constant_load
    use evl_harmonic_load, only: harmonic_load
+   use evl_kind_finder, only: kind_finder
    use evl_load, only: load_t
    use evl_speed_load, only: speed_load
    use evl_table_load, only: table_load
@@ -9,42 +10,29 @@ module evl_load_kinds
    implicit none (type, external)
    private
 
-   public :: load_kind_count, load_of_kind
+   public :: load_of_kind
 
 contains
 
-   !> A load of a kind, without its parameters; not allocated if there is no such kind.
-   subroutine load_of_kind(kind, load, n_kinds)
-      integer, intent(in) :: kind                        !! from 0
+   !> The load of the kind that a finder looks for, without its parameters; not allocated if there is none.
+   subroutine load_of_kind(finder, load)
+      type(kind_finder), intent(inout) :: finder
       class(load_t), allocatable, intent(out) :: load
-      integer, intent(out), optional :: n_kinds          !! how many there are
-      integer :: n
 
-      n = 0
       call offer(constant_load())
       call offer(viscous_load())
       call offer(table_load())
       call offer(speed_load())
       call offer(harmonic_load())
-      if (present(n_kinds)) n_kinds = n
 
    contains
 
-      !> The next kind of the table.
-      subroutine offer(of_kind)
-         class(load_t), intent(in) :: of_kind
+      subroutine offer(entry)
+         class(load_t), intent(in) :: entry
 
-         if (n == kind) allocate (load, source=of_kind)
-         n = n + 1
+         if (finder%meets(entry)) allocate (load, source=entry)
       end subroutine offer
 
    end subroutine load_of_kind
-
-   !> How many kinds there are.
-   integer function load_kind_count() result(n)
-      class(load_t), allocatable :: none
-
-      call load_of_kind(-1, none, n)
-   end function load_kind_count
 
 end module evl_load_kinds

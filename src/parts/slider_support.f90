@@ -17,7 +17,8 @@ module evl_slider_support
 
 contains
 
-   pure type(kind_t) function describe() result(info)
+   pure subroutine describe(info)
+      type(kind_t), intent(inout) :: info
 
       info%name = "slider"
       info%text = "slider: moves in one direction"
@@ -30,7 +31,7 @@ contains
                                       default="0"), &
                         parameter_row("stiffness", "N/m", "stiffness of the spring", range=not_negative), &
                         parameter_row("damping", "N s/m", "coefficient of the damper", range=not_negative, default="0")])
-   end function describe
+   end subroutine describe
 
    subroutine take(self, given, support)
       class(slider_support), intent(inout) :: self

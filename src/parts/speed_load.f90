@@ -24,7 +24,8 @@ module evl_speed_load
 
 contains
 
-   pure type(kind_t) function describe() result(info)
+   pure subroutine describe(info)
+      type(kind_t), intent(inout) :: info
 
       info%name = "speed"
       info%text = "prescribed speed"
@@ -36,7 +37,7 @@ contains
                         parameter_row("speed", "rad/s", &
                                       "angular velocity at the knots; linear between them, constant outside", &
                                       left_open=.true., type=type_at_knots)])
-   end function describe
+   end subroutine describe
 
    pure subroutine refusal(given, message, field)
       type(given_t), intent(in) :: given

@@ -4,8 +4,8 @@
 !> Which there are is said by its kind, which extends support_kind_t in a file of its own and has a line in evl_support_kinds.
 module evl_support
    use evl_given, only: given_t
+   use evl_kind_finder, only: described_t
    use evl_kinds, only: wp
-   use evl_row, only: kind_t
    implicit none (type, external)
    private
 
@@ -31,20 +31,13 @@ module evl_support
       class(support_kind_t), allocatable :: kind
    end type support_t
 
-   type, abstract :: support_kind_t
+   type, abstract, extends(described_t) :: support_kind_t
    contains
-      procedure(describe_kind), deferred, nopass :: describe
       procedure(take_numbers), deferred :: take
       procedure :: reference => at_rest
    end type support_kind_t
 
    abstract interface
-
-      !> Name, text and rows of the kind.
-      pure type(kind_t) function describe_kind()
-         import :: kind_t
-         implicit none (type, external)
-      end function describe_kind
 
       !> Degrees of freedom with their springs and dampers, and the mass that moves beside the wheel's, from parameters that are
       !> in their ranges.

@@ -2,45 +2,33 @@
 module evl_support_kinds
    use evl_bearing_support, only: bearing_support
    use evl_fixed_support, only: fixed_support
+   use evl_kind_finder, only: kind_finder
    use evl_slider_support, only: slider_support
    use evl_support, only: support_kind_t
    implicit none (type, external)
    private
 
-   public :: support_kind_count, support_of_kind
+   public :: support_of_kind
 
 contains
 
-   !> A kind; not allocated if there is no such kind.
-   subroutine support_of_kind(kind, support, n_kinds)
-      integer, intent(in) :: kind                        !! from 0
+   !> The support of the kind that a finder looks for, without its parameters; not allocated if there is none.
+   subroutine support_of_kind(finder, support)
+      type(kind_finder), intent(inout) :: finder
       class(support_kind_t), allocatable, intent(out) :: support
-      integer, intent(out), optional :: n_kinds          !! how many there are
-      integer :: n
 
-      n = 0
       call offer(fixed_support())
       call offer(slider_support())
       call offer(bearing_support())
-      if (present(n_kinds)) n_kinds = n
 
    contains
 
-      !> The next kind of the table.
-      subroutine offer(of_kind)
-         class(support_kind_t), intent(in) :: of_kind
+      subroutine offer(entry)
+         class(support_kind_t), intent(in) :: entry
 
-         if (n == kind) allocate (support, source=of_kind)
-         n = n + 1
+         if (finder%meets(entry)) allocate (support, source=entry)
       end subroutine offer
 
    end subroutine support_of_kind
-
-   !> How many kinds there are.
-   integer function support_kind_count() result(n)
-      class(support_kind_t), allocatable :: none
-
-      call support_of_kind(-1, none, n)
-   end function support_kind_count
 
 end module evl_support_kinds

@@ -23,7 +23,8 @@ contains
 
    include "parts/between_knots.inc"
 
-   pure type(kind_t) function describe() result(info)
+   pure subroutine describe(info)
+      type(kind_t), intent(inout) :: info
 
       info%name = "table"
       info%text = "torque over time"
@@ -31,7 +32,7 @@ contains
                 source=[parameter_row("time", "s", "knots of the table, strictly increasing, at least two", type=type_knots), &
                         parameter_row("torque", "N m", "torque at the knots; linear between them, constant outside", &
                                       type=type_at_knots)])
-   end function describe
+   end subroutine describe
 
    subroutine take(self, given)
       class(table_load), intent(inout) :: self

@@ -22,14 +22,15 @@ module evl_viscous_load
 
 contains
 
-   pure type(kind_t) function describe() result(info)
+   pure subroutine describe(info)
+      type(kind_t), intent(inout) :: info
 
       info%name = "viscous"
       info%text = "torque against the speed"
       allocate (info%rows, &
                 source=[parameter_row("coefficient", "N m s/rad", "the torque is minus coefficient times angular velocity", &
                                       range=not_negative)])
-   end function describe
+   end subroutine describe
 
    subroutine take(self, given)
       class(viscous_load), intent(inout) :: self

@@ -40,10 +40,11 @@ contains
       gearbox%housing%acts = .true.
    end subroutine support_shake
 
-   pure type(kind_t) function describe() result(info)
+   pure subroutine describe(info)
+      type(kind_t), intent(inout) :: info
 
       info%name = "shaken"
-   end function describe
+   end subroutine describe
 
    !> Nothing: it takes the place of a support that has its numbers.
    subroutine take(self, given, support)

@@ -5,14 +5,16 @@ module law_calls
    use evl_contact_context, only: contact_context
    use evl_damping_law, only: damping_law_t, no_viscous, viscous_force, viscous_result
    use evl_elastic_law, only: elastic_law_t, elastic_result
-   use evl_force_law, only: law_choice
+   use evl_force_law, only: force_law_t
    use evl_friction_law, only: friction_law_t
-   use evl_law_table, only: damping_law, elastic_law, friction_law, law_validate
+   use evl_kind_finder, only: kind_finder
+   use evl_law_table, only: damping_law, elastic_law, friction_law
+   use evl_row, only: is_left_open, kind_t, range_error
    use evl_status, only: code_invalid_input, code_ok, message_length, status_t
    implicit none (type, external)
    private
 
-   public :: choice_of, given_contact, given_law
+   public :: given_contact, given_damping, given_elastic, given_friction, given_law
    public :: test_law_elastic_force, test_law_elastic_limit, test_law_elastic_potential, test_law_friction_factor
    public :: test_law_friction_knee, test_law_friction_mode, test_law_penetration, test_law_validate, test_law_viscous_force
 
@@ -29,16 +31,52 @@ module law_calls
 
 contains
 
-   !> Check a law's index and the range of its parameters.
+   !> Check a law's index, the ranges of its parameters by its rows, and how they stand to each other.
    subroutine test_law_validate(family, choice, status) bind(c)
       integer(c_int), intent(in), value :: family
       type(given_law), intent(in) :: choice
       type(c_status), intent(out) :: status
       type(status_t) :: s
+      class(elastic_law_t), allocatable :: elastic
+      class(damping_law_t), allocatable :: damping
+      class(friction_law_t), allocatable :: friction
 
-      call law_validate(family, choice_of(choice), s%code, s%field, s%message)
+      write (s%message, "(a, i0, a)") "there is no law ", choice%law, " in this family"
+      s%code = code_invalid_input
+      s%field = "law"
+      select case (family)
+      case (0)
+         call given_elastic(choice, elastic)
+         if (allocated(elastic)) call check(elastic, s)
+      case (1)
+         call given_damping(choice, damping)
+         if (allocated(damping)) call check(damping, s)
+      case (2)
+         call given_friction(choice, friction)
+         if (allocated(friction)) call check(friction, s)
+      end select
       call status_to_c(s, status)
    end subroutine test_law_validate
+
+   subroutine check(law, status)
+      class(force_law_t), intent(in) :: law
+      type(status_t), intent(inout) :: status
+      type(kind_t) :: info
+      integer :: i
+
+      call law%describe(info)
+      status%message = ""
+      if (.not. allocated(info%rows)) allocate (info%rows(0))
+      do i = 1, size(info%rows)
+         status%field = info%rows(i)%key
+         if (is_left_open(info%rows(i), law%parameters(i))) cycle
+         status%message = range_error(info%rows(i), law%parameters(i))
+         if (status%message /= "") exit
+      end do
+      if (status%message == "") call law%check(status%field, status%message)
+      status%code = merge(code_ok, code_invalid_input, status%message == "")
+      if (status%message /= "") status%message = trim(status%message)//" (law "//trim(info%name)//")"
+   end subroutine check
 
    !> Elastic normal force with its derivatives to h, rho_a and rho_b.
    subroutine test_law_elastic_force(n, choice, contexts, force, d_h, d_rho_a, d_rho_b, codes) bind(c)
@@ -51,7 +89,7 @@ contains
       type(elastic_result) :: elastic
       integer :: i
 
-      call elastic_law(choice_of(choice), law)
+      call given_elastic(choice, law)
       do i = 1, n
          call law%force(context_of(contexts(i)), elastic, codes(i))
          force(i) = elastic%force
@@ -69,7 +107,7 @@ contains
       class(elastic_law_t), allocatable :: law
       character(len=message_length) :: text
 
-      call elastic_law(choice_of(choice), law)
+      call given_elastic(choice, law)
       call law%limit_message(context_of(context), text)
       call to_c(text, message)
    end subroutine test_law_elastic_limit
@@ -85,7 +123,7 @@ contains
       class(elastic_law_t), allocatable :: law
       integer :: i
 
-      call elastic_law(choice_of(choice), law)
+      call given_elastic(choice, law)
       do i = 1, n
          call law%penetration(context_of(contexts(i)), force(i), h(i), codes(i))
       end do
@@ -102,7 +140,7 @@ contains
       type(elastic_result) :: elastic
       integer :: i
 
-      call elastic_law(choice_of(choice), law)
+      call given_elastic(choice, law)
       do i = 1, n
          call law%force(context_of(contexts(i)), elastic, codes(i))
          potential(i) = law%potential(context_of(contexts(i)), elastic%force)
@@ -125,8 +163,8 @@ contains
       type(viscous_result) :: viscous
       integer :: i
 
-      call elastic_law(choice_of(contact), acting_contact)
-      call damping_law(choice_of(damping), acting_damping)
+      call given_elastic(contact, acting_contact)
+      call given_damping(damping, acting_damping)
       do i = 1, n
          ctx = context_of(contexts(i))
          call acting_contact%force(ctx, elastic, codes(i))
@@ -153,7 +191,7 @@ contains
       class(friction_law_t), allocatable :: law
       integer :: i
 
-      call friction_law(choice_of(choice), law)
+      call given_friction(choice, law)
       do i = 1, n
          call law%factor(modes(i), v_t(i), factor(i), d_v(i))
       end do
@@ -168,7 +206,7 @@ contains
       class(friction_law_t), allocatable :: law
       integer :: i
 
-      call friction_law(choice_of(choice), law)
+      call given_friction(choice, law)
       do i = 1, n
          modes(i) = law%branch(v_t(i))
       end do
@@ -179,17 +217,42 @@ contains
       type(given_law), intent(in) :: choice
       class(friction_law_t), allocatable :: law
 
-      call friction_law(choice_of(choice), law)
+      call given_friction(choice, law)
       test_law_friction_knee = law%knee()
    end function test_law_friction_knee
 
-   !> The kernel's choice of a law.
-   elemental type(law_choice) function choice_of(given) result(choice)
-      type(given_law), intent(in) :: given
+   !> The elastic law of a choice; not allocated if there is no such law.
+   subroutine given_elastic(choice, law)
+      type(given_law), intent(in) :: choice
+      class(elastic_law_t), allocatable, intent(out) :: law
+      type(kind_finder) :: finder
 
-      choice%law = given%law
-      choice%parameters = given%parameters
-   end function choice_of
+      finder%index = choice%law
+      call elastic_law(finder, law)
+      if (allocated(law)) law%parameters = choice%parameters
+   end subroutine given_elastic
+
+   !> The damping law of a choice; not allocated if there is no such law.
+   subroutine given_damping(choice, law)
+      type(given_law), intent(in) :: choice
+      class(damping_law_t), allocatable, intent(out) :: law
+      type(kind_finder) :: finder
+
+      finder%index = choice%law
+      call damping_law(finder, law)
+      if (allocated(law)) law%parameters = choice%parameters
+   end subroutine given_damping
+
+   !> The friction law of a choice; not allocated if there is no such law.
+   subroutine given_friction(choice, law)
+      type(given_law), intent(in) :: choice
+      class(friction_law_t), allocatable, intent(out) :: law
+      type(kind_finder) :: finder
+
+      finder%index = choice%law
+      call friction_law(finder, law)
+      if (allocated(law)) law%parameters = choice%parameters
+   end subroutine given_friction
 
    !> The kernel's context.
    elemental type(contact_context) function context_of(given) result(context)

@@ -7,9 +7,8 @@ module laws_capi
    use evl_friction_law, only: friction_law_t, friction_one_by_one => lane_by_lane
    use evl_gearbox, only: gearbox_t
    use evl_kinds, only: lanes, wp
-   use evl_law_table, only: damping_law, elastic_law, friction_law
-   use law_calls, only: choice_of, given_contact, given_law
    use evl_row, only: kind_t
+   use law_calls, only: given_contact, given_damping, given_elastic, given_friction, given_law
    implicit none (type, external)
    private
 
@@ -54,7 +53,7 @@ contains
       class(elastic_law_t), allocatable :: law
       logical :: answered
 
-      call elastic_law(choice_of(choice), law)
+      call given_elastic(choice, law)
       if (bare == 1) then
          call elastic_one_by_one(law, context_of_lanes(contexts), force, d_energy, excess, answered)
       else
@@ -73,7 +72,7 @@ contains
       class(damping_law_t), allocatable :: law
       type(lane_context) :: at
 
-      call damping_law(choice_of(choice), law)
+      call given_damping(choice, law)
       at = context_of_lanes(contexts)
       at%side = side
       if (bare == 1) then
@@ -91,7 +90,7 @@ contains
       real(c_double), intent(inout) :: factor(lanes)
       class(friction_law_t), allocatable :: law
 
-      call friction_law(choice_of(choice), law)
+      call given_friction(choice, law)
       if (bare == 1) then
          call friction_one_by_one(law, branch, v_t, factor)
       else
