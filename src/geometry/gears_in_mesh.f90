@@ -223,11 +223,6 @@ contains
       if (abs(a%base_pitch - b%base_pitch) > agreement*a%base_pitch) then
          call refuse(status, "", "its wheels cannot mesh: the base pitch pi m cos(alpha) of the driving wheel is " &
                      //quantity(a%base_pitch, "m")//", that of the driven wheel "//quantity(b%base_pitch, "m"))
-      else if (given%has_centre_distance .and. .not. (ieee_is_finite(given%centre_distance) .and. given%centre_distance > 0)) then
-         call refuse(status, "centre_distance", "centre distance "//quantity(given%centre_distance, "m") &
-                     //" must be a finite number greater than 0")
-      else if (given%has_backlash .and. .not. (ieee_is_finite(given%backlash) .and. given%backlash >= 0)) then
-         call refuse(status, "backlash", "backlash "//quantity(given%backlash, "m")//" must be a finite number, not negative")
       end if
    end subroutine check_given
 

@@ -12,15 +12,12 @@
 module evl_mesh_geometry
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use evl_kinds, only: pi, wp
-   use evl_status, only: clear, code_invalid_input, degrees, fail, has_failed, quantity, status_t
+   use evl_status, only: clear, code_invalid_input, degrees, fail, status_t
    implicit none (type, external)
    private
 
    public :: spur_pair_derive, spur_pair_least_radius, spur_pair_place, spur_pair_t
-   public :: maximum_teeth, minimum_teeth
 
-   integer, parameter :: minimum_teeth = 3     !! fewer make no wheel
-   integer, parameter :: maximum_teeth = 10000 !! more is a slip of the keyboard
    real(wp), parameter :: paper_factor = 1.05_wp !! alpha_w/alpha_inf of the paper
 
    !> All that follows from teeth, pitch radius, pressure angle and the place of the pair. Points in the housing frame.
@@ -33,7 +30,6 @@ module evl_mesh_geometry
       real(wp) :: centre_distance = 0.0_wp     !! L = r_A + r_B [m]
       real(wp) :: chi = 0.0_wp                 !! direction of the centre line [rad]
       real(wp) :: gamma_a = 0.0_wp             !! angular pitch 2 pi/z_A [rad]
-      real(wp) :: gamma_b = 0.0_wp             !! angular pitch 2 pi/z_B [rad]
       real(wp) :: alpha_inf = 0.0_wp           !! pressure angle at which K_A K_B is one base pitch long [rad]
       real(wp) :: alpha_w = 0.0_wp             !! working pressure angle [rad]
       real(wp) :: base_radius_a = 0.0_wp       !! r_bA = r_A cos alpha_w [m]
@@ -45,8 +41,6 @@ module evl_mesh_geometry
       real(wp) :: tip_radius_b = 0.0_wp        !! |a - O_B| [m]
       real(wp) :: rho_start_a = 0.0_wp         !! radius of curvature of A at a, (rho - |ab|)/2 [m]
       real(wp) :: rho_start_b = 0.0_wp         !! radius of curvature of B at a, (rho + |ab|)/2 [m]
-      real(wp) :: phi_a = 0.0_wp               !! angle of A's involute root when the teeth touch at a [rad]
-      real(wp) :: phi_b = 0.0_wp               !! the same of B [rad]
       real(wp) :: centre_a(2) = 0.0_wp         !! O_A [m]
       real(wp) :: centre_b(2) = 0.0_wp         !! O_B [m]
       real(wp) :: t(2) = 0.0_wp                !! unit vector across the line of action, from O_A to K_A
@@ -72,11 +66,10 @@ contains
    !> Derive all geometry of a pair.
    !>
    !> Source: Kosenko & Gusev 2011, section 7.1, for any direction of the centre line and either flank.
-   !> Errors: code_invalid_input with field teeth, pitch_radius, pressure_angle, centre_line_angle, driving_rotation or
-   !> centre; for the first two, status%index is 1 for wheel A and 2 for wheel B.
+   !> Errors: code_invalid_input with field pressure_angle. What else is given is in the ranges of its rows.
    pure subroutine spur_pair_derive(teeth_a, teeth_b, pitch_radius_a, paper_rule, alpha_w, chi, sigma, centre_a, &
                                     pair, status)
-      integer, intent(in) :: teeth_a         !! z_A, minimum_teeth to maximum_teeth
+      integer, intent(in) :: teeth_a         !! z_A
       integer, intent(in) :: teeth_b         !! z_B, the same
       real(wp), intent(in) :: pitch_radius_a !! operating pitch radius of A [m], > 0
       logical, intent(in) :: paper_rule      !! alpha_w = 1.05 alpha_inf, whatever is given
@@ -89,24 +82,6 @@ contains
       real(wp) :: alpha_inf, angle
 
       call clear(status)
-      call check_teeth(teeth_a, 1, status)
-      if (has_failed(status)) return
-      call check_teeth(teeth_b, 2, status)
-      if (has_failed(status)) return
-      if (.not. (ieee_is_finite(pitch_radius_a) .and. pitch_radius_a > 0.0_wp)) then
-         call fail(status, code_invalid_input, "pitch radius "//quantity(pitch_radius_a, "m") &
-                   //" must be a finite number greater than 0", index=1, field="pitch_radius")
-      else if (.not. ieee_is_finite(chi)) then
-         call fail(status, code_invalid_input, "centre line angle "//quantity(chi, "rad") &
-                   //" must be a finite number", field="centre_line_angle")
-      else if (abs(sigma) /= 1) then
-         call fail(status, code_invalid_input, "sense of rotation must be -1 or +1", field="driving_rotation")
-      else if (.not. all(ieee_is_finite(centre_a))) then
-         call fail(status, code_invalid_input, "centre ("//quantity(centre_a(1), "m")//", " &
-                   //quantity(centre_a(2), "m")//") must be two finite numbers", index=1, field="centre")
-      end if
-      if (has_failed(status)) return
-
       alpha_inf = atan(2.0_wp*pi/(real(teeth_a, wp) + real(teeth_b, wp)))
       angle = alpha_w
       if (paper_rule) angle = paper_factor*alpha_inf
@@ -137,7 +112,6 @@ contains
       pair%pitch_radius_b = pair%ratio*pair%pitch_radius_a
       pair%centre_distance = pair%pitch_radius_a + pair%pitch_radius_b
       pair%gamma_a = 2.0_wp*pi/real(pair%teeth_a, wp)
-      pair%gamma_b = 2.0_wp*pi/real(pair%teeth_b, wp)
       pair%base_radius_a = pair%pitch_radius_a*cos(pair%alpha_w)
       pair%base_radius_b = pair%pitch_radius_b*cos(pair%alpha_w)
       pair%base_radius_sum = pair%base_radius_a + pair%base_radius_b
@@ -171,8 +145,6 @@ contains
       pair%point_k_b = pair%centre_b - pair%base_radius_b*pair%t
       pair%point_a = pair%point_k_a + pair%rho_start_a*pair%e
       pair%point_b = pair%point_k_a + pair%rho_tip_a*pair%e
-      pair%phi_a = pair%chi + pair%sigma*(pair%alpha_w - pair%rho_start_a/pair%base_radius_a)
-      pair%phi_b = pair%chi + pair%sigma*(pi + pair%alpha_w - pair%rho_start_b/pair%base_radius_b)
    end subroutine spur_pair_place
 
    !> The smallest radius of curvature of either flank on the path of contact [m]: that of A at its start, or of B at its end.
@@ -181,18 +153,5 @@ contains
 
       least = min(pair%rho_start_a, pair%rho - pair%rho_tip_a)
    end function spur_pair_least_radius
-
-   !> Refuse a number of teeth out of range.
-   pure subroutine check_teeth(teeth, wheel, status)
-      integer, intent(in) :: teeth            !! z
-      integer, intent(in) :: wheel            !! 1 for A, 2 for B
-      type(status_t), intent(inout) :: status !! filled on error
-      character(len=96) :: message
-
-      if (teeth >= minimum_teeth .and. teeth <= maximum_teeth) return
-      write (message, "(a, i0, a, i0, a, i0)") "number of teeth ", teeth, " must be from ", minimum_teeth, " to ", &
-         maximum_teeth
-      call fail(status, code_invalid_input, trim(message), index=wheel, field="teeth")
-   end subroutine check_teeth
 
 end module evl_mesh_geometry

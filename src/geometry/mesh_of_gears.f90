@@ -31,7 +31,6 @@ contains
       pair%centre_distance = mesh%centre_distance
       pair%chi = chi
       pair%gamma_a = 2*pi/gear_a%teeth
-      pair%gamma_b = 2*pi/gear_b%teeth
       pair%alpha_inf = atan(2*pi/(gear_a%teeth + gear_b%teeth))
       pair%alpha_w = mesh%working_pressure_angle
       pair%base_radius_a = gear_a%base_radius

@@ -3,7 +3,7 @@
 !> An entry is a key with its value; the entries of a block follow its own, one level deeper. A thing asks its block by key and
 !> gets numbers in SI units and radians; a key that is not given has the default of its row.
 module evl_given
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
    use evl_kinds, only: wp
    use evl_row, only: has_default, row_t, short_length, text_length, type_size
    implicit none (type, external)
@@ -103,12 +103,10 @@ contains
       class(given_t), intent(in) :: self
       character(len=*), intent(in) :: key
       real(wp), allocatable :: all(:)
-      character(len=short_length) :: unit
 
-      call take_numbers(self, key, all, unit)
+      all = self%numbers(key)
       number = ieee_value(number, ieee_quiet_nan)
       if (size(all) > 0) number = all(1)
-      if (unit == "deg") number = number*radians_per_degree
    end function number
 
    !> The same in the unit of the row.
@@ -127,12 +125,11 @@ contains
    pure integer function whole(self, key)
       class(given_t), intent(in) :: self
       character(len=*), intent(in) :: key
-      real(wp), allocatable :: all(:)
-      character(len=short_length) :: unit
+      real(wp) :: number
 
-      call take_numbers(self, key, all, unit)
+      number = self%in_unit(key)
       whole = 0
-      if (size(all) > 0) whole = nint(all(1))
+      if (.not. ieee_is_nan(number)) whole = nint(number)
    end function whole
 
    !> All numbers of a key in SI units, angles in radians; those of its default if it is not given, none without one.

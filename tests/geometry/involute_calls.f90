@@ -2,6 +2,7 @@
 module involute_calls
    use, intrinsic :: iso_c_binding, only: c_bool, c_double, c_int
    use evl_capi_types, only: c_status, status_to_c
+   use evl_kinds, only: pi
    use evl_mesh_geometry, only: spur_pair_derive, spur_pair_t
    use evl_status, only: status_t
    use involute, only: involute_flank, involute_flank_housing, involute_flank_polar, involute_point
@@ -11,9 +12,9 @@ module involute_calls
    public :: test_involute_flank, test_involute_flank_housing, test_involute_flank_polar, test_involute_points
    public :: test_spur_pair_derive
 
-   !> What the tests ask of a pair: fields of `spur_pair_t`.
+   !> What the tests ask of a pair: fields of `spur_pair_t`, and the angles of the involutes' roots when the teeth touch at a.
    type, bind(c) :: c_spur_pair
-      real(c_double) :: ratio, pitch_radius_a, pitch_radius_b, centre_distance, gamma_a, gamma_b, alpha_inf, alpha_w
+      real(c_double) :: ratio, pitch_radius_a, pitch_radius_b, centre_distance, gamma_a, alpha_inf, alpha_w
       real(c_double) :: base_radius_a, base_radius_b, base_radius_sum, rho, base_pitch, tip_radius_a, tip_radius_b
       real(c_double) :: rho_start_a, rho_start_b, phi_a, phi_b
       real(c_double), dimension(2) :: centre_a, centre_b, t, e, point_k_a, point_k_b, point_a, point_b, pitch_point
@@ -96,11 +97,13 @@ contains
       call spur_pair_derive(teeth_a, teeth_b, pitch_radius_a, logical(paper_rule), alpha_w, chi, sigma, centre_a, p, s)
       pair = c_spur_pair( &
              ratio=p%ratio, pitch_radius_a=p%pitch_radius_a, pitch_radius_b=p%pitch_radius_b, &
-             centre_distance=p%centre_distance, gamma_a=p%gamma_a, gamma_b=p%gamma_b, alpha_inf=p%alpha_inf, &
+             centre_distance=p%centre_distance, gamma_a=p%gamma_a, alpha_inf=p%alpha_inf, &
              alpha_w=p%alpha_w, base_radius_a=p%base_radius_a, base_radius_b=p%base_radius_b, &
              base_radius_sum=p%base_radius_sum, rho=p%rho, base_pitch=p%base_pitch, tip_radius_a=p%tip_radius_a, &
-             tip_radius_b=p%tip_radius_b, rho_start_a=p%rho_start_a, rho_start_b=p%rho_start_b, phi_a=p%phi_a, &
-             phi_b=p%phi_b, centre_a=p%centre_a, centre_b=p%centre_b, t=p%t, e=p%e, point_k_a=p%point_k_a, &
+             tip_radius_b=p%tip_radius_b, rho_start_a=p%rho_start_a, rho_start_b=p%rho_start_b, &
+             phi_a=p%chi + p%sigma*(p%alpha_w - p%rho_start_a/p%base_radius_a), &
+             phi_b=p%chi + p%sigma*(pi + p%alpha_w - p%rho_start_b/p%base_radius_b), &
+             centre_a=p%centre_a, centre_b=p%centre_b, t=p%t, e=p%e, point_k_a=p%point_k_a, &
              point_k_b=p%point_k_b, point_a=p%point_a, point_b=p%point_b, pitch_point=p%pitch_point, &
              contains_pitch_point=logical(p%contains_pitch_point, c_bool))
       call status_to_c(s, status)

@@ -56,7 +56,7 @@ class ContactContext(ctypes.Structure):
 
 
 _PAIR_NUMBERS = (
-    *("ratio", "pitch_radius_a", "pitch_radius_b", "centre_distance", "gamma_a", "gamma_b"),
+    *("ratio", "pitch_radius_a", "pitch_radius_b", "centre_distance", "gamma_a"),
     *("alpha_inf", "alpha_w", "base_radius_a", "base_radius_b", "base_radius_sum", "rho"),
     *("base_pitch", "tip_radius_a", "tip_radius_b", "rho_start_a", "rho_start_b"),
     *("phi_a", "phi_b"),
