@@ -3,25 +3,31 @@
 !> The motion is x' = A x with x = (omega, psi_i, psi_i', s_j, s_j') and A = -dF/dy of the explicit system, analytic. What is not
 !> in x: the energies, which nothing depends on; the variables of tracked contact points, which the wheels carry along, so every
 !> mesh is taken in closed form; the angle theta, whose place in the mesh is held; speeds that are prescribed. Contact modes and
-!> friction branches stay as they are: no event takes part. A mounted housing adds its 12 states, see evl_housing_modes.
+!> friction branches stay as they are: no event takes part. A mounted housing adds its 12 states.
 module evl_modes
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use evl_closed_form, only: centre_line_turn_gradient, error_of_turns, gradient_closed_form, track_closed_form
+   use evl_contact_point, only: contact_gradient, contact_point
    use evl_dae_jacobian, only: gearbox_jacobian
    use evl_dae_residual, only: gearbox_derivative
-   use evl_gearbox, only: gearbox_t
+   use evl_gearbox, only: gearbox_local, gearbox_t
    use evl_gearbox_scaling, only: gearbox_state_scales
-   use evl_housing, only: at_omega, at_orientation, at_position, at_velocity
-   use evl_housing_modes, only: explicit_matrix, quaternion_shape
+   use evl_housing, only: at_omega, at_orientation, at_position, at_velocity, frame_t, housing_frame, housing_t, small_turns
+   use evl_housing_dynamics, only: housing_coupling
    use evl_kinds, only: wp
-   use evl_lapack, only: dgeevx, dgesvd
-   use evl_local_variables, only: i_omega, i_theta
-   use evl_status, only: code_no_solution, code_out_of_domain, fail, has_failed, status_t, subject_mesh
-   use evl_tooth_contact, only: tracking_closed_form
+   use evl_lapack, only: dgeevx, dgesv, dgesvd
+   use evl_local_variables, only: at_psi_a, at_psi_b, i_omega, i_theta, n_local
+   use evl_rotation, only: identity, skew
+   use evl_status, only: code_no_solution, code_out_of_domain, code_singular, fail, has_failed, status_t, subject_mesh
+   use evl_support, only: axle_deviation
+   use evl_tooth_contact, only: tooth_contact_t, tracking_closed_form
    use evl_wheel_loads, only: hold_loads
    implicit none (type, external)
    private
 
    public :: gearbox_modes, linearised_matrix, modes_of_matrix
+   public :: gearbox_shape
+   public :: explicit_matrix, quaternion_shape
 
    real(wp), parameter :: rounding = 10*epsilon(1.0_wp) !! of a number that went through a decomposition, times its order
 
@@ -227,5 +233,89 @@ contains
          shapes(:, k) = shape
       end do
    end subroutine sort_by_size
+
+   !> First-order changes that belong to a change dy of the state y; linear in dy.
+   pure subroutine gearbox_shape(gearbox, y, dy, arcs, displacements, penetrations, transmission_errors)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: y(gearbox%n_states), dy(gearbox%n_states)
+      real(wp), intent(out) :: arcs(size(gearbox%wheels))             !! r_b phi, or r phi without a mesh, counterclockwise [m]
+      real(wp), intent(out) :: displacements(2, size(gearbox%wheels)) !! x, y of each axle [m]
+      real(wp), intent(out) :: penetrations(size(gearbox%pairs))     !! h of each mesh [m]
+      real(wp), intent(out) :: transmission_errors(size(gearbox%pairs)) !! Delta of each mesh [m]
+      integer :: i
+
+      do i = 1, size(gearbox%wheels)
+         associate (wheel => gearbox%wheels(i))
+            arcs(i) = wheel%ratio*dy(i_theta)
+            if (wheel%i_psi > 0) arcs(i) = arcs(i) + dy(wheel%i_psi)
+            arcs(i) = merge(wheel%base_radius, wheel%pitch_radius, wheel%base_radius > 0)*arcs(i)
+            displacements(:, i) = axle_deviation(wheel%support, dy, 0)
+         end associate
+      end do
+      do i = 1, size(gearbox%pairs)
+         call mesh_shape(gearbox, gearbox%contacts(gearbox%first(i)), y, dy, penetrations(i), transmission_errors(i))
+      end do
+   end subroutine gearbox_shape
+
+   !> Changes of penetration and transmission error of one mesh.
+   pure subroutine mesh_shape(gearbox, contact, y, dy, penetration, transmission_error)
+      type(gearbox_t), intent(in) :: gearbox
+      type(tooth_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: y(:), dy(:)
+      real(wp), intent(out) :: penetration, transmission_error
+      real(wp), dimension(n_local) :: q, dq
+      type(contact_point) :: point
+      type(contact_gradient) :: gradient
+
+      call gearbox_local(gearbox, contact, y, q)
+      call gearbox_local(gearbox, contact, dy, dq)
+      associate (pair => contact%pair)
+         call track_closed_form(pair, contact%rho_start, q, point) ! neither h nor Delta depends on the place on the path
+         call gradient_closed_form(pair, q, point, gradient)
+         penetration = dot_product(gradient%h, dq)
+         transmission_error = error_of_turns(pair, dq(at_psi_a), dq(at_psi_b), dot_product(centre_line_turn_gradient(pair, q), dq))
+      end associate
+   end subroutine mesh_shape
+
+   !> From dF/dy to (dF/dy')^-1 dF/dy. Three small turns about the housing's axes stand in the places of the quaternion's vector
+   !> part, and its scalar part takes no part: with p o (1, turn/2), turn' = dOmega - Omega x turn.
+   subroutine explicit_matrix(gearbox, t, y, yp, matrix, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: t, y(gearbox%n_states), yp(gearbox%n_states)
+      real(wp), intent(inout) :: matrix(gearbox%n_states, gearbox%n_states)
+      type(status_t), intent(inout) :: status
+      real(wp) :: mass(gearbox%n_states, gearbox%n_states)
+      type(frame_t) :: frame
+      integer :: pivots(gearbox%n_states), info, i, n
+
+      n = gearbox%n_states
+      call housing_frame(gearbox%housing, t, y, frame, yp)
+      associate (p => gearbox%housing%i_state + at_orientation, o => gearbox%housing%i_state + at_omega)
+         matrix(:, p + 1:p + 3) = matmul(matrix(:, p:p + 3), small_turns(frame%orientation))
+         matrix(:, p) = 0
+         matrix(p:p + 3, :) = 0
+         matrix(p + 1:p + 3, p + 1:p + 3) = skew(frame%omega)
+         matrix(p + 1:p + 3, o:o + 2) = -identity
+      end associate
+      call housing_coupling(gearbox, frame, y, mass)
+      do i = 1, n
+         mass(i, i) = mass(i, i) + 1
+      end do
+      call dgesv(n, n, mass, n, pivots, matrix, n, info)
+      if (info /= 0) call fail(status, code_singular, "the accelerations of the housing are not determined at this state")
+   end subroutine explicit_matrix
+
+   !> Put the change of the quaternion in the place of the small turns of a mode shape.
+   pure subroutine quaternion_shape(housing, y, shape)
+      type(housing_t), intent(in) :: housing
+      real(wp), intent(in) :: y(:)
+      complex(wp), intent(inout) :: shape(:)
+      real(wp) :: gradient(4, 3)
+
+      associate (p => housing%i_state + at_orientation)
+         gradient = small_turns(y(p:p + 3))
+         shape(p:p + 3) = matmul(gradient, shape(p + 1:p + 3))
+      end associate
+   end subroutine quaternion_shape
 
 end module evl_modes

@@ -1,25 +1,22 @@
 !> The table of outputs: all sections in their order, with empty objects, as a teller that lists asks for them; and what of it a
 !> gearbox has.
 module evl_output_list
-   use evl_constant_outputs, only: tell_mesh_constants, tell_wheel_constants
+   use evl_constant_outputs, only: active_radius, tell_mesh_constants, tell_mesh_teeth, tell_wheel_constants, tell_wheel_teeth
    use evl_gear, only: gear_t
    use evl_gearbox, only: gearbox_t, section_t, wheel_t
-   use evl_gearbox_output, only: tell_gearbox
    use evl_housing, only: frame_t, housing_fixed
    use evl_housing_outputs, only: tell_bearing, tell_mesh_position, tell_pose, tell_wheel_position
    use evl_kinds, only: wp
    use evl_mesh_geometry, only: spur_pair_t
    use evl_mesh_outputs, only: mesh_points, mesh_sum, tell_coast, tell_mesh
    use evl_mesh_reference, only: mesh_reference_t
+   use evl_motion_outputs, only: tell_gearbox, tell_shaft, tell_shaft_constants, tell_wheel, wheel_motion
    use evl_output, only: dims_mesh, dims_mesh_pair, dims_shaft, dims_wheel, in_coast, in_pose, output_t
    use evl_pair_outputs, only: no_point, tell_pair
    use evl_rotation, only: identity
    use evl_shaft, only: shaft_t
-   use evl_shaft_outputs, only: tell_shaft, tell_shaft_constants
    use evl_teller, only: fill, list, teller_t, told
    use evl_tooth_contact, only: contact_state, flank_coast, no_force, no_mode, tooth_contact_t
-   use evl_tooth_outputs, only: active_radius, tell_mesh_teeth, tell_wheel_teeth
-   use evl_wheel_outputs, only: tell_wheel, wheel_motion
    implicit none (type, external)
    private
 

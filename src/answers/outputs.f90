@@ -4,7 +4,6 @@
 !> found only if a wanted output needs it.
 module evl_outputs
    use evl_gearbox, only: gearbox_t, i_turns
-   use evl_gearbox_output, only: tell_gearbox
    use evl_housing, only: frame_t, housing_fixed, housing_frame
    use evl_housing_dynamics, only: coupled_rates, ground_energies
    use evl_housing_outputs, only: finish_reaction, tell_bearing, tell_pose
@@ -12,14 +11,13 @@ module evl_outputs
    use evl_local_variables, only: i_theta
    use evl_mesh_outputs, only: put_mesh
    use evl_mode_check, only: check_modes
+   use evl_motion_outputs, only: find_wheel_motion, tell_gearbox, tell_shaft, tell_wheel, wheel_motion
    use evl_output, only: needs_all, needs_meshes, needs_rates, needs_reactions
    use evl_outside_torques, only: load_torques, shaft_torques
    use evl_shaft, only: shaft_energy, shaft_twist
-   use evl_shaft_outputs, only: tell_shaft
    use evl_status, only: has_failed, status_t
    use evl_teller, only: fill, teller_t
    use evl_tooth_contact, only: contact_state
-   use evl_wheel_outputs, only: find_wheel_motion, tell_wheel, wheel_motion
    implicit none (type, external)
    private
 

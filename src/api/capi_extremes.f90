@@ -4,9 +4,8 @@
 module evl_capi_extremes
    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_int, c_ptr
    use evl_capi_types, only: answer, c_name_length, c_status, c_text_length, to_c
-   use evl_extremes, only: extremes_table, n_watched_outputs
    use evl_gearbox, only: gearbox_t
-   use evl_gearbox_watch, only: n_kept, watched_at
+   use evl_gearbox_watch, only: extremes_table, n_kept, n_watched_outputs, watched_at
    use evl_output, only: output_t
    use evl_output_list, only: list_outputs
    use evl_status, only: status_t

@@ -8,8 +8,7 @@ module evl_capi_modes
    use evl_gearbox, only: gearbox_t, i_turns
    use evl_local_variables, only: i_theta
    use evl_mean_modes, only: gearbox_mean_modes
-   use evl_mode_shapes, only: gearbox_shape
-   use evl_modes, only: gearbox_modes
+   use evl_modes, only: gearbox_modes, gearbox_shape
    use evl_start_positions, only: mesh_position
    use evl_status, only: status_t
    use evl_tooth_contact, only: contact_mode

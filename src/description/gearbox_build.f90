@@ -12,19 +12,18 @@ module evl_gearbox_build
    use evl_gearbox_references, only: gearbox_set_references
    use evl_gearbox_scaling, only: gearbox_set_scales
    use evl_gearbox_warnings, only: check_contact_width, warn_of_sizes
+   use evl_gears_in_mesh, only: gear_pair_derive
    use evl_given, only: description_t, given_t
    use evl_housing, only: n_housing_states
    use evl_housing_description, only: housing_create
    use evl_kinds, only: pi, wp
-   use evl_loads_build, only: loads_build
    use evl_local_variables, only: i_omega, n_track
    use evl_mesh_geometry, only: spur_pair_derive
-   use evl_mesh_of_gears, only: gear_pair_derive
    use evl_output_list, only: place_outputs
+   use evl_parts_build, only: loads_build, support_build
    use evl_rational, only: rational_value
    use evl_rotors, only: rotors_join
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel, warn
-   use evl_support_build, only: support_build
    use evl_tooth_contact, only: tracking_closed_form
    use evl_train_layout, only: layout_resolve, layout_t
    implicit none (type, external)

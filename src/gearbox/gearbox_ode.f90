@@ -3,10 +3,11 @@
 !> The gearbox itself does not change, and several models may share it: the discrete state is the model's own, put there between
 !> steps by gearbox_ode_set.
 module evl_gearbox_ode
-   use evl_contacts_in_lanes, only: put_down, settle_slots
+   use evl_contact_roots, only: contact_root_directions
+   use evl_discrete_state, only: gearbox_mode
    use evl_force_jacobian, only: add_constants, add_forces, couple_reference, find_pattern
    use evl_force_lanes, only: lane_slot
-   use evl_gearbox, only: gearbox_t
+   use evl_gearbox, only: gearbox_t, i_turns
    use evl_gearbox_events, only: gearbox_root, gearbox_root_directions, gearbox_roots
    use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
    use evl_gearbox_rates, only: gearbox_rates
@@ -18,12 +19,13 @@ module evl_gearbox_ode
    use evl_ode_model, only: growth_by_coupling, growth_by_damping, growth_never, never, ode_model
    use evl_roots_lanes, only: roots_in_lanes
    use evl_status, only: code_invalid_input, fail, has_failed, status_t, subject_housing, subject_mesh
-   use evl_tooth_contact, only: contact_state, tracking_closed_form
+   use evl_tooth_contact, only: contact_state, nominal_start, touches, tracking_closed_form, unclipped
    use evl_watch_lanes, only: most_rows, watched_in_lanes
    implicit none (type, external)
    private
 
    public :: gearbox_ode, gearbox_ode_serves, gearbox_ode_create, gearbox_ode_set
+   public :: put_down, settle_slots
 
    !> Small errors of theta and omega shift the time at which a tooth pair enters, and with it a motion of 1 kHz: they count
    !> more than what moves at that frequency.
@@ -273,5 +275,43 @@ contains
       call gearbox_root_directions(self%gearbox, self%integers, directions)
       where (directions == 0) directions = never
    end subroutine root_directions
+
+   !> Take a discrete state.
+   subroutine settle_slots(gearbox, integers, reals, slots)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: reals(:)
+      type(lane_slot), intent(inout) :: slots(:) !! [tooth contacts]
+      integer :: i
+
+      do i = 1, size(gearbox%contacts)
+         slots(i)%mode = gearbox_mode(gearbox, i, integers, reals)
+         slots(i)%touches = touches(slots(i)%mode)
+         call contact_root_directions(gearbox%contacts(i), slots(i)%mode, slots(i)%directions)
+         slots(i)%rho_seen = 0
+         slots(i)%rho_start = nominal_start(gearbox%contacts(i), integers(i_turns), slots(i)%mode%tooth_pair)
+      end do
+   end subroutine settle_slots
+
+   !> Put down the contacts of one state, where the states were evaluated one by one.
+   pure subroutine put_down(contacts, lane, slots)
+      type(contact_state), intent(in) :: contacts(:) !! as from `gearbox_rates`
+      integer, intent(in) :: lane
+      type(lane_slot), intent(inout) :: slots(:)
+      integer :: i
+
+      do i = 1, size(slots)
+         if (.not. slots(i)%touches) cycle
+         associate (at => slots(i)%at, point => contacts(i)%point)
+            at%h(lane) = point%h
+            at%overlap(lane) = contacts(i)%overlap
+            at%v_t(lane) = point%v_t
+            at%rho_a(lane) = point%rho_a
+            at%rho_b(lane) = point%rho_b
+            slots(i)%force%unclipped(lane) = unclipped(contacts(i))
+            slots(i)%force%factor(lane) = contacts(i)%factor
+         end associate
+      end do
+   end subroutine put_down
 
 end module evl_gearbox_ode

@@ -2,14 +2,16 @@
 !>
 !> They come in channels: each watched output of each mesh is one. That of an output of tooth pairs is the largest of the pairs:
 !> where one pair takes over from another it has a kink, but such a kink is no maximum.
+!>
+!> Which outputs are watched, and which of their extremes over the run are told, is one table. An extreme belongs to an output of a
+!> mesh or of its tooth pairs and has its unit and its symbol; its name is that of the output with `_max` or `_min`, the time at
+!> which it was first reached has `_time` behind that.
 module evl_gearbox_watch
    use evl_closed_form, only: transmission_error
    use evl_contact_point, only: contact_point
    use evl_contact_roots, only: contact_roots
    use evl_contacts_at_state, only: look_at
    use evl_discrete_state, only: leading_contact
-   use evl_extremes, only: n_watched_outputs, watch_error, watch_friction, watch_normal, watch_pair_normal, watch_pair_pressure, &
-                           watch_penetration, watch_sliding
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_events, only: turns_root
    use evl_kinds, only: wp
@@ -23,8 +25,48 @@ module evl_gearbox_watch
    private
 
    public :: channel_of, n_channels, n_kept, watched_at
+   public :: extreme_t, extremes_table, n_watched_outputs
+   public :: watch_normal, watch_friction, watch_error, watch_sliding, watch_pair_normal, watch_pair_pressure, watch_penetration
 
    integer, parameter :: n_kept = 3 !! reals that are kept of each tooth contact
+
+   !> Watched outputs: those that a mesh has once, then those of its tooth pairs.
+   enum, bind(c)
+      enumerator :: watch_normal = 1, watch_friction, watch_error, watch_sliding
+      enumerator :: watch_pair_normal, watch_pair_pressure, watch_penetration
+   end enum
+
+   !> One extreme; see `evl_extreme` in the C header.
+   type :: extreme_t
+      character(len=31) :: output = ""
+      character(len=95) :: long_name = ""
+      integer :: watched = 0       !! one of the watched outputs
+      logical :: is_largest = .true.
+   end type extreme_t
+
+   type(extreme_t), parameter :: extremes_table(*) = &
+                                 [extreme_t("normal_force", &
+                                            "largest normal force of all tooth pairs; of rigid contact between impacts", &
+                                            watch_normal), &
+                                  extreme_t("pair_normal_force", &
+                                            "largest normal force of a tooth pair; of rigid contact between impacts", &
+                                            watch_pair_normal), &
+                                  extreme_t("friction_force", &
+                                            "largest friction force on the driving wheel along t", &
+                                            watch_friction), &
+                                  extreme_t("friction_force", &
+                                            "smallest friction force on the driving wheel along t", &
+                                            watch_friction, .false.), &
+                                  extreme_t("pair_contact_pressure", &
+                                            "largest contact pressure of a tooth pair", &
+                                            watch_pair_pressure), &
+                                  extreme_t("penetration", "largest penetration of the flanks", watch_penetration), &
+                                  extreme_t("transmission_error", "largest transmission error", watch_error), &
+                                  extreme_t("transmission_error", "smallest transmission error", watch_error, .false.), &
+                                  extreme_t("sliding_velocity", "largest sliding velocity along t", watch_sliding), &
+                                  extreme_t("sliding_velocity", "smallest sliding velocity along t", watch_sliding, .false.)]
+
+   integer, parameter :: n_watched_outputs = maxval(extremes_table%watched)
 
 contains
 

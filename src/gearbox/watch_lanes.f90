@@ -4,11 +4,10 @@ module evl_watch_lanes
    use evl_contact_lanes, only: contact_in_lanes, lane_contact
    use evl_contact_point, only: contact_point, tracked_pair
    use evl_discrete_state, only: leading_contact
-   use evl_extremes, only: watch_error, watch_friction, watch_normal, watch_pair_normal, watch_pair_pressure, watch_penetration, &
-                           watch_sliding
    use evl_force_lanes, only: lane_slot
    use evl_gearbox, only: gearbox_t
-   use evl_gearbox_watch, only: channel_of
+   use evl_gearbox_watch, only: channel_of, watch_error, watch_friction, watch_normal, watch_pair_normal, watch_pair_pressure, &
+                                watch_penetration, watch_sliding
    use evl_kinds, only: lanes, pi, wp
    use evl_line_lanes, only: centre_turn_in_lanes, lane_line, line_in_lanes, motion_in_lanes
    use evl_radau_coefficients, only: n_stages

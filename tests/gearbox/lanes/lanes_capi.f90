@@ -2,13 +2,12 @@
 module lanes_capi
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_loc, c_ptr
    use evl_capi_types, only: c_status, status_to_c
-   use evl_contacts_in_lanes, only: settle_slots
    use evl_elementary, only: exponential, hyperbolic_tangent, natural_logarithm, real_power, sine_cosine
    use evl_force_lanes, only: lane_slot
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_events, only: gearbox_root, gearbox_root_directions
    use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
-   use evl_gearbox_ode, only: gearbox_ode, gearbox_ode_create, gearbox_ode_set
+   use evl_gearbox_ode, only: gearbox_ode, gearbox_ode_create, gearbox_ode_set, settle_slots
    use evl_gearbox_rates, only: gearbox_rates
    use evl_kinds, only: lanes
    use evl_roots_lanes, only: roots_in_lanes

@@ -1,15 +1,19 @@
-!> What the history tells of the motion of the wheels, and what they add to the energies.
-module evl_wheel_outputs
+!> Outputs of the gearbox as a whole, of its wheels and of its shafts.
+module evl_motion_outputs
    use evl_gearbox, only: wheel_speed, wheel_t
    use evl_kinds, only: pi, wp
    use evl_local_variables, only: i_theta
-   use evl_output, only: dims_wheel, in_wheels, needs_meshes, needs_nothing, needs_rates
+   use evl_output, only: dims_none, dims_shaft, dims_wheel, in_gearbox, in_shaft_constants, in_shafts, in_wheels, needs_meshes, &
+                         needs_nothing, needs_rates
+   use evl_shaft, only: shaft_t
    use evl_support, only: axle_deviation
    use evl_teller, only: begin, needs, tell, teller_t
    implicit none (type, external)
    private
 
    public :: wheel_motion, find_wheel_motion, tell_wheel
+   public :: tell_shaft, tell_shaft_constants
+   public :: tell_gearbox
 
    !> A wheel at a state.
    type :: wheel_motion
@@ -69,4 +73,49 @@ contains
       end associate
    end subroutine find_wheel_motion
 
-end module evl_wheel_outputs
+   subroutine tell_shaft_constants(teller, index, shaft)
+      type(teller_t), intent(inout) :: teller
+      integer, intent(in) :: index
+      type(shaft_t), intent(in) :: shaft
+
+      call begin(teller, in_shaft_constants, dims_shaft, index, is_static=.true.)
+      call tell(teller, "shaft_wheel_first", "1", "", "index of the first wheel, from 0", shaft%wheel_a - 1)
+      call tell(teller, "shaft_wheel_second", "1", "", "index of the second wheel, from 0", shaft%wheel_b - 1)
+      call tell(teller, "rigid_shaft", "1", "", "1 if the shaft cannot twist", shaft%rigid)
+      call tell(teller, "shaft_stiffness", "N m rad-1", "c", "torsional stiffness; 0 for a rigid shaft", &
+                merge(0.0_wp, shaft%stiffness, shaft%rigid))
+      call tell(teller, "shaft_damping", "N m s rad-1", "d", "torsional damping; 0 for a rigid shaft", &
+                merge(0.0_wp, shaft%damping, shaft%rigid))
+   end subroutine tell_shaft_constants
+
+   subroutine tell_shaft(teller, index, torque, twist)
+      type(teller_t), intent(inout) :: teller
+      integer, intent(in) :: index
+      real(wp), intent(in) :: torque !! that it carries [N m]
+      real(wp), intent(in) :: twist  !! [rad]
+
+      call begin(teller, in_shafts, dims_shaft, index)
+      call needs(teller, needs_meshes)
+      call tell(teller, "shaft_torque", "N m", "T", "torque on the second wheel; on the first one its opposite", torque)
+      call needs(teller, needs_nothing)
+      call tell(teller, "shaft_twist", "rad", "", "angle of the first wheel less that of the second", twist)
+   end subroutine tell_shaft
+
+   subroutine tell_gearbox(teller, theta, turns, kinetic, potential, dissipated, work)
+      type(teller_t), intent(inout) :: teller
+      real(wp), intent(in) :: theta                                !! [rad]
+      integer, intent(in) :: turns
+      real(wp), intent(in) :: kinetic, potential, dissipated, work !! [J]
+
+      call begin(teller, in_gearbox, dims_none, 1)
+      call tell(teller, "reference_angle", "rad", "theta", "angle of the reference wheel since the start, less whole turns", theta)
+      call tell(teller, "reference_turns", "1", "", "whole turns of the reference wheel beside reference_angle", turns)
+      call tell(teller, "kinetic_energy", "J", "T", "kinetic energy", kinetic)
+      call needs(teller, needs_meshes)
+      call tell(teller, "potential_energy", "J", "V", "elastic energy of contacts, supports and shafts", potential)
+      call needs(teller, needs_nothing)
+      call tell(teller, "dissipated_energy", "J", "D", "energy lost to damping and friction since the start", dissipated)
+      call tell(teller, "load_work", "J", "W", "work of the loads since the start", work)
+   end subroutine tell_gearbox
+
+end module evl_motion_outputs

@@ -1,17 +1,21 @@
-!> Makes the loads of a gearbox: each by its kind, from what a case says of it.
-module evl_loads_build
+!> Makes loads and supports from what a case says of them, by their kinds.
+module evl_parts_build
    use evl_gearbox, only: load_slot
    use evl_gearbox_description, only: wheel_input
    use evl_given, only: given_t
    use evl_kind_finder, only: kind_finder
+   use evl_kinds, only: wp
    use evl_load, only: load_t
    use evl_load_kinds, only: load_of_kind
    use evl_row, only: short_length
-   use evl_status, only: code_invalid_input, fail, has_failed, message_length, status_t, subject_load
+   use evl_status, only: code_invalid_input, fail, has_failed, message_length, status_t, subject_load, subject_wheel
+   use evl_support, only: support_kind_t, support_t
+   use evl_support_kinds, only: support_of_kind
    implicit none (type, external)
    private
 
    public :: loads_build
+   public :: support_build
 
 contains
 
@@ -85,4 +89,26 @@ contains
       end associate
    end subroutine check_alone
 
-end module evl_loads_build
+   !> Degrees of freedom, springs and dampers. Errors: code_invalid_input if there is no such kind.
+   subroutine support_build(given, wheel, wheel_mass, support, status)
+      type(given_t), intent(in) :: given
+      integer, intent(in) :: wheel         !! from 1, for the message
+      real(wp), intent(in) :: wheel_mass   !! [kg]
+      type(support_t), intent(out) :: support
+      type(status_t), intent(inout) :: status
+      class(support_kind_t), allocatable :: kind
+      type(kind_finder) :: finder
+
+      finder%name = given%word("kind")
+      call support_of_kind(finder, kind)
+      if (.not. allocated(kind)) then
+         call fail(status, code_invalid_input, "there is no such kind of support", subject_wheel, wheel, "support.kind")
+         return
+      end if
+      support%mass = wheel_mass
+      call kind%take(given, support)
+      support%per_mass = 1/support%mass
+      call move_alloc(kind, support%kind)
+   end subroutine support_build
+
+end module evl_parts_build
