@@ -3,7 +3,7 @@ module evl_contact_roots
    use evl_closed_form, only: centre_line_turn
    use evl_contact_point, only: contact_point
    use evl_flank, only: flank_t
-   use evl_flank_deviation, only: flank_deviation_t, zone_root, zone_tip
+   use evl_flank_deviation, only: relief_t, zone_root, zone_tip
    use evl_kinds, only: wp
    use evl_local_variables, only: at_psi_a
    use evl_root_kinds, only: live_loaded, live_on_path, live_one_sided, live_touching, moves_pair, n_discrete, n_held, &
@@ -82,13 +82,13 @@ contains
          if (mode%flanks == flanks_open) direction = 1
          if (mode%flanks == flanks_apart) direction = -1
       case (root_of%tip_a)
-         if (is_on(contact, mode)) direction = tip_direction(contact%deviation_a, mode%zone_a)
+         direction = border_direction(contact%deviation_a%tip, mode%zone_a, zone_tip)
       case (root_of%root_a)
-         if (is_on(contact, mode)) direction = root_direction(contact%deviation_a, mode%zone_a)
+         direction = border_direction(contact%deviation_a%root, mode%zone_a, zone_root)
       case (root_of%tip_b)
-         if (is_on(contact, mode)) direction = tip_direction(contact%deviation_b, mode%zone_b)
+         direction = border_direction(contact%deviation_b%tip, mode%zone_b, zone_tip)
       case (root_of%root_b)
-         if (is_on(contact, mode)) direction = root_direction(contact%deviation_b, mode%zone_b)
+         direction = border_direction(contact%deviation_b%root, mode%zone_b, zone_root)
       case default
          if (has_side(contact, mode, root_rows(kind)%live)) &
             direction = merge(-1, 1, mode%sides(kind - (n_root_kinds - n_sides)) > 0)
@@ -104,31 +104,14 @@ contains
       if (slides) slides = contact%friction%knee() > 0
    end function slides
 
-   !> Whether a tooth pair with deviating flanks is on the path.
-   pure logical function is_on(contact, mode)
-      type(tooth_contact_t), intent(in) :: contact
-      type(contact_mode), intent(in) :: mode
-
-      is_on = contact%deviates .and. mode%flanks /= flanks_off
-   end function is_on
-
-   !> Direction at the border of a tip relief.
-   pure integer function tip_direction(deviation, zone) result(direction)
-      type(flank_deviation_t), intent(in) :: deviation
-      integer, intent(in) :: zone
+   !> Direction at the border of a relief: a pair on it can leave, one on the profile between both can come.
+   pure integer function border_direction(relief, zone, mine) result(direction)
+      type(relief_t), intent(in) :: relief
+      integer, intent(in) :: zone, mine !! of the contact, of the relief
 
       direction = 0
-      if (deviation%tip%amount > 0 .and. zone /= zone_root) direction = merge(-1, 1, zone == zone_tip)
-   end function tip_direction
-
-   !> Direction at the border of a root relief.
-   pure integer function root_direction(deviation, zone) result(direction)
-      type(flank_deviation_t), intent(in) :: deviation
-      integer, intent(in) :: zone
-
-      direction = 0
-      if (deviation%root%amount > 0 .and. zone /= zone_tip) direction = merge(1, -1, zone == zone_root)
-   end function root_direction
+      if (relief%amount > 0 .and. zone /= -mine) direction = merge(-mine, mine, zone == mine)
+   end function border_direction
 
    !> Whether a kind with a side has a meaning.
    pure logical function has_side(contact, mode, live)

@@ -9,7 +9,7 @@ module evl_case_table
    use evl_gearbox_description, only: material_rows, mesh_rows, wheel_rows
    use evl_gearbox_initial, only: initial_rows
    use evl_housing_description, only: housing_rows, mount_rows
-   use evl_housing_motion, only: rotation_rows, translation_rows
+   use evl_housing_motion, only: motion_rows
    use evl_kind_finder, only: kind_finder
    use evl_kinds, only: wp
    use evl_law_table, only: damping_law, elastic_law, friction_law
@@ -84,8 +84,8 @@ contains
       call put("mesh", mesh_rows)
       call put("shaft", shaft_rows)
       call put("housing", housing_rows)
-      call put("translation", translation_rows)
-      call put("rotation", rotation_rows)
+      call put("translation", motion_rows("m", "displacement", "m/s", "velocity"))
+      call put("rotation", motion_rows("deg", "angle", "rad/s", "rate of the angle"))
       call put("mount", mount_rows)
       call put("simulation", simulation_rows)
       call put("initial", initial_rows)

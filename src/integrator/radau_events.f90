@@ -1,5 +1,6 @@
 !> How a step of the integrator ends: where it was meant to, or at the first event in it.
 submodule(evl_radau) evl_radau_events
+   use evl_extreme_finder, only: find_candidates
    use evl_radau_coefficients, only: n_stages
    use evl_root_finder, only: find_crossings, step_state, values_at
    implicit none (type, external)
@@ -177,5 +178,13 @@ contains
          end if
       end do
    end subroutine note_fired
+
+   !> Candidates for new extremes in the last step; none if nothing moved in it.
+   module procedure radau_look
+      n = 0
+      if (.not. (self%old_h > 0 .and. self%t > self%t_before)) return
+      call model%watched_nearby(self%stages%y, self%watched%n, self%watched%channels, self%watched%values)
+      call find_candidates(self%watched, high, low, n, found)
+   end procedure radau_look
 
 end submodule evl_radau_events

@@ -104,7 +104,7 @@ contains
       character(len=*), intent(in) :: key
       real(wp), allocatable :: all(:)
 
-      all = self%numbers(key)
+      allocate (all, source=self%numbers(key))
       number = ieee_value(number, ieee_quiet_nan)
       if (size(all) > 0) number = all(1)
    end function number

@@ -8,42 +8,13 @@ module evl_housing_motion
    private
 
    public :: motion_term, motion_curve, n_coordinates
-   public :: motion_at, motion_take
+   public :: motion_at, motion_rows, motion_take
 
    integer, parameter :: term_constant = 0 !! value
    integer, parameter :: term_rate = 1     !! value t
    integer, parameter :: term_harmonic = 2 !! value sin(2 pi frequency t + phase)
    integer, parameter :: term_table = 3    !! natural cubic spline, straight outside the knots
    integer, parameter :: n_coordinates = 6 !! position x, y, z in the ground frame, then the rotation vector
-
-   ! what a case says of a term
-   type(row_t), parameter, public :: translation_rows(*) = [ &
-                 row_t("kind", type_choice, "", "value; value t; amplitude sin(2 pi frequency t + phase); a spline through knots", &
-                                           required=.true., words="constant rate harmonic table"), &
-                            row_t("axis", type_choice, "", "component that the term is added to", required=.true., words="x y z"), &
-                                     row_t("value", type_number, "m", "displacement", required=.true., variants="constant"), &
-                                     row_t("value", type_number, "m/s", "velocity", required=.true., variants="rate"), &
-                                     row_t("amplitude", type_number, "m", "amplitude", required=.true., variants="harmonic"), &
-                     row_t("frequency", type_number, "Hz", "frequency", range=not_negative, required=.true., variants="harmonic"), &
-                                     row_t("phase", type_number, "deg", "phase at time 0", default="0", variants="harmonic"), &
-                          row_t("time", type_knots, "s", "knots of the table, strictly increasing, at least two", required=.true., &
-                                           variants="table"), &
-          row_t("value", type_at_knots, "m", "displacement at the knots; natural cubic spline, straight outside", required=.true., &
-                                           variants="table")]
-
-   type(row_t), parameter, public :: rotation_rows(*) = [ &
-                 row_t("kind", type_choice, "", "value; value t; amplitude sin(2 pi frequency t + phase); a spline through knots", &
-                                           required=.true., words="constant rate harmonic table"), &
-                            row_t("axis", type_choice, "", "component that the term is added to", required=.true., words="x y z"), &
-                                     row_t("value", type_number, "deg", "angle", required=.true., variants="constant"), &
-                                     row_t("value", type_number, "rad/s", "rate of the angle", required=.true., variants="rate"), &
-                                     row_t("amplitude", type_number, "deg", "amplitude", required=.true., variants="harmonic"), &
-                     row_t("frequency", type_number, "Hz", "frequency", range=not_negative, required=.true., variants="harmonic"), &
-                                     row_t("phase", type_number, "deg", "phase at time 0", default="0", variants="harmonic"), &
-                          row_t("time", type_knots, "s", "knots of the table, strictly increasing, at least two", required=.true., &
-                                           variants="table"), &
-               row_t("value", type_at_knots, "deg", "angle at the knots; natural cubic spline, straight outside", required=.true., &
-                                           variants="table")]
 
    type :: motion_term
       integer :: coordinate = 0          !! which of the coordinates
@@ -64,6 +35,26 @@ module evl_housing_motion
    end type motion_curve
 
 contains
+
+   !> What a case says of a term: of a translation, or of a rotation.
+   pure function motion_rows(unit, of, rate_unit, rate) result(rows)
+      character(len=*), intent(in) :: unit, of        !! of the coordinate
+      character(len=*), intent(in) :: rate_unit, rate !! of its rate
+      type(row_t) :: rows(9)
+
+      rows(1) = row_t("kind", type_choice, "", "value; value t; amplitude sin(2 pi frequency t + phase); a spline through knots", &
+                      required=.true., words="constant rate harmonic table")
+      rows(2) = row_t("axis", type_choice, "", "component that the term is added to", required=.true., words="x y z")
+      rows(3) = row_t("value", type_number, unit, of, required=.true., variants="constant")
+      rows(4) = row_t("value", type_number, rate_unit, rate, required=.true., variants="rate")
+      rows(5) = row_t("amplitude", type_number, unit, "amplitude", required=.true., variants="harmonic")
+      rows(6) = row_t("frequency", type_number, "Hz", "frequency", range=not_negative, required=.true., variants="harmonic")
+      rows(7) = row_t("phase", type_number, "deg", "phase at time 0", default="0", variants="harmonic")
+      rows(8) = row_t("time", type_knots, "s", "knots of the table, strictly increasing, at least two", required=.true., &
+                      variants="table")
+      rows(9) = row_t("value", type_at_knots, unit, of//" at the knots; natural cubic spline, straight outside", &
+                      required=.true., variants="table")
+   end function motion_rows
 
    !> A term from its checked description.
    subroutine motion_take(given, first, term)
