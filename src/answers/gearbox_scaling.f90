@@ -19,7 +19,6 @@ module evl_gearbox_scaling
    private
 
    public :: gearbox_set_scales, gearbox_state_scales, gearbox_likely_speed, mesh_load
-   public :: housing_scales
 
    real(wp), parameter :: angle_share = 0.2_wp     !! scale of theta times the pitches that a turn makes: 1e-2 rad at 20 teeth
    real(wp), parameter :: track_factor = 3.0_wp    !! scale of zeta, and of turn times rho, over h_0

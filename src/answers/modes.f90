@@ -27,7 +27,6 @@ module evl_modes
 
    public :: gearbox_modes, linearised_matrix, modes_of_matrix
    public :: gearbox_shape
-   public :: explicit_matrix, quaternion_shape
 
    real(wp), parameter :: rounding = 10*epsilon(1.0_wp) !! of a number that went through a decomposition, times its order
 

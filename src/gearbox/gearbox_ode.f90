@@ -25,7 +25,7 @@ module evl_gearbox_ode
    private
 
    public :: gearbox_ode, gearbox_ode_serves, gearbox_ode_create, gearbox_ode_set
-   public :: put_down, settle_slots
+   public :: settle_slots
 
    !> Small errors of theta and omega shift the time at which a tooth pair enters, and with it a motion of 1 kHz: they count
    !> more than what moves at that frequency.

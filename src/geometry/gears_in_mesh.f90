@@ -75,7 +75,7 @@ contains
       real(wp) :: tangent
 
       call clear(status)
-      call check_given(a, b, given, status)
+      call check_base_pitch(a, b, status)
       if (has_failed(status)) return
       m%exists = .true.
       m%base_pitch = a%base_pitch
@@ -216,17 +216,16 @@ contains
       end associate
    end subroutine check_backlash
 
-   !> Two real gears with the same base pitch, and numbers in their range.
-   pure subroutine check_given(a, b, given, status)
+   !> Only two gears with the same base pitch mesh.
+   pure subroutine check_base_pitch(a, b, status)
       type(gear_t), intent(in) :: a, b
-      type(gear_mesh_input), intent(in) :: given
       type(status_t), intent(inout) :: status
 
       if (abs(a%base_pitch - b%base_pitch) > agreement*a%base_pitch) then
          call refuse(status, "", "its wheels cannot mesh: the base pitch pi m cos(alpha) of the driving wheel is " &
                      //quantity(a%base_pitch, "m")//", that of the driven wheel "//quantity(b%base_pitch, "m"))
       end if
-   end subroutine check_given
+   end subroutine check_base_pitch
 
    !> Involutes meet all along the path of contact, and nothing else does.
    pure subroutine check_path(a, b, mesh, status)

@@ -9,7 +9,7 @@ module evl_row
    implicit none (type, external)
    private
 
-   public :: any_number, at_least, between, greater_than, has_default, is_left_open, join_words, kind_t, not_negative, &
+   public :: at_least, between, has_default, is_left_open, join_words, kind_t, not_negative, &
              parameter_row, positive
    public :: range_error, range_t, row_t, short_length, text_length
    public :: type_at_knots, type_block, type_choice, type_integer, type_knots, type_list, type_map, type_name, type_named
@@ -46,7 +46,6 @@ module evl_row
       logical :: maximum_open = .false.
    end type range_t
 
-   type(range_t), parameter :: any_number = range_t()
    type(range_t), parameter :: positive = range_t(minimum=0.0_wp, minimum_open=.true.)
    type(range_t), parameter :: not_negative = range_t(minimum=0.0_wp)
 
@@ -82,12 +81,6 @@ contains
 
       range = range_t(minimum=minimum)
    end function at_least
-
-   pure type(range_t) function greater_than(minimum) result(range)
-      real(wp), intent(in) :: minimum
-
-      range = range_t(minimum=minimum, minimum_open=.true.)
-   end function greater_than
 
    pure type(range_t) function between(minimum, maximum) result(range)
       real(wp), intent(in) :: minimum, maximum
