@@ -1,7 +1,7 @@
 !> Finds one in a table of kinds, as of laws, loads or supports. A table offers each of its kinds to a finder and makes the one that
 !> the finder meets, so that tables need no walk of their own.
 module evl_kind_finder
-   use evl_row, only: kind_t, short_length
+   use evl_row, only: kind_t, text_length
    implicit none (type, external)
    private
 
@@ -15,7 +15,7 @@ module evl_kind_finder
 
    !> Of one walk through a table.
    type :: kind_finder
-      character(len=short_length) :: name = "" !! of the kind that is looked for; "" if by its index
+      character(len=text_length) :: name = ""  !! of the kind that is looked for; "" if by its index
       integer :: index = -1                    !! in the table, from 0; -1 if by its name, or if none is looked for
       integer :: n = 0                         !! kinds that were offered
       type(kind_t) :: found                    !! what the kind says of itself that was looked for
