@@ -117,11 +117,7 @@ contains
       type(initial_t), intent(in) :: initial
       type(status_t), intent(inout) :: status
 
-      if (any(gearbox%compliances%exists)) then
-         call fail(status, code_invalid_input, "the dynamics do not know yet how wheels give way: 'evolvent show' tells what" &
-                   //" follows from it; take the block away to run the case", subject_wheel, &
-                   findloc(gearbox%compliances%exists, .true., dim=1), "compliance")
-      else if (all(initial%kind /= [initial_rest, initial_steady, initial_speeds])) then
+      if (all(initial%kind /= [initial_rest, initial_steady, initial_speeds])) then
          call fail(status, code_invalid_input, "there is no such kind of start", subject_initial, field="kind")
       else if (initial%kind == initial_speeds .and. size(initial%speeds) /= size(gearbox%wheels)) then
          call fail(status, code_invalid_input, "a start with given speeds needs one for each wheel", subject_initial, &

@@ -28,12 +28,13 @@ contains
 
       allocate (gearbox%references(size(gearbox%pairs)))
       do m = 1, size(gearbox%pairs)
-         associate (contact => gearbox%contacts(gearbox%first(m)), reference => gearbox%references(m))
+         associate (contact => gearbox%contacts(gearbox%first(m)), reference => gearbox%references(m), &
+                    flank => gearbox%flanks(gearbox%contacts(gearbox%first(m))%i_flank)%flank)
             has_load = mesh_load(gearbox, contact, gearbox_likely_speed(gearbox)) > 0
-            reference = reference_of(contact, has_load, free_mobility(gearbox, contact))
+            reference = reference_of(flank, contact, has_load, free_mobility(gearbox, contact))
             if (contact%damping%left_to_mesh() /= "") call complete(gearbox, m, status)
             if (has_failed(status)) return
-            call reference_damping(contact, reference)
+            call reference_damping(flank, contact, reference)
             if (reference%ratio > much) call warn_of_damping(gearbox, m)
          end associate
       end do

@@ -3,15 +3,13 @@
 !> Error control is absolute, each state against its own scale: the static penetration h_0 for lengths, h_0 times the contact's
 !> natural frequency for their rates, the static twist of shafts likewise, a small part of a pitch for the reference angle.
 module evl_gearbox_scaling
-   use evl_contact_context, only: contact_context
    use evl_contact_point, only: base_arc
-   use evl_elastic_law, only: elastic_law_t, elastic_result
+   use evl_elastic_law, only: elastic_result
    use evl_gearbox, only: gearbox_t
    use evl_housing, only: at_omega, at_orientation, at_position, at_velocity, n_housing_states
    use evl_kinds, only: pi, wp
    use evl_load, only: load_point
    use evl_local_variables, only: i_omega, i_theta, n_track
-   use evl_mesh_reference, only: nominal_context
    use evl_shaft, only: shaft_t
    use evl_status, only: code_ok
    use evl_tooth_contact, only: tooth_contact_t, tracking_algebraic
@@ -41,7 +39,7 @@ contains
          associate (contact => gearbox%contacts(i))
             contact%force_scale = max(mesh_load(gearbox, contact, gearbox_likely_speed(gearbox)), &
                                       smallest_load*pi*contact%e_star*contact%pair%rho_0*contact%width)
-            call static_penetration(contact, contact%force_scale, contact%h_scale)
+            call static_penetration(gearbox, contact, contact%force_scale, contact%h_scale)
             contact%rate_scale = sqrt(contact%force_scale*contact%h_scale*contact%mobility)
          end associate
       end do
@@ -162,18 +160,15 @@ contains
    end function largest_torque
 
    !> Penetration under a force; a force beyond the law is halved until the law carries it.
-   subroutine static_penetration(contact, force, h)
+   subroutine static_penetration(gearbox, contact, force, h)
+      type(gearbox_t), intent(in) :: gearbox
       type(tooth_contact_t), intent(in) :: contact
       real(wp), intent(inout) :: force !! [N]
       real(wp), intent(out) :: h       !! [m]
-      class(elastic_law_t), allocatable :: law
-      type(contact_context) :: ctx
       integer :: code
 
-      call contact%elastic%compliant(law)
-      ctx = nominal_context(contact)
       do
-         call law%penetration(ctx, force, h, code)
+         call gearbox%flanks(contact%i_flank)%flank%pair_under(contact, force, h, code)
          if (code == code_ok) exit
          force = force/2
       end do
@@ -249,8 +244,6 @@ contains
       real(wp), intent(out) :: h               !! [m]
       real(wp), intent(out) :: frequency       !! [rad/s]
       real(wp), intent(inout) :: energy        !! raised to the mesh's own, if that is larger [J]
-      class(elastic_law_t), allocatable :: law
-      type(contact_context) :: ctx
       type(elastic_result) :: elastic
       real(wp) :: force, approach
       integer :: code
@@ -258,11 +251,8 @@ contains
       force = mesh_load(gearbox, contact, speed)
       energy = max(energy, angle_scale(gearbox)*force*abs(contact%pair%advance))
       force = max(force, contact%force_scale)
-      call static_penetration(contact, force, h)
-      ctx = nominal_context(contact)
-      ctx%h = h
-      call contact%elastic%compliant(law)
-      call law%force(ctx, elastic, code)
+      call static_penetration(gearbox, contact, force, h)
+      call gearbox%flanks(contact%i_flank)%flank%pair_alone(contact, h, elastic, code)
       frequency = sqrt(elastic%d_h*contact%mobility)
       if (size(speeds) == 0) return
       approach = abs(base_arc(contact%pair, speeds(contact%wheel_a), speeds(contact%wheel_b)))

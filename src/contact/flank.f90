@@ -10,7 +10,7 @@ module evl_flank
    use evl_contact_context, only: contact_context
    use evl_contact_point, only: contact_gradient, contact_point
    use evl_damping_law, only: no_viscous, viscous_force
-   use evl_elastic_law, only: elastic_result, no_elastic
+   use evl_elastic_law, only: elastic_law_t, elastic_result, no_elastic
    use evl_force_lanes, only: lane_slot, laws_of_pair, resolve_in_lanes
    use evl_kinds, only: wp
    use evl_local_variables, only: at_normal, n_local, unit
@@ -21,7 +21,7 @@ module evl_flank
    implicit none (type, external)
    private
 
-   public :: context_of, exactly_one, flank_slot, flank_t, next_pair, pair_on_path
+   public :: context_of, exactly_one, flank_slot, flank_t, next_pair, nominal_context, pair_on_path
 
    real(wp), parameter :: exactly_one = 1.0e-9_wp !! contact ratios this near a whole number are one; at 1 pairs hand over
 
@@ -33,6 +33,8 @@ module evl_flank
       procedure :: slots_for
       procedure :: company
       procedure :: laws
+      procedure :: pair_alone
+      procedure :: pair_under
       procedure :: add_energy
       procedure :: force_changes
       procedure :: loss_change
@@ -136,6 +138,45 @@ contains
       ctx = contact_context(h=at%point%h, h_dot=at%point%h_dot, rho_a=at%point%rho_a, rho_b=at%point%rho_b, e_star=contact%e_star, &
                             width=contact%width, v0=at%mode%v0, side=at%mode%sides(side_of_rate))
    end function context_of
+
+   !> A perfect tooth pair at the pitch point. At that point each radius of curvature counts as half of their sum.
+   pure type(contact_context) function nominal_context(contact) result(ctx)
+      type(tooth_contact_t), intent(in) :: contact
+
+      ctx%rho_a = contact%pair%rho_0/2
+      ctx%rho_b = contact%pair%rho_0/2
+      ctx%e_star = contact%e_star
+      ctx%width = contact%width
+   end function nominal_context
+
+   !> Elastic force of a perfect tooth pair that carries alone at the pitch point. A rigid contact answers as its parts would.
+   subroutine pair_alone(self, contact, h, elastic, code)
+      class(flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: h !! [m]
+      type(elastic_result), intent(out) :: elastic
+      integer, intent(out) :: code !! code_ok or code_out_of_domain
+      class(elastic_law_t), allocatable :: law
+      type(contact_context) :: ctx
+
+      ctx = nominal_context(contact)
+      ctx%h = h
+      call contact%elastic%compliant(law)
+      call law%force(ctx, elastic, code)
+   end subroutine pair_alone
+
+   !> Its penetration under a force.
+   subroutine pair_under(self, contact, force, h, code)
+      class(flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: force !! [N]
+      real(wp), intent(out) :: h    !! [m]; 0 on error
+      integer, intent(out) :: code
+      class(elastic_law_t), allocatable :: law
+
+      call contact%elastic%compliant(law)
+      call law%penetration(nominal_context(contact), force, h, code)
+   end subroutine pair_under
 
    !> Add the elastic energy of the contacts that touch [J].
    pure subroutine add_energy(self, contacts, first, last, at, energy)

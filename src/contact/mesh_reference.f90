@@ -4,6 +4,7 @@ module evl_mesh_reference
    use evl_contact_context, only: contact_context
    use evl_damping_law, only: viscous_force, viscous_result
    use evl_elastic_law, only: elastic_result
+   use evl_flank, only: flank_t, nominal_context
    use evl_force_law, only: choice_of, law_choice
    use evl_kinds, only: pi, wp
    use evl_status, only: code_ok
@@ -11,7 +12,7 @@ module evl_mesh_reference
    implicit none (type, external)
    private
 
-   public :: mesh_reference_t, nominal_context, reference_damping, reference_of
+   public :: mesh_reference_t, reference_damping, reference_of
 
    real(wp), parameter :: slow = 1.0e-6_wp !! rate of penetration at which dampers are asked, over that of the mesh mode
 
@@ -27,22 +28,12 @@ module evl_mesh_reference
 
 contains
 
-   !> A perfect tooth pair at the pitch point. At that point each radius of curvature counts as half of their sum.
-   pure type(contact_context) function nominal_context(contact) result(ctx)
-      type(tooth_contact_t), intent(in) :: contact
-
-      ctx%rho_a = contact%pair%rho_0/2
-      ctx%rho_b = contact%pair%rho_0/2
-      ctx%e_star = contact%e_star
-      ctx%width = contact%width
-   end function nominal_context
-
    !> Stiffness, mass and frequency of an elastic contact.
-   pure type(mesh_reference_t) function reference_of(contact, has_load, mobility) result(reference)
+   type(mesh_reference_t) function reference_of(flank, contact, has_load, mobility) result(reference)
+      class(flank_t), intent(in) :: flank
       type(tooth_contact_t), intent(in) :: contact  !! with its scales
       logical, intent(in) :: has_load      !! its scales are those of a load
       real(wp), intent(in) :: mobility     !! r_bA^2/J_A + r_bB^2/J_B [1/kg], 1/J of a prescribed speed 0
-      type(contact_context) :: ctx
       type(elastic_result) :: elastic
       real(wp) :: none
       integer :: code
@@ -50,9 +41,7 @@ contains
       none = ieee_value(1.0_wp, ieee_quiet_nan)
       reference = mesh_reference_t(none, none, none, none, none, choice_of(contact%damping))
       if (contact%rigid .or. .not. has_load) return
-      ctx = nominal_context(contact)
-      ctx%h = contact%h_scale
-      call contact%elastic%force(ctx, elastic, code)
+      call flank%pair_alone(contact, contact%h_scale, elastic, code)
       if (code /= code_ok) return
       reference%stiffness = elastic%d_h
       if (.not. mobility > 0) return
@@ -62,7 +51,8 @@ contains
 
    !> Coefficient and ratio of the damper that acts. A law with another slope on approach than on separation counts with the mean of
    !> both, which takes as much from a small vibration.
-   pure subroutine reference_damping(contact, reference)
+   subroutine reference_damping(flank, contact, reference)
+      class(flank_t), intent(in) :: flank
       type(tooth_contact_t), intent(in) :: contact !! with the damping law that acts
       type(mesh_reference_t), intent(inout) :: reference
       type(contact_context) :: ctx
@@ -73,7 +63,7 @@ contains
       if (.not. reference%frequency > 0) return
       ctx = nominal_context(contact)
       ctx%h = contact%h_scale
-      call contact%elastic%force(ctx, elastic, code)
+      call flank%pair_alone(contact, contact%h_scale, elastic, code)
       ctx%h_dot = slow*2*pi*reference%frequency*ctx%h
       call viscous_force(contact%damping, ctx, elastic, approach)
       ctx%h_dot = -ctx%h_dot

@@ -13,7 +13,8 @@
 !> Source: docs/compliant_flanks.md, sections 1 and 3.
 module evl_yielding_flank
    use, intrinsic :: iso_fortran_env, only: int64
-   use evl_compliant_johnson, only: compliant_contact, compliant_energy, compliant_force, compliant_force_lanes
+   use evl_compliant_johnson, only: compliant_contact, compliant_energy, compliant_force, compliant_force_lanes, &
+                                    compliant_penetration
    use evl_contact_point, only: contact_gradient, contact_point
    use evl_damping_law, only: viscous_force
    use evl_elastic_law, only: elastic_result
@@ -36,6 +37,8 @@ module evl_yielding_flank
       real(wp) :: k_difference = 0.0_wp             !! K_A - K_B, as in evl_pair_compliance [1/Pa]
    contains
       procedure :: laws
+      procedure :: pair_alone
+      procedure :: pair_under
       procedure :: add_energy
       procedure :: loss_change
       procedure :: add_yielding
@@ -76,6 +79,45 @@ contains
          end associate
       end do
    end subroutine laws
+
+   !> Elastic force of a perfect tooth pair that carries alone at the pitch point.
+   subroutine pair_alone(self, contact, h, elastic, code)
+      class(yielding_flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: h
+      type(elastic_result), intent(out) :: elastic
+      integer, intent(out) :: code
+      type(compliant_contact) :: answer
+
+      call compliant_force(h, contact%pair%rho_0, at_pitch_point(self, contact), contact%e_star, answer, code)
+      elastic = elastic_result(force=contact%width*answer%force, d_h=contact%width*answer%d_h, d_rho_a=0.0_wp, d_rho_b=0.0_wp, &
+                               d_energy=0.0_wp, excess=0.0_wp)
+   end subroutine pair_alone
+
+   !> Its penetration under a force.
+   subroutine pair_under(self, contact, force, h, code)
+      class(yielding_flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: force
+      real(wp), intent(out) :: h
+      integer, intent(out) :: code
+      real(wp) :: slope
+
+      call compliant_penetration(force/contact%width, contact%pair%rho_0, at_pitch_point(self, contact), contact%e_star, h, &
+                                 slope, code)
+   end subroutine pair_under
+
+   !> C of a pair at the pitch point [1/Pa].
+   pure real(wp) function at_pitch_point(self, contact) result(c)
+      class(yielding_flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contact
+      type(own_at_t) :: own(2)
+
+      associate (pair => contact%pair)
+         call own_of_pair(self%a, self%b, self%k_difference, pair%rho_0/pair%r_b*[pair%r_ba, pair%r_bb], own)
+      end associate
+      c = sum(own%value)
+   end function at_pitch_point
 
    !> Length of the line of action [m].
    pure real(wp) function line_of(point)

@@ -1,7 +1,8 @@
 !> Makes the tooth contacts of a gearbox from its meshes: how many there are, their constants, their links to the state.
 module evl_contact_build
+   use evl_compliant_mesh, only: make_flank
    use evl_first_tooth_pair, only: tooth_phase_t
-   use evl_flank, only: exactly_one, flank_t
+   use evl_flank, only: exactly_one
    use evl_gearbox, only: gearbox_t, wheel_t
    use evl_gearbox_description, only: mesh_input, wheel_input
    use evl_given, only: given_t
@@ -23,8 +24,9 @@ module evl_contact_build
 contains
 
    !> As many slots as tooth pairs can be on the path at once, and one for the pair that waits, on each flank that can touch.
-   subroutine list_contacts(gearbox, meshes)
+   subroutine list_contacts(gearbox, wheels, meshes)
       type(gearbox_t), intent(inout) :: gearbox
+      type(wheel_input), intent(in) :: wheels(:)
       type(mesh_input), intent(in) :: meshes(:)
       integer :: m, flank, n, f
 
@@ -36,7 +38,7 @@ contains
          associate (pair => gearbox%pairs(m))
             do flank = flank_drive, merge(flank_coast, flank_drive, pair%has_coast)
                f = f + 1
-               allocate (flank_t :: gearbox%flanks(f)%flank)
+               call make_flank(gearbox, wheels, meshes(m), gearbox%flanks(f))
                gearbox%flanks(f)%flank%first = n + 1
                n = n + gearbox%flanks(f)%flank%slots_for(pair%contact_ratio, pair%handover)
                gearbox%flanks(f)%flank%last = n

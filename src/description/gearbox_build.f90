@@ -1,6 +1,7 @@
 !> Makes a gearbox from its description: checks every number, finds the layout, derives the geometry, numbers the states.
 module evl_gearbox_build
    use evl_compliance_description, only: compliance_create, known_influence_t
+   use evl_compliant_mesh, only: check_compliant_mesh
    use evl_contact_build, only: find_dependents, list_contacts, take_contact
    use evl_contact_roots, only: list_roots
    use evl_discrete_state, only: number_integers
@@ -86,7 +87,7 @@ contains
       if (has_failed(status)) return
       call take_compliances(wheels, meshes, gearbox, status)
       if (has_failed(status)) return
-      call list_contacts(gearbox, meshes)
+      call list_contacts(gearbox, wheels, meshes)
       call number_states(gearbox)
       do i = 1, size(gearbox%contacts)
          call take_contact(gearbox, wheels, meshes(gearbox%contacts(i)%mesh), i, status)
@@ -145,27 +146,10 @@ contains
          return
       end do
       do i = 1, size(meshes)
-         if (any(gearbox%compliances([meshes(i)%driving, meshes(i)%driven])%exists)) call check_law(meshes(i), i, status)
+         call check_compliant_mesh(gearbox, meshes(i), i, status)
          if (has_failed(status)) return
       end do
    end subroutine take_compliances
-
-   !> What gives way in a wheel is counted beside Johnson's contact, at the points of the closed form.
-   subroutine check_law(mesh, index, status)
-      type(mesh_input), intent(in) :: mesh
-      integer, intent(in) :: index
-      type(status_t), intent(inout) :: status
-      type(given_t) :: contact
-
-      call mesh%inner("contact", contact)
-      if (contact%word("law") /= "johnson") then
-         call fail(status, code_invalid_input, "a wheel with compliance needs contact {law: johnson}, from which its c is" &
-                   //" counted, not "//trim(contact%word("law")), subject_mesh, index, "contact.law")
-      else if (mesh%tracking /= tracking_closed_form) then
-         call fail(status, code_invalid_input, "a wheel with compliance needs tracking: closed_form", subject_mesh, index, &
-                   "tracking")
-      end if
-   end subroutine check_law
 
    !> What the description says of the layout.
    subroutine start_layout(wheels, meshes, shafts, gearbox, layout)

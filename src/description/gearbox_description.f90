@@ -75,6 +75,9 @@ module evl_gearbox_description
                               row_t("contact", type_block, "", "normal elastic force", default="{law: johnson}", holds="contact"), &
                                  row_t("damping", type_block, "", "normal viscous force", default="{law: none}", holds="damping"), &
                                    row_t("friction", type_block, "", "tangential force", default="{law: none}", holds="friction"), &
+                                     row_t("tooth_coupling", type_choice, "", &
+                         "whether teeth yield to the loads of their neighbours; otherwise where the wheels' compliances know how", &
+                                           words="true false"), &
                                   row_t("tracking", type_choice, "", "how the points of contact are found", default="closed_form", &
                                            words="closed_form algebraic differential")]
 

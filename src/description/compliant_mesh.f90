@@ -1,0 +1,106 @@
+!> Meshes of wheels that give way: what they need of the rest of a case, and their flanks.
+module evl_compliant_mesh
+   use evl_flank, only: flank_slot, flank_t
+   use evl_gearbox, only: gearbox_t
+   use evl_gearbox_description, only: mesh_input, wheel_input
+   use evl_given, only: given_t
+   use evl_kinds, only: pi, wp
+   use evl_status, only: code_invalid_input, fail, status_t, subject_mesh
+   use evl_tooth_contact, only: tracking_closed_form
+   use evl_wheel_compliance, only: wheel_compliance_t
+   use evl_yielding_flank, only: yielding_flank_t
+   implicit none (type, external)
+   private
+
+   public :: check_compliant_mesh, make_flank
+
+contains
+
+   !> What gives way in a wheel is counted beside Johnson's contact, at the points of the closed form; teeth are coupled as far as
+   !> their wheels know how.
+   subroutine check_compliant_mesh(gearbox, mesh, index, status)
+      type(gearbox_t), intent(in) :: gearbox !! with its compliances
+      type(mesh_input), intent(in) :: mesh
+      integer, intent(in) :: index
+      type(status_t), intent(inout) :: status
+      type(given_t) :: contact
+
+      associate (wheels => gearbox%compliances([mesh%driving, mesh%driven]))
+         if (.not. any(wheels%exists)) then
+            if (mesh%word("tooth_coupling") == "true") &
+               call refuse("teeth are coupled by what their wheels yield, but none of these has a compliance: give one, or take" &
+                           //" this away", "tooth_coupling")
+            return
+         end if
+         call mesh%inner("contact", contact)
+         if (contact%word("law") /= "johnson") then
+            call refuse("a wheel with compliance needs contact {law: johnson}, from which its c is counted, not " &
+                        //trim(contact%word("law")), "contact.law")
+         else if (mesh%tracking /= tracking_closed_form) then
+            call refuse("a wheel with compliance needs tracking: closed_form", "tracking")
+         else if (couples(gearbox, mesh)) then
+            call refuse("the dynamics do not know yet how neighbouring teeth yield to each other's loads: give false", &
+                        "tooth_coupling")
+         end if
+      end associate
+
+   contains
+
+      subroutine refuse(message, field)
+         character(len=*), intent(in) :: message, field
+
+         call fail(status, code_invalid_input, message, subject_mesh, index, field)
+      end subroutine refuse
+
+   end subroutine check_compliant_mesh
+
+   !> Whether the tooth pairs of a mesh yield together.
+   pure logical function couples(gearbox, mesh)
+      type(gearbox_t), intent(in) :: gearbox
+      type(mesh_input), intent(in) :: mesh
+
+      couples = any(gearbox%compliances([mesh%driving, mesh%driven])%neighbours > 0) .and. mesh%word("tooth_coupling") /= "false"
+   end function couples
+
+   !> The kind of flank that a mesh has. Built in place: gfortran 12 frees twice what it copies of nested polymorphic components.
+   subroutine make_flank(gearbox, wheels, mesh, slot)
+      type(gearbox_t), intent(in) :: gearbox
+      type(wheel_input), intent(in) :: wheels(:)
+      type(mesh_input), intent(in) :: mesh
+      type(flank_slot), intent(out) :: slot
+
+      associate (a => mesh%driving, b => mesh%driven)
+         if (.not. any(gearbox%compliances([a, b])%exists)) then
+            allocate (flank_t :: slot%flank)
+            return
+         end if
+         allocate (yielding_flank_t :: slot%flank)
+         select type (flank => slot%flank)
+         class is (yielding_flank_t)
+            call take_wheel(gearbox%compliances(a), flank%a)
+            call take_wheel(gearbox%compliances(b), flank%b)
+            flank%k_difference = half_plane(wheels(a)%material) - half_plane(wheels(b)%material)
+         end select
+      end associate
+   end subroutine make_flank
+
+   !> A wheel's compliance in its place.
+   subroutine take_wheel(compliance, wheel)
+      type(wheel_compliance_t), intent(in) :: compliance
+      class(wheel_compliance_t), allocatable, intent(out) :: wheel
+
+      allocate (wheel_compliance_t :: wheel)
+      select type (wheel)
+      type is (wheel_compliance_t)
+         wheel = compliance
+      end select
+   end subroutine take_wheel
+
+   !> K = 2 (1 - nu**2)/(pi E) [1/Pa]
+   pure real(wp) function half_plane(material)
+      type(given_t), intent(in) :: material
+
+      half_plane = 2*(1 - material%number("poisson_ratio")**2)/(pi*material%number("youngs_modulus"))
+   end function half_plane
+
+end module evl_compliant_mesh
