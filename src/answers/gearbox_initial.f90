@@ -240,6 +240,14 @@ contains
          if (at(m)%mode%flanks /= flanks_off) &
             call closed_form_point(gearbox, m, y, integers(i_turns), at(m)%mode%tooth_pair, at(m))
       end do
+      do m = 1, size(gearbox%contacts) ! what each carries depends on what the others of its company do
+         if (at(m)%mode%flanks == flanks_off) cycle
+         associate (flank => gearbox%flanks(gearbox%contacts(m)%i_flank)%flank)
+            call flank%company(m, first, last)
+            if (first < last) call mode_at(flank, gearbox%contacts, m, first, last, at, status)
+            if (has_failed(status)) return
+         end associate
+      end do
       do m = 1, size(gearbox%contacts)
          associate (contact => gearbox%contacts(m), mode => at(m)%mode, point => at(m)%point, &
                     flank => gearbox%flanks(gearbox%contacts(m)%i_flank)%flank)

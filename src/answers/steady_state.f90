@@ -203,6 +203,17 @@ contains
                    //" with given speeds", subject_initial, field="kind")
          return
       end if
+      do m = 1, size(gearbox%contacts)
+         at(m)%mode = gearbox_mode(gearbox, m, integers, reals)
+      end do
+      do m = 1, size(gearbox%contacts) ! what each carries depends on what the others of its company do
+         if (at(m)%mode%flanks == flanks_off) cycle
+         associate (flank => gearbox%flanks(gearbox%contacts(m)%i_flank)%flank)
+            call flank%company(m, first, last)
+            if (first < last) call mode_at(flank, gearbox%contacts, m, first, last, at, status)
+            if (has_failed(status)) return
+         end associate
+      end do
       carried = .false.
       do pass = 1, 2 ! first what overlaps and pushes, then the nearest pair where that is nothing
          do m = 1, size(gearbox%contacts)

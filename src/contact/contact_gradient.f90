@@ -34,7 +34,7 @@ contains
       call flank%force_changes(contacts, at, d, k, d_elastic, d_viscous)
       loss = flank%loss_change(at(k)%point, at(k)%elastic, d(k))
       call plain_gradient(contacts(k), at(k), d(k), d_elastic, d_viscous, loss, gradient)
-      call flank%add_yielding_changes(contacts(k), at(k), d(k), d_elastic, gradient%torque_a, gradient%torque_b, gradient%on_a)
+      call flank%add_yielding_changes(contacts, at, d, k, d_elastic, gradient%torque_a, gradient%torque_b, gradient%on_a)
    end subroutine force_gradient
 
    !> The same of flanks that press on each other and nothing else.

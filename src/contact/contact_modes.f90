@@ -28,6 +28,7 @@ contains
       associate (contact => contacts(k), mode => at(k)%mode, point => at(k)%point)
          mode%flanks = flanks_open
          call settle_zones(contact, point, mode)
+         call flank%settle_overlap(contacts, k, first, last, at)
          call find_sides(flank, contact, at(k))
          if (contact%tracking /= tracking_closed_form .and. point%h < -contact%gap_apart) then
             mode%flanks = flanks_apart

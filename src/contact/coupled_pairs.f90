@@ -2,11 +2,11 @@
 !>
 !> The forces N are where the potential of the flank has its maximum,
 !>
-!>    max over N of  sum_k N_k h_k - W(N),   W = sum_k N_k**2/(2 pi E*) [ln(4 pi E* Lambda/N_k) - 1/2] + 1/2 sum_kl C_kl N_k N_l
+!>    max over N of  sum_k N_k h_k - W(N),   W = sum_k N_k**2/(2 pi E*) [ln(4 pi E* Lambda_k/N_k) - 1/2] + 1/2 sum_kl C_kl N_k N_l
 !>
 !> that is
 !>
-!>    h_k = N_k/(pi E*) [ln(4 pi E* Lambda/N_k) - 1] + sum_l C_kl N_l
+!>    h_k = N_k/(pi E*) [ln(4 pi E* Lambda_k/N_k) - 1] + sum_l C_kl N_l
 !>
 !> for each pair that carries; with `pushes_only` a pair carries nothing where the others open its gap,
 !> g_k = h_k - sum_{l /= k} C_kl N_l <= 0, else N is continued as an odd function of g, so that a root is found from both sides.
@@ -16,6 +16,7 @@
 !> residual, each pair in turn takes that force: W is convex, so that this alone would converge too, slowly.
 !>
 !> Derivatives: with the matrix A = diag(dh_J/dN) + C of the pairs that carry, dN = A**-1 (dh - dC N - N/(pi E* Lambda) dLambda).
+!> Lambda is the length of the line of action, of all pairs alike but for what deviating flanks lack.
 !>
 !> Nothing is allocated; at most `most_pairs` pairs.
 module evl_coupled_pairs
@@ -48,7 +49,7 @@ contains
    pure subroutine solve_pairs(n, h, length, c, e_star, pushes_only, answer, code)
       integer, intent(in) :: n                      !! pairs, at most `most_pairs`
       real(wp), intent(in) :: h(n)                  !! penetrations [m]
-      real(wp), intent(in) :: length                !! Lambda [m], > 0
+      real(wp), intent(in) :: length(n)             !! Lambda [m], > 0
       real(wp), intent(in) :: c(most_pairs, *)      !! what pair k yields to a unit load on l, symmetric [1/Pa]
       real(wp), intent(in) :: e_star                !! effective modulus [Pa]
       logical, intent(in) :: pushes_only            !! no pair pulls; else forces are odd
@@ -62,7 +63,7 @@ contains
       answer%n = n
       code = code_ok
       do k = 1, n
-         call answer_gap(h(k), length, c(k, k), e_star, pushes_only, answer%force(k), code)
+         call answer_gap(h(k), length(k), c(k, k), e_star, pushes_only, answer%force(k), code)
          if (code /= code_ok) return
       end do
       least = huge(least)
@@ -82,7 +83,7 @@ contains
             do k = 1, n
                keeps_sign = answer%carries(k) .and. trial(k)*answer%force(k) > 0
                if (.not. keeps_sign) then
-                  call answer_gap(h(k) - others(n, c, k, trial), length, c(k, k), e_star, pushes_only, trial(k), code)
+                  call answer_gap(h(k) - others(n, c, k, trial), length(k), c(k, k), e_star, pushes_only, trial(k), code)
                   if (code /= code_ok) return
                   step(k) = trial(k) - answer%force(k)
                end if
@@ -95,7 +96,8 @@ contains
             if (all(abs(residual(:n)) <= rounding*scale(:n))) return ! Newton's method has no more to give
             definite = code == code_ok
             do k = 1, n
-               call answer_gap(h(k) - others(n, c, k, answer%force), length, c(k, k), e_star, pushes_only, answer%force(k), code)
+               call answer_gap(h(k) - others(n, c, k, answer%force), length(k), c(k, k), e_star, pushes_only, answer%force(k), &
+                               code)
                if (code /= code_ok) return
             end do
          end if
@@ -106,7 +108,7 @@ contains
    !> What is left of the equations at the present forces, and the matrix A of the pairs that carry.
    pure subroutine look(n, h, length, c, e_star, pushes_only, answer, residual, scale, code)
       integer, intent(in) :: n
-      real(wp), intent(in) :: h(n), length, c(most_pairs, *), e_star
+      real(wp), intent(in) :: h(n), length(n), c(most_pairs, *), e_star
       logical, intent(in) :: pushes_only
       type(coupled_answer), intent(inout) :: answer
       real(wp), intent(out) :: residual(most_pairs) !! [m]
@@ -122,7 +124,7 @@ contains
          answer%carries(k) = abs(answer%force(k)) > 0
          answer%factor(k, :n) = 0
          if (answer%carries(k)) then
-            call compliant_penetration(answer%force(k), length, c(k, k), e_star, own, slope, code)
+            call compliant_penetration(answer%force(k), length(k), c(k, k), e_star, own, slope, code)
             if (code /= code_ok) return
             residual(k) = h(k) - apart - own
             where (answer%carries(:k - 1)) answer%factor(k, :k - 1) = c(k, :k - 1)
@@ -178,12 +180,12 @@ contains
    !> How the forces change. In: dh - dC N, out: dN, both of the pairs; those that carry nothing get 0.
    pure subroutine force_change_of_pairs(answer, length, e_star, d_length, change)
       type(coupled_answer), intent(in) :: answer
-      real(wp), intent(in) :: length, e_star
-      real(wp), intent(in) :: d_length     !! change of Lambda
+      real(wp), intent(in) :: length(*), e_star
+      real(wp), intent(in) :: d_length(*)  !! change of Lambda
       real(wp), intent(inout) :: change(*) !! [n]
 
       associate (n => answer%n)
-         change(:n) = change(:n) - answer%force(:n)*(d_length/(pi*e_star*length))
+         change(:n) = change(:n) - answer%force(:n)*(d_length(:n)/(pi*e_star*length(:n)))
          call solve(n, answer, change)
       end associate
    end subroutine force_change_of_pairs

@@ -28,11 +28,14 @@ module evl_flank
    !> Its procedures are asked about some or all of its contacts, `company` says which must come together.
    type :: flank_t
       integer :: first = 1, last = 0 !! its tooth contacts among those of the gearbox
+      logical :: bends = .false.     !! what a pair yields to a load changes with its place
       real(wp) :: reach = 0.0_wp     !! how far past the ends of the path of contact its pairs stay, in pitches
    contains
       procedure :: slots_for
       procedure :: company
       procedure :: laws
+      procedure :: find_overlaps
+      procedure :: settle_overlap
       procedure :: pair_alone
       procedure :: pair_under
       procedure :: add_energy
@@ -41,6 +44,7 @@ module evl_flank
       procedure :: add_yielding
       procedure :: add_yielding_changes
       procedure :: laws_in_lanes
+      procedure :: find_overlaps_in_lanes
       procedure :: add_yielding_in_lanes
       procedure, non_overridable :: forces
       procedure, non_overridable :: forces_in_lanes
@@ -98,8 +102,8 @@ contains
       last = contact
    end subroutine company
 
-   !> Elastic and viscous forces of the contacts that touch, as if nothing were clipped, with their derivatives; and of all the
-   !> overlap, where the others change that.
+   !> Elastic and viscous forces of the contacts that touch, as if nothing were clipped, with their derivatives; and their overlap,
+   !> where the others change that.
    subroutine laws(self, contacts, first, last, at, status)
       class(flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contacts(*) !! of the gearbox
@@ -129,6 +133,24 @@ contains
          end associate
       end do
    end subroutine laws
+
+   !> The overlap of open contacts, which those that touch may change: here they do not.
+   pure subroutine find_overlaps(self, contacts, first, last, at)
+      class(flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contacts(*)
+      integer, intent(in) :: first, last          !! those that are asked, a company
+      type(contact_state), intent(inout) :: at(*) !! with their points, and the forces of those that touch
+
+   end subroutine find_overlaps
+
+   !> The overlap of a contact whose mode is not known yet, as if every pair of its company on the path carried that can push.
+   pure subroutine settle_overlap(self, contacts, k, first, last, at)
+      class(flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contacts(*)
+      integer, intent(in) :: k, first, last
+      type(contact_state), intent(inout) :: at(*) !! with their points; of the others no more than whether they are off is known
+
+   end subroutine settle_overlap
 
    !> What the laws may know of a pair.
    pure type(contact_context) function context_of(contact, at) result(ctx)
@@ -243,12 +265,13 @@ contains
    end subroutine add_yielding
 
    !> Add how that changes with the local variables: here not at all.
-   pure subroutine add_yielding_changes(self, contact, at, d, elastic, torque_a, torque_b, on_a)
+   pure subroutine add_yielding_changes(self, contacts, at, d, k, elastic, torque_a, torque_b, on_a)
       class(flank_t), intent(in) :: self
-      type(tooth_contact_t), intent(in) :: contact
-      type(contact_state), intent(in) :: at
-      type(contact_gradient), intent(in) :: d
-      real(wp), intent(in) :: elastic(n_local) !! of the elastic force
+      type(tooth_contact_t), intent(in) :: contacts(*)
+      type(contact_state), intent(in) :: at(*)
+      type(contact_gradient), intent(in) :: d(*) !! as of `force_changes`
+      integer, intent(in) :: k
+      real(wp), intent(in) :: elastic(n_local)   !! of the elastic force
       real(wp), intent(inout) :: torque_a(n_local), torque_b(n_local), on_a(n_local, 2)
 
    end subroutine add_yielding_changes
@@ -313,6 +336,16 @@ contains
          if (.not. answered) return
       end do
    end subroutine laws_in_lanes
+
+   !> `find_overlaps` in eight states.
+   subroutine find_overlaps_in_lanes(self, contacts, slots, aside, nearby)
+      class(flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contacts(*)
+      type(lane_slot), intent(in) :: slots(*)    !! where nearby, those that touch with their forces
+      type(lane_slot), intent(inout) :: aside(*) !! the others with their places, and else all
+      logical, intent(in) :: nearby
+
+   end subroutine find_overlaps_in_lanes
 
    !> `forces` in eight states.
    subroutine forces_in_lanes(self, contacts, first, last, slots, answered)

@@ -48,7 +48,7 @@ contains
          return
       end if
       associate (answer => potential%answer, force => potential%answer%force)
-         call solve_pairs(n, places%h, feet(1)%rho(by_line), compliance%c, e_star, pushes_only, answer, code)
+         call solve_pairs(n, places%h, feet%rho(by_line), compliance%c, e_star, pushes_only, answer, code)
          if (code /= 0) return
          potential%energy = width*energy_of_pairs(answer, places%h, e_star)
          do k = 1, n
@@ -88,8 +88,8 @@ contains
 
       call residual_changes(n, places, feet, compliance, potential, change)
       do i = 1, 3
-         call force_change_of_pairs(potential%answer, feet(1)%rho(by_line), e_star, merge(1.0_wp, 0.0_wp, i == by_line), &
-                                    change(:, i))
+         call force_change_of_pairs(potential%answer, feet%rho(by_line), e_star, &
+                                    spread(merge(1.0_wp, 0.0_wp, i == by_line), 1, n), change(:, i))
       end do
    end function force_changes_of_places
 

@@ -10,6 +10,7 @@ module evl_tooth_contact
    use evl_closed_form, only: closed_form_line, place_contact, place_radii, track_closed_form
    use evl_contact_point, only: contact_point, tracked_pair
    use evl_contact_tracking, only: track_points
+   use evl_coupled_pairs, only: most_pairs
    use evl_damping_law, only: damping_law_t, viscous_result
    use evl_deviating_flanks, only: deviate, flank_value
    use evl_elastic_law, only: elastic_law_t, elastic_result
@@ -116,10 +117,15 @@ module evl_tooth_contact
    end type contact_force
    type(contact_force), parameter :: no_force = contact_force(0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp)
 
-   !> How the compliance of a tooth pair changes with its place; of flanks that yield only.
+   !> What a tooth pair yields as its place changes, on A and on B; of flanks that yield only. Per unit width, by the pairs that
+   !> touch, in their order; of a pair alone the first is itself.
    type :: pair_yielding
-      real(wp) :: slope(2)     !! dC/drho_A, dC/drho_B [1/(Pa m)]
-      real(wp) :: curvature(2) !! the second derivatives
+      real(wp) :: slope(2)                 !! s: as if the flanks lacked material with this slope [1]
+      real(wp) :: by_force(most_pairs, 2)  !! ds/dN [m/N]
+      real(wp) :: by_own(most_pairs, 2)    !! of the pair's own place, over N of each [1/N]
+      real(wp) :: by_other(most_pairs, 2)  !! of the place of each, over its N [1/N]
+      real(wp) :: factor(most_pairs)       !! its row of the factor of `coupled_answer`
+      logical :: carries                   !! the same
    end type pair_yielding
 
    !> A tooth contact at a state of the gearbox: scratch of whoever asks, which costs nothing until something is put there.

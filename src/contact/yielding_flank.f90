@@ -3,7 +3,7 @@
 !> The elastic energy V depends on the place of a pair too. With F over the width b, C the compliance and r = rho_A + rho_B - h the
 !> length of the line of action, P = F**2/(2 pi E* b r):
 !>
-!>    dV = (F + P) dh - (a_A drho_A + a_B drho_B),   a_i = F**2/(2 b) dC/drho_i + P
+!>    dV = (F + P) dh - (a_A drho_A + a_B drho_B),   a_i = F s_i + P,   s_i = F/(2 b) dC/drho_i
 !>
 !> so that beside F the force P acts along the gradient of h, and a_i as the slope of a deviation would: on the torques with the
 !> arms r_b, on the axles as -(r_bA a_A + r_bB a_B)/r along t. Viscous forces and friction know nothing of it. No energy is lost.
@@ -30,7 +30,7 @@ module evl_yielding_flank
    implicit none (type, external)
    private
 
-   public :: yielding_flank_t
+   public :: line_of, yielding_flank_t
 
    type, extends(flank_t) :: yielding_flank_t
       class(wheel_compliance_t), allocatable :: a, b !! both wheels
@@ -41,6 +41,7 @@ module evl_yielding_flank
       procedure :: pair_under
       procedure :: add_energy
       procedure :: loss_change
+      procedure :: slope_changes
       procedure :: add_yielding
       procedure :: add_yielding_changes
       procedure :: laws_in_lanes
@@ -73,8 +74,11 @@ contains
             elastic = elastic_result(force=b*answer%force, d_h=b*(answer%d_h - answer%d_length), &
                                      d_rho_a=b*(answer%d_length + answer%d_c*own(by_a)%slope), &
                                      d_rho_b=b*(answer%d_length + answer%d_c*own(by_b)%slope), d_energy=0.0_wp, excess=0.0_wp)
-            at(k)%yielding%slope = own%slope
-            at(k)%yielding%curvature = own%curvature
+            associate (yielding => at(k)%yielding)
+               yielding%by_force(1, :) = own%slope/2
+               yielding%by_own(1, :) = own%curvature/2
+               yielding%slope = answer%force*yielding%by_force(1, :)
+            end associate
             call viscous_force(contact%damping, context_of(contact, at(k)), elastic, at(k)%viscous)
          end associate
       end do
@@ -161,7 +165,7 @@ contains
       real(wp), intent(out) :: p, a(2)
 
       p = force**2/(2*pi*contact%e_star*contact%width*line)
-      a = force**2/(2*contact%width)*slope + p
+      a = force*slope + p
    end subroutine side_forces
 
    !> Add what P and a_i do to the wheels.
@@ -181,12 +185,44 @@ contains
    end subroutine add_yielding
 
    !> Add how that changes with the local variables.
-   pure subroutine add_yielding_changes(self, contact, at, d, elastic, torque_a, torque_b, on_a)
+   pure subroutine add_yielding_changes(self, contacts, at, d, k, elastic, torque_a, torque_b, on_a)
       class(yielding_flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contacts(*)
+      type(contact_state), intent(in) :: at(*)
+      type(contact_gradient), intent(in) :: d(*)
+      integer, intent(in) :: k
+      real(wp), intent(in) :: elastic(n_local)
+      real(wp), intent(inout) :: torque_a(n_local), torque_b(n_local), on_a(n_local, 2)
+      real(wp) :: d_slope(n_local, 2)
+
+      call self%slope_changes(contacts, at, d, k, elastic, d_slope)
+      call add_changes(contacts(k), at(k), d(k), elastic, d_slope, torque_a, torque_b, on_a)
+   end subroutine add_yielding_changes
+
+   !> How the slopes change of a pair alone.
+   pure subroutine slope_changes(self, contacts, at, d, k, elastic, change)
+      class(yielding_flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contacts(*)
+      type(contact_state), intent(in) :: at(*)
+      type(contact_gradient), intent(in) :: d(*)
+      integer, intent(in) :: k
+      real(wp), intent(in) :: elastic(n_local) !! of the elastic force
+      real(wp), intent(out) :: change(n_local, 2)
+
+      associate (yielding => at(k)%yielding, b => contacts(k)%width)
+         associate (force => at(k)%elastic%force/b)
+            change(:, by_a) = yielding%by_force(1, by_a)/b*elastic + force*yielding%by_own(1, by_a)*d(k)%rho_a
+            change(:, by_b) = yielding%by_force(1, by_b)/b*elastic + force*yielding%by_own(1, by_b)*d(k)%rho_b
+         end associate
+      end associate
+   end subroutine slope_changes
+
+   !> Add what follows from the changes of F and s.
+   pure subroutine add_changes(contact, at, d, elastic, d_slope, torque_a, torque_b, on_a)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_state), intent(in) :: at
       type(contact_gradient), intent(in) :: d
-      real(wp), intent(in) :: elastic(n_local)
+      real(wp), intent(in) :: elastic(n_local), d_slope(n_local, 2)
       real(wp), intent(inout) :: torque_a(n_local), torque_b(n_local), on_a(n_local, 2)
       real(wp), dimension(n_local) :: d_a, d_b, d_p, d_line, d_tangential
       real(wp) :: a(2), p, across
@@ -196,8 +232,8 @@ contains
          call side_forces(contact, line, f, yielding%slope, p, a)
          d_line = d%rho_a + d%rho_b - d%h
          d_p = f/(pi*contact%e_star*b*line)*elastic - p/line*d_line
-         d_a = (f/b*yielding%slope(by_a))*elastic + (f**2/(2*b)*yielding%curvature(by_a))*d%rho_a + d_p
-         d_b = (f/b*yielding%slope(by_b))*elastic + (f**2/(2*b)*yielding%curvature(by_b))*d%rho_b + d_p
+         d_a = yielding%slope(by_a)*elastic + f*d_slope(:, by_a) + d_p
+         d_b = yielding%slope(by_b)*elastic + f*d_slope(:, by_b) + d_p
          across = (pair%r_ba*a(by_a) + pair%r_bb*a(by_b))/line
          torque_a = torque_a + pair%sigma*(point%arm_a*d_p - pair%r_ba*d_a)
          torque_b = torque_b + pair%sigma*(point%arm_b*d_p - pair%r_bb*d_b)
@@ -213,7 +249,7 @@ contains
          on_a(:, 1) = on_a(:, 1) - at%force%on_a(2)*d%angle
          on_a(:, 2) = on_a(:, 2) + at%force%on_a(1)*d%angle
       end associate
-   end subroutine add_yielding_changes
+   end subroutine add_changes
 
    !> `laws` in eight states.
    subroutine laws_in_lanes(self, contacts, first, last, slots, answered)
@@ -235,12 +271,14 @@ contains
             do l = 1, lanes
                call own_of_pair(self%a, self%b, self%k_difference, [at%rho_a(l), at%rho_b(l)], own)
                c(l) = sum(own%value)
-               force%slope_a(l) = own(by_a)%slope
-               force%slope_b(l) = own(by_b)%slope
+               force%slope_a(l) = own(by_a)%slope/2
+               force%slope_b(l) = own(by_b)%slope/2
             end do
             line = at%rho_a + at%rho_b - at%h
             call compliant_force_lanes(at%h, line, c, at%e_star, force%elastic, answered)
             if (.not. answered) return
+            force%slope_a = force%elastic*force%slope_a
+            force%slope_b = force%elastic*force%slope_b
             force%elastic = at%width*force%elastic
             force%d_energy = 0
             force%excess = 0

@@ -1,5 +1,6 @@
 !> Meshes of wheels that give way: what they need of the rest of a case, and their flanks.
 module evl_compliant_mesh
+   use evl_coupled_flank, only: coupled_flank_t
    use evl_flank, only: flank_slot, flank_t
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_description, only: mesh_input, wheel_input
@@ -38,9 +39,9 @@ contains
                         //trim(contact%word("law")), "contact.law")
          else if (mesh%tracking /= tracking_closed_form) then
             call refuse("a wheel with compliance needs tracking: closed_form", "tracking")
-         else if (couples(gearbox, mesh)) then
-            call refuse("the dynamics do not know yet how neighbouring teeth yield to each other's loads: give false", &
-                        "tooth_coupling")
+         else if (mesh%word("tooth_coupling") == "true" .and. any(wheels%exists .and. wheels%neighbours == 0)) then
+            call refuse("a wheel with compliance {model: analytic}, or a table without c_1, does not know how its teeth yield to" &
+                        //" their neighbours' loads: give false, or finite_elements to the wheel", "tooth_coupling")
          end if
       end associate
 
@@ -74,7 +75,12 @@ contains
             allocate (flank_t :: slot%flank)
             return
          end if
-         allocate (yielding_flank_t :: slot%flank)
+         if (couples(gearbox, mesh)) then
+            allocate (coupled_flank_t :: slot%flank)
+         else
+            allocate (yielding_flank_t :: slot%flank)
+         end if
+         slot%flank%bends = .true.
          select type (flank => slot%flank)
          class is (yielding_flank_t)
             call take_wheel(gearbox%compliances(a), flank%a)

@@ -70,7 +70,7 @@ contains
          energy = energy_of(gearbox, m, first, last, at)
          if (changed) call change_pair(contact, forward, mode, log)
          if (contact%deviates) call change_zones(gearbox, m, changed, fired, y, integers, at, log)
-         call place_contact(gearbox, m, y, integers, place, at)
+         if (changed .or. any(fired .and. moves_zone)) call place_contact(gearbox, m, y, integers, place, at)
          if (entered) then
             call enter(gearbox, m, first, last, integers, at, log, status)
          else if (mode%flanks /= flanks_off) then
@@ -91,17 +91,18 @@ contains
    end subroutine contact_event
 
    !> Elastic energy of a tooth contact and its company [J]. Flanks that overlap may take it away at once, or bring it: pairs that
-   !> leave or enter the path under load, and flanks of another pair that deviate in another way.
+   !> leave or enter the path under load, and flanks of another pair that deviate or yield in another way.
    pure real(wp) function energy_of(gearbox, m, first, last, at) result(energy)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m, first, last
       type(contact_state), intent(in) :: at(*) !! with what the laws say
 
       energy = 0
-      associate (contact => gearbox%contacts(m))
-         if (contact%handover .and. .not. contact%deviates) return ! the next pair has the same energy
-         if (touches(at(m)%mode) .and. abs(at(m)%point%h) > grazing*contact%h_scale) &
-            call gearbox%flanks(contact%i_flank)%flank%add_energy(gearbox%contacts, first, last, at, energy)
+      associate (contact => gearbox%contacts(m), flank => gearbox%flanks(gearbox%contacts(m)%i_flank)%flank)
+         if (contact%handover .and. .not. (contact%deviates .or. flank%bends)) return ! the next pair has the same energy
+         if (first == last .and. .not. touches(at(m)%mode)) return
+         if (first == last .and. abs(at(m)%point%h) <= grazing*contact%h_scale) return
+         call flank%add_energy(gearbox%contacts, first, last, at, energy)
       end associate
    end function energy_of
 

@@ -4,7 +4,7 @@ module evl_contacts_at_state
    use evl_gearbox, only: gearbox_local, gearbox_t, i_turns
    use evl_kinds, only: wp
    use evl_local_variables, only: i_theta, n_local
-   use evl_status, only: status_t
+   use evl_status, only: has_failed, status_t
    use evl_tangent_line, only: tangent_line_t
    use evl_tooth_contact, only: contact_state, flanks_apart, line_along, locate_contact, nominal_rho, touches, &
                                 tracking_closed_form
@@ -42,6 +42,7 @@ contains
       if (.not. any_touch) return
       associate (flank => gearbox%flanks(gearbox%contacts(first)%i_flank)%flank)
          call flank%laws(gearbox%contacts, first, last, at, status)
+         if (.not. has_failed(status)) call flank%find_overlaps(gearbox%contacts, first, last, at)
       end associate
    end subroutine look_at
 

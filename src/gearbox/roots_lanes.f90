@@ -71,6 +71,7 @@ contains
       end do
       if (.not. nearby) call flank%laws_in_lanes(gearbox%contacts, flank%first, flank%last, aside, answered)
       if (.not. answered) return
+      call flank%find_overlaps_in_lanes(gearbox%contacts, slots, aside, nearby)
       do m = flank%first, flank%last
          associate (contact => gearbox%contacts(m), place => gearbox%contacts(m)%i_root + 1)
             if (nearby .and. slots(m)%touches) then

@@ -23,7 +23,7 @@ contains
       integer :: i
 
       compliance(:n, :n) = c
-      call solve_pairs(n, h, length, compliance, e_star, logical(pushes_only), answer, code)
+      call solve_pairs(n, h, spread(length, 1, n), compliance, e_star, logical(pushes_only), answer, code)
       if (code /= 0) return
       force = answer%force(:n)
       turns = answer%turns
@@ -31,7 +31,7 @@ contains
       energy = energy_of_pairs(answer, h, e_star)
       change = ways
       do i = 1, n_ways
-         call force_change_of_pairs(answer, length, e_star, d_length(i), change(:, i))
+         call force_change_of_pairs(answer, spread(length, 1, n), e_star, spread(d_length(i), 1, n), change(:, i))
       end do
    end function test_coupled_pairs
 

@@ -2,6 +2,7 @@
 module flank_calls
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_ptr
    use evl_contact_point, only: contact_gradient
+   use evl_coupled_flank, only: coupled_flank_t
    use evl_flank, only: flank_slot
    use evl_force_lanes, only: lane_slot
    use evl_gearbox, only: gearbox_t
@@ -20,9 +21,10 @@ module flank_calls
 
 contains
 
-   !> Let all flanks of a gearbox bend as somebody made up.
-   subroutine test_flank_bend(handle, scale, influence, k_difference) bind(c)
+   !> Let all flanks of a gearbox bend as somebody made up, each pair by itself or all together.
+   subroutine test_flank_bend(handle, couples, scale, influence, k_difference) bind(c)
       type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: couples
       real(c_double), intent(in), value :: scale, k_difference
       real(c_double), intent(in) :: influence(n_numbers, 2)
       type(gearbox_t), pointer :: gearbox
@@ -30,12 +32,13 @@ contains
 
       call c_f_pointer(handle, gearbox)
       do i = 1, size(gearbox%flanks)
-         call bend(scale, influence, k_difference, gearbox%flanks(i))
+         call bend(couples /= 0, scale, influence, k_difference, gearbox%flanks(i))
       end do
    end subroutine test_flank_bend
 
    !> One of them. Built in place: gfortran 12 frees twice what it copies of nested polymorphic components.
-   subroutine bend(scale, influence, k_difference, slot)
+   subroutine bend(couples, scale, influence, k_difference, slot)
+      logical, intent(in) :: couples
       real(wp), intent(in) :: scale, influence(n_numbers, 2), k_difference
       type(flank_slot), intent(inout) :: slot
       integer :: first, last
@@ -43,11 +46,16 @@ contains
       first = slot%flank%first
       last = slot%flank%last
       deallocate (slot%flank)
-      allocate (yielding_flank_t :: slot%flank)
+      if (couples) then
+         allocate (coupled_flank_t :: slot%flank)
+      else
+         allocate (yielding_flank_t :: slot%flank)
+      end if
+      slot%flank%bends = .true.
       slot%flank%first = first
       slot%flank%last = last
       select type (flank => slot%flank)
-      type is (yielding_flank_t)
+      class is (yielding_flank_t)
          flank%k_difference = k_difference
          allocate (made_up_t :: flank%a, flank%b)
          call make_up(scale, influence(:, 1), flank%a)

@@ -1,0 +1,388 @@
+!> A flank whose tooth pairs yield to each other's loads: the forces of all follow from the places of all.
+!>
+!> They are those of evl_coupled_pairs over the width, with C of evl_pair_compliance. The energy is the sum of F h/2 -
+!> F**2/(4 pi E* b), and beside F each pair k has P and a_i of evl_yielding_flank with s_i = sum_l N_l dC_kl/drho_i, half of the own
+!> term. A pair that overlaps without force stays in the potential.
+!>
+!> Whether a pair carries is said by its overlap g_k = h_k - sum over the others of C_kl N_l. In a mode forces go on as odd
+!> functions of g, so that a root is found from both sides.
+!>
+!> Source: docs/compliant_flanks.md, sections 2 and 3.
+module evl_coupled_flank
+   use, intrinsic :: iso_fortran_env, only: int64
+   use evl_contact_point, only: contact_gradient
+   use evl_coupled_pairs, only: coupled_answer, force_change_of_pairs, most_pairs, overlaps, solve_pairs
+   use evl_damping_law, only: viscous_force
+   use evl_elastic_law, only: elastic_result
+   use evl_flank, only: context_of
+   use evl_force_lanes, only: lane_slot
+   use evl_kinds, only: lanes, wp
+   use evl_local_variables, only: n_local
+   use evl_pair_compliance, only: gather_compliance, pair_compliance
+   use evl_pair_place, only: by_a, by_b, pair_feet
+   use evl_status, only: code_ok, code_out_of_domain, fail, quantity, status_t, subject_mesh
+   use evl_tooth_contact, only: contact_state, flank_drive, flanks_open, tooth_contact_t, touches
+   use evl_yielding_flank, only: yielding_flank_t
+   implicit none (type, external)
+   private
+
+   public :: coupled_flank_t
+
+   type, extends(yielding_flank_t) :: coupled_flank_t
+   contains
+      procedure :: company
+      procedure :: laws
+      procedure :: find_overlaps
+      procedure :: settle_overlap
+      procedure :: force_changes
+      procedure :: slope_changes
+      procedure :: laws_in_lanes
+      procedure :: find_overlaps_in_lanes
+   end type coupled_flank_t
+
+   !> Pairs of a flank at a state.
+   type :: pairs_t
+      integer :: n = 0
+      integer :: contact(most_pairs) = 0 !! of the gearbox
+      integer :: number(most_pairs) = 0  !! of the tooth pair
+      real(wp) :: h(most_pairs) = 0.0_wp, line(most_pairs) = 1.0_wp !! [m]
+      type(pair_feet) :: feet(most_pairs)
+   end type pairs_t
+
+contains
+
+   include "numerics/all_positive.inc"
+
+   !> All contacts of the flank.
+   pure subroutine company(self, contact, first, last)
+      class(coupled_flank_t), intent(in) :: self
+      integer, intent(in) :: contact
+      integer, intent(out) :: first, last
+
+      first = self%first
+      last = self%last
+   end subroutine company
+
+   !> Add a pair at h, rho_A and rho_B.
+   pure subroutine add_pair(pairs, contact, number, h, rho)
+      type(pairs_t), intent(inout) :: pairs
+      integer, intent(in) :: contact, number
+      real(wp), intent(in) :: h, rho(2)
+
+      pairs%n = pairs%n + 1
+      pairs%contact(pairs%n) = contact
+      pairs%number(pairs%n) = number
+      pairs%h(pairs%n) = h
+      pairs%line(pairs%n) = rho(by_a) + rho(by_b) - h
+      pairs%feet(pairs%n)%foot = rho
+   end subroutine add_pair
+
+   !> Pairs in one state: those that touch, and those that lie open if they count.
+   pure subroutine list_pairs(first, last, at, with_open, pairs)
+      integer, intent(in) :: first, last
+      type(contact_state), intent(in) :: at(*)
+      logical, intent(in) :: with_open
+      type(pairs_t), intent(inout) :: pairs
+      integer :: k
+
+      do k = first, last
+         if (.not. (touches(at(k)%mode) .or. (with_open .and. at(k)%mode%flanks == flanks_open))) cycle
+         call add_pair(pairs, k, at(k)%mode%tooth_pair, at(k)%point%h, [at(k)%point%rho_a, at(k)%point%rho_b])
+      end do
+   end subroutine list_pairs
+
+   !> What they yield to each other.
+   pure subroutine compliance_of(self, contact, pairs, compliance)
+      class(coupled_flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contact !! one of the flank
+      type(pairs_t), intent(in) :: pairs
+      type(pair_compliance), intent(out) :: compliance
+
+      call gather_compliance(self%a, self%b, self%k_difference, contact%flank == flank_drive, .true., pairs%n, pairs%number, &
+                             pairs%feet, compliance)
+   end subroutine compliance_of
+
+   !> Elastic and viscous forces of the contacts that touch, and their overlaps.
+   subroutine laws(self, contacts, first, last, at, status)
+      class(coupled_flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contacts(*)
+      integer, intent(in) :: first, last
+      type(contact_state), intent(inout) :: at(*)
+      type(status_t), intent(inout) :: status
+      type(pairs_t) :: pairs
+      type(pair_compliance) :: compliance
+      type(coupled_answer) :: answer
+      real(wp) :: g(most_pairs)
+      integer :: code, i
+
+      call list_pairs(first, last, at, .false., pairs)
+      if (pairs%n == 0) return
+      associate (n => pairs%n, contact => contacts(first))
+         call compliance_of(self, contact, pairs, compliance)
+         call solve_pairs(n, pairs%h, pairs%line, compliance%c, contact%e_star, .false., answer, code)
+         if (code /= code_ok) then
+            call fail(status, code_out_of_domain, "the forces of the tooth pairs have no solution at a penetration of h = " &
+                      //quantity(pairs%h(1), "m")//": the teeth would yield by more than the length of the line of action, or the" &
+                      //" compliances of the wheels do not fit together", subject_mesh, contact%mesh, "contact")
+            return
+         end if
+         call overlaps(n, pairs%h, compliance%c, answer, g)
+         do i = 1, n
+            call take(contacts(pairs%contact(i)), n, i, answer, compliance, at(pairs%contact(i)))
+            at(pairs%contact(i))%overlap = g(i)
+         end do
+      end associate
+   end subroutine laws
+
+   !> What is known of pair i of n.
+   pure subroutine take(contact, n, i, answer, compliance, at)
+      type(tooth_contact_t), intent(in) :: contact
+      integer, intent(in) :: n, i
+      type(coupled_answer), intent(in) :: answer
+      type(pair_compliance), intent(in) :: compliance
+      type(contact_state), intent(inout) :: at
+      integer :: w
+
+      at%elastic = elastic_result(contact%width*answer%force(i), 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp)
+      associate (yielding => at%yielding)
+         do w = by_a, by_b
+            yielding%by_force(:n, w) = compliance%d(i, :n, w)
+            yielding%by_own(:n, w) = compliance%d_own(i, :n, w)
+            yielding%by_other(:n, w) = compliance%d_both(i, :n, w)
+            yielding%slope(w) = dot_product(yielding%by_force(:n, w), answer%force(:n))
+         end do
+         yielding%factor(:n) = answer%factor(i, :n)
+         yielding%carries = answer%carries(i)
+      end associate
+      call viscous_force(contact%damping, context_of(contact, at), at%elastic, at%viscous)
+   end subroutine take
+
+   !> The overlap of open contacts under the forces of those that touch.
+   pure subroutine find_overlaps(self, contacts, first, last, at)
+      class(coupled_flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contacts(*)
+      integer, intent(in) :: first, last
+      type(contact_state), intent(inout) :: at(*)
+      type(pairs_t) :: pairs
+      type(pair_compliance) :: compliance
+      type(coupled_answer) :: answer
+      real(wp) :: g(most_pairs)
+      integer :: i
+
+      if (all(at(first:last)%mode%flanks /= flanks_open)) return
+      call list_pairs(first, last, at, .true., pairs)
+      call compliance_of(self, contacts(first), pairs, compliance)
+      do i = 1, pairs%n
+         associate (there => at(pairs%contact(i)))
+            if (touches(there%mode)) answer%force(i) = there%elastic%force/contacts(first)%width
+         end associate
+      end do
+      call overlaps(pairs%n, pairs%h, compliance%c, answer, g)
+      do i = 1, pairs%n
+         if (.not. touches(at(pairs%contact(i))%mode)) at(pairs%contact(i))%overlap = g(i)
+      end do
+   end subroutine find_overlaps
+
+   !> The overlap of a contact where all push that can.
+   pure subroutine settle_overlap(self, contacts, k, first, last, at)
+      class(coupled_flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contacts(*)
+      integer, intent(in) :: k, first, last
+      type(contact_state), intent(inout) :: at(*)
+      type(pairs_t) :: pairs
+      type(pair_compliance) :: compliance
+      type(coupled_answer) :: answer
+      real(wp) :: g(most_pairs)
+      integer :: code
+
+      call list_pairs(first, last, at, .true., pairs)
+      call compliance_of(self, contacts(first), pairs, compliance)
+      call solve_pairs(pairs%n, pairs%h, pairs%line, compliance%c, contacts(first)%e_star, .true., answer, code)
+      if (code /= code_ok) return ! which the laws will say
+      call overlaps(pairs%n, pairs%h, compliance%c, answer, g)
+      at(k)%overlap = g(findloc(pairs%contact(:pairs%n), k, dim=1))
+   end subroutine settle_overlap
+
+   !> How both forces of a contact change with the local variables.
+   pure subroutine force_changes(self, contacts, at, d, k, elastic, viscous)
+      class(coupled_flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contacts(*)
+      type(contact_state), intent(in) :: at(*)
+      type(contact_gradient), intent(in) :: d(*)
+      integer, intent(in) :: k
+      real(wp), intent(out) :: elastic(n_local), viscous(n_local)
+      real(wp) :: change(most_pairs, n_local)
+      type(pairs_t) :: pairs
+
+      call list_pairs(self%first, self%last, at, .false., pairs)
+      call changes_of_all(contacts, at, d, pairs, change)
+      elastic = contacts(k)%width*change(findloc(pairs%contact(:pairs%n), k, dim=1), :)
+      associate (v => at(k)%viscous)
+         viscous = v%d_elastic*elastic + v%d_h*d(k)%h + v%d_rho_a*d(k)%rho_a + v%d_rho_b*d(k)%rho_b + v%d_h_dot*d(k)%h_dot
+      end associate
+   end subroutine force_changes
+
+   !> How the forces per unit width of all pairs that touch change with the local variables.
+   pure subroutine changes_of_all(contacts, at, d, pairs, change)
+      type(tooth_contact_t), intent(in) :: contacts(*)
+      type(contact_state), intent(in) :: at(*)
+      type(contact_gradient), intent(in) :: d(*)
+      type(pairs_t), intent(in) :: pairs
+      real(wp), intent(out) :: change(most_pairs, n_local) !! of the first n
+      type(coupled_answer) :: answer
+      real(wp) :: d_line(most_pairs, n_local)
+      integer :: i, j, q
+
+      associate (n => pairs%n, contact => contacts(pairs%contact(1)))
+         answer%n = n
+         do i = 1, n
+            associate (k => pairs%contact(i))
+               answer%force(i) = at(k)%elastic%force/contact%width
+               answer%carries(i) = at(k)%yielding%carries
+               answer%factor(i, :n) = at(k)%yielding%factor(:n)
+            end associate
+         end do
+         do i = 1, n
+            associate (of => d(pairs%contact(i)), yielding => at(pairs%contact(i))%yielding)
+               change(i, :) = of%h - yielding%slope(by_a)*of%rho_a - yielding%slope(by_b)*of%rho_b
+               d_line(i, :) = of%rho_a + of%rho_b - of%h
+            end associate
+            do j = 1, n
+               associate (of => d(pairs%contact(j)), by => at(pairs%contact(j))%yielding%by_force(i, :), force => answer%force(j))
+                  change(i, :) = change(i, :) - (force*by(by_a))*of%rho_a - (force*by(by_b))*of%rho_b
+               end associate
+            end do
+         end do
+         do q = 1, n_local
+            call force_change_of_pairs(answer, pairs%line, contact%e_star, d_line(:, q), change(:, q))
+         end do
+      end associate
+   end subroutine changes_of_all
+
+   !> How the slopes of a pair change: with the forces and the places of all.
+   pure subroutine slope_changes(self, contacts, at, d, k, elastic, change)
+      class(coupled_flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contacts(*)
+      type(contact_state), intent(in) :: at(*)
+      type(contact_gradient), intent(in) :: d(*)
+      integer, intent(in) :: k
+      real(wp), intent(in) :: elastic(n_local)
+      real(wp), intent(out) :: change(n_local, 2)
+      real(wp) :: forces(most_pairs, n_local)
+      type(pairs_t) :: pairs
+      integer :: l
+
+      call list_pairs(self%first, self%last, at, .false., pairs)
+      call changes_of_all(contacts, at, d, pairs, forces)
+      change = 0
+      associate (yielding => at(k)%yielding)
+         do l = 1, pairs%n
+            associate (other => pairs%contact(l), force => at(pairs%contact(l))%elastic%force/contacts(k)%width)
+               change(:, by_a) = change(:, by_a) + yielding%by_force(l, by_a)*forces(l, :) &
+                                 + force*(yielding%by_own(l, by_a)*d(k)%rho_a + yielding%by_other(l, by_a)*d(other)%rho_a)
+               change(:, by_b) = change(:, by_b) + yielding%by_force(l, by_b)*forces(l, :) &
+                                 + force*(yielding%by_own(l, by_b)*d(k)%rho_b + yielding%by_other(l, by_b)*d(other)%rho_b)
+            end associate
+         end do
+      end associate
+   end subroutine slope_changes
+
+   !> Pairs in one of eight states.
+   pure subroutine list_lane(first, last, l, slots, pairs)
+      integer, intent(in) :: first, last, l
+      type(lane_slot), intent(in) :: slots(*)
+      type(pairs_t), intent(inout) :: pairs
+      integer :: k
+
+      do k = first, last
+         if (slots(k)%touches) call add_pair(pairs, k, slots(k)%mode%tooth_pair, slots(k)%at%h(l), &
+                                             [slots(k)%at%rho_a(l), slots(k)%at%rho_b(l)])
+      end do
+   end subroutine list_lane
+
+   !> `laws` in eight states.
+   subroutine laws_in_lanes(self, contacts, first, last, slots, answered)
+      class(coupled_flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contacts(*)
+      integer, intent(in) :: first, last
+      type(lane_slot), intent(inout) :: slots(*)
+      logical, intent(out) :: answered
+      type(pairs_t) :: pairs
+      type(pair_compliance) :: compliance
+      type(coupled_answer) :: answer
+      real(wp) :: g(most_pairs)
+      integer :: code, i, k, l
+
+      answered = .true.
+      do k = first, last
+         if (.not. slots(k)%touches) cycle
+         answered = answered .and. all_positive(slots(k)%at%rho_a) .and. all_positive(slots(k)%at%rho_b)
+      end do
+      if (.not. answered) return
+      do l = 1, lanes
+         pairs%n = 0
+         call list_lane(first, last, l, slots, pairs)
+         if (pairs%n == 0) return
+         call compliance_of(self, contacts(first), pairs, compliance)
+         call solve_pairs(pairs%n, pairs%h, pairs%line, compliance%c, contacts(first)%e_star, .false., answer, code)
+         answered = code == code_ok
+         if (.not. answered) return
+         call overlaps(pairs%n, pairs%h, compliance%c, answer, g)
+         do i = 1, pairs%n
+            associate (slot => slots(pairs%contact(i)), n => pairs%n)
+               slot%force%elastic(l) = contacts(first)%width*answer%force(i)
+               slot%force%slope_a(l) = dot_product(compliance%d(i, :n, by_a), answer%force(:n))
+               slot%force%slope_b(l) = dot_product(compliance%d(i, :n, by_b), answer%force(:n))
+               slot%at%overlap(l) = g(i)
+            end associate
+         end do
+      end do
+      do i = 1, pairs%n
+         associate (at => slots(pairs%contact(i))%at, force => slots(pairs%contact(i))%force)
+            force%d_energy = 0
+            force%excess = 0
+            call contacts(pairs%contact(i))%damping%force_lanes(at%lane_context, force%elastic, force%viscous)
+            force%unclipped = force%elastic + force%viscous
+         end associate
+      end do
+   end subroutine laws_in_lanes
+
+   !> `find_overlaps` in eight states.
+   subroutine find_overlaps_in_lanes(self, contacts, slots, aside, nearby)
+      class(coupled_flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contacts(*)
+      type(lane_slot), intent(in) :: slots(*)
+      type(lane_slot), intent(inout) :: aside(*)
+      logical, intent(in) :: nearby
+      type(pairs_t) :: pairs
+      type(pair_compliance) :: compliance
+      type(coupled_answer) :: answer
+      real(wp) :: g(most_pairs)
+      integer :: i, k, l, n
+
+      if (all(aside(self%first:self%last)%mode%flanks /= flanks_open)) return
+      do l = 1, lanes
+         pairs%n = 0
+         if (nearby) call list_lane(self%first, self%last, l, slots, pairs)
+         if (.not. nearby) call list_lane(self%first, self%last, l, aside, pairs)
+         n = pairs%n
+         do i = 1, n
+            answer%force(i) = aside(pairs%contact(i))%force%elastic(l)/contacts(pairs%contact(i))%width
+            if (nearby) answer%force(i) = slots(pairs%contact(i))%force%elastic(l)/contacts(pairs%contact(i))%width
+         end do
+         answer%force(n + 1:) = 0
+         do k = self%first, self%last
+            associate (slot => aside(k))
+               if (slot%mode%flanks == flanks_open) &
+                  call add_pair(pairs, k, slot%mode%tooth_pair, slot%at%h(l), [slot%at%rho_a(l), slot%at%rho_b(l)])
+            end associate
+         end do
+         call compliance_of(self, contacts(self%first), pairs, compliance)
+         call overlaps(pairs%n, pairs%h, compliance%c, answer, g)
+         do i = n + 1, pairs%n
+            aside(pairs%contact(i))%at%overlap(l) = g(i)
+         end do
+      end do
+   end subroutine find_overlaps_in_lanes
+
+end module evl_coupled_flank
