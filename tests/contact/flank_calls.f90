@@ -95,6 +95,7 @@ contains
       do k = 1, n
          at(k)%mode = no_mode
          at(k)%mode%flanks = flanks(k)
+         at(k)%mode%tooth_pair = k
          at(k)%mode%v0 = 0.1_wp
          at(k)%point%h = places(1, k)
          at(k)%point%h_dot = places(2, k)
@@ -103,10 +104,10 @@ contains
       end do
    end subroutine put
 
-   !> Elastic and viscous forces; the code of the status.
-   integer(c_int) function test_flank_laws(handle, n, flanks, places, elastic, viscous) result(code) bind(c)
+   !> Elastic and viscous forces on one of the flanks; the code of the status.
+   integer(c_int) function test_flank_laws(handle, which, n, flanks, places, elastic, viscous) result(code) bind(c)
       type(c_ptr), intent(in), value :: handle
-      integer(c_int), intent(in), value :: n
+      integer(c_int), intent(in), value :: which, n
       integer(c_int), intent(in) :: flanks(n)
       real(c_double), intent(in) :: places(4, n)
       real(c_double), intent(inout) :: elastic(n), viscous(n) !! of those that touch
@@ -117,7 +118,9 @@ contains
 
       call c_f_pointer(handle, gearbox)
       call put(n, flanks, places, at)
-      call gearbox%flanks(1)%flank%laws(gearbox%contacts, 1, n, at, status)
+      associate (flank => gearbox%flanks(which)%flank)
+         call flank%laws(gearbox%contacts(flank%first:), 1, n, at, status)
+      end associate
       do k = 1, n
          if (flanks(k) == flanks_open) cycle
          elastic(k) = at(k)%elastic%force

@@ -1,4 +1,4 @@
-"""The flank: forces of all its contacts, how they change, and that each pair stands alone."""
+"""The flank: forces of all its contacts, how they change, and who knows of whom."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from gearbox.lanes.lane_cases import CONTACTS, DAMPINGS
+from gearbox.test_yielding_flanks import bend
 from kernel.gearbox import LOADED, OPEN, UNLOADED, Gearbox
 from kernel.gearbox_description import TORQUE, VISCOUS, load, mesh, wheel
 from kernel.gears import gear_description
@@ -18,7 +19,10 @@ PLACES = np.array(
 )
 LANES = 8
 LAWS = [(c, d) for c in CONTACTS for d in DAMPINGS]
-every_law = pytest.mark.parametrize(("contact", "damping"), LAWS)
+BENDING = [("johnson that bends", d) for d in DAMPINGS]
+COUPLED = [("johnson coupled", d) for d in DAMPINGS]
+every_law = pytest.mark.parametrize(("contact", "damping"), LAWS + BENDING)
+every_flank = pytest.mark.parametrize(("contact", "damping"), LAWS + BENDING + COUPLED)
 
 
 def pair(kernel: Kernel, contact: str, damping: str) -> Gearbox:
@@ -27,20 +31,24 @@ def pair(kernel: Kernel, contact: str, damping: str) -> Gearbox:
     wheels = [wheel(teeth=z, width=0.02, gear=form) for z in (20, 35)]
     description = mesh(kernel, 0, 1, backlash=2e-5)
     description.pop("pressure_angle")
-    description.contact = kernel.law(CONTACT, contact, **CONTACTS[contact])
+    law, *bends = contact.split(maxsplit=1)
+    description.contact = kernel.law(CONTACT, law, **CONTACTS[law])
     description.damping = kernel.law(DAMPING, damping, **DAMPINGS[damping])
     gearbox = Gearbox(
         kernel, wheels, [load(0, TORQUE, -20.0), load(1, VISCOUS, 5.0)], [description]
     )
     assert kernel.library.test_flank_contacts(gearbox.handle) == len(PLACES)
-    return gearbox
+    return bend(gearbox, bends == ["coupled"]) if bends else gearbox
 
 
-def laws(gearbox: Gearbox, places: Floats = PLACES, flanks: Floats = FLANKS) -> Floats:
+def laws(
+    gearbox: Gearbox, places: Floats = PLACES, flanks: Floats = FLANKS, flank: int = 1
+) -> Floats:
     """Elastic and viscous force of each contact, (2, contact); NaN where flanks do not touch."""
     elastic, viscous = np.full((2, len(places)), np.nan)
     arrays = (flanks, np.ascontiguousarray(places), elastic, viscous)
-    assert gearbox.library.test_flank_laws(gearbox.handle, len(places), *map(_at, arrays)) == OK
+    n = len(places)
+    assert gearbox.library.test_flank_laws(gearbox.handle, flank, n, *map(_at, arrays)) == OK
     return np.array([elastic, viscous])
 
 
@@ -53,7 +61,7 @@ def changes(gearbox: Gearbox, which: int) -> Floats:
     return result.reshape(2, *PLACES.shape)
 
 
-@every_law
+@every_flank
 def test_changes_of_the_forces_are_differences_of_the_forces(
     kernel: Kernel, contact: str, damping: str
 ):
@@ -76,6 +84,28 @@ def test_changes_of_the_forces_are_differences_of_the_forces(
                 )
 
 
+@pytest.mark.parametrize(("contact", "damping"), COUPLED)
+def test_every_pair_of_coupled_teeth_knows_all_others(kernel: Kernel, contact: str, damping: str):
+    """Neighbours that carry open its gap; where all are as deep it has less than alone."""
+    gearbox = pair(kernel, contact, damping)
+    places = PLACES.copy()
+    places[:, 0] = 1e-5
+    elastic = laws(gearbox, places)[0]
+    for which in range(len(PLACES)):
+        flanks = np.full(len(PLACES), OPEN, np.int32)
+        flanks[which] = LOADED
+        assert laws(gearbox, places, flanks)[0, which] > elastic[which]
+        assert changes(gearbox, which)[0, :, [0, 2, 3]].all()
+
+
+def test_pairs_come_on_coast_flanks_in_the_opposite_order(kernel: Kernel):
+    """As teeth face there: c_j with j exchanged, what the wheels of a mirror image have."""
+    gearbox = pair(kernel, "johnson coupled", "flores")
+    drive, coast = laws(gearbox), laws(gearbox, PLACES[::-1], FLANKS[::-1].copy(), 2)
+    np.testing.assert_allclose(coast[:, ::-1], drive, rtol=1e-12)
+    assert np.abs(laws(gearbox, PLACES, FLANKS, 2) / drive - 1).max() > 1e-6
+
+
 @every_law
 def test_each_pair_stands_alone(kernel: Kernel, contact: str, damping: str):
     """Wherever the others are, and whether they touch, a pair's forces keep their bits."""
@@ -92,7 +122,7 @@ def test_each_pair_stands_alone(kernel: Kernel, contact: str, damping: str):
         assert not changes(gearbox, which)[:, others].any()
 
 
-@every_law
+@every_flank
 def test_eight_states_have_the_forces_of_each(kernel: Kernel, contact: str, damping: str):
     gearbox = pair(kernel, contact, damping)
     random = np.random.default_rng(3)
@@ -130,5 +160,5 @@ def test_a_limit_of_a_law_is_refused_with_its_mesh(kernel: Kernel):
     places[2, 0] = 0.05  # past 4 (rho_A + rho_B)/e**2
     forces = np.full((2, len(PLACES)), np.nan)
     arrays = (FLANKS, places, *forces)
-    code = kernel.library.test_flank_laws(gearbox.handle, len(PLACES), *map(_at, arrays))
+    code = kernel.library.test_flank_laws(gearbox.handle, 1, len(PLACES), *map(_at, arrays))
     assert code != OK

@@ -1,4 +1,4 @@
-"""Gearboxes whose teeth and wheel bodies bend, pair by pair or together: Jacobian, lanes, energy."""
+"""Gearboxes whose teeth and wheels bend, pair by pair or together: Jacobian, lanes, energy."""
 
 from __future__ import annotations
 
