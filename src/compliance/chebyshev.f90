@@ -11,6 +11,8 @@ module evl_chebyshev
 
 contains
 
+   ! Not in vectors: those cosines of the C library have other bits, on every processor others.
+
    !> Points from `low` to `high`.
    pure function chebyshev_points(n, low, high) result(points)
       integer, intent(in) :: n !! intervals
@@ -18,7 +20,10 @@ contains
       real(wp) :: points(0:n)
       integer :: i
 
-      points = [((low + high)/2 - (high - low)/2*cos(pi*i/n), i=0, n)]
+      !GCC$ novector
+      do i = 0, n
+         points(i) = (low + high)/2 - (high - low)/2*cos(pi*i/n)
+      end do
       points(0) = low
       points(n) = high
    end function chebyshev_points
@@ -32,6 +37,7 @@ contains
       n = size(values) - 1
       a = 0
       do k = 0, n
+         !GCC$ novector
          do i = 0, n
             weight = merge(0.5_wp, 1.0_wp, i == 0 .or. i == n)
             a(k) = a(k) + weight*values(i)*cos(pi*k*(n - i)/n)

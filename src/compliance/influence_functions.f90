@@ -69,6 +69,7 @@ contains
                    //" no value: another 'order' or hub_diameter may help", subject_wheel, field="compliance")
          return
       end if
+      !GCC$ novector ! of the C library's logarithms, whose bits are others
       do j = 0, n_own
          influence%own(j) = finish_own_tooth(response(j + 1, j + 1, 0), response(n_own + j + 2, n_own + j + 2, 0), widths(j), &
                                              influence%rho(j), law)
