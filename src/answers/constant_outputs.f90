@@ -32,10 +32,11 @@ contains
       call tell(teller, "centre", "m", "O", "reference position of the axle", wheel%centre)
    end subroutine tell_wheel_constants
 
-   subroutine tell_mesh_constants(teller, index, contact, pair, at)
+   subroutine tell_mesh_constants(teller, index, contact, couples, pair, at)
       type(teller_t), intent(inout) :: teller
       integer, intent(in) :: index
       type(tooth_contact_t), intent(in) :: contact !! the first of the mesh
+      logical, intent(in) :: couples               !! its tooth pairs yield to each other's loads
       type(spur_pair_t), intent(in) :: pair
       type(mesh_reference_t), intent(in) :: at     !! at the nominal load
 
@@ -60,6 +61,7 @@ contains
       call tell(teller, "reference_force", "N", "F_0", "normal force that the loads suggest", contact%force_scale)
       call tell(teller, "reference_penetration", "m", "h_0", "penetration under the reference force", contact%h_scale)
       call tell(teller, "rigid_contact", "1", "", "1 if the contact is rigid: a constraint without penetration", contact%rigid)
+      call tell(teller, "tooth_coupling", "1", "", "1 if tooth pairs yield to each other's loads, else 0", couples)
       call tell(teller, "reference_stiffness", "N m-1", "k", "stiffness of one tooth pair under the reference force", at%stiffness)
       call tell(teller, "reference_mass", "kg", "m", "mass of the two wheels along the line of action", at%mass)
       call tell(teller, "natural_frequency", "Hz", "f_0", "natural frequency of the mesh with one tooth pair in contact", &

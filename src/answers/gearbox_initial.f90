@@ -258,7 +258,7 @@ contains
             if (mode%flanks == flanks_open .and. contact%rigid) then
                call settle_rigid(contact, point, mode, status)
                if (has_failed(status)) return
-            else if (mode%flanks == flanks_open .and. .not. point%h < 0) then
+            else if (mode%flanks == flanks_open .and. .not. at(m)%overlap < 0) then
                call gearbox_local(gearbox, contact, free, q)
                parting = contact%pair%sigma*base_arc(contact%pair, q(at_psi_dot_a), q(at_psi_dot_b)) &
                          + q(at_v_b + 1) - q(at_v_a + 1)

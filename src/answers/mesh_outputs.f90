@@ -134,6 +134,7 @@ contains
                contacts(m)%mode = gearbox_mode(gearbox, m, integers, reals)
                call place_contact(gearbox, m, y, integers, place, contacts)
             end do
+            call flank%find_overlaps(gearbox%contacts, first, last, contacts)
             call flank%add_energy(gearbox%contacts, first, last, contacts, potential)
             do m = first, last
                if (.not. touches(contacts(m)%mode)) contacts(m)%force = no_force

@@ -63,7 +63,7 @@ contains
       at%mode = no_mode
       at%point = no_point
       call tell_wheel_constants(teller, 1, wheel)
-      call tell_mesh_constants(teller, 1, contact, pair, reference)
+      call tell_mesh_constants(teller, 1, contact, .false., pair, reference)
       call tell_wheel_teeth(teller, 1, wheel, gear, 0.0_wp)
       call tell_mesh_teeth(teller, 1, contact, pair)
       call tell_gearbox(teller, 0.0_wp, 0, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp)
@@ -157,7 +157,8 @@ contains
       end do
       do i = 1, size(gearbox%pairs)
          associate (contact => gearbox%contacts(gearbox%first(i)), pair => gearbox%pairs(i))
-            call tell_mesh_constants(teller, i, contact, pair, gearbox%references(i))
+            call tell_mesh_constants(teller, i, contact, gearbox%flanks(contact%i_flank)%flank%couples, pair, &
+                                     gearbox%references(i))
             call tell_mesh_teeth(teller, i, contact, pair)
             call tell_mesh_position(teller, i, contact)
          end associate

@@ -29,6 +29,7 @@ module evl_flank
    type :: flank_t
       integer :: first = 1, last = 0 !! its tooth contacts among those of the gearbox
       logical :: bends = .false.     !! what a pair yields to a load changes with its place
+      logical :: couples = .false.   !! pairs yield to each other's loads
       real(wp) :: reach = 0.0_wp     !! how far past the ends of the path of contact its pairs stay, in pitches
    contains
       procedure :: slots_for

@@ -81,6 +81,7 @@ contains
             allocate (yielding_flank_t :: slot%flank)
          end if
          slot%flank%bends = .true.
+         slot%flank%couples = couples(gearbox, mesh)
          select type (flank => slot%flank)
          class is (yielding_flank_t)
             call take_wheel(gearbox%compliances(a), flank%a)

@@ -86,7 +86,7 @@ contains
       number = ""
       select case (root_rows(kind)%measures)
       case (measures_penetration)
-         value = at%point%h
+         value = at%overlap
          unit = "m"
       case (measures_rate)
          value = at%point%h_dot

@@ -37,14 +37,16 @@ def agreement_of_modes(history: xr.Dataset) -> xr.DataArray:
 
     The largest of: penetration of open pairs and gap of pairs in contact, over the reference
     penetration; force of pairs that count as open or unloaded, over the reference force. A rigid
-    contact keeps its gap by another invariant.
+    contact keeps its gap by another invariant. Of teeth that are coupled a pair may overlap and be
+    open: its neighbours' loads part its flanks.
     """
     if "pair_contact_mode" not in history:  # earlier versions
         raise NotApplicableError("the history does not tell the modes of its tooth pairs")
     mode, depth = require(history, "pair_contact_mode"), require(history, "pair_penetration")
     elastic = require(history, "rigid_contact") != 1
     touching = (mode == LOADED) | (mode == UNLOADED)
-    wrong = (-depth).where(touching & elastic, 0.0) + depth.where(mode == OPEN, 0.0)
+    alone = history["tooth_coupling"] != 1 if "tooth_coupling" in history else True
+    wrong = (-depth).where(touching & elastic, 0.0) + depth.where((mode == OPEN) & alone, 0.0)
     length = wrong.clip(min=0.0) / require(history, "reference_penetration")
     force = abs(require(history, "pair_normal_force")).where(mode != LOADED, 0.0)
     force = force / require(history, "reference_force")

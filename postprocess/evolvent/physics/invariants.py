@@ -116,7 +116,7 @@ INVARIANTS = (
     Invariant("pushing", "F_n >= 0", "reference force", 1e-6, pull),
     Invariant(
         "contact modes",
-        "in contact: h >= 0, else h <= 0 and F_n = 0",
+        "in contact: h >= 0, else F_n = 0, and h <= 0 without tooth coupling",
         "reference penetration or force",
         1e-6,
         agreement_of_modes,

@@ -1,0 +1,104 @@
+"""Wheels that bend through the program: what is refused, where, and in which words."""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from gearbox.lanes.lane_cases import CONTACTS
+
+Evolvent = Callable[..., subprocess.CompletedProcess[str]]
+
+CASE = 3
+PINION = "wheels.pinion.compliance"
+BENDS = f"{PINION}={{}}"
+TABLE = PINION + "={model: table, rho: [0.005, 0.03], c: [1.5e-11, 5e-11]}"
+COUPLED = "meshes.0.tooth_coupling=true"
+LAWS = {
+    **{law: ", ".join([law, *(f"{k}: {v}" for k, v in CONTACTS[law].items())]) for law in CONTACTS},
+    "rigid": "rigid",
+}
+
+# options; what is said
+BAD_OPTIONS = {
+    **{
+        law: (
+            (BENDS, "meshes.0.damping={law: none}", f"meshes.0.contact={{law: {given}}}"),
+            "meshes.pinion-gear.contact.law: a wheel with compliance needs contact {law: johnson}, "
+            f"from which its c is counted, not {law}",
+        )
+        for law, given in LAWS.items()
+        if law != "johnson"
+    },
+    **{
+        tracking: (
+            (BENDS, f"meshes.0.tracking={tracking}"),
+            "meshes.pinion-gear.tracking: a wheel with compliance needs tracking: closed_form",
+        )
+        for tracking in ("algebraic", "differential")
+    },
+    "coupling of a tooth alone": (
+        (PINION + "={model: analytic}", COUPLED),
+        "meshes.pinion-gear.tooth_coupling: a wheel with compliance {model: analytic}, or a table "
+        "without c_1, does not know how its teeth yield to their neighbours' loads",
+    ),
+    "coupling of a table without c_1": ((TABLE, COUPLED), "or a table without c_1"),
+    "coupling of wheels that do not bend": (
+        (COUPLED,),
+        "meshes.pinion-gear.tooth_coupling: teeth are coupled by what their wheels yield, but none "
+        "of these has a compliance",
+    ),
+    "another word": (
+        (BENDS, "meshes.0.tooth_coupling=maybe"),
+        "tooth_coupling: must be one of true, false, not 'maybe'",
+    ),
+    "a solid wheel": (
+        ("wheels.pinion.bore=0", BENDS),
+        f"{PINION}.hub_diameter: a solid wheel that is held nowhere has no compliance",
+    ),
+}
+
+
+def settings(*options: str) -> list[str]:
+    return [word for option in options for word in ("--set", option)]
+
+
+@pytest.mark.parametrize(("options", "reason"), BAD_OPTIONS.values(), ids=BAD_OPTIONS)
+def test_what_bending_wheels_cannot_have_is_refused(
+    evolvent: Evolvent, examples: Path, tmp_path: Path, options: tuple[str, ...], reason: str
+) -> None:
+    result = evolvent("run", examples / "spur-pair.yaml", *settings(*options))
+    assert result.returncode == CASE, result.stderr
+    assert result.stdout == ""
+    assert result.stderr.count("\n") == 1
+    assert reason in result.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_wheel_without_module_cannot_bend(evolvent: Evolvent, examples: Path) -> None:
+    result = evolvent("run", examples / "paper.yaml", "--set", "wheels.0.compliance={}")
+    assert result.returncode == CASE
+    assert "'compliance' needs 'module' beside it" in result.stderr
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        (BENDS,),
+        (BENDS, "wheels.gear.compliance={}", COUPLED),
+        (BENDS, "wheels.gear.compliance={}", "meshes.0.tooth_coupling=false"),
+        (BENDS, "wheels.gear.compliance={model: none}"),
+        (BENDS, "wheels.gear.compliance={model: analytic}"),
+        (TABLE,),
+        (TABLE.replace("}", ", c_1: [7e-12, 6e-12]}"), COUPLED),
+    ],
+)
+def test_every_model_runs(evolvent: Evolvent, examples: Path, options: tuple[str, ...]) -> None:
+    result = evolvent(
+        *("run", examples / "spur-pair.yaml", "--set", "simulation.duration=2e-3"),
+        *(*settings(*options), "-o", "x.h5"),
+    )
+    assert result.returncode == 0, result.stderr

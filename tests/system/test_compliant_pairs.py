@@ -1,0 +1,149 @@
+"""Pairs of real gears whose teeth and bodies bend: static, energy, integrators, what they show."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from contact.test_true_wheels import E, real_mesh
+from evolvent import check_history
+from kernel.compliant import true_mesh
+from kernel.kernel import Kernel
+from system.real_cases import real_pair, torque, viscous
+from system.runs import Run, Runs
+
+TEETH, BORE, WIDTH = 50, 0.04, 0.02  # [m]
+BASE_RADIUS = 0.075 * np.cos(np.radians(20))
+FORCE = 150e3 * WIDTH  # along the line of action [N]
+PITCH = 2 * np.pi / TEETH
+FAST = 1500 * np.pi / 30  # [rad/s]
+both_integrators = pytest.mark.parametrize("integrator", ["radau", "ida"])
+
+
+def bending_pair(
+    speed: float, pitches: float, initial: dict[str, Any], *, outputs: int = 400, **given: Any
+) -> dict[str, Any]:
+    """Two wheels of 50 teeth at 150 N/mm, held at their bores; what the mesh has besides."""
+    simulation = {key: given.pop(key) for key in ("tolerance", "integrator") if key in given}
+    wheel = {"bore": BORE, "compliance": {}}
+    driven = given.pop("driven", torque(-FORCE * BASE_RADIUS))
+    duration = pitches * PITCH / speed
+    case = real_pair(
+        (TEETH, TEETH),
+        width=WIDTH,
+        wheels=({**wheel, **torque(-FORCE * BASE_RADIUS)}, {**wheel, **driven}),
+        mesh={"backlash": 5e-5, **given},
+        **{"duration": duration, "output_interval": duration / outputs},
+        **{"initial": initial, **simulation},
+    )
+    case["materials"]["steel"]["youngs_modulus"] = E
+    return case
+
+
+def start(speed: float, penetration: float) -> dict[str, Any]:
+    """The driving wheel turns clockwise."""
+    speeds = {"pinion": -speed, "gear": speed}
+    return {"kind": "speeds", "speeds": speeds, "gaps": {"pinion-gear": -penetration}}
+
+
+def energy(run: Run) -> Any:
+    """T + V + D - W [J]."""
+    h = run.history
+    return (h.kinetic_energy + h.potential_energy + h.dissipated_energy - h.load_work).values
+
+
+@both_integrators
+def test_energy_is_kept_undamped_through_twenty_pitches(runs: Runs, integrator: str) -> None:
+    """From a start with 30 % too little deflection; what pairs bring and take is booked."""
+    left = []
+    for tolerance in (1e-8, 1e-12):
+        case = bending_pair(
+            FAST, 20, start(FAST, 8e-6), tolerance=tolerance, integrator=integrator, outputs=2000
+        )
+        run = runs(case)
+        assert run.exit_code == 0, run.messages
+        left.append(np.ptp(energy(run)) / float(run.history.potential_energy.max()))
+    assert left[0] < 2e-5
+    assert left[1] < min(2e-7, left[0] / 3)
+
+
+def test_a_slow_run_is_the_mesh_at_rest(runs: Runs, kernel: Kernel) -> None:
+    """Over a pitch, on the path of contact; h is 3e-8 of h behind, by inertia and damping."""
+    slow = 2e-3
+    damping = {"law": "ratio", "value": 0.07}
+    case = bending_pair(
+        *(slow, 1, {"kind": "steady"}),
+        driven=viscous(FORCE * BASE_RADIUS / slow),
+        damping=damping,
+        tolerance=1e-10,
+    )
+    run = runs(case)
+    assert run.exit_code == 0, run.messages
+    h = run.history
+    wheel = (TEETH, 0.0, BORE)
+    mesh, samples = real_mesh(kernel, wheel, wheel, WIDTH)
+    mesh.line = float(h.line_of_action_length.values.ravel()[0])
+    mesh.reach = 0.0  # no edges
+    rho = np.nanmin(h.pair_position.values.reshape(h.sizes["time"], -1)[:, :3], axis=1)
+    curve = true_mesh(kernel, mesh, samples, E, rho, FORCE)
+    np.testing.assert_allclose(h.penetration.values.ravel(), curve.h, rtol=1e-7)
+    carried = h.pair_normal_force.values.reshape(len(rho), -1)
+    np.testing.assert_allclose(carried.max(axis=1), curve.force.max(axis=1) * WIDTH, rtol=1e-6)
+
+
+def test_both_integrators_have_one_motion(runs: Runs) -> None:
+    """Between them lie the errors of both tolerances, 1e-10 of the scales a step."""
+    found = []
+    for integrator in ("radau", "ida"):
+        case = bending_pair(FAST, 6, start(FAST, 8e-6), tolerance=1e-11, integrator=integrator)
+        run = runs(case)
+        assert run.exit_code == 0, run.messages
+        found.append(run)
+    for name in ("penetration", "pair_normal_force", "potential_energy", "mesh_torque_driving"):
+        radau, ida = (run.history[name].values for run in found)
+        np.testing.assert_allclose(radau, ida, atol=1e-5 * np.nanmax(np.abs(ida)), equal_nan=True)
+    kinds = [list(run.events["kind"].values) for run in found]
+    assert kinds[0] == kinds[1]
+
+
+@pytest.mark.parametrize(("coupling", "largest"), [("true", 2), ("false", 2.5)])
+def test_pairs_of_a_damped_mesh_push_and_share(runs: Runs, coupling: str, largest: float) -> None:
+    """As an engineer expects: forces push, their mean is the load's, contact is kept.
+
+    A pair that enters takes 0.4 of the load at once, as long as edges do not touch before.
+    """
+    damping = {"law": "ratio", "value": 0.07}
+    case = bending_pair(
+        *(FAST, 40, {"kind": "steady"}),
+        driven=viscous(FORCE * BASE_RADIUS / FAST),
+        damping=damping,
+        tooth_coupling=coupling,
+        outputs=4000,
+    )
+    run = runs(case)
+    assert run.exit_code == 0, run.messages
+    assert not [v for v in check_history(run.history) if v.failed]
+    forces = np.nan_to_num(run.history.pair_normal_force.values)
+    assert forces.min() >= 0
+    assert float(run.history.normal_force.mean()) == pytest.approx(FORCE, rel=5e-3)
+    assert float(run.history.normal_force.max()) < largest * FORCE
+    assert float(run.history.penetration.min()) > 0
+
+
+def test_one_pair_has_the_stiffness_that_its_compliance_says(runs: Runs) -> None:
+    """dF/dh at the pitch point: Johnson's, and C = c_A + c_B of the other program in series."""
+    run = runs(bending_pair(FAST, 0.1, start(FAST, 8e-6), outputs=2))
+    h = run.history
+    rho = 0.075 * np.sin(np.radians(20))  # the third place of the table, nearly: E c 6.2578
+    assert rho == pytest.approx(0.025652, abs=1e-5)
+    compliance = 2 * np.interp(rho, [0.023299863, 0.026475907], [5.10490, 6.25779]) / E
+    e_star = float(h.effective_modulus.values.ravel()[0])
+    load = float(h.reference_force.values.ravel()[0]) / WIDTH
+    johnson = (np.log(4 * np.pi * e_star * 2 * rho / load) - 2) / (np.pi * e_star)
+    stiffness = WIDTH / (johnson + compliance)
+    # c is straight between two places of the table: 1 %
+    assert float(h.reference_stiffness.values.ravel()[0]) == pytest.approx(stiffness, rel=1e-2)
+    frequency = np.sqrt(stiffness / float(h.reference_mass.values.ravel()[0])) / (2 * np.pi)
+    assert float(h.natural_frequency.values.ravel()[0]) == pytest.approx(frequency, rel=5e-3)
