@@ -81,7 +81,6 @@ BAD_OPTIONS = {
         "contact.law: a wheel with compliance needs contact {law: johnson}",
     ),
     "tracked": ([ELEMENTS, "meshes.0.tracking=differential"], "needs tracking: closed_form"),
-    "no dynamics yet": ([ELEMENTS], "the dynamics do not know yet how wheels give way"),
 }
 
 
