@@ -240,10 +240,13 @@ def test_real_gears_with_both_flanks_agree(kernel: Kernel, name: str, fixed: boo
 
 
 def test_every_kind_of_deviation_is_compared_here(kernel: Kernel):
-    """A row that no case gives would go unnoticed: all that needs a module but the gear's form."""
+    """A row that no case gives would go unnoticed: all that needs a module but the gear's form.
+
+    Compliance is compared in test_yielding_flanks, flank by flank.
+    """
     of_form = {
         *("pressure_angle", "profile_shift", "rack", "tip_diameter", "tip_alteration"),
-        *("thickness_allowance", "bore"),
+        *("thickness_allowance", "bore", "compliance"),
     }
     described = [deviations(**fields) for pair in DEVIATIONS.values() for fields in pair]
     table = description.rows(kernel.library)
