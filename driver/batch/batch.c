@@ -171,10 +171,12 @@ static bool summarise(const shard_run *run, double seconds)
         counts[run->state.cases[run->plan.first_case + i * run->plan.stride].status]++;
     }
     const long bad = counts[JOURNAL_FAILED] + counts[JOURNAL_REFUSED];
+    const long n_wheels = run->state.n_wheels + wheel_store_computed(run->plan.wheels);
+    OWNED char *wheels = n_wheels == 0 ? xstrdup("") : xasprintf(", compliances of wheels computed: %ld", n_wheels);
     log_note("shard %d of %d: %ld cases, %ld done, %ld did not finish (%ld failed, %ld refused); %ld of them now, in "
-             "%.3g s: %s.jsonl",
+             "%.3g s%s: %s.jsonl",
              run->share.shard, run->share.n_shards, n, counts[JOURNAL_DONE], bad, counts[JOURNAL_FAILED],
-             counts[JOURNAL_REFUSED], run->state.n_finished, seconds, run->stem);
+             counts[JOURNAL_REFUSED], run->state.n_finished, seconds, wheels, run->stem);
     return bad > 0;
 }
 
@@ -204,7 +206,8 @@ static bool run_shard(shard_run *run, evl_error *error)
     OWNED char *stem = xasprintf("%s/shard-%d-of-%d", run->options->folder, run->share.shard, run->share.n_shards);
     OWNED char *lock_path = xasprintf("%s.lock", stem);
     run->stem = stem;
-    if (claim_folder(run->options->folder, run->design->hash, error) && file_lock_take(&lock, lock_path, error)) {
+    if (claim_folder(run->options->folder, run->design->hash, error) &&
+        wheel_store_share(run->plan.wheels, run->options->folder, error) && file_lock_take(&lock, lock_path, error)) {
         is_partial = run_locked(run, error);
         file_lock_release(&lock);
     }

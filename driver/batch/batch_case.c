@@ -210,6 +210,10 @@ bool batch_case_run(const batch_plan *plan, long index, prepared_case *prepared,
     evl_error refusal;
     batch_start start;
     if (!batch_case_prepare(plan, index, prepared, &start, &refusal)) {
+        if (wheel_store_error(plan->wheels)->code != EVL_EXIT_OK) {
+            *error = *wheel_store_error(plan->wheels);
+            return false;
+        }
         OWNED char *message = evl_error_text(&refusal);
         write_row(plan, index, JOURNAL_REFUSED, message, NULL, row);
         return true;

@@ -22,7 +22,7 @@ bool batch_case_prepare(const batch_plan *plan, long index, prepared_case *prepa
                         evl_error *refusal);
 /** Run a case. What is wrong with it is told in its row.
  *  @param[in,out] prepared  zeros before the first case, to be freed after the last one
- *  @return false with the reason in `error` if its history could not be written */
+ *  @return false with the reason in `error` if its history could not be written, or a file of a wheel is no good */
 bool batch_case_run(const batch_plan *plan, long index, prepared_case *prepared, batch_row *row, evl_error *error);
 /** The row of a case that ended the process that ran it. */
 void batch_case_lost(const batch_plan *plan, long index, const char *message, batch_row *row);

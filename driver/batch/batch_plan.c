@@ -44,7 +44,8 @@ bool batch_prepare(const batch_plan *plan, long index, prepared_case *prepared, 
     for (int i = 0; i < design->n_columns; i++) {
         options[i] = design_option(design, i, index);
     }
-    const bool good = prepare_edited(prepared, plan->base, design->n_columns, (const char *const *)options, error);
+    const bool good = prepare_edited(prepared, plan->base, design->n_columns, (const char *const *)options,
+                                     wheel_store_door(plan->wheels), error);
     for (int i = 0; i < design->n_columns; i++) {
         free(options[i]);
     }
@@ -136,6 +137,7 @@ bool batch_plan_init(batch_plan *plan, const design *design, evl_error *error)
     if (plan->base == NULL) {
         return false;
     }
+    plan->wheels = wheel_store_create();
     take_table(plan);
     if (!check_paths(plan, error) || (design->history_variables[0] != '\0' && !plan_histories(plan, error))) {
         batch_plan_free(plan);
@@ -152,6 +154,7 @@ void batch_plan_free(batch_plan *plan)
     free(histories->times);
     stack_close(&plan->stack);
     statistics_table_free(&plan->table);
+    wheel_store_delete(&plan->wheels);
     case_base_delete(&plan->base);
 }
 

@@ -5,6 +5,7 @@
 #include "case/case.h"
 #include "files/design.h"
 #include "files/stack.h"
+#include "files/wheel_store.h"
 #include "simulate/prepare.h"
 
 /** What the histories of all cases have in common. */
@@ -23,6 +24,7 @@ typedef struct {
     statistics_table table;
     batch_histories histories; /**< n_variables 0: none */
     stack stack;               /**< open if there are histories */
+    wheel_store *wheels;       /**< that give way and are known; each worker has its own copy */
     long first_case, stride;   /**< of the shard, whose rows the stack has */
 } batch_plan;
 

@@ -152,9 +152,10 @@ static bool attend(pool *pool, int number, batch_worker_news *news)
     batch_answer answer;
     bool good = true;
     while (good && (*news = batch_worker_hear(&pool->workers[number], &answer)) == WORKER_ANSWERED) {
-        if (answer.is_lost) {
+        pool->state->n_wheels += answer.n_wheels;
+        if (answer.lost != EVL_EXIT_OK) {
             OWNED char *reason = answer.row.line;
-            return evl_error_set(pool->error, EVL_EXIT_IO, "", "%s", reason);
+            return evl_error_set(pool->error, answer.lost, "", "%s", reason);
         }
         good = record(pool, answer.place, &answer.row);
     }

@@ -10,6 +10,7 @@ typedef struct {
     long *todo;          /**< numbers of the cases to run, in their order */
     long n_todo;
     long n_finished; /**< of them, so far */
+    long n_wheels;   /**< that give way and were computed for them */
 } batch_state;
 
 /** Run all that is to do in `jobs` workers. Interrupted by a signal, or if something cannot be written, it ends what runs,

@@ -64,12 +64,14 @@ static bool run_case(const batch_work *work, long place, int socket, prepared_ca
 {
     evl_error error = {.code = EVL_EXIT_OK};
     batch_answer answer = {.place = place};
-    answer.is_lost = !batch_case_run(work->plan, work->todo[place], prepared, &answer.row, &error);
-    if (answer.is_lost) {
+    const long n_wheels = wheel_store_computed(work->plan->wheels);
+    if (!batch_case_run(work->plan, work->todo[place], prepared, &answer.row, &error)) {
+        answer.lost = error.code;
         free(answer.row.line);
         answer.row.line = evl_error_text(&error);
         answer.row.length = strlen(answer.row.line);
     }
+    answer.n_wheels = wheel_store_computed(work->plan->wheels) - n_wheels;
     const bool good = send_answer(socket, &answer);
     free(answer.row.line);
     return good;

@@ -25,8 +25,9 @@ typedef struct {
 /** What a worker has to say of a case. */
 typedef struct {
     long place;    /**< of the case in the list */
-    bool is_lost;  /**< its row could not be stored on disk */
+    evl_exit lost; /**< EVL_EXIT_OK, or the code with which it ends the batch: something could not be read or stored */
     batch_row row; /**< its line, or why it is lost, belongs to the receiver */
+    long n_wheels; /**< that give way and were computed for it */
 } batch_answer;
 
 /** Fork a worker. It takes cases from the queue until there is none, ends when its parent does, however that ends, and ignores

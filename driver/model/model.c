@@ -14,13 +14,13 @@ static void explain(const model *model, const evl_status *status, model_message 
     (void)snprintf(error->message, sizeof error->message, "%s", status->message);
 }
 
-model *model_create(const description *description, model_message *error)
+model *model_create(const description *description, const evl_wheel_store *wheels, model_message *error)
 {
     evl_status status = {.index = -1};
     model *model = xcalloc(1, sizeof *model);
     model->initial = description->simulation.initial;
     model->description = evl_description_create(description->n_entries, description->entries, &status);
-    model->gearbox = model->description == NULL ? NULL : evl_gearbox_create(model->description, &status);
+    model->gearbox = model->description == NULL ? NULL : evl_gearbox_create(model->description, wheels, &status);
     if (model->gearbox == NULL) {
         explain(model, &status, error);
         model_delete(&model);

@@ -27,8 +27,9 @@ typedef struct model model;
 /** The laws of a block: contact, damping or friction; the caller frees the array. */
 evl_kind *model_kinds(const char *block, int *n);
 
-/** Make the gearbox. The description has to outlive it. @return NULL with the reason in `error`. */
-model *model_create(const description *description, model_message *error);
+/** Make the gearbox. The description has to outlive it. @return NULL with the reason in `error`.
+ *  @param wheels  known ones that give way; NULL: none is */
+model *model_create(const description *description, const evl_wheel_store *wheels, model_message *error);
 void model_delete(model **model);
 
 /** dae.stepper is the kernel's integrator radau, if it serves the model. */

@@ -57,10 +57,10 @@ static void settle_damping(const prepared_case *prepared)
 }
 
 /** The model of a case that was read. */
-static bool make_model(prepared_case *prepared, evl_error *error)
+static bool make_model(prepared_case *prepared, const evl_wheel_store *wheels, evl_error *error)
 {
     model_message refusal;
-    prepared->model = model_create(case_description(prepared->file), &refusal);
+    prepared->model = model_create(case_description(prepared->file), wheels, &refusal);
     if (prepared->model == NULL || !settle_integrator(prepared, &refusal)) {
         return prepare_refuse(prepared, &refusal, error);
     }
@@ -71,7 +71,7 @@ static bool make_model(prepared_case *prepared, evl_error *error)
 bool prepare_case(prepared_case *prepared, const char *path, int n_set, const char *const *set, evl_error *error)
 {
     *prepared = (prepared_case){.file = case_read(path, n_set, set, model_schema(), error)};
-    return prepared->file != NULL && make_model(prepared, error);
+    return prepared->file != NULL && make_model(prepared, NULL, error);
 }
 
 bool prepare_start(const prepared_case *prepared, dae_state *state, evl_error *error)
@@ -88,10 +88,11 @@ bool prepare_check_start(const prepared_case *prepared, evl_error *error)
     return good;
 }
 
-bool prepare_edited(prepared_case *prepared, const case_base *base, int n_set, const char *const *set, evl_error *error)
+bool prepare_edited(prepared_case *prepared, const case_base *base, int n_set, const char *const *set,
+                    const evl_wheel_store *wheels, evl_error *error)
 {
     model_delete(&prepared->model);
-    return case_edit(base, n_set, set, &prepared->file, error) && make_model(prepared, error);
+    return case_edit(base, n_set, set, &prepared->file, error) && make_model(prepared, wheels, error);
 }
 
 void prepared_case_free(prepared_case *prepared)

@@ -14,9 +14,10 @@ typedef struct {
 bool prepare_case(prepared_case *prepared, const char *path, int n_set, const char *const *set, evl_error *error);
 /** The same from a base that was parsed before.
  *  @param[in,out] prepared  zeros, or what an earlier call with this base has made: it becomes the new case
+ *  @param wheels  known ones that give way
  *  @return false with the reason in `error`; then it serves for the next call only. In any case it is to be freed */
 bool prepare_edited(prepared_case *prepared, const case_base *base, int n_set, const char *const *set,
-                    evl_error *error);
+                    const evl_wheel_store *wheels, evl_error *error);
 /** The state that the case starts from, the last thing that can be refused. @return false with the reason in `error` */
 bool prepare_start(const prepared_case *prepared, dae_state *state, evl_error *error);
 /** Whether there is such a state: then `evolvent run` would begin. @return false with the reason in `error` */

@@ -5,6 +5,7 @@ module evl_capi
    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_char, c_null_ptr, c_ptr
    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
    use evl_capi_description, only: c_initial, initial_from_c
+   use evl_capi_store, only: c_store_t, c_wheel_store
    use evl_capi_types, only: answer, c_name_length, c_status, c_text_length, status_to_c, to_c
    use evl_dae_jacobian, only: gearbox_jacobian
    use evl_dae_residual, only: gearbox_derivative, gearbox_residual
@@ -17,6 +18,7 @@ module evl_capi
    use evl_gearbox_initial, only: gearbox_initial_speeds, gearbox_start
    use evl_gearbox_scaling, only: gearbox_state_scales
    use evl_given, only: description_t
+   use evl_influence_store, only: influence_store_t
    use evl_state_names, only: gearbox_state_name
    use evl_status, only: code_no_memory, fail, has_failed, status_t
    implicit none (type, external)
@@ -50,11 +52,14 @@ contains
       call c_f_pointer(handle, gearbox)
    end function gearbox_of
 
-   type(c_ptr) function evl_gearbox_create(description, status) result(handle) bind(c)
+   type(c_ptr) function evl_gearbox_create(description, store, status) result(handle) bind(c)
       type(c_ptr), intent(in), value :: description
+      type(c_wheel_store), intent(in), optional :: store
       type(c_status), intent(out), optional :: status
       type(description_t), pointer :: d
       type(gearbox_t), pointer :: gearbox
+      type(c_store_t) :: elsewhere
+      type(influence_store_t) :: own
       type(status_t) :: s
       integer :: stat
 
@@ -66,7 +71,12 @@ contains
          return
       end if
       call c_f_pointer(description, d)
-      call gearbox_create(d, gearbox, s)
+      if (present(store)) then
+         elsewhere%c = store
+         call gearbox_create(d, elsewhere, gearbox, s)
+      else
+         call gearbox_create(d, own, gearbox, s)
+      end if
       if (has_failed(s)) then
          deallocate (gearbox)
       else

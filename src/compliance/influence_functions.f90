@@ -25,6 +25,7 @@ module evl_influence_functions
 
    public :: compute_influence, finish_own_tooth, influence_t
 
+   integer, parameter, public :: influence_version = 1 !! of this method: to be raised with all that changes a bit of its results
    integer, parameter, public :: n_own = 16    !! intervals of c's points
    integer, parameter, public :: n_other = 8   !! of c_j's points, which are every other of c's
    integer, parameter, public :: n_neighbours = 3 !! j = 1 .. 3

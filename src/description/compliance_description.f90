@@ -3,7 +3,8 @@ module evl_compliance_description
    use evl_analytic_compliance, only: analytic_samples, is_in_range, ring_range, root_range
    use evl_gear, only: gear_t
    use evl_given, only: given_t
-   use evl_influence_functions, only: compute_influence, influence_t, n_own
+   use evl_influence_functions, only: influence_t, n_own
+   use evl_influence_store, only: influence_by_store, influence_store_t
    use evl_kinds, only: wp
    use evl_plane_element, only: elasticity_t, plane_strain, plane_stress
    use evl_row, only: not_negative, positive, range_t, row_t, type_at_knots, type_choice, type_integer, type_knots, type_number
@@ -14,7 +15,7 @@ module evl_compliance_description
    implicit none (type, external)
    private
 
-   public :: compliance_create, known_influence_t
+   public :: compliance_create
 
    real(wp), parameter :: thinnest_tip = 0.1_wp    !! modules
    real(wp), parameter :: shortest_flank = 0.3_wp  !! arc of the involute [modules]
@@ -41,21 +42,15 @@ module evl_compliance_description
                          "c_1 there: displacement of the flank next to one that is loaded at the same rho; otherwise no coupling", &
                                            range=not_negative, variants="table")]
 
-   !> Influence functions that were computed for a wheel of the same gearbox.
-   type :: known_influence_t
-      real(wp) :: key(12) = 0 !! outline, hub, order and material
-      type(influence_t) :: influence
-   end type known_influence_t
-
 contains
 
    !> The compliance of a wheel; one that does not give way if it has none.
    !>
-   !> Errors: code_invalid_input with subject_wheel, without index.
-   subroutine compliance_create(wheel, material, gear, known, compliance, warnings, status)
+   !> Errors: code_invalid_input with subject_wheel, without index; those of the store.
+   subroutine compliance_create(wheel, material, gear, store, compliance, warnings, status)
       type(given_t), intent(in) :: wheel, material
       type(gear_t), intent(in) :: gear
-      type(known_influence_t), allocatable, intent(inout) :: known(:) !! grows
+      class(influence_store_t), intent(inout) :: store !! of what was computed before
       type(wheel_compliance_t), intent(out) :: compliance
       type(status_t), allocatable, intent(inout) :: warnings(:) !! grows
       type(status_t), intent(inout) :: status
@@ -89,7 +84,7 @@ contains
             call compliance_from_samples(m*rho, c/e, compliance)
             call warn_of_formulas(outline, hub/m, warnings)
          else
-            call find_influence(outline, hub/m, given%whole("order"), law, known, influence, status)
+            call influence_by_store(store, outline, hub/m, given%whole("order"), law, influence, status)
             if (.not. has_failed(status)) call compliance_from_influence(influence, m, e, compliance)
          end if
       end associate
@@ -141,31 +136,6 @@ contains
          end if
       end associate
    end subroutine check_tooth
-
-   !> Influence functions: those of an equal wheel, or new ones.
-   subroutine find_influence(outline, hub, order, law, known, influence, status)
-      type(tooth_outline_t), intent(in) :: outline
-      real(wp), intent(in) :: hub !! radius [modules]
-      integer, intent(in) :: order
-      type(elasticity_t), intent(in) :: law
-      type(known_influence_t), allocatable, intent(inout) :: known(:)
-      type(influence_t), intent(out) :: influence
-      type(status_t), intent(inout) :: status
-      type(known_influence_t) :: this
-      integer :: i
-
-      this%key = [real(outline%teeth, wp), real(order, wp), hub, law%direct, law%across, law%shear, outline%pressure_angle, &
-                  outline%half_tooth, outline%tip_radius, outline%root_radius, outline%rounding, outline%rho_form]
-      do i = 1, size(known)
-         if (any(abs(known(i)%key - this%key) > 0)) cycle
-         influence = known(i)%influence
-         return
-      end do
-      call compute_influence(outline, hub, order, law, this%influence, status)
-      if (has_failed(status)) return
-      influence = this%influence
-      known = [known, this]
-   end subroutine find_influence
 
    !> What the formulas leave out, and where they were not fitted.
    subroutine warn_of_formulas(outline, hub, warnings)

@@ -1,6 +1,6 @@
 !> Makes a gearbox from its description: checks every number, finds the layout, derives the geometry, numbers the states.
 module evl_gearbox_build
-   use evl_compliance_description, only: compliance_create, known_influence_t
+   use evl_compliance_description, only: compliance_create
    use evl_compliant_mesh, only: check_compliant_mesh
    use evl_contact_build, only: find_dependents, list_contacts, take_contact
    use evl_contact_roots, only: list_roots
@@ -17,6 +17,7 @@ module evl_gearbox_build
    use evl_given, only: description_t, given_t
    use evl_housing, only: n_housing_states
    use evl_housing_description, only: housing_create
+   use evl_influence_store, only: influence_store_t
    use evl_kinds, only: pi, wp
    use evl_local_variables, only: i_omega, n_track
    use evl_mesh_geometry, only: spur_pair_derive
@@ -37,9 +38,10 @@ module evl_gearbox_build
 contains
 
    !> Make a gearbox.
-   !> Errors: code_invalid_input with subject, index and field.
-   subroutine gearbox_create(description, gearbox, status)
+   !> Errors: code_invalid_input with subject, index and field; those of the store.
+   subroutine gearbox_create(description, store, gearbox, status)
       type(description_t), target, intent(in) :: description !! checked
+      class(influence_store_t), intent(inout) :: store !! of the wheels that give way
       type(gearbox_t), intent(out) :: gearbox
       type(status_t), intent(inout) :: status
       type(given_t) :: root
@@ -85,7 +87,7 @@ contains
       if (has_failed(status)) return
       call gearbox_set_deviations(gearbox, wheels, meshes, status)
       if (has_failed(status)) return
-      call take_compliances(wheels, meshes, gearbox, status)
+      call take_compliances(wheels, meshes, store, gearbox, status)
       if (has_failed(status)) return
       call list_contacts(gearbox, wheels, meshes)
       call number_states(gearbox)
@@ -127,18 +129,18 @@ contains
    end subroutine take_shafts
 
    !> How the wheels give way; equal ones are computed once.
-   subroutine take_compliances(wheels, meshes, gearbox, status)
+   subroutine take_compliances(wheels, meshes, store, gearbox, status)
       type(wheel_input), intent(in) :: wheels(:)
       type(mesh_input), intent(in) :: meshes(:)
+      class(influence_store_t), intent(inout) :: store
       type(gearbox_t), intent(inout) :: gearbox
       type(status_t), intent(inout) :: status
-      type(known_influence_t), allocatable :: known(:)
       integer :: i, n_before
 
-      allocate (gearbox%compliances(size(wheels)), known(0))
+      allocate (gearbox%compliances(size(wheels)))
       do i = 1, size(wheels)
          n_before = size(gearbox%warnings)
-         call compliance_create(wheels(i)%given_t, wheels(i)%material, gearbox%gears(i), known, gearbox%compliances(i), &
+         call compliance_create(wheels(i)%given_t, wheels(i)%material, gearbox%gears(i), store, gearbox%compliances(i), &
                                 gearbox%warnings, status)
          gearbox%warnings(n_before + 1:)%index = i
          if (.not. has_failed(status)) cycle

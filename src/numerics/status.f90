@@ -8,7 +8,8 @@ module evl_status
    private
 
    public :: status_t, clear, fail, has_failed, warn, quantity, degrees
-   public :: code_ok, code_invalid_input, code_out_of_domain, code_singular, code_no_solution, code_no_memory
+   public :: code_ok, code_invalid_input, code_out_of_domain, code_singular, code_no_solution, code_no_memory, &
+             code_store_failed
    public :: subject_none, subject_wheel, subject_mesh, subject_load, subject_initial, subject_housing, subject_shaft
    public :: field_length, message_length
 
@@ -18,6 +19,7 @@ module evl_status
    integer, parameter :: code_singular = 3      !! a linear system without a solution
    integer, parameter :: code_no_solution = 4   !! an equation without a solution, or none found
    integer, parameter :: code_no_memory = 5     !! allocation failed
+   integer, parameter :: code_store_failed = 6  !! what the caller keeps could not be read or written
 
    integer, parameter :: subject_none = 0    !! concerns no single part
    integer, parameter :: subject_wheel = 1   !! a wheel

@@ -120,7 +120,7 @@ for _ in range(3):
     assert library.evl_description_create(1, no_such_row, status) is None
     description = ctypes.c_void_p(library.evl_description_create(0, None, status))
     assert description
-    assert library.evl_gearbox_create(description, status) is None
+    assert library.evl_gearbox_create(description, None, status) is None
     library.evl_description_delete(ctypes.byref(description))
 """
     result = subprocess.run([sys.executable, "-c", program], capture_output=True, check=True)

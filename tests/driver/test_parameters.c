@@ -40,7 +40,7 @@ static portrait portray(const evl_description *description, const evl_initial *i
 {
     evl_status status = {0};
     portrait portrait = {0};
-    evl_gearbox *gearbox = evl_gearbox_create(description, &status);
+    evl_gearbox *gearbox = evl_gearbox_create(description, NULL, &status);
     portrait.code = status.code;
     (void)snprintf(portrait.message, sizeof portrait.message, "%s", status.message);
     if (gearbox == NULL) {

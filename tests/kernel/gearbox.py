@@ -18,11 +18,12 @@ from numpy.typing import ArrayLike, NDArray
 from kernel.description import Block, create
 from kernel.gearbox_description import REST, _bool, case_of, initial
 from kernel.kernel import OK, Floats, Integers, Kernel, Status, _at, _double, _int, _pair
+from kernel.wheel_store import WheelStore
 
 OPEN, LOADED, UNLOADED, APART, OFF = range(5)
 HELD = ("tooth_pair", "flanks", "friction", "zone_a", "zone_b")  # integers that are no sides
 DRIVE, COAST = range(2)
-OF_WHEEL, OF_MESH, OF_GEAR, OF_GEAR_MESH, OF_DEVIATION = range(5)
+OF_WHEEL, OF_MESH, OF_GEAR, OF_GEAR_MESH, OF_DEVIATION, OF_COMPLIANCE = range(6)
 NOTHING, WHEEL, MESH, LOAD, INITIAL, HOUSING, SHAFT = range(7)
 TRACKED = ("turn", "zeta", "dr_t", "dr_e", "gradient_ratio", "mu")
 
@@ -174,6 +175,7 @@ class Gearbox:
         meshes: Sequence[Block],
         housing: Block | None = None,
         shafts: Sequence[Block] = (),
+        store: WheelStore | None = None,
     ) -> None:
         self.kernel = kernel
         self.library = kernel.library
@@ -184,7 +186,9 @@ class Gearbox:
         description = create(self.library, case, status)
         handle = None
         if description:
-            handle = self.library.evl_gearbox_create(description, ctypes.byref(status))
+            handle = self.library.evl_gearbox_create(
+                description, None if store is None else ctypes.byref(store), ctypes.byref(status)
+            )
             self.library.evl_description_delete(ctypes.byref(description))
         self.handle = ctypes.c_void_p(handle)
         if not handle:

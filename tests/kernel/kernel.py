@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kernel.description import Kind, kinds
 
-OK, INVALID_INPUT, OUT_OF_DOMAIN, SINGULAR, NO_SOLUTION, NO_MEMORY = range(6)
+OK, INVALID_INPUT, OUT_OF_DOMAIN, SINGULAR, NO_SOLUTION, NO_MEMORY, STORE_FAILED = range(7)
 CONTACT, DAMPING, FRICTION = range(3)
 FAMILIES = ("contact", "damping", "friction")
 

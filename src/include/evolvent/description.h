@@ -66,6 +66,18 @@ typedef struct {
     const double *numbers; /**< in the unit of the row */
 } evl_entry;
 
+/** A procedure of an evl_wheel_store: of a wheel's key, which is all that decides about it, the numbers that were computed.
+ *  @return 1: done; 0, to `find` only: they are not known; -1: failed, and so does who asked */
+typedef int evl_wheel_call(void *self, int n_key, const double *key, int n, double *numbers);
+
+/** What its owner keeps of wheels that give way (compliance: {model: finite_elements}), the dear part of a gearbox. What is found
+ *  counts as if it were computed. Whether threads may share a store is its owner's affair. */
+typedef struct {
+    void *self;           /**< handed to both */
+    evl_wheel_call *find; /**< fill the numbers of a key */
+    evl_wheel_call *keep; /**< take what was computed, or put other numbers in its place, which count */
+} evl_wheel_store;
+
 /* How a case starts. */
 typedef enum {
     EVL_INITIAL_REST = 0,   /**< every wheel and support at rest */

@@ -36,7 +36,8 @@ typedef enum {
     EVL_OUT_OF_DOMAIN = 2, /**< the state leaves the domain of a law, such as limit (15) of the Johnson force */
     EVL_SINGULAR = 3,      /**< a linear system has no solution at this state */
     EVL_NO_SOLUTION = 4,   /**< no steady state exists, or it was not found */
-    EVL_NO_MEMORY = 5
+    EVL_NO_MEMORY = 5,
+    EVL_STORE_FAILED = 6 /**< the caller's evl_wheel_store says so */
 } evl_code;
 
 typedef enum {
@@ -115,8 +116,10 @@ typedef struct {
 typedef struct evl_gearbox evl_gearbox;
 
 /** Make a gearbox: resolve radii and centres, derive all geometry. All wheels have to be connected by meshes and shafts.
+ *  @param store  of the wheels that give way, asked only here; NULL: each different wheel is computed
  *  @return the gearbox, which no longer needs the description, or NULL with the reason in `status` */
-EVL_API evl_gearbox *evl_gearbox_create(const evl_description *description, evl_status *status);
+EVL_API evl_gearbox *evl_gearbox_create(const evl_description *description, const evl_wheel_store *store,
+                                        evl_status *status);
 /** Free a gearbox and set the pointer to NULL. Nothing happens if it is NULL already. */
 EVL_API void evl_gearbox_delete(evl_gearbox **gearbox);
 

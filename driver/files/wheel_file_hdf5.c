@@ -1,0 +1,159 @@
+#include "files/wheel_file.h"
+
+#include "base/memory.h"
+#include "files/netcdf_hdf5.h"
+
+#include <errno.h>
+#include <evolvent_version.h>
+#include <hdf5_hl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { FORMAT = 1 };
+
+/* ---- what a file is recognised by ---- */
+
+/** FNV-1a over the bits of numbers, on from a hash. */
+static unsigned long long hash_on(unsigned long long hash, int n, const double *numbers)
+{
+    const unsigned char *bytes = (const unsigned char *)numbers;
+    for (size_t i = 0; i < (size_t)n * sizeof *numbers; i++) {
+        hash = (hash ^ bytes[i]) * 0x100000001b3ULL;
+    }
+    return hash;
+}
+
+unsigned long long wheel_file_hash(const wheel_numbers *wheel)
+{
+    return hash_on(0xcbf29ce484222325ULL, wheel->n_key, wheel->key);
+}
+
+/** Of all numbers: the library has no check sum of them. */
+static long long check_sum(const wheel_numbers *wheel)
+{
+    return (long long)hash_on(wheel_file_hash(wheel), wheel->n, wheel->numbers);
+}
+
+/* ---- writing ---- */
+
+static bool put_numbers(netcdf_file *file, const char *name, int n, const double *numbers)
+{
+    const hsize_t length = (hsize_t)n;
+    return H5LTmake_dataset_double(file->id, name, 1, &length, numbers) >= 0 || netcdf_fail(file);
+}
+
+static bool fill_file(netcdf_file *file, const wheel_numbers *wheel)
+{
+    return netcdf_put_integer(file, file->id, "evolvent_wheel_format", FORMAT) &&
+           netcdf_put_integer(file, file->id, "check", check_sum(wheel)) &&
+           netcdf_put_text(file, file->id, "evolvent_version", EVOLVENT_VERSION) &&
+           put_numbers(file, "key", wheel->n_key, wheel->key) && put_numbers(file, "numbers", wheel->n, wheel->numbers);
+}
+
+/** Others may read what they may read of the folder's other files. */
+static bool open_to_others(int descriptor)
+{
+    const mode_t mask = umask(0);
+    (void)umask(mask);
+    return fchmod(descriptor, 0666 & ~mask) == 0;
+}
+
+/** The file under a name of its own. */
+static bool write_partial(const char *partial, int descriptor, const wheel_numbers *wheel, const char *path,
+                          evl_error *error)
+{
+    netcdf_file file = {0};
+    bool good = netcdf_create(&file, partial) && fill_file(&file, wheel);
+    good = netcdf_close(&file) && good;
+    if (!good) {
+        return evl_error_set(error, EVL_EXIT_IO, path, "cannot be written: %s; make room, then go on with --resume",
+                             file.reason);
+    }
+    return (open_to_others(descriptor) && (fsync(descriptor) == 0 || errno == EINVAL)) ||
+           evl_error_set_unwritten(error, path);
+}
+
+/** Give a file its name unless there is one of that name. Where the file system knows no links, the later of two that come at one
+ *  moment wins: both are complete. */
+static bool name_file(const char *partial, const char *path, evl_error *error)
+{
+    return link(partial, path) == 0 || errno == EEXIST || access(path, F_OK) == 0 || rename(partial, path) == 0 ||
+           evl_error_set_unwritten(error, path);
+}
+
+bool wheel_file_write(const char *path, const wheel_numbers *wheel, evl_error *error)
+{
+    OWNED char *partial = xasprintf("%s.XXXXXX", path);
+    const int descriptor = mkstemp(partial);
+    if (descriptor < 0) {
+        return evl_error_set_unwritten(error, path);
+    }
+    const bool good = write_partial(partial, descriptor, wheel, path, error) && name_file(partial, path, error);
+    (void)unlink(partial);
+    (void)close(descriptor);
+    return good;
+}
+
+/* ---- reading ---- */
+
+static bool has_integer(hid_t file, const char *name, long long wanted)
+{
+    long long value = 0;
+    const hid_t attribute = H5Aexists(file, name) > 0 ? H5Aopen(file, name, H5P_DEFAULT) : -1;
+    if (attribute < 0) {
+        return false;
+    }
+    const hid_t space = H5Aget_space(attribute);
+    const bool good = H5Sget_simple_extent_npoints(space) == 1 && H5Aread(attribute, H5T_NATIVE_LLONG, &value) >= 0;
+    (void)H5Sclose(space);
+    (void)H5Aclose(attribute);
+    return good && value == wanted;
+}
+
+static bool get_numbers(hid_t file, const char *name, int n, double *numbers)
+{
+    const hid_t dataset = H5Lexists(file, name, H5P_DEFAULT) > 0 ? H5Dopen2(file, name, H5P_DEFAULT) : -1;
+    if (dataset < 0) {
+        return false;
+    }
+    const hid_t space = H5Dget_space(dataset);
+    const bool good = H5Sget_simple_extent_npoints(space) == n &&
+                      H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers) >= 0;
+    (void)H5Sclose(space);
+    (void)H5Dclose(dataset);
+    return good;
+}
+
+/** NULL, or what is wrong. */
+static const char *find_fault(hid_t file, const wheel_numbers *wheel)
+{
+    OWNED double *key = xcalloc((size_t)wheel->n_key, sizeof *key);
+    if (!has_integer(file, "evolvent_wheel_format", FORMAT)) {
+        return "is no compliance of a wheel, or damaged";
+    }
+    if (!get_numbers(file, "key", wheel->n_key, key) || !get_numbers(file, "numbers", wheel->n, wheel->numbers)) {
+        return "is damaged, or has not as many numbers as a compliance of a wheel";
+    }
+    const wheel_numbers stored = {.n_key = wheel->n_key, .key = key, .n = wheel->n, .numbers = wheel->numbers};
+    if (!has_integer(file, "check", check_sum(&stored))) {
+        return "is damaged: its check sum is wrong";
+    }
+    return memcmp(key, wheel->key, (size_t)wheel->n_key * sizeof *key) == 0 ? NULL : "is that of another wheel";
+}
+
+wheel_file_answer wheel_file_read(const char *path, const wheel_numbers *wheel, evl_error *error)
+{
+    if (access(path, F_OK) != 0) {
+        return WHEEL_FILE_MISSING;
+    }
+    const hid_t file = netcdf_open(path);
+    const char *fault = file < 0 ? "cannot be read, or is damaged" : find_fault(file, wheel);
+    (void)(file >= 0 && H5Fclose(file));
+    if (fault == NULL) {
+        return WHEEL_FILE_READ;
+    }
+    evl_error_set(error, EVL_EXIT_CASE, path, "%s; delete it and go on with --resume: it is computed anew", fault);
+    return WHEEL_FILE_REFUSED;
+}

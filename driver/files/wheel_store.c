@@ -1,0 +1,153 @@
+#include "files/wheel_store.h"
+
+#include "base/memory.h"
+#include "files/wheel_file.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/** Wheels in memory: a sweep over the geometry has no end of them. */
+enum { MOST_KEPT = 1000 };
+
+typedef struct {
+    int n_key, n;
+    double *key, *numbers; /**< one array, the key first */
+} kept_wheel;
+
+struct wheel_store {
+    evl_wheel_store door;
+    char *folder; /**< NULL: none */
+    kept_wheel kept[MOST_KEPT];
+    long n_met, n_computed; /**< wheel i that was met is at i mod MOST_KEPT */
+    evl_error error;
+};
+
+/* ---- in memory ---- */
+
+static long n_kept(const wheel_store *store)
+{
+    return store->n_met < MOST_KEPT ? store->n_met : MOST_KEPT;
+}
+
+static bool recall(const wheel_store *store, const wheel_numbers *wheel)
+{
+    const size_t size = (size_t)wheel->n_key * sizeof *wheel->key;
+    for (long i = 0; i < n_kept(store); i++) {
+        const kept_wheel *kept = &store->kept[i];
+        if (kept->n_key == wheel->n_key && kept->n == wheel->n && memcmp(kept->key, wheel->key, size) == 0) {
+            memcpy(wheel->numbers, kept->numbers, (size_t)wheel->n * sizeof *wheel->numbers);
+            return true;
+        }
+    }
+    return false;
+}
+
+static void remember(wheel_store *store, const wheel_numbers *wheel)
+{
+    kept_wheel *kept = &store->kept[store->n_met++ % MOST_KEPT];
+    free(kept->key);
+    *kept = (kept_wheel){.n_key = wheel->n_key, .n = wheel->n};
+    kept->key = xcalloc((size_t)wheel->n_key + (size_t)wheel->n, sizeof *kept->key);
+    kept->numbers = kept->key + wheel->n_key;
+    memcpy(kept->key, wheel->key, (size_t)wheel->n_key * sizeof *kept->key);
+    memcpy(kept->numbers, wheel->numbers, (size_t)wheel->n * sizeof *kept->key);
+}
+
+/* ---- in the folder ---- */
+
+static char *path_of(const wheel_store *store, const wheel_numbers *wheel)
+{
+    return xasprintf("%s/compliance-%016llx.h5", store->folder, wheel_file_hash(wheel));
+}
+
+/** Write a wheel and read it again: what counts is in the file, whoever wrote it. @return 1 or -1 */
+static int settle(wheel_store *store, const wheel_numbers *wheel)
+{
+    OWNED char *path = path_of(store, wheel);
+    return wheel_file_write(path, wheel, &store->error) &&
+                   wheel_file_read(path, wheel, &store->error) == WHEEL_FILE_READ
+               ? 1
+               : -1;
+}
+
+/* ---- what a model asks ---- */
+
+static int find(void *self, int n_key, const double *key, int n, double *numbers)
+{
+    wheel_store *store = self;
+    const wheel_numbers wheel = {.n_key = n_key, .key = key, .n = n, .numbers = numbers};
+    if (recall(store, &wheel)) {
+        return 1;
+    }
+    if (store->folder == NULL) {
+        return 0;
+    }
+    OWNED char *path = path_of(store, &wheel);
+    const wheel_file_answer answer = wheel_file_read(path, &wheel, &store->error);
+    if (answer == WHEEL_FILE_READ) {
+        remember(store, &wheel);
+    }
+    return answer == WHEEL_FILE_READ ? 1 : answer == WHEEL_FILE_MISSING ? 0 : -1;
+}
+
+static int keep(void *self, int n_key, const double *key, int n, double *numbers)
+{
+    wheel_store *store = self;
+    const wheel_numbers wheel = {.n_key = n_key, .key = key, .n = n, .numbers = numbers};
+    store->n_computed++;
+    if (store->folder != NULL && settle(store, &wheel) < 0) {
+        return -1;
+    }
+    remember(store, &wheel);
+    return 1;
+}
+
+wheel_store *wheel_store_create(void)
+{
+    wheel_store *store = xcalloc(1, sizeof *store);
+    store->door = (evl_wheel_store){.self = store, .find = find, .keep = keep};
+    return store;
+}
+
+void wheel_store_delete(wheel_store **pointer)
+{
+    wheel_store *store = *pointer;
+    *pointer = NULL;
+    if (store == NULL) {
+        return;
+    }
+    for (long i = 0; i < n_kept(store); i++) {
+        free(store->kept[i].key);
+    }
+    free(store->folder);
+    free(store);
+}
+
+bool wheel_store_share(wheel_store *store, const char *folder, evl_error *error)
+{
+    store->folder = xstrdup(folder);
+    for (long i = 0; i < n_kept(store); i++) {
+        const kept_wheel *kept = &store->kept[i];
+        const wheel_numbers wheel = {.n_key = kept->n_key, .key = kept->key, .n = kept->n, .numbers = kept->numbers};
+        if (settle(store, &wheel) < 0) {
+            *error = store->error;
+            return false;
+        }
+    }
+    return true;
+}
+
+const evl_wheel_store *wheel_store_door(const wheel_store *store)
+{
+    return &store->door;
+}
+
+long wheel_store_computed(const wheel_store *store)
+{
+    return store->n_computed;
+}
+
+const evl_error *wheel_store_error(const wheel_store *store)
+{
+    return &store->error;
+}

@@ -1,0 +1,75 @@
+!> C interface: what the caller keeps of wheels, asked through its own procedures.
+module evl_capi_store
+   use, intrinsic :: iso_c_binding, only: c_double, c_f_procpointer, c_funptr, c_int, c_null_funptr, c_null_ptr, c_ptr
+   use evl_influence_store, only: influence_store_t
+   use evl_kinds, only: wp
+   use evl_status, only: code_store_failed, fail, status_t, subject_wheel
+   implicit none (type, external)
+   private
+
+   public :: c_store_t, c_wheel_store
+
+   !> evl_wheel_store
+   type, bind(c) :: c_wheel_store
+      type(c_ptr) :: self = c_null_ptr
+      type(c_funptr) :: find = c_null_funptr, keep = c_null_funptr
+   end type c_wheel_store
+
+   !> The same as the kernel sees it.
+   type, extends(influence_store_t) :: c_store_t
+      type(c_wheel_store) :: c
+   contains
+      procedure :: find
+      procedure :: keep
+   end type c_store_t
+
+   abstract interface
+      integer(c_int) function c_call(self, n_key, key, n, numbers) bind(c)
+         import :: c_double, c_int, c_ptr
+         implicit none (type, external)
+         type(c_ptr), intent(in), value :: self
+         integer(c_int), intent(in), value :: n_key, n
+         real(c_double), intent(in) :: key(*)
+         real(c_double), intent(inout) :: numbers(*)
+      end function c_call
+   end interface
+
+contains
+
+   subroutine find(self, key, numbers, is_known, status)
+      class(c_store_t), intent(inout) :: self
+      real(wp), intent(in) :: key(:)
+      real(wp), intent(out) :: numbers(:)
+      logical, intent(out) :: is_known
+      type(status_t), intent(inout) :: status
+
+      numbers = 0
+      is_known = answer(self%c%self, self%c%find, key, numbers, status) == 1
+   end subroutine find
+
+   subroutine keep(self, key, numbers, status)
+      class(c_store_t), intent(inout) :: self
+      real(wp), intent(in) :: key(:)
+      real(wp), intent(inout) :: numbers(:)
+      type(status_t), intent(inout) :: status
+      integer :: is_kept
+
+      is_kept = answer(self%c%self, self%c%keep, key, numbers, status)
+   end subroutine keep
+
+   !> What a procedure of the caller answers.
+   integer function answer(self, procedure, key, numbers, status)
+      type(c_ptr), intent(in) :: self
+      type(c_funptr), intent(in) :: procedure
+      real(wp), intent(in) :: key(:)
+      real(wp), intent(inout) :: numbers(:)
+      type(status_t), intent(inout) :: status
+      procedure(c_call), pointer :: call_back
+
+      call c_f_procpointer(procedure, call_back)
+      answer = call_back(self, size(key), key, size(numbers), numbers)
+      if (answer < 0) call fail(status, code_store_failed, "what is kept of wheels that give way could not be read or written", &
+                                subject_wheel, field="compliance")
+   end function answer
+
+end module evl_capi_store

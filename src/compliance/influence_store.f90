@@ -1,0 +1,100 @@
+!> Influence functions of wheels that were computed before, found again by all that decides about them.
+!>
+!> Both sides are plain numbers, so that an extension can keep them elsewhere. What a store gives is taken as if it had just been
+!> computed: equal keys mean equal bits, whichever module, width and modulus the wheel has.
+module evl_influence_store
+   use evl_influence_functions, only: compute_influence, influence_t, influence_version, n_neighbours, n_other, n_own
+   use evl_kinds, only: wp
+   use evl_plane_element, only: elasticity_t
+   use evl_status, only: has_failed, status_t
+   use evl_tooth_outline, only: tooth_outline_t
+   implicit none (type, external)
+   private
+
+   public :: influence_by_store, influence_store_t
+
+   integer, parameter :: n_key = 19
+   integer, parameter :: n_numbers = 2*(n_own + 1) + (2*n_neighbours + 1)*(n_other + 1)**2
+
+   !> A wheel.
+   type :: kept_t
+      real(wp) :: key(n_key) = 0
+      real(wp) :: numbers(n_numbers) = 0
+   end type kept_t
+
+   !> Keeps all as long as it lives.
+   type :: influence_store_t
+      type(kept_t), allocatable, private :: kept(:)
+   contains
+      procedure :: find
+      procedure :: keep
+   end type influence_store_t
+
+contains
+
+   !> Influence functions of a wheel: those of the store, or new ones, which the store gets.
+   !>
+   !> Errors: those of compute_influence and of the store.
+   subroutine influence_by_store(store, outline, hub_radius, order, law, influence, status)
+      class(influence_store_t), intent(inout) :: store
+      type(tooth_outline_t), intent(in) :: outline
+      real(wp), intent(in) :: hub_radius !! in modules
+      integer, intent(in) :: order       !! of the elements
+      type(elasticity_t), intent(in) :: law
+      type(influence_t), intent(out) :: influence
+      type(status_t), intent(inout) :: status
+      real(wp) :: key(n_key), numbers(n_numbers)
+      logical :: is_known
+
+      ! all of the outline that the rest of it follows from, to the bit: a wheel of another module may differ in the last one
+      key = [real(influence_version, wp), real(order, wp), hub_radius, &
+             law%direct, law%across, law%shear, law%plane_modulus, law%tangential, &
+             real(outline%teeth, wp), outline%pressure_angle, outline%half_tooth, outline%reference_radius, outline%base_radius, &
+             outline%tip_radius, outline%root_radius, outline%tip_angle, outline%rho_form, outline%rho_tip, outline%rounding]
+      call store%find(key, numbers, is_known, status)
+      if (has_failed(status)) return
+      if (.not. is_known) then
+         call compute_influence(outline, hub_radius, order, law, influence, status)
+         if (has_failed(status)) return
+         numbers = [influence%rho, influence%own, reshape(influence%other, [size(influence%other)])]
+         call store%keep(key, numbers, status)
+         if (has_failed(status)) return
+      end if
+      influence%rho = numbers(:n_own + 1)
+      influence%own = numbers(n_own + 2:2*n_own + 2)
+      influence%other = reshape(numbers(2*n_own + 3:), shape(influence%other))
+   end subroutine influence_by_store
+
+   !> The numbers of a key, if they are there.
+   subroutine find(self, key, numbers, is_known, status)
+      class(influence_store_t), intent(inout) :: self
+      real(wp), intent(in) :: key(:)
+      real(wp), intent(out) :: numbers(:)
+      logical, intent(out) :: is_known
+      type(status_t), intent(inout) :: status !! of extensions
+      integer :: i
+
+      is_known = .false.
+      numbers = 0
+      if (has_failed(status) .or. .not. allocated(self%kept)) return
+      do i = 1, size(self%kept)
+         is_known = all(abs(self%kept(i)%key - key) <= 0)
+         if (.not. is_known) cycle
+         numbers = self%kept(i)%numbers
+         return
+      end do
+   end subroutine find
+
+   !> Keep what was computed. An extension may put other numbers in their place, which then count.
+   subroutine keep(self, key, numbers, status)
+      class(influence_store_t), intent(inout) :: self
+      real(wp), intent(in) :: key(:)
+      real(wp), intent(inout) :: numbers(:)
+      type(status_t), intent(inout) :: status !! of extensions
+
+      if (has_failed(status)) return
+      if (.not. allocated(self%kept)) allocate (self%kept(0))
+      self%kept = [self%kept, kept_t(key, numbers)]
+   end subroutine keep
+
+end module evl_influence_store
