@@ -37,7 +37,6 @@ def columns(hubs: Sequence[float], n: int = N_CASES) -> dict[str, list[Any]]:
         "wheels.pinion.compliance": [
             f"{{hub_diameter: {hubs[i % len(hubs)]!r}, order: 5}}" for i in range(n)
         ],
-        "meshes.0.tooth_coupling": ["false"] * n,
         "wheels.pinion.loads.0.value": [-40.0 - i for i in range(n)],
     }
 

@@ -39,7 +39,7 @@ def pair(
         )
         for i, z in enumerate(teeth)
     ]
-    meshing = mesh(kernel, real=True, tooth_coupling="false")
+    meshing = mesh(kernel, real=True)
     return Gearbox(kernel, wheels, (load(0, TORQUE, -50.0),), [meshing], store=store)
 
 
