@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/progress.h"
 #include "commands/command.h"
+#include "commands/show_geometry.h"
 #include "commands/warn.h"
 #include "files/history.h"
 #include "integrate/integrate.h"
@@ -179,6 +180,10 @@ static void tell_vibrations(const run *run)
                      description->meshes[i], number_of("reference_force", n, mesh),
                      number_of("natural_frequency", n, mesh), number_of("damping_ratio", n, mesh));
         }
+    }
+    OWNED char *note = stiffness_note(description, run->prepared.model);
+    if (note[0] != '\0') {
+        log_note("%s", note);
     }
 }
 

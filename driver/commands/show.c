@@ -35,6 +35,10 @@ static void show_text(FILE *stream, const prepared_case *prepared)
         return;
     }
     show_geometry(stream, case_description(prepared->file), prepared->model);
+    OWNED char *note = stiffness_note(case_description(prepared->file), prepared->model);
+    if (note[0] != '\0') {
+        fprintf(stream, "\nNote\n  %s\n", note);
+    }
     OWNED char *warnings = prepare_warnings(prepared, "\n  ");
     if (warnings[0] != '\0') {
         fprintf(stream, "\nWarnings\n  %s\n", warnings);

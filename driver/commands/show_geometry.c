@@ -189,6 +189,27 @@ void show_geometry(FILE *stream, const description *description, const model *mo
     }
 }
 
+char *stiffness_note(const description *description, const model *model)
+{
+    const char *first = NULL;
+    int others = -1;
+    for (int i = 0; i < description->n_meshes; i++) {
+        const column column = column_of(model, EVL_OF_MESH, i, description->meshes[i]);
+        for (int k = 0; k < column.n; k++) {
+            if (strcmp(column.rows[k].name, "gives_way") == 0 && column.rows[k].value[0] == 0) {
+                first = first == NULL ? description->meshes[i] : first;
+                others++;
+            }
+        }
+    }
+    OWNED char *more = others > 0 ? xasprintf(" and %d more", others) : xstrdup("");
+    return first == NULL
+               ? xstrdup("")
+               : xasprintf("mesh %s%s: only the contact gives way, so natural frequencies are about 1.5 to 1.9 "
+                           "times too high; 'compliance: {}' in its wheels lets teeth and bodies bend",
+                           first, more);
+}
+
 /* ---- for scripts ---- */
 
 static void write_rows(json_writer *writer, const column *column)

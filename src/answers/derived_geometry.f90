@@ -1,5 +1,6 @@
 !> The geometry that follows from a description, as rows to be shown: name, unit, symbol, text, value.
 module evl_derived_geometry
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use evl_gear, only: gear_t
    use evl_gearbox, only: gearbox_t
    use evl_gears_in_mesh, only: gear_mesh_t
@@ -8,7 +9,8 @@ module evl_derived_geometry
    use evl_mesh_reference, only: mesh_reference_t
    use evl_mesh_stiffness, only: mesh_stiffness, mesh_stiffness_t
    use evl_pitch_errors, only: single_pitch_deviation, total_pitch_deviation
-   use evl_tooth_contact, only: tooth_contact_t
+   use evl_row, only: kind_t
+   use evl_tooth_contact, only: tooth_contact_t, tracking_closed_form
    implicit none (type, external)
    private
 
@@ -54,6 +56,8 @@ contains
          call tell_wheel(gearbox, index, derived)
       case (of_mesh)
          call tell_mesh(gearbox%contacts(gearbox%first(index)), gearbox%pairs(index), gearbox%references(index), derived)
+         call tell(derived, "gives_way", "1", "", "1: its wheels give way, 0: they could, given a compliance", &
+                   gives_way(gearbox, index))
       case (of_gear)
          if (gearbox%gears(index)%teeth > 0) call tell_gear(gearbox%gears(index), derived)
       case (of_gear_mesh)
@@ -121,6 +125,21 @@ contains
       call tell(to, "damping_coefficient", "N s/m", "c", "coefficient of its damper", at%damping)
       call tell(to, "damping_ratio", "1", "zeta", "damping ratio with one tooth pair", at%ratio)
    end subroutine tell_mesh
+
+   !> 1 if a wheel of the mesh gives way, 0 if none does though the contact would allow it, else NaN.
+   real(wp) function gives_way(gearbox, index)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      type(kind_t) :: law
+
+      gives_way = ieee_value(gives_way, ieee_quiet_nan)
+      associate (contact => gearbox%contacts(gearbox%first(index)))
+         call contact%elastic%describe(law)
+         if (law%name /= "johnson" .or. contact%tracking /= tracking_closed_form) return
+         if (.not. gearbox%gear_meshes(index)%exists) return
+         gives_way = merge(1, 0, gearbox%flanks(contact%i_flank)%flank%bends)
+      end associate
+   end function gives_way
 
    subroutine tell_gear(g, to)
       type(gear_t), intent(in) :: g

@@ -98,3 +98,28 @@ def test_every_model_runs(evolvent: Evolvent, examples: Path, options: tuple[str
         *(*settings(*options), "-o", "x.h5"),
     )
     assert result.returncode == 0, result.stderr
+
+
+# an example with changes; the mesh of which it is said that its wheels could give way
+STIFF = {
+    "real gears": ("spur-pair.yaml", (), "mesh pinion-gear: only the contact gives way"),
+    "several meshes": ("two-stage-gears.yaml", (), "mesh first and 1 more: only the contact"),
+    "one wheel bends": ("spur-pair.yaml", (BENDS,), ""),
+    "another law": ("spur-pair.yaml", ("meshes.0.contact={law: yang_lin}",), ""),
+    "tracked": ("spur-pair.yaml", ("meshes.0.tracking=algebraic",), ""),
+    "no real gears": ("paper.yaml", (), ""),
+}
+
+
+@pytest.mark.parametrize(("case", "options", "said"), STIFF.values(), ids=STIFF)
+def test_real_gears_that_do_not_bend_are_told_once_how_they_could(
+    evolvent: Evolvent, examples: Path, case: str, options: tuple[str, ...], said: str
+) -> None:
+    changes = settings(*options, "simulation.duration=1e-4", "simulation.output_interval=1e-4")
+    run = evolvent("run", examples / case, *changes, "-o", "x.h5")
+    assert run.returncode == 0, run.stderr
+    show = evolvent("show", examples / case, *changes)
+    for text in (run.stderr, show.stdout):
+        assert text.count("only the contact gives way") == bool(said)
+        assert said in text
+        assert text.count("'compliance: {}' in its wheels") == bool(said)
