@@ -4,11 +4,13 @@ module evl_contact_gradient
    use evl_contact_point, only: contact_gradient, contact_point
    use evl_contact_tracking, only: gradient_points
    use evl_deviating_flanks, only: deviate_gradient, flank_value
+   use evl_edge_contact, only: edge_gradient, lift_of
    use evl_flank, only: flank_t
    use evl_kinds, only: wp
    use evl_local_variables, only: n_local
    use evl_tangent_line, only: tangent_line_t
-   use evl_tooth_contact, only: contact_state, flank_values, flanks_unloaded, line_along, tooth_contact_t, tracking_closed_form
+   use evl_tooth_contact, only: beyond_flank, contact_state, flank_values, flanks_unloaded, line_along, tooth_contact_t, &
+                                tracking_closed_form
    implicit none (type, external)
    private
 
@@ -72,6 +74,10 @@ contains
          end associate
          gradient%on_a(:, 1) = point%s*d_normal + point%c*d_tangential - force%on_a(2)*d%angle
          gradient%on_a(:, 2) = -point%c*d_normal + point%s*d_tangential + force%on_a(1)*d%angle
+         if (.not. beyond_flank(at%mode)) return
+         d_normal = lift_of(at%edge)*d_normal + force%normal*d%lift
+         gradient%on_a(:, 1) = gradient%on_a(:, 1) + point%s*d_normal
+         gradient%on_a(:, 2) = gradient%on_a(:, 2) - point%c*d_normal
       end associate
    end subroutine plain_gradient
 
@@ -95,6 +101,10 @@ contains
       end if
       call place_contact(contact%pair, at%rho_a0, at%q, line, perfect)
       call gradient_along(contact%pair, at%q, line, perfect, gradient)
+      if (beyond_flank(at%mode)) then
+         call edge_gradient(contact%pair, at%edge, at%q, perfect, at%point, gradient)
+         return
+      end if
       call flank_values(contact, at%mode, perfect, a, b)
       call deviate_gradient(contact%pair, a, b, at%q, perfect, at%point, gradient)
    end subroutine point_gradient

@@ -7,13 +7,14 @@ module evl_contact_lanes
    use evl_contact_context, only: lane_context
    use evl_contact_point, only: contact_point, tracked_pair
    use evl_deviating_flanks, only: flank_value, radius_rates
+   use evl_edge_contact, only: edge_contact, put_on_edge
    use evl_flank_deviation, only: flank_branch
    use evl_kinds, only: lanes, wp
    use evl_line_lanes, only: lane_line
    use evl_local_variables, only: at_normal, at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, n_local
    use evl_root_kinds, only: side_of_rate
    use evl_tangent_line, only: tangent_line_t
-   use evl_tooth_contact, only: contact_mode, flank_branches, flanks_off, tooth_contact_t
+   use evl_tooth_contact, only: beyond_flank, contact_mode, flank_branches, flanks_off, tooth_contact_t
    implicit none (type, external)
    private
 
@@ -25,6 +26,7 @@ module evl_contact_lanes
       real(wp), dimension(lanes) :: rho_a0 !! nominal radius of curvature on A [m]
       real(wp), dimension(lanes) :: overlap !! as in `contact_state`
       real(wp), dimension(lanes) :: s, c, l_a, l_b, v_t, arm_a, arm_b, tilt, rho_dot, omega_a, omega_b
+      type(edge_contact) :: edge(lanes)  !! past the end of a flank only
    end type lane_contact
 
 contains
@@ -66,7 +68,11 @@ contains
          at%rho_a0(l) = rho_start + advance*line%theta(l)
          call place_lane(pair, line, l, at)
       end do
-      if (contact%deviates) call deviate_lanes(contact, mode, line, at)
+      if (beyond_flank(mode)) then
+         call put_lanes_on_edge(contact, mode, line, at)
+      else if (contact%deviates) then
+         call deviate_lanes(contact, mode, line, at)
+      end if
       at%overlap = at%h
    end subroutine contact_in_lanes
 
@@ -170,6 +176,26 @@ contains
          call deviate_lane(pair, line, l, e_a(l), de_a(l), e_b(l), de_b(l), at)
       end do
    end subroutine deviate_lanes
+
+   !> From the contact of perfect involutes to that of a pair past the end of a flank, state by state: few are there.
+   subroutine put_lanes_on_edge(contact, mode, line, at)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
+      type(lane_line), intent(in) :: line
+      type(lane_contact), intent(inout) :: at
+      type(contact_point) :: point
+      type(flank_branch) :: branches(2)
+      real(wp) :: q(n_local)
+      integer :: l
+
+      call flank_branches(contact, mode, branches(1), branches(2))
+      do l = 1, lanes
+         call lane_local(line, l, q)
+         call take_lane(at, l, point)
+         call put_on_edge(contact%pair, contact%tips, [mode%zone_a, mode%zone_b], branches, q, point, at%edge(l))
+         call store_lane(point, l, at)
+      end do
+   end subroutine put_lanes_on_edge
 
    !> What one flank lacks in material.
    pure subroutine deviation_in_lanes(branch, rho, e, de)

@@ -6,7 +6,8 @@ module evl_contact_modes
    use evl_flank, only: flank_t
    use evl_kinds, only: wp
    use evl_status, only: has_failed, status_t
-   use evl_tooth_contact, only: contact_state, flanks_apart, flanks_loaded, flanks_open, flanks_unloaded, settle_friction, &
+   use evl_tooth_contact, only: contact_state, flanks_apart, flanks_loaded, flanks_open, flanks_unloaded, line_length, &
+                                settle_friction, &
                                 settle_zones, tooth_contact_t, tracking_closed_form, unclipped
    implicit none (type, external)
    private
@@ -27,7 +28,7 @@ contains
 
       associate (contact => contacts(k), mode => at(k)%mode, point => at(k)%point)
          mode%flanks = flanks_open
-         call settle_zones(contact, point, mode)
+         call settle_zones(contact, line_length(contact, at(k)%q), point, mode)
          call flank%settle_overlap(contacts, k, first, last, at)
          call find_sides(flank, contact, at(k))
          if (contact%tracking /= tracking_closed_form .and. point%h < -contact%gap_apart) then

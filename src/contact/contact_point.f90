@@ -43,6 +43,7 @@ module evl_contact_point
       real(wp) :: h(n_local), h_dot(n_local), rho_a(n_local), rho_b(n_local), angle(n_local)
       real(wp) :: l_a(n_local), l_b(n_local), v_t(n_local), rho_dot(n_local)
       real(wp) :: arm_a(n_local), arm_b(n_local), tilt(n_local) !! of deviating flanks only
+      real(wp) :: line(n_local), lift(n_local) !! past the end of a flank only: of the line's length, of the part against e
    end type contact_gradient
 
 contains

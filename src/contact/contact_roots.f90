@@ -3,12 +3,14 @@ module evl_contact_roots
    use evl_closed_form, only: centre_line_turn
    use evl_contact_point, only: contact_point
    use evl_flank, only: flank_t
-   use evl_flank_deviation, only: relief_t, zone_root, zone_tip
+   use evl_flank_deviation, only: relief_t, zone_edge, zone_end, zone_none, zone_root, zone_tip
    use evl_kinds, only: wp
    use evl_local_variables, only: at_psi_a
+   use evl_pair_place, only: by_a, by_b, tip_t
    use evl_root_kinds, only: live_loaded, live_on_path, live_one_sided, live_touching, moves_pair, n_discrete, n_held, &
                              n_root_kinds, n_sides, root_of, root_rows
-   use evl_tooth_contact, only: contact_mode, contact_state, flank_drive, flanks_apart, flanks_loaded, flanks_off, flanks_open, &
+   use evl_tooth_contact, only: contact_mode, contact_state, feet_of, flank_drive, flanks_apart, flanks_loaded, flanks_off, &
+                                flanks_open, &
                                 flanks_unloaded, tooth_contact_t, touches, tracking_closed_form, unclipped
    implicit none (type, external)
    private
@@ -26,15 +28,16 @@ contains
       type(contact_state), intent(in) :: at           !! with what its flank says
       integer, intent(out) :: directions(contact%n_roots) !! in which they count
       real(wp), intent(out) :: roots(contact%n_roots)
-      real(wp) :: moved(width)
+      real(wp) :: foot(2), moved(width)
 
       moved = 0
       if (contact%handover) &
          moved = pitches_moved(contact, [at%rho_a0], [at%q(at_psi_a)], [centre_line_turn(contact%pair, at%q)])
       call contact_root_directions(contact, at%mode, directions)
+      foot = feet_of(at)
       associate (point => at%point)
          call closed_form_roots(flank, contact, at%mode, directions, [at%overlap], [point%h_dot], [point%v_t], [point%rho_a], &
-                                [point%rho_b], [unclipped(at)], moved, roots)
+                                [point%rho_b], [foot(by_a)], [foot(by_b)], [unclipped(at)], moved, roots)
       end associate
    end subroutine contact_roots
 
@@ -89,6 +92,14 @@ contains
          direction = border_direction(contact%deviation_b%tip, mode%zone_b, zone_tip)
       case (root_of%root_b)
          direction = border_direction(contact%deviation_b%root, mode%zone_b, zone_root)
+      case (root_of%end_a)
+         direction = end_direction(contact, contact%tips(by_a), mode%zone_a)
+      case (root_of%edge_a)
+         direction = edge_direction(contact, contact%tips(by_a), mode%zone_a)
+      case (root_of%end_b)
+         direction = end_direction(contact, contact%tips(by_b), mode%zone_b)
+      case (root_of%edge_b)
+         direction = edge_direction(contact, contact%tips(by_b), mode%zone_b)
       case default
          if (has_side(contact, mode, root_rows(kind)%live)) &
             direction = merge(-1, 1, mode%sides(kind - (n_root_kinds - n_sides)) > 0)
@@ -110,8 +121,31 @@ contains
       integer, intent(in) :: zone, mine !! of the contact, of the relief
 
       direction = 0
-      if (relief%amount > 0 .and. zone /= -mine) direction = merge(-mine, mine, zone == mine)
+      if (relief%amount > 0 .and. (zone == zone_none .or. zone == mine)) direction = merge(-mine, mine, zone == mine)
    end function border_direction
+
+   !> Direction at the end of a flank that goes on straight before its edge takes over.
+   pure integer function end_direction(contact, tip, zone) result(direction)
+      type(tooth_contact_t), intent(in) :: contact
+      type(tip_t), intent(in) :: tip
+      integer, intent(in) :: zone
+
+      direction = 0
+      if (contact%has_edges .and. tip%takes_over > 0 .and. zone < zone_edge) &
+         direction = merge(-1, 1, zone == zone_end)
+   end function end_direction
+
+   !> Direction where an edge takes over: from the flank, or from what goes on straight.
+   pure integer function edge_direction(contact, tip, zone) result(direction)
+      type(tooth_contact_t), intent(in) :: contact
+      type(tip_t), intent(in) :: tip
+      integer, intent(in) :: zone
+
+      direction = 0
+      if (.not. contact%has_edges) return
+      if (zone == zone_edge) direction = -1
+      if (zone == zone_end .or. (zone < zone_end .and. .not. tip%takes_over > 0)) direction = 1
+   end function edge_direction
 
    !> Whether a kind with a side has a meaning.
    pure logical function has_side(contact, mode, live)
@@ -136,12 +170,12 @@ contains
    !> List the root functions that a contact has, those with a meaning in one of its modes, with their directions in each.
    pure subroutine list_roots(contact)
       type(tooth_contact_t), intent(inout) :: contact !! complete, but for this
-      integer :: directions(-1:1, flanks_open:flanks_off), kind, flanks, branch
+      integer :: directions(-1:zone_edge, flanks_open:flanks_off), kind, flanks, branch
 
       contact%n_roots = 0
       do kind = 1, n_root_kinds
          do flanks = flanks_open, flanks_off
-            do branch = -1, 1 ! of friction, the zones or the sides
+            do branch = -1, zone_edge ! of friction, the zones or the sides
                directions(branch, flanks) = contact_root_direction( &
                                             contact, contact_mode(0, flanks, branch, branch, branch, branch, 1.0_wp, 0.0_wp), kind)
             end do
@@ -191,7 +225,7 @@ contains
          do i = 1, n_sides
             kind = n_root_kinds - n_sides + i
             call root_quantity(flank, contact, at%mode, kind, [at%overlap], [point%h_dot], [point%v_t], [point%rho_a], &
-                               [point%rho_b], [unclipped(at)], [0.0_wp], quantity)
+                               [point%rho_b], [point%rho_a], [point%rho_b], [unclipped(at)], [0.0_wp], quantity)
             at%mode%sides(i) = merge(1, -1, quantity(1) > root_rows(kind)%border)
          end do
       end associate

@@ -9,20 +9,19 @@
 !>
 !> Source: docs/compliant_flanks.md, sections 2 and 3.
 module evl_coupled_flank
-   use, intrinsic :: iso_fortran_env, only: int64
    use evl_contact_point, only: contact_gradient
    use evl_coupled_pairs, only: coupled_answer, force_change_of_pairs, most_pairs, overlaps, solve_pairs
    use evl_damping_law, only: viscous_force
    use evl_elastic_law, only: elastic_result
-   use evl_flank, only: context_of
+   use evl_flank, only: context_of, in_lanes_on_involutes
    use evl_force_lanes, only: lane_slot
    use evl_kinds, only: lanes, wp
    use evl_local_variables, only: n_local
    use evl_pair_compliance, only: gather_compliance, pair_compliance
    use evl_pair_place, only: by_a, by_b, pair_feet
    use evl_status, only: code_ok, code_out_of_domain, fail, quantity, status_t, subject_mesh
-   use evl_tooth_contact, only: contact_state, flank_drive, flanks_open, tooth_contact_t, touches
-   use evl_yielding_flank, only: yielding_flank_t
+   use evl_tooth_contact, only: contact_state, feet_of, flank_drive, flanks_open, tooth_contact_t, touches
+   use evl_yielding_flank, only: change_of, foot_in_lane, yielding_flank_t
    implicit none (type, external)
    private
 
@@ -51,8 +50,6 @@ module evl_coupled_flank
 
 contains
 
-   include "numerics/all_positive.inc"
-
    !> All contacts of the flank.
    pure subroutine company(self, contact, first, last)
       class(coupled_flank_t), intent(in) :: self
@@ -63,18 +60,18 @@ contains
       last = self%last
    end subroutine company
 
-   !> Add a pair at h, rho_A and rho_B.
-   pure subroutine add_pair(pairs, contact, number, h, rho)
+   !> Add a pair at h, rho_A and rho_B, loaded at its feet.
+   pure subroutine add_pair(pairs, contact, number, h, rho, foot)
       type(pairs_t), intent(inout) :: pairs
       integer, intent(in) :: contact, number
-      real(wp), intent(in) :: h, rho(2)
+      real(wp), intent(in) :: h, rho(2), foot(2)
 
       pairs%n = pairs%n + 1
       pairs%contact(pairs%n) = contact
       pairs%number(pairs%n) = number
       pairs%h(pairs%n) = h
       pairs%line(pairs%n) = rho(by_a) + rho(by_b) - h
-      pairs%feet(pairs%n)%foot = rho
+      pairs%feet(pairs%n)%foot = foot
    end subroutine add_pair
 
    !> Pairs in one state: those that touch, and those that lie open if they count.
@@ -87,7 +84,8 @@ contains
 
       do k = first, last
          if (.not. (touches(at(k)%mode) .or. (with_open .and. at(k)%mode%flanks == flanks_open))) cycle
-         call add_pair(pairs, k, at(k)%mode%tooth_pair, at(k)%point%h, [at(k)%point%rho_a, at(k)%point%rho_b])
+         call add_pair(pairs, k, at(k)%mode%tooth_pair, at(k)%point%h, [at(k)%point%rho_a, at(k)%point%rho_b], &
+                       feet_of(at(k)))
       end do
    end subroutine list_pairs
 
@@ -230,7 +228,7 @@ contains
       type(pairs_t), intent(in) :: pairs
       real(wp), intent(out) :: change(most_pairs, n_local) !! of the first n
       type(coupled_answer) :: answer
-      real(wp) :: d_line(most_pairs, n_local)
+      real(wp) :: d_line(most_pairs, n_local), feet(n_local, 2, most_pairs)
       integer :: i, j, q
 
       associate (n => pairs%n, contact => contacts(pairs%contact(1)))
@@ -240,16 +238,18 @@ contains
                answer%force(i) = at(k)%elastic%force/contact%width
                answer%carries(i) = at(k)%yielding%carries
                answer%factor(i, :n) = at(k)%yielding%factor(:n)
+               feet(:, by_a, i) = change_of(at(k), d(k), by_a)
+               feet(:, by_b, i) = change_of(at(k), d(k), by_b)
             end associate
          end do
          do i = 1, n
-            associate (of => d(pairs%contact(i)), yielding => at(pairs%contact(i))%yielding)
-               change(i, :) = of%h - yielding%slope(by_a)*of%rho_a - yielding%slope(by_b)*of%rho_b
+            associate (of => d(pairs%contact(i)), slope => at(pairs%contact(i))%yielding%slope)
+               change(i, :) = of%h - slope(by_a)*feet(:, by_a, i) - slope(by_b)*feet(:, by_b, i)
                d_line(i, :) = of%rho_a + of%rho_b - of%h
             end associate
             do j = 1, n
-               associate (of => d(pairs%contact(j)), by => at(pairs%contact(j))%yielding%by_force(i, :), force => answer%force(j))
-                  change(i, :) = change(i, :) - (force*by(by_a))*of%rho_a - (force*by(by_b))*of%rho_b
+               associate (by => at(pairs%contact(j))%yielding%by_force(i, :), force => answer%force(j))
+                  change(i, :) = change(i, :) - (force*by(by_a))*feet(:, by_a, j) - (force*by(by_b))*feet(:, by_b, j)
                end associate
             end do
          end do
@@ -270,7 +270,7 @@ contains
       real(wp), intent(out) :: change(n_local, 2)
       real(wp) :: forces(most_pairs, n_local)
       type(pairs_t) :: pairs
-      integer :: l
+      integer :: l, w
 
       call list_pairs(self%first, self%last, at, .false., pairs)
       call changes_of_all(contacts, at, d, pairs, forces)
@@ -278,10 +278,11 @@ contains
       associate (yielding => at(k)%yielding)
          do l = 1, pairs%n
             associate (other => pairs%contact(l), force => at(pairs%contact(l))%elastic%force/contacts(k)%width)
-               change(:, by_a) = change(:, by_a) + yielding%by_force(l, by_a)*forces(l, :) &
-                                 + force*(yielding%by_own(l, by_a)*d(k)%rho_a + yielding%by_other(l, by_a)*d(other)%rho_a)
-               change(:, by_b) = change(:, by_b) + yielding%by_force(l, by_b)*forces(l, :) &
-                                 + force*(yielding%by_own(l, by_b)*d(k)%rho_b + yielding%by_other(l, by_b)*d(other)%rho_b)
+               do w = by_a, by_b
+                  change(:, w) = change(:, w) + yielding%by_force(l, w)*forces(l, :) &
+                                 + force*(yielding%by_own(l, w)*change_of(at(k), d(k), w) &
+                                          + yielding%by_other(l, w)*change_of(at(other), d(other), w))
+               end do
             end associate
          end do
       end associate
@@ -296,7 +297,7 @@ contains
 
       do k = first, last
          if (slots(k)%touches) call add_pair(pairs, k, slots(k)%mode%tooth_pair, slots(k)%at%h(l), &
-                                             [slots(k)%at%rho_a(l), slots(k)%at%rho_b(l)])
+                                             [slots(k)%at%rho_a(l), slots(k)%at%rho_b(l)], foot_in_lane(slots(k), l))
       end do
    end subroutine list_lane
 
@@ -316,7 +317,7 @@ contains
       answered = .true.
       do k = first, last
          if (.not. slots(k)%touches) cycle
-         answered = answered .and. all_positive(slots(k)%at%rho_a) .and. all_positive(slots(k)%at%rho_b)
+         answered = answered .and. in_lanes_on_involutes(slots(k))
       end do
       if (.not. answered) return
       do l = 1, lanes
@@ -374,7 +375,8 @@ contains
          do k = self%first, self%last
             associate (slot => aside(k))
                if (slot%mode%flanks == flanks_open) &
-                  call add_pair(pairs, k, slot%mode%tooth_pair, slot%at%h(l), [slot%at%rho_a(l), slot%at%rho_b(l)])
+                  call add_pair(pairs, k, slot%mode%tooth_pair, slot%at%h(l), [slot%at%rho_a(l), slot%at%rho_b(l)], &
+                                foot_in_lane(slot, l))
             end associate
          end do
          call compliance_of(self, contacts(self%first), pairs, compliance)

@@ -14,7 +14,7 @@ module evl_deviating_flanks
    implicit none (type, external)
    private
 
-   public :: flank_value, radius_rates, deviate, deviate_gradient
+   public :: flank_value, radius_rates, deviate, deviate_gradient, rate_gradients, rates_of, sliding_gradient
 
    !> Deviation of one flank at its contact point.
    type :: flank_value
@@ -42,9 +42,32 @@ contains
       type(contact_point), intent(in) :: perfect, point !! before and after `deviate`
       type(contact_gradient), intent(inout) :: gradient
       type(radius_rates) :: rate
-      real(wp), dimension(n_local) :: line, along, turn_rate, rate_a, rate_b, e_dot
+      real(wp), dimension(n_local) :: line, along, rate_a, rate_b, e_dot
 
       rate = rates_of(pair, q, perfect)
+      call rate_gradients(pair, rate, q, point, gradient, line, along, rate_a, rate_b)
+      e_dot = a%d2e*rate%a*gradient%rho_a + a%de*rate_a + b%d2e*rate%b*gradient%rho_b + b%de*rate_b
+      gradient%h = gradient%h - a%de*gradient%rho_a - b%de*gradient%rho_b
+      gradient%h_dot = gradient%h_dot - e_dot
+      gradient%rho_dot = gradient%rho_dot + e_dot
+      gradient%l_a = (1 - a%de)*gradient%rho_a - pair%share_a*gradient%h
+      gradient%l_b = (1 - b%de)*gradient%rho_b - pair%share_b*gradient%h
+      call sliding_gradient(pair, point, along, gradient)
+      gradient%arm_a = -pair%r_ba*a%d2e*gradient%rho_a
+      gradient%arm_b = -pair%r_bb*b%d2e*gradient%rho_b
+      gradient%tilt = (gradient%arm_a + gradient%arm_b)/rate%line - point%tilt/rate%line*line
+   end subroutine deviate_gradient
+
+   !> Derivatives of `rates_of`, of the length of the line of action, and of the relative velocity of the axles along t.
+   pure subroutine rate_gradients(pair, rate, q, point, gradient, line, along, rate_a, rate_b)
+      type(tracked_pair), intent(in) :: pair
+      type(radius_rates), intent(in) :: rate
+      real(wp), intent(in) :: q(n_local)
+      type(contact_point), intent(in) :: point
+      type(contact_gradient), intent(in) :: gradient !! of the contact of perfect involutes
+      real(wp), dimension(n_local), intent(out) :: line, along, rate_a, rate_b
+      real(wp) :: turn_rate(n_local)
+
       associate (v_t => q(at_v_b) - q(at_v_a), v_e => q(at_v_b + 1) - q(at_v_a + 1))
          along = (v_e*point%c - v_t*point%s)*gradient%angle
       end associate
@@ -58,19 +81,19 @@ contains
       rate_b(at_omega) = -pair%advance
       rate_a(at_psi_dot_a) = -pair%r_ba*pair%sigma
       rate_b(at_psi_dot_b) = -pair%r_bb*pair%sigma
-      e_dot = a%d2e*rate%a*gradient%rho_a + a%de*rate_a + b%d2e*rate%b*gradient%rho_b + b%de*rate_b
-      gradient%h = gradient%h - a%de*gradient%rho_a - b%de*gradient%rho_b
-      gradient%h_dot = gradient%h_dot - e_dot
-      gradient%rho_dot = gradient%rho_dot + e_dot
-      gradient%l_a = (1 - a%de)*gradient%rho_a - pair%share_a*gradient%h
-      gradient%l_b = (1 - b%de)*gradient%rho_b - pair%share_b*gradient%h
+   end subroutine rate_gradients
+
+   !> Derivatives of the sliding velocity, where those of its arms are known.
+   pure subroutine sliding_gradient(pair, point, along, gradient)
+      type(tracked_pair), intent(in) :: pair
+      type(contact_point), intent(in) :: point
+      real(wp), intent(in) :: along(n_local)
+      type(contact_gradient), intent(inout) :: gradient
+
       gradient%v_t = pair%sigma*(point%omega_a*gradient%l_a + point%omega_b*gradient%l_b) - along
       gradient%v_t(at_omega) = pair%sigma*(pair%ratio_a*point%l_a + pair%ratio_b*point%l_b)
       gradient%v_t(at_psi_dot_a) = pair%sigma*point%l_a
       gradient%v_t(at_psi_dot_b) = pair%sigma*point%l_b
-      gradient%arm_a = -pair%r_ba*a%d2e*gradient%rho_a
-      gradient%arm_b = -pair%r_bb*b%d2e*gradient%rho_b
-      gradient%tilt = (gradient%arm_a + gradient%arm_b)/rate%line - point%tilt/rate%line*line
-   end subroutine deviate_gradient
+   end subroutine sliding_gradient
 
 end module evl_deviating_flanks

@@ -5,7 +5,8 @@ module evl_event_kinds
    private
 
    public :: event_kind, event_rows, n_event_rows, no_event
-   public :: event_apart, event_border, event_closed, event_entered, event_impact, event_impacts_ended, event_knot, event_left, &
+   public :: event_apart, event_border, event_closed, event_edge_closed, event_edge_left, event_edge_opened, event_entered, &
+             event_flank_reached, event_impact, event_impacts_ended, event_knot, event_left, &
              event_near, event_opened, event_returned, event_revolution, event_sliding_began, event_sliding_ended, event_switch, &
              event_switch_back, event_vanished
 
@@ -19,7 +20,8 @@ module evl_event_kinds
    integer, parameter :: event_switch = 0, event_switch_back = 1, event_closed = 2, event_opened = 3, event_vanished = 4, &
                          event_returned = 5, event_sliding_began = 6, event_sliding_ended = 7, event_knot = 8, &
                          event_revolution = 9, event_apart = 10, event_near = 11, event_impact = 12, event_impacts_ended = 13, &
-                         event_entered = 14, event_left = 15, event_border = 16
+                         event_entered = 14, event_left = 15, event_border = 16, event_edge_closed = 17, event_edge_opened = 18, &
+                         event_flank_reached = 19, event_edge_left = 20
 
    !&<
    type(event_kind), parameter :: event_rows(0:*) = &
@@ -37,9 +39,13 @@ module evl_event_kinds
        event_kind("flanks_near", "the gap came below that width again: tracking begins anew"), &
        event_kind("impact", "rigid flanks met and part again"), &
        event_kind("impacts_ended", "the approach was too slow for another impact: the rigid contact stays closed"), &
-       event_kind("pair_entered", "a tooth pair came onto the path of contact"), &
-       event_kind("pair_left", "a tooth pair left the path of contact"), &
-       event_kind("profile_border", "the contact passed the border of a relief")]
+       event_kind("pair_entered", "a tooth pair came onto the path of contact, or within reach of its edges"), &
+       event_kind("pair_left", "a tooth pair left the path of contact, or the reach of its edges"), &
+       event_kind("profile_border", "the contact passed the border of a relief, or the end of a relieved flank"), &
+       event_kind("edge_closed", "a tip edge met the flank of its mate, before or after the path of contact"), &
+       event_kind("edge_opened", "a tip edge parted from the flank of its mate"), &
+       event_kind("flank_reached", "a tooth pair came onto its path: flank meets flank, no longer a tip edge"), &
+       event_kind("edge_left_flank", "a tooth pair left its path of contact: a tip edge touches from here on")]
    !&>
    integer, parameter :: n_event_rows = size(event_rows)
 

@@ -7,21 +7,26 @@
 !>
 !> The contacts of a flank share their local variables, since they lie between the same two wheels.
 module evl_flank
+   use, intrinsic :: iso_fortran_env, only: int64
    use evl_contact_context, only: contact_context
+   use evl_contact_lanes, only: lane_contact
    use evl_contact_point, only: contact_gradient, contact_point
    use evl_damping_law, only: no_viscous, viscous_force
+   use evl_edge_contact, only: lift_of
    use evl_elastic_law, only: elastic_law_t, elastic_result, no_elastic
-   use evl_force_lanes, only: lane_slot, laws_of_pair, resolve_in_lanes
-   use evl_kinds, only: wp
+   use evl_flank_deviation, only: zone_end
+   use evl_force_lanes, only: lane_force, lane_slot, laws_of_pair, resolve_in_lanes
+   use evl_kinds, only: lanes, wp
    use evl_local_variables, only: at_normal, n_local, unit
+   use evl_pair_place, only: by_a, by_b
    use evl_root_kinds, only: side_of_rate
    use evl_status, only: code_ok, code_out_of_domain, fail, has_failed, quantity, status_t, subject_mesh
-   use evl_tooth_contact, only: contact_force, contact_mode, contact_state, flanks_off, flanks_unloaded, no_force, on_involutes, &
-                                tooth_contact_t, touches
+   use evl_tooth_contact, only: beyond_flank, contact_force, contact_mode, contact_state, edge_wheel, flanks_off, &
+                                flanks_unloaded, no_force, on_involutes, tooth_contact_t, touches
    implicit none (type, external)
    private
 
-   public :: context_of, exactly_one, flank_slot, flank_t, next_pair, nominal_context, pair_on_path
+   public :: context_of, exactly_one, flank_slot, flank_t, in_lanes_on_involutes, next_pair, nominal_context, pair_on_path
 
    real(wp), parameter :: exactly_one = 1.0e-9_wp !! contact ratios this near a whole number are one; at 1 pairs hand over
 
@@ -296,9 +301,9 @@ contains
 
       do k = first, last
          if (.not. touches(at(k)%mode)) cycle
-         if (on_involutes(at(k)%point)) cycle
-         call left_involute(contacts(k), at(k)%point, status)
-         return
+         if (.not. on_involutes(at(k))) call left_involute(contacts(k), at(k)%point, status)
+         if (beyond_flank(at(k)%mode)) call check_edge(contacts(k), at(k), status)
+         if (has_failed(status)) return
       end do
       call self%laws(contacts, first, last, at, status)
       if (has_failed(status)) return
@@ -313,6 +318,8 @@ contains
             else
                call contact%friction%factor(mode%friction, point%v_t, at(k)%factor, at(k)%d_v)
                call resolve_forces(contact%pair%sigma, point, elastic, at(k)%viscous%force, at(k)%factor, at(k)%force)
+               if (beyond_flank(mode)) at(k)%force%on_a = at(k)%force%on_a &
+                                                          + at(k)%force%normal*lift_of(at(k)%edge)*[point%s, -point%c]
             end if
          end associate
          call self%add_yielding(contacts(k), at(k))
@@ -320,6 +327,7 @@ contains
    end subroutine forces
 
    include "contact/contact_forces.inc"
+   include "numerics/all_positive.inc"
 
    !> `laws` in eight states.
    subroutine laws_in_lanes(self, contacts, first, last, slots, answered)
@@ -357,14 +365,99 @@ contains
       logical, intent(out) :: answered
       integer :: k
 
+      do k = first, last
+         if (.not. slots(k)%touches) cycle
+         answered = in_lanes_on_flank(contacts(k), slots(k))
+         if (.not. answered) return
+      end do
       call self%laws_in_lanes(contacts, first, last, slots, answered)
       if (.not. answered) return
       do k = first, last
          if (.not. slots(k)%touches) cycle
          call resolve_in_lanes(contacts(k), slots(k)%mode, slots(k)%at, slots(k)%force)
+         if (beyond_flank(slots(k)%mode) .and. slots(k)%mode%flanks /= flanks_unloaded) call lift_in_lanes(slots(k)%at, &
+                                                                                                           slots(k)%force)
          call self%add_yielding_in_lanes(contacts(k), slots(k))
       end do
    end subroutine forces_in_lanes
+
+   !> What edges have against e more than all of the normal force, in eight states.
+   pure subroutine lift_in_lanes(at, force)
+      type(lane_contact), intent(in) :: at
+      type(lane_force), intent(inout) :: force
+      integer :: l
+
+      do l = 1, lanes
+         force%on_a_t(l) = force%on_a_t(l) + force%unclipped(l)*lift_of(at%edge(l))*at%s(l)
+         force%on_a_e(l) = force%on_a_e(l) - force%unclipped(l)*lift_of(at%edge(l))*at%c(l)
+      end do
+   end subroutine lift_in_lanes
+
+   !> An edge that leaves its mate's flank, and pairs that touch where nothing is known of them.
+   pure subroutine check_edge(contact, at, status)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_state), intent(in) :: at !! of a pair that touches past the end of a flank
+      type(status_t), intent(inout) :: status
+      integer :: mate, wheel
+
+      if (past_both_ends(at%mode)) call fail(status, code_out_of_domain, "a tooth pair is past both ends of its path of contact" &
+                                             //" and carries force: the teeth yield by more than the path is long", &
+                                             subject_mesh, contact%mesh, "edge_contact")
+      wheel = edge_wheel(at%mode)
+      if (wheel == 0) return
+      mate = by_a + by_b - wheel
+      if (at%edge%foot(mate) >= contact%fillets(mate)) return
+      call fail(status, code_out_of_domain, "a tip edge of the "//trim(name_of(wheel))//" wheel touches the fillet of the " &
+                //trim(name_of(mate))//" wheel, at a radius of curvature of "//quantity(at%edge%foot(mate), "m") &
+                //"; the fillet begins at "//quantity(contact%fillets(mate), "m")//": relieve the tips, or lower the load", &
+                subject_mesh, contact%mesh, "edge_contact")
+   end subroutine check_edge
+
+   !> A wheel in words.
+   pure character(len=7) function name_of(wheel)
+      integer, intent(in) :: wheel
+
+      name_of = merge("driving", "driven ", wheel == by_a)
+   end function name_of
+
+   !> Whether both ends of the path of a pair are past.
+   pure logical function past_both_ends(mode)
+      type(contact_mode), intent(in) :: mode
+
+      past_both_ends = min(mode%zone_a, mode%zone_b) >= zone_end
+   end function past_both_ends
+
+   !> Whether a pair lies on both involutes in eight states.
+   pure logical function in_lanes_on_involutes(slot) result(lies)
+      type(lane_slot), intent(in) :: slot
+      integer :: l
+
+      if (beyond_flank(slot%mode)) then
+         lies = all(slot%at%edge%exists)
+         do l = 1, lanes
+            lies = lies .and. all(slot%at%edge(l)%foot > 0)
+         end do
+      else
+         lies = all_positive(slot%at%rho_a) .and. all_positive(slot%at%rho_b)
+      end if
+   end function in_lanes_on_involutes
+
+   !> Whether `check_edge` has nothing to say in eight states.
+   pure logical function in_lanes_on_flank(contact, slot) result(lies)
+      type(tooth_contact_t), intent(in) :: contact
+      type(lane_slot), intent(in) :: slot
+      integer :: l, mate, wheel
+
+      lies = .true.
+      if (.not. beyond_flank(slot%mode)) return
+      lies = .not. past_both_ends(slot%mode)
+      wheel = edge_wheel(slot%mode)
+      if (wheel == 0) return
+      mate = by_a + by_b - wheel
+      do l = 1, lanes
+         lies = lies .and. slot%at%edge(l)%foot(mate) >= contact%fillets(mate)
+      end do
+   end function in_lanes_on_flank
 
    !> The contact has left an involute: say which radius of curvature ran out.
    pure subroutine left_involute(contact, point, status)

@@ -43,7 +43,8 @@ module evl_pair_place
       real(wp) :: d2_foot(3, 3, 2) = 0.0_wp
       real(wp) :: lack = 0.0_wp             !! what the wheel with the end or edge lacks by it [m]
       real(wp) :: d_lack(3) = 0.0_wp, d2_lack(3, 3) = 0.0_wp
-      real(wp) :: arm = 0.0_wp              !! of the friction force about the edge's wheel [m]
+      real(wp) :: arm = 0.0_wp              !! of the friction force about the wheel with the end or edge [m]
+      real(wp) :: d_arm(3) = 0.0_wp
       real(wp) :: turn = 0.0_wp             !! of the force from the line of action [rad]
    end type pair_feet
 
@@ -108,6 +109,8 @@ contains
          if (zone == end_of(w)) then
             feet%lack = tip%value + tip%slope*feet%x
             feet%d_lack(w) = tip%slope
+            feet%arm = feet%rho(w)
+            feet%d_arm(w) = 1
          else
             call touch_with_edge(tip, w, feet)
          end if
@@ -126,6 +129,8 @@ contains
       begin = edge_place() ! all of it is zero at x = 0
       if (tip%takes_over > 0) call place_edge(tip%edge, tip%takes_over, feet%rho(by_line), begin)
       feet%arm = at%arm
+      feet%d_arm(w) = at%arm_x
+      feet%d_arm(by_line) = at%arm_rho
       feet%turn = at%turn
       feet%lack = tip%value + tip%slope*tip%takes_over + (at%gap - begin%gap)
       feet%d_lack(w) = at%d_x

@@ -5,7 +5,8 @@
 !> contact_roots; of a kind with a side the first stands in its row too. A kind that is only noted has a side and a text: its row,
 !> its number and its quantity are all that it takes.
 module evl_root_kinds
-   use evl_event_kinds, only: event_apart, event_border, event_closed, event_entered, event_left, event_near, event_opened, &
+   use evl_event_kinds, only: event_apart, event_border, event_closed, event_edge_left, event_entered, event_flank_reached, &
+                              event_left, event_near, event_opened, &
                               event_returned, event_sliding_began, event_sliding_ended, event_switch, event_switch_back, &
                               event_vanished, no_event
    use evl_kinds, only: wp
@@ -58,7 +59,9 @@ module evl_root_kinds
       integer :: apart = 9          !! the flanks part so far, or come so near, that tracking ends or begins
       integer :: tip_a = 10, root_a = 11 !! the contact passes the border of A's tip relief; of its root relief
       integer :: tip_b = 12, root_b = 13 !! the same for B
-      integer :: side = 14          !! the rate of the penetration passes zero, where a damping law changes
+      integer :: end_a = 14, edge_a = 15 !! the contact passes the end of A's flank; where A's edge takes over
+      integer :: end_b = 16, edge_b = 17 !! the same for B
+      integer :: side = 18          !! the rate of the penetration passes zero, where a damping law changes
    end type root_numbers
    type(root_numbers), parameter :: root_of = root_numbers()
 
@@ -80,6 +83,7 @@ module evl_root_kinds
    character(len=*), parameter :: wrong_branch = "slides at #, which its branch of friction does not hold for"
    character(len=*), parameter :: wrong_side = "moves at #, on the wrong side of its damping law"
    character(len=*), parameter :: past_border = "is past the border of a relief", past_end = "is past an end of the path of contact"
+   character(len=*), parameter :: wrong_end = "is on the other side of the end of a flank"
    character(len=*), parameter :: on_path = "is on the path but counts as off it"
 
    !&<
@@ -102,6 +106,10 @@ module evl_root_kinds
        root_row("root_a", moves_zone_a, settles_never, rises=event_border, falls=event_border, above=past_border), &
        root_row("tip_b", moves_zone_b, settles_never, rises=event_border, falls=event_border, above=past_border), &
        root_row("root_b", moves_zone_b, settles_never, rises=event_border, falls=event_border, above=past_border), &
+       root_row("end_a", moves_zone_a, settles_never, rises=event_border, falls=event_border, above=wrong_end), &
+       root_row("edge_a", moves_zone_a, settles_never, rises=event_edge_left, falls=event_flank_reached, above=wrong_end), &
+       root_row("end_b", moves_zone_b, settles_never, rises=event_border, falls=event_border, above=wrong_end), &
+       root_row("edge_b", moves_zone_b, settles_never, rises=event_edge_left, falls=event_flank_reached, above=wrong_end), &
        root_row("side", measures=measures_rate, past=standstill, above=wrong_side, live=live_one_sided)]
    !&>
 

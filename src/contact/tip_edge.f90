@@ -44,6 +44,7 @@ module evl_tip_edge
       real(wp) :: foot_x = 0.0_wp, foot_rho = 0.0_wp
       real(wp) :: foot_xx = 0.0_wp, foot_x_rho = 0.0_wp, foot_rho_rho = 0.0_wp !! [1/m]
       real(wp) :: arm = 0.0_wp    !! of the friction force about the edge's wheel [m]
+      real(wp) :: arm_x = 0.0_wp, arm_rho = 0.0_wp
       real(wp) :: turn = 0.0_wp   !! delta, by which the normal has turned [rad]
    end type edge_place
 
@@ -93,6 +94,8 @@ contains
          at%foot_x_rho = -r*(c*turn_x + turn_rho*l_x)/l
          at%foot_rho_rho = -r*(c*turn_rho + turn_rho*l_rho)/l
          at%arm = edge%r_b*v_t + edge%rounding
+         at%arm_x = (1 - at%d_x)*(1 - edge%r_b*turn_x)
+         at%arm_rho = -(1 - at%d_x)*edge%r_b*turn_rho
          at%turn = delta
       end associate
    end subroutine place_edge

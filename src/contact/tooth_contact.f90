@@ -13,11 +13,14 @@ module evl_tooth_contact
    use evl_coupled_pairs, only: most_pairs
    use evl_damping_law, only: damping_law_t, viscous_result
    use evl_deviating_flanks, only: deviate, flank_value
+   use evl_edge_contact, only: edge_contact, feet_beyond, put_on_edge
    use evl_elastic_law, only: elastic_law_t, elastic_result
-   use evl_flank_deviation, only: deviation_branch, deviation_on, deviation_zone, flank_branch, flank_deviation_t
+   use evl_flank_deviation, only: deviation_branch, deviation_on, deviation_zone, flank_branch, flank_deviation_t, zone_edge, &
+                                  zone_end, zone_tip
    use evl_friction_law, only: friction_law_t
    use evl_kinds, only: wp
    use evl_local_variables, only: local_link, n_local, wheel_link
+   use evl_pair_place, only: by_a, by_b, tip_t
    use evl_rational, only: rational_pitches, rational_t
    use evl_root_kinds, only: n_discrete, n_root_kinds, n_sides
    use evl_tangent_line, only: tangent_line_t
@@ -25,7 +28,8 @@ module evl_tooth_contact
    private
 
    public :: tooth_contact_t, contact_state, contact_mode, contact_force, no_force, no_mode
-   public :: flank_branches, flank_values, line_along, locate_anywhere, locate_contact, on_involutes
+   public :: beyond_flank, edge_wheel, flank_branches, flank_values, line_along, line_length, locate_anywhere, locate_contact
+   public :: feet_of, on_involutes, pair_yielding
    public :: nominal_rho, nominal_start, settle_friction, touches, unclipped
    public :: tracking_closed_form, tracking_algebraic, tracking_differential
    public :: flanks_open, flanks_loaded, flanks_unloaded, flanks_apart, flanks_off
@@ -76,6 +80,9 @@ module evl_tooth_contact
       real(wp) :: rate_scale = 0.0_wp     !! its rate, if the contact vibrates that far [m/s]
       logical :: deviates = .false.       !! whether a flank deviates from the involute
       type(flank_deviation_t) :: deviation_a, deviation_b !! and how
+      logical :: has_edges = .false.      !! tip edges touch before and after the path; then it deviates
+      type(tip_t) :: tips(2)              !! of A and B
+      real(wp) :: fillets(2) = 0.0_wp     !! radii of curvature where the fillets of A and B begin; 0: not known [m]
       integer :: tooth_sign = 1           !! +1: tooth pairs come in the order of A's teeth, counted counterclockwise; -1: against
       integer :: tooth_a = 0, tooth_b = 0 !! teeth of pair 0, counted counterclockwise from the first ones of the wheels
       type(local_link), allocatable :: links(:) !! local variables in terms of the state
@@ -92,7 +99,7 @@ module evl_tooth_contact
       integer :: n_roots = 0              !! how many there are
       integer :: roots(n_root_kinds) = 0  !! their kinds, the first n_roots
       integer :: moved(n_root_kinds) = 0  !! which integer of the mode each of them moves
-      integer :: directions(-1:1, flanks_open:flanks_off, n_root_kinds) = 0 !! of each: by that integer and the flanks
+      integer :: directions(-1:zone_edge, flanks_open:flanks_off, n_root_kinds) = 0 !! of each: by that integer and the flanks
    end type tooth_contact_t
 
    !> Discrete state of a tooth contact.
@@ -120,12 +127,13 @@ module evl_tooth_contact
    !> What a tooth pair yields as its place changes, on A and on B; of flanks that yield only. Per unit width, by the pairs that
    !> touch, in their order; of a pair alone the first is itself.
    type :: pair_yielding
-      real(wp) :: slope(2)                 !! s: as if the flanks lacked material with this slope [1]
+      real(wp) :: slope(2)                 !! s, to where both are loaded: as if the flanks lacked material with this slope [1]
       real(wp) :: by_force(most_pairs, 2)  !! ds/dN [m/N]
       real(wp) :: by_own(most_pairs, 2)    !! of the pair's own place, over N of each [1/N]
       real(wp) :: by_other(most_pairs, 2)  !! of the place of each, over its N [1/N]
       real(wp) :: factor(most_pairs)       !! its row of the factor of `coupled_answer`
       logical :: carries                   !! the same
+      real(wp) :: by_foot(2)               !! of a pair alone, of its elastic force [N/m]
    end type pair_yielding
 
    !> A tooth contact at a state of the gearbox: scratch of whoever asks, which costs nothing until something is put there.
@@ -138,6 +146,7 @@ module evl_tooth_contact
       type(elastic_result) :: elastic !! as this and the rest not set where flanks do not touch
       type(viscous_result) :: viscous
       type(pair_yielding) :: yielding
+      type(edge_contact) :: edge      !! past the end of a flank only
       real(wp) :: factor, d_v        !! phi of the friction law, dphi/dv_t [s/m]
       type(contact_force) :: force
    end type contact_state
@@ -177,7 +186,7 @@ contains
          call place_radii(contact%pair, at%rho_a0, at%q, line, at%point)
       else
          call place_contact(contact%pair, at%rho_a0, at%q, line, at%point)
-         call deviate_contact(contact, at)
+         call leave_involutes(contact, at)
       end if
       at%overlap = at%point%h
    end subroutine locate_contact
@@ -189,21 +198,27 @@ contains
       type(contact_state), intent(inout) :: at !! as of `locate_contact`
 
       call track_closed_form(contact%pair, at%rho_a0, at%q, at%point)
-      if (settles) call settle_zones(contact, at%point, at%mode)
-      call deviate_contact(contact, at)
+      if (settles) call settle_zones(contact, line_length(contact, at%q), at%point, at%mode)
+      call leave_involutes(contact, at)
       at%overlap = at%point%h
    end subroutine locate_anywhere
 
-   !> From the contact of perfect involutes to that of deviating flanks.
-   pure subroutine deviate_contact(contact, at)
+   !> From the contact of perfect involutes to that of deviating flanks, or of a tip edge.
+   pure subroutine leave_involutes(contact, at)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_state), intent(inout) :: at
       type(flank_value) :: a, b
+      type(flank_branch) :: branches(2)
 
       if (.not. contact%deviates) return
+      if (beyond_flank(at%mode)) then
+         call flank_branches(contact, at%mode, branches(by_a), branches(by_b))
+         call put_on_edge(contact%pair, contact%tips, [at%mode%zone_a, at%mode%zone_b], branches, at%q, at%point, at%edge)
+         return
+      end if
       call flank_values(contact, at%mode, at%point, a, b)
       call deviate(contact%pair, a, b, at%q, at%point)
-   end subroutine deviate_contact
+   end subroutine leave_involutes
 
    !> The line of action of a contact in closed form.
    pure subroutine line_along(contact, q, line)
@@ -214,6 +229,41 @@ contains
       line = contact%rest_line
       if (.not. contact%axles_rest) call closed_form_line(contact%pair, q, line)
    end subroutine line_along
+
+   !> Length of the line of action [m].
+   pure real(wp) function line_length(contact, q)
+      type(tooth_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: q(n_local)
+      type(tangent_line_t) :: line
+
+      call line_along(contact, q, line)
+      line_length = line%rho
+   end function line_length
+
+   !> Whether a pair is past the end of a flank.
+   pure logical function beyond_flank(mode)
+      type(contact_mode), intent(in) :: mode
+
+      beyond_flank = max(mode%zone_a, mode%zone_b) >= zone_end
+   end function beyond_flank
+
+   !> The wheel whose tip edge touches: by_a, by_b, or 0 where both flanks do.
+   pure integer function edge_wheel(mode) result(wheel)
+      type(contact_mode), intent(in) :: mode
+
+      wheel = 0
+      if (mode%zone_b == zone_edge) wheel = by_b
+      if (mode%zone_a == zone_edge) wheel = by_a
+   end function edge_wheel
+
+   !> Roll lengths at which A and B are loaded [m].
+   pure function feet_of(at) result(foot)
+      type(contact_state), intent(in) :: at !! with its point
+      real(wp) :: foot(2)
+
+      foot = [at%point%rho_a, at%point%rho_b]
+      if (at%mode%flanks /= flanks_off .and. beyond_flank(at%mode)) foot = at%edge%foot
+   end function feet_of
 
    !> Elastic + viscous force as if nothing were clipped [N]; 0 where flanks do not overlap.
    pure real(wp) function unclipped(at) result(force)
@@ -265,22 +315,30 @@ contains
       tooth = contact%tooth_b - contact%tooth_sign*pair
    end function tooth_of_b
 
-   !> The parts of its modified flanks on which a contact lies.
-   pure subroutine settle_zones(contact, point, mode)
+   !> The parts of its modified flanks on which a contact lies, or past which.
+   pure subroutine settle_zones(contact, line, point, mode)
       type(tooth_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: line !! length of the line of action [m]
       type(contact_point), intent(in) :: point
       type(contact_mode), intent(inout) :: mode
+      integer :: zones(2)
+      real(wp) :: foot(2)
 
       if (.not. contact%deviates) return
-      mode%zone_a = deviation_zone(contact%deviation_a, point%rho_a)
-      mode%zone_b = deviation_zone(contact%deviation_b, point%rho_b)
+      zones = zone_tip
+      foot = [point%rho_a, point%rho_b]
+      if (contact%has_edges) call feet_beyond(contact%tips, point%rho_a, point%rho_b, line, zones, foot)
+      mode%zone_a = zones(by_a)
+      mode%zone_b = zones(by_b)
+      if (zones(by_a) <= zone_tip) mode%zone_a = deviation_zone(contact%deviation_a, foot(by_a))
+      if (zones(by_b) <= zone_tip) mode%zone_b = deviation_zone(contact%deviation_b, foot(by_b))
    end subroutine settle_zones
 
-   !> Whether a contact lies on both involutes.
-   pure logical function on_involutes(point)
-      type(contact_point), intent(in) :: point
+   !> Whether a contact lies on both involutes: an edge touches its mate further out than on the line of action.
+   pure logical function on_involutes(at)
+      type(contact_state), intent(in) :: at
 
-      on_involutes = point%exists .and. point%rho_a > 0 .and. point%rho_b > 0
+      on_involutes = at%point%exists .and. all(feet_of(at) > 0)
    end function on_involutes
 
    !> Whether the flanks of a tooth pair overlap, so that the laws say what acts.

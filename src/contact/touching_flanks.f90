@@ -17,7 +17,7 @@ module evl_touching_flanks
    use evl_deviating_flanks, only: flank_value
    use evl_flank_deviation, only: deviation_borders, deviation_on, flank_branch, flank_deviation_t, zone_none, zone_root, zone_tip
    use evl_kinds, only: pi, wp
-   use evl_tooth_contact, only: contact_mode, flank_branches, flank_values, no_mode, settle_zones, tooth_contact_t
+   use evl_tooth_contact, only: contact_mode, edge_wheel, flank_branches, flank_values, no_mode, settle_zones, tooth_contact_t
    implicit none (type, external)
    private
 
@@ -63,6 +63,8 @@ contains
       real(wp) :: on_a, on_b, rho_a, rho_b, sharpness, step, x
       integer :: i
 
+      curvature = ieee_value(curvature, ieee_quiet_nan)
+      if (edge_wheel(mode) > 0) return ! a sharp edge has none
       curvature = 1/point%rho_a + 1/point%rho_b
       if (is_involute(contact%deviation_a, mode%zone_a) .and. is_involute(contact%deviation_b, mode%zone_b)) return
       call flank_branches(contact, mode, branch_a, branch_b)
@@ -195,7 +197,9 @@ contains
       there%rho_b = moved(rho_b, contact%pair%r_bb, -x)
       mode = no_mode
       mode%tooth_pair = pair
-      call settle_zones(contact, there, mode)
+      call settle_zones(contact, contact%pair%rho_0, there, mode)
+      mode%zone_a = min(mode%zone_a, zone_tip) ! flanks go on here
+      mode%zone_b = min(mode%zone_b, zone_tip)
       call flank_values(contact, mode, there, a, b)
       gap = turned_away(rho_a, there%rho_a - rho_a, contact%pair%r_ba) + a%e &
             + turned_away(rho_b, there%rho_b - rho_b, contact%pair%r_bb) + b%e

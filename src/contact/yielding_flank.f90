@@ -12,25 +12,26 @@
 !>
 !> Source: docs/compliant_flanks.md, sections 1 and 3.
 module evl_yielding_flank
-   use, intrinsic :: iso_fortran_env, only: int64
    use evl_compliant_johnson, only: compliant_contact, compliant_energy, compliant_force, compliant_force_lanes, &
                                     compliant_penetration
+   use evl_contact_lanes, only: lane_contact
    use evl_contact_point, only: contact_gradient, contact_point
    use evl_damping_law, only: viscous_force
+   use evl_edge_contact, only: change_of_foot, edge_contact, lift_of
    use evl_elastic_law, only: elastic_result
-   use evl_flank, only: context_of, flank_t
+   use evl_flank, only: context_of, flank_t, in_lanes_on_involutes
    use evl_force_lanes, only: lane_slot
    use evl_kinds, only: lanes, pi, wp
    use evl_local_variables, only: n_local
    use evl_pair_compliance, only: own_of_pair
-   use evl_pair_place, only: by_a, by_b
+   use evl_pair_place, only: by_a, by_b, by_line
    use evl_status, only: code_ok, fail, quantity, status_t, subject_mesh
-   use evl_tooth_contact, only: contact_state, flanks_unloaded, tooth_contact_t, touches
+   use evl_tooth_contact, only: beyond_flank, contact_state, feet_of, flanks_unloaded, tooth_contact_t, touches
    use evl_wheel_compliance, only: own_at_t, wheel_compliance_t
    implicit none (type, external)
    private
 
-   public :: line_of, yielding_flank_t
+   public :: change_of, foot_in_lane, line_of, yielding_flank_t
 
    type, extends(flank_t) :: yielding_flank_t
       class(wheel_compliance_t), allocatable :: a, b !! both wheels
@@ -40,6 +41,7 @@ module evl_yielding_flank
       procedure :: pair_alone
       procedure :: pair_under
       procedure :: add_energy
+      procedure :: force_changes
       procedure :: loss_change
       procedure :: slope_changes
       procedure :: add_yielding
@@ -50,7 +52,7 @@ module evl_yielding_flank
 
 contains
 
-   include "numerics/all_positive.inc"
+   include "contact/lane_point.inc"
 
    !> Elastic and viscous forces of the contacts that touch.
    subroutine laws(self, contacts, first, last, at, status)
@@ -66,7 +68,7 @@ contains
       do k = first, last
          if (.not. touches(at(k)%mode)) cycle
          associate (contact => contacts(k), point => at(k)%point, elastic => at(k)%elastic, b => contacts(k)%width)
-            call own_of_pair(self%a, self%b, self%k_difference, [point%rho_a, point%rho_b], own)
+            call own_of_pair(self%a, self%b, self%k_difference, feet_of(at(k)), own)
             call compliant_force(point%h, line_of(point), sum(own%value), contact%e_star, answer, code)
             if (code /= code_ok) &
                call fail(status, code, "penetration h = "//quantity(point%h, "m")//" has no force: the teeth would yield by more" &
@@ -78,6 +80,7 @@ contains
                yielding%by_force(1, :) = own%slope/2
                yielding%by_own(1, :) = own%curvature/2
                yielding%slope = answer%force*yielding%by_force(1, :)
+               yielding%by_foot = b*answer%d_c*own%slope
             end associate
             call viscous_force(contact%damping, context_of(contact, at(k)), elastic, at(k)%viscous)
          end associate
@@ -123,12 +126,66 @@ contains
       c = sum(own%value)
    end function at_pitch_point
 
+   !> How the elastic and the viscous force of a contact change with the local variables: with where it is loaded.
+   pure subroutine force_changes(self, contacts, at, d, k, elastic, viscous)
+      class(yielding_flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contacts(*)
+      type(contact_state), intent(in) :: at(*)
+      type(contact_gradient), intent(in) :: d(*)
+      integer, intent(in) :: k
+      real(wp), intent(out) :: elastic(n_local), viscous(n_local)
+      real(wp) :: more(n_local)
+
+      call self%flank_t%force_changes(contacts, at, d, k, elastic, viscous)
+      if (.not. beyond_flank(at(k)%mode)) return
+      associate (by_foot => at(k)%yielding%by_foot, edge => at(k)%edge)
+         more = by_foot(by_a)*(change_of_foot(edge, d(k), by_a) - d(k)%rho_a) &
+                + by_foot(by_b)*(change_of_foot(edge, d(k), by_b) - d(k)%rho_b)
+      end associate
+      elastic = elastic + more
+      viscous = viscous + at(k)%viscous%d_elastic*more
+   end subroutine force_changes
+
+   !> How the place where a wheel is loaded changes with the local variables.
+   pure function change_of(at, d, wheel) result(change)
+      type(contact_state), intent(in) :: at
+      type(contact_gradient), intent(in) :: d
+      integer, intent(in) :: wheel !! by_a or by_b
+      real(wp) :: change(n_local)
+
+      if (beyond_flank(at%mode)) then
+         change = change_of_foot(at%edge, d, wheel)
+      else if (wheel == by_a) then
+         change = d%rho_a
+      else
+         change = d%rho_b
+      end if
+   end function change_of
+
+   !> Roll lengths at which A and B are loaded in one of eight states [m].
+   pure function foot_in_lane(slot, l) result(foot)
+      type(lane_slot), intent(in) :: slot
+      integer, intent(in) :: l
+      real(wp) :: foot(2)
+
+      foot = [slot%at%rho_a(l), slot%at%rho_b(l)]
+      if (beyond_flank(slot%mode)) foot = slot%at%edge(l)%foot
+   end function foot_in_lane
+
    !> Length of the line of action [m].
    pure real(wp) function line_of(point)
       type(contact_point), intent(in) :: point
 
       line_of = point%rho_a + point%rho_b - point%h
    end function line_of
+
+   !> The same, by which axles that move along t turn it: past the end of a flank it is known apart from what that lacks [m].
+   pure real(wp) function lever_of(at)
+      type(contact_state), intent(in) :: at
+
+      lever_of = line_of(at%point)
+      if (beyond_flank(at%mode)) lever_of = at%edge%line
+   end function lever_of
 
    !> Add the elastic energy, that of the bodies included.
    pure subroutine add_energy(self, contacts, first, last, at, energy)
@@ -158,14 +215,18 @@ contains
       change = 0
    end function loss_change
 
-   !> P and a_i of a pair [N].
-   pure subroutine side_forces(contact, line, force, slope, p, a)
+   !> P and a_i of a pair; past the end of a flank a_rho too, of the length of the line of action [N].
+   pure subroutine side_forces(contact, is_beyond, edge, line, force, slope, p, a)
       type(tooth_contact_t), intent(in) :: contact
+      logical, intent(in) :: is_beyond
+      type(edge_contact), intent(in) :: edge !! if it is
       real(wp), intent(in) :: line, force, slope(2)
-      real(wp), intent(out) :: p, a(2)
+      real(wp), intent(out) :: p, a(3)
 
       p = force**2/(2*pi*contact%e_star*contact%width*line)
-      a = force*slope + p
+      a = [force*slope, 0.0_wp]
+      if (is_beyond) a = matmul(edge%d_foot, force*slope)
+      a(:by_b) = a(:by_b) + p
    end subroutine side_forces
 
    !> Add what P and a_i do to the wheels.
@@ -173,16 +234,46 @@ contains
       class(yielding_flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contact
       type(contact_state), intent(inout) :: at
-      real(wp) :: a(2), p, tangential
+      real(wp) :: a(3), p, tangential
 
       associate (pair => contact%pair, point => at%point, force => at%force)
-         call side_forces(contact, line_of(point), at%elastic%force, at%yielding%slope, p, a)
+         call side_forces(contact, beyond_flank(at%mode), at%edge, line_of(point), at%elastic%force, at%yielding%slope, p, a)
          force%torque_a = force%torque_a + pair%sigma*(p*point%arm_a - pair%r_ba*a(by_a))
          force%torque_b = force%torque_b + pair%sigma*(p*point%arm_b - pair%r_bb*a(by_b))
-         tangential = p*point%tilt - (pair%r_ba*a(by_a) + pair%r_bb*a(by_b))/line_of(point)
+         tangential = p*point%tilt - (pair%r_ba*a(by_a) + pair%r_bb*a(by_b))/lever_of(at)
          force%on_a = force%on_a + p*[point%s, -point%c] + tangential*[point%c, point%s]
+         if (beyond_flank(at%mode)) call lift_by_edge(contact, at%edge, p, a(by_line), point, force%on_a)
       end associate
    end subroutine add_yielding
+
+   !> Add what an edge changes in the force on A: the gradient of the gap has turned, and C changes with rho.
+   pure subroutine lift_by_edge(contact, edge, p, a_line, point, on_a)
+      type(tooth_contact_t), intent(in) :: contact
+      type(edge_contact), intent(in) :: edge
+      real(wp), intent(in) :: p, a_line !! [N]
+      type(contact_point), intent(in) :: point
+      real(wp), intent(inout) :: on_a(2)
+
+      on_a = on_a + (p*lift_of(edge) + a_line)*[point%s, -point%c] - contact%pair%r_b/edge%line*a_line*[point%c, point%s]
+   end subroutine lift_by_edge
+
+   !> How what it adds changes with the local variables.
+   pure subroutine lift_changes(contact, at, d, p, a_line, d_p, d_a, on_a)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_state), intent(in) :: at
+      type(contact_gradient), intent(in) :: d
+      real(wp), intent(in) :: p, a_line
+      real(wp), intent(in), dimension(n_local) :: d_p, d_a !! of P and of a_rho
+      real(wp), intent(inout) :: on_a(n_local, 2)
+      real(wp), dimension(n_local) :: against, along
+
+      associate (point => at%point, edge => at%edge, r => contact%pair%r_b)
+         against = lift_of(edge)*d_p + p*d%lift + d_a
+         along = -r/edge%line*d_a + r*a_line/edge%line**2*d%line
+         on_a(:, 1) = on_a(:, 1) + point%s*against + point%c*along
+         on_a(:, 2) = on_a(:, 2) - point%c*against + point%s*along
+      end associate
+   end subroutine lift_changes
 
    !> Add how that changes with the local variables.
    pure subroutine add_yielding_changes(self, contacts, at, d, k, elastic, torque_a, torque_b, on_a)
@@ -211,8 +302,8 @@ contains
 
       associate (yielding => at(k)%yielding, b => contacts(k)%width)
          associate (force => at(k)%elastic%force/b)
-            change(:, by_a) = yielding%by_force(1, by_a)/b*elastic + force*yielding%by_own(1, by_a)*d(k)%rho_a
-            change(:, by_b) = yielding%by_force(1, by_b)/b*elastic + force*yielding%by_own(1, by_b)*d(k)%rho_b
+            change(:, by_a) = yielding%by_force(1, by_a)/b*elastic + force*yielding%by_own(1, by_a)*change_of(at(k), d(k), by_a)
+            change(:, by_b) = yielding%by_force(1, by_b)/b*elastic + force*yielding%by_own(1, by_b)*change_of(at(k), d(k), by_b)
          end associate
       end associate
    end subroutine slope_changes
@@ -224,20 +315,23 @@ contains
       type(contact_gradient), intent(in) :: d
       real(wp), intent(in) :: elastic(n_local), d_slope(n_local, 2)
       real(wp), intent(inout) :: torque_a(n_local), torque_b(n_local), on_a(n_local, 2)
-      real(wp), dimension(n_local) :: d_a, d_b, d_p, d_line, d_tangential
-      real(wp) :: a(2), p, across
+      real(wp), dimension(n_local) :: d_p, d_lever, d_line, d_tangential
+      real(wp) :: a(3), d_a(n_local, 3), p, across
 
       associate (pair => contact%pair, point => at%point, yielding => at%yielding, f => at%elastic%force, b => contact%width, &
-                 line => line_of(at%point))
-         call side_forces(contact, line, f, yielding%slope, p, a)
+                 line => line_of(at%point), lever => lever_of(at))
+         call side_forces(contact, beyond_flank(at%mode), at%edge, line, f, yielding%slope, p, a)
          d_line = d%rho_a + d%rho_b - d%h
+         d_lever = d_line
+         if (beyond_flank(at%mode)) d_lever = d%line
          d_p = f/(pi*contact%e_star*b*line)*elastic - p/line*d_line
-         d_a = yielding%slope(by_a)*elastic + f*d_slope(:, by_a) + d_p
-         d_b = yielding%slope(by_b)*elastic + f*d_slope(:, by_b) + d_p
-         across = (pair%r_ba*a(by_a) + pair%r_bb*a(by_b))/line
-         torque_a = torque_a + pair%sigma*(point%arm_a*d_p - pair%r_ba*d_a)
-         torque_b = torque_b + pair%sigma*(point%arm_b*d_p - pair%r_bb*d_b)
-         d_tangential = point%tilt*d_p - (pair%r_ba*d_a + pair%r_bb*d_b - across*d_line)/line
+         call side_changes(at, d, elastic, d_slope, d_a)
+         d_a(:, by_a) = d_a(:, by_a) + d_p
+         d_a(:, by_b) = d_a(:, by_b) + d_p
+         across = (pair%r_ba*a(by_a) + pair%r_bb*a(by_b))/lever
+         torque_a = torque_a + pair%sigma*(point%arm_a*d_p - pair%r_ba*d_a(:, by_a))
+         torque_b = torque_b + pair%sigma*(point%arm_b*d_p - pair%r_bb*d_a(:, by_b))
+         d_tangential = point%tilt*d_p - (pair%r_ba*d_a(:, by_a) + pair%r_bb*d_a(:, by_b) - across*d_lever)/lever
          if (contact%deviates) then
             torque_a = torque_a + (pair%sigma*p)*d%arm_a
             torque_b = torque_b + (pair%sigma*p)*d%arm_b
@@ -245,11 +339,38 @@ contains
          end if
          on_a(:, 1) = on_a(:, 1) + point%s*d_p + point%c*d_tangential
          on_a(:, 2) = on_a(:, 2) - point%c*d_p + point%s*d_tangential
+         if (beyond_flank(at%mode)) call lift_changes(contact, at, d, p, a(by_line), d_p, d_a(:, by_line), on_a)
          if (at%mode%flanks /= flanks_unloaded) return ! else nothing has turned what acts with the normal
          on_a(:, 1) = on_a(:, 1) - at%force%on_a(2)*d%angle
          on_a(:, 2) = on_a(:, 2) + at%force%on_a(1)*d%angle
       end associate
    end subroutine add_changes
+
+   !> How a_i, but for P, and a_rho change.
+   pure subroutine side_changes(at, d, elastic, d_slope, d_a)
+      type(contact_state), intent(in) :: at
+      type(contact_gradient), intent(in) :: d
+      real(wp), intent(in) :: elastic(n_local), d_slope(n_local, 2)
+      real(wp), intent(out) :: d_a(n_local, 3)
+      real(wp) :: side(n_local)
+      integer :: i, w
+
+      d_a = 0
+      associate (slope => at%yielding%slope, f => at%elastic%force, edge => at%edge)
+         do w = by_a, by_b
+            side = slope(w)*elastic + f*d_slope(:, w)
+            if (beyond_flank(at%mode)) then
+               do i = by_a, by_line
+                  d_a(:, i) = d_a(:, i) + edge%d_foot(i, w)*side + (f*slope(w))*( &
+                              edge%d2_foot(by_a, i, w)*d%rho_a + edge%d2_foot(by_b, i, w)*d%rho_b &
+                              + edge%d2_foot(by_line, i, w)*d%line)
+               end do
+            else
+               d_a(:, w) = side
+            end if
+         end do
+      end associate
+   end subroutine side_changes
 
    !> `laws` in eight states.
    subroutine laws_in_lanes(self, contacts, first, last, slots, answered)
@@ -266,10 +387,10 @@ contains
       do k = first, last
          if (.not. slots(k)%touches) cycle
          associate (at => slots(k)%at, force => slots(k)%force)
-            answered = all_positive(at%rho_a) .and. all_positive(at%rho_b)
+            answered = in_lanes_on_involutes(slots(k))
             if (.not. answered) return
             do l = 1, lanes
-               call own_of_pair(self%a, self%b, self%k_difference, [at%rho_a(l), at%rho_b(l)], own)
+               call own_of_pair(self%a, self%b, self%k_difference, foot_in_lane(slots(k), l), own)
                c(l) = sum(own%value)
                force%slope_a(l) = own(by_a)%slope/2
                force%slope_b(l) = own(by_b)%slope/2
@@ -293,18 +414,28 @@ contains
       class(yielding_flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contact
       type(lane_slot), intent(inout) :: slot
-      real(wp) :: a(2), line, p, tangential
+      real(wp) :: a(3), lever, line, on_a(2), p, tangential
+      type(contact_point) :: point
       integer :: l
 
       associate (pair => contact%pair, at => slot%at, force => slot%force)
          do l = 1, lanes
             line = at%rho_a(l) + at%rho_b(l) - at%h(l)
-            call side_forces(contact, line, force%elastic(l), [force%slope_a(l), force%slope_b(l)], p, a)
+            call side_forces(contact, beyond_flank(slot%mode), at%edge(l), line, force%elastic(l), [force%slope_a(l), &
+                                                                                                    force%slope_b(l)], p, a)
             force%torque_a(l) = force%torque_a(l) + pair%sigma*(p*at%arm_a(l) - pair%r_ba*a(by_a))
             force%torque_b(l) = force%torque_b(l) + pair%sigma*(p*at%arm_b(l) - pair%r_bb*a(by_b))
-            tangential = p*at%tilt(l) - (pair%r_ba*a(by_a) + pair%r_bb*a(by_b))/line
+            lever = line
+            if (beyond_flank(slot%mode)) lever = at%edge(l)%line
+            tangential = p*at%tilt(l) - (pair%r_ba*a(by_a) + pair%r_bb*a(by_b))/lever
             force%on_a_t(l) = force%on_a_t(l) + p*at%s(l) + tangential*at%c(l)
             force%on_a_e(l) = force%on_a_e(l) - p*at%c(l) + tangential*at%s(l)
+            if (.not. beyond_flank(slot%mode)) cycle
+            call take_lane(at, l, point)
+            on_a = [force%on_a_t(l), force%on_a_e(l)]
+            call lift_by_edge(contact, at%edge(l), p, a(by_line), point, on_a)
+            force%on_a_t(l) = on_a(1)
+            force%on_a_e(l) = on_a(2)
          end do
       end associate
    end subroutine add_yielding_in_lanes

@@ -15,6 +15,8 @@ module evl_compliant_mesh
 
    public :: check_compliant_mesh, make_flank
 
+   real(wp), parameter :: edge_reach = 0.4_wp !! how far past the path edges can carry [base pitches]
+
 contains
 
    !> What gives way in a wheel is counted beside Johnson's contact, at the points of the closed form; teeth are coupled as far as
@@ -28,6 +30,7 @@ contains
 
       associate (wheels => gearbox%compliances([mesh%driving, mesh%driven]))
          if (.not. any(wheels%exists)) then
+            if (mesh%word("edge_contact") == "true") call check_edges()
             if (mesh%word("tooth_coupling") == "true") &
                call refuse("teeth are coupled by what their wheels yield, but none of these has a compliance: give one, or take" &
                            //" this away", "tooth_coupling")
@@ -47,6 +50,19 @@ contains
 
    contains
 
+      !> Edges alone, on flanks that do not give way.
+      subroutine check_edges()
+         call mesh%inner("contact", contact)
+         if (contact%word("law") /= "johnson") then
+            call refuse("tip edges need contact {law: johnson}, not "//trim(contact%word("law")), &
+                        "edge_contact")
+         else if (mesh%tracking /= tracking_closed_form) then
+            call refuse("tip edges need tracking: closed_form", "edge_contact")
+         else if (.not. all(gearbox%gears([mesh%driving, mesh%driven])%normal_module > 0)) then
+            call refuse("tip edges are those of real gears: give both wheels a module, or false", "edge_contact")
+         end if
+      end subroutine check_edges
+
       subroutine refuse(message, field)
          character(len=*), intent(in) :: message, field
 
@@ -63,6 +79,15 @@ contains
       couples = any(gearbox%compliances([mesh%driving, mesh%driven])%neighbours > 0) .and. mesh%word("tooth_coupling") /= "false"
    end function couples
 
+   !> Whether tip edges touch before and after the path of contact.
+   pure logical function has_edges(gearbox, mesh)
+      type(gearbox_t), intent(in) :: gearbox
+      type(mesh_input), intent(in) :: mesh
+
+      has_edges = mesh%word("edge_contact") == "true"
+      if (mesh%word("edge_contact") == "") has_edges = any(gearbox%compliances([mesh%driving, mesh%driven])%exists)
+   end function has_edges
+
    !> The kind of flank that a mesh has. Built in place: gfortran 12 frees twice what it copies of nested polymorphic components.
    subroutine make_flank(gearbox, wheels, mesh, slot)
       type(gearbox_t), intent(in) :: gearbox
@@ -71,7 +96,7 @@ contains
       type(flank_slot), intent(out) :: slot
 
       associate (a => mesh%driving, b => mesh%driven)
-         if (.not. any(gearbox%compliances([a, b])%exists)) then
+         if (.not. (any(gearbox%compliances([a, b])%exists) .or. has_edges(gearbox, mesh))) then
             allocate (flank_t :: slot%flank)
             return
          end if
@@ -86,7 +111,9 @@ contains
          class is (yielding_flank_t)
             call take_wheel(gearbox%compliances(a), flank%a)
             call take_wheel(gearbox%compliances(b), flank%b)
-            flank%k_difference = half_plane(wheels(a)%material) - half_plane(wheels(b)%material)
+            if (any(gearbox%compliances([a, b])%exists)) &
+               flank%k_difference = half_plane(wheels(a)%material) - half_plane(wheels(b)%material)
+            if (has_edges(gearbox, mesh)) flank%reach = edge_reach
          end select
       end associate
    end subroutine make_flank

@@ -1,6 +1,7 @@
 !> Makes the tooth contacts of a gearbox from its meshes: how many there are, their constants, their links to the state.
 module evl_contact_build
    use evl_compliant_mesh, only: make_flank
+   use evl_edge_contact, only: make_tip
    use evl_first_tooth_pair, only: tooth_phase_t
    use evl_flank, only: exactly_one
    use evl_gearbox, only: gearbox_t, wheel_t
@@ -64,7 +65,9 @@ contains
                   allocate (contact%friction, source=meshes(m)%friction)
                   contact%rigid = contact%elastic%is_rigid()
                   contact%one_sided = contact%damping%has_sides()
-                  contact%deviates = any(gearbox%wheels([meshes(m)%driving, meshes(m)%driven])%deviation%exists)
+                  contact%has_edges = of%reach > 0
+                  contact%deviates = contact%has_edges .or. &
+                                     any(gearbox%wheels([meshes(m)%driving, meshes(m)%driven])%deviation%exists)
                   ! the points of the coast flank follow from the wheels' positions, whatever tracks those of the drive flank
                   contact%tracking = merge(meshes(m)%tracking, tracking_closed_form, flank == flank_drive)
                end associate
@@ -117,6 +120,15 @@ contains
          contact%tooth_b = gearbox%phases(contact%mesh)%tooth_b
          contact%deviation_a = gearbox%wheels(a)%deviation
          contact%deviation_b = gearbox%wheels(b)%deviation
+         if (contact%has_edges) then
+            call make_tip(contact%deviation_a, pair%base_radius_a, pair%base_radius_b, pair%rho_tip_a, 0.0_wp, pair%rho, &
+                          contact%tips(1))
+            call make_tip(contact%deviation_b, pair%base_radius_b, pair%base_radius_a, pair%rho_tip_b, 0.0_wp, pair%rho, &
+                          contact%tips(2))
+            associate (gears => gearbox%gears([a, b]))
+               contact%fillets = sqrt(max(gears%form_radius**2 - gears%base_radius**2, 0.0_wp))
+            end associate
+         end if
          if (contact%flank == flank_drive) then
             contact%pair%sigma = real(pair%sigma, wp)
             contact%step = pair%base_pitch

@@ -78,6 +78,9 @@ module evl_gearbox_description
                                      row_t("tooth_coupling", type_choice, "", &
                          "whether teeth yield to the loads of their neighbours; otherwise where the wheels' compliances know how", &
                                            words="true false"), &
+                                     row_t("edge_contact", type_choice, "", &
+                         "whether tip edges touch before and after the path of contact; otherwise where a wheel has a compliance", &
+                                           words="true false"), &
                                   row_t("tracking", type_choice, "", "how the points of contact are found", default="closed_form", &
                                            words="closed_form algebraic differential")]
 

@@ -5,16 +5,19 @@ module evl_contact_events
    use evl_contact_roots, only: contact_root_direction, contact_roots, find_sides
    use evl_contacts_at_state, only: flank_place, look_at, place_contact
    use evl_discrete_state, only: gearbox_store_mode, pairs_with
+   use evl_event_kinds, only: event_closed, event_edge_closed, event_edge_opened, event_opened
    use evl_event_log, only: event_log, event_of_root, note
    use evl_flank, only: next_pair
-   use evl_flank_deviation, only: zone_none, zone_root, zone_tip
+   use evl_flank_deviation, only: flank_deviation_t, zone_edge, zone_end, zone_none, zone_root, zone_tip
    use evl_gearbox, only: gearbox_t
    use evl_kinds, only: wp
+   use evl_pair_place, only: by_a, by_b, tip_t
    use evl_local_variables, only: n_local, n_track
    use evl_root_kinds, only: moves_friction, moves_pair, moves_zone_a, moves_zone_b, n_root_kinds, n_sides, root_of, root_rows
    use evl_status, only: code_no_solution, fail, quantity, status_t, subject_mesh
-   use evl_tooth_contact, only: contact_mode, contact_state, flanks_apart, flanks_loaded, flanks_off, flanks_open, &
-                                flanks_unloaded, settle_friction, settle_zones, tooth_contact_t, touches
+   use evl_tooth_contact, only: contact_mode, contact_state, edge_wheel, line_length, flanks_apart, flanks_loaded, flanks_off, &
+                                flanks_open, &
+                                flanks_unloaded, settle_friction, settle_zones, tooth_contact_t, touches, unclipped
    implicit none (type, external)
    private
 
@@ -68,6 +71,10 @@ contains
          forward = fired(root_of%forward) .or. fired(root_of%switch)
          entered = changed .and. mode%flanks == flanks_off
          energy = energy_of(gearbox, m, first, last, at)
+         if (changed .and. contact%has_edges .and. touches(mode)) then
+            call past_reach(gearbox, m, at(m), status)
+            return
+         end if
          if (changed) call change_pair(contact, forward, mode, log)
          if (contact%deviates) call change_zones(gearbox, m, changed, fired, y, integers, at, log)
          if (changed .or. any(fired .and. moves_zone)) call place_contact(gearbox, m, y, integers, place, at)
@@ -90,6 +97,20 @@ contains
       end associate
    end subroutine contact_event
 
+   !> A pair leaves the reach of its edges under load: nothing could take its force over.
+   subroutine past_reach(gearbox, m, at, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: m
+      type(contact_state), intent(in) :: at
+      type(status_t), intent(inout) :: status
+
+      associate (contact => gearbox%contacts(m))
+         call fail(status, code_no_solution, "a tooth pair still carries "//quantity(unclipped(at), "N")//" with a tip edge " &
+                   //quantity(gearbox%flanks(contact%i_flank)%flank%reach, "")//" pitches past its path of contact: the teeth" &
+                   //" yield too much for their size; lower the load", subject_mesh, contact%mesh, "edge_contact")
+      end associate
+   end subroutine past_reach
+
    !> Elastic energy of a tooth contact and its company [J]. Flanks that overlap may take it away at once, or bring it: pairs that
    !> leave or enter the path under load, and flanks of another pair that deviate or yield in another way.
    pure real(wp) function energy_of(gearbox, m, first, last, at) result(energy)
@@ -99,6 +120,7 @@ contains
 
       energy = 0
       associate (contact => gearbox%contacts(m), flank => gearbox%flanks(gearbox%contacts(m)%i_flank)%flank)
+         if (contact%has_edges) return ! nothing jumps
          if (contact%handover .and. .not. (contact%deviates .or. flank%bends)) return ! the next pair has the same energy
          if (first == last .and. .not. touches(at(m)%mode)) return
          if (first == last .and. abs(at(m)%point%h) <= grazing*contact%h_scale) return
@@ -164,20 +186,44 @@ contains
       type(contact_state), intent(inout) :: at(*)
       type(event_log), intent(inout) :: log
       type(flank_place) :: place
+      integer :: event
 
       associate (contact => gearbox%contacts(m), mode => at(m)%mode)
          if (changed) then
             call place_contact(gearbox, m, y, integers, place, at)
-            call settle_zones(contact, at(m)%point, mode)
+            call settle_zones(contact, line_length(contact, at(m)%q), at(m)%point, mode)
          else if (any(fired .and. moves_zone)) then
-            if (fired(root_of%tip_a)) mode%zone_a = merge(zone_none, zone_tip, mode%zone_a == zone_tip)
-            if (fired(root_of%root_a)) mode%zone_a = merge(zone_none, zone_root, mode%zone_a == zone_root)
-            if (fired(root_of%tip_b)) mode%zone_b = merge(zone_none, zone_tip, mode%zone_b == zone_tip)
-            if (fired(root_of%root_b)) mode%zone_b = merge(zone_none, zone_root, mode%zone_b == zone_root)
-            call note(log, root_rows(findloc(fired .and. moves_zone, .true., dim=1))%rises, contact, mode%tooth_pair)
+            event = event_at(contact, mode, findloc(fired .and. moves_zone, .true., dim=1, back=.true.))
+            call change_zone(contact%deviation_a, contact%tips(by_a), fired(root_of%tip_a:root_of%root_a), &
+                             fired(root_of%end_a:root_of%edge_a), mode%zone_a)
+            call change_zone(contact%deviation_b, contact%tips(by_b), fired(root_of%tip_b:root_of%root_b), &
+                             fired(root_of%end_b:root_of%edge_b), mode%zone_b)
+            call note(log, event, contact, mode%tooth_pair)
          end if
       end associate
    end subroutine change_zones
+
+   !> One wheel passed borders.
+   pure subroutine change_zone(deviation, tip, relief, beyond, zone)
+      type(flank_deviation_t), intent(in) :: deviation
+      type(tip_t), intent(in) :: tip
+      logical, intent(in) :: relief(2) !! the borders of the reliefs of tip and root
+      logical, intent(in) :: beyond(2) !! the end of the flank, and where its edge takes over
+      integer, intent(inout) :: zone
+      logical :: leaves
+      integer :: i, inside, outside
+
+      if (relief(1)) zone = merge(zone_none, zone_tip, zone == zone_tip)
+      if (relief(2)) zone = merge(zone_none, zone_root, zone == zone_root)
+      leaves = zone == zone_edge ! in the order in which it meets them
+      do i = merge(2, 1, leaves), merge(1, 2, leaves), merge(-1, 1, leaves)
+         if (.not. beyond(i)) cycle
+         outside = merge(zone_end, zone_edge, i == 1)
+         inside = merge(zone_tip, zone_none, deviation%tip%amount > 0)
+         if (i == 2 .and. tip%takes_over > 0) inside = zone_end
+         zone = merge(inside, outside, zone == outside)
+      end do
+   end subroutine change_zone
 
    !> The sliding velocity passed an end of the linear part of the friction law.
    pure subroutine change_friction(contact, fired, mode, log)
@@ -255,11 +301,11 @@ contains
             mode%flanks = flanks_loaded
             mode%v0 = max(at%point%h_dot, 0.0_wp)
             if (contact%rigid) return ! an impact decides
-            call note(log, root_rows(root_of%contact)%rises, contact, mode%tooth_pair)
+            call note(log, merge(event_edge_closed, event_closed, edge_wheel(mode) > 0), contact, mode%tooth_pair)
          case (flanks_loaded, flanks_unloaded)
             if (fired(root_of%contact) .or. (fired(root_of%force) .and. parts(contact, at))) then
                mode%flanks = flanks_open
-               call note(log, root_rows(root_of%contact)%falls, contact, mode%tooth_pair)
+               call note(log, merge(event_edge_opened, event_opened, edge_wheel(mode) > 0), contact, mode%tooth_pair)
             else if (fired(root_of%force)) then
                call note(log, event_at(contact, mode, root_of%force), contact, mode%tooth_pair)
                mode%flanks = merge(flanks_unloaded, flanks_loaded, mode%flanks == flanks_loaded)

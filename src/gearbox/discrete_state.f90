@@ -2,6 +2,7 @@
 !>
 !> What they are is said by the table of root kinds: those held by name, and a side for each kind that has one.
 module evl_discrete_state
+   use evl_flank_deviation, only: zone_end
    use evl_gearbox, only: gearbox_t
    use evl_kinds, only: wp
    use evl_root_kinds, only: moves_flanks, moves_pair, moves_zone_a, moves_zone_b, n_discrete, n_held, n_root_kinds, n_sides
@@ -182,21 +183,30 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
       integer, intent(in) :: integers(:)
-      logical :: on, best_on
-      integer :: m
+      integer :: best_rank, m, rank
 
       index = gearbox%first(mesh)
-      best_on = flanks_of(gearbox%contacts(index), integers) /= flanks_off
+      best_rank = rank_of(gearbox%contacts(index), integers)
       do m = index + 1, gearbox%first(mesh) + gearbox%contacts(index)%n_slots - 1
          associate (mine => gearbox%contacts(m), best => gearbox%contacts(index))
-            on = flanks_of(mine, integers) /= flanks_off
-            if (best_on .and. .not. on) cycle
-            if ((on .eqv. best_on) .and. tooth_pair_of(mine, integers) > tooth_pair_of(best, integers)) cycle
+            rank = rank_of(mine, integers)
+            if (rank < best_rank) cycle
+            if (rank == best_rank .and. tooth_pair_of(mine, integers) > tooth_pair_of(best, integers)) cycle
          end associate
          index = m
-         best_on = on
+         best_rank = rank
       end do
    end function leading_contact
+
+   !> 2: between the ends of its flanks; 1: past one of them, within reach of an edge; 0: off the path.
+   pure integer function rank_of(contact, integers) result(rank)
+      type(tooth_contact_t), intent(in) :: contact
+      integer, intent(in) :: integers(:)
+
+      rank = merge(0, 2, flanks_of(contact, integers) == flanks_off)
+      if (rank == 0 .or. .not. contact%has_edges) return
+      if (maxval(integers(contact%i_discrete(moves_zone_a:moves_zone_b))) >= zone_end) rank = 1
+   end function rank_of
 
    !> Whether a tooth contact leads a rigid flank that is closed.
    pure logical function is_closed(gearbox, index, integers)

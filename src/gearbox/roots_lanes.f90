@@ -11,7 +11,7 @@ module evl_roots_lanes
    use evl_local_variables, only: i_theta
    use evl_root_kinds, only: root_of, root_rows
    use evl_status, only: code_out_of_domain, fail, has_failed, status_t
-   use evl_tooth_contact, only: contact_mode, flank_drive, flanks_off, tooth_contact_t, touches
+   use evl_tooth_contact, only: beyond_flank, contact_mode, flank_drive, flanks_off, tooth_contact_t, touches
    implicit none (type, external)
    private
 
@@ -91,7 +91,7 @@ contains
       real(wp), intent(in) :: y(lanes, *)
       type(lane_line), intent(inout) :: line       !! its motion may be needed
       real(wp), intent(out) :: roots(lanes, contact%n_roots)
-      real(wp), dimension(lanes) :: moved, turn
+      real(wp), dimension(lanes) :: foot_a, foot_b, moved, turn
 
       moved = 0
       if (contact%handover) then
@@ -100,7 +100,14 @@ contains
          moved = pitches_moved(contact, slot%at%rho_a0, line%psi_a, turn)
       end if
       associate (at => slot%at)
+         foot_a = at%rho_a
+         foot_b = at%rho_b
+         if (slot%mode%flanks /= flanks_off .and. beyond_flank(slot%mode)) then
+            foot_a = at%edge%foot(1)
+            foot_b = at%edge%foot(2)
+         end if
          call closed_form_roots(flank, contact, slot%mode, slot%directions, at%overlap, at%h_dot, at%v_t, at%rho_a, at%rho_b, &
+                                foot_a, foot_b, &
                                 slot%force%unclipped, moved, roots)
       end associate
    end subroutine roots_of_contact

@@ -18,11 +18,13 @@ module evl_flank_deviation
 
    public :: flank_branch, flank_deviation_t, relief_t
    public :: deviation_borders, deviation_branch, deviation_on, deviation_zone
-   public :: zone_none, zone_root, zone_tip
+   public :: zone_edge, zone_end, zone_none, zone_root, zone_tip
 
    integer, parameter :: zone_root = -1 !! below the border of the root relief
    integer, parameter :: zone_none = 0  !! between the borders
    integer, parameter :: zone_tip = 1   !! beyond the border of the tip relief
+   integer, parameter :: zone_end = 2   !! past the end of the flank, which goes on straight: of wheels that touch with their edges
+   integer, parameter :: zone_edge = 3  !! and beyond that its edge; in both the tip knows the profile, pitch and runout are left
 
    !> Relief from its border on.
    type :: relief_t
@@ -84,7 +86,7 @@ contains
       type(flank_deviation_t), intent(in) :: deviation
       integer, intent(in) :: tooth    !! k, any integer; taken modulo z
       integer, intent(in) :: side     !! s, +1 or -1
-      integer, intent(in) :: zone     !! zone_root, zone_none or zone_tip
+      integer, intent(in) :: zone     !! zone_root to zone_edge
       integer :: k
 
       if (.not. deviation%exists) return
@@ -94,7 +96,7 @@ contains
       case (zone_root)
          call relieve(deviation%root, branch)
       end select
-      if (deviation%crowning > 0) then
+      if (deviation%crowning > 0 .and. zone <= zone_tip) then
          branch%crowning = deviation%crowning
          branch%middle = deviation%middle
          branch%per_half_length = 1/deviation%half_length

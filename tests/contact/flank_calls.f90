@@ -42,7 +42,9 @@ contains
       real(wp), intent(in) :: scale, influence(n_numbers, 2), k_difference
       type(flank_slot), intent(inout) :: slot
       integer :: first, last
+      real(wp) :: reach
 
+      reach = slot%flank%reach
       first = slot%flank%first
       last = slot%flank%last
       deallocate (slot%flank)
@@ -52,6 +54,7 @@ contains
          allocate (yielding_flank_t :: slot%flank)
       end if
       slot%flank%bends = .true.
+      slot%flank%reach = reach
       slot%flank%first = first
       slot%flank%last = last
       select type (flank => slot%flank)

@@ -31,7 +31,7 @@ contains
          do i = 1, n
             point%rho_a = rho(i)
             point%rho_b = contact%pair%rho_0 - rho(i)
-            call settle_zones(contact, point, mode)
+            call settle_zones(contact, contact%pair%rho_0, point, mode)
             second_order(i) = second_order_gap(contact, pair, rho(i))
             curvature(i) = touching_curvature(contact, mode, point)
          end do

@@ -292,8 +292,9 @@ class Gearbox:
         speeds: ArrayLike | None = None,
         gaps: ArrayLike | None = None,
         t: float = 0.0,
+        mesh_position: float = 0.0,
     ) -> State:
-        """State at the start."""
+        """State at the start; mesh_position: pitches past the start of contact, of a steady one."""
         sizes = self.sizes
         state = State(
             t,
@@ -303,6 +304,7 @@ class Gearbox:
             np.full(sizes.n_reals, np.nan),
         )
         self.initial = initial(kind, speeds, gaps)
+        self.initial.mesh_position = mesh_position
         status = Status()
         arrays = (state.y, state.yp, state.integers, state.reals)
         code = self.library.evl_gearbox_initial_state(

@@ -119,8 +119,13 @@ def loaded_pair(kernel: Kernel, name: str) -> Gearbox:
     return Gearbox(kernel, wheels, loads, [mesh(kernel, 0, 1)])
 
 
-def real_gears(kernel: Kernel, name: str, *, fixed: bool = False) -> Gearbox:
-    """Cut gears with one of DEVIATIONS on axles that move or are fixed; pairs on both flanks."""
+def real_gears(
+    kernel: Kernel, name: str, *, fixed: bool = False, friction: float = 0.1, **keys: Any
+) -> Gearbox:
+    """Cut gears with one of DEVIATIONS on axles that move or are fixed; pairs on both flanks.
+
+    The keys are those of the mesh.
+    """
     form = gear_description(3e-3)
     support = {"support_kind": BEARING, "support_stiffness": (1e8, 3e8), "support_mass": 3.0}
     if fixed:
@@ -130,7 +135,7 @@ def real_gears(kernel: Kernel, name: str, *, fixed: bool = False) -> Gearbox:
         wheel(teeth=z, width=0.02, gear=form, deviation=deviation, **support)
         for z, deviation in zip(TEETH, given, strict=True)
     ]
-    description = mesh(kernel, 0, 1, friction=(0.1, 1e-3), backlash=2e-5)
+    description = mesh(kernel, 0, 1, friction=(friction, 1e-3), backlash=2e-5, **keys)
     description.pop("pressure_angle")
     loads = [load(0, TORQUE, -20.0), load(1, VISCOUS, 5.0)]
     return Gearbox(kernel, wheels, loads, [description])

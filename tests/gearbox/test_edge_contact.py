@@ -1,0 +1,141 @@
+"""Pairs that touch with a tip edge before and after their path: Jacobian, lanes, energy, events."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from gearbox.lanes.lane_cases import DEVIATIONS, real_gears
+from gearbox.lanes.test_lanes import around, check
+from gearbox.test_yielding_flanks import bend
+from kernel.gearbox import LOADED, OPEN, UNLOADED, Gearbox, State
+from kernel.gearbox_cases import worst
+from kernel.gearbox_description import STEADY
+from kernel.jacobian import check_jacobian
+from kernel.kernel import Floats, Kernel
+
+OFF = 4
+END, EDGE = 2, 3  # zones past the end of a flank
+every_deviation = pytest.mark.parametrize("name", DEVIATIONS)
+alone_and_coupled = pytest.mark.parametrize("couples", [False, True], ids=["alone", "coupled"])
+every_axle = pytest.mark.parametrize("fixed", [False, True], ids=["moving axles", "fixed axles"])
+# of a steady state, in pitches past the start of the path, and what the wheels are pressed then [m]
+PLACES = [(p, h) for p in (0.0, 0.35, 0.62, 0.9) for h in (1e-4, 3e-5)]
+
+
+def with_edges(
+    kernel: Kernel, name: str, couples: bool, *, fixed: bool = False, **keys: Any
+) -> Gearbox:
+    """`real_gears` that bend and touch with their edges."""
+    return bend(real_gears(kernel, name, fixed=fixed, edge_contact="true", **keys), couples)
+
+
+def pressed(gearbox: Gearbox, place: float, h: float, mode: int = LOADED) -> State:
+    """Both wheels turned against each other, so that pairs touch far past the ends of the path.
+
+    All pairs of the drive flank that then overlap are in the mode.
+    """
+    state = gearbox.start(STEADY, mesh_position=place)
+    state.y[gearbox.place("angle_deviation_1")] -= h / gearbox.wheel_geometry(1).base_radius
+    n = gearbox.sizes.n_reals
+    for contact in range(n // 2):
+        of = gearbox.mode(state, contact)
+        if of[1] != OFF:
+            of[1] = OPEN
+    gaps = gearbox.outputs(state)["pair_penetration"][0]
+    for contact in range(n // 2):
+        of = gearbox.mode(state, contact)
+        if of[1] != OFF:
+            of[1] = mode if gaps[contact] > 0 else OPEN
+    gearbox.take_sides(state)
+    return state
+
+
+def on_edges(gearbox: Gearbox, state: State) -> int:
+    """How many pairs touch past the end of a flank."""
+    modes = [gearbox.mode(state, contact) for contact in range(gearbox.sizes.n_reals)]
+    return sum(m[1] in (LOADED, UNLOADED) and max(m[3:5]) >= END for m in modes)
+
+
+def axle_accelerations(gearbox: Gearbox, state: State) -> Floats:
+    """Accelerations of the axles [wheel, 2]: put where the velocities are, and read as such."""
+    moved = state.copy()
+    for i, name in enumerate(gearbox.names):
+        if name.startswith("displacement") and "rate" in name:
+            moved.y[i] = state.yp[i]
+    for contact in range(gearbox.sizes.n_reals):
+        gearbox.mode(moved, contact)[1] = OPEN
+    return gearbox.outputs(moved)["centre_velocity"]
+
+
+def rate_of_potential(gearbox: Gearbox, state: State, step: float = 1e-6) -> float:
+    """Rate of the elastic energy along the flow, by differences."""
+    values = {}
+    for k in (-2, -1, 1, 2):
+        moved = state.copy()
+        moved.y = state.y + k * step * state.yp
+        values[k] = gearbox.outputs(moved)["potential_energy"][0]
+    return float((8 * (values[1] - values[-1]) - (values[2] - values[-2])) / (12 * step))
+
+
+@alone_and_coupled
+@every_axle
+@every_deviation
+def test_jacobian_is_the_derivative_of_the_residual(
+    kernel: Kernel, name: str, fixed: bool, couples: bool
+):
+    gearbox = with_edges(kernel, name, couples, fixed=fixed)
+    random = np.random.default_rng(7)
+    found = 0
+    for place, h in PLACES:
+        state = around(pressed(gearbox, place, h), random, size=1e-6)[0]
+        state.yp = gearbox.derivative(state)
+        check_jacobian(gearbox, state)
+        found += on_edges(gearbox, state)
+    assert found >= 2
+
+
+@alone_and_coupled
+@every_axle
+@every_deviation
+def test_eight_states_at_once_are_the_bits_of_each(
+    kernel: Kernel, name: str, fixed: bool, couples: bool
+):
+    gearbox = with_edges(kernel, name, couples, fixed=fixed)
+    random = np.random.default_rng(3)
+    for place, h in PLACES:
+        for mode in (LOADED, UNLOADED):
+            check(gearbox, around(pressed(gearbox, place, h, mode), random, size=1e-6))
+
+
+@alone_and_coupled
+@every_axle
+@every_deviation
+def test_energy_changes_by_the_work_of_the_loads_less_what_is_dissipated(
+    kernel: Kernel, name: str, fixed: bool, couples: bool
+):
+    """d/dt (T + V + D - W) = 0 along the flow, on edges too; overlapping without force as well."""
+    gearbox = with_edges(kernel, name, couples, fixed=fixed)
+    random = np.random.default_rng(11)
+    for place, h in PLACES:
+        for mode in (LOADED, UNLOADED):
+            state = around(pressed(gearbox, place, h, mode), random, size=1e-6)[0]
+            state.yp = gearbox.derivative(state)
+            o = gearbox.outputs(state)
+            d_kinetic = o["inertia"] * o["angular_velocity"] * o["angular_acceleration"]
+            if not fixed:
+                masses = o["mass"] + 3.0  # of the supports of `real_gears`
+                power = (o["centre_velocity"] * axle_accelerations(gearbox, state)).sum(axis=1)
+                d_kinetic = np.append(d_kinetic, masses * power)
+            parts = [
+                *d_kinetic,
+                rate_of_potential(gearbox, state),
+                state.yp[gearbox.place("dissipated_energy")],
+                -state.yp[gearbox.place("load_work")],
+            ]
+            # Richardson differences of V: 1e-9 of the largest power; on axles that move, flanks
+            # that deviate have a line of action that is longer by what they lack, 1e-3 of 1e-4
+            exact = 1e-9 if fixed or name == "perfect" else 1e-7
+            assert worst(np.sum(parts), exact * np.abs(parts).max()) <= 1
