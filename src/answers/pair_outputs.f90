@@ -7,8 +7,8 @@ module evl_pair_outputs
    use evl_kinds, only: wp
    use evl_output, only: dims_mesh_pair, in_pairs, needs_pairs
    use evl_teller, only: begin, needs, tell, teller_t, wants
-   use evl_tooth_contact, only: contact_force, contact_mode, contact_state, flank_coast, flanks_off, no_force, no_mode, &
-                                tooth_contact_t, tooth_of_a, tooth_of_b
+   use evl_tooth_contact, only: contact_force, contact_mode, contact_state, edge_wheel, flank_coast, flanks_off, no_force, &
+                                no_mode, tooth_contact_t, tooth_of_a, tooth_of_b
    use evl_touching_flanks, only: contact_pressure
    implicit none (type, external)
    private
@@ -45,13 +45,16 @@ contains
       pressure = 0
       if (wants(teller)) pressure = contact_pressure(contact, mode, force%normal, point)
       call tell(teller, "pair_contact_pressure", "Pa", "p_k", &
-                "largest contact pressure; NaN where a hollow flank has no Hertzian one", pressure)
-      call tell(teller, "pair_on_path", "1", "", "1 if the tooth pair is on the path of contact", mode%flanks /= flanks_off)
+                "largest contact pressure; NaN where a hollow flank has no Hertzian one, and on a tip edge", pressure)
+      call tell(teller, "pair_on_path", "1", "", "1 if the tooth pair is on the path of contact, or within reach of its edges", &
+                mode%flanks /= flanks_off)
       call tell(teller, "pair_number", "1", "k", "the tooth pair: pitches since the start", mode%tooth_pair)
       call tell(teller, "pair_tooth_driving", "1", "", "its tooth of the driving wheel, from 0, counterclockwise", tooth_a)
       call tell(teller, "pair_tooth_driven", "1", "", "its tooth of the driven wheel, from 0, counterclockwise", tooth_b)
       call tell(teller, "pair_contact_mode", "1", "", &
                 "0 open, 1 loaded, 2 overlapping without force, 3 too far apart to track, 4 off the path", mode%flanks)
+      call tell(teller, "pair_contact_kind", "1", "", &
+                "0 flank meets flank, or may; 1 a tip edge of the driving wheel; 2 one of the driven wheel", edge_wheel(mode))
       call tell(teller, "pair_penetration", "m", "h_k", "penetration of the flanks, negative for a gap; NaN off the path", point%h)
    end subroutine tell_pair
 

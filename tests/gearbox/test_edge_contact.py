@@ -139,3 +139,50 @@ def test_energy_changes_by_the_work_of_the_loads_less_what_is_dissipated(
             # that deviate have a line of action that is longer by what they lack, 1e-3 of 1e-4
             exact = 1e-9 if fixed or name == "perfect" else 1e-7
             assert worst(np.sum(parts), exact * np.abs(parts).max()) <= 1
+
+
+def at_border(gearbox: Gearbox, state: State, name: str, contact: int) -> State:
+    """Roll on to where a root function of a contact vanishes, at the same penetration."""
+    angle = gearbox.place("reference_angle")
+    for _ in range(12):
+        moved = state.copy()
+        moved.y[angle] += 1e-7
+        here, there = (gearbox.root(s, name, contact) for s in (state, moved))
+        state.y[angle] -= here / (there - here) * 1e-7
+    return state
+
+
+@alone_and_coupled
+@pytest.mark.parametrize("name", ["perfect", "crowning", "runout"])
+def test_forces_and_energy_go_on_where_a_pair_leaves_its_path(
+    kernel: Kernel, name: str, couples: bool
+):
+    """At the end of a flank and where its edge takes over: the same state in both zones.
+
+    The torque about the edge's axle steps by 1e-4 of itself, since the load stops on the edge.
+    Where the mate slopes, its foot, which turns round there, meets that slope: no damper here.
+    """
+    gearbox = with_edges(kernel, name, couples, fixed=True, friction=0.0, damping=None)
+    found = 0
+    for place, h in ((0.0, 3e-5), (0.55, 3e-5), *PLACES[::2]):
+        state = pressed(gearbox, place, h)
+        for contact in range(gearbox.sizes.n_reals // 2):
+            mode = gearbox.mode(state, contact)
+            for wheel, letter in enumerate("ab"):
+                border = f"edge_{letter}"
+                if mode[1] != LOADED or mode[3 + wheel] != EDGE:
+                    continue
+                there = at_border(gearbox, state.copy(), border, contact)
+                inside = there.copy()
+                gearbox.mode(inside, contact)[3 + wheel] = END if name == "crowning" else 0
+                gearbox.take_sides(inside)
+                outer, inner = gearbox.outputs(there), gearbox.outputs(inside)
+                for what in ("pair_normal_force", "pair_penetration", "potential_energy"):
+                    largest = np.nanmax(abs(outer[what]))
+                    np.testing.assert_allclose(inner[what], outer[what], atol=1e-9 * largest)
+                arms = [f"mesh_torque_{x}" for x in ("driving", "driven")]
+                torques = [abs(outer[x] / inner[x] - 1).max() for x in arms]
+                assert torques[1 - wheel] < (1e-9 if name == "perfect" else 3e-3)
+                assert 1e-6 < torques[wheel] < 3e-3
+                found += 1
+    assert found

@@ -28,6 +28,7 @@ def bending_pair(
     """Two wheels of 50 teeth at 150 N/mm, held at their bores; what the mesh has besides."""
     simulation = {key: given.pop(key) for key in ("tolerance", "integrator") if key in given}
     wheel = {"bore": BORE, "compliance": {}}
+    wheel |= given.pop("of_wheels", {})
     driven = given.pop("driven", torque(-FORCE * BASE_RADIUS))
     duration = pitches * PITCH / speed
     case = real_pair(
@@ -54,13 +55,45 @@ def energy(run: Run) -> Any:
     return (h.kinetic_energy + h.potential_energy + h.dissipated_energy - h.load_work).values
 
 
+RELIEF = {"tip_relief": {"amount": 8e-6, "diameter": 0.1535}}
+BEARING = {"support": {"kind": "bearing", "mass": 3.0, "stiffness": [1e8, 3e8]}}
+EDGES: dict[str, dict[str, Any]] = {
+    "perfect": {},
+    "uncoupled": {"tooth_coupling": "false"},
+    "relieved": {"of_wheels": RELIEF},
+    "moving axles": {"of_wheels": BEARING},
+    "relieved on moving axles, uncoupled": {
+        "of_wheels": {**RELIEF, **BEARING},
+        "tooth_coupling": "false",
+    },
+}
+
+
+@pytest.mark.parametrize("given", EDGES.values(), ids=EDGES)
+def test_energy_is_kept_through_twenty_pitches(runs: Runs, given: dict[str, Any]) -> None:
+    """From a start with 30 % too little deflection: nothing is booked where pairs come and go."""
+    left = []
+    for tolerance in (1e-8, 1e-12):
+        case = bending_pair(FAST, 20, start(FAST, 8e-6), tolerance=tolerance, outputs=2000, **given)
+        run = runs(case)
+        assert run.exit_code == 0, run.messages
+        assert run.times("flank_reached").size >= 19
+        assert float(abs(run.history.dissipated_energy).max()) == 0
+        assert not [v for v in check_history(run.history) if v.failed]
+        left.append(np.ptp(energy(run)) / float(run.history.potential_energy.max()))
+    assert left[0] < 1e-5
+    assert left[1] < min(1e-7, left[0] / 3)
+
+
 @both_integrators
-def test_energy_is_kept_undamped_through_twenty_pitches(runs: Runs, integrator: str) -> None:
+def test_energy_is_kept_without_edges_through_twenty_pitches(runs: Runs, integrator: str) -> None:
     """From a start with 30 % too little deflection; what pairs bring and take is booked."""
     left = []
     for tolerance in (1e-8, 1e-12):
         case = bending_pair(
-            FAST, 20, start(FAST, 8e-6), tolerance=tolerance, integrator=integrator, outputs=2000
+            *(FAST, 20, start(FAST, 8e-6)),
+            **{"tolerance": tolerance, "integrator": integrator, "outputs": 2000},
+            edge_contact="false",
         )
         run = runs(case)
         assert run.exit_code == 0, run.messages
@@ -70,7 +103,10 @@ def test_energy_is_kept_undamped_through_twenty_pitches(runs: Runs, integrator: 
 
 
 def test_a_slow_run_is_the_mesh_at_rest(runs: Runs, kernel: Kernel) -> None:
-    """Over a pitch, on the path of contact; h is 3e-8 of h behind, by inertia and damping."""
+    """Over a pitch, edges and all; h is 3e-8 of h behind, by inertia and damping.
+
+    On an edge the length of the line of action in Johnson's law is longer by what the flank lacks.
+    """
     slow = 2e-3
     damping = {"law": "ratio", "value": 0.07}
     case = bending_pair(
@@ -85,12 +121,38 @@ def test_a_slow_run_is_the_mesh_at_rest(runs: Runs, kernel: Kernel) -> None:
     wheel = (TEETH, 0.0, BORE)
     mesh, samples = real_mesh(kernel, wheel, wheel, WIDTH)
     mesh.line = float(h.line_of_action_length.values.ravel()[0])
-    mesh.reach = 0.0  # no edges
+    mesh.reach = 0.4 * mesh.base_pitch
     rho = np.nanmin(h.pair_position.values.reshape(h.sizes["time"], -1)[:, :3], axis=1)
     curve = true_mesh(kernel, mesh, samples, E, rho, FORCE)
-    np.testing.assert_allclose(h.penetration.values.ravel(), curve.h, rtol=1e-7)
+    np.testing.assert_allclose(h.penetration.values.ravel(), curve.h, rtol=1e-6)
     carried = h.pair_normal_force.values.reshape(len(rho), -1)
-    np.testing.assert_allclose(carried.max(axis=1), curve.force.max(axis=1) * WIDTH, rtol=1e-6)
+    np.testing.assert_allclose(carried.max(axis=1), curve.force.max(axis=1) * WIDTH, rtol=2e-6)
+
+
+def test_a_pair_first_touches_where_another_program_says(runs: Runs) -> None:
+    """Its tip edge meets the mate 0.0988 base pitches before the nominal start of the path."""
+    slow = 2e-3
+    damping = {"law": "ratio", "value": 0.07}
+    case = bending_pair(
+        *(slow, 2, {"kind": "steady"}),
+        driven=viscous(FORCE * BASE_RADIUS / slow),
+        damping=damping,
+        tolerance=1e-9,
+        backlash=0,
+    )
+    run = runs(case)
+    events = run.events.where(run.events["flank"] == 0, drop=True)
+    names, pairs, times = (events[name].values for name in ("kind", "tooth_pair", "time"))
+    turned = -events["reference_angle"].values[:, 0]
+    closed, begun = names == "edge_closed", names == "flank_reached"
+    pair = max(set(pairs[closed]) & set(pairs[begun]))
+    (touched,), (reached,) = (turned[what & (pairs == pair)] for what in (closed, begun))
+    pitches = (reached - touched) / PITCH
+    # its flank is reached where rho_B is that of the tip, h after the nominal start
+    (time,) = times[begun & (pairs == pair)]
+    h = float(run.history.penetration.interp(time=time).values.ravel()[0])
+    pitches -= h / (BASE_RADIUS * PITCH)
+    assert pitches == pytest.approx(0.098846, abs=1e-5)
 
 
 def test_both_integrators_have_one_motion(runs: Runs) -> None:
@@ -108,11 +170,11 @@ def test_both_integrators_have_one_motion(runs: Runs) -> None:
     assert kinds[0] == kinds[1]
 
 
-@pytest.mark.parametrize(("coupling", "largest"), [("true", 2), ("false", 2.5)])
+@pytest.mark.parametrize(("coupling", "largest"), [("true", 1.5), ("false", 1.9)])
 def test_pairs_of_a_damped_mesh_push_and_share(runs: Runs, coupling: str, largest: float) -> None:
     """As an engineer expects: forces push, their mean is the load's, contact is kept.
 
-    A pair that enters takes 0.4 of the load at once, as long as edges do not touch before.
+    Edges touch before and after the path: no pair takes its load at once.
     """
     damping = {"law": "ratio", "value": 0.07}
     case = bending_pair(
