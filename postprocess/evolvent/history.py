@@ -1,6 +1,6 @@
-"""Open a history file as xarray datasets.
+"""Open a history file, or that of another analysis, as xarray datasets.
 
-The only module that knows how a history lies on file; docs/result_format.md describes it.
+The only module that knows how they lie on file; docs/result_format.md describes it.
 """
 
 from __future__ import annotations
@@ -12,7 +12,12 @@ import numpy as np
 import xarray as xr
 
 NEWEST_FORMAT = 1
-DIMENSIONS = ("time", "wheel", "mesh", "axis")
+HISTORY, STATIC = "history", "static"  # values of the attribute `evolvent_kind`
+DIMENSIONS = {
+    HISTORY: ("time", "wheel", "mesh", "axis"),
+    STATIC: ("torque", "position", "pair", "harmonic"),
+}
+WHAT = {HISTORY: "a history", STATIC: "a static analysis", "stack": "histories of many cases"}
 DONE, RUNNING = "done", "running"  # values of the attribute `status`
 
 
@@ -43,14 +48,33 @@ def open_history(path: str | Path) -> xr.Dataset:
     HistoryError
         No such file, not HDF5, no history, or of a newer format than this package reads.
     """
+    return open_result(path, HISTORY)
+
+
+def open_result(path: str | Path, *kinds: str) -> xr.Dataset:
+    """Open the file of an analysis of one of these kinds; `result_kind` tells which it is.
+
+    Of a static analysis: dims torque [N m], position [pitches], pair and harmonic.
+
+    Raises
+    ------
+    HistoryError
+        As for `open_history`; of another kind.
+    """
     path = Path(path)
-    history = _open(path, None)
+    result = _open(path, None)
     try:
-        _check_format(path, history)
+        _check_format(path, result)
+        _check_kind(path, result, kinds)
     except HistoryError:
-        history.close()
+        result.close()
         raise
-    return history
+    return result
+
+
+def result_kind(result: xr.Dataset) -> str:
+    """Which analysis a file is of; files of the first version do not say and are histories."""
+    return str(result.attrs.get("evolvent_kind", HISTORY))
 
 
 def open_events(path: str | Path) -> xr.Dataset:
@@ -93,9 +117,10 @@ def run_warning(history: xr.Dataset) -> str | None:
         text = "the run goes on or was killed: its file was not closed"
     else:
         text = f"the run did not finish: {message or status}"
-    if history.sizes["time"] == 0:
+    axis, symbol, unit = ("time", "t", "s") if "time" in history.dims else ("torque", "T", "N m")
+    if history.sizes[axis] == 0:
         return f"{text} (there is no output)"
-    return f"{text} (last output at t = {float(history['time'][-1]):.6g} s)"
+    return f"{text} (last output at {symbol} = {float(history[axis][-1]):.6g} {unit})"
 
 
 def source_name(history: xr.Dataset) -> str:
@@ -149,9 +174,18 @@ def _check_format(path: Path, history: xr.Dataset) -> None:
             f"{path}: has format {number}, but this evolvent-post reads formats up to "
             f"{NEWEST_FORMAT}; use a newer evolvent"
         )
-    missing = [name for name in DIMENSIONS if name not in history.dims]
+
+
+def _check_kind(path: Path, result: xr.Dataset, kinds: tuple[str, ...]) -> None:
+    kind = result_kind(result)
+    if kind not in kinds:
+        wanted = " or ".join(WHAT[name] for name in kinds)
+        hint = "; evolvent-post plot draws it" if kind == STATIC else ""
+        raise HistoryError(f"{path}: is {WHAT.get(kind, f'a result {kind!r}')}, not {wanted}{hint}")
+    missing = [name for name in DIMENSIONS[kind] if name not in result.dims]
     if missing:
-        raise HistoryError(f"{path}: is no complete history (no dimension {', '.join(missing)})")
+        what = WHAT[kind].split(" ", 1)[1]
+        raise HistoryError(f"{path}: is no complete {what} (no dimension {', '.join(missing)})")
 
 
 def _decode_flags(flags: xr.DataArray) -> xr.DataArray:

@@ -15,6 +15,7 @@ from synthetic import write_history
 from evolvent.commands.post.app import COMMANDS as POST
 from evolvent.commands.post.app import main
 from evolvent.figures.table import FIGURES
+from evolvent.history import HISTORY
 
 
 @pytest.fixture
@@ -150,7 +151,7 @@ def test_check_writes_json_for_scripts(post, broken_file):
 def test_plot_writes_every_figure_and_says_where(post, friction_run, tmp_path):
     code, out, _ = post("plot", friction_run.path, "-o", "a/b")
     assert code == 0
-    names = [row.name for row in FIGURES.values() if row.by_default]
+    names = [row.name for row in FIGURES.values() if row.by_default and row.of == HISTORY]
     assert out.split() == [f"a/b/friction-{name}.png" for name in names]
     for line in out.split():
         assert (tmp_path / line).read_bytes().startswith(b"\x89PNG")

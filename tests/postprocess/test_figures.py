@@ -7,18 +7,21 @@ import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 from real_gears import RealPair, no_events
+from static_curves import static_curves
 
 from evolvent import HistoryError, open_events
 from evolvent.figures.over_time import MAX_POINTS, PEAK
 from evolvent.figures.style import MAX_MARKS, save
 from evolvent.figures.table import (
     FIGURES,
+    Drawing,
     Run,
     normal_force,
     penetration,
     speeds,
     transmission_error,
 )
+from evolvent.history import STATIC
 
 
 @pytest.fixture
@@ -38,12 +41,19 @@ def _texts(figure: Figure) -> list[str]:
     return [text.get_text() for legend in figure.legends for text in legend.get_texts()]
 
 
+def _data(row: Drawing) -> xr.Dataset:
+    """Something with the variables of a figure; the values do not matter here."""
+    if row.of == STATIC:
+        return static_curves()
+    history = RealPair().history(np.linspace(0.0, 1.0, 31))
+    for name in set(row.needs) - set(history):  # of a mesh
+        history[name] = history["normal_force"]
+    return history
+
+
 @pytest.mark.parametrize("row", FIGURES.values(), ids=list(FIGURES))
 def test_every_figure_of_the_table_draws_what_has_its_variables_and_names_one_that_is_missing(row):
-    history = RealPair().history(np.linspace(0.0, 1.0, 31))
-    for name in set(row.needs) - set(history):  # of a mesh; the values do not matter here
-        history[name] = history["normal_force"]
-    run = Run(history, no_events(), "gears")
+    run = Run(_data(row), no_events(), "gears")
     figure = row(run)
     figure.draw_without_rendering()
     drawn = [line for line in figure.axes[0].lines if len(line.get_ydata())]

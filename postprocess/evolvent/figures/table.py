@@ -13,7 +13,8 @@ from matplotlib.figure import Figure
 
 from evolvent.figures.over_time import Curve, Panel, figure_over_time, of_mesh
 from evolvent.figures.pairs import draw_pairs, last_pitches
-from evolvent.history import HistoryError, require
+from evolvent.figures.static import draw_curves, draw_harris, draw_sharing
+from evolvent.history import HISTORY, STATIC, WHAT, HistoryError, require, result_kind, source_name
 from evolvent.physics.extremes import peaks
 
 
@@ -38,10 +39,23 @@ class Drawing:
     together: bool  # several histories come in one figure
     by_default: bool  # drawn if nothing is asked for
     function: Callable[..., Figure]
+    of: str = HISTORY  # kind of the files
+    many: str = ""  # dimension that must be longer than 1
+
+    def fits(self, run: Run) -> bool:
+        """Whether it has anything to show of a run."""
+        return self.of == result_kind(run.history) and (
+            not self.many or run.history.sizes[self.many] > 1
+        )
 
     def __call__(self, *runs: Run, **options: bool) -> Figure:
         """Draw; a variable that is missing is named."""
         for run in runs:
+            if not self.fits(run):
+                raise HistoryError(
+                    f"{source_name(run.history)}: has nothing for {self.name}, which shows "
+                    f"{WHAT[self.of]}{f' of more than one {self.many}' if self.many else ''}"
+                )
             for name in self.needs:
                 require(run.history, name)
         return self.function(runs) if self.together else self.function(*runs, **options)
@@ -51,7 +65,13 @@ FIGURES: dict[str, Drawing] = {}
 
 
 def figure(
-    text: str, *needs: str, title: str = "", together: bool = False, by_default: bool = True
+    text: str,
+    *needs: str,
+    title: str = "",
+    together: bool = False,
+    by_default: bool = True,
+    of: str = HISTORY,
+    many: str = "",
 ) -> Callable[[Callable[..., Figure]], Drawing]:
     """Put a function into the table under its name.
 
@@ -60,7 +80,7 @@ def figure(
 
     def put(function: Callable[..., Figure]) -> Drawing:
         name = function.__name__
-        FIGURES[name] = Drawing(name, text, needs, title, together, by_default, function)
+        FIGURES[name] = Drawing(name, text, needs, title, together, by_default, function, of, many)
         return FIGURES[name]
 
     return put
@@ -127,6 +147,57 @@ def pairs(run: Run, over_time: bool = False) -> Figure:
     """Draw the load of each tooth pair; of a whole run in its last pitches."""
     history = last_pitches(run.history) if run.is_whole else run.history
     return draw_pairs(history, run.events, over_time)
+
+
+@figure(
+    "transmission error over the mesh cycle, a line for each torque",
+    "transmission_error",
+    of=STATIC,
+)
+def static_transmission_error(run: Run) -> Figure:
+    """Draw the transmission error h at rest [m]."""
+    return draw_curves(run.history, {"transmission_error": "transmission error $h$"})
+
+
+@figure(
+    "mesh stiffness over the mesh cycle, secant and tangent, a line for each torque",
+    "loaded_secant_stiffness",
+    "tangent_stiffness",
+    of=STATIC,
+)
+def mesh_stiffness(run: Run) -> Figure:
+    """Draw F/(h - h_0) and dF/dh [N/m]."""
+    shown = {
+        "loaded_secant_stiffness": "secant $F/(h - h_0)$",
+        "tangent_stiffness": "tangent $dF/dh$",
+    }
+    return draw_curves(run.history, shown)
+
+
+@figure(
+    "share of a tooth pair in the force on its way, a line for each torque",
+    "force_share",
+    "pair_contact_kind",
+    of=STATIC,
+)
+def load_sharing(run: Run) -> Figure:
+    """Draw the force share of tooth pair 0 over its place on the path of contact."""
+    return draw_sharing(run.history)
+
+
+@figure(
+    "Harris map: peak to peak and harmonics of the transmission error over the torque",
+    "peak_to_peak_transmission_error",
+    "harmonic_amplitude",
+    of=STATIC,
+    many="torque",
+)
+def harris(run: Run) -> Figure:
+    """Draw how much the transmission error varies over the torque [m].
+
+    Source: S. L. Harris 1958, whose curves of static transmission error are named after him.
+    """
+    return draw_harris(run.history)
 
 
 def _panels(label: str, runs: Sequence[Run], curves: Callable[[int], list[Curve]]) -> Figure:

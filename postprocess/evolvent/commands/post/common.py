@@ -9,7 +9,7 @@ import typer
 import xarray as xr
 
 from evolvent.commands.program import option
-from evolvent.history import HistoryError, open_history, run_warning
+from evolvent.history import HISTORY, HistoryError, open_result, run_warning
 
 BROKEN, USAGE, UNREADABLE, NOT_WRITTEN = 1, 2, HistoryError.code, 74
 
@@ -35,9 +35,9 @@ def refuse(message: str) -> NoReturn:
     raise typer.Exit(USAGE)
 
 
-def open_with_warning(path: Path) -> xr.Dataset:
-    """Open a history; say if its run did not end well."""
-    history = open_history(path)
+def open_with_warning(path: Path, *kinds: str) -> xr.Dataset:
+    """Open a history, or a file of one of these kinds; say if its run did not end well."""
+    history = open_result(path, *(kinds or (HISTORY,)))
     warning = run_warning(history)
     if warning:
         complain(f"{path}: {warning}")

@@ -15,7 +15,7 @@ from evolvent.commands.post.common import Files, fail_to_write, open_with_warnin
 from evolvent.commands.program import new_console, option
 from evolvent.figures.style import Format, save
 from evolvent.figures.table import FIGURES, Run, pairs
-from evolvent.history import file_label, open_events
+from evolvent.history import HISTORY, STATIC, file_label, open_events, result_kind
 
 Quantity = StrEnum("Quantity", list(FIGURES))  # type: ignore[misc]  # its members are a table
 
@@ -38,7 +38,10 @@ def plot(
     file_format: Annotated[Format, option("--format", "File format.")] = Format.PNG,
     quantities: Annotated[
         list[Quantity] | None,
-        option("--quantity", "What to draw; may be repeated. All but pairs if not given."),
+        option(
+            "--quantity",
+            "What to draw; may be repeated. All that fit the file, but pairs, if not given.",
+        ),
     ] = None,
     begin: Annotated[
         float, option("--from TIME", "First time drawn [s]; else the first.", show_default=False)
@@ -61,6 +64,8 @@ def plot(
 ) -> None:
     """Draw quantities over time; the transmission errors of all files come in one figure.
 
+    Of a static analysis: over the mesh cycle and over the torque.
+
     \b
     The figures are named after the histories, as in paper-penetration.png.
     Example:
@@ -68,28 +73,26 @@ def plot(
       evolvent-post plot paper.h5 paper-friction.h5 --quantity transmission_error --format pdf
       evolvent-post plot paper.h5 --from 2.5 --to 2.7
       evolvent-post plot spur-pair.h5 --pairs
+      evolvent-post plot spur-pair-static.h5
     """  # noqa: D301 - \b keeps click from filling the lines
-    wanted = [str(q) for q in quantities or ()]
-    if not wanted and not with_pairs:
-        wanted = [row.name for row in FIGURES.values() if row.by_default]
-    wanted += [pairs.name] if with_pairs and pairs.name not in wanted else []
-    if over_time and pairs.name not in wanted:
+    asked = [str(q) for q in quantities or ()]
+    asked += [pairs.name] if with_pairs and pairs.name not in asked else []
+    if over_time and pairs.name not in asked:
         raise typer.BadParameter("is for --pairs", param_hint="--over-time")
-    runs = []
-    for path, label in zip(files, _labels(files), strict=True):
-        history = open_with_warning(path)
-        part = history.sel(time=(history["time"] >= begin) & (history["time"] <= end))
-        if part.sizes["time"] == 0:
-            refuse(f"{path}: has no output between --from and --to")
-        runs.append(Run(part, open_events(path), label, begin == -math.inf and end == math.inf))
+    runs = [
+        _open(path, label, begin, end) for path, label in zip(files, _labels(files), strict=True)
+    ]
     drawn: dict[str, Figure] = {}
-    for quantity in wanted:
-        row = FIGURES[quantity]
-        if row.together and len(runs) > 1:
-            drawn[quantity] = row(*runs)
+    for name in asked or [row.name for row in FIGURES.values() if row.by_default]:
+        row = FIGURES[name]
+        shown = runs if asked else [run for run in runs if row.fits(run)]
+        if not shown:
+            continue
+        if row.together and len(shown) > 1:
+            drawn[row.name] = row(*shown)
             continue
         options = {"over_time": True} if row is pairs and over_time else {}
-        drawn |= {f"{run.label}-{quantity}": row(run, **options) for run in runs}
+        drawn |= {f"{run.label}-{row.name}": row(run, **options) for run in shown}
     for name, figure in drawn.items():
         path = output / f"{name.replace('/', '-')}.{file_format}"
         try:
@@ -98,6 +101,20 @@ def plot(
         except OSError as error:
             fail_to_write(path, error)
         typer.echo(path)
+
+
+def _open(path: Path, label: str, begin: float, end: float) -> Run:
+    """Open a file of any kind that has figures; of a history what lies between two times."""
+    result = open_with_warning(path, HISTORY, STATIC)
+    is_whole = begin == -math.inf and end == math.inf
+    if result_kind(result) == STATIC:
+        if not is_whole:
+            refuse(f"{path}: is a static analysis, which has no time: leave out --from and --to")
+        return Run(result, label=label)
+    part = result.sel(time=(result["time"] >= begin) & (result["time"] <= end))
+    if part.sizes["time"] == 0:
+        refuse(f"{path}: has no output between --from and --to")
+    return Run(part, open_events(path), label, is_whole)
 
 
 def _labels(files: list[Path]) -> list[str]:

@@ -1,0 +1,160 @@
+"""Curves of a mesh at rest: over the mesh cycle and over the torque."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib import colormaps, rc_context
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+
+from evolvent.figures.style import ABOVE, LINES, STYLE
+from evolvent.units import prefixed
+
+TORQUES = colormaps["viridis_r"]  # light to dark: a larger torque is darker
+MOST_NAMED = len(LINES)  # torques that a legend names; more get a bar of colours
+SHOWN_HARMONICS = 3
+PATH: dict[str, Any] = {"color": "#777777", "linewidth": 1.0, "linestyle": ":"}
+CYCLE = "position in the mesh cycle [pitches]"
+
+
+def draw_curves(static: xr.Dataset, shown: Mapping[str, str]) -> Figure:
+    """Draw variables over the mesh cycle, a panel each and a line for each torque.
+
+    Parameters
+    ----------
+    static : with the variables, dims (torque, position).
+    shown : their labels by name.
+    """
+    with rc_context(STYLE):
+        figure = Figure(figsize=(7.5, 1.2 + 3.0 * len(shown)), layout="constrained")
+        panels = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
+        factor, unit = prefixed(
+            np.concatenate([static[name].values.ravel() for name in shown]),
+            str(static[next(iter(shown))].attrs["units"]).replace("N m-1", "N/m"),
+        )
+        for panel, (name, label) in zip(panels, shown.items(), strict=True):
+            x, values = closed_cycle(static, static[name].values)
+            for style, line in zip(styles(static), values, strict=True):
+                panel.plot(x, line * factor, **style)
+            panel.set_ylabel(f"{label} [{unit}]")
+            panel.set_xlim(x[0], x[-1])
+            panel.ticklabel_format(useOffset=False)
+        panels[-1].set_xlabel(CYCLE)
+        name_torques(figure, static, list(panels))
+    return figure
+
+
+def draw_sharing(static: xr.Dataset) -> Figure:
+    """Draw the force share of tooth pair 0 over its place, a line for each torque.
+
+    Parameters
+    ----------
+    static : with force_share and pair_contact_kind, dims (torque, position, pair), contact_ratio.
+    """
+    x, share = path_of_pair(static, static["force_share"].values)
+    end = float(static["contact_ratio"])
+    with rc_context(STYLE):
+        figure = Figure(figsize=(7.5, 4.4), layout="constrained")
+        panel = figure.subplots()
+        for style, line in zip(styles(static), share, strict=True):
+            panel.plot(x, line, **style)
+        for place, text in ((0.0, "start of the path"), (end, "end")):
+            panel.axvline(place, **PATH)
+            panel.annotate(
+                text,
+                (place, 1.0),
+                xytext=(3, -3),
+                xycoords=("data", "axes fraction"),
+                textcoords="offset points",
+                va="top",
+                fontsize=10,
+                color="#555555",
+            )
+        panel.set_xlabel("place of the tooth pair, from the start of its path [pitches]")
+        panel.set_ylabel("share of the force")
+        reach = x[(share > 0).any(axis=0)]
+        panel.set_xlim(min(reach[0], 0.0) - 0.05, max(reach[-1], end) + 0.15)
+        panel.set_ylim(0.0, 1.12)
+        name_torques(figure, static, [panel])
+    return figure
+
+
+def draw_harris(static: xr.Dataset) -> Figure:
+    """Draw peak to peak and the first harmonics of the transmission error over the torque.
+
+    Parameters
+    ----------
+    static : with peak_to_peak_transmission_error [m] (torque) and harmonic_amplitude [m]
+        (torque, harmonic).
+    """
+    torque = static["torque"].values
+    spread = static["peak_to_peak_transmission_error"].values
+    factor, unit = prefixed(spread, "m")
+    curves = {"peak to peak": spread}
+    for n in static["harmonic"].values[:SHOWN_HARMONICS]:
+        curves[f"harmonic {n}, amplitude"] = static["harmonic_amplitude"].sel(harmonic=n).values
+    with rc_context(STYLE):
+        figure = Figure(figsize=(7.5, 4.4), layout="constrained")
+        panel = figure.subplots()
+        for style, (label, values) in zip(LINES, curves.items(), strict=False):
+            panel.plot(torque, values * factor, label=label, **style)
+        panel.set_xlabel("torque of the driving wheel [N m]")
+        panel.set_ylabel(f"transmission error [{unit}]")
+        panel.set_xlim(0.0, torque[-1])
+        panel.set_ylim(bottom=0.0)
+        figure.legend(loc=ABOVE, ncols=2)
+    return figure
+
+
+def closed_cycle(static: xr.Dataset, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Positions and values (torque, position), with the first one again at the end."""
+    x = static["position"].values
+    end = float(static.attrs["pitches"])
+    return np.append(x, end), np.concatenate([values, values[:, :1]], axis=1)
+
+
+def path_of_pair(static: xr.Dataset, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Follow tooth pair 0 through the places for pairs.
+
+    Parameters
+    ----------
+    static : with position [pitches] and pair.
+    values : dims (torque, position, pair).
+
+    Returns
+    -------
+    Place of the pair from the start of its path [pitches], values (torque, place).
+    """
+    points, pitches = int(static.attrs["points"]), int(static.attrs["pitches"])
+    places, parts = [], []
+    for i, ahead in enumerate(static["pair"].values):
+        first = points * (int(ahead) % pitches)
+        places.append(ahead + np.arange(points) / points)
+        parts.append(values[:, first : first + points, i])
+    return np.concatenate(places), np.concatenate(parts, axis=1)
+
+
+def styles(static: xr.Dataset) -> list[dict[str, Any]]:
+    """Line of each torque."""
+    torque = static["torque"].values
+    if torque.size <= MOST_NAMED:
+        return [
+            {**line, "label": f"{value:.4g} N m"}
+            for line, value in zip(LINES, torque, strict=False)
+        ]
+    return [{"color": TORQUES(Normalize(0.0, torque[-1])(value))} for value in torque]
+
+
+def name_torques(figure: Figure, static: xr.Dataset, panels: list[Any]) -> None:
+    """Say which line is which torque: a legend of few, a bar of colours for many."""
+    torque = static["torque"].values
+    if torque.size <= MOST_NAMED:
+        figure.legend(*panels[0].get_legend_handles_labels(), loc=ABOVE, ncols=MOST_NAMED)
+        return
+    colours = ScalarMappable(Normalize(0.0, torque[-1]), TORQUES)
+    figure.colorbar(colours, ax=panels, label="torque of the driving wheel [N m]")

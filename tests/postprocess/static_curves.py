@@ -1,0 +1,55 @@
+"""A static analysis that is made up, in the layout of result_format."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+PAIRS = (-1, 0, 1)
+RATIO = 1.5  # contact ratio
+REACH = 0.2  # pitches past the ends of the path
+
+
+def share_at(place: np.ndarray) -> np.ndarray:
+    """Share of a pair that is so many pitches from the start of its path: a trapezium."""
+    return np.interp(place, [-REACH, 0.0, 0.5, 1.0, RATIO, RATIO + REACH], [0, 0.4, 1, 1, 0.4, 0])
+
+
+def static_curves(
+    torques: tuple[float, ...] = (10.0, 20.0), points: int = 40, pitches: int = 1
+) -> xr.Dataset:
+    """Transmission errors that grow with the torque, alike in all pitches but for a long wave."""
+    x = np.arange(points * pitches) / points
+    torque = np.array(torques)[:, np.newaxis]
+    wave = 1e-6 * np.sin(2 * np.pi * x / pitches) if pitches > 1 else 0.0
+    h = torque * 1e-7 * (1 + 0.3 * np.cos(2 * np.pi * x)) + wave
+    place = (x % 1)[:, np.newaxis] + np.array(PAIRS)
+    share = np.broadcast_to(share_at(place), (len(torques), *place.shape))
+    curve, pair = ("torque", "position"), ("torque", "position", "pair")
+    per_m = {"units": "N m-1"}
+    return xr.Dataset(
+        {
+            "transmission_error": (curve, h, {"units": "m"}),
+            "loaded_secant_stiffness": (curve, torque / h, per_m),
+            "tangent_stiffness": (curve, 1.1 * torque / h, per_m),
+            "force_share": (pair, share, {"units": "1"}),
+            "pair_contact_kind": (pair, (share > 0).astype(int), {"units": "1"}),
+            "contact_ratio": ((), RATIO),
+            "peak_to_peak_transmission_error": ("torque", np.ptp(h, axis=1), {"units": "m"}),
+            "harmonic_amplitude": (
+                ("torque", "harmonic"),
+                0.3e-7 * torque / np.arange(1, 11) ** 2,
+                {"units": "m"},
+            ),
+        },
+        coords={
+            "torque": np.array(torques),
+            "position": x,
+            "pair": list(PAIRS),
+            "harmonic": np.arange(1, 11),
+        },
+        attrs={
+            **{"evolvent_format": 1, "evolvent_kind": "static", "mesh": "pinion-gear"},
+            **{"points": points, "pitches": pitches, "status": "done", "status_message": ""},
+        },
+    )

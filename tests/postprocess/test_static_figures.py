@@ -1,0 +1,125 @@
+"""A static analysis is drawn as it is, and taken for nothing else. Looks were looked at."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from static_curves import RATIO, REACH, share_at, static_curves
+
+from evolvent.commands.post.app import main
+from evolvent.figures.static import path_of_pair
+from evolvent.figures.table import Run, harris, load_sharing, mesh_stiffness, speeds
+from evolvent.figures.table import static_transmission_error as transmission_error
+from evolvent.history import HISTORY, STATIC, HistoryError, open_history, open_result, result_kind
+
+
+@pytest.fixture
+def post(monkeypatch, capsys, tmp_path):
+    """Run evolvent-post in an empty folder: exit code, stdout, stderr."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments: object) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["evolvent-post", *map(str, arguments)])
+        with pytest.raises(SystemExit) as stopped:
+            main()
+        captured = capsys.readouterr()
+        return int(stopped.value.code or 0), captured.out, captured.err
+
+    return run
+
+
+@pytest.fixture
+def file(tmp_path) -> Path:
+    path = tmp_path / "pair-static.h5"
+    static_curves().to_netcdf(path, engine="h5netcdf")
+    return path
+
+
+def test_curves_close_the_cycle_in_micrometres():
+    static = static_curves()
+    panel = transmission_error(Run(static)).axes[0]
+    assert panel.get_ylabel() == "transmission error $h$ [µm]"
+    assert [line.get_label() for line in panel.lines] == ["10 N m", "20 N m"]
+    for line, values in zip(panel.lines, static["transmission_error"].values, strict=True):
+        np.testing.assert_allclose(line.get_ydata(), np.append(values, values[0]) * 1e6)
+        assert line.get_xdata()[-1] == 1
+
+
+def test_stiffness_has_a_panel_for_secant_and_tangent():
+    labels = [panel.get_ylabel() for panel in mesh_stiffness(Run(static_curves())).axes]
+    assert labels == ["secant $F/(h - h_0)$ [MN/m]", "tangent $dF/dh$ [MN/m]"]
+
+
+@pytest.mark.parametrize("pitches", [1, 2, 7])
+def test_a_pair_is_followed_from_place_to_place(pitches: int):
+    static = static_curves(pitches=pitches)
+    place, share = path_of_pair(static, static["force_share"].values)
+    assert (np.diff(place) > 0).all()
+    np.testing.assert_allclose(share, np.broadcast_to(share_at(place), share.shape), atol=1e-12)
+
+
+def test_load_sharing_shows_the_whole_way_and_where_the_path_is():
+    panel = load_sharing(Run(static_curves())).axes[0]
+    left, right = panel.get_xlim()
+    assert left < -REACH + 0.03
+    assert right > RATIO + REACH - 0.03
+    assert [text.get_text() for text in panel.texts] == ["start of the path", "end"]
+
+
+def test_harris_map_starts_at_no_torque():
+    static = static_curves((5.0, 10.0, 15.0))
+    panel = harris(Run(static)).axes[0]
+    assert panel.get_xlim() == (0.0, 15.0)
+    assert len(panel.lines) == 4
+    spread = static["peak_to_peak_transmission_error"] * 1e9
+    np.testing.assert_allclose(panel.lines[0].get_ydata(), spread, rtol=1e-12)
+
+
+def test_many_torques_come_with_a_bar_of_colours():
+    figure = transmission_error(Run(static_curves(tuple(np.arange(1.0, 21.0)))))
+    assert not figure.legends
+    assert figure.axes[1].get_ylabel() == "torque of the driving wheel [N m]"
+    colours = [line.get_color() for line in figure.axes[0].lines]
+    assert len(set(colours)) == 20
+
+
+def test_figures_are_for_their_kind_of_file():
+    with pytest.raises(HistoryError, match="nothing for speeds, which shows a history"):
+        speeds(Run(static_curves()))
+    with pytest.raises(HistoryError, match=r"nothing for harris, .* of more than one torque"):
+        harris(Run(static_curves((10.0,))))
+
+
+def test_kinds_of_files_are_told_apart(file: Path, friction_run):
+    assert result_kind(open_result(file, STATIC)) == STATIC
+    assert result_kind(open_result(friction_run.path, HISTORY, STATIC)) == HISTORY
+    with pytest.raises(HistoryError, match=r"is a static analysis, not a history; .* plot draws"):
+        open_history(file)
+    with pytest.raises(HistoryError, match="is a history, not a static analysis"):
+        open_result(friction_run.path, STATIC)
+
+
+def test_plot_draws_what_a_file_has(post, file: Path, friction_run):
+    code, out, _ = post("plot", file, friction_run.path, "-o", "all")
+    assert code == 0
+    drawn = [Path(line).stem for line in out.split()]
+    static = ("static_transmission_error", "mesh_stiffness", "load_sharing", "harris")
+    assert [name for name in drawn if "static" in name] == [f"pair-static-{n}" for n in static]
+    assert "friction-speeds" in drawn
+
+
+def test_plot_refuses_times_and_quantities_of_histories(post, file: Path):
+    code, _, err = post("plot", file, "--from", "1")
+    assert (code, "leave out --from and --to" in err) == (2, True)
+    code, _, err = post("plot", file, "--quantity", "speeds")
+    assert (code, "which shows a history" in err) == (3, True)
+
+
+@pytest.mark.parametrize("command", ["check", "report", "animate"])
+def test_commands_for_histories_refuse_it_by_its_kind(post, file: Path, command: str):
+    code, _, err = post(command, file)
+    assert code == 3
+    assert f"{file}: is a static analysis, not a history; evolvent-post plot draws it" in err
