@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/progress.h"
 #include "commands/command.h"
+#include "commands/result.h"
 #include "commands/show_geometry.h"
 #include "commands/warn.h"
 #include "files/history.h"
@@ -11,12 +12,10 @@
 #include "simulate/extremes.h"
 #include "simulate/simulate.h"
 
-#include <evolvent_version.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <time.h>
 
 typedef struct {
@@ -62,24 +61,6 @@ static void on_step(void *self, double t)
     progress_step(&run->progress, t);
 }
 
-/* Where the history goes. */
-
-static char *default_output(const char *case_path)
-{
-    const char *slash = strrchr(case_path, '/');
-    const char *name = slash == NULL ? case_path : slash + 1;
-    const char *dot = strrchr(name, '.');
-    const size_t length = dot == NULL || dot == name ? strlen(name) : (size_t)(dot - name);
-    return xasprintf("%.*s.h5", (int)length, name);
-}
-
-static bool is_same_file(const char *a, const char *b)
-{
-    struct stat first, second;
-    return stat(a, &first) == 0 && stat(b, &second) == 0 && first.st_dev == second.st_dev &&
-           first.st_ino == second.st_ino;
-}
-
 /* The history's head and end. */
 
 static bool create_history(run *run, const char *path)
@@ -89,9 +70,7 @@ static bool create_history(run *run, const char *path)
     const integrate_options options = simulate_options(&run->prepared);
     OWNED model_state *states = model_states(model);
     OWNED char *warnings = prepare_warnings(&run->prepared, "\n");
-    OWNED char *versions =
-        xasprintf("evolvent %s, %s, %s, C compiler %s, Fortran compiler %s", EVOLVENT_VERSION, integrate_version(),
-                  history_version(), EVOLVENT_C_COMPILER, model_tables()->compiler);
+    OWNED char *versions = result_versions();
     const history_attribute attributes[] = {
         {"title", .text = description->title}, {"case", .text = case_text(run->prepared.file)},
         {"versions", .text = versions},        {"warnings", .text = warnings},
@@ -99,6 +78,8 @@ static bool create_history(run *run, const char *path)
     };
     const history_layout layout = {
         .path = path,
+        .kind = "history",
+        .axis = {.name = "time", .units = "s", .symbol = "t", .long_name = "model time"},
         .names = &run->names,
         .n_outputs = model_n_outputs(model),
         .outputs = model_outputs_table(model),
@@ -277,11 +258,9 @@ static evl_exit run_case(const char *file, const void *given, evl_error *error)
     run run = {0};
     log_set_quiet(options->quiet);
     interrupt_install();
-    OWNED char *path = options->output != NULL ? xstrdup(options->output) : default_output(file);
+    OWNED char *path = result_path(options->output, file, "");
     if (prepare_case(&run.prepared, file, options->set.n, options->set.values, error) &&
-        (!is_same_file(path, file) ||
-         evl_error_set(error, EVL_EXIT_USAGE, "", "the history would replace the case '%s'; name another file with -o",
-                       path))) {
+        result_spares_case("history", path, file, error)) {
         run_prepared(&run, options, path, error);
     }
     prepared_case_free(&run.prepared);

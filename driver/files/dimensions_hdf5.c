@@ -35,6 +35,7 @@ bool dimensions_define(dimensions *dimensions, netcdf_file *file, dimensions_use
                                                     NULL,           NULL,           &names->pairs};
     bool good = true;
     for (int i = 0; i < N_DIMENSIONS && good; i++) {
+        dimensions->names[i] = table[i].name;
         if (use == DIMENSIONS_OF_STACK || is_used(i, n_outputs, outputs)) {
             good = netcdf_define_names(file, file->id, &dimensions->of[i], table[i].name, table[i].long_names[use],
                                        of_case[i] != NULL ? of_case[i] : &table[i].names);
@@ -43,10 +44,23 @@ bool dimensions_define(dimensions *dimensions, netcdf_file *file, dimensions_use
     return good;
 }
 
+bool dimensions_define_numbers(dimensions *dimensions, netcdf_file *file, int n, const history_coordinate *coordinates)
+{
+    bool good = n <= N_DIMENSIONS;
+    for (int i = 0; i < n && good; i++) {
+        const history_coordinate *from = &coordinates[i];
+        const netcdf_variable variable = netcdf_describe(from->is_integer ? NETCDF_INTEGER : NETCDF_REAL, from->name,
+                                                         from->units, from->symbol, from->long_name);
+        dimensions->names[i] = from->name;
+        good = netcdf_define_numbers(file, &dimensions->of[i], &variable, from->n, H5T_NATIVE_DOUBLE, from->values);
+    }
+    return good;
+}
+
 void dimensions_append(dimensions *dimensions, const model_output *output, netcdf_variable *variable)
 {
     for (int i = 0; i < N_DIMENSIONS; i++) {
-        if (words_contain(output->dims, table[i].name)) {
+        if (dimensions->names[i] != NULL && words_contain(output->dims, dimensions->names[i])) {
             variable->dimensions[variable->rank++] = &dimensions->of[i];
         }
     }

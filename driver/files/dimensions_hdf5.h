@@ -1,6 +1,7 @@
 /** The dimensions that outputs have, in the order of the words of model_output.dims. Private to *_hdf5.c. */
 #pragma once
 
+#include "files/history.h"
 #include "files/netcdf_hdf5.h"
 #include "model/model.h"
 
@@ -9,12 +10,15 @@ typedef enum { DIMENSIONS_OF_HISTORY, DIMENSIONS_OF_STACK } dimensions_use;
 enum { N_DIMENSIONS = 7 };
 
 typedef struct {
+    const char *names[N_DIMENSIONS];
     netcdf_dimension of[N_DIMENSIONS];
 } dimensions;
 
 /** Define those that the outputs may have, with their names; in a history only those that its outputs do have. */
 bool dimensions_define(dimensions *dimensions, netcdf_file *file, dimensions_use use, const model_names *names,
                        int n_outputs, const model_output *outputs);
+/** Define other ones, with numbers. */
+bool dimensions_define_numbers(dimensions *dimensions, netcdf_file *file, int n, const history_coordinate *coordinates);
 /** Append the dimensions of an output to those of a variable. */
 void dimensions_append(dimensions *dimensions, const model_output *output, netcdf_variable *variable);
 /** As netcdf_finish_dimension, all of them. */

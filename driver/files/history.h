@@ -1,4 +1,5 @@
-/** The time history of a run, on file. The interface knows nothing of HDF5; history*_hdf5.c do.
+/** The time history of a run, on file, or what another analysis finds along an axis of its own. The interface knows nothing of HDF5;
+ *  history*_hdf5.c do.
  *
  *  A history grows as NAME.partial and gets NAME only by history_close, which replaces an older one. Every function that can fail returns false and
  *  keeps one sentence for history_error(); after a failure only history_abandon may follow. */
@@ -12,9 +13,21 @@ typedef struct {
     long long integer;
 } history_attribute;
 
+/** An axis with numbers. */
 typedef struct {
-    const char *path; /**< final name */
-    const model_names *names;
+    const char *name, *units, *symbol, *long_name;
+    bool is_integer;
+    int n;
+    const double *values; /**< [n] */
+} history_coordinate;
+
+typedef struct {
+    const char *path;        /**< final name */
+    const char *kind;        /**< of analysis, the attribute evolvent_kind */
+    history_coordinate axis; /**< along which rows are appended; its numbers come with them */
+    int n_coordinates;       /**< 0: outputs have the dimensions of a history, and there are events */
+    const history_coordinate *coordinates;
+    const model_names *names; /**< of a history */
     int n_outputs;
     const model_output *outputs; /**< outlive the history */
     int n_states;
@@ -36,8 +49,8 @@ typedef struct {
 typedef struct history history;
 
 history *history_create(const history_layout *layout, char message[DAE_MESSAGE_LENGTH]);
-/** One row; static variables are taken from the first one. */
-bool history_append(history *history, double t, const double *values);
+/** One row, at a place of the axis; static variables are taken from the first one. */
+bool history_append(history *history, double place, const double *values);
 bool history_add_event(history *history, const history_event *event);
 /** Static variables that are known at the end only; `values` as their offsets say. */
 bool history_put_finals(history *history, int n, const model_output *outputs, const double *values);

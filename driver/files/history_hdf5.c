@@ -64,8 +64,9 @@ history *history_create(const history_layout *layout, char message[DAE_MESSAGE_L
 static bool write_all(history *history, bool is_last)
 {
     netcdf_file *netcdf = &history->netcdf;
-    return series_write(&history->times, is_last) && series_write(&history->events, is_last) &&
-           dimensions_finish(&history->dimensions, netcdf) && netcdf_finish_dimension(netcdf, &history->side);
+    return series_write(&history->times, is_last) && dimensions_finish(&history->dimensions, netcdf) &&
+           (!history->has_events ||
+            (series_write(&history->events, is_last) && netcdf_finish_dimension(netcdf, &history->side)));
 }
 
 /** From time to time, so that most of a killed run can be read. */
@@ -113,9 +114,9 @@ bool history_put_finals(history *history, int n, const model_output *outputs, co
     return good ? true : fail(history);
 }
 
-bool history_append(history *history, double t, const double *values)
+bool history_append(history *history, double place, const double *values)
 {
-    history->row[0] = t;
+    history->row[0] = place;
     memcpy(history->row + 1, values, (size_t)history->n_values * sizeof *values);
     const bool good = (history->n_rows > 0 || write_statics(history, values)) &&
                       series_append(&history->times, history->row) && flush_if_due(history);

@@ -29,12 +29,13 @@ bool history_put_attributes(history *history, int n, const history_attribute *at
     return good;
 }
 
-static void plan_times(history *history, hsize_t max_rows)
+static void plan_times(history *history, const history_coordinate *axis, hsize_t max_rows)
 {
     series *times = &history->times;
     series_init(times, &history->netcdf, history->netcdf.id, 1 + history->n_outputs, max_rows);
-    const netcdf_variable time = netcdf_describe(NETCDF_REAL, "time", "s", "t", "model time");
-    series_add_column(times, &time, 0, 1);
+    const netcdf_variable variable =
+        netcdf_describe(NETCDF_REAL, axis->name, axis->units, axis->symbol, axis->long_name);
+    series_add_column(times, &variable, 0, 1);
     for (int i = 0; i < history->n_outputs; i++) {
         const model_output *output = &history->outputs[i];
         if (!output->is_static && output->count > 0) {
@@ -97,24 +98,38 @@ static void plan_events(history *history, hid_t group, const history_layout *lay
     series_start(events, EVENT_ROWS);
 }
 
-bool history_write_head(history *history, const history_layout *layout)
+/** The group of events with its dimension. */
+static bool start_events(history *history, const history_layout *layout)
 {
     static const char *const sides[] = {"before", "after"};
     netcdf_file *netcdf = &history->netcdf;
-    if (!netcdf_create(netcdf, history->file.partial_path)) {
-        return false;
-    }
-    const bool good = netcdf_put_text(netcdf, netcdf->id, "Conventions", "CF-1.10") &&
-                      netcdf_put_integer(netcdf, netcdf->id, "evolvent_format", FORMAT) &&
-                      history_put_attributes(history, layout->n_attributes, layout->attributes) &&
-                      dimensions_define(&history->dimensions, netcdf, DIMENSIONS_OF_HISTORY, layout->names,
-                                        layout->n_outputs, layout->outputs);
-    const hid_t group = good ? netcdf_create_group(netcdf, "events") : H5I_INVALID_HID;
+    const hid_t group = netcdf_create_group(netcdf, "events");
     if (group < 0 ||
         !netcdf_define_names(netcdf, group, &history->side, "side", "side of the event", &(name_list){2, sides})) {
         return false;
     }
-    plan_times(history, (hsize_t)layout->max_rows);
     plan_events(history, group, layout);
     return true;
+}
+
+bool history_write_head(history *history, const history_layout *layout)
+{
+    netcdf_file *netcdf = &history->netcdf;
+    dimensions *dimensions = &history->dimensions;
+    if (!netcdf_create(netcdf, history->file.partial_path)) {
+        return false;
+    }
+    history->has_events = layout->n_coordinates == 0;
+    const bool good = netcdf_put_text(netcdf, netcdf->id, "Conventions", "CF-1.10") &&
+                      netcdf_put_integer(netcdf, netcdf->id, "evolvent_format", FORMAT) &&
+                      netcdf_put_text(netcdf, netcdf->id, "evolvent_kind", layout->kind) &&
+                      history_put_attributes(history, layout->n_attributes, layout->attributes) &&
+                      (history->has_events
+                           ? dimensions_define(dimensions, netcdf, DIMENSIONS_OF_HISTORY, layout->names,
+                                               layout->n_outputs, layout->outputs)
+                           : dimensions_define_numbers(dimensions, netcdf, layout->n_coordinates, layout->coordinates));
+    if (good) {
+        plan_times(history, &layout->axis, (hsize_t)layout->max_rows);
+    }
+    return good && (!history->has_events || start_events(history, layout));
 }

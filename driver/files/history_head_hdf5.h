@@ -16,6 +16,7 @@ struct history {
     dimensions dimensions;
     netcdf_dimension side;
     series times, events;
+    bool has_events;
     int n_outputs, n_values, n_states;
     const model_output *outputs;
     char *event_kinds; /**< as one string of words */

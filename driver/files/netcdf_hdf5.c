@@ -403,6 +403,17 @@ bool netcdf_define_names(netcdf_file *file, hid_t group, netcdf_dimension *dimen
            netcdf_fail(file);
 }
 
+bool netcdf_define_numbers(netcdf_file *file, netcdf_dimension *dimension, const netcdf_variable *variable, long n,
+                           hid_t type, const void *values)
+{
+    *dimension = (netcdf_dimension){.length = (hsize_t)n};
+    if (!netcdf_define_dimension(file, file->id, variable, dimension, 0)) {
+        return false;
+    }
+    return n == 0 || H5Dwrite(dimension->scale.dataset, type, H5S_ALL, H5S_ALL, file->transfer, values) >= 0 ||
+           netcdf_fail(file);
+}
+
 bool netcdf_finish_dimension(netcdf_file *file, netcdf_dimension *dimension)
 {
     return scale_list_users(&dimension->scale) ? true : netcdf_fail(file);

@@ -85,5 +85,9 @@ bool netcdf_define_dimension(netcdf_file *file, hid_t group, const netcdf_variab
 /** Create a dimension whose coordinate variable holds names. */
 bool netcdf_define_names(netcdf_file *file, hid_t group, netcdf_dimension *dimension, const char *name,
                          const char *long_name, const name_list *names);
+/** Create a dimension whose coordinate variable holds numbers.
+ *  @param type  of them in memory, which may be another one than on file */
+bool netcdf_define_numbers(netcdf_file *file, netcdf_dimension *dimension, const netcdf_variable *variable, long n,
+                           hid_t type, const void *values);
 /** To come after the last variable of a dimension, and before a flush: tell the dimension who uses it. */
 bool netcdf_finish_dimension(netcdf_file *file, netcdf_dimension *dimension);

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BLOCK_BYTES = 4 * 1024 * 1024, MIN_ROWS = 16 };
+enum { BLOCK_BYTES = 4 * 1024 * 1024 };
 
 static bool is_integer(const series_column *column)
 {
@@ -40,7 +40,7 @@ void series_start(series *rows, size_t max_rows)
         row_bytes += (size_t)rows->columns[i].count * sizeof(double);
     }
     const size_t fit = row_bytes == 0 ? max_rows : BLOCK_BYTES / row_bytes;
-    rows->capacity = fit > max_rows ? max_rows : fit < MIN_ROWS ? MIN_ROWS : fit;
+    rows->capacity = fit > max_rows ? max_rows : fit < 1 ? 1 : fit;
     /* One piece for all columns: the system gives it zeroed, small ones would be zeroed by hand. */
     rows->block = xcalloc(rows->capacity, row_bytes);
     char *at = rows->block;

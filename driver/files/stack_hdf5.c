@@ -18,19 +18,6 @@ typedef struct {
 
 /* ---- making the file ---- */
 
-/** A dimension with its coordinate variable and the values of that. */
-static bool define_coordinate(builder *b, netcdf_dimension *dimension, const netcdf_variable *variable, long n,
-                              const void *values)
-{
-    const hid_t type = variable->type == NETCDF_LONG ? H5T_NATIVE_LONG : H5T_NATIVE_DOUBLE;
-    *dimension = (netcdf_dimension){.length = (hsize_t)n};
-    if (!netcdf_define_dimension(&b->netcdf, b->netcdf.id, variable, dimension, 0)) {
-        return false;
-    }
-    return n == 0 || H5Dwrite(dimension->scale.dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0 ||
-           netcdf_fail(&b->netcdf);
-}
-
 static bool define_dimensions(builder *b, const stack_layout *layout)
 {
     const netcdf_variable cases = netcdf_describe(NETCDF_LONG, "case", "1", "", "number of the case in its design");
@@ -39,8 +26,8 @@ static bool define_dimensions(builder *b, const stack_layout *layout)
     for (long row = 0; row < layout->n_rows; row++) {
         numbers[row] = layout->first_case + row * layout->stride;
     }
-    return define_coordinate(b, &b->cases, &cases, layout->n_rows, numbers) &&
-           define_coordinate(b, &b->time, &time, layout->n_times, layout->times) &&
+    return netcdf_define_numbers(&b->netcdf, &b->cases, &cases, layout->n_rows, H5T_NATIVE_LONG, numbers) &&
+           netcdf_define_numbers(&b->netcdf, &b->time, &time, layout->n_times, H5T_NATIVE_DOUBLE, layout->times) &&
            dimensions_define(&b->of_outputs, &b->netcdf, DIMENSIONS_OF_STACK, layout->names, 0, NULL);
 }
 
@@ -60,6 +47,7 @@ static bool fill_file(builder *b, const stack_layout *layout)
 {
     netcdf_file *netcdf = &b->netcdf;
     bool good = netcdf_put_text(netcdf, netcdf->id, "Conventions", "CF-1.8") &&
+                netcdf_put_text(netcdf, netcdf->id, "evolvent_kind", "stack") &&
                 netcdf_put_text(netcdf, netcdf->id, "design", layout->hash) && define_dimensions(b, layout);
     for (int i = 0; i < layout->n_variables && good; i++) {
         good = define_variable(b, &layout->variables[i]);

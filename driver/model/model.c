@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void explain(const model *model, const evl_status *status, model_message *error)
+void model_explain(const model *model, const evl_status *status, model_message *error)
 {
     error->field[0] = '\0';
     if (model->description != NULL) {
@@ -22,7 +22,7 @@ model *model_create(const description *description, const evl_wheel_store *wheel
     model->description = evl_description_create(description->n_entries, description->entries, &status);
     model->gearbox = model->description == NULL ? NULL : evl_gearbox_create(model->description, wheels, &status);
     if (model->gearbox == NULL) {
-        explain(model, &status, error);
+        model_explain(model, &status, error);
         model_delete(&model);
         return NULL;
     }
@@ -87,7 +87,7 @@ void model_explain_no_stepper(const model *model, model_message *error)
 {
     evl_status status;
     (void)evl_radau_serves(model->gearbox, &status);
-    explain(model, &status, error);
+    model_explain(model, &status, error);
 }
 
 dae_state model_create_state(const model *model)
@@ -101,7 +101,7 @@ dae_state model_create_state(const model *model)
 
 void model_explain_start(const model *model, const evl_status *status, model_message *error)
 {
-    explain(model, status, error);
+    model_explain(model, status, error);
     if (error->field[0] == '\0') {
         (void)snprintf(error->field, sizeof error->field, "%s", MODEL_START);
     }
@@ -143,5 +143,5 @@ void model_warning(const model *model, int index, model_message *warning)
     if (!evl_gearbox_warning(model->gearbox, index, &status)) {
         (void)evl_gearbox_speed_warning(model->gearbox, &model->initial, &status);
     }
-    explain(model, &status, warning);
+    model_explain(model, &status, warning);
 }

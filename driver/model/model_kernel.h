@@ -23,7 +23,11 @@ void model_describe_dae(model *model);
 const dae_stepper *model_radau(const model *model);
 /** A state of zeros; its arrays belong to the caller. */
 dae_state model_create_state(const model *model);
+/** What a refusal is about, and why. */
+void model_explain(const model *model, const evl_status *status, model_message *error);
 /** Why there is no state to start from; what is about nothing else is about the case's initial state. */
 void model_explain_start(const model *model, const evl_status *status, model_message *error);
+/** What outputs are, without places; `from` has to outlive them. */
+void model_take_outputs(int n, const evl_output *from, model_output *to);
 /** Fill the table of outputs. */
 void model_describe_outputs(model *model);

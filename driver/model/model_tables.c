@@ -20,7 +20,7 @@ static evl_output *output_texts; /**< [evl_output_count()] */
 static model_output *outputs;    /**< [evl_output_count()] without places */
 static int *outputs_by_name;     /**< [evl_output_count()] in the order of their names */
 
-static void copy_outputs(void)
+void model_take_outputs(int n, const evl_output *from, model_output *to)
 {
     static const char *const dims[] = {
         [EVL_DIMS_NONE] = "",
@@ -33,21 +33,28 @@ static void copy_outputs(void)
         [EVL_DIMS_WHEEL_SPACE] = "wheel space",
         [EVL_DIMS_MESH_PAIR] = "mesh pair",
         [EVL_DIMS_SHAFT] = "shaft",
+        [EVL_DIMS_POSITION] = "position",
+        [EVL_DIMS_POSITION_PAIR] = "position pair",
+        [EVL_DIMS_HARMONIC] = "harmonic",
     };
+    for (int i = 0; i < n; i++) {
+        to[i] = (model_output){.name = from[i].name,
+                               .units = from[i].units,
+                               .symbol = from[i].symbol,
+                               .long_name = from[i].long_name,
+                               .dims = dims[from[i].dims],
+                               .is_static = from[i].is_static,
+                               .is_integer = from[i].is_integer};
+    }
+}
+
+static void copy_outputs(void)
+{
     const int n = evl_output_count();
     output_texts = xcalloc((size_t)n, sizeof *output_texts);
     outputs = xcalloc((size_t)n, sizeof *outputs);
     evl_outputs_describe(output_texts);
-    for (int i = 0; i < n; i++) {
-        const evl_output *from = &output_texts[i];
-        outputs[i] = (model_output){.name = from->name,
-                                    .units = from->units,
-                                    .symbol = from->symbol,
-                                    .long_name = from->long_name,
-                                    .dims = dims[from->dims],
-                                    .is_static = from->is_static,
-                                    .is_integer = from->is_integer};
-    }
+    model_take_outputs(n, output_texts, outputs);
 }
 
 static model_output describe_extreme(const evl_extreme *from, bool is_time)

@@ -14,7 +14,7 @@ module evl_mesh_stiffness
    implicit none (type, external)
    private
 
-   public :: mesh_stiffness, mesh_stiffness_t
+   public :: iso_stiffness, mesh_stiffness, mesh_stiffness_t
 
    real(wp), parameter :: usual_load = 1.0e5_wp      !! line load without a nominal one [N/m]
    real(wp), parameter :: full_load = 1.0e5_wp       !! of ISO 6336-1; c' falls below [N/m]
@@ -66,9 +66,7 @@ contains
          answer%single_pair = secant(gearbox, mesh, rho_a(2:2), answer%line_load)
          if (rho_a(2) - half >= rho_a(1) .and. rho_a(2) + half <= rho_a(3)) &
             answer%double_pair = secant(gearbox, mesh, [rho_a(2) + half, rho_a(2) - half], answer%line_load)
-         ! both moduli from E*, for Poisson's ratio of metals
-         answer%iso = iso_stiffness(gearbox%gears(contact%wheel_a), gearbox%gears(contact%wheel_b), answer%line_load) &
-                      *2*contact%e_star*(1 - usual_ratio**2)/steel
+         answer%iso = iso_stiffness(gearbox, mesh, answer%line_load)
       end associate
    end subroutine mesh_stiffness
 
@@ -134,8 +132,21 @@ contains
       end associate
    end function coupling
 
-   !> c' of ISO 6336-1 for steel and solid wheels [Pa].
-   pure real(wp) function iso_stiffness(a, b, line_load) result(stiffness)
+   !> c' of ISO 6336-1 of a mesh of solid wheels [Pa].
+   pure real(wp) function iso_stiffness(gearbox, mesh, line_load) result(stiffness)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: mesh
+      real(wp), intent(in) :: line_load !! [N/m]
+
+      associate (contact => gearbox%contacts(gearbox%first(mesh)))
+         ! both moduli from E*, for Poisson's ratio of metals
+         stiffness = of_steel(gearbox%gears(contact%wheel_a), gearbox%gears(contact%wheel_b), line_load) &
+                     *2*contact%e_star*(1 - usual_ratio**2)/steel
+      end associate
+   end function iso_stiffness
+
+   !> The same for steel [Pa].
+   pure real(wp) function of_steel(a, b, line_load) result(stiffness)
       type(gear_t), intent(in) :: a, b
       real(wp), intent(in) :: line_load !! [N/m]
       real(wp) :: flexibility, z1, z2
@@ -148,7 +159,7 @@ contains
       end associate
       stiffness = 1.0e9_wp/flexibility*measured*(of_rack(a) + of_rack(b))/2
       if (line_load < full_load) stiffness = stiffness*(line_load/full_load)**0.25_wp
-   end function iso_stiffness
+   end function of_steel
 
    !> C_B, by the rack's dedendum and pressure angle.
    pure real(wp) function of_rack(gear)

@@ -5,7 +5,7 @@ module evl_output
 
    public :: output_t
    public :: dims_none, dims_wheel, dims_mesh, dims_wheel_axis, dims_mesh_axis, dims_space, dims_quaternion, dims_wheel_space
-   public :: dims_mesh_pair, dims_shaft
+   public :: dims_harmonic, dims_mesh_pair, dims_position, dims_position_pair, dims_shaft
    public :: in_wheel_constants, in_mesh_constants, in_wheel_teeth, in_mesh_teeth, in_gearbox, in_wheels, in_meshes, in_pairs
    public :: in_coast, in_wheel_positions, in_mesh_positions, in_bearings, in_pose, in_shaft_constants, in_shafts
    public :: needs_nothing, needs_rates, needs_meshes, needs_points, needs_reactions, needs_pairs, needs_all
@@ -16,6 +16,10 @@ module evl_output
    integer, parameter :: dims_wheel_space = 7 !! x, y, z of every wheel
    integer, parameter :: dims_mesh_pair = 8   !! every place for a tooth pair of every mesh
    integer, parameter :: dims_shaft = 9       !! every shaft
+   ! of the static analysis of a mesh
+   integer, parameter :: dims_position = 10      !! every position
+   integer, parameter :: dims_position_pair = 11 !! every place for a tooth pair at every position
+   integer, parameter :: dims_harmonic = 12
 
    !> Sections of the table, in its order. The rows of one are told by one procedure, element by element.
    enum, bind(c)

@@ -12,7 +12,7 @@ module evl_capi_outputs
    implicit none (type, external)
    private
 
-   public :: evl_gearbox_output_places, evl_gearbox_outputs, evl_output_count, evl_outputs_describe
+   public :: c_output, evl_gearbox_output_places, evl_gearbox_outputs, evl_output_count, evl_outputs_describe, output_to_c
 
    !> evl_output
    type, bind(c) :: c_output

@@ -66,6 +66,8 @@ static history *create(const char *path, char *message)
                                                    {.key = "status", .text = "running"}};
     static const model_names names = {.wheels = {2, wheels}, .meshes = {1, meshes}};
     const history_layout layout = {.path = path,
+                                   .kind = "history",
+                                   .axis = {.name = "time", .units = "s", .symbol = "t", .long_name = "model time"},
                                    .names = &names,
                                    .n_outputs = sizeof outputs / sizeof *outputs,
                                    .outputs = outputs,

@@ -294,7 +294,10 @@ typedef enum {
     EVL_DIMS_QUATERNION = 6,  /**< w, x, y, z */
     EVL_DIMS_WHEEL_SPACE = 7, /**< x, y, z of every wheel */
     EVL_DIMS_MESH_PAIR = 8,   /**< every place for a tooth pair of every mesh */
-    EVL_DIMS_SHAFT = 9
+    EVL_DIMS_SHAFT = 9,
+    EVL_DIMS_POSITION = 10,      /**< of the static analysis: every position in the mesh */
+    EVL_DIMS_POSITION_PAIR = 11, /**< every place for a tooth pair at every position */
+    EVL_DIMS_HARMONIC = 12       /**< every harmonic */
 } evl_dims;
 
 /** What an output is, the same for all gearboxes. */
@@ -410,6 +413,36 @@ EVL_API double evl_gearbox_mesh_position(const evl_gearbox *gearbox, int mesh, c
  *  @param[out] transmission_errors  [n_meshes] Delta [m] */
 EVL_API void evl_gearbox_shape(const evl_gearbox *gearbox, const double *y, const double *dy, double *arcs,
                                double *displacements, double *penetrations, double *transmission_errors);
+
+/* ---- static analysis ------------------------------------------------------------------------------------------------------- */
+
+/** Number of values that evl_gearbox_static tells, and what they are: those of dims EVL_DIMS_NONE, EVL_DIMS_POSITION,
+ *  EVL_DIMS_POSITION_PAIR or EVL_DIMS_HARMONIC; static ones do not depend on the torque. outputs: [evl_static_count()] */
+EVL_API int evl_static_count(void);
+EVL_API void evl_static_describe(evl_output *outputs);
+
+/** What the static analysis of a mesh comes to. */
+typedef struct {
+    int n_pitches;   /**< that positions cover: 1, or until the same teeth meet again where errors make them differ */
+    int n_positions; /**< position i is i/points pitches from where tooth pair 0 is at the start of contact */
+    int n_pairs; /**< places for tooth pairs, by how many pitches they are ahead of the one that came last onto the path */
+    int first_pair; /**< of the first place */
+    int n_values;
+    double torque; /**< of the driving wheel that the loads suggest [N m], >= 0 */
+} evl_static_plan;
+
+/** @param points  positions a pitch, at least 21
+ *  @return EVL_OK, or EVL_INVALID_INPUT for a mesh that has no such analysis: no real gears, a law other than johnson, a contact
+ *          ratio below 1 without tip edges; or for points */
+EVL_API int evl_gearbox_static_plan(const evl_gearbox *gearbox, int mesh, int points, evl_static_plan *plan,
+                                    evl_status *status);
+/** Where the outputs stand among the values; [evl_static_count()] each. */
+EVL_API void evl_gearbox_static_places(const evl_static_plan *plan, int *offsets, int *counts);
+/** The mesh at rest under a torque of the driving wheel in its sense of rotation [N m], axles at their reference positions, without
+ *  friction. values: [n_values]. @return EVL_OK, EVL_INVALID_INPUT, EVL_OUT_OF_DOMAIN (a tip edge on the mate's fillet),
+ *  EVL_NO_SOLUTION */
+EVL_API int evl_gearbox_static(const evl_gearbox *gearbox, int mesh, int points, double torque, double *values,
+                               evl_status *status);
 
 /* ---- how this kernel was built --------------------------------------------------------------------------------------------- */
 

@@ -1,0 +1,118 @@
+#include "commands/static_print.h"
+
+#include "base/json.h"
+#include "base/memory.h"
+
+#include <math.h>
+#include <string.h>
+
+/** A number of a torque, in the unit of the output. */
+static double number_of(const static_report *report, int torque, const char *output)
+{
+    const static_plan *plan = report->plan;
+    int i = 0;
+    while (i < plan->n_outputs && strcmp(plan->outputs[i].name, output) != 0) {
+        i++;
+    }
+    return i < plan->n_outputs ? report->numbers[torque * plan->n_outputs + i] : NAN;
+}
+
+/* ---- for reading ---- */
+
+static const struct {
+    const char *output, *head[3], *unit;
+    double factor;
+} columns[] = {
+    {"line_load", {"", "line", "load"}, "N/mm", 1e-3},
+    {"mean_transmission_error", {"transmission", "error", "mean"}, "um", 1e6},
+    {"peak_to_peak_transmission_error", {"", "peak", "to peak"}, "um", 1e6},
+    {"mesh_stiffness_per_width", {"mesh", "stiffness", "mean secant"}, "N/(mm um)", 1e-9},
+    {"loaded_contact_ratio", {"contact", "ratio", "under load"}, "", 1.0},
+    {"largest_force_share", {"largest", "force", "share"}, "", 1.0},
+    {"largest_contact_pressure", {"", "largest", "pressure"}, "MPa", 1e-6},
+    {"largest_edge_force", {"largest", "force of", "an edge"}, "N", 1.0},
+};
+
+enum { N_COLUMNS = sizeof columns / sizeof *columns, WIDTH = 12, DIGITS = 4 };
+
+static void print_head(FILE *stream)
+{
+    for (int line = 0; line < 3; line++) {
+        fprintf(stream, "  %*s", WIDTH - 2, line == 2 ? "torque" : "");
+        for (int i = 0; i < N_COLUMNS; i++) {
+            fprintf(stream, "  %*s", WIDTH, columns[i].head[line]);
+        }
+        fputc('\n', stream);
+    }
+    fprintf(stream, "  %*s", WIDTH - 2, "N m");
+    for (int i = 0; i < N_COLUMNS; i++) {
+        fprintf(stream, "  %*s", WIDTH, columns[i].unit);
+    }
+    fputc('\n', stream);
+}
+
+static void print_row(FILE *stream, const static_report *report, int torque)
+{
+    fprintf(stream, "  %*.*g", WIDTH - 2, DIGITS + 1, report->torques[torque]);
+    for (int i = 0; i < N_COLUMNS; i++) {
+        fprintf(stream, "  %*.*g", WIDTH, DIGITS, number_of(report, torque, columns[i].output) * columns[i].factor);
+    }
+    fputc('\n', stream);
+}
+
+void static_print_text(FILE *stream, const static_report *report)
+{
+    const static_plan *plan = report->plan;
+    const int last = report->n_torques - 1;
+    static const double to_usual = 1e-9; /* N/(mm um) */
+    fprintf(stream, "Mesh %s of %s at rest, contact ratio %.4g, %d positions over %d pitch%s\n\n",
+            case_description(report->file)->meshes[plan->mesh], case_path(report->file),
+            number_of(report, 0, "contact_ratio"), plan->n_positions, plan->n_pitches,
+            plan->n_pitches == 1 ? "" : "es, until the same teeth meet again");
+    if (!report->gives_way) {
+        fputs("Only the contacts give way: real teeth and bodies bend, and make a mesh 2.5 to 3.5 times softer; "
+              "compliance: {} "
+              "in both\nwheels lets them, docs/static_analysis.md.\n\n",
+              stream);
+    }
+    print_head(stream);
+    for (int i = 0; i < report->n_torques; i++) {
+        print_row(stream, report, i);
+    }
+    fprintf(stream, "\nOne tooth pair alone at the pitch point: %.4g N/(mm um) under %.5g N m.\n",
+            number_of(report, last, "pair_stiffness_per_width") * to_usual, report->torques[last]);
+    fprintf(stream, "ISO 6336-1, from measured pairs without body, not the same: c' %.4g, c_gamma %.4g N/(mm um).\n",
+            number_of(report, last, "iso_pair_stiffness_per_width") * to_usual,
+            number_of(report, last, "iso_mesh_stiffness_per_width") * to_usual);
+}
+
+/* ---- for scripts ---- */
+
+void static_print_json(FILE *stream, const static_report *report)
+{
+    json_writer writer = {.stream = stream};
+    OWNED double *numbers = xcalloc((size_t)report->n_torques, sizeof *numbers);
+    const static_plan *plan = report->plan;
+    json_open(&writer, NULL, '{');
+    json_text(&writer, "case", case_path(report->file));
+    json_text(&writer, "mesh", case_description(report->file)->meshes[plan->mesh]);
+    json_text(&writer, "file", report->path);
+    json_integer(&writer, "positions", plan->n_positions);
+    json_integer(&writer, "pitches", plan->n_pitches);
+    json_numbers(&writer, "torque", report->n_torques, report->torques);
+    for (int i = 0; i < plan->n_outputs; i++) {
+        if (plan->outputs[i].dims[0] != '\0') {
+            continue;
+        }
+        if (plan->outputs[i].is_static) {
+            json_number(&writer, plan->outputs[i].name, report->numbers[i]);
+            continue;
+        }
+        for (int k = 0; k < report->n_torques; k++) {
+            numbers[k] = report->numbers[k * plan->n_outputs + i];
+        }
+        json_numbers(&writer, plan->outputs[i].name, report->n_torques, numbers);
+    }
+    json_close(&writer, '}');
+    fputc('\n', stream);
+}

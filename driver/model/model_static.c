@@ -1,0 +1,69 @@
+#include "model/model_static.h"
+
+#include "base/memory.h"
+#include "model/model_kernel.h"
+
+#include <stdlib.h>
+
+bool model_is_of_request(const model_message *message)
+{
+    return message->field[0] == '\0';
+}
+
+/** What is told, and where it stands among the values. */
+static void take_outputs(const evl_static_plan *from, static_plan *plan)
+{
+    const size_t n = (size_t)evl_static_count();
+    evl_output *texts = xcalloc(n, sizeof *texts);
+    model_output *outputs = xcalloc(n, sizeof *outputs);
+    OWNED int *offsets = xcalloc(n, sizeof *offsets), *counts = xcalloc(n, sizeof *counts);
+    evl_static_describe(texts);
+    model_take_outputs((int)n, texts, outputs);
+    evl_gearbox_static_places(from, offsets, counts);
+    for (size_t i = 0; i < n; i++) {
+        outputs[i].offset = offsets[i];
+        outputs[i].count = counts[i];
+        if (texts[i].dims == EVL_DIMS_HARMONIC) {
+            plan->n_harmonics = counts[i];
+        }
+    }
+    plan->n_outputs = (int)n;
+    plan->outputs = outputs;
+    plan->texts = texts;
+}
+
+bool model_plan_static(const model *model, int mesh, int points, static_plan *plan, model_message *error)
+{
+    evl_status status = {.index = -1};
+    evl_static_plan from;
+    *plan = (static_plan){.mesh = mesh, .points = points};
+    if (evl_gearbox_static_plan(model->gearbox, mesh, points, &from, &status) != EVL_OK) {
+        model_explain(model, &status, error);
+        return false;
+    }
+    plan->n_pitches = from.n_pitches;
+    plan->n_positions = from.n_positions;
+    plan->n_pairs = from.n_pairs;
+    plan->first_pair = from.first_pair;
+    plan->n_values = from.n_values;
+    plan->torque = from.torque;
+    take_outputs(&from, plan);
+    return true;
+}
+
+void static_plan_free(static_plan *plan)
+{
+    free((void *)plan->outputs);
+    free(plan->texts);
+    *plan = (static_plan){0};
+}
+
+bool model_static(const model *model, const static_plan *plan, double torque, double *values, model_message *error)
+{
+    evl_status status = {.index = -1};
+    if (evl_gearbox_static(model->gearbox, plan->mesh, plan->points, torque, values, &status) != EVL_OK) {
+        model_explain(model, &status, error);
+        return false;
+    }
+    return true;
+}

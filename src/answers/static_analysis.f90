@@ -1,0 +1,315 @@
+!> The static analysis of a mesh: its transmission error, stiffness and load sharing at rest under a torque of the driving wheel, at
+!> positions over a pitch, or over all pitches until the same teeth meet again where errors of pitch or runout make them differ.
+!>
+!> Axles are at their reference positions and there is no friction. Position x is so many pitches from where tooth pair 0 is at the
+!> start of its path, unloaded; pair k is x - k pitches from its start there. Places for tooth pairs go by how many whole pitches a
+!> pair is ahead of the one that came last onto the path, -1 for the next one: place j holds pair floor(x) - j.
+!>
+!> Source: docs/static_analysis.md.
+module evl_static_analysis
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
+   use, intrinsic :: iso_fortran_env, only: int64
+   use evl_contact_point, only: contact_point
+   use evl_flank, only: exactly_one
+   use evl_flank_deviation, only: flank_deviation_t
+   use evl_gearbox, only: gearbox_t, section_t
+   use evl_gearbox_scaling, only: gearbox_likely_speed, mesh_load
+   use evl_johnson, only: johnson_t
+   use evl_kinds, only: pi, wp
+   use evl_mesh_at_rest, only: mesh_at_rest
+   use evl_mesh_stiffness, only: iso_stiffness
+   use evl_pair_place, only: by_a, by_b, edge_of
+   use evl_static_mesh, only: solve_static, static_mesh_t, static_state
+   use evl_static_outputs, only: n_harmonics, static_sections, static_sum, tell_static_harmonic, tell_static_mesh, &
+                                 tell_static_pair, tell_static_position, tell_static_start, tell_static_torque, youngest
+   use evl_status, only: code_invalid_input, code_ok, fail, has_failed, message_length, quantity, status_t, subject_mesh, &
+                         subject_none
+   use evl_teller, only: fill, teller_t
+   use evl_tooth_contact, only: contact_mode, no_mode, settle_zones, tooth_contact_t
+   use evl_touching_flanks, only: pressure_at, touching_curvature
+   implicit none (type, external)
+   private
+
+   public :: least_points, most_positions, plan_static, solve_static_mesh, static_plan_t
+
+   integer, parameter :: least_points = 2*n_harmonics + 1 !! a pitch, for the last harmonic
+   integer, parameter :: most_positions = 500000
+
+   !> What will be asked.
+   type :: static_plan_t
+      integer :: points = 0      !! positions a pitch
+      integer :: n_pitches = 1   !! until the same teeth meet again
+      integer :: n_positions = 0
+      integer :: n_pairs = 0     !! places for tooth pairs
+      integer :: n_values = 0
+      real(wp) :: reach = 0.0_wp !! [m]
+      real(wp) :: torque = 0.0_wp !! of the driving wheel that the loads suggest, >= 0 [N m]
+   end type static_plan_t
+
+contains
+
+   !> What the analysis of a mesh comes to.
+   !> Errors: code_invalid_input for a mesh that has none, or points without number.
+   subroutine plan_static(gearbox, mesh, points, plan, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: mesh
+      integer, intent(in) :: points !! a pitch
+      type(static_plan_t), intent(out) :: plan
+      type(status_t), intent(inout) :: status
+      type(section_t), allocatable :: sections(:)
+      integer(int64) :: n_pitches
+
+      associate (contact => gearbox%contacts(gearbox%first(mesh)), pair => gearbox%pairs(mesh))
+         call check_mesh(gearbox, mesh, status)
+         if (has_failed(status)) return
+         plan%points = points
+         plan%reach = gearbox%flanks(contact%i_flank)%flank%reach*pair%base_pitch
+         if (.not. plan%reach > 0 .and. pair%contact_ratio < 1 - exactly_one) then
+            call fail(status, code_invalid_input, &
+                      "its contact ratio is "//quantity(pair%contact_ratio, "")//": where no tooth pair is on its path only tip" &
+                      //" edges hold the wheels; give one a compliance, or edge_contact: true", subject_mesh, mesh)
+            return
+         end if
+         n_pitches = common_multiple(differing(contact%deviation_a), differing(contact%deviation_b))
+         if (points < least_points) then
+            call fail(status, code_invalid_input, counted(points)//" positions a pitch are too few: "//counted(least_points) &
+                      //" or more show "//counted(n_harmonics)//" harmonics", subject_none)
+         else if (points*n_pitches > most_positions) then
+            call fail(status, code_invalid_input, "teeth differ, so that "//counted(int(n_pitches))//" pitches of " &
+                      //counted(points)//" positions have to be looked at: more than "//counted(most_positions) &
+                      //" positions", subject_none)
+         end if
+         if (has_failed(status)) return
+         plan%n_pitches = int(n_pitches)
+         plan%n_positions = points*plan%n_pitches
+         plan%n_pairs = floor(pair%contact_ratio + plan%reach/pair%base_pitch) + 1 - youngest
+         plan%torque = mesh_load(gearbox, contact, gearbox_likely_speed(gearbox))*pair%base_radius_a
+         call static_sections(plan%n_positions, plan%n_pairs, sections, plan%n_values)
+      end associate
+   end subroutine plan_static
+
+   !> Only real gears with Johnson's contact rest so.
+   subroutine check_mesh(gearbox, mesh, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: mesh
+      type(status_t), intent(inout) :: status
+
+      if (.not. gearbox%gear_meshes(mesh)%exists) then
+         call fail(status, code_invalid_input, "the static analysis needs real gears, whose tips end the path of contact: give" &
+                   //" both wheels a module", subject_mesh, mesh)
+         return
+      end if
+      select type (law => gearbox%contacts(gearbox%first(mesh))%elastic)
+      type is (johnson_t)
+         return
+      class default
+         call fail(status, code_invalid_input, "the static analysis knows the contact of law: johnson only", subject_mesh, mesh, &
+                   "contact.law")
+      end select
+   end subroutine check_mesh
+
+   !> Pitches after which the teeth of a wheel come again.
+   pure integer function differing(deviation) result(pitches)
+      type(flank_deviation_t), intent(in) :: deviation
+
+      pitches = 1
+      if (allocated(deviation%pitch) .or. deviation%eccentricity > 0) pitches = deviation%teeth
+   end function differing
+
+   !> A whole number in words.
+   pure function counted(n) result(text)
+      integer, intent(in) :: n
+      character(len=:), allocatable :: text
+
+      text = quantity(real(n, wp), "")
+   end function counted
+
+   pure integer(int64) function common_multiple(a, b) result(multiple)
+      integer, intent(in) :: a, b
+      integer :: large, small, rest
+
+      large = a
+      small = b
+      do while (small > 0)
+         rest = mod(large, small)
+         large = small
+         small = rest
+      end do
+      multiple = int(a, int64)*(b/large)
+   end function common_multiple
+
+   !> All values at one torque, where the sections of evl_static_outputs have them.
+   !> Errors: code_invalid_input for a torque that presses nothing; of evl_static_mesh where the mesh finds no rest.
+   subroutine solve_static_mesh(gearbox, mesh, plan, torque, values, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: mesh
+      type(static_plan_t), intent(in) :: plan !! of this mesh
+      real(wp), intent(in) :: torque          !! of the driving wheel in its sense of rotation [N m]
+      real(wp), intent(inout), target, contiguous :: values(:)
+      type(status_t), intent(inout) :: status
+      type(section_t), allocatable, target :: sections(:)
+      type(static_mesh_t) :: at_rest
+      type(static_state) :: state
+      type(static_sum) :: total
+      type(teller_t) :: teller
+      complex(wp) :: harmonics(n_harmonics)
+      integer :: i, n_values
+
+      if (.not. (torque > 0 .and. ieee_is_finite(torque))) then
+         call fail(status, code_invalid_input, "a torque of "//quantity(torque, "N m")//" of the driving wheel does not press its" &
+                   //" drive flanks: give one above 0, in the sense of driving_rotation", subject_none)
+         return
+      end if
+      call static_sections(plan%n_positions, plan%n_pairs, sections, n_values)
+      call fill(teller, sections, values)
+      associate (contact => gearbox%contacts(gearbox%first(mesh)), pair => gearbox%pairs(mesh))
+         call mesh_at_rest(contact, gearbox%compliances(contact%wheel_a), gearbox%compliances(contact%wheel_b), &
+                           gearbox%flanks(contact%i_flank)%flank%couples, plan%reach, at_rest)
+         call tell_static_mesh(teller, pair, at_rest%width)
+         call start_sum(gearbox, mesh, at_rest, torque, total)
+         harmonics = 0
+         do i = 0, plan%n_positions - 1
+            call solve_static(at_rest, pair%rho_start_a + real(i, wp)/plan%points*pair%base_pitch, total%force, state, status)
+            if (has_failed(status)) then
+               call name_place(torque, real(i, wp)/plan%points, mesh, status)
+               return
+            end if
+            call tell_static_start(teller, i + 1, real(i, wp)/plan%points*pair%base_pitch/pair%base_radius_a, state%h_0)
+            call tell_static_position(teller, i + 1, total%force, pair%base_radius_b, state)
+            call tell_pairs(teller, contact, at_rest, i/plan%points, i*plan%n_pairs, plan%n_pairs, state, total)
+            call add_position(state, plan%n_positions, total)
+            call add_harmonics(i, plan, state%h, harmonics)
+         end do
+      end associate
+      total%per_width = total%secant/at_rest%width
+      call tell_static_torque(teller, total)
+      do i = 1, n_harmonics
+         call tell_static_harmonic(teller, i, harmonics(i))
+      end do
+   end subroutine solve_static_mesh
+
+   !> What is known of a torque before any position: forces, and what one pair alone and ISO 6336-1 say.
+   subroutine start_sum(gearbox, mesh, at_rest, torque, total)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: mesh
+      type(static_mesh_t), intent(in) :: at_rest
+      real(wp), intent(in) :: torque
+      type(static_sum), intent(out) :: total
+      real(wp) :: h
+      integer :: code
+
+      associate (pair => gearbox%pairs(mesh))
+         total%force = torque/pair%base_radius_a
+         total%line_load = total%force/at_rest%width
+         total%lowest = huge(total%lowest)
+         total%highest = -huge(total%highest)
+         associate (contact => gearbox%contacts(gearbox%first(mesh)))
+            call gearbox%flanks(contact%i_flank)%flank%pair_under(contact, total%force, h, code)
+         end associate
+         total%single = ieee_value(h, ieee_quiet_nan)
+         if (code == code_ok) total%single = total%line_load/h
+         total%iso_single = iso_stiffness(gearbox, mesh, total%line_load)
+         total%iso = total%iso_single*(0.75_wp*pair%contact_ratio + 0.25_wp)
+      end associate
+   end subroutine start_sum
+
+   !> Say where the mesh found no rest.
+   subroutine name_place(torque, position, mesh, status)
+      real(wp), intent(in) :: torque, position
+      integer, intent(in) :: mesh
+      type(status_t), intent(inout) :: status
+      character(len=message_length) :: reason
+
+      reason = status%message
+      call fail(status, status%code, &
+                "under "//quantity(torque, "N m")//", "//quantity(position, "")//" pitches from the start of contact: " &
+                //trim(reason), subject_mesh, mesh)
+   end subroutine name_place
+
+   !> The tooth pairs at a position.
+   subroutine tell_pairs(teller, contact, at_rest, pitches, before, n_pairs, state, total)
+      type(teller_t), intent(inout) :: teller
+      type(tooth_contact_t), intent(in) :: contact
+      type(static_mesh_t), intent(in) :: at_rest
+      integer, intent(in) :: pitches !! whole ones of the position
+      integer, intent(in) :: before  !! places of the positions before it
+      integer, intent(in) :: n_pairs
+      type(static_state), intent(in) :: state
+      type(static_sum), intent(inout) :: total
+      real(wp) :: force, share, pressure
+      integer :: i, place
+
+      do place = 1, n_pairs
+         i = findloc(state%numbers(:state%n), pitches - (place - 1 + youngest), dim=1)
+         force = 0
+         share = 0
+         pressure = 0
+         if (i > 0) then
+            force = state%potential%answer%force(i)*at_rest%width
+            share = force/total%force
+            if (force > 0) pressure = pressure_of(contact, at_rest, state, i)
+            total%share = max(total%share, share)
+            if (pressure > total%pressure) total%pressure = pressure
+            if (is_on_edge(state, i)) total%edge_force = max(total%edge_force, force)
+         end if
+         call tell_static_pair(teller, before + place, state, i, share, force, pressure)
+      end do
+   end subroutine tell_pairs
+
+   !> Whether a pair touches with a tip edge.
+   pure logical function is_on_edge(state, i)
+      type(static_state), intent(in) :: state
+      integer, intent(in) :: i
+
+      is_on_edge = state%feet(i)%zone >= edge_of(by_a)
+   end function is_on_edge
+
+   !> Largest contact pressure of a pair that carries; NaN on a sharp edge [Pa].
+   pure real(wp) function pressure_of(contact, at_rest, state, i) result(pressure)
+      type(tooth_contact_t), intent(in) :: contact
+      type(static_mesh_t), intent(in) :: at_rest
+      type(static_state), intent(in) :: state
+      integer, intent(in) :: i
+      type(contact_point) :: point
+      type(contact_mode) :: mode
+
+      associate (feet => state%feet(i), force => state%potential%answer%force(i)*at_rest%width)
+         point%rho_a = feet%rho(by_a)
+         point%rho_b = feet%rho(by_b)
+         mode = no_mode
+         mode%tooth_pair = state%numbers(i)
+         call settle_zones(contact, at_rest%line, point, mode)
+         pressure = pressure_at(contact, force, touching_curvature(contact, mode, point))
+      end associate
+   end function pressure_of
+
+   !> What a position adds to the sums.
+   pure subroutine add_position(state, n, total)
+      type(static_state), intent(in) :: state
+      integer, intent(in) :: n !! of how many
+      type(static_sum), intent(inout) :: total
+
+      total%mean = total%mean + state%h/n
+      total%lowest = min(total%lowest, state%h)
+      total%highest = max(total%highest, state%h)
+      total%secant = total%secant + total%force/(state%h - state%h_0)/n
+      total%tangent = total%tangent + state%stiffness/n
+      total%carrying = total%carrying + count(state%potential%answer%force(:state%n) > 0)/real(n, wp)
+   end subroutine add_position
+
+   !> What a position adds to the amplitudes of the harmonics.
+   pure subroutine add_harmonics(i, plan, h, harmonics)
+      integer, intent(in) :: i !! position, from 0
+      type(static_plan_t), intent(in) :: plan
+      real(wp), intent(in) :: h
+      complex(wp), intent(inout) :: harmonics(n_harmonics)
+      real(wp) :: angle
+      integer :: n
+
+      do n = 1, n_harmonics
+         angle = 2*pi*mod(i*n, plan%points)/plan%points
+         harmonics(n) = harmonics(n) + 2*h/plan%n_positions*cmplx(cos(angle), -sin(angle), wp)
+      end do
+   end subroutine add_harmonics
+
+end module evl_static_analysis

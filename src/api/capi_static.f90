@@ -1,0 +1,83 @@
+!> C interface of the static analysis of a mesh.
+!>
+!> The header's section "static analysis" documents each procedure; here is only the passage from C to Fortran.
+module evl_capi_static
+   use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_ptr
+   use evl_capi_outputs, only: c_output, output_to_c
+   use evl_capi_types, only: answer, c_status
+   use evl_gearbox, only: gearbox_t
+   use evl_output, only: output_t
+   use evl_static_analysis, only: plan_static, solve_static_mesh, static_plan_t
+   use evl_static_outputs, only: count_static, list_static, static_counts, youngest
+   use evl_status, only: has_failed, status_t
+   implicit none (type, external)
+   private
+
+   public :: evl_gearbox_static, evl_gearbox_static_plan, evl_gearbox_static_places, evl_static_count, evl_static_describe
+
+   !> evl_static_plan
+   type, bind(c) :: c_plan
+      integer(c_int) :: n_pitches, n_positions, n_pairs, first_pair, n_values
+      real(c_double) :: torque
+   end type c_plan
+
+contains
+
+   integer(c_int) function evl_static_count() result(count) bind(c)
+      count = count_static()
+   end function evl_static_count
+
+   subroutine evl_static_describe(outputs) bind(c)
+      type(c_output), intent(out) :: outputs(*)
+      type(output_t), allocatable :: table(:)
+      integer :: i
+
+      call list_static(table)
+      do i = 1, size(table)
+         call output_to_c(table(i), outputs(i))
+      end do
+   end subroutine evl_static_describe
+
+   integer(c_int) function evl_gearbox_static_plan(handle, mesh, points, plan, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: mesh, points
+      type(c_plan), intent(out) :: plan
+      type(c_status), intent(inout), optional :: status
+      type(gearbox_t), pointer :: g
+      type(static_plan_t) :: p
+      type(status_t) :: s
+
+      call c_f_pointer(handle, g)
+      call plan_static(g, mesh + 1, points, p, s)
+      plan = c_plan(p%n_pitches, p%n_positions, p%n_pairs, youngest, p%n_values, p%torque)
+      code = answer(s, status)
+   end function evl_gearbox_static_plan
+
+   subroutine evl_gearbox_static_places(plan, offsets, counts) bind(c)
+      type(c_plan), intent(in) :: plan
+      integer(c_int), intent(inout) :: offsets(*), counts(*)
+      integer, allocatable :: n(:)
+      integer :: i
+
+      call static_counts(plan%n_positions, plan%n_pairs, n)
+      counts(:size(n)) = n
+      offsets(:size(n)) = [(sum(n(:i - 1)), i=1, size(n))]
+   end subroutine evl_gearbox_static_places
+
+   integer(c_int) function evl_gearbox_static(handle, mesh, points, torque, values, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: mesh, points
+      real(c_double), intent(in), value :: torque
+      real(c_double), intent(inout) :: values(*)
+      type(c_status), intent(inout), optional :: status
+      type(gearbox_t), pointer :: g
+      type(static_plan_t) :: p
+      type(status_t) :: s
+
+      call c_f_pointer(handle, g)
+      call plan_static(g, mesh + 1, points, p, s)
+      if (.not. has_failed(s)) call solve_static_mesh(g, mesh + 1, p, torque, values(:p%n_values), s)
+      code = answer(s, status)
+   end function evl_gearbox_static
+
+end module evl_capi_static

@@ -1,0 +1,82 @@
+!> The mesh at rest (evl_static_mesh) of a tooth contact: its drive flank with the tips of both wheels, what their flanks lack in
+!> material, and how they give way.
+module evl_mesh_at_rest
+   use evl_deviating_flanks, only: flank_value
+   use evl_edge_contact, only: make_tip
+   use evl_flank_deviation, only: deviation_branch, deviation_on, deviation_zone, flank_branch, flank_deviation_t, zone_end
+   use evl_kinds, only: pi, wp
+   use evl_pair_place, only: by_a, by_b
+   use evl_static_mesh, only: flank_lacks_t, static_mesh_t
+   use evl_tooth_contact, only: tooth_contact_t, tooth_of_a, tooth_of_b
+   use evl_wheel_compliance, only: wheel_compliance_t
+   implicit none (type, external)
+   private
+
+   public :: mesh_at_rest
+
+   !> Flanks of two wheels with their deviations.
+   type, extends(flank_lacks_t) :: two_wheels_t
+      type(flank_deviation_t) :: deviations(2)
+      integer :: first(2) = 0 !! teeth of pair 0
+      integer :: step(2) = 0  !! by how much the next pair's tooth is further
+      integer :: side = 1
+   contains
+      procedure :: at
+   end type two_wheels_t
+
+contains
+
+   !> Such a mesh. Axles are at their reference positions, teeth touch on the drive flank.
+   subroutine mesh_at_rest(contact, a, b, couples, reach, mesh)
+      type(tooth_contact_t), intent(in) :: contact !! a contact of the drive flank
+      type(wheel_compliance_t), intent(in) :: a, b !! of the driving and the driven wheel
+      logical, intent(in) :: couples               !! pairs yield to each other's loads
+      real(wp), intent(in) :: reach                !! how far past its path a pair counts, with its edges; 0: without edges [m]
+      type(static_mesh_t), intent(out) :: mesh
+      type(two_wheels_t), allocatable :: lacks
+
+      associate (pair => contact%pair)
+         mesh%line = pair%rho_0
+         mesh%base_pitch = contact%base_pitch
+         mesh%e_star = contact%e_star
+         mesh%width = contact%width
+         ! as (5.57) shares it; where only the contact gives way, as Johnson's law does
+         if (a%exists .or. b%exists) mesh%k_difference = 2*(pair%share_a - pair%share_b)/(pi*contact%e_star)
+         mesh%fillets = contact%fillets
+         mesh%couples = couples
+         mesh%reach = reach
+         call make_tip(contact%deviation_a, pair%r_ba, pair%r_bb, contact%rho_tip_a, 0.0_wp, mesh%line, mesh%tips(by_a))
+         call make_tip(contact%deviation_b, pair%r_bb, pair%r_ba, contact%rho_tip_b, 0.0_wp, mesh%line, mesh%tips(by_b))
+         allocate (mesh%a, source=a)
+         allocate (mesh%b, source=b)
+         allocate (lacks)
+         lacks%deviations(by_a) = contact%deviation_a
+         lacks%deviations(by_b) = contact%deviation_b
+         lacks%first = [tooth_of_a(contact, 0), tooth_of_b(contact, 0)]
+         lacks%step = [tooth_of_a(contact, 1), tooth_of_b(contact, 1)] - lacks%first
+         lacks%side = nint(pair%sigma)
+         call move_alloc(lacks, mesh%lacks)
+      end associate
+   end subroutine mesh_at_rest
+
+   !> What one wheel's flank lacks. Past its end errors of pitch and runout go on.
+   pure subroutine at(self, wheel, pair, rho, beyond, value)
+      class(two_wheels_t), intent(in) :: self
+      integer, intent(in) :: wheel, pair
+      real(wp), intent(in) :: rho
+      logical, intent(in) :: beyond
+      type(flank_value), intent(out) :: value
+      type(flank_branch) :: branch
+      integer :: zone
+
+      value = flank_value(0.0_wp, 0.0_wp, 0.0_wp)
+      associate (deviation => self%deviations(wheel))
+         if (.not. deviation%exists) return
+         zone = zone_end
+         if (.not. beyond) zone = deviation_zone(deviation, rho)
+         branch = deviation_branch(deviation, self%first(wheel) + pair*self%step(wheel), self%side, zone)
+      end associate
+      call deviation_on(branch, rho, value%e, value%de, value%d2e)
+   end subroutine at
+
+end module evl_mesh_at_rest

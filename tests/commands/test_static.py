@@ -1,0 +1,312 @@
+"""`evolvent static`: what it writes and prints, and how it ends when it cannot."""
+
+from __future__ import annotations
+
+import json
+import re
+import signal
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from processes import catches, wait_for
+
+Evolvent = Callable[..., subprocess.CompletedProcess[str]]
+ANALYTIC = [
+    *("--set", "wheels.0.compliance={model: analytic}"),
+    *("--set", "wheels.1.compliance={model: analytic}"),
+]
+PITCH_ERRORS = ("--set", f"wheels.0.pitch_errors={[1e-6 * (k % 5) for k in range(19)]}")
+
+
+@pytest.fixture
+def case(examples: Path) -> Path:
+    return examples / "spur-pair.yaml"
+
+
+def opened(path: Path) -> xr.Dataset:
+    with xr.open_dataset(path, engine="h5netcdf") as file:
+        return file.load()
+
+
+@pytest.fixture
+def curves(evolvent: Evolvent, case: Path, tmp_path: Path) -> xr.Dataset:
+    path = tmp_path / "harris.h5"
+    result = evolvent("static", case, "--torque", "10:100:4", "-o", path, *ANALYTIC)
+    assert result.returncode == 0, result.stderr
+    return opened(path)
+
+
+def assert_refused(result: subprocess.CompletedProcess[str], code: int, *parts: str) -> None:
+    """One line on stderr that holds all of this, nothing on stdout."""
+    assert result.returncode == code, result.stderr
+    line = result.stderr.splitlines()[-1]
+    assert result.stdout == ""
+    for part in parts:
+        assert part in line
+
+
+def test_file_has_its_own_axes(curves: xr.Dataset) -> None:
+    assert dict(curves.sizes) == {"torque": 4, "position": 200, "pair": 3, "harmonic": 10}
+    np.testing.assert_allclose(curves["torque"], [10, 40, 70, 100], rtol=1e-15)
+    np.testing.assert_allclose(curves["position"], np.arange(200) / 200, rtol=1e-15)
+    assert curves["pair"].values.tolist() == [-1, 0, 1]
+    assert curves["harmonic"].values.tolist() == list(range(1, 11))
+    assert curves["transmission_error"].dims == ("torque", "position")
+    assert curves["pair_normal_force"].dims == ("torque", "position", "pair")
+    assert curves["harmonic_amplitude"].dims == ("torque", "harmonic")
+    assert curves["free_transmission_error"].dims == ("position",)
+    assert curves["contact_ratio"].dims == ()
+    for name, variable in curves.variables.items():
+        assert variable.attrs["long_name"], name
+        assert "units" in variable.attrs, name
+
+
+def test_documentation_lists_what_a_file_has(curves: xr.Dataset, root: Path) -> None:
+    text = (root / "docs" / "result_format.md").read_text().split("## Static analysis")[1]
+    rows = re.findall(r"^\| `(\w+)` \| ([^|]*) \| ([^|]*) \|", text, re.MULTILINE)
+    listed = {name: (tuple(dims.replace(",", " ").split()), units) for name, dims, units in rows}
+    told = {str(n): (v.dims, v.attrs["units"]) for n, v in curves.data_vars.items()}
+    assert listed == told
+
+
+def test_attributes_tell_what_it_is(curves: xr.Dataset) -> None:
+    found = curves.attrs
+    assert found["evolvent_kind"] == "static"
+    assert found["evolvent_format"] == 1
+    assert (found["mesh"], found["points"], found["pitches"]) == ("pinion-gear", 200, 1)
+    assert (found["status"], found["status_message"]) == ("done", "")
+    assert "compliance: {model: analytic" in found["case"]
+
+
+def test_histories_and_stacks_tell_what_they_are(
+    evolvent: Evolvent, case: Path, tmp_path: Path
+) -> None:
+    path = tmp_path / "run.h5"
+    assert evolvent("run", case, "-o", path, "--set", "simulation.duration=1e-4").returncode == 0
+    assert opened(path).attrs["evolvent_kind"] == "history"
+
+
+def test_values_are_those_of_the_summary(curves: xr.Dataset) -> None:
+    h = curves["transmission_error"]
+    np.testing.assert_allclose(curves["mean_transmission_error"], h.mean("position"), rtol=1e-12)
+    spread = h.max("position") - h.min("position")
+    np.testing.assert_allclose(curves["peak_to_peak_transmission_error"], spread, rtol=1e-9)
+    spectrum = 2 * np.abs(np.fft.rfft(h, axis=1))[:, 1:11] / 200
+    np.testing.assert_allclose(curves["harmonic_amplitude"], spectrum, rtol=1e-6)
+    # an edge of the driving wheel has a shorter arm than its base radius
+    np.testing.assert_allclose(curves["force_share"].sum("pair"), 1, atol=1e-2)
+    force = curves["torque"] / curves["base_radius_driving"]
+    np.testing.assert_allclose(curves["tooth_force"], force, rtol=1e-13)
+
+
+def test_torque_is_that_of_the_loads_and_the_file_named_after_the_case(
+    evolvent: Evolvent, case: Path, tmp_path: Path
+) -> None:
+    result = evolvent("static", case, *ANALYTIC, cwd=tmp_path)
+    assert result.returncode == 0
+    assert [p.name for p in tmp_path.iterdir()] == ["spur-pair-static.h5"]
+    np.testing.assert_allclose(opened(tmp_path / "spur-pair-static.h5")["torque"], [50], rtol=1e-12)
+    assert result.stderr.endswith("200 positions, 1 torque: spur-pair-static.h5\n")
+
+
+def test_text_and_json_tell_the_same_numbers(
+    evolvent: Evolvent, case: Path, tmp_path: Path
+) -> None:
+    words = ("static", case, "--torque", "20:60:3", "-o", tmp_path / "x.h5")
+    text = evolvent(*words).stdout
+    told = json.loads(evolvent(*words, "--json").stdout)
+    rows = [line.split() for line in text.splitlines()]
+    numbers = [row for row in rows if len(row) == 9 and row[0][0].isdigit()]
+    assert len(numbers) == 3
+    columns = (
+        ("torque", 1.0),
+        ("line_load", 1e-3),
+        ("mean_transmission_error", 1e6),
+        ("peak_to_peak_transmission_error", 1e6),
+        ("mesh_stiffness_per_width", 1e-9),
+        ("loaded_contact_ratio", 1.0),
+        ("largest_force_share", 1.0),
+        ("largest_contact_pressure", 1e-6),
+        ("largest_edge_force", 1.0),
+    )
+    for i, (name, factor) in enumerate(columns):
+        printed = [float(row[i]) for row in numbers]
+        np.testing.assert_allclose(printed, np.array(told[name]) * factor, rtol=6e-4)
+    assert "ISO 6336-1" in text
+
+
+def test_what_is_missing_is_said_once_without_compliance(
+    evolvent: Evolvent, case: Path, tmp_path: Path
+) -> None:
+    words = ("static", case, "-o", tmp_path / "x.h5")
+    assert "Only the contacts give way" in evolvent(*words).stdout
+    assert "Only the contacts" not in evolvent(*words, *ANALYTIC).stdout
+    assert evolvent(*words, "-q").stdout == ""
+
+
+def test_any_mesh_is_found_by_name_and_index(
+    evolvent: Evolvent, examples: Path, tmp_path: Path
+) -> None:
+    case = examples / "two-stage-gears.yaml"
+    for words in (("--mesh", "1"), ("--mesh", "second")):
+        path = tmp_path / "x.h5"
+        assert evolvent("static", case, *words, "-o", path).returncode == 0
+        assert opened(path).attrs["mesh"] == "second"
+
+
+def test_teeth_that_differ_are_all_met(evolvent: Evolvent, case: Path, tmp_path: Path) -> None:
+    path = tmp_path / "x.h5"
+    result = evolvent("static", case, "--points", "30", "-o", path, *PITCH_ERRORS)
+    assert "570 positions over 19 pitches, until the same teeth meet again" in result.stdout
+    assert opened(path)["position"].values[-1] == pytest.approx(19 - 1 / 30)
+
+
+def test_examples_of_the_help_work(evolvent: Evolvent, examples: Path, tmp_path: Path) -> None:
+    lines = evolvent("static", "--help").stdout.splitlines()
+    words = [line.split()[1:] for line in lines if line.startswith("  evolvent static examples")]
+    assert len(words) == 3
+    for each in words:
+        each[1] = str(examples.parent / each[1])
+        assert evolvent(*each, cwd=tmp_path).returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "parts"),
+    [
+        (["--mesh", "pinion-geer"], ["--mesh pinion-geer", "did you mean 'pinion-gear'?"]),
+        (["--mesh", "1"], ["--mesh 1", "no such mesh"]),
+        (["--torque", "0"], ["--torque 0", "give one above 0, in the sense of driving_rotation"]),
+        (["--torque", "-50"], ["--torque -50", "does not press its drive flanks"]),
+        (["--torque", "50:10:3"], ["--torque 50:10:3", "it must be FROM:TO:STEPS"]),
+        (["--torque", "10:50"], ["--torque 10:50", "it must be FROM:TO:STEPS"]),
+        (["--torque", "10:50:1"], ["--torque 10:50:1", "from 2 to 1000"]),
+        (["--torque", "10:50:2.5"], ["it must be FROM:TO:STEPS"]),
+        (["--torque", "10:50:3:4"], ["it must be FROM:TO:STEPS"]),
+        (["--torque", ".inf"], ["it must be FROM:TO:STEPS"]),
+        (["--torque", "much"], ["it must be FROM:TO:STEPS"]),
+        (["--points", "20"], ["--points 20", "21 or more show 10 harmonics"]),
+        (["--points", "many"], ["--points many", "whole number of positions a pitch"]),
+    ],
+    ids=lambda words: " ".join(words),
+)
+def test_bad_options_are_named_and_exit_with_2(
+    evolvent: Evolvent, case: Path, tmp_path: Path, words: list[str], parts: list[str]
+) -> None:
+    assert_refused(evolvent("static", case, *words, cwd=tmp_path), 2, *parts)
+    assert not any(tmp_path.iterdir())
+
+
+def test_too_many_positions_exit_with_2(evolvent: Evolvent, case: Path, tmp_path: Path) -> None:
+    words = ("--points", "100000", *PITCH_ERRORS)
+    assert_refused(
+        evolvent("static", case, *words, cwd=tmp_path), 2, "--points 100000", "19 pitches of 100000"
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "words", "parts"),
+    [
+        ("paper", [], [":40:3", "meshes.pinion-gear", "give both wheels a module"]),
+        ("paper-rigid", [], ["meshes.pinion-gear", "give both wheels a module"]),
+        (
+            "spur-pair",
+            [
+                *("--set", "meshes.0.contact={law: linear, stiffness: 1e8}"),
+                *("--set", "meshes.0.damping={law: none}"),
+            ],
+            ["--set", "meshes.pinion-gear.contact.law", "law: johnson only"],
+        ),
+        (
+            "spur-pair",
+            [
+                *("--set", "wheels.0.loads=[]", "--set", "wheels.1.loads=[]"),
+                *("--set", "meshes.0.damping={law: none}"),
+            ],
+            ["no torque on mesh pinion-gear", "--torque 50"],
+        ),
+    ],
+    ids=["no module", "rigid", "other law", "no load"],
+)
+def test_cases_without_an_answer_exit_with_3(
+    evolvent: Evolvent,
+    examples: Path,
+    tmp_path: Path,
+    name: str,
+    words: list[str],
+    parts: list[str],
+) -> None:
+    result = evolvent("static", examples / f"{name}.yaml", *words, cwd=tmp_path)
+    assert_refused(result, 3, *parts)
+    assert not any(tmp_path.iterdir())
+
+
+def test_load_beyond_the_model_leaves_what_was_found(
+    evolvent: Evolvent, case: Path, tmp_path: Path
+) -> None:
+    """Contact alone: the teeth yield by more than the path is long under 1e9 N m."""
+    result = evolvent("static", case, "--torque", "100:1e9:3", "-o", tmp_path / "x.h5")
+    assert_refused(result, 3, "under 5E+08 N m", "the torques before it are in", "x.h5.partial")
+    partial = opened(tmp_path / "x.h5.partial")
+    assert partial.attrs["status"] == "failed"
+    assert "under 5E+08 N m" in partial.attrs["status_message"]
+    assert partial["torque"].values.tolist() == [100.0]
+    assert not (tmp_path / "x.h5").exists()
+
+
+def test_interrupt_leaves_what_was_found(executable: Path, case: Path, tmp_path: Path) -> None:
+    words = [
+        executable,
+        "static",
+        case,
+        "--torque",
+        "1:1000:1000",
+        "--points",
+        "2000",
+        "-o",
+        "x.h5",
+    ]
+    with subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as process:
+        wait_for(
+            lambda: (tmp_path / "x.h5.partial").exists() and catches(process.pid, signal.SIGINT)
+        )
+        process.send_signal(signal.SIGINT)
+        _, error = process.communicate(timeout=60)
+    assert process.returncode == 75
+    assert "interrupted by SIGINT; the torques before it are in 'x.h5.partial'" in error
+    assert opened(tmp_path / "x.h5.partial").attrs["status"] == "interrupted"
+
+
+def test_unwritable_output_exits_with_74(evolvent: Evolvent, case: Path, tmp_path: Path) -> None:
+    words = ("static", case, "-o", tmp_path / "nowhere" / "x.h5")
+    assert_refused(evolvent(*words), 74, "cannot write", "create the folder first")
+
+
+def test_case_is_not_replaced_by_its_result(evolvent: Evolvent, case: Path, tmp_path: Path) -> None:
+    copy = tmp_path / "case.yaml"
+    copy.write_text(case.read_text())
+    result = evolvent("static", copy, "-o", copy)
+    assert_refused(result, 2, "the result would replace the case")
+    assert copy.read_text() == case.read_text()
+
+
+def test_same_case_gives_the_same_file(evolvent: Evolvent, case: Path, tmp_path: Path) -> None:
+    for name in ("a.h5", "b.h5"):
+        assert evolvent("static", case, "-o", tmp_path / name, *ANALYTIC).returncode == 0
+    assert (tmp_path / "a.h5").read_bytes() == (tmp_path / "b.h5").read_bytes()
+
+
+def test_mean_modes_have_the_mean_tangent_stiffness(
+    evolvent: Evolvent, case: Path, tmp_path: Path
+) -> None:
+    """But for the slope of what a pair yields, and for the viscous load: 1e-3 of it."""
+    words = (case, *ANALYTIC, "--set", "meshes.0.friction={law: none}", "--json")
+    told = json.loads(evolvent("static", *words, "-o", tmp_path / "x.h5").stdout)
+    mass = json.loads(evolvent("show", *words).stdout)["meshes"]["pinion-gear"]["reference_mass"]
+    modes = json.loads(evolvent("modes", "--mean", *words).stdout)["modes"]
+    expected = np.sqrt(told["mean_tangent_stiffness"][0] / mass) / (2 * np.pi)
+    assert modes[-1]["natural_frequency"] == pytest.approx(expected, rel=2e-3)
