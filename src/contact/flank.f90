@@ -26,7 +26,8 @@ module evl_flank
    implicit none (type, external)
    private
 
-   public :: context_of, exactly_one, flank_slot, flank_t, in_lanes_on_involutes, next_pair, nominal_context, pair_on_path
+   public :: check_edge, context_of, exactly_one, flank_slot, flank_t, in_lanes_on_involutes, next_pair, nominal_context
+   public :: pair_on_path
 
    real(wp), parameter :: exactly_one = 1.0e-9_wp !! contact ratios this near a whole number are one; at 1 pairs hand over
 
@@ -301,8 +302,8 @@ contains
 
       do k = first, last
          if (.not. touches(at(k)%mode)) cycle
-         if (.not. on_involutes(at(k))) call left_involute(contacts(k), at(k)%point, status)
-         if (beyond_flank(at(k)%mode)) call check_edge(contacts(k), at(k), status)
+         call check_edge(contacts(k), at(k), status)
+         if (.not. (has_failed(status) .or. on_involutes(at(k)))) call left_involute(contacts(k), at(k)%point, status)
          if (has_failed(status)) return
       end do
       call self%laws(contacts, first, last, at, status)
@@ -396,21 +397,22 @@ contains
    !> An edge that leaves its mate's flank, and pairs that touch where nothing is known of them.
    pure subroutine check_edge(contact, at, status)
       type(tooth_contact_t), intent(in) :: contact
-      type(contact_state), intent(in) :: at !! of a pair that touches past the end of a flank
+      type(contact_state), intent(in) :: at !! of a pair that touches
       type(status_t), intent(inout) :: status
       integer :: mate, wheel
 
+      if (.not. beyond_flank(at%mode)) return
       if (past_both_ends(at%mode)) call fail(status, code_out_of_domain, "a tooth pair is past both ends of its path of contact" &
                                              //" and carries force: the teeth yield by more than the path is long", &
                                              subject_mesh, contact%mesh, "edge_contact")
       wheel = edge_wheel(at%mode)
       if (wheel == 0) return
       mate = by_a + by_b - wheel
-      if (at%edge%foot(mate) >= contact%fillets(mate)) return
+      if (at%edge%exists .and. at%edge%foot(mate) >= contact%fillets(mate)) return
       call fail(status, code_out_of_domain, "a tip edge of the "//trim(name_of(wheel))//" wheel touches the fillet of the " &
-                //trim(name_of(mate))//" wheel, at a radius of curvature of "//quantity(at%edge%foot(mate), "m") &
-                //"; the fillet begins at "//quantity(contact%fillets(mate), "m")//": relieve the tips, or lower the load", &
-                subject_mesh, contact%mesh, "edge_contact")
+                //trim(name_of(mate))//" wheel, which begins at a radius of curvature of "//quantity(contact%fillets(mate), "m") &
+                //", "//quantity(contact%pair%rho_0 - contact%tips(wheel)%edge%rho_end, "m")//" where its path ends: relieve the" &
+                //" tips, or lower the load", subject_mesh, contact%mesh, "edge_contact")
    end subroutine check_edge
 
    !> A wheel in words.
@@ -450,7 +452,7 @@ contains
 
       lies = .true.
       if (.not. beyond_flank(slot%mode)) return
-      lies = .not. past_both_ends(slot%mode)
+      lies = all(slot%at%edge%exists) .and. .not. past_both_ends(slot%mode)
       wheel = edge_wheel(slot%mode)
       if (wheel == 0) return
       mate = by_a + by_b - wheel

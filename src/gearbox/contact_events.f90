@@ -7,14 +7,14 @@ module evl_contact_events
    use evl_discrete_state, only: gearbox_store_mode, pairs_with
    use evl_event_kinds, only: event_closed, event_edge_closed, event_edge_opened, event_opened
    use evl_event_log, only: event_log, event_of_root, note
-   use evl_flank, only: next_pair
+   use evl_flank, only: check_edge, flank_t, next_pair
    use evl_flank_deviation, only: flank_deviation_t, zone_edge, zone_end, zone_none, zone_root, zone_tip
    use evl_gearbox, only: gearbox_t
    use evl_kinds, only: wp
    use evl_pair_place, only: by_a, by_b, tip_t
    use evl_local_variables, only: n_local, n_track
    use evl_root_kinds, only: moves_friction, moves_pair, moves_zone_a, moves_zone_b, n_root_kinds, n_sides, root_of, root_rows
-   use evl_status, only: code_no_solution, fail, quantity, status_t, subject_mesh
+   use evl_status, only: code_no_solution, fail, has_failed, quantity, status_t, subject_mesh
    use evl_tooth_contact, only: contact_mode, contact_state, edge_wheel, line_length, flanks_apart, flanks_loaded, flanks_off, &
                                 flanks_open, &
                                 flanks_unloaded, settle_friction, settle_zones, tooth_contact_t, touches, unclipped
@@ -24,6 +24,7 @@ module evl_contact_events
    public :: contact_event, parts, roots_of_contact
 
    logical, parameter :: moves_zone(n_root_kinds) = root_rows%moves == moves_zone_a .or. root_rows%moves == moves_zone_b
+   real(wp), parameter :: jump = 1.0e-3_wp    !! overlap over its scale: a gap that closes is nearer to 0
    real(wp), parameter :: grazing = 1.0e-6_wp !! penetration over its scale: below it flanks that part have lost contact
 
 contains
@@ -58,7 +59,7 @@ contains
       type(event_log), intent(inout) :: log
       type(status_t), intent(inout) :: status
       real(wp) :: energy
-      logical :: changed, entered, forward
+      logical :: changed, closes, entered, forward
       logical :: before(n_sides)
       type(flank_place) :: place
       integer :: first, last
@@ -80,9 +81,15 @@ contains
          if (changed .or. any(fired .and. moves_zone)) call place_contact(gearbox, m, y, integers, place, at)
          if (entered) then
             call enter(gearbox, m, first, last, integers, at, log, status)
+            if (contact%has_edges .and. touches(mode)) call past_reach(gearbox, m, at(m), status)
          else if (mode%flanks /= flanks_off) then
             if (any(fired .and. root_rows%moves == moves_friction)) call change_friction(contact, fired, mode, log)
-            call change_contact(contact, fired, at(m), log)
+            closes = .not. touches(mode)
+            if (touches(mode)) call check_edge(contact, at(m), status)
+            call change_contact(gearbox%flanks(contact%i_flank)%flank, contact, fired, at(m), log)
+            ! a gap that closes by a jump is that of an edge that has just come out of the mate's base circle
+            if (closes .and. touches(mode) .and. at(m)%overlap > jump*contact%h_scale) at(m)%edge%exists = .false.
+            if (touches(mode) .and. .not. has_failed(status)) call check_edge(contact, at(m), status)
          end if
          ! the radii of curvature jump at a switch, and friction starts anew with a contact
          if (mode%flanks == flanks_loaded .and. (changed .or. fired(root_of%contact) .or. fired(root_of%force))) &
@@ -105,8 +112,8 @@ contains
       type(status_t), intent(inout) :: status
 
       associate (contact => gearbox%contacts(m))
-         call fail(status, code_no_solution, "a tooth pair still carries "//quantity(unclipped(at), "N")//" with a tip edge " &
-                   //quantity(gearbox%flanks(contact%i_flank)%flank%reach, "")//" pitches past its path of contact: the teeth" &
+         call fail(status, code_no_solution, "a tooth pair carries "//quantity(unclipped(at), "N")//" with a tip edge " &
+                   //quantity(gearbox%flanks(contact%i_flank)%flank%reach, "")//" pitches off its path of contact: the teeth" &
                    //" yield too much for their size; lower the load", subject_mesh, contact%mesh, "edge_contact")
       end associate
    end subroutine past_reach
@@ -288,7 +295,8 @@ contains
    end subroutine begin_sides
 
    !> Closing, opening, and the clip of the force.
-   pure subroutine change_contact(contact, fired, at, log)
+   pure subroutine change_contact(flank, contact, fired, at, log)
+      class(flank_t), intent(in) :: flank
       type(tooth_contact_t), intent(in) :: contact
       logical, intent(in) :: fired(:)
       type(contact_state), intent(inout) :: at
@@ -303,7 +311,7 @@ contains
             if (contact%rigid) return ! an impact decides
             call note(log, merge(event_edge_closed, event_closed, edge_wheel(mode) > 0), contact, mode%tooth_pair)
          case (flanks_loaded, flanks_unloaded)
-            if (fired(root_of%contact) .or. (fired(root_of%force) .and. parts(contact, at))) then
+            if (fired(root_of%contact) .or. (fired(root_of%force) .and. parts(flank, contact, at))) then
                mode%flanks = flanks_open
                call note(log, merge(event_edge_opened, event_opened, edge_wheel(mode) > 0), contact, mode%tooth_pair)
             else if (fired(root_of%force)) then
@@ -315,11 +323,14 @@ contains
    end subroutine change_contact
 
    !> Whether the flanks lose contact at this instant: force and penetration vanish together, which of them first is rounding.
-   pure logical function parts(contact, at)
+   !> Where the others of a flank open and close its gap too, its own rate does not say so: the gap alone does.
+   pure logical function parts(flank, contact, at)
+      class(flank_t), intent(in) :: flank
       type(tooth_contact_t), intent(in) :: contact
       type(contact_state), intent(in) :: at
 
       parts = at%overlap < grazing*contact%h_scale .and. (at%point%h_dot < 0 .or. contact%rigid)
+      if (flank%couples) parts = at%overlap <= 0
    end function parts
 
    !> The event that a root function of a contact is which passes zero in a mode.

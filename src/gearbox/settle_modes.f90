@@ -148,7 +148,8 @@ contains
          end do
          ! rigid flanks close by impacts, and their forces are found together
          if (contact%rigid) passed([root_of%contact, root_of%force], :) = .false.
-         if (at(m)%mode%flanks == flanks_open .and. parts(contact, at(m))) passed(root_of%contact, :) = .false.
+         if (at(m)%mode%flanks == flanks_open .and. parts(gearbox%flanks(contact%i_flank)%flank, contact, at(m))) &
+            passed(root_of%contact, :) = .false.
       end associate
    end subroutine passed_now
 

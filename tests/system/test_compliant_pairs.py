@@ -155,6 +155,39 @@ def test_a_pair_first_touches_where_another_program_says(runs: Runs) -> None:
     assert pitches == pytest.approx(0.098846, abs=1e-5)
 
 
+# teeth, profile shift of the pinion, its torque [N m]; what is said
+TOO_MUCH = {
+    "fillet": (14, 0.2, 100.0, "a tip edge of the driven wheel touches the fillet of the driving"),
+    "reach": (20, 0.0, 1000.0, "N with a tip edge 0.4 pitches off its path of contact"),
+}
+
+
+@both_integrators
+@pytest.mark.parametrize(("teeth", "shift", "load", "said"), TOO_MUCH.values(), ids=TOO_MUCH)
+def test_what_edges_cannot_carry_ends_a_run(
+    runs: Runs, integrator: str, teeth: int, shift: float, load: float, said: str
+) -> None:
+    """Where nothing is known of them: in a fillet, and far off the path."""
+    speed = 150.0
+    start_here = {"pinion": -speed, "gear": speed * teeth / 80}
+    held = {"bore": 0.008, "compliance": {}}
+    case = real_pair(
+        (teeth, 80),
+        width=WIDTH,
+        wheels=(
+            {**held, "profile_shift": shift, **torque(-load)},
+            {**held, **torque(-load * 80 / teeth)},
+        ),
+        mesh={"backlash": 1e-5, "tooth_coupling": "false"},
+        **{"duration": 4e-3, "output_interval": 1e-5, "tolerance": 1e-7},
+        **{"integrator": integrator},
+        initial={"kind": "speeds", "speeds": start_here, "gaps": {"pinion-gear": -1e-5}},
+    )
+    run = runs(case)
+    assert run.exit_code == 4, run.messages
+    assert said in run.messages
+
+
 def test_both_integrators_have_one_motion(runs: Runs) -> None:
     """Between them lie the errors of both tolerances, 1e-10 of the scales a step."""
     found = []
