@@ -327,8 +327,8 @@ const command static_command = {
         "summary.\n"
         "\n"
         "Examples:\n"
-        "  evolvent static examples/spur-pair.yaml\n"
-        "  evolvent static examples/spur-pair.yaml --torque 10:100:10 -o harris.h5\n"
+        "  evolvent static examples/compliant-pair.yaml\n"
+        "  evolvent static examples/compliant-pair.yaml --torque 10:200:20 -o harris.h5\n"
         "  evolvent static examples/two-stage-gears.yaml --mesh 1 --points 100\n",
     .file = "case file",
     .size = sizeof(static_options),

@@ -186,7 +186,7 @@ def load_sharing(run: Run) -> Figure:
 
 
 @figure(
-    "Harris map: peak to peak and harmonics of the transmission error over the torque",
+    "Harris map: peak to peak and harmonics over the torque",
     "peak_to_peak_transmission_error",
     "harmonic_amplitude",
     of=STATIC,
