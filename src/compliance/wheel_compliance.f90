@@ -250,14 +250,59 @@ contains
       real(wp), intent(in) :: here(lanes), there(lanes)
       real(wp), intent(out) :: value(lanes), by_here(lanes), by_there(lanes)
       type(coupling_at_t) :: at
-      integer :: k
+      real(wp), dimension(lanes) :: by, dby
+      real(wp), dimension(lanes, 0:n_other) :: t, dt, s, ds
+      real(wp) :: stretch
+      integer :: i, k, m
 
-      do k = 1, lanes
-         call self%coupling(j, here(k), there(k), at)
-         value(k) = at%value
-         by_here(k) = at%by_here
-         by_there(k) = at%by_there
+      if (self%is_table .or. j < 1 .or. j > self%neighbours) then
+         do k = 1, lanes
+            call self%coupling(j, here(k), there(k), at)
+            value(k) = at%value
+            by_here(k) = at%by_here
+            by_there(k) = at%by_there
+         end do
+         return
+      end if
+      stretch = 2/(self%high - self%low)
+      call values_in_lanes(stretch*(here - self%low) - 1, t, dt)
+      call values_in_lanes(stretch*(there - self%low) - 1, s, ds)
+      value = 0
+      by_here = 0
+      by_there = 0
+      do i = 0, n_other
+         by = 0
+         dby = 0
+         do m = 0, n_other
+            do k = 1, lanes
+               by(k) = by(k) + t(k, m)*self%other_coefficient(m, i, j)
+               dby(k) = dby(k) + dt(k, m)*self%other_coefficient(m, i, j)
+            end do
+         end do
+         do k = 1, lanes
+            value(k) = value(k) + by(k)*s(k, i)
+            by_here(k) = by_here(k) + dby(k)*stretch*s(k, i)
+            by_there(k) = by_there(k) + by(k)*ds(k, i)*stretch
+         end do
       end do
    end subroutine coupling_lanes
+
+   !> T_k(x) and T_k'(x) in eight states.
+   pure subroutine values_in_lanes(x, t, dt)
+      real(wp), intent(in) :: x(lanes)
+      real(wp), intent(out), dimension(lanes, 0:n_other) :: t, dt
+      integer :: k, m
+
+      t(:, 0) = 1
+      dt(:, 0) = 0
+      t(:, 1) = x
+      dt(:, 1) = 1
+      do m = 2, n_other
+         do k = 1, lanes
+            t(k, m) = 2*x(k)*t(k, m - 1) - t(k, m - 2)
+            dt(k, m) = 2*t(k, m - 1) + 2*x(k)*dt(k, m - 1) - dt(k, m - 2)
+         end do
+      end do
+   end subroutine values_in_lanes
 
 end module evl_wheel_compliance

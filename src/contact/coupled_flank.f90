@@ -17,7 +17,7 @@ module evl_coupled_flank
    use evl_force_lanes, only: lane_slot
    use evl_kinds, only: lanes, wp
    use evl_local_variables, only: n_local
-   use evl_pair_compliance, only: gather_compliance, pair_compliance
+   use evl_pair_compliance, only: gather_compliance, gather_in_lanes, pair_compliance
    use evl_pair_place, only: by_a, by_b, pair_feet
    use evl_status, only: code_ok, code_out_of_domain, fail, quantity, status_t, subject_mesh
    use evl_tooth_contact, only: contact_state, feet_of, flank_drive, flanks_open, tooth_contact_t, touches
@@ -47,6 +47,13 @@ module evl_coupled_flank
       real(wp) :: h(most_pairs) = 0.0_wp, line(most_pairs) = 1.0_wp !! [m]
       type(pair_feet) :: feet(most_pairs)
    end type pairs_t
+
+   !> The same in eight states.
+   type :: lane_pairs
+      integer :: n = 0
+      integer :: contact(most_pairs), number(most_pairs)
+      real(wp) :: h(most_pairs, lanes), line(most_pairs, lanes), foot(lanes, 2, most_pairs)
+   end type lane_pairs
 
 contains
 
@@ -288,18 +295,34 @@ contains
       end associate
    end subroutine slope_changes
 
-   !> Pairs in one of eight states.
-   pure subroutine list_lane(first, last, l, slots, pairs)
-      integer, intent(in) :: first, last, l
-      type(lane_slot), intent(in) :: slots(*)
-      type(pairs_t), intent(inout) :: pairs
-      integer :: k
+   !> Add a pair in eight states.
+   pure subroutine add_in_lanes(pairs, contact, slot)
+      type(lane_pairs), intent(inout) :: pairs
+      integer, intent(in) :: contact
+      type(lane_slot), intent(in) :: slot
+      integer :: l
 
-      do k = first, last
-         if (slots(k)%touches) call add_pair(pairs, k, slots(k)%mode%tooth_pair, slots(k)%at%h(l), &
-                                             [slots(k)%at%rho_a(l), slots(k)%at%rho_b(l)], foot_in_lane(slots(k), l))
-      end do
-   end subroutine list_lane
+      pairs%n = pairs%n + 1
+      associate (n => pairs%n, at => slot%at)
+         pairs%contact(n) = contact
+         pairs%number(n) = slot%mode%tooth_pair
+         do l = 1, lanes
+            pairs%h(n, l) = at%h(l)
+            pairs%line(n, l) = at%rho_a(l) + at%rho_b(l) - at%h(l)
+            pairs%foot(l, :, n) = foot_in_lane(slot, l)
+         end do
+      end associate
+   end subroutine add_in_lanes
+
+   !> What they yield to each other.
+   pure subroutine compliance_in_lanes(self, contact, pairs, c, d)
+      class(coupled_flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contact !! one of the flank
+      type(lane_pairs), intent(in) :: pairs
+      real(wp), intent(out) :: c(lanes, most_pairs, most_pairs), d(lanes, most_pairs, most_pairs, 2)
+
+      call gather_in_lanes(self%a, self%b, self%k_difference, contact%flank == flank_drive, pairs%n, pairs%number, pairs%foot, c, d)
+   end subroutine compliance_in_lanes
 
    !> `laws` in eight states.
    subroutine laws_in_lanes(self, contacts, first, last, slots, answered)
@@ -308,36 +331,36 @@ contains
       integer, intent(in) :: first, last
       type(lane_slot), intent(inout) :: slots(*)
       logical, intent(out) :: answered
-      type(pairs_t) :: pairs
-      type(pair_compliance) :: compliance
+      type(lane_pairs) :: pairs
       type(coupled_answer) :: answer
-      real(wp) :: g(most_pairs)
+      real(wp) :: c(lanes, most_pairs, most_pairs), d(lanes, most_pairs, most_pairs, 2), here(most_pairs, most_pairs), g(most_pairs)
       integer :: code, i, k, l
 
       answered = .true.
       do k = first, last
          if (.not. slots(k)%touches) cycle
          answered = answered .and. in_lanes_on_involutes(slots(k))
+         call add_in_lanes(pairs, k, slots(k))
       end do
-      if (.not. answered) return
-      do l = 1, lanes
-         pairs%n = 0
-         call list_lane(first, last, l, slots, pairs)
-         if (pairs%n == 0) return
-         call compliance_of(self, contacts(first), pairs, compliance)
-         call solve_pairs(pairs%n, pairs%h, pairs%line, compliance%c, contacts(first)%e_star, .false., answer, code)
-         answered = code == code_ok
-         if (.not. answered) return
-         call overlaps(pairs%n, pairs%h, compliance%c, answer, g)
-         do i = 1, pairs%n
-            associate (slot => slots(pairs%contact(i)), n => pairs%n)
-               slot%force%elastic(l) = contacts(first)%width*answer%force(i)
-               slot%force%slope_a(l) = dot_product(compliance%d(i, :n, by_a), answer%force(:n))
-               slot%force%slope_b(l) = dot_product(compliance%d(i, :n, by_b), answer%force(:n))
-               slot%at%overlap(l) = g(i)
-            end associate
+      if (.not. answered .or. pairs%n == 0) return
+      call compliance_in_lanes(self, contacts(first), pairs, c, d)
+      associate (n => pairs%n)
+         do l = 1, lanes
+            here(:n, :n) = c(l, :n, :n)
+            call solve_pairs(n, pairs%h(:n, l), pairs%line(:n, l), here, contacts(first)%e_star, .false., answer, code)
+            answered = code == code_ok
+            if (.not. answered) return
+            call overlaps(n, pairs%h(:n, l), here, answer, g)
+            do i = 1, n
+               associate (slot => slots(pairs%contact(i)))
+                  slot%force%elastic(l) = contacts(first)%width*answer%force(i)
+                  slot%force%slope_a(l) = dot_product(d(l, i, :n, by_a), answer%force(:n))
+                  slot%force%slope_b(l) = dot_product(d(l, i, :n, by_b), answer%force(:n))
+                  slot%at%overlap(l) = g(i)
+               end associate
+            end do
          end do
-      end do
+      end associate
       do i = 1, pairs%n
          associate (at => slots(pairs%contact(i))%at, force => slots(pairs%contact(i))%force)
             force%d_energy = 0
@@ -355,32 +378,32 @@ contains
       type(lane_slot), intent(in) :: slots(*)
       type(lane_slot), intent(inout) :: aside(*)
       logical, intent(in) :: nearby
-      type(pairs_t) :: pairs
-      type(pair_compliance) :: compliance
+      type(lane_pairs) :: pairs
       type(coupled_answer) :: answer
-      real(wp) :: g(most_pairs)
+      real(wp) :: c(lanes, most_pairs, most_pairs), d(lanes, most_pairs, most_pairs, 2), here(most_pairs, most_pairs), g(most_pairs)
+      real(wp) :: force(lanes, most_pairs)
       integer :: i, k, l, n
 
       if (all(aside(self%first:self%last)%mode%flanks /= flanks_open)) return
+      do k = self%first, self%last
+         if (.not. aside(k)%touches) cycle
+         if (nearby) then
+            call add_in_lanes(pairs, k, slots(k))
+            force(:, pairs%n) = slots(k)%force%elastic/contacts(k)%width
+         else
+            call add_in_lanes(pairs, k, aside(k))
+            force(:, pairs%n) = aside(k)%force%elastic/contacts(k)%width
+         end if
+      end do
+      n = pairs%n
+      do k = self%first, self%last
+         if (aside(k)%mode%flanks == flanks_open) call add_in_lanes(pairs, k, aside(k))
+      end do
+      call compliance_in_lanes(self, contacts(self%first), pairs, c, d)
       do l = 1, lanes
-         pairs%n = 0
-         if (nearby) call list_lane(self%first, self%last, l, slots, pairs)
-         if (.not. nearby) call list_lane(self%first, self%last, l, aside, pairs)
-         n = pairs%n
-         do i = 1, n
-            answer%force(i) = aside(pairs%contact(i))%force%elastic(l)/contacts(pairs%contact(i))%width
-            if (nearby) answer%force(i) = slots(pairs%contact(i))%force%elastic(l)/contacts(pairs%contact(i))%width
-         end do
-         answer%force(n + 1:) = 0
-         do k = self%first, self%last
-            associate (slot => aside(k))
-               if (slot%mode%flanks == flanks_open) &
-                  call add_pair(pairs, k, slot%mode%tooth_pair, slot%at%h(l), [slot%at%rho_a(l), slot%at%rho_b(l)], &
-                                foot_in_lane(slot, l))
-            end associate
-         end do
-         call compliance_of(self, contacts(self%first), pairs, compliance)
-         call overlaps(pairs%n, pairs%h, compliance%c, answer, g)
+         here(:pairs%n, :pairs%n) = c(l, :pairs%n, :pairs%n)
+         answer%force(:n) = force(l, :n)
+         call overlaps(pairs%n, pairs%h(:, l), here, answer, g)
          do i = n + 1, pairs%n
             aside(pairs%contact(i))%at%overlap(l) = g(i)
          end do

@@ -9,13 +9,13 @@
 !> gives both cylinders the same part of the displacement, and two materials have not: 0 for wheels of one material.
 module evl_pair_compliance
    use evl_coupled_pairs, only: most_pairs
-   use evl_kinds, only: wp
+   use evl_kinds, only: lanes, wp
    use evl_pair_place, only: by_a, by_b, pair_feet
    use evl_wheel_compliance, only: coupling_at_t, own_at_t, wheel_compliance_t
    implicit none (type, external)
    private
 
-   public :: gather_compliance, own_of_pair, pair_compliance
+   public :: gather_compliance, gather_in_lanes, own_of_pair, pair_compliance
 
    !> C with its derivatives. Every term of N C N is that of a pair k with a pair l, so the diagonal has halves.
    type :: pair_compliance
@@ -78,6 +78,62 @@ contains
       compliance%d_both(first, second, w) = at%here_there
       compliance%d_both(second, first, w) = at%here_there
    end subroutine add_other
+
+   !> C and its first derivatives, as of `pair_compliance`, in eight states; coupled.
+   pure subroutine gather_in_lanes(a, b, k_difference, is_drive, n, numbers, foot, c, d)
+      class(wheel_compliance_t), intent(in) :: a, b
+      real(wp), intent(in) :: k_difference
+      logical, intent(in) :: is_drive
+      integer, intent(in) :: n
+      integer, intent(in) :: numbers(n)
+      real(wp), intent(in) :: foot(lanes, 2, n)
+      real(wp), intent(out) :: c(lanes, most_pairs, *), d(lanes, most_pairs, most_pairs, 2)
+      real(wp), dimension(lanes) :: value_a, value_b, slope_a, slope_b
+      integer :: k, l
+
+      do k = 1, n
+         call a%own_lanes(foot(:, by_a, k), value_a, slope_a)
+         call b%own_lanes(foot(:, by_b, k), value_b, slope_b)
+         if (abs(k_difference) > 0) then
+            !GCC$ novector
+            do l = 1, lanes
+               value_a(l) = value_a(l) + k_difference/2*log(foot(l, by_a, k)/foot(l, by_b, k))
+               slope_a(l) = slope_a(l) + k_difference/2/foot(l, by_a, k)
+               slope_b(l) = slope_b(l) + (-k_difference/2)/foot(l, by_b, k)
+            end do
+         end if
+         c(:, k, k) = value_a + value_b
+         d(:, k, k, by_a) = slope_a/2
+         d(:, k, k, by_b) = slope_b/2
+      end do
+      do k = 1, n
+         do l = k + 1, n
+            c(:, k, l) = 0
+            call add_other_in_lanes(a, by_a, is_drive, numbers, foot, k, l, c, d)
+            call add_other_in_lanes(b, by_b,.not. is_drive, numbers, foot, k, l, c, d)
+         end do
+      end do
+   end subroutine gather_in_lanes
+
+   !> What one wheel has of C_kl there.
+   pure subroutine add_other_in_lanes(wheel, w, against, numbers, foot, k, l, c, d)
+      class(wheel_compliance_t), intent(in) :: wheel
+      integer, intent(in) :: w
+      logical, intent(in) :: against
+      integer, intent(in) :: numbers(:), k, l
+      real(wp), intent(in) :: foot(:, :, :)
+      real(wp), intent(inout) :: c(lanes, most_pairs, *), d(lanes, most_pairs, most_pairs, 2)
+      real(wp), dimension(lanes) :: value, by_here, by_there
+      integer :: first, second
+
+      first = merge(l, k, against .eqv. numbers(l) > numbers(k))
+      second = k + l - first
+      call wheel%coupling_lanes(abs(numbers(k) - numbers(l)), foot(:, w, first), foot(:, w, second), value, by_here, by_there)
+      c(:, k, l) = c(:, k, l) + value
+      c(:, l, k) = c(:, k, l)
+      d(:, first, second, w) = by_here
+      d(:, second, first, w) = by_there
+   end subroutine add_other_in_lanes
 
    !> What a pair yields to its own load: the parts of A and B, whose sum is C_kk.
    pure subroutine own_of_pair(a, b, k_difference, foot, own)

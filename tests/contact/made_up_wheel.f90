@@ -1,7 +1,7 @@
 !> A wheel that yields as somebody made up, for the tests: smooth functions with a few parameters in place of elements.
 module made_up_wheel
    use evl_deviating_flanks, only: flank_value
-   use evl_kinds, only: wp
+   use evl_kinds, only: lanes, wp
    use evl_static_mesh, only: flank_lacks_t
    use evl_wheel_compliance, only: coupling_at_t, own_at_t, wheel_compliance_t
    implicit none (type, external)
@@ -17,7 +17,9 @@ module made_up_wheel
       real(wp) :: p(n_numbers) = 0.0_wp
    contains
       procedure :: own => own_tooth
+      procedure :: own_lanes => own_in_lanes
       procedure :: coupling => other_tooth
+      procedure :: coupling_lanes => other_in_lanes
    end type made_up_t
 
    !> Flanks with a parabola of the profile, p1 + p2 s + p3 s**2, s = rho less the end of the flank, and p4 + p5 s for each tooth
@@ -63,6 +65,38 @@ contains
          at%here_there = far*p(8)/s**2
       end associate
    end subroutine other_tooth
+
+   !> c in eight states.
+   pure subroutine own_in_lanes(self, rho, value, slope)
+      class(made_up_t), intent(in) :: self
+      real(wp), intent(in) :: rho(lanes)
+      real(wp), intent(out) :: value(lanes), slope(lanes)
+      type(own_at_t) :: at
+      integer :: l
+
+      do l = 1, lanes
+         call self%own(rho(l), at)
+         value(l) = at%value
+         slope(l) = at%slope
+      end do
+   end subroutine own_in_lanes
+
+   !> c_j in eight states.
+   pure subroutine other_in_lanes(self, j, here, there, value, by_here, by_there)
+      class(made_up_t), intent(in) :: self
+      integer, intent(in) :: j
+      real(wp), intent(in) :: here(lanes), there(lanes)
+      real(wp), intent(out) :: value(lanes), by_here(lanes), by_there(lanes)
+      type(coupling_at_t) :: at
+      integer :: l
+
+      do l = 1, lanes
+         call self%coupling(j, here(l), there(l), at)
+         value(l) = at%value
+         by_here(l) = at%by_here
+         by_there(l) = at%by_there
+      end do
+   end subroutine other_in_lanes
 
    !> What a flank lacks.
    pure subroutine relieved(self, wheel, pair, rho, beyond, value)
