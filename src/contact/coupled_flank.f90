@@ -14,14 +14,15 @@ module evl_coupled_flank
    use evl_damping_law, only: viscous_force
    use evl_elastic_law, only: elastic_result
    use evl_flank, only: context_of, in_lanes_on_involutes
+   use evl_flank_pairs, only: add_in_lanes, lane_pairs, list_pairs, pairs_t
    use evl_force_lanes, only: lane_slot
    use evl_kinds, only: lanes, wp
    use evl_local_variables, only: n_local
    use evl_pair_compliance, only: gather_compliance, gather_in_lanes, pair_compliance
-   use evl_pair_place, only: by_a, by_b, pair_feet
+   use evl_pair_place, only: by_a, by_b
    use evl_status, only: code_ok, code_out_of_domain, fail, quantity, status_t, subject_mesh
-   use evl_tooth_contact, only: contact_state, feet_of, flank_drive, flanks_open, tooth_contact_t, touches
-   use evl_yielding_flank, only: change_of, foot_in_lane, yielding_flank_t
+   use evl_tooth_contact, only: contact_state, flank_drive, flanks_open, tooth_contact_t, touches
+   use evl_yielding_flank, only: change_of, yielding_flank_t
    implicit none (type, external)
    private
 
@@ -39,22 +40,6 @@ module evl_coupled_flank
       procedure :: find_overlaps_in_lanes
    end type coupled_flank_t
 
-   !> Pairs of a flank at a state.
-   type :: pairs_t
-      integer :: n = 0
-      integer :: contact(most_pairs) = 0 !! of the gearbox
-      integer :: number(most_pairs) = 0  !! of the tooth pair
-      real(wp) :: h(most_pairs) = 0.0_wp, line(most_pairs) = 1.0_wp !! [m]
-      type(pair_feet) :: feet(most_pairs)
-   end type pairs_t
-
-   !> The same in eight states.
-   type :: lane_pairs
-      integer :: n = 0
-      integer :: contact(most_pairs), number(most_pairs)
-      real(wp) :: h(most_pairs, lanes), line(most_pairs, lanes), foot(lanes, 2, most_pairs)
-   end type lane_pairs
-
 contains
 
    !> All contacts of the flank.
@@ -66,35 +51,6 @@ contains
       first = self%first
       last = self%last
    end subroutine company
-
-   !> Add a pair at h, rho_A and rho_B, loaded at its feet.
-   pure subroutine add_pair(pairs, contact, number, h, rho, foot)
-      type(pairs_t), intent(inout) :: pairs
-      integer, intent(in) :: contact, number
-      real(wp), intent(in) :: h, rho(2), foot(2)
-
-      pairs%n = pairs%n + 1
-      pairs%contact(pairs%n) = contact
-      pairs%number(pairs%n) = number
-      pairs%h(pairs%n) = h
-      pairs%line(pairs%n) = rho(by_a) + rho(by_b) - h
-      pairs%feet(pairs%n)%foot = foot
-   end subroutine add_pair
-
-   !> Pairs in one state: those that touch, and those that lie open if they count.
-   pure subroutine list_pairs(first, last, at, with_open, pairs)
-      integer, intent(in) :: first, last
-      type(contact_state), intent(in) :: at(*)
-      logical, intent(in) :: with_open
-      type(pairs_t), intent(inout) :: pairs
-      integer :: k
-
-      do k = first, last
-         if (.not. (touches(at(k)%mode) .or. (with_open .and. at(k)%mode%flanks == flanks_open))) cycle
-         call add_pair(pairs, k, at(k)%mode%tooth_pair, at(k)%point%h, [at(k)%point%rho_a, at(k)%point%rho_b], &
-                       feet_of(at(k)))
-      end do
-   end subroutine list_pairs
 
    !> What they yield to each other.
    pure subroutine compliance_of(self, contact, pairs, compliance)
@@ -294,25 +250,6 @@ contains
          end do
       end associate
    end subroutine slope_changes
-
-   !> Add a pair in eight states.
-   pure subroutine add_in_lanes(pairs, contact, slot)
-      type(lane_pairs), intent(inout) :: pairs
-      integer, intent(in) :: contact
-      type(lane_slot), intent(in) :: slot
-      integer :: l
-
-      pairs%n = pairs%n + 1
-      associate (n => pairs%n, at => slot%at)
-         pairs%contact(n) = contact
-         pairs%number(n) = slot%mode%tooth_pair
-         do l = 1, lanes
-            pairs%h(n, l) = at%h(l)
-            pairs%line(n, l) = at%rho_a(l) + at%rho_b(l) - at%h(l)
-            pairs%foot(l, :, n) = foot_in_lane(slot, l)
-         end do
-      end associate
-   end subroutine add_in_lanes
 
    !> What they yield to each other.
    pure subroutine compliance_in_lanes(self, contact, pairs, c, d)

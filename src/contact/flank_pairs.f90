@@ -1,0 +1,80 @@
+!> The tooth pairs of a flank that count for each other's forces: which they are, and where, in one state and in eight.
+module evl_flank_pairs
+   use evl_coupled_pairs, only: most_pairs
+   use evl_force_lanes, only: lane_slot
+   use evl_kinds, only: lanes, wp
+   use evl_pair_place, only: by_a, by_b, pair_feet
+   use evl_tooth_contact, only: contact_state, feet_of, flanks_open, touches
+   use evl_yielding_flank, only: foot_in_lane
+   implicit none (type, external)
+   private
+
+   public :: add_in_lanes, lane_pairs, list_pairs, pairs_t
+
+   !> Pairs of a flank at a state.
+   type :: pairs_t
+      integer :: n = 0
+      integer :: contact(most_pairs) = 0 !! of the gearbox
+      integer :: number(most_pairs) = 0  !! of the tooth pair
+      real(wp) :: h(most_pairs) = 0.0_wp, line(most_pairs) = 1.0_wp !! [m]
+      type(pair_feet) :: feet(most_pairs)
+   end type pairs_t
+
+   !> The same in eight states.
+   type :: lane_pairs
+      integer :: n = 0
+      integer :: contact(most_pairs), number(most_pairs)
+      real(wp) :: h(most_pairs, lanes), line(most_pairs, lanes), foot(lanes, 2, most_pairs)
+   end type lane_pairs
+
+contains
+
+   !> Add a pair at h, rho_A and rho_B, loaded at its feet.
+   pure subroutine add_pair(pairs, contact, number, h, rho, foot)
+      type(pairs_t), intent(inout) :: pairs
+      integer, intent(in) :: contact, number
+      real(wp), intent(in) :: h, rho(2), foot(2)
+
+      pairs%n = pairs%n + 1
+      pairs%contact(pairs%n) = contact
+      pairs%number(pairs%n) = number
+      pairs%h(pairs%n) = h
+      pairs%line(pairs%n) = rho(by_a) + rho(by_b) - h
+      pairs%feet(pairs%n)%foot = foot
+   end subroutine add_pair
+
+   !> Pairs in one state: those that touch, and those that lie open if they count.
+   pure subroutine list_pairs(first, last, at, with_open, pairs)
+      integer, intent(in) :: first, last
+      type(contact_state), intent(in) :: at(*)
+      logical, intent(in) :: with_open
+      type(pairs_t), intent(inout) :: pairs
+      integer :: k
+
+      do k = first, last
+         if (.not. (touches(at(k)%mode) .or. (with_open .and. at(k)%mode%flanks == flanks_open))) cycle
+         call add_pair(pairs, k, at(k)%mode%tooth_pair, at(k)%point%h, [at(k)%point%rho_a, at(k)%point%rho_b], &
+                       feet_of(at(k)))
+      end do
+   end subroutine list_pairs
+
+   !> Add a pair in eight states.
+   pure subroutine add_in_lanes(pairs, contact, slot)
+      type(lane_pairs), intent(inout) :: pairs
+      integer, intent(in) :: contact
+      type(lane_slot), intent(in) :: slot
+      integer :: l
+
+      pairs%n = pairs%n + 1
+      associate (n => pairs%n, at => slot%at)
+         pairs%contact(n) = contact
+         pairs%number(n) = slot%mode%tooth_pair
+         do l = 1, lanes
+            pairs%h(n, l) = at%h(l)
+            pairs%line(n, l) = at%rho_a(l) + at%rho_b(l) - at%h(l)
+            pairs%foot(l, :, n) = foot_in_lane(slot, l)
+         end do
+      end associate
+   end subroutine add_in_lanes
+
+end module evl_flank_pairs
