@@ -1,6 +1,7 @@
 !> Makes the tooth contacts of a gearbox from its meshes: how many there are, their constants, their links to the state.
 module evl_contact_build
    use evl_compliant_mesh, only: make_flank
+   use evl_coupled_pairs, only: most_pairs
    use evl_edge_contact, only: make_tip
    use evl_first_tooth_pair, only: tooth_phase_t
    use evl_flank, only: exactly_one
@@ -142,6 +143,12 @@ contains
             call take_coast(pair, gearbox%phases(contact%mesh), contact)
          end if
          contact%pair%advance = -contact%pair%sigma*contact%pair%r_ba*contact%pair%ratio_a
+         if (gearbox%flanks(contact%i_flank)%flank%couples .and. contact%n_slots > most_pairs) then
+            call fail(status, code_invalid_input, "at its contact ratio of "//quantity(pair%contact_ratio, "")//" more tooth" &
+                      //" pairs can touch at once than the program can couple: give tooth_coupling: false", subject_mesh, &
+                      contact%mesh, "tooth_coupling")
+            return
+         end if
          if (contact%rigid .and. pair%has_coast .and. .not. pair%backlash > 0) then
             call fail(status, code_invalid_input, "rigid contacts need backlash, but the normal backlash of this mesh is " &
                       //quantity(pair%backlash, "m")//": both flanks would touch at once", subject_mesh, contact%mesh, &

@@ -123,3 +123,19 @@ def test_real_gears_that_do_not_bend_are_told_once_how_they_could(
         assert text.count("only the contact gives way") == bool(said)
         assert said in text
         assert text.count("'compliance: {}' in its wheels") == bool(said)
+
+
+def test_more_pairs_than_can_be_coupled_are_refused(evolvent: Evolvent, examples: Path) -> None:
+    """Slender teeth of a contact ratio of 4.6: six pairs with their edges, and one that waits."""
+    rack = "{addendum: 2.2, dedendum: 2.45, root_radius: 0.05}"
+    slender = [
+        f"wheels.{wheel}.{key}={value}"
+        for wheel in (0, 1)
+        for key, value in (("teeth", 120), ("profile_shift", 0), ("pressure_angle", 14.5))
+    ]
+    racks = [f"wheels.{wheel}.rack={rack}" for wheel in (0, 1)]
+    table = TABLE.replace("}", ", c_1: [7e-12, 6e-12]}")
+    options = settings(*slender, *racks, "meshes.0.centre_distance=0.3603", table)
+    result = evolvent("run", examples / "spur-pair.yaml", *options)
+    assert result.returncode == CASE
+    assert "tooth_coupling: at its contact ratio of 4.61389 more tooth pairs" in result.stderr
