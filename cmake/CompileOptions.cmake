@@ -24,7 +24,7 @@ target_compile_options(
     -ffp-contract=off
     # GCC 12 fuses a product and a sum all the same where it makes vectors of statements whose signs alternate, as in
     # (n s + t c, t s - n c); vectors of loops stay.
-    -fno-tree-slp-vectorize
+    $<$<COMPILE_LANGUAGE:Fortran>:-fno-tree-slp-vectorize>
     # Nobody replaces a procedure of the shared kernel by another at load time, so it may be inlined as in the executable.
     -fno-semantic-interposition
     $<$<BOOL:${EVOLVENT_NATIVE}>:-march=native>
