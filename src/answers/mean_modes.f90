@@ -12,12 +12,15 @@ module evl_mean_modes
    use evl_modes, only: linearised_matrix, modes_of_matrix
    use evl_outputs, only: gearbox_outputs
    use evl_rational, only: divisor_of
-   use evl_status, only: has_failed, status_t
+   use evl_status, only: clear, has_failed, status_t
    implicit none (type, external)
    private
 
    public :: gearbox_mean_modes
 
+   !> Places in the part of a position, the first that has a steady state counts: where a damper's force jumps as flanks close, some
+   !> have none.
+   real(wp), parameter :: places(3) = [1/2.0_wp, 1/6.0_wp, 5/6.0_wp]
    integer, parameter :: primes(2) = [997, 1009]        !! positions; the second if the first divides the number of pitches
    integer(int64), parameter :: most_pitches = 10000    !! of the first mesh; whole pitches of all meshes may need more
 
@@ -36,7 +39,7 @@ contains
       type(status_t), intent(inout) :: status           !! as gearbox_modes, and of a steady start
       real(wp) :: matrix(gearbox%n_states, gearbox%n_states), yp(gearbox%n_states), outputs(gearbox%n_values), span
       real(wp), allocatable :: there(:, :)
-      integer :: i, n
+      integer :: i, n, try
 
       n_modes = 0
       n_rigid = 0
@@ -47,7 +50,11 @@ contains
       span = real(whole_pitches(gearbox), wp)
       n = primes(merge(2, 1, modulo(whole_pitches(gearbox), int(primes(1), int64)) == 0))
       do i = 1, n
-         call start_at((i - 0.5_wp)/n*span)
+         do try = 1, size(places)
+            call clear(status)
+            call start_at((i - places(try))/n*span)
+            if (.not. has_failed(status)) exit
+         end do
          if (has_failed(status)) return
          call linearised_matrix(gearbox, t, y, integers, reals, there, status)
          if (.not. has_failed(status)) call gearbox_outputs(gearbox, t, y, integers, reals, .false., outputs, status)

@@ -311,3 +311,20 @@ def test_mean_modes_have_the_mean_tangent_stiffness(
     modes = json.loads(evolvent("modes", "--mean", *words).stdout)["modes"]
     expected = np.sqrt(told["mean_tangent_stiffness"][0] / mass) / (2 * np.pi)
     assert modes[-1]["natural_frequency"] == pytest.approx(expected, rel=2e-3)
+
+
+def test_mean_modes_pass_places_without_a_steady_state(evolvent: Evolvent, case: Path) -> None:
+    """A damper's force jumps as flanks close: at one of 997 places here neither mode balances."""
+    model = "{model: analytic}"
+    words = (case, "--set", f"wheels.0.compliance={model}", "--set", f"wheels.1.compliance={model}")
+    words = (*words, "--set", "meshes.0.friction={law: none}")
+    alone = evolvent("modes", *words, "--mesh-position", repr(948.5 / 997))
+    assert (alone.returncode, "no steady state" in alone.stderr) == (3, True)
+    mean = evolvent("modes", "--mean", *words, "--json")
+    assert mean.returncode == 0, mean.stderr
+    near = [
+        json.loads(evolvent("modes", *words, "--mesh-position", x, "--json").stdout)["modes"]
+        for x in ("0.25", "0.75")
+    ]
+    low, high = sorted(modes[-1]["natural_frequency"] for modes in near)
+    assert low < json.loads(mean.stdout)["modes"][-1]["natural_frequency"] < high
