@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ import xarray as xr
 from gearbox_reference import solve
 from synthetic import make_events, make_history, write_history
 
+from evolvent.commands.post.app import main
 from kernel.gearbox import event_names
 from kernel.kernel import Kernel
 
@@ -47,3 +49,18 @@ def smooth_run(tmp_path_factory: pytest.TempPathFactory, kinds: list[str]) -> Ru
     """Half a second without friction: no event at all."""
     folder = tmp_path_factory.mktemp("runs")
     return _run(folder, "smooth", solve(friction=0.0, t_end=0.5), kinds)
+
+
+@pytest.fixture
+def post(monkeypatch, capsys, tmp_path):
+    """Run evolvent-post in an empty folder: exit code, stdout, stderr."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments: object) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["evolvent-post", *map(str, arguments)])
+        with pytest.raises(SystemExit) as stopped:
+            main()
+        captured = capsys.readouterr()
+        return int(stopped.value.code or 0), captured.out, captured.err
+
+    return run

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -13,24 +12,8 @@ from real_gears import RealPair, no_events
 from synthetic import write_history
 
 from evolvent.commands.post.app import COMMANDS as POST
-from evolvent.commands.post.app import main
 from evolvent.figures.table import FIGURES
 from evolvent.history import HISTORY
-
-
-@pytest.fixture
-def post(monkeypatch, capsys, tmp_path):
-    """Run evolvent-post in an empty folder: exit code, stdout, stderr."""
-    monkeypatch.chdir(tmp_path)
-
-    def run(*arguments: object) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["evolvent-post", *map(str, arguments)])
-        with pytest.raises(SystemExit) as stopped:
-            main()
-        captured = capsys.readouterr()
-        return int(stopped.value.code or 0), captured.out, captured.err
-
-    return run
 
 
 @pytest.fixture

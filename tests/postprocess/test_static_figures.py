@@ -2,33 +2,16 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from static_curves import RATIO, REACH, share_at, static_curves
 
-from evolvent.commands.post.app import main
 from evolvent.figures.static import path_of_pair
 from evolvent.figures.table import Run, harris, load_sharing, mesh_stiffness, speeds
 from evolvent.figures.table import static_transmission_error as transmission_error
 from evolvent.history import HISTORY, STATIC, HistoryError, open_history, open_result, result_kind
-
-
-@pytest.fixture
-def post(monkeypatch, capsys, tmp_path):
-    """Run evolvent-post in an empty folder: exit code, stdout, stderr."""
-    monkeypatch.chdir(tmp_path)
-
-    def run(*arguments: object) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["evolvent-post", *map(str, arguments)])
-        with pytest.raises(SystemExit) as stopped:
-            main()
-        captured = capsys.readouterr()
-        return int(stopped.value.code or 0), captured.out, captured.err
-
-    return run
 
 
 @pytest.fixture
