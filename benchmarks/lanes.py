@@ -27,6 +27,7 @@ sys.path.insert(0, str(ROOT / "tests"))
 from kernel.gearbox import OPEN, Gearbox  # noqa: E402
 from kernel.gearbox_cases import paper_gearbox  # noqa: E402
 from kernel.kernel import Kernel, _at  # noqa: E402
+from kernel.radau import Radau  # noqa: E402
 
 LANES, EVALUATIONS, RUNS = 8, 200_000, 60
 DURATION, OUTPUTS, PENETRATION = 5.0, 1001, 3e-9
@@ -38,7 +39,7 @@ COUNTS = (
     "iterations",
     "jacobians",
     "factorisations",
-    "roots",
+    "root_evaluations",
 )
 
 
@@ -74,23 +75,14 @@ def evaluation(gearbox: Gearbox) -> tuple[float, float, float]:
 
 def integrate(gearbox: Gearbox, tolerance: float, runs: int) -> tuple[np.ndarray, float, list[int]]:
     """States at the outputs, time of the fastest run [s] and counts."""
-    library = gearbox.library
-    state, scale = gearbox.start(), gearbox.scales()[0]
-    library.evl_radau_create.restype = ctypes.c_void_p
-    radau = ctypes.c_void_p(
-        library.evl_radau_create(
-            gearbox.handle,
-            _at(scale),
-            *map(ctypes.c_double, (tolerance, DURATION / 50)),
-            None,
-        )
-    )
-    outputs = np.empty((OUTPUTS, len(scale)))
+    library, state = gearbox.library, gearbox.start()
+    radau = Radau(gearbox, tolerance, max_step=DURATION / 50)
+    outputs = np.empty((OUTPUTS, len(state.y)))
 
     def run() -> None:
         code = library.lanes_integrate(
             gearbox.handle,
-            radau,
+            radau.handle,
             *(_at(state.y), _at(state.integers), _at(state.reals)),
             ctypes.c_double(DURATION),
             OUTPUTS,
@@ -99,10 +91,8 @@ def integrate(gearbox: Gearbox, tolerance: float, runs: int) -> tuple[np.ndarray
         assert code == 0, code
 
     seconds = fastest(run, runs)
-    counts = (ctypes.c_int * len(COUNTS))()
-    library.evl_radau_get_counts(radau, counts)
-    library.evl_radau_delete(ctypes.byref(radau))
-    return outputs, seconds, list(counts)
+    counts = radau.counts()
+    return outputs, seconds, [getattr(counts, name) for name in COUNTS]
 
 
 def penetration(gearbox: Gearbox, outputs: np.ndarray) -> np.ndarray:

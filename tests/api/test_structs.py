@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ctypes
+import importlib
 import re
 from pathlib import Path
 
@@ -52,3 +54,21 @@ def types() -> dict[str, list[str]]:
 @pytest.mark.parametrize("name", sorted(types()))
 def test_the_fields_of_a_struct_are_those_of_its_type(name: str) -> None:
     assert structs()[name] == types()[name]
+
+
+def bindings() -> dict[str, type[ctypes.Structure]]:
+    """Structures of the tests' binding, by the struct that their first line names."""
+    found = {}
+    for module in sorted((ROOT / "tests" / "kernel").glob("[a-z]*.py")):
+        for value in vars(importlib.import_module(f"kernel.{module.stem}")).values():
+            if isinstance(value, type) and issubclass(value, ctypes.Structure):
+                name = re.match(r"`(evl_\w+)`", value.__doc__ or "")
+                if name:
+                    found[name[1]] = value
+    return found
+
+
+@pytest.mark.parametrize("name", sorted(bindings()))
+def test_the_fields_of_a_struct_are_those_of_its_binding(name: str) -> None:
+    """A binding that is shorter than its struct lets the kernel write beyond it."""
+    assert structs()[name] == [field[0] for field in bindings()[name]._fields_]

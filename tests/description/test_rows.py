@@ -117,7 +117,7 @@ def in_range(row: Row, value: float) -> bool:
 def block_accepted(table: list[Row], block: str, value: dict[str, Any]) -> bool:
     """Whether a block has only keys of its variant, and all that are required."""
     of_block = [row for row in table if row.block == block]
-    variant = value.get(of_block[0].key, of_block[0].default)
+    variant = value.get(of_block[0].key, of_block[0].default_text)
     own = {
         row.key: row
         for row in of_block
@@ -130,15 +130,15 @@ def block_accepted(table: list[Row], block: str, value: dict[str, Any]) -> bool:
 
 
 def test_every_default_is_accepted_by_its_own_row(table: list[Row]):
-    with_default = [row for row in table if row.default]
+    with_default = [row for row in table if row.default_text]
     assert len(with_default) > 40
     for row in with_default:
-        default = row.default if row.type == NAME else yaml.safe_load(row.default)
+        default = row.default_text if row.type == NAME else yaml.safe_load(row.default_text)
         assert accepted(table, row, default), row
 
 
 def test_no_row_is_both_required_and_given_a_default(table: list[Row]):
-    assert [(row.block, row.key) for row in table if row.required and row.default] == []
+    assert [(row.block, row.key) for row in table if row.required and row.default_text] == []
 
 
 BAD_ENTRIES: dict[str, tuple[dict[str, Any], int, int, str]] = {

@@ -39,7 +39,7 @@ class _Row(ctypes.Structure):
         ("text", ctypes.c_char * TEXT),
         *((name, ctypes.c_double) for name in ("minimum", "maximum")),
         *((name, ctypes.c_bool) for name in ("minimum_open", "maximum_open", "required")),
-        ("default", ctypes.c_char * (2 * SHORT)),
+        ("default_text", ctypes.c_char * (2 * SHORT)),
         ("words", ctypes.c_char * TEXT),
         ("holds", ctypes.c_char * SHORT),
         ("variants", ctypes.c_char * TEXT),
@@ -91,7 +91,7 @@ class Row(NamedTuple):
     minimum_open: bool
     maximum_open: bool
     required: bool
-    default: str
+    default_text: str
     words: str
     holds: str
     variants: str
@@ -163,7 +163,7 @@ def create(library: ctypes.CDLL, case: dict[str, Any], status: Any) -> ctypes.c_
 
 def _of_block(table: list[Row], block: str, case: dict[str, Any], level: int) -> Iterator[Entry]:
     of_block = [row for row in table if row.block == block]
-    variant = case.get(of_block[0].key, of_block[0].default)
+    variant = case.get(of_block[0].key, of_block[0].default_text)
     for key, value in case.items():
         named = [row for row in of_block if row.key == key]
         fits = [row for row in named if variant in row.variants.split()] or named

@@ -142,7 +142,7 @@ def law_block(kernel: Kernel, family: int, choice: LawChoice | Block) -> Block:
     given = {
         row.key: value
         for row, value in zip(law.rows, choice.parameters, strict=False)
-        if row.required or row.default or not np.isnan(value)
+        if row.required or row.default_text or not np.isnan(value)
     }
     return Block(law=law.name, **given)
 

@@ -290,7 +290,7 @@ class Kernel:
                 continue
             choice = LawChoice(law=index)
             for i, row in enumerate(info.rows):
-                default = None if row.required else float(row.default or "nan")
+                default = None if row.required else float(row.default_text or "nan")
                 choice.parameters[i] = parameters.pop(row.key, default)
             assert not parameters, f"law {name} has no {', '.join(parameters)}"
             return choice

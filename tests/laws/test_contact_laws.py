@@ -195,7 +195,7 @@ def test_parameters_are_described_with_unit_default_and_range(kernel: Kernel):
         np.inf,
     )
     assert (delta.key, delta.unit, delta.required) == ("regularisation_velocity", "m/s", False)
-    assert (float(delta.default), delta.minimum, delta.minimum_open) == (1e-4, 0, True)
+    assert (float(delta.default_text), delta.minimum, delta.minimum_open) == (1e-4, 0, True)
     linear, one_sided = kernel.laws(DAMPING)[1:3]
     assert linear.rows[0].unit == "N s/m"
     assert one_sided.rows[0].unit == "N s/m2"

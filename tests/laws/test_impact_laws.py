@@ -92,7 +92,7 @@ def test_the_smallest_v0_is_left_to_the_mesh_by_default(kernel: Kernel, name: st
     (info,) = [law for law in kernel.laws(DAMPING) if law.name == name]
     restitution, v0_min = info.rows[:2]
     assert (v0_min.key, v0_min.unit, v0_min.required) == ("v0_min", "m/s", False)
-    assert not v0_min.default
+    assert not v0_min.default_text
     assert (v0_min.minimum, v0_min.minimum_open) == (0, True)
     assert (restitution.key, restitution.unit, restitution.required) == ("restitution", "", True)
     assert (restitution.minimum, restitution.minimum_open) == (0, name in DIVIDING)
