@@ -81,6 +81,7 @@ contains
       call begin(teller, in_wheel_teeth, dims_wheel, index, is_static=.true.)
       call tell(teller, "root_radius", "m", "r_f", "root radius; 0 if not known", gear%root_radius)
       call tell(teller, "form_radius", "m", "r_Ff", "radius where the involute begins; 0 if not known", gear%form_radius)
+      call tell(teller, "tip_rounding", "m", "r_t", "radius of the arcs that round the tips; 0: sharp edges", gear%tip_rounding)
       call tell(teller, "active_radius", "m", "r_Nf", &
                 "radius where the active profile begins, the smallest over its meshes; 0 without", active)
       call tell(teller, "tooth_angle", "rad", "psi", "angle that a tooth fills on the base circle; 0 if not known", &

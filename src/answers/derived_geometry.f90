@@ -155,6 +155,8 @@ contains
       call tell(to, "reference_diameter", "m", "d", "reference diameter", 2*g%reference_radius)
       call tell(to, "base_diameter", "m", "d_b", "base diameter", 2*g%base_radius)
       call tell(to, "tip_diameter", "m", "d_a", "tip diameter", 2*g%tip_radius)
+      call tell(to, "tip_form_diameter", "m", "d_Fa", "tip form diameter", 2*g%tip_form_radius)
+      call tell(to, "tip_rounding", "m", "r_t", "rounding of the tip", g%tip_rounding)
       call tell(to, "root_diameter", "m", "d_f", "root diameter", 2*g%root_radius)
       call tell(to, "form_diameter", "m", "d_Ff", "root form diameter", 2*g%form_radius)
       call tell(to, "bore", "m", "", "bore", 2*g%bore_radius)

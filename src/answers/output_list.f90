@@ -12,7 +12,7 @@ module evl_output_list
    use evl_mesh_reference, only: mesh_reference_t
    use evl_motion_outputs, only: tell_gearbox, tell_shaft, tell_shaft_constants, tell_wheel, wheel_motion
    use evl_output, only: dims_mesh, dims_mesh_pair, dims_shaft, dims_wheel, in_coast, in_pose, output_t
-   use evl_pair_outputs, only: no_point, tell_pair
+   use evl_pair_outputs, only: no_point, nowhere, tell_pair
    use evl_rotation, only: identity
    use evl_shaft, only: shaft_t
    use evl_teller, only: fill, list, teller_t, told
@@ -69,7 +69,7 @@ contains
       call tell_gearbox(teller, 0.0_wp, 0, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp)
       call tell_wheel(teller, 1, motion)
       call tell_mesh(teller, 1, at, 0.0_wp, 0.0_wp, 0.0_wp, total, points)
-      call tell_pair(teller, 1, contact, at%mode, no_point, no_force, 0, 0)
+      call tell_pair(teller, 1, contact, at%mode, no_point, nowhere, no_force, 0, 0)
       call tell_coast(teller, 1, 0.0_wp, 0.0_wp)
       call tell_wheel_position(teller, 1, wheel)
       call tell_mesh_position(teller, 1, contact)

@@ -7,13 +7,13 @@ module evl_pair_outputs
    use evl_kinds, only: wp
    use evl_output, only: dims_mesh_pair, in_pairs, needs_pairs
    use evl_teller, only: begin, needs, tell, teller_t, wants
-   use evl_tooth_contact, only: contact_force, contact_mode, contact_state, edge_wheel, flank_coast, flanks_off, no_force, &
-                                no_mode, tooth_contact_t, tooth_of_a, tooth_of_b
+   use evl_tooth_contact, only: contact_force, contact_mode, contact_state, edge_wheel, feet_of, flank_coast, flanks_off, &
+                                no_force, no_mode, tooth_contact_t, tooth_of_a, tooth_of_b
    use evl_touching_flanks, only: contact_pressure
    implicit none (type, external)
    private
 
-   public :: no_point, tell_pair, tell_pairs
+   public :: no_point, nowhere, tell_pair, tell_pairs
 
    real(wp), parameter :: nan = transfer(int(z"7FF8000000000000", int64), 1.0_wp)
    !> Off the path.
@@ -21,16 +21,18 @@ module evl_pair_outputs
                                                               c=nan, &
                                                               l_a=nan, l_b=nan, v_t=nan, arm_a=nan, arm_b=nan, tilt=nan, &
                                                               rho_dot=nan, omega_a=nan, omega_b=nan, multiplier=nan)
+   real(wp), parameter :: nowhere(2) = [nan, nan]
 
 contains
 
    !> A tooth contact; off the path without point and force.
-   subroutine tell_pair(teller, place, contact, mode, point, force, tooth_a, tooth_b)
+   subroutine tell_pair(teller, place, contact, mode, point, foot, force, tooth_a, tooth_b)
       type(teller_t), intent(inout) :: teller
       integer, intent(in) :: place            !! of all of all meshes
       type(tooth_contact_t), intent(in) :: contact
       type(contact_mode), intent(in) :: mode
       type(contact_point), intent(in) :: point
+      real(wp), intent(in) :: foot(2)         !! roll lengths at which A and B are loaded [m]
       type(contact_force), intent(in) :: force
       integer, intent(in) :: tooth_a, tooth_b !! its teeth, from 0
       real(wp) :: pressure
@@ -43,9 +45,9 @@ contains
       call tell(teller, "pair_position", "m", "rho_Ak", &
                 "radius of curvature of the driving flank at the contact; NaN off the path", point%rho_a)
       pressure = 0
-      if (wants(teller)) pressure = contact_pressure(contact, mode, force%normal, point)
+      if (wants(teller)) pressure = contact_pressure(contact, mode, force%normal, point, foot)
       call tell(teller, "pair_contact_pressure", "Pa", "p_k", &
-                "largest contact pressure; NaN where a hollow flank has no Hertzian one, and on a tip edge", pressure)
+                "largest contact pressure; NaN where a hollow flank has no Hertzian one, and on a sharp tip edge", pressure)
       call tell(teller, "pair_on_path", "1", "", "1 if the tooth pair is on the path of contact, or within reach of its edges", &
                 mode%flanks /= flanks_off)
       call tell(teller, "pair_number", "1", "k", "the tooth pair: pitches since the start", mode%tooth_pair)
@@ -72,7 +74,7 @@ contains
       before = (mesh - 1)*gearbox%n_pair_places
       if (gearbox%first(mesh + 1) - gearbox%first(mesh) < gearbox%n_pair_places) then
          do place = before + 1, before + gearbox%n_pair_places
-            call tell_pair(teller, place, gearbox%contacts(gearbox%first(mesh)), nothing, no_point, no_force, 0, 0)
+            call tell_pair(teller, place, gearbox%contacts(gearbox%first(mesh)), nothing, no_point, nowhere, no_force, 0, 0)
          end do
       end if
       do m = gearbox%first(mesh), gearbox%first(mesh + 1) - 1
@@ -81,9 +83,10 @@ contains
             associate (tooth_a => modulo(tooth_of_a(contact, mode%tooth_pair), gearbox%wheels(contact%wheel_a)%teeth), &
                        tooth_b => modulo(tooth_of_b(contact, mode%tooth_pair), gearbox%wheels(contact%wheel_b)%teeth))
                if (mode%flanks == flanks_off) then
-                  call tell_pair(teller, place, contact, mode, no_point, no_force, tooth_a, tooth_b)
+                  call tell_pair(teller, place, contact, mode, no_point, nowhere, no_force, tooth_a, tooth_b)
                else
-                  call tell_pair(teller, place, contact, mode, contacts(m)%point, contacts(m)%force, tooth_a, tooth_b)
+                  call tell_pair(teller, place, contact, mode, contacts(m)%point, feet_of(contacts(m)), contacts(m)%force, &
+                                 tooth_a, tooth_b)
                end if
             end associate
          end associate

@@ -279,7 +279,7 @@ contains
          mode = no_mode
          mode%tooth_pair = state%numbers(i)
          call settle_zones(contact, at_rest%line, point, mode)
-         pressure = pressure_at(contact, force, touching_curvature(contact, mode, point))
+         pressure = pressure_at(contact, force, touching_curvature(contact, mode, point, feet%foot))
       end associate
    end function pressure_of
 

@@ -2,7 +2,6 @@
 !> material, and how they give way.
 module evl_mesh_at_rest
    use evl_deviating_flanks, only: flank_value
-   use evl_edge_contact, only: make_tip
    use evl_flank_deviation, only: deviation_branch, deviation_on, deviation_zone, flank_branch, flank_deviation_t, zone_end
    use evl_kinds, only: pi, wp
    use evl_pair_place, only: by_a, by_b
@@ -45,8 +44,7 @@ contains
          mesh%fillets = contact%fillets
          mesh%couples = couples
          mesh%reach = reach
-         call make_tip(contact%deviation_a, pair%r_ba, pair%r_bb, contact%rho_tip_a, 0.0_wp, mesh%line, mesh%tips(by_a))
-         call make_tip(contact%deviation_b, pair%r_bb, pair%r_ba, contact%rho_tip_b, 0.0_wp, mesh%line, mesh%tips(by_b))
+         mesh%tips = contact%tips
          allocate (mesh%a, source=a)
          allocate (mesh%b, source=b)
          allocate (lacks)

@@ -17,11 +17,12 @@ module evl_touching_flanks
    use evl_deviating_flanks, only: flank_value
    use evl_flank_deviation, only: deviation_borders, deviation_on, flank_branch, flank_deviation_t, zone_none, zone_root, zone_tip
    use evl_kinds, only: pi, wp
+   use evl_pair_place, only: by_a, by_b
    use evl_tooth_contact, only: contact_mode, edge_wheel, flank_branches, flank_values, no_mode, settle_zones, tooth_contact_t
    implicit none (type, external)
    private
 
-   public :: contact_pressure, largest_second_order, pressure_at, second_order_gap, touching_curvature
+   public :: contact_pressure, edge_curvature, largest_second_order, pressure_at, second_order_gap, touching_curvature
 
    integer, parameter :: n_places = 200 !! of the path that are looked at
    integer, parameter :: n_teeth = 60   !! tooth pairs that are looked at, where runout makes them differ
@@ -33,14 +34,15 @@ module evl_touching_flanks
 contains
 
    !> Largest contact pressure of a tooth pair [Pa], Hertz's for a line contact.
-   pure real(wp) function contact_pressure(contact, mode, normal, point) result(pressure)
+   pure real(wp) function contact_pressure(contact, mode, normal, point, foot) result(pressure)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_mode), intent(in) :: mode
       real(wp), intent(in) :: normal !! F_n [N]
       type(contact_point), intent(in) :: point
+      real(wp), intent(in) :: foot(2) !! as of `touching_curvature`
 
       pressure = 0
-      if (normal > 0) pressure = pressure_at(contact, normal, touching_curvature(contact, mode, point))
+      if (normal > 0) pressure = pressure_at(contact, normal, touching_curvature(contact, mode, point, foot))
    end function contact_pressure
 
    !> The same where the flanks are known [Pa].
@@ -53,18 +55,22 @@ contains
    end function pressure_at
 
    !> Sum of the curvatures of two flanks where they touch [1/m]; NaN if it is not positive, as where one is more hollow than the
-   !> other is round. At the corner of a linear relief, that of the relief.
-   pure real(wp) function touching_curvature(contact, mode, point) result(curvature)
+   !> other is round, and on a sharp edge. At the corner of a linear relief, that of the relief.
+   pure real(wp) function touching_curvature(contact, mode, point, foot) result(curvature)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_mode), intent(in) :: mode
       type(contact_point), intent(in) :: point !! on the line of action
+      real(wp), intent(in) :: foot(2)          !! roll lengths at which A and B are loaded: where an edge touches its mate [m]
       type(flank_branch) :: branch_a, branch_b
       type(flank_value) :: a, b
       real(wp) :: on_a, on_b, rho_a, rho_b, sharpness, step, x
-      integer :: i
+      integer :: i, wheel
 
-      curvature = ieee_value(curvature, ieee_quiet_nan)
-      if (edge_wheel(mode) > 0) return ! a sharp edge has none
+      wheel = edge_wheel(mode)
+      if (wheel > 0) then
+         curvature = edge_curvature(contact%tips(wheel)%edge%rounding, foot(by_a + by_b - wheel))
+         return
+      end if
       curvature = 1/point%rho_a + 1/point%rho_b
       if (is_involute(contact%deviation_a, mode%zone_a) .and. is_involute(contact%deviation_b, mode%zone_b)) return
       call flank_branches(contact, mode, branch_a, branch_b)
@@ -94,6 +100,14 @@ contains
       end associate
       if (x > 0) curvature = x
    end function touching_curvature
+
+   !> Sum of the curvatures of a rounded edge and its mate [1/m]; NaN of a sharp edge.
+   elemental real(wp) function edge_curvature(rounding, rho_mate) result(curvature)
+      real(wp), intent(in) :: rounding, rho_mate !! [m]
+
+      curvature = ieee_value(curvature, ieee_quiet_nan)
+      if (rounding > 0) curvature = 1/rho_mate + 1/rounding
+   end function edge_curvature
 
    !> Whether a flank is an involute in a zone, on its place.
    pure logical function is_involute(deviation, zone)

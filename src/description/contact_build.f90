@@ -12,6 +12,7 @@ module evl_contact_build
    use evl_local_variables, only: at_normal, at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_theta, at_track, &
                                   at_u_a, at_u_b, at_v_a, at_v_b, i_omega, i_theta, local_link, n_track, wheel_link
    use evl_mesh_geometry, only: spur_pair_least_radius, spur_pair_t
+   use evl_pair_place, only: by_a, by_b
    use evl_rational, only: rational_scaled
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel
    use evl_tangent_line, only: find_tangent_line
@@ -121,15 +122,14 @@ contains
          contact%tooth_b = gearbox%phases(contact%mesh)%tooth_b
          contact%deviation_a = gearbox%wheels(a)%deviation
          contact%deviation_b = gearbox%wheels(b)%deviation
-         if (contact%has_edges) then
-            call make_tip(contact%deviation_a, pair%base_radius_a, pair%base_radius_b, pair%rho_tip_a, 0.0_wp, pair%rho, &
-                          contact%tips(1))
-            call make_tip(contact%deviation_b, pair%base_radius_b, pair%base_radius_a, pair%rho_tip_b, 0.0_wp, pair%rho, &
-                          contact%tips(2))
-            associate (gears => gearbox%gears([a, b]))
-               contact%fillets = sqrt(max(gears%form_radius**2 - gears%base_radius**2, 0.0_wp))
-            end associate
-         end if
+         associate (gear_a => gearbox%gears(a), gear_b => gearbox%gears(b), tips => contact%tips)
+            call make_tip(contact%deviation_a, pair%base_radius_a, pair%base_radius_b, pair%rho_tip_a, gear_a%tip_rounding, &
+                          pair%rho, tips(by_a))
+            call make_tip(contact%deviation_b, pair%base_radius_b, pair%base_radius_a, pair%rho_tip_b, gear_b%tip_rounding, &
+                          pair%rho, tips(by_b))
+            contact%fillets = sqrt(max([gear_a%form_radius, gear_b%form_radius]**2 &
+                                       - [gear_a%base_radius, gear_b%base_radius]**2, 0.0_wp))
+         end associate
          if (contact%flank == flank_drive) then
             contact%pair%sigma = real(pair%sigma, wp)
             contact%step = pair%base_pitch

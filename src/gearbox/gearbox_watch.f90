@@ -8,7 +8,6 @@
 !> which it was first reached has `_time` behind that.
 module evl_gearbox_watch
    use evl_closed_form, only: transmission_error
-   use evl_contact_point, only: contact_point
    use evl_contact_roots, only: contact_roots
    use evl_contacts_at_state, only: look_at
    use evl_discrete_state, only: leading_contact
@@ -18,7 +17,7 @@ module evl_gearbox_watch
    use evl_local_variables, only: i_theta
    use evl_root_kinds, only: n_root_kinds
    use evl_status, only: has_failed, status_t
-   use evl_tooth_contact, only: contact_mode, contact_state, flank_drive, flanks_loaded, flanks_off, locate_anywhere, &
+   use evl_tooth_contact, only: contact_state, edge_wheel, feet_of, flank_drive, flanks_loaded, flanks_off, locate_anywhere, &
                                 tooth_contact_t, touches, tracking_closed_form, unclipped
    use evl_touching_flanks, only: contact_pressure, pressure_at, touching_curvature
    implicit none (type, external)
@@ -120,9 +119,9 @@ contains
                   if (.not. normal > 0) cycle
                   associate (channel => channel_of(contact%mesh, watch_pair_pressure), point => at(m)%point)
                      if (present(kept) .and. contact%deviates) then
-                        call raise_pressure(contact, at(m)%mode, normal, point, near*highest(channel), kept(:, m), values(channel))
+                        call raise_pressure(contact, at(m), normal, near*highest(channel), kept(:, m), values(channel))
                      else if (contact%deviates) then
-                        call raise(contact_pressure(contact, at(m)%mode, normal, point), values(channel))
+                        call raise(contact_pressure(contact, at(m)%mode, normal, point, feet_of(at(m))), values(channel))
                      else
                         call raise(pressure_at(contact, normal, 1/point%rho_a + 1/point%rho_b), values(channel))
                      end if
@@ -166,40 +165,42 @@ contains
       values(before + watch_friction) = values(before + watch_friction) - normal*factor
    end subroutine watch_pair
 
-   !> Raise the pressure of a mesh to that of a tooth pair; one that a limit is far above is estimated.
-   pure subroutine raise_pressure(contact, mode, normal, point, limit, kept, pressure)
+   !> Raise the pressure of a mesh to that of a tooth pair; one that a limit is far above is estimated, but for that of an edge,
+   !> which is soon found.
+   pure subroutine raise_pressure(contact, at, normal, limit, kept, pressure)
       type(tooth_contact_t), intent(in) :: contact
-      type(contact_mode), intent(in) :: mode
+      type(contact_state), intent(in) :: at
       real(wp), intent(in) :: normal !! F_n > 0 [N]
-      type(contact_point), intent(in) :: point
       real(wp), intent(in) :: limit  !! of estimates [Pa]
       real(wp), intent(inout) :: kept(n_kept)
       real(wp), intent(inout) :: pressure
       real(wp) :: estimate
 
-      call estimate_curvature(contact, mode, point, kept, estimate)
-      estimate = pressure_at(contact, normal, max(estimate, 0.0_wp))
-      if (.not. estimate <= limit) estimate = contact_pressure(contact, mode, normal, point)
+      estimate = huge(limit)
+      if (edge_wheel(at%mode) == 0) then
+         call estimate_curvature(contact, at, kept, estimate)
+         estimate = pressure_at(contact, normal, max(estimate, 0.0_wp))
+      end if
+      if (.not. estimate <= limit) estimate = contact_pressure(contact, at%mode, normal, at%point, feet_of(at))
       call raise(estimate, pressure)
    end subroutine raise_pressure
 
    !> About the curvature of both flanks of a tooth pair together: along its slope from where it was found last.
-   pure subroutine estimate_curvature(contact, mode, point, kept, curvature)
+   pure subroutine estimate_curvature(contact, at, kept, curvature)
       type(tooth_contact_t), intent(in) :: contact
-      type(contact_mode), intent(in) :: mode
-      type(contact_point), intent(in) :: point
+      type(contact_state), intent(in) :: at
       real(wp), intent(inout) :: kept(n_kept) !! rho_A, curvature and slope there; zeros: nothing is known
       real(wp), intent(out) :: curvature
       real(wp), parameter :: reach = 1.0e-2_wp  !! of the radii of curvature: so far a slope holds; without one a tenth of that
       real(wp) :: way, far, slope, found
 
-      way = point%rho_a - kept(1)
-      far = reach*min(point%rho_a, point%rho_b)
+      way = at%point%rho_a - kept(1)
+      far = reach*min(at%point%rho_a, at%point%rho_b)
       if (.not. (kept(2) > 0 .and. abs(way) <= merge(far, far/10, abs(kept(3)) > 0))) then
-         found = touching_curvature(contact, mode, point)
+         found = touching_curvature(contact, at%mode, at%point, feet_of(at))
          slope = 0
          if (kept(2) > 0 .and. abs(way) > 0 .and. abs(way) < 2*far) slope = (found - kept(2))/way
-         kept = [point%rho_a, found, slope]
+         kept = [at%point%rho_a, found, slope]
          way = 0
       end if
       curvature = kept(2) + kept(3)*way

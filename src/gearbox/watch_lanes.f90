@@ -10,9 +10,11 @@ module evl_watch_lanes
                                 watch_penetration, watch_sliding
    use evl_kinds, only: lanes, pi, wp
    use evl_line_lanes, only: centre_turn_in_lanes, lane_line, line_in_lanes, motion_in_lanes
+   use evl_pair_place, only: by_a, by_b
    use evl_radau_coefficients, only: n_stages
-   use evl_tooth_contact, only: contact_mode, flank_drive, flanks_loaded, flanks_off, flanks_open, tooth_contact_t, touches
-   use evl_touching_flanks, only: touching_curvature
+   use evl_tooth_contact, only: contact_mode, edge_wheel, flank_drive, flanks_loaded, flanks_off, flanks_open, tooth_contact_t, &
+                                touches
+   use evl_touching_flanks, only: edge_curvature, touching_curvature
    implicit none (type, external)
    private
 
@@ -114,17 +116,27 @@ contains
       real(wp), parameter :: same = 1.0e-6_wp !! of rho: places this near have the same curvature, to far less than the margin
       type(contact_point) :: point
       real(wp) :: from, to, way
+      integer :: l, wheel
 
       associate (rho_a => slot%at%rho_a, rho_b => slot%at%rho_b)
          curvature = (rho_a + rho_b)/(rho_a*rho_b)
          if (.not. contact%deviates) return
+         wheel = edge_wheel(slot%mode)
+         if (wheel > 0) then
+            slot%rho_seen = 0 ! of a flank nothing is known
+            if (.not. contact%tips(wheel)%edge%rounding > 0) return
+            do l = 1, lanes
+               curvature(l) = edge_curvature(contact%tips(wheel)%edge%rounding, slot%at%edge(l)%foot(by_a + by_b - wheel))
+            end do
+            return
+         end if
          from = slot%curvature_seen
          if (abs(slot%rho_seen - rho_a(lanes)) > same*rho_a(lanes)) then
             call take_lane(slot%at, lanes, point)
-            from = touching_curvature(contact, slot%mode, point)
+            from = touching_curvature(contact, slot%mode, point, [point%rho_a, point%rho_b])
          end if
          call take_lane(slot%at, n_stages, point)
-         to = touching_curvature(contact, slot%mode, point)
+         to = touching_curvature(contact, slot%mode, point, [point%rho_a, point%rho_b])
          slot%rho_seen = rho_a(n_stages)
          slot%curvature_seen = to
          way = rho_a(n_stages) - rho_a(lanes)

@@ -5,6 +5,13 @@
 !> rho/r_b at the radius r_y, the tooth thickness there is r_y (psi - 2 inv alpha_y), psi = s/r + 2 inv alpha being the angle that
 !> the tooth fills on the base circle.
 !>
+!> A tip rounded by r_t touches the tip circle and the involute from inside: its centre lies at the radius r_a - r_t on the
+!> involute's normal, so the involute ends at the radius of curvature
+!>
+!>    rho_Fa = r_t + sqrt((r_a - r_t)^2 - r_b^2)
+!>
+!> and half the angle that is left of the tip's arc is psi/2 - r_t/r_b - inv alpha_M, cos alpha_M = r_b/(r_a - r_t).
+!>
 !> Source: ISO 21771:2007, sections 4 and 5; ISO 53:1998, basic rack.
 module evl_gear
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
@@ -18,7 +25,7 @@ module evl_gear
    implicit none (type, external)
    private
 
-   public :: gear_derive, gear_radius_of_curvature, gear_t, gear_thickness
+   public :: gear_derive, gear_radius_of_curvature, gear_t, gear_thickness, gear_tip_curvature
    public :: agreement, thin_tip
 
    real(wp), parameter :: agreement = 1.0e-9_wp   !! relative: two given lengths that differ less are the same
@@ -39,6 +46,9 @@ module evl_gear
                                            variants="+module"), &
                               row_t("tip_alteration", type_number, "", "tip alteration coefficient k, in modules; 0 unless given", &
                                            range=range_t(-5.0_wp, 5.0_wp), variants="+module"), &
+                                     row_t("tip_rounding", type_number, "m", &
+                                           "radius r_t of the arcs that round the tips; 0: sharp edges", &
+                                           range=not_negative, default="0", variants="+module"), &
                                      row_t("thickness_allowance", type_number, "m", &
                                        "change of the tooth thickness on the reference circle; negative: thinner teeth, backlash", &
                                            range=range_t(maximum=0.0_wp), default="0", variants="+module"), &
@@ -68,6 +78,8 @@ module evl_gear
       real(c_double) :: reference_radius = 0.0_wp      !! r [m]
       real(c_double) :: base_radius = 0.0_wp           !! r_b [m]
       real(c_double) :: tip_radius = 0.0_wp            !! r_a [m]
+      real(c_double) :: tip_rounding = 0.0_wp          !! r_t [m]
+      real(c_double) :: tip_form_radius = 0.0_wp       !! r_Fa, where the involute ends [m]
       real(c_double) :: root_radius = 0.0_wp           !! r_f [m]
       real(c_double) :: form_radius = 0.0_wp           !! r_Ff, where the involute begins [m]
       real(c_double) :: bore_radius = 0.0_wp           !! [m]
@@ -104,6 +116,7 @@ contains
       g%thickness_allowance = given%number("thickness_allowance")
       if (present(allowance)) g%thickness_allowance = allowance
       g%bore_radius = given%number("bore")/2
+      g%tip_rounding = given%number("tip_rounding")
       call check_rack(rack, g%pressure_angle, status)
       if (has_failed(status)) return
       associate (m => g%normal_module, alpha => g%pressure_angle)
@@ -124,6 +137,8 @@ contains
          g%undercut_shift = rack%dedendum - rack%root_radius*(1 - sin(alpha)) - g%teeth*sin(alpha)**2/2
       end associate
       call check_gear(rack, g, status)
+      if (has_failed(status)) return
+      call round_tip(g, status)
       if (.not. has_failed(status)) gear = g
    end subroutine gear_derive
 
@@ -134,6 +149,13 @@ contains
 
       rho = sqrt((radius - gear%base_radius)*(radius + gear%base_radius))
    end function gear_radius_of_curvature
+
+   !> Radius of curvature where the involute ends, rho_Fa [m].   Valid: the rounding leaves some involute
+   elemental real(wp) function gear_tip_curvature(gear) result(rho)
+      type(gear_t), intent(in) :: gear
+
+      rho = gear%tip_rounding + gear_radius_of_curvature(gear, gear%tip_radius - gear%tip_rounding)
+   end function gear_tip_curvature
 
    !> Tooth thickness, an arc of the circle with the radius [m].   Valid: radius >= base radius
    elemental real(wp) function gear_thickness(gear, radius) result(thickness)
@@ -226,6 +248,69 @@ contains
                      //" circle, diameter "//quantity(2*gear%root_radius, "m"))
       end if
    end subroutine check_gear
+
+   !> Where the involute ends. Roundings that take all of it, or meet in the middle of the tip, are refused.
+   pure subroutine round_tip(gear, status)
+      type(gear_t), intent(inout) :: gear
+      type(status_t), intent(inout) :: status
+      type(gear_t) :: other
+      real(wp) :: largest, too_large, middle
+
+      gear%tip_form_radius = gear%tip_radius
+      if (.not. gear%tip_rounding > 0) return
+      if (leaves_flank(gear) .and. leaves_tip(gear)) then
+         gear%tip_form_radius = hypot(gear%base_radius, gear_tip_curvature(gear))
+         return
+      end if
+      other = gear
+      largest = 0
+      too_large = gear%tip_rounding
+      do
+         middle = 0.5_wp*(largest + too_large)
+         if (.not. too_large - largest > agreement*too_large) exit
+         other%tip_rounding = middle
+         if (leaves_flank(other) .and. leaves_tip(other)) then
+            largest = middle
+         else
+            too_large = middle
+         end if
+      end do
+      other%tip_rounding = too_large
+      if (leaves_flank(other)) then
+         call refuse(status, "tip_rounding", "the two roundings of the tip, "//quantity(gear%tip_rounding, "m") &
+                     //", overlap on a tooth that is "//quantity(gear%tip_thickness, "m")//" thick on the tip circle: give less" &
+                     //" than "//quantity(largest, "m"))
+      else
+         call refuse(status, "tip_rounding", "a tip rounding of "//quantity(gear%tip_rounding, "m") &
+                     //" passes the form circle, diameter "//quantity(2*gear%form_radius, "m") &
+                     //", and leaves no involute: give less than "//quantity(largest, "m"))
+      end if
+   end subroutine round_tip
+
+   !> Whether a rounding leaves some of the involute above the form circle.
+   pure logical function leaves_flank(gear)
+      type(gear_t), intent(in) :: gear
+
+      leaves_flank = gear%tip_radius - gear%tip_rounding > gear%base_radius
+      if (leaves_flank) leaves_flank = gear_tip_curvature(gear) > gear_radius_of_curvature(gear, gear%form_radius)
+   end function leaves_flank
+
+   !> Whether two roundings leave some of the tip's arc.
+   pure logical function leaves_tip(gear)
+      type(gear_t), intent(in) :: gear
+
+      leaves_tip = gear_tip_angle(gear) > 0
+   end function leaves_tip
+
+   !> Half the angle of the tip's arc [rad].   Valid: tip radius less rounding >= base radius
+   elemental real(wp) function gear_tip_angle(gear) result(angle)
+      type(gear_t), intent(in) :: gear
+
+      associate (r_b => gear%base_radius)
+         angle = gear%tooth_angle/2 - gear%tip_rounding/r_b &
+                 - involute_of_tangent(gear_radius_of_curvature(gear, gear%tip_radius - gear%tip_rounding)/r_b)
+      end associate
+   end function gear_tip_angle
 
    !> Refuse something of a wheel.
    pure subroutine refuse(status, field, message)

@@ -3,7 +3,7 @@
 !> Gear A drives gear B; r_b their base radii, R = r_bA + r_bB, psi their tooth angles, p_b their common base pitch:
 !>
 !>    cos alpha_w = R/a_w    j_bn = p_b + 2 R inv alpha_w - r_bA psi_A - r_bB psi_B    T1T2 = a_w sin alpha_w
-!>    g_alpha = rho_aA + rho_aB - T1T2, rho_a = sqrt(r_a^2 - r_b^2)    eps_alpha = g_alpha/p_b
+!>    g_alpha = rho_aA + rho_aB - T1T2, eps_alpha = g_alpha/p_b,   rho_a = rho_Fa: sqrt(r_a^2 - r_b^2) of a sharp tip
 !>
 !> With the same module and pressure angle, and without allowances, j_bn = 0 is inv alpha_w = inv alpha + 2 tan alpha
 !> (x_A + x_B)/(z_A + z_B).
@@ -12,7 +12,7 @@
 module evl_gears_in_mesh
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_c_binding, only: c_bool, c_double
-   use evl_gear, only: agreement, gear_radius_of_curvature, gear_t
+   use evl_gear, only: agreement, gear_t, gear_tip_curvature
    use evl_involute_angle, only: involute_of_tangent, tangent_of_involute
    use evl_kinds, only: pi, wp
    use evl_mesh_geometry, only: spur_pair_place, spur_pair_t
@@ -47,7 +47,7 @@ module evl_gears_in_mesh
       real(c_double) :: approach = 0.0_wp               !! g_f, path before the pitch point while A drives [m]
       real(c_double) :: recess = 0.0_wp                 !! g_a, path behind it [m]
       real(c_double) :: contact_ratio = 0.0_wp          !! eps_alpha
-      real(c_double) :: rho_tip_a = 0.0_wp              !! radius of curvature at the tip of A [m]
+      real(c_double) :: rho_tip_a = 0.0_wp              !! radius of curvature where the involute of A ends [m]
       real(c_double) :: rho_tip_b = 0.0_wp              !! the same of B [m]
       real(c_double) :: active_radius_a = 0.0_wp        !! r_Nf, where the active profile of A begins [m]
       real(c_double) :: active_radius_b = 0.0_wp        !! the same of B [m]
@@ -89,8 +89,8 @@ contains
       m%line_of_action = m%base_radius_sum*tangent
       m%circumferential_backlash = m%backlash*hypot(1.0_wp, tangent)
       m%radial_backlash = m%circumferential_backlash/(2*tangent)
-      m%rho_tip_a = gear_radius_of_curvature(a, a%tip_radius)
-      m%rho_tip_b = gear_radius_of_curvature(b, b%tip_radius)
+      m%rho_tip_a = gear_tip_curvature(a)
+      m%rho_tip_b = gear_tip_curvature(b)
       m%path_of_contact = m%rho_tip_a + m%rho_tip_b - m%line_of_action
       m%recess = m%rho_tip_a - a%base_radius*tangent
       m%approach = m%rho_tip_b - b%base_radius*tangent

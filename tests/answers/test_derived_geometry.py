@@ -26,7 +26,7 @@ FIELDS = {
     "tip_clearance_driving": ("clearance_a", 1),
     "tip_clearance_driven": ("clearance_b", 1),
 }
-OF_TEETH = ("reference", "base", "tip", "root", "form")
+OF_TEETH = ("reference", "base", "tip", "tip_form", "root", "form")
 
 
 def check(told: dict[str, Any], part: Any, left_out: set[str]) -> None:

@@ -7,11 +7,12 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
+from kernel.compliant import Edge, edge_place
 from kernel.description import Block
 from kernel.deviations import deviations, relief
 from kernel.gearbox import MESH, Gearbox, GearboxError
 from kernel.gearbox_description import STEADY, TORQUE, VISCOUS, load, mesh, wheel
-from kernel.gears import gear_description
+from kernel.gears import gear_description, gear_of
 from kernel.kernel import INVALID_INPUT, NO_SOLUTION, Kernel
 from kernel.static import (
     EDGE_DRIVEN,
@@ -230,6 +231,28 @@ def test_pressure_is_hertzs_and_unknown_on_sharp_edges(spur: Gearbox):
         ],
         rtol=1e-12,
     )
+
+
+def test_rounded_edges_have_the_pressure_of_their_rounding(kernel: Kernel):
+    """Hertz's with 1/r_t and the curvature of the mate where the edge touches it."""
+    rounding = 2e-4
+    gearbox = pair(kernel, gear={"tip_rounding": rounding})
+    curve = curve_of(gearbox, 150e3)
+    geometry = gearbox.mesh_geometry()
+    kind, force = curve.pair_contact_kind, curve.pair_normal_force
+    gears = [gear_of(gearbox, i) for i in (0, 1)]
+    for i, on_edge in enumerate((kind == EDGE_DRIVING, kind == EDGE_DRIVEN)):
+        assert on_edge.sum() > 3
+        rho = (curve.pair_position[on_edge], curve.pair_position_driven[on_edge])
+        base, mate = gears[i].base_radius, gears[1 - i].base_radius
+        end = np.sqrt(gears[i].tip_form_radius ** 2 - base**2)
+        edge = Edge(base, mate, end, rounding)
+        at = edge_place(kernel, edge, rho[i] - end, geometry.line_of_action_length)
+        curvature = 1 / rounding + 1 / (rho[1 - i] - at.foot)
+        line = force[on_edge] / geometry.common_width
+        hertz = np.sqrt(line * geometry.effective_modulus / np.pi * curvature)
+        np.testing.assert_allclose(curve.pair_contact_pressure[on_edge], hertz, rtol=1e-9)
+    assert curve.largest_contact_pressure == np.nanmax(curve.pair_contact_pressure)
 
 
 # Meshes without compliance

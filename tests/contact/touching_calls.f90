@@ -33,7 +33,7 @@ contains
             point%rho_b = contact%pair%rho_0 - rho(i)
             call settle_zones(contact, contact%pair%rho_0, point, mode)
             second_order(i) = second_order_gap(contact, pair, rho(i))
-            curvature(i) = touching_curvature(contact, mode, point)
+            curvature(i) = touching_curvature(contact, mode, point, [point%rho_a, point%rho_b])
          end do
       end associate
    end subroutine test_touching_flanks

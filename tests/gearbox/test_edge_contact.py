@@ -18,7 +18,8 @@ from kernel.kernel import Floats, Kernel
 
 OFF = 4
 END, EDGE = 2, 3  # zones past the end of a flank
-every_deviation = pytest.mark.parametrize("name", DEVIATIONS)
+ROUNDED = "rounded"  # tips, on flanks with all deviations
+every_deviation = pytest.mark.parametrize("name", [*DEVIATIONS, ROUNDED])
 alone_and_coupled = pytest.mark.parametrize("couples", [False, True], ids=["alone", "coupled"])
 every_axle = pytest.mark.parametrize("fixed", [False, True], ids=["moving axles", "fixed axles"])
 # of a steady state, in pitches past the start of the path, and what the wheels are pressed then [m]
@@ -29,6 +30,8 @@ def with_edges(
     kernel: Kernel, name: str, couples: bool, *, fixed: bool = False, **keys: Any
 ) -> Gearbox:
     """`real_gears` that bend and touch with their edges."""
+    if name == ROUNDED:
+        name, keys["tip_roundings"] = "all of them", (2e-4, 4e-4)
     return bend(real_gears(kernel, name, fixed=fixed, edge_contact="true", **keys), couples)
 
 

@@ -27,7 +27,7 @@ from kernel.gears import (
     mesh_of,
     tooth_thickness,
 )
-from kernel.kernel import OK, OUT_OF_DOMAIN, Kernel, KernelError
+from kernel.kernel import INVALID_INPUT, OK, OUT_OF_DOMAIN, Kernel, KernelError
 
 EPS = np.finfo(float).eps
 # the library is loaded once; examples share nothing else
@@ -54,6 +54,7 @@ def gears(draw: st.DrawFn) -> tuple[int, dict[str, Any]]:
         "tip_alteration": draw(st.floats(-0.3, 0.0)),
     }
     given["thickness_allowance"] = -given["module"] * draw(st.floats(0.0, 0.1))
+    given["tip_rounding"] = given["module"] * draw(st.sampled_from([0.0, 0.02, 0.1, 0.25]))
     return draw(st.integers(8, 150)), given
 
 
@@ -220,6 +221,47 @@ def test_tooth_thickness_goes_from_the_reference_circle_to_the_tip(
     alpha = mp.acos(mp.mpf(g.base_radius) / mp.mpf(max(radius, g.base_radius)))
     exact = mp.mpf(radius) * (mp.mpf(g.tooth_angle) - 2 * inv(alpha))
     assert some[3] == pytest.approx(float(exact), abs=size)
+
+
+@SETTINGS
+@given(gears(), st.floats(0.01, 0.2))
+def test_a_rounded_tip_touches_involute_and_tip_circle(
+    kernel: Kernel, one: tuple[int, dict[str, Any]], part: float
+) -> None:
+    """Point by point: the arc's centre, seen from three sides; it lies on its half of the tooth."""
+    teeth, given = one
+    g = made(kernel, teeth, **{**given, "tip_rounding": part * given["module"]})
+    r_b, r_t = mp.mpf(g.base_radius), mp.mpf(g.tip_rounding)
+    rho = mp.sqrt(mp.mpf(g.tip_form_radius) ** 2 - r_b**2)
+
+    def flank(rho: mp.mpf) -> mp.mpc:
+        return (r_b - 1j * rho) * mp.expj(rho / r_b - mp.mpf(g.tooth_angle) / 2)
+
+    end = flank(rho)
+    along = mp.diff(flank, rho)
+    centre = end + 1j * along / abs(along) * r_t
+    assert float(abs(centre) + r_t) == pytest.approx(g.tip_radius, rel=1e-13)
+    assert mp.arg(centre) < 0
+    for step in (-1e-3, 1e-3):  # the involute lies outside the arc
+        assert abs(flank(rho * (1 + step)) - centre) > r_t
+
+
+def test_rounding_is_refused_where_no_arc_of_the_tip_or_no_involute_is_left(
+    kernel: Kernel,
+) -> None:
+    """The largest one that is named is possible, and a little more is not."""
+    for teeth, form, reason in (
+        (20, {"tip_rounding": 1.5e-3}, "overlap on a tooth that is 0.00138"),
+        (60, {"tip_rounding": 9e-4, "tip_diameter": 0.117}, "passes the form circle"),
+    ):
+        with pytest.raises(KernelError, match=reason) as error:
+            gear(kernel, teeth, **form)
+        assert (error.value.code, error.value.field) == (INVALID_INPUT, "tip_rounding")
+        largest = float(error.value.message.split("give less than ")[1].split()[0])
+        g = gear(kernel, teeth, **{**form, "tip_rounding": largest * (1 - 1e-5)})
+        assert g.form_radius < g.tip_form_radius < g.tip_radius
+        with pytest.raises(KernelError):
+            gear(kernel, teeth, **{**form, "tip_rounding": largest * (1 + 1e-5)})
 
 
 def test_inside_the_base_circle_there_is_no_tooth_thickness(kernel: Kernel) -> None:

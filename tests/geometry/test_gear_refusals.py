@@ -35,6 +35,12 @@ BAD_GEARS: dict[str, tuple[int, dict[str, Any], str, str]] = {
         "thickness_allowance",
         "must be at most 0",
     ),
+    "a negative rounding of the tip": (
+        20,
+        {"tip_rounding": -1e-4},
+        "tip_rounding",
+        "must be at least 0",
+    ),
     "a negative bore": (20, {"bore": -0.01}, "bore", "must be at least 0"),
     # full rounding: (pi/4 - 1.25 tan 20) cos 20/(1 - sin 20) = 0.4719
     "a rounding wider than the tip": (20, {"rack_root_radius": 0.48}, "rack.root_radius", "0.4719"),

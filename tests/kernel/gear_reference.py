@@ -40,6 +40,7 @@ def exact_gear(teeth: int, given: Block) -> dict[str, mp.mpf]:
     if "tip_diameter" in given:
         ra = mp.mpf(given.tip_diameter) / 2
         k = (ra - r) / m - x - mp.mpf(given.rack.addendum)
+    rt = mp.mpf(given.get("tip_rounding", 0))
     s = m * (mp.pi / 2 + 2 * x * mp.tan(alpha)) + allowance
     # the end of the rack's straight flank in modules below its datum line
     flank = mp.mpf(given.rack.dedendum) - mp.mpf(given.rack.root_radius) * (1 - mp.sin(alpha))
@@ -53,6 +54,7 @@ def exact_gear(teeth: int, given: Block) -> dict[str, mp.mpf]:
         "reference_radius": r,
         "base_radius": rb,
         "tip_radius": ra,
+        "tip_form_radius": mp.sqrt(rb**2 + tip_curvature(ra, rt, rb) ** 2),
         "root_radius": rf,
         "form_radius": mp.sqrt(rb**2 + form**2),
         "tooth_depth": ra - rf,
@@ -60,6 +62,12 @@ def exact_gear(teeth: int, given: Block) -> dict[str, mp.mpf]:
         "tip_thickness": ra * (s / r + 2 * inv(alpha) - 2 * inv(mp.acos(rb / ra))),
         "tooth_angle": s / r + 2 * inv(alpha),
     }
+
+
+def tip_curvature(ra: mp.mpf, rt: mp.mpf, rb: mp.mpf) -> mp.mpf:
+    """Radius of curvature where the involute touches a rounding: the point where both normals are
+    one lies rt further than the rounding's centre."""
+    return rt + mp.sqrt((ra - rt) ** 2 - rb**2)
 
 
 def exact_mesh(
@@ -88,7 +96,8 @@ def exact_mesh(
     rb1, rb2 = m * z1 / 2 * mp.cos(alpha), m * z2 / 2 * mp.cos(alpha)
     ra1, ra2 = mp.mpf(a.tip_radius), mp.mpf(b.tip_radius)
     t1t2 = distance * mp.sin(working)
-    long1, long2 = 2 * mp.sqrt(ra1**2 - rb1**2), 2 * mp.sqrt(ra2**2 - rb2**2)
+    long1 = 2 * tip_curvature(ra1, mp.mpf(a.tip_rounding), rb1)
+    long2 = 2 * tip_curvature(ra2, mp.mpf(b.tip_rounding), rb2)
     path = (long1 + long2) / 2 - t1t2
     rw1, rw2 = distance * z1 / (z1 + z2), distance * z2 / (z1 + z2)
     return {

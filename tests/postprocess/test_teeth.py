@@ -118,6 +118,25 @@ def test_a_drawn_tooth_is_as_thick_as_its_gear_and_reaches_from_root_to_tip(whee
     assert outline.size == pair.teeth[wheel] * tooth.size
 
 
+@pytest.mark.parametrize("relief", [0.0, 20e-6])
+def test_a_rounded_tip_goes_from_the_flank_to_the_tip_circle_without_a_corner(relief):
+    pair = RealPair(relief=(relief, relief))
+    history = pair.history(ROLLED)
+    sharp = drawn_wheels(history)[1].profile
+    history["tip_rounding"] = ("wheel", [0.0, 0.15 * pair.module])
+    profile = drawn_wheels(history)[1].profile
+    assert drawn_wheels(history)[0].profile.rounding == 0
+    rounded, tooth = profile.tooth(), sharp.tooth()
+    assert np.abs(rounded).max() == pytest.approx(np.abs(tooth).max(), abs=2 * relief + 1e-12)
+    turns = np.diff(np.unwrap(np.angle(np.diff(rounded))))
+    top = np.abs(rounded)[1:-1] > np.abs(profile.flank()[-1]) - 1e-9
+    # the arc's six chords turn by about 70 degrees; a sharp corner by all of it
+    assert np.abs(turns[top]).max() < np.radians(15)
+    assert np.abs(np.diff(np.unwrap(np.angle(np.diff(tooth))))).max() > np.radians(50)
+    assert profile.flank().size == sharp.flank().size
+    assert abs(rounded[len(profile.tooth()) // 2]) < abs(tooth[len(tooth) // 2]) + 2 * relief
+
+
 @pytest.mark.parametrize("exaggeration", [0.0, 1.0, 40.0])
 def test_relief_moves_the_flank_along_its_normal(exaggeration):
     amount = 20e-6

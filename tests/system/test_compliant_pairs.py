@@ -61,6 +61,7 @@ EDGES: dict[str, dict[str, Any]] = {
     "perfect": {},
     "uncoupled": {"tooth_coupling": "false"},
     "relieved": {"of_wheels": RELIEF},
+    "rounded": {"of_wheels": {"tip_rounding": 3e-4}},
     "moving axles": {"of_wheels": BEARING},
     "relieved on moving axles, uncoupled": {
         "of_wheels": {**RELIEF, **BEARING},
@@ -83,6 +84,36 @@ def test_energy_is_kept_through_twenty_pitches(runs: Runs, given: dict[str, Any]
         left.append(np.ptp(energy(run)) / float(run.history.potential_energy.max()))
     assert left[0] < 1e-5
     assert left[1] < min(1e-7, left[0] / 3)
+
+
+@both_integrators
+def test_pressure_of_a_run_is_that_of_rounded_edges(runs: Runs, integrator: str) -> None:
+    """Outputs and their largest value over the run: between the first touch and the path."""
+    rounding = 3e-4
+    given = {"of_wheels": {"tip_rounding": rounding}, "damping": {"law": "ratio", "value": 0.07}}
+    driven = viscous(FORCE * BASE_RADIUS / FAST)
+    run = runs(
+        bending_pair(
+            *(FAST, 2, {"kind": "steady"}),
+            **{"driven": driven, "integrator": integrator, "outputs": 4000, **given},
+        )
+    )
+    assert run.exit_code == 0, run.messages
+    h = run.history
+    assert float(h.tip_rounding[0]) == rounding
+    force, pressure = h.pair_normal_force.values, h.pair_contact_pressure.values
+    on_edge = (h.pair_contact_kind.values > 0) & (force > 1e-3 * FORCE)
+    assert on_edge.any()
+    per_curvature = force[on_edge] / WIDTH * float(h.effective_modulus[0]) / np.pi
+    of_mate = pressure[on_edge] ** 2 / per_curvature - 1 / rounding
+    tip = np.sqrt((0.078 - rounding) ** 2 - BASE_RADIUS**2) + rounding
+    # further out on the mate than where its path begins: the foot turns round there
+    start = float(h.line_of_action_length[0]) - tip
+    assert (of_mate < (1 + 1e-3) / start).all()
+    assert (of_mate > 1 / (start + 1e-3)).all()
+    largest = float(h.pair_contact_pressure_max[0])
+    assert largest == pytest.approx(np.nanmax(pressure), rel=1e-3)
+    assert largest >= np.nanmax(pressure)
 
 
 @both_integrators

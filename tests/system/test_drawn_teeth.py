@@ -23,6 +23,7 @@ def distance(point: complex, outline: np.ndarray) -> float:
     ("case", "settings"),
     [
         ("spur-pair.yaml", ()),
+        ("spur-pair.yaml", ("wheels.0.tip_rounding=3e-4", "wheels.1.tip_rounding=5e-4")),
         ("rattle.yaml", ()),
         ("two-stage-gears.yaml", ()),
         ("two-stage.yaml", ()),

@@ -6,7 +6,7 @@ faces clockwise where sigma = +1, the counterclockwise one where sigma = -1, on 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
@@ -50,6 +50,7 @@ class Profile:
     tip_radius: float  # [m]
     root_radius: float  # [m]
     tooth_angle: float  # that a tooth fills on the base circle [rad]
+    rounding: float = 0.0  # radius of the arcs that round the tip [m]
     reliefs: tuple[Relief, ...] = ()
     crowning: float = 0.0  # at both ends of the active profile [m]
 
@@ -62,24 +63,29 @@ class Profile:
         """Radius of curvature of the involute at a radius, 0 inside the base circle [m]."""
         return float(np.sqrt(max(radius**2 - self.base_radius**2, 0.0)))
 
+    @property
+    def rho_end(self) -> float:
+        """Radius of curvature where the involute ends, at the tip or its rounding [m]."""
+        return self.rounding + self.rho(self.tip_radius - self.rounding)
+
     def deviation(self, rho: Numbers) -> Numbers:
         """Material that a flank lacks for its reliefs and its crowning, at radii of curvature [m].
 
         Source: docs/deviations.md; pitch errors and runout are not in it.
         """
-        begin, end = self.rho(self.active_radius), self.rho(self.tip_radius)
+        begin, end = self.rho(self.active_radius), self.rho_end
         crowned = self.crowning * ((2 * rho - begin - end) / (end - begin)) ** 2
         return np.asarray(crowned + sum(relief.at(rho) for relief in self.reliefs))
 
     def flank(self, exaggeration: float = 1.0, n: int = FLANK_POINTS) -> Points:
         """Points of the flank that faces clockwise, shape (n,), about the axle.
 
-        It goes from the start of the involute to the tip, on a tooth whose middle is in the
-        direction 0, with its deviation times `exaggeration`.
+        It goes from the start of the involute to the tip or its rounding, on a tooth whose middle
+        is in the direction 0, with its deviation times `exaggeration`.
 
         Source: the involute by its radius of curvature, Kosenko & Gusev 2011, section 4.
         """
-        rho = np.linspace(self.rho(self.start_radius), self.rho(self.tip_radius), n)
+        rho = np.linspace(self.rho(self.start_radius), self.rho_end, n)
         moved = rho - exaggeration * self.deviation(rho)
         turned = np.exp(1j * (rho / self.base_radius - self.tooth_angle / 2))
         return np.asarray((self.base_radius - 1j * moved) * turned)
@@ -90,10 +96,19 @@ class Profile:
         It begins and ends on the root circle, in the middle of the tooth spaces.
         """
         flank = self.flank(exaggeration)
-        foot = np.concatenate([self._root(flank), flank])
-        tip = float(abs(flank[-1]))
-        land = np.linspace(np.angle(flank[-1]), -np.angle(flank[-1]), ARC_POINTS)[1:-1]
-        return np.concatenate([foot, tip * np.exp(1j * land), np.conj(foot[::-1])])
+        half = np.concatenate([self._root(flank), flank, self._rounded(flank[-1])])
+        tip, end = float(abs(half[-1])), float(np.angle(half[-1]))
+        land = np.linspace(end, -end, ARC_POINTS)[1:-1]
+        return np.concatenate([half, tip * np.exp(1j * land), np.conj(half[::-1])])
+
+    def _rounded(self, end: complex) -> Points:
+        """From the end of the flank to the tip circle: nothing of a sharp tip."""
+        if not self.rounding > 0:
+            return np.empty(0, complex)
+        normal = -1j * np.exp(1j * (self.rho_end / self.base_radius - self.tooth_angle / 2))
+        middle = end - self.rounding * normal
+        to_tip = np.linspace(np.angle(normal), np.angle(middle), ARC_POINTS)[1:]
+        return np.asarray(middle + self.rounding * np.exp(1j * to_tip))
 
     def _root(self, flank: Points) -> Points:
         """From the middle of the space to the flank: root circle and a smooth fillet.
@@ -330,14 +345,7 @@ def _profile(
         tooth_angle = _even_tooth_angle(history, meshes[own[0]], own[0], wheel)
         form = active
         root = min(_root_below(history, meshes[m], wheel) for m in own)
-    rho_tip, rho_active = (float(np.sqrt(r**2 - base**2)) for r in (tip, active))
-    reliefs = []
-    for kind, end in (("tip", rho_tip), ("root", rho_active)):
-        amount = known(f"{kind}_relief")
-        if amount > 0:
-            start = float(np.sqrt(known(f"{kind}_relief_start") ** 2 - base**2))
-            reliefs.append(Relief(amount, start, end, int(known(f"{kind}_relief_power"))))
-    return Profile(
+    profile = Profile(
         teeth=teeth,
         base_radius=base,
         start_radius=form,
@@ -345,9 +353,17 @@ def _profile(
         tip_radius=tip,
         root_radius=root,
         tooth_angle=tooth_angle,
-        reliefs=tuple(reliefs),
+        # Tips of older histories are sharp.
+        rounding=known("tip_rounding") if "tip_rounding" in history else 0.0,
         crowning=known("profile_crowning"),
     )
+    reliefs = []
+    for kind, end in (("tip", profile.rho_end), ("root", profile.rho(active))):
+        amount = known(f"{kind}_relief")
+        if amount > 0:
+            start = profile.rho(known(f"{kind}_relief_start"))
+            reliefs.append(Relief(amount, start, end, int(known(f"{kind}_relief_power"))))
+    return replace(profile, reliefs=tuple(reliefs))
 
 
 def _even_tooth_angle(history: xr.Dataset, mesh: DrawnMesh, number: int, wheel: int) -> float:

@@ -124,16 +124,22 @@ def real_gears(
 ) -> Gearbox:
     """Cut gears with one of DEVIATIONS on axles that move or are fixed; pairs on both flanks.
 
-    The keys are those of the mesh.
+    The keys are those of the mesh; of its wheels the rounding of their tips.
     """
-    form = gear_description(3e-3)
+    roundings = keys.pop("tip_roundings", (0.0, 0.0))
     support = {"support_kind": BEARING, "support_stiffness": (1e8, 3e8), "support_mass": 3.0}
     if fixed:
         support = {}
     given: list[Block] = [deviations(**fields) for fields in DEVIATIONS[name]]
     wheels = [
-        wheel(teeth=z, width=0.02, gear=form, deviation=deviation, **support)
-        for z, deviation in zip(TEETH, given, strict=True)
+        wheel(
+            teeth=z,
+            width=0.02,
+            gear=gear_description(3e-3, tip_rounding=rounding),
+            deviation=deviation,
+            **support,
+        )
+        for z, deviation, rounding in zip(TEETH, given, roundings, strict=True)
     ]
     description = mesh(kernel, 0, 1, friction=(friction, 1e-3), backlash=2e-5, **keys)
     description.pop("pressure_angle")
