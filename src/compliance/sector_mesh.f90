@@ -7,6 +7,9 @@
 !>    rows .. deep           to 1.1 modules under the root circle  further columns: under the fillet, under the root's arc
 !>    rows .. last           rings down to the hub, growing by 1.5
 !>
+!> A tip that is rounded has two rows and a column more, and no element in their corner. There three elements meet at the point
+!> (1, tooth - 1); the points (0, tooth - 1) and (1, tooth) are one, the middle of the rounding, (0, tooth - 2) and (2, tooth) its ends.
+!>
 !> The outline and the circles are exact on sides of elements, other sides are straight. Borders of elements stand where the
 !> outline's curvature jumps, and at both ends of the involute they come closer: there a load that ends at the edge is narrow.
 !> The mesh is in modules; order and places of the borders were chosen so that p = 8 is exact to 5e-5 of E c.
@@ -14,7 +17,7 @@ module evl_sector_mesh
    use evl_kinds, only: wp
    use evl_lobatto, only: lobatto_rule
    use evl_plane_mesh, only: mesh_create, number_nodes, plane_mesh_t, side_nodes
-   use evl_tooth_outline, only: fillet_point, involute_curvature, involute_point, tooth_outline_t
+   use evl_tooth_outline, only: fillet_point, involute_curvature, involute_normal, involute_point, rounding_point, tooth_outline_t
    implicit none (type, external)
    private
 
@@ -27,12 +30,12 @@ module evl_sector_mesh
    real(wp), parameter :: flank_row = 0.28_wp                    !! other rows of the involute at most [modules]
    real(wp), parameter :: in_tooth(0:4) = [0.0_wp, 0.42_wp, 0.75_wp, 0.92_wp, 1.0_wp] !! columns, parts of the half thickness
    real(wp), parameter :: in_body(0:4) = [0.0_wp, 0.3_wp, 0.58_wp, 0.8_wp, 1.0_wp]  !! the same below the tooth
+   real(wp), parameter :: under_rounding = 0.3_wp                    !! thickness of the rows under a rounding, over its radius
+   real(wp), parameter :: widest_rim = 0.1_wp                        !! of them over the half thickness at most
    real(wp), parameter :: in_fillet(3) = [0.15_wp, 0.45_wp, 1.0_wp]  !! rows of the upper half of the fillet
    real(wp), parameter :: under_root(3) = [0.2_wp, 0.5_wp, 1.0_wp]   !! rows below
    real(wp), parameter :: first_ring = 0.7_wp, growth = 1.5_wp       !! thickness [modules], of each ring over that before
    real(wp), parameter :: thickest = 0.45_wp                         !! ring over its outer radius
-
-   integer, parameter :: n_tooth = size(in_tooth) - 1
 
    !> The mesh and what stands where.
    type :: sector_mesh_t
@@ -48,8 +51,11 @@ module evl_sector_mesh
    !> Where the lattice's lines are.
    type :: lattice_t
       type(tooth_outline_t) :: outline
-      integer :: form = 0, fillet = 0, deep = 0, last = 0, columns = 0
-      real(wp), allocatable :: arc(:)    !! of the involute (0:form)
+      integer :: top = 0                 !! rows above the involute
+      integer :: form = 0, fillet = 0, deep = 0, last = 0, n_tooth = 0, columns = 0
+      real(wp), allocatable :: tooth(:)  !! columns of the tooth, parts of its half thickness (0:n_tooth)
+      real(wp) :: rim = 0, rim_part = 0  !! thickness of the rows under a rounding; over the half thickness of the tooth there
+      real(wp), allocatable :: arc(:)    !! of the involute (top:form)
       real(wp), allocatable :: beta(:)   !! of the fillet (form:fillet)
       real(wp), allocatable :: axis(:)   !! x of the middle line's points (0:fillet)
       real(wp), allocatable :: radius(:) !! of the circles (deep:last)
@@ -71,12 +77,12 @@ contains
 
       call place_lines(outline, hub_radius, at)
       call lobatto_rule(x, w, d)
-      n = at%fillet*n_tooth + (at%last - at%fillet)*at%columns
+      n = at%fillet*at%n_tooth + (at%last - at%fillet)*at%columns - merge(1, 0, at%top > 0)
       call mesh_create(p, n, sector%mesh)
       allocate (sector%row(n))
       e = 0
       do i = 1, at%last
-         do j = 1, merge(n_tooth, at%columns, i <= at%fillet)
+         do j = 1, columns_of(at, i)
             e = e + 1
             associate (m => sector%mesh)
                m%group(e) = i
@@ -99,24 +105,36 @@ contains
          integer, intent(in) :: row, column
 
          vertex_of = row*(at%columns + 1) + column + 1
+         if (at%top > 0 .and. row == 1 .and. column == at%n_tooth) vertex_of = column ! in the middle of the rounding
       end function vertex_of
 
    end subroutine sector_mesh
+
+   !> Elements of a row.
+   pure integer function columns_of(at, row) result(n)
+      type(lattice_t), intent(in) :: at
+      integer, intent(in) :: row
+
+      n = merge(at%n_tooth, at%columns, row <= at%fillet)
+      if (at%top > 0 .and. row == 1) n = n - 1
+   end function columns_of
 
    !> Where rows and columns stand.
    subroutine place_lines(outline, hub_radius, at)
       type(tooth_outline_t), intent(in) :: outline
       real(wp), intent(in) :: hub_radius
       type(lattice_t), intent(out) :: at
-      real(wp) :: form_point(2), middle(2), deep, part, lateral, closest
+      real(wp) :: form_point(2), tip_point(2), normal(2), middle(2), deep, part, lateral, closest
       integer :: i
 
       at%outline = outline
-      call place_flank_rows(outline, at%arc)
+      at%top = merge(2, 0, outline%tip_rounding > 0)
+      call place_flank_rows(outline, at%top, at%arc)
       at%form = ubound(at%arc, 1)
+      call place_columns(outline, at)
       at%fillet = at%form + size(in_fillet)
       at%deep = at%fillet + size(under_root)
-      at%columns = n_tooth + merge(2, 1, outline%has_root_arc)
+      at%columns = at%n_tooth + merge(2, 1, outline%has_root_arc)
       at%middle = outline%fillet_start/2
       allocate (at%beta(at%form:at%fillet))
       at%beta(at%form) = outline%fillet_start
@@ -127,10 +145,18 @@ contains
       allocate (at%axis(0:at%fillet))
       at%axis(at%form) = form_point(1) - 0.05_wp*form_point(2)
       at%axis(at%fillet) = middle(1) - 0.27_wp*middle(2)
-      do i = 0, at%form
-         part = 0.5_wp*((at%arc(i) - at%arc(0))/(at%arc(at%form) - at%arc(0)) + real(i, wp)/at%form)
-         at%axis(i) = outline%tip_radius + part*(at%axis(at%form) - outline%tip_radius)
-      end do
+      at%axis(0) = outline%tip_radius
+      if (at%top > 0) then
+         tip_point = rounding_point(outline, 1.0_wp)
+         normal = involute_normal(outline, outline%rho_tip)
+         at%axis(1:2) = [outline%tip_radius - at%rim, tip_point(1) + 0.5_wp*tip_point(2)*(normal(1)/abs(normal(2)))]
+      end if
+      associate (top => at%top, first => at%axis(at%top))
+         do i = top, at%form
+            part = 0.5_wp*((at%arc(i) - at%arc(top))/(at%arc(at%form) - at%arc(top)) + real(i - top, wp)/(at%form - top))
+            at%axis(i) = first + part*(at%axis(at%form) - first)
+         end do
+      end associate
       at%axis(at%form + 1:) = at%axis(at%form) + in_fillet*(at%axis(at%fillet) - at%axis(at%form))
       deep = outline%root_radius - depth_of_rings
       call place_rings(deep, hub_radius, at%deep, at%radius)
@@ -139,16 +165,44 @@ contains
       allocate (at%angle(0:at%columns))
       closest = 0.55_wp*outline%half_pitch
       lateral = middle(2) - 0.27_wp*(middle(1) - deep)
-      at%angle(:n_tooth) = in_body*min(max(lateral/deep, closest), 0.75_wp*outline%half_pitch)
+      at%angle(:at%n_tooth) = below_tooth(at%tooth)*min(max(lateral/deep, closest), 0.75_wp*outline%half_pitch)
       at%angle(at%columns) = outline%half_pitch
-      if (outline%has_root_arc) at%angle(n_tooth + 1) = min(outline%root_angle, &
-                                                            0.4_wp*at%angle(n_tooth) + 0.6_wp*outline%half_pitch)
+      if (outline%has_root_arc) at%angle(at%n_tooth + 1) = min(outline%root_angle, &
+                                                               0.4_wp*at%angle(at%n_tooth) + 0.6_wp*outline%half_pitch)
    end subroutine place_lines
 
-   !> Borders of the rows on the involute, from the tip: close at both ends; closer together on a short flank.
-   subroutine place_flank_rows(outline, arc)
+   !> The columns of the tooth.
+   subroutine place_columns(outline, at)
       type(tooth_outline_t), intent(in) :: outline
-      real(wp), allocatable, intent(out) :: arc(:)
+      type(lattice_t), intent(inout) :: at
+      real(wp) :: end_point(2)
+
+      at%n_tooth = ubound(in_tooth, 1) + merge(1, 0, at%top > 0)
+      allocate (at%tooth(0:at%n_tooth))
+      at%tooth(:ubound(in_tooth, 1)) = in_tooth
+      if (at%top == 0) return
+      end_point = rounding_point(outline, 1.0_wp)
+      at%rim = min(under_rounding*outline%tip_rounding, widest_rim*end_point(2))
+      at%tooth(at%n_tooth - 2:) = 1 - [2, 1, 0]*(1 - in_tooth(ubound(in_tooth, 1) - 1))
+      at%rim_part = at%rim/end_point(2)
+   end subroutine place_columns
+
+   !> Where the columns of the tooth go below it, parts of their width there.
+   elemental real(wp) function below_tooth(part) result(below)
+      real(wp), intent(in) :: part
+      integer :: k
+
+      k = max(findloc(in_tooth >= part, .true., dim=1) - 1, 1) ! in_tooth begins at 0
+      below = in_body(k)
+      if (part < in_tooth(k)) below = in_body(k - 1) + (in_body(k) - in_body(k - 1))*((part - in_tooth(k - 1)) &
+                                                                                      /(in_tooth(k) - in_tooth(k - 1)))
+   end function below_tooth
+
+   !> Borders of the rows on the involute, from its end: close at both ends; closer together on a short flank.
+   subroutine place_flank_rows(outline, top, arc)
+      type(tooth_outline_t), intent(in) :: outline
+      integer, intent(in) :: top                    !! rows above the involute
+      real(wp), allocatable, intent(out) :: arc(:)  !! from there on
       real(wp) :: length, shrink, rest, from_end
       integer :: n, k
 
@@ -156,17 +210,17 @@ contains
       shrink = min(1.0_wp, length/(2*sum(end_rows) + flank_row/2))
       rest = length - 2*shrink*sum(end_rows)
       n = max(1, ceiling(rest/flank_row))
-      allocate (arc(0:2*size(end_rows) + n))
+      allocate (arc(top:top + 2*size(end_rows) + n))
       from_end = 0
-      arc(0) = outline%s_tip
+      arc(top) = outline%s_tip
       arc(ubound(arc, 1)) = outline%s_form
       do k = 1, size(end_rows)
          from_end = from_end + shrink*end_rows(k)
-         arc(k) = outline%s_tip - from_end
+         arc(top + k) = outline%s_tip - from_end
          arc(ubound(arc, 1) - k) = outline%s_form + from_end
       end do
       do k = 1, n - 1
-         arc(size(end_rows) + k) = outline%s_tip - from_end - k*rest/n
+         arc(top + size(end_rows) + k) = outline%s_tip - from_end - k*rest/n
       end do
    end subroutine place_flank_rows
 
@@ -200,35 +254,55 @@ contains
       radius(row + n) = hub
    end subroutine place_rings
 
-   !> A point of the lattice.
+   !> A point of the lattice; beside a rounding not all of its rows have one.
    pure recursive function point(at, i, j) result(xy)
       type(lattice_t), intent(in) :: at
       integer, intent(in) :: i, j
-      real(wp) :: xy(2), angle
+      real(wp) :: xy(2), angle, part
 
       associate (o => at%outline)
-         if (i == 0) then
-            angle = o%tip_angle*in_tooth(j)
-            xy = o%tip_radius*[cos(angle), sin(angle)]
+         if (i < max(at%top, 1)) then
+            if (at%top == 0) then
+               angle = o%tip_angle*at%tooth(j)
+            else if (j < at%n_tooth - 1) then
+               angle = o%tip_angle*(at%tooth(j)/at%tooth(at%n_tooth - 2))
+            else
+               xy = rounding_point(o, 0.5_wp, merge(at%rim, 0.0_wp, i == 1 .and. j < at%n_tooth))
+               return
+            end if
+            xy = (o%tip_radius - i*at%rim)*[cos(angle), sin(angle)]
          else if (i >= at%deep) then
             xy = at%radius(i)*[cos(at%angle(j)), sin(at%angle(j))]
          else if (i > at%fillet) then
-            associate (part => under_root(i - at%fillet))
-               xy = (1 - part)*point(at, at%fillet, j) + part*point(at, at%deep, j)
-            end associate
-         else if (j > n_tooth) then
+            part = under_root(i - at%fillet)
+            xy = (1 - part)*point(at, at%fillet, j) + part*point(at, at%deep, j)
+         else if (j > at%n_tooth) then
             xy = fillet_point(o, 0.0_wp)
-            if (j > n_tooth + 1) xy = o%root_radius*[cos(o%half_pitch), sin(o%half_pitch)]
+            if (j > at%n_tooth + 1) xy = o%root_radius*[cos(o%half_pitch), sin(o%half_pitch)]
          else
             if (i <= at%form) then
                xy = involute_point(o, involute_curvature(o, at%arc(i)))
             else
                xy = fillet_point(o, at%beta(i))
             end if
-            xy = in_tooth(j)*xy + (1 - in_tooth(j))*[at%axis(i), 0.0_wp]
+            part = column_at(at, i, j)
+            xy = part*xy + (1 - part)*[at%axis(i), 0.0_wp]
          end if
       end associate
    end function point
+
+   !> Where a column of the tooth stands in a row line, part of the half thickness. Under a rounding the last two are as wide as the
+   !> rows there, and widen along the involute.
+   pure real(wp) function column_at(at, i, j) result(part)
+      type(lattice_t), intent(in) :: at
+      integer, intent(in) :: i, j
+
+      part = at%tooth(j)
+      if (at%top == 0 .or. i >= at%form .or. j < at%n_tooth - 2) return
+      associate (down => (at%arc(i) - at%arc(at%top))/(at%arc(at%form) - at%arc(at%top)))
+         part = 1 - (at%n_tooth - j)*at%rim_part + down*(part - (1 - (at%n_tooth - j)*at%rim_part))
+      end associate
+   end function column_at
 
    !> Points of the side in row line i from column line j-1 to j.
    pure function across(at, i, j, x) result(xy)
@@ -242,9 +316,11 @@ contains
       end = point(at, i, j)
       do k = 1, size(x)
          associate (part => (1 + x(k))/2)
-            if (i == at%fillet .and. j == n_tooth + 1) then
+            if (at%top > 0 .and. i == 0 .and. j == at%n_tooth - 1) then
+               xy(:, k) = rounding_point(at%outline, part/2)
+            else if (i == at%fillet .and. j == at%n_tooth + 1) then
                xy(:, k) = fillet_point(at%outline, (1 - part)*at%middle)
-            else if (i == 0 .or. i >= at%deep .or. (i == at%fillet .and. j > n_tooth)) then
+            else if (i == 0 .or. i >= at%deep .or. (i == at%fillet .and. j > at%n_tooth)) then
                associate (from => atan2(start(2), start(1)), to => atan2(end(2), end(1)))
                   xy(:, k) = hypot(start(1), start(2))*[cos(from + part*(to - from)), sin(from + part*(to - from))]
                end associate
@@ -265,9 +341,11 @@ contains
 
       do k = 1, size(x)
          associate (part => (1 + x(k))/2, o => at%outline)
-            if (j == n_tooth .and. i <= at%form) then
+            if (j == at%n_tooth .and. i <= at%top) then
+               xy(:, k) = rounding_point(o, (1 + part)/2)
+            else if (j == at%n_tooth .and. i <= at%form) then
                xy(:, k) = involute_point(o, involute_curvature(o, at%arc(i - 1) + part*(at%arc(i) - at%arc(i - 1))))
-            else if (j == n_tooth .and. i <= at%fillet) then
+            else if (j == at%n_tooth .and. i <= at%fillet) then
                xy(:, k) = fillet_point(o, at%beta(i - 1) + part*(at%beta(i) - at%beta(i - 1)))
             else
                xy(:, k) = (1 - part)*point(at, i - 1, j) + part*point(at, i, j)
@@ -283,21 +361,21 @@ contains
       integer :: p, e, j, columns
 
       p = sector%mesh%order
-      sector%n_flank = at%form
+      sector%n_flank = at%form - at%top
       sector%row_form = at%form
       sector%row_fillet = at%fillet
       sector%row_deep = at%deep
-      sector%flank_arc = at%arc
-      allocate (sector%flank(0:p, at%form), sector%axis(0), sector%cut(0), sector%hub(0))
+      allocate (sector%flank_arc(0:sector%n_flank), source=at%arc)
+      allocate (sector%flank(0:p, sector%n_flank), sector%axis(0), sector%cut(0), sector%hub(0))
       e = 0
       do while (e < size(sector%row))
-         columns = merge(n_tooth, at%columns, sector%row(e + 1) <= at%fillet)
+         columns = columns_of(at, sector%row(e + 1))
          do j = 1, columns
             e = e + 1
             associate (node => sector%mesh%node(:, e), i => sector%row(e))
                if (j == 1) call append(sector%axis, node(side_nodes(p, 4)))
                if (j == columns .and. i > at%fillet) call append(sector%cut, node(side_nodes(p, 2)))
-               if (j == n_tooth .and. i <= at%form) sector%flank(:, i) = node(side_nodes(p, 2))
+               if (j == at%n_tooth .and. i > at%top .and. i <= at%form) sector%flank(:, i - at%top) = node(side_nodes(p, 2))
                if (i == at%last) call append(sector%hub, node(side_nodes(p, 3)))
             end associate
          end do

@@ -1,4 +1,4 @@
-!> The outline of half a tooth that a rack cuts: arc of the tip, involute, fillet, arc of the root, in modules.
+!> The outline of half a tooth that a rack cuts: arc of the tip, its rounding, involute, fillet, arc of the root, in modules.
 !>
 !> The tooth stands on the x axis, the wheel's centre is the origin; the half with y > 0 is described, and its flank is the loaded
 !> one. A point of the involute with the radius of curvature rho is r_b (cos t, sin t) + rho (-sin t, cos t), t = psi/2 - rho/r_b;
@@ -8,12 +8,13 @@
 !>
 !> Source: ISO 21771; ISO 53; the law of gearing.
 module evl_tooth_outline
-   use evl_gear, only: gear_radius_of_curvature, gear_t
+   use evl_gear, only: gear_radius_of_curvature, gear_t, gear_tip_angle, gear_tip_curvature
    use evl_kinds, only: pi, wp
    implicit none (type, external)
    private
 
-   public :: fillet_point, involute_arc, involute_curvature, involute_normal, involute_point, outline_of_gear, tooth_outline_t
+   public :: fillet_point, involute_arc, involute_curvature, involute_normal, involute_point, outline_of_gear, rounding_point, &
+             tooth_outline_t
 
    real(wp), parameter :: no_arc = 1.0e-3_wp !! a root arc shorter than this, in modules, is none
 
@@ -25,6 +26,7 @@ module evl_tooth_outline
       real(wp) :: half_tooth = 0               !! psi/2, half the angle that a tooth fills on the base circle [rad]
       real(wp) :: reference_radius = 0, base_radius = 0, tip_radius = 0, root_radius = 0
       real(wp) :: tip_angle = 0                !! half the angle of the tip's arc [rad]
+      real(wp) :: tip_rounding = 0             !! radius of the arc between the tip's and the involute; 0: a sharp edge
       real(wp) :: root_angle = 0               !! where the fillet meets the root circle [rad]
       real(wp) :: rho_form = 0, rho_tip = 0    !! radii of curvature at both ends of the involute
       real(wp) :: s_form = 0, s_tip = 0        !! its arcs from the base circle
@@ -51,8 +53,10 @@ contains
          o%tip_radius = gear%tip_radius/m
          o%root_radius = gear%root_radius/m
          o%tip_angle = gear%tip_thickness/(2*gear%tip_radius)
+         o%tip_rounding = gear%tip_rounding/m
+         if (gear%tip_rounding > 0) o%tip_angle = gear_tip_angle(gear)
          o%rho_form = gear_radius_of_curvature(gear, gear%form_radius)/m
-         o%rho_tip = gear_radius_of_curvature(gear, gear%tip_radius)/m
+         o%rho_tip = gear_tip_curvature(gear)/m
       end associate
       o%s_form = involute_arc(o, o%rho_form)
       o%s_tip = involute_arc(o, o%rho_tip)
@@ -101,6 +105,26 @@ contains
          normal = [sin(t), -cos(t)]
       end associate
    end function involute_normal
+
+   !> A point of the tip's rounding, or inward of it.
+   pure function rounding_point(outline, part, inward) result(point)
+      type(tooth_outline_t), intent(in) :: outline
+      real(wp), intent(in) :: part !! 0: on the tip circle; 1: on the involute
+      real(wp), intent(in), optional :: inward
+      real(wp) :: point(2), radius
+
+      radius = outline%tip_rounding
+      if (present(inward)) radius = radius - inward
+
+      associate (o => outline)
+         associate (to_involute => o%half_tooth - o%rho_tip/o%base_radius + pi/2)
+            associate (angle => o%tip_angle + part*(to_involute - o%tip_angle))
+               point = (o%tip_radius - o%tip_rounding)*[cos(o%tip_angle), sin(o%tip_angle)] &
+                       + radius*[cos(angle), sin(angle)]
+            end associate
+         end associate
+      end associate
+   end function rounding_point
 
    !> A point of the fillet. Where there is no root arc, it ends in the middle of the space exactly.
    pure function fillet_point(outline, beta) result(point)

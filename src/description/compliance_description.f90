@@ -1,7 +1,7 @@
 !> What a case says of how a wheel gives way, and the wheel's compliance from it.
 module evl_compliance_description
    use evl_analytic_compliance, only: analytic_samples, is_in_range, ring_range, root_range
-   use evl_gear, only: gear_t
+   use evl_gear, only: gear_t, gear_tip_angle, gear_tip_curvature
    use evl_given, only: given_t
    use evl_influence_functions, only: influence_t, n_own
    use evl_influence_store, only: influence_by_store, influence_store_t
@@ -118,18 +118,20 @@ contains
    subroutine check_tooth(gear, status)
       type(gear_t), intent(in) :: gear
       type(status_t), intent(inout) :: status
-      real(wp) :: rho_form, arc, least
+      real(wp) :: rho_form, arc, least, thickness
 
       associate (m => gear%normal_module)
          rho_form = sqrt((gear%form_radius - gear%base_radius)*(gear%form_radius + gear%base_radius))
-         arc = ((gear%tip_radius - gear%base_radius)*(gear%tip_radius + gear%base_radius) - rho_form**2)/(2*gear%base_radius)
+         arc = (gear_tip_curvature(gear)**2 - rho_form**2)/(2*gear%base_radius)
+         thickness = 2*gear%tip_radius*gear_tip_angle(gear)
          if (gear%is_undercut) then
             least = gear%undercut_shift - gear%generating_shift + gear%profile_shift
             call refuse("the teeth are undercut, which the outline of model finite_elements and analytic does not know: give a" &
                         //" profile_shift of at least "//quantity(least, "")//", or a table", "compliance.model", status)
-         else if (gear%tip_thickness < thinnest_tip*m) then
-            call refuse("the teeth are "//quantity(gear%tip_thickness, "m")//" thick at the tip, less than 0.1 modules: give a" &
-                        //" smaller tip diameter or profile shift, or a table", "compliance.model", status)
+         else if (thickness < thinnest_tip*m) then
+            call refuse("the teeth are "//quantity(thickness, "m")//" thick at the tip, less than 0.1" &
+                        //" modules: give a smaller tip diameter, profile shift or tip_rounding, or a table", "compliance.model", &
+                        status)
          else if (arc < shortest_flank*m) then
             call refuse("the involute is only "//quantity(arc, "m")//" long, less than 0.3 modules: give a table", &
                         "compliance.model", status)

@@ -25,7 +25,7 @@ module evl_gear
    implicit none (type, external)
    private
 
-   public :: gear_derive, gear_radius_of_curvature, gear_t, gear_thickness, gear_tip_curvature
+   public :: gear_derive, gear_radius_of_curvature, gear_t, gear_thickness, gear_tip_angle, gear_tip_curvature
    public :: agreement, thin_tip
 
    real(wp), parameter :: agreement = 1.0e-9_wp   !! relative: two given lengths that differ less are the same

@@ -7,7 +7,7 @@ import pytest
 
 from compliance.influence import OTHER, Influence, influence
 from kernel.gears import gear
-from kernel.kernel import Floats, Kernel, _at
+from kernel.kernel import Floats, Kernel, KernelError, _at
 
 # teeth, profile shift, bore [m]; module 3 mm, rack 1/1.25/0.38, 20 degrees, steel, plane strain.
 # rho [mm], E c, E c_1, E c_2 by another program of finite elements, which calls the error 2e-4
@@ -175,3 +175,48 @@ def test_random_wheels_are_meshed(kernel: Kernel) -> None:
         assert np.all(np.isfinite(at.samples))
         assert at.other(1).shape == (OTHER, OTHER)
         found += 1
+
+
+# rounding of the tip over the module: as in drawings, and nearly all of the tip
+@pytest.mark.parametrize("rounding", [0.03, 0.1, 0.3])
+@pytest.mark.parametrize(("teeth", "shift", "hub"), [(19, 0.4, 12.5e-3), (50, 0.0, 20e-3)])
+def test_rounded_tips_are_meshed_and_finer_elements_change_nothing(
+    kernel: Kernel, teeth: int, shift: float, hub: float, rounding: float
+) -> None:
+    """The corner that is missing moves c of the involute that is left by less than 1e-4 of it."""
+    form = {"profile_shift": shift, "tip_rounding": rounding * 3e-3 * (0.6 if teeth == 19 else 1)}
+    rounded = gear(kernel, teeth, 3e-3, **form)
+    found, finer = (influence(kernel, rounded, hub, order=order) for order in (8, 10))
+    # as of sharp tips: 5e-5 of E c, which is 2 and more
+    assert found.own == pytest.approx(finer.own, abs=5e-5)
+    sharp = influence(kernel, gear(kernel, teeth, 3e-3, profile_shift=shift), hub)
+    inside = found.rho[1:-1]
+    assert sharp.own_at(inside) == pytest.approx(found.own[1:-1], rel=2e-4)
+
+
+def test_a_rounding_that_vanishes_leaves_the_sharp_tip(kernel: Kernel) -> None:
+    sharp = influence(kernel, gear(kernel, 50, 3e-3), 20e-3)
+    for rounding, most in ((1e-6, 1e-4), (1e-7, 1e-5)):
+        found = influence(kernel, gear(kernel, 50, 3e-3, tip_rounding=rounding), 20e-3)
+        inside = found.rho[1:-1]
+        # the outermost places of load move with the end of the involute
+        assert sharp.own_at(inside) == pytest.approx(found.own[1:-1], abs=most)
+
+
+def test_random_rounded_wheels_are_meshed(kernel: Kernel) -> None:
+    """No element folds: thin tips, many teeth, small and large roundings."""
+    random = np.random.default_rng(1)
+    meshed = 0
+    while meshed < 12:
+        teeth = int(np.exp(random.uniform(np.log(12), np.log(120))))
+        shift, rounding = random.uniform(-0.3, 0.6), 10 ** random.uniform(-2.5, -0.4)
+        try:
+            rounded = gear(kernel, teeth, 1e-3, profile_shift=shift, tip_rounding=rounding * 1e-3)
+        except KernelError as error:
+            assert "overlap on a tooth" in error.message  # noqa: PT017
+            continue
+        if rounded.is_undercut:
+            continue
+        hub = random.uniform(0.1, 0.9) * (rounded.root_radius - 1.2e-3)
+        assert influence(kernel, rounded, hub, order=6).own.min() > -2
+        meshed += 1
