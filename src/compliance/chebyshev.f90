@@ -1,13 +1,12 @@
-!> Polynomials through Chebyshev-Lobatto points, with exact derivatives.
+!> Polynomials through Chebyshev-Lobatto points.
 !>
-!> At x_i = -cos(pi i/n), i = 0 .. n, in [-1, 1]. With T_k the Chebyshev polynomials, f = sum of a_k T_k; derivatives by
-!> T_k' = k U_k-1.
+!> At x_i = -cos(pi i/n), i = 0 .. n, in [-1, 1]. With T_k the Chebyshev polynomials, f = sum of a_k T_k.
 module evl_chebyshev
    use evl_kinds, only: pi, wp
    implicit none (type, external)
    private
 
-   public :: chebyshev_coefficients, chebyshev_points, chebyshev_values
+   public :: chebyshev_coefficients, chebyshev_points, power_coefficients
 
 contains
 
@@ -46,23 +45,26 @@ contains
       end do
    end function chebyshev_coefficients
 
-   !> T_k(x), T_k'(x), T_k''(x), k = 0 .. n.
-   pure subroutine chebyshev_values(x, t, dt, ddt)
-      real(wp), intent(in) :: x
-      real(wp), intent(out) :: t(0:), dt(0:), ddt(0:) !! n >= 1
+   !> From a_k to coefficients b_k of powers, f = sum of b_k x**k, by T_k = 2 x T_k-1 - T_k-2.
+   !>
+   !> Valid: few coefficients, or such as fall fast: of T_k they are up to 2**k
+   pure function power_coefficients(a) result(b)
+      real(wp), intent(in) :: a(0:) !! two or more
+      real(wp) :: b(0:size(a) - 1)
+      real(wp), dimension(0:size(a) - 1) :: before, last, next
       integer :: k
 
-      t(0) = 1
-      dt(0) = 0
-      ddt(0) = 0
-      t(1) = x
-      dt(1) = 1
-      ddt(1) = 0
-      do k = 2, ubound(t, 1)
-         t(k) = 2*x*t(k - 1) - t(k - 2)
-         dt(k) = 2*t(k - 1) + 2*x*dt(k - 1) - dt(k - 2)
-         ddt(k) = 4*dt(k - 1) + 2*x*ddt(k - 1) - ddt(k - 2)
+      before = 0
+      before(0) = 1
+      last = 0
+      last(1) = 1
+      b = a(0)*before + a(1)*last
+      do k = 2, ubound(a, 1)
+         next = 2*eoshift(last, -1) - before
+         b = b + a(k)*next
+         before = last
+         last = next
       end do
-   end subroutine chebyshev_values
+   end function power_coefficients
 
 end module evl_chebyshev

@@ -10,6 +10,7 @@
 !> Source: docs/compliant_flanks.md, sections 2 and 3.
 module evl_coupled_flank
    use evl_contact_point, only: contact_gradient
+   use evl_coupled_lanes, only: overlap_in_lanes, solve_in_lanes
    use evl_coupled_pairs, only: coupled_answer, force_change_of_pairs, most_pairs, overlaps, solve_pairs
    use evl_damping_law, only: viscous_force
    use evl_elastic_law, only: elastic_result
@@ -18,10 +19,10 @@ module evl_coupled_flank
    use evl_force_lanes, only: lane_slot
    use evl_kinds, only: lanes, wp
    use evl_local_variables, only: n_local
-   use evl_pair_compliance, only: gather_compliance, gather_in_lanes, pair_compliance
+   use evl_pair_compliance, only: couple, couple_in_lanes, gather_compliance, gather_in_lanes, pair_compliance
    use evl_pair_place, only: by_a, by_b
    use evl_status, only: code_ok, code_out_of_domain, fail, quantity, status_t, subject_mesh
-   use evl_tooth_contact, only: contact_state, flank_drive, flanks_open, tooth_contact_t, touches
+   use evl_tooth_contact, only: contact_state, feet_of, flank_drive, flanks_open, tooth_contact_t, touches
    use evl_yielding_flank, only: change_of, yielding_flank_t
    implicit none (type, external)
    private
@@ -125,22 +126,19 @@ contains
       integer, intent(in) :: first, last
       type(contact_state), intent(inout) :: at(*)
       type(pairs_t) :: pairs
-      type(pair_compliance) :: compliance
-      type(coupled_answer) :: answer
-      real(wp) :: g(most_pairs)
-      integer :: i
+      real(wp) :: opened
+      integer :: i, k
 
-      if (all(at(first:last)%mode%flanks /= flanks_open)) return
-      call list_pairs(first, last, at, .true., pairs)
-      call compliance_of(self, contacts(first), pairs, compliance)
-      do i = 1, pairs%n
-         associate (there => at(pairs%contact(i)))
-            if (touches(there%mode)) answer%force(i) = there%elastic%force/contacts(first)%width
-         end associate
-      end do
-      call overlaps(pairs%n, pairs%h, compliance%c, answer, g)
-      do i = 1, pairs%n
-         if (.not. touches(at(pairs%contact(i))%mode)) at(pairs%contact(i))%overlap = g(i)
+      call list_pairs(first, last, at, .false., pairs)
+      do k = first, last
+         if (at(k)%mode%flanks /= flanks_open) cycle
+         opened = 0
+         do i = 1, pairs%n
+            opened = opened - couple(self%a, self%b, contacts(k)%flank == flank_drive, at(k)%mode%tooth_pair, feet_of(at(k)), &
+                                     pairs%number(i), pairs%feet(i)%foot) &
+                     *(at(pairs%contact(i))%elastic%force/contacts(k)%width)
+         end do
+         at(k)%overlap = at(k)%point%h + opened
       end do
    end subroutine find_overlaps
 
@@ -251,16 +249,6 @@ contains
       end associate
    end subroutine slope_changes
 
-   !> What they yield to each other.
-   pure subroutine compliance_in_lanes(self, contact, pairs, c, d)
-      class(coupled_flank_t), intent(in) :: self
-      type(tooth_contact_t), intent(in) :: contact !! one of the flank
-      type(lane_pairs), intent(in) :: pairs
-      real(wp), intent(out) :: c(lanes, most_pairs, most_pairs), d(lanes, most_pairs, most_pairs, 2)
-
-      call gather_in_lanes(self%a, self%b, self%k_difference, contact%flank == flank_drive, pairs%n, pairs%number, pairs%foot, c, d)
-   end subroutine compliance_in_lanes
-
    !> `laws` in eight states.
    subroutine laws_in_lanes(self, contacts, first, last, slots, answered)
       class(coupled_flank_t), intent(in) :: self
@@ -269,9 +257,8 @@ contains
       type(lane_slot), intent(inout) :: slots(*)
       logical, intent(out) :: answered
       type(lane_pairs) :: pairs
-      type(coupled_answer) :: answer
-      real(wp) :: c(lanes, most_pairs, most_pairs), d(lanes, most_pairs, most_pairs, 2), here(most_pairs, most_pairs), g(most_pairs)
-      integer :: code, i, k, l
+      real(wp) :: c(lanes, most_pairs, most_pairs), d(lanes, most_pairs, most_pairs, 2), force(lanes, most_pairs)
+      integer :: i, k
 
       answered = .true.
       do k = first, last
@@ -280,33 +267,40 @@ contains
          call add_in_lanes(pairs, k, slots(k))
       end do
       if (.not. answered .or. pairs%n == 0) return
-      call compliance_in_lanes(self, contacts(first), pairs, c, d)
-      associate (n => pairs%n)
-         do l = 1, lanes
-            here(:n, :n) = c(l, :n, :n)
-            call solve_pairs(n, pairs%h(:n, l), pairs%line(:n, l), here, contacts(first)%e_star, .false., answer, code)
-            answered = code == code_ok
-            if (.not. answered) return
-            call overlaps(n, pairs%h(:n, l), here, answer, g)
-            do i = 1, n
-               associate (slot => slots(pairs%contact(i)))
-                  slot%force%elastic(l) = contacts(first)%width*answer%force(i)
-                  slot%force%slope_a(l) = dot_product(d(l, i, :n, by_a), answer%force(:n))
-                  slot%force%slope_b(l) = dot_product(d(l, i, :n, by_b), answer%force(:n))
-                  slot%at%overlap(l) = g(i)
-               end associate
-            end do
+      associate (n => pairs%n, contact => contacts(first))
+         call gather_in_lanes(self%a, self%b, self%k_difference, contact%flank == flank_drive, n, pairs%number, pairs%foot, c, d)
+         call solve_in_lanes(n, pairs%h, pairs%line, c, contact%e_star, force, answered)
+         if (.not. answered) return
+         do i = 1, n
+            associate (slot => slots(pairs%contact(i)))
+               slot%force%elastic = contact%width*force(:, i)
+               call sum_of_products(n, d(:, i, :, by_a), force, slot%force%slope_a)
+               call sum_of_products(n, d(:, i, :, by_b), force, slot%force%slope_b)
+               call overlap_in_lanes(n, i, pairs%h(:, i), c, force, slot%at%overlap)
+               slot%force%d_energy = 0
+               slot%force%excess = 0
+               call contacts(pairs%contact(i))%damping%force_lanes(slot%at%lane_context, slot%force%elastic, slot%force%viscous)
+               slot%force%unclipped = slot%force%elastic + slot%force%viscous
+            end associate
          end do
       end associate
-      do i = 1, pairs%n
-         associate (at => slots(pairs%contact(i))%at, force => slots(pairs%contact(i))%force)
-            force%d_energy = 0
-            force%excess = 0
-            call contacts(pairs%contact(i))%damping%force_lanes(at%lane_context, force%elastic, force%viscous)
-            force%unclipped = force%elastic + force%viscous
-         end associate
-      end do
    end subroutine laws_in_lanes
+
+   !> Sum over the pairs.
+   pure subroutine sum_of_products(n, d, force, slope)
+      integer, intent(in) :: n
+      real(wp), intent(in), dimension(lanes, most_pairs) :: d, force
+      real(wp), intent(out) :: slope(lanes)
+      integer :: i, l
+
+      slope = 0
+      do i = 1, n
+         !$omp simd
+         do l = 1, lanes
+            slope(l) = slope(l) + d(l, i)*force(l, i)
+         end do
+      end do
+   end subroutine sum_of_products
 
    !> `find_overlaps` in eight states.
    subroutine find_overlaps_in_lanes(self, contacts, slots, aside, nearby)
@@ -316,10 +310,10 @@ contains
       type(lane_slot), intent(inout) :: aside(*)
       logical, intent(in) :: nearby
       type(lane_pairs) :: pairs
-      type(coupled_answer) :: answer
-      real(wp) :: c(lanes, most_pairs, most_pairs), d(lanes, most_pairs, most_pairs, 2), here(most_pairs, most_pairs), g(most_pairs)
-      real(wp) :: force(lanes, most_pairs)
-      integer :: i, k, l, n
+      real(wp), dimension(lanes, most_pairs) :: force
+      real(wp) :: c(lanes), opened(lanes)
+      type(lane_pairs) :: open
+      integer :: i, k
 
       if (all(aside(self%first:self%last)%mode%flanks /= flanks_open)) return
       do k = self%first, self%last
@@ -332,18 +326,18 @@ contains
             force(:, pairs%n) = aside(k)%force%elastic/contacts(k)%width
          end if
       end do
-      n = pairs%n
+      if (pairs%n == 0) return
       do k = self%first, self%last
-         if (aside(k)%mode%flanks == flanks_open) call add_in_lanes(pairs, k, aside(k))
-      end do
-      call compliance_in_lanes(self, contacts(self%first), pairs, c, d)
-      do l = 1, lanes
-         here(:pairs%n, :pairs%n) = c(l, :pairs%n, :pairs%n)
-         answer%force(:n) = force(l, :n)
-         call overlaps(pairs%n, pairs%h(:, l), here, answer, g)
-         do i = n + 1, pairs%n
-            aside(pairs%contact(i))%at%overlap(l) = g(i)
+         if (aside(k)%mode%flanks /= flanks_open) cycle
+         open%n = 0
+         call add_in_lanes(open, k, aside(k))
+         opened = 0
+         do i = 1, pairs%n
+            call couple_in_lanes(self%a, self%b, contacts(k)%flank == flank_drive, open%number(1), open%foot(:, :, 1), &
+                                 pairs%number(i), pairs%foot(:, :, i), c)
+            opened = opened - c*force(:, i)
          end do
+         aside(k)%at%overlap = aside(k)%at%h + opened
       end do
    end subroutine find_overlaps_in_lanes
 

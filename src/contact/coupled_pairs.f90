@@ -11,24 +11,28 @@
 !> for each pair that carries; with `pushes_only` a pair carries nothing where the others open its gap,
 !> g_k = h_k - sum_{l /= k} C_kl N_l <= 0, else N is continued as an odd function of g, so that a root is found from both sides.
 !>
-!> Newton's method on the pairs that carry, from the forces of pairs that stand alone. At N = 0 the slope dh/dN is infinite: a pair
-!> whose force would change its sign, or begin, takes the force that belongs to its g. Where Newton's step does not halve the
-!> residual, each pair in turn takes that force: W is convex, so that this alone would converge too, slowly.
+!> Pairs that simply push are found by `push_together`, which eight states can do at once (evl_coupled_lanes). Else it is Newton's
+!> method on the pairs that carry, from the forces of pairs that stand alone. At N = 0 the slope dh/dN is infinite: a pair whose
+!> force would change its sign, or begin, takes the force that belongs to its g. Where Newton's step does not halve the residual,
+!> each pair in turn takes that force: W is convex, so that this alone would converge too, slowly.
 !>
 !> Derivatives: with the matrix A = diag(dh_J/dN) + C of the pairs that carry, dN = A**-1 (dh - dC N - N/(pi E* Lambda) dLambda).
 !> Lambda is the length of the line of action, of all pairs alike but for what deviating flanks lack.
 !>
 !> Nothing is allocated; at most `most_pairs` pairs.
 module evl_coupled_pairs
-   use evl_compliant_johnson, only: compliant_contact, compliant_energy, compliant_force, compliant_penetration
+   use, intrinsic :: iso_fortran_env, only: int64
+   use evl_compliant_johnson, only: compliant_contact, compliant_energy, largest_excess, smallest
    use evl_kinds, only: pi, wp
-   use evl_status, only: code_no_solution, code_ok, code_singular
+   use evl_status, only: code_no_solution, code_ok, code_out_of_domain, code_singular
    implicit none (type, external)
    private
 
    public :: coupled_answer, energy_of_pairs, force_change_of_pairs, most_pairs, overlaps, solve_pairs
 
    integer, parameter :: most_pairs = 6 !! on one flank
+
+   integer, parameter :: width = 1 !! states that the included formulas take at once
 
    integer, parameter :: most_turns = 200
    real(wp), parameter :: near = 1.0e-8_wp           !! a step this small, of the force, leaves an error of its square
@@ -39,11 +43,13 @@ module evl_coupled_pairs
       integer :: n = 0
       real(wp) :: force(most_pairs) = 0.0_wp    !! N [N/m]
       logical :: carries(most_pairs) = .false.  !! whether it is one of those that Newton's method moves
-      real(wp) :: factor(most_pairs, most_pairs) = 0.0_wp !! lower triangle: Cholesky factor of A; 1 on the diagonal of the others
+      real(wp) :: factor(most_pairs, most_pairs) = 0.0_wp !! of A, as `factorise` leaves it; rows of the others: of the unit matrix
       integer :: turns = 0                      !! that it took
    end type coupled_answer
 
 contains
+
+   include "contact/pushing_pairs.inc"
 
    !> Solve for the forces.
    pure subroutine solve_pairs(n, h, length, c, e_star, pushes_only, answer, code)
@@ -55,12 +61,30 @@ contains
       logical, intent(in) :: pushes_only            !! no pair pulls; else forces are odd
       type(coupled_answer), intent(out) :: answer
       integer, intent(out) :: code                  !! code_ok, code_out_of_domain, code_singular or code_no_solution
+      real(wp) :: found(width)
+
+      answer%n = n
+      code = code_ok
+      if (.not. (pushes_only .and. any(h <= 0))) then
+         call push_together(n, h, length, c, e_star, answer%force, answer%factor, found)
+         answer%carries(:n) = .true.
+         if (found(1) > 0) return
+      end if
+      call search_pairs(n, h, length, c, e_star, pushes_only, answer, code)
+   end subroutine solve_pairs
+
+   !> The same where pairs may begin to carry, or end.
+   pure subroutine search_pairs(n, h, length, c, e_star, pushes_only, answer, code)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: h(n), length(n), c(most_pairs, *), e_star
+      logical, intent(in) :: pushes_only
+      type(coupled_answer), intent(inout) :: answer
+      integer, intent(out) :: code
       real(wp), dimension(most_pairs) :: residual, scale, step, trial
-      real(wp) :: least, size_of
+      real(wp) :: good(width), least, size_of
       logical :: definite, done, keeps_sign
       integer :: k, turn
 
-      answer%n = n
       code = code_ok
       do k = 1, n
          call answer_gap(h(k), length(k), c(k, k), e_star, pushes_only, answer%force(k), code)
@@ -72,9 +96,10 @@ contains
          answer%turns = turn
          call look(n, h, length, c, e_star, pushes_only, answer, residual, scale, code)
          if (code /= code_ok) return
-         call factorise(n, answer, code)
+         good = 1
+         call factorise(n, answer%factor, good)
          size_of = sum(abs(residual(:n)))
-         if (code == code_ok .and. size_of <= least/2) then
+         if (good(1) > 0 .and. size_of <= least/2) then
             least = size_of
             step(:n) = residual(:n)
             call solve(n, answer, step)
@@ -94,7 +119,7 @@ contains
             if (done) return
          else
             if (all(abs(residual(:n)) <= rounding*scale(:n))) return ! Newton's method has no more to give
-            definite = code == code_ok
+            definite = good(1) > 0
             do k = 1, n
                call answer_gap(h(k) - others(n, c, k, answer%force), length(k), c(k, k), e_star, pushes_only, answer%force(k), &
                                code)
@@ -103,7 +128,7 @@ contains
          end if
       end do
       code = merge(code_no_solution, code_singular, definite)
-   end subroutine solve_pairs
+   end subroutine search_pairs
 
    !> What is left of the equations at the present forces, and the matrix A of the pairs that carry.
    pure subroutine look(n, h, length, c, e_star, pushes_only, answer, residual, scale, code)
@@ -199,43 +224,14 @@ contains
       energy = sum(compliant_energy(h(:answer%n), answer%force(:answer%n), e_star))
    end function energy_of_pairs
 
-   !> Cholesky factor of A in place.
-   pure subroutine factorise(n, answer, code)
-      integer, intent(in) :: n
-      type(coupled_answer), intent(inout) :: answer
-      integer, intent(out) :: code !! code_singular if A is not positive definite
-      integer :: i, j
-
-      code = code_singular
-      associate (a => answer%factor)
-         do j = 1, n
-            a(j, j) = a(j, j) - dot_product(a(j, :j - 1), a(j, :j - 1))
-            if (.not. a(j, j) > 0) return
-            a(j, j) = sqrt(a(j, j))
-            do i = j + 1, n
-               a(i, j) = (a(i, j) - dot_product(a(i, :j - 1), a(j, :j - 1)))/a(j, j)
-            end do
-         end do
-      end associate
-      code = code_ok
-   end subroutine factorise
-
    !> A x = b for the pairs that carry, 0 for the others.
    pure subroutine solve(n, answer, x)
       integer, intent(in) :: n
       type(coupled_answer), intent(in) :: answer
       real(wp), intent(inout) :: x(*) !! b, then the solution
-      integer :: i
 
-      associate (a => answer%factor)
-         do i = 1, n
-            if (.not. answer%carries(i)) x(i) = 0
-            x(i) = (x(i) - dot_product(a(i, :i - 1), x(:i - 1)))/a(i, i)
-         end do
-         do i = n, 1, -1
-            x(i) = (x(i) - dot_product(a(i + 1:n, i), x(i + 1:n)))/a(i, i)
-         end do
-      end associate
+      where (.not. answer%carries(:n)) x(:n) = 0
+      call solve_factorised(n, answer%factor, x)
    end subroutine solve
 
 end module evl_coupled_pairs

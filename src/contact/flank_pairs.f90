@@ -24,7 +24,7 @@ module evl_flank_pairs
    type :: lane_pairs
       integer :: n = 0
       integer :: contact(most_pairs), number(most_pairs)
-      real(wp) :: h(most_pairs, lanes), line(most_pairs, lanes), foot(lanes, 2, most_pairs)
+      real(wp) :: h(lanes, most_pairs), line(lanes, most_pairs), foot(lanes, 2, most_pairs)
    end type lane_pairs
 
 contains
@@ -70,8 +70,8 @@ contains
          pairs%contact(n) = contact
          pairs%number(n) = slot%mode%tooth_pair
          do l = 1, lanes
-            pairs%h(n, l) = at%h(l)
-            pairs%line(n, l) = at%rho_a(l) + at%rho_b(l) - at%h(l)
+            pairs%h(l, n) = at%h(l)
+            pairs%line(l, n) = at%rho_a(l) + at%rho_b(l) - at%h(l)
             pairs%foot(l, :, n) = foot_in_lane(slot, l)
          end do
       end associate

@@ -15,7 +15,7 @@ module evl_pair_compliance
    implicit none (type, external)
    private
 
-   public :: gather_compliance, gather_in_lanes, own_of_pair, pair_compliance
+   public :: couple, couple_in_lanes, gather_compliance, gather_in_lanes, own_of_pair, pair_compliance
 
    !> C with its derivatives. Every term of N C N is that of a pair k with a pair l, so the diagonal has halves.
    type :: pair_compliance
@@ -134,6 +134,43 @@ contains
       d(:, first, second, w) = by_here
       d(:, second, first, w) = by_there
    end subroutine add_other_in_lanes
+
+   !> C_kl alone, of a pair to another.
+   pure real(wp) function couple(a, b, is_drive, number, foot, other, other_foot) result(c)
+      class(wheel_compliance_t), intent(in) :: a, b
+      logical, intent(in) :: is_drive
+      integer, intent(in) :: number, other !! of the tooth pairs
+      real(wp), intent(in) :: foot(2), other_foot(2)
+      type(coupling_at_t) :: on_a, on_b
+
+      if (is_drive .eqv. other > number) then ! the index of A's teeth, other - number, is positive the other way round
+         call a%coupling(abs(other - number), other_foot(by_a), foot(by_a), on_a)
+         call b%coupling(abs(other - number), foot(by_b), other_foot(by_b), on_b)
+      else
+         call a%coupling(abs(other - number), foot(by_a), other_foot(by_a), on_a)
+         call b%coupling(abs(other - number), other_foot(by_b), foot(by_b), on_b)
+      end if
+      c = on_a%value + on_b%value
+   end function couple
+
+   !> The same in eight states.
+   pure subroutine couple_in_lanes(a, b, is_drive, number, foot, other, other_foot, c)
+      class(wheel_compliance_t), intent(in) :: a, b
+      logical, intent(in) :: is_drive
+      integer, intent(in) :: number, other
+      real(wp), intent(in) :: foot(lanes, 2), other_foot(lanes, 2)
+      real(wp), intent(out) :: c(lanes)
+      real(wp) :: on_b(lanes)
+
+      if (is_drive .eqv. other > number) then
+         call a%coupling_values(abs(other - number), other_foot(:, by_a), foot(:, by_a), c)
+         call b%coupling_values(abs(other - number), foot(:, by_b), other_foot(:, by_b), on_b)
+      else
+         call a%coupling_values(abs(other - number), foot(:, by_a), other_foot(:, by_a), c)
+         call b%coupling_values(abs(other - number), other_foot(:, by_b), foot(:, by_b), on_b)
+      end if
+      c = c + on_b
+   end subroutine couple_in_lanes
 
    !> What a pair yields to its own load: the parts of A and B, whose sum is C_kk.
    pure subroutine own_of_pair(a, b, k_difference, foot, own)

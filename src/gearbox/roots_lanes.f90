@@ -24,7 +24,8 @@ contains
    include "numerics/all_positive.inc"
    include "contact/contact_roots.inc"
 
-   !> Root functions of all states.
+   !> Root functions of all states: first with what the last `rates_in_lanes` knows of the tooth contacts that touch, then, where that
+   !> is not enough, with what these are here; of the others all is known by then.
    subroutine roots_in_lanes(gearbox, y, integers, reals, slots, aside, nearby, roots, status)
       type(gearbox_t), intent(in) :: gearbox     !! one that `lanes_serve` accepts
       real(wp), intent(in) :: y(lanes, gearbox%n_states)
@@ -32,8 +33,8 @@ contains
       real(wp), intent(in) :: reals(:)
       type(lane_slot), intent(in) :: slots(size(gearbox%contacts))    !! [tooth contacts] settled
       type(lane_slot), intent(inout) :: aside(size(gearbox%contacts)) !! [tooth contacts] settled: scratch for these states
-      logical, intent(in) :: nearby              !! where flanks overlap those of the last `rates_in_lanes` will do
-      real(wp), intent(out) :: roots(lanes, gearbox%n_roots)
+      logical, intent(in) :: nearby              !! those of the last `rates_in_lanes` will do; else: asked again in the same states
+      real(wp), intent(inout) :: roots(lanes, gearbox%n_roots)
       type(status_t), intent(inout) :: status    !! code_out_of_domain if a law has no answer in one of the lanes
       logical :: answered
       integer :: i
@@ -62,8 +63,9 @@ contains
       integer :: m
 
       answered = .true.
+      if (.not. (nearby .or. any(slots(flank%first:flank%last)%touches))) return ! nothing is new
       do m = flank%first, flank%last
-         if (nearby .and. slots(m)%touches) cycle
+         if (nearby .eqv. slots(m)%touches) cycle
          call line_in_lanes(gearbox%contacts(m), y, line)
          answered = all_positive(line%margin)
          if (.not. answered) return

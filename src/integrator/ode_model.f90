@@ -96,13 +96,13 @@ contains
 
    !> Root functions of eight states at once, which are almost those of the last `rhs_lanes`. For a first look they need not be
    !> exact: a model that knows most of them from there may give them as they were there. Where one comes near zero the exact ones
-   !> are asked for as well.
+   !> are asked for as well, in the same states, with the values of the first look.
    subroutine no_roots_lanes(self, t, y, exact, values, status)
       class(ode_model), intent(inout) :: self
       real(wp), intent(in) :: t(lanes)
       real(wp), intent(in) :: y(lanes, self%n)
       logical, intent(inout) :: exact !! whether they have to be; on return, whether they are
-      real(wp), intent(out) :: values(lanes, self%n_roots)
+      real(wp), intent(inout) :: values(lanes, self%n_roots)
       type(status_t), intent(inout) :: status !! touched on failure only
 
       associate (unused_t => t, unused_y => y)

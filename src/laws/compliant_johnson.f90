@@ -24,8 +24,9 @@ module evl_compliant_johnson
    private
 
    public :: compliant_contact, compliant_energy, compliant_force, compliant_force_lanes, compliant_penetration
+   public :: largest_excess, smallest
 
-   real(wp), parameter :: smallest = tiny(1.0_wp)    !! h/(4 Lambda) whose logarithm is taken
+   real(wp), parameter :: smallest = tiny(1.0_wp)   !! h/(4 Lambda) whose logarithm is taken
    real(wp), parameter :: largest_excess = 698.0_wp !! ell - 1 up to which w is known
 
    !> A force per unit width with its derivatives.
@@ -43,28 +44,7 @@ contains
    include "numerics/logarithm.inc"
    include "numerics/lambert_w.inc"
 
-   !> Force per unit width with its derivatives; zero on error. Without branches: outside it computes something else and drops it.
-   elemental subroutine compliant_force(h, length, c, e_star, contact, code)
-      real(wp), intent(in) :: h      !! penetration [m]; the force is odd in it
-      real(wp), intent(in) :: length !! Lambda [m], > 0
-      real(wp), intent(in) :: c      !! what the body yields to a unit load [1/Pa]
-      real(wp), intent(in) :: e_star !! effective modulus [Pa], > 0
-      type(compliant_contact), intent(out) :: contact
-      integer, intent(out) :: code   !! code_ok or code_out_of_domain
-      real(wp) :: ratio, excess, v, w_inverse, slope
-      logical :: inside
-
-      ratio = (0.25_wp*abs(h))*(1/length)
-      excess = min(pi*e_star*c - natural_logarithm(max(ratio, smallest)) - 2.0_wp, largest_excess)
-      inside = length > 0.0_wp .and. ratio <= huge(ratio) .and. excess > 0.0_wp
-      call lambert_w(max(excess, epsilon(excess)), v, w_inverse)
-      slope = merge(1/v, 0.0_wp, inside .and. abs(h) > 0.0_wp)
-      contact%force = merge(pi*e_star*h*w_inverse, 0.0_wp, inside)
-      contact%d_h = pi*e_star*slope
-      contact%d_c = -(pi*e_star*contact%force)*slope
-      contact%d_length = -(contact%force*slope)*(1/length)
-      code = merge(code_ok, code_out_of_domain, inside)
-   end subroutine compliant_force
+   include "laws/compliant_johnson.inc"
 
    !> The same in eight states.
    pure subroutine compliant_force_lanes(h, length, c, e_star, force, answered)
@@ -94,28 +74,6 @@ contains
       force = contact%force
       answer = merge(1.0_wp, 0.0_wp, code == code_ok)
    end subroutine force_of_lane
-
-   !> Penetration under a force per unit width, with its derivative to the force.
-   !>
-   !> Valid: any force with ln(4 pi E* Lambda/N) + pi E* c > 2, where the penetration grows with the force
-   elemental subroutine compliant_penetration(force, length, c, e_star, h, d_force, code)
-      real(wp), intent(in) :: force   !! N [N/m]; the penetration is odd in it
-      real(wp), intent(in) :: length  !! Lambda [m], > 0
-      real(wp), intent(in) :: c       !! [1/Pa]
-      real(wp), intent(in) :: e_star  !! effective modulus [Pa], > 0
-      real(wp), intent(out) :: h       !! [m]; 0 on error
-      real(wp), intent(out) :: d_force !! dh/dN [m^2/N]; 0 on error
-      integer, intent(out) :: code
-      real(wp) :: ratio, w
-      logical :: inside
-
-      ratio = abs(force)*(1/(4*pi*e_star*length))
-      w = pi*e_star*c - natural_logarithm(max(ratio, smallest)) - 1.0_wp
-      inside = min(length, e_star) > 0.0_wp .and. ratio <= huge(ratio) .and. w > 1.0_wp
-      h = merge(force*w*(1/(pi*e_star)), 0.0_wp, inside)
-      d_force = merge((w - 1.0_wp)*(1/(pi*e_star)), 0.0_wp, inside)
-      code = merge(code_ok, code_out_of_domain, inside)
-   end subroutine compliant_penetration
 
    !> Elastic energy per unit width [J/m], that of the body included; even in h.
    elemental real(wp) function compliant_energy(h, force, e_star) result(energy)

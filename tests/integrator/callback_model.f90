@@ -121,7 +121,7 @@ contains
       real(wp), intent(in) :: t(lanes)
       real(wp), intent(in) :: y(lanes, self%n)
       logical, intent(inout) :: exact
-      real(wp), intent(out) :: values(lanes, self%n_roots)
+      real(wp), intent(inout) :: values(lanes, self%n_roots)
       type(status_t), intent(inout) :: status
       real(wp) :: state(self%n), here(self%n_roots)
       integer :: k

@@ -114,13 +114,15 @@ contains
       real(c_double), intent(inout) :: roots(*)
       type(gearbox_t), pointer :: gearbox
       type(lane_slot), allocatable :: slots(:), aside(:)
-      type(status_t) :: status
+      type(status_t) :: first_look, status
 
       call c_f_pointer(handle, gearbox)
       allocate (slots(size(gearbox%contacts)))
       call settle_slots(gearbox, integers(:gearbox%n_integers), reals(:size(gearbox%contacts)), slots)
       aside = slots
       associate (n => gearbox%n_states, m => gearbox%n_roots)
+         call roots_in_lanes(gearbox, y(:lanes*n), integers(:gearbox%n_integers), reals(:size(gearbox%contacts)), &
+                             slots, aside, .true., roots(:lanes*m), first_look)
          call roots_in_lanes(gearbox, y(:lanes*n), integers(:gearbox%n_integers), reals(:size(gearbox%contacts)), &
                              slots, aside, .false., roots(:lanes*m), status)
       end associate
