@@ -156,7 +156,7 @@ contains
       type(pair_feet), intent(in) :: feet
       type(flank_value), intent(in) :: lacks(2)
       type(pair_place), intent(out) :: place
-      integer :: w
+      integer :: i, w
 
       place%h = feet%rho(by_a) + feet%rho(by_b) - feet%rho(by_line) - feet%lack
       place%d_h = [1.0_wp, 1.0_wp, -1.0_wp] - feet%d_lack
@@ -168,8 +168,10 @@ contains
             place%d2_h(w, w) = place%d2_h(w, w) - lacks(w)%d2e
          else
             place%d_h = place%d_h - lacks(w)%de*feet%d_foot(:, w)
-            place%d2_h = place%d2_h - lacks(w)%de*feet%d2_foot(:, :, w) &
-                         - lacks(w)%d2e*spread(feet%d_foot(:, w), 2, 3)*spread(feet%d_foot(:, w), 1, 3)
+            do i = by_a, by_line
+               place%d2_h(:, i) = place%d2_h(:, i) - lacks(w)%de*feet%d2_foot(:, i, w) &
+                                  - lacks(w)%d2e*feet%d_foot(:, w)*feet%d_foot(i, w)
+            end do
          end if
       end do
    end subroutine penetrate

@@ -19,6 +19,7 @@
 !>
 !> Derived in docs/compliant_flanks.md.
 module evl_tip_edge
+   use evl_elementary, only: sine_cosine
    use evl_kinds, only: wp
    use evl_tangent_line, only: find_tangent_line, tangent_line_t, versine
    implicit none (type, external)
@@ -61,24 +62,25 @@ contains
       real(wp), intent(in) :: rho !! length of the line of action [m]
       type(edge_place), intent(out) :: at
       type(tangent_line_t) :: line
-      real(wp) :: theta, centre, l_0, a_t, a_e, sine, rise, slope, v_t, along, turn_x, turn_rho, l_x, l_rho
+      real(wp) :: theta, centre, l_0, a_t, a_e, sine, cosine, rise, slope, v_t, along, across, turn_x, turn_rho, l_x, l_rho
 
       theta = x/edge%r_b
+      call sine_cosine(theta, sine, cosine)
       centre = edge%rho_end - edge%rounding
       l_0 = rho - centre
-      sine = sin(theta)
-      rise = 2*sin(theta/2)**2
+      rise = sine**2/(1 + cosine)
       a_t = edge%r_b*rise + centre*sine
       a_e = -edge%r_b*sine + centre*rise
       call find_tangent_line(edge%r_mate, l_0, a_t, a_e, line)
       at%exists = line%exists
       slope = centre/edge%r_b
-      associate (delta => line%angle, s => line%s, c => line%c, beta => theta - line%angle, l => line%rho, r => edge%r_mate)
+      associate (delta => line%angle, s => line%s, c => line%c, l => line%rho, r => edge%r_mate)
          at%gap = edge%r_b*angle_less_sine(theta, sine) + centre*rise - a_t*s - (a_e + l_0)*versine(line) &
                   + r*angle_less_sine(delta, s)
-         along = sin(beta)
-         v_t = along + slope*cos(beta)
-         at%d_x = 2*sin(beta/2)**2 + slope*along
+         along = sine*c - cosine*s ! sin beta: delta is against theta, so nothing cancels
+         across = cosine*c + sine*s
+         v_t = along + slope*across
+         at%d_x = along**2/(1 + across) + slope*along
          turn_x = -v_t/l
          turn_rho = -s/l
          l_x = at%d_x - 1 - r*turn_x
