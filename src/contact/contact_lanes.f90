@@ -7,11 +7,12 @@ module evl_contact_lanes
    use evl_contact_context, only: lane_context
    use evl_contact_point, only: contact_point, tracked_pair
    use evl_deviating_flanks, only: flank_value, radius_rates
-   use evl_edge_contact, only: edge_contact, put_on_edge
-   use evl_flank_deviation, only: flank_branch
+   use evl_edge_lanes, only: find_feet_in_lanes, lane_edge, lane_lack, slopes_in_lanes
+   use evl_flank_deviation, only: flank_branch, zone_edge, zone_end
    use evl_kinds, only: lanes, wp
    use evl_line_lanes, only: lane_line
    use evl_local_variables, only: at_normal, at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, n_local
+   use evl_pair_place, only: by_a, by_b, by_line
    use evl_root_kinds, only: side_of_rate
    use evl_tangent_line, only: tangent_line_t
    use evl_tooth_contact, only: beyond_flank, contact_mode, flank_branches, flanks_off, tooth_contact_t
@@ -26,7 +27,7 @@ module evl_contact_lanes
       real(wp), dimension(lanes) :: rho_a0 !! nominal radius of curvature on A [m]
       real(wp), dimension(lanes) :: overlap !! as in `contact_state`
       real(wp), dimension(lanes) :: s, c, l_a, l_b, v_t, arm_a, arm_b, tilt, rho_dot, omega_a, omega_b
-      type(edge_contact) :: edge(lanes)  !! past the end of a flank only
+      type(lane_edge) :: edge              !! past the end of a flank only
    end type lane_contact
 
 contains
@@ -177,25 +178,68 @@ contains
       end do
    end subroutine deviate_lanes
 
-   !> From the contact of perfect involutes to that of a pair past the end of a flank, state by state: few are there.
+   !> From the contact of perfect involutes to that of a pair past the end of a flank.
    subroutine put_lanes_on_edge(contact, mode, line, at)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_mode), intent(in) :: mode
       type(lane_line), intent(in) :: line
       type(lane_contact), intent(inout) :: at
-      type(contact_point) :: point
+      type(tracked_pair) :: pair
       type(flank_branch) :: branches(2)
-      real(wp) :: q(n_local)
-      integer :: l
+      type(lane_lack) :: past
+      real(wp), dimension(lanes, 2) :: arms, de, e, rho
+      integer :: l, mate, own
 
-      call flank_branches(contact, mode, branches(1), branches(2))
+      pair = contact%pair
+      own = merge(by_a, by_b, mode%zone_a >= zone_end)
+      mate = by_a + by_b - own
+      call flank_branches(contact, mode, branches(by_a), branches(by_b))
+      rho(:, by_a) = at%rho_a
+      rho(:, by_b) = at%rho_b
+      at%edge%line = at%rho_a + at%rho_b - at%h
+      call find_feet_in_lanes(contact%tips(own), own, merge(mode%zone_a, mode%zone_b, own == by_a) == zone_edge, rho(:, own), &
+                              rho(:, mate), at%edge, past)
+      call deviation_in_lanes(branches(own), rho(:, own), e(:, own), de(:, own))
+      call deviation_in_lanes(branches(mate), at%edge%foot(:, mate), e(:, mate), de(:, mate))
+      call slopes_in_lanes(own, past, de, at%edge)
+      arms(:, own) = past%arm - past%lack - e(:, own)
+      arms(:, mate) = at%edge%foot(:, mate) - e(:, mate)
+      !$omp simd
       do l = 1, lanes
-         call lane_local(line, l, q)
-         call take_lane(at, l, point)
-         call put_on_edge(contact%pair, contact%tips, [mode%zone_a, mode%zone_b], branches, q, point, at%edge(l))
-         call store_lane(point, l, at)
+         call put_lane_on_edge(pair, line, l, at%edge%margin(l), at%edge%line(l), past%x(l), past%lack(l), e(l, by_a), &
+                               e(l, by_b), at%edge%d_h(l, by_a), at%edge%d_h(l, by_b), at%edge%d_h(l, by_line), arms(l, by_a), &
+                               arms(l, by_b), at)
       end do
    end subroutine put_lanes_on_edge
+
+   !> One lane of it.
+   pure subroutine put_lane_on_edge(pair, line, l, margin, along, x, lack, e_a, e_b, by_rho_a, by_rho_b, by_rho, arm_a, arm_b, at)
+      type(tracked_pair), intent(in) :: pair
+      type(lane_line), intent(in) :: line
+      integer, intent(in) :: l
+      real(wp), intent(in) :: margin, along, x, lack, e_a, e_b !! as of `lane_edge` and `lane_lack`; along: its line
+      real(wp), intent(in) :: by_rho_a, by_rho_b, by_rho       !! derivatives of the penetration
+      real(wp), intent(in) :: arm_a, arm_b                     !! of the friction force without penetration [m]
+      type(lane_contact), intent(inout) :: at
+      type(contact_point) :: point
+      type(radius_rates) :: rate
+      real(wp) :: q(n_local)
+
+      call lane_local(line, l, q)
+      call take_lane(at, l, point)
+      rate = rates_of(pair, q, point)
+      point%h = point%h - lack - (e_a + e_b)
+      point%h = merge(point%h, -x, margin > 0)
+      point%h_dot = point%h_dot + ((by_rho_a - 1)*rate%a + (by_rho_b - 1)*rate%b + (by_rho + 1)*point%rho_dot)
+      point%rho_dot = rate%a + rate%b - point%h_dot
+      point%l_a = arm_a - pair%share_a*point%h
+      point%l_b = arm_b - pair%share_b*point%h
+      point%v_t = pair%sigma*(point%omega_a*point%l_a + point%omega_b*point%l_b) - rate%along
+      point%arm_a = pair%r_ba*by_rho_a
+      point%arm_b = pair%r_bb*by_rho_b
+      point%tilt = (pair%r_ba*(by_rho_a + by_rho) + pair%r_bb*(by_rho_b + by_rho))/along
+      call store_lane(point, l, at)
+   end subroutine put_lane_on_edge
 
    !> What one flank lacks in material.
    pure subroutine deviation_in_lanes(branch, rho, e, de)

@@ -18,7 +18,7 @@ module evl_flank
    use evl_force_lanes, only: lane_force, lane_slot, laws_of_pair, resolve_in_lanes
    use evl_kinds, only: lanes, wp
    use evl_local_variables, only: at_normal, n_local, unit
-   use evl_pair_place, only: by_a, by_b
+   use evl_pair_place, only: by_a, by_b, by_line
    use evl_root_kinds, only: side_of_rate
    use evl_status, only: code_ok, code_out_of_domain, fail, has_failed, quantity, status_t, subject_mesh
    use evl_tooth_contact, only: beyond_flank, contact_force, contact_mode, contact_state, edge_wheel, flanks_off, &
@@ -386,11 +386,14 @@ contains
    pure subroutine lift_in_lanes(at, force)
       type(lane_contact), intent(in) :: at
       type(lane_force), intent(inout) :: force
+      real(wp) :: lift
       integer :: l
 
+      !$omp simd private(lift)
       do l = 1, lanes
-         force%on_a_t(l) = force%on_a_t(l) + force%unclipped(l)*lift_of(at%edge(l))*at%s(l)
-         force%on_a_e(l) = force%on_a_e(l) - force%unclipped(l)*lift_of(at%edge(l))*at%c(l)
+         lift = -(1 + at%edge%d_h(l, by_line))
+         force%on_a_t(l) = force%on_a_t(l) + force%unclipped(l)*lift*at%s(l)
+         force%on_a_e(l) = force%on_a_e(l) - force%unclipped(l)*lift*at%c(l)
       end do
    end subroutine lift_in_lanes
 
@@ -432,13 +435,10 @@ contains
    !> Whether a pair lies on both involutes in eight states.
    pure logical function in_lanes_on_involutes(slot) result(lies)
       type(lane_slot), intent(in) :: slot
-      integer :: l
 
       if (beyond_flank(slot%mode)) then
-         lies = all(slot%at%edge%exists)
-         do l = 1, lanes
-            lies = lies .and. all(slot%at%edge(l)%foot > 0)
-         end do
+         lies = all_positive(slot%at%edge%margin) .and. all_positive(slot%at%edge%foot(:, by_a)) &
+                .and. all_positive(slot%at%edge%foot(:, by_b))
       else
          lies = all_positive(slot%at%rho_a) .and. all_positive(slot%at%rho_b)
       end if
@@ -448,17 +448,15 @@ contains
    pure logical function in_lanes_on_flank(contact, slot) result(lies)
       type(tooth_contact_t), intent(in) :: contact
       type(lane_slot), intent(in) :: slot
-      integer :: l, mate, wheel
+      integer :: mate, wheel
 
       lies = .true.
       if (.not. beyond_flank(slot%mode)) return
-      lies = all(slot%at%edge%exists) .and. .not. past_both_ends(slot%mode)
+      lies = all_positive(slot%at%edge%margin) .and. .not. past_both_ends(slot%mode)
       wheel = edge_wheel(slot%mode)
       if (wheel == 0) return
       mate = by_a + by_b - wheel
-      do l = 1, lanes
-         lies = lies .and. slot%at%edge(l)%foot(mate) >= contact%fillets(mate)
-      end do
+      lies = lies .and. all(slot%at%edge%foot(:, mate) >= contact%fillets(mate))
    end function in_lanes_on_flank
 
    !> The contact has left an involute: say which radius of curvature ran out.

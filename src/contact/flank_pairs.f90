@@ -5,7 +5,7 @@ module evl_flank_pairs
    use evl_kinds, only: lanes, wp
    use evl_pair_place, only: by_a, by_b, pair_feet
    use evl_tooth_contact, only: contact_state, feet_of, flanks_open, touches
-   use evl_yielding_flank, only: foot_in_lane
+   use evl_yielding_lanes, only: feet_in_lanes
    implicit none (type, external)
    private
 
@@ -63,17 +63,14 @@ contains
       type(lane_pairs), intent(inout) :: pairs
       integer, intent(in) :: contact
       type(lane_slot), intent(in) :: slot
-      integer :: l
 
       pairs%n = pairs%n + 1
       associate (n => pairs%n, at => slot%at)
          pairs%contact(n) = contact
          pairs%number(n) = slot%mode%tooth_pair
-         do l = 1, lanes
-            pairs%h(l, n) = at%h(l)
-            pairs%line(l, n) = at%rho_a(l) + at%rho_b(l) - at%h(l)
-            pairs%foot(l, :, n) = foot_in_lane(slot, l)
-         end do
+         pairs%h(:, n) = at%h
+         pairs%line(:, n) = at%rho_a + at%rho_b - at%h
+         call feet_in_lanes(slot, pairs%foot(:, :, n))
       end associate
    end subroutine add_in_lanes
 

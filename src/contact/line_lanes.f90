@@ -25,6 +25,7 @@ contains
 
    include "numerics/all_positive.inc"
    include "contact/tangent_line.inc"
+   include "contact/small_angle.inc"
    include "contact/centre_line.inc"
 
    !> Motion and line of action of the flank of a tooth contact; nothing to do if they are there already.

@@ -15,7 +15,7 @@ module evl_pair_compliance
    implicit none (type, external)
    private
 
-   public :: couple, couple_in_lanes, gather_compliance, gather_in_lanes, own_of_pair, pair_compliance
+   public :: couple, couple_in_lanes, gather_compliance, gather_in_lanes, own_in_lanes, own_of_pair, pair_compliance
 
    !> C with its derivatives. Every term of N C N is that of a pair k with a pair l, so the diagonal has halves.
    type :: pair_compliance
@@ -88,23 +88,10 @@ contains
       integer, intent(in) :: numbers(n)
       real(wp), intent(in) :: foot(lanes, 2, n)
       real(wp), intent(out) :: c(lanes, most_pairs, *), d(lanes, most_pairs, most_pairs, 2)
-      real(wp), dimension(lanes) :: value_a, value_b, slope_a, slope_b
       integer :: k, l
 
       do k = 1, n
-         call a%own_lanes(foot(:, by_a, k), value_a, slope_a)
-         call b%own_lanes(foot(:, by_b, k), value_b, slope_b)
-         if (abs(k_difference) > 0) then
-            !GCC$ novector
-            do l = 1, lanes
-               value_a(l) = value_a(l) + k_difference/2*log(foot(l, by_a, k)/foot(l, by_b, k))
-               slope_a(l) = slope_a(l) + k_difference/2/foot(l, by_a, k)
-               slope_b(l) = slope_b(l) + (-k_difference/2)/foot(l, by_b, k)
-            end do
-         end if
-         c(:, k, k) = value_a + value_b
-         d(:, k, k, by_a) = slope_a/2
-         d(:, k, k, by_b) = slope_b/2
+         call own_in_lanes(a, b, k_difference, foot(:, :, k), c(:, k, k), d(:, k, k, by_a), d(:, k, k, by_b))
       end do
       do k = 1, n
          do l = k + 1, n
@@ -114,6 +101,30 @@ contains
          end do
       end do
    end subroutine gather_in_lanes
+
+   !> What a pair yields to its own load there, and half of its derivatives.
+   pure subroutine own_in_lanes(a, b, k_difference, foot, c, half_a, half_b)
+      class(wheel_compliance_t), intent(in) :: a, b
+      real(wp), intent(in) :: k_difference
+      real(wp), intent(in) :: foot(lanes, 2)
+      real(wp), intent(out), dimension(lanes) :: c, half_a, half_b
+      real(wp), dimension(lanes) :: value_b
+      integer :: l
+
+      call a%own_lanes(foot(:, by_a), c, half_a)
+      call b%own_lanes(foot(:, by_b), value_b, half_b)
+      if (abs(k_difference) > 0) then
+         !GCC$ novector
+         do l = 1, lanes
+            c(l) = c(l) + k_difference/2*log(foot(l, by_a)/foot(l, by_b))
+            half_a(l) = half_a(l) + k_difference/2/foot(l, by_a)
+            half_b(l) = half_b(l) + (-k_difference/2)/foot(l, by_b)
+         end do
+      end if
+      c = c + value_b
+      half_a = half_a/2
+      half_b = half_b/2
+   end subroutine own_in_lanes
 
    !> What one wheel has of C_kl there.
    pure subroutine add_other_in_lanes(wheel, w, against, numbers, foot, k, l, c, d)

@@ -25,6 +25,7 @@ module evl_tangent_line
 contains
 
    include "contact/tangent_line.inc"
+   include "contact/small_angle.inc"
 
    !> Tangent to a circle of radius r_b through the point (r_b + a_t, rho_0 + a_e), and its angle: see `tangent_line`.
    pure subroutine find_tangent_line(r_b, rho_0, a_t, a_e, found)

@@ -19,13 +19,11 @@
 !>
 !> Derived in docs/compliant_flanks.md.
 module evl_tip_edge
-   use evl_elementary, only: sine_cosine
    use evl_kinds, only: wp
-   use evl_tangent_line, only: find_tangent_line, tangent_line_t, versine
    implicit none (type, external)
    private
 
-   public :: edge_place, edge_t, end_of_flank, place_edge
+   public :: edge_place, edge_t, end_of_flank, place_edge, small
 
    !> A tip edge and the wheels that meet there.
    type :: edge_t
@@ -49,58 +47,16 @@ module evl_tip_edge
       real(wp) :: turn = 0.0_wp   !! delta, by which the normal has turned [rad]
    end type edge_place
 
-   real(wp), parameter :: small = 0.5_wp     !! below which x - sin x comes from a series [rad]
+   real(wp), parameter :: small = 0.5_wp !! below which x - sin x comes from a series [rad]
    integer, parameter :: most_turns = 50
    real(wp), parameter :: tolerance = 1.0e-14_wp !! of x_*, relative
 
 contains
 
-   !> Where the edge touches at x, or would without the flank before it: S continues to x < 0.
-   elemental subroutine place_edge(edge, x, rho, at)
-      type(edge_t), intent(in) :: edge
-      real(wp), intent(in) :: x   !! roll length of the edge's wheel past the end of its flank [m]
-      real(wp), intent(in) :: rho !! length of the line of action [m]
-      type(edge_place), intent(out) :: at
-      type(tangent_line_t) :: line
-      real(wp) :: theta, centre, l_0, a_t, a_e, sine, cosine, rise, slope, v_t, along, across, turn_x, turn_rho, l_x, l_rho
-
-      theta = x/edge%r_b
-      call sine_cosine(theta, sine, cosine)
-      centre = edge%rho_end - edge%rounding
-      l_0 = rho - centre
-      rise = sine**2/(1 + cosine)
-      a_t = edge%r_b*rise + centre*sine
-      a_e = -edge%r_b*sine + centre*rise
-      call find_tangent_line(edge%r_mate, l_0, a_t, a_e, line)
-      at%exists = line%exists
-      slope = centre/edge%r_b
-      associate (delta => line%angle, s => line%s, c => line%c, l => line%rho, r => edge%r_mate)
-         at%gap = edge%r_b*angle_less_sine(theta, sine) + centre*rise - a_t*s - (a_e + l_0)*versine(line) &
-                  + r*angle_less_sine(delta, s)
-         along = sine*c - cosine*s ! sin beta: delta is against theta, so nothing cancels
-         across = cosine*c + sine*s
-         v_t = along + slope*across
-         at%d_x = along**2/(1 + across) + slope*along
-         turn_x = -v_t/l
-         turn_rho = -s/l
-         l_x = at%d_x - 1 - r*turn_x
-         l_rho = c - r*turn_rho
-         at%d_rho = -versine(line)
-         at%d_xx = v_t*(1/edge%r_b - turn_x)
-         at%d_x_rho = -s*turn_x
-         at%d_rho_rho = -s*turn_rho
-         at%foot = r*delta
-         at%foot_x = r*turn_x
-         at%foot_rho = r*turn_rho
-         at%foot_xx = -r*((1 - at%d_x)*(1/edge%r_b - turn_x) + turn_x*l_x)/l
-         at%foot_x_rho = -r*(c*turn_x + turn_rho*l_x)/l
-         at%foot_rho_rho = -r*(c*turn_rho + turn_rho*l_rho)/l
-         at%arm = edge%r_b*v_t + edge%rounding
-         at%arm_x = (1 - at%d_x)*(1 - edge%r_b*turn_x)
-         at%arm_rho = -(1 - at%d_x)*edge%r_b*turn_rho
-         at%turn = delta
-      end associate
-   end subroutine place_edge
+   include "numerics/sine_cosine.inc"
+   include "numerics/arctangent.inc"
+   include "contact/tangent_line.inc"
+   include "contact/tip_edge.inc"
 
    !> Where the edge takes over from a flank that lacks material with the slope e' at its end: x_* [m], from S'(x_*) = e'. Before
    !> it the flank touches first, as if it went on straight.
@@ -123,20 +79,5 @@ contains
          if (abs(step) <= tolerance*x) return
       end do
    end function end_of_flank
-
-   !> x - sin x without cancellation.
-   elemental real(wp) function angle_less_sine(x, sine) result(rest)
-      real(wp), intent(in) :: x    !! [rad]
-      real(wp), intent(in) :: sine !! of it
-      real(wp) :: x2
-
-      if (abs(x) > small) then
-         rest = x - sine
-      else
-         x2 = x**2
-         rest = x*x2*(1/6.0_wp - x2*(1/120.0_wp - x2*(1/5040.0_wp - x2*(1/362880.0_wp - x2*(1/39916800.0_wp &
-                                                                                            - x2*(1/6227020800.0_wp))))))
-      end if
-   end function angle_less_sine
 
 end module evl_tip_edge

@@ -14,7 +14,6 @@
 module evl_yielding_flank
    use evl_compliant_johnson, only: compliant_contact, compliant_energy, compliant_force, compliant_force_lanes, &
                                     compliant_penetration
-   use evl_contact_lanes, only: lane_contact
    use evl_contact_point, only: contact_gradient, contact_point
    use evl_damping_law, only: viscous_force
    use evl_edge_contact, only: change_of_foot, edge_contact, lift_of
@@ -23,15 +22,16 @@ module evl_yielding_flank
    use evl_force_lanes, only: lane_slot
    use evl_kinds, only: lanes, pi, wp
    use evl_local_variables, only: n_local
-   use evl_pair_compliance, only: own_of_pair
+   use evl_pair_compliance, only: own_in_lanes, own_of_pair
    use evl_pair_place, only: by_a, by_b, by_line
    use evl_status, only: code_ok, fail, quantity, status_t, subject_mesh
    use evl_tooth_contact, only: beyond_flank, contact_state, feet_of, flanks_unloaded, tooth_contact_t, touches
    use evl_wheel_compliance, only: own_at_t, wheel_compliance_t
+   use evl_yielding_lanes, only: feet_in_lanes, push_sides_in_lanes
    implicit none (type, external)
    private
 
-   public :: change_of, foot_in_lane, line_of, yielding_flank_t
+   public :: change_of, line_of, yielding_flank_t
 
    type, extends(flank_t) :: yielding_flank_t
       class(wheel_compliance_t), allocatable :: a, b !! both wheels
@@ -51,8 +51,6 @@ module evl_yielding_flank
    end type yielding_flank_t
 
 contains
-
-   include "contact/lane_point.inc"
 
    !> Elastic and viscous forces of the contacts that touch.
    subroutine laws(self, contacts, first, last, at, status)
@@ -161,16 +159,6 @@ contains
          change = d%rho_b
       end if
    end function change_of
-
-   !> Roll lengths at which A and B are loaded in one of eight states [m].
-   pure function foot_in_lane(slot, l) result(foot)
-      type(lane_slot), intent(in) :: slot
-      integer, intent(in) :: l
-      real(wp) :: foot(2)
-
-      foot = [slot%at%rho_a(l), slot%at%rho_b(l)]
-      if (beyond_flank(slot%mode)) foot = slot%at%edge(l)%foot
-   end function foot_in_lane
 
    !> Length of the line of action [m].
    pure real(wp) function line_of(point)
@@ -379,9 +367,8 @@ contains
       integer, intent(in) :: first, last
       type(lane_slot), intent(inout) :: slots(*)
       logical, intent(out) :: answered
-      type(own_at_t) :: own(2)
-      real(wp) :: c(lanes), line(lanes)
-      integer :: k, l
+      real(wp) :: c(lanes), foot(lanes, 2), line(lanes)
+      integer :: k
 
       answered = .true.
       do k = first, last
@@ -389,12 +376,8 @@ contains
          associate (at => slots(k)%at, force => slots(k)%force)
             answered = in_lanes_on_involutes(slots(k))
             if (.not. answered) return
-            do l = 1, lanes
-               call own_of_pair(self%a, self%b, self%k_difference, foot_in_lane(slots(k), l), own)
-               c(l) = sum(own%value)
-               force%slope_a(l) = own(by_a)%slope/2
-               force%slope_b(l) = own(by_b)%slope/2
-            end do
+            call feet_in_lanes(slots(k), foot)
+            call own_in_lanes(self%a, self%b, self%k_difference, foot, c, force%slope_a, force%slope_b)
             line = at%rho_a + at%rho_b - at%h
             call compliant_force_lanes(at%h, line, c, at%e_star, force%elastic, answered)
             if (.not. answered) return
@@ -414,30 +397,8 @@ contains
       class(yielding_flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contact
       type(lane_slot), intent(inout) :: slot
-      real(wp) :: a(3), lever, line, on_a(2), p, tangential
-      type(contact_point) :: point
-      integer :: l
 
-      associate (pair => contact%pair, at => slot%at, force => slot%force)
-         do l = 1, lanes
-            line = at%rho_a(l) + at%rho_b(l) - at%h(l)
-            call side_forces(contact, beyond_flank(slot%mode), at%edge(l), line, force%elastic(l), [force%slope_a(l), &
-                                                                                                    force%slope_b(l)], p, a)
-            force%torque_a(l) = force%torque_a(l) + pair%sigma*(p*at%arm_a(l) - pair%r_ba*a(by_a))
-            force%torque_b(l) = force%torque_b(l) + pair%sigma*(p*at%arm_b(l) - pair%r_bb*a(by_b))
-            lever = line
-            if (beyond_flank(slot%mode)) lever = at%edge(l)%line
-            tangential = p*at%tilt(l) - (pair%r_ba*a(by_a) + pair%r_bb*a(by_b))/lever
-            force%on_a_t(l) = force%on_a_t(l) + p*at%s(l) + tangential*at%c(l)
-            force%on_a_e(l) = force%on_a_e(l) - p*at%c(l) + tangential*at%s(l)
-            if (.not. beyond_flank(slot%mode)) cycle
-            call take_lane(at, l, point)
-            on_a = [force%on_a_t(l), force%on_a_e(l)]
-            call lift_by_edge(contact, at%edge(l), p, a(by_line), point, on_a)
-            force%on_a_t(l) = on_a(1)
-            force%on_a_e(l) = on_a(2)
-         end do
-      end associate
+      call push_sides_in_lanes(contact, slot)
    end subroutine add_yielding_in_lanes
 
 end module evl_yielding_flank

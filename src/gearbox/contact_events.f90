@@ -4,24 +4,25 @@ module evl_contact_events
    use evl_contact_modes, only: mode_at
    use evl_contact_roots, only: contact_root_direction, contact_roots, find_sides
    use evl_contacts_at_state, only: flank_place, look_at, place_contact
-   use evl_discrete_state, only: gearbox_store_mode, pairs_with
+   use evl_damping_law, only: no_viscous
+   use evl_discrete_state, only: gearbox_store_mode, pairs_with, take_mode
+   use evl_elastic_law, only: no_elastic
    use evl_event_kinds, only: event_closed, event_edge_closed, event_edge_opened, event_opened
    use evl_event_log, only: event_log, event_of_root, note
    use evl_flank, only: check_edge, flank_t, next_pair
    use evl_flank_deviation, only: flank_deviation_t, zone_edge, zone_end, zone_none, zone_root, zone_tip
    use evl_gearbox, only: gearbox_t
    use evl_kinds, only: wp
-   use evl_pair_place, only: by_a, by_b, tip_t
    use evl_local_variables, only: n_local, n_track
+   use evl_pair_place, only: by_a, by_b, tip_t
    use evl_root_kinds, only: moves_friction, moves_pair, moves_zone_a, moves_zone_b, n_root_kinds, n_sides, root_of, root_rows
    use evl_status, only: code_no_solution, fail, has_failed, quantity, status_t, subject_mesh
-   use evl_tooth_contact, only: contact_mode, contact_state, edge_wheel, line_length, flanks_apart, flanks_loaded, flanks_off, &
-                                flanks_open, &
-                                flanks_unloaded, settle_friction, settle_zones, tooth_contact_t, touches, unclipped
+   use evl_tooth_contact, only: contact_mode, contact_state, edge_wheel, flanks_apart, flanks_loaded, flanks_off, flanks_open, &
+                                flanks_unloaded, line_length, settle_friction, settle_zones, tooth_contact_t, touches, unclipped
    implicit none (type, external)
    private
 
-   public :: contact_event, parts, roots_of_contact
+   public :: contact_event, parts, root_of_contact, roots_of_contact
 
    logical, parameter :: moves_zone(n_root_kinds) = root_rows%moves == moves_zone_a .or. root_rows%moves == moves_zone_b
    real(wp), parameter :: jump = 1.0e-3_wp    !! overlap over its scale: a gap that closes is nearer to 0
@@ -30,10 +31,11 @@ module evl_contact_events
 contains
 
    !> A tooth contact with the company that its force depends on, and its root functions with the directions in which they count.
-   subroutine roots_of_contact(gearbox, m, y, integers, reals, at, directions, roots, status)
+   subroutine roots_of_contact(gearbox, m, y, integers, reals, known, at, directions, roots, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m, integers(:)
       real(wp), intent(in) :: y(:), reals(:)
+      logical, intent(inout) :: known(*)          !! [contacts of the gearbox] whether all of `at` is that of this state
       type(contact_state), intent(inout) :: at(*) !! [contacts of the gearbox]
       integer, intent(out) :: directions(gearbox%contacts(m)%n_roots)
       real(wp), intent(out) :: roots(gearbox%contacts(m)%n_roots)
@@ -41,20 +43,48 @@ contains
       integer :: first, last
 
       associate (flank => gearbox%flanks(gearbox%contacts(m)%i_flank)%flank)
-         call flank%company(m, first, last)
-         call look_at(gearbox, first, last, y, integers, reals, at, status)
+         if (.not. known(m)) then
+            call flank%company(m, first, last)
+            call look_at(gearbox, first, last, y, integers, reals, at, status)
+            known(first:last) = .not. has_failed(status)
+         end if
          call contact_roots(flank, gearbox%contacts(m), at(m), directions, roots)
       end associate
    end subroutine roots_of_contact
 
+   !> One of its root functions; the others may be left out.
+   subroutine root_of_contact(gearbox, m, i, y, integers, reals, roots, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: m, i !! contact, number of the root function there
+      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: y(:), reals(:)
+      real(wp), intent(out) :: roots(gearbox%contacts(m)%n_roots)
+      type(status_t), intent(inout) :: status
+      type(contact_state) :: at(size(gearbox%contacts))
+      type(flank_place) :: place
+      logical :: known(size(gearbox%contacts))
+      integer :: directions(gearbox%contacts(m)%n_roots)
+
+      known = .false.
+      if (.not. any(gearbox%contacts(m)%roots(i) == [root_of%contact, root_of%force])) then ! its place is all that counts
+         call take_mode(gearbox, m, integers, reals, at(m)%mode)
+         call place_contact(gearbox, m, y, integers, place, at)
+         at(m)%elastic = no_elastic
+         at(m)%viscous = no_viscous
+         known(m) = .true.
+      end if
+      call roots_of_contact(gearbox, m, y, integers, reals, known, at, directions, roots, status)
+   end subroutine root_of_contact
+
    !> What happened to one tooth contact.
-   subroutine contact_event(gearbox, m, fired, y, integers, reals, at, log, status)
+   subroutine contact_event(gearbox, m, fired, y, integers, reals, known, at, log, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m
       logical, intent(in) :: fired(n_root_kinds) !! by kind
       real(wp), intent(inout) :: y(gearbox%n_states)
       integer, intent(inout) :: integers(:)
       real(wp), intent(inout) :: reals(:)
+      logical, intent(inout) :: known(:)          !! [contacts] as of `roots_of_contact`; of no state after this
       type(contact_state), intent(inout) :: at(*) !! [contacts of the gearbox]
       type(event_log), intent(inout) :: log
       type(status_t), intent(inout) :: status
@@ -65,7 +95,8 @@ contains
       integer :: first, last
 
       call gearbox%flanks(gearbox%contacts(m)%i_flank)%flank%company(m, first, last)
-      call look_at(gearbox, first, last, y, integers, reals, at, status)
+      if (.not. known(m)) call look_at(gearbox, first, last, y, integers, reals, at, status)
+      known = .false.
       associate (contact => gearbox%contacts(m), mode => at(m)%mode)
          before = live_sides(contact, mode)
          changed = any(fired .and. root_rows%moves == moves_pair)

@@ -1,6 +1,6 @@
 !> When something happens to a gearbox, and what changes when it does.
 module evl_gearbox_events
-   use evl_contact_events, only: roots_of_contact
+   use evl_contact_events, only: root_of_contact
    use evl_contact_roots, only: contact_root_directions, contact_roots
    use evl_contact_tracking, only: project_points
    use evl_contacts_at_state, only: find_tracked, look_at
@@ -59,13 +59,12 @@ contains
       integer, intent(in) :: integers(:)
       real(wp), intent(inout) :: roots(gearbox%n_roots)
       type(status_t), intent(inout) :: status
-      type(contact_state) :: at(size(gearbox%contacts))
-      integer :: directions(n_root_kinds), m
+      integer :: m
 
       do m = 1, size(gearbox%contacts)
          associate (first => gearbox%contacts(m)%i_root + 1, last => gearbox%contacts(m)%i_root + gearbox%contacts(m)%n_roots)
             if (index > last) cycle
-            call roots_of_contact(gearbox, m, y, integers, reals, at, directions, roots(first:last), status)
+            call root_of_contact(gearbox, m, index - first + 1, y, integers, reals, roots(first:last), status)
          end associate
          return
       end do

@@ -271,14 +271,15 @@ contains
       type(event_log), intent(inout) :: log
       type(status_t), intent(inout) :: status
       type(contact_state) :: at(size(gearbox%contacts))
-      logical :: fired(n_root_kinds)
+      logical :: fired(n_root_kinds), known(size(gearbox%contacts))
       integer :: m
 
+      known = .false.
       fired = .false.
       fired(root_of%contact) = .true.
       do m = leader, leader + gearbox%contacts(leader)%n_slots - 1
          if (flanks_of(gearbox%contacts(m), integers) == flanks_open) &
-            call contact_event(gearbox, m, fired, y, integers, reals, at, log, status)
+            call contact_event(gearbox, m, fired, y, integers, reals, known, at, log, status)
       end do
    end subroutine close_flank
 

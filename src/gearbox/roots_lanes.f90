@@ -9,6 +9,7 @@ module evl_roots_lanes
    use evl_kinds, only: lanes, wp
    use evl_line_lanes, only: centre_turn_in_lanes, lane_line, line_in_lanes, motion_in_lanes
    use evl_local_variables, only: i_theta
+   use evl_pair_place, only: by_a, by_b
    use evl_root_kinds, only: root_of, root_rows
    use evl_status, only: code_out_of_domain, fail, has_failed, status_t
    use evl_tooth_contact, only: beyond_flank, contact_mode, flank_drive, flanks_off, tooth_contact_t, touches
@@ -24,8 +25,8 @@ contains
    include "numerics/all_positive.inc"
    include "contact/contact_roots.inc"
 
-   !> Root functions of all states: first with what the last `rates_in_lanes` knows of the tooth contacts that touch, then, where that
-   !> is not enough, with what these are here; of the others all is known by then.
+   !> Root functions of all states: first with what the last `rates_in_lanes` knows of the tooth contacts that touch, then, where
+   !> that is not enough, with what these are here; of the others all is known by then.
    subroutine roots_in_lanes(gearbox, y, integers, reals, slots, aside, nearby, roots, status)
       type(gearbox_t), intent(in) :: gearbox     !! one that `lanes_serve` accepts
       real(wp), intent(in) :: y(lanes, gearbox%n_states)
@@ -105,8 +106,8 @@ contains
          foot_a = at%rho_a
          foot_b = at%rho_b
          if (slot%mode%flanks /= flanks_off .and. beyond_flank(slot%mode)) then
-            foot_a = at%edge%foot(1)
-            foot_b = at%edge%foot(2)
+            foot_a = at%edge%foot(:, by_a)
+            foot_b = at%edge%foot(:, by_b)
          end if
          call closed_form_roots(flank, contact, slot%mode, slot%directions, at%overlap, at%h_dot, at%v_t, at%rho_a, at%rho_b, &
                                 foot_a, foot_b, &
