@@ -229,7 +229,7 @@ contains
       call take_lane(at, l, point)
       rate = rates_of(pair, q, point)
       point%h = point%h - lack - (e_a + e_b)
-      point%h = merge(point%h, -x, margin > 0)
+      point%h = margin*point%h - (1 - margin)*x
       point%h_dot = point%h_dot + ((by_rho_a - 1)*rate%a + (by_rho_b - 1)*rate%b + (by_rho + 1)*point%rho_dot)
       point%rho_dot = rate%a + rate%b - point%h_dot
       point%l_a = arm_a - pair%share_a*point%h

@@ -11,7 +11,7 @@ module evl_edge_lanes
 
    !> What `edge_contact` has; scratch without initial values.
    type :: lane_edge
-      real(wp) :: margin(lanes)       !! positive if the edge is not inside the mate's base circle
+      real(wp) :: margin(lanes)       !! 1, or 0 if the edge is inside the mate's base circle
       real(wp) :: line(lanes)         !! rho [m]
       real(wp) :: foot(lanes, 2)      !! roll lengths at which A and B are loaded [m]
       real(wp) :: d_foot(lanes, 3, 2) !! their derivatives
