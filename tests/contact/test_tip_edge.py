@@ -23,6 +23,8 @@ EDGES = {
     "50/50 rounded": (PAIR._replace(rounding=0.3e-3), RHO),
     "pinion on gear": (Edge(26.8e-3, 47.9e-3, 17.6e-3), 31.07e-3),
     "gear on pinion": (Edge(47.9e-3, 26.8e-3, 24.1e-3, 0.2e-3), 31.07e-3),
+    # from 2.8 mm on, the edge lies past the line's foot on the mate's base circle
+    "near the base circle": (Edge(80.2e-3, 32.1e-3, 45.2e-3), 48.1e-3),
 }
 every_edge = pytest.mark.parametrize(("edge", "rho"), EDGES.values(), ids=EDGES)
 X = np.concatenate([-np.logspace(-4, -8, 9), np.logspace(-12, np.log10(5e-3), 60)])
@@ -148,6 +150,7 @@ def test_edge_takes_over_at_once_without_relief(kernel: Kernel):
 
 
 def test_edge_inside_the_mates_base_circle_touches_nothing(kernel: Kernel):
-    """The mate has no involute there."""
+    """The mate has no involute there, where S goes on to x < 0; past the end no edge gets in."""
     edge = Edge(26.8e-3, 47.9e-3, 17.6e-3)
-    assert not edge_place(kernel, edge, 1e-3, 17.7e-3).exists[0]
+    assert not edge_place(kernel, edge, -1e-3, 17.7e-3).exists[0]
+    assert edge_place(kernel, edge, X[X > 0], 17.7e-3).exists.all()
