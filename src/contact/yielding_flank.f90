@@ -8,7 +8,8 @@
 !> so that beside F the force P acts along the gradient of h, and a_i as the slope of a deviation would: on the torques with the
 !> arms r_b, on the axles as -(r_bA a_A + r_bB a_B)/r along t. Viscous forces and friction know nothing of it. No energy is lost.
 !>
-!> Where flanks deviate, r is longer than the line by what they lack: a part of 1e-4 of a part of 1e-4 of the force on axles.
+!> Where flanks deviate, r is longer than the line by what they lack. Axles turn the line itself, which is the sum of the arms of
+!> friction there.
 !>
 !> Source: docs/compliant_flanks.md, sections 1 and 3.
 module evl_yielding_flank
@@ -167,11 +168,11 @@ contains
       line_of = point%rho_a + point%rho_b - point%h
    end function line_of
 
-   !> The same, by which axles that move along t turn it: past the end of a flank it is known apart from what that lacks [m].
+   !> The same without what flanks lack, by which axles that move along t turn it [m].
    pure real(wp) function lever_of(at)
       type(contact_state), intent(in) :: at
 
-      lever_of = line_of(at%point)
+      lever_of = at%point%l_a + at%point%l_b
       if (beyond_flank(at%mode)) lever_of = at%edge%line
    end function lever_of
 
@@ -310,7 +311,7 @@ contains
                  line => line_of(at%point), lever => lever_of(at))
          call side_forces(contact, beyond_flank(at%mode), at%edge, line, f, yielding%slope, p, a)
          d_line = d%rho_a + d%rho_b - d%h
-         d_lever = d_line
+         d_lever = d%l_a + d%l_b
          if (beyond_flank(at%mode)) d_lever = d%line
          d_p = f/(pi*contact%e_star*b*line)*elastic - p/line*d_line
          call side_changes(at, d, elastic, d_slope, d_a)

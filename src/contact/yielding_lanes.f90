@@ -30,15 +30,16 @@ contains
    pure subroutine push_sides_in_lanes(contact, slot)
       type(tooth_contact_t), intent(in) :: contact
       type(lane_slot), intent(inout) :: slot !! of a pair that touches, with its forces
-      real(wp) :: a(lanes, 3), lever(lanes), p(lanes), per_line, on_a, on_b
+      real(wp) :: a(lanes, 3), lever(lanes), line(lanes), p(lanes), per_line, on_a, on_b
       integer :: i, l
 
       associate (at => slot%at, force => slot%force)
-         lever = at%rho_a + at%rho_b - at%h
+         line = at%rho_a + at%rho_b - at%h
+         lever = at%l_a + at%l_b
          per_line = 2*pi*contact%e_star*contact%width
          !$omp simd
          do l = 1, lanes
-            p(l) = force%elastic(l)**2/(per_line*lever(l))
+            p(l) = force%elastic(l)**2/(per_line*line(l))
          end do
          if (beyond_flank(slot%mode)) then
             lever = at%edge%line
