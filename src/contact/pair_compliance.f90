@@ -17,6 +17,8 @@ module evl_pair_compliance
 
    public :: couple, couple_in_lanes, gather_compliance, gather_in_lanes, own_in_lanes, own_of_pair, pair_compliance
 
+   real(wp), parameter :: least_foot = 1.0e-3_wp !! parts of the mate's
+
    !> C with its derivatives. Every term of N C N is that of a pair k with a pair l, so the diagonal has halves.
    type :: pair_compliance
       real(wp) :: c(most_pairs, most_pairs) = 0.0_wp        !! [1/Pa]
@@ -109,6 +111,7 @@ contains
       real(wp), intent(in) :: foot(lanes, 2)
       real(wp), intent(out), dimension(lanes) :: c, half_a, half_b
       real(wp), dimension(lanes) :: value_b
+      real(wp) :: here(2)
       integer :: l
 
       call a%own_lanes(foot(:, by_a), c, half_a)
@@ -116,9 +119,10 @@ contains
       if (abs(k_difference) > 0) then
          !GCC$ novector
          do l = 1, lanes
-            c(l) = c(l) + k_difference/2*log(foot(l, by_a)/foot(l, by_b))
-            half_a(l) = half_a(l) + k_difference/2/foot(l, by_a)
-            half_b(l) = half_b(l) + (-k_difference/2)/foot(l, by_b)
+            here = on_involutes(foot(l, :))
+            c(l) = c(l) + k_difference/2*log(here(by_a)/here(by_b))
+            half_a(l) = half_a(l) + k_difference/2/here(by_a)
+            half_b(l) = half_b(l) + (-k_difference/2)/here(by_b)
          end do
       end if
       c = c + value_b
@@ -189,15 +193,25 @@ contains
       real(wp), intent(in) :: k_difference !! K_A - K_B [1/Pa]
       real(wp), intent(in) :: foot(2)      !! roll lengths at which A and B are loaded [m]
       type(own_at_t), intent(out) :: own(2)
-      real(wp) :: half(2)
+      real(wp) :: half(2), here(2)
 
       call a%own(foot(by_a), own(by_a))
       call b%own(foot(by_b), own(by_b))
       if (.not. abs(k_difference) > 0) return
       half = [k_difference, -k_difference]/2
-      own(by_a)%value = own(by_a)%value + half(by_a)*log(foot(by_a)/foot(by_b))
-      own%slope = own%slope + half/foot
-      own%curvature = own%curvature - half/foot**2
+      here = on_involutes(foot)
+      own(by_a)%value = own(by_a)%value + half(by_a)*log(here(by_a)/here(by_b))
+      own%slope = own%slope + half/here
+      own%curvature = own%curvature - half/here**2
    end subroutine own_of_pair
+
+   !> Feet as the logarithm knows them: that of an edge far off the path may lie past the mate's base circle, where no flank is and
+   !> no pair carries.
+   pure function on_involutes(foot) result(here)
+      real(wp), intent(in) :: foot(2) !! [m]
+      real(wp) :: here(2)
+
+      here = max(foot, least_foot*foot(2:1:-1))
+   end function on_involutes
 
 end module evl_pair_compliance

@@ -109,6 +109,7 @@ contains
                                        //" at rho_A = "//quantity(rho_a, "m"))
       state%h_0 = h_0
       if (.not. has_failed(status)) call check(mesh, state, status)
+      if (.not. has_failed(status)) call check_neighbours(mesh, rho_a, state, status)
    end subroutine solve_static
 
    !> The transmission error at which the first pair touches.
@@ -120,11 +121,11 @@ contains
       type(pair_feet) :: feet
       type(pair_place) :: place
       real(wp) :: h, step
-      integer :: first, last, k, turn
+      integer :: first, last, last_there, k, turn
 
       h_0 = huge(h_0)
       call pairs_within_reach(mesh, rho_a, 0.0_wp, first, last)
-      do k = first, last
+      do k = first, last + 1 ! errors may bring the next one onto its path, or keep the last one off
          h = 0
          do turn = 1, most_turns
             call put(mesh, k, rho_a, h, feet, place)
@@ -132,7 +133,8 @@ contains
             h = h + step
             if (abs(step) <= tolerance*mesh%base_pitch*epsilon(h)**0.25_wp .or. .not. feet%exists) exit
          end do
-         if (feet%exists) h_0 = min(h_0, h)
+         call pairs_within_reach(mesh, rho_a, h, first, last_there)
+         if (turn <= most_turns .and. feet%exists .and. place%d_h(by_b) > 0 .and. k <= last_there) h_0 = min(h_0, h)
       end do
       if (h_0 < huge(h_0)) return
       call fail(status, code_no_solution, "no tooth pair can touch at rho_A = "//quantity(rho_a, "m"))
@@ -233,6 +235,38 @@ contains
          end associate
       end do
    end subroutine check
+
+   !> Pairs past the reach of edges that would carry as well.
+   subroutine check_neighbours(mesh, rho_a, state, status)
+      type(static_mesh_t), intent(in) :: mesh
+      real(wp), intent(in) :: rho_a
+      type(static_state), intent(in) :: state
+      type(status_t), intent(inout) :: status
+      type(pair_feet) :: feet(most_pairs + 1)
+      type(pair_place) :: place
+      type(pair_compliance) :: compliance
+      integer :: numbers(most_pairs + 1), side
+
+      if (.not. mesh%reach > 0) return
+      associate (n => state%n, force => state%potential%answer%force)
+         feet(:n) = state%feet(:n)
+         numbers(:n) = state%numbers(:n)
+         do side = -1, 1, 2
+            numbers(n + 1) = merge(numbers(1), numbers(n), side < 0) + side
+            call put(mesh, numbers(n + 1), rho_a, state%h, feet(n + 1), place)
+            if (.not. (feet(n + 1)%exists .and. place%h > 0)) cycle
+            if (n < most_pairs) then
+               call gather_compliance(mesh%a, mesh%b, mesh%k_difference, mesh%is_drive, mesh%couples, n + 1, numbers(:n + 1), &
+                                      feet(:n + 1), compliance)
+               if (place%h <= dot_product(compliance%c(n + 1, :n), force(:n))) cycle
+            end if
+            call fail(status, code_out_of_domain, "another tooth pair would carry with a tip edge " &
+                      //quantity(mesh%reach/mesh%base_pitch, "")//" pitches off its path of contact: the teeth yield too much for" &
+                      //" their size; lower the load")
+            return
+         end do
+      end associate
+   end subroutine check_neighbours
 
    !> A wheel in words.
    pure character(len=7) function name_of(wheel)

@@ -202,3 +202,43 @@ def test_contact_ratio_below_one_rests_on_its_edges(kernel: Kernel):
     mesh.ends[0] = mesh.ends[1] = mesh.line / 2 + short
     states = [at(kernel, mesh, x) for x in np.linspace(0, 1, 41)]
     assert any((s.zones[s.force > 0] != FLANK).all() for s in states)
+
+
+def test_pair_that_waits_past_a_base_circle_does_no_harm(kernel: Kernel):
+    """Its foot is at a negative roll length, which the logarithm of two materials does not know."""
+    mesh = involute_mesh((16, 120), unequal=True)
+    states = [at(kernel, mesh, x) for x in np.linspace(-0.45, 0.55, 101)]
+    assert min(s.feet.min() for s in states) < -1e-3
+    assert all(s.force[(s.feet < 0).any(1)].sum() == 0 for s in states)
+
+
+def test_pair_that_comes_early_by_its_errors_is_the_first_to_touch(kernel: Kernel):
+    """4 um before its nominal start, by 10 um more material than the flanks on the path have."""
+    mesh = involute_mesh()
+    mesh.reach = 0.0
+    mesh.lacks[0][3] = 1e-5  # times the cosine of the pair's number: 3 has -9.9 um, 2 has -4.2 um
+    mesh.lacks[0][0] = -4e-6
+    state = at(kernel, mesh, 3 - 4e-6 / mesh.base_pitch, load=10.0)
+    assert state.h_0 == pytest.approx(-4e-6 + 1e-5 * np.cos(3), abs=1e-14)
+    assert state.force[state.numbers == 3] == pytest.approx(10.0, rel=1e-3)
+
+
+def test_pair_that_would_carry_past_the_reach_of_its_edge_is_refused(kernel: Kernel):
+    """The first touch of 50/50 is 0.0988 pitches before the path."""
+    mesh = involute_mesh()
+    mesh.reach = 0.05 * mesh.base_pitch
+    state = static_mesh(kernel, mesh, start_of_path(mesh) - 0.07 * mesh.base_pitch, LOAD * 0.02)
+    assert state.code == OUT_OF_DOMAIN
+    assert "another tooth pair would carry with a tip edge 0.05 pitches off" in state.message
+    assert "lower the load" in state.message
+    mesh.reach = 0.4 * mesh.base_pitch
+    assert at(kernel, mesh, -0.07).force[0] >= 0
+
+
+def test_pair_past_both_ends_is_refused(kernel: Kernel):
+    """A path of 4 um, which the teeth yield by more than."""
+    mesh = involute_mesh()
+    mesh.ends[0] = mesh.ends[1] = mesh.line / 2 + 2e-6
+    state = static_mesh(kernel, mesh, mesh.line / 2 + 3e-6, LOAD * mesh.width)
+    assert state.code == OUT_OF_DOMAIN
+    assert "past both ends of its path of contact" in state.message
