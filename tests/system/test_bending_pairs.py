@@ -1,0 +1,153 @@
+"""Random pairs whose teeth bend keep their energy and rest as they run, or are refused by name.
+
+``pytest tests/system/test_bending_pairs.py --long`` looks at 300, without it at 30.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.interpolate import CubicSpline
+
+from system.bending_pairs import BendingPair
+from system.random_sets import seeds
+
+Evolvent = Callable[..., subprocess.CompletedProcess[str]]
+
+SHORT, LONG = 30, 300
+every_pair = pytest.mark.parametrize("seed", seeds(range(SHORT), LONG))
+every_third = pytest.mark.parametrize("seed", seeds(range(0, SHORT, 3), LONG))
+
+# What a pair may be refused for: its teeth, its hub, how the wheels fit, and loads beyond what is
+# known of teeth and edges.
+REFUSALS = (
+    *("the teeth are undercut", "the tooth is pointed", "thick at the tip, less than 0.1 modules"),
+    *("the involute is only", "leaves too little below the root circle"),
+    *("tip interference: ", "runs into the root circle", "leaves the line of action"),
+    *("no centre distance gives this backlash", "only tip edges hold the wheels"),
+    *("does not start on the active profile", "no tooth pair is on its path of contact"),
+    *("touches the fillet of the", "with a tip edge 0.4 pitches off its path of contact"),
+    "past both ends of its path of contact",
+)
+CODES = (3, 4)  # the case, a state of the run
+
+
+class Files:
+    """Runs the program on cases in a folder."""
+
+    def __init__(self, evolvent: Evolvent, folder: Path) -> None:
+        self.evolvent, self.folder = evolvent, folder
+
+    def __call__(self, command: str, case: dict[str, Any], *words: str) -> xr.Dataset | None:
+        """Give what a command writes; None if it refuses the case in one line that is known."""
+        file, result = self.folder / "case.yaml", self.folder / f"{command}.h5"
+        file.write_text(json.dumps(case))
+        done = self.evolvent(command, file, "-o", result, *words)
+        if done.returncode == 0:
+            with xr.open_dataset(result, engine="netcdf4") as opened:
+                return opened.load()
+        last = done.stderr.splitlines()[-1]
+        assert done.returncode in CODES, done.stderr
+        assert any(words in last for words in REFUSALS), last
+        assert re.search(r"[0-9]", last.split("case.yaml")[-1]), last  # a value, or a place
+        return None
+
+
+@pytest.fixture
+def files(evolvent: Evolvent, tmp_path: Path) -> Files:
+    return Files(evolvent, tmp_path)
+
+
+@every_pair
+def test_a_pair_that_bends_keeps_its_energy(files: Files, seed: int) -> None:
+    """Undamped, from too little deflection, through some pitches, whatever touches or leaves."""
+    pair = BendingPair(seed)
+    case = pair.case()
+    history = files("run", case)
+    if history is None:
+        return
+    energy = history.kinetic_energy + history.potential_energy + history.dissipated_energy
+    spread = np.ptp((energy - history.load_work).values)
+    rounding = 1e-13 * float(history.kinetic_energy.max())
+    assert spread <= 1e-5 * float(history.potential_energy.max()) + rounding
+    assert history.attrs["invariants"] == "held"
+    if case["meshes"][0].get("edge_contact") != "false":
+        assert float(abs(history.dissipated_energy).max()) == 0
+
+
+@every_pair
+def test_a_mesh_gets_stiffer_with_its_load(files: Files, seed: int) -> None:
+    """Contacts do, and more pairs carry: the mean secant over six torques up to the load's."""
+    pair = BendingPair(seed)
+    torques = f"{pair.torque / 20!r}:{pair.torque!r}:6"
+    curves = files("static", pair.at_rest(errors=True), "--torque", torques, "--points", "24")
+    if curves is None:
+        return
+    stiffness = curves.mean_secant_stiffness.values / pair.common
+    assert (np.diff(stiffness) > 0).all()
+    assert (stiffness > 1e8).all()
+    assert (stiffness < 1e11).all()
+    assert (curves.transmission_error > curves.free_transmission_error).all()
+    assert (curves.pair_normal_force >= 0).all()
+
+
+@every_pair
+def test_forces_at_rest_are_the_gradient_of_the_energy(files: Files, seed: int) -> None:
+    """T_A/r_bA from differences of U and h along the positions, and along the torques.
+
+    dU = (F_A - F_B) dx + F_B dh, where the force on B follows from its differences at rest of A.
+    Where a pair comes, goes, or passes the start of a relief, they are differences over a corner.
+    """
+    pair = BendingPair(seed)
+    step = 1e-3
+    torques = f"{pair.torque * (1 - step)!r}:{pair.torque * (1 + step)!r}:3"
+    case = pair.at_rest(errors=False)
+    curves = files("static", case, "--torque", torques, "--points", "400")
+    if curves is None:
+        return
+    u, h = curves.elastic_energy.values, curves.transmission_error.values
+    force_b = ((u[2] - u[0]) / (h[2] - h[0]))[1:-1]
+    by_x = 2 * float(curves.base_pitch) / 400
+    force_a = (u[1, 2:] - u[1, :-2]) / by_x + force_b * (1 - (h[1, 2:] - h[1, :-2]) / by_x)
+    off = np.abs(force_a / curves.tooth_force.values[1] - 1)
+    assert np.median(off) < 1e-6  # of the differences: the square of the step
+    assert np.quantile(off, 0.9) < 1e-5
+
+
+@every_third
+def test_a_slow_damped_run_is_the_mesh_at_rest(files: Files, seed: int) -> None:
+    """Its transmission error over a pitch; between them lie damping and inertia at 1e-5 of f_0."""
+    pair = BendingPair(seed)
+    case = pair.slow()
+    curve = files("static", case, "--torque", f"{pair.torque!r}", "--points", "4000")
+    run = files("run", case) if curve is not None else None
+    if curve is None or run is None:
+        return
+    n, pitch = curve.sizes["position"], float(curve.base_pitch)
+    kind = curve.pair_contact_kind.sel(pair=0).values[0]
+    on_flanks = np.flatnonzero(kind == 1)
+    middle = on_flanks[len(on_flanks) // 2]
+    start = float(curve.pair_position.sel(pair=0)[0, middle]) - middle / n * pitch
+    # where the pair with the largest force is says where the mesh is
+    forces = np.nan_to_num(run.pair_normal_force.values.reshape(run.sizes["time"], -1))
+    places = run.pair_position.values.reshape(forces.shape)
+    at = (places[np.arange(len(forces)), forces.argmax(1)] - start) / pitch % 1
+    h = curve.transmission_error.values[0]
+    of = CubicSpline(np.arange(n + 1) / n, np.append(h, h[0]), bc_type="periodic")
+    off = np.abs(run.transmission_error.values[:, 0] / of(at) - 1)
+    assert np.median(off) < 1e-6
+    assert np.quantile(off, 0.95) < 5e-6
+
+
+def test_few_of_the_pairs_are_refused(files: Files) -> None:
+    """Else they would ask little."""
+    refused = [seed for seed in range(SHORT) if files("static", BendingPair(seed).case()) is None]
+    assert len(refused) <= SHORT // 6, refused
