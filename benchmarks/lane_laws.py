@@ -1,4 +1,4 @@
-"""Cost of one evaluation of f for eight states at once: for each law, load and deviation.
+"""Cost of one evaluation of f for eight states at once: for each law, load, deviation and bending.
 
 For each are printed nanoseconds for eight states in lanes, for eight states one by one, and their
 ratio; for flanks the pairs that touch, of which there are several. Given a second library, of
@@ -18,6 +18,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -37,9 +38,15 @@ from gearbox.lanes.lane_cases import (  # noqa: E402
 )
 from kernel.gearbox import LOADED, Gearbox, State  # noqa: E402
 from kernel.gearbox_cases import in_mode  # noqa: E402
+from kernel.gearbox_description import STEADY  # noqa: E402
 from kernel.kernel import Kernel, _at  # noqa: E402
 
 LANES, EVALUATIONS, TURNS = 8, 5000, 15
+BENDING: dict[str, dict[str, Any]] = {
+    "stiff": {},
+    "bending": {"elements": True, "tooth_coupling": "false", "edge_contact": "false"},
+    "bending together": {"elements": True, "edge_contact": "false"},
+}
 
 
 def cases(kernel: Kernel) -> Iterator[tuple[str, Gearbox, State]]:
@@ -59,8 +66,13 @@ def cases(kernel: Kernel) -> Iterator[tuple[str, Gearbox, State]]:
         yield paired(f"load {name}", loaded_pair(kernel, name))
     for name in DEVIATIONS:
         gearbox = real_gears(kernel, name)
-        state, loaded = real_state(gearbox, name, np.random.default_rng(1))
+        state, loaded = real_state(gearbox, np.random.default_rng(1))
         yield f"flanks {name} ({loaded} pairs)", gearbox, state
+    for name, keys in BENDING.items():
+        gearbox = real_gears(kernel, "perfect", **keys)
+        state = gearbox.start(STEADY, mesh_position=0.1)
+        modes = [gearbox.mode(state, contact)[1] for contact in range(gearbox.sizes.n_reals)]
+        yield f"at rest, {name} ({modes.count(LOADED)} pairs)", gearbox, state
 
 
 class Worker:

@@ -2,7 +2,7 @@
 module evl_coupled_lanes
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_compliant_johnson, only: compliant_contact, largest_excess, smallest
-   use evl_coupled_pairs, only: coupled_answer, most_pairs, solve_pairs
+   use evl_coupled_pairs, only: coupled_answer, most_pairs, near_end, solve_pairs
    use evl_kinds, only: lanes, pi, wp
    use evl_status, only: code_ok, code_out_of_domain
    implicit none (type, external)

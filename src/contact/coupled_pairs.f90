@@ -28,7 +28,7 @@ module evl_coupled_pairs
    implicit none (type, external)
    private
 
-   public :: coupled_answer, energy_of_pairs, force_change_of_pairs, most_pairs, overlaps, solve_pairs
+   public :: coupled_answer, energy_of_pairs, force_change_of_pairs, most_pairs, near_end, overlaps, solve_pairs
 
    integer, parameter :: most_pairs = 6 !! on one flank
 
@@ -36,6 +36,7 @@ module evl_coupled_pairs
 
    integer, parameter :: most_turns = 200
    real(wp), parameter :: near = 1.0e-8_wp           !! a step this small, of the force, leaves an error of its square
+   real(wp), parameter :: near_end = 1.0e-6_wp       !! with the term of third order such a step leaves 1e-18 of it
    real(wp), parameter :: rounding = 16*epsilon(near) !! a residual this small, of its terms, is none
 
    !> Forces of all pairs, and what their derivatives need.

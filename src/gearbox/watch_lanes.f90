@@ -126,7 +126,7 @@ contains
             slot%rho_seen = 0 ! of a flank nothing is known
             if (.not. contact%tips(wheel)%edge%rounding > 0) return
             do l = 1, lanes
-               curvature(l) = edge_curvature(contact%tips(wheel)%edge%rounding, slot%at%edge(l)%foot(by_a + by_b - wheel))
+               curvature(l) = edge_curvature(contact%tips(wheel)%edge%rounding, slot%at%edge%foot(l, by_a + by_b - wheel))
             end do
             return
          end if

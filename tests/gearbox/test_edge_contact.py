@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from gearbox.lanes.lane_cases import DEVIATIONS, real_gears
-from gearbox.lanes.test_lanes import around, check
+from gearbox.lanes.test_lanes import around, check, check_bits
 from gearbox.test_yielding_flanks import bend
 from kernel.gearbox import LOADED, OPEN, UNLOADED, Gearbox, State
 from kernel.gearbox_cases import worst
@@ -111,6 +111,18 @@ def test_eight_states_at_once_are_the_bits_of_each(
     for place, h in PLACES:
         for mode in (LOADED, UNLOADED):
             check(gearbox, around(pressed(gearbox, place, h, mode), random, size=1e-6))
+
+
+@alone_and_coupled
+@every_axle
+def test_eight_states_of_finite_elements_are_the_bits_of_each(
+    kernel: Kernel, fixed: bool, couples: bool
+):
+    keys = {"edge_contact": "true", "tooth_coupling": str(couples).lower()}
+    gearbox = real_gears(kernel, "parabolic tip relief", elements=True, fixed=fixed, **keys)
+    random = np.random.default_rng(5)
+    for place, h in PLACES:
+        check_bits(gearbox, around(pressed(gearbox, place, h), random, size=1e-6))
 
 
 @alone_and_coupled

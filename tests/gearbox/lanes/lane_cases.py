@@ -124,9 +124,12 @@ def real_gears(
 ) -> Gearbox:
     """Cut gears with one of DEVIATIONS on axles that move or are fixed; pairs on both flanks.
 
-    The keys are those of the mesh; of its wheels the rounding of their tips.
+    The keys are those of the mesh; of its wheels the rounding of their tips, and whether they give
+    way as finite elements say.
     """
     roundings = keys.pop("tip_roundings", (0.0, 0.0))
+    elements = {"bore": 0.02, "compliance": Block({"model": "finite_elements"})}
+    held = elements if keys.pop("elements", False) else {}
     support = {"support_kind": BEARING, "support_stiffness": (1e8, 3e8), "support_mass": 3.0}
     if fixed:
         support = {}
@@ -135,7 +138,7 @@ def real_gears(
         wheel(
             teeth=z,
             width=0.02,
-            gear=gear_description(3e-3, tip_rounding=rounding),
+            gear=gear_description(3e-3, tip_rounding=rounding, **held),
             deviation=deviation,
             **support,
         )

@@ -95,7 +95,16 @@ def check_nearby(gearbox: Gearbox, states: list[State], roots: Floats) -> None:
 
 
 def check(gearbox: Gearbox, states: list[State]) -> None:
+    """Compare all that is asked of eight states at once."""
+    roots = check_bits(gearbox, states)
+    check_idle(gearbox, states[0], roots)
+    check_nearby(gearbox, states, roots)
+
+
+def check_bits(gearbox: Gearbox, states: list[State]) -> Floats:
     """Compare rates and root functions of all states with those of each, bit by bit.
+
+    Return the root functions.
 
     The formulas are the same text, and the compiler keeps to IEEE arithmetic: it neither contracts
     nor reorders.
@@ -112,9 +121,8 @@ def check(gearbox: Gearbox, states: list[State]) -> None:
         expected = np.array([alone(state) for state in states])
         assert np.all(np.isfinite(expected))
         np.testing.assert_array_equal(result, expected, err_msg=name)
-    check_idle(gearbox, states[0], result)
-    check_nearby(gearbox, states, result)
     np.testing.assert_array_equal(root_by_root(gearbox, states[0]), gearbox.roots(states[0]))
+    return result
 
 
 @pytest.mark.parametrize(
