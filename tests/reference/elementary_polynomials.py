@@ -1,4 +1,4 @@
-"""Fit the polynomials of sine, cosine, exponential and arc tangent: coefficients of src/numerics/*.inc.
+"""Fit the polynomials of sine, cosine, exponential, arc tangent: those of src/numerics/*.inc.
 
     sin r = r + r z S(z),  cos r = 1 - z/2 + z**2 C(z),  z = r**2 <= (pi/4)**2
     exp r = 1 + r + r**2/2 + r**3 E(r),  |r| <= ln(2)/2
