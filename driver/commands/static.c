@@ -21,6 +21,7 @@ typedef struct {
     const char *output; /**< NULL: the case's name with -static.h5 in the current folder */
     const char *mesh;   /**< name or index; NULL: the first one */
     const char *torque; /**< FROM:TO:STEPS or one number; NULL: what the loads give */
+    const char *speed;  /**< NULL: no friction */
     const char *points;
     option_values set;
     bool json, quiet;
@@ -73,6 +74,8 @@ static bool read_torques(const char *text, double *torques, int *n, evl_error *e
 {
     static const char how[] = "it must be FROM:TO:STEPS, two torques [N m] that grow and how many there are, from 2 to "
                               "1000, such as 10:200:20; or one torque";
+    static const char one_flank[] =
+        "torques above 0 press the drive flanks, those below 0 the coast flanks, 0 none: ask for either";
     OWNED char *copy = xstrdup(text);
     char *parts[3] = {copy, strchr(copy, ':'), NULL};
     double ends[2];
@@ -88,6 +91,9 @@ static bool read_torques(const char *text, double *torques, int *n, evl_error *e
         (is_range && (parts[2] == NULL || number_read(parts[1], &ends[1]) != NUMBER_FINITE || !(ends[1] > ends[0]) ||
                       !read_count(parts[2], MOST_TORQUES, n) || *n < 2))) {
         return refuse_option("--torque", text, how, error);
+    }
+    if (is_range && ends[0] <= 0.0 && ends[1] >= 0.0) {
+        return refuse_option("--torque", text, one_flank, error);
     }
     for (int i = 0; i < *n; i++) {
         torques[i] = i == *n - 1 && is_range ? ends[1] : ends[0] + (ends[1] - ends[0]) * i / (*n > 1 ? *n - 1 : 1);
@@ -253,6 +259,10 @@ static void analyse_case(analysis *a, const static_options *options, int points,
         refuse(a, &refusal, "--points", options->points == NULL ? "" : options->points, error);
         return;
     }
+    if (options->speed != NULL && number_read(options->speed, &a->plan.speed) != NUMBER_FINITE) {
+        refuse_option("--speed", options->speed, "it must be a speed of the driving wheel [rad/s]", error);
+        return;
+    }
     if (find_torques(a, options->torque, error)) {
         a->values = xcalloc((size_t)a->plan.n_values, sizeof *a->values);
         a->numbers = xcalloc((size_t)a->n_torques * (size_t)a->plan.n_outputs, sizeof *a->numbers);
@@ -301,7 +311,10 @@ static const option_row rows[] = {
     {OPTION_TEXT, 0, "--mesh", "NAME", offsetof(static_options, mesh),
      "mesh to look at, by name or index; the first one if not given"},
     {OPTION_TEXT, 0, "--torque", "FROM:TO:STEPS", offsetof(static_options, torque),
-     "torques of the driving wheel [N m], or one; what the loads give if not given"},
+     "torques of the driving wheel [N m], or one, below 0 on the coast flanks; what the loads give if not given"},
+    {OPTION_TEXT, 0, "--speed", "SPEED", offsetof(static_options, speed),
+     "speed of the driving wheel [rad/s] at which flanks rub as the mesh's friction says; without friction if not "
+     "given"},
     {OPTION_TEXT, 0, "--points", "N", offsetof(static_options, points), "positions over a pitch; 200 if not given"},
     {OPTION_TEXT, 'o', "--output", "FILE.h5", offsetof(static_options, output),
      "file to write; the case's name with -static.h5 in the current folder if not given"},
@@ -313,7 +326,8 @@ static const option_row rows[] = {
 
 const command static_command = {
     .name = "static",
-    .synopsis = "CASE.yaml [--mesh NAME] [--torque FROM:TO:STEPS] [--points N] [-o FILE.h5] [--set PATH=VALUE]... "
+    .synopsis = "CASE.yaml [--mesh NAME] [--torque FROM:TO:STEPS] [--speed SPEED] [--points N] [-o FILE.h5] [--set "
+                "PATH=VALUE]... "
                 "[--json] [-q]",
     .summary = "find transmission error, stiffness and load sharing of a mesh at rest",
     .text =
@@ -323,8 +337,12 @@ const command static_command = {
         "torques. Where\n"
         "errors of pitch or runout make teeth differ, positions go on until the same teeth meet again. Axles are at "
         "their\n"
-        "reference positions; there is no friction. Writes an HDF5 file that netCDF-4 readers open, and prints a "
-        "summary.\n"
+        "reference positions. Torques below 0 press the coast flanks. With --speed the flanks rub as if the wheels "
+        "turned "
+        "so,\n"
+        "in the sense of driving_rotation, or against it below 0. Writes an HDF5 file that netCDF-4 readers open, and "
+        "prints\n"
+        "a summary.\n"
         "\n"
         "Examples:\n"
         "  evolvent static examples/compliant-pair.yaml\n"

@@ -69,6 +69,9 @@ void static_print_text(FILE *stream, const static_report *report)
             case_description(report->file)->meshes[plan->mesh], case_path(report->file),
             number_of(report, 0, "contact_ratio"), plan->n_positions, plan->n_pitches,
             plan->n_pitches == 1 ? "" : "es, until the same teeth meet again");
+    if (plan->speed != 0.0) {
+        fprintf(stream, "Flanks rub as if the driving wheel turned at %.5g rad/s.\n\n", plan->speed);
+    }
     if (!report->gives_way) {
         fputs("Only the contacts give way: real teeth and bodies bend, and make a mesh 2.5 to 3.5 times softer; "
               "compliance: {} "

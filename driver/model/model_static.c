@@ -61,7 +61,7 @@ void static_plan_free(static_plan *plan)
 bool model_static(const model *model, const static_plan *plan, double torque, double *values, model_message *error)
 {
     evl_status status = {.index = -1};
-    if (evl_gearbox_static(model->gearbox, plan->mesh, plan->points, torque, values, &status) != EVL_OK) {
+    if (evl_gearbox_static(model->gearbox, plan->mesh, plan->points, torque, plan->speed, values, &status) != EVL_OK) {
         model_explain(model, &status, error);
         return false;
     }

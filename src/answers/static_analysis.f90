@@ -1,9 +1,12 @@
 !> The static analysis of a mesh: its transmission error, stiffness and load sharing at rest under a torque of the driving wheel, at
 !> positions over a pitch, or over all pitches until the same teeth meet again where errors of pitch or runout make them differ.
 !>
-!> Axles are at their reference positions and there is no friction. Position x is so many pitches from where tooth pair 0 is at the
-!> start of its path, unloaded; pair k is x - k pitches from its start there. Places for tooth pairs go by how many whole pitches a
-!> pair is ahead of the one that came last onto the path, -1 for the next one: place j holds pair floor(x) - j.
+!> Axles are at their reference positions. Position x is so many pitches from where tooth pair 0 is at the start of its path,
+!> unloaded; pair k is x - k pitches from its start there. Places for tooth pairs go by how many whole pitches a pair is ahead of
+!> the one that came last onto the path, -1 for the next one: place j holds pair floor(x) - j.
+!>
+!> A torque against the sense of rotation presses the coast flanks. Their path begins at the tip of the driving wheel's teeth, and
+!> the driven wheel lags by -(h + backlash), h being what these flanks overlap.
 !>
 !> Source: docs/static_analysis.md.
 module evl_static_analysis
@@ -25,7 +28,7 @@ module evl_static_analysis
    use evl_status, only: code_invalid_input, code_ok, fail, has_failed, message_length, quantity, status_t, subject_mesh, &
                          subject_none
    use evl_teller, only: fill, teller_t
-   use evl_tooth_contact, only: contact_mode, no_mode, settle_zones, tooth_contact_t
+   use evl_tooth_contact, only: contact_mode, flank_coast, no_mode, settle_zones, tooth_contact_t
    use evl_touching_flanks, only: pressure_at, touching_curvature
    implicit none (type, external)
    private
@@ -45,6 +48,14 @@ module evl_static_analysis
       real(wp) :: reach = 0.0_wp !! [m]
       real(wp) :: torque = 0.0_wp !! of the driving wheel that the loads suggest, >= 0 [N m]
    end type static_plan_t
+
+   !> The flank that a torque presses.
+   type :: pressed_t
+      integer :: contact = 0        !! one of its contacts
+      integer :: turns = 1          !! +1 drive flank; -1 coast flank, where the wheel lags the less the more it yields
+      real(wp) :: play = 0.0_wp     !! backlash to it from the drive flank [m]
+      real(wp) :: rho_a = 0.0_wp    !! of pair 0 at position 0 [m]
+   end type pressed_t
 
 contains
 
@@ -140,11 +151,12 @@ contains
 
    !> All values at one torque, where the sections of evl_static_outputs have them.
    !> Errors: code_invalid_input for a torque that presses nothing; of evl_static_mesh where the mesh finds no rest.
-   subroutine solve_static_mesh(gearbox, mesh, plan, torque, values, status)
+   subroutine solve_static_mesh(gearbox, mesh, plan, torque, speed, values, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
       type(static_plan_t), intent(in) :: plan !! of this mesh
       real(wp), intent(in) :: torque          !! of the driving wheel in its sense of rotation [N m]
+      real(wp), intent(in) :: speed           !! of it in that sense, at which flanks rub; 0: none do [rad/s]
       real(wp), intent(inout), target, contiguous :: values(:)
       type(status_t), intent(inout) :: status
       type(section_t), allocatable, target :: sections(:)
@@ -153,32 +165,32 @@ contains
       type(static_sum) :: total
       type(teller_t) :: teller
       complex(wp) :: harmonics(n_harmonics)
+      type(pressed_t) :: flank
       integer :: i, n_values
 
-      if (.not. (torque > 0 .and. ieee_is_finite(torque))) then
-         call fail(status, code_invalid_input, "a torque of "//quantity(torque, "N m")//" of the driving wheel does not press its" &
-                   //" drive flanks: give one above 0, in the sense of driving_rotation", subject_none)
-         return
-      end if
+      call find_pressed(gearbox, mesh, torque, speed, flank, status)
+      if (has_failed(status)) return
       call static_sections(plan%n_positions, plan%n_pairs, sections, n_values)
       call fill(teller, sections, values)
-      associate (contact => gearbox%contacts(gearbox%first(mesh)), pair => gearbox%pairs(mesh))
+      associate (contact => gearbox%contacts(flank%contact), pair => gearbox%pairs(mesh))
          call mesh_at_rest(contact, gearbox%compliances(contact%wheel_a), gearbox%compliances(contact%wheel_b), &
-                           gearbox%flanks(contact%i_flank)%flank%couples, plan%reach, at_rest)
-         call tell_static_mesh(teller, pair, at_rest%width)
-         call start_sum(gearbox, mesh, at_rest, torque, total)
+                           gearbox%flanks(contact%i_flank)%flank%couples, plan%reach, speed, at_rest)
+         call tell_static_mesh(teller, pair, at_rest%width, speed)
+         call start_sum(gearbox, mesh, at_rest, abs(torque), total)
          harmonics = 0
          do i = 0, plan%n_positions - 1
-            call solve_static(at_rest, pair%rho_start_a + real(i, wp)/plan%points*pair%base_pitch, total%force, state, status)
-            if (has_failed(status)) then
-               call name_place(torque, real(i, wp)/plan%points, mesh, status)
-               return
-            end if
-            call tell_static_start(teller, i + 1, real(i, wp)/plan%points*pair%base_pitch/pair%base_radius_a, state%h_0)
-            call tell_static_position(teller, i + 1, total%force, pair%base_radius_b, state)
-            call tell_pairs(teller, contact, at_rest, i/plan%points, i*plan%n_pairs, plan%n_pairs, state, total)
-            call add_position(state, plan%n_positions, total)
-            call add_harmonics(i, plan, state%h, harmonics)
+            associate (x => real(i, wp)/plan%points)
+               call solve_static(at_rest, flank%rho_a + flank%turns*(x*pair%base_pitch), total%force, state, status)
+               if (has_failed(status)) then
+                  call name_place(torque, x, mesh, status)
+                  return
+               end if
+               call tell_static_start(teller, i + 1, x*pair%base_pitch/pair%base_radius_a, lag_of(flank, state%h_0))
+               call tell_static_position(teller, i + 1, total%force, lag_of(flank, state%h), pair%base_radius_b, state)
+               call tell_pairs(teller, contact, flank, at_rest, i/plan%points, i*plan%n_pairs, plan%n_pairs, state, total)
+            end associate
+            call add_position(state, lag_of(flank, state%h), plan%n_positions, total)
+            call add_harmonics(i, plan, lag_of(flank, state%h), harmonics)
          end do
       end associate
       total%per_width = total%secant/at_rest%width
@@ -187,6 +199,48 @@ contains
          call tell_static_harmonic(teller, i, harmonics(i))
       end do
    end subroutine solve_static_mesh
+
+   !> The flank that a torque presses, or why none is.
+   subroutine find_pressed(gearbox, mesh, torque, speed, flank, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: mesh
+      real(wp), intent(in) :: torque, speed
+      type(pressed_t), intent(out) :: flank
+      type(status_t), intent(inout) :: status
+      integer :: n
+
+      if (.not. (abs(torque) > 0 .and. ieee_is_finite(torque))) then
+         call fail(status, code_invalid_input, "a torque of "//quantity(torque, "N m")//" of the driving wheel presses no flanks:" &
+                   //" give one above 0, in the sense of driving_rotation, or below, which presses the coast flanks", subject_none)
+         return
+      end if
+      if (.not. ieee_is_finite(speed)) then
+         call fail(status, code_invalid_input, "the speed at which flanks rub must be finite", subject_none)
+         return
+      end if
+      associate (drive => gearbox%contacts(gearbox%first(mesh)), pair => gearbox%pairs(mesh))
+         flank%contact = gearbox%first(mesh)
+         flank%rho_a = pair%rho_start_a
+         if (torque > 0) return
+         do n = gearbox%first(mesh), gearbox%first(mesh + 1) - 1
+            if (gearbox%contacts(n)%flank == flank_coast) exit
+         end do
+         associate (coast => gearbox%contacts(n))
+            flank%contact = n
+            flank%turns = -1
+            flank%play = drive%pair%gap_0 + coast%pair%gap_0
+            flank%rho_a = coast%rho_entry
+         end associate
+      end associate
+   end subroutine find_pressed
+
+   !> By how much the driven wheel lags where the flanks overlap by h as if perfect [m].
+   pure real(wp) function lag_of(flank, h) result(lag)
+      type(pressed_t), intent(in) :: flank
+      real(wp), intent(in) :: h
+
+      lag = flank%turns*(h + flank%play)
+   end function lag_of
 
    !> What is known of a torque before any position: forces, and what one pair alone and ISO 6336-1 say.
    subroutine start_sum(gearbox, mesh, at_rest, torque, total)
@@ -227,9 +281,10 @@ contains
    end subroutine name_place
 
    !> The tooth pairs at a position.
-   subroutine tell_pairs(teller, contact, at_rest, pitches, before, n_pairs, state, total)
+   subroutine tell_pairs(teller, contact, flank, at_rest, pitches, before, n_pairs, state, total)
       type(teller_t), intent(inout) :: teller
       type(tooth_contact_t), intent(in) :: contact
+      type(pressed_t), intent(in) :: flank
       type(static_mesh_t), intent(in) :: at_rest
       integer, intent(in) :: pitches !! whole ones of the position
       integer, intent(in) :: before  !! places of the positions before it
@@ -240,14 +295,14 @@ contains
       integer :: i, place
 
       do place = 1, n_pairs
-         i = findloc(state%numbers(:state%n), pitches - (place - 1 + youngest), dim=1)
+         i = findloc(state%numbers(:state%n), flank%turns*(pitches - (place - 1 + youngest)), dim=1)
          force = 0
          share = 0
          pressure = 0
          if (i > 0) then
             force = state%potential%answer%force(i)*at_rest%width
             share = force/total%force
-            if (force > 0) pressure = pressure_of(contact, at_rest, state, i)
+            if (force > 0) pressure = pressure_of(contact, flank%turns*state%numbers(i), at_rest, state, i)
             total%share = max(total%share, share)
             if (pressure > total%pressure) total%pressure = pressure
             if (is_on_edge(state, i)) total%edge_force = max(total%edge_force, force)
@@ -265,8 +320,9 @@ contains
    end function is_on_edge
 
    !> Largest contact pressure of a pair that carries; NaN on a sharp edge [Pa].
-   pure real(wp) function pressure_of(contact, at_rest, state, i) result(pressure)
+   pure real(wp) function pressure_of(contact, number, at_rest, state, i) result(pressure)
       type(tooth_contact_t), intent(in) :: contact
+      integer, intent(in) :: number !! of the tooth pair
       type(static_mesh_t), intent(in) :: at_rest
       type(static_state), intent(in) :: state
       integer, intent(in) :: i
@@ -277,21 +333,22 @@ contains
          point%rho_a = feet%rho(by_a)
          point%rho_b = feet%rho(by_b)
          mode = no_mode
-         mode%tooth_pair = state%numbers(i)
+         mode%tooth_pair = number
          call settle_zones(contact, at_rest%line, point, mode)
          pressure = pressure_at(contact, force, touching_curvature(contact, mode, point, feet%foot))
       end associate
    end function pressure_of
 
    !> What a position adds to the sums.
-   pure subroutine add_position(state, n, total)
+   pure subroutine add_position(state, lag, n, total)
       type(static_state), intent(in) :: state
+      real(wp), intent(in) :: lag !! of the driven wheel [m]
       integer, intent(in) :: n !! of how many
       type(static_sum), intent(inout) :: total
 
-      total%mean = total%mean + state%h/n
-      total%lowest = min(total%lowest, state%h)
-      total%highest = max(total%highest, state%h)
+      total%mean = total%mean + lag/n
+      total%lowest = min(total%lowest, lag)
+      total%highest = max(total%highest, lag)
       total%secant = total%secant + total%force/(state%h - state%h_0)/n
       total%tangent = total%tangent + state%stiffness/n
       total%carrying = total%carrying + count(state%potential%answer%force(:state%n) > 0)/real(n, wp)

@@ -64,10 +64,10 @@ contains
       type(spur_pair_t) :: pair
       real(wp), parameter :: one = 1.0_wp
 
-      call tell_static_mesh(teller, pair, 0.0_wp)
+      call tell_static_mesh(teller, pair, 0.0_wp, 0.0_wp)
       call tell_static_start(teller, 1, 0.0_wp, 0.0_wp)
       call tell_static_torque(teller, total)
-      call tell_static_position(teller, 1, one, one, state)
+      call tell_static_position(teller, 1, one, one, one, state)
       call tell_static_pair(teller, 1, state, 0, 0.0_wp, 0.0_wp, 0.0_wp)
       call tell_static_harmonic(teller, 1, (0.0_wp, 0.0_wp))
    end subroutine tell_all
@@ -119,10 +119,11 @@ contains
    end function elements_of
 
    !> Of the mesh.
-   subroutine tell_static_mesh(teller, pair, width)
+   subroutine tell_static_mesh(teller, pair, width, speed)
       type(teller_t), intent(inout) :: teller
       type(spur_pair_t), intent(in) :: pair
       real(wp), intent(in) :: width !! common face width [m]
+      real(wp), intent(in) :: speed !! of the driving wheel, for friction [rad/s]
 
       call begin(teller, in_mesh, dims_none, 1, is_static=.true.)
       call tell(teller, "base_pitch", "m", "p_b", "base pitch", pair%base_pitch)
@@ -130,6 +131,9 @@ contains
       call tell(teller, "common_width", "m", "b", "common face width", width)
       call tell(teller, "base_radius_driving", "m", "r_bA", "base radius of the driving wheel", pair%base_radius_a)
       call tell(teller, "base_radius_driven", "m", "r_bB", "base radius of the driven wheel", pair%base_radius_b)
+      call tell(teller, "normal_backlash", "m", "j_bn", &
+                "normal backlash, by which the driven wheel leads on coast flanks without load", pair%backlash)
+      call tell(teller, "driving_speed", "rad s-1", "omega_A", "speed of the driving wheel that friction goes by; 0: none", speed)
    end subroutine tell_static_mesh
 
    !> Of a position, whatever the torque.
@@ -174,19 +178,20 @@ contains
    end subroutine tell_static_torque
 
    !> Of a position.
-   subroutine tell_static_position(teller, position, force, base_radius, state)
+   subroutine tell_static_position(teller, position, force, lag, base_radius, state)
       type(teller_t), intent(inout) :: teller
       integer, intent(in) :: position
       real(wp), intent(in) :: force       !! of the teeth [N]
+      real(wp), intent(in) :: lag         !! of the driven wheel [m]
       real(wp), intent(in) :: base_radius !! of the driven wheel [m]
       type(static_state), intent(in) :: state
 
       call begin(teller, in_positions, dims_position, position)
-      call tell(teller, "transmission_error", "m", "h", "by which the driven wheel lags along the line of action", state%h)
+      call tell(teller, "transmission_error", "m", "h", "by which the driven wheel lags along the line of action", lag)
       call tell(teller, "transmission_error_angle", "rad", "h/r_bB", "the same as an angle of the driven wheel", &
-                state%h/base_radius)
-      call tell(teller, "secant_stiffness", "N m-1", "F/h", "force over transmission error; NaN where that is not positive", &
-                ratio(force, state%h))
+                lag/base_radius)
+      call tell(teller, "secant_stiffness", "N m-1", "F/h", &
+                "force over transmission error past the backlash; NaN where that is not positive", ratio(force, state%h))
       call tell(teller, "loaded_secant_stiffness", "N m-1", "F/(h-h_0)", "force over the transmission error that load adds", &
                 ratio(force, state%h - state%h_0))
       call tell(teller, "tangent_stiffness", "N m-1", "dF/dh", "stiffness for small changes of load, the driving wheel at rest", &
@@ -203,18 +208,21 @@ contains
       type(static_state), intent(in) :: state
       integer, intent(in) :: i     !! which of its pairs; 0: none is there
       real(wp), intent(in) :: share, force, pressure !! [1], [N], [Pa]
-      real(wp) :: foot(2)
+      real(wp) :: foot(2), friction
       integer :: kind
 
       foot = ieee_value(foot, ieee_quiet_nan)
+      friction = 0
       kind = 0
       if (i > 0) then
+         friction = state%friction(i)
          foot = state%feet(i)%foot
          if (force > 0) kind = 1 + max(state%feet(i)%zone - edge_of(by_a) + 1, 0)
       end if
       call begin(teller, in_pairs, dims_position_pair, place)
       call tell(teller, "force_share", "1", "", "normal force of a tooth pair over tooth_force", share)
       call tell(teller, "pair_normal_force", "N", "F_nk", "normal force of a tooth pair", force)
+call tell(teller, "pair_friction_force", "N", "F_tk", "its friction force on the driving wheel, along the t of its flank", friction)
       call tell(teller, "pair_contact_pressure", "Pa", "p_k", &
                 "largest contact pressure; NaN on a sharp tip edge, where none is known", pressure)
       call tell(teller, "pair_position", "m", "rho_Ak", &

@@ -1,12 +1,14 @@
-!> The mesh at rest (evl_static_mesh) of a tooth contact: its drive flank with the tips of both wheels, what their flanks lack in
+!> The mesh at rest (evl_static_mesh) of a tooth contact: its flank with the tips of both wheels, what their flanks lack in
 !> material, and how they give way.
+!>
+!> The coast flank is the mirror image of a drive flank whose pairs count against those of the contact: pair k here is its pair -k.
 module evl_mesh_at_rest
    use evl_deviating_flanks, only: flank_value
    use evl_flank_deviation, only: deviation_branch, deviation_on, deviation_zone, flank_branch, flank_deviation_t, zone_end
    use evl_kinds, only: pi, wp
    use evl_pair_place, only: by_a, by_b
    use evl_static_mesh, only: flank_lacks_t, static_mesh_t
-   use evl_tooth_contact, only: tooth_contact_t, tooth_of_a, tooth_of_b
+   use evl_tooth_contact, only: flank_drive, tooth_contact_t, tooth_of_a, tooth_of_b
    use evl_wheel_compliance, only: wheel_compliance_t
    implicit none (type, external)
    private
@@ -25,15 +27,18 @@ module evl_mesh_at_rest
 
 contains
 
-   !> Such a mesh. Axles are at their reference positions, teeth touch on the drive flank.
-   subroutine mesh_at_rest(contact, a, b, couples, reach, mesh)
-      type(tooth_contact_t), intent(in) :: contact !! a contact of the drive flank
+   !> Such a mesh. Axles are at their reference positions.
+   subroutine mesh_at_rest(contact, a, b, couples, reach, speed, mesh)
+      type(tooth_contact_t), intent(in) :: contact !! a contact of the flank
       type(wheel_compliance_t), intent(in) :: a, b !! of the driving and the driven wheel
       logical, intent(in) :: couples               !! pairs yield to each other's loads
       real(wp), intent(in) :: reach                !! how far past its path a pair counts, with its edges; 0: without edges [m]
+      real(wp), intent(in) :: speed                !! of the driving wheel in its sense, at which flanks rub; 0: none do [rad/s]
       type(static_mesh_t), intent(out) :: mesh
       type(two_wheels_t), allocatable :: lacks
+      integer :: next
 
+      next = merge(1, -1, contact%flank == flank_drive)
       associate (pair => contact%pair)
          mesh%line = pair%rho_0
          mesh%base_pitch = contact%base_pitch
@@ -51,9 +56,13 @@ contains
          lacks%deviations(by_a) = contact%deviation_a
          lacks%deviations(by_b) = contact%deviation_b
          lacks%first = [tooth_of_a(contact, 0), tooth_of_b(contact, 0)]
-         lacks%step = [tooth_of_a(contact, 1), tooth_of_b(contact, 1)] - lacks%first
+         lacks%step = [tooth_of_a(contact, next), tooth_of_b(contact, next)] - lacks%first
          lacks%side = nint(pair%sigma)
          call move_alloc(lacks, mesh%lacks)
+         mesh%creep%speed = merge(next*speed, 0.0_wp, contact%friction%acts())
+         mesh%creep%r_b = [pair%r_ba, pair%r_bb]
+         mesh%creep%shares = [pair%share_a, pair%share_b]
+         allocate (mesh%creep%law, source=contact%friction)
       end associate
    end subroutine mesh_at_rest
 

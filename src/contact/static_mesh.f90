@@ -2,12 +2,13 @@
 !> force along the line of action.
 !>
 !> Axles are fixed. The driving wheel stands at rho_A of pair 0, the driven one where the torque about the driving axle is r_bA
-!> times the force: dU/drho_A = F. h is the transmission error, by which the driven wheel lags along the line of action:
-!> rho_A + rho_B = rho + h.
+!> times the force: dU/drho_A = F, with what the friction of wheels that creep takes of it. h is the transmission error, by which
+!> the driven wheel lags along the line of action: rho_A + rho_B = rho + h.
 module evl_static_mesh
    use evl_coupled_pairs, only: most_pairs
    use evl_deviating_flanks, only: flank_value
-   use evl_flank_potential, only: find_potential, flank_potential, second_derivatives
+   use evl_flank_potential, only: find_potential, flank_potential, force_changes_of_places, second_derivatives
+   use evl_friction_at_rest, only: creep_friction, creep_t
    use evl_kinds, only: wp
    use evl_pair_compliance, only: gather_compliance, pair_compliance
    use evl_pair_place, only: by_a, by_b, edge_of, find_feet, pair_feet, pair_place, penetrate, tip_t, zone_at
@@ -56,6 +57,7 @@ module evl_static_mesh
       logical :: is_drive = .true., couples = .true.
       class(wheel_compliance_t), allocatable :: a, b
       class(flank_lacks_t), allocatable :: lacks
+      type(creep_t) :: creep
    end type static_mesh_t
 
    !> Such a mesh at rest.
@@ -67,7 +69,10 @@ module evl_static_mesh
       integer :: numbers(most_pairs) = 0
       type(pair_feet) :: feet(most_pairs)
       type(pair_place) :: places(most_pairs)
+      type(flank_value) :: lacks(2, most_pairs)
       type(flank_potential) :: potential
+      real(wp) :: friction(most_pairs) = 0.0_wp  !! along t on A [N]
+      real(wp) :: held = 0.0_wp                  !! torque about the driving axle over its base radius [N]
    end type static_state
 
 contains
@@ -90,7 +95,7 @@ contains
       do turn = 1, most_turns
          call look(mesh, rho_a, h, state, status)
          if (has_failed(status)) return
-         off = force - state%potential%gradient(by_a)
+         off = force - state%held
          if (abs(off) <= tolerance*force) exit
          if (off > 0) then
             low = h
@@ -119,6 +124,7 @@ contains
       real(wp), intent(out) :: h_0
       type(status_t), intent(inout) :: status
       type(pair_feet) :: feet
+      type(flank_value) :: lacks(2)
       type(pair_place) :: place
       real(wp) :: h, step
       integer :: first, last, last_there, k, turn
@@ -128,7 +134,7 @@ contains
       do k = first, last + 1 ! errors may bring the next one onto its path, or keep the last one off
          h = 0
          do turn = 1, most_turns
-            call put(mesh, k, rho_a, h, feet, place)
+            call put(mesh, k, rho_a, h, feet, lacks, place)
             step = -place%h/place%d_h(by_b)
             h = h + step
             if (abs(step) <= tolerance*mesh%base_pitch*epsilon(h)**0.25_wp .or. .not. feet%exists) exit
@@ -153,13 +159,13 @@ contains
    end subroutine pairs_within_reach
 
    !> One pair in its place.
-   pure subroutine put(mesh, k, rho_a, h, feet, place)
+   pure subroutine put(mesh, k, rho_a, h, feet, lacks, place)
       type(static_mesh_t), intent(in) :: mesh
       integer, intent(in) :: k
       real(wp), intent(in) :: rho_a, h
       type(pair_feet), intent(out) :: feet
+      type(flank_value), intent(out) :: lacks(2)
       type(pair_place), intent(out) :: place
-      type(flank_value) :: lacks(2)
       real(wp) :: rho(2)
       integer :: w
 
@@ -194,7 +200,7 @@ contains
       associate (n => state%n)
          do i = 1, n
             state%numbers(i) = first + i - 1
-            call put(mesh, state%numbers(i), rho_a, h, state%feet(i), state%places(i))
+            call put(mesh, state%numbers(i), rho_a, h, state%feet(i), state%lacks(:, i), state%places(i))
             if (.not. state%feet(i)%exists) state%places(i)%h = min(state%places(i)%h, 0.0_wp)
          end do
          call gather_compliance(mesh%a, mesh%b, mesh%k_difference, mesh%is_drive, mesh%couples, n, state%numbers(:n), &
@@ -207,9 +213,30 @@ contains
             return
          end if
          second = second_derivatives(n, state%places(:n), state%feet(:n), compliance, mesh%e_star, mesh%width, state%potential)
+         state%stiffness = second(by_a, by_b)
+         state%held = state%potential%gradient(by_a)
+         if (abs(mesh%creep%speed) > 0) call add_friction(mesh, compliance, state)
       end associate
-      state%stiffness = second(by_a, by_b)
    end subroutine look
+
+   !> What friction takes of the torque.
+   pure subroutine add_friction(mesh, compliance, state)
+      type(static_mesh_t), intent(in) :: mesh
+      type(pair_compliance), intent(in) :: compliance
+      type(static_state), intent(inout) :: state
+      real(wp) :: change(most_pairs, 3), held, d_held
+      integer :: i
+
+      associate (n => state%n, force => state%potential%answer%force, b => mesh%width)
+         change = force_changes_of_places(n, state%places(:n), state%feet(:n), compliance, mesh%e_star, state%potential)
+         do i = 1, n
+            call creep_friction(mesh%creep, state%feet(i), state%lacks(:, i), state%places(i), b*force(i), b*change(i, by_b), &
+                                state%friction(i), held, d_held)
+            state%held = state%held + held
+            state%stiffness = state%stiffness + d_held
+         end do
+      end associate
+   end subroutine add_friction
 
    !> Pairs that carry where nothing is known of them.
    subroutine check(mesh, state, status)
@@ -243,6 +270,7 @@ contains
       type(static_state), intent(in) :: state
       type(status_t), intent(inout) :: status
       type(pair_feet) :: feet(most_pairs + 1)
+      type(flank_value) :: lacks(2)
       type(pair_place) :: place
       type(pair_compliance) :: compliance
       integer :: numbers(most_pairs + 1), side
@@ -253,7 +281,7 @@ contains
          numbers(:n) = state%numbers(:n)
          do side = -1, 1, 2
             numbers(n + 1) = merge(numbers(1), numbers(n), side < 0) + side
-            call put(mesh, numbers(n + 1), rho_a, state%h, feet(n + 1), place)
+            call put(mesh, numbers(n + 1), rho_a, state%h, feet(n + 1), lacks, place)
             if (.not. (feet(n + 1)%exists .and. place%h > 0)) cycle
             if (n < most_pairs) then
                call gather_compliance(mesh%a, mesh%b, mesh%k_difference, mesh%is_drive, mesh%couples, n + 1, numbers(:n + 1), &

@@ -27,6 +27,7 @@ from kernel.static import (
 
 E, NU, MODULE = 2.06e11, 0.3, 3e-3
 ELEMENTS = {"compliance": Block(model="finite_elements")}
+RELIEVED = deviations(tip_relief=relief(5e-6, diameter=62e-3))
 ANALYTIC = {"compliance": Block(model="analytic")}
 
 
@@ -430,11 +431,76 @@ def test_curve_knows_no_place_in_the_housing(kernel: Kernel, spur: Gearbox, turn
     )
 
 
-@pytest.mark.parametrize("torque", [0.0, -5.0, np.nan, np.inf])
+@pytest.mark.parametrize("torque", [0.0, np.nan, np.inf])
 def test_torque_that_presses_nothing_is_refused(spur: Gearbox, torque: float):
     with pytest.raises(GearboxError, match="give one above 0") as refusal:
         static_curve(spur, torque)
     assert refusal.value.code == INVALID_INPUT
+
+
+def test_coast_flanks_are_the_mirror_image_of_the_drive_flanks(kernel: Kernel):
+    """Backlash and all: pairs come from the other end, and the driven wheel leads."""
+    gearbox = pair(kernel, backlash=5e-5)
+    torque = torque_of(gearbox, 150e3)
+    drive, coast = (static_curve(gearbox, t, points=1000) for t in (torque, -torque))
+    backlash = coast.normal_backlash
+    assert backlash == pytest.approx(5e-5, rel=1e-9)
+    assert coast.free_transmission_error == pytest.approx(-backlash, abs=1e-15)
+    assert coast.tooth_force == drive.tooth_force
+    assert coast.mean_transmission_error == pytest.approx(
+        -backlash - drive.mean_transmission_error, rel=1e-7
+    )
+    np.testing.assert_allclose(coast.harmonic_amplitude, drive.harmonic_amplitude, rtol=2e-3)
+    # x pitches after it began on the one side, a pair is as far from its end on the other
+    at = (gearbox.mesh_geometry().contact_ratio - coast.position) % 1
+    mirrored = np.interp(at, drive.position, drive.transmission_error, period=1)
+    smooth = np.abs(np.diff(mirrored, append=mirrored[0])) < 1e-8
+    off = coast.transmission_error + backlash + mirrored
+    assert np.abs(off[smooth]).max() < 2e-9
+    for name in ("secant_stiffness", "loaded_secant_stiffness", "tangent_stiffness"):
+        assert getattr(coast, name).mean() == pytest.approx(getattr(drive, name).mean(), rel=5e-4)
+    edges = np.bincount(coast.pair_contact_kind.astype(int).ravel(), minlength=4)
+    others = np.bincount(drive.pair_contact_kind.astype(int).ravel(), minlength=4)
+    assert edges[EDGE_DRIVING] == pytest.approx(others[EDGE_DRIVING], abs=2)
+    # a pair that comes is on the driving wheel's edge, not on the driven wheel's
+    assert (coast.of_pair(-1, "pair_contact_kind") == EDGE_DRIVING).any()
+    assert (drive.of_pair(-1, "pair_contact_kind") == EDGE_DRIVEN).any()
+
+
+@pytest.mark.parametrize("sense", [1, -1])
+@pytest.mark.parametrize("flank", [1, -1], ids=["drive", "coast"])
+def test_torque_is_balanced_with_friction_in_closed_form(kernel: Kernel, flank: int, sense: int):
+    """Contacts alone give way: T = sum F_n (r_b - phi l_A), phi of either sign, none at rest."""
+    gearbox = pair(kernel, compliance={}, backlash=2e-5, friction=(0.07, 1e-6))
+    torque = torque_of(gearbox, 150e3)
+    curve = static_curve(gearbox, flank * torque, speed=sense * 10.0)
+    r_a, r_b = curve.base_radius_driving, curve.base_radius_driven
+    carries = curve.pair_normal_force > 0
+    depth = flank * curve.transmission_error - (flank < 0) * curve.normal_backlash
+    # the contact lies in the middle of what both flanks overlap, which are of one material
+    arm = curve.pair_position - depth[:, None] / 2
+    arm_b = curve.pair_position_driven - depth[:, None] / 2
+    slides = flank * sense * (arm_b * r_a / r_b - arm)
+    assert (np.sign(slides[carries]) == -np.sign(curve.pair_friction_force[carries])).all()
+    phi = -curve.pair_friction_force[carries] / curve.pair_normal_force[carries]
+    np.testing.assert_allclose(np.abs(phi)[np.abs(slides[carries]) > 1e-6], 0.07, rtol=1e-12)
+    found = (curve.pair_normal_force * r_a + curve.pair_friction_force * np.nan_to_num(arm)).sum(1)
+    np.testing.assert_allclose(found, torque, rtol=1e-12)
+    without = static_curve(gearbox, flank * torque)
+    assert (without.pair_friction_force == 0).all()
+    assert np.abs(curve.transmission_error / without.transmission_error - 1).max() > 1e-3
+
+
+def test_tangent_stiffness_with_friction_is_that_of_the_curve(kernel: Kernel):
+    gearbox = pair(kernel, friction=(0.07, 1e-2), deviation=(RELIEVED, None))
+    torque = torque_of(gearbox, 150e3)
+    low, middle, high = (
+        static_curve(gearbox, torque * (1 + by), points=40, speed=20.0) for by in (-1e-4, 0, 1e-4)
+    )
+    slope = 2e-4 * middle.tooth_force / (high.transmission_error - low.transmission_error)
+    same = (low.pair_contact_kind == high.pair_contact_kind).all(1)
+    assert same.mean() > 0.8
+    np.testing.assert_allclose(middle.tangent_stiffness[same], slope[same], rtol=1e-6)
 
 
 def test_meshes_without_an_answer_are_refused(kernel: Kernel):

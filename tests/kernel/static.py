@@ -62,12 +62,20 @@ def static_plan(gearbox: Gearbox, mesh: int = 0, points: int = 200) -> Plan:
     return plan
 
 
-def static_curve(gearbox: Gearbox, torque: float, mesh: int = 0, points: int = 200) -> Curve:
-    """The mesh at rest under a torque of the driving wheel."""
+def static_curve(
+    gearbox: Gearbox, torque: float, mesh: int = 0, points: int = 200, speed: float = 0.0
+) -> Curve:
+    """The mesh at rest under a torque of the driving wheel, which creeps at a speed."""
     plan, status = static_plan(gearbox, mesh, points), Status()
     values = np.full(plan.n_values, -1e300)
     code = gearbox.library.evl_gearbox_static(
-        gearbox.handle, mesh, points, _double(torque), _at(values), ctypes.byref(status)
+        gearbox.handle,
+        mesh,
+        points,
+        _double(torque),
+        _double(speed),
+        _at(values),
+        ctypes.byref(status),
     )
     gearbox.check(code, status)
     rows = table(gearbox)

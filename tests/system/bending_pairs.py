@@ -66,6 +66,7 @@ class BendingPair:
         self.mass = masses[0] * masses[1] / sum(masses)
         self.frequency = math.sqrt(STIFFNESS * self.common / self.mass) / (2 * math.pi)
         self.speed = self.log(0.15, 3) * self.frequency * 2 * math.pi / self.wheels[0].teeth
+        self.before_case = self.draw.getstate()
 
     # Chances.
 
@@ -209,23 +210,51 @@ class BendingPair:
                 wheel.pop(key, None)
         return case
 
-    def slow(self) -> Block:
-        """Without errors on fixed axles, steady and damped, over a pitch of 1e5 natural periods."""
+    def slow(self, lag: float, *, coasts: bool, friction: float) -> Block:
+        """Without errors on fixed axles, damped, over a pitch of 1e5 natural periods.
+
+        The torque of the driving wheel is constant, the driven one turns at a constant speed. It
+        begins with a transmission error [m].
+        """
         case = self.at_rest(errors=False)
-        case["meshes"][0]["damping"] = {"law": "ratio", "value": 0.1}
-        speed = 1e-5 * self.frequency * 2 * math.pi / self.wheels[0].teeth
+        speed = self.slow_speed()
+        mesh, (pinion, gear) = case["meshes"][0], case["wheels"]
+        mesh["damping"] = {"law": "ratio", "value": 0.1}
+        if friction > 0:
+            width = 2e-3 * speed * self.radii[0]
+            mesh["friction"] = {"law": "coulomb", "coefficient": friction}
+            mesh["friction"]["regularisation_velocity"] = width
+        if coasts:
+            pinion["loads"][0]["value"] *= -1
         ratio = self.wheels[0].teeth / self.wheels[1].teeth
-        viscous = {"kind": "viscous", "coefficient": self.torque / (ratio**2 * speed)}
-        case["wheels"][1]["loads"] = [viscous]
+        gear["loads"] = [{"kind": "speed", "value": -self.sense * ratio * speed}]
         duration = 2 * math.pi / (self.wheels[0].teeth * speed)
         case["simulation"] |= {
             **{"duration": duration, "output_interval": duration / 97, "max_step": duration},
-            "initial": {"kind": "steady"},
+            "initial": {
+                **{"kind": "speeds", "gaps": {"pinion-gear": -lag}},
+                "speeds": {"pinion": self.sense * speed, "gear": -self.sense * ratio * speed},
+            },
         }
         return case
 
+    def slow_speed(self) -> float:
+        """Speed of the driving wheel in a slow run [rad/s]."""
+        return 1e-5 * self.frequency * 2 * math.pi / self.wheels[0].teeth
+
+    @staticmethod
+    def modified(case: Block) -> float:
+        """Sum of what both profiles lack by their modifications [m]."""
+        amounts = [
+            wheel.get(key, {}).get("amount", 0.0)
+            for wheel in case["wheels"]
+            for key in ("tip_relief", "root_relief")
+        ]
+        return sum(amounts) + sum(wheel.get("profile_crowning", 0.0) for wheel in case["wheels"])
+
     def case(self) -> Block:
         """Undamped, from a start with too little deflection."""
+        self.draw.setstate(self.before_case)  # the same whenever it is asked for
         blocks = [self.block(i) for i in range(2)]
         ratio = self.wheels[0].teeth / self.wheels[1].teeth
         for block, factor in zip(blocks, (1, 1 / ratio), strict=True):

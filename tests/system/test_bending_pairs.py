@@ -79,7 +79,8 @@ def test_a_pair_that_bends_keeps_its_energy(files: Files, seed: int) -> None:
     rounding = 1e-13 * float(history.kinetic_energy.max())
     assert spread <= 1e-5 * float(history.potential_energy.max()) + rounding
     assert history.attrs["invariants"] == "held"
-    if case["meshes"][0].get("edge_contact") != "false":
+    bends = any(w["compliance"].get("model") != "none" for w in case["wheels"])
+    if bends and case["meshes"][0].get("edge_contact") != "false":  # no pair brings or takes any
         assert float(abs(history.dissipated_energy).max()) == 0
 
 
@@ -114,37 +115,62 @@ def test_forces_at_rest_are_the_gradient_of_the_energy(files: Files, seed: int) 
     if curves is None:
         return
     u, h = curves.elastic_energy.values, curves.transmission_error.values
-    force_b = ((u[2] - u[0]) / (h[2] - h[0]))[1:-1]
-    by_x = 2 * float(curves.base_pitch) / 400
-    force_a = (u[1, 2:] - u[1, :-2]) / by_x + force_b * (1 - (h[1, 2:] - h[1, :-2]) / by_x)
+    force_b = ((u[2] - u[0]) / (h[2] - h[0]))[2:-2]
+
+    def by_x(values: Any) -> Any:
+        step = 12 * float(curves.base_pitch) / 400
+        return (8 * (values[3:-1] - values[1:-3]) - (values[4:] - values[:-4])) / step
+
+    force_a = by_x(u[1]) + force_b * (1 - by_x(h[1]))
     off = np.abs(force_a / curves.tooth_force.values[1] - 1)
     assert np.median(off) < 1e-6  # of the differences: the square of the step
-    assert np.quantile(off, 0.9) < 1e-5
+    assert np.quantile(off, 0.8) < 1e-5
 
 
 @every_third
 def test_a_slow_damped_run_is_the_mesh_at_rest(files: Files, seed: int) -> None:
-    """Its transmission error over a pitch; between them lie damping and inertia at 1e-5 of f_0."""
+    """Its transmission error over a pitch; between them lie damping and inertia at 1e-5 of f_0.
+
+    Every second one coasts, half of them rub. In a run the length in the law's logarithm has in it
+    what flanks lack, and what edges do.
+    """
     pair = BendingPair(seed)
-    case = pair.slow()
-    curve = files("static", case, "--torque", f"{pair.torque!r}", "--points", "4000")
-    run = files("run", case) if curve is not None else None
-    if curve is None or run is None:
+    coasts, rubs = seed % 2 == 1, seed % 4 < 2
+    case = pair.slow(0.0, coasts=coasts, friction=0.08 if rubs else 0.0)
+    torque = -pair.torque if coasts else pair.torque
+    speed = ("--speed", repr(pair.slow_speed())) if rubs else ()
+    curve = files("static", case, "--torque", repr(torque), "--points", "4000", *speed)
+    if curve is None:
         return
+    lag = float(curve.mean_transmission_error[0])
+    run = files("run", pair.slow(lag, coasts=coasts, friction=0.08 if rubs else 0.0))
+    if run is None:
+        return
+    run = run.isel(time=slice(5, None))  # what it has vibrated at first is over
     n, pitch = curve.sizes["position"], float(curve.base_pitch)
     kind = curve.pair_contact_kind.sel(pair=0).values[0]
     on_flanks = np.flatnonzero(kind == 1)
     middle = on_flanks[len(on_flanks) // 2]
-    start = float(curve.pair_position.sel(pair=0)[0, middle]) - middle / n * pitch
+    along = -pitch if coasts else pitch
+    start = float(curve.pair_position.sel(pair=0)[0, middle]) - middle / n * along
     # where the pair with the largest force is says where the mesh is
     forces = np.nan_to_num(run.pair_normal_force.values.reshape(run.sizes["time"], -1))
     places = run.pair_position.values.reshape(forces.shape)
-    at = (places[np.arange(len(forces)), forces.argmax(1)] - start) / pitch % 1
+    at = (places[np.arange(len(forces)), forces.argmax(1)] - start) / along % 1
     h = curve.transmission_error.values[0]
     of = CubicSpline(np.arange(n + 1) / n, np.append(h, h[0]), bc_type="periodic")
     off = np.abs(run.transmission_error.values[:, 0] / of(at) - 1)
-    assert np.median(off) < 1e-6
-    assert np.quantile(off, 0.95) < 5e-6
+    if rubs:  # while a pair sticks at the pitch point, wheels do not slide as they turn
+        friction = curve.pair_friction_force.sum("pair").values[0, (at * n).astype(int) % n]
+        rubbing = np.nansum(run.pair_friction_force.values.reshape(forces.shape), axis=1)
+        slides = np.abs(rubbing - friction) < 1e-3 * pair.force
+        assert slides.mean() > 0.6
+        assert np.abs(friction).max() > 1e-2 * pair.force
+        off = off[slides]
+    line = float(run.line_of_action_length.values.ravel()[0])
+    lack = 0.03 * pair.modified(case) / line
+    assert np.median(off) < 1e-6 + lack
+    assert np.quantile(off, 0.95) < 5e-6 + lack + 0.01 * np.abs(h).max() / line
 
 
 def test_few_of_the_pairs_are_refused(files: Files) -> None:

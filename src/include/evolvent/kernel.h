@@ -438,11 +438,13 @@ EVL_API int evl_gearbox_static_plan(const evl_gearbox *gearbox, int mesh, int po
                                     evl_status *status);
 /** Where the outputs stand among the values; [evl_static_count()] each. */
 EVL_API void evl_gearbox_static_places(const evl_static_plan *plan, int *offsets, int *counts);
-/** The mesh at rest under a torque of the driving wheel in its sense of rotation [N m], axles at their reference positions, without
- *  friction. values: [n_values]. @return EVL_OK, EVL_INVALID_INPUT, EVL_OUT_OF_DOMAIN (a tip edge on the mate's fillet),
- *  EVL_NO_SOLUTION */
-EVL_API int evl_gearbox_static(const evl_gearbox *gearbox, int mesh, int points, double torque, double *values,
-                               evl_status *status);
+/** The mesh at rest under a torque of the driving wheel in its sense of rotation [N m], axles at their reference positions; one below
+ *  0 presses the coast flanks. Static values differ between the two flanks.
+ *  @param speed   of the driving wheel in its sense [rad/s]: flanks rub as if it turned so; 0: without friction
+ *  @param values  [n_values]
+ *  @return EVL_OK, EVL_INVALID_INPUT, EVL_OUT_OF_DOMAIN (a tip edge on the mate's fillet, or past its reach), EVL_NO_SOLUTION */
+EVL_API int evl_gearbox_static(const evl_gearbox *gearbox, int mesh, int points, double torque, double speed,
+                               double *values, evl_status *status);
 
 /* ---- how this kernel was built --------------------------------------------------------------------------------------------- */
 

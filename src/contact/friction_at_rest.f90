@@ -1,0 +1,60 @@
+!> Friction between flanks that creep: what it takes of the torque of the driving wheel, whose motion gives the sense of sliding.
+!>
+!> The flanks slide on each other with v_t = omega (r_bA/r_bB l_B - l_A), l_i being the arms of friction about the axles, omega the
+!> speed of the driving wheel against the torque that the flank puts on it. F_t = -F_n phi(v_t) acts along t on A, and adds
+!> F_t l_A/r_bA to the force that the driving wheel feels.
+module evl_friction_at_rest
+   use evl_deviating_flanks, only: flank_value
+   use evl_friction_law, only: friction_law_t
+   use evl_kinds, only: wp
+   use evl_pair_place, only: by_a, by_b, pair_feet, pair_place
+   implicit none (type, external)
+   private
+
+   public :: creep_friction, creep_t
+
+   !> How the wheels creep.
+   type :: creep_t
+      real(wp) :: speed = 0.0_wp    !! omega; 0: no friction [rad/s]
+      real(wp) :: r_b(2) = 1.0_wp   !! base radii [m]
+      real(wp) :: shares(2) = 0.0_wp !! of both wheels in the penetration
+      class(friction_law_t), allocatable :: law
+   end type creep_t
+
+contains
+
+   !> Friction of a pair.
+   pure subroutine creep_friction(creep, feet, lacks, place, normal, d_normal, force, held, d_held)
+      type(creep_t), intent(in) :: creep
+      type(pair_feet), intent(in) :: feet
+      type(flank_value), intent(in) :: lacks(2) !! of material, as the place has them
+      type(pair_place), intent(in) :: place
+      real(wp), intent(in) :: normal, d_normal  !! force and how it changes with rho_B [N], [N/m]
+      real(wp), intent(out) :: force            !! F_t [N]
+      real(wp), intent(out) :: held, d_held     !! F_t l_A/r_bA and how it changes with rho_B [N], [N/m]
+      real(wp) :: arm(2), d_arm(2), slides, d_slides, phi, d_v
+      integer :: w
+
+      do w = by_a, by_b
+         if (w == feet%wheel) then
+            arm(w) = feet%arm - feet%lack - lacks(w)%e
+            d_arm(w) = feet%d_arm(by_b) - feet%d_lack(by_b)
+            if (w == by_b) d_arm(w) = d_arm(w) - lacks(w)%de
+         else
+            arm(w) = feet%foot(w) - lacks(w)%e
+            d_arm(w) = (1 - lacks(w)%de)*feet%d_foot(by_b, w)
+         end if
+      end do
+      arm = arm - creep%shares*place%h
+      d_arm = d_arm - creep%shares*place%d_h(by_b)
+      associate (along => creep%speed*[-1.0_wp, creep%r_b(by_a)/creep%r_b(by_b)])
+         slides = dot_product(along, arm)
+         d_slides = dot_product(along, d_arm)
+      end associate
+      call creep%law%factor(creep%law%branch(slides), slides, phi, d_v)
+      force = -normal*phi
+      held = force*arm(by_a)/creep%r_b(by_a)
+      d_held = (-(d_normal*phi + normal*d_v*d_slides)*arm(by_a) + force*d_arm(by_a))/creep%r_b(by_a)
+   end subroutine creep_friction
+
+end module evl_friction_at_rest
