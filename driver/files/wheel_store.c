@@ -3,8 +3,13 @@
 #include "base/memory.h"
 #include "files/wheel_file.h"
 
+#include <dirent.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
 
 /** Wheels in memory: a sweep over the geometry has no end of them. */
 enum { MOST_KEPT = 1000 };
@@ -58,6 +63,33 @@ static void remember(wheel_store *store, const wheel_numbers *wheel)
 static char *path_of(const wheel_store *store, const wheel_numbers *wheel)
 {
     return xasprintf("%s/compliance-%016llx.h5", store->folder, wheel_file_hash(wheel));
+}
+
+/** Whether a name is that of a file being written, compliance-HASH.h5.XXXXXX. */
+static bool is_partial(const char *name)
+{
+    static const char begin[] = "compliance-", end[] = ".h5.";
+    enum { BEGIN = sizeof begin - 1, HASH = 16, END = sizeof end - 1, REST = 6 };
+    return strlen(name) == BEGIN + HASH + END + REST && strncmp(name, begin, BEGIN) == 0 &&
+           strspn(name + BEGIN, "0123456789abcdef") == HASH && strncmp(name + BEGIN + HASH, end, END) == 0;
+}
+
+/** Remove what writers left that were killed. Writing takes milliseconds: an old one has no writer. */
+static void drop_leftovers(const char *folder)
+{
+    enum { OLD = 600 }; /* [s] */
+    DIR *stream = opendir(folder);
+    if (stream == NULL) {
+        return;
+    }
+    for (const struct dirent *entry = readdir(stream); entry != NULL; entry = readdir(stream)) {
+        struct stat status;
+        if (is_partial(entry->d_name) && fstatat(dirfd(stream), entry->d_name, &status, AT_SYMLINK_NOFOLLOW) == 0 &&
+            difftime(time(NULL), status.st_mtime) > OLD) {
+            (void)unlinkat(dirfd(stream), entry->d_name, 0);
+        }
+    }
+    (void)closedir(stream);
 }
 
 /** Write a wheel and read it again: what counts is in the file, whoever wrote it. @return 1 or -1 */
@@ -126,6 +158,7 @@ void wheel_store_delete(wheel_store **pointer)
 bool wheel_store_share(wheel_store *store, const char *folder, evl_error *error)
 {
     store->folder = xstrdup(folder);
+    drop_leftovers(folder);
     for (long i = 0; i < n_kept(store); i++) {
         const kept_wheel *kept = &store->kept[i];
         const wheel_numbers wheel = {.n_key = kept->n_key, .key = kept->key, .n = kept->n, .numbers = kept->numbers};

@@ -284,3 +284,23 @@ def test_a_batch_killed_again_and_again_leaves_only_files_that_count(
     whole = [path for path in files(tmp_path / "r") if path.suffix == ".h5"]
     assert len(whole) == n
     assert set(read_folder(tmp_path / "r")) == set(range(n))
+
+
+def test_what_a_killed_writer_left_is_removed_by_the_next_batch(
+    evolvent: Evolvent, design: Path, tmp_path: Path
+) -> None:
+    """Ten minutes after it was written; a younger one may have its writer yet."""
+    folder = tmp_path / "r"
+    folder.mkdir()
+    names = {
+        "compliance-0123456789abcdef.h5.aB3xY9": 700,  # how old [s]
+        "compliance-0123456789abcdee.h5.aB3xY9": 60,
+        "compliance-0123456789abcdef.h5.aB3xY9.kept": 700,
+        "compliance-mine.h5.aB3xY9": 700,
+        "compliance-0123456789abcded.h5": 700,
+    }
+    for name, age in names.items():
+        (folder / name).write_text("")
+        os.utime(folder / name, (time.time() - age,) * 2)
+    assert evolvent("batch", design, "-o", "r", "-q").returncode == 0
+    assert {name for name in names if not (folder / name).exists()} == {next(iter(names))}
