@@ -253,6 +253,12 @@ contains
       do l = 1, lanes
          call profile_deviation(branch, rho(l), e(l), de(l), d2e(l))
       end do
+      if (branch%is_second) then
+         !$omp simd
+         do l = 1, lanes
+            call touch_beside(branch, rho(l), e(l), de(l), d2e(l))
+         end do
+      end if
       if (.not. abs(branch%runout) > 0) return
       !$omp simd
       do l = 1, lanes

@@ -3,15 +3,15 @@ module evl_contact_roots
    use evl_closed_form, only: centre_line_turn
    use evl_contact_point, only: contact_point
    use evl_flank, only: flank_t
-   use evl_flank_deviation, only: relief_t, zone_edge, zone_end, zone_none, zone_root, zone_tip
+   use evl_flank_deviation, only: has_corner, relief_t, zone_edge, zone_end, zone_none, zone_root, zone_root_corner, zone_tip, &
+                                  zone_tip_corner
    use evl_kinds, only: wp
    use evl_local_variables, only: at_psi_a
    use evl_pair_place, only: by_a, by_b, tip_t
    use evl_root_kinds, only: live_loaded, live_on_path, live_one_sided, live_touching, moves_pair, n_discrete, n_held, &
                              n_root_kinds, n_sides, root_of, root_rows
    use evl_tooth_contact, only: contact_mode, contact_state, feet_of, flank_drive, flanks_apart, flanks_loaded, flanks_off, &
-                                flanks_open, &
-                                flanks_unloaded, tooth_contact_t, touches, tracking_closed_form, unclipped
+                                flanks_open, flanks_unloaded, tooth_contact_t, touches, tracking_closed_form, unclipped
    implicit none (type, external)
    private
 
@@ -85,13 +85,21 @@ contains
          if (mode%flanks == flanks_open) direction = 1
          if (mode%flanks == flanks_apart) direction = -1
       case (root_of%tip_a)
-         direction = border_direction(contact%deviation_a%tip, mode%zone_a, zone_tip)
+         direction = border_direction(contact%deviation_a%tip, 1, mode%zone_a, zone_tip, zone_tip_corner)
       case (root_of%root_a)
-         direction = border_direction(contact%deviation_a%root, mode%zone_a, zone_root)
+         direction = border_direction(contact%deviation_a%root, 1, mode%zone_a, zone_root, zone_root_corner)
       case (root_of%tip_b)
-         direction = border_direction(contact%deviation_b%tip, mode%zone_b, zone_tip)
+         direction = border_direction(contact%deviation_b%tip, 1, mode%zone_b, zone_tip, zone_tip_corner)
       case (root_of%root_b)
-         direction = border_direction(contact%deviation_b%root, mode%zone_b, zone_root)
+         direction = border_direction(contact%deviation_b%root, 1, mode%zone_b, zone_root, zone_root_corner)
+      case (root_of%tip_corner_a)
+         direction = border_direction(contact%deviation_a%tip, 2, mode%zone_a, zone_tip, zone_tip_corner)
+      case (root_of%root_corner_a)
+         direction = border_direction(contact%deviation_a%root, 2, mode%zone_a, zone_root, zone_root_corner)
+      case (root_of%tip_corner_b)
+         direction = border_direction(contact%deviation_b%tip, 2, mode%zone_b, zone_tip, zone_tip_corner)
+      case (root_of%root_corner_b)
+         direction = border_direction(contact%deviation_b%root, 2, mode%zone_b, zone_root, zone_root_corner)
       case (root_of%end_a)
          direction = end_direction(contact, contact%tips(by_a), mode%zone_a)
       case (root_of%edge_a)
@@ -115,16 +123,22 @@ contains
       if (slides) slides = contact%friction%knee() > 0
    end function slides
 
-   !> Direction at the border of a relief: a pair on it can leave, one on the profile between both can come.
-   pure integer function border_direction(relief, zone, mine) result(direction)
+   !> Direction at a border of a relief: a pair on it can leave, one on the profile between both can come; by way of its corner.
+   pure integer function border_direction(relief, border, zone, mine, corner) result(direction)
       type(relief_t), intent(in) :: relief
-      integer, intent(in) :: zone, mine !! of the contact, of the relief
+      integer, intent(in) :: border             !! 1: of the profile before the relief; 2: of the relief, behind its corner
+      integer, intent(in) :: zone, mine, corner !! of the contact, of the relief, of its corner
+      integer :: inner, outer
 
       direction = 0
-      if (relief%amount > 0 .and. (zone == zone_none .or. zone == mine)) direction = merge(-mine, mine, zone == mine)
+      if (.not. relief%amount > 0 .or. (border == 2 .and. .not. has_corner(relief))) return
+      inner = merge(zone_none, corner, border == 1)
+      outer = merge(corner, mine, border == 1 .and. has_corner(relief))
+      if (zone == inner) direction = mine
+      if (zone == outer) direction = -mine
    end function border_direction
 
-   !> Direction at the end of a flank that goes on straight before its edge takes over.
+   !> Direction at the end of a flank that goes on before its edge takes over.
    pure integer function end_direction(contact, tip, zone) result(direction)
       type(tooth_contact_t), intent(in) :: contact
       type(tip_t), intent(in) :: tip
@@ -135,7 +149,7 @@ contains
          direction = merge(-1, 1, zone == zone_end)
    end function end_direction
 
-   !> Direction where an edge takes over: from the flank, or from what goes on straight.
+   !> Direction where an edge takes over: from the flank, or from what goes on behind it.
    pure integer function edge_direction(contact, tip, zone) result(direction)
       type(tooth_contact_t), intent(in) :: contact
       type(tip_t), intent(in) :: tip
@@ -170,12 +184,12 @@ contains
    !> List the root functions that a contact has, those with a meaning in one of its modes, with their directions in each.
    pure subroutine list_roots(contact)
       type(tooth_contact_t), intent(inout) :: contact !! complete, but for this
-      integer :: directions(-1:zone_edge, flanks_open:flanks_off), kind, flanks, branch
+      integer :: directions(zone_tip_corner:zone_edge, flanks_open:flanks_off), kind, flanks, branch
 
       contact%n_roots = 0
       do kind = 1, n_root_kinds
          do flanks = flanks_open, flanks_off
-            do branch = -1, zone_edge ! of friction, the zones or the sides
+            do branch = zone_tip_corner, zone_edge ! of friction, the zones or the sides
                directions(branch, flanks) = contact_root_direction( &
                                             contact, contact_mode(0, flanks, branch, branch, branch, branch, 1.0_wp, 0.0_wp), kind)
             end do

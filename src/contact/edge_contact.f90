@@ -6,8 +6,8 @@
 module evl_edge_contact
    use evl_contact_point, only: contact_gradient, contact_point, tracked_pair
    use evl_deviating_flanks, only: flank_value, radius_rates, rate_gradients, rates_of, sliding_gradient
-   use evl_flank_deviation, only: deviation_branch, deviation_on, deviation_zone, flank_branch, flank_deviation_t, zone_edge, &
-                                  zone_end
+   use evl_flank_deviation, only: deviation_branch, deviation_on, flank_branch, flank_deviation_t, zone_edge, zone_end, &
+                                  zone_none, zone_tip
    use evl_kinds, only: wp
    use evl_local_variables, only: n_local
    use evl_pair_place, only: by_a, by_b, by_line, edge_of, end_of, find_feet, on_flank, pair_feet, pair_place, penetrate, tip_t, &
@@ -41,15 +41,16 @@ contains
       real(wp), intent(in) :: rounding    !! of the tip [m]
       real(wp), intent(in) :: line        !! reference length of the line of action [m]
       type(tip_t), intent(out) :: tip
-      type(flank_branch) :: branch
-      real(wp) :: d2e
+      real(wp) :: slope, d2e
 
       tip%edge = edge_t(r_b=r_b, r_mate=r_mate, rho_end=rho_end, rounding=rounding)
-      branch = deviation_branch(deviation, 0, 1, deviation_zone(deviation, rho_end))
-      branch%offset = 0
-      branch%runout = 0
-      call deviation_on(branch, rho_end, tip%value, tip%slope, d2e)
-      tip%takes_over = end_of_flank(tip%edge, tip%slope, line)
+      tip%leaves = rho_end
+      if (deviation%tip%amount > 0) tip%leaves = max(rho_end, deviation%tip%taken(2)) ! of a relief shorter than its corner reaches
+      tip%profile = deviation_branch(deviation, 0, 1, merge(zone_tip, zone_none, deviation%tip%amount > 0))
+      tip%profile%offset = 0
+      tip%profile%runout = 0
+      tip%takes_over = max(end_of_flank(tip%edge, tip%profile, line), tip%leaves - rho_end)
+      call deviation_on(tip%profile, rho_end + tip%takes_over, tip%value, slope, d2e)
    end subroutine make_tip
 
    !> The zones of both wheels of a pair, and where it is loaded; what is between the ends of the flanks does not touch the zones.

@@ -1,6 +1,7 @@
 !> Tooth pairs past the end of a flank in eight states at once: as evl_pair_place and evl_edge_contact have them in one, with first
 !> derivatives alone.
 module evl_edge_lanes
+   use evl_flank_deviation, only: flank_branch
    use evl_kinds, only: lanes, wp
    use evl_pair_place, only: by_a, by_b, by_line, tip_t
    use evl_tip_edge, only: edge_place, edge_t, small
@@ -31,22 +32,25 @@ contains
    include "numerics/arctangent.inc"
    include "contact/tangent_line.inc"
    include "contact/tip_edge.inc"
+   include "geometry/flank_branch.inc"
 
    !> Where both wheels are touched.
    pure subroutine find_feet_in_lanes(tip, own, is_edge, rho_own, rho_mate, edge, past)
       type(tip_t), intent(in) :: tip
       integer, intent(in) :: own     !! whose end is passed
-      logical, intent(in) :: is_edge !! its edge touches, else what goes on straight
+      logical, intent(in) :: is_edge !! its edge touches, else what goes on behind the end
       real(wp), intent(in), dimension(lanes) :: rho_own, rho_mate
       type(lane_edge), intent(inout) :: edge !! with the length of the line of action
       type(lane_lack), intent(out) :: past
-      integer :: mate
+      type(flank_branch) :: profile
+      real(wp) :: d2e(lanes)
+      integer :: l, mate
 
       mate = by_a + by_b - own
       edge%d_foot = 0
       edge%d_foot(:, mate, mate) = 1
       past%x = rho_own - tip%edge%rho_end
-      edge%foot(:, own) = tip%edge%rho_end
+      edge%foot(:, own) = tip%leaves
       if (is_edge) then
          call touch_in_lanes(tip, rho_mate, edge%line, past, edge%margin, edge%foot(:, mate), edge%d_foot(:, own, mate), &
                              edge%d_foot(:, by_line, mate))
@@ -54,8 +58,17 @@ contains
       end if
       edge%margin = 1
       edge%foot(:, mate) = rho_mate
-      past%lack = tip%value + tip%slope*past%x
-      past%by_own = tip%slope
+      profile = tip%profile
+      !$omp simd
+      do l = 1, lanes
+         call profile_deviation(profile, rho_own(l), past%lack(l), past%by_own(l), d2e(l))
+      end do
+      if (profile%is_second) then
+         !$omp simd
+         do l = 1, lanes
+            call touch_beside(profile, rho_own(l), past%lack(l), past%by_own(l), d2e(l))
+         end do
+      end if
       past%by_line = 0
       past%arm = rho_own
    end subroutine find_feet_in_lanes
@@ -77,7 +90,7 @@ contains
       foot_0 = 0
       foot_line_0 = 0
       if (tip%takes_over > 0) call begin_in_lanes(edge, tip%takes_over, line, gap_0, line_0, foot_0, foot_line_0)
-      lacks = tip%value + tip%slope*tip%takes_over
+      lacks = tip%value
       !$omp simd
       do l = 1, lanes
          call touch_lane(edge, past%x(l), line(l), margin(l), past%lack(l), past%by_own(l), past%by_line(l), past%arm(l), foot(l), &

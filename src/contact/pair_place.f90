@@ -4,12 +4,12 @@
 !> distance of the base circles' tangent points. The penetration of perfect flanks is rho_A + rho_B - rho. All derivatives of this
 !> file are to the three, in this order, to second order; those to the wheels' positions follow from them.
 !>
-!> A flank that lacks e_F at its end, with the slope e' there, goes on straight beyond, up to x_*, where its edge takes over (see
-!> evl_tip_edge). There the edge's wheel lacks e_F + e' x_* + S(x) - S(x_*), and the mate is touched r_b (delta(x) - delta(x_*))
-!> beside the line of action. Both gap and feet are continuous; so is the slope of the gap, but for what motions of the axles move
-!> x_*, which stays.
+!> A flank that slopes at its end touches there when its involute is past it by x_* (see evl_tip_edge): so far its profile's e goes on.
+!> Beyond, the edge's wheel lacks e(x_*) + S(x) - S(x_*), and the mate is touched r_b (delta(x) - delta(x_*)) beside the line of
+!> action. Both gap and feet are continuous; so is the slope of the gap, but for what motions of the axles move x_*, which stays.
 module evl_pair_place
    use evl_deviating_flanks, only: flank_value
+   use evl_flank_deviation, only: deviation_on, flank_branch
    use evl_kinds, only: wp
    use evl_tip_edge, only: edge_place, edge_t, place_edge
    implicit none (type, external)
@@ -21,14 +21,16 @@ module evl_pair_place
    integer, parameter :: by_a = 1, by_b = 2, by_line = 3 !! rho_A, rho_B, rho among the derivatives; A and B among the wheels
 
    integer, parameter :: on_flank = 0        !! both flanks touch
-   integer, parameter :: on_straight_end = 1 !! a flank that went on straight, of A; of B: 2
+   integer, parameter :: on_straight_end = 1 !! a flank that goes on past its end, of A; of B: 2
    integer, parameter :: on_edge = 3         !! a tip edge, of A; of B: 4
 
    !> Tip of a wheel's teeth.
    type :: tip_t
       type(edge_t) :: edge
-      real(wp) :: value = 0.0_wp, slope = 0.0_wp !! of the profile's modification at the end of the flank [m], [1]
+      type(flank_branch) :: profile   !! what the flank lacks at its end and beyond, but for pitch errors and runout
+      real(wp) :: leaves = 0.0_wp     !! roll length at which the flank ends
       real(wp) :: takes_over = 0.0_wp !! x_* [m]
+      real(wp) :: value = 0.0_wp      !! e there [m]
    end type tip_t
 
    !> What a pair's zone makes of the three lengths.
@@ -56,7 +58,7 @@ module evl_pair_place
 
 contains
 
-   !> The straight end of a wheel's flank; its edge.
+   !> The end of a wheel's flank; its edge.
    elemental integer function end_of(wheel)
       integer, intent(in) :: wheel !! by_a or by_b
 
@@ -73,15 +75,15 @@ contains
    pure integer function zone_at(tips, rho_a, rho_b) result(zone)
       type(tip_t), intent(in) :: tips(2)
       real(wp), intent(in) :: rho_a, rho_b
-      real(wp) :: x(2)
+      real(wp) :: rho(2)
       integer :: wheel
 
-      x = [rho_a, rho_b] - tips%edge%rho_end
+      rho = [rho_a, rho_b]
       zone = on_flank
       do wheel = by_b, by_a, -1
-         if (x(wheel) > tips(wheel)%takes_over) then
+         if (rho(wheel) - tips(wheel)%edge%rho_end > tips(wheel)%takes_over) then
             zone = edge_of(wheel)
-         else if (x(wheel) > 0) then
+         else if (rho(wheel) > tips(wheel)%leaves) then
             zone = end_of(wheel)
          end if
       end do
@@ -104,11 +106,10 @@ contains
       feet%wheel = merge(by_a, by_b, zone == end_of(by_a) .or. zone == edge_of(by_a))
       associate (w => feet%wheel, tip => tips(feet%wheel))
          feet%x = feet%rho(w) - tip%edge%rho_end
-         feet%foot(w) = tip%edge%rho_end
+         feet%foot(w) = tip%leaves
          feet%d_foot(w, w) = 0
          if (zone == end_of(w)) then
-            feet%lack = tip%value + tip%slope*feet%x
-            feet%d_lack(w) = tip%slope
+            call deviation_on(tip%profile, feet%rho(w), feet%lack, feet%d_lack(w), feet%d2_lack(w, w))
             feet%arm = feet%rho(w)
             feet%d_arm(w) = 1
          else
@@ -132,7 +133,7 @@ contains
       feet%d_arm(w) = at%arm_x
       feet%d_arm(by_line) = at%arm_rho
       feet%turn = at%turn
-      feet%lack = tip%value + tip%slope*tip%takes_over + (at%gap - begin%gap)
+      feet%lack = tip%value + (at%gap - begin%gap)
       feet%d_lack(w) = at%d_x
       feet%d_lack(by_line) = at%d_rho - begin%d_rho
       feet%d2_lack(w, w) = at%d_xx

@@ -59,9 +59,11 @@ module evl_root_kinds
       integer :: apart = 9          !! the flanks part so far, or come so near, that tracking ends or begins
       integer :: tip_a = 10, root_a = 11 !! the contact passes the border of A's tip relief; of its root relief
       integer :: tip_b = 12, root_b = 13 !! the same for B
-      integer :: end_a = 14, edge_a = 15 !! the contact passes the end of A's flank; where A's edge takes over
-      integer :: end_b = 16, edge_b = 17 !! the same for B
-      integer :: side = 18          !! the rate of the penetration passes zero, where a damping law changes
+      integer :: tip_corner_a = 14, root_corner_a = 15 !! the contact leaves the corner of a relief for the relief, or comes back
+      integer :: tip_corner_b = 16, root_corner_b = 17 !! the same for B
+      integer :: end_a = 18, edge_a = 19 !! the contact passes the end of A's flank; where A's edge takes over
+      integer :: end_b = 20, edge_b = 21 !! the same for B
+      integer :: side = 22          !! the rate of the penetration passes zero, where a damping law changes
    end type root_numbers
    type(root_numbers), parameter :: root_of = root_numbers()
 
@@ -106,6 +108,10 @@ module evl_root_kinds
        root_row("root_a", moves_zone_a, settles_never, rises=event_border, falls=event_border, above=past_border), &
        root_row("tip_b", moves_zone_b, settles_never, rises=event_border, falls=event_border, above=past_border), &
        root_row("root_b", moves_zone_b, settles_never, rises=event_border, falls=event_border, above=past_border), &
+       root_row("tip_corner_a", moves_zone_a, settles_never, rises=event_border, falls=event_border, above=past_border), &
+       root_row("root_corner_a", moves_zone_a, settles_never, rises=event_border, falls=event_border, above=past_border), &
+       root_row("tip_corner_b", moves_zone_b, settles_never, rises=event_border, falls=event_border, above=past_border), &
+       root_row("root_corner_b", moves_zone_b, settles_never, rises=event_border, falls=event_border, above=past_border), &
        root_row("end_a", moves_zone_a, settles_never, rises=event_border, falls=event_border, above=wrong_end), &
        root_row("edge_a", moves_zone_a, settles_never, rises=event_edge_left, falls=event_flank_reached, above=wrong_end), &
        root_row("end_b", moves_zone_b, settles_never, rises=event_border, falls=event_border, above=wrong_end), &

@@ -19,6 +19,7 @@
 !>
 !> Derived in docs/compliant_flanks.md.
 module evl_tip_edge
+   use evl_flank_deviation, only: deviation_on, flank_branch
    use evl_kinds, only: wp
    implicit none (type, external)
    private
@@ -58,23 +59,25 @@ contains
    include "contact/tangent_line.inc"
    include "contact/tip_edge.inc"
 
-   !> Where the edge takes over from a flank that lacks material with the slope e' at its end: x_* [m], from S'(x_*) = e'. Before
-   !> it the flank touches first, as if it went on straight.
+   !> Where the edge takes over from a flank that lacks material with a slope at its end: x_* [m], from S'(x_*) = e'. Before it the
+   !> flank touches first, as if it went on.
    !>
    !> Valid: any slope of a flank; 0 for none, and for flanks that swell towards their end
-   pure real(wp) function end_of_flank(edge, slope, rho) result(x)
+   pure real(wp) function end_of_flank(edge, profile, rho) result(x)
       type(edge_t), intent(in) :: edge
-      real(wp), intent(in) :: slope !! de/drho at the end of the flank
-      real(wp), intent(in) :: rho   !! length of the line of action [m]
+      type(flank_branch), intent(in) :: profile !! what the flank lacks at its end, and beyond
+      real(wp), intent(in) :: rho               !! length of the line of action [m]
       type(edge_place) :: at
-      real(wp) :: step
+      real(wp) :: step, e, slope, d2e
       integer :: turn
 
       x = 0
+      call deviation_on(profile, edge%rho_end, e, slope, d2e)
       if (.not. slope > 0) return
       do turn = 1, most_turns
          call place_edge(edge, x, rho, at)
-         step = (slope - at%d_x)/at%d_xx
+         call deviation_on(profile, edge%rho_end + x, e, slope, d2e)
+         step = (slope - at%d_x)/(at%d_xx - d2e)
          x = x + step
          if (abs(step) <= tolerance*x) return
       end do

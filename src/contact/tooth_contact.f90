@@ -16,7 +16,7 @@ module evl_tooth_contact
    use evl_edge_contact, only: edge_contact, feet_beyond, put_on_edge
    use evl_elastic_law, only: elastic_law_t, elastic_result
    use evl_flank_deviation, only: deviation_branch, deviation_on, deviation_zone, flank_branch, flank_deviation_t, zone_edge, &
-                                  zone_end, zone_tip
+                                  zone_end, zone_tip, zone_tip_corner
    use evl_friction_law, only: friction_law_t
    use evl_kinds, only: wp
    use evl_local_variables, only: local_link, n_local, wheel_link
@@ -99,7 +99,7 @@ module evl_tooth_contact
       integer :: n_roots = 0              !! how many there are
       integer :: roots(n_root_kinds) = 0  !! their kinds, the first n_roots
       integer :: moved(n_root_kinds) = 0  !! which integer of the mode each of them moves
-      integer :: directions(-1:zone_edge, flanks_open:flanks_off, n_root_kinds) = 0 !! of each: by that integer and the flanks
+      integer :: directions(zone_tip_corner:zone_edge, flanks_open:flanks_off, n_root_kinds) = 0 !! of each: by that integer and the flanks
    end type tooth_contact_t
 
    !> Discrete state of a tooth contact.

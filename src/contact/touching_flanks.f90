@@ -15,14 +15,15 @@ module evl_touching_flanks
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use evl_contact_point, only: contact_point
    use evl_deviating_flanks, only: flank_value
-   use evl_flank_deviation, only: deviation_borders, deviation_on, flank_branch, flank_deviation_t, zone_none, zone_root, zone_tip
+   use evl_flank_deviation, only: deviation_borders, deviation_on, deviation_zone, flank_branch, flank_deviation_t, &
+                                  profile_zone, zone_none, zone_root, zone_root_corner, zone_tip, zone_tip_corner
    use evl_kinds, only: pi, wp
    use evl_pair_place, only: by_a, by_b
-   use evl_tooth_contact, only: contact_mode, edge_wheel, flank_branches, flank_values, no_mode, settle_zones, tooth_contact_t
+   use evl_tooth_contact, only: contact_mode, edge_wheel, flank_branches, flank_values, no_mode, tooth_contact_t
    implicit none (type, external)
    private
 
-   public :: contact_pressure, edge_curvature, largest_second_order, pressure_at, second_order_gap, touching_curvature
+   public :: contact_pressure, edge_curvature, given_gap, largest_second_order, pressure_at, second_order_gap, touching_curvature
 
    integer, parameter :: n_places = 200 !! of the path that are looked at
    integer, parameter :: n_teeth = 60   !! tooth pairs that are looked at, where runout makes them differ
@@ -63,6 +64,7 @@ contains
       real(wp), intent(in) :: foot(2)          !! roll lengths at which A and B are loaded: where an edge touches its mate [m]
       type(flank_branch) :: branch_a, branch_b
       type(flank_value) :: a, b
+      type(contact_mode) :: profile
       real(wp) :: on_a, on_b, rho_a, rho_b, sharpness, step, x
       integer :: i, wheel
 
@@ -73,7 +75,8 @@ contains
       end if
       curvature = 1/point%rho_a + 1/point%rho_b
       if (is_involute(contact%deviation_a, mode%zone_a) .and. is_involute(contact%deviation_b, mode%zone_b)) return
-      call flank_branches(contact, mode, branch_a, branch_b)
+      profile = on_profile(mode)
+      call profile_branches(contact, profile, branch_a, branch_b)
       associate (r_a => contact%pair%r_ba, r_b => contact%pair%r_bb)
          curvature = ieee_value(curvature, ieee_quiet_nan)
          rho_a = point%rho_a
@@ -90,8 +93,8 @@ contains
             rho_a = moved(point%rho_a, r_a, x)
             rho_b = moved(point%rho_b, r_b, -x)
          end do
-         on_a = within(contact%deviation_a, mode%zone_a, rho_a)
-         on_b = within(contact%deviation_b, mode%zone_b, rho_b)
+         on_a = within(contact%deviation_a, profile%zone_a, rho_a)
+         on_b = within(contact%deviation_b, profile%zone_b, rho_b)
          if (i > n_newton .or. abs(on_a - rho_a) > 0 .or. abs(on_b - rho_b) > 0) then
             call deviation_on(branch_a, on_a, a%e, a%de, a%d2e)
             call deviation_on(branch_b, on_b, b%e, b%de, b%d2e)
@@ -100,6 +103,28 @@ contains
       end associate
       if (x > 0) curvature = x
    end function touching_curvature
+
+   !> The reliefs on whose corners a pair touches.
+   elemental type(contact_mode) function on_profile(mode) result(profile)
+      type(contact_mode), intent(in) :: mode
+
+      profile = mode
+      if (mode%zone_a == zone_tip_corner) profile%zone_a = zone_tip
+      if (mode%zone_a == zone_root_corner) profile%zone_a = zone_root
+      if (mode%zone_b == zone_tip_corner) profile%zone_b = zone_tip
+      if (mode%zone_b == zone_root_corner) profile%zone_b = zone_root
+   end function on_profile
+
+   !> The material itself, as it is on the line of action.
+   pure subroutine profile_branches(contact, mode, a, b)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
+      type(flank_branch), intent(out) :: a, b
+
+      call flank_branches(contact, mode, a, b)
+      a%is_second = .false.
+      b%is_second = .false.
+   end subroutine profile_branches
 
    !> Sum of the curvatures of a rounded edge and its mate [1/m]; NaN of a sharp edge.
    elemental real(wp) function edge_curvature(rounding, rho_mate) result(curvature)
@@ -162,7 +187,7 @@ contains
       end associate
    end function flank_curvature
 
-   !> By how much the gap of first order of a tooth pair is wider than that of the real flanks [m], at least 0.
+   !> By how much the gap that a tooth pair is given, of first order or second, is wider than that of the real flanks [m], at least 0.
    !>
    !> The smallest g by golden sections: reliefs and crowning make it convex.
    pure real(wp) function second_order_gap(contact, pair, rho_a) result(gap)
@@ -194,29 +219,49 @@ contains
                at_right = gap_beside(contact, pair, rho_a, rho_b, right)
             end if
          end do
-         gap = max(gap_beside(contact, pair, rho_a, rho_b, 0.0_wp) - min(at_left, at_right), 0.0_wp)
+         gap = max(given_gap(contact, pair, rho_a, rho_b) - min(at_left, at_right), 0.0_wp)
       end associate
    end function second_order_gap
+
+   !> What the flanks of a tooth pair lack where the line of action meets them, as its gap counts it [m].
+   pure real(wp) function given_gap(contact, pair, rho_a, rho_b) result(gap)
+      type(tooth_contact_t), intent(in) :: contact
+      integer, intent(in) :: pair
+      real(wp), intent(in) :: rho_a, rho_b !! [m]
+      type(contact_point) :: there
+      type(flank_value) :: a, b
+      type(contact_mode) :: mode
+
+      there%rho_a = rho_a
+      there%rho_b = rho_b
+      mode = no_mode
+      mode%tooth_pair = pair
+      mode%zone_a = deviation_zone(contact%deviation_a, rho_a)
+      mode%zone_b = deviation_zone(contact%deviation_b, rho_b)
+      call flank_values(contact, mode, there, a, b)
+      gap = a%e + b%e
+   end function given_gap
 
    !> g(x) of a tooth pair [m].
    pure real(wp) function gap_beside(contact, pair, rho_a, rho_b, x) result(gap)
       type(tooth_contact_t), intent(in) :: contact
       integer, intent(in) :: pair
       real(wp), intent(in) :: rho_a, rho_b, x !! [m]
-      type(contact_point) :: there
+      type(flank_branch) :: branch_a, branch_b
       type(flank_value) :: a, b
       type(contact_mode) :: mode
+      real(wp) :: on_a, on_b
 
-      there%rho_a = moved(rho_a, contact%pair%r_ba, x)
-      there%rho_b = moved(rho_b, contact%pair%r_bb, -x)
+      on_a = moved(rho_a, contact%pair%r_ba, x)
+      on_b = moved(rho_b, contact%pair%r_bb, -x)
       mode = no_mode
       mode%tooth_pair = pair
-      call settle_zones(contact, contact%pair%rho_0, there, mode)
-      mode%zone_a = min(mode%zone_a, zone_tip) ! flanks go on here
-      mode%zone_b = min(mode%zone_b, zone_tip)
-      call flank_values(contact, mode, there, a, b)
-      gap = turned_away(rho_a, there%rho_a - rho_a, contact%pair%r_ba) + a%e &
-            + turned_away(rho_b, there%rho_b - rho_b, contact%pair%r_bb) + b%e
+      mode%zone_a = profile_zone(contact%deviation_a, on_a) ! flanks go on past their ends
+      mode%zone_b = profile_zone(contact%deviation_b, on_b)
+      call profile_branches(contact, mode, branch_a, branch_b)
+      call deviation_on(branch_a, on_a, a%e, a%de, a%d2e)
+      call deviation_on(branch_b, on_b, b%e, b%de, b%d2e)
+      gap = turned_away(rho_a, on_a - rho_a, contact%pair%r_ba) + a%e + turned_away(rho_b, on_b - rho_b, contact%pair%r_bb) + b%e
    end function gap_beside
 
    !> How far an involute has turned away from its tangent at rho [m].

@@ -5,6 +5,7 @@ module evl_contact_build
    use evl_edge_contact, only: make_tip
    use evl_first_tooth_pair, only: tooth_phase_t
    use evl_flank, only: exactly_one
+   use evl_flank_deviation, only: take_line
    use evl_gearbox, only: gearbox_t, wheel_t
    use evl_gearbox_description, only: mesh_input, wheel_input
    use evl_given, only: given_t
@@ -122,6 +123,10 @@ contains
          contact%tooth_b = gearbox%phases(contact%mesh)%tooth_b
          contact%deviation_a = gearbox%wheels(a)%deviation
          contact%deviation_b = gearbox%wheels(b)%deviation
+         if (contact%has_edges) then
+            call take_line(contact%deviation_a, pair%rho, pair%rho - pair%rho_tip_b)
+            call take_line(contact%deviation_b, pair%rho, pair%rho - pair%rho_tip_a)
+         end if
          associate (gear_a => gearbox%gears(a), gear_b => gearbox%gears(b), tips => contact%tips)
             call make_tip(contact%deviation_a, pair%base_radius_a, pair%base_radius_b, pair%rho_tip_a, gear_a%tip_rounding, &
                           pair%rho, tips(by_a))

@@ -188,6 +188,7 @@ contains
       end if
       relief%amount = given%number("amount")
       relief%border = rho
+      relief%taken = rho
       relief%length = rho_end - rho
       relief%parabolic = given%word("shape") == "parabolic"
    end subroutine take_relief

@@ -101,7 +101,7 @@ contains
                    //" deviations of its wheels out", subject_mesh, index, "contact.law")
    end subroutine check_mesh
 
-   !> The gap between deviating flanks is one of first order: say so where that matters.
+   !> The gap between deviating flanks is one of first order, or of second order of each flank alone: say so where that matters.
    subroutine check_second_order(gearbox, index)
       type(gearbox_t), intent(inout) :: gearbox
       integer, intent(in) :: index
@@ -115,7 +115,8 @@ contains
          write (share, "(f0.1)") 100*gap/contact%h_scale
          if (share(1:1) == ".") share = "0"//share(:len(share) - 1)
          call warn(gearbox%warnings, "relieved flanks that their slopes turn touch beside the line of action: the gap, taken to" &
-                   //" first order, is up to "//quantity(gap, "m")//" too wide (at rho_A = "//quantity(rho_a, "m")//"), " &
+                   //trim(merge(" second order of each flank alone", " first order                     ", contact%has_edges)) &
+                   //", is up to "//quantity(gap, "m")//" too wide (at rho_A = "//quantity(rho_a, "m")//"), " &
                    //trim(share)//" % of the penetration "//quantity(contact%h_scale, "m")//" under the load", subject_mesh, index)
       end associate
    end subroutine check_second_order

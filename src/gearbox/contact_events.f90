@@ -10,7 +10,8 @@ module evl_contact_events
    use evl_event_kinds, only: event_closed, event_edge_closed, event_edge_opened, event_opened
    use evl_event_log, only: event_log, event_of_root, note
    use evl_flank, only: check_edge, flank_t, next_pair
-   use evl_flank_deviation, only: flank_deviation_t, zone_edge, zone_end, zone_none, zone_root, zone_tip
+   use evl_flank_deviation, only: flank_deviation_t, has_corner, relief_t, zone_edge, zone_end, zone_none, zone_root, &
+                                  zone_root_corner, zone_tip, zone_tip_corner
    use evl_gearbox, only: gearbox_t
    use evl_kinds, only: wp
    use evl_local_variables, only: n_local, n_track
@@ -232,27 +233,27 @@ contains
             call settle_zones(contact, line_length(contact, at(m)%q), at(m)%point, mode)
          else if (any(fired .and. moves_zone)) then
             event = event_at(contact, mode, findloc(fired .and. moves_zone, .true., dim=1, back=.true.))
-            call change_zone(contact%deviation_a, contact%tips(by_a), fired(root_of%tip_a:root_of%root_a), &
-                             fired(root_of%end_a:root_of%edge_a), mode%zone_a)
-            call change_zone(contact%deviation_b, contact%tips(by_b), fired(root_of%tip_b:root_of%root_b), &
-                             fired(root_of%end_b:root_of%edge_b), mode%zone_b)
+            call change_zone(contact%deviation_a, contact%tips(by_a), fired([root_of%tip_a, root_of%tip_corner_a]), &
+                             fired([root_of%root_a, root_of%root_corner_a]), fired(root_of%end_a:root_of%edge_a), mode%zone_a)
+            call change_zone(contact%deviation_b, contact%tips(by_b), fired([root_of%tip_b, root_of%tip_corner_b]), &
+                             fired([root_of%root_b, root_of%root_corner_b]), fired(root_of%end_b:root_of%edge_b), mode%zone_b)
             call note(log, event, contact, mode%tooth_pair)
          end if
       end associate
    end subroutine change_zones
 
    !> One wheel passed borders.
-   pure subroutine change_zone(deviation, tip, relief, beyond, zone)
+   pure subroutine change_zone(deviation, tip, at_tip, at_root, beyond, zone)
       type(flank_deviation_t), intent(in) :: deviation
       type(tip_t), intent(in) :: tip
-      logical, intent(in) :: relief(2) !! the borders of the reliefs of tip and root
+      logical, intent(in) :: at_tip(2), at_root(2) !! the borders of the reliefs, the near and the far one of their corners
       logical, intent(in) :: beyond(2) !! the end of the flank, and where its edge takes over
       integer, intent(inout) :: zone
       logical :: leaves
       integer :: i, inside, outside
 
-      if (relief(1)) zone = merge(zone_none, zone_tip, zone == zone_tip)
-      if (relief(2)) zone = merge(zone_none, zone_root, zone == zone_root)
+      call change_relief(deviation%tip, at_tip, zone_tip, zone_tip_corner, zone)
+      call change_relief(deviation%root, at_root, zone_root, zone_root_corner, zone)
       leaves = zone == zone_edge ! in the order in which it meets them
       do i = merge(2, 1, leaves), merge(1, 2, leaves), merge(-1, 1, leaves)
          if (.not. beyond(i)) cycle
@@ -262,6 +263,24 @@ contains
          zone = merge(inside, outside, zone == outside)
       end do
    end subroutine change_zone
+
+   !> It passed borders of one relief, in the order in which it meets them.
+   pure subroutine change_relief(relief, fired, mine, corner, zone)
+      type(relief_t), intent(in) :: relief
+      logical, intent(in) :: fired(2)
+      integer, intent(in) :: mine, corner !! its zone, and that of its corner
+      integer, intent(inout) :: zone
+      logical :: leaves
+      integer :: i, inner, outer
+
+      leaves = zone == mine
+      do i = merge(2, 1, leaves), merge(1, 2, leaves), merge(-1, 1, leaves)
+         if (.not. fired(i)) cycle
+         inner = merge(zone_none, corner, i == 1)
+         outer = merge(corner, mine, i == 1 .and. has_corner(relief))
+         zone = merge(inner, outer, zone == outer)
+      end do
+   end subroutine change_relief
 
    !> The sliding velocity passed an end of the linear part of the friction law.
    pure subroutine change_friction(contact, fired, mode, log)

@@ -9,7 +9,13 @@
 !>      + C_alpha ((rho - rho_m)/((rho_tip - rho_start)/2))**2
 !>      + s p_k - s e_c sin(k gamma - s psi_b/2 + s rho/r_b - psi_c)
 !>
-!> docs/deviations.md derives the last line.
+!> docs/deviations.md derives the last line, and what second order changes: a flank that its slope turns touches beside the line of
+!> action. Where `line` is given, the profile's part of e is the least that moving along the common tangent leaves,
+!>
+!>    min over d of  e(rho + d) + d**2/(2 q),  q = r_b**2 (1/rho - 1/line)
+!>
+!> on a flank e - F e'**2/2 with F = q/(1 + q e''), and at the corner of a linear relief, where d = rho_s - rho, e(rho_s) + d**2/(2 q).
+!> The zones then are those of the place that touches.
 module evl_flank_deviation
    use evl_elementary, only: sine_cosine
    use evl_kinds, only: pi, wp
@@ -17,9 +23,12 @@ module evl_flank_deviation
    private
 
    public :: flank_branch, flank_deviation_t, relief_t
-   public :: deviation_borders, deviation_branch, deviation_on, deviation_zone
-   public :: zone_edge, zone_end, zone_none, zone_root, zone_tip
+   public :: deviation_borders, deviation_branch, deviation_on, deviation_zone, has_corner, profile_zone, take_line
+   public :: zone_edge, zone_end, zone_none, zone_root, zone_root_corner, zone_tip, zone_tip_corner
 
+   integer, parameter :: zone_tip_corner = -3  !! on the corner where a linear tip relief begins
+   integer, parameter :: zone_root_corner = -2 !! on that of a root relief
+   integer, parameter :: most_turns = 40 !! to where a corner touches: each comes ten times nearer at least
    integer, parameter :: zone_root = -1 !! below the border of the root relief
    integer, parameter :: zone_none = 0  !! between the borders
    integer, parameter :: zone_tip = 1   !! beyond the border of the tip relief
@@ -30,6 +39,7 @@ module evl_flank_deviation
    type :: relief_t
       real(wp) :: amount = 0.0_wp        !! C_a or C_f at the end of the profile [m]; 0: no relief
       real(wp) :: border = 0.0_wp        !! rho_s, radius of curvature at which it begins [m]
+      real(wp) :: taken(2) = 0.0_wp      !! where a contact that comes meets its corner, and where it leaves the corner for it [m]
       real(wp) :: length = 1.0_wp        !! from the border to the end of the profile [m], negative for root relief
       logical :: parabolic = .false.     !! with the slope 0 at its border
    end type relief_t
@@ -47,6 +57,8 @@ module evl_flank_deviation
       real(wp) :: phase = 0.0_wp         !! psi_c, direction of the eccentricity from the middle of tooth 0 [rad]
       real(wp) :: base_radius = 1.0_wp   !! r_b [m]
       real(wp) :: half_tooth = 0.0_wp    !! psi_b/2, half of the angle that a tooth fills on the base circle [rad]
+      real(wp) :: line = 0.0_wp          !! length of the line of action, for the gap of second order; 0: that of first order [m]
+      real(wp) :: least = 0.0_wp         !! below which q goes on as it is there: far off the path [m]
    end type flank_deviation_t
 
    !> The flank of one tooth in one zone: all that does not depend on rho. The initial values are those of a perfect one.
@@ -62,6 +74,11 @@ module evl_flank_deviation
       real(wp) :: runout = 0.0_wp          !! s e_c [m]
       real(wp) :: angle = 0.0_wp           !! k gamma - s psi_b/2 - psi_c [rad]
       real(wp) :: turn = 0.0_wp            !! s/r_b [rad/m]
+      logical :: is_second = .false.       !! of second order
+      logical :: is_corner = .false.       !! and on a corner at `border`; the offset has e there
+      real(wp) :: r_b2 = 0.0_wp            !! r_b**2 [m2]
+      real(wp) :: per_line = 0.0_wp        !! 1/line [1/m]
+      real(wp) :: least = 0.0_wp           !! [m]
    end type flank_branch
 
 contains
@@ -78,6 +95,7 @@ contains
       real(wp), intent(out) :: d2e    !! d2e/drho2 [1/m]
 
       call profile_deviation(branch, rho, e, de, d2e)
+      if (branch%is_second) call touch_beside(branch, rho, e, de, d2e)
       if (abs(branch%runout) > 0) call add_runout(branch, rho, e, de, d2e)
    end subroutine deviation_on
 
@@ -86,29 +104,48 @@ contains
       type(flank_deviation_t), intent(in) :: deviation
       integer, intent(in) :: tooth    !! k, any integer; taken modulo z
       integer, intent(in) :: side     !! s, +1 or -1
-      integer, intent(in) :: zone     !! zone_root to zone_edge
+      integer, intent(in) :: zone     !! zone_tip_corner to zone_edge
       integer :: k
 
       if (.not. deviation%exists) return
-      select case (zone)
-      case (zone_tip)
-         call relieve(deviation%tip, branch)
-      case (zone_root)
-         call relieve(deviation%root, branch)
-      end select
-      if (deviation%crowning > 0 .and. zone <= zone_tip) then
-         branch%crowning = deviation%crowning
-         branch%middle = deviation%middle
-         branch%per_half_length = 1/deviation%half_length
-      end if
+      if (zone <= zone_tip) call shape_profile(deviation, zone, branch)
       k = modulo(tooth, deviation%teeth)
-      if (allocated(deviation%pitch)) branch%offset = side*deviation%pitch(k)
+      if (allocated(deviation%pitch)) branch%offset = branch%offset + side*deviation%pitch(k)
       if (deviation%eccentricity > 0) then
          branch%runout = side*deviation%eccentricity
          branch%angle = 2*pi*k/deviation%teeth - deviation%phase - side*deviation%half_tooth
          branch%turn = side/deviation%base_radius
       end if
    end function deviation_branch
+
+   !> Relief and crowning of a branch.
+   pure subroutine shape_profile(deviation, zone, branch)
+      type(flank_deviation_t), intent(in) :: deviation
+      integer, intent(in) :: zone
+      type(flank_branch), intent(inout) :: branch
+
+      select case (zone)
+      case (zone_tip)
+         call relieve(deviation%tip, branch)
+      case (zone_root)
+         call relieve(deviation%root, branch)
+      end select
+      if (deviation%crowning > 0) then
+         branch%crowning = deviation%crowning
+         branch%middle = deviation%middle
+         branch%per_half_length = 1/deviation%half_length
+      end if
+      branch%is_second = deviation%line > 0
+      if (.not. branch%is_second) return
+      branch%r_b2 = deviation%base_radius**2
+      branch%per_line = 1/deviation%line
+      branch%least = deviation%least
+      branch%is_corner = zone == zone_tip_corner .or. zone == zone_root_corner
+      if (.not. branch%is_corner) return
+      branch%border = merge(deviation%tip%border, deviation%root%border, zone == zone_tip_corner)
+      branch%offset = branch%crowning*((branch%border - branch%middle)*branch%per_half_length)**2
+      branch%crowning = 0
+   end subroutine shape_profile
 
    !> Relief of a branch.
    pure subroutine relieve(relief, branch)
@@ -135,8 +172,45 @@ contains
       if (deviation%tip%amount > 0) rho_tip = deviation%tip%border
    end subroutine deviation_borders
 
-   !> The zone in which rho lies; the borders themselves belong to zone_none.
-   pure integer function deviation_zone(deviation, rho) result(zone)
+   !> Take the gap of second order with a mate: where contacts meet and leave the corners of reliefs.
+   subroutine take_line(deviation, line, rho_start)
+      type(flank_deviation_t), intent(inout) :: deviation
+      real(wp), intent(in) :: line      !! length of the line of action [m]
+      real(wp), intent(in) :: rho_start !! where the active profile begins [m]
+
+      deviation%line = line
+      deviation%least = max(rho_start/2, line/1000)
+      call take_corner(deviation, zone_tip, deviation%tip)
+      call take_corner(deviation, zone_root, deviation%root)
+   end subroutine take_line
+
+   !> Where the corner of a relief touches: rho = rho_s + q(rho) e'(rho_s), with the slopes before and behind it.
+   pure subroutine take_corner(deviation, zone, relief)
+      type(flank_deviation_t), intent(in) :: deviation
+      integer, intent(in) :: zone !! of the relief
+      type(relief_t), intent(inout) :: relief
+      type(flank_branch) :: branch
+      real(wp) :: e, slope, d2e
+      integer :: side, turn
+
+      relief%taken = relief%border
+      if (.not. relief%amount > 0) return
+      do side = 1, 2
+         branch = flank_branch()
+         call shape_profile(deviation, merge(zone_none, zone, side == 1), branch)
+         call profile_deviation(branch, relief%border, e, slope, d2e)
+         associate (rho => relief%taken(side))
+            do turn = 1, most_turns
+               rho = relief%border + branch%r_b2*(1/max(rho, branch%least) - branch%per_line)*slope
+            end do
+         end associate
+      end do
+      ! without a corner both are one place, but for the last digits
+      if (relief%parabolic) relief%taken(2) = relief%taken(1)
+   end subroutine take_corner
+
+   !> The zone to which the material at rho belongs, of which no corner has any.
+   pure integer function profile_zone(deviation, rho) result(zone)
       type(flank_deviation_t), intent(in) :: deviation
       real(wp), intent(in) :: rho !! radius of curvature [m]
       real(wp) :: rho_root, rho_tip
@@ -145,6 +219,25 @@ contains
       zone = zone_none
       if (rho < rho_root) zone = zone_root
       if (rho > rho_tip) zone = zone_tip
+   end function profile_zone
+
+   !> Whether a contact can touch with the corner of a relief.
+   elemental logical function has_corner(relief)
+      type(relief_t), intent(in) :: relief
+
+      has_corner = abs(relief%taken(2) - relief%taken(1)) > 0
+   end function has_corner
+
+   !> The zone in which a contact at rho lies; the borders themselves belong to zone_none.
+   pure integer function deviation_zone(deviation, rho) result(zone)
+      type(flank_deviation_t), intent(in) :: deviation
+      real(wp), intent(in) :: rho !! radius of curvature [m]
+
+      zone = zone_none
+      associate (tip => deviation%tip, root => deviation%root)
+         if (root%amount > 0 .and. rho < root%taken(1)) zone = merge(zone_root_corner, zone_root, rho > root%taken(2))
+         if (tip%amount > 0 .and. rho > tip%taken(1)) zone = merge(zone_tip_corner, zone_tip, rho < tip%taken(2))
+      end associate
    end function deviation_zone
 
 end module evl_flank_deviation

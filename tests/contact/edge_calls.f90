@@ -1,6 +1,7 @@
 !> Tip edges, for the tests: C calls that the kernel does not export.
 module edge_calls
    use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use evl_flank_deviation, only: flank_branch
    use evl_tip_edge, only: edge_place, edge_t, end_of_flank, place_edge
    implicit none (type, external)
    private
@@ -29,7 +30,8 @@ contains
       real(c_double), intent(in) :: edge(4)
       real(c_double), intent(in), value :: slope, rho
 
-      x = end_of_flank(edge_t(edge(1), edge(2), edge(3), edge(4)), slope, rho)
+      x = end_of_flank(edge_t(edge(1), edge(2), edge(3), edge(4)), &
+                       flank_branch(border=edge(3), per_length=1.0_c_double, linear=slope), rho)
    end function test_edge_end
 
 end module edge_calls

@@ -3,10 +3,11 @@ module potential_calls
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_null_char, c_char
    use evl_coupled_pairs, only: most_pairs
    use evl_deviating_flanks, only: flank_value
+   use evl_flank_deviation, only: flank_branch
    use evl_flank_potential, only: find_potential, flank_potential, force_changes_of_places, second_derivatives, wheel_forces
    use evl_kinds, only: wp
    use evl_pair_compliance, only: gather_compliance, pair_compliance
-   use evl_pair_place, only: by_a, by_b, find_feet, pair_feet, pair_place, penetrate, tip_t, zone_at
+   use evl_pair_place, only: by_a, by_b, find_feet, pair_feet, pair_place, penetrate, zone_at
    use evl_static_mesh, only: solve_static, static_mesh_t, static_state
    use evl_status, only: code_ok, status_t
    use evl_tangent_line, only: find_tangent_line, tangent_line_t
@@ -37,9 +38,10 @@ contains
       do w = 1, 2
          associate (tip => mesh%tips(w))
             tip%edge = edge_t(given%r_b(w), given%r_b(3 - w), given%ends(w), given%roundings(w))
-            tip%value = given%lacks(1, w)
-            tip%slope = given%lacks(2, w)
-            tip%takes_over = end_of_flank(tip%edge, tip%slope, given%line)
+            tip%leaves = given%ends(w)
+            tip%profile = flank_branch(border=given%ends(w), per_length=1.0_wp, linear=given%lacks(2, w), offset=given%lacks(1, w))
+            tip%takes_over = end_of_flank(tip%edge, tip%profile, given%line)
+            tip%value = given%lacks(1, w) + given%lacks(2, w)*tip%takes_over
          end associate
       end do
       mesh%fillets = given%fillets

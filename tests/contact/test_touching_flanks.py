@@ -129,24 +129,28 @@ def touching(flanks: tuple[Profile, Profile], rho: float) -> Touch:
     return Touch(on_line, first_order, curvature)
 
 
-def gearbox_of(kernel: Kernel, flanks: tuple[Profile, Profile]) -> Gearbox:
+def gearbox_of(kernel: Kernel, flanks: tuple[Profile, Profile], **keys: str) -> Gearbox:
     wheels = [
         wheel(teeth=z, width=0.02, gear=gear_description(MODULE), deviation=flank.described())
         for z, flank in zip(TEETH, flanks, strict=True)
     ]
     wheels[0].centre = (0.0, 0.0)
-    description = mesh(kernel, 0, 1)
+    description = mesh(kernel, 0, 1, **keys)
     description.pop("pressure_angle")
     return Gearbox(kernel, wheels, [load(0, TORQUE, -100.0)], [description])
 
 
-def of_kernel(gearbox: Gearbox, rho: Floats) -> tuple[Floats, Floats]:
-    """Second order and curvature at radii of curvature of the driving flank."""
-    second_order, curvature = np.empty(len(rho)), np.empty(len(rho))
+def of_kernel(gearbox: Gearbox, rho: Floats) -> tuple[Floats, Floats, Floats]:
+    """By how much the gap is too wide, curvature, what the gap counts as lacking.
+
+    All at radii of curvature of the driving flank.
+    """
+    values = np.empty((3, len(rho)))
     gearbox.library.test_touching_flanks(
-        gearbox.handle, 0, 0, len(rho), _at(rho), _at(second_order), _at(curvature)
+        gearbox.handle, 0, 0, len(rho), _at(rho), *(_at(row) for row in values)
     )
-    return second_order, curvature
+    too_wide, curvature, gap = values
+    return too_wide, curvature, gap
 
 
 NONE = (Profile(0), Profile(1))
@@ -179,7 +183,7 @@ def test_pressure_and_gap_are_those_of_real_curves(kernel: Kernel, name: str):
     gearbox = gearbox_of(kernel, flanks)
     touches = [touching(flanks, rho) for rho in PLACES if smooth(name, rho)]
     assert len(touches) >= 5
-    second_order, curvature = of_kernel(gearbox, np.array([touch.rho for touch in touches]))
+    second_order, curvature, _ = of_kernel(gearbox, np.array([touch.rho for touch in touches]))
     exact = np.array([touch.curvature for touch in touches])
     gap = np.array([touch.second_order for touch in touches])
     # the pressure is as the root of the curvature: 1 % is asked for
@@ -191,7 +195,7 @@ def test_pressure_and_gap_are_those_of_real_curves(kernel: Kernel, name: str):
 
 
 def test_flanks_without_deviations_have_the_curvatures_of_involutes(kernel: Kernel):
-    second_order, curvature = of_kernel(gearbox_of(kernel, NONE), PLACES)
+    second_order, curvature, _ = of_kernel(gearbox_of(kernel, NONE), PLACES)
     assert not second_order.any()
     np.testing.assert_allclose(curvature, 1 / PLACES + 1 / (LINE - PLACES), rtol=1e-15)
 
@@ -199,7 +203,7 @@ def test_flanks_without_deviations_have_the_curvatures_of_involutes(kernel: Kern
 def test_a_flank_too_hollow_for_a_hertzian_contact_has_no_pressure(kernel: Kernel):
     """Linear relief of the root whose slope turns with the arc: hollow next to the base circle."""
     flank = Profile(0, tip=(1.2e-3, START[0] + 1e-4))
-    second_order, curvature = of_kernel(gearbox_of(kernel, (flank, NONE[1])), PLACES)
+    second_order, curvature, _ = of_kernel(gearbox_of(kernel, (flank, NONE[1])), PLACES)
     hollow = np.isnan(curvature)
     assert hollow.any()
     assert (curvature[~hollow] > 0).all()
@@ -209,9 +213,84 @@ def test_a_flank_too_hollow_for_a_hertzian_contact_has_no_pressure(kernel: Kerne
 def test_one_warning_names_the_second_order_of_the_gap_and_its_place(kernel: Kernel):
     gearbox = gearbox_of(kernel, CASES["linear, 40 um"])
     (warning,) = [w for w in gearbox.warnings() if "first order" in str(w)]
-    second_order, _ = of_kernel(gearbox, np.linspace(START[0], TIP[0], 201))
+    second_order, _, _ = of_kernel(gearbox, np.linspace(START[0], TIP[0], 201))
     given = float(str(warning).split("up to ")[1].split(" m too wide")[0])
     assert given == pytest.approx(second_order.max(), rel=1e-5)  # six digits
     # 0.1 um of relief: its second order is far below 2 % of the penetration
     small = gearbox_of(kernel, (Profile(0, tip=(1e-7, BORDER)), NONE[1]))
     assert not [w for w in small.warnings() if "first order" in str(w)]
+
+
+# Gap of second order: of meshes whose tip edges touch
+
+ROOT_BORDER = START[0] + 2e-3  # of root relief on the driving flank [m]
+ONE_SLOPES = {
+    **{name: CASES[name] for name in ("linear", "parabolic", "driven tip", "root")},
+    "linear root": (Profile(0, root=(5e-6, ROOT_BORDER)), NONE[1]),
+    "corner on a crown": (Profile(0, tip=(20e-6, BORDER), crowning=5e-6), NONE[1]),
+}
+BESIDE = np.array([-3e-4, -1e-4, 1e-4, 2e-4, 3e-4, 6e-4])  # of a corner [m]
+
+
+def found_touches(flanks: tuple[Profile, Profile], places: Floats) -> list[Touch]:
+    """Those that the reference finds within its reach."""
+    found = []
+    for rho in places:
+        try:
+            found.append(touching(flanks, rho))
+        except (AssertionError, ValueError):
+            continue
+    return found
+
+
+def lacking(flanks: tuple[Profile, Profile], touches: list[Touch]) -> tuple[Floats, Floats]:
+    """What the flanks lack on the line of action, and by how much the real gap is less."""
+    first = [flanks[0].lacks(t.rho) + flanks[1].lacks(LINE - t.rho) for t in touches]
+    return np.array(first), np.array([t.second_order for t in touches])
+
+
+@pytest.mark.parametrize("name", ONE_SLOPES)
+def test_gap_of_edge_contact_is_that_of_real_curves_on_flanks_and_corners(
+    kernel: Kernel, name: str
+):
+    flanks = ONE_SLOPES[name]
+    corners = [BORDER + BESIDE, ROOT_BORDER - BESIDE]
+    touches = found_touches(flanks, np.concatenate([PLACES, *corners]))
+    assert len(touches) >= 15
+    first, second = lacking(flanks, touches)
+    gearbox = gearbox_of(kernel, flanks, edge_contact="true")
+    _, _, gap = of_kernel(gearbox, np.array([touch.rho for touch in touches]))
+    assert second.max() > 1e-7  # what the gap of first order has too much [m]
+    # what is left is of third order: 10 to 20 times less, and more near the root's base circle
+    slack = 0.25 if "root" in name else 0.07
+    assert (np.abs(gap - (first - second)) <= slack * second + 2e-9).all()
+
+
+def test_gap_leaves_out_the_product_of_both_slopes(kernel: Kernel):
+    """Each flank is turned by itself: with both, r_bA r_bB e_A' e_B'/rho more is missing."""
+    flanks = CASES["crowned"]
+    touches = found_touches(flanks, PLACES)
+    first, second = lacking(flanks, touches)
+    rho = np.array([touch.rho for touch in touches])
+    too_wide, _, gap = of_kernel(gearbox_of(kernel, flanks, edge_contact="true"), rho)
+    slopes = [
+        np.array([(f.lacks(r + 1e-7) - f.lacks(r - 1e-7)) / 2e-7 for r in places])
+        for f, places in zip(flanks, (rho, LINE - rho), strict=True)
+    ]
+    product = -BASE[0] * BASE[1] * slopes[0] * slopes[1] / LINE
+    left = gap - (first - second)
+    np.testing.assert_allclose(left, product, rtol=0.2, atol=3e-9)
+    np.testing.assert_allclose(too_wide, left, rtol=0.05, atol=3e-9)
+
+
+@pytest.mark.parametrize("name", ONE_SLOPES)
+def test_gap_and_its_slope_go_on_at_corners(kernel: Kernel, name: str):
+    """Over the whole path, in steps of 0.1 um: a jump of the slope would stand out by itself."""
+    flanks = ONE_SLOPES[name]
+    gearbox = gearbox_of(kernel, flanks, edge_contact="true")
+    step = 1e-7
+    for border in (BORDER, ROOT_BORDER, LINE - TIP[1] + 3e-3):
+        _, _, gap = of_kernel(gearbox, border + step * np.arange(-6000, 6000))
+        slope = np.diff(gap) / step
+        # e'' is at most that of a corner, 1/q, 100 to 300 1/m here; rounding of the gap, 1e-20 m
+        assert np.abs(np.diff(slope)).max() < 400 * step

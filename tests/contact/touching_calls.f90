@@ -4,7 +4,7 @@ module touching_calls
    use evl_contact_point, only: contact_point
    use evl_gearbox, only: gearbox_t
    use evl_tooth_contact, only: contact_mode, no_mode, settle_zones
-   use evl_touching_flanks, only: second_order_gap, touching_curvature
+   use evl_touching_flanks, only: given_gap, second_order_gap, touching_curvature
    implicit none (type, external)
    private
 
@@ -14,11 +14,11 @@ contains
 
    !> Drive flanks of a tooth pair at radii of curvature of the driving flank [m]: by how much the gap of first order is wider than
    !> the real one [m], and the sum of the curvatures where they touch [1/m].
-   subroutine test_touching_flanks(handle, mesh, pair, n, rho, second_order, curvature) bind(c)
+   subroutine test_touching_flanks(handle, mesh, pair, n, rho, second_order, curvature, gap) bind(c)
       type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: mesh, pair, n
       real(c_double), intent(in) :: rho(n)
-      real(c_double), intent(out) :: second_order(n), curvature(n)
+      real(c_double), intent(out) :: second_order(n), curvature(n), gap(n)
       type(gearbox_t), pointer :: g
       type(contact_point) :: point
       type(contact_mode) :: mode
@@ -32,6 +32,7 @@ contains
             point%rho_a = rho(i)
             point%rho_b = contact%pair%rho_0 - rho(i)
             call settle_zones(contact, contact%pair%rho_0, point, mode)
+            gap(i) = given_gap(contact, pair, point%rho_a, point%rho_b)
             second_order(i) = second_order_gap(contact, pair, rho(i))
             curvature(i) = touching_curvature(contact, mode, point, [point%rho_a, point%rho_b])
          end do

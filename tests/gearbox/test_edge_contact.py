@@ -18,6 +18,7 @@ from kernel.kernel import Floats, Kernel
 
 OFF = 4
 END, EDGE = 2, 3  # zones past the end of a flank
+ROOT_CORNER = -2  # zone of the corner of a root relief; -3 is that of a tip relief
 ROUNDED = "rounded"  # tips, on flanks with all deviations
 every_deviation = pytest.mark.parametrize("name", [*DEVIATIONS, ROUNDED])
 alone_and_coupled = pytest.mark.parametrize("couples", [False, True], ids=["alone", "coupled"])
@@ -152,6 +153,42 @@ def test_energy_changes_by_the_work_of_the_loads_less_what_is_dissipated(
             ]
             # Richardson differences of V: 1e-9 of the largest power
             assert worst(np.sum(parts), 1e-9 * np.abs(parts).max()) <= 1
+
+
+CORNERS = ["linear tip relief", "linear root relief", "all of them"]
+
+
+@alone_and_coupled
+@every_axle
+@pytest.mark.parametrize("name", CORNERS)
+def test_corners_of_reliefs_have_forces_that_are_their_gaps_gradient(
+    kernel: Kernel, name: str, fixed: bool, couples: bool
+):
+    """Pairs that touch with the corner where a linear relief begins: Jacobian, lanes, power."""
+    gearbox = with_edges(kernel, name, couples, fixed=fixed, friction=0.0, damping=None)
+    random = np.random.default_rng(5)
+    found = 0
+    for place in np.linspace(0, 1, 120):
+        state = pressed(gearbox, place, 3e-5)
+        modes = [gearbox.mode(state, contact) for contact in range(gearbox.sizes.n_reals)]
+        on_corners = [m for m in modes if m[1] == LOADED and min(m[3:5]) <= ROOT_CORNER]
+        if not on_corners or found >= 4:
+            continue
+        found += len(on_corners)
+        state = around(state, random, size=1e-6)[0]
+        state.yp = gearbox.derivative(state)
+        check_jacobian(gearbox, state)
+        check(gearbox, around(state, random, size=1e-6))
+        o = gearbox.outputs(state)
+        d_kinetic = o["inertia"] * o["angular_velocity"] * o["angular_acceleration"]
+        if not fixed:
+            power = (o["centre_velocity"] * axle_accelerations(gearbox, state)).sum(axis=1)
+            d_kinetic = np.append(d_kinetic, (o["mass"] + 3.0) * power)
+        parts = [*d_kinetic, rate_of_potential(gearbox, state)]
+        parts.append(-state.yp[gearbox.place("load_work")])
+        # as above
+        assert worst(np.sum(parts), (1e-9 if fixed else 1e-7) * np.abs(parts).max()) <= 1
+    assert found >= 2
 
 
 def at_border(gearbox: Gearbox, state: State, name: str, contact: int) -> State:
