@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -57,6 +58,38 @@ def pressed(gearbox: Gearbox, place: float, h: float, mode: int = LOADED) -> Sta
     return state
 
 
+def at_places(
+    gearbox: Gearbox, seed: int, places: Iterable[tuple[float, float]], *modes: int
+) -> Iterator[State]:
+    """Pressed states, moved a little, in each of the modes."""
+    random = np.random.default_rng(seed)
+    for place, h in places:
+        for mode in modes:
+            state = pressed(gearbox, place, h, mode)
+            yield around(state, random, size=1e-6)[0]
+
+
+def check_balance(gearbox: Gearbox, state: State, fixed: bool) -> None:
+    """d/dt (T + V + D - W) = 0 along the flow.
+
+    Richardson differences of V: 1e-9 of the largest power.
+    """
+    state.yp = gearbox.derivative(state)
+    o = gearbox.outputs(state)
+    d_kinetic = o["inertia"] * o["angular_velocity"] * o["angular_acceleration"]
+    if not fixed:
+        masses = o["mass"] + 3.0  # of the supports of `real_gears`
+        power = (o["centre_velocity"] * axle_accelerations(gearbox, state)).sum(axis=1)
+        d_kinetic = np.append(d_kinetic, masses * power)
+    parts = [
+        *d_kinetic,
+        rate_of_potential(gearbox, state),
+        state.yp[gearbox.place("dissipated_energy")],
+        -state.yp[gearbox.place("load_work")],
+    ]
+    assert worst(np.sum(parts), 1e-9 * np.abs(parts).max()) <= 1
+
+
 def on_edges(gearbox: Gearbox, state: State) -> int:
     """How many pairs touch past the end of a flank."""
     modes = [gearbox.mode(state, contact) for contact in range(gearbox.sizes.n_reals)]
@@ -91,10 +124,8 @@ def test_jacobian_is_the_derivative_of_the_residual(
     kernel: Kernel, name: str, fixed: bool, couples: bool
 ):
     gearbox = with_edges(kernel, name, couples, fixed=fixed)
-    random = np.random.default_rng(7)
     found = 0
-    for place, h in PLACES:
-        state = around(pressed(gearbox, place, h), random, size=1e-6)[0]
+    for state in at_places(gearbox, 7, PLACES, LOADED):
         state.yp = gearbox.derivative(state)
         check_jacobian(gearbox, state)
         found += on_edges(gearbox, state)
@@ -109,9 +140,8 @@ def test_eight_states_at_once_are_the_bits_of_each(
 ):
     gearbox = with_edges(kernel, name, couples, fixed=fixed)
     random = np.random.default_rng(3)
-    for place, h in PLACES:
-        for mode in (LOADED, UNLOADED):
-            check(gearbox, around(pressed(gearbox, place, h, mode), random, size=1e-6))
+    for state in at_places(gearbox, 3, PLACES, LOADED, UNLOADED):
+        check(gearbox, around(state, random, size=1e-6))
 
 
 @alone_and_coupled
@@ -134,25 +164,8 @@ def test_energy_changes_by_the_work_of_the_loads_less_what_is_dissipated(
 ):
     """d/dt (T + V + D - W) = 0 along the flow, on edges too; overlapping without force as well."""
     gearbox = with_edges(kernel, name, couples, fixed=fixed)
-    random = np.random.default_rng(11)
-    for place, h in PLACES:
-        for mode in (LOADED, UNLOADED):
-            state = around(pressed(gearbox, place, h, mode), random, size=1e-6)[0]
-            state.yp = gearbox.derivative(state)
-            o = gearbox.outputs(state)
-            d_kinetic = o["inertia"] * o["angular_velocity"] * o["angular_acceleration"]
-            if not fixed:
-                masses = o["mass"] + 3.0  # of the supports of `real_gears`
-                power = (o["centre_velocity"] * axle_accelerations(gearbox, state)).sum(axis=1)
-                d_kinetic = np.append(d_kinetic, masses * power)
-            parts = [
-                *d_kinetic,
-                rate_of_potential(gearbox, state),
-                state.yp[gearbox.place("dissipated_energy")],
-                -state.yp[gearbox.place("load_work")],
-            ]
-            # Richardson differences of V: 1e-9 of the largest power
-            assert worst(np.sum(parts), 1e-9 * np.abs(parts).max()) <= 1
+    for state in at_places(gearbox, 11, PLACES, LOADED, UNLOADED):
+        check_balance(gearbox, state, fixed)
 
 
 CORNERS = ["linear tip relief", "linear root relief", "all of them"]
@@ -168,26 +181,15 @@ def test_corners_of_reliefs_have_forces_that_are_their_gaps_gradient(
     gearbox = with_edges(kernel, name, couples, fixed=fixed, friction=0.0, damping=None)
     random = np.random.default_rng(5)
     found = 0
-    for place in np.linspace(0, 1, 120):
-        state = pressed(gearbox, place, 3e-5)
+    for state in at_places(gearbox, 5, [(p, 3e-5) for p in np.linspace(0, 1, 120)], LOADED):
         modes = [gearbox.mode(state, contact) for contact in range(gearbox.sizes.n_reals)]
         on_corners = [m for m in modes if m[1] == LOADED and min(m[3:5]) <= ROOT_CORNER]
         if not on_corners or found >= 4:
             continue
         found += len(on_corners)
-        state = around(state, random, size=1e-6)[0]
-        state.yp = gearbox.derivative(state)
+        check_balance(gearbox, state, fixed)
         check_jacobian(gearbox, state)
         check(gearbox, around(state, random, size=1e-6))
-        o = gearbox.outputs(state)
-        d_kinetic = o["inertia"] * o["angular_velocity"] * o["angular_acceleration"]
-        if not fixed:
-            power = (o["centre_velocity"] * axle_accelerations(gearbox, state)).sum(axis=1)
-            d_kinetic = np.append(d_kinetic, (o["mass"] + 3.0) * power)
-        parts = [*d_kinetic, rate_of_potential(gearbox, state)]
-        parts.append(-state.yp[gearbox.place("load_work")])
-        # as above
-        assert worst(np.sum(parts), (1e-9 if fixed else 1e-7) * np.abs(parts).max()) <= 1
     assert found >= 2
 
 
