@@ -8,8 +8,8 @@ module evl_contact_roots
    use evl_kinds, only: wp
    use evl_local_variables, only: at_psi_a
    use evl_pair_place, only: by_a, by_b, tip_t
-   use evl_root_kinds, only: live_loaded, live_on_path, live_one_sided, live_touching, moves_pair, n_discrete, n_held, &
-                             n_root_kinds, n_sides, root_of, root_rows
+   use evl_root_kinds, only: live_bends_a, live_bends_b, live_loaded, live_on_path, live_one_sided, live_touching, moves_pair, &
+                             n_discrete, n_held, n_root_kinds, n_sides, root_of, root_rows
    use evl_tooth_contact, only: contact_mode, contact_state, feet_of, flank_drive, flanks_apart, flanks_loaded, flanks_off, &
                                 flanks_open, flanks_unloaded, tooth_contact_t, touches, tracking_closed_form, unclipped
    implicit none (type, external)
@@ -176,6 +176,8 @@ contains
          has_side = mode%flanks == flanks_loaded
       case (live_on_path)
          has_side = mode%flanks /= flanks_off .and. mode%flanks /= flanks_apart
+      case (live_bends_a, live_bends_b)
+         has_side = touches(mode) .and. contact%smooth(2, merge(by_a, by_b, live == live_bends_a)) > 0
       case default
          has_side = .false.
       end select
@@ -232,14 +234,15 @@ contains
       class(flank_t), intent(in) :: flank
       type(tooth_contact_t), intent(in) :: contact
       type(contact_state), intent(inout) :: at !! with what its flank says, if it touches
-      real(wp) :: quantity(width)
+      real(wp) :: quantity(width), foot(2)
       integer :: i, kind
 
+      foot = feet_of(at)
       associate (point => at%point)
          do i = 1, n_sides
             kind = n_root_kinds - n_sides + i
             call root_quantity(flank, contact, at%mode, kind, [at%overlap], [point%h_dot], [point%v_t], [point%rho_a], &
-                               [point%rho_b], [point%rho_a], [point%rho_b], [unclipped(at)], [0.0_wp], quantity)
+                               [point%rho_b], [foot(by_a)], [foot(by_b)], [unclipped(at)], [0.0_wp], quantity)
             at%mode%sides(i) = merge(1, -1, quantity(1) > root_rows(kind)%border)
          end do
       end associate

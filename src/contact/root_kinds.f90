@@ -16,7 +16,7 @@ module evl_root_kinds
    public :: past, root_of, root_row, root_rows
    public :: moves_flanks, moves_friction, moves_pair, moves_side, moves_zone_a, moves_zone_b
    public :: n_discrete, n_held, n_root_kinds, n_sides, side_of_rate
-   public :: live_loaded, live_on_path, live_one_sided, live_touching
+   public :: live_bends_a, live_bends_b, live_loaded, live_on_path, live_one_sided, live_touching
    public :: measures_force, measures_nothing, measures_penetration, measures_rate, measures_sliding
    public :: settles_alone, settles_contact, settles_never, settles_sliding
 
@@ -42,6 +42,7 @@ module evl_root_kinds
    integer, parameter :: live_one_sided = 2 !! and the damping law has two sides
    integer, parameter :: live_loaded = 3    !! a force acts
    integer, parameter :: live_on_path = 4   !! the pair is on the path of contact
+   integer, parameter :: live_bends_a = 5, live_bends_b = 6 !! flanks overlap, and wheel A, or B, gives way
 
    ! What stands for # in a text.
    integer, parameter :: measures_nothing = 0, measures_penetration = 1, measures_rate = 2, measures_force = 3, measures_sliding = 4
@@ -64,6 +65,8 @@ module evl_root_kinds
       integer :: end_a = 18, edge_a = 19 !! the contact passes the end of A's flank; where A's edge takes over
       integer :: end_b = 20, edge_b = 21 !! the same for B
       integer :: side = 22          !! the rate of the penetration passes zero, where a damping law changes
+      integer :: smooth_low_a = 23, smooth_high_a = 24 !! A is loaded where the curvature of its c jumps
+      integer :: smooth_low_b = 25, smooth_high_b = 26 !! the same for B
    end type root_numbers
    type(root_numbers), parameter :: root_of = root_numbers()
 
@@ -86,6 +89,7 @@ module evl_root_kinds
    character(len=*), parameter :: wrong_side = "moves at #, on the wrong side of its damping law"
    character(len=*), parameter :: past_border = "is past the border of a relief", past_end = "is past an end of the path of contact"
    character(len=*), parameter :: wrong_end = "is on the other side of the end of a flank"
+   character(len=*), parameter :: other_end = "is loaded on the other side of where the compliance of a wheel bends"
    character(len=*), parameter :: on_path = "is on the path but counts as off it"
 
    !&<
@@ -116,7 +120,10 @@ module evl_root_kinds
        root_row("edge_a", moves_zone_a, settles_never, rises=event_edge_left, falls=event_flank_reached, above=wrong_end), &
        root_row("end_b", moves_zone_b, settles_never, rises=event_border, falls=event_border, above=wrong_end), &
        root_row("edge_b", moves_zone_b, settles_never, rises=event_edge_left, falls=event_flank_reached, above=wrong_end), &
-       root_row("side", measures=measures_rate, past=standstill, above=wrong_side, live=live_one_sided)]
+       root_row("side", measures=measures_rate, past=standstill, above=wrong_side, live=live_one_sided), &
+       root_row("smooth_low_a", above=other_end, live=live_bends_a), root_row("smooth_high_a", above=other_end, &
+                                                                              live=live_bends_a), &
+       root_row("smooth_low_b", above=other_end, live=live_bends_b), root_row("smooth_high_b", above=other_end, live=live_bends_b)]
    !&>
 
    integer, parameter :: n_root_kinds = size(root_rows)

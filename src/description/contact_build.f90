@@ -123,6 +123,8 @@ contains
          contact%tooth_b = gearbox%phases(contact%mesh)%tooth_b
          contact%deviation_a = gearbox%wheels(a)%deviation
          contact%deviation_b = gearbox%wheels(b)%deviation
+         contact%smooth(:, by_a) = [gearbox%compliances(a)%low, gearbox%compliances(a)%high]
+         contact%smooth(:, by_b) = [gearbox%compliances(b)%low, gearbox%compliances(b)%high]
          if (contact%has_edges) then
             call take_line(contact%deviation_a, pair%rho, pair%rho - pair%rho_tip_b)
             call take_line(contact%deviation_b, pair%rho, pair%rho - pair%rho_tip_a)

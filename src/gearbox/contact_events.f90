@@ -16,7 +16,8 @@ module evl_contact_events
    use evl_kinds, only: wp
    use evl_local_variables, only: n_local, n_track
    use evl_pair_place, only: by_a, by_b, tip_t
-   use evl_root_kinds, only: moves_friction, moves_pair, moves_zone_a, moves_zone_b, n_root_kinds, n_sides, root_of, root_rows
+   use evl_root_kinds, only: live_bends_a, live_bends_b, moves_friction, moves_pair, moves_zone_a, moves_zone_b, n_root_kinds, &
+                             n_sides, root_of, root_rows
    use evl_status, only: code_no_solution, fail, has_failed, quantity, status_t, subject_mesh
    use evl_tooth_contact, only: contact_mode, contact_state, edge_wheel, flanks_apart, flanks_loaded, flanks_off, flanks_open, &
                                 flanks_unloaded, line_length, settle_friction, settle_zones, tooth_contact_t, touches, unclipped
@@ -311,7 +312,7 @@ contains
       end do
    end subroutine change_sides
 
-   !> Which kinds with sides have a meaning in a mode, as far as they are noted.
+   !> Which kinds with sides have a meaning in a mode, as far as they are noted or places.
    pure function live_sides(contact, mode) result(live)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_mode), intent(in) :: mode
@@ -320,7 +321,7 @@ contains
 
       do i = 1, n_sides
          associate (kind => n_root_kinds - n_sides + i)
-            live(i) = root_rows(kind)%text /= ""
+            live(i) = root_rows(kind)%text /= "" .or. any(root_rows(kind)%live == [live_bends_a, live_bends_b])
             if (live(i)) live(i) = contact_root_direction(contact, mode, kind) /= 0
          end associate
       end do

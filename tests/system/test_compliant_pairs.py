@@ -82,8 +82,8 @@ def test_energy_is_kept_through_twenty_pitches(runs: Runs, given: dict[str, Any]
         assert float(abs(run.history.dissipated_energy).max()) == 0
         assert not [v for v in check_history(run.history) if v.failed]
         left.append(np.ptp(energy(run)) / float(run.history.potential_energy.max()))
-    assert left[0] < 1e-5
-    assert left[1] < min(1e-7, left[0] / 3)
+    assert left[0] < 1e-6
+    assert left[1] < min(1e-8, left[0] / 3)
 
 
 @both_integrators
