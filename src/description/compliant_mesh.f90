@@ -6,7 +6,9 @@ module evl_compliant_mesh
    use evl_gearbox_description, only: mesh_input, wheel_input
    use evl_given, only: given_t
    use evl_kinds, only: pi, wp
-   use evl_status, only: code_invalid_input, fail, status_t, subject_mesh
+   use evl_pair_compliance, only: gather_compliance, pair_compliance
+   use evl_pair_place, only: by_a, pair_feet
+   use evl_status, only: code_invalid_input, fail, quantity, status_t, subject_mesh, subject_wheel
    use evl_tooth_contact, only: tracking_closed_form
    use evl_wheel_compliance, only: wheel_compliance_t
    use evl_yielding_flank, only: yielding_flank_t
@@ -16,20 +18,23 @@ module evl_compliant_mesh
    public :: check_compliant_mesh, make_flank
 
    real(wp), parameter :: edge_reach = 0.4_wp !! how far past the path edges can carry [base pitches]
+   real(wp), parameter :: heavy = 1.0e6_wp    !! line load at which tables are looked at; with less, contacts are softer [N/m]
+   integer, parameter :: n_looked = 50        !! at how many places
 
 contains
 
    !> What gives way in a wheel is counted beside Johnson's contact, at the points of the closed form; teeth are coupled as far as
    !> their wheels know how.
-   subroutine check_compliant_mesh(gearbox, mesh, index, status)
+   subroutine check_compliant_mesh(gearbox, wheels, mesh, index, status)
       type(gearbox_t), intent(in) :: gearbox !! with its compliances
+      type(wheel_input), intent(in) :: wheels(:)
       type(mesh_input), intent(in) :: mesh
       integer, intent(in) :: index
       type(status_t), intent(inout) :: status
       type(given_t) :: contact
 
-      associate (wheels => gearbox%compliances([mesh%driving, mesh%driven]))
-         if (.not. any(wheels%exists)) then
+      associate (yielding => gearbox%compliances([mesh%driving, mesh%driven]))
+         if (.not. any(yielding%exists)) then
             if (mesh%word("edge_contact") == "true") call check_edges()
             if (mesh%word("tooth_coupling") == "true") &
                call refuse("teeth are coupled by what their wheels yield, but none of these has a compliance: give one, or take" &
@@ -42,9 +47,11 @@ contains
                         //trim(contact%word("law")), "contact.law")
          else if (mesh%tracking /= tracking_closed_form) then
             call refuse("a wheel with compliance needs tracking: closed_form", "tracking")
-         else if (mesh%word("tooth_coupling") == "true" .and. any(wheels%exists .and. wheels%neighbours == 0)) then
+         else if (mesh%word("tooth_coupling") == "true" .and. any(yielding%exists .and. yielding%neighbours == 0)) then
             call refuse("a wheel with compliance {model: analytic}, or a table without c_1, does not know how its teeth yield to" &
                         //" their neighbours' loads: give false, or finite_elements to the wheel", "tooth_coupling")
+         else if (couples(gearbox, mesh) .and. any(yielding%neighbours == 1)) then ! of a table
+            call check_tables(gearbox, wheels, mesh, index, status)
          end if
       end associate
 
@@ -70,6 +77,44 @@ contains
       end subroutine refuse
 
    end subroutine check_compliant_mesh
+
+   !> What tables say of two pairs that carry has to leave them forces: what each yields to its own load, its contact included, is
+   !> more than what it does to the other's, at all places where two touch.
+   subroutine check_tables(gearbox, wheels, mesh, index, status)
+      type(gearbox_t), intent(in) :: gearbox
+      type(wheel_input), intent(in) :: wheels(:)
+      type(mesh_input), intent(in) :: mesh
+      integer, intent(in) :: index
+      type(status_t), intent(inout) :: status
+      type(pair_feet) :: feet(2)
+      type(pair_compliance) :: compliance
+      real(wp) :: k(2), own(2), reach, rho(2), contact, from, to
+      integer :: i, worse
+
+      associate (pair => gearbox%pairs(index), a => gearbox%compliances(mesh%driving), b => gearbox%compliances(mesh%driven))
+         k = [half_plane(wheels(mesh%driving)%material), half_plane(wheels(mesh%driven)%material)]
+         contact = sum(k)/2*(log(8*pair%rho/(sum(k)*heavy)) - 2) ! dh/dN of Johnson's law, K_A + K_B = 2/(pi E*)
+         reach = merge(edge_reach, 0.0_wp, has_edges(gearbox, mesh))*pair%base_pitch
+         from = pair%rho_start_a - reach + pair%base_pitch
+         to = pair%rho_tip_a + reach
+         do i = 0, n_looked
+            if (to < from) return
+            rho = from + real(i, wp)/n_looked*(to - from) - [0.0_wp, pair%base_pitch]
+            feet(1)%foot = min([rho(1), pair%rho - rho(1)], [pair%rho_tip_a, pair%rho_tip_b])
+            feet(2)%foot = min([rho(2), pair%rho - rho(2)], [pair%rho_tip_a, pair%rho_tip_b])
+            call gather_compliance(a, b, k(1) - k(2), .true., .true., 2, [0, 1], feet, compliance)
+            own = [compliance%c(1, 1), compliance%c(2, 2)] + contact
+            if (all(own > 0) .and. compliance%c(1, 2)**2 < product(own)) cycle
+            worse = merge(mesh%driving, mesh%driven, a%neighbours == 1)
+            call fail(status, code_invalid_input, "two tooth pairs that carry would have no forces: loaded at rho = " &
+                      //quantity(feet(1)%foot(by_a), "m")//" and "//quantity(feet(2)%foot(by_a), "m")//" of the driving wheel," &
+                      //" each yields by "//quantity(compliance%c(1, 2), "1/Pa")//" to the other's load, and only by " &
+                      //quantity(own(1), "1/Pa")//" and "//quantity(own(2), "1/Pa")//" to its own: give c and c_1 of one wheel," &
+                      //" c_1 below c", subject_wheel, worse, "compliance.c_1")
+            return
+         end do
+      end associate
+   end subroutine check_tables
 
    !> Whether the tooth pairs of a mesh yield together.
    pure logical function couples(gearbox, mesh)

@@ -148,7 +148,7 @@ contains
          return
       end do
       do i = 1, size(meshes)
-         call check_compliant_mesh(gearbox, meshes(i), i, status)
+         call check_compliant_mesh(gearbox, wheels, meshes(i), i, status)
          if (has_failed(status)) return
       end do
    end subroutine take_compliances

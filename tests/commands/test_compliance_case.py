@@ -60,6 +60,22 @@ BAD_OPTIONS = {
         "c: has 1 values, but rho has 2; they need the same number",
     ),
     "table without numbers": ([f"{BLOCK}={{model: table}}"], "'rho' is missing"),
+    "neighbour that yields more than the tooth": (
+        [f"{BLOCK}={{model: table, rho: [0.004, 0.018], c: [1e-11, 4e-11], c_1: [5e-10, 5e-10]}}"],
+        "compliance.c_1: two tooth pairs that carry would have no forces: loaded at rho = 0.01",
+    ),
+    "teeth that no mesh fits": (
+        [
+            "wheels.0={name: pinion, teeth: 3, module: 3.0e-3, pressure_angle: 10, width: 0.02, "
+            "profile_shift: 0.99081, rack: {addendum: 0.32315, dedendum: 0.80604, "
+            "root_radius: 0.05}, material: steel, compliance: {hub_diameter: 0.947e-3, order: 4}}",
+            "wheels.1={name: gear, teeth: 60, module: 3.0e-3, pressure_angle: 10, width: 0.02, "
+            "rack: {addendum: 0.32315, dedendum: 0.9, root_radius: 0}, material: steel}",
+            "meshes.0={driving: pinion, driven: gear, driving_rotation: clockwise, "
+            "centre_line_angle: 0}",
+        ],
+        "compliance: no mesh fits the tooth: element 63, under the fillet and the root, would fold",
+    ),
     "no such model": (
         [f"{BLOCK}.model=beam"],
         "model: must be one of finite_elements, analytic, table, none",

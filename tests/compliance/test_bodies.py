@@ -9,6 +9,7 @@ from compliance.bodies import Body, Curve, lobatto, straight
 from kernel.kernel import Floats, Kernel, _double
 
 NU = 0.3
+SQUARE = [(0, 0), (2, 0), (2, 2), (0, 2)]
 
 
 def arc(radius: float, start: float, end: float) -> Curve:
@@ -183,3 +184,20 @@ def test_disc_pressed_across_its_diameter_lacks_nothing_of_johnsons_cylinder(
     assert abs(coarse) < 1e-3
     # what is left is the fourth power of the width, beside 1
     assert abs(fine) < min(2e-5, abs(coarse))
+
+
+@pytest.mark.parametrize("p", [4, 8])
+def test_element_that_folds_gives_no_number(kernel: Kernel, p: int) -> None:
+    """The second of two, a corner of which points inwards; both are fine where it points out."""
+    for inner, folds in ((1.5, False), (0.2, True)):
+        body = Body(kernel, p)
+        for shift in ((-3.0, -3.0), (0.0, 0.0)):
+            at = [(0, 0), (2, 0), (inner, inner), (0, 2)] if shift[0] == 0 else SQUARE
+            a, b, c, d = (np.array(corner, float) + shift for corner in at)
+            body.patch([straight(a, b), straight(b, c), straight(d, c), straight(a, d)], 1, 1, 1)
+        n = 2 * body.nodes()[1]
+        if folds:
+            with pytest.raises(AssertionError, match="element 2"):
+                body.condensed([], np.arange(n), np.empty((0, n)))
+        else:
+            assert np.isfinite(body.condensed([], np.arange(n), np.empty((0, n)))).all()

@@ -11,7 +11,7 @@ from contact.test_true_wheels import E, real_mesh
 from evolvent import check_history
 from kernel.compliant import true_mesh
 from kernel.kernel import Kernel
-from system.real_cases import real_pair, torque, viscous
+from system.real_cases import real_pair, tip_diameters, torque, viscous
 from system.runs import Run, Runs
 
 TEETH, BORE, WIDTH = 50, 0.04, 0.02  # [m]
@@ -186,11 +186,35 @@ def test_a_pair_first_touches_where_another_program_says(runs: Runs) -> None:
     assert pitches == pytest.approx(0.098846, abs=1e-5)
 
 
+@both_integrators
+def test_an_edge_in_the_fillet_of_its_mate_ends_a_run(runs: Runs, integrator: str) -> None:
+    """The path begins 40 um of roll above the fillet; a steep relief lets the edge begin below."""
+    wheel = {"tip_alteration": 0.17, "tip_relief": {"amount": 2e-6, "diameter": 0.156}}
+    case = bending_pair(FAST, 2, start(FAST, 8e-6), integrator=integrator, of_wheels=wheel)
+    run = runs(case)
+    assert run.exit_code == 4, run.messages
+    assert "wheel touches the fillet of the" in run.messages
+    assert "relieve the tips, or lower the load" in run.messages
+
+
 # teeth, profile shift of the pinion, its torque [N m]; what is said
 TOO_MUCH = {
-    "fillet": (14, 0.2, 100.0, "a tip edge of the driven wheel touches the fillet of the driving"),
-    "reach": (20, 0.0, 1000.0, "N with a tip edge 0.4 pitches off its path of contact"),
+    "14/80": (14, 0.2, 200.0, "N with a tip edge 0.4 pitches off its path of contact"),
+    "20/80": (20, 0.0, 1000.0, "N with a tip edge 0.4 pitches off its path of contact"),
 }
+
+
+@both_integrators
+def test_a_pair_past_both_ends_of_its_path_ends_a_run(runs: Runs, integrator: str) -> None:
+    """A path of 9 um, where teeth yield by more than that."""
+    (tip, _) = tip_diameters((TEETH, TEETH), 0.0251)  # less what backlash takes
+    case = bending_pair(
+        *(FAST, 0.1, start(FAST, 2e-5)),
+        **{"integrator": integrator, "of_wheels": {"tip_diameter": tip}},
+    )
+    run = runs(case)
+    assert run.exit_code == 4, run.messages
+    assert "past both ends of its path of contact and carries force" in run.messages
 
 
 @both_integrators
@@ -198,7 +222,7 @@ TOO_MUCH = {
 def test_what_edges_cannot_carry_ends_a_run(
     runs: Runs, integrator: str, teeth: int, shift: float, load: float, said: str
 ) -> None:
-    """Where nothing is known of them: in a fillet, and far off the path."""
+    """Far off the path, where nothing is known of them."""
     speed = 150.0
     start_here = {"pinion": -speed, "gear": speed * teeth / 80}
     held = {"bore": 0.008, "compliance": {}}
