@@ -7,6 +7,7 @@ module evl_contact_lanes
    use evl_contact_context, only: lane_context
    use evl_contact_point, only: contact_point, tracked_pair
    use evl_deviating_flanks, only: flank_value, radius_rates
+   use evl_deviation_lanes, only: deviation_in_lanes
    use evl_edge_lanes, only: find_feet_in_lanes, lane_edge, lane_lack, slopes_in_lanes
    use evl_flank_deviation, only: flank_branch, zone_edge, zone_end
    use evl_kinds, only: lanes, wp
@@ -35,8 +36,6 @@ contains
    include "contact/contact_point.inc"
    include "contact/closed_form.inc"
    include "contact/deviating_flanks.inc"
-   include "geometry/flank_branch.inc"
-   include "numerics/sine_cosine.inc"
    include "contact/lane_point.inc"
 
    !> The contact along its line of action. Of a slot without a pair on the path the radii of curvature are all that is set.
@@ -241,32 +240,7 @@ contains
       call store_lane(point, l, at)
    end subroutine put_lane_on_edge
 
-   !> What one flank lacks in material.
-   pure subroutine deviation_in_lanes(branch, rho, e, de)
-      type(flank_branch), intent(in) :: branch
-      real(wp), intent(in) :: rho(lanes)
-      real(wp), intent(out) :: e(lanes), de(lanes)
-      real(wp) :: d2e(lanes)
-      integer :: l
-
-      !$omp simd
-      do l = 1, lanes
-         call profile_deviation(branch, rho(l), e(l), de(l), d2e(l))
-      end do
-      if (branch%is_second) then
-         !$omp simd
-         do l = 1, lanes
-            call touch_beside(branch, rho(l), e(l), de(l), d2e(l))
-         end do
-      end if
-      if (.not. abs(branch%runout) > 0) return
-      !$omp simd
-      do l = 1, lanes
-         call add_runout(branch, rho(l), e(l), de(l), d2e(l))
-      end do
-   end subroutine deviation_in_lanes
-
-   !> One lane of it.
+   !> One lane of deviating flanks.
    pure subroutine deviate_lane(pair, line, l, e_a, de_a, e_b, de_b, at)
       type(tracked_pair), intent(in) :: pair
       type(lane_line), intent(in) :: line

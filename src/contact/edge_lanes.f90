@@ -1,7 +1,7 @@
 !> Tooth pairs past the end of a flank in eight states at once: as evl_pair_place and evl_edge_contact have them in one, with first
 !> derivatives alone.
 module evl_edge_lanes
-   use evl_flank_deviation, only: flank_branch
+   use evl_deviation_lanes, only: deviation_in_lanes
    use evl_kinds, only: lanes, wp
    use evl_pair_place, only: by_a, by_b, by_line, tip_t
    use evl_tip_edge, only: edge_place, edge_t, small
@@ -32,7 +32,6 @@ contains
    include "numerics/arctangent.inc"
    include "contact/tangent_line.inc"
    include "contact/tip_edge.inc"
-   include "geometry/flank_branch.inc"
 
    !> Where both wheels are touched.
    pure subroutine find_feet_in_lanes(tip, own, is_edge, rho_own, rho_mate, edge, past)
@@ -42,9 +41,7 @@ contains
       real(wp), intent(in), dimension(lanes) :: rho_own, rho_mate
       type(lane_edge), intent(inout) :: edge !! with the length of the line of action
       type(lane_lack), intent(out) :: past
-      type(flank_branch) :: profile
-      real(wp) :: d2e(lanes)
-      integer :: l, mate
+      integer :: mate
 
       mate = by_a + by_b - own
       edge%d_foot = 0
@@ -58,17 +55,7 @@ contains
       end if
       edge%margin = 1
       edge%foot(:, mate) = rho_mate
-      profile = tip%profile
-      !$omp simd
-      do l = 1, lanes
-         call profile_deviation(profile, rho_own(l), past%lack(l), past%by_own(l), d2e(l))
-      end do
-      if (profile%is_second) then
-         !$omp simd
-         do l = 1, lanes
-            call touch_beside(profile, rho_own(l), past%lack(l), past%by_own(l), d2e(l))
-         end do
-      end if
+      call deviation_in_lanes(tip%profile, rho_own, past%lack, past%by_own)
       past%by_line = 0
       past%arm = rho_own
    end subroutine find_feet_in_lanes

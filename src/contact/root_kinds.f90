@@ -89,7 +89,7 @@ module evl_root_kinds
    character(len=*), parameter :: wrong_side = "moves at #, on the wrong side of its damping law"
    character(len=*), parameter :: past_border = "is past the border of a relief", past_end = "is past an end of the path of contact"
    character(len=*), parameter :: wrong_end = "is on the other side of the end of a flank"
-   character(len=*), parameter :: other_end = "is loaded on the other side of where the compliance of a wheel bends"
+   character(len=*), parameter :: other_end = "is loaded on the wrong side of where a wheel's compliance bends"
    character(len=*), parameter :: on_path = "is on the path but counts as off it"
 
    !&<

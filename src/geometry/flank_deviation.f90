@@ -95,7 +95,11 @@ contains
       real(wp), intent(out) :: d2e    !! d2e/drho2 [1/m]
 
       call profile_deviation(branch, rho, e, de, d2e)
-      if (branch%is_second) call touch_beside(branch, rho, e, de, d2e)
+      if (branch%is_second .and. branch%is_corner) then
+         call touch_at_corner(branch, rho, e, de, d2e)
+      else if (branch%is_second) then
+         call touch_beside(branch, rho, e, de, d2e)
+      end if
       if (abs(branch%runout) > 0) call add_runout(branch, rho, e, de, d2e)
    end subroutine deviation_on
 
