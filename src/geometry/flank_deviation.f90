@@ -14,8 +14,8 @@
 !>
 !>    min over d of  e(rho + d) + d**2/(2 q),  q = r_b**2 (1/rho - 1/line)
 !>
-!> on a flank e - F e'**2/2 with F = q/(1 + q e''), and at the corner of a linear relief, where d = rho_s - rho, e(rho_s) + d**2/(2 q).
-!> The zones then are those of the place that touches.
+!> on a flank e - F e'**2/2 with F = q/(1 + q e''), and at the corner of a linear relief, where d = rho_s - rho,
+!> e(rho_s) + d**2/(2 q). The zones then are those of the place that touches.
 module evl_flank_deviation
    use evl_elementary, only: sine_cosine
    use evl_kinds, only: pi, wp
