@@ -4,7 +4,6 @@
 #include "files/wheel_file.h"
 
 #include <dirent.h>
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -84,9 +83,9 @@ static void drop_leftovers(const char *folder)
     }
     for (const struct dirent *entry = readdir(stream); entry != NULL; entry = readdir(stream)) {
         struct stat status;
-        if (is_partial(entry->d_name) && fstatat(dirfd(stream), entry->d_name, &status, AT_SYMLINK_NOFOLLOW) == 0 &&
-            difftime(time(NULL), status.st_mtime) > OLD) {
-            (void)unlinkat(dirfd(stream), entry->d_name, 0);
+        OWNED char *path = xasprintf("%s/%s", folder, entry->d_name);
+        if (is_partial(entry->d_name) && lstat(path, &status) == 0 && difftime(time(NULL), status.st_mtime) > OLD) {
+            (void)unlink(path);
         }
     }
     (void)closedir(stream);
