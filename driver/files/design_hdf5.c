@@ -16,8 +16,7 @@ enum { FORMAT = 1 };
 
 typedef struct {
     const char *path;
-    hid_t file, parameters;
-    hid_t text; /**< datatype: variable-length UTF-8 */
+    hid_t file;
     evl_error *error;
 } reader;
 
@@ -30,23 +29,6 @@ static bool refuse(const reader *reader, const char *what, const char *message)
 
 /* ---- attributes ---- */
 
-/** Numbers of an attribute, converted. @return false if it is not there or holds another number of them */
-static bool read_numbers(hid_t object, const char *name, hid_t type, int n, void *values)
-{
-    if (H5Aexists(object, name) <= 0) {
-        return false;
-    }
-    const hid_t attribute = H5Aopen(object, name, H5P_DEFAULT);
-    const hid_t space = H5Aget_space(attribute), stored = H5Aget_type(attribute);
-    const H5T_class_t class = H5Tget_class(stored);
-    const bool good = (class == H5T_INTEGER || class == H5T_FLOAT) && H5Sget_simple_extent_npoints(space) == n &&
-                      H5Aread(attribute, type, values) >= 0;
-    (void)H5Tclose(stored);
-    (void)H5Sclose(space);
-    (void)H5Aclose(attribute);
-    return good;
-}
-
 static bool need_text(const reader *reader, const char *name, char **text)
 {
     *text = netcdf_get_text(reader->file, name);
@@ -57,7 +39,7 @@ static bool need_text(const reader *reader, const char *name, char **text)
 static bool check_maker(const reader *reader)
 {
     long long format = 0;
-    if (!read_numbers(reader->file, "evolvent_design_format", H5T_NATIVE_LLONG, 1, &format)) {
+    if (!netcdf_get_numbers(reader->file, "evolvent_design_format", H5T_NATIVE_LLONG, 1, &format)) {
         return refuse(reader, "", "is no design (no attribute evolvent_design_format); evolvent-sweep plan writes one");
     }
     if (format != FORMAT) {
@@ -82,13 +64,13 @@ static bool read_head(const reader *reader, design *design)
         !need_text(reader, "history_variables", &design->history_variables)) {
         return false;
     }
-    if (!read_numbers(reader->file, "n_cases", H5T_NATIVE_LLONG, 1, &n_cases) || n_cases < 0) {
+    if (!netcdf_get_numbers(reader->file, "n_cases", H5T_NATIVE_LLONG, 1, &n_cases) || n_cases < 0) {
         return refuse(reader, "n_cases", "this attribute of the design is missing, or no count");
     }
     if (n_cases == 0) {
         return refuse(reader, "", "is an empty design: it has no case");
     }
-    if (!read_numbers(reader->file, "window", H5T_NATIVE_DOUBLE, 2, design->window)) {
+    if (!netcdf_get_numbers(reader->file, "window", H5T_NATIVE_DOUBLE, 2, design->window)) {
         return refuse(reader, "window", "this attribute of the design is missing, or not two times [s]");
     }
     if (design->window[0] > design->window[1] || design->window[1] < 0) {
@@ -96,7 +78,8 @@ static bool read_head(const reader *reader, design *design)
                              "window: from %g to %g s is no span of time in a case", design->window[0],
                              design->window[1]);
     }
-    if (!read_numbers(reader->file, "history_every", H5T_NATIVE_LLONG, 1, &every) || every < 1 || every > 1000000000) {
+    if (!netcdf_get_numbers(reader->file, "history_every", H5T_NATIVE_LLONG, 1, &every) || every < 1 ||
+        every > 1000000000) {
         return refuse(reader, "history_every", "this attribute of the design is missing, or less than 1");
     }
     if (design->hash[0] == '\0' || strpbrk(design->hash, "\n\"\\") != NULL) {
@@ -112,52 +95,48 @@ static bool read_head(const reader *reader, design *design)
 static bool read_values(const reader *reader, hid_t dataset, const char *name, long n, design_column *column)
 {
     _Static_assert(sizeof(design_value) == sizeof(double), "values stand side by side");
-    const hid_t type = H5Dget_type(dataset);
+    CLOSED const hid_t type = H5Dget_type(dataset), text = H5Tcopy(H5T_C_S1);
     const H5T_class_t class = H5Tget_class(type);
     const bool is_real = class == H5T_FLOAT, is_integer = class == H5T_INTEGER;
-    const hid_t in_memory = is_real ? H5T_NATIVE_DOUBLE : is_integer ? H5T_NATIVE_LLONG : reader->text;
+    const hid_t in_memory = is_real ? H5T_NATIVE_DOUBLE : is_integer ? H5T_NATIVE_LLONG : text;
     column->type = is_real ? DESIGN_REAL : is_integer ? DESIGN_INTEGER : DESIGN_TEXT;
     column->values = xcalloc((size_t)n, sizeof *column->values);
-    const bool good = (is_real || is_integer || (class == H5T_STRING && H5Tis_variable_str(type) > 0)) &&
-                      H5Dread(dataset, in_memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, column->values) >= 0;
-    (void)H5Tclose(type);
-    return good || refuse(reader, name, "cannot be read; a column holds floats, integers, or texts of variable length");
+    const bool is_known = is_real || is_integer || (class == H5T_STRING && H5Tis_variable_str(type) > 0);
+    (void)(H5Tset_size(text, H5T_VARIABLE) >= 0 && H5Tset_cset(text, H5T_CSET_UTF8));
+    return (is_known && H5Dread(dataset, in_memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, column->values) >= 0) ||
+           refuse(reader, name, "cannot be read; a column holds floats, integers, or texts of variable length");
 }
 
 /** The column of a dataset, if it has a path. */
-static bool read_column(const reader *reader, const char *name, design *design)
+static bool read_column(const reader *reader, hid_t parameters, const char *name, design *design)
 {
-    const hid_t dataset = H5Dopen2(reader->parameters, name, H5P_DEFAULT);
+    CLOSED const hid_t dataset = H5Dopen2(parameters, name, H5P_DEFAULT);
     if (dataset < 0) {
         return refuse(reader, name, "this column is missing; columns are parameters/p0, p1, ...");
     }
-    const hid_t space = H5Dget_space(dataset);
-    const bool fits = H5Sget_simple_extent_ndims(space) == 1 && H5Sget_simple_extent_npoints(space) == design->n_cases;
-    char *path = netcdf_get_text(dataset, "path");
-    bool good = fits && path != NULL;
-    if (!fits) {
-        evl_error_set(reader->error, EVL_EXIT_CASE, reader->path, "%s: has not one value for each of the %ld cases",
-                      name, design->n_cases);
-    } else if (path == NULL) {
-        (void)refuse(reader, name, "has no attribute path");
-    } else if (path[0] != '\0') { /* a derived quantity has none: no case depends on it */
-        design_column *column = &design->columns[design->n_columns++];
-        *column = (design_column){.path = path};
-        path = NULL;
-        good = read_values(reader, dataset, name, design->n_cases, column);
+    CLOSED const hid_t space = H5Dget_space(dataset);
+    if (H5Sget_simple_extent_ndims(space) != 1 || H5Sget_simple_extent_npoints(space) != design->n_cases) {
+        return evl_error_set(reader->error, EVL_EXIT_CASE, reader->path,
+                             "%s: has not one value for each of the %ld cases", name, design->n_cases);
     }
-    free(path);
-    (void)H5Sclose(space);
-    (void)H5Dclose(dataset);
-    return good;
+    OWNED char *path = netcdf_get_text(dataset, "path");
+    if (path == NULL) {
+        return refuse(reader, name, "has no attribute path");
+    }
+    if (path[0] == '\0') { /* a derived quantity: no case depends on it */
+        return true;
+    }
+    design_column *column = &design->columns[design->n_columns++];
+    *column = (design_column){.path = xstrdup(path)};
+    return read_values(reader, dataset, name, design->n_cases, column);
 }
 
-static bool read_columns(reader *reader, design *design)
+static bool read_columns(const reader *reader, design *design)
 {
     H5G_info_t info = {0};
-    reader->parameters =
-        H5Lexists(reader->file, "parameters", H5P_DEFAULT) > 0 ? H5Gopen2(reader->file, "parameters", H5P_DEFAULT) : -1;
-    if (reader->parameters < 0 || H5Gget_info(reader->parameters, &info) < 0) {
+    const bool is_there = H5Lexists(reader->file, "parameters", H5P_DEFAULT) > 0;
+    CLOSED const hid_t parameters = is_there ? H5Gopen2(reader->file, "parameters", H5P_DEFAULT) : -1;
+    if (parameters < 0 || H5Gget_info(parameters, &info) < 0) {
         return refuse(reader, "", "has no group parameters");
     }
     design->columns = xcalloc((size_t)info.nlinks, sizeof *design->columns);
@@ -165,40 +144,28 @@ static bool read_columns(reader *reader, design *design)
     for (hsize_t i = 0; i < info.nlinks && good; i++) {
         char name[32];
         (void)snprintf(name, sizeof name, "p%llu", (unsigned long long)i);
-        good = read_column(reader, name, design);
+        good = read_column(reader, parameters, name, design);
     }
-    (void)H5Gclose(reader->parameters);
     return good;
 }
 
 /* ---- the file ---- */
 
-static bool open_file(reader *reader)
-{
-    if (access(reader->path, R_OK) != 0) {
-        return evl_error_set(reader->error, EVL_EXIT_CASE, reader->path, "cannot be read: %s", strerror(errno));
-    }
-    reader->file = netcdf_open(reader->path);
-    return reader->file >= 0 || refuse(reader, "", "is no HDF5 file; evolvent-sweep plan writes a design");
-}
-
 design *design_read(const char *path, evl_error *error)
 {
     memset(error, 0, sizeof *error);
-    reader reader = {.path = path, .error = error};
-    if (!open_file(&reader)) {
+    if (access(path, R_OK) != 0) {
+        (void)evl_error_set(error, EVL_EXIT_CASE, path, "cannot be read: %s", strerror(errno));
         return NULL;
     }
+    CLOSED const hid_t file = netcdf_open(path);
+    const reader reader = {.path = path, .file = file, .error = error};
     design *design = xcalloc(1, sizeof *design);
     design->file = xstrdup(path);
-    reader.text = H5Tcopy(H5T_C_S1);
-    (void)H5Tset_size(reader.text, H5T_VARIABLE);
-    (void)H5Tset_cset(reader.text, H5T_CSET_UTF8);
-    if (!read_head(&reader, design) || !read_columns(&reader, design)) {
+    const bool is_open = file >= 0 || refuse(&reader, "", "is no HDF5 file; evolvent-sweep plan writes a design");
+    if (!is_open || !read_head(&reader, design) || !read_columns(&reader, design)) {
         design_delete(&design);
     }
-    (void)H5Tclose(reader.text);
-    (void)H5Fclose(reader.file);
     return design;
 }
 

@@ -52,7 +52,8 @@ bool dimensions_define_numbers(dimensions *dimensions, netcdf_file *file, int n,
         const netcdf_variable variable = netcdf_describe(from->is_integer ? NETCDF_INTEGER : NETCDF_REAL, from->name,
                                                          from->units, from->symbol, from->long_name);
         dimensions->names[i] = from->name;
-        good = netcdf_define_numbers(file, &dimensions->of[i], &variable, from->n, H5T_NATIVE_DOUBLE, from->values);
+        good = netcdf_define_values(file, file->id, &dimensions->of[i], &variable, from->n, H5T_NATIVE_DOUBLE,
+                                    from->values);
     }
     return good;
 }
@@ -70,7 +71,7 @@ bool dimensions_finish(dimensions *dimensions, netcdf_file *file)
 {
     bool good = true;
     for (int i = 0; i < N_DIMENSIONS && good; i++) {
-        good = netcdf_finish_dimension(file, &dimensions->of[i]);
+        good = scale_list_users(file, &dimensions->of[i].scale);
     }
     return good;
 }

@@ -21,6 +21,6 @@ bool dimensions_define(dimensions *dimensions, netcdf_file *file, dimensions_use
 bool dimensions_define_numbers(dimensions *dimensions, netcdf_file *file, int n, const history_coordinate *coordinates);
 /** Append the dimensions of an output to those of a variable. */
 void dimensions_append(dimensions *dimensions, const model_output *output, netcdf_variable *variable);
-/** As netcdf_finish_dimension, all of them. */
+/** As scale_list_users, all of them. */
 bool dimensions_finish(dimensions *dimensions, netcdf_file *file);
 void dimensions_free(dimensions *dimensions);

@@ -66,7 +66,7 @@ static bool write_all(history *history, bool is_last)
     netcdf_file *netcdf = &history->netcdf;
     return series_write(&history->times, is_last) && dimensions_finish(&history->dimensions, netcdf) &&
            (!history->has_events ||
-            (series_write(&history->events, is_last) && netcdf_finish_dimension(netcdf, &history->side)));
+            (series_write(&history->events, is_last) && scale_list_users(netcdf, &history->side.scale)));
 }
 
 /** From time to time, so that most of a killed run can be read. */

@@ -42,9 +42,11 @@ bool netcdf_fail(netcdf_file *file)
     return false;
 }
 
-static bool checked(netcdf_file *file, herr_t result)
+/** An identifier that a call has made; if it failed, the reason is kept. */
+static hid_t checked(netcdf_file *file, hid_t made)
 {
-    return result < 0 ? netcdf_fail(file) : true;
+    (void)(made >= 0 || netcdf_fail(file));
+    return made;
 }
 
 /** Reproducible files: members in order of creation, as netCDF wants them, and no times. */
@@ -102,45 +104,37 @@ static bool prepare_storage(netcdf_file *file)
 
 bool netcdf_create(netcdf_file *file, const char *path)
 {
-    const hsize_t one = 1;
     prepare_library();
     const int kept = 64 * 1024; /* bytes of a kind of memory that the library may hoard */
     if (H5open() < 0 || H5Eset_auto2(H5E_DEFAULT, NULL, NULL) < 0 ||
         H5set_free_list_limits(kept, kept, kept, kept, kept, kept) < 0) {
         return netcdf_fail(file);
     }
-    const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-    const hid_t creation = H5Pcreate(H5P_FILE_CREATE);
+    CLOSED const hid_t access = H5Pcreate(H5P_FILE_ACCESS), creation = H5Pcreate(H5P_FILE_CREATE);
     file->text = H5Tcopy(H5T_C_S1);
     file->scalar = H5Screate(H5S_SCALAR);
-    file->single = H5Screate_simple(1, &one, NULL);
     file->transfer = H5Pcreate(H5P_DATASET_XFER);
     /* Format 1.8: later ones mark a file as open for writing, and a killed run's flushed file could not be read. */
-    const bool ready = access >= 0 && creation >= 0 && file->text >= 0 && file->scalar >= 0 && file->single >= 0 &&
-                       file->transfer >= 0 && prepare_storage(file) &&
-                       H5Pset_buffer(file->transfer, 16 * 1024, NULL, NULL) >= 0 &&
+    const bool ready = access >= 0 && creation >= 0 && file->text >= 0 && file->scalar >= 0 && file->transfer >= 0 &&
+                       prepare_storage(file) && H5Pset_buffer(file->transfer, 16 * 1024, NULL, NULL) >= 0 &&
                        H5Tset_size(file->text, H5T_VARIABLE) >= 0 && H5Tset_cset(file->text, H5T_CSET_UTF8) >= 0 &&
                        H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18) >= 0 &&
                        H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) >= 0 && limit_metadata_cache(access) &&
                        set_group_properties(creation);
     file->id = ready ? H5Fcreate(path, H5F_ACC_TRUNC, creation, access) : H5I_INVALID_HID;
-    const bool good = checked(file, file->id < 0 ? -1 : 0);
-    (void)H5Pclose(creation);
-    (void)H5Pclose(access);
-    return good;
+    return file->id >= 0 || netcdf_fail(file);
 }
 
 bool netcdf_flush(netcdf_file *file)
 {
-    return checked(file, H5Fflush(file->id, H5F_SCOPE_GLOBAL));
+    return H5Fflush(file->id, H5F_SCOPE_GLOBAL) >= 0 || netcdf_fail(file);
 }
 
 bool netcdf_close(netcdf_file *file)
 {
-    const bool good = checked(file, H5Fclose(file->id));
+    const bool good = H5Fclose(file->id) >= 0 || netcdf_fail(file);
     (void)H5Tclose(file->text);
     (void)H5Sclose(file->scalar);
-    (void)H5Sclose(file->single);
     (void)H5Pclose(file->transfer);
     (void)H5Pclose(file->access);
     for (int grows = 0; grows < 2; grows++) {
@@ -153,41 +147,32 @@ bool netcdf_close(netcdf_file *file)
 
 hid_t netcdf_create_group(netcdf_file *file, const char *name)
 {
-    const hid_t creation = H5Pcreate(H5P_GROUP_CREATE);
+    CLOSED const hid_t creation = H5Pcreate(H5P_GROUP_CREATE);
     const bool ready = creation >= 0 && set_group_properties(creation);
-    const hid_t group = ready ? H5Gcreate2(file->id, name, H5P_DEFAULT, creation, H5P_DEFAULT) : H5I_INVALID_HID;
-    (void)checked(file, group < 0 ? -1 : 0);
-    (void)H5Pclose(creation);
-    return group;
+    return checked(file, ready ? H5Gcreate2(file->id, name, H5P_DEFAULT, creation, H5P_DEFAULT) : H5I_INVALID_HID);
 }
 
-/** Add an attribute that the object does not have yet. */
-static bool add(netcdf_file *file, hid_t object, const char *name, hid_t type, hid_t space, const void *value)
+bool netcdf_put(netcdf_file *file, hid_t object, const char *name, hid_t type, int n, const void *value)
 {
-    const hid_t attribute = H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
-    const bool good = attribute >= 0 && H5Awrite(attribute, type, value) >= 0;
-    (void)checked(file, good ? 0 : -1);
-    (void)(attribute >= 0 && H5Aclose(attribute));
-    return good;
-}
-
-static bool put(netcdf_file *file, hid_t object, const char *name, hid_t type, hid_t space, const void *value)
-{
+    const hsize_t length = (hsize_t)n;
+    CLOSED const hid_t array = n > 0 ? H5Screate_simple(1, &length, NULL) : 0;
     const htri_t exists = H5Aexists(object, name);
     if (exists < 0 || (exists > 0 && H5Adelete(object, name) < 0)) {
         return netcdf_fail(file);
     }
-    return add(file, object, name, type, space, value);
+    CLOSED const hid_t attribute =
+        H5Acreate2(object, name, type, n > 0 ? array : file->scalar, H5P_DEFAULT, H5P_DEFAULT);
+    return (attribute >= 0 && H5Awrite(attribute, type, value) >= 0) || netcdf_fail(file);
 }
 
 bool netcdf_put_text(netcdf_file *file, hid_t object, const char *name, const char *text)
 {
-    return put(file, object, name, file->text, file->scalar, &text);
+    return netcdf_put(file, object, name, file->text, 0, &text);
 }
 
 bool netcdf_put_integer(netcdf_file *file, hid_t object, const char *name, long long value)
 {
-    return put(file, object, name, H5T_NATIVE_LLONG, file->scalar, &value);
+    return netcdf_put(file, object, name, H5T_NATIVE_LLONG, 0, &value);
 }
 
 hid_t netcdf_open(const char *path)
@@ -197,72 +182,65 @@ hid_t netcdf_open(const char *path)
     return H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
 }
 
+/** Negative if there is none. */
+static hid_t open_attribute(hid_t object, const char *name)
+{
+    return H5Aexists(object, name) > 0 ? H5Aopen(object, name, H5P_DEFAULT) : -1;
+}
+
 char *netcdf_get_text(hid_t object, const char *name)
 {
-    if (H5Aexists(object, name) <= 0) {
+    CLOSED const hid_t attribute = open_attribute(object, name);
+    if (attribute < 0) {
         return NULL;
     }
-    const hid_t attribute = H5Aopen(object, name, H5P_DEFAULT);
-    const hid_t type = H5Aget_type(attribute), space = H5Aget_space(attribute);
-    char *result = NULL;
-    if (H5Tget_class(type) == H5T_STRING && H5Sget_simple_extent_npoints(space) == 1) {
-        if (H5Tis_variable_str(type) > 0) {
-            char *value = NULL;
-            if (H5Aread(attribute, type, &value) >= 0) {
-                result = xstrdup(value == NULL ? "" : value);
-                (void)H5Dvlen_reclaim(type, space, H5P_DEFAULT, &value);
-            }
-        } else {
-            char *value = xcalloc(H5Tget_size(type) + 1, 1);
-            if (H5Aread(attribute, type, value) >= 0) {
-                result = value;
-            } else {
-                free(value);
-            }
-        }
-    } else if (H5Sget_simple_extent_type(space) == H5S_NULL && H5Tget_class(type) == H5T_STRING) {
-        result = xstrdup(""); /* how h5py writes an empty text of fixed length */
+    CLOSED const hid_t type = H5Aget_type(attribute), space = H5Aget_space(attribute);
+    if (H5Tget_class(type) != H5T_STRING || H5Sget_simple_extent_npoints(space) > 1) {
+        return NULL;
     }
-    (void)H5Sclose(space);
-    (void)H5Tclose(type);
-    (void)H5Aclose(attribute);
+    if (H5Sget_simple_extent_type(space) == H5S_NULL) {
+        return xstrdup(""); /* how h5py writes an empty text of fixed length */
+    }
+    const bool is_variable = H5Tis_variable_str(type) > 0;
+    OWNED char *fixed = xcalloc(H5Tget_size(type) + 1, 1);
+    char *text = is_variable ? NULL : fixed;
+    if (H5Aread(attribute, type, is_variable ? (void *)&text : text) < 0) {
+        return NULL;
+    }
+    char *result = xstrdup(text == NULL ? "" : text);
+    (void)(is_variable && H5free_memory(text));
     return result;
 }
 
-static bool add_text(netcdf_file *file, hid_t dataset, const char *name, const char *text)
+bool netcdf_get_numbers(hid_t object, const char *name, hid_t type, int n, void *values)
 {
-    return add(file, dataset, name, file->text, file->scalar, &text);
+    CLOSED const hid_t attribute = open_attribute(object, name);
+    CLOSED const hid_t space = attribute < 0 ? -1 : H5Aget_space(attribute);
+    CLOSED const hid_t stored = attribute < 0 ? -1 : H5Aget_type(attribute);
+    const H5T_class_t class = stored < 0 ? H5T_NO_CLASS : H5Tget_class(stored);
+    return (class == H5T_INTEGER || class == H5T_FLOAT) && H5Sget_simple_extent_npoints(space) == n &&
+           H5Aread(attribute, type, values) >= 0;
 }
 
 /** The CF attributes by which a reader turns numbers into words. */
 static bool add_flags(netcdf_file *file, hid_t dataset, const netcdf_variable *variable)
 {
-    const hsize_t length = (hsize_t)variable->n_flags;
-    const hid_t space = H5Screate_simple(1, &length, NULL);
     OWNED int *values = xcalloc((size_t)variable->n_flags, sizeof *values);
     for (int i = 0; i < variable->n_flags; i++) {
         values[i] = i;
     }
-    bool good = space >= 0 ? add(file, dataset, "flag_values", H5T_NATIVE_INT, space, values) : netcdf_fail(file);
-    good = good && add_text(file, dataset, "flag_meanings", variable->flag_meanings);
-    (void)(space >= 0 && H5Sclose(space));
-    return good;
+    return netcdf_put(file, dataset, "flag_values", H5T_NATIVE_INT, variable->n_flags, values) &&
+           netcdf_put_text(file, dataset, "flag_meanings", variable->flag_meanings);
 }
 
 static hid_t element_type(const netcdf_file *file, netcdf_type type)
 {
-    switch (type) {
-    case NETCDF_TEXT:
-        return file->text;
-    case NETCDF_INTEGER:
-        return H5T_NATIVE_INT;
-    case NETCDF_LONG:
-        return H5T_NATIVE_INT64;
-    case NETCDF_FLOAT:
-        return H5T_NATIVE_FLOAT;
-    default:
-        return H5T_NATIVE_DOUBLE;
-    }
+    const hid_t types[] = {[NETCDF_REAL] = H5T_NATIVE_DOUBLE,
+                           [NETCDF_FLOAT] = H5T_NATIVE_FLOAT,
+                           [NETCDF_INTEGER] = H5T_NATIVE_INT,
+                           [NETCDF_LONG] = H5T_NATIVE_INT64,
+                           [NETCDF_TEXT] = file->text};
+    return types[type];
 }
 
 static bool grows(const netcdf_variable *variable)
@@ -304,31 +282,26 @@ static hid_t take_place_early(const netcdf_file *file)
 static hid_t create_dataset(netcdf_file *file, hid_t group, const netcdf_variable *variable, hsize_t chunk_rows)
 {
     const bool is_growing = grows(variable), is_early = variable->type == NETCDF_FLOAT;
-    const hid_t creation =
-        is_early ? take_place_early(file) : file->creation[is_growing][variable->type == NETCDF_REAL];
+    CLOSED const hid_t early = is_early ? take_place_early(file) : 0;
+    const hid_t creation = is_early ? early : file->creation[is_growing][variable->type == NETCDF_REAL];
     const hid_t access = is_growing ? file->access : H5P_DEFAULT;
-    const hid_t space = create_space(variable);
+    CLOSED const hid_t space = create_space(variable);
     const bool ready = space >= 0 && (!is_growing || set_chunks(variable, chunk_rows, creation));
-    const hid_t dataset = ready ? H5Dcreate2(group, variable->name, element_type(file, variable->type), space,
-                                             H5P_DEFAULT, creation, access)
-                                : H5I_INVALID_HID;
-    (void)checked(file, dataset < 0 ? -1 : 0);
-    (void)H5Sclose(space);
-    (void)(is_early && H5Pclose(creation));
-    return dataset;
+    return checked(file, ready ? H5Dcreate2(group, variable->name, element_type(file, variable->type), space,
+                                            H5P_DEFAULT, creation, access)
+                               : H5I_INVALID_HID);
 }
 
 static bool add_variable_attributes(netcdf_file *file, hid_t dataset, const netcdf_variable *variable)
 {
     const double missing = NAN;
     const float missing_float = NAN;
-    return add_text(file, dataset, "units", variable->units) &&
-           add_text(file, dataset, "long_name", variable->long_name) &&
-           add_text(file, dataset, "symbol", variable->symbol) &&
-           (variable->type != NETCDF_REAL ||
-            add(file, dataset, "_FillValue", H5T_NATIVE_DOUBLE, file->single, &missing)) &&
+    return netcdf_put_text(file, dataset, "units", variable->units) &&
+           netcdf_put_text(file, dataset, "long_name", variable->long_name) &&
+           netcdf_put_text(file, dataset, "symbol", variable->symbol) &&
+           (variable->type != NETCDF_REAL || netcdf_put(file, dataset, "_FillValue", H5T_NATIVE_DOUBLE, 1, &missing)) &&
            (variable->type != NETCDF_FLOAT ||
-            add(file, dataset, "_FillValue", H5T_NATIVE_FLOAT, file->single, &missing_float)) &&
+            netcdf_put(file, dataset, "_FillValue", H5T_NATIVE_FLOAT, 1, &missing_float)) &&
            (variable->n_flags == 0 || add_flags(file, dataset, variable));
 }
 
@@ -367,11 +340,7 @@ hid_t netcdf_define(netcdf_file *file, hid_t group, const netcdf_variable *varia
     for (int i = 0; i < variable->rank; i++) {
         scales[i] = &variable->dimensions[i]->scale;
     }
-    if (!scales_attach(dataset, variable->rank, scales)) {
-        (void)netcdf_fail(file);
-        return H5I_INVALID_HID;
-    }
-    return dataset;
+    return scales_attach(file, dataset, variable->rank, scales) ? dataset : H5I_INVALID_HID;
 }
 
 bool netcdf_define_dimension(netcdf_file *file, hid_t group, const netcdf_variable *coordinate,
@@ -381,40 +350,22 @@ bool netcdf_define_dimension(netcdf_file *file, hid_t group, const netcdf_variab
     variable.rank = 1;
     variable.dimensions[0] = dimension;
     const hid_t dataset = create_dataset(file, group, &variable, chunk_rows);
-    if (dataset < 0) {
-        return false;
-    }
-    if (!scale_make(&dimension->scale, dataset, variable.name)) {
-        return netcdf_fail(file);
-    }
-    return add_variable_attributes(file, dataset, &variable);
+    return dataset >= 0 && (scale_make(&dimension->scale, dataset, variable.name) || netcdf_fail(file)) &&
+           add_variable_attributes(file, dataset, &variable);
+}
+
+bool netcdf_define_values(netcdf_file *file, hid_t group, netcdf_dimension *dimension, const netcdf_variable *variable,
+                          long n, hid_t type, const void *values)
+{
+    *dimension = (netcdf_dimension){.length = (hsize_t)n};
+    return netcdf_define_dimension(file, group, variable, dimension, 0) &&
+           (n == 0 || H5Dwrite(dimension->scale.dataset, type, H5S_ALL, H5S_ALL, file->transfer, values) >= 0 ||
+            netcdf_fail(file));
 }
 
 bool netcdf_define_names(netcdf_file *file, hid_t group, netcdf_dimension *dimension, const char *name,
                          const char *long_name, const name_list *names)
 {
     const netcdf_variable variable = netcdf_describe(NETCDF_TEXT, name, "1", name, long_name);
-    *dimension = (netcdf_dimension){.length = (hsize_t)names->n};
-    if (!netcdf_define_dimension(file, group, &variable, dimension, 0)) {
-        return false;
-    }
-    return names->n == 0 ||
-           H5Dwrite(dimension->scale.dataset, file->text, H5S_ALL, H5S_ALL, file->transfer, names->names) >= 0 ||
-           netcdf_fail(file);
-}
-
-bool netcdf_define_numbers(netcdf_file *file, netcdf_dimension *dimension, const netcdf_variable *variable, long n,
-                           hid_t type, const void *values)
-{
-    *dimension = (netcdf_dimension){.length = (hsize_t)n};
-    if (!netcdf_define_dimension(file, file->id, variable, dimension, 0)) {
-        return false;
-    }
-    return n == 0 || H5Dwrite(dimension->scale.dataset, type, H5S_ALL, H5S_ALL, file->transfer, values) >= 0 ||
-           netcdf_fail(file);
-}
-
-bool netcdf_finish_dimension(netcdf_file *file, netcdf_dimension *dimension)
-{
-    return scale_list_users(&dimension->scale) ? true : netcdf_fail(file);
+    return netcdf_define_values(file, group, dimension, &variable, names->n, file->text, names->names);
 }

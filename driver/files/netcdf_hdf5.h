@@ -13,11 +13,17 @@
 
 enum { NETCDF_MAX_RANK = 4, NETCDF_REASON_LENGTH = 200 };
 
-typedef struct {
+/** For a local identifier, which is closed where its block ends, however that is left; 0 and less: there is nothing to close. */
+#define CLOSED __attribute__((cleanup(close_identifier)))
+static inline void close_identifier(const hid_t *identifier)
+{
+    (void)(*identifier > 0 && H5Idec_ref(*identifier));
+}
+
+typedef struct netcdf_file {
     hid_t id;
     hid_t text;           /**< datatype: variable-length UTF-8 */
     hid_t scalar;         /**< dataspace */
-    hid_t single;         /**< dataspace of one element in one dimension */
     hid_t access;         /**< properties of a growing variable */
     hid_t creation[2][2]; /**< properties by whether a variable grows, and whether it is real: dear to make */
     hid_t transfer;       /**< properties of a small transfer: the usual buffer is a megabyte, zeroed each time */
@@ -64,10 +70,14 @@ bool netcdf_fail(netcdf_file *file);
 hid_t netcdf_open(const char *path);
 /** A text attribute, of variable or fixed length, as a new string. NULL if there is none. */
 char *netcdf_get_text(hid_t object, const char *name);
+/** The numbers of an attribute, converted. @return false if it is not there or holds another number of them */
+bool netcdf_get_numbers(hid_t object, const char *name, hid_t type, int n, void *values);
 
 hid_t netcdf_create_group(netcdf_file *file, const char *name);
 
 /* Set an attribute of a group or variable; an older value is replaced. */
+/** @param n  length of an array; 0: one value */
+bool netcdf_put(netcdf_file *file, hid_t object, const char *name, hid_t type, int n, const void *value);
 bool netcdf_put_text(netcdf_file *file, hid_t object, const char *name, const char *text);
 bool netcdf_put_integer(netcdf_file *file, hid_t object, const char *name, long long value);
 
@@ -82,12 +92,10 @@ hid_t netcdf_define(netcdf_file *file, hid_t group, const netcdf_variable *varia
 /** Create a dimension, whose length is set, with its coordinate variable. */
 bool netcdf_define_dimension(netcdf_file *file, hid_t group, const netcdf_variable *coordinate,
                              netcdf_dimension *dimension, hsize_t chunk_rows);
-/** Create a dimension whose coordinate variable holds names. */
+/** Create a dimension with the values of its coordinate variable. scale_list_users is to come after the last variable of it.
+ *  @param type  of them in memory, which may be another one than on file */
+bool netcdf_define_values(netcdf_file *file, hid_t group, netcdf_dimension *dimension, const netcdf_variable *variable,
+                          long n, hid_t type, const void *values);
+/** The same of names. */
 bool netcdf_define_names(netcdf_file *file, hid_t group, netcdf_dimension *dimension, const char *name,
                          const char *long_name, const name_list *names);
-/** Create a dimension whose coordinate variable holds numbers.
- *  @param type  of them in memory, which may be another one than on file */
-bool netcdf_define_numbers(netcdf_file *file, netcdf_dimension *dimension, const netcdf_variable *variable, long n,
-                           hid_t type, const void *values);
-/** To come after the last variable of a dimension, and before a flush: tell the dimension who uses it. */
-bool netcdf_finish_dimension(netcdf_file *file, netcdf_dimension *dimension);

@@ -20,12 +20,13 @@ typedef struct {
     scale_user *users;     /**< [n_users] */
 } dimension_scale;
 
-/* Each returns false after a failed HDF5 call, whose reason is on HDF5's error stack. */
+struct netcdf_file;
 
-/** Make a dataset the scale `name`. */
+/** Make a dataset the scale `name`. @return false with the reason on HDF5's error stack */
 bool scale_make(dimension_scale *scale, hid_t dataset, const char *name);
+/* Each of these returns false with the reason in the file. */
 /** Attach a scale to every axis of a dataset; the scales are to list their users later. */
-bool scales_attach(hid_t dataset, int rank, dimension_scale *const *scales);
-/** Write the list of users, if there are new ones. */
-bool scale_list_users(dimension_scale *scale);
+bool scales_attach(struct netcdf_file *file, hid_t dataset, int rank, dimension_scale *const *scales);
+/** To come after the last user, and before a flush: write the list of users, if there are new ones. */
+bool scale_list_users(struct netcdf_file *file, dimension_scale *scale);
 void scale_free(dimension_scale *scale);

@@ -93,15 +93,14 @@ static bool define(series *rows, hsize_t chunk_rows)
         return false;
     }
     coordinate->dataset = rows->dimension.scale.dataset;
-    for (int i = 1; i < rows->n_columns; i++) {
+    bool good = true;
+    for (int i = 1; i < rows->n_columns && good; i++) {
         series_column *column = &rows->columns[i];
         column->dataset = netcdf_define(rows->file, rows->group, &column->variable, chunk_rows);
-        if (column->dataset < 0) {
-            return false;
-        }
+        good = column->dataset >= 0;
     }
     rows->is_defined = true;
-    return netcdf_finish_dimension(rows->file, &rows->dimension);
+    return good && scale_list_users(rows->file, &rows->dimension.scale);
 }
 
 /** Rows written..filled of the block, behind those that the dataset has already. */
@@ -119,18 +118,13 @@ static bool write_column(series *rows, const series_column *column)
     if (H5Dset_extent(column->dataset, extent) < 0) {
         return netcdf_fail(rows->file);
     }
-    const hid_t on_file = H5Dget_space(column->dataset);
-    const hid_t in_memory = H5Screate_simple(variable->rank, count, NULL);
+    CLOSED const hid_t on_file = H5Dget_space(column->dataset);
+    CLOSED const hid_t in_memory = H5Screate_simple(variable->rank, count, NULL);
     const hid_t type = is_integer(column) ? H5T_NATIVE_INT : H5T_NATIVE_DOUBLE;
-    const bool good = on_file >= 0 && in_memory >= 0 &&
-                      H5Sselect_hyperslab(on_file, H5S_SELECT_SET, start, NULL, count, NULL) >= 0 &&
-                      H5Dwrite(column->dataset, type, in_memory, on_file, H5P_DEFAULT, from) >= 0;
-    if (!good) {
-        (void)netcdf_fail(rows->file);
-    }
-    (void)H5Sclose(in_memory);
-    (void)H5Sclose(on_file);
-    return good;
+    return (on_file >= 0 && in_memory >= 0 &&
+            H5Sselect_hyperslab(on_file, H5S_SELECT_SET, start, NULL, count, NULL) >= 0 &&
+            H5Dwrite(column->dataset, type, in_memory, on_file, H5P_DEFAULT, from) >= 0) ||
+           netcdf_fail(rows->file);
 }
 
 bool series_write(series *rows, bool is_last)

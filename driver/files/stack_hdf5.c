@@ -26,8 +26,10 @@ static bool define_dimensions(builder *b, const stack_layout *layout)
     for (long row = 0; row < layout->n_rows; row++) {
         numbers[row] = layout->first_case + row * layout->stride;
     }
-    return netcdf_define_numbers(&b->netcdf, &b->cases, &cases, layout->n_rows, H5T_NATIVE_LONG, numbers) &&
-           netcdf_define_numbers(&b->netcdf, &b->time, &time, layout->n_times, H5T_NATIVE_DOUBLE, layout->times) &&
+    return netcdf_define_values(&b->netcdf, b->netcdf.id, &b->cases, &cases, layout->n_rows, H5T_NATIVE_LONG,
+                                numbers) &&
+           netcdf_define_values(&b->netcdf, b->netcdf.id, &b->time, &time, layout->n_times, H5T_NATIVE_DOUBLE,
+                                layout->times) &&
            dimensions_define(&b->of_outputs, &b->netcdf, DIMENSIONS_OF_STACK, layout->names, 0, NULL);
 }
 
@@ -52,7 +54,7 @@ static bool fill_file(builder *b, const stack_layout *layout)
     for (int i = 0; i < layout->n_variables && good; i++) {
         good = define_variable(b, &layout->variables[i]);
     }
-    good = good && netcdf_finish_dimension(netcdf, &b->cases) && netcdf_finish_dimension(netcdf, &b->time) &&
+    good = good && scale_list_users(netcdf, &b->cases.scale) && scale_list_users(netcdf, &b->time.scale) &&
            dimensions_finish(&b->of_outputs, netcdf);
     scale_free(&b->cases.scale);
     scale_free(&b->time.scale);
@@ -102,14 +104,13 @@ static bool find_rows(stack *stack, hid_t file, const stack_layout *layout)
 {
     bool good = has_hash(file, layout->hash);
     for (int i = 0; i < layout->n_variables && good; i++) {
-        const hid_t dataset = H5Dopen2(file, layout->variables[i].name, H5P_DEFAULT);
+        CLOSED const hid_t dataset = H5Dopen2(file, layout->variables[i].name, H5P_DEFAULT);
         const haddr_t offset = dataset < 0 ? HADDR_UNDEF : H5Dget_offset(dataset);
         const hsize_t bytes =
             (hsize_t)layout->n_rows * (hsize_t)layout->n_times * (hsize_t)layout->variables[i].count * sizeof(float);
         good = offset != HADDR_UNDEF && H5Dget_storage_size(dataset) == bytes;
         stack->offsets[i] = (long long)offset;
         stack->counts[i] = layout->variables[i].count;
-        (void)H5Dclose(dataset);
     }
     return good;
 }
@@ -124,20 +125,15 @@ bool stack_open(stack *stack, const stack_layout *layout, evl_error *error)
                             .offsets = xcalloc((size_t)layout->n_variables, sizeof(long long))};
     bool good = access(layout->path, F_OK) == 0 || make_file(layout, error);
     if (good) {
-        const hid_t file = netcdf_open(layout->path);
-        good = file >= 0 && find_rows(stack, file, layout);
-        (void)(file >= 0 && H5Fclose(file));
-        if (!good) {
+        CLOSED const hid_t file = netcdf_open(layout->path);
+        good =
+            (file >= 0 && find_rows(stack, file, layout)) ||
             evl_error_set(error, EVL_EXIT_CASE, layout->path,
                           "does not hold the histories of this shard and design; remove it, or choose another folder");
-        }
     }
     if (good) {
         stack->descriptor = open(layout->path, O_WRONLY | O_CLOEXEC);
-        good = stack->descriptor >= 0;
-        if (!good) {
-            evl_error_set_unwritten(error, layout->path);
-        }
+        good = stack->descriptor >= 0 || evl_error_set_unwritten(error, layout->path);
     }
     if (!good) {
         stack_close(stack);
@@ -181,10 +177,7 @@ bool stack_write(const stack *stack, long row, const float *values, evl_error *e
 
 bool stack_sync(const stack *stack, evl_error *error)
 {
-    if (fdatasync(stack->descriptor) == 0 || errno == EINVAL) {
-        return true;
-    }
-    return evl_error_set_unwritten(error, stack->path);
+    return fdatasync(stack->descriptor) == 0 || errno == EINVAL || evl_error_set_unwritten(error, stack->path);
 }
 
 void stack_close(stack *stack)

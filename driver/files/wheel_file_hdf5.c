@@ -101,29 +101,15 @@ bool wheel_file_write(const char *path, const wheel_numbers *wheel, evl_error *e
 static bool has_integer(hid_t file, const char *name, long long wanted)
 {
     long long value = 0;
-    const hid_t attribute = H5Aexists(file, name) > 0 ? H5Aopen(file, name, H5P_DEFAULT) : -1;
-    if (attribute < 0) {
-        return false;
-    }
-    const hid_t space = H5Aget_space(attribute);
-    const bool good = H5Sget_simple_extent_npoints(space) == 1 && H5Aread(attribute, H5T_NATIVE_LLONG, &value) >= 0;
-    (void)H5Sclose(space);
-    (void)H5Aclose(attribute);
-    return good && value == wanted;
+    return netcdf_get_numbers(file, name, H5T_NATIVE_LLONG, 1, &value) && value == wanted;
 }
 
 static bool get_numbers(hid_t file, const char *name, int n, double *numbers)
 {
-    const hid_t dataset = H5Lexists(file, name, H5P_DEFAULT) > 0 ? H5Dopen2(file, name, H5P_DEFAULT) : -1;
-    if (dataset < 0) {
-        return false;
-    }
-    const hid_t space = H5Dget_space(dataset);
-    const bool good = H5Sget_simple_extent_npoints(space) == n &&
-                      H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers) >= 0;
-    (void)H5Sclose(space);
-    (void)H5Dclose(dataset);
-    return good;
+    CLOSED const hid_t dataset = H5Lexists(file, name, H5P_DEFAULT) > 0 ? H5Dopen2(file, name, H5P_DEFAULT) : -1;
+    CLOSED const hid_t space = dataset < 0 ? -1 : H5Dget_space(dataset);
+    return space >= 0 && H5Sget_simple_extent_npoints(space) == n &&
+           H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers) >= 0;
 }
 
 /** NULL, or what is wrong. */
@@ -148,9 +134,8 @@ wheel_file_answer wheel_file_read(const char *path, const wheel_numbers *wheel, 
     if (access(path, F_OK) != 0) {
         return WHEEL_FILE_MISSING;
     }
-    const hid_t file = netcdf_open(path);
+    CLOSED const hid_t file = netcdf_open(path);
     const char *fault = file < 0 ? "cannot be read, or is damaged" : find_fault(file, wheel);
-    (void)(file >= 0 && H5Fclose(file));
     if (fault == NULL) {
         return WHEEL_FILE_READ;
     }
