@@ -143,7 +143,7 @@ static bool open_histories(shard_run *run, evl_error *error)
                                  .times = histories->times,
                                  .n_variables = histories->n_variables,
                                  .variables = histories->variables,
-                                 .names = &histories->names};
+                                 .names = &model_about(histories->first.model)->names};
     return stack_open(&run->plan.stack, &layout, error);
 }
 

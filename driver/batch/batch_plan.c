@@ -56,11 +56,11 @@ bool batch_prepare(const batch_plan *plan, long index, prepared_case *prepared, 
 
 static bool refuse_variable(const batch_plan *plan, const model *model, const char *name, evl_error *error)
 {
-    const int n = model_n_outputs(model);
+    const int n = model_about(model)->n_outputs;
     OWNED const char **names = xcalloc((size_t)n, sizeof *names);
     int n_names = 0;
     for (int i = 0; i < n; i++) {
-        const model_output *output = &model_outputs_table(model)[i];
+        const model_output *output = &model_about(model)->outputs[i];
         if (!output->is_static && output->count > 0) {
             names[n_names++] = output->name;
         }
@@ -76,7 +76,7 @@ static bool choose_variables(batch_plan *plan, const model *model, evl_error *er
     batch_histories *histories = &plan->histories;
     OWNED char *names = xstrdup(plan->design->history_variables);
     char *rest = NULL;
-    histories->variables = xcalloc((size_t)model_n_outputs(model), sizeof *histories->variables);
+    histories->variables = xcalloc((size_t)model_about(model)->n_outputs, sizeof *histories->variables);
     for (char *name = strtok_r(names, " ", &rest); name != NULL; name = strtok_r(NULL, " ", &rest)) {
         const model_output *found = model_output_named(model, name);
         bool is_new = true;
@@ -111,20 +111,17 @@ static void take_times(batch_plan *plan, const prepared_case *prepared)
 /** Every shard has to come to the same layout: the design's first case that is not refused decides. */
 static bool plan_histories(batch_plan *plan, evl_error *error)
 {
-    prepared_case prepared = {0};
+    prepared_case *first = &plan->histories.first;
     evl_error refusal;
     long i = 0;
-    while (i < plan->design->n_cases && !batch_prepare(plan, i, &prepared, &refusal)) {
+    while (i < plan->design->n_cases && !batch_prepare(plan, i, first, &refusal)) {
         i++;
     }
-    bool good = true;
-    if (i < plan->design->n_cases) { /* else no case at all will have a history */
-        good = choose_variables(plan, prepared.model, error);
-        take_times(plan, &prepared);
-        plan->histories.names = model_names_copy(prepared.model, case_description(prepared.file));
+    if (i == plan->design->n_cases) {
+        return true; /* no case at all will have a history */
     }
-    prepared_case_free(&prepared);
-    return good;
+    take_times(plan, first);
+    return choose_variables(plan, first->model, error);
 }
 
 /* ---- the whole plan ---- */
@@ -149,7 +146,7 @@ bool batch_plan_init(batch_plan *plan, const design *design, evl_error *error)
 void batch_plan_free(batch_plan *plan)
 {
     batch_histories *histories = &plan->histories;
-    model_names_free(&histories->names);
+    prepared_case_free(&histories->first);
     free(histories->variables);
     free(histories->times);
     stack_close(&plan->stack);

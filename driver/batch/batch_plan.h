@@ -15,7 +15,7 @@ typedef struct {
     int n_times;
     double *times;                    /**< [s] */
     double duration, output_interval; /**< [s] that a case needs to have such a history */
-    model_names names;
+    prepared_case first; /**< the first good case; the variables and their dimensions are those of its model */
 } batch_histories;
 
 typedef struct {

@@ -38,7 +38,8 @@ static bool move_to(const prepared_case *prepared, double time, dae_state *state
     integrate_counts counts;
     char reason[DAE_MESSAGE_LENGTH];
     progress_start(&progress, true, state->t, time);
-    const integrate_code code = integrate(model_dae(prepared->model), &options, &observer, state, &counts, reason);
+    const integrate_code code =
+        integrate(&model_about(prepared->model)->dae, &options, &observer, state, &counts, reason);
     progress_end(&progress);
     if (code == INTEGRATE_DONE) {
         return true;
@@ -105,7 +106,7 @@ static void modes_of(const prepared_case *prepared, const modes_options *options
 {
     dae_state state = {.t = 0.0};
     model_message refusal;
-    OWNED double *values = xcalloc((size_t)model_n_values(prepared->model), sizeof *values);
+    OWNED double *values = xcalloc((size_t)model_about(prepared->model)->n_values, sizeof *values);
     modes_report report = {.file = prepared->file,
                            .model = prepared->model,
                            .state = &state,

@@ -28,7 +28,6 @@ typedef struct {
     prepared_case prepared;
     history *history;
     extremes *extremes;
-    model_names names;
     progress progress;
     char message[DAE_MESSAGE_LENGTH]; /**< of a failure */
 } run;
@@ -80,10 +79,10 @@ static bool create_history(run *run, const char *path)
         .path = path,
         .kind = "history",
         .axis = {.name = "time", .units = "s", .symbol = "t", .long_name = "model time"},
-        .names = &run->names,
-        .n_outputs = model_n_outputs(model),
-        .outputs = model_outputs_table(model),
-        .n_states = model_dae(model)->n,
+        .names = &model_about(model)->names,
+        .n_outputs = model_about(model)->n_outputs,
+        .outputs = model_about(model)->outputs,
+        .n_states = model_about(model)->dae.n,
         .states = states,
         .n_event_kinds = model_tables()->n_event_kinds,
         .event_kinds = model_tables()->event_kinds,
@@ -240,14 +239,12 @@ static void run_prepared(run *run, const run_options *options, const char *path,
     }
     warn_of_case(&run->prepared);
     tell_vibrations(run);
-    run->names = model_names_copy(run->prepared.model, case_description(run->prepared.file));
     progress_start(&run->progress, !options->quiet, state.t, case_description(run->prepared.file)->simulation.duration);
     if (create_history(run, path)) {
         simulate_case(run, path, &state, error);
     } else {
         evl_error_set(error, EVL_EXIT_IO, "", "%s", run->message);
     }
-    model_names_free(&run->names);
     dae_state_free(&state);
 }
 

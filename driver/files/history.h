@@ -5,7 +5,7 @@
  *  keeps one sentence for history_error(); after a failure only history_abandon may follow. */
 #pragma once
 
-#include "model/model_names.h"
+#include "model/model.h"
 
 typedef struct {
     const char *key;

@@ -6,7 +6,7 @@
 #pragma once
 
 #include "files/scales_hdf5.h"
-#include "model/model_names.h"
+#include "model/model.h"
 
 #include <hdf5.h>
 #include <stdbool.h>

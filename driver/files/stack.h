@@ -6,7 +6,7 @@
 #pragma once
 
 #include "base/status.h"
-#include "model/model_names.h"
+#include "model/model.h"
 
 #include <stdbool.h>
 

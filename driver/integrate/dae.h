@@ -20,9 +20,6 @@ typedef struct {
     double *reals;  /**< [n_reals] */
 } dae_state;
 
-/** Free the arrays, and make them NULL. */
-void dae_state_free(dae_state *state);
-
 /** One thing that happened at an event; `subject`, `side` and `count` mean something to the model only. */
 typedef struct {
     int kind;    /**< index in the model's table of event kinds */
@@ -117,3 +114,8 @@ typedef struct dae {
 
     const dae_stepper *stepper; /**< NULL: it brings none along */
 } dae;
+
+/** A state of zeros. */
+dae_state dae_state_create(const dae *dae);
+/** Free the arrays, and make them NULL. */
+void dae_state_free(dae_state *state);

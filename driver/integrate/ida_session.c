@@ -1,6 +1,7 @@
 /* Differences between SUNDIALS 6 and 7 stay here. */
 #include "integrate/ida_session.h"
 
+#include "base/memory.h"
 #include "integrate/short_vectors.h"
 
 #include <ida/ida.h>
@@ -48,21 +49,17 @@ static void silence(ida_session *s)
 #endif
 }
 
-static bool allocate_arrays(ida_session *s)
+static void allocate_arrays(ida_session *s)
 {
     const dae *m = s->run->model;
-    s->row_units = calloc((size_t)m->n, sizeof(double));
-    s->directions = calloc((size_t)m->n_roots + 1, sizeof(int));
-    s->watched_y = calloc((size_t)m->n, sizeof(double));
-    s->channels = calloc((size_t)m->n_watched + 1, sizeof(double));
-    s->kept = calloc((size_t)m->n_kept + 1, sizeof(double));
-    if (!s->row_units || !s->directions || !s->watched_y || !s->channels || !s->kept) {
-        return false;
-    }
+    s->row_units = xcalloc((size_t)m->n, sizeof(double));
+    s->directions = xcalloc((size_t)m->n_roots, sizeof(int));
+    s->watched_y = xcalloc((size_t)m->n, sizeof(double));
+    s->channels = xcalloc((size_t)m->n_watched, sizeof(double));
+    s->kept = xcalloc((size_t)m->n_kept, sizeof(double));
     for (int i = 0; i < m->n; i++) {
         s->row_units[i] = 1 / m->row_scale[i];
     }
-    return true;
 }
 
 static bool create_solver(ida_session *s)
@@ -94,11 +91,12 @@ static bool create_solver(ida_session *s)
 
 bool ida_session_open(ida_session *s)
 {
-    if (!allocate_arrays(s) || !create_solver(s)) {
-        return false;
+    allocate_arrays(s);
+    const bool good = create_solver(s);
+    if (good) {
+        silence(s);
     }
-    silence(s);
-    return true;
+    return good;
 }
 
 void ida_session_close(ida_session *s)

@@ -3,7 +3,6 @@
 #include "integrate/integration.h"
 
 #include <float.h>
-#include <stdio.h>
 #include <time.h>
 
 static double cpu_now(void)
@@ -27,15 +26,11 @@ integrate_code integrate(const dae *model, const integrate_options *options, con
                        .t_missed = -DBL_MAX,
                        .next_output = 1};
     const double cpu_start = cpu_now();
-    integrate_code code = INTEGRATE_FAILED;
     reason[0] = '\0';
     *counts = (integrate_counts){0};
-    if (integration_begin(&run)) {
-        integration_watch_state(&run);
-        code = options->by_stepper ? integrate_by_stepper(&run) : integrate_by_ida(&run);
-    } else {
-        (void)snprintf(reason, DAE_MESSAGE_LENGTH, "there is not enough memory for the integrator");
-    }
+    integration_begin(&run);
+    integration_watch_state(&run);
+    const integrate_code code = options->by_stepper ? integrate_by_stepper(&run) : integrate_by_ida(&run);
     integration_end(&run);
     counts->cpu_seconds = cpu_now() - cpu_start;
     return code;

@@ -1,5 +1,7 @@
 #include "integrate/integration.h"
 
+#include "base/memory.h"
+
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -24,13 +26,12 @@ long output_grid_size(const integrate_options *options, double t_start)
     return (long)((options->t_end - t_start) / options->output_interval - grid_slack) + 2;
 }
 
-static bool allocate_state(const dae *m, dae_state *state)
+dae_state dae_state_create(const dae *dae)
 {
-    state->y = calloc((size_t)m->n, sizeof(double));
-    state->yp = calloc((size_t)m->n, sizeof(double));
-    state->integers = calloc((size_t)m->n_integers + 1, sizeof(int));
-    state->reals = calloc((size_t)m->n_reals + 1, sizeof(double));
-    return state->y && state->yp && state->integers && state->reals;
+    return (dae_state){.y = xcalloc((size_t)dae->n, sizeof(double)),
+                       .yp = xcalloc((size_t)dae->n, sizeof(double)),
+                       .integers = xcalloc((size_t)dae->n_integers, sizeof(int)),
+                       .reals = xcalloc((size_t)dae->n_reals, sizeof(double))};
 }
 
 void dae_state_free(dae_state *state)
@@ -51,13 +52,12 @@ static void copy_state(const dae *m, dae_state *to, const dae_state *from)
     memcpy(to->reals, from->reals, (size_t)m->n_reals * sizeof(double));
 }
 
-bool integration_begin(integration *run)
+void integration_begin(integration *run)
 {
-    const dae *m = run->model;
-    run->fired = calloc((size_t)m->n_roots + 1, sizeof *run->fired);
-    run->events = calloc((size_t)m->n_events + 1, sizeof *run->events);
-    const bool has_states = allocate_state(m, &run->trial) && allocate_state(m, &run->old);
-    return run->fired && run->events && has_states;
+    run->fired = xcalloc((size_t)run->model->n_roots, sizeof *run->fired);
+    run->events = xcalloc((size_t)run->model->n_events, sizeof *run->events);
+    run->trial = dae_state_create(run->model);
+    run->old = dae_state_create(run->model);
 }
 
 void integration_end(integration *run)

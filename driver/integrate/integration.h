@@ -26,8 +26,8 @@ typedef struct {
     int times_missed; /**< how often, without coming past it */
 } integration;
 
-/** Whether there was memory; integration_end is due in any case. */
-bool integration_begin(integration *run);
+/** Take memory; integration_end gives it back. */
+void integration_begin(integration *run);
 void integration_end(integration *run);
 
 /** The trial state with the discrete state of the present one. */

@@ -14,6 +14,17 @@ void model_explain(const model *model, const evl_status *status, model_message *
     (void)snprintf(error->message, sizeof error->message, "%s", status->message);
 }
 
+/** Names of the places for tooth pairs: those of the drive flank come first. */
+static name_list name_pairs(const evl_sizes *sizes)
+{
+    const int n = sizes->n_pair_places, n_drive = sizes->n_drive_places;
+    char **pairs = xcalloc((size_t)n, sizeof *pairs);
+    for (int i = 0; i < n; i++) {
+        pairs[i] = i < n_drive ? xasprintf("drive_%d", i) : xasprintf("coast_%d", i - n_drive);
+    }
+    return (name_list){n, (const char *const *)pairs};
+}
+
 model *model_create(const description *description, const evl_wheel_store *wheels, model_message *error)
 {
     evl_status status = {.index = -1};
@@ -27,10 +38,10 @@ model *model_create(const description *description, const evl_wheel_store *wheel
         return NULL;
     }
     evl_gearbox_sizes(model->gearbox, &model->sizes);
-    model->mesh_names = xcalloc((size_t)description->n_meshes, sizeof *model->mesh_names);
-    for (int i = 0; i < description->n_meshes; i++) {
-        model->mesh_names[i] = xstrdup(description->meshes[i]);
-    }
+    model->about.names = (model_names){.wheels = {description->n_wheels, description->wheels},
+                                       .meshes = {description->n_meshes, description->meshes},
+                                       .shafts = {description->n_shafts, description->shafts},
+                                       .pairs = name_pairs(&model->sizes)};
     model_describe_dae(model);
     model_describe_outputs(model);
     return model;
@@ -67,20 +78,20 @@ void model_delete(model **pointer)
     }
     evl_gearbox_delete(&model->gearbox);
     evl_description_delete(&model->description);
-    free((void *)model->dae.scale);
-    free((void *)model->dae.row_scale);
-    free((void *)model->dae.differential);
-    for (int i = 0; model->mesh_names != NULL && i < model->sizes.n_meshes; i++) {
-        free(model->mesh_names[i]);
+    free((void *)model->about.dae.scale);
+    free((void *)model->about.dae.row_scale);
+    free((void *)model->about.dae.differential);
+    for (int i = 0; i < model->about.names.pairs.n; i++) {
+        free((char *)model->about.names.pairs.names[i]);
     }
-    free(model->mesh_names);
-    free(model->outputs);
+    free((void *)model->about.names.pairs.names);
+    free((void *)model->about.outputs);
     free(model);
 }
 
-const dae *model_dae(const model *model)
+const model_facts *model_about(const model *model)
 {
-    return &model->dae;
+    return &model->about;
 }
 
 void model_explain_no_stepper(const model *model, model_message *error)
@@ -88,15 +99,6 @@ void model_explain_no_stepper(const model *model, model_message *error)
     evl_status status;
     (void)evl_radau_serves(model->gearbox, &status);
     model_explain(model, &status, error);
-}
-
-dae_state model_create_state(const model *model)
-{
-    const evl_sizes *sizes = &model->sizes;
-    return (dae_state){.y = xcalloc((size_t)sizes->n_states, sizeof(double)),
-                       .yp = xcalloc((size_t)sizes->n_states, sizeof(double)),
-                       .integers = xcalloc((size_t)sizes->n_integers, sizeof(int)),
-                       .reals = xcalloc((size_t)sizes->n_reals, sizeof(double))};
 }
 
 void model_explain_start(const model *model, const evl_status *status, model_message *error)
@@ -109,7 +111,7 @@ void model_explain_start(const model *model, const evl_status *status, model_mes
 
 static bool start(const model *model, const evl_initial *initial, dae_state *state, model_message *error)
 {
-    *state = model_create_state(model);
+    *state = dae_state_create(&model->about.dae);
     evl_status status = {.index = -1};
     const int code = evl_gearbox_initial_state(model->gearbox, initial, state->t, state->y, state->yp, state->integers,
                                                state->reals, &status);

@@ -32,8 +32,25 @@ evl_kind *model_kinds(const char *block, int *n);
 model *model_create(const description *description, const evl_wheel_store *wheels, model_message *error);
 void model_delete(model **model);
 
-/** dae.stepper is the kernel's integrator radau, if it serves the model. */
-const dae *model_dae(const model *model);
+typedef struct {
+    int n;
+    const char *const *names; /**< [n] */
+} name_list;
+
+/** The names of what the values of a model belong to. */
+typedef struct {
+    name_list wheels, meshes, shafts;
+    name_list pairs; /**< places for the tooth pairs of a mesh: drive_0, drive_1, ..., coast_0, ... */
+} model_names;
+
+/** What is fixed of a model. */
+typedef struct {
+    dae dae; /**< its stepper is the kernel's integrator radau, if that serves the model */
+    model_names names;
+    int n_outputs, n_values;     /**< n_values: numbers of all outputs at a state */
+    const model_output *outputs; /**< [n_outputs] */
+} model_facts;
+const model_facts *model_about(const model *model);
 /** Why it does not, if so. */
 void model_explain_no_stepper(const model *model, model_message *error);
 
@@ -46,14 +63,11 @@ bool model_steady_state(const model *model, double mesh_position, dae_state *sta
 int model_n_warnings(const model *model);
 void model_warning(const model *model, int index, model_message *warning);
 
-int model_n_outputs(const model *model);
-const model_output *model_outputs_table(const model *model);
 /** An output by its name; NULL if there is none. */
 const model_output *model_output_named(const model *model, const char *name);
 /** Place of an output, by its name, in the array that model_outputs fills; -1 if there is none. */
 int model_output_offset(const model *model, const char *name);
-int model_n_values(const model *model);
-/** All outputs at a state [model_n_values]; integers as whole doubles. @return a dae_code */
+/** All outputs at a state [n_values]; integers as whole doubles. @return a dae_code */
 int model_outputs(const model *model, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH]);
 /** The same, but DAE_RECOVERABLE if y does not agree with the discrete state: an event before it was missed. */
 int model_checked_outputs(const model *model, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH]);
@@ -79,9 +93,6 @@ struct model_tables {
 };
 const struct model_tables *model_tables(void);
 const case_schema *model_schema(void);
-
-/** Places that the outputs have for the tooth pairs of a mesh, and how many of them, the first, are for the drive flank. */
-void model_pair_places(const model *model, int *n, int *n_drive);
 
 typedef struct {
     char name[32], units[32];

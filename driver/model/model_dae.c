@@ -10,7 +10,7 @@ int model_answer(const model *model, int code, const evl_status *status, char me
         return DAE_OK;
     }
     if (status->subject == EVL_SUBJECT_MESH && status->index >= 0) {
-        OWNED char *named = xasprintf("mesh '%s': %s", model->mesh_names[status->index], status->message);
+        OWNED char *named = xasprintf("mesh '%s': %s", model->about.names.meshes.names[status->index], status->message);
         (void)snprintf(message, DAE_MESSAGE_LENGTH, "%s", named);
     } else {
         (void)snprintf(message, DAE_MESSAGE_LENGTH, "%s", status->message);
@@ -107,7 +107,7 @@ void model_describe_dae(model *model)
     double *scale = xcalloc(n, sizeof *scale), *row_scale = xcalloc(n, sizeof *row_scale);
     int *differential = xcalloc(n, sizeof *differential);
     evl_gearbox_scales(model->gearbox, &model->initial, scale, row_scale, differential);
-    model->dae = (dae){
+    model->about.dae = (dae){
         .self = model,
         .n = sizes->n_states,
         .n_integers = sizes->n_integers,

@@ -8,21 +8,17 @@
 struct model {
     evl_description *description;
     evl_gearbox *gearbox;
-    dae dae;
+    model_facts about;
     evl_sizes sizes;
-    evl_initial initial;   /**< its arrays are those of the case's description */
-    model_output *outputs; /**< [n_outputs] */
-    char **mesh_names;     /**< [n_meshes] for messages during a run */
+    evl_initial initial; /**< its arrays are those of the case's description */
 };
 
 /** What the kernel says at run time, with the name of the mesh that it is about; a dae_code. */
 int model_answer(const model *model, int code, const evl_status *status, char message[DAE_MESSAGE_LENGTH]);
-/** Fill model->dae; its arrays are owned by the model. */
+/** Fill the dae; its arrays are owned by the model. */
 void model_describe_dae(model *model);
 /** The kernel's integrator for the model's dae; NULL if it does not serve the gearbox. */
 const dae_stepper *model_radau(const model *model);
-/** A state of zeros; its arrays belong to the caller. */
-dae_state model_create_state(const model *model);
 /** What a refusal is about, and why. */
 void model_explain(const model *model, const evl_status *status, model_message *error);
 /** Why there is no state to start from; what is about nothing else is about the case's initial state. */

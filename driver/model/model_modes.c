@@ -112,7 +112,7 @@ bool model_modes(const model *model, const dae_state *state, natural_modes *mode
 bool model_mean_modes(const model *model, dae_state *state, double *values, natural_modes *modes, model_message *error)
 {
     evl_status status;
-    *state = model_create_state(model);
+    *state = dae_state_create(&model->about.dae);
     const bool good = find_modes(model, state, values, modes, &status);
     if (!good) {
         model_explain_start(model, &status, error);

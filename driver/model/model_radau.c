@@ -19,7 +19,7 @@ static void *create(const void *self, double tolerance, double max_step, char me
 {
     const model *model = self;
     evl_status status;
-    evl_radau *radau = evl_radau_create(model->gearbox, model->dae.scale, tolerance, max_step, &status);
+    evl_radau *radau = evl_radau_create(model->gearbox, model->about.dae.scale, tolerance, max_step, &status);
     if (radau == NULL) {
         (void)model_answer(model, status.code, &status, message);
         return NULL;

@@ -180,47 +180,29 @@ void model_describe_outputs(model *model)
     const evl_sizes *sizes = &model->sizes;
     const size_t n = (size_t)sizes->n_outputs;
     (void)pthread_once(&once, copy_tables);
-    model->outputs = memcpy(xcalloc(n, sizeof *model->outputs), outputs, n * sizeof *model->outputs);
+    model_output *own = memcpy(xcalloc(n, sizeof *own), outputs, n * sizeof *own);
     OWNED int *offsets = xcalloc(n, sizeof *offsets), *counts = xcalloc(n, sizeof *counts);
     evl_gearbox_output_places(model->gearbox, offsets, counts);
     for (int i = 0; i < sizes->n_outputs; i++) {
-        model->outputs[i].offset = offsets[i];
-        model->outputs[i].count = counts[i];
+        own[i].offset = offsets[i];
+        own[i].count = counts[i];
     }
-}
-
-void model_pair_places(const model *model, int *n, int *n_drive)
-{
-    *n = model->sizes.n_pair_places;
-    *n_drive = model->sizes.n_drive_places;
-}
-
-int model_n_outputs(const model *model)
-{
-    return model->sizes.n_outputs;
-}
-
-const model_output *model_outputs_table(const model *model)
-{
-    return model->outputs;
+    model->about.outputs = own;
+    model->about.n_outputs = sizes->n_outputs;
+    model->about.n_values = sizes->n_values;
 }
 
 const model_output *model_output_named(const model *model, const char *name)
 {
     const int *found =
         bsearch(name, outputs_by_name, (size_t)model->sizes.n_outputs, sizeof *outputs_by_name, compare_with_name);
-    return found == NULL ? NULL : &model->outputs[*found];
+    return found == NULL ? NULL : &model->about.outputs[*found];
 }
 
 int model_output_offset(const model *model, const char *name)
 {
     const model_output *found = model_output_named(model, name);
     return found == NULL ? -1 : found->offset;
-}
-
-int model_n_values(const model *model)
-{
-    return model->sizes.n_values;
 }
 
 model_state *model_states(const model *model)

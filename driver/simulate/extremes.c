@@ -22,7 +22,7 @@ extremes *extremes_create(const model *model, int n_meshes, double from, double 
 {
     extremes *extremes = xcalloc(1, sizeof *extremes);
     *extremes = (struct extremes){.from = from, .to = to};
-    extreme_channels_init(&extremes->channels, model_dae(model));
+    extreme_channels_init(&extremes->channels, &model_about(model)->dae);
     channel_past_init(&extremes->past, &extremes->channels);
     for (int k = 0; k < model_tables()->n_extremes; k++) {
         for (int mesh = 0; mesh < n_meshes; mesh++) {

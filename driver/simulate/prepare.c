@@ -35,7 +35,7 @@ char *prepare_warnings(const prepared_case *prepared, const char *separator)
 static bool settle_integrator(const prepared_case *prepared, model_message *refusal)
 {
     const simulation_description *simulation = &case_description(prepared->file)->simulation;
-    const bool serves = model_dae(prepared->model)->stepper != NULL;
+    const bool serves = model_about(prepared->model)->dae.stepper != NULL;
     if (simulation->integrator == INTEGRATOR_RADAU && !serves) {
         model_explain_no_stepper(prepared->model, refusal);
         return false;

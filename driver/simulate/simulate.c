@@ -134,7 +134,7 @@ integrate_options simulate_options(const prepared_case *prepared)
 void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_state *state, simulate_result *result)
 {
     *result = (simulate_result){.end = SIMULATE_DONE};
-    OWNED double *values = xcalloc((size_t)model_n_values(prepared->model), sizeof *values);
+    OWNED double *values = xcalloc((size_t)model_about(prepared->model)->n_values, sizeof *values);
     simulation s = {.prepared = prepared, .sink = sink, .values = values, .t_given = -1.0};
     const integrate_options options = simulate_options(prepared);
     const integrate_observer observer = {.self = &s,
@@ -148,7 +148,7 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_stat
     s.invariants =
         invariant_watch_create(prepared->model, description->n_wheels, description->n_meshes, options.tolerance);
     const integrate_code code =
-        integrate(model_dae(prepared->model), &options, &observer, state, &result->counts, result->message);
+        integrate(&model_about(prepared->model)->dae, &options, &observer, state, &result->counts, result->message);
     if (code == INTEGRATE_DONE) {
         remark_contact(&s, result);
         remark_growth(&result->counts.growth, result);

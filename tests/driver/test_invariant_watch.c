@@ -38,7 +38,7 @@ static int set_up(void **state)
     char message[DAE_MESSAGE_LENGTH];
     assert_true(prepare_case(&f->prepared, "examples/paper.yaml", 2, set, &error));
     assert_true(model_initial_state(f->prepared.model, &start, &refusal));
-    f->values = xcalloc((size_t)model_n_values(f->prepared.model), sizeof *f->values);
+    f->values = xcalloc((size_t)model_about(f->prepared.model)->n_values, sizeof *f->values);
     assert_int_equal(model_outputs(f->prepared.model, &start, f->values, message), DAE_OK);
     dae_state_free(&start);
     *state = f;

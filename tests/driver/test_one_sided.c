@@ -102,8 +102,8 @@ static void run(const char *integrator)
     char message[DAE_MESSAGE_LENGTH] = "";
     assert_true(prepare_case(&r.prepared, "examples/spur-pair.yaml", sizeof set / sizeof *set, set, &error));
     assert_true(prepare_start(&r.prepared, &state, &error));
-    const dae *model = model_dae(r.prepared.model);
-    r.values = xcalloc((size_t)model_n_values(r.prepared.model), sizeof *r.values);
+    const dae *model = &model_about(r.prepared.model)->dae;
+    r.values = xcalloc((size_t)model_about(r.prepared.model)->n_values, sizeof *r.values);
     r.y = xcalloc((size_t)model->n, sizeof *r.y);
     assert_int_equal(model_outputs(r.prepared.model, &state, r.values, message), DAE_OK);
     /* a root lies 1e-6 of this rate past the kink (src/mesh_roots.f90), and is located to a hundredth of that */

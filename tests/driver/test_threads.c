@@ -57,7 +57,7 @@ static int on_output(void *self, const dae_state *state, char *reason)
         return code == DAE_RECOVERABLE ? INTEGRATE_ANEW : 1;
     }
     put(&run->tape, &state->t, 1);
-    put(&run->tape, run->values, model_n_values(run->prepared.model));
+    put(&run->tape, run->values, model_about(run->prepared.model)->n_values);
     if (run->meanwhile != NULL) {
         integrate_alone(run->meanwhile);
         forget(run->meanwhile);
@@ -91,7 +91,7 @@ static void integrate_alone(case_run *run)
         (void)snprintf(run->reason, sizeof run->reason, "%.*s", (int)sizeof run->reason - 1, error.message);
         return;
     }
-    run->values = xcalloc((size_t)model_n_values(run->prepared.model), sizeof *run->values);
+    run->values = xcalloc((size_t)model_about(run->prepared.model)->n_values, sizeof *run->values);
     if (!model_initial_state(run->prepared.model, &run->state, &refusal)) {
         (void)snprintf(run->reason, sizeof run->reason, "%s", refusal.message);
         return;
@@ -103,10 +103,11 @@ static void integrate_alone(case_run *run)
                                        .max_step = simulation->max_step,
                                        .by_stepper = simulation->integrator == INTEGRATOR_RADAU};
     const integrate_observer observer = {.self = run, .output = on_output, .event = on_event, .step = on_step};
-    run->code = integrate(model_dae(run->prepared.model), &options, &observer, &run->state, &run->counts, run->reason);
+    run->code =
+        integrate(&model_about(run->prepared.model)->dae, &options, &observer, &run->state, &run->counts, run->reason);
     const double ends[] = {(double)run->counts.steps, (double)run->counts.residuals, run->state.t};
     put(&run->tape, ends, 3);
-    put(&run->tape, run->state.y, model_dae(run->prepared.model)->n);
+    put(&run->tape, run->state.y, model_about(run->prepared.model)->dae.n);
 }
 
 static void forget(case_run *run)
