@@ -6,11 +6,15 @@ import xarray as xr
 
 from evolvent.history import require
 from evolvent.physics.applicable import NotApplicableError
+from evolvent.physics.invariant import invariant
 from evolvent.physics.wheel_torques import contact_torque, largest_shaft_torque, shaft_torque
 
 ENERGIES = ("kinetic_energy", "potential_energy", "dissipated_energy", "load_work")
 
 
+@invariant(
+    "energy balance", "T + V + dissipated - work of loads = constant", "energy put in", 1e-10, 10.0
+)
 def energy_balance(history: xr.Dataset) -> xr.DataArray:
     """Energy that appeared or got lost since the start over the energy put in, dim (time).
 
@@ -29,6 +33,12 @@ def energy_balance(history: xr.Dataset) -> xr.DataArray:
     return (balance - balance[0]) / scale
 
 
+@invariant(
+    "torque balance",
+    "J omega' = load + sigma (F_n r_b + F_t l) + shafts",
+    "largest contact or shaft torque",
+    1e-6,
+)
 def torque_balance(history: xr.Dataset) -> xr.DataArray:
     """J omega' - load - contact - shaft torques over the wheel's largest contact or shaft torque.
 

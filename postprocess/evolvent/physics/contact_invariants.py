@@ -1,4 +1,4 @@
-"""What must hold of every contact: forces push, modes agree with gaps, rigid ones stay closed.
+"""What must hold of every contact: forces push, modes agree with gaps.
 
 A run ends with exit code 4 where forces pull or modes contradict the gaps; here they are looked at
 again in what was written.
@@ -6,22 +6,16 @@ again in what was written.
 
 from __future__ import annotations
 
-import numpy as np
 import xarray as xr
 
 from evolvent.history import require
-from evolvent.physics.applicable import (
-    NotApplicableError,
-    base_radii,
-    depth_scale,
-    of_meshes,
-    rigid_meshes,
-)
-from evolvent.physics.wheel_torques import rotor_inertia
+from evolvent.physics.applicable import NotApplicableError
+from evolvent.physics.invariant import invariant
 
 OPEN, LOADED, UNLOADED = 0, 1, 2  # values of `pair_contact_mode`
 
 
+@invariant("pushing", "F_n >= 0", "reference force", 1e-6)
 def pull(history: xr.Dataset) -> xr.DataArray:
     """Force with which flanks pull at each other over the reference force.
 
@@ -32,6 +26,12 @@ def pull(history: xr.Dataset) -> xr.DataArray:
     return (-force).clip(min=0.0) / require(history, "reference_force")
 
 
+@invariant(
+    "contact modes",
+    "in contact: h >= 0, else F_n = 0, and h <= 0 without tooth coupling",
+    "reference penetration or force",
+    1e-6,
+)
 def agreement_of_modes(history: xr.Dataset) -> xr.DataArray:
     """How far gaps and forces of tooth pairs contradict their modes, dims (time, mesh, pair).
 
@@ -51,29 +51,3 @@ def agreement_of_modes(history: xr.Dataset) -> xr.DataArray:
     force = abs(require(history, "pair_normal_force")).where(mode != LOADED, 0.0)
     force = force / require(history, "reference_force")
     return length.where(length > force, force).transpose("time", "mesh", "pair")
-
-
-def rigid_gap(history: xr.Dataset) -> xr.DataArray:
-    """Gap of closed rigid contacts over the depth, dims (time, mesh).
-
-    Source: Kosenko & Gusev 2011, section 7.3.
-    """
-    rigid, closed = rigid_meshes(history)
-    gap = require(rigid, "gap") / depth_scale(rigid)
-    return gap.where(closed, 0.0).transpose("time", "mesh")
-
-
-def rigid_gap_rate(history: xr.Dataset) -> xr.DataArray:
-    """Rate of the gap of closed rigid contacts over that of a vibration, dims (time, mesh).
-
-    The scale is the depth times the natural frequency of a contact of stiffness F_0/h_0 between the
-    two wheels.
-    """
-    rigid, closed = rigid_meshes(history)
-    radii = base_radii(rigid)
-    inertias = of_meshes(rigid, rotor_inertia(rigid))
-    mobility = sum(r**2 / inertia for r, inertia in zip(radii, inertias, strict=True))
-    force, depth = require(rigid, "reference_force"), require(rigid, "reference_penetration")
-    frequency = np.sqrt(force / depth * mobility)
-    rate = require(rigid, "gap_rate") / (depth_scale(rigid) * frequency)
-    return rate.where(closed, 0.0).transpose("time", "mesh")

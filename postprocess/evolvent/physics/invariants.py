@@ -1,49 +1,29 @@
-"""What must hold in every run, whatever the case: the invariants as a table, and their verdicts.
+"""What must hold in every run, whatever the case: the table of invariants, and their verdicts.
 
-Each invariant is a function of the history that gives the deviation from what should be, divided
-by its natural scale, so that one number bounds it: a fixed one, or a multiple of the tolerance of
-the case where that is larger. docs/theory.md explains them. `evolvent run` holds its own run to
-some of them, with the same bounds, and writes the outcome down (`invariants`).
+Each invariant is a function of the history, whose decorator is its row (`invariant`). It gives the
+deviation from what should be, divided by its natural scale, so that one number bounds it: a fixed
+one, or a multiple of the tolerance of the case where that is larger. docs/theory.md explains them.
+`evolvent run` holds its own run to some of them, with the same bounds, and writes the outcome down
+(`invariants`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from importlib import import_module
 
 import numpy as np
 import xarray as xr
 import yaml
 
-from evolvent.physics.applicable import DEPTH_BOUND, NotApplicableError
-from evolvent.physics.balance_invariants import energy_balance, torque_balance
-from evolvent.physics.contact_invariants import agreement_of_modes, pull, rigid_gap, rigid_gap_rate
-from evolvent.physics.record_invariants import beyond_extremes, finiteness, order_of_times
-from evolvent.physics.tracking_invariants import (
-    distance_from_flanks,
-    distance_from_line_of_action,
-    gradient_ratio,
-    transmission_error_identity,
-)
+from evolvent.physics.applicable import NotApplicableError
+from evolvent.physics.invariant import INVARIANTS, Invariant
+
+# In the order of the table.
+for _of in ("tracking", "rigid", "balance", "contact", "record"):
+    import_module(f"evolvent.physics.{_of}_invariants")
 
 DEFAULT_TOLERANCE = 1e-9
-DEPTH = "penetration"  # the largest or the reference one, whichever is larger
-
-
-@dataclass(frozen=True)
-class Invariant:
-    """One line of the table."""
-
-    name: str
-    formula: str  # text, as in docs/theory.md
-    relative_to: str
-    least_bound: float
-    deviation: Callable[[xr.Dataset], xr.DataArray]
-    tolerances: float = 0.0  # the bound is at least so many times the tolerance of the case
-
-    def bound(self, tolerance: float) -> float:
-        """Largest deviation of a right run with that tolerance."""
-        return max(self.least_bound, self.tolerances * tolerance)
 
 
 @dataclass(frozen=True)
@@ -61,76 +41,6 @@ class Verdict:
     def failed(self) -> bool:
         """Whether the invariant is broken."""
         return self.verdict == "fail"
-
-
-INVARIANTS = (
-    Invariant("gradient ratio", "lambda = -r_bB/r_bA", "itself", 1e-12, gradient_ratio, 1e-3),
-    Invariant(
-        "transmission error",
-        "Delta = h + e + R (inv alpha - inv alpha_0)",
-        DEPTH,
-        DEPTH_BOUND,
-        transmission_error_identity,
-        tolerances=1.0,
-    ),
-    Invariant(
-        "points on flanks",
-        "r_b g(r_P) = 0",
-        DEPTH,
-        DEPTH_BOUND,
-        distance_from_flanks,
-        tolerances=1.0,
-    ),
-    Invariant(
-        "points on line of action",
-        "(r_P - K_A).t = 0",
-        DEPTH,
-        DEPTH_BOUND,
-        distance_from_line_of_action,
-        tolerances=1.0,
-    ),
-    Invariant("rigid gap", "kappa = 0", DEPTH, 2 * DEPTH_BOUND, rigid_gap, tolerances=1.0),
-    Invariant(
-        "rigid gap rate",
-        "kappa' = 0",
-        "vibration of that depth",
-        1e-10,
-        rigid_gap_rate,
-        tolerances=1.0,
-    ),
-    Invariant(
-        "energy balance",
-        "T + V + dissipated - work of loads = constant",
-        "energy put in",
-        1e-10,
-        energy_balance,
-        tolerances=10.0,
-    ),
-    Invariant(
-        "torque balance",
-        "J omega' = load + sigma (F_n r_b + F_t l) + shafts",
-        "largest contact or shaft torque",
-        1e-6,
-        torque_balance,
-    ),
-    Invariant("pushing", "F_n >= 0", "reference force", 1e-6, pull),
-    Invariant(
-        "contact modes",
-        "in contact: h >= 0, else F_n = 0, and h <= 0 without tooth coupling",
-        "reference penetration or force",
-        1e-6,
-        agreement_of_modes,
-    ),
-    Invariant(
-        "extremes",
-        "no output beyond its extreme over the run",
-        "largest value",
-        1e-9,
-        beyond_extremes,
-    ),
-    Invariant("order of times", "t_i < t_(i+1)", "1", 0.0, order_of_times),
-    Invariant("finite values", "every value is a number", "number of values", 0.0, finiteness),
-)
 
 
 def check_history(history: xr.Dataset) -> list[Verdict]:

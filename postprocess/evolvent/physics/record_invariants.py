@@ -8,6 +8,7 @@ import xarray as xr
 from evolvent.history import require
 from evolvent.physics.applicable import NotApplicableError, depth_scale, is_tracked
 from evolvent.physics.extremes import told_extremes
+from evolvent.physics.invariant import invariant
 
 OF_REAL_GEARS = {  # constants of wheels and meshes that other pairs do not have
     *("root_radius", "form_radius", "tooth_angle", "backlash"),
@@ -33,6 +34,7 @@ TRACKED_ONLY = frozenset(
 )
 
 
+@invariant("extremes", "no output beyond its extreme over the run", "largest value", 1e-9)
 def beyond_extremes(history: xr.Dataset) -> xr.DataArray:
     """How far an output lies beyond its extreme over the run, over its largest value.
 
@@ -58,6 +60,7 @@ def beyond_extremes(history: xr.Dataset) -> xr.DataArray:
     return xr.concat(beyond, dim=xr.DataArray(names, dims="extreme", name="extreme"))
 
 
+@invariant("order of times", "t_i < t_(i+1)", "1", 0.0)
 def order_of_times(history: xr.Dataset) -> xr.DataArray:
     """1 where the time is not later than that of the row before, else 0, dim (time)."""
     time = require(history, "time")
@@ -66,6 +69,7 @@ def order_of_times(history: xr.Dataset) -> xr.DataArray:
     return xr.DataArray((~late).astype(float), dims="time", coords={"time": time})
 
 
+@invariant("finite values", "every value is a number", "number of values", 0.0)
 def finiteness(history: xr.Dataset) -> xr.DataArray:
     """Share of the values that are no finite numbers, dim (variable).
 

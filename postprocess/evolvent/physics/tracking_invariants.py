@@ -5,9 +5,11 @@ from __future__ import annotations
 import xarray as xr
 
 from evolvent.history import require
-from evolvent.physics.applicable import base_radii, pressed_meshes, tracked_meshes
+from evolvent.physics.applicable import DEPTH_BOUND, base_radii, pressed_meshes, tracked_meshes
+from evolvent.physics.invariant import DEPTH, invariant
 
 
+@invariant("gradient ratio", "lambda = -r_bB/r_bA", "itself", 1e-12, 1e-3)
 def gradient_ratio(history: xr.Dataset) -> xr.DataArray:
     """lambda over its constant value -r_bB/r_bA, minus 1, dims (time, mesh).
 
@@ -18,6 +20,9 @@ def gradient_ratio(history: xr.Dataset) -> xr.DataArray:
     return (require(tracked, "gradient_ratio") * driving / driven + 1.0).where(when, 0.0)
 
 
+@invariant(
+    "transmission error", "Delta = h + e + R (inv alpha - inv alpha_0)", DEPTH, DEPTH_BOUND, 1.0
+)
 def transmission_error_identity(history: xr.Dataset) -> xr.DataArray:
     """Delta - h - e - R (inv alpha - inv alpha_0) over the depth, dims (time, mesh).
 
@@ -29,6 +34,7 @@ def transmission_error_identity(history: xr.Dataset) -> xr.DataArray:
     return (lag - require(pressed, "separation_curvature")) / depth
 
 
+@invariant("points on flanks", "r_b g(r_P) = 0", DEPTH, DEPTH_BOUND, 1.0)
 def distance_from_flanks(history: xr.Dataset) -> xr.DataArray:
     """Distance of the tracked points from their flanks, r_b g, over the depth.
 
@@ -37,6 +43,7 @@ def distance_from_flanks(history: xr.Dataset) -> xr.DataArray:
     return _of_both_wheels(history, "tracking_residual")
 
 
+@invariant("points on line of action", "(r_P - K_A).t = 0", DEPTH, DEPTH_BOUND, 1.0)
 def distance_from_line_of_action(history: xr.Dataset) -> xr.DataArray:
     """Distance of the tracked points from the line of action, (r_P - K_A).t, over the depth.
 
