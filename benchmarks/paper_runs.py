@@ -14,8 +14,9 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from evolvent.errors import HistoryError
 from evolvent.figures.over_time import Curve, Panel, figure_over_time
-from evolvent.history import HistoryError, require
+from evolvent.history import require
 
 MEAN_FROM = 2.0  # mean forces are taken over the whole pitches after this time [s]
 # The contact's ringing decays with 146/s: 8e-6 of it are left this long after an event [s].

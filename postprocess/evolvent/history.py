@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from evolvent.errors import HistoryError
+
 NEWEST_FORMAT = 1
 HISTORY, STATIC = "history", "static"  # values of the attribute `evolvent_kind`
 DIMENSIONS = {
@@ -19,12 +21,6 @@ DIMENSIONS = {
 }
 WHAT = {HISTORY: "a history", STATIC: "a static analysis", "stack": "histories of many cases"}
 DONE, RUNNING = "done", "running"  # values of the attribute `status`
-
-
-class HistoryError(Exception):
-    """A file that cannot be used as a history; the message names it and says why."""
-
-    code = 3  # exit code of a program that meets it
 
 
 def open_history(path: str | Path) -> xr.Dataset:

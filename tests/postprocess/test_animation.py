@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 from real_gears import RealPair
 
-from evolvent.history import HistoryError
+from evolvent.errors import HistoryError
 from evolvent.pages.animation import (
     MAX_FRAMES,
     USUAL_ADVANCE,

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from static_curves import RATIO, REACH, share_at, static_curves
 
+from evolvent.errors import HistoryError
 from evolvent.figures.static import path_of_pair
 from evolvent.figures.table import Run, harris, load_sharing, mesh_stiffness, speeds
 from evolvent.figures.table import static_transmission_error as transmission_error
-from evolvent.history import HISTORY, STATIC, HistoryError, open_history, open_result, result_kind
+from evolvent.history import HISTORY, STATIC, open_history, open_result, result_kind
 
 
 @pytest.fixture

@@ -21,9 +21,9 @@ from sweeps import (
     write_journal,
 )
 
+from evolvent.errors import SweepError
 from evolvent.sweep.collect import collect
 from evolvent.sweep.design import write_design
-from evolvent.sweep.errors import SweepError
 from evolvent.sweep.journal import Counts
 
 

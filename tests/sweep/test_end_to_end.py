@@ -17,8 +17,8 @@ import pytest
 import xarray as xr
 from sweeps import PAPER
 
+from evolvent.errors import SweepError
 from evolvent.sweep.design import read_design
-from evolvent.sweep.errors import SweepError
 from evolvent.sweep.folder import open_for_run, remaining_shards
 from evolvent.sweep.journal import read_records
 from evolvent.sweep.pool import run_with_executor, task_count

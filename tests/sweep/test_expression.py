@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from evolvent.sweep.errors import SweepError
+from evolvent.errors import SweepError
 from evolvent.sweep.expression import evaluate
 
 A = np.array([1.0, 4.0, 9.0])

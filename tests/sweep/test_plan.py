@@ -13,9 +13,9 @@ import pandas as pd
 import pytest
 from sweeps import PAPER
 
+from evolvent.errors import SweepError
 from evolvent.sweep import check
 from evolvent.sweep.design import read_design
-from evolvent.sweep.errors import SweepError
 from evolvent.sweep.sampling import columns
 from evolvent.sweep.spec import read_spec
 

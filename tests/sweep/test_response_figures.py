@@ -7,8 +7,8 @@ import pytest
 import xarray as xr
 from sweeps import failed, make_design, row, write_journal
 
+from evolvent.errors import SweepError
 from evolvent.sweep.collect import collect, open_summary
-from evolvent.sweep.errors import SweepError
 from evolvent.sweep.figures import figure_indices, figure_response, varying_parameters
 
 LOADS = [1.0, 2.0, 3.0, 4.0]

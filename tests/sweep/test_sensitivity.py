@@ -7,9 +7,9 @@ import pytest
 import xarray as xr
 from sweeps import make_design, row, write_journal
 
+from evolvent.errors import SweepError
 from evolvent.sweep.collect import collect, open_summary
 from evolvent.sweep.design import Design
-from evolvent.sweep.errors import SweepError
 from evolvent.sweep.sampling import columns
 from evolvent.sweep.sensitivity import sobol_indices
 from evolvent.sweep.spec import read_spec

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from evolvent.errors import SweepError
 from evolvent.sweep import slurm
-from evolvent.sweep.errors import SweepError
 from evolvent.sweep.folder import Shard
 
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from evolvent.sweep.errors import SweepError
+from evolvent.errors import SweepError
 from evolvent.sweep.yaml_text import read_yaml, yaml_text
 
 

@@ -28,7 +28,7 @@ from paper_runs import (
     quasi_static,
 )
 
-from evolvent.history import HistoryError
+from evolvent.errors import HistoryError
 from system.runs import FRICTION, FRICTIONLESS
 
 RIGID, RIGID_FRICTION = "paper-rigid.yaml", "paper-rigid-friction.yaml"

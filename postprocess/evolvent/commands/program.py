@@ -12,18 +12,16 @@ import typer
 from rich.console import Console
 from rich.table import Column
 
+from evolvent.errors import EvolventError
 from evolvent.version import __version__
 
 
-def make_program(
-    name: str, package: str, commands: Sequence[str], text: str, error_of: type[Exception]
-) -> Callable[[], None]:
+def make_program(name: str, package: str, commands: Sequence[str], text: str) -> Callable[[], None]:
     """Make a program of its commands: each is the function of its name, in the file of its name.
 
     Parameters
     ----------
-    text : help, with the exit codes.
-    error_of : of the program; it is one line on stderr. Its `code` is the exit code.
+    text : help, with the exit codes. An `EvolventError` is one line on stderr and an exit code.
     """
     app = typer.Typer(
         no_args_is_help=True,
@@ -47,9 +45,9 @@ def make_program(
         """Run the command line."""
         try:
             app(prog_name=name)
-        except error_of as error:
+        except EvolventError as error:
             typer.echo(f"{name}: {error}", err=True)
-            sys.exit(error.code)  # type: ignore[attr-defined]
+            sys.exit(error.code)
 
     return main
 

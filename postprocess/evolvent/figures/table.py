@@ -11,10 +11,11 @@ from dataclasses import dataclass
 import xarray as xr
 from matplotlib.figure import Figure
 
+from evolvent.errors import HistoryError
 from evolvent.figures.over_time import Curve, Panel, figure_over_time, of_mesh
 from evolvent.figures.pairs import draw_pairs, last_pitches
 from evolvent.figures.static import draw_curves, draw_harris, draw_sharing
-from evolvent.history import HISTORY, STATIC, WHAT, HistoryError, require, result_kind, source_name
+from evolvent.history import HISTORY, STATIC, WHAT, require, result_kind, source_name
 from evolvent.physics.extremes import peaks
 
 

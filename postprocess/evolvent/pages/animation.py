@@ -12,6 +12,7 @@ from matplotlib.animation import FFMpegWriter
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
+from evolvent.errors import USAGE, EvolventError
 from evolvent.history import require
 from evolvent.pages.scene import Scene, check_teeth
 from evolvent.physics.teeth import pitches_passed
@@ -23,8 +24,11 @@ BLURRED_ADVANCE = 0.4  # pitches from frame to frame: from here on teeth seem to
 COLOURS = 96  # of a GIF
 
 
-class AnimationError(Exception):
+class AnimationError(EvolventError):
     """A moving picture that cannot be made; the message says why and what to do."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(message, USAGE)
 
 
 @dataclass(frozen=True)

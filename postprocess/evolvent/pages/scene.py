@@ -15,8 +15,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon
 
+from evolvent.errors import HistoryError
 from evolvent.figures.style import STYLE
-from evolvent.history import HistoryError, require, source_name
+from evolvent.history import require, source_name
 from evolvent.physics.teeth import DrawnMesh, DrawnWheel, drawn_meshes, drawn_wheels
 from evolvent.units import quantity
 

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from evolvent.history import HistoryError, source_name
+from evolvent.errors import HistoryError
+from evolvent.history import source_name
 
 # Two times are one if they differ by less than this part of the output interval: the same multiple
 # of an interval can be rounded differently.

@@ -15,8 +15,8 @@ from pathlib import Path
 import pandas as pd
 from rich.console import Console
 
+from evolvent.errors import FAILED_CASES, SweepError
 from evolvent.sweep.design import Design, write_design
-from evolvent.sweep.errors import FAILED_CASES, SweepError
 from evolvent.sweep.program import call, cores, last_message
 from evolvent.sweep.status import Reason, reasons
 

@@ -9,8 +9,8 @@ import h5py
 import numpy as np
 import xarray as xr
 
+from evolvent.errors import SweepError, replacing
 from evolvent.sweep.design import Design
-from evolvent.sweep.errors import SweepError, replacing
 from evolvent.sweep.histories import add_histories, history_coordinates
 from evolvent.sweep.journal import STATUSES, Records, read_records
 from evolvent.version import __version__

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from evolvent.errors import USAGE, SweepError, reason_of
 from evolvent.sweep.design import Design
-from evolvent.sweep.errors import USAGE, SweepError, reason_of
 from evolvent.sweep.estimate import seconds_per_case
 from evolvent.sweep.folder import Shard
 from evolvent.sweep.pool import run_with_executor, task_count

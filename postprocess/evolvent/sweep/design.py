@@ -19,7 +19,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from evolvent.sweep.errors import SweepError, reason_of, replacing
+from evolvent.errors import SweepError, reason_of, replacing
 
 FORMAT = 1
 LAST_HALF = (math.nan, math.nan)  # the window that is the last half of each case's duration

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
+from evolvent.errors import BAD_INPUT, FAILED_CASES, INTERRUPTED, SweepError
 from evolvent.sweep.design import Design, take, write_design
-from evolvent.sweep.errors import BAD_INPUT, FAILED_CASES, INTERRUPTED, SweepError
 from evolvent.sweep.journal import count_records
 from evolvent.sweep.program import started
 

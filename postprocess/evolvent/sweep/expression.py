@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from evolvent.sweep.errors import SweepError
+from evolvent.errors import SweepError
 
 MAX_LENGTH = 1000  # characters; more is no formula
 CONSTANTS = {"pi": np.pi, "e": np.e}

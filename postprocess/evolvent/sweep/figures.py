@@ -14,8 +14,8 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from evolvent.errors import USAGE, SweepError
 from evolvent.figures.style import ABOVE, LINES, STYLE
-from evolvent.sweep.errors import USAGE, SweepError
 from evolvent.sweep.journal import DONE, did_not_finish
 from evolvent.units import displayed, prefixed
 

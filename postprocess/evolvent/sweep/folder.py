@@ -15,8 +15,8 @@ from pathlib import Path
 
 import numpy as np
 
+from evolvent.errors import SweepError, replacing, writing
 from evolvent.sweep.design import Design, read_design
-from evolvent.sweep.errors import SweepError, replacing, writing
 
 HASH = "design.txt"
 COPY = "design.h5"

@@ -14,7 +14,7 @@ import h5py
 import numpy as np
 import xarray as xr
 
-from evolvent.sweep.errors import SweepError
+from evolvent.errors import SweepError
 from evolvent.sweep.journal import Records
 
 COPIED = 32 * 2**20  # bytes that are copied at a time

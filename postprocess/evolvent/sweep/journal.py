@@ -17,8 +17,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from evolvent.errors import SweepError
 from evolvent.sweep.design import Design
-from evolvent.sweep.errors import SweepError
 from evolvent.sweep.folder import Shard
 from evolvent.sweep.program import call, find_program, last_message, started
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from evolvent.errors import SweepError
 from evolvent.sweep.check import Checked, check_design
 from evolvent.sweep.design import LAST_HALF, Design
-from evolvent.sweep.errors import SweepError
 from evolvent.sweep.program import program_version
 from evolvent.sweep.sampling import columns
 from evolvent.sweep.spec import read_spec, read_text

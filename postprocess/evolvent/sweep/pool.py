@@ -14,7 +14,7 @@ from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from pathlib import Path
 
-from evolvent.sweep.errors import FAILED_CASES, INTERRUPTED, SweepError
+from evolvent.errors import FAILED_CASES, INTERRUPTED, SweepError
 from evolvent.sweep.folder import Shard, is_locked
 from evolvent.sweep.program import call, last_message
 from evolvent.sweep.run import batch_command

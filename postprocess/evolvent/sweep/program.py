@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from evolvent.sweep.errors import USAGE, SweepError
+from evolvent.errors import USAGE, SweepError
 
 VARIABLE = "EVOLVENT_EXECUTABLE"
 

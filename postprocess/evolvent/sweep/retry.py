@@ -5,7 +5,7 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
-from evolvent.sweep.errors import writing
+from evolvent.errors import writing
 from evolvent.sweep.folder import COPY, Shard
 from evolvent.sweep.journal import Records
 from evolvent.sweep.run import Tally, run_shards

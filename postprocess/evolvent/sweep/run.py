@@ -15,7 +15,7 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
-from evolvent.sweep.errors import FAILED_CASES, INTERRUPTED, SweepError
+from evolvent.errors import FAILED_CASES, INTERRUPTED, SweepError
 from evolvent.sweep.estimate import span
 from evolvent.sweep.folder import Shard
 from evolvent.sweep.journal import Records, count_records

@@ -11,8 +11,8 @@ import numpy as np
 import pandas as pd
 from scipy.stats import qmc
 
+from evolvent.errors import SweepError, reason_of
 from evolvent.sweep.design import Parameter, identifier
-from evolvent.sweep.errors import SweepError, reason_of
 from evolvent.sweep.expression import evaluate
 from evolvent.sweep.spec import SAMPLED, Entry, Spec, check_unique
 from evolvent.sweep.yaml_text import yaml_text

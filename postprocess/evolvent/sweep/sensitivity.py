@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from evolvent.sweep.errors import USAGE, SweepError
+from evolvent.errors import USAGE, SweepError
 from evolvent.sweep.journal import DONE
 
 FEWEST = 32  # samples; with fewer the indices are noise

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from evolvent.sweep.errors import SweepError, writing
+from evolvent.errors import SweepError, writing
 from evolvent.sweep.folder import Shard
 from evolvent.sweep.status import joined, runs
 

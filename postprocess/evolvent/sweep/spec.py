@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from evolvent.errors import SweepError, reason_of
 from evolvent.sweep.design import NAME, identifier
-from evolvent.sweep.errors import SweepError, reason_of
 from evolvent.sweep.yaml_text import read_yaml
 
 FORMAT = 1

@@ -11,7 +11,7 @@ from typing import Any
 
 import yaml
 
-from evolvent.sweep.errors import SweepError
+from evolvent.errors import SweepError
 
 WIDEST = 2**31  # columns: one line, however long
 BREAKS = re.compile("[\n\r\x85\u2028\u2029]")  # what YAML takes for the end of a line

@@ -7,8 +7,9 @@ from typing import Annotated
 
 import typer
 
-from evolvent.commands.post.common import complain, fail_to_write, open_with_warning, refuse
+from evolvent.commands.post.common import complain, open_with_warning
 from evolvent.commands.program import option
+from evolvent.errors import USAGE, HistoryError, writing
 from evolvent.history import file_label
 from evolvent.pages import animation
 
@@ -68,22 +69,17 @@ def animate(
     path = output if output is not None else Path(f"{file_label(file)}.gif")
     if speed is not None and not 0.0 < speed < float("inf"):
         raise typer.BadParameter(f"{speed} is not greater than 0", param_hint="--speed")
-    try:
-        animation.check_format(path)
-        with open_with_warning(file) as history:
-            names = [str(name) for name in history["mesh"].values]
-            if mesh is not None and mesh not in names:
-                refuse(f"{file}: has no mesh `{mesh}`; there is {', '.join(names)}")
-            clip = animation.choose_clip(history, begin, end, fps, speed)
-            if clip.advance > animation.BLURRED_ADVANCE:
-                complain(
-                    f"{file}: teeth move {clip.advance:.2g} pitches from frame to frame and will "
-                    "seem to jump; choose a smaller --speed, or write outputs more often"
-                )
-            number = None if mesh is None else names.index(mesh)
-            animation.animate(history, path, clip, number, dpi, exaggerate)
-    except animation.AnimationError as error:
-        refuse(str(error))
-    except OSError as error:
-        fail_to_write(path, error)
+    animation.check_format(path)
+    with writing(path), open_with_warning(file) as history:
+        names = [str(name) for name in history["mesh"].values]
+        if mesh is not None and mesh not in names:
+            raise HistoryError(f"{file}: has no mesh `{mesh}`; there is {', '.join(names)}", USAGE)
+        clip = animation.choose_clip(history, begin, end, fps, speed)
+        if clip.advance > animation.BLURRED_ADVANCE:
+            complain(
+                f"{file}: teeth move {clip.advance:.2g} pitches from frame to frame and will "
+                "seem to jump; choose a smaller --speed, or write outputs more often"
+            )
+        number = None if mesh is None else names.index(mesh)
+        animation.animate(history, path, clip, number, dpi, exaggerate)
     typer.echo(path)

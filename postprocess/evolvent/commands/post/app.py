@@ -1,7 +1,6 @@
 """The program evolvent-post: its commands."""
 
 from evolvent.commands.program import make_program
-from evolvent.history import HistoryError
 
 COMMANDS = (
     "animate",
@@ -21,4 +20,4 @@ TEXT = """Check, draw and compare the histories that `evolvent run` writes.
       74  output could not be written
     """
 
-main = make_program("evolvent-post", __package__, COMMANDS, TEXT, HistoryError)
+main = make_program("evolvent-post", __package__, COMMANDS, TEXT)

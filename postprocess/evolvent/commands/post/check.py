@@ -10,9 +10,10 @@ import typer
 from rich.markup import escape
 from rich.table import Table
 
-from evolvent.commands.post.common import BROKEN, UNREADABLE, AsJson, Files, complain
+from evolvent.commands.post.common import BROKEN, AsJson, Files, complain
 from evolvent.commands.program import json_number, new_console, right
-from evolvent.history import HistoryError, open_history, run_warning
+from evolvent.errors import BAD_INPUT, HistoryError
+from evolvent.history import open_history, run_warning
 from evolvent.physics.invariants import Verdict, check_history
 
 
@@ -41,7 +42,7 @@ def check(files: Files, as_json: AsJson = False) -> None:
                 complain(f"{path}: {warning}")
             _print_verdicts(path, verdicts)
     if unreadable:
-        raise typer.Exit(UNREADABLE)
+        raise typer.Exit(BAD_INPUT)
     if any(verdict.failed for _, _, verdicts in checked for verdict in verdicts):
         raise typer.Exit(BROKEN)
 

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, NoReturn
+from typing import Annotated
 
 import typer
 import xarray as xr
 
 from evolvent.commands.program import option
-from evolvent.history import HISTORY, HistoryError, open_result, run_warning
+from evolvent.history import HISTORY, open_result, run_warning
 
-BROKEN, USAGE, UNREADABLE, NOT_WRITTEN = 1, 2, HistoryError.code, 74
+BROKEN = 1
 
 Files = Annotated[list[Path], typer.Argument(metavar="FILE", help="Histories (.h5).")]
 File = Annotated[Path, typer.Argument(metavar="FILE", help="History (.h5).")]
@@ -21,18 +21,6 @@ AsJson = Annotated[bool, option("--json", "Write JSON, for scripts.")]
 def complain(message: str) -> None:
     """Write a message to stderr."""
     typer.echo(f"evolvent-post: {message}", err=True)
-
-
-def fail_to_write(path: Path, error: OSError) -> NoReturn:
-    """End the command: a file could not be written."""
-    complain(f"{path}: cannot be written ({error.strerror or error})")
-    raise typer.Exit(NOT_WRITTEN)
-
-
-def refuse(message: str) -> NoReturn:
-    """End the command: what was asked for cannot be."""
-    complain(message)
-    raise typer.Exit(USAGE)
 
 
 def open_with_warning(path: Path, *kinds: str) -> xr.Dataset:

@@ -11,8 +11,9 @@ import typer
 from matplotlib.figure import Figure
 from rich.table import Table
 
-from evolvent.commands.post.common import Files, fail_to_write, open_with_warning, refuse
+from evolvent.commands.post.common import Files, open_with_warning
 from evolvent.commands.program import new_console, option
+from evolvent.errors import USAGE, HistoryError, writing
 from evolvent.figures.style import Format, save
 from evolvent.figures.table import FIGURES, Run, pairs
 from evolvent.history import HISTORY, STATIC, file_label, open_events, result_kind
@@ -95,11 +96,9 @@ def plot(
         drawn |= {f"{run.label}-{row.name}": row(run, **options) for run in shown}
     for name, figure in drawn.items():
         path = output / f"{name.replace('/', '-')}.{file_format}"
-        try:
+        with writing(path):
             output.mkdir(parents=True, exist_ok=True)
             save(figure, path)
-        except OSError as error:
-            fail_to_write(path, error)
         typer.echo(path)
 
 
@@ -109,11 +108,13 @@ def _open(path: Path, label: str, begin: float, end: float) -> Run:
     is_whole = begin == -math.inf and end == math.inf
     if result_kind(result) == STATIC:
         if not is_whole:
-            refuse(f"{path}: is a static analysis, which has no time: leave out --from and --to")
+            raise HistoryError(
+                f"{path}: is a static analysis, which has no time: leave out --from and --to", USAGE
+            )
         return Run(result, label=label)
     part = result.sel(time=(result["time"] >= begin) & (result["time"] <= end))
     if part.sizes["time"] == 0:
-        refuse(f"{path}: has no output between --from and --to")
+        raise HistoryError(f"{path}: has no output between --from and --to", USAGE)
     return Run(part, open_events(path), label, is_whole)
 
 

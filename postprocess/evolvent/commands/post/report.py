@@ -7,8 +7,9 @@ from typing import Annotated
 
 import typer
 
-from evolvent.commands.post.common import File, fail_to_write, open_with_warning
+from evolvent.commands.post.common import File, open_with_warning
 from evolvent.commands.program import option
+from evolvent.errors import writing
 from evolvent.history import file_label, open_events
 
 
@@ -30,8 +31,6 @@ def report(
     path = output if output is not None else Path(f"{file_label(file)}.html")
     with open_with_warning(file) as history, open_events(file) as events:
         page = make_report(history, events)
-    try:
+    with writing(path):
         path.write_text(page, encoding="utf-8")
-    except OSError as error:
-        fail_to_write(path, error)
     typer.echo(path)

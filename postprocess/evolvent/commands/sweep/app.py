@@ -1,7 +1,6 @@
 """The program evolvent-sweep: its commands."""
 
 from evolvent.commands.program import make_program
-from evolvent.sweep.errors import SweepError
 
 COMMANDS = (
     "plan",
@@ -24,4 +23,4 @@ TEXT = """Parameter sweeps: many cases of one gearbox, here or on a Slurm cluste
       75  interrupted; the same command goes on
     """
 
-main = make_program("evolvent-sweep", __package__, COMMANDS, TEXT, SweepError)
+main = make_program("evolvent-sweep", __package__, COMMANDS, TEXT)

@@ -9,8 +9,8 @@ import typer
 
 from evolvent.commands.program import option
 from evolvent.commands.sweep import console
+from evolvent.errors import FAILED_CASES
 from evolvent.sweep import folder
-from evolvent.sweep.errors import FAILED_CASES
 
 DesignFile = Annotated[Path, typer.Argument(metavar="DESIGN", help="Design (.h5), from `plan`.")]
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of the results.")]

@@ -9,8 +9,8 @@ import typer
 
 from evolvent.commands.program import option
 from evolvent.commands.sweep import console
+from evolvent.errors import FAILED_CASES
 from evolvent.sweep.design import write_design
-from evolvent.sweep.errors import FAILED_CASES
 from evolvent.sweep.estimate import seconds_per_case
 from evolvent.sweep.program import cores, find_program
 

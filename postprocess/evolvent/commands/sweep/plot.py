@@ -9,7 +9,7 @@ import typer
 
 from evolvent.commands.program import option
 from evolvent.commands.sweep import console
-from evolvent.sweep.errors import SweepError, writing
+from evolvent.errors import SweepError, writing
 
 
 def plot(

@@ -11,8 +11,8 @@ from evolvent.commands.program import option
 from evolvent.commands.sweep.common import Folder, Jobs, told
 from evolvent.commands.sweep.slurm_jobs import to_slurm
 from evolvent.commands.sweep.slurm_options import Order, with_options_of_slurm
+from evolvent.errors import SweepError
 from evolvent.sweep import folder
-from evolvent.sweep.errors import SweepError
 from evolvent.sweep.journal import read_records
 from evolvent.sweep.program import cores, find_program, program_version
 from evolvent.sweep.retry import folder_of_lists, retry_cases, write_lists

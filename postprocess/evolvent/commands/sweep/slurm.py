@@ -10,9 +10,9 @@ from evolvent.commands.program import option
 from evolvent.commands.sweep.common import DesignFile, Into
 from evolvent.commands.sweep.slurm_jobs import to_slurm
 from evolvent.commands.sweep.slurm_options import Order, with_options_of_slurm
+from evolvent.errors import USAGE, SweepError
 from evolvent.sweep import folder
 from evolvent.sweep import slurm as scripts
-from evolvent.sweep.errors import USAGE, SweepError
 from evolvent.sweep.estimate import seconds_per_case
 from evolvent.sweep.journal import read_records
 from evolvent.sweep.program import find_program, program_version

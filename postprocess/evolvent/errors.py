@@ -1,4 +1,4 @@
-"""The error of every part of evolvent-sweep, and files that are written whole or not at all."""
+"""What cannot be done, and files that are written whole or not at all."""
 
 from __future__ import annotations
 
@@ -10,18 +10,26 @@ from pathlib import Path
 FAILED_CASES, USAGE, BAD_INPUT, NOT_WRITTEN, INTERRUPTED = 1, 2, 3, 74, 75
 
 
-class SweepError(Exception):
+class EvolventError(Exception):
     """What cannot be done; the message names the thing, the value, the place and the remedy.
 
     Parameters
     ----------
     message : one line.
-    code : exit code of the command that meets it.
+    code : exit code of the program that meets it.
     """
 
     def __init__(self, message: str, code: int = BAD_INPUT) -> None:
         super().__init__(message)
         self.code = code
+
+
+class HistoryError(EvolventError):
+    """A file that cannot be used as a history; the message names it and says why."""
+
+
+class SweepError(EvolventError):
+    """What evolvent-sweep cannot do."""
 
     def at(self, place: str) -> SweepError:
         """The same error with a place in front, unless it begins with that place."""
@@ -42,13 +50,15 @@ def writing(path: Path) -> Iterator[None]:
 
     Raises
     ------
-    SweepError
+    EvolventError
         It cannot be written.
     """
     try:
         yield
     except OSError as error:
-        raise SweepError(f"{path}: cannot be written ({reason_of(error)})", NOT_WRITTEN) from error
+        raise EvolventError(
+            f"{path}: cannot be written ({reason_of(error)})", NOT_WRITTEN
+        ) from error
 
 
 @contextmanager
@@ -57,7 +67,7 @@ def replacing(path: Path) -> Iterator[Path]:
 
     Raises
     ------
-    SweepError
+    EvolventError
         It cannot be written.
     """
     temporary = path.with_name(f"{path.name}.{os.getpid()}.tmp")
