@@ -10,7 +10,7 @@ from evolvent.sweep.design import Design
 from evolvent.sweep.estimate import seconds_per_case
 from evolvent.sweep.folder import Shard
 from evolvent.sweep.pool import run_with_executor, task_count
-from evolvent.sweep.run import Tally, display
+from evolvent.sweep.run import Tally, Work, display
 
 
 def split(design: Design, program: Path, workers: int) -> int:
@@ -19,21 +19,13 @@ def split(design: Design, program: Path, workers: int) -> int:
     return task_count(design.n_cases, seconds, workers)
 
 
-def run(
-    program: Path,
-    design: Path,
-    folder: Path,
-    shards: list[Shard],
-    workers: int,
-    scheduler: str | None,
-    tally: Tally,
-) -> int:
+def run(work: Work, shards: list[Shard], workers: int, scheduler: str | None, tally: Tally) -> int:
     """Run shards as tasks of a Dask cluster, or of workers on this machine.
 
     Parameters
     ----------
     workers : how many to start here if no scheduler is named.
-    scheduler : address of a scheduler whose workers see `program`, `design` and `folder`.
+    scheduler : address of a scheduler whose workers see all of `work`.
 
     Raises
     ------
@@ -57,4 +49,6 @@ def run(
     with client, display(tally) as show:
         # A task is the same command on any worker, but it must not be taken for a known result.
         executor = client.get_executor(pure=False)
-        return run_with_executor(program, design, folder, shards, executor, show=show)
+        return run_with_executor(
+            work.program, work.design, work.folder, shards, executor, show=show
+        )

@@ -17,7 +17,7 @@ from pathlib import Path
 from evolvent.errors import FAILED_CASES, INTERRUPTED, SweepError
 from evolvent.sweep.folder import Shard, is_locked
 from evolvent.sweep.program import call, last_message
-from evolvent.sweep.run import batch_command
+from evolvent.sweep.run import Work
 
 SHORTEST = 1.0  # duration of a task [s]
 A_WORKER = 16  # tasks: few enough for one folder, many enough that none waits long for the last
@@ -65,7 +65,7 @@ def run_with_executor(
                 "wait for it, or end it first"
             )
     try:
-        return _run(program, design.absolute(), folder.absolute(), shards, executor, show)
+        return _run(Work(program, design.absolute(), folder.absolute()), shards, executor, show)
     except BrokenExecutor as error:
         raise SweepError(
             "the executor broke: a worker died; run the same command again to go on", INTERRUPTED
@@ -73,12 +73,7 @@ def run_with_executor(
 
 
 def _run(
-    program: Path,
-    design: Path,
-    folder: Path,
-    shards: list[Shard],
-    executor: Executor,
-    show: Callable[[], None] | None,
+    work: Work, shards: list[Shard], executor: Executor, show: Callable[[], None] | None
 ) -> int:
     attempts: Counter[Shard] = Counter()
     running: dict[Future[tuple[int, str]], Shard] = {}
@@ -86,8 +81,7 @@ def _run(
 
     def submit(shard: Shard) -> None:
         attempts[shard] += 1
-        paths = (str(program), str(design), str(folder))
-        running[executor.submit(run_task, *paths, shard.index, shard.of)] = shard
+        running[executor.submit(run_task, work, shard)] = shard
 
     for shard in shards:
         submit(shard)
@@ -112,16 +106,15 @@ def _run(
     return result
 
 
-def run_task(program: str, design: str, folder: str, index: int, of: int) -> tuple[int, str]:
+def run_task(work: Work, shard: Shard) -> tuple[int, str]:
     """Run one shard on a worker; return its exit code and last message.
 
     The program of a worker that died may still be at work on the shard, which is waited for: what
     it records need not be run again.
     """
-    shard, place = Shard(of, index), Path(folder)
-    while is_locked(place, shard):
+    while is_locked(work.folder, shard):
         time.sleep(ASKED)
-    done = call(*batch_command(Path(program), Path(design), place, shard, jobs=1))
+    done = call(*work.command(shard, jobs=1))
     return done.returncode, last_message(done.stderr)
 
 

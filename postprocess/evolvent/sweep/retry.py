@@ -8,7 +8,7 @@ from pathlib import Path
 from evolvent.errors import writing
 from evolvent.sweep.folder import COPY, Shard
 from evolvent.sweep.journal import Records
-from evolvent.sweep.run import Tally, run_shards
+from evolvent.sweep.run import Tally, Work, run_shards
 from evolvent.sweep.slurm import SCRIPTS
 
 
@@ -68,4 +68,4 @@ def retry_cases(program: Path, folder: Path, records: Records, cases: list[int],
     with tempfile.TemporaryDirectory(prefix="evolvent-sweep-") as name:
         files = write_lists(records, cases, Path(name))
         tally = Tally(folder, records, again=int(records.recorded[cases].sum()))
-        return run_shards(program, folder / COPY, folder, list(files), jobs, tally, files)
+        return run_shards(Work(program, folder / COPY, folder), list(files), jobs, tally, files)

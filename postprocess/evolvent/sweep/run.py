@@ -70,19 +70,23 @@ class Tally:
         return f"{self.unfinished} did not finish, {rate:.3g} a second, {left} left"
 
 
-def batch_command(
-    program: Path, design: Path, folder: Path, shard: Shard, jobs: int, cases: Path | None = None
-) -> list[str]:
-    """The command line that runs what is missing of a shard, or the cases listed in a file."""
-    command = [str(program), "batch", str(design), "-o", str(folder)]
-    command += ["--shard", f"{shard.index}/{shard.of}", "--jobs", str(jobs), "--resume"]
-    return command if cases is None else [*command, "--cases", str(cases)]
+@dataclass(frozen=True)
+class Work:
+    """What is run by what, and where to."""
+
+    program: Path
+    design: Path
+    folder: Path
+
+    def command(self, shard: Shard, jobs: int, cases: Path | None = None) -> list[str]:
+        """The command line that runs what is missing of a shard, or the cases listed in a file."""
+        command = [str(self.program), "batch", str(self.design), "-o", str(self.folder)]
+        command += ["--shard", f"{shard.index}/{shard.of}", "--jobs", str(jobs), "--resume"]
+        return command if cases is None else [*command, "--cases", str(cases)]
 
 
 def run_shards(
-    program: Path,
-    design: Path,
-    folder: Path,
+    work: Work,
     shards: Sequence[Shard],
     jobs: int,
     tally: Tally,
@@ -109,7 +113,7 @@ def run_shards(
     with display(tally) as show:
         for shard in shards:
             chosen = None if cases is None else cases[shard]
-            code = _run(batch_command(program, design, folder, shard, jobs, chosen), show)
+            code = _run(work.command(shard, jobs, chosen), show)
             if code not in (0, FAILED_CASES):
                 return code
             result = max(result, code)

@@ -12,7 +12,7 @@ from evolvent.commands.sweep.common import DesignFile, Into, Jobs, told
 from evolvent.sweep import dask, folder
 from evolvent.sweep.journal import read_records
 from evolvent.sweep.program import cores, find_program, program_version
-from evolvent.sweep.run import Tally, run_shards
+from evolvent.sweep.run import Tally, Work, run_shards
 
 
 class ExecutorName(StrEnum):
@@ -56,9 +56,9 @@ def run(
     if executor is ExecutorName.DASK:
         split = split or dask.split(design, program, workers)
     todo = folder.remaining_shards(records.recorded, split or 1)
-    tally = Tally(output, records)
+    work, tally = Work(program, design_file, output), Tally(output, records)
     if executor is ExecutorName.DASK:
-        code = dask.run(program, design_file, output, todo, workers, scheduler, tally)
+        code = dask.run(work, todo, workers, scheduler, tally)
     else:
-        code = run_shards(program, design_file, output, todo, workers, tally)
+        code = run_shards(work, todo, workers, tally)
     raise typer.Exit(told(output, code))
