@@ -18,6 +18,15 @@ bool words_contain(const char *words, const char *word)
     return false;
 }
 
+int words_index(const char *word, int n, const char *const *words)
+{
+    int i = 0;
+    while (i < n && strcmp(words[i], word) != 0) {
+        i++;
+    }
+    return i < n ? i : -1;
+}
+
 int words_split(const char *words, char ***list)
 {
     const size_t size = strlen(words) + 1, most = size / 2 + 1;

@@ -5,6 +5,8 @@
 
 /** Whether `word` is one of the blank-separated words. */
 bool words_contain(const char *words, const char *word);
+/** Place of a word among others; -1 if it is none of them. */
+int words_index(const char *word, int n, const char *const *words);
 /** The words as strings, in one piece of memory that is the array. @return their number */
 int words_split(const char *words, char ***list);
 /** The length of a text, if it is more than the width: of a column. */

@@ -23,16 +23,6 @@ static const char **names_of(const case_node *node)
     return names;
 }
 
-static int index_of(const char *name, int n, const char *const *names)
-{
-    for (int i = 0; i < n; i++) {
-        if (strcmp(names[i], name) == 0) {
-            return i;
-        }
-    }
-    return -1;
-}
-
 /** Refuse a list of blocks in which a name stands twice. @return the names, which the caller frees; NULL if refused */
 static const char **unique_names(const checker *checker, const case_node *root, const char *key, const char *what,
                                  int *n)
@@ -41,7 +31,7 @@ static const char **unique_names(const checker *checker, const case_node *root, 
     const char **names = names_of(list);
     *n = list->n;
     for (int i = 1; i < list->n; i++) {
-        if (index_of(names[i], i, names) >= 0) {
+        if (words_index(names[i], i, names) >= 0) {
             OWNED const char **refused = names;
             const case_node *node = node_get(list->entries[i].value, "name");
             (void)checker_refuse(checker, node->place, "%s: the name '%s' is given to two %s; give each %s its own",
@@ -62,7 +52,7 @@ static bool check_reference(const checker *checker, const case_node *root, const
 {
     const case_node *among = node_get(root, list);
     OWNED const char **names = names_of(among);
-    if (index_of(node->text, among->n, names) >= 0) {
+    if (words_index(node->text, among->n, names) >= 0) {
         return true;
     }
     OWNED char *hint = suggest_phrase(node->text, among->n, names), *all = words_join(among->n, names, ", ");
@@ -167,7 +157,7 @@ static bool take_named(const checker *checker, const case_node *numbers, const c
 {
     for (int i = 0; i < numbers->n; i++) {
         const case_entry *entry = &numbers->entries[i];
-        const int index = index_of(entry->key, n, names);
+        const int index = words_index(entry->key, n, names);
         if (index < 0) {
             OWNED char *hint = suggest_phrase(entry->key, n, names);
             return checker_refuse(checker, entry->key_place, "there is no %s '%.64s'%s", what, entry->key, hint);

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/number.h"
+#include "base/words.h"
 
 #include <limits.h>
 #include <stdlib.h>
@@ -111,23 +112,14 @@ bool node_get_is(const case_node *mapping, const char *key, const char *word)
 
 int node_get_choice(const case_node *mapping, const char *key, int n, const char *const *words)
 {
-    for (int i = 0; i < n; i++) {
-        if (node_get_is(mapping, key, words[i])) {
-            return i;
-        }
-    }
-    return 0; /* not reached: the schema offers the same words */
+    return words_index(node_get_text(mapping, key), n, words);
 }
 
 bool node_is_null(const case_node *node)
 {
     static const char *const nulls[] = {"", "~", "null", "Null", "NULL"};
-    for (size_t i = 0; node->kind == NODE_SCALAR && node->plain && i < sizeof nulls / sizeof *nulls; i++) {
-        if (strcmp(node->text, nulls[i]) == 0) {
-            return true;
-        }
-    }
-    return false;
+    return node->kind == NODE_SCALAR && node->plain &&
+           words_index(node->text, sizeof nulls / sizeof *nulls, nulls) >= 0;
 }
 
 void node_describe(const case_node *node, char text[64])

@@ -9,9 +9,8 @@
 
 enum { MOST_COLUMNS = 4, COLUMN_WIDTH = 16, ERRORS_A_LINE = 10 };
 
-static const double MILLIMETRES_PER_METRE = 1e3;
 static const double MICROMETRES_PER_METRE = 1e6;
-static const double DEGREES_PER_RADIAN = 57.295779513082320877;
+#define DEGREES_PER_RADIAN 57.295779513082320877
 
 /** The quantities of a wheel or mesh. */
 typedef struct {
@@ -73,18 +72,33 @@ static void print_rows(FILE *stream, const char *title, const column *column)
     }
 }
 
-/** As drawings have it. */
-static double in_usual_unit(const evl_quantity *quantity)
+/** A unit as drawings and tables have it. */
+typedef struct {
+    const char *units, *usual;
+    double factor;
+} usual_unit;
+
+static const usual_unit *usual(const evl_quantity *quantity)
 {
-    const double factor = is_angle(quantity)                  ? DEGREES_PER_RADIAN
-                          : strcmp(quantity->units, "m") == 0 ? MILLIMETRES_PER_METRE
-                                                              : 1.0;
-    return quantity->value[0] * factor;
+    static const usual_unit units[] = {
+        {"rad", "deg", DEGREES_PER_RADIAN}, {"m", "mm", 1e3},      {"1/Pa", "um mm/N", 1e9},
+        {"Pa", "N/(mm um)", 1e-9},          {"N/m", "N/mm", 1e-3}, {"", "", 1.0}};
+    const usual_unit *unit = units;
+    while (unit->units[0] != '\0' && strcmp(quantity->units, unit->units) != 0) {
+        unit++;
+    }
+    return unit;
 }
 
-static const char *usual_unit(const evl_quantity *quantity)
+/** Each in a line, in its usual unit. */
+static void print_list(FILE *stream, const column *column, const int widths[3], int digits)
 {
-    return is_angle(quantity) ? "deg" : strcmp(quantity->units, "m") == 0 ? "mm" : "";
+    for (int i = 0; i < column->n; i++) {
+        const evl_quantity *row = &column->rows[i];
+        const usual_unit *unit = usual(row);
+        fprintf(stream, "  %-*s %-*s %*.*g %s\n", widths[0], row->long_name, widths[1], row->symbol, widths[2], digits,
+                row->value[0] * unit->factor, unit->usual);
+    }
 }
 
 /** Up to MOST_COLUMNS columns beside each other; all have the same rows. */
@@ -101,9 +115,9 @@ static void print_columns(FILE *stream, int n, const column *columns)
     fputc('\n', stream);
     for (int i = 0; i < columns[0].n; i++) {
         const evl_quantity *first = &columns[0].rows[i];
-        fprintf(stream, "  %-*s  %-9s  %-3s", name_width, first->long_name, first->symbol, usual_unit(first));
+        fprintf(stream, "  %-*s  %-9s  %-3s", name_width, first->long_name, first->symbol, usual(first)->usual);
         for (int k = 0; k < n; k++) {
-            fprintf(stream, "  %*.10g", COLUMN_WIDTH, in_usual_unit(&columns[k].rows[i]));
+            fprintf(stream, "  %*.10g", COLUMN_WIDTH, columns[k].rows[i].value[0] * usual(&columns[k].rows[i])->factor);
         }
         fputc('\n', stream);
     }
@@ -133,10 +147,7 @@ static void print_deviations(FILE *stream, const model *model, int wheel, const 
     if (column.n > 0) {
         fprintf(stream, "\nDeviations of the flanks of wheel %s\n", name);
     }
-    for (int i = 0; i < column.n; i++) {
-        const evl_quantity *row = &column.rows[i];
-        fprintf(stream, "  %-43s %-5s %16.10g %s\n", row->long_name, row->symbol, in_usual_unit(row), usual_unit(row));
-    }
+    print_list(stream, &column, (const int[]){43, 5, COLUMN_WIDTH}, 10);
     if (n > 0) {
         fprintf(stream, "  pitch errors of teeth 0 to %d [um]", n - 1);
     }
@@ -149,23 +160,11 @@ static void print_deviations(FILE *stream, const model *model, int wheel, const 
 /** How the wheels of a mesh give way: nothing if none does. */
 static void print_compliance(FILE *stream, const model *model, int mesh, const char *name)
 {
-    static const struct {
-        const char *units, *usual;
-        double factor;
-    } table[] = {{"1/Pa", "um mm/N", 1e9}, {"Pa", "N/(mm um)", 1e-9}, {"N/m", "N/mm", 1e-3}};
     const column column = column_of(model, EVL_OF_COMPLIANCE, mesh, name);
     if (column.n > 0) {
         fprintf(stream, "\nCompliance of the wheels in mesh %s, beside that of the contact\n", name);
     }
-    for (int i = 0; i < column.n; i++) {
-        const evl_quantity *row = &column.rows[i];
-        size_t k = 0;
-        while (strcmp(row->units, table[k].units) != 0) {
-            k++;
-        }
-        fprintf(stream, "  %-52s %-4s %12.6g %s\n", row->long_name, row->symbol, row->value[0] * table[k].factor,
-                table[k].usual);
-    }
+    print_list(stream, &column, (const int[]){52, 4, 12}, 6);
 }
 
 void show_geometry(FILE *stream, const description *description, const model *model)

@@ -75,8 +75,9 @@ static integrate_code start_anew(ida_session *s, double step)
 }
 
 /* An event in the last step was missed: start anew where it began, with a step that is a part of it. */
-static integrate_code take_back(ida_session *s)
+static integrate_code take_back(void *self)
 {
+    ida_session *s = self;
     double t = 0, step = 0;
     bool good = IDAGetCurrentTime(s->ida, &t) == IDA_SUCCESS && IDAGetLastStep(s->ida, &step) == IDA_SUCCESS;
     t -= step;
@@ -126,8 +127,9 @@ static integrate_code handle_event(ida_session *s, bool time_event)
 }
 
 /* On to the next grid point, event or end, whichever comes first; IDA steps freely and interpolates. */
-static integrate_code advance(ida_session *s)
+static integrate_code advance(void *self)
 {
+    ida_session *s = self;
     const dae *m = s->run->model;
     const double t_event = m->next_time_event(m->self, s->run->state);
     const double t_stop = fmin(s->run->options->t_end, t_event);
@@ -169,45 +171,23 @@ static integrate_code advance(ida_session *s)
     return handle_event(s, time_event);
 }
 
-static integrate_code step_to_the_end(ida_session *s)
+static void watch(void *self)
 {
-    s->t_refused = -INFINITY;
-    s->t_watched = s->run->state->t;
-    s->t_channels = NAN;
-    bool missed;
-    integrate_code code = integration_give_output(s->run, s->run->state, &missed);
-    if (missed) {
-        return INTEGRATE_FAILED;
-    }
-    do {
-        while (code == INTEGRATE_DONE && s->run->state->t < s->run->options->t_end) {
-            code = advance(s);
-        }
-        if (code == INTEGRATE_DONE) {
-            code = integration_give_output(s->run, s->run->state, &missed);
-        }
-        if (missed) {
-            const integrate_code taken = take_back(s);
-            code = code == INTEGRATE_DONE ? taken : code;
-        }
-    } while (code == INTEGRATE_DONE && missed);
-    if (code != INTEGRATE_FAILED) {
-        ida_watch_to(s, s->run->state->t, s->y);
-        integration_watch_state(s->run);
-    }
-    return code;
+    ida_session *s = self;
+    ida_watch_to(s, s->run->state->t, s->y);
 }
 
 integrate_code integrate_by_ida(integration *run)
 {
-    ida_session s = {.run = run};
+    static const integration_ways ways = {.advance = advance, .redo = take_back, .watch = watch};
+    ida_session s = {.run = run, .t_refused = -INFINITY, .t_watched = run->state->t, .t_channels = NAN};
     integrate_code code = INTEGRATE_FAILED;
     if (!ida_session_open(&s)) {
         (void)snprintf(run->reason, DAE_MESSAGE_LENGTH, "there is not enough memory for the integrator");
     } else if (!set_up(&s)) {
         (void)snprintf(run->reason, DAE_MESSAGE_LENGTH, "the integrator refused its options");
     } else {
-        code = step_to_the_end(&s);
+        code = integration_to_the_end(run, &ways, &s);
         ida_session_count(&s);
     }
     ida_session_close(&s);

@@ -6,9 +6,16 @@
 
 static const double longest_step = 0.02; /* of the whole time: longer ones were seen to misjudge a slow start */
 
+static integrate_code redo(void *self)
+{
+    const integration *run = self;
+    run->model->stepper->redo(run->stepper, run->state);
+    return INTEGRATE_DONE;
+}
+
 /* The grid points that the last step passed; the end itself is handed over at the end. An event that an output shows to have been
  * missed is looked for again in smaller steps. */
-static integrate_code give_outputs(integration *run, void *stepper, bool *missed)
+static integrate_code give_outputs(integration *run, bool *missed)
 {
     *missed = false;
     const dae_stepper *with = run->model->stepper;
@@ -19,14 +26,14 @@ static integrate_code give_outputs(integration *run, void *stepper, bool *missed
         }
         dae_state state = integration_borrowed(run);
         state.t = t_out;
-        (void)with->interpolate(stepper, fmin(t_out, run->state->t), state.y);
+        (void)with->interpolate(run->stepper, fmin(t_out, run->state->t), state.y);
         const integrate_code code = integration_give_output(run, &state, missed);
         if (code == INTEGRATE_STOPPED) {
             run->state->t = t_out;
             memcpy(run->state->y, state.y, (size_t)run->model->n * sizeof(double));
         }
         if (*missed) {
-            with->redo(stepper, run->state);
+            (void)redo(run);
         }
         if (code != INTEGRATE_DONE || *missed) {
             return code;
@@ -36,8 +43,9 @@ static integrate_code give_outputs(integration *run, void *stepper, bool *missed
 }
 
 /* Let the observer look into the step just made. */
-static void watch(integration *run, void *stepper)
+static void watch(void *self)
 {
+    integration *run = self;
     const double t_before = run->t_unwatched;
     run->t_unwatched = run->state->t;
     if (run->observer->watch == NULL || !(run->state->t > t_before)) {
@@ -46,7 +54,7 @@ static void watch(integration *run, void *stepper)
     const integrate_step step = {.t_from = t_before,
                                  .t_to = run->state->t,
                                  .state = run->state,
-                                 .with = stepper,
+                                 .with = run->stepper,
                                  .interpolate = run->model->stepper->interpolate,
                                  .look = run->model->stepper->look,
                                  .candidate = run->model->stepper->candidate};
@@ -54,8 +62,9 @@ static void watch(integration *run, void *stepper)
 }
 
 /* One step, and what happened at its end. */
-static integrate_code advance(integration *run, void *stepper)
+static integrate_code advance(void *self)
 {
+    integration *run = self;
     const dae *m = run->model;
     const double t_event = m->next_time_event(m->self, run->state);
     const double t_stop = fmin(run->options->t_end, t_event);
@@ -65,16 +74,16 @@ static integrate_code advance(integration *run, void *stepper)
         memset(run->fired, 0, (size_t)m->n_roots * sizeof *run->fired);
     } else {
         run->t_unwatched = run->state->t;
-        if (m->stepper->advance(stepper, t_stop, run->state, run->fired, &outcome, run->reason) != DAE_OK) {
+        if (m->stepper->advance(run->stepper, t_stop, run->state, run->fired, &outcome, run->reason) != DAE_OK) {
             return INTEGRATE_FAILED;
         }
         bool missed;
-        const integrate_code code = give_outputs(run, stepper, &missed);
+        const integrate_code code = give_outputs(run, &missed);
         if (code != INTEGRATE_DONE || missed) {
             return code;
         }
         if (run->state->t < run->options->t_end || outcome == DAE_AT_EVENT) {
-            watch(run, stepper); /* the end has not proved good yet */
+            watch(run); /* the end has not proved good yet */
         }
         if (run->observer->step(run->observer->self, run->state->t) != 0) {
             return INTEGRATE_STOPPED;
@@ -84,55 +93,29 @@ static integrate_code advance(integration *run, void *stepper)
     if (outcome != DAE_AT_EVENT && !time_event) {
         return INTEGRATE_DONE;
     }
-    watch(run, stepper);
+    watch(run);
     const integrate_code code = integration_apply_event(run, time_event);
     if (code == INTEGRATE_DONE) {
-        m->stepper->restart(stepper, run->state);
-    }
-    return code;
-}
-
-static integrate_code step_to_the_end(integration *run, void *stepper)
-{
-    integrate_code code = INTEGRATE_DONE;
-    bool missed = false;
-    do {
-        while (code == INTEGRATE_DONE && run->state->t < run->options->t_end) {
-            code = advance(run, stepper);
-        }
-        if (code == INTEGRATE_DONE) {
-            code = integration_give_output(run, run->state, &missed);
-        }
-        if (missed) {
-            run->model->stepper->redo(stepper, run->state);
-        }
-    } while (code == INTEGRATE_DONE && missed);
-    if (code != INTEGRATE_FAILED) {
-        watch(run, stepper);
-        integration_watch_state(run);
+        m->stepper->restart(run->stepper, run->state);
     }
     return code;
 }
 
 integrate_code integrate_by_stepper(integration *run)
 {
+    static const integration_ways ways = {.advance = advance, .redo = redo, .watch = watch};
     const dae *m = run->model;
     const integrate_options *options = run->options;
     const double max_step = fmin(options->max_step, longest_step * (options->t_end - run->t_start));
-    bool missed;
-    integrate_code code = integration_give_output(run, run->state, &missed);
-    if (code != INTEGRATE_DONE || missed) {
-        return missed ? INTEGRATE_FAILED : code;
+    integrate_code code = INTEGRATE_FAILED;
+    run->stepper = m->stepper->create(m->self, options->tolerance, max_step, run->reason);
+    if (run->stepper == NULL) {
+        return code;
     }
-    void *stepper = m->stepper->create(m->self, options->tolerance, max_step, run->reason);
-    if (!stepper) {
-        return INTEGRATE_FAILED;
+    if (m->stepper->start(run->stepper, run->state, run->reason) == DAE_OK) {
+        code = integration_to_the_end(run, &ways, run);
+        m->stepper->counts(run->stepper, run->counts);
     }
-    code = INTEGRATE_FAILED;
-    if (m->stepper->start(stepper, run->state, run->reason) == DAE_OK) {
-        code = step_to_the_end(run, stepper);
-        m->stepper->counts(stepper, run->counts);
-    }
-    m->stepper->destroy(stepper);
+    m->stepper->destroy(run->stepper);
     return code;
 }

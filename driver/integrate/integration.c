@@ -147,3 +147,29 @@ integrate_code integration_apply_event(integration *run, bool time_event)
     }
     return INTEGRATE_DONE;
 }
+
+integrate_code integration_to_the_end(integration *run, const integration_ways *ways, void *self)
+{
+    bool missed;
+    integrate_code code = integration_give_output(run, run->state, &missed);
+    if (missed) {
+        return INTEGRATE_FAILED;
+    }
+    do {
+        while (code == INTEGRATE_DONE && run->state->t < run->options->t_end) {
+            code = ways->advance(self);
+        }
+        if (code == INTEGRATE_DONE) {
+            code = integration_give_output(run, run->state, &missed);
+        }
+        if (missed) {
+            const integrate_code taken = ways->redo(self);
+            code = code == INTEGRATE_DONE ? taken : code;
+        }
+    } while (code == INTEGRATE_DONE && missed);
+    if (code != INTEGRATE_FAILED) {
+        ways->watch(self);
+        integration_watch_state(run);
+    }
+    return code;
+}

@@ -11,6 +11,7 @@ typedef struct {
     dae_state *state; /**< what the caller sees: at the last accepted time */
     integrate_counts *counts;
     char *reason;
+    void *stepper;     /**< of dae.stepper, if that makes the steps */
     int *fired;        /**< [n_roots] */
     dae_event *events; /**< [n_events] */
     dae_state trial;   /**< what the model is asked at; its discrete state is not used */
@@ -48,6 +49,15 @@ void integration_watch_state(const integration *run);
 
 /** Apply what happened at the present state, and tell. */
 integrate_code integration_apply_event(integration *run, bool time_event);
+
+/** How the steps are made, by `self`. */
+typedef struct {
+    integrate_code (*advance)(void *self); /**< to the next step, output or event */
+    integrate_code (*redo)(void *self);    /**< take the last step back, for a smaller one */
+    void (*watch)(void *self);             /**< let the observer look at what it has not seen yet */
+} integration_ways;
+/** From the first output to the last. */
+integrate_code integration_to_the_end(integration *run, const integration_ways *ways, void *self);
 
 /* To the end, by SUNDIALS IDA or by the stepper that the model brings along. The run's `reason` is empty and its counts are zero. */
 integrate_code integrate_by_ida(integration *run);

@@ -1,6 +1,7 @@
 #include "simulate/contact_watch.h"
 
 #include "base/memory.h"
+#include "base/words.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -19,11 +20,7 @@ static int required(int index, const char *name)
 
 static int find_event(const char *name)
 {
-    int kind = model_tables()->n_event_kinds - 1;
-    while (kind >= 0 && strcmp(model_tables()->event_kinds[kind], name) != 0) {
-        kind--;
-    }
-    return required(kind, name);
+    return required(words_index(name, model_tables()->n_event_kinds, model_tables()->event_kinds), name);
 }
 
 void contact_watch_init(contact_watch *watch, const model *model, int n_meshes)
