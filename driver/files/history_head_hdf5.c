@@ -3,7 +3,6 @@
 
 #include "base/words.h"
 
-#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -46,24 +45,6 @@ static void plan_times(history *history, const history_coordinate *axis, hsize_t
     series_start(times, ROWS);
 }
 
-/** A state's name as CF wants it: angle_deviation[1] becomes angle_deviation_1. */
-static void make_name(const char *state, char *name, size_t size)
-{
-    size_t length = 0;
-    bool is_gap = false;
-    for (; *state != '\0' && length + 2 < size; state++) {
-        const bool is_letter = isalnum((unsigned char)*state) != 0;
-        if (is_letter && is_gap && length > 0) {
-            name[length++] = '_';
-        }
-        if (is_letter) {
-            name[length++] = *state;
-        }
-        is_gap = !is_letter;
-    }
-    name[length] = '\0';
-}
-
 static void plan_events(history *history, hid_t group, const history_layout *layout)
 {
     series *events = &history->events;
@@ -87,10 +68,9 @@ static void plan_events(history *history, hid_t group, const history_layout *lay
     }
     for (int i = 0; i < layout->n_states; i++) {
         const char *state = layout->states[i].name;
-        char name[64], long_name[128];
-        make_name(state, name, sizeof name);
+        char long_name[128];
         (void)snprintf(long_name, sizeof long_name, "state %s on both sides of the event", state);
-        netcdf_variable variable = netcdf_describe(NETCDF_REAL, name, layout->states[i].units, state, long_name);
+        netcdf_variable variable = netcdf_describe(NETCDF_REAL, state, layout->states[i].units, state, long_name);
         variable.rank = 1;
         variable.dimensions[0] = &history->side;
         series_add_column(events, &variable, EVENT_STATES + 2 * i, 2);

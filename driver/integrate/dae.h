@@ -85,7 +85,6 @@ typedef struct dae {
     int n_events;            /**< the most that can happen at one event */
     const double *scale;     /**< [n] unit in which an error of y[i] counts */
     const double *row_scale; /**< [n] unit of residual i */
-    const int *differential; /**< [n] 1: differential, 0: algebraic state */
 
     /* Each returns a dae_code and on failure writes one sentence to message. */
     int (*residual)(const void *self, const dae_state *state, double *residual, char message[DAE_MESSAGE_LENGTH]);

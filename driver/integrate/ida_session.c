@@ -74,11 +74,10 @@ static bool create_solver(ida_session *s)
     }
     short_vectors_use(s->y);
     s->yp = N_VClone(s->y);
-    s->id = N_VClone(s->y);
     s->between = N_VClone(s->y);
     s->matrix = SUNDenseMatrix(m->n, m->n, s->context);
     s->ida = IDACreate(s->context);
-    if (!s->yp || !s->id || !s->between || !s->matrix || !s->ida) {
+    if (!s->yp || !s->between || !s->matrix || !s->ida) {
         return false;
     }
     s->solver = SUNLinSol_Dense(s->y, s->matrix, s->context);
@@ -106,7 +105,6 @@ void ida_session_close(ida_session *s)
     SUNMatDestroy(s->matrix);
     N_VDestroy(s->y);
     N_VDestroy(s->yp);
-    N_VDestroy(s->id);
     N_VDestroy(s->between);
     SUNContext_Free(&s->context);
     free(s->row_units);

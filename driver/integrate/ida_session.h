@@ -15,7 +15,7 @@ typedef struct {
     int *directions;
     SUNContext context;
     void *ida;
-    N_Vector y, yp, id;
+    N_Vector y, yp;
     N_Vector between;  /**< state inside a step, for who watches */
     double *watched_y; /**< [n] */
     double t_watched;  /**< up to which the observer has seen the motion */

@@ -21,15 +21,11 @@ static const long steps_between_looks = 1000; /* after which the observer hears 
 static bool set_up(ida_session *s)
 {
     const dae *m = s->run->model;
-    double *id = N_VGetArrayPointer(s->id);
-    for (int i = 0; i < m->n; i++) {
-        id[i] = m->differential[i];
-    }
     ida_session_to_scaled(s, s->run->state->y, s->y);
     ida_session_to_scaled(s, s->run->state->yp, s->yp);
     bool good = IDAInit(s->ida, ida_residual, s->run->state->t, s->y, s->yp) == IDA_SUCCESS;
     good = good && IDAWFtolerances(s->ida, ida_weights) == IDA_SUCCESS;
-    good = good && IDASetUserData(s->ida, s) == IDA_SUCCESS && IDASetId(s->ida, s->id) == IDA_SUCCESS;
+    good = good && IDASetUserData(s->ida, s) == IDA_SUCCESS;
     good = good && IDASetLinearSolver(s->ida, s->solver, s->matrix) == IDA_SUCCESS;
     good = good && IDASetJacFn(s->ida, ida_jacobian) == IDA_SUCCESS;
     good = good && IDASetDeltaCjLSetup(s->ida, matrix_staleness) == IDA_SUCCESS;

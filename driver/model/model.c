@@ -80,7 +80,6 @@ void model_delete(model **pointer)
     evl_description_delete(&model->description);
     free((void *)model->about.dae.scale);
     free((void *)model->about.dae.row_scale);
-    free((void *)model->about.dae.differential);
     for (int i = 0; i < model->about.names.pairs.n; i++) {
         free((char *)model->about.names.pairs.names[i]);
     }

@@ -105,7 +105,7 @@ void model_describe_dae(model *model)
     const evl_sizes *sizes = &model->sizes;
     const size_t n = (size_t)sizes->n_states;
     double *scale = xcalloc(n, sizeof *scale), *row_scale = xcalloc(n, sizeof *row_scale);
-    int *differential = xcalloc(n, sizeof *differential);
+    OWNED int *differential = xcalloc(n, sizeof *differential);
     evl_gearbox_scales(model->gearbox, &model->initial, scale, row_scale, differential);
     model->about.dae = (dae){
         .self = model,
@@ -116,7 +116,6 @@ void model_describe_dae(model *model)
         .n_events = sizes->n_events,
         .scale = scale,
         .row_scale = row_scale,
-        .differential = differential,
         .residual = residual,
         .jacobian = jacobian,
         .derivative = derivative,

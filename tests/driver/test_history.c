@@ -23,7 +23,7 @@ enum { N_VALUES = 9, N_STATES = 2 };
 
 static const char *const wheels[] = {"pinion", "gear"};
 static const char *const meshes[] = {"pinion-gear"};
-static const model_state states[] = {{"reference_angle", "rad"}, {"angle_deviation[1]", "rad"}};
+static const model_state states[] = {{"reference_angle", "rad"}, {"angle_deviation_1", "rad"}};
 static const char *const kinds[] = {"tooth_switch", "contact_closed"};
 static const model_output outputs[] = {
     {"teeth", "1", "z", "number of teeth", "wheel", true, true, 0, 2},

@@ -70,7 +70,6 @@ static int on_step(void *self, double t)
 typedef struct {
     dae model;
     double scale[MOST_STATES], row_scale[MOST_STATES];
-    int differential[MOST_STATES];
     struct {
         long residuals, jacobians;
     } *calls;
@@ -114,7 +113,6 @@ static problem *make(int n)
     assert_non_null(p->calls);
     for (int i = 0; i < MOST_STATES; i++) {
         p->scale[i] = p->row_scale[i] = 1;
-        p->differential[i] = 1;
     }
     p->state = (dae_state){.y = p->y, .yp = p->yp, .integers = p->integers, .reals = p->reals};
     p->model = (dae){.self = p,
@@ -125,7 +123,6 @@ static problem *make(int n)
                      .n_events = 4,
                      .scale = p->scale,
                      .row_scale = p->row_scale,
-                     .differential = p->differential,
                      .roots = no_roots,
                      .root_directions = no_directions,
                      .next_time_event = no_time_event};
@@ -198,7 +195,6 @@ static problem *make_oscillator(double amplitude)
     problem *p = make(3);
     p->model.residual = oscillator_residual;
     p->model.jacobian = oscillator_jacobian;
-    p->differential[2] = 0;
     p->y[0] = p->y[2] = amplitude;
     p->yp[1] = p->yp[2] = -w * w * amplitude;
     return p;
