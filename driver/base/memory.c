@@ -40,16 +40,64 @@ char *xstrdup(const char *text)
     return memcpy(xcalloc(size, 1), text, size);
 }
 
+/** A new string, in a pool unless that is NULL. */
+static char *print(memory_pool *pool, const char *format, va_list arguments)
+{
+    va_list again;
+    va_copy(again, arguments);
+    const int length = vsnprintf(NULL, 0, format, arguments);
+    const size_t size = length < 0 ? 1 : (size_t)length + 1;
+    char *text = pool_calloc(pool, size, 1);
+    (void)vsnprintf(text, size, format, again);
+    va_end(again);
+    return text;
+}
+
 char *xasprintf(const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    const int length = vsnprintf(NULL, 0, format, arguments);
-    va_end(arguments);
-    const size_t size = length < 0 ? 1 : (size_t)length + 1;
-    char *text = xcalloc(size, 1);
-    va_start(arguments, format);
-    (void)vsnprintf(text, size, format, arguments);
+    char *text = print(NULL, format, arguments);
     va_end(arguments);
     return text;
+}
+
+/* ---- pools ---- */
+
+struct memory_block {
+    struct memory_block *before;
+    max_align_t content[];
+};
+
+void *pool_calloc(memory_pool *pool, size_t count, size_t size)
+{
+    const size_t head = sizeof(struct memory_block);
+    if (size > 0 && count > (SIZE_MAX - head) / size) {
+        return checked(NULL, count, size);
+    }
+    if (pool == NULL) {
+        return xcalloc(count, size);
+    }
+    struct memory_block *block = xcalloc(1, head + count * size);
+    block->before = pool->last;
+    pool->last = block;
+    return block->content;
+}
+
+char *pool_printf(memory_pool *pool, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    char *text = print(pool, format, arguments);
+    va_end(arguments);
+    return text;
+}
+
+void pool_free(memory_pool *pool)
+{
+    while (pool->last != NULL) {
+        struct memory_block *block = pool->last;
+        pool->last = block->before;
+        free(block);
+    }
 }

@@ -16,6 +16,17 @@ static inline void free_owned(void *pointer)
 void *xcalloc(size_t count, size_t size);
 /** count * size bytes with the old content; never NULL. */
 void *xrealloc(void *old, size_t count, size_t size);
+
+/** What is given back together with its owner. Zeros: nothing yet. */
+typedef struct {
+    struct memory_block *last;
+} memory_pool;
+/** As xcalloc; it lasts until pool_free, unless the pool is NULL. */
+void *pool_calloc(memory_pool *pool, size_t count, size_t size);
+/** A new string as printf would print it; it lasts until pool_free. */
+__attribute__((format(printf, 2, 3))) char *pool_printf(memory_pool *pool, const char *format, ...);
+void pool_free(memory_pool *pool);
+
 char *xstrdup(const char *text);
 /** A new string as printf would print it. */
 __attribute__((format(printf, 1, 2))) char *xasprintf(const char *format, ...);

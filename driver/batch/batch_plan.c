@@ -150,7 +150,7 @@ void batch_plan_free(batch_plan *plan)
     free(histories->variables);
     free(histories->times);
     stack_close(&plan->stack);
-    statistics_table_free(&plan->table);
+    pool_free(&plan->table.pool);
     wheel_store_delete(&plan->wheels);
     case_base_delete(&plan->base);
 }

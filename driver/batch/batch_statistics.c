@@ -1,7 +1,5 @@
 #include "batch/batch_statistics.h"
 
-#include "base/memory.h"
-
 #include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
@@ -58,58 +56,44 @@ static bool is_taken(const statistics_table *table, const char *name)
 }
 
 /** NAME_MESH, with letters that a name in a program cannot have as underscores, and a number if that name is taken. */
-static char *name_of_mesh(const statistics_table *table, const char *name, int mesh, const char *mesh_name)
+static const char *name_of_mesh(statistics_table *table, const char *name, int mesh, const char *mesh_name)
 {
-    char *full = xasprintf("%s_%s", name, mesh_name);
+    char *full = pool_printf(&table->pool, "%s_%s", name, mesh_name);
     for (char *c = full; *c != '\0'; c++) {
         *c = (char)(isalnum((unsigned char)*c) ? *c : '_');
     }
-    if (is_taken(table, full)) {
-        char *other = xasprintf("%s_%d", full, mesh);
-        free(full);
-        full = other;
-    }
-    return full;
+    return is_taken(table, full) ? pool_printf(&table->pool, "%s_%d", full, mesh) : full;
 }
 
-static void add(statistics_table *table, char *name, const char *units, char *long_name)
+static void add(statistics_table *table, const char *name, const char *units, const char *long_name)
 {
-    table->scalars[table->n++] = (statistics_scalar){.name = name, .units = xstrdup(units), .long_name = long_name};
+    table->scalars[table->n++] = (statistics_scalar){.name = name, .units = units, .long_name = long_name};
 }
 
 void statistics_table_init(statistics_table *table, int n_meshes, char *const *mesh_names)
 {
     const int n_kinds = model_tables()->n_event_kinds;
     *table = (statistics_table){.n_meshes = n_meshes};
-    table->scalars = xcalloc((size_t)n_meshes * N_OF_MESH + N_OF_CASE + (size_t)n_kinds, sizeof *table->scalars);
+    table->scalars =
+        pool_calloc(&table->pool, (size_t)n_meshes * N_OF_MESH + N_OF_CASE + (size_t)n_kinds, sizeof *table->scalars);
     for (int mesh = 0; mesh < n_meshes; mesh++) {
         for (int i = 0; i < N_OF_MESH; i++) {
             if (n_meshes == 1) {
-                add(table, xstrdup(of_mesh[i].name), of_mesh[i].units, xstrdup(of_mesh[i].long_name));
+                add(table, of_mesh[i].name, of_mesh[i].units, of_mesh[i].long_name);
             } else {
                 add(table, name_of_mesh(table, of_mesh[i].name, mesh, mesh_names[mesh]), of_mesh[i].units,
-                    xasprintf("%s, mesh '%s'", of_mesh[i].long_name, mesh_names[mesh]));
+                    pool_printf(&table->pool, "%s, mesh '%s'", of_mesh[i].long_name, mesh_names[mesh]));
             }
         }
     }
     for (int i = 0; i < N_OF_CASE; i++) {
-        add(table, xstrdup(of_case[i].name), of_case[i].units, xstrdup(of_case[i].long_name));
+        add(table, of_case[i].name, of_case[i].units, of_case[i].long_name);
     }
     for (int kind = 0; kind < n_kinds; kind++) {
         const char *name = model_tables()->event_kinds[kind];
-        add(table, xasprintf("events_%s", name), "1", xasprintf("number of events %s", name));
+        add(table, pool_printf(&table->pool, "events_%s", name), "1",
+            pool_printf(&table->pool, "number of events %s", name));
     }
-}
-
-void statistics_table_free(statistics_table *table)
-{
-    for (int i = 0; i < table->n; i++) {
-        free(table->scalars[i].name);
-        free(table->scalars[i].units);
-        free(table->scalars[i].long_name);
-    }
-    free(table->scalars);
-    *table = (statistics_table){0};
 }
 
 /* ---- one case ---- */

@@ -1,24 +1,25 @@
 /** The numbers that a batch keeps of each case, accumulated while it is simulated: one table says which. */
 #pragma once
 
+#include "base/memory.h"
 #include "integrate/integrate_types.h"
 #include "model/model.h"
 #include "simulate/simulate.h"
 
 /** One number of a case. */
 typedef struct {
-    char *name, *units, *long_name;
+    const char *name, *units, *long_name;
 } statistics_scalar;
 
 /** What all cases of a batch have in common. */
 typedef struct {
+    memory_pool pool;
     int n_meshes, n;
     statistics_scalar *scalars; /**< [n] those of a mesh together, then those of the whole case */
 } statistics_table;
 
 /** The table for cases with these meshes. With several, each has its own numbers: NAME_MESH. */
 void statistics_table_init(statistics_table *table, int n_meshes, char *const *mesh_names);
-void statistics_table_free(statistics_table *table);
 
 typedef struct statistics statistics;
 

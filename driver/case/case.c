@@ -37,13 +37,7 @@ bool case_file_resolve(case_file *file, const case_schema *schema, evl_error *er
 
 void description_clear(description *description)
 {
-    free(description->wheels);
-    free(description->meshes);
-    free(description->shafts);
-    free((void *)description->simulation.initial.speeds);
-    free((void *)description->simulation.initial.gaps);
-    free(description->entries);
-    free(description->numbers);
+    pool_free(&description->pool);
     memset(description, 0, sizeof *description);
 }
 

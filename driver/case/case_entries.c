@@ -1,7 +1,5 @@
 #include "case/case_file.h"
 
-#include "base/memory.h"
-
 /** What is laid out so far; both arrays have room for all that the tree can give. */
 typedef struct {
     const case_schema *schema;
@@ -100,8 +98,8 @@ void case_lay_out(const case_schema *schema, const case_node *root, description 
 {
     const size_t most = count_nodes(root);
     layout layout = {.schema = schema,
-                     .entries = xcalloc(most, sizeof *layout.entries),
-                     .numbers = xcalloc(most, sizeof *layout.numbers)};
+                     .entries = pool_calloc(&description->pool, most, sizeof *layout.entries),
+                     .numbers = pool_calloc(&description->pool, most, sizeof *layout.numbers)};
     add_block(&layout, CASE_ROOT, root, 1);
     description->n_entries = layout.n;
     description->entries = layout.entries;

@@ -13,26 +13,25 @@ static const double MOST_OUTPUTS = 1e9;
 
 /* ---- names ---- */
 
-/** The names of a list of blocks (its `name` keys) or of a map (its keys); the caller frees the array. */
-static const char **names_of(const case_node *node)
+/** The names of a list of blocks (its `name` keys) or of a map (its keys), which the caller frees without a pool. */
+static const char **names_of(const case_node *node, memory_pool *pool)
 {
-    const char **names = xcalloc((size_t)node->n, sizeof *names);
+    const char **names = pool_calloc(pool, (size_t)node->n, sizeof *names);
     for (int i = 0; i < node->n; i++) {
         names[i] = node->kind == NODE_MAPPING ? node->entries[i].key : node_get_text(node->entries[i].value, "name");
     }
     return names;
 }
 
-/** Refuse a list of blocks in which a name stands twice. @return the names, which the caller frees; NULL if refused */
+/** Refuse a list of blocks in which a name stands twice. @return the names; NULL if refused */
 static const char **unique_names(const checker *checker, const case_node *root, const char *key, const char *what,
-                                 int *n)
+                                 memory_pool *pool, int *n)
 {
     const case_node *list = node_get(root, key);
-    const char **names = names_of(list);
+    const char **names = names_of(list, pool);
     *n = list->n;
     for (int i = 1; i < list->n; i++) {
         if (words_index(names[i], i, names) >= 0) {
-            OWNED const char **refused = names;
             const case_node *node = node_get(list->entries[i].value, "name");
             (void)checker_refuse(checker, node->place, "%s: the name '%s' is given to two %s; give each %s its own",
                                  key, names[i], key, what);
@@ -51,7 +50,7 @@ static const char *one_of(const char *list)
 static bool check_reference(const checker *checker, const case_node *root, const char *list, const case_node *node)
 {
     const case_node *among = node_get(root, list);
-    OWNED const char **names = names_of(among);
+    OWNED const char **names = names_of(among, NULL);
     if (words_index(node->text, among->n, names) >= 0) {
         return true;
     }
@@ -201,14 +200,14 @@ static bool take_initial(const checker *checker, case_node *block, description *
     const struct checker of_speeds = checker_at(checker, "speeds"), of_gaps = checker_at(checker, "gaps");
     initial->kind = node_get_choice(block, "kind", 3, kinds);
     if (initial->kind == EVL_INITIAL_SPEEDS) {
-        double *values = xcalloc((size_t)description->n_wheels, sizeof *values);
+        double *values = pool_calloc(&description->pool, (size_t)description->n_wheels, sizeof *values);
         initial->speeds = values;
         if (!take_speeds(&of_speeds, node_get(block, "speeds"), description, values)) {
             return false;
         }
     }
     if (initial->kind != EVL_INITIAL_STEADY) {
-        double *values = xcalloc((size_t)description->n_meshes, sizeof *values);
+        double *values = pool_calloc(&description->pool, (size_t)description->n_meshes, sizeof *values);
         initial->gaps = values;
         if (!take_gaps(&of_gaps, node_get(block, "gaps"), description, values)) {
             return false;
@@ -257,12 +256,15 @@ bool case_resolve(const case_schema *schema, const char *path, case_node *root, 
 {
     const checker checker = {.schema = schema, .path = path, .error = error};
     const struct checker of_simulation = checker_at(&checker, "simulation");
+    memory_pool *pool = &description->pool;
     description->title = node_get_text(root, "title");
-    description->wheels = unique_names(&checker, root, "wheels", "wheel", &description->n_wheels);
-    description->meshes =
-        description->wheels == NULL ? NULL : unique_names(&checker, root, "meshes", "mesh", &description->n_meshes);
-    description->shafts =
-        description->meshes == NULL ? NULL : unique_names(&checker, root, "shafts", "shaft", &description->n_shafts);
+    description->wheels = unique_names(&checker, root, "wheels", "wheel", pool, &description->n_wheels);
+    description->meshes = description->wheels == NULL
+                              ? NULL
+                              : unique_names(&checker, root, "meshes", "mesh", pool, &description->n_meshes);
+    description->shafts = description->meshes == NULL
+                              ? NULL
+                              : unique_names(&checker, root, "shafts", "shaft", pool, &description->n_shafts);
     return description->shafts != NULL && check_inside(&checker, root, CASE_ROOT, root) &&
            take_simulation(&of_simulation, node_get(root, "simulation"), description);
 }

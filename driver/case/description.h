@@ -1,6 +1,8 @@
 /** A resolved case as plain data: what the case file says, defaults filled in. A leaf: knows no other room. */
 #pragma once
 
+#include "base/memory.h"
+
 #include <evolvent/description.h>
 
 /** INTEGRATOR_OPEN: the case does not say, and the model has not been asked yet what serves it. */
@@ -18,6 +20,7 @@ typedef struct {
 
 /** Texts are the tree's that it was made from, which has to outlive it. */
 typedef struct {
+    memory_pool pool;  /**< of all arrays */
     const char *title; /**< "" if none */
     int n_wheels, n_meshes, n_shafts;
     const char **wheels, **meshes, **shafts; /**< names */

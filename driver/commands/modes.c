@@ -134,7 +134,7 @@ static void modes_of(const prepared_case *prepared, const modes_options *options
     } else if (good) {
         modes_print_text(stdout, &report);
     }
-    natural_modes_free(&report.modes);
+    pool_free(&report.modes.pool);
     dae_state_free(&state);
 }
 

@@ -2,6 +2,7 @@
  *  docs/batch.md describes the file. The interface knows nothing of HDF5; design_hdf5.c does. */
 #pragma once
 
+#include "base/memory.h"
 #include "base/status.h"
 
 typedef enum { DESIGN_REAL, DESIGN_INTEGER, DESIGN_TEXT } design_type;
@@ -21,6 +22,7 @@ typedef struct {
 } design_column;
 
 typedef struct {
+    memory_pool pool; /**< of the columns */
     char *file, *hash;
     char *base_case;         /**< YAML */
     double window[2];        /**< [s] of the statistics, from and to; NaN: half of each case's duration, its end */

@@ -1,6 +1,5 @@
 #include "files/design.h"
 
-#include "base/memory.h"
 #include "base/number.h"
 #include "files/netcdf_hdf5.h"
 
@@ -92,7 +91,7 @@ static bool read_head(const reader *reader, design *design)
 
 /* ---- columns ---- */
 
-static bool read_values(const reader *reader, hid_t dataset, const char *name, long n, design_column *column)
+static bool read_values(const reader *reader, hid_t dataset, const char *name, design *design, design_column *column)
 {
     _Static_assert(sizeof(design_value) == sizeof(double), "values stand side by side");
     CLOSED const hid_t type = H5Dget_type(dataset), text = H5Tcopy(H5T_C_S1);
@@ -100,7 +99,7 @@ static bool read_values(const reader *reader, hid_t dataset, const char *name, l
     const bool is_real = class == H5T_FLOAT, is_integer = class == H5T_INTEGER;
     const hid_t in_memory = is_real ? H5T_NATIVE_DOUBLE : is_integer ? H5T_NATIVE_LLONG : text;
     column->type = is_real ? DESIGN_REAL : is_integer ? DESIGN_INTEGER : DESIGN_TEXT;
-    column->values = xcalloc((size_t)n, sizeof *column->values);
+    column->values = pool_calloc(&design->pool, (size_t)design->n_cases, sizeof *column->values);
     const bool is_known = is_real || is_integer || (class == H5T_STRING && H5Tis_variable_str(type) > 0);
     (void)(H5Tset_size(text, H5T_VARIABLE) >= 0 && H5Tset_cset(text, H5T_CSET_UTF8));
     return (is_known && H5Dread(dataset, in_memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, column->values) >= 0) ||
@@ -127,8 +126,8 @@ static bool read_column(const reader *reader, hid_t parameters, const char *name
         return true;
     }
     design_column *column = &design->columns[design->n_columns++];
-    *column = (design_column){.path = xstrdup(path)};
-    return read_values(reader, dataset, name, design->n_cases, column);
+    *column = (design_column){.path = pool_printf(&design->pool, "%s", path)};
+    return read_values(reader, dataset, name, design, column);
 }
 
 static bool read_columns(const reader *reader, design *design)
@@ -139,7 +138,7 @@ static bool read_columns(const reader *reader, design *design)
     if (parameters < 0 || H5Gget_info(parameters, &info) < 0) {
         return refuse(reader, "", "has no group parameters");
     }
-    design->columns = xcalloc((size_t)info.nlinks, sizeof *design->columns);
+    design->columns = pool_calloc(&design->pool, (size_t)info.nlinks, sizeof *design->columns);
     bool good = true;
     for (hsize_t i = 0; i < info.nlinks && good; i++) {
         char name[32];
@@ -169,15 +168,6 @@ design *design_read(const char *path, evl_error *error)
     return design;
 }
 
-static void free_column(design_column *column, long n_cases)
-{
-    for (long i = 0; i < n_cases && column->type == DESIGN_TEXT && column->values != NULL; i++) {
-        (void)H5free_memory(column->values[i].text);
-    }
-    free(column->path);
-    free(column->values);
-}
-
 void design_delete(design **pointer)
 {
     design *design = *pointer;
@@ -186,9 +176,12 @@ void design_delete(design **pointer)
         return;
     }
     for (int i = 0; i < design->n_columns; i++) {
-        free_column(&design->columns[i], design->n_cases);
+        const design_column *column = &design->columns[i];
+        for (long k = 0; k < design->n_cases && column->type == DESIGN_TEXT && column->values != NULL; k++) {
+            (void)H5free_memory(column->values[k].text);
+        }
     }
-    free(design->columns);
+    pool_free(&design->pool);
     free(design->file);
     free(design->hash);
     free(design->base_case);

@@ -91,8 +91,6 @@ typedef struct dae {
     /** dF/dy + cj dF/dy', column-major [n * n] */
     int (*jacobian)(const void *self, const dae_state *state, double cj, double *jacobian,
                     char message[DAE_MESSAGE_LENGTH]);
-    /** the y' that belongs to y, written to yp */
-    int (*derivative)(const void *self, const dae_state *state, double *yp, char message[DAE_MESSAGE_LENGTH]);
     int (*roots)(const void *self, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH]);
     void (*root_directions)(const void *self, const int *integers, int *directions);
     double (*next_time_event)(const void *self, const dae_state *state);

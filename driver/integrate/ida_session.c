@@ -1,13 +1,11 @@
 /* Differences between SUNDIALS 6 and 7 stay here. */
 #include "integrate/ida_session.h"
 
-#include "base/memory.h"
 #include "integrate/short_vectors.h"
 
 #include <ida/ida.h>
 #include <nvector/nvector_serial.h>
 #include <stddef.h>
-#include <stdlib.h>
 #include <sundials/sundials_config.h>
 #include <sunlinsol/sunlinsol_dense.h>
 #include <sunmatrix/sunmatrix_dense.h>
@@ -52,11 +50,11 @@ static void silence(ida_session *s)
 static void allocate_arrays(ida_session *s)
 {
     const dae *m = s->run->model;
-    s->row_units = xcalloc((size_t)m->n, sizeof(double));
-    s->directions = xcalloc((size_t)m->n_roots, sizeof(int));
-    s->watched_y = xcalloc((size_t)m->n, sizeof(double));
-    s->channels = xcalloc((size_t)m->n_watched, sizeof(double));
-    s->kept = xcalloc((size_t)m->n_kept, sizeof(double));
+    s->row_units = pool_calloc(&s->pool, (size_t)m->n, sizeof(double));
+    s->directions = pool_calloc(&s->pool, (size_t)m->n_roots, sizeof(int));
+    s->watched_y = pool_calloc(&s->pool, (size_t)m->n, sizeof(double));
+    s->channels = pool_calloc(&s->pool, (size_t)m->n_watched, sizeof(double));
+    s->kept = pool_calloc(&s->pool, (size_t)m->n_kept, sizeof(double));
     for (int i = 0; i < m->n; i++) {
         s->row_units[i] = 1 / m->row_scale[i];
     }
@@ -107,11 +105,7 @@ void ida_session_close(ida_session *s)
     N_VDestroy(s->yp);
     N_VDestroy(s->between);
     SUNContext_Free(&s->context);
-    free(s->row_units);
-    free(s->directions);
-    free(s->watched_y);
-    free(s->channels);
-    free(s->kept);
+    pool_free(&s->pool);
 }
 
 void ida_session_count(ida_session *s)

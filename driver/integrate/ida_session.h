@@ -2,6 +2,7 @@
  *  holds for all of them. Private to integrate/. */
 #pragma once
 
+#include "base/memory.h"
 #include "integrate/integration.h"
 
 #include <sundials/sundials_linearsolver.h>
@@ -9,6 +10,7 @@
 #include <sundials/sundials_nvector.h>
 
 typedef struct {
+    memory_pool pool;        /**< of the arrays */
     integration *run;        /**< the states in it are in physical units */
     integrate_counts before; /**< until the last restart: IDAReInit starts its counters anew */
     double *row_units;       /**< 1/row_scale */

@@ -1,4 +1,3 @@
-#include "base/memory.h"
 #include "model/model_kernel.h"
 
 #include <stdio.h>
@@ -15,14 +14,14 @@ void model_explain(const model *model, const evl_status *status, model_message *
 }
 
 /** Names of the places for tooth pairs: those of the drive flank come first. */
-static name_list name_pairs(const evl_sizes *sizes)
+static name_list name_pairs(model *model)
 {
-    const int n = sizes->n_pair_places, n_drive = sizes->n_drive_places;
-    char **pairs = xcalloc((size_t)n, sizeof *pairs);
+    const int n = model->sizes.n_pair_places, n_drive = model->sizes.n_drive_places;
+    const char **pairs = pool_calloc(&model->pool, (size_t)n, sizeof *pairs);
     for (int i = 0; i < n; i++) {
-        pairs[i] = i < n_drive ? xasprintf("drive_%d", i) : xasprintf("coast_%d", i - n_drive);
+        pairs[i] = pool_printf(&model->pool, i < n_drive ? "drive_%d" : "coast_%d", i < n_drive ? i : i - n_drive);
     }
-    return (name_list){n, (const char *const *)pairs};
+    return (name_list){n, pairs};
 }
 
 model *model_create(const description *description, const evl_wheel_store *wheels, model_message *error)
@@ -41,7 +40,7 @@ model *model_create(const description *description, const evl_wheel_store *wheel
     model->about.names = (model_names){.wheels = {description->n_wheels, description->wheels},
                                        .meshes = {description->n_meshes, description->meshes},
                                        .shafts = {description->n_shafts, description->shafts},
-                                       .pairs = name_pairs(&model->sizes)};
+                                       .pairs = name_pairs(model)};
     model_describe_dae(model);
     model_describe_outputs(model);
     return model;
@@ -78,13 +77,7 @@ void model_delete(model **pointer)
     }
     evl_gearbox_delete(&model->gearbox);
     evl_description_delete(&model->description);
-    free((void *)model->about.dae.scale);
-    free((void *)model->about.dae.row_scale);
-    for (int i = 0; i < model->about.names.pairs.n; i++) {
-        free((char *)model->about.names.pairs.names[i]);
-    }
-    free((void *)model->about.names.pairs.names);
-    free((void *)model->about.outputs);
+    pool_free(&model->pool);
     free(model);
 }
 

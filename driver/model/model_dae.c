@@ -1,4 +1,3 @@
-#include "base/memory.h"
 #include "model/model_kernel.h"
 
 #include <stdio.h>
@@ -34,15 +33,6 @@ static int jacobian(const void *self, const dae_state *state, double cj, double 
     evl_status status;
     const int code = evl_gearbox_jacobian(model->gearbox, state->t, cj, state->y, state->yp, state->integers,
                                           state->reals, matrix, &status);
-    return model_answer(model, code, &status, message);
-}
-
-static int derivative(const void *self, const dae_state *state, double *yp, char message[DAE_MESSAGE_LENGTH])
-{
-    const model *model = self;
-    evl_status status;
-    const int code =
-        evl_gearbox_derivative(model->gearbox, state->t, state->y, state->integers, state->reals, yp, &status);
     return model_answer(model, code, &status, message);
 }
 
@@ -104,7 +94,8 @@ void model_describe_dae(model *model)
 {
     const evl_sizes *sizes = &model->sizes;
     const size_t n = (size_t)sizes->n_states;
-    double *scale = xcalloc(n, sizeof *scale), *row_scale = xcalloc(n, sizeof *row_scale);
+    double *scale = pool_calloc(&model->pool, n, sizeof *scale),
+           *row_scale = pool_calloc(&model->pool, n, sizeof *scale);
     OWNED int *differential = xcalloc(n, sizeof *differential);
     evl_gearbox_scales(model->gearbox, &model->initial, scale, row_scale, differential);
     model->about.dae = (dae){
@@ -118,7 +109,6 @@ void model_describe_dae(model *model)
         .row_scale = row_scale,
         .residual = residual,
         .jacobian = jacobian,
-        .derivative = derivative,
         .roots = roots,
         .root_directions = root_directions,
         .next_time_event = next_time_event,

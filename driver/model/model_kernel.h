@@ -1,6 +1,7 @@
 /** What the files of the model share: the only include of the kernel's header. Private to model/. */
 #pragma once
 
+#include "base/memory.h"
 #include "model/model.h"
 
 #include <evolvent/kernel.h>
@@ -8,6 +9,7 @@
 struct model {
     evl_description *description;
     evl_gearbox *gearbox;
+    memory_pool pool; /**< of the arrays and names of the facts */
     model_facts about;
     evl_sizes sizes;
     evl_initial initial; /**< its arrays are those of the case's description */

@@ -1,6 +1,5 @@
 #include "model/model_modes.h"
 
-#include "base/memory.h"
 #include "model/model_kernel.h"
 
 #include <math.h>
@@ -51,11 +50,11 @@ static void normalise(const model *model, natural_mode *mode)
 }
 
 /** @param vector  [2 n_states] a change of the state, real and imaginary parts by turns */
-static natural_mode create_mode(const model *model, const dae_state *state, const double eigenvalue[2],
-                                const double *vector)
+static natural_mode create_mode(memory_pool *pool, const model *model, const dae_state *state,
+                                const double eigenvalue[2], const double *vector)
 {
     const size_t n_wheels = (size_t)model->sizes.n_wheels, n_meshes = (size_t)model->sizes.n_meshes;
-    double complex *values = xcalloc(3 * n_wheels + 2 * n_meshes, sizeof *values);
+    double complex *values = pool_calloc(pool, 3 * n_wheels + 2 * n_meshes, sizeof *values);
     natural_mode mode = {.eigenvalue = eigenvalue[0] + eigenvalue[1] * I,
                          .arcs = values,
                          .displacements = (double complex(*)[2])(values + n_wheels),
@@ -89,11 +88,11 @@ static bool find_modes(const model *model, const dae_state *state, double *means
     if (code != EVL_OK) {
         return false;
     }
-    modes->modes = xcalloc(n, sizeof *modes->modes);
+    modes->modes = pool_calloc(&modes->pool, n, sizeof *modes->modes);
     for (int k = 0; k < n_found; k++) {
         const double *eigenvalue = &eigenvalues[2 * k];
         if (eigenvalue[1] > 0.0 || (eigenvalue[1] == 0.0 && eigenvalue[0] != 0.0)) {
-            modes->modes[modes->n++] = create_mode(model, state, eigenvalue, &vectors[2 * n * (size_t)k]);
+            modes->modes[modes->n++] = create_mode(&modes->pool, model, state, eigenvalue, &vectors[2 * n * (size_t)k]);
         }
     }
     return true;
@@ -119,15 +118,6 @@ bool model_mean_modes(const model *model, dae_state *state, double *values, natu
         dae_state_free(state);
     }
     return good;
-}
-
-void natural_modes_free(natural_modes *modes)
-{
-    for (int i = 0; i < modes->n; i++) {
-        free(modes->modes[i].arcs);
-    }
-    free(modes->modes);
-    *modes = (natural_modes){.n = 0};
 }
 
 mesh_standing model_mesh_standing(const model *model, const dae_state *state, int mesh)

@@ -1,6 +1,7 @@
 /** Natural modes of the gearbox at a state. */
 #pragma once
 
+#include "base/memory.h"
 #include "model/model.h"
 
 #include <complex.h>
@@ -16,6 +17,7 @@ typedef struct {
 } natural_mode;
 
 typedef struct {
+    memory_pool pool;
     int n_rigid; /**< independent motions that nothing restores, such as turning as a whole; not among the modes */
     int n;
     natural_mode *modes; /**< [n] from slow to fast */
@@ -28,7 +30,6 @@ bool model_modes(const model *model, const dae_state *state, natural_modes *mode
  *  @param[out] values  [model_n_values] mean outputs
  *  @return false with the reason in `error`; then there is nothing to free */
 bool model_mean_modes(const model *model, dae_state *state, double *values, natural_modes *modes, model_message *error);
-void natural_modes_free(natural_modes *modes);
 
 /** How a mesh stands at a state. */
 typedef struct {

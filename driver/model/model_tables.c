@@ -1,4 +1,3 @@
-#include "base/memory.h"
 #include "model/model_kernel.h"
 
 #include <pthread.h>
@@ -180,7 +179,7 @@ void model_describe_outputs(model *model)
     const evl_sizes *sizes = &model->sizes;
     const size_t n = (size_t)sizes->n_outputs;
     (void)pthread_once(&once, copy_tables);
-    model_output *own = memcpy(xcalloc(n, sizeof *own), outputs, n * sizeof *own);
+    model_output *own = memcpy(pool_calloc(&model->pool, n, sizeof *own), outputs, n * sizeof *own);
     OWNED int *offsets = xcalloc(n, sizeof *offsets), *counts = xcalloc(n, sizeof *counts);
     evl_gearbox_output_places(model->gearbox, offsets, counts);
     for (int i = 0; i < sizes->n_outputs; i++) {

@@ -1,11 +1,9 @@
 #include "simulate/extreme_channels.h"
 
-#include "base/memory.h"
 #include "base/peak.h"
 
 #include <math.h>
 #include <stdint.h>
-#include <stdlib.h>
 #include <string.h>
 
 /** Vectors of 8 take them all. */
@@ -16,32 +14,22 @@ static int padded(int n)
 
 double *extreme_channels_array(const extreme_channels *channels)
 {
-    return xcalloc((size_t)channels->n_padded, sizeof(double));
+    return pool_calloc(channels->pool, (size_t)channels->n_padded, sizeof(double));
 }
 
-void extreme_channels_init(extreme_channels *channels, const dae *dae)
+void extreme_channels_init(extreme_channels *channels, const dae *dae, memory_pool *pool)
 {
-    *channels = (extreme_channels){.dae = dae, .n = dae->n_watched, .n_padded = padded(dae->n_watched)};
+    *channels = (extreme_channels){.dae = dae, .pool = pool, .n = dae->n_watched, .n_padded = padded(dae->n_watched)};
     channels->high = extreme_channels_array(channels);
     channels->low = extreme_channels_array(channels);
     channels->high_time = extreme_channels_array(channels);
     channels->low_time = extreme_channels_array(channels);
     channels->values = extreme_channels_array(channels);
-    channels->y = xcalloc((size_t)dae->n, sizeof(double));
+    channels->y = pool_calloc(pool, (size_t)dae->n, sizeof(double));
     for (int i = 0; i < channels->n_padded; i++) {
         channels->high[i] = INFINITY;
         channels->low[i] = -INFINITY;
     }
-}
-
-void extreme_channels_free(extreme_channels *channels)
-{
-    free(channels->high);
-    free(channels->low);
-    free(channels->high_time);
-    free(channels->low_time);
-    free(channels->values);
-    free(channels->y);
 }
 
 void extreme_channels_take(extreme_channels *channels, int channel, double value, double t)

@@ -1,10 +1,12 @@
 /** The extremes of channels so far, and the channels at single states of a step. Private to the search for extremes. */
 #pragma once
 
+#include "base/memory.h"
 #include "integrate/integrate_types.h"
 
 typedef struct {
     const dae *dae;
+    memory_pool *pool;            /**< of all arrays */
     int n;                        /**< channels */
     int n_padded;                 /**< the same with idle ones behind them, so that loops over all go in vectors */
     bool has_begun;               /**< a state was seen */
@@ -15,9 +17,8 @@ typedef struct {
     double *y;                    /**< [states] */
 } extreme_channels;
 
-/** Nobody asks for anything yet. */
-void extreme_channels_init(extreme_channels *channels, const dae *dae);
-void extreme_channels_free(extreme_channels *channels);
+/** Nobody asks for anything yet. @param pool  in which the channels last */
+void extreme_channels_init(extreme_channels *channels, const dae *dae, memory_pool *pool);
 
 /** Room for a number of each channel, 0 at first. */
 double *extreme_channels_array(const extreme_channels *channels);

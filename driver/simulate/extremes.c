@@ -8,6 +8,7 @@
 #include <string.h>
 
 struct extremes {
+    memory_pool pool;
     extreme_channels channels;
     channel_past past; /**< for an integrator that knows no candidates */
     double from, to;   /**< window */
@@ -22,7 +23,7 @@ extremes *extremes_create(const model *model, int n_meshes, double from, double 
 {
     extremes *extremes = xcalloc(1, sizeof *extremes);
     *extremes = (struct extremes){.from = from, .to = to};
-    extreme_channels_init(&extremes->channels, &model_about(model)->dae);
+    extreme_channels_init(&extremes->channels, &model_about(model)->dae, &extremes->pool);
     channel_past_init(&extremes->past, &extremes->channels);
     for (int k = 0; k < model_tables()->n_extremes; k++) {
         for (int mesh = 0; mesh < n_meshes; mesh++) {
@@ -44,8 +45,7 @@ void extremes_delete(extremes **pointer)
     if (extremes == NULL) {
         return;
     }
-    extreme_channels_free(&extremes->channels);
-    channel_past_free(&extremes->past);
+    pool_free(&extremes->pool);
     free(extremes);
 }
 

@@ -4,7 +4,6 @@
 
 #include <math.h>
 #include <stdint.h>
-#include <stdlib.h>
 #include <string.h>
 
 void channel_past_init(channel_past *past, const extreme_channels *channels)
@@ -13,14 +12,6 @@ void channel_past_init(channel_past *past, const extreme_channels *channels)
                            .older = extreme_channels_array(channels),
                            .ends = extreme_channels_array(channels),
                            .middle = extreme_channels_array(channels)};
-}
-
-void channel_past_free(channel_past *past)
-{
-    free(past->values);
-    free(past->older);
-    free(past->ends);
-    free(past->middle);
 }
 
 /** How far a channel may go from the mean of both ends of a step, judged by its moves in it and in the step before: as far beyond

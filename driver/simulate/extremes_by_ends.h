@@ -13,7 +13,6 @@ typedef struct {
 } channel_past;
 
 void channel_past_init(channel_past *past, const extreme_channels *channels);
-void channel_past_free(channel_past *past);
 
 /** Look at a step, from and to times in it. */
 void extremes_by_ends(extreme_channels *channels, channel_past *past, const integrate_step *step, double from,
