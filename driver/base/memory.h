@@ -26,6 +26,8 @@ void *pool_calloc(memory_pool *pool, size_t count, size_t size);
 /** A new string as printf would print it; it lasts until pool_free. */
 __attribute__((format(printf, 2, 3))) char *pool_printf(memory_pool *pool, const char *format, ...);
 void pool_free(memory_pool *pool);
+/** For a local pool, as OWNED. */
+#define POOLED __attribute__((cleanup(pool_free)))
 
 char *xstrdup(const char *text);
 /** A new string as printf would print it. */

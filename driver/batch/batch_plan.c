@@ -28,28 +28,21 @@ static bool check_paths(const batch_plan *plan, evl_error *error)
 
 static void take_table(batch_plan *plan)
 {
-    const int n = case_base_elements(plan->base, "meshes", NULL);
-    OWNED char **names = xcalloc((size_t)n, sizeof *names);
-    (void)case_base_elements(plan->base, "meshes", names);
+    POOLED memory_pool pool = {NULL};
+    int n = 0;
+    const char **names = case_base_elements(plan->base, "meshes", &pool, &n);
     statistics_table_init(&plan->table, n, names);
-    for (int i = 0; i < n; i++) {
-        free(names[i]);
-    }
 }
 
 bool batch_prepare(const batch_plan *plan, long index, prepared_case *prepared, evl_error *error)
 {
     const design *design = plan->design;
-    OWNED char **options = xcalloc((size_t)design->n_columns, sizeof *options);
+    POOLED memory_pool pool = {NULL};
+    const char **options = pool_calloc(&pool, (size_t)design->n_columns, sizeof *options);
     for (int i = 0; i < design->n_columns; i++) {
-        options[i] = design_option(design, i, index);
+        options[i] = design_option(design, i, index, &pool);
     }
-    const bool good = prepare_edited(prepared, plan->base, design->n_columns, (const char *const *)options,
-                                     wheel_store_door(plan->wheels), error);
-    for (int i = 0; i < design->n_columns; i++) {
-        free(options[i]);
-    }
-    return good;
+    return prepare_edited(prepared, plan->base, design->n_columns, options, wheel_store_door(plan->wheels), error);
 }
 
 /* ---- histories ---- */

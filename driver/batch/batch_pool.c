@@ -23,7 +23,8 @@ static const double terminal_interval = 1.0;   /* [s] between two lines of progr
 static const double elsewhere_interval = 60.0; /* [s] and in a log */
 
 typedef struct {
-    batch_work work; /**< its list is what is left of that of the state */
+    memory_pool memory; /**< of the arrays */
+    batch_work work;    /**< its list is what is left of that of the state */
     batch_state *state;
     evl_error *error;
     int n_workers;
@@ -225,13 +226,13 @@ static bool begin(pool *pool, int jobs)
 {
     const long n = pool->state->n_todo;
     pool->n_workers = jobs < n ? jobs : (int)n;
-    pool->workers = xcalloc((size_t)pool->n_workers, sizeof *pool->workers);
+    pool->workers = pool_calloc(&pool->memory, (size_t)pool->n_workers, sizeof *pool->workers);
     for (int i = 0; i < pool->n_workers; i++) {
         pool->workers[i].socket = -1;
     }
     pool->n_left = n;
-    pool->left = xcalloc((size_t)n, sizeof *pool->left);
-    pool->n_tries = xcalloc((size_t)n, sizeof *pool->n_tries);
+    pool->left = pool_calloc(&pool->memory, (size_t)n, sizeof *pool->left);
+    pool->n_tries = pool_calloc(&pool->memory, (size_t)n, sizeof *pool->n_tries);
     for (long i = 0; i < n; i++) {
         pool->left[i] = pool->state->todo[i];
     }
@@ -242,14 +243,6 @@ static bool begin(pool *pool, int jobs)
                       strerror(errno));
     }
     return pool->work.queue != NULL;
-}
-
-static void end(pool *pool)
-{
-    batch_queue_delete(&pool->work.queue);
-    free(pool->workers);
-    free(pool->left);
-    free(pool->n_tries);
 }
 
 /** Of the list only what is not recorded: all if the run was interrupted; else a case that a worker was just taking when it
@@ -291,5 +284,6 @@ void batch_pool_run(const batch_plan *plan, int jobs, bool show_progress, batch_
     } else if (!good) {
         (void)fsync(state->journal.descriptor); /* the reason that ended the batch is worth more than that of a sync */
     }
-    end(&pool);
+    batch_queue_delete(&pool.work.queue);
+    pool_free(&pool.memory);
 }

@@ -70,7 +70,7 @@ static void add(statistics_table *table, const char *name, const char *units, co
     table->scalars[table->n++] = (statistics_scalar){.name = name, .units = units, .long_name = long_name};
 }
 
-void statistics_table_init(statistics_table *table, int n_meshes, char *const *mesh_names)
+void statistics_table_init(statistics_table *table, int n_meshes, const char *const *mesh_names)
 {
     const int n_kinds = model_tables()->n_event_kinds;
     *table = (statistics_table){.n_meshes = n_meshes};

@@ -19,7 +19,7 @@ typedef struct {
 } statistics_table;
 
 /** The table for cases with these meshes. With several, each has its own numbers: NAME_MESH. */
-void statistics_table_init(statistics_table *table, int n_meshes, char *const *mesh_names);
+void statistics_table_init(statistics_table *table, int n_meshes, const char *const *mesh_names);
 
 typedef struct statistics statistics;
 

@@ -44,12 +44,12 @@ void description_clear(description *description)
 case_file *case_file_create(const char *path, int n_set, const char *const *set_options)
 {
     case_file *file = xcalloc(1, sizeof *file);
-    file->path = xstrdup(path);
+    file->path = pool_printf(&file->pool, "%s", path);
     file->n_options = n_set;
-    file->options = xcalloc((size_t)n_set, sizeof *file->options);
+    file->options = pool_calloc(&file->pool, (size_t)n_set, sizeof *file->options);
     for (int i = 0; i < n_set; i++) {
         const size_t length = strlen(set_options[i]);
-        file->options[i] = xcalloc(length + NUMBER_TEXT_LENGTH, 1);
+        file->options[i] = pool_calloc(&file->pool, length + NUMBER_TEXT_LENGTH, 1);
         memcpy(file->options[i], set_options[i], length);
     }
     return file;
@@ -77,13 +77,8 @@ void case_delete(case_file **file)
     }
     description_clear(&(*file)->description);
     node_delete(&(*file)->root);
-    for (int i = 0; i < (*file)->n_options; i++) {
-        free((*file)->options[i]);
-    }
-    free((*file)->options);
-    free((*file)->numbers);
+    pool_free(&(*file)->pool);
     free((*file)->text);
-    free((*file)->path);
     free(*file);
     *file = NULL;
 }

@@ -22,9 +22,8 @@ void case_base_delete(case_base **base);
  *                       with other numbers, is made in a small part of the time that a new one takes
  *  @return false with the reason in `error`; then `file` serves for the next call and for nothing else */
 bool case_edit(const case_base *base, int n_set, const char *const *set_options, case_file **file, evl_error *error);
-/** Names of the base's elements of a list such as "meshes", as paths call them, and as many as there are.
- *  @param names  NULL, or room for all; each is a new string, the index where an element has no name */
-int case_base_elements(const case_base *base, const char *list, char **names);
+/** Names of the base's elements of a list such as "meshes", as paths call them: the index where an element has no name. */
+const char **case_base_elements(const case_base *base, const char *list, memory_pool *pool, int *n);
 /** Whether a --set path leads to a key that a case may have, in whatever variant, and to elements that the base has.
  *  @return false with what is wrong with the path in error->message */
 bool case_base_has_path(const case_base *base, const char *path, evl_error *error);

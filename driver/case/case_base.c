@@ -30,15 +30,16 @@ void case_base_delete(case_base **base)
     *base = NULL;
 }
 
-int case_base_elements(const case_base *base, const char *list, char **names)
+const char **case_base_elements(const case_base *base, const char *list, memory_pool *pool, int *n)
 {
     const case_node *node = node_get(base->root, list);
-    const int n = node == NULL || node->kind != NODE_SEQUENCE ? 0 : node->n;
-    for (int i = 0; i < n && names != NULL; i++) {
-        char *name = node_element_name(node->entries[i].value);
-        names[i] = name != NULL ? name : xasprintf("%d", i);
+    *n = node == NULL || node->kind != NODE_SEQUENCE ? 0 : node->n;
+    const char **names = pool_calloc(pool, (size_t)*n, sizeof *names);
+    for (int i = 0; i < *n; i++) {
+        OWNED char *name = node_element_name(node->entries[i].value);
+        names[i] = name != NULL ? pool_printf(pool, "%s", name) : pool_printf(pool, "%d", i);
     }
-    return n;
+    return names;
 }
 
 /** Say that a block, of whatever variant, has no such key. */

@@ -47,7 +47,7 @@ static case_number find_number(const case_schema *schema, case_node *root, const
 /** Note where the options of a case have put numbers, and give these nodes room for others. */
 static void find_numbers(const case_schema *schema, case_file *file)
 {
-    file->numbers = xcalloc((size_t)file->n_options, sizeof *file->numbers);
+    file->numbers = pool_calloc(&file->pool, (size_t)file->n_options, sizeof *file->numbers);
     for (int i = 0; i < file->n_options; i++) {
         case_number *number = &file->numbers[i];
         *number = find_number(schema, file->root, file->options[i]);

@@ -19,6 +19,7 @@ typedef struct {
 } case_number;
 
 struct case_file {
+    memory_pool pool; /**< of the path, the options and the numbers */
     char *path;
     int n_options;
     char **options; /**< the nodes of the tree point to them; each has room for another number behind its path */

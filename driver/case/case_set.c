@@ -15,12 +15,13 @@ typedef struct {
 /** @param n_parent  bytes of the path to the sequence, with which the option begins */
 static void refuse_element(const set_edit *edit, const case_node *sequence, int n_parent, const char *segment)
 {
-    OWNED const char **names = xcalloc((size_t)sequence->n, sizeof *names);
+    POOLED memory_pool pool = {NULL};
+    const char **names = pool_calloc(&pool, (size_t)sequence->n, sizeof *names);
     int n = 0;
     for (int i = 0; i < sequence->n; i++) {
-        char *name = node_element_name(sequence->entries[i].value);
+        OWNED char *name = node_element_name(sequence->entries[i].value);
         if (name != NULL) {
-            names[n++] = name;
+            names[n++] = pool_printf(&pool, "%s", name);
         }
     }
     if (n == 0) {
@@ -30,9 +31,6 @@ static void refuse_element(const set_edit *edit, const case_node *sequence, int 
         OWNED char *hint = suggest_phrase(segment, n, names);
         evl_error_set(edit->error, EVL_EXIT_CASE, edit->place, "%.*s has no '%s'%s", n_parent, edit->option, segment,
                       hint);
-    }
-    for (int i = 0; i < n; i++) {
-        free((void *)names[i]);
     }
 }
 

@@ -37,5 +37,5 @@ typedef struct {
 design *design_read(const char *path, evl_error *error);
 void design_delete(design **design);
 
-/** The --set option of a column for a case, "PATH=VALUE", a new string; numbers so that they read back exactly. */
-char *design_option(const design *design, int column, long index);
+/** The --set option of a column for a case, "PATH=VALUE", in a pool; numbers so that they read back exactly. */
+char *design_option(const design *design, int column, long index, memory_pool *pool);

@@ -189,13 +189,13 @@ void design_delete(design **pointer)
     free(design);
 }
 
-char *design_option(const design *design, int column, long index)
+char *design_option(const design *design, int column, long index, memory_pool *pool)
 {
     const design_column *from = &design->columns[column];
     const design_value *value = &from->values[index];
     char text[NUMBER_TEXT_LENGTH] = ".nan";
     if (from->type == DESIGN_TEXT) {
-        return xasprintf("%s=%s", from->path, value->text == NULL ? "" : value->text);
+        return pool_printf(pool, "%s=%s", from->path, value->text == NULL ? "" : value->text);
     }
     if (from->type == DESIGN_INTEGER) {
         (void)snprintf(text, sizeof text, "%lld", value->integer);
@@ -204,5 +204,5 @@ char *design_option(const design *design, int column, long index)
     } else if (!isnan(value->real)) {
         number_write(text, value->real);
     }
-    return xasprintf("%s=%s", from->path, text);
+    return pool_printf(pool, "%s=%s", from->path, text);
 }

@@ -5,6 +5,7 @@
  *  ends the program, the file can be read. */
 #pragma once
 
+#include "base/memory.h"
 #include "base/status.h"
 #include "model/model.h"
 
@@ -23,6 +24,7 @@ typedef struct {
 } stack_layout;
 
 typedef struct stack {
+    memory_pool pool; /**< of the path and the arrays */
     char *path;
     int descriptor;
     int n_times, n_variables;

@@ -117,12 +117,10 @@ static bool find_rows(stack *stack, hid_t file, const stack_layout *layout)
 
 bool stack_open(stack *stack, const stack_layout *layout, evl_error *error)
 {
-    *stack = (struct stack){.path = xstrdup(layout->path),
-                            .descriptor = -1,
-                            .n_times = layout->n_times,
-                            .n_variables = layout->n_variables,
-                            .counts = xcalloc((size_t)layout->n_variables, sizeof(int)),
-                            .offsets = xcalloc((size_t)layout->n_variables, sizeof(long long))};
+    *stack = (struct stack){.descriptor = -1, .n_times = layout->n_times, .n_variables = layout->n_variables};
+    stack->path = pool_printf(&stack->pool, "%s", layout->path);
+    stack->counts = pool_calloc(&stack->pool, (size_t)layout->n_variables, sizeof(int));
+    stack->offsets = pool_calloc(&stack->pool, (size_t)layout->n_variables, sizeof(long long));
     bool good = access(layout->path, F_OK) == 0 || make_file(layout, error);
     if (good) {
         CLOSED const hid_t file = netcdf_open(layout->path);
@@ -185,8 +183,6 @@ void stack_close(stack *stack)
     if (stack->descriptor >= 0) {
         (void)close(stack->descriptor);
     }
-    free(stack->path);
-    free(stack->counts);
-    free(stack->offsets);
+    pool_free(&stack->pool);
     *stack = (struct stack){.descriptor = -1};
 }

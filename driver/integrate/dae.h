@@ -2,6 +2,8 @@
  *  Nothing here knows what is being modelled. */
 #pragma once
 
+#include "base/memory.h"
+
 #include <stdbool.h>
 
 enum { DAE_MESSAGE_LENGTH = 400 };
@@ -112,7 +114,7 @@ typedef struct dae {
     const dae_stepper *stepper; /**< NULL: it brings none along */
 } dae;
 
-/** A state of zeros. */
-dae_state dae_state_create(const dae *dae);
+/** A state of zeros, in a pool if that is not NULL. */
+dae_state dae_state_create(const dae *dae, memory_pool *pool);
 /** Free the arrays, and make them NULL. */
 void dae_state_free(dae_state *state);

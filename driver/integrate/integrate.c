@@ -31,7 +31,7 @@ integrate_code integrate(const dae *model, const integrate_options *options, con
     integration_begin(&run);
     integration_watch_state(&run);
     const integrate_code code = options->by_stepper ? integrate_by_stepper(&run) : integrate_by_ida(&run);
-    integration_end(&run);
+    pool_free(&run.pool);
     counts->cpu_seconds = cpu_now() - cpu_start;
     return code;
 }

@@ -1,7 +1,5 @@
 #include "integrate/integration.h"
 
-#include "base/memory.h"
-
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -26,12 +24,12 @@ long output_grid_size(const integrate_options *options, double t_start)
     return (long)((options->t_end - t_start) / options->output_interval - grid_slack) + 2;
 }
 
-dae_state dae_state_create(const dae *dae)
+dae_state dae_state_create(const dae *dae, memory_pool *pool)
 {
-    return (dae_state){.y = xcalloc((size_t)dae->n, sizeof(double)),
-                       .yp = xcalloc((size_t)dae->n, sizeof(double)),
-                       .integers = xcalloc((size_t)dae->n_integers, sizeof(int)),
-                       .reals = xcalloc((size_t)dae->n_reals, sizeof(double))};
+    return (dae_state){.y = pool_calloc(pool, (size_t)dae->n, sizeof(double)),
+                       .yp = pool_calloc(pool, (size_t)dae->n, sizeof(double)),
+                       .integers = pool_calloc(pool, (size_t)dae->n_integers, sizeof(int)),
+                       .reals = pool_calloc(pool, (size_t)dae->n_reals, sizeof(double))};
 }
 
 void dae_state_free(dae_state *state)
@@ -54,18 +52,10 @@ static void copy_state(const dae *m, dae_state *to, const dae_state *from)
 
 void integration_begin(integration *run)
 {
-    run->fired = xcalloc((size_t)run->model->n_roots, sizeof *run->fired);
-    run->events = xcalloc((size_t)run->model->n_events, sizeof *run->events);
-    run->trial = dae_state_create(run->model);
-    run->old = dae_state_create(run->model);
-}
-
-void integration_end(integration *run)
-{
-    dae_state_free(&run->trial);
-    dae_state_free(&run->old);
-    free(run->fired);
-    free(run->events);
+    run->fired = pool_calloc(&run->pool, (size_t)run->model->n_roots, sizeof *run->fired);
+    run->events = pool_calloc(&run->pool, (size_t)run->model->n_events, sizeof *run->events);
+    run->trial = dae_state_create(run->model, &run->pool);
+    run->old = dae_state_create(run->model, &run->pool);
 }
 
 dae_state integration_borrowed(const integration *run)

@@ -5,6 +5,7 @@
 #include "integrate/integrate_types.h"
 
 typedef struct {
+    memory_pool pool; /**< of the arrays */
     const dae *model;
     const integrate_options *options;
     const integrate_observer *observer;
@@ -27,9 +28,8 @@ typedef struct {
     int times_missed; /**< how often, without coming past it */
 } integration;
 
-/** Take memory; integration_end gives it back. */
+/** Take memory from its pool. */
 void integration_begin(integration *run);
-void integration_end(integration *run);
 
 /** The trial state with the discrete state of the present one. */
 dae_state integration_borrowed(const integration *run);

@@ -103,7 +103,7 @@ void model_explain_start(const model *model, const evl_status *status, model_mes
 
 static bool start(const model *model, const evl_initial *initial, dae_state *state, model_message *error)
 {
-    *state = dae_state_create(&model->about.dae);
+    *state = dae_state_create(&model->about.dae, NULL);
     evl_status status = {.index = -1};
     const int code = evl_gearbox_initial_state(model->gearbox, initial, state->t, state->y, state->yp, state->integers,
                                                state->reals, &status);

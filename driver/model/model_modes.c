@@ -111,7 +111,7 @@ bool model_modes(const model *model, const dae_state *state, natural_modes *mode
 bool model_mean_modes(const model *model, dae_state *state, double *values, natural_modes *modes, model_message *error)
 {
     evl_status status;
-    *state = dae_state_create(&model->about.dae);
+    *state = dae_state_create(&model->about.dae, NULL);
     const bool good = find_modes(model, state, values, modes, &status);
     if (!good) {
         model_explain_start(model, &status, error);

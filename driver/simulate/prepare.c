@@ -20,15 +20,13 @@ char *prepare_warning(const prepared_case *prepared, int index)
 char *prepare_warnings(const prepared_case *prepared, const char *separator)
 {
     const int n = model_n_warnings(prepared->model);
-    OWNED char **warnings = xcalloc((size_t)n, sizeof *warnings);
+    POOLED memory_pool pool = {NULL};
+    const char **warnings = pool_calloc(&pool, (size_t)n, sizeof *warnings);
     for (int i = 0; i < n; i++) {
-        warnings[i] = prepare_warning(prepared, i);
+        OWNED char *warning = prepare_warning(prepared, i);
+        warnings[i] = pool_printf(&pool, "%s", warning);
     }
-    char *text = words_join(n, (const char *const *)warnings, separator);
-    for (int i = 0; i < n; i++) {
-        free(warnings[i]);
-    }
-    return text;
+    return words_join(n, warnings, separator);
 }
 
 /** The case's integrator, or the one that suits the model. @return false if it asks for one that does not serve */

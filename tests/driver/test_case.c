@@ -440,14 +440,16 @@ static void the_elements_of_a_base_are_called_as_paths_call_them(void **state)
 {
     (void)state;
     evl_error error;
-    char *names[2];
+    memory_pool pool = {NULL};
+    int n = 0;
     case_base *base = case_base_parse("base", base_text, model_schema(), &error);
-    assert_int_equal(case_base_elements(base, "wheels", names), 2);
+    const char **names = case_base_elements(base, "wheels", &pool, &n);
+    assert_int_equal(n, 2);
     assert_string_equal(names[0], "pinion");
     assert_string_equal(names[1], "gear");
-    assert_int_equal(case_base_elements(base, "shafts_of_gold", NULL), 0);
-    free(names[0]);
-    free(names[1]);
+    (void)case_base_elements(base, "shafts_of_gold", &pool, &n);
+    assert_int_equal(n, 0);
+    pool_free(&pool);
     case_base_delete(&base);
 }
 

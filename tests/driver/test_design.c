@@ -79,7 +79,7 @@ static hid_t begin_design(void)
 
 static void assert_option(const design *design, int column, long index, const char *expected)
 {
-    char *option = design_option(design, column, index);
+    char *option = design_option(design, column, index, NULL);
     assert_string_equal(option, expected);
     free(option);
 }
