@@ -34,10 +34,15 @@ void *xrealloc(void *old, size_t count, size_t size)
     return checked(realloc(old, count * size), count, size);
 }
 
-char *xstrdup(const char *text)
+char *pool_copy(memory_pool *pool, const char *text)
 {
     const size_t size = strlen(text) + 1;
-    return memcpy(xcalloc(size, 1), text, size);
+    return memcpy(pool_calloc(pool, size, 1), text, size);
+}
+
+char *xstrdup(const char *text)
+{
+    return pool_copy(NULL, text);
 }
 
 /** A new string, in a pool unless that is NULL. */

@@ -44,7 +44,7 @@ void description_clear(description *description)
 case_file *case_file_create(const char *path, int n_set, const char *const *set_options)
 {
     case_file *file = xcalloc(1, sizeof *file);
-    file->path = pool_printf(&file->pool, "%s", path);
+    file->path = pool_copy(&file->pool, path);
     file->n_options = n_set;
     file->options = pool_calloc(&file->pool, (size_t)n_set, sizeof *file->options);
     for (int i = 0; i < n_set; i++) {
@@ -60,7 +60,7 @@ case_file *case_read(const char *path, int n_set, const char *const *set_options
 {
     memset(error, 0, sizeof *error);
     case_file *file = case_file_create(path, n_set, set_options);
-    file->root = tree_load_file(path, error);
+    file->root = tree_load_file(&file->pool, path, error);
     if (file->root != NULL && case_file_resolve(file, schema, error)) {
         case_lay_out(schema, file->root, &file->description);
         file->text = tree_text(file->root);
@@ -76,7 +76,6 @@ void case_delete(case_file **file)
         return;
     }
     description_clear(&(*file)->description);
-    node_delete(&(*file)->root);
     pool_free(&(*file)->pool);
     free((*file)->text);
     free(*file);
@@ -106,8 +105,9 @@ void case_settle_integrator(case_file *file, integrator_kind integrator)
     file->description.simulation.integrator = integrator;
     if (file->text != NULL) {
         case_node *block = node_get(file->root, "simulation");
-        node_append(block, "integrator", block->place,
-                    node_create_scalar(integrator == INTEGRATOR_RADAU ? "radau" : "ida", true, block->place));
+        node_append(
+            block, "integrator", block->place,
+            node_create_scalar(block->pool, integrator == INTEGRATOR_RADAU ? "radau" : "ida", true, block->place));
         free(file->text);
         file->text = tree_text(file->root);
     }
@@ -129,7 +129,7 @@ void case_settle_damping(case_file *file, int mesh, const case_schema *schema, c
         if (node_get(block, rows[i].key) == NULL) {
             char number[NUMBER_TEXT_LENGTH];
             number_write(number, parameters[k]);
-            node_append(block, rows[i].key, block->place, node_create_scalar(number, true, block->place));
+            node_append(block, rows[i].key, block->place, node_create_scalar(block->pool, number, true, block->place));
             free(file->text);
             file->text = tree_text(file->root);
         }

@@ -10,12 +10,13 @@
 case_base *case_base_parse(const char *name, const char *text, const case_schema *schema, evl_error *error)
 {
     memset(error, 0, sizeof *error);
-    case_node *root = tree_load_named(name, text, error);
-    if (root == NULL) {
-        return NULL;
-    }
     case_base *base = xcalloc(1, sizeof *base);
-    *base = (case_base){.name = xstrdup(name), .schema = schema, .root = root};
+    base->schema = schema;
+    base->name = pool_copy(&base->pool, name);
+    base->root = tree_load_named(&base->pool, name, text, error);
+    if (base->root == NULL) {
+        case_base_delete(&base);
+    }
     return base;
 }
 
@@ -24,8 +25,7 @@ void case_base_delete(case_base **base)
     if (*base == NULL) {
         return;
     }
-    node_delete(&(*base)->root);
-    free((*base)->name);
+    pool_free(&(*base)->pool);
     free(*base);
     *base = NULL;
 }
@@ -37,7 +37,7 @@ const char **case_base_elements(const case_base *base, const char *list, memory_
     const char **names = pool_calloc(pool, (size_t)*n, sizeof *names);
     for (int i = 0; i < *n; i++) {
         OWNED char *name = node_element_name(node->entries[i].value);
-        names[i] = name != NULL ? pool_printf(pool, "%s", name) : pool_printf(pool, "%d", i);
+        names[i] = name != NULL ? pool_copy(pool, name) : pool_printf(pool, "%d", i);
     }
     return names;
 }
@@ -85,9 +85,7 @@ static bool walk(const case_schema *schema, const char *block, const char *paren
 bool case_base_has_path(const case_base *base, const char *path, evl_error *error)
 {
     memset(error, 0, sizeof *error);
-    case_node *copy = node_copy(base->root);
-    OWNED char *option = xasprintf("%s=0", path);
-    const bool good = tree_set(copy, option, error) && walk(base->schema, CASE_ROOT, "", path, error);
-    node_delete(&copy);
-    return good;
+    POOLED memory_pool pool = {NULL};
+    const char *option = pool_printf(&pool, "%s=0", path);
+    return tree_set(node_copy(&pool, base->root), option, error) && walk(base->schema, CASE_ROOT, "", path, error);
 }

@@ -97,11 +97,12 @@ static case_node *default_value(const checker *checker, const evl_row *key, cons
 {
     if (key->type == EVL_NAME) {
         OWNED char *name = node_element_name(node); /* the one name with a default is {driving}-{driven} */
-        return name == NULL ? NULL : node_create_scalar(name, true, node->place);
+        return name == NULL ? NULL : node_create_scalar(node->pool, name, true, node->place);
     }
     const bool is_plain = isalnum((unsigned char)key->default_text[0]) && strpbrk(key->default_text, ":#,[]{}") == NULL;
-    return is_plain ? node_create_scalar(key->default_text, true, node->place) /* the parser would say the same */
-                    : tree_load_text(key->default_text, node->place, checker->error);
+    return is_plain ? node_create_scalar(node->pool, key->default_text, true,
+                                         node->place) /* the parser would say the same */
+                    : tree_load_text(node->pool, key->default_text, node->place, checker->error);
 }
 
 static bool check_key_names(const checker *checker, const char *block, const case_node *node)
@@ -201,7 +202,7 @@ static bool check_block(const checker *checker, const char *block, case_node *no
             return refuse_missing(checker, &rows[i], node);
         }
     }
-    case_node *ordered = node_create(NODE_MAPPING, node->place);
+    case_node *ordered = node_create(node->pool, NODE_MAPPING, node->place);
     bool good = true;
     for (int i = 0; i < n && good; i++) {
         const evl_row *row = &rows[i];
@@ -217,17 +218,10 @@ static bool check_block(const checker *checker, const char *block, case_node *no
         if (value != NULL) {
             const struct checker inner = checker_at(checker, row->key);
             good = check_value(&inner, row, value);
-            if (at >= 0) {
-                node->entries[at].value = NULL;
-            }
             node_append(ordered, row->key, place, value);
         }
     }
-    /* what is left of the old entries, and on failure the values not yet checked, goes */
-    const case_node old = *node;
     *node = *ordered;
-    *ordered = old;
-    node_delete(&ordered);
     return good;
 }
 

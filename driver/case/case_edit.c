@@ -52,7 +52,9 @@ static void find_numbers(const case_schema *schema, case_file *file)
         case_number *number = &file->numbers[i];
         *number = find_number(schema, file->root, file->options[i]);
         if (number->node != NULL) {
-            number->node->text = xrealloc(number->node->text, strlen(number->node->text) + NUMBER_TEXT_LENGTH, 1);
+            const size_t length = strlen(number->node->text);
+            char *wider = pool_calloc(&file->pool, length + NUMBER_TEXT_LENGTH, 1);
+            number->node->text = memcpy(wider, number->node->text, length);
         }
     }
 }
@@ -117,7 +119,7 @@ bool case_edit(const case_base *base, int n_set, const char *const *set_options,
         return true;
     }
     case_file *made = case_file_create(base->name, n_set, set_options);
-    made->root = node_copy(base->root);
+    made->root = node_copy(&made->pool, base->root);
     if (!case_file_resolve(made, base->schema, error)) {
         case_delete(&made);
         return false;

@@ -7,6 +7,7 @@
 
 /** Of case_base_parse. */
 struct case_base {
+    memory_pool pool; /**< of all */
     char *name;
     const case_schema *schema;
     case_node *root;
@@ -19,7 +20,7 @@ typedef struct {
 } case_number;
 
 struct case_file {
-    memory_pool pool; /**< of the path, the options and the numbers */
+    memory_pool pool; /**< of all but the text and the description */
     char *path;
     int n_options;
     char **options; /**< the nodes of the tree point to them; each has room for another number behind its path */

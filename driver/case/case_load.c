@@ -16,8 +16,9 @@ enum {
 };
 
 typedef struct {
-    const char *path; /* NULL: the text of an option */
-    case_place place; /* of an option */
+    memory_pool *pool; /* of the nodes */
+    const char *path;  /* NULL: the text of an option */
+    case_place place;  /* of an option */
     evl_error *error;
     yaml_document_t document;
     int n_nodes;
@@ -175,14 +176,13 @@ static case_node *copy_node(yaml_loader *loader, int id, int level)
             refuse(loader, place, "a zero byte in a text");
             return NULL;
         }
-        return node_create_scalar(text, from->data.scalar.style == YAML_PLAIN_SCALAR_STYLE, place);
+        return node_create_scalar(loader->pool, text, from->data.scalar.style == YAML_PLAIN_SCALAR_STYLE, place);
     }
     const bool is_sequence = from->type == YAML_SEQUENCE_NODE;
-    case_node *to = node_create(is_sequence ? NODE_SEQUENCE : NODE_MAPPING, place);
-    if (is_sequence ? !copy_sequence(loader, from, level + 1, to) : !copy_mapping(loader, from, level + 1, to)) {
-        node_delete(&to);
-    }
-    return to;
+    case_node *to = node_create(loader->pool, is_sequence ? NODE_SEQUENCE : NODE_MAPPING, place);
+    const bool good =
+        is_sequence ? copy_sequence(loader, from, level + 1, to) : copy_mapping(loader, from, level + 1, to);
+    return good ? to : NULL;
 }
 
 /** The first document of a parser as nodes; NULL if there is none or it is refused: then error->code tells. */
@@ -211,12 +211,12 @@ static case_node *load(yaml_loader *loader, const char *text, size_t length)
         yaml_document_t second;
         if (!yaml_parser_load(&parser, &second)) {
             refuse_yaml(loader, &parser, text, length);
-            node_delete(&root);
+            root = NULL;
         } else {
             const yaml_node_t *extra = yaml_document_get_root_node(&second);
             if (extra != NULL) {
                 refuse(loader, place_of(loader, extra->start_mark), "a second YAML document; a case is one document");
-                node_delete(&root);
+                root = NULL;
             }
             yaml_document_delete(&second);
         }
@@ -256,9 +256,9 @@ static char *read_bytes(FILE *file, const char *path, size_t *length, evl_error 
     return NULL;
 }
 
-static case_node *load_named(const char *name, const char *text, size_t length, evl_error *error)
+static case_node *load_named(memory_pool *pool, const char *name, const char *text, size_t length, evl_error *error)
 {
-    yaml_loader loader = {.path = name, .error = error};
+    yaml_loader loader = {.pool = pool, .path = name, .error = error};
     case_node *root = load(&loader, text, length);
     if (root == NULL && error->code == EVL_EXIT_OK) {
         evl_error_set(error, EVL_EXIT_CASE, name, "is empty; a case begins with 'format: 1'");
@@ -266,12 +266,12 @@ static case_node *load_named(const char *name, const char *text, size_t length, 
     return root;
 }
 
-case_node *tree_load_named(const char *name, const char *text, evl_error *error)
+case_node *tree_load_named(memory_pool *pool, const char *name, const char *text, evl_error *error)
 {
-    return load_named(name, text, strlen(text), error);
+    return load_named(pool, name, text, strlen(text), error);
 }
 
-case_node *tree_load_file(const char *path, evl_error *error)
+case_node *tree_load_file(memory_pool *pool, const char *path, evl_error *error)
 {
     FILE *file = fopen(path, "rb");
     if (file == NULL) {
@@ -281,12 +281,12 @@ case_node *tree_load_file(const char *path, evl_error *error)
     size_t length = 0;
     OWNED char *text = read_bytes(file, path, &length, error);
     (void)fclose(file);
-    return text == NULL ? NULL : load_named(path, text, length, error);
+    return text == NULL ? NULL : load_named(pool, path, text, length, error);
 }
 
-case_node *tree_load_text(const char *text, case_place place, evl_error *error)
+case_node *tree_load_text(memory_pool *pool, const char *text, case_place place, evl_error *error)
 {
-    yaml_loader loader = {.place = place, .error = error};
+    yaml_loader loader = {.pool = pool, .place = place, .error = error};
     case_node *root = load(&loader, text, strlen(text));
-    return root == NULL && error->code == EVL_EXIT_OK ? node_create_scalar("", true, place) : root;
+    return root == NULL && error->code == EVL_EXIT_OK ? node_create_scalar(pool, "", true, place) : root;
 }

@@ -186,7 +186,8 @@ static bool take_gaps(const checker *checker, case_node *gaps, const description
     }
     for (int i = 0; i < description->n_meshes; i++) {
         if (node_get(gaps, description->meshes[i]) == NULL) {
-            node_append(gaps, description->meshes[i], gaps->place, node_create_scalar("0", true, gaps->place));
+            node_append(gaps, description->meshes[i], gaps->place,
+                        node_create_scalar(gaps->pool, "0", true, gaps->place));
         }
     }
     return true;

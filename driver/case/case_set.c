@@ -21,7 +21,7 @@ static void refuse_element(const set_edit *edit, const case_node *sequence, int 
     for (int i = 0; i < sequence->n; i++) {
         OWNED char *name = node_element_name(sequence->entries[i].value);
         if (name != NULL) {
-            names[n++] = pool_printf(&pool, "%s", name);
+            names[n++] = pool_copy(&pool, name);
         }
     }
     if (n == 0) {
@@ -57,8 +57,7 @@ static case_entry *enter(const set_edit *edit, case_node *node, int n_parent, co
     return &node->entries[i];
 }
 
-/** Walk along the path, which is cut up on the way, and put `value` at its end.
- *  @return false if refused: then `value` stays with the caller */
+/** Walk along the path, which is cut up on the way, and put `value` at its end. @return false if refused */
 static bool put(const set_edit *edit, case_node *root, char *path, case_node *value)
 {
     case_node *node = root;
@@ -72,14 +71,12 @@ static bool put(const set_edit *edit, case_node *root, char *path, case_node *va
             return false;
         }
         if (dot == NULL) {
-            node_delete(&entry->value);
             entry->value = value;
             entry->key_place = value->place;
         } else if (entry->value == NULL || node_is_null(entry->value)) {
             /* a number cannot be a key: what follows is a list */
             const bool is_list = node_index(dot + 1) >= 0;
-            node_delete(&entry->value);
-            entry->value = node_create(is_list ? NODE_SEQUENCE : NODE_MAPPING, value->place);
+            entry->value = node_create(root->pool, is_list ? NODE_SEQUENCE : NODE_MAPPING, value->place);
         }
         node = entry->value;
         segment = dot == NULL ? NULL : dot + 1;
@@ -105,10 +102,6 @@ bool tree_set(case_node *root, const char *option, evl_error *error)
                              "%s; write --set PATH=VALUE, such as --set wheels.pinion.teeth=20",
                              path == NULL ? "has no '='" : "has an empty part in its path");
     }
-    case_node *value = tree_load_text(equals + 1, place, error);
-    const bool done = value != NULL && put(&edit, root, path, value);
-    if (!done) {
-        node_delete(&value);
-    }
-    return done;
+    case_node *value = tree_load_text(root->pool, equals + 1, place, error);
+    return value != NULL && put(&edit, root, path, value);
 }

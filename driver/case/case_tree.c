@@ -8,49 +8,33 @@
 #include <stdlib.h>
 #include <string.h>
 
-case_node *node_create(node_kind kind, case_place place)
+case_node *node_create(memory_pool *pool, node_kind kind, case_place place)
 {
-    case_node *node = xcalloc(1, sizeof *node);
-    node->kind = kind;
-    node->place = place;
+    case_node *node = pool_calloc(pool, 1, sizeof *node);
+    *node = (case_node){.pool = pool, .kind = kind, .place = place};
     return node;
 }
 
-case_node *node_create_scalar(const char *text, bool plain, case_place place)
+case_node *node_create_scalar(memory_pool *pool, const char *text, bool plain, case_place place)
 {
-    case_node *node = node_create(NODE_SCALAR, place);
-    node->text = xstrdup(text);
+    case_node *node = node_create(pool, NODE_SCALAR, place);
+    node->text = pool_copy(pool, text);
     node->plain = plain;
     return node;
 }
 
-void node_delete(case_node **node)
+case_node *node_copy(memory_pool *pool, const case_node *node)
 {
-    if (*node == NULL) {
-        return;
-    }
-    for (int i = 0; i < (*node)->n; i++) {
-        free((*node)->entries[i].key);
-        node_delete(&(*node)->entries[i].value);
-    }
-    free((*node)->entries);
-    free((*node)->text);
-    free(*node);
-    *node = NULL;
-}
-
-case_node *node_copy(const case_node *node)
-{
-    case_node *copy = node_create(node->kind, node->place);
-    copy->text = node->text == NULL ? NULL : xstrdup(node->text);
+    case_node *copy = node_create(pool, node->kind, node->place);
+    copy->text = node->text == NULL ? NULL : pool_copy(pool, node->text);
     copy->plain = node->plain;
     copy->n = copy->capacity = node->n;
-    copy->entries = node->n == 0 ? NULL : xcalloc((size_t)node->n, sizeof *copy->entries);
+    copy->entries = node->n == 0 ? NULL : pool_calloc(pool, (size_t)node->n, sizeof *copy->entries);
     for (int i = 0; i < node->n; i++) {
         const case_entry *entry = &node->entries[i];
-        copy->entries[i] = (case_entry){.key = entry->key == NULL ? NULL : xstrdup(entry->key),
+        copy->entries[i] = (case_entry){.key = entry->key == NULL ? NULL : pool_copy(pool, entry->key),
                                         .key_place = entry->key_place,
-                                        .value = node_copy(entry->value)};
+                                        .value = node_copy(pool, entry->value)};
     }
     return copy;
 }
@@ -59,10 +43,12 @@ void node_append(case_node *node, const char *key, case_place key_place, case_no
 {
     if (node->n == node->capacity) {
         node->capacity = node->capacity == 0 ? 4 : 2 * node->capacity;
-        node->entries = xrealloc(node->entries, (size_t)node->capacity, sizeof *node->entries);
+        case_entry *more = pool_calloc(node->pool, (size_t)node->capacity, sizeof *more);
+        memcpy(more, node->entries == NULL ? more : node->entries, (size_t)node->n * sizeof *more);
+        node->entries = more;
     }
     node->entries[node->n++] =
-        (case_entry){.key = key == NULL ? NULL : xstrdup(key), .key_place = key_place, .value = value};
+        (case_entry){.key = key == NULL ? NULL : pool_copy(node->pool, key), .key_place = key_place, .value = value};
 }
 
 int node_find(const case_node *mapping, const char *key)

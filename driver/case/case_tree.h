@@ -2,6 +2,7 @@
  *  libyaml is used by case_load.c and case_emit.c only. */
 #pragma once
 
+#include "base/memory.h"
 #include "base/status.h"
 
 #include <stdbool.h>
@@ -23,7 +24,9 @@ typedef struct {
     case_node *value;
 } case_entry;
 
+/** All of a tree lasts as long as the pool that it was made in. */
 struct case_node {
+    memory_pool *pool;
     node_kind kind;
     case_place place;
     char *text; /**< of a scalar, else NULL */
@@ -35,13 +38,12 @@ struct case_node {
 
 /* ---- nodes ---- */
 
-case_node *node_create(node_kind kind, case_place place);
-case_node *node_create_scalar(const char *text, bool plain, case_place place);
-void node_delete(case_node **node);
+case_node *node_create(memory_pool *pool, node_kind kind, case_place place);
+case_node *node_create_scalar(memory_pool *pool, const char *text, bool plain, case_place place);
 /** The same tree once more, at the same places. */
-case_node *node_copy(const case_node *node);
+case_node *node_copy(memory_pool *pool, const case_node *node);
 
-/** Append; takes `value` over, copies `key` (NULL in a sequence). */
+/** Append; copies `key` (NULL in a sequence). */
 void node_append(case_node *node, const char *key, case_place key_place, case_node *value);
 /** Index of the entry with this key, or -1. */
 int node_find(const case_node *mapping, const char *key);
@@ -77,12 +79,12 @@ void place_text(const char *path, case_place place, char text[EVL_ERROR_PLACE_LE
 /* ---- reading, editing, writing ---- */
 
 /** Read the one YAML document of a file. @return NULL with the reason in `error` */
-case_node *tree_load_file(const char *path, evl_error *error);
+case_node *tree_load_file(memory_pool *pool, const char *path, evl_error *error);
 /** Read the one YAML document of a text, whose lines count as those of a file called `name`. */
-case_node *tree_load_named(const char *name, const char *text, evl_error *error);
+case_node *tree_load_named(memory_pool *pool, const char *name, const char *text, evl_error *error);
 /** Read a YAML text; all of its nodes get `place`, which errors name as well.
  *  @return NULL with the reason in `error`; empty text gives a null scalar */
-case_node *tree_load_text(const char *text, case_place place, evl_error *error);
+case_node *tree_load_text(memory_pool *pool, const char *text, case_place place, evl_error *error);
 
 /** Apply one --set option "PATH=VALUE" to the tree. The nodes it makes point to `option`, which has to outlive
  *  the tree. Keys that do not exist are added; the schema refuses them later if it does not know them.

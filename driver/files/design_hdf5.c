@@ -126,7 +126,7 @@ static bool read_column(const reader *reader, hid_t parameters, const char *name
         return true;
     }
     design_column *column = &design->columns[design->n_columns++];
-    *column = (design_column){.path = pool_printf(&design->pool, "%s", path)};
+    *column = (design_column){.path = pool_copy(&design->pool, path)};
     return read_values(reader, dataset, name, design, column);
 }
 

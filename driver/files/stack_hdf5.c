@@ -118,7 +118,7 @@ static bool find_rows(stack *stack, hid_t file, const stack_layout *layout)
 bool stack_open(stack *stack, const stack_layout *layout, evl_error *error)
 {
     *stack = (struct stack){.descriptor = -1, .n_times = layout->n_times, .n_variables = layout->n_variables};
-    stack->path = pool_printf(&stack->pool, "%s", layout->path);
+    stack->path = pool_copy(&stack->pool, layout->path);
     stack->counts = pool_calloc(&stack->pool, (size_t)layout->n_variables, sizeof(int));
     stack->offsets = pool_calloc(&stack->pool, (size_t)layout->n_variables, sizeof(long long));
     bool good = access(layout->path, F_OK) == 0 || make_file(layout, error);

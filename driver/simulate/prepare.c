@@ -24,7 +24,7 @@ char *prepare_warnings(const prepared_case *prepared, const char *separator)
     const char **warnings = pool_calloc(&pool, (size_t)n, sizeof *warnings);
     for (int i = 0; i < n; i++) {
         OWNED char *warning = prepare_warning(prepared, i);
-        warnings[i] = pool_printf(&pool, "%s", warning);
+        warnings[i] = pool_copy(&pool, warning);
     }
     return words_join(n, warnings, separator);
 }
