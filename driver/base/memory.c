@@ -89,6 +89,12 @@ void *pool_calloc(memory_pool *pool, size_t count, size_t size)
     return block->content;
 }
 
+void *pool_grow(memory_pool *pool, const void *old, size_t n, size_t count, size_t size)
+{
+    void *more = pool_calloc(pool, count, size);
+    return n > 0 ? memcpy(more, old, n * size) : more;
+}
+
 char *pool_printf(memory_pool *pool, const char *format, ...)
 {
     va_list arguments;

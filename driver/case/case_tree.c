@@ -43,9 +43,8 @@ void node_append(case_node *node, const char *key, case_place key_place, case_no
 {
     if (node->n == node->capacity) {
         node->capacity = node->capacity == 0 ? 4 : 2 * node->capacity;
-        case_entry *more = pool_calloc(node->pool, (size_t)node->capacity, sizeof *more);
-        memcpy(more, node->entries == NULL ? more : node->entries, (size_t)node->n * sizeof *more);
-        node->entries = more;
+        node->entries =
+            pool_grow(node->pool, node->entries, (size_t)node->n, (size_t)node->capacity, sizeof *node->entries);
     }
     node->entries[node->n++] =
         (case_entry){.key = key == NULL ? NULL : pool_copy(node->pool, key), .key_place = key_place, .value = value};

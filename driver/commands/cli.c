@@ -16,6 +16,7 @@ typedef struct {
     char **words;
     const char *file;
     void *options; /**< of the command */
+    bool *given;   /**< [n_options] of the command */
     bool help;
 } parser;
 
@@ -50,27 +51,11 @@ static bool takes_value(const option_row *row)
     return row->kind == OPTION_TEXT || row->kind == OPTION_LIST;
 }
 
-static bool is_given(const parser *parser, const option_row *row)
-{
-    const void *place = (const char *)parser->options + row->place;
-    switch (row->kind) {
-    case OPTION_TEXT:
-        return *(const char *const *)place != NULL;
-    case OPTION_FLAG:
-    case OPTION_ALONE:
-        return *(const bool *)place;
-    case OPTION_LIST:
-        return ((const option_values *)place)->n > 0;
-    case OPTION_HELP:
-        break;
-    }
-    return parser->help;
-}
-
 static void store(parser *parser, const option_row *row, const char *value)
 {
     void *place = (char *)parser->options + row->place;
     option_values *list = place;
+    parser->given[row - parser->command->options] = true;
     switch (row->kind) {
     case OPTION_TEXT:
         *(const char **)place = value;
@@ -178,7 +163,7 @@ static bool check_words(const parser *parser)
     int n_given = 0;
     for (int i = 0; i < command->n_options; i++) {
         const option_row *row = &command->options[i];
-        if (is_given(parser, row)) {
+        if (parser->given[i]) {
             n_given++;
             alone = alone == NULL && row->kind == OPTION_ALONE ? row : alone;
         }
@@ -199,7 +184,11 @@ static bool check_words(const parser *parser)
 /** Understand the words that follow a command, and do it. */
 static evl_exit run_command(const command *command, int n, char **words, evl_error *error)
 {
-    parser parser = {.command = command, .n = n, .words = words, .options = xcalloc(1, command->size)};
+    parser parser = {.command = command,
+                     .n = n,
+                     .words = words,
+                     .options = xcalloc(1, command->size),
+                     .given = xcalloc((size_t)command->n_options, sizeof(bool))};
     evl_exit code = EVL_EXIT_USAGE;
     const bool good = take_words(&parser);
     if (good && parser.help) {
@@ -214,6 +203,7 @@ static evl_exit run_command(const command *command, int n, char **words, evl_err
         }
     }
     free(parser.options);
+    free(parser.given);
     return code;
 }
 

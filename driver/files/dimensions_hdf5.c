@@ -75,10 +75,3 @@ bool dimensions_finish(dimensions *dimensions, netcdf_file *file)
     }
     return good;
 }
-
-void dimensions_free(dimensions *dimensions)
-{
-    for (int i = 0; i < N_DIMENSIONS; i++) {
-        scale_free(&dimensions->of[i].scale);
-    }
-}

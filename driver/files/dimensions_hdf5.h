@@ -23,4 +23,3 @@ bool dimensions_define_numbers(dimensions *dimensions, netcdf_file *file, int n,
 void dimensions_append(dimensions *dimensions, const model_output *output, netcdf_variable *variable);
 /** As scale_list_users, all of them. */
 bool dimensions_finish(dimensions *dimensions, netcdf_file *file);
-void dimensions_free(dimensions *dimensions);

@@ -22,13 +22,7 @@ static bool fail(history *history)
 
 static void free_history(history *history)
 {
-    series_free(&history->times);
-    series_free(&history->events);
-    dimensions_free(&history->dimensions);
-    scale_free(&history->side.scale);
-    free(history->event_kinds);
-    free(history->row);
-    free(history->event_row);
+    pool_free(&history->netcdf.pool);
     free(history);
 }
 
@@ -47,8 +41,9 @@ history *history_create(const history_layout *layout, char message[DAE_MESSAGE_L
         const int end = layout->outputs[i].offset + layout->outputs[i].count;
         history->n_values = end > history->n_values ? end : history->n_values;
     }
-    history->row = xcalloc(1 + (size_t)history->n_values, sizeof *history->row);
-    history->event_row = xcalloc(EVENT_STATES + 2 * (size_t)layout->n_states, sizeof *history->event_row);
+    history->row = pool_calloc(&history->netcdf.pool, 1 + (size_t)history->n_values, sizeof *history->row);
+    history->event_row =
+        pool_calloc(&history->netcdf.pool, EVENT_STATES + 2 * (size_t)layout->n_states, sizeof *history->event_row);
     history->last_flush = clock_seconds();
     if (!history_write_head(history, layout)) {
         (void)fail(history);
@@ -86,13 +81,9 @@ static bool write_static(history *history, const model_output *output, const dou
     if (output->is_integer && !netcdf_check_integers(&history->netcdf, output->name, output->count, values)) {
         return false; /* HDF5 would write the nearest one */
     }
-    const hid_t dataset = netcdf_define(&history->netcdf, history->netcdf.id, &variable, 0);
-    if (dataset < 0) {
-        return false;
-    }
+    CLOSED const hid_t dataset = netcdf_define(&history->netcdf, history->netcdf.id, &variable, 0);
     /* HDF5 turns whole doubles into integers. */
-    const herr_t written = H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, history->netcdf.transfer, values);
-    return written < 0 || H5Dclose(dataset) < 0 ? netcdf_fail(&history->netcdf) : true;
+    return dataset >= 0 && netcdf_write(&history->netcdf, dataset, H5T_NATIVE_DOUBLE, values);
 }
 
 static bool write_statics(history *history, const double *values)

@@ -60,9 +60,9 @@ static void plan_events(history *history, hid_t group, const history_layout *lay
         [EVENT_TOOTH_PAIR] = netcdf_describe(NETCDF_INTEGER, "tooth_pair", "1", "tooth_pair",
                                              "pitches since the start, after the event; -1 if it concerns no mesh"),
     };
-    history->event_kinds = words_join(layout->n_event_kinds, layout->event_kinds, " ");
+    OWNED char *kinds = words_join(layout->n_event_kinds, layout->event_kinds, " ");
     columns[EVENT_KIND].n_flags = layout->n_event_kinds;
-    columns[EVENT_KIND].flag_meanings = history->event_kinds;
+    columns[EVENT_KIND].flag_meanings = pool_copy(&history->netcdf.pool, kinds);
     for (int i = 0; i < EVENT_STATES; i++) {
         series_add_column(events, &columns[i], i, 1);
     }

@@ -19,7 +19,6 @@ struct history {
     bool has_events;
     int n_outputs, n_values, n_states;
     const model_output *outputs;
-    char *event_kinds; /**< as one string of words */
     double *row;       /**< [1 + n_values] time and outputs */
     double *event_row; /**< [EVENT_STATES + 2 n_states] */
     long long n_rows, n_events;

@@ -83,17 +83,27 @@ static bool limit_metadata_cache(hid_t access)
     return H5Pset_mdc_config(access, &config) >= 0;
 }
 
+/** What is the same for all files, and dear to make. */
+static struct {
+    bool is_ready;
+    hid_t text;           /**< datatype: variable-length UTF-8 */
+    hid_t scalar;         /**< dataspace */
+    hid_t transfer;       /**< properties of a small transfer: the usual buffer is a megabyte, zeroed each time */
+    hid_t access;         /**< properties of a growing variable */
+    hid_t creation[2][2]; /**< properties by whether a variable grows, and whether it is real */
+} common;
+
 /** How variables are stored; a growing one gets its chunks when it is created. */
-static bool prepare_storage(netcdf_file *file)
+static bool prepare_storage(void)
 {
     const double missing = NAN;
     /* Rows come in order and in whole chunks: a cache would only cost memory, a megabyte a variable, and to fill a chunk
      * beforehand would only cost a copy of each. */
-    file->access = H5Pcreate(H5P_DATASET_ACCESS);
-    bool good = file->access >= 0 && H5Pset_chunk_cache(file->access, 1, 0, 1.0) >= 0;
+    common.access = H5Pcreate(H5P_DATASET_ACCESS);
+    bool good = common.access >= 0 && H5Pset_chunk_cache(common.access, 1, 0, 1.0) >= 0;
     for (int grows = 0; grows < 2; grows++) {
         for (int is_real = 0; is_real < 2; is_real++) {
-            const hid_t creation = file->creation[grows][is_real] = H5Pcreate(H5P_DATASET_CREATE);
+            const hid_t creation = common.creation[grows][is_real] = H5Pcreate(H5P_DATASET_CREATE);
             good = good && creation >= 0 && H5Pset_obj_track_times(creation, 0) >= 0 &&
                    (!grows || H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER) >= 0) &&
                    (!is_real || H5Pset_fill_value(creation, H5T_NATIVE_DOUBLE, &missing) >= 0);
@@ -102,22 +112,31 @@ static bool prepare_storage(netcdf_file *file)
     return good;
 }
 
+static bool prepare_common(void)
+{
+    const int kept = 64 * 1024; /* bytes of a kind of memory that the library may hoard */
+    prepare_library();
+    if (common.is_ready || H5open() < 0 || H5Eset_auto2(H5E_DEFAULT, NULL, NULL) < 0 ||
+        H5set_free_list_limits(kept, kept, kept, kept, kept, kept) < 0) {
+        return common.is_ready;
+    }
+    common.text = H5Tcopy(H5T_C_S1);
+    common.scalar = H5Screate(H5S_SCALAR);
+    common.transfer = H5Pcreate(H5P_DATASET_XFER);
+    common.is_ready = common.text >= 0 && common.scalar >= 0 && common.transfer >= 0 && prepare_storage() &&
+                      H5Pset_buffer(common.transfer, 16 * 1024, NULL, NULL) >= 0 &&
+                      H5Tset_size(common.text, H5T_VARIABLE) >= 0 && H5Tset_cset(common.text, H5T_CSET_UTF8) >= 0;
+    return common.is_ready;
+}
+
 bool netcdf_create(netcdf_file *file, const char *path)
 {
-    prepare_library();
-    const int kept = 64 * 1024; /* bytes of a kind of memory that the library may hoard */
-    if (H5open() < 0 || H5Eset_auto2(H5E_DEFAULT, NULL, NULL) < 0 ||
-        H5set_free_list_limits(kept, kept, kept, kept, kept, kept) < 0) {
+    if (!prepare_common()) {
         return netcdf_fail(file);
     }
     CLOSED const hid_t access = H5Pcreate(H5P_FILE_ACCESS), creation = H5Pcreate(H5P_FILE_CREATE);
-    file->text = H5Tcopy(H5T_C_S1);
-    file->scalar = H5Screate(H5S_SCALAR);
-    file->transfer = H5Pcreate(H5P_DATASET_XFER);
     /* Format 1.8: later ones mark a file as open for writing, and a killed run's flushed file could not be read. */
-    const bool ready = access >= 0 && creation >= 0 && file->text >= 0 && file->scalar >= 0 && file->transfer >= 0 &&
-                       prepare_storage(file) && H5Pset_buffer(file->transfer, 16 * 1024, NULL, NULL) >= 0 &&
-                       H5Tset_size(file->text, H5T_VARIABLE) >= 0 && H5Tset_cset(file->text, H5T_CSET_UTF8) >= 0 &&
+    const bool ready = access >= 0 && creation >= 0 &&
                        H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18) >= 0 &&
                        H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) >= 0 && limit_metadata_cache(access) &&
                        set_group_properties(creation);
@@ -132,17 +151,8 @@ bool netcdf_flush(netcdf_file *file)
 
 bool netcdf_close(netcdf_file *file)
 {
-    const bool good = H5Fclose(file->id) >= 0 || netcdf_fail(file);
-    (void)H5Tclose(file->text);
-    (void)H5Sclose(file->scalar);
-    (void)H5Pclose(file->transfer);
-    (void)H5Pclose(file->access);
-    for (int grows = 0; grows < 2; grows++) {
-        for (int is_real = 0; is_real < 2; is_real++) {
-            (void)H5Pclose(file->creation[grows][is_real]);
-        }
-    }
-    return good;
+    pool_free(&file->pool);
+    return H5Fclose(file->id) >= 0 || netcdf_fail(file);
 }
 
 hid_t netcdf_create_group(netcdf_file *file, const char *name)
@@ -161,13 +171,13 @@ bool netcdf_put(netcdf_file *file, hid_t object, const char *name, hid_t type, i
         return netcdf_fail(file);
     }
     CLOSED const hid_t attribute =
-        H5Acreate2(object, name, type, n > 0 ? array : file->scalar, H5P_DEFAULT, H5P_DEFAULT);
+        H5Acreate2(object, name, type, n > 0 ? array : common.scalar, H5P_DEFAULT, H5P_DEFAULT);
     return (attribute >= 0 && H5Awrite(attribute, type, value) >= 0) || netcdf_fail(file);
 }
 
 bool netcdf_put_text(netcdf_file *file, hid_t object, const char *name, const char *text)
 {
-    return netcdf_put(file, object, name, file->text, 0, &text);
+    return netcdf_put(file, object, name, common.text, 0, &text);
 }
 
 bool netcdf_put_integer(netcdf_file *file, hid_t object, const char *name, long long value)
@@ -233,13 +243,13 @@ static bool add_flags(netcdf_file *file, hid_t dataset, const netcdf_variable *v
            netcdf_put_text(file, dataset, "flag_meanings", variable->flag_meanings);
 }
 
-static hid_t element_type(const netcdf_file *file, netcdf_type type)
+static hid_t element_type(netcdf_type type)
 {
     const hid_t types[] = {[NETCDF_REAL] = H5T_NATIVE_DOUBLE,
                            [NETCDF_FLOAT] = H5T_NATIVE_FLOAT,
                            [NETCDF_INTEGER] = H5T_NATIVE_INT,
                            [NETCDF_LONG] = H5T_NATIVE_INT64,
-                           [NETCDF_TEXT] = file->text};
+                           [NETCDF_TEXT] = common.text};
     return types[type];
 }
 
@@ -272,9 +282,9 @@ static bool set_chunks(const netcdf_variable *variable, hsize_t chunk_rows, hid_
 }
 
 /** All of the place in the file, filled with NaN: for rows that are written past the library. */
-static hid_t take_place_early(const netcdf_file *file)
+static hid_t take_place_early(void)
 {
-    const hid_t creation = H5Pcopy(file->creation[false][true]);
+    const hid_t creation = H5Pcopy(common.creation[false][true]);
     (void)H5Pset_alloc_time(creation, H5D_ALLOC_TIME_EARLY);
     return creation;
 }
@@ -282,13 +292,13 @@ static hid_t take_place_early(const netcdf_file *file)
 static hid_t create_dataset(netcdf_file *file, hid_t group, const netcdf_variable *variable, hsize_t chunk_rows)
 {
     const bool is_growing = grows(variable), is_early = variable->type == NETCDF_FLOAT;
-    CLOSED const hid_t early = is_early ? take_place_early(file) : 0;
-    const hid_t creation = is_early ? early : file->creation[is_growing][variable->type == NETCDF_REAL];
-    const hid_t access = is_growing ? file->access : H5P_DEFAULT;
+    CLOSED const hid_t early = is_early ? take_place_early() : 0;
+    const hid_t creation = is_early ? early : common.creation[is_growing][variable->type == NETCDF_REAL];
+    const hid_t access = is_growing ? common.access : H5P_DEFAULT;
     CLOSED const hid_t space = create_space(variable);
     const bool ready = space >= 0 && (!is_growing || set_chunks(variable, chunk_rows, creation));
-    return checked(file, ready ? H5Dcreate2(group, variable->name, element_type(file, variable->type), space,
-                                            H5P_DEFAULT, creation, access)
+    return checked(file, ready ? H5Dcreate2(group, variable->name, element_type(variable->type), space, H5P_DEFAULT,
+                                            creation, access)
                                : H5I_INVALID_HID);
 }
 
@@ -354,18 +364,22 @@ bool netcdf_define_dimension(netcdf_file *file, hid_t group, const netcdf_variab
            add_variable_attributes(file, dataset, &variable);
 }
 
+bool netcdf_write(netcdf_file *file, hid_t dataset, hid_t type, const void *values)
+{
+    return H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, common.transfer, values) >= 0 || netcdf_fail(file);
+}
+
 bool netcdf_define_values(netcdf_file *file, hid_t group, netcdf_dimension *dimension, const netcdf_variable *variable,
                           long n, hid_t type, const void *values)
 {
     *dimension = (netcdf_dimension){.length = (hsize_t)n};
     return netcdf_define_dimension(file, group, variable, dimension, 0) &&
-           (n == 0 || H5Dwrite(dimension->scale.dataset, type, H5S_ALL, H5S_ALL, file->transfer, values) >= 0 ||
-            netcdf_fail(file));
+           (n == 0 || netcdf_write(file, dimension->scale.dataset, type, values));
 }
 
 bool netcdf_define_names(netcdf_file *file, hid_t group, netcdf_dimension *dimension, const char *name,
                          const char *long_name, const name_list *names)
 {
     const netcdf_variable variable = netcdf_describe(NETCDF_TEXT, name, "1", name, long_name);
-    return netcdf_define_values(file, group, dimension, &variable, names->n, file->text, names->names);
+    return netcdf_define_values(file, group, dimension, &variable, names->n, common.text, names->names);
 }

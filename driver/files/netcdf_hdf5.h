@@ -5,6 +5,7 @@
  *  the netcdf_file. Nothing is printed. */
 #pragma once
 
+#include "base/memory.h"
 #include "files/scales_hdf5.h"
 #include "model/model.h"
 
@@ -21,13 +22,9 @@ static inline void close_identifier(const hid_t *identifier)
 }
 
 typedef struct netcdf_file {
+    memory_pool pool; /**< of who uses the scales, and of what else lasts as long as the file is open */
     hid_t id;
-    hid_t text;           /**< datatype: variable-length UTF-8 */
-    hid_t scalar;         /**< dataspace */
-    hid_t access;         /**< properties of a growing variable */
-    hid_t creation[2][2]; /**< properties by whether a variable grows, and whether it is real: dear to make */
-    hid_t transfer;       /**< properties of a small transfer: the usual buffer is a megabyte, zeroed each time */
-    int system_error;     /**< errno of the first failure, 0 if it was none of the system's */
+    int system_error;                  /**< errno of the first failure, 0 if it was none of the system's */
     char reason[NETCDF_REASON_LENGTH]; /**< of the first failure; "" if there was none */
 } netcdf_file;
 
@@ -60,7 +57,7 @@ void netcdf_library_version(unsigned version[3]);
 /** Create the file, or empty the one that is there. */
 bool netcdf_create(netcdf_file *file, const char *path);
 bool netcdf_flush(netcdf_file *file);
-/** Close the file with everything in it that is still open. */
+/** Close the file with everything in it that is still open; free its pool. */
 bool netcdf_close(netcdf_file *file);
 /** Keep the reason of a failed HDF5 call, unless there is an earlier one. @return false */
 bool netcdf_fail(netcdf_file *file);
@@ -96,6 +93,8 @@ bool netcdf_define_dimension(netcdf_file *file, hid_t group, const netcdf_variab
  *  @param type  of them in memory, which may be another one than on file */
 bool netcdf_define_values(netcdf_file *file, hid_t group, netcdf_dimension *dimension, const netcdf_variable *variable,
                           long n, hid_t type, const void *values);
-/** The same of names. */
+/** All values of a small variable. @param type  of them in memory */
+bool netcdf_write(netcdf_file *file, hid_t dataset, hid_t type, const void *values);
+/** Create a dimension with names. */
 bool netcdf_define_names(netcdf_file *file, hid_t group, netcdf_dimension *dimension, const char *name,
                          const char *long_name, const name_list *names);

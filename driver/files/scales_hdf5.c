@@ -1,10 +1,9 @@
 #include "files/scales_hdf5.h"
 
-#include "base/memory.h"
 #include "files/netcdf_hdf5.h"
 
 #include <hdf5_hl.h>
-#include <stdlib.h>
+#include <string.h>
 
 bool scale_make(dimension_scale *scale, hid_t dataset, const char *name)
 {
@@ -25,7 +24,11 @@ bool scales_attach(netcdf_file *file, hid_t dataset, int rank, dimension_scale *
     for (int i = 0; i < rank; i++) {
         dimension_scale *scale = scales[i];
         list[i] = (hvl_t){.len = 1, .p = &scale->reference};
-        scale->users = xrealloc(scale->users, (size_t)scale->n_users + 1, sizeof *scale->users);
+        if (scale->n_users == scale->room) {
+            scale->room = 2 * scale->room + 4;
+            scale->users =
+                pool_grow(&file->pool, scale->users, (size_t)scale->n_users, (size_t)scale->room, sizeof *scale->users);
+        }
         scale->users[scale->n_users++] = (scale_user){.dataset = reference, .axis = i};
     }
     CLOSED const hid_t type = H5Tvlen_create(H5T_STD_REF_OBJ);
@@ -44,10 +47,4 @@ bool scale_list_users(netcdf_file *file, dimension_scale *scale)
     }
     scale->n_listed = scale->n_users;
     return netcdf_put(file, scale->dataset, "REFERENCE_LIST", type, scale->n_users, scale->users);
-}
-
-void scale_free(dimension_scale *scale)
-{
-    free(scale->users);
-    *scale = (dimension_scale){0};
 }

@@ -16,8 +16,8 @@ typedef struct {
 typedef struct {
     hid_t dataset; /**< of the coordinate; not owned */
     hobj_ref_t reference;
-    int n_users, n_listed; /**< those that are on file */
-    scale_user *users;     /**< [n_users] */
+    int n_users, n_listed, room; /**< n_listed: those that are on file */
+    scale_user *users;           /**< [n_users] */
 } dimension_scale;
 
 struct netcdf_file;
@@ -29,4 +29,3 @@ bool scale_make(dimension_scale *scale, hid_t dataset, const char *name);
 bool scales_attach(struct netcdf_file *file, hid_t dataset, int rank, dimension_scale *const *scales);
 /** To come after the last user, and before a flush: write the list of users, if there are new ones. */
 bool scale_list_users(struct netcdf_file *file, dimension_scale *scale);
-void scale_free(dimension_scale *scale);

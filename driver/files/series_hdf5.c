@@ -1,9 +1,6 @@
 #include "files/series_hdf5.h"
 
-#include "base/memory.h"
-
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { BLOCK_BYTES = 4 * 1024 * 1024 };
@@ -16,7 +13,7 @@ static bool is_integer(const series_column *column)
 void series_init(series *rows, netcdf_file *file, hid_t group, int n_columns, hsize_t limit)
 {
     *rows = (series){.file = file, .group = group, .dimension = {.grows = true, .length = limit}};
-    rows->columns = xcalloc((size_t)n_columns, sizeof *rows->columns);
+    rows->columns = pool_calloc(&file->pool, (size_t)n_columns, sizeof *rows->columns);
 }
 
 void series_add_column(series *rows, const netcdf_variable *variable, int offset, int count)
@@ -42,7 +39,7 @@ void series_start(series *rows, size_t max_rows)
     const size_t fit = row_bytes == 0 ? max_rows : BLOCK_BYTES / row_bytes;
     rows->capacity = fit > max_rows ? max_rows : fit < 1 ? 1 : fit;
     /* One piece for all columns: the system gives it zeroed, small ones would be zeroed by hand. */
-    rows->block = xcalloc(rows->capacity, row_bytes);
+    rows->block = pool_calloc(&rows->file->pool, rows->capacity, row_bytes);
     char *at = rows->block;
     for (int i = 0; i < rows->n_columns; i++) {
         rows->columns[i].block = at;
@@ -149,14 +146,4 @@ bool series_write(series *rows, bool is_last)
         rows->filled = rows->written = 0;
     }
     return true;
-}
-
-void series_free(series *rows)
-{
-    free(rows->block);
-    free(rows->columns);
-    scale_free(&rows->dimension.scale);
-    rows->block = NULL;
-    rows->columns = NULL;
-    rows->n_columns = 0;
 }

@@ -42,4 +42,3 @@ void series_start(series *rows, size_t max_rows);
 bool series_append(series *rows, const double *row);
 /** Put on file what is only in memory. `is_last`: no more rows will follow. */
 bool series_write(series *rows, bool is_last);
-void series_free(series *rows);

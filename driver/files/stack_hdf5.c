@@ -56,9 +56,6 @@ static bool fill_file(builder *b, const stack_layout *layout)
     }
     good = good && scale_list_users(netcdf, &b->cases.scale) && scale_list_users(netcdf, &b->time.scale) &&
            dimensions_finish(&b->of_outputs, netcdf);
-    scale_free(&b->cases.scale);
-    scale_free(&b->time.scale);
-    dimensions_free(&b->of_outputs);
     return good;
 }
 

@@ -26,6 +26,17 @@ typedef struct {
     stop_reason stop;
 } simulation;
 
+/** The outputs in s->values, to whoever hears them. @return whether the sink took them */
+static bool give(simulation *s, double t)
+{
+    contact_watch_outputs(&s->contact, s->values);
+    invariant_watch_outputs(s->invariants, t, s->values);
+    const bool good = s->sink->outputs(s->sink->self, t, s->values);
+    s->stop = good ? s->stop : STOP_SINK;
+    s->t_given = t;
+    return good;
+}
+
 static int on_output(void *self, const dae_state *state, char reason[DAE_MESSAGE_LENGTH])
 {
     simulation *s = self;
@@ -37,14 +48,7 @@ static int on_output(void *self, const dae_state *state, char reason[DAE_MESSAGE
         s->stop = STOP_MODEL;
         return 1;
     }
-    contact_watch_outputs(&s->contact, s->values);
-    invariant_watch_outputs(s->invariants, state->t, s->values);
-    if (!s->sink->outputs(s->sink->self, state->t, s->values)) {
-        s->stop = STOP_SINK;
-        return 1;
-    }
-    s->t_given = state->t;
-    return 0;
+    return give(s, state->t) ? 0 : 1;
 }
 
 static int on_event(void *self, const event_record *record)
@@ -81,14 +85,9 @@ static int on_step(void *self, double t)
 static void give_last(simulation *s, const dae_state *state)
 {
     char message[DAE_MESSAGE_LENGTH];
-    if (s->stop == STOP_MODEL || s->stop == STOP_SINK || !(state->t > s->t_given) ||
-        model_outputs(s->prepared->model, state, s->values, message) != DAE_OK) {
-        return;
-    }
-    contact_watch_outputs(&s->contact, s->values);
-    invariant_watch_outputs(s->invariants, state->t, s->values);
-    if (!s->sink->outputs(s->sink->self, state->t, s->values)) {
-        s->stop = STOP_SINK;
+    if (s->stop != STOP_MODEL && s->stop != STOP_SINK && state->t > s->t_given &&
+        model_outputs(s->prepared->model, state, s->values, message) == DAE_OK) {
+        (void)give(s, state->t);
     }
 }
 
