@@ -19,43 +19,22 @@ static bool check_count(const checker *checker, const evl_row *key, const case_n
                           (int)key->minimum);
 }
 
-static bool check_list(const checker *checker, const evl_row *key, case_node *node)
+/** Of a list or a map. */
+static bool check_elements(const checker *checker, const evl_row *key, case_node *node)
 {
-    if (node->kind != NODE_SEQUENCE) {
-        return refuse_type(checker, node, "a list", "");
+    const bool is_list = key->type == EVL_LIST;
+    if (node->kind != (is_list ? NODE_SEQUENCE : NODE_MAPPING)) {
+        return refuse_type(checker, node, is_list ? "a list" : "blocks by name, {name: {...}}", "");
     }
-    if (!check_count(checker, key, node)) {
-        return false;
-    }
-    for (int i = 0; i < node->n; i++) {
-        OWNED char *name = node_element_name(node->entries[i].value), *index = xasprintf("%d", i);
-        const struct checker inner = checker_at(checker, name == NULL || name[0] == '\0' ? index : name);
-        if (!check_block(&inner, key->holds, node->entries[i].value)) {
-            return false;
-        }
-    }
-    return true;
-}
-
-static bool check_map(const checker *checker, const evl_row *key, case_node *node)
-{
-    if (node->kind != NODE_MAPPING) {
-        return refuse_type(checker, node, "blocks by name, {name: {...}}", "");
-    }
-    if (!check_count(checker, key, node)) {
-        return false;
-    }
-    for (int i = 0; i < node->n; i++) {
+    bool good = check_count(checker, key, node);
+    for (int i = 0; i < node->n && good; i++) {
         const case_entry *entry = &node->entries[i];
-        if (!check_name(checker, entry->key_place, entry->key)) {
-            return false;
-        }
-        const struct checker inner = checker_at(checker, entry->key);
-        if (!check_block(&inner, key->holds, entry->value)) {
-            return false;
-        }
+        OWNED char *name = is_list ? node_element_name(entry->value) : xstrdup(entry->key), *index = xasprintf("%d", i);
+        const struct checker inner = checker_at(checker, name == NULL || name[0] == '\0' ? index : name);
+        good = (is_list || check_name(checker, entry->key_place, entry->key)) &&
+               check_block(&inner, key->holds, entry->value);
     }
-    return true;
+    return good;
 }
 
 static bool check_value(const checker *checker, const evl_row *key, case_node *node)
@@ -64,9 +43,8 @@ static bool check_value(const checker *checker, const evl_row *key, case_node *n
     case EVL_BLOCK:
         return check_block(checker, key->holds, node);
     case EVL_LIST:
-        return check_list(checker, key, node);
     case EVL_MAP:
-        return check_map(checker, key, node);
+        return check_elements(checker, key, node);
     default:
         return check_single_value(checker, key, node);
     }

@@ -199,7 +199,7 @@ static bool take_initial(const checker *checker, case_node *block, description *
         [EVL_INITIAL_REST] = "rest", [EVL_INITIAL_STEADY] = "steady", [EVL_INITIAL_SPEEDS] = "speeds"};
     evl_initial *initial = &description->simulation.initial;
     const struct checker of_speeds = checker_at(checker, "speeds"), of_gaps = checker_at(checker, "gaps");
-    initial->kind = node_get_choice(block, "kind", 3, kinds);
+    initial->kind = words_index(node_get_text(block, "kind"), 3, kinds);
     if (initial->kind == EVL_INITIAL_SPEEDS) {
         double *values = pool_calloc(&description->pool, (size_t)description->n_wheels, sizeof *values);
         initial->speeds = values;
@@ -219,10 +219,8 @@ static bool take_initial(const checker *checker, case_node *block, description *
 
 static integrator_kind integrator_of(const case_node *block)
 {
-    if (node_get(block, "integrator") == NULL) {
-        return INTEGRATOR_OPEN;
-    }
-    return node_get_is(block, "integrator", "radau") ? INTEGRATOR_RADAU : INTEGRATOR_IDA;
+    const char *name = node_get_text(block, "integrator");
+    return name == NULL ? INTEGRATOR_OPEN : strcmp(name, "radau") == 0 ? INTEGRATOR_RADAU : INTEGRATOR_IDA;
 }
 
 static bool take_simulation(const checker *checker, const case_node *block, description *description)

@@ -90,16 +90,6 @@ double node_get_number(const case_node *mapping, const char *key)
     return node_number(node_get(mapping, key));
 }
 
-bool node_get_is(const case_node *mapping, const char *key, const char *word)
-{
-    return strcmp(node_get_text(mapping, key), word) == 0;
-}
-
-int node_get_choice(const case_node *mapping, const char *key, int n, const char *const *words)
-{
-    return words_index(node_get_text(mapping, key), n, words);
-}
-
 bool node_is_null(const case_node *node)
 {
     static const char *const nulls[] = {"", "~", "null", "Null", "NULL"};

@@ -55,9 +55,6 @@ const char *node_get_text(const case_node *mapping, const char *key);
 double node_number(const case_node *node);
 bool node_is_number(const case_node *node);
 double node_get_number(const case_node *mapping, const char *key);
-bool node_get_is(const case_node *mapping, const char *key, const char *word);
-/** Index of the value among the words, which are those that the schema offers. */
-int node_get_choice(const case_node *mapping, const char *key, int n, const char *const *words);
 
 /** Nothing was written where a value belongs: null, ~ or empty. */
 bool node_is_null(const case_node *node);

@@ -22,7 +22,7 @@ typedef struct {
 } design_column;
 
 typedef struct {
-    memory_pool pool; /**< of the columns */
+    memory_pool pool; /**< of all but texts in columns */
     char *file, *hash;
     char *base_case;         /**< YAML */
     double window[2];        /**< [s] of the statistics, from and to; NaN: half of each case's duration, its end */

@@ -28,9 +28,9 @@ static bool refuse(const reader *reader, const char *what, const char *message)
 
 /* ---- attributes ---- */
 
-static bool need_text(const reader *reader, const char *name, char **text)
+static bool need_text(const reader *reader, const char *name, memory_pool *pool, char **text)
 {
-    *text = netcdf_get_text(reader->file, name);
+    *text = netcdf_get_text(reader->file, name, pool);
     return *text != NULL || refuse(reader, name, "this attribute of the design is missing, or no text");
 }
 
@@ -47,7 +47,7 @@ static bool check_maker(const reader *reader)
                              format, FORMAT);
     }
     OWNED char *version = NULL;
-    return need_text(reader, "evolvent_version", &version) &&
+    return need_text(reader, "evolvent_version", NULL, &version) &&
            (strcmp(version, EVOLVENT_VERSION) == 0 ||
             evl_error_set(
                 reader->error, EVL_EXIT_CASE, reader->path,
@@ -58,9 +58,9 @@ static bool check_maker(const reader *reader)
 static bool read_head(const reader *reader, design *design)
 {
     long long n_cases = 0, every = 1;
-    if (!check_maker(reader) || !need_text(reader, "case", &design->base_case) ||
-        !need_text(reader, "hash", &design->hash) ||
-        !need_text(reader, "history_variables", &design->history_variables)) {
+    if (!check_maker(reader) || !need_text(reader, "case", &design->pool, &design->base_case) ||
+        !need_text(reader, "hash", &design->pool, &design->hash) ||
+        !need_text(reader, "history_variables", &design->pool, &design->history_variables)) {
         return false;
     }
     if (!netcdf_get_numbers(reader->file, "n_cases", H5T_NATIVE_LLONG, 1, &n_cases) || n_cases < 0) {
@@ -118,7 +118,7 @@ static bool read_column(const reader *reader, hid_t parameters, const char *name
         return evl_error_set(reader->error, EVL_EXIT_CASE, reader->path,
                              "%s: has not one value for each of the %ld cases", name, design->n_cases);
     }
-    OWNED char *path = netcdf_get_text(dataset, "path");
+    char *path = netcdf_get_text(dataset, "path", &design->pool);
     if (path == NULL) {
         return refuse(reader, name, "has no attribute path");
     }
@@ -126,7 +126,7 @@ static bool read_column(const reader *reader, hid_t parameters, const char *name
         return true;
     }
     design_column *column = &design->columns[design->n_columns++];
-    *column = (design_column){.path = pool_copy(&design->pool, path)};
+    *column = (design_column){.path = path};
     return read_values(reader, dataset, name, design, column);
 }
 
@@ -160,7 +160,7 @@ design *design_read(const char *path, evl_error *error)
     CLOSED const hid_t file = netcdf_open(path);
     const reader reader = {.path = path, .file = file, .error = error};
     design *design = xcalloc(1, sizeof *design);
-    design->file = xstrdup(path);
+    design->file = pool_copy(&design->pool, path);
     const bool is_open = file >= 0 || refuse(&reader, "", "is no HDF5 file; evolvent-sweep plan writes a design");
     if (!is_open || !read_head(&reader, design) || !read_columns(&reader, design)) {
         design_delete(&design);
@@ -182,10 +182,6 @@ void design_delete(design **pointer)
         }
     }
     pool_free(&design->pool);
-    free(design->file);
-    free(design->hash);
-    free(design->base_case);
-    free(design->history_variables);
     free(design);
 }
 

@@ -198,7 +198,7 @@ static hid_t open_attribute(hid_t object, const char *name)
     return H5Aexists(object, name) > 0 ? H5Aopen(object, name, H5P_DEFAULT) : -1;
 }
 
-char *netcdf_get_text(hid_t object, const char *name)
+char *netcdf_get_text(hid_t object, const char *name, memory_pool *pool)
 {
     CLOSED const hid_t attribute = open_attribute(object, name);
     if (attribute < 0) {
@@ -209,7 +209,7 @@ char *netcdf_get_text(hid_t object, const char *name)
         return NULL;
     }
     if (H5Sget_simple_extent_type(space) == H5S_NULL) {
-        return xstrdup(""); /* how h5py writes an empty text of fixed length */
+        return pool_copy(pool, ""); /* how h5py writes an empty text of fixed length */
     }
     const bool is_variable = H5Tis_variable_str(type) > 0;
     OWNED char *fixed = xcalloc(H5Tget_size(type) + 1, 1);
@@ -217,7 +217,7 @@ char *netcdf_get_text(hid_t object, const char *name)
     if (H5Aread(attribute, type, is_variable ? (void *)&text : text) < 0) {
         return NULL;
     }
-    char *result = xstrdup(text == NULL ? "" : text);
+    char *result = pool_copy(pool, text == NULL ? "" : text);
     (void)(is_variable && H5free_memory(text));
     return result;
 }

@@ -65,8 +65,8 @@ bool netcdf_fail(netcdf_file *file);
 /** Open a file of anyone's to read it, without locks: shards do at one time, from folders that may not lock. Negative if it is
  *  no HDF5 file. */
 hid_t netcdf_open(const char *path);
-/** A text attribute, of variable or fixed length, as a new string. NULL if there is none. */
-char *netcdf_get_text(hid_t object, const char *name);
+/** A text attribute, of variable or fixed length, in a pool. NULL if there is none. */
+char *netcdf_get_text(hid_t object, const char *name, memory_pool *pool);
 /** The numbers of an attribute, converted. @return false if it is not there or holds another number of them */
 bool netcdf_get_numbers(hid_t object, const char *name, hid_t type, int n, void *values);
 

@@ -93,7 +93,7 @@ static bool make_file(const stack_layout *layout, evl_error *error)
 
 static bool has_hash(hid_t file, const char *hash)
 {
-    OWNED char *found = netcdf_get_text(file, "design");
+    OWNED char *found = netcdf_get_text(file, "design", NULL);
     return found != NULL && strcmp(found, hash) == 0;
 }
 
