@@ -7,7 +7,7 @@ module evl_constant_outputs
    use evl_mesh_geometry, only: spur_pair_t
    use evl_mesh_reference, only: mesh_reference_t
    use evl_output, only: dims_mesh, dims_wheel, in_mesh_constants, in_mesh_teeth, in_wheel_constants, in_wheel_teeth
-   use evl_teller, only: begin, tell, teller_t, wants
+   use evl_teller, only: begin, fills, tell, teller_t
    use evl_tooth_contact, only: tooth_contact_t
    implicit none (type, external)
    private
@@ -112,10 +112,10 @@ contains
       call tell(teller, "has_coast_flanks", "1", "", "1 if the flanks on the other side of the teeth can touch, else 0", &
                 pair%has_coast)
       root = 0
-      if (wants(teller)) root = pair%chi + pair%sigma*(pair%alpha_w - contact%rho_start/pair%base_radius_a)
+      if (fills(teller)) root = pair%chi + pair%sigma*(pair%alpha_w - contact%rho_start/pair%base_radius_a)
       call tell(teller, "flank_root_driving", "rad", "phi_A", &
                 "direction in which the driving flank of tooth pair 0 meets the base circle at the start", root)
-      if (wants(teller)) root = pair%chi + pair%sigma*(pi + pair%alpha_w - &
+      if (fills(teller)) root = pair%chi + pair%sigma*(pi + pair%alpha_w - &
                                                        (pair%rho - contact%rho_start - contact%pair%gap_0)/pair%base_radius_b)
       call tell(teller, "flank_root_driven", "rad", "phi_B", &
                 "direction in which the driven flank of tooth pair 0 meets the base circle at the start", root)

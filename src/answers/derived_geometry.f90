@@ -8,13 +8,15 @@ module evl_derived_geometry
    use evl_mesh_geometry, only: spur_pair_t
    use evl_mesh_reference, only: mesh_reference_t
    use evl_mesh_stiffness, only: mesh_stiffness, mesh_stiffness_t
+   use evl_output, only: output_t
    use evl_pitch_errors, only: single_pitch_deviation, total_pitch_deviation
    use evl_row, only: kind_t
+   use evl_teller, only: take_rows, tell, teller_t
    use evl_tooth_contact, only: tooth_contact_t, tracking_closed_form
    implicit none (type, external)
    private
 
-   public :: derived_t, most_rows, quantity_t, quantities_of
+   public :: quantities_of
    public :: of_compliance, of_deviation, of_gear, of_gear_mesh, of_mesh, of_wheel
    public :: pitch_errors_of
 
@@ -25,54 +27,39 @@ module evl_derived_geometry
    integer, parameter :: of_deviation = 4 !! how the flanks of a wheel deviate
    integer, parameter :: of_compliance = 5 !! how the wheels of a mesh give way, and how stiff that makes it
 
-   integer, parameter :: most_rows = 40 !! EVL_MOST_QUANTITIES
-
-   type :: quantity_t
-      character(len=32) :: name, units, symbol
-      character(len=96) :: text
-      integer :: n             !! 1, or 2 for a point
-      real(wp) :: value(2)
-   end type quantity_t
-
-   type :: derived_t
-      integer :: n = 0
-      type(quantity_t) :: rows(most_rows)
-   end type derived_t
-
-   interface tell
-      module procedure tell_number, tell_whole, tell_point
-   end interface tell
-
 contains
 
    !> The rows of a wheel or mesh; none where it is not what they are of.
-   subroutine quantities_of(gearbox, of, index, derived)
+   subroutine quantities_of(gearbox, of, index, table)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: of, index
-      type(derived_t), intent(out) :: derived
+      type(output_t), allocatable, intent(out) :: table(:) !! of at most EVL_MOST_QUANTITIES
+      type(teller_t) :: to
 
       select case (of)
       case (of_wheel)
-         call tell_wheel(gearbox, index, derived)
+         call tell_wheel(gearbox, index, to)
       case (of_mesh)
-         call tell_mesh(gearbox%contacts(gearbox%first(index)), gearbox%pairs(index), gearbox%references(index), derived)
-         call tell(derived, "gives_way", "1", "", "1: its wheels give way, 0: they could, given a compliance", &
+         call tell_mesh(gearbox%contacts(gearbox%first(index)), gearbox%pairs(index), gearbox%references(index), to)
+         call tell(to, "gives_way", "1", "", "1: its wheels give way, 0: they could, given a compliance", &
                    gives_way(gearbox, index))
       case (of_gear)
-         if (gearbox%gears(index)%teeth > 0) call tell_gear(gearbox%gears(index), derived)
+         if (gearbox%gears(index)%teeth > 0) call tell_gear(gearbox%gears(index), to)
       case (of_gear_mesh)
-         if (gearbox%gear_meshes(index)%exists) call tell_gear_mesh(gearbox%gear_meshes(index), derived)
+         if (gearbox%gear_meshes(index)%exists) call tell_gear_mesh(gearbox%gear_meshes(index), to)
       case (of_deviation)
-         if (gearbox%wheels(index)%deviation%exists) call tell_deviation(gearbox, index, derived)
+         if (gearbox%wheels(index)%deviation%exists) call tell_deviation(gearbox, index, to)
       case (of_compliance)
-         call tell_compliance(gearbox, index, derived)
+         call tell_compliance(gearbox, index, to)
       end select
+      call take_rows(to, table)
+      if (of == of_compliance) table = pack(table, abs(table%value(1)) > 0)
    end subroutine quantities_of
 
    subroutine tell_wheel(gearbox, index, to)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
-      type(derived_t), intent(inout) :: to
+      type(teller_t), intent(inout) :: to
       real(wp) :: pitch
 
       associate (wheel => gearbox%wheels(index))
@@ -93,7 +80,7 @@ contains
       type(tooth_contact_t), intent(in) :: contact !! the first of the mesh
       type(spur_pair_t), intent(in) :: pair
       type(mesh_reference_t), intent(in) :: at     !! at the nominal load
-      type(derived_t), intent(inout) :: to
+      type(teller_t), intent(inout) :: to
 
       call tell(to, "flank", "1", "sigma", "+1: the driving wheel turns clockwise, -1: counterclockwise", pair%sigma)
       call tell(to, "transmission_ratio", "1", "n", "teeth of the driven over the driving wheel", pair%ratio)
@@ -143,7 +130,7 @@ contains
 
    subroutine tell_gear(g, to)
       type(gear_t), intent(in) :: g
-      type(derived_t), intent(inout) :: to
+      type(teller_t), intent(inout) :: to
 
       call tell(to, "teeth", "1", "z", "number of teeth", int(g%teeth))
       call tell(to, "normal_module", "m", "m_n", "normal module", g%normal_module)
@@ -171,7 +158,7 @@ contains
 
    subroutine tell_gear_mesh(g, to)
       type(gear_mesh_t), intent(in) :: g
-      type(derived_t), intent(inout) :: to
+      type(teller_t), intent(inout) :: to
 
       call tell(to, "centre_distance", "m", "a_w", "centre distance", g%centre_distance)
       call tell(to, "reference_centre_distance", "m", "a", "reference centre distance", g%reference_distance)
@@ -198,7 +185,7 @@ contains
    subroutine tell_deviation(gearbox, index, to)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
-      type(derived_t), intent(inout) :: to
+      type(teller_t), intent(inout) :: to
       real(wp) :: to_arc
 
       associate (d => gearbox%wheels(index)%deviation, r_b => gearbox%wheels(index)%base_radius)
@@ -226,9 +213,8 @@ contains
    subroutine tell_compliance(gearbox, index, to)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
-      type(derived_t), intent(inout) :: to
+      type(teller_t), intent(inout) :: to
       type(mesh_stiffness_t) :: s
-      integer :: n
 
       call mesh_stiffness(gearbox, index, s)
       if (.not. s%line_load > 0) return
@@ -244,9 +230,6 @@ contains
       call tell(to, "single_pair", "Pa", "", "stiffness of one tooth pair, at the pitch point", s%single_pair)
       call tell(to, "double_pair", "Pa", "", "of two, half a base pitch before and behind it", s%double_pair)
       call tell(to, "iso_6336", "Pa", "c'", "ISO 6336-1, measured pairs without body: not the same", s%iso)
-      n = to%n
-      to%n = count(abs(to%rows(:n)%value(1)) > 0)
-      to%rows(:to%n) = pack(to%rows(:n), abs(to%rows(:n)%value(1)) > 0)
    end subroutine tell_compliance
 
    !> Whether a wheel's teeth stand elsewhere than at equal pitches.
@@ -272,32 +255,5 @@ contains
          allocate (errors(0))
       end if
    end subroutine pitch_errors_of
-
-   subroutine tell_number(to, name, units, symbol, text, value)
-      type(derived_t), intent(inout) :: to
-      character(len=*), intent(in) :: name, units, symbol, text
-      real(wp), intent(in) :: value
-
-      to%n = to%n + 1
-      to%rows(to%n) = quantity_t(name, units, symbol, text, 1, [value, 0.0_wp])
-   end subroutine tell_number
-
-   subroutine tell_whole(to, name, units, symbol, text, value)
-      type(derived_t), intent(inout) :: to
-      character(len=*), intent(in) :: name, units, symbol, text
-      integer, intent(in) :: value
-
-      call tell_number(to, name, units, symbol, text, real(value, wp))
-   end subroutine tell_whole
-
-   subroutine tell_point(to, name, units, symbol, text, value)
-      type(derived_t), intent(inout) :: to
-      character(len=*), intent(in) :: name, units, symbol, text
-      real(wp), intent(in) :: value(2)
-
-      call tell_number(to, name, units, symbol, text, value(1))
-      to%rows(to%n)%n = 2
-      to%rows(to%n)%value = value
-   end subroutine tell_point
 
 end module evl_derived_geometry

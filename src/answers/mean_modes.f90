@@ -32,7 +32,7 @@ contains
       real(wp), intent(in) :: t                         !! [s]
       real(wp), intent(out) :: y(gearbox%n_states)      !! the steady state half a pitch from the start of contact
       integer, intent(out) :: integers(gearbox%n_integers)
-      real(wp), intent(out) :: reals(:)
+      real(wp), intent(out) :: reals(size(gearbox%contacts))
       integer, intent(out) :: n_modes, n_rigid
       complex(wp), intent(out) :: eigenvalues(gearbox%n_states), vectors(gearbox%n_states, gearbox%n_states)
       real(wp), intent(out) :: values(gearbox%n_values) !! outputs

@@ -41,8 +41,8 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t                      !! [s]
       real(wp), intent(in) :: y(gearbox%n_states)
-      integer, intent(in) :: integers(:)
-      real(wp), intent(in) :: reals(:)
+      integer, intent(in) :: integers(gearbox%n_integers)
+      real(wp), intent(in) :: reals(size(gearbox%contacts))
       integer, intent(out) :: n_modes                !! eigenvalues found, at most n_states
       integer, intent(out) :: n_rigid                !! rigid-body modes
       complex(wp), intent(out) :: eigenvalues(gearbox%n_states) !! [1/s]; 0 past n_modes

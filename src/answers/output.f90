@@ -1,5 +1,6 @@
 !> What one output of a gearbox is, and in which section of the table it stands.
 module evl_output
+   use evl_kinds, only: wp
    implicit none (type, external)
    private
 
@@ -8,7 +9,6 @@ module evl_output
    public :: dims_harmonic, dims_mesh_pair, dims_position, dims_position_pair, dims_shaft
    public :: in_wheel_constants, in_mesh_constants, in_wheel_teeth, in_mesh_teeth, in_gearbox, in_wheels, in_meshes, in_pairs
    public :: in_coast, in_wheel_positions, in_mesh_positions, in_bearings, in_pose, in_shaft_constants, in_shafts
-   public :: needs_nothing, needs_rates, needs_meshes, needs_points, needs_reactions, needs_pairs, needs_all
 
    integer, parameter :: dims_none = 0, dims_wheel = 1, dims_mesh = 2, dims_wheel_axis = 3, dims_mesh_axis = 4
    integer, parameter :: dims_space = 5       !! x, y, z
@@ -29,23 +29,15 @@ module evl_output
       enumerator :: in_shaft_constants, in_shafts
    end enum
 
-   !> What has to be found before a value is known, a bit each; what is needed for it is among its bits.
-   integer, parameter :: needs_nothing = 0                 !! but the state
-   integer, parameter :: needs_rates = 1                   !! of the state, and the forces of the tooth contacts
-   integer, parameter :: needs_meshes = 2 + needs_rates    !! what the tooth contacts of a mesh add up to
-   integer, parameter :: needs_points = 4 + needs_meshes   !! the points of the contact that speaks for its mesh
-   integer, parameter :: needs_reactions = 8 + needs_meshes !! of the wheels on the housing
-   integer, parameter :: needs_pairs = 16 + needs_meshes   !! tooth pairs one by one
-   integer, parameter :: needs_all = ior(ior(needs_points, needs_reactions), needs_pairs)
-
    !> One output; see `evl_output` in the C header.
    type :: output_t
       character(len=31) :: name = "", units = "", symbol = ""
       character(len=95) :: long_name = ""
       integer :: dims = dims_none
       logical :: is_static = .false., is_integer = .false.
-      integer :: section = 0, needs = needs_nothing
+      integer :: section = 0
       integer :: of = dims_none, length = 1 !! dimensions of the elements of its section, numbers of each
+      real(wp) :: value(4) = 0.0_wp         !! the first of them, where objects are not empty
    end type output_t
 
 end module evl_output

@@ -15,38 +15,19 @@ module evl_output_list
    use evl_pair_outputs, only: no_point, nowhere, tell_pair
    use evl_rotation, only: identity
    use evl_shaft, only: shaft_t
-   use evl_teller, only: fill, list, teller_t, told
+   use evl_teller, only: fill, take_rows, teller_t
    use evl_tooth_contact, only: contact_state, flank_coast, no_force, no_mode, tooth_contact_t
    implicit none (type, external)
    private
 
-   public :: count_outputs, list_outputs, place_outputs
+   public :: list_outputs, place_outputs
 
 contains
 
-   !> How many outputs the table has.
-   integer function count_outputs() result(n)
-      type(output_t) :: nothing(0)
-      type(teller_t) :: teller
-
-      call list(teller, nothing)
-      call tell_all(teller)
-      n = told(teller)
-   end function count_outputs
-
-   !> The table.
+   !> The table: every section told once, in its order.
    subroutine list_outputs(table)
-      type(output_t), intent(out), allocatable, target :: table(:)
+      type(output_t), intent(out), allocatable :: table(:)
       type(teller_t) :: teller
-
-      allocate (table(count_outputs()))
-      call list(teller, table)
-      call tell_all(teller)
-   end subroutine list_outputs
-
-   !> Tell every section once, in the order of the table.
-   subroutine tell_all(teller)
-      type(teller_t), intent(inout) :: teller
       type(frame_t), parameter :: frame = frame_t(position=0.0_wp, velocity=0.0_wp, orientation=0.0_wp, rotation=identity, &
                                                   omega=0.0_wp, alpha=0.0_wp, acceleration=0.0_wp)
       type(wheel_t) :: wheel
@@ -77,7 +58,8 @@ contains
       call tell_pose(teller, frame, spread(0.0_wp, 1, 3))
       call tell_shaft_constants(teller, 1, shaft)
       call tell_shaft(teller, 1, 0.0_wp, 0.0_wp)
-   end subroutine tell_all
+      call take_rows(teller, table)
+   end subroutine list_outputs
 
    !> Which outputs a gearbox has, where they stand among its values, and the values that do not change.
    subroutine place_outputs(gearbox)
@@ -88,38 +70,16 @@ contains
       gearbox%n_drive_places = maxval(gearbox%contacts%n_slots)
       gearbox%n_pair_places = gearbox%n_drive_places*merge(2, 1, any(gearbox%contacts%flank == flank_coast))
       call list_outputs(table)
-      gearbox%output_needs = table%needs
-      gearbox%output_is_static = table%is_static
       gearbox%output_counts = [(elements_of(gearbox, table(i))*table(i)%length, i=1, size(table))]
       gearbox%output_offsets = [(sum(gearbox%output_counts(:i - 1)), i=1, size(table))]
       allocate (gearbox%output_sections(maxval(table%section)))
       do i = size(table), 1, -1
-         gearbox%output_sections(table(i)%section) = section_t(i - 1, gearbox%output_offsets(i), elements_of(gearbox, table(i)))
+         gearbox%output_sections(table(i)%section) = section_t(gearbox%output_offsets(i), elements_of(gearbox, table(i)))
       end do
       gearbox%n_values = sum(gearbox%output_counts)
       allocate (gearbox%constants(gearbox%n_values), source=0.0_wp)
       call tell_constants(gearbox, gearbox%constants)
-      call find_static_ranges(gearbox)
    end subroutine place_outputs
-
-   !> Static outputs that follow each other are one range of values.
-   subroutine find_static_ranges(gearbox)
-      type(gearbox_t), intent(inout) :: gearbox
-      integer :: ranges(2, size(gearbox%output_is_static)), i, n
-      logical :: continues
-
-      n = 0
-      continues = .false.
-      do i = 1, size(gearbox%output_is_static)
-         if (gearbox%output_is_static(i)) then
-            if (.not. continues) n = n + 1
-            if (.not. continues) ranges(1, n) = gearbox%output_offsets(i) + 1
-            ranges(2, n) = gearbox%output_offsets(i) + gearbox%output_counts(i)
-         end if
-         continues = gearbox%output_is_static(i)
-      end do
-      gearbox%static_ranges = ranges(:, :n)
-   end subroutine find_static_ranges
 
    !> How many elements an output is told of; 0: it is not there.
    pure integer function elements_of(gearbox, output) result(n)

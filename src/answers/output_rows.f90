@@ -1,45 +1,39 @@
-!> Rows of outputs where not all values are wanted, or none: some values, or entries of the table.
+!> Rows that are told to be listed, with what they are and with their values.
 !>
 !> They stand apart from `evl_teller`, so that no compiler takes them into its quick path.
 module evl_output_rows
    use evl_kinds, only: wp
    use evl_output, only: dims_mesh, dims_mesh_axis, dims_none, dims_quaternion, dims_space, dims_wheel, dims_wheel_axis, &
-                         dims_wheel_space, needs_nothing, output_t
+                         dims_wheel_space, output_t
    implicit none (type, external)
    private
 
    public :: output_rows, tell_row
 
    type :: output_rows
-      integer :: row = 0     !! told last
-      integer :: element = 0 !! of its section, from 0
-      real(wp), pointer, contiguous :: values(:) => null() !! none: rows are listed
-      integer, pointer, contiguous :: indices(:) => null()  !! [rows] of outputs among these, from 0; -1: not wanted
-      type(output_t), pointer, contiguous :: table(:) => null() !! listed rows
-      integer :: section = 0, of = dims_none, needs = needs_nothing !! of the next row
-      logical :: is_static = .false.                                !! the same
+      integer :: n = 0                            !! rows told
+      type(output_t), allocatable :: table(:)     !! the first n of these
+      integer :: section = 0, of = dims_none      !! of the next row
+      logical :: is_static = .false.              !! the same
    end type output_rows
 
 contains
 
-   !> The next row: its value if it is wanted, or its entry of the table.
+   !> The next row.
    pure subroutine tell_row(rows, name, units, symbol, text, value, is_integer)
       type(output_rows), intent(inout) :: rows
       character(len=*), intent(in) :: name, units, symbol, text
       real(wp), intent(in) :: value(:)
       logical, intent(in) :: is_integer
-      integer :: at
 
-      rows%row = rows%row + 1
-      if (associated(rows%values)) then
-         if (rows%indices(rows%row) < 0) return
-         at = rows%indices(rows%row) + size(value)*rows%element
-         rows%values(at + 1:at + size(value)) = value
-         return
-      end if
-      if (rows%row > size(rows%table)) return
-      rows%table(rows%row) = output_t(name, units, symbol, text, dims_of(rows%of, size(value)), rows%is_static, is_integer, &
-                                      rows%section, rows%needs, rows%of, size(value))
+      if (.not. allocated(rows%table)) allocate (rows%table(64))
+      if (rows%n == size(rows%table)) rows%table = [rows%table, rows%table]
+      rows%n = rows%n + 1
+      associate (row => rows%table(rows%n))
+         row = output_t(name, units, symbol, text, dims_of(rows%of, size(value)), rows%is_static, is_integer, rows%section, &
+                        rows%of, size(value))
+         row%value(:row%length) = value
+      end associate
    end subroutine tell_row
 
    !> The dimensions of vectors where numbers have these; -1 if there are none.

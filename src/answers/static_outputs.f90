@@ -8,11 +8,11 @@ module evl_static_outputs
    use evl_output, only: dims_harmonic, dims_none, dims_position, dims_position_pair, output_t
    use evl_pair_place, only: by_a, by_b, edge_of
    use evl_static_mesh, only: static_state
-   use evl_teller, only: begin, list, tell, teller_t, told
+   use evl_teller, only: begin, take_rows, tell, teller_t
    implicit none (type, external)
    private
 
-   public :: count_static, list_static, static_counts, static_sections, static_sum
+   public :: list_static, static_counts, static_sections, static_sum
    public :: tell_static_harmonic, tell_static_mesh, tell_static_pair, tell_static_position, tell_static_start, tell_static_torque
    public :: n_harmonics, youngest
 
@@ -36,29 +36,10 @@ module evl_static_outputs
 
 contains
 
-   !> How many rows there are.
-   integer function count_static() result(n)
-      type(output_t) :: nothing(0)
-      type(teller_t) :: teller
-
-      call list(teller, nothing)
-      call tell_all(teller)
-      n = told(teller)
-   end function count_static
-
-   !> The table.
+   !> The table: every section told once.
    subroutine list_static(table)
-      type(output_t), intent(out), allocatable, target :: table(:)
+      type(output_t), intent(out), allocatable :: table(:)
       type(teller_t) :: teller
-
-      allocate (table(count_static()))
-      call list(teller, table)
-      call tell_all(teller)
-   end subroutine list_static
-
-   !> Tell every section once.
-   subroutine tell_all(teller)
-      type(teller_t), intent(inout) :: teller
       type(static_state) :: state
       type(static_sum) :: total
       type(spur_pair_t) :: pair
@@ -70,7 +51,8 @@ contains
       call tell_static_position(teller, 1, one, one, one, state)
       call tell_static_pair(teller, 1, state, 0, 0.0_wp, 0.0_wp, 0.0_wp)
       call tell_static_harmonic(teller, 1, (0.0_wp, 0.0_wp))
-   end subroutine tell_all
+      call take_rows(teller, table)
+   end subroutine list_static
 
    !> How many values each row has.
    subroutine static_counts(n_positions, n_pairs, counts)
@@ -96,7 +78,7 @@ contains
       n_values = 0
       do i = 1, size(table)
          associate (n => elements_of(table(i)%dims, n_positions, n_pairs), section => sections(table(i)%section))
-            if (section%elements == 0) section = section_t(i - 1, n_values, n)
+            if (section%elements == 0) section = section_t(n_values, n)
             n_values = n_values + n
          end associate
       end do

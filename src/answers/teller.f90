@@ -3,31 +3,29 @@
 !>    call tell(teller, "normal_force", "N", "F_n", "normal force of all tooth pairs", total%normal)
 !>
 !> The same row lists the output and gives its value. A procedure begins a section of the table for one of its elements, a wheel
-!> or a mesh, and tells its rows in order. A teller that lists takes name, unit, symbol and text of each row; whole numbers and
-!> logicals are known by the type of the value, which itself does not matter then: the objects that it comes from are empty. A
-!> teller that fills counts the rows and puts values where their outputs stand, if they are wanted; texts are passed by
-!> address and cost nothing.
+!> or a mesh, and tells its rows in order. A teller as it is declared lists them: name, unit, symbol, text and value of each row;
+!> whole numbers and logicals are known by the type of the value. To list all that can be told of a gearbox the objects that values
+!> come from are empty. A teller that fills puts values where their outputs stand; texts are passed by address and cost nothing.
 !>
-!>    call needs(teller, needs_points)     the rows behind need these; where no wanted row does, they are not found
-!>    if (wants(teller)) x = ...           the next row alone needs x; never so while rows are listed
+!>    if (fills(teller)) x = ...           what cannot be found of empty objects
 module evl_teller
    use evl_gearbox, only: section_t
    use evl_kinds, only: wp
-   use evl_output, only: needs_nothing, output_t
+   use evl_output, only: output_t
    use evl_output_rows, only: output_rows, tell_row
    implicit none (type, external)
    private
 
-   public :: teller_t, begin, fill, list, needs, tell, told, wants
+   public :: teller_t, begin, fill, fills, take_rows, tell
 
    type :: teller_t
       private
-      real(wp), pointer, contiguous :: all(:) => null()    !! values, if all are wanted: they follow each other row by row
+      real(wp), pointer, contiguous :: all(:) => null()    !! values, that follow each other row by row; none: rows are listed
       integer :: at = 0      !! where the next row's value goes
       integer :: step = 0    !! elements of the section
       integer :: element = 0 !! the present one, from 0
-      type(section_t), pointer, contiguous :: sections(:) => null() !! none: rows are listed
-      type(output_rows) :: rows !! where not all are wanted
+      type(section_t), pointer, contiguous :: sections(:) => null()
+      type(output_rows) :: rows !! that are listed
    end type teller_t
 
    !> One row: name, unit, symbol, text, value.
@@ -37,36 +35,32 @@ module evl_teller
 
 contains
 
-   !> A teller that lists rows, as many as the table has room for.
-   subroutine list(teller, table)
-      type(teller_t), intent(out) :: teller
-      type(output_t), intent(inout), target, contiguous :: table(:)
-
-      teller%rows%table => table
-   end subroutine list
-
-   !> A teller that fills values: all of them, or those that have indices.
-   subroutine fill(teller, sections, values, indices)
+   !> A teller that fills values.
+   subroutine fill(teller, sections, values)
       type(teller_t), intent(out) :: teller
       type(section_t), intent(in), target, contiguous :: sections(:)
       real(wp), intent(inout), target, contiguous :: values(:)
-      integer, intent(in), target, contiguous, optional :: indices(:) !! [rows] of outputs among the values, from 0; -1: not wanted
 
       teller%sections => sections
-      if (present(indices)) then
-         teller%rows%values => values
-         teller%rows%indices => indices
-      else
-         teller%all => values
-      end if
+      teller%all => values
    end subroutine fill
 
-   !> How many rows were told.
-   pure integer function told(teller) result(n)
+   !> Whether it does.
+   pure logical function fills(teller)
       type(teller_t), intent(in) :: teller
 
-      n = teller%rows%row
-   end function told
+      fills = associated(teller%all)
+   end function fills
+
+   !> The rows that were listed.
+   pure subroutine take_rows(teller, table)
+      type(teller_t), intent(inout) :: teller !! is left without them
+      type(output_t), allocatable, intent(out) :: table(:)
+
+      allocate (table(teller%rows%n))
+      if (size(table) > 0) table(:) = teller%rows%table(:size(table))
+      teller%rows = output_rows()
+   end subroutine take_rows
 
    !> Begin a section for one of its elements.
    pure subroutine begin(teller, section, dims, element, is_static)
@@ -81,33 +75,14 @@ contains
             teller%at = this%values_before + element
             teller%step = this%elements
             teller%element = element - 1
-            teller%rows%row = this%rows_before
-            teller%rows%element = element - 1
          end associate
       else
          teller%rows%section = section
          teller%rows%of = dims
-         teller%rows%needs = needs_nothing
          teller%rows%is_static = .false.
          if (present(is_static)) teller%rows%is_static = is_static
       end if
    end subroutine begin
-
-   !> What the rows behind need.
-   pure subroutine needs(teller, what)
-      type(teller_t), intent(inout) :: teller
-      integer, intent(in) :: what
-
-      teller%rows%needs = what
-   end subroutine needs
-
-   !> Whether the value of the next row is wanted.
-   pure logical function wants(teller)
-      type(teller_t), intent(in) :: teller
-
-      wants = associated(teller%all)
-      if (associated(teller%rows%values)) wants = teller%rows%indices(teller%rows%row + 1) >= 0
-   end function wants
 
    pure subroutine tell_real(teller, name, units, symbol, text, value)
       type(teller_t), intent(inout) :: teller

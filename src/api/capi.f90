@@ -2,11 +2,11 @@
 !>
 !> The header documents each procedure; here is only the passage from C to Fortran. A handle is the address of a gearbox.
 module evl_capi
-   use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_char, c_null_ptr, c_ptr
+   use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_ptr, c_ptr
    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
    use evl_capi_description, only: c_initial, initial_from_c
    use evl_capi_store, only: c_store_t, c_wheel_store
-   use evl_capi_types, only: answer, c_name_length, c_status, c_text_length, status_to_c, to_c
+   use evl_capi_types, only: answer, c_name_length, c_status, c_text_length, gearbox_of, status_to_c, to_c
    use evl_dae_jacobian, only: gearbox_jacobian
    use evl_dae_residual, only: gearbox_derivative, gearbox_residual
    use evl_event_kinds, only: event_kind
@@ -43,14 +43,6 @@ module evl_capi
    end type c_event
 
 contains
-
-   !> The gearbox behind a handle.
-   function gearbox_of(handle) result(gearbox)
-      type(c_ptr), intent(in) :: handle
-      type(gearbox_t), pointer :: gearbox
-
-      call c_f_pointer(handle, gearbox)
-   end function gearbox_of
 
    type(c_ptr) function evl_gearbox_create(description, store, status) result(handle) bind(c)
       type(c_ptr), intent(in), value :: description
@@ -117,8 +109,7 @@ contains
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
-      call gearbox_start(g, initial_from_c(initial, size(g%wheels), size(g%pairs)), t, y(:g%n_states), yp(:g%n_states), &
-                         integers(:g%n_integers), reals(:size(g%contacts)), s)
+      call gearbox_start(g, initial_from_c(initial, size(g%wheels), size(g%pairs)), t, y, yp, integers, reals, s)
       code = answer(s, status)
    end function evl_gearbox_initial_state
 
@@ -131,7 +122,7 @@ contains
 
       g => gearbox_of(handle)
       call gearbox_state_scales(g, gearbox_initial_speeds(g, initial_from_c(initial, size(g%wheels), size(g%pairs))), &
-                                state(:g%n_states), row(:g%n_states), differential(:g%n_states))
+                                state, row, differential)
    end subroutine evl_gearbox_scales
 
    subroutine evl_gearbox_state_name(handle, index, name, units) bind(c)
@@ -139,10 +130,8 @@ contains
       integer(c_int), intent(in), value :: index
       character(kind=c_char), intent(out) :: name(c_name_length), units(c_name_length)
       character(len=c_name_length) :: text, unit
-      type(gearbox_t), pointer :: g
 
-      g => gearbox_of(handle)
-      call gearbox_state_name(g, index + 1, text, unit)
+      call gearbox_state_name(gearbox_of(handle), index + 1, text, unit)
       call to_c(text, name)
       call to_c(unit, units)
    end subroutine evl_gearbox_state_name
@@ -155,11 +144,8 @@ contains
       real(c_double), intent(inout) :: residual(*)
       type(c_status), intent(inout), optional :: status
       type(status_t) :: s
-      type(gearbox_t), pointer :: g
 
-      g => gearbox_of(handle)
-      call gearbox_residual(g, t, y(:g%n_states), yp(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), &
-                            residual(:g%n_states), s)
+      call gearbox_residual(gearbox_of(handle), t, y, yp, integers, reals, residual, s)
       code = answer(s, status)
    end function evl_gearbox_residual
 
@@ -168,16 +154,11 @@ contains
       real(c_double), intent(in), value :: t, cj
       real(c_double), intent(in) :: y(*), yp(*), reals(*)
       integer(c_int), intent(in) :: integers(*)
-      real(c_double), intent(inout), target :: jacobian(*)
+      real(c_double), intent(inout) :: jacobian(*)
       type(c_status), intent(inout), optional :: status
       type(status_t) :: s
-      real(c_double), pointer :: matrix(:, :)
-      type(gearbox_t), pointer :: g
 
-      g => gearbox_of(handle)
-      call c_f_pointer(c_loc(jacobian), matrix, [g%n_states, g%n_states])
-      call gearbox_jacobian(g, t, cj, y(:g%n_states), yp(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), &
-                            matrix, s)
+      call gearbox_jacobian(gearbox_of(handle), t, cj, y, yp, integers, reals, jacobian, s)
       code = answer(s, status)
    end function evl_gearbox_jacobian
 
@@ -189,10 +170,8 @@ contains
       real(c_double), intent(inout) :: yp(*)
       type(c_status), intent(inout), optional :: status
       type(status_t) :: s
-      type(gearbox_t), pointer :: g
 
-      g => gearbox_of(handle)
-      call gearbox_derivative(g, t, y(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), yp(:g%n_states), s)
+      call gearbox_derivative(gearbox_of(handle), t, y, integers, reals, yp, s)
       code = answer(s, status)
    end function evl_gearbox_derivative
 
@@ -217,11 +196,8 @@ contains
       real(c_double), intent(inout) :: values(*)
       type(c_status), intent(inout), optional :: status
       type(status_t) :: s
-      type(gearbox_t), pointer :: g
 
-      g => gearbox_of(handle)
-      call gearbox_roots(g, y(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), &
-                         values(:g%n_roots), s)
+      call gearbox_roots(gearbox_of(handle), y, integers, reals, values, s)
       code = answer(s, status)
    end function evl_gearbox_roots
 
@@ -229,19 +205,15 @@ contains
       type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in) :: integers(*)
       integer(c_int), intent(inout) :: directions(*)
-      type(gearbox_t), pointer :: g
 
-      g => gearbox_of(handle)
-      call gearbox_root_directions(g, integers(:g%n_integers), directions(:g%n_roots))
+      call gearbox_root_directions(gearbox_of(handle), integers, directions)
    end subroutine evl_gearbox_root_directions
 
    real(c_double) function evl_gearbox_next_time_event(handle, integers) result(time) bind(c)
       type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in) :: integers(*)
-      type(gearbox_t), pointer :: g
 
-      g => gearbox_of(handle)
-      time = gearbox_next_time_event(g, integers(:g%n_integers))
+      time = gearbox_next_time_event(gearbox_of(handle), integers)
       if (time >= huge(time)) time = ieee_value(time, ieee_positive_inf)
    end function evl_gearbox_next_time_event
 
@@ -262,8 +234,7 @@ contains
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
-      call gearbox_apply_event(g, t, fired(:g%n_roots), logical(time_event), y(:g%n_states), yp(:g%n_states), &
-                               integers(:g%n_integers), reals(:size(g%contacts)), log, s)
+      call gearbox_apply_event(g, t, fired, logical(time_event), y, yp, integers, reals, log, s)
       n_events = min(log%n, gearbox_event_room(g))
       do i = 1, n_events
          associate (event => log%events(i))

@@ -2,8 +2,8 @@
 !>
 !> The header's section "extremes" documents each procedure; here is only the passage from Fortran to C.
 module evl_capi_extremes
-   use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_int, c_ptr
-   use evl_capi_types, only: answer, c_name_length, c_status, c_text_length, to_c
+   use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_int, c_ptr
+   use evl_capi_types, only: answer, c_name_length, c_status, c_text_length, gearbox_of, to_c
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_watch, only: extremes_table, n_kept, n_watched_outputs, watched_at
    use evl_output, only: output_t
@@ -57,11 +57,9 @@ contains
       integer(c_int), intent(in) :: integers(*)
       real(c_double), intent(inout) :: values(*)
       type(c_status), intent(inout), optional :: status
-      type(gearbox_t), pointer :: g
       type(status_t) :: s
 
-      call c_f_pointer(handle, g)
-      call watched_at(g, y, integers, reals, values, s)
+      call watched_at(gearbox_of(handle), y, integers, reals, values, s)
       code = answer(s, status)
    end function evl_gearbox_watched
 
@@ -69,7 +67,7 @@ contains
       type(c_ptr), intent(in), value :: handle
       type(gearbox_t), pointer :: g
 
-      call c_f_pointer(handle, g)
+      g => gearbox_of(handle)
       n = n_kept*size(g%contacts)
    end function evl_gearbox_watch_room
 
@@ -81,11 +79,9 @@ contains
       real(c_double), intent(in), value :: near
       real(c_double), intent(inout) :: kept(n_kept, *), roots(*), values(*)
       type(c_status), intent(inout), optional :: status
-      type(gearbox_t), pointer :: g
       type(status_t) :: s
 
-      call c_f_pointer(handle, g)
-      call watched_at(g, y, integers, reals, values, s, roots, near, highest, kept)
+      call watched_at(gearbox_of(handle), y, integers, reals, values, s, roots, near, highest, kept)
       code = answer(s, status)
    end function evl_gearbox_roots_and_watched
 

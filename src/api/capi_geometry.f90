@@ -1,9 +1,10 @@
 !> C interface of what follows from a description: geometry, directions of supports, damping. The header documents each procedure.
 module evl_capi_geometry
-   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_f_pointer, c_int, c_ptr
-   use evl_capi_types, only: c_law_choice, c_name_length, c_text_length, to_c
-   use evl_derived_geometry, only: derived_t, pitch_errors_of, quantities_of
+   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_ptr
+   use evl_capi_types, only: c_law_choice, c_name_length, c_text_length, gearbox_of, to_c
+   use evl_derived_geometry, only: pitch_errors_of, quantities_of
    use evl_gearbox, only: gearbox_t
+   use evl_output, only: output_t
    implicit none (type, external)
    private
 
@@ -22,33 +23,29 @@ contains
       type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: of, index
       type(c_quantity), intent(inout) :: quantities(*)
-      type(gearbox_t), pointer :: g
-      type(derived_t) :: derived
+      type(output_t), allocatable :: table(:)
 
-      call c_f_pointer(handle, g)
-      call quantities_of(g, int(of), index + 1, derived)
-      do n = 1, derived%n
-         associate (from => derived%rows(n), to => quantities(n))
+      call quantities_of(gearbox_of(handle), int(of), index + 1, table)
+      do n = 1, size(table)
+         associate (from => table(n), to => quantities(n))
             call to_c(from%name, to%name)
             call to_c(from%units, to%units)
             call to_c(from%symbol, to%symbol)
-            call to_c(from%text, to%long_name)
-            to%n = from%n
-            to%value = from%value
+            call to_c(from%long_name, to%long_name)
+            to%n = from%length
+            to%value = from%value(:2)
          end associate
       end do
-      n = derived%n
+      n = size(table)
    end function evl_gearbox_geometry
 
    integer(c_int) function evl_gearbox_pitch_errors(handle, wheel, most, errors) result(n) bind(c)
       type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: wheel, most
       real(c_double), intent(inout) :: errors(*)
-      type(gearbox_t), pointer :: g
       real(c_double), allocatable :: found(:)
 
-      call c_f_pointer(handle, g)
-      call pitch_errors_of(g, wheel + 1, found)
+      call pitch_errors_of(gearbox_of(handle), wheel + 1, found)
       n = size(found)
       errors(:min(n, most)) = found(:min(n, most))
    end function evl_gearbox_pitch_errors
@@ -59,7 +56,7 @@ contains
       real(c_double), intent(out) :: directions(4)
       type(gearbox_t), pointer :: g
 
-      call c_f_pointer(handle, g)
+      g => gearbox_of(handle)
       associate (support => g%wheels(wheel + 1)%support)
          directions = [support%direction(:, 1), support%direction(:, 2)]
          evl_gearbox_support_directions = support%n
@@ -72,7 +69,7 @@ contains
       type(c_law_choice), intent(out) :: choice
       type(gearbox_t), pointer :: g
 
-      call c_f_pointer(handle, g)
+      g => gearbox_of(handle)
       choice = c_law_choice(g%references(mesh + 1)%law%law, g%references(mesh + 1)%law%parameters)
    end subroutine evl_gearbox_damping
 

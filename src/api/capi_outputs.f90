@@ -2,11 +2,11 @@
 !>
 !> The header's section "outputs" documents each procedure; here is only the passage from Fortran to C.
 module evl_capi_outputs
-   use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_int, c_ptr
-   use evl_capi_types, only: answer, c_name_length, c_status, c_text_length, to_c
+   use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_int, c_ptr
+   use evl_capi_types, only: answer, c_name_length, c_status, c_text_length, gearbox_of, to_c
    use evl_gearbox, only: gearbox_t
    use evl_output, only: output_t
-   use evl_output_list, only: count_outputs, list_outputs
+   use evl_output_list, only: list_outputs
    use evl_outputs, only: gearbox_outputs
    use evl_status, only: status_t
    implicit none (type, external)
@@ -24,18 +24,18 @@ module evl_capi_outputs
 contains
 
    integer(c_int) function evl_output_count() result(count) bind(c)
-      count = count_outputs()
+      type(output_t), allocatable :: table(:)
+
+      call list_outputs(table)
+      count = size(table)
    end function evl_output_count
 
    subroutine evl_outputs_describe(outputs) bind(c)
       type(c_output), intent(out) :: outputs(*)
       type(output_t), allocatable :: table(:)
-      integer :: i
 
       call list_outputs(table)
-      do i = 1, size(table)
-         call output_to_c(table(i), outputs(i))
-      end do
+      call output_to_c(table, outputs(:size(table)))
    end subroutine evl_outputs_describe
 
    subroutine evl_gearbox_output_places(handle, offsets, counts) bind(c)
@@ -43,7 +43,7 @@ contains
       integer(c_int), intent(out) :: offsets(*), counts(*)
       type(gearbox_t), pointer :: g
 
-      call c_f_pointer(handle, g)
+      g => gearbox_of(handle)
       offsets(:size(g%output_offsets)) = g%output_offsets
       counts(:size(g%output_counts)) = g%output_counts
    end subroutine evl_gearbox_output_places
@@ -57,15 +57,12 @@ contains
       real(c_double), intent(inout) :: values(*)
       type(c_status), intent(inout), optional :: status
       type(status_t) :: s
-      type(gearbox_t), pointer :: g
 
-      call c_f_pointer(handle, g)
-      call gearbox_outputs(g, t, y(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), logical(check), &
-                           values(:g%n_values), s)
+      call gearbox_outputs(gearbox_of(handle), t, y, integers, reals, logical(check), values, s)
       code = answer(s, status)
    end function evl_gearbox_outputs
 
-   pure subroutine output_to_c(entry, output)
+   elemental subroutine output_to_c(entry, output)
       type(output_t), intent(in) :: entry
       type(c_output), intent(out) :: output
 

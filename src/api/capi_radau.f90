@@ -4,7 +4,7 @@
 !> address of a model and its integrator.
 module evl_capi_radau
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_loc, c_null_ptr, c_ptr
-   use evl_capi_types, only: answer, c_status
+   use evl_capi_types, only: answer, c_status, gearbox_of
    use evl_extreme_finder, only: candidate_t, most_candidates
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_ode, only: gearbox_ode, gearbox_ode_create, gearbox_ode_serves, gearbox_ode_set
@@ -44,11 +44,9 @@ contains
    integer(c_int) function evl_radau_serves(handle, status) result(code) bind(c)
       type(c_ptr), intent(in), value :: handle
       type(c_status), intent(inout), optional :: status
-      type(gearbox_t), pointer :: gearbox
       type(status_t) :: s
 
-      call c_f_pointer(handle, gearbox)
-      call gearbox_ode_serves(gearbox, s)
+      call gearbox_ode_serves(gearbox_of(handle), s)
       code = answer(s, status)
    end function evl_radau_serves
 
@@ -64,7 +62,7 @@ contains
 
       handle = c_null_ptr
       self => null()
-      call c_f_pointer(gearbox_handle, gearbox)
+      gearbox => gearbox_of(gearbox_handle)
       call gearbox_ode_serves(gearbox, s)
       if (.not. has_failed(s)) then
          allocate (self, stat=stat)

@@ -2,13 +2,13 @@
 !>
 !> The header's section "static analysis" documents each procedure; here is only the passage from C to Fortran.
 module evl_capi_static
-   use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_ptr
+   use, intrinsic :: iso_c_binding, only: c_double, c_int, c_ptr
    use evl_capi_outputs, only: c_output, output_to_c
-   use evl_capi_types, only: answer, c_status
+   use evl_capi_types, only: answer, c_status, gearbox_of
    use evl_gearbox, only: gearbox_t
    use evl_output, only: output_t
    use evl_static_analysis, only: plan_static, solve_static_mesh, static_plan_t
-   use evl_static_outputs, only: count_static, list_static, static_counts, youngest
+   use evl_static_outputs, only: list_static, static_counts, youngest
    use evl_status, only: has_failed, status_t
    implicit none (type, external)
    private
@@ -24,18 +24,18 @@ module evl_capi_static
 contains
 
    integer(c_int) function evl_static_count() result(count) bind(c)
-      count = count_static()
+      type(output_t), allocatable :: table(:)
+
+      call list_static(table)
+      count = size(table)
    end function evl_static_count
 
    subroutine evl_static_describe(outputs) bind(c)
       type(c_output), intent(out) :: outputs(*)
       type(output_t), allocatable :: table(:)
-      integer :: i
 
       call list_static(table)
-      do i = 1, size(table)
-         call output_to_c(table(i), outputs(i))
-      end do
+      call output_to_c(table, outputs(:size(table)))
    end subroutine evl_static_describe
 
    integer(c_int) function evl_gearbox_static_plan(handle, mesh, points, plan, status) result(code) bind(c)
@@ -43,12 +43,10 @@ contains
       integer(c_int), intent(in), value :: mesh, points
       type(c_plan), intent(out) :: plan
       type(c_status), intent(inout), optional :: status
-      type(gearbox_t), pointer :: g
       type(static_plan_t) :: p
       type(status_t) :: s
 
-      call c_f_pointer(handle, g)
-      call plan_static(g, mesh + 1, points, p, s)
+      call plan_static(gearbox_of(handle), mesh + 1, points, p, s)
       plan = c_plan(p%n_pitches, p%n_positions, p%n_pairs, youngest, p%n_values, p%torque)
       code = answer(s, status)
    end function evl_gearbox_static_plan
@@ -74,7 +72,7 @@ contains
       type(static_plan_t) :: p
       type(status_t) :: s
 
-      call c_f_pointer(handle, g)
+      g => gearbox_of(handle)
       call plan_static(g, mesh + 1, points, p, s)
       if (.not. has_failed(s)) call solve_static_mesh(g, mesh + 1, p, torque, speed, values(:p%n_values), s)
       code = answer(s, status)

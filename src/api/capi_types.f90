@@ -1,14 +1,14 @@
 !> The structs of the C header as Fortran sees them, and the passage of strings and statuses.
 module evl_capi_types
-   use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_int, c_null_char
-   use evl_force_law, only: law_choice
+   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_f_pointer, c_int, c_null_char, c_ptr
+   use evl_gearbox, only: gearbox_t
    use evl_status, only: code_ok, status_t
    implicit none (type, external)
    private
 
    public :: c_law_choice, c_status
    public :: c_field_length, c_max_parameters, c_message_length, c_name_length, c_text_length
-   public :: answer, choice_from_c, status_from_c, status_to_c, to_c
+   public :: answer, gearbox_of, status_from_c, status_to_c, to_c
 
    integer, parameter :: c_max_parameters = 8 !! EVL_MAX_PARAMETERS
    integer, parameter :: c_name_length = 32       !! EVL_NAME_LENGTH
@@ -30,6 +30,14 @@ module evl_capi_types
    end type c_law_choice
 
 contains
+
+   !> The gearbox of a handle.
+   function gearbox_of(handle) result(gearbox)
+      type(c_ptr), intent(in) :: handle
+      type(gearbox_t), pointer :: gearbox
+
+      call c_f_pointer(handle, gearbox)
+   end function gearbox_of
 
    !> A blank-padded string as a C string.
    pure subroutine to_c(text, c_text)
@@ -76,12 +84,5 @@ contains
       code = status%code
       if (code /= code_ok .and. present(c)) call status_to_c(status, c)
    end function answer
-
-   elemental type(law_choice) function choice_from_c(c) result(choice)
-      type(c_law_choice), intent(in) :: c
-
-      choice%law = c%law
-      choice%parameters = c%parameters
-   end function choice_from_c
 
 end module evl_capi_types

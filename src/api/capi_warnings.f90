@@ -2,9 +2,9 @@
 !>
 !> The header documents each procedure; here is only the passage from C to Fortran.
 module evl_capi_warnings
-   use, intrinsic :: iso_c_binding, only: c_bool, c_f_pointer, c_int, c_ptr
+   use, intrinsic :: iso_c_binding, only: c_bool, c_int, c_ptr
    use evl_capi_description, only: c_initial, initial_from_c
-   use evl_capi_types, only: c_status, status_to_c
+   use evl_capi_types, only: c_status, gearbox_of, status_to_c
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_initial, only: gearbox_initial_speeds
    use evl_gearbox_warnings, only: warn_of_speeds
@@ -22,7 +22,7 @@ contains
       type(c_status), intent(out) :: warning
       type(gearbox_t), pointer :: g
 
-      call c_f_pointer(handle, g)
+      g => gearbox_of(handle)
       exists = logical(index >= 0 .and. index < size(g%warnings), c_bool)
       if (exists) then
          call status_to_c(g%warnings(index + 1), warning)
@@ -38,7 +38,7 @@ contains
       type(gearbox_t), pointer :: g
       type(status_t), allocatable :: warnings(:)
 
-      call c_f_pointer(handle, g)
+      g => gearbox_of(handle)
       allocate (warnings(0))
       call warn_of_speeds(g, gearbox_initial_speeds(g, initial_from_c(initial, size(g%wheels), size(g%pairs))), warnings)
       exists = logical(size(warnings) > 0, c_bool)

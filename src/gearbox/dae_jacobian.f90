@@ -28,8 +28,8 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t, cj
       real(wp), intent(in) :: y(gearbox%n_states), yp(gearbox%n_states)
-      integer, intent(in) :: integers(:)
-      real(wp), intent(in) :: reals(:)
+      integer, intent(in) :: integers(gearbox%n_integers)
+      real(wp), intent(in) :: reals(size(gearbox%contacts))
       real(wp), intent(out) :: jacobian(gearbox%n_states, gearbox%n_states)
       type(status_t), intent(inout) :: status
       type(frame_t) :: frame

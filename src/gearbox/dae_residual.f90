@@ -24,8 +24,8 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(gearbox%n_states), yp(gearbox%n_states)
-      integer, intent(in) :: integers(:)
-      real(wp), intent(in) :: reals(:)
+      integer, intent(in) :: integers(gearbox%n_integers)
+      real(wp), intent(in) :: reals(size(gearbox%contacts))
       real(wp), intent(out) :: residual(gearbox%n_states)
       type(status_t), intent(inout) :: status
       real(wp) :: q(n_local), rho_a0
@@ -81,8 +81,8 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(gearbox%n_states)
-      integer, intent(in) :: integers(:)
-      real(wp), intent(in) :: reals(:)
+      integer, intent(in) :: integers(gearbox%n_integers)
+      real(wp), intent(in) :: reals(size(gearbox%contacts))
       real(wp), intent(out) :: yp(gearbox%n_states)
       type(status_t), intent(inout) :: status !! code_out_of_domain or code_singular
       real(wp) :: q(n_local), rho_a0

@@ -74,8 +74,7 @@ module evl_gearbox
 
    !> A section of the table of outputs: outputs of the same elements, wheels for instance.
    type :: section_t
-      integer :: rows_before = 0   !! outputs before it
-      integer :: values_before = 0 !! of these
+      integer :: values_before = 0 !! of the outputs before it
       integer :: elements = 0
    end type section_t
 
@@ -95,10 +94,7 @@ module evl_gearbox
       type(housing_t) :: housing
       integer, allocatable :: output_offsets(:), output_counts(:) !! indices of what it tells among the values, offsets from 0
       type(section_t), allocatable :: output_sections(:) !! of their table
-      integer, allocatable :: output_needs(:)     !! what has to be found for each output
-      logical, allocatable :: output_is_static(:) !! whether it never changes
-      integer, allocatable :: static_ranges(:, :) !! (first and last, range) values of those
-      real(wp), allocatable :: constants(:)       !! [n_values] these values
+      real(wp), allocatable :: constants(:)       !! [n_values] the values that never change; 0 where others come
       integer :: n_pair_places = 0, n_drive_places = 0 !! for tooth pairs of a mesh in the outputs; of the drive flank
       type(status_t), allocatable :: warnings(:) !! of the creation
       integer :: reference = 1               !! wheel whose angle is theta, the leader of its rotor

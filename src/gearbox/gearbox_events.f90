@@ -31,8 +31,8 @@ contains
    !> Root functions at a state: those of the tooth contacts, and the turns of the reference wheel.
    subroutine gearbox_roots(gearbox, y, integers, reals, roots, status)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: y(gearbox%n_states), reals(:)
-      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: y(gearbox%n_states), reals(size(gearbox%contacts))
+      integer, intent(in) :: integers(gearbox%n_integers)
       real(wp), intent(out) :: roots(gearbox%n_roots)
       type(status_t), intent(inout) :: status
       type(contact_state) :: at(size(gearbox%contacts))
@@ -81,7 +81,7 @@ contains
    !> Directions that count in the present modes; 0 for root functions without a meaning, which are 1.
    pure subroutine gearbox_root_directions(gearbox, integers, directions)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: integers(:)
+      integer, intent(in) :: integers(gearbox%n_integers)
       integer, intent(out) :: directions(gearbox%n_roots)
       type(contact_mode) :: mode
       real(wp) :: no_reals(size(gearbox%contacts))
@@ -113,7 +113,7 @@ contains
    !> Time of the next knot of a table [s]; huge if there is none.
    pure real(wp) function gearbox_next_time_event(gearbox, integers) result(time)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: integers(:)
+      integer, intent(in) :: integers(gearbox%n_integers)
       integer :: i
 
       time = huge(time)
@@ -132,8 +132,8 @@ contains
       logical, intent(in) :: time_event      !! t is the time of the next knot
       real(wp), intent(inout) :: y(gearbox%n_states)
       real(wp), intent(out) :: yp(gearbox%n_states)
-      integer, intent(inout) :: integers(:)
-      real(wp), intent(inout) :: reals(:)
+      integer, intent(inout) :: integers(gearbox%n_integers)
+      real(wp), intent(inout) :: reals(size(gearbox%contacts))
       type(event_log), intent(out) :: log    !! at most gearbox_event_room
       type(status_t), intent(inout) :: status
       integer, parameter :: few = 8 !! events: most often there are no more, and the log grows
