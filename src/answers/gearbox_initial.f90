@@ -5,16 +5,16 @@ module evl_gearbox_initial
    use evl_contact_modes, only: mode_at, take_load
    use evl_contact_point, only: base_arc, contact_point
    use evl_dae_residual, only: gearbox_derivative
-   use evl_discrete_state, only: gearbox_mode, gearbox_store_mode
+   use evl_discrete_state, only: gearbox_store_mode, take_mode
    use evl_gearbox, only: gearbox_local, gearbox_t, i_turns
-   use evl_housing, only: frame_t, housing_frame, housing_start
+   use evl_housing, only: frame_t, housing_frame, n_housing_states
    use evl_housing_dynamics, only: coupled_rates
    use evl_kinds, only: wp
    use evl_knots, only: knots_passed
    use evl_local_variables, only: at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, i_omega, i_theta, n_local, n_track
    use evl_rigid_forces, only: set_multipliers
    use evl_row, only: row_t, type_choice, type_named
-   use evl_start_positions, only: closed_form_point, mesh_position_angle, place_pairs, prescribed_speed, set_gaps
+   use evl_start_positions, only: closed_form_point, place_pairs, prescribed_speed, set_gaps
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_initial, subject_load, subject_mesh, &
                          subject_wheel
    use evl_steady_state, only: find_steady_state
@@ -88,11 +88,14 @@ contains
             if (load%i_segment > 0) integers(load%i_segment) = knots_passed(load%knots, t)
          end associate
       end do
-      call housing_start(gearbox%housing, y)
+      associate (housing => gearbox%housing, first => gearbox%housing%i_state)
+         if (housing%is_mounted) &
+            y(first:first + n_housing_states - 1) = [housing%position, housing%orientation, housing%velocity, housing%omega]
+      end associate
       call check_initial(gearbox, initial, status)
       if (has_failed(status)) return
       if (initial%kind == initial_steady) then
-         y(i_theta) = mesh_position_angle(gearbox, initial%mesh_position)
+         y(i_theta) = initial%mesh_position*gearbox%contacts(1)%base_pitch/gearbox%contacts(1)%pair%advance
          call find_steady_state(gearbox, t, y, integers, reals, status)
       else
          call set_speeds(gearbox, gearbox_initial_speeds(gearbox, initial), t, y, integers, status)
@@ -236,7 +239,7 @@ contains
       call coupled_rates(gearbox, t, y, integers, reals, free, status)
       if (has_failed(status)) return
       do m = 1, size(gearbox%contacts)
-         at(m)%mode = gearbox_mode(gearbox, m, integers, reals)
+         call take_mode(gearbox, m, integers, reals, at(m)%mode)
          if (at(m)%mode%flanks /= flanks_off) &
             call closed_form_point(gearbox, m, y, integers(i_turns), at(m)%mode%tooth_pair, at(m))
       end do

@@ -35,7 +35,11 @@ contains
             if (contact%damping%left_to_mesh() /= "") call complete(gearbox, m, status)
             if (has_failed(status)) return
             call reference_damping(flank, contact, reference)
-            if (reference%ratio > much) call warn_of_damping(gearbox, m)
+            if (reference%ratio > much) &
+               call warn(gearbox%warnings, &
+                         "its damping ratio at the nominal load is "//quantity(reference%ratio, "")//", but measured" &
+                         //" meshes have 0.03 to 0.17: vibrations at its natural frequency "//quantity(reference%frequency, "Hz") &
+                         //" die at once; {law: ratio, value: 0.07} damps like a real mesh", subject_mesh, m, "damping")
          end associate
       end do
    end subroutine gearbox_set_references
@@ -90,17 +94,5 @@ contains
       end subroutine refuse
 
    end subroutine complete
-
-   !> Say that a mesh is damped more than gears are.
-   subroutine warn_of_damping(gearbox, m)
-      type(gearbox_t), intent(inout) :: gearbox
-      integer, intent(in) :: m !! mesh
-
-      associate (reference => gearbox%references(m))
-         call warn(gearbox%warnings, "its damping ratio at the nominal load is "//quantity(reference%ratio, "")//", but measured" &
-                   //" meshes have 0.03 to 0.17: vibrations at its natural frequency "//quantity(reference%frequency, "Hz") &
-                   //" die at once; {law: ratio, value: 0.07} damps like a real mesh", subject_mesh, m, "damping")
-      end associate
-   end subroutine warn_of_damping
 
 end module evl_gearbox_references

@@ -51,12 +51,12 @@ contains
          i = findloc(unlikely, .true., dim=1)
          if (i == 0) return
          text = ""
-         if (mass(i) > heavy) call add(text, ", its mass is "//quantity(mass(i), "kg"))
-         if (radius(i) > large) call add(text, ", its pitch radius is "//quantity(radius(i), "m"))
-         if (module(i) > coarse) call add(text, ", its module is "//quantity(module(i), "m"))
+         if (mass(i) > heavy) text = trim(text)//", its mass is "//quantity(mass(i), "kg")
+         if (radius(i) > large) text = trim(text)//", its pitch radius is "//quantity(radius(i), "m")
+         if (module(i) > coarse) text = trim(text)//", its module is "//quantity(module(i), "m")
       end associate
       call add_others(text, count(unlikely) - 1)
-      call add(text, ": are millimetres given as metres?")
+      text = trim(text)//": are millimetres given as metres?"
       call warn(gearbox%warnings, trim(text(3:)), subject_wheel, i)
    end subroutine warn_of_sizes
 
@@ -85,7 +85,7 @@ contains
       if (i == 0) return
       text = "by loads and start it turns at "//quantity(speeds(i), "rad/s")
       call add_others(text, count(speeds > fast) - 1)
-      call add(text, ": are lengths given in metres, torques in N m, speeds in rad/s?")
+      text = trim(text)//": are lengths given in metres, torques in N m, speeds in rad/s?"
       call warn(warnings, trim(text), subject_wheel, i)
    end subroutine warn_of_speeds
 
@@ -96,19 +96,11 @@ contains
       character(len=40) :: number
 
       if (n == 1) then
-         call add(text, ", and another wheel is like it")
+         text = trim(text)//", and another wheel is like it"
       else if (n > 1) then
          write (number, "(a, i0, a)") ", and ", n, " other wheels are like it"
-         call add(text, trim(number))
+         text = trim(text)//trim(number)
       end if
    end subroutine add_others
-
-   !> Lengthen a text.
-   pure subroutine add(text, part)
-      character(len=*), intent(inout) :: text
-      character(len=*), intent(in) :: part
-
-      text = trim(text)//part
-   end subroutine add
 
 end module evl_gearbox_warnings

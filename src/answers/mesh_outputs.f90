@@ -4,7 +4,7 @@ module evl_mesh_outputs
    use evl_closed_form, only: closed_form_gap, closed_form_line, gap_along, points_along, transmission_error
    use evl_contact_tracking, only: algebraic_residual, line_distance, tracked_positions
    use evl_contacts_at_state, only: flank_place, place_contact
-   use evl_discrete_state, only: gearbox_mode, leading_contact
+   use evl_discrete_state, only: leading_contact, take_mode
    use evl_gearbox, only: gearbox_local, gearbox_t, wheel_reference
    use evl_housing_outputs, only: add_mesh_reaction
    use evl_kinds, only: wp
@@ -125,7 +125,7 @@ contains
             place%of = 0
             do m = first, last
                if (touches(contacts(m)%mode)) cycle
-               contacts(m)%mode = gearbox_mode(gearbox, m, integers, reals)
+               call take_mode(gearbox, m, integers, reals, contacts(m)%mode)
                call place_contact(gearbox, m, y, integers, place, contacts)
             end do
             call flank%find_overlaps(gearbox%contacts, first, last, contacts)

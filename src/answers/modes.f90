@@ -12,7 +12,7 @@ module evl_modes
    use evl_dae_residual, only: gearbox_derivative
    use evl_gearbox, only: gearbox_local, gearbox_t
    use evl_gearbox_scaling, only: gearbox_state_scales
-   use evl_housing, only: at_omega, at_orientation, at_position, at_velocity, frame_t, housing_frame, housing_t, small_turns
+   use evl_housing, only: at_omega, at_orientation, at_position, at_velocity, frame_t, housing_frame, small_turns
    use evl_housing_dynamics, only: housing_coupling
    use evl_kinds, only: wp
    use evl_lapack, only: dgeevx, dgesv, dgesvd
@@ -20,8 +20,8 @@ module evl_modes
    use evl_rotation, only: identity, skew
    use evl_status, only: code_no_solution, code_out_of_domain, code_singular, fail, has_failed, status_t, subject_mesh
    use evl_support, only: axle_deviation
-   use evl_tooth_contact, only: tooth_contact_t, tracking_closed_form
-   use evl_wheel_loads, only: hold_loads
+   use evl_tooth_contact, only: tooth_contact_t
+   use evl_wheel_loads, only: hold_still
    implicit none (type, external)
    private
 
@@ -70,7 +70,7 @@ contains
       integer, allocatable :: speeds(:), positions(:), moving(:)
       complex(wp), allocatable :: shapes(:, :)
       real(wp) :: scale(gearbox%n_states)
-      integer :: k
+      integer :: k, p
 
       n_modes = 0
       n_rigid = 0
@@ -85,9 +85,10 @@ contains
       call decompose(matrix(moving, moving), eigenvalues(:n_modes), shapes, status)
       if (has_failed(status)) return
       call sort_by_size(eigenvalues(:n_modes), shapes)
+      p = gearbox%housing%i_state + at_orientation
       do k = 1, n_modes
          vectors(moving, k) = shapes(:, k)*scale(moving)
-         if (gearbox%housing%is_mounted) call quaternion_shape(gearbox%housing, y, vectors(:, k))
+         if (gearbox%housing%is_mounted) vectors(p:p + 3, k) = matmul(small_turns(y(p:p + 3)), vectors(p + 1:p + 3, k))
          if (abs(eigenvalues(k)) > 0) vectors(i_theta, k) = vectors(i_omega, k)/eigenvalues(k)
       end do
    end subroutine modes_of_matrix
@@ -146,9 +147,7 @@ contains
       n = gearbox%n_states
       scale = state_scales(gearbox)
       closed = gearbox
-      closed%contacts%tracking = tracking_closed_form
-      closed%contacts%i_track = 0
-      call hold_loads(closed)
+      call hold_still(closed)
       yp = 0 ! y' plays no part: F is y' - f, but for a mounted housing
       if (closed%housing%is_mounted) call gearbox_derivative(closed, t, y, integers, reals, yp, status)
       if (has_failed(status)) return
@@ -215,22 +214,13 @@ contains
    !> Ascending absolute values; equal ones keep their order, and so pairs stay side by side.
    pure subroutine sort_by_size(eigenvalues, shapes)
       complex(wp), intent(inout) :: eigenvalues(:), shapes(:, :)
-      complex(wp) :: value, shape(size(shapes, 1))
-      integer :: i, k
+      integer :: place(size(eigenvalues)), i
 
-      do i = 2, size(eigenvalues)
-         value = eigenvalues(i)
-         shape = shapes(:, i)
-         k = i
-         do while (k > 1)
-            if (.not. abs(eigenvalues(k - 1)) > abs(value)) exit
-            eigenvalues(k) = eigenvalues(k - 1)
-            shapes(:, k) = shapes(:, k - 1)
-            k = k - 1
-         end do
-         eigenvalues(k) = value
-         shapes(:, k) = shape
+      do i = 1, size(place) ! those of one size keep their order
+         place(i) = count(abs(eigenvalues(:i)) <= abs(eigenvalues(i))) + count(abs(eigenvalues(i + 1:)) < abs(eigenvalues(i)))
       end do
+      eigenvalues(place) = eigenvalues
+      shapes(:, place) = shapes
    end subroutine sort_by_size
 
    !> First-order changes that belong to a change dy of the state y; linear in dy.
@@ -303,18 +293,5 @@ contains
       call dgesv(n, n, mass, n, pivots, matrix, n, info)
       if (info /= 0) call fail(status, code_singular, "the accelerations of the housing are not determined at this state")
    end subroutine explicit_matrix
-
-   !> Put the change of the quaternion in the place of the small turns of a mode shape.
-   pure subroutine quaternion_shape(housing, y, shape)
-      type(housing_t), intent(in) :: housing
-      real(wp), intent(in) :: y(:)
-      complex(wp), intent(inout) :: shape(:)
-      real(wp) :: gradient(4, 3)
-
-      associate (p => housing%i_state + at_orientation)
-         gradient = small_turns(y(p:p + 3))
-         shape(p:p + 3) = matmul(gradient, shape(p + 1:p + 3))
-      end associate
-   end subroutine quaternion_shape
 
 end module evl_modes

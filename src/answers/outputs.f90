@@ -39,7 +39,7 @@ contains
       type(wheel_motion) :: wheel
       integer :: i
 
-      values = gearbox%constants
+      call copy(gearbox%n_values, gearbox%constants, values)
       call fill(teller, gearbox%output_sections, values)
       call coupled_rates(gearbox, t, y, integers, reals, f, status, contacts)
       if (has_failed(status)) return
@@ -73,5 +73,14 @@ contains
          call tell_shaft(teller, i, carried(i), shaft_twist(gearbox%shafts(i), y, 0))
       end do
    end subroutine gearbox_outputs
+
+   !> Of arrays that are not targets, as which they would be copied twice.
+   pure subroutine copy(n, from, to)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: from(n)
+      real(wp), intent(out) :: to(n)
+
+      to = from
+   end subroutine copy
 
 end module evl_outputs

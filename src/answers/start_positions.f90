@@ -11,21 +11,11 @@ module evl_start_positions
    implicit none (type, external)
    private
 
-   public :: closed_form_point, mesh_position, mesh_position_angle, place_pairs, prescribed_speed, set_gaps
+   public :: closed_form_point, mesh_position, place_pairs, prescribed_speed, set_gaps
 
    real(wp), parameter :: at_the_end = 1.0e-10_wp !! in pitches: a pair that is no farther outside the path is on it
 
 contains
-
-   !> Angle of the reference wheel at which a tooth pair of the first mesh, unloaded, is so many pitches from the start of contact.
-   pure real(wp) function mesh_position_angle(gearbox, pitches) result(theta)
-      type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: pitches
-
-      associate (contact => gearbox%contacts(1))
-         theta = pitches*contact%base_pitch/contact%pair%advance
-      end associate
-   end function mesh_position_angle
 
    !> How many pitches, from 0 to 1, the tooth pair of a mesh that came last is, unloaded, from the start of contact.
    pure real(wp) function mesh_position(gearbox, index, theta, turns) result(pitches)

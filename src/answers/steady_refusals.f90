@@ -3,7 +3,7 @@
 module evl_steady_refusals
    use evl_contacts_at_state, only: look_at
    use evl_deviating_flanks, only: flank_value
-   use evl_discrete_state, only: flanks_of, gearbox_mode, tooth_pair_of
+   use evl_discrete_state, only: flanks_of, take_mode, tooth_pair_of
    use evl_gearbox, only: gearbox_t, wheel_speed
    use evl_housing, only: housing_prescribed
    use evl_joined, only: joined_to
@@ -208,7 +208,7 @@ contains
       pair = ""
       do m = 1, size(gearbox%contacts)
          associate (contact => gearbox%contacts(m), mode => at%mode)
-            mode = gearbox_mode(gearbox, m, integers, reals)
+            call take_mode(gearbox, m, integers, reals, mode)
             if (.not. contact%deviates .or. mode%flanks == flanks_off) cycle
             call closed_form_point(gearbox, m, y, 0, mode%tooth_pair, at)
             if (at%point%h <= 0 .and. mode%flanks /= flanks_loaded) cycle

@@ -1,7 +1,7 @@
 !> The steady state of a gearbox: nothing accelerates, and where flanks deviate the wheels follow their slopes.
 module evl_steady_state
    use evl_contact_modes, only: mode_at
-   use evl_discrete_state, only: flanks_of, gearbox_mode, gearbox_store_mode, tooth_pair_of
+   use evl_discrete_state, only: flanks_of, gearbox_store_mode, take_mode, tooth_pair_of
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_scaling, only: gearbox_likely_speed
    use evl_housing, only: at_omega, at_position, at_velocity
@@ -13,8 +13,8 @@ module evl_steady_state
    use evl_status, only: code_no_solution, fail, has_failed, quantity, status_t, subject_initial
    use evl_steady_newton, only: find_slopes, solve_steady, steady_system
    use evl_steady_refusals, only: check_pressed, check_steady, refuse_alternation, refuse_slope
-   use evl_tooth_contact, only: contact_state, flank_drive, flanks_loaded, flanks_off, settle_friction, tracking_closed_form
-   use evl_wheel_loads, only: hold_loads, segment_of
+   use evl_tooth_contact, only: contact_state, flank_drive, flanks_loaded, flanks_off, settle_friction
+   use evl_wheel_loads, only: hold_still, segment_of
    implicit none (type, external)
    private
 
@@ -43,9 +43,7 @@ contains
       call check_steady(gearbox, integers, status)
       if (has_failed(status)) return
       closed = gearbox
-      closed%contacts%tracking = tracking_closed_form
-      closed%contacts%i_track = 0
-      call hold_loads(closed)
+      call hold_still(closed)
       call list_unknowns(gearbox, system)
       associate (driver => gearbox%wheels(gearbox%reference)%prescribed)
          if (driver > 0) then
@@ -204,7 +202,7 @@ contains
          return
       end if
       do m = 1, size(gearbox%contacts)
-         at(m)%mode = gearbox_mode(gearbox, m, integers, reals)
+         call take_mode(gearbox, m, integers, reals, at(m)%mode)
       end do
       do m = 1, size(gearbox%contacts) ! what each carries depends on what the others of its company do
          if (at(m)%mode%flanks == flanks_off) cycle
@@ -219,7 +217,7 @@ contains
          do m = 1, size(gearbox%contacts)
             associate (contact => gearbox%contacts(m), drives => gearbox%contacts(m)%flank == flank_drive, mode => at(m)%mode, &
                        flank => gearbox%flanks(gearbox%contacts(m)%i_flank)%flank)
-               mode = gearbox_mode(gearbox, m, integers, reals)
+               call take_mode(gearbox, m, integers, reals, mode)
                if (mode%flanks == flanks_off .or. (contact%rigid .and. .not. drives)) cycle
                if (pass == 1) then
                   call flank%company(m, first, last)

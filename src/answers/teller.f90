@@ -11,8 +11,7 @@
 module evl_teller
    use evl_gearbox, only: section_t
    use evl_kinds, only: wp
-   use evl_output, only: output_t
-   use evl_output_rows, only: output_rows, tell_row
+   use evl_output, only: output_rows, output_t, tell_row
    implicit none (type, external)
    private
 
@@ -57,8 +56,8 @@ contains
       type(teller_t), intent(inout) :: teller !! is left without them
       type(output_t), allocatable, intent(out) :: table(:)
 
-      allocate (table(teller%rows%n))
-      if (size(table) > 0) table(:) = teller%rows%table(:size(table))
+      if (.not. allocated(teller%rows%table)) allocate (teller%rows%table(0))
+      table = teller%rows%table(:teller%rows%n)
       teller%rows = output_rows()
    end subroutine take_rows
 

@@ -1,4 +1,4 @@
-!> C interface of the gearbox: creation, states, residual, events and outputs.
+!> C interface of the gearbox: creation, warnings, states, residual and events.
 !>
 !> The header documents each procedure; here is only the passage from C to Fortran. A handle is the address of a gearbox.
 module evl_capi
@@ -17,6 +17,7 @@ module evl_capi
                                  gearbox_roots
    use evl_gearbox_initial, only: gearbox_initial_speeds, gearbox_start
    use evl_gearbox_scaling, only: gearbox_state_scales
+   use evl_gearbox_warnings, only: warn_of_speeds
    use evl_given, only: description_t
    use evl_influence_store, only: influence_store_t
    use evl_state_names, only: gearbox_state_name
@@ -29,7 +30,7 @@ module evl_capi
    public :: evl_gearbox_state_name, evl_gearbox_residual, evl_gearbox_jacobian, evl_gearbox_derivative
    public :: evl_event_count, evl_event_describe
    public :: evl_gearbox_roots, evl_gearbox_root_directions, evl_gearbox_next_time_event
-   public :: evl_gearbox_apply_event
+   public :: evl_gearbox_apply_event, evl_gearbox_speed_warning, evl_gearbox_warning
 
    !> evl_sizes
    type, bind(c) :: c_sizes
@@ -243,5 +244,32 @@ contains
       end do
       code = answer(s, status)
    end function evl_gearbox_apply_event
+
+   logical(c_bool) function evl_gearbox_warning(handle, index, warning) result(exists) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: index
+      type(c_status), intent(out) :: warning
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      exists = logical(index >= 0 .and. index < size(g%warnings), c_bool)
+      call status_to_c(status_t(), warning)
+      if (exists) call status_to_c(g%warnings(index + 1), warning)
+   end function evl_gearbox_warning
+
+   logical(c_bool) function evl_gearbox_speed_warning(handle, initial, warning) result(exists) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      type(c_initial), intent(in) :: initial
+      type(c_status), intent(out) :: warning
+      type(gearbox_t), pointer :: g
+      type(status_t), allocatable :: warnings(:)
+
+      g => gearbox_of(handle)
+      allocate (warnings(0))
+      call warn_of_speeds(g, gearbox_initial_speeds(g, initial_from_c(initial, size(g%wheels), size(g%pairs))), warnings)
+      exists = logical(size(warnings) > 0, c_bool)
+      call status_to_c(status_t(), warning)
+      if (exists) call status_to_c(warnings(1), warning)
+   end function evl_gearbox_speed_warning
 
 end module evl_capi

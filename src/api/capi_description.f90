@@ -3,17 +3,17 @@ module evl_capi_description
    use, intrinsic :: ieee_arithmetic, only: ieee_negative_inf, ieee_positive_inf, ieee_value
    use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_char, &
                                                                              c_null_ptr, c_ptr
-   use evl_capi_types, only: answer, c_status, status_from_c, status_to_c, to_c
+   use evl_capi_types, only: answer, c_status, from_c, status_from_c, status_to_c, to_c
    use evl_case_table, only: case_table, kinds_of
    use evl_description_check, only: check_description, entry_path, path_length, place_of_status
    use evl_gearbox_initial, only: initial_t
-   use evl_given, only: description_t, entry_t, given_t
+   use evl_given, only: description_t, entry_t
    use evl_row, only: kind_t, row_t, short_length, text_length
    use evl_status, only: has_failed, status_t
    implicit none (type, external)
    private
 
-   public :: c_initial, first_wheel, initial_from_c
+   public :: c_initial, initial_from_c
    public :: evl_description_create, evl_description_delete, evl_description_numbers, evl_description_parameter
    public :: evl_description_path, evl_description_set, evl_kinds, evl_rows
 
@@ -87,13 +87,13 @@ contains
    end function evl_rows
 
    integer(c_int) function evl_kinds(block, most, kinds) result(n) bind(c)
-      character(kind=c_char), intent(in) :: block(*)
+      character(kind=c_char), intent(in) :: block(short_length + 1)
       integer(c_int), intent(in), value :: most
       type(c_kind), intent(out) :: kinds(most)
       type(kind_t), allocatable :: all(:)
       integer :: i
 
-      call kinds_of(text_from_c(block), all)
+      call kinds_of(from_c(block), all)
       n = size(all)
       do i = 1, min(n, most)
          call to_c(all(i)%name, kinds(i)%name)
@@ -101,19 +101,6 @@ contains
          call to_c(all(i)%source, kinds(i)%source)
       end do
    end function evl_kinds
-
-   !> A C string as a word.
-   pure function text_from_c(c) result(text)
-      character(kind=c_char), intent(in) :: c(*)
-      character(len=short_length) :: text
-      integer :: i
-
-      text = ""
-      do i = 1, short_length
-         if (c(i) == c_null_char) exit
-         text(i:i) = c(i)
-      end do
-   end function text_from_c
 
    type(c_ptr) function evl_description_create(n, entries, status) result(handle) bind(c)
       integer(c_int), intent(in), value :: n
@@ -144,22 +131,14 @@ contains
       type(c_entry), intent(in) :: c
       type(entry_t), intent(out) :: entry
       character(kind=c_char), pointer :: name(:)
-      integer :: i
 
       entry%row = c%row + 1
       entry%level = c%level
       entry%numbers = array_from_c(c%numbers, c%n)
-      i = 0
-      if (c_associated(c%name)) then
-         call c_f_pointer(c%name, name, [huge(i)])
-         do while (name(i + 1) /= c_null_char)
-            i = i + 1
-         end do
-      end if
-      allocate (character(len=i) :: entry%name)
-      do i = 1, len(entry%name)
-         entry%name(i:i) = name(i)
-      end do
+      entry%name = ""
+      if (.not. c_associated(c%name)) return
+      call c_f_pointer(c%name, name, [huge(c%n)])
+      entry%name = from_c(name)
    end subroutine entry_from_c
 
    subroutine evl_description_delete(handle) bind(c)
@@ -247,19 +226,6 @@ contains
       call place_of_status(d, status_from_c(status), text)
       call to_c(text, path)
    end subroutine evl_description_path
-
-   !> The first wheel of a description, for calls about a single one.
-   type(given_t) function first_wheel(handle) result(wheel)
-      type(c_ptr), intent(in) :: handle
-      type(description_t), pointer :: d
-      type(given_t) :: root
-      type(given_t), allocatable :: wheels(:)
-
-      call c_f_pointer(handle, d)
-      call root%all_of(d)
-      call root%elements("wheels", wheels)
-      wheel = wheels(1)
-   end function first_wheel
 
    type(initial_t) function initial_from_c(c, n_wheels, n_meshes) result(initial)
       type(c_initial), intent(in) :: c

@@ -196,7 +196,7 @@ contains
       call c_f_pointer(handle, self)
       c = radau_get_counts(self%solver)
       g = radau_get_growth(self%solver)
-      counts = c_counts(c%steps, c%rejections, c%evaluations + n_stages*c%lane_evaluations, c%lane_evaluations, c%jacobians, &
+      counts = c_counts(c%steps, c%rejections, c%evaluations + n_stages*c%iterations, c%iterations, c%jacobians, &
                         c%factorisations, c%root_evaluations, g%t, g%re, g%im)
    end subroutine evl_radau_get_counts
 

@@ -8,7 +8,7 @@ module evl_capi_types
 
    public :: c_law_choice, c_status
    public :: c_field_length, c_max_parameters, c_message_length, c_name_length, c_text_length
-   public :: answer, gearbox_of, status_from_c, status_to_c, to_c
+   public :: answer, from_c, gearbox_of, status_from_c, status_to_c, to_c
 
    integer, parameter :: c_max_parameters = 8 !! EVL_MAX_PARAMETERS
    integer, parameter :: c_name_length = 32       !! EVL_NAME_LENGTH
@@ -67,14 +67,21 @@ contains
    !> The same the other way.
    pure type(status_t) function status_from_c(c) result(status)
       type(c_status), intent(in) :: c
+
+      status = status_t(code=c%code, subject=c%subject, index=c%index + 1, field=from_c(c%field))
+   end function status_from_c
+
+   !> A C string as a string.
+   pure function from_c(c) result(text)
+      character(kind=c_char), intent(in) :: c(:) !! ends with NUL
+      character(len=:), allocatable :: text
       integer :: i
 
-      status = status_t(code=c%code, subject=c%subject, index=c%index + 1)
-      do i = 1, c_field_length
-         if (c%field(i) == c_null_char) exit
-         status%field(i:i) = c%field(i)
+      allocate (character(len=findloc(c, c_null_char, dim=1) - 1) :: text)
+      do i = 1, len(text)
+         text(i:i) = c(i)
       end do
-   end function status_from_c
+   end function from_c
 
    !> The code of a call, and why it failed if it did.
    integer(c_int) function answer(status, c) result(code)

@@ -14,7 +14,7 @@ module evl_rigid_contact
    implicit none (type, external)
    private
 
-   public :: rigid_gradient, rigid_constraint, rigid_closing_rate, rigid_acceleration, rigid_acceleration_gradient
+   public :: rigid_gradient, rigid_constraint, rigid_acceleration, rigid_acceleration_gradient
 
 contains
 
@@ -39,16 +39,6 @@ contains
       call track_closed_form(pair, pair%rho_0/2, q, point)
       constraint = [-point%h, -point%h_dot]
    end function rigid_constraint
-
-   !> h' = -kappa' [m/s].
-   pure real(wp) function rigid_closing_rate(pair, q) result(h_dot)
-      type(tracked_pair), intent(in) :: pair
-      real(wp), intent(in) :: q(n_local)
-      real(wp) :: constraint(2)
-
-      constraint = rigid_constraint(pair, q)
-      h_dot = -constraint(2)
-   end function rigid_closing_rate
 
    !> kappa'' [m/s^2]: with v, a the relative velocity and acceleration of the axles, a.e + (v.t)^2/rho and the wheels' part.
    pure real(wp) function rigid_acceleration(pair, q, rates) result(acceleration)

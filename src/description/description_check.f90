@@ -6,13 +6,19 @@ module evl_description_check
    use evl_row, only: range_error, row_t, type_at_knots, type_block, type_choice, type_knots, type_list, type_map, type_named, &
                       type_size
    use evl_status, only: code_invalid_input, fail, field_length, has_failed, quantity, status_t, subject_housing, &
-                         subject_initial, subject_load, subject_mesh, subject_none, subject_shaft, subject_wheel
+                         subject_initial, subject_mesh, subject_none, subject_wheel
    implicit none (type, external)
    private
 
    public :: check_description, entry_path, path_length, place_of_status
 
    integer, parameter :: path_length = 191 !! characters of a path; EVL_PATH_LENGTH without the NUL
+
+   character(len=13), parameter :: counts(0:4) = &
+                                   [character(13) :: "no number", "one number", "two numbers", "three numbers", "four numbers"]
+
+   !> Blocks that a status is about, at the places of its subjects.
+   character(len=7), parameter :: blocks(*) = [character(7) :: "wheel", "mesh", "load", "initial", "housing", "shaft"]
 
 contains
 
@@ -94,7 +100,7 @@ contains
          end if
          if (row%type == type_choice) call refuse(description, place, "must be one of "//trim(row%words), status)
          if (type_size(row%type) >= 0 .and. size(entry%numbers) /= type_size(row%type)) then
-            call refuse(description, place, trim(row%key)//" needs "//count_text(type_size(row%type)), status)
+            call refuse(description, place, trim(row%key)//" needs "//counts(type_size(row%type)), status)
             return
          end if
          do i = 1, size(entry%numbers)
@@ -106,16 +112,6 @@ contains
          if (row%type == type_at_knots) call check_at_knots(description, place, status)
       end associate
    end subroutine check_numbers
-
-   !> "one number", "two numbers", ...
-   pure function count_text(n) result(text)
-      integer, intent(in) :: n !! 0 to 4
-      character(len=13) :: text
-      character(len=13), parameter :: texts(0:4) = [character(13) :: "no number", "one number", "two numbers", "three numbers", &
-                                                                                                                   "four numbers"]
-
-      text = texts(n)
-   end function count_text
 
    !> The knots of a table increase.
    subroutine check_knots(description, place, knots, status)
@@ -256,28 +252,15 @@ contains
       end do
       chain(:n) = chain(n:1:-1)
       subject = subject_none
-      number = 0
       held = 0
       associate (entries => description%entries, rows => description%rows)
          do i = 1, min(n, 2)
-            select case (rows(entries(chain(i))%row)%holds)
-            case ("wheel")
-               subject = subject_wheel
-            case ("load")
-               subject = subject_load
-            case ("mesh")
-               subject = subject_mesh
-            case ("shaft")
-               subject = subject_shaft
-            case ("housing")
-               subject = subject_housing
-            case ("initial")
-               subject = subject_initial
-            case default
-               cycle
-            end select
+            number = findloc(blocks == rows(entries(chain(i))%row)%holds, .true., dim=1)
+            if (number == 0) cycle
+            subject = number
             held = i
          end do
+         number = 0
          if (subject /= subject_none .and. subject /= subject_housing .and. subject /= subject_initial) &
             number = count([(entries(i)%row == entries(chain(held))%row, i=1, chain(held))])
       end associate
@@ -317,7 +300,6 @@ contains
       type(description_t), intent(in) :: description
       type(status_t), intent(in) :: status
       character(len=*), intent(out) :: path
-      character(len=8), parameter :: held(6) = [character(8) :: "wheel", "mesh", "load", "", "", "shaft"]
       integer :: i, n
 
       path = ""
@@ -329,10 +311,10 @@ contains
          else if (subject == subject_housing) then
             path = "housing"
          end if
-         if (status%index > 0 .and. held(max(subject, 1)) /= "") then
+         if (status%index > 0 .and. all(subject /= [subject_none, subject_initial, subject_housing])) then
             n = 0
             do i = 1, size(entries)
-               if (description%rows(entries(i)%row)%holds == held(subject)) n = n + 1
+               if (description%rows(entries(i)%row)%holds == blocks(subject)) n = n + 1
                if (n == status%index) exit
             end do
             if (i > size(entries)) return

@@ -114,6 +114,7 @@ contains
       type(given_t) :: accuracy
       real(wp), allocatable :: pitch(:)
       real(wp) :: single, total
+      character(len=80) :: text
 
       if (.not. (wheel%has("accuracy") .or. wheel%has("pitch_errors"))) return
       pitch = wheel%numbers("pitch_errors")
@@ -128,26 +129,15 @@ contains
          deallocate (pitch)
          allocate (pitch(profile%teeth))
          call pitch_errors_generate(single, total, accuracy%whole("seed"), pitch)
-      else
-         call check_pitch(pitch, profile%teeth, status)
+      else if (size(pitch) /= profile%teeth) then
+         write (text, "(i0, a, i0, a)") size(pitch), " pitch errors are given for ", profile%teeth, &
+            " teeth; give one for each tooth"
+         call refuse(trim(text), "pitch_errors", status)
       end if
       if (has_failed(status)) return
       allocate (deviation%pitch(0:profile%teeth - 1))
       deviation%pitch(:) = pitch*(profile%base_radius/profile%reference_radius)
    end subroutine take_pitch_errors
-
-   !> One finite error for each tooth.
-   subroutine check_pitch(pitch, teeth, status)
-      real(wp), intent(in) :: pitch(:)
-      integer, intent(in) :: teeth
-      type(status_t), intent(inout) :: status
-      character(len=80) :: text
-
-      if (size(pitch) /= teeth) then
-         write (text, "(i0, a, i0, a)") size(pitch), " pitch errors are given for ", teeth, " teeth; give one for each tooth"
-         call refuse(trim(text), "pitch_errors", status)
-      end if
-   end subroutine check_pitch
 
    !> A relief whose start lies within the active profile.
    subroutine take_relief(wheel, field, profile, rho_end, relief, status)

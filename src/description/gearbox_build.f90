@@ -8,7 +8,7 @@ module evl_gearbox_build
    use evl_first_tooth_pair, only: find_tooth_phases, tooth_mesh_t
    use evl_gear_build, only: gears_build
    use evl_gearbox, only: gearbox_t, gearbox_t, i_turns
-   use evl_gearbox_description, only: mesh_input, read_description, shaft_input, wheel_input
+   use evl_gearbox_description, only: mesh_input, read_description, wheel_input
    use evl_gearbox_deviations, only: check_second_order, gearbox_set_deviations
    use evl_gearbox_references, only: gearbox_set_references
    use evl_gearbox_scaling, only: gearbox_set_scales
@@ -47,12 +47,11 @@ contains
       type(given_t) :: root
       type(wheel_input), allocatable :: wheels(:)
       type(mesh_input), allocatable :: meshes(:)
-      type(shaft_input), allocatable :: shafts(:)
       type(layout_t) :: layout
       integer :: i
 
       call root%all_of(description)
-      call read_description(root, wheels, meshes, shafts, status)
+      call read_description(root, wheels, meshes, gearbox%shafts, status)
       if (has_failed(status)) return
       call housing_create(root, gearbox%housing, status)
       if (has_failed(status)) return
@@ -60,13 +59,12 @@ contains
       allocate (gearbox%warnings(0))
       call loads_build(wheels, gearbox%loads, status)
       if (has_failed(status)) return
-      call take_shafts(shafts, gearbox)
       call rotors_join(gearbox, status)
       if (has_failed(status)) return
       allocate (gearbox%gears(size(wheels)), gearbox%gear_meshes(size(meshes)))
       call gears_build(wheels, meshes, gearbox%gears, gearbox%gear_meshes, gearbox%warnings, status)
       if (has_failed(status)) return
-      call start_layout(wheels, meshes, shafts, gearbox, layout)
+      call start_layout(wheels, meshes, gearbox, layout)
       call layout_resolve(layout, gearbox%reference, status)
       if (has_failed(status)) return
       call take_wheels(wheels, layout, gearbox, status)
@@ -109,25 +107,6 @@ contains
       call place_outputs(gearbox)
    end subroutine gearbox_create
 
-   !> The shafts; their places in the state are found later.
-   subroutine take_shafts(shafts, gearbox)
-      type(shaft_input), intent(in) :: shafts(:)
-      type(gearbox_t), intent(inout) :: gearbox
-      integer :: i
-
-      allocate (gearbox%shafts(size(shafts)))
-      do i = 1, size(shafts)
-         associate (shaft => gearbox%shafts(i), given => shafts(i))
-            shaft%wheel_a = given%wheel_a
-            shaft%wheel_b = given%wheel_b
-            shaft%rigid = given%word("kind") == "rigid"
-            if (shaft%rigid) cycle
-            shaft%stiffness = given%number("stiffness")
-            shaft%damping = given%number("damping")
-         end associate
-      end do
-   end subroutine take_shafts
-
    !> How the wheels give way; equal ones are computed once.
    subroutine take_compliances(wheels, meshes, store, gearbox, status)
       type(wheel_input), intent(in) :: wheels(:)
@@ -154,11 +133,10 @@ contains
    end subroutine take_compliances
 
    !> What the description says of the layout.
-   subroutine start_layout(wheels, meshes, shafts, gearbox, layout)
+   subroutine start_layout(wheels, meshes, gearbox, layout)
       type(wheel_input), intent(in) :: wheels(:)
       type(mesh_input), intent(in) :: meshes(:)
-      type(shaft_input), intent(in) :: shafts(:)
-      type(gearbox_t), intent(in) :: gearbox !! its gears
+      type(gearbox_t), intent(in) :: gearbox !! its gears and shafts
       type(layout_t), intent(out) :: layout
       integer :: i
 
@@ -184,8 +162,8 @@ contains
       layout%angle = [(merge(meshes(i)%number("centre_line_angle"), 0.0_wp, layout%has_angle(i)), i=1, size(meshes))]
       layout%has_distance = gearbox%gear_meshes%exists
       layout%distance = gearbox%gear_meshes%centre_distance
-      layout%shaft_a = shafts%wheel_a
-      layout%shaft_b = shafts%wheel_b
+      layout%shaft_a = gearbox%shafts%wheel_a
+      layout%shaft_b = gearbox%shafts%wheel_b
    end subroutine start_layout
 
    !> Mass, inertia, support and speed ratio of every wheel. A solid disc of the pitch radius, less

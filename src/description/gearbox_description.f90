@@ -13,13 +13,14 @@ module evl_gearbox_description
    use evl_law_table, only: damping_law, elastic_law, friction_law
    use evl_row, only: kind_t, not_negative, positive, range_t, row_t, short_length, text_length, type_block, type_choice, &
                       type_integer, type_list, type_name, type_number, type_pair, type_reference
+   use evl_shaft, only: shaft_t
    use evl_status, only: code_invalid_input, fail, has_failed, message_length, status_t, subject_mesh, subject_none, &
                          subject_shaft, subject_wheel
    use evl_tooth_contact, only: tracking_algebraic, tracking_closed_form, tracking_differential
    implicit none (type, external)
    private
 
-   public :: mesh_input, read_description, shaft_input, wheel_input
+   public :: mesh_input, read_description, wheel_input
 
    type(row_t), parameter, public :: wheel_rows(*) = [ &
                                      row_t("name", type_name, "", "name in references, paths and the history", required=.true.), &
@@ -101,11 +102,6 @@ module evl_gearbox_description
       integer :: tracking = tracking_closed_form
    end type mesh_input
 
-   !> A shaft as given.
-   type, extends(given_t) :: shaft_input
-      integer :: wheel_a = 0, wheel_b = 0 !! wheels, from 1
-   end type shaft_input
-
 contains
 
    !> Wheels, meshes and shafts of a checked case. Errors: code_invalid_input with subject, index and field.
@@ -113,7 +109,7 @@ contains
       type(given_t), intent(in) :: root
       type(wheel_input), allocatable, intent(out) :: wheels(:)
       type(mesh_input), allocatable, intent(out) :: meshes(:)
-      type(shaft_input), allocatable, intent(out) :: shafts(:)
+      type(shaft_t), allocatable, intent(out) :: shafts(:)
       type(status_t), intent(inout) :: status
       type(given_t), allocatable :: blocks(:), materials(:)
       integer :: i
@@ -135,8 +131,7 @@ contains
       call root%elements("shafts", blocks)
       allocate (shafts(size(blocks)))
       do i = 1, size(shafts)
-         shafts(i)%given_t = blocks(i)
-         if (.not. has_failed(status)) call read_shaft(shafts(i), i, wheels, status)
+         if (.not. has_failed(status)) call read_shaft(blocks(i), i, wheels, shafts(i), status)
       end do
    end subroutine read_description
 
@@ -178,14 +173,20 @@ contains
    end function named
 
    !> A shaft joins two different wheels.
-   subroutine read_shaft(shaft, index, wheels, status)
-      type(shaft_input), intent(inout) :: shaft
+   subroutine read_shaft(given, index, wheels, shaft, status)
+      type(given_t), intent(in) :: given
       integer, intent(in) :: index
       type(wheel_input), intent(in) :: wheels(:)
+      type(shaft_t), intent(out) :: shaft !! but for its places in the state
       type(status_t), intent(inout) :: status
       type(given_t), allocatable :: ends(:)
 
-      call shaft%elements("wheels", ends)
+      shaft%rigid = given%word("kind") == "rigid"
+      if (.not. shaft%rigid) then
+         shaft%stiffness = given%number("stiffness")
+         shaft%damping = given%number("damping")
+      end if
+      call given%elements("wheels", ends)
       if (size(ends) == 2) then
          shaft%wheel_a = named(ends(1)%name, wheels)
          shaft%wheel_b = named(ends(2)%name, wheels)

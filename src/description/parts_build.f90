@@ -26,6 +26,7 @@ contains
       type(load_slot), allocatable, intent(out) :: loads(:)
       type(status_t), intent(inout) :: status
       type(given_t), allocatable :: blocks(:)
+      logical :: prescribed
       integer :: i, k, n
 
       n = 0
@@ -37,12 +38,16 @@ contains
       n = 0
       do i = 1, size(wheels)
          call wheels(i)%elements("loads", blocks)
+         prescribed = .false.
          do k = 1, size(blocks)
             n = n + 1
             call load_build(blocks(k), i, n, loads(n)%load, status)
             if (has_failed(status)) return
-            if (loads(n)%load%prescribes) call check_alone(loads(:n), status)
-            if (has_failed(status)) return
+            if (.not. loads(n)%load%prescribes) cycle
+            if (prescribed) call fail(status, code_invalid_input, "a second prescribed speed for one wheel; it can have only one", &
+                                      subject_load, n)
+            if (prescribed) return
+            prescribed = .true.
          end do
       end do
    end subroutine loads_build
@@ -72,22 +77,6 @@ contains
       load%wheel = wheel
       load%against_housing = given%word("against") == "housing"
    end subroutine load_build
-
-   !> The last of the loads prescribes a speed: no other does for its wheel.
-   subroutine check_alone(loads, status)
-      type(load_slot), intent(in) :: loads(:)
-      type(status_t), intent(inout) :: status
-      integer :: i
-
-      associate (last => loads(size(loads))%load)
-         do i = 1, size(loads) - 1
-            if (.not. loads(i)%load%prescribes .or. loads(i)%load%wheel /= last%wheel) cycle
-            call fail(status, code_invalid_input, "a second prescribed speed for one wheel; it can have only one", subject_load, &
-                      size(loads))
-            return
-         end do
-      end associate
-   end subroutine check_alone
 
    !> Degrees of freedom, springs and dampers. Errors: code_invalid_input if there is no such kind.
    subroutine support_build(given, wheel, wheel_mass, support, status)

@@ -8,7 +8,7 @@ module evl_contact_events
    use evl_discrete_state, only: gearbox_store_mode, pairs_with, take_mode
    use evl_elastic_law, only: no_elastic
    use evl_event_kinds, only: event_closed, event_edge_closed, event_edge_opened, event_opened
-   use evl_event_log, only: event_log, event_of_root, note
+   use evl_event_log, only: event_log, event_of_root, moment_t, note
    use evl_flank, only: check_edge, flank_t, next_pair
    use evl_flank_deviation, only: flank_deviation_t, has_corner, relief_t, zone_edge, zone_end, zone_none, zone_root, &
                                   zone_root_corner, zone_tip, zone_tip_corner
@@ -79,16 +79,13 @@ contains
    end subroutine root_of_contact
 
    !> What happened to one tooth contact.
-   subroutine contact_event(gearbox, m, fired, y, integers, reals, known, at, log, status)
+   subroutine contact_event(gearbox, m, fired, now, known, at, status)
       type(gearbox_t), intent(in) :: gearbox
+      type(moment_t), intent(inout) :: now
       integer, intent(in) :: m
       logical, intent(in) :: fired(n_root_kinds) !! by kind
-      real(wp), intent(inout) :: y(gearbox%n_states)
-      integer, intent(inout) :: integers(:)
-      real(wp), intent(inout) :: reals(:)
       logical, intent(inout) :: known(:)          !! [contacts] as of `roots_of_contact`; of no state after this
       type(contact_state), intent(inout) :: at(*) !! [contacts of the gearbox]
-      type(event_log), intent(inout) :: log
       type(status_t), intent(inout) :: status
       real(wp) :: energy
       logical :: changed, closes, entered, forward
@@ -97,7 +94,7 @@ contains
       integer :: first, last
 
       call gearbox%flanks(gearbox%contacts(m)%i_flank)%flank%company(m, first, last)
-      if (.not. known(m)) call look_at(gearbox, first, last, y, integers, reals, at, status)
+      if (.not. known(m)) call look_at(gearbox, first, last, now%y, now%integers, now%reals, at, status)
       known = .false.
       associate (contact => gearbox%contacts(m), mode => at(m)%mode)
          before = live_sides(contact, mode)
@@ -109,17 +106,17 @@ contains
             call past_reach(gearbox, m, at(m), status)
             return
          end if
-         if (changed) call change_pair(contact, forward, mode, log)
-         if (contact%deviates) call change_zones(gearbox, m, changed, fired, y, integers, at, log)
-         if (changed .or. any(fired .and. moves_zone)) call place_contact(gearbox, m, y, integers, place, at)
+         if (changed) call change_pair(contact, forward, mode, now%log)
+         if (contact%deviates) call change_zones(gearbox, m, changed, fired, now%y, now%integers, at, now%log)
+         if (changed .or. any(fired .and. moves_zone)) call place_contact(gearbox, m, now%y, now%integers, place, at)
          if (entered) then
-            call enter(gearbox, m, first, last, integers, at, log, status)
+            call enter(gearbox, m, first, last, now%integers, at, now%log, status)
             if (contact%has_edges .and. touches(mode)) call past_reach(gearbox, m, at(m), status)
          else if (mode%flanks /= flanks_off) then
-            if (any(fired .and. root_rows%moves == moves_friction)) call change_friction(contact, fired, mode, log)
+            if (any(fired .and. root_rows%moves == moves_friction)) call change_friction(contact, fired, mode, now%log)
             closes = .not. touches(mode)
             if (touches(mode)) call check_edge(contact, at(m), status)
-            call change_contact(gearbox%flanks(contact%i_flank)%flank, contact, fired, at(m), log)
+            call change_contact(gearbox%flanks(contact%i_flank)%flank, contact, fired, at(m), now%log)
             ! a gap that closes by a jump is that of an edge that has just come out of the mate's base circle
             if (closes .and. touches(mode) .and. at(m)%overlap > jump*contact%h_scale) at(m)%edge%exists = .false.
             if (touches(mode) .and. .not. has_failed(status)) call check_edge(contact, at(m), status)
@@ -129,11 +126,11 @@ contains
             mode%friction = settle_friction(contact, at(m)%point)
          call gearbox%flanks(contact%i_flank)%flank%laws(gearbox%contacts, first, last, at, status)
          ! what comes or goes with the flanks counts in the balance as negative loss or as loss
-         y(gearbox%i_dissipated) = y(gearbox%i_dissipated) + (energy - energy_of(gearbox, m, first, last, at))
-         call change_sides(contact, fired, mode, log)
-         if (fired(root_of%apart)) call change_distance(contact, at(m)%q, mode, y, log)
+         now%y(gearbox%i_dissipated) = now%y(gearbox%i_dissipated) + (energy - energy_of(gearbox, m, first, last, at))
+         call change_sides(contact, fired, mode, now%log)
+         if (fired(root_of%apart)) call change_distance(contact, at(m)%q, mode, now%y, now%log)
          call begin_sides(gearbox, m, before, at)
-         call gearbox_store_mode(gearbox, m, mode, integers, reals)
+         call gearbox_store_mode(gearbox, m, mode, now%integers, now%reals)
       end associate
    end subroutine contact_event
 

@@ -60,21 +60,13 @@ contains
                end if
             end associate
             if (.not. exists) then
-               call lost_points(contact%mesh, status)
+               call fail(status, code_out_of_domain, "a tracked contact point lies inside its wheel's base circle: the tooth pair" &
+                         //" has turned back too far", subject_mesh, contact%mesh, "tracking")
                return
             end if
          end associate
       end do
    end subroutine gearbox_residual
-
-   !> The tracked points have left the involutes.
-   pure subroutine lost_points(index, status)
-      integer, intent(in) :: index
-      type(status_t), intent(inout) :: status
-
-      call fail(status, code_out_of_domain, "a tracked contact point lies inside its wheel's base circle: the tooth pair has" &
-                //" turned back too far", subject_mesh, index, "tracking")
-   end subroutine lost_points
 
    !> The y' that belongs to y; tracked variables by the differential form, solved with LAPACK. y has its multipliers already.
    subroutine gearbox_derivative(gearbox, t, y, integers, reals, yp, status)

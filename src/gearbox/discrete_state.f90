@@ -10,7 +10,7 @@ module evl_discrete_state
    implicit none (type, external)
    private
 
-   public :: carries_points, first_pair, flanks_of, gearbox_mode, gearbox_store_mode, is_closed, leading_contact
+   public :: carries_points, first_pair, flanks_of, gearbox_store_mode, is_closed, leading_contact
    public :: number_integers, pairs_with, put_flanks, put_pair, take_mode, tooth_pair_of
 
 contains
@@ -42,24 +42,6 @@ contains
          has_integer = any(contact%roots == n_root_kinds - n_sides + k - n_held)
       end select
    end function has_integer
-
-   !> The integers of a mode, in the order of the table: one that is missing here does not compile.
-   pure function integers_of(mode) result(values)
-      type(contact_mode), intent(in) :: mode
-      integer :: values(n_discrete)
-
-      values = [mode%tooth_pair, mode%flanks, mode%friction, mode%zone_a, mode%zone_b, mode%sides]
-   end function integers_of
-
-   !> Discrete state of a tooth contact.
-   pure type(contact_mode) function gearbox_mode(gearbox, index, integers, reals) result(mode)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index    !! of the tooth contact
-      integer, intent(in) :: integers(:)
-      real(wp), intent(in) :: reals(:)
-
-      call take_mode(gearbox, index, integers, reals, mode)
-   end function gearbox_mode
 
    !> The same put where it is wanted.
    pure subroutine take_mode(gearbox, index, integers, reals, mode)
@@ -101,7 +83,7 @@ contains
       real(wp), intent(inout) :: reals(:)
       integer :: k, values(n_discrete)
 
-      values = integers_of(mode)
+      values = [mode%tooth_pair, mode%flanks, mode%friction, mode%zone_a, mode%zone_b, mode%sides]
       do k = 1, n_discrete
          if (gearbox%contacts(index)%i_discrete(k) > 0) integers(gearbox%contacts(index)%i_discrete(k)) = values(k)
       end do

@@ -1,12 +1,13 @@
 !> What happened at one event, in the order in which it was applied, and the names of all kinds of events.
 module evl_event_log
    use evl_event_kinds, only: event_kind, event_rows, n_event_rows
+   use evl_kinds, only: wp
    use evl_root_kinds, only: n_root_kinds, root_rows
    use evl_tooth_contact, only: tooth_contact_t
    implicit none (type, external)
    private
 
-   public :: describe_event, event_log, event_of_root, event_t, n_event_kinds, note
+   public :: describe_event, event_log, event_of_root, event_t, moment_t, n_event_kinds, note
 
    !> One thing that happened.
    type :: event_t
@@ -22,6 +23,15 @@ module evl_event_log
       logical :: once = .false. !! what is noted again stands only where it happened last
       type(event_t), allocatable :: events(:)
    end type event_log
+
+   !> A state while it is settled what happens in it.
+   type :: moment_t
+      real(wp) :: t                         !! [s]
+      real(wp), allocatable :: y(:)
+      integer, allocatable :: integers(:)   !! discrete state
+      real(wp), allocatable :: reals(:)     !! discrete state
+      type(event_log) :: log
+   end type moment_t
 
 contains
 

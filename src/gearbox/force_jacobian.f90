@@ -10,7 +10,7 @@ module evl_force_jacobian
    use evl_gearbox, only: add_turn, gearbox_t, of_angle, of_speed, wheel_speed
    use evl_housing, only: at_omega, frame_t, housing_frame
    use evl_housing_jacobian, only: ride_gradient
-   use evl_jacobian_entries, only: add_entry, entry_index, jacobian_entries, marked_entries
+   use evl_jacobian_entries, only: add_entry, entry_index, full_matrix, jacobian_entries
    use evl_kinds, only: wp
    use evl_local_variables, only: i_omega, i_theta, local_link, n_local, wheel_link
    use evl_shaft, only: shaft_t, shaft_torque, shaft_twist
@@ -38,7 +38,8 @@ contains
       integers = 0
       reals = 0
       marks = 0
-      call marked_entries(gearbox%n_states, entries)
+      call full_matrix(gearbox%n_states, entries)
+      entries%marks = .true.
       call housing_frame(gearbox%housing, 0.0_wp, y, frame)
       call add_constants(gearbox, entries, marks)
       call add_forces(gearbox, 0.0_wp, y, integers, reals, frame, entries, marks, status)

@@ -5,9 +5,9 @@ module evl_gearbox_events
    use evl_contact_tracking, only: project_points
    use evl_contacts_at_state, only: find_tracked, look_at
    use evl_dae_residual, only: gearbox_derivative
-   use evl_discrete_state, only: gearbox_mode
+   use evl_discrete_state, only: take_mode
    use evl_event_kinds, only: event_knot, event_revolution
-   use evl_event_log, only: event_log, n_event_kinds, note
+   use evl_event_log, only: event_log, moment_t, n_event_kinds, note
    use evl_gearbox, only: gearbox_t, i_turns
    use evl_housing, only: housing_renormalise
    use evl_kinds, only: pi, wp
@@ -91,7 +91,7 @@ contains
       do m = 1, size(gearbox%contacts)
          associate (contact => gearbox%contacts(m))
             associate (mine => directions(contact%i_root + 1:contact%i_root + contact%n_roots))
-               mode = gearbox_mode(gearbox, m, integers, no_reals)
+               call take_mode(gearbox, m, integers, no_reals, mode)
                call contact_root_directions(contact, mode, mine)
             end associate
          end associate
@@ -138,29 +138,38 @@ contains
       type(status_t), intent(inout) :: status
       integer, parameter :: few = 8 !! events: most often there are no more, and the log grows
       logical :: was_closed(size(gearbox%contacts))
+      type(moment_t) :: now
       integer :: i
 
-      allocate (log%events(few))
+      now%t = t
+      now%y = y
+      now%integers = integers
+      now%reals = reals
+      allocate (now%log%events(few))
       was_closed = closed_flanks(gearbox, integers)
       if (time_event) then
          do i = 1, size(gearbox%loads)
             associate (load => gearbox%loads(i)%load)
                if (load%i_segment == 0) cycle
-               if (next_knot(load%knots, integers(load%i_segment)) <= t) &
-                  integers(load%i_segment) = integers(load%i_segment) + 1
+               if (next_knot(load%knots, now%integers(load%i_segment)) <= t) &
+                  now%integers(load%i_segment) = now%integers(load%i_segment) + 1
             end associate
          end do
-         call note(log, event_knot)
+         call note(now%log, event_knot)
       end if
-      call settle_modes(gearbox, fired, y, integers, reals, log, status)
-      if (abs(y(i_theta)) >= 2*pi .or. fired(gearbox%n_roots) /= 0) then
-         i = int(y(i_theta)/(2*pi)*(1 + epsilon(pi)))
-         integers(i_turns) = integers(i_turns) + i
-         y(i_theta) = y(i_theta) - 2*pi*i
-         call note(log, event_revolution)
+      call settle_modes(gearbox, fired, now, status)
+      if (abs(now%y(i_theta)) >= 2*pi .or. fired(gearbox%n_roots) /= 0) then
+         i = int(now%y(i_theta)/(2*pi)*(1 + epsilon(pi)))
+         now%integers(i_turns) = now%integers(i_turns) + i
+         now%y(i_theta) = now%y(i_theta) - 2*pi*i
+         call note(now%log, event_revolution)
       end if
       if (gearbox%n_multipliers > 0 .and. .not. has_failed(status)) &
-         call settle_rigid(gearbox, t, was_closed, y, integers, reals, log, status)
+         call settle_rigid(gearbox, was_closed, now, status)
+      y = now%y
+      integers = now%integers
+      reals = now%reals
+      log = now%log
       call project_tracked(gearbox, y, integers)
       call housing_renormalise(gearbox%housing, y)
       if (log%n > gearbox_event_room(gearbox)) call fail(status, code_no_solution, &

@@ -76,7 +76,8 @@ contains
       do i = 1, size(gearbox%wheels)
          associate (psi => gearbox%wheels(i)%i_psi, speed => gearbox%wheels(i)%i_speed)
             if (psi == 0 .or. gearbox%wheels(i)%leader /= i) cycle
-            call deviate(gearbox%wheels(i)%ratio, y(:, psi + 1), f(:, i_omega), f(:, psi), f(:, speed))
+            f(:, psi) = y(:, psi + 1)
+            f(:, speed) = f(:, speed) - gearbox%wheels(i)%ratio*f(:, i_omega)
          end associate
       end do
    end subroutine rates_in_lanes
@@ -143,18 +144,6 @@ contains
       end do
    end subroutine add
 
-   !> Add to a row of the rates what is multiplied.
-   pure subroutine add_product(a, b, row)
-      real(wp), intent(in) :: a(lanes), b(lanes)
-      real(wp), intent(inout) :: row(lanes)
-      integer :: l
-
-      !$omp simd
-      do l = 1, lanes
-         row(l) = row(l) + a(l)*b(l)
-      end do
-   end subroutine add_product
-
    !> Force of a tooth contact on an axle.
    pure subroutine push_axle(link, sign, force, f)
       type(wheel_link), intent(in) :: link
@@ -164,21 +153,11 @@ contains
       integer :: j
 
       do j = 1, link%n
-         call push(sign*link%along_t(j), sign*link%along_e(j), force%on_a_t, force%on_a_e, f(:, link%i_state(j) + 1))
+         associate (row => link%i_state(j) + 1)
+            f(:, row) = f(:, row) + force%on_a_t*(sign*link%along_t(j)) + force%on_a_e*(sign*link%along_e(j))
+         end associate
       end do
    end subroutine push_axle
-
-   !> Force in one direction.
-   pure subroutine push(along_t, along_e, force_t, force_e, row)
-      real(wp), intent(in) :: along_t, along_e, force_t(lanes), force_e(lanes)
-      real(wp), intent(inout) :: row(lanes)
-      integer :: l
-
-      !$omp simd
-      do l = 1, lanes
-         row(l) = row(l) + force_t(l)*along_t + force_e(l)*along_e
-      end do
-   end subroutine push
 
    !> Torque of an elastic shaft on its two wheels, and what its damping takes.
    pure subroutine twist_shaft(shaft, row_a, row_b, row_dissipated, y, f)
@@ -186,22 +165,14 @@ contains
       integer, intent(in) :: row_a, row_b, row_dissipated
       real(wp), intent(in) :: y(lanes, *)
       real(wp), intent(inout) :: f(lanes, *)
-      real(wp), dimension(lanes) :: psi_a, psi_b, rate_a, rate_b, torque, power
-      real(wp) :: stiffness, damping
-      integer :: l
+      real(wp), dimension(lanes) :: psi_a, psi_b, rate_a, rate_b, torque
 
       call turn_wheel(shaft%i_psi_a, y, psi_a, rate_a)
       call turn_wheel(shaft%i_psi_b, y, psi_b, rate_b)
-      stiffness = shaft%stiffness
-      damping = shaft%damping
-      !$omp simd
-      do l = 1, lanes
-         torque(l) = spring_damper(stiffness, damping, psi_a(l) - psi_b(l), rate_a(l) - rate_b(l))
-         power(l) = damper_power(damping, rate_a(l) - rate_b(l))
-      end do
+      torque = spring_damper(shaft%stiffness, shaft%damping, psi_a - psi_b, rate_a - rate_b)
       call add(-torque, f(:, row_a))
       call add(torque, f(:, row_b))
-      call add(power, f(:, row_dissipated))
+      f(:, row_dissipated) = f(:, row_dissipated) + damper_power(shaft%damping, rate_a - rate_b)
    end subroutine twist_shaft
 
    !> Torque and power of a wheel's loads; acceleration of its support.
@@ -230,33 +201,18 @@ contains
                end associate
             end do
             call add(torque, f(:, wheel%i_speed))
-            call add_product(torque, at%omega, f(:, gearbox%i_work))
+            call add(torque*at%omega, f(:, gearbox%i_work))
          end if
          do j = 1, support%n
             associate (i => support%i_state(j))
-               call move_support(support%stiffness(j), support%damping(j), support%per_mass, y(:, i), y(:, i + 1), &
-                                 f(:, i), f(:, i + 1), f(:, gearbox%i_dissipated))
+               f(:, i) = y(:, i + 1)
+               f(:, gearbox%i_dissipated) = f(:, gearbox%i_dissipated) + damper_power(support%damping(j), y(:, i + 1))
+               f(:, i + 1) = support_acceleration(f(:, i + 1), support%stiffness(j), support%damping(j), support%per_mass, &
+                                                  y(:, i), y(:, i + 1))
             end associate
          end do
       end associate
    end subroutine load_wheel
-
-   !> One degree of freedom of a support.
-   pure subroutine move_support(stiffness, damping, per_mass, s, s_dot, rate, acceleration, power)
-      real(wp), intent(in) :: stiffness, damping, per_mass
-      real(wp), intent(in) :: s(lanes), s_dot(lanes)
-      real(wp), intent(out) :: rate(lanes)
-      real(wp), intent(inout) :: acceleration(lanes) !! the force; the acceleration
-      real(wp), intent(inout) :: power(lanes)        !! dissipated
-      integer :: l
-
-      !$omp simd
-      do l = 1, lanes
-         rate(l) = s_dot(l)
-         acceleration(l) = support_acceleration(acceleration(l), stiffness, damping, per_mass, s(l), s_dot(l))
-         power(l) = power(l) + damper_power(damping, s_dot(l))
-      end do
-   end subroutine move_support
 
    !> From the torque on a rotor to its acceleration; a load that prescribes its speed brings the power that is missing.
    subroutine accelerate_rotor(gearbox, leader, y, integers, f)
@@ -269,58 +225,26 @@ contains
 
       associate (wheel => gearbox%wheels(leader))
          if (wheel%prescribed == 0) then
-            call scale(wheel%per_inertia, f(:, wheel%i_speed))
+            f(:, wheel%i_speed) = wheel%per_inertia*f(:, wheel%i_speed)
             return
          end if
          acceleration = wheel_acceleration(gearbox, leader, 0.0_wp, integers)
          missing = -f(:, wheel%i_speed) + wheel%rotor_inertia*acceleration
          f(:, wheel%i_speed) = acceleration
          call speed_of(wheel, y, omega)
-         call add_product(missing, omega, f(:, gearbox%i_work))
+         call add(missing*omega, f(:, gearbox%i_work))
       end associate
    end subroutine accelerate_rotor
-
-   !> Multiply a row of the rates.
-   pure subroutine scale(factor, row)
-      real(wp), intent(in) :: factor
-      real(wp), intent(inout) :: row(lanes)
-      integer :: l
-
-      !$omp simd
-      do l = 1, lanes
-         row(l) = factor*row(l)
-      end do
-   end subroutine scale
-
-   !> From the accelerations to those of the deviations: psi'' = phi'' - g theta''; and the rate of psi.
-   pure subroutine deviate(ratio, psi_dot, reference, rate, acceleration)
-      real(wp), intent(in) :: ratio
-      real(wp), intent(in) :: psi_dot(lanes), reference(lanes)
-      real(wp), intent(out) :: rate(lanes)
-      real(wp), intent(inout) :: acceleration(lanes)
-      integer :: l
-
-      !$omp simd
-      do l = 1, lanes
-         rate(l) = psi_dot(l)
-         acceleration(l) = acceleration(l) - ratio*reference(l)
-      end do
-   end subroutine deviate
 
    !> Angular velocity of a wheel [rad/s].
    pure subroutine speed_of(wheel, y, omega)
       type(wheel_t), intent(in) :: wheel
       real(wp), intent(in) :: y(lanes, *)
       real(wp), intent(out) :: omega(lanes)
-      real(wp) :: psi(lanes), psi_dot(lanes), ratio
-      integer :: l
+      real(wp) :: psi(lanes), psi_dot(lanes)
 
       call turn_wheel(wheel%i_psi, y, psi, psi_dot)
-      ratio = wheel%ratio
-      !$omp simd
-      do l = 1, lanes
-         omega(l) = ratio*y(l, i_omega) + psi_dot(l)
-      end do
+      omega = wheel%ratio*y(:, i_omega) + psi_dot
    end subroutine speed_of
 
    !> Angle of a wheel in the housing [rad].
@@ -329,16 +253,11 @@ contains
       real(wp), intent(in) :: y(lanes, *)
       integer, intent(in) :: integers(:)
       type(lane_points), intent(inout) :: at
-      real(wp) :: psi(lanes), psi_dot(lanes), ratio, turned
-      integer :: l
+      real(wp) :: psi(lanes), psi_dot(lanes), turned
 
       call turn_wheel(wheel%i_psi, y, psi, psi_dot)
       call turns_of_wheel(wheel, integers, at%revolutions, turned)
-      ratio = wheel%ratio
-      !$omp simd
-      do l = 1, lanes
-         at%angle(l) = turned + ratio*y(l, i_theta) + psi(l)
-      end do
+      at%angle = turned + wheel%ratio*y(:, i_theta) + psi
    end subroutine angle_of
 
 end module evl_gearbox_lanes

@@ -4,7 +4,7 @@
 !> steps by gearbox_ode_set.
 module evl_gearbox_ode
    use evl_contact_roots, only: contact_root_directions
-   use evl_discrete_state, only: gearbox_mode
+   use evl_discrete_state, only: take_mode
    use evl_force_jacobian, only: add_constants, add_forces, couple_reference, find_pattern
    use evl_force_lanes, only: lane_slot
    use evl_gearbox, only: gearbox_t, i_turns
@@ -285,7 +285,7 @@ contains
       integer :: i
 
       do i = 1, size(gearbox%contacts)
-         slots(i)%mode = gearbox_mode(gearbox, i, integers, reals)
+         call take_mode(gearbox, i, integers, reals, slots(i)%mode)
          slots(i)%touches = touches(slots(i)%mode)
          call contact_root_directions(gearbox%contacts(i), slots(i)%mode, slots(i)%directions)
          slots(i)%rho_seen = 0

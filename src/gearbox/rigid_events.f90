@@ -7,7 +7,7 @@ module evl_rigid_events
    use evl_contact_events, only: contact_event
    use evl_discrete_state, only: first_pair, flanks_of, is_closed, pairs_with
    use evl_event_kinds, only: event_closed, event_impact, event_impacts_ended, event_opened
-   use evl_event_log, only: event_log, note
+   use evl_event_log, only: moment_t, note
    use evl_gearbox, only: gearbox_local, gearbox_t
    use evl_housing_dynamics, only: coupled_rates
    use evl_kinds, only: wp
@@ -38,14 +38,10 @@ contains
    end function closed_flanks
 
    !> Impacts until no flank that touches approaches, then the normal forces; flanks that would have to pull open.
-   subroutine settle_rigid(gearbox, t, was_closed, y, integers, reals, log, status)
+   subroutine settle_rigid(gearbox, was_closed, now, status)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: t
+      type(moment_t), intent(inout) :: now
       logical, intent(in) :: was_closed(:) !! closed_flanks before the event
-      real(wp), intent(inout) :: y(gearbox%n_states)
-      integer, intent(inout) :: integers(:)
-      real(wp), intent(inout) :: reals(:)
-      type(event_log), intent(inout) :: log
       type(status_t), intent(inout) :: status
       logical, dimension(size(gearbox%contacts)) :: closed, closing, held, opened, rebounded
       logical :: free(size(gearbox%contacts)) !! their force has not parted these flanks, nor have they been held
@@ -54,31 +50,31 @@ contains
       closed = was_closed
       rebounded = .false.
       ! one whose force has fallen through zero parts, whatever rounding says of it now
-      free = closed_flanks(gearbox, integers) .or. .not. was_closed
+      free = closed_flanks(gearbox, now%integers) .or. .not. was_closed
       do blow = 1, most_blows
-         call close_approaching(gearbox, y, integers, reals, log, status)
+         call close_approaching(gearbox, now, status)
          if (has_failed(status)) return
-         closing = closed_flanks(gearbox, integers) .and. .not. closed
+         closing = closed_flanks(gearbox, now%integers) .and. .not. closed
          if (any(closing)) then
-            call strike(gearbox, t, closed, closing, rebounded, y, integers, reals, log, status)
+            call strike(gearbox, closed, closing, rebounded, now, status)
             if (has_failed(status)) return
          else
-            call set_multipliers(gearbox, t, y, integers, reals, opened, status)
+            call set_multipliers(gearbox, now%t, now%y, now%integers, now%reals, opened, status)
             do m = 1, size(gearbox%contacts)
-               if (opened(m)) call note(log, event_opened, gearbox%contacts(m), first_pair(gearbox, m, integers))
+               if (opened(m)) call note(now%log, event_opened, gearbox%contacts(m), first_pair(gearbox, m, now%integers))
             end do
             if (has_failed(status)) return
             free = free .and. .not. opened
-            call come_back(gearbox, t, free, y, integers, reals, held, status)
+            call come_back(gearbox, free, now, held, status)
             if (has_failed(status)) return
-            held = held .or. (free .and. .not. rebounded .and. slow(gearbox, y, integers))
+            held = held .or. (free .and. .not. rebounded .and. slow(gearbox, now%y, now%integers))
             if (.not. any(held)) return
-            call hold(gearbox, t, held, y, integers, reals, log)
+            call hold(gearbox, held, now)
             if (.not. any(held)) return
             free = free .and. .not. held
          end if
-         closed = closed_flanks(gearbox, integers)
-         log%once = .true.
+         closed = closed_flanks(gearbox, now%integers)
+         now%log%once = .true.
       end do
       call fail(status, code_no_solution, "the impacts of its rigid flanks and those of other meshes do not end at this instant;" &
                 //" a larger rest_velocity or a smaller restitution ends them", subject_mesh, &
@@ -86,55 +82,48 @@ contains
    end subroutine settle_rigid
 
    !> Impacts of the flanks that close.
-   subroutine strike(gearbox, t, was_closed, closing, rebounded, y, integers, reals, log, status)
+   subroutine strike(gearbox, was_closed, closing, rebounded, now, status)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: t
+      type(moment_t), intent(inout) :: now
       logical, intent(in) :: was_closed(:), closing(:) !! closed_flanks before the impact; those that close in it
       logical, intent(inout) :: rebounded(:)           !! flanks that have rebounded at this instant
-      real(wp), intent(inout) :: y(gearbox%n_states)
-      integer, intent(inout) :: integers(:)
-      real(wp), intent(inout) :: reals(:)
-      type(event_log), intent(inout) :: log
       type(status_t), intent(inout) :: status
       logical, dimension(size(gearbox%contacts)) :: rebounds, opened
       integer :: nothing(gearbox%n_roots), m
 
-      call impact(gearbox, t, closing, .false., y, integers, reals, rebounds, opened, status)
+      call impact(gearbox, closing, .false., now, rebounds, opened, status)
       if (has_failed(status)) return
       do m = 1, size(gearbox%contacts)
          if (.not. gearbox%contacts(m)%leads) cycle
-         associate (contact => gearbox%contacts(m), pair => first_pair(gearbox, m, integers))
+         associate (contact => gearbox%contacts(m), pair => first_pair(gearbox, m, now%integers))
             if (opened(m) .and. .not. was_closed(m)) cycle
-            if (opened(m)) call note(log, event_opened, contact, pair)
+            if (opened(m)) call note(now%log, event_opened, contact, pair)
             if (.not. closing(m)) cycle
-            if (rebounds(m)) call open_flank(gearbox, m, y, integers)
-            call note(log, merge(event_impact, event_closed, rebounds(m)), contact, pair)
-            if (.not. rebounds(m) .and. contact%elastic%restitution() > 0) call note(log, event_impacts_ended, contact, pair)
+            if (rebounds(m)) call open_flank(gearbox, m, now%y, now%integers)
+            call note(now%log, merge(event_impact, event_closed, rebounds(m)), contact, pair)
+            if (.not. rebounds(m) .and. contact%elastic%restitution() > 0) call note(now%log, event_impacts_ended, contact, pair)
          end associate
       end do
       rebounded = rebounded .or. rebounds
       nothing = 0
-      call settle_modes(gearbox, nothing, y, integers, reals, log, status) ! speeds have jumped
+      call settle_modes(gearbox, nothing, now, status) ! speeds have jumped
    end subroutine strike
 
    !> Close the flanks whose gap is past its zero and that approach: that zero will not be crossed again. Farther past it an event
    !> was missed, which `check_modes` finds.
-   subroutine close_approaching(gearbox, y, integers, reals, log, status)
+   subroutine close_approaching(gearbox, now, status)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(inout) :: y(gearbox%n_states)
-      integer, intent(inout) :: integers(:)
-      real(wp), intent(inout) :: reals(:)
-      type(event_log), intent(inout) :: log
+      type(moment_t), intent(inout) :: now
       type(status_t), intent(inout) :: status
       real(wp) :: gap(2)
       integer :: m
 
       do m = 1, size(gearbox%contacts)
-         if (.not. may_close(gearbox, m, integers)) cycle
-         gap = gap_of(gearbox, m, y)
+         if (.not. may_close(gearbox, m, now%integers)) cycle
+         gap = gap_of(gearbox, m, now%y)
          gap(1) = -gap(1)/gearbox%contacts(m)%h_scale
          if (gap(1) > past - tie .and. gap(1) < located .and. gap(2) < 0) &
-            call close_flank(gearbox, m, y, integers, reals, log, status)
+            call close_flank(gearbox, m, now, status)
          if (has_failed(status)) return
       end do
    end subroutine close_approaching
@@ -158,12 +147,10 @@ contains
    end function slow
 
    !> Which flanks that part come back before they are as far apart as events are located exactly.
-   subroutine come_back(gearbox, t, free, y, integers, reals, back, status)
+   subroutine come_back(gearbox, free, now, back, status)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: t
+      type(moment_t), intent(in) :: now
       logical, intent(in) :: free(:) !! flanks that are looked at
-      real(wp), intent(in) :: y(gearbox%n_states), reals(:)
-      integer, intent(in) :: integers(:)
       logical, intent(out) :: back(:)
       type(status_t), intent(inout) :: status
       real(wp) :: gap(2, size(gearbox%contacts)), rates(gearbox%n_states), q(n_local), local_rates(n_local)
@@ -172,17 +159,17 @@ contains
       back = .false.
       do m = 1, size(gearbox%contacts)
          if (.not. free(m)) cycle
-         if (.not. may_close(gearbox, m, integers)) cycle
-         gap(:, m) = gap_of(gearbox, m, y)
+         if (.not. may_close(gearbox, m, now%integers)) cycle
+         gap(:, m) = gap_of(gearbox, m, now%y)
          back(m) = abs(gap(1, m)) <= located*gearbox%contacts(m)%h_scale .and. gap(2, m) >= 0
       end do
       if (.not. any(back)) return
-      call coupled_rates(gearbox, t, y, integers, reals, rates, status)
+      call coupled_rates(gearbox, now%t, now%y, now%integers, now%reals, rates, status)
       if (has_failed(status)) return
       do m = 1, size(gearbox%contacts)
          if (.not. back(m)) cycle
          associate (contact => gearbox%contacts(m))
-            call gearbox_local(gearbox, contact, y, q)
+            call gearbox_local(gearbox, contact, now%y, q)
             call gearbox_local(gearbox, contact, rates, local_rates)
             back(m) = gap(2, m)**2 <= -2*rigid_acceleration(contact%pair, q, local_rates)*located*contact%h_scale
          end associate
@@ -192,51 +179,40 @@ contains
    !> Close flanks that touch and hardly move, if that presses them together; the others stay as they are.
    !>
    !> Their speeds and those of all closed flanks become 0, which takes energy away. Then the forces decide.
-   subroutine hold(gearbox, t, held, y, integers, reals, log)
+   subroutine hold(gearbox, held, now)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: t
       logical, intent(inout) :: held(:) !! in: flanks to be tried; out: those that are closed now
-      real(wp), intent(inout) :: y(gearbox%n_states)
-      integer, intent(inout) :: integers(:)
-      real(wp), intent(inout) :: reals(:)
-      type(event_log), intent(inout) :: log
-      type(event_log) :: new_log
+      type(moment_t), intent(inout) :: now
+      type(moment_t) :: trial
       type(status_t) :: status !! of a trial: where it has no solution, nothing is held
-      real(wp) :: new_y(gearbox%n_states), new_reals(size(reals))
-      integer :: new_integers(size(integers)), nothing(gearbox%n_roots), m
+      integer :: nothing(gearbox%n_roots), m
       logical, dimension(size(gearbox%contacts)) :: rebounds, opened, closed, was_closed
 
       nothing = 0
-      was_closed = closed_flanks(gearbox, integers)
+      was_closed = closed_flanks(gearbox, now%integers)
       do while (any(held))
-         new_y = y
-         new_integers = integers
-         new_reals = reals
-         new_log = log
-         new_log%once = .true.
+         trial = now
+         trial%log%once = .true.
          do m = 1, size(held)
-            if (held(m)) call close_flank(gearbox, m, new_y, new_integers, new_reals, new_log, status)
+            if (held(m)) call close_flank(gearbox, m, trial, status)
          end do
+         if (.not. has_failed(status)) call impact(gearbox, held, .true., trial, rebounds, opened, status)
+         if (.not. has_failed(status)) call settle_modes(gearbox, nothing, trial, status)
          if (.not. has_failed(status)) &
-            call impact(gearbox, t, held, .true., new_y, new_integers, new_reals, rebounds, opened, status)
-         if (.not. has_failed(status)) call settle_modes(gearbox, nothing, new_y, new_integers, new_reals, new_log, status)
-         if (.not. has_failed(status)) call set_multipliers(gearbox, t, new_y, new_integers, new_reals, opened, status)
+            call set_multipliers(gearbox, trial%t, trial%y, trial%integers, trial%reals, opened, status)
          if (has_failed(status)) held = .false.
-         closed = closed_flanks(gearbox, new_integers)
+         closed = closed_flanks(gearbox, trial%integers)
          if (all(closed .or. .not. held)) exit
          held = held .and. closed
       end do
       if (.not. any(held)) return
-      y = new_y
-      integers = new_integers
-      reals = new_reals
-      log = new_log
+      now = trial
       do m = 1, size(held)
-         if (held(m)) call note(log, event_closed, gearbox%contacts(m), first_pair(gearbox, m, integers))
+         if (held(m)) call note(now%log, event_closed, gearbox%contacts(m), first_pair(gearbox, m, now%integers))
          if (held(m) .and. gearbox%contacts(m)%elastic%restitution() > 0) &
-            call note(log, event_impacts_ended, gearbox%contacts(m), first_pair(gearbox, m, integers))
+            call note(now%log, event_impacts_ended, gearbox%contacts(m), first_pair(gearbox, m, now%integers))
          if (was_closed(m) .and. .not. closed(m)) &
-            call note(log, event_opened, gearbox%contacts(m), first_pair(gearbox, m, integers))
+            call note(now%log, event_opened, gearbox%contacts(m), first_pair(gearbox, m, now%integers))
       end do
    end subroutine hold
 
@@ -262,13 +238,10 @@ contains
    end function gap_of
 
    !> The tooth pairs of an open flank that are on the path close.
-   subroutine close_flank(gearbox, leader, y, integers, reals, log, status)
+   subroutine close_flank(gearbox, leader, now, status)
       type(gearbox_t), intent(in) :: gearbox
+      type(moment_t), intent(inout) :: now
       integer, intent(in) :: leader
-      real(wp), intent(inout) :: y(gearbox%n_states)
-      integer, intent(inout) :: integers(:)
-      real(wp), intent(inout) :: reals(:)
-      type(event_log), intent(inout) :: log
       type(status_t), intent(inout) :: status
       type(contact_state) :: at(size(gearbox%contacts))
       logical :: fired(n_root_kinds), known(size(gearbox%contacts))
@@ -278,8 +251,8 @@ contains
       fired = .false.
       fired(root_of%contact) = .true.
       do m = leader, leader + gearbox%contacts(leader)%n_slots - 1
-         if (flanks_of(gearbox%contacts(m), integers) == flanks_open) &
-            call contact_event(gearbox, m, fired, y, integers, reals, known, at, log, status)
+         if (flanks_of(gearbox%contacts(m), now%integers) == flanks_open) &
+            call contact_event(gearbox, m, fired, now, known, at, status)
       end do
    end subroutine close_flank
 

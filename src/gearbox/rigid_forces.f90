@@ -5,13 +5,14 @@
 module evl_rigid_forces
    use evl_contact_point, only: contact_gradient, contact_point
    use evl_discrete_state, only: flanks_of, is_closed, put_flanks
+   use evl_event_log, only: moment_t
    use evl_gearbox, only: gearbox_local, gearbox_t, wheel_speed
    use evl_housing, only: at_omega, at_velocity, frame_t, housing_frame
    use evl_housing_dynamics, only: coupled_rates, ground_energies
    use evl_kinds, only: wp
    use evl_lapack, only: dgesv
    use evl_local_variables, only: i_omega, n_local
-   use evl_rigid_contact, only: rigid_closing_rate, rigid_gradient
+   use evl_rigid_contact, only: rigid_constraint, rigid_gradient
    use evl_status, only: code_singular, fail, has_failed, quantity, status_t, subject_mesh
    use evl_tooth_contact, only: flanks_loaded, flanks_open
    implicit none (type, external)
@@ -195,34 +196,32 @@ contains
    !> flanks that hardly move are held, none opens here: their normal forces decide.
    !>
    !> P solves G M^-1 D P = -(1 + e) kappa'; modes: the contacts that close count as closed already.
-   subroutine impact(gearbox, t, closing, holds, y, integers, reals, rebounds, opened, status)
+   subroutine impact(gearbox, closing, holds, now, rebounds, opened, status)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: t
+      type(moment_t), intent(inout) :: now
       logical, intent(in) :: closing(:)     !! [contacts] true for those that lead a flank that closes
       logical, intent(in) :: holds          !! those that close are held whichever way they move
-      real(wp), intent(inout) :: y(gearbox%n_states)
-      integer, intent(inout) :: integers(:)
-      real(wp), intent(in) :: reals(:)
       logical, intent(out) :: rebounds(:)   !! [contacts] leaders of flanks that close and part again at once
       logical, intent(out) :: opened(:)     !! [contacts] leaders of flanks that would have to pull
       type(status_t), intent(inout) :: status
       real(wp) :: offset(gearbox%n_multipliers), response(gearbox%n_multipliers, gearbox%n_multipliers)
       real(wp) :: velocity(gearbox%n_states, gearbox%n_multipliers), impulse(gearbox%n_multipliers)
-      real(wp) :: q(n_local), approach, energy
+      real(wp) :: q(n_local), gap(2), approach, energy
       integer :: closed(gearbox%n_multipliers), n, k, worst
 
       rebounds = .false.
       opened = .false.
-      energy = kinetic_energy(gearbox, y)
+      energy = kinetic_energy(gearbox, now%y)
       do
-         call responses(gearbox, t, y, integers, reals, closed, n, offset, response, velocity, status)
+         call responses(gearbox, now%t, now%y, now%integers, now%reals, closed, n, offset, response, velocity, status)
          if (has_failed(status) .or. n == 0) return
          do k = 1, n
             associate (contact => gearbox%contacts(closed(k)))
                impulse(k) = 0
                if (.not. closing(closed(k))) cycle
-               call gearbox_local(gearbox, contact, y, q)
-               approach = rigid_closing_rate(contact%pair, q)
+               call gearbox_local(gearbox, contact, now%y, q)
+               gap = rigid_constraint(contact%pair, q)
+               approach = -gap(2)
                rebounds(closed(k)) = contact%elastic%restitution() > 0 .and. approach > contact%elastic%rest_velocity()
                impulse(k) = approach/contact%mobility
                if (rebounds(closed(k))) impulse(k) = (1 + contact%elastic%restitution())*impulse(k)
@@ -232,14 +231,14 @@ contains
          if (has_failed(status)) return
          worst = minloc(impulse(:n), dim=1)
          if (holds .or. impulse(worst) >= 0) exit
-         call open_flank(gearbox, closed(worst), y, integers)
+         call open_flank(gearbox, closed(worst), now%y, now%integers)
          rebounds(closed(worst)) = .false.
          opened(closed(worst)) = .true.
       end do
       do k = 1, n
-         call add_impulse(gearbox, impulse(k), velocity(:, k), y)
+         call add_impulse(gearbox, impulse(k), velocity(:, k), now%y)
       end do
-      y(gearbox%i_dissipated) = y(gearbox%i_dissipated) + energy - kinetic_energy(gearbox, y)
+      now%y(gearbox%i_dissipated) = now%y(gearbox%i_dissipated) + energy - kinetic_energy(gearbox, now%y)
    end subroutine impact
 
    !> Change the speeds by an impulse [N s].

@@ -46,10 +46,8 @@ contains
          integer :: leader
 
          leader = gearbox%wheels(gearbox%loads(load)%load%wheel)%leader
-         if (gearbox%wheels(leader)%prescribed > 0) then
-            call fail(status, code_invalid_input, "a rigid shaft joins its wheel to another whose speed is prescribed as well", &
-                      subject_load, load, "kind")
-         end if
+         if (gearbox%wheels(leader)%prescribed > 0) call fail(status, code_invalid_input, &
+                           "a rigid shaft joins its wheel to another whose speed is prescribed as well", subject_load, load, "kind")
          where (gearbox%wheels%leader == leader) gearbox%wheels%prescribed = load
       end subroutine prescribe
 

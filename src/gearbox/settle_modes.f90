@@ -7,7 +7,7 @@
 module evl_settle_modes
    use evl_contact_events, only: contact_event, parts, roots_of_contact
    use evl_contact_roots, only: by_kind, is_past
-   use evl_event_log, only: event_log
+   use evl_event_log, only: moment_t
    use evl_gearbox, only: gearbox_t
    use evl_kinds, only: wp
    use evl_root_kinds, only: n_root_kinds, past, root_of, root_rows, settles_alone, settles_contact, settles_sliding
@@ -28,13 +28,10 @@ module evl_settle_modes
 contains
 
    !> Do what the root functions that crossed zero say, and go on until none is past its zero.
-   subroutine settle_modes(gearbox, fired, y, integers, reals, log, status)
+   subroutine settle_modes(gearbox, fired, now, status)
       type(gearbox_t), intent(in) :: gearbox
+      type(moment_t), intent(inout) :: now !! its energies change where flanks that overlap come or go
       integer, intent(in) :: fired(gearbox%n_roots)  !! not 0 where a root function passed zero
-      real(wp), intent(inout) :: y(gearbox%n_states) !! its energies, where flanks that overlap come or go
-      integer, intent(inout) :: integers(:)
-      real(wp), intent(inout) :: reals(:)
-      type(event_log), intent(inout) :: log
       type(status_t), intent(inout) :: status        !! code_no_solution if two modes contradict each other for ever
       logical :: settled, nothing, crossed(n_root_kinds, size(gearbox%contacts)), quiet(size(gearbox%contacts))
       logical :: known(size(gearbox%contacts))
@@ -44,7 +41,7 @@ contains
       known = .false.
       do m = 1, size(gearbox%contacts)
          crossed(:, m) = by_kind(gearbox%contacts(m), fired)
-         call cross(gearbox, m, y, integers, reals, known, at, crossed(:, m), quiet(m), log, status)
+         call cross(gearbox, m, now, known, at, crossed(:, m), quiet(m), status)
          if (has_failed(status)) return
       end do
       restless = 0
@@ -52,7 +49,7 @@ contains
          settled = .true.
          do m = 1, size(gearbox%contacts)
             if (quiet(m)) cycle
-            call settle_contact(gearbox, m, crossed(:, m), y, integers, reals, known, at, nothing, log, status)
+            call settle_contact(gearbox, m, crossed(:, m), now, known, at, nothing, status)
             if (has_failed(status)) return
             quiet(m) = nothing .and. stands_alone(gearbox%contacts(m))
             if (nothing) cycle
@@ -66,26 +63,23 @@ contains
    end subroutine settle_modes
 
    !> Do what the root functions of one tooth contact say that crossed zero.
-   subroutine cross(gearbox, m, y, integers, reals, known, at, crossed, quiet, log, status)
+   subroutine cross(gearbox, m, now, known, at, crossed, quiet, status)
       type(gearbox_t), intent(in) :: gearbox
+      type(moment_t), intent(inout) :: now
       integer, intent(in) :: m
-      real(wp), intent(inout) :: y(gearbox%n_states)
-      integer, intent(inout) :: integers(:)
-      real(wp), intent(inout) :: reals(:)
       logical, intent(inout) :: known(:) !! [contacts] as of `roots_of_contact`
       type(contact_state), intent(inout) :: at(*)     !! [contacts]
       logical, intent(inout) :: crossed(n_root_kinds) !! those located; those that cross at the same instant come to them
       logical, intent(out) :: quiet                   !! nothing crosses, and what happens to other contacts does not change that
-      type(event_log), intent(inout) :: log
       type(status_t), intent(inout) :: status
       logical :: passed(n_root_kinds, 1)
 
       quiet = .false.
-      call passed_now(gearbox, m, y, integers, reals, known, at, [-tie], passed, status)
+      call passed_now(gearbox, m, now, known, at, [-tie], passed, status)
       if (has_failed(status)) return
       crossed = crossed .or. passed(:, 1)
       if (any(crossed)) then
-         call contact_event(gearbox, m, crossed, y, integers, reals, known, at, log, status)
+         call contact_event(gearbox, m, crossed, now, known, at, status)
       else
          quiet = stands_alone(gearbox%contacts(m))
       end if
@@ -93,24 +87,21 @@ contains
 
    !> Do what the root functions of one tooth contact say that have jumped past zero. What has just crossed zero lies on one side of
    !> it or the other, as exactly as events are located, and is not taken back for that.
-   subroutine settle_contact(gearbox, m, crossed, y, integers, reals, known, at, nothing, log, status)
+   subroutine settle_contact(gearbox, m, crossed, now, known, at, nothing, status)
       type(gearbox_t), intent(in) :: gearbox
+      type(moment_t), intent(inout) :: now
       integer, intent(in) :: m
       logical, intent(in) :: crossed(n_root_kinds) !! root functions that crossed zero at this event
-      real(wp), intent(inout) :: y(gearbox%n_states)
-      integer, intent(inout) :: integers(:)
-      real(wp), intent(inout) :: reals(:)
       logical, intent(inout) :: known(:) !! [contacts] as of `roots_of_contact`
       type(contact_state), intent(inout) :: at(*)  !! [contacts]
       logical, intent(out) :: nothing              !! to do
-      type(event_log), intent(inout) :: log
       type(status_t), intent(inout) :: status
       integer, parameter :: at_all = 1, by_far = 2
       logical :: passed(n_root_kinds, 2), group(n_root_kinds), jumped(n_root_kinds)
       integer :: i
 
       nothing = .true.
-      call passed_now(gearbox, m, y, integers, reals, known, at, [0.0_wp, located], passed, status)
+      call passed_now(gearbox, m, now, known, at, [0.0_wp, located], passed, status)
       if (has_failed(status) .or. .not. any(passed)) return
       jumped = .false.
       do i = settles_contact, settles_sliding
@@ -120,7 +111,7 @@ contains
       where (root_rows%settles == settles_alone) jumped = passed(:, at_all) .and. .not. crossed
       if (.not. any(jumped)) return
       nothing = .false.
-      call contact_event(gearbox, m, jumped, y, integers, reals, known, at, log, status)
+      call contact_event(gearbox, m, jumped, now, known, at, status)
    end subroutine settle_contact
 
    !> Whether what happens to other contacts changes nothing for this one: rigid ones share a force, tracked ones their points.
@@ -131,10 +122,10 @@ contains
    end function stands_alone
 
    !> Which root functions of one tooth contact are past zero at a state, as far as they decide by themselves.
-   subroutine passed_now(gearbox, m, y, integers, reals, known, at, by, passed, status)
+   subroutine passed_now(gearbox, m, now, known, at, by, passed, status)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: m, integers(:)
-      real(wp), intent(in) :: y(gearbox%n_states), reals(:)
+      integer, intent(in) :: m
+      type(moment_t), intent(in) :: now
       logical, intent(inout) :: known(:) !! [contacts] as of `roots_of_contact`
       type(contact_state), intent(inout) :: at(*) !! [contacts]
       real(wp), intent(in) :: by(:) !! as of `is_past`
@@ -146,7 +137,7 @@ contains
 
       passed = .false.
       associate (contact => gearbox%contacts(m))
-         call roots_of_contact(gearbox, m, y, integers, reals, known, at, directions, roots, status)
+         call roots_of_contact(gearbox, m, now%y, now%integers, now%reals, known, at, directions, roots, status)
          if (has_failed(status)) return
          do i = 1, contact%n_roots
             passed(contact%roots(i), :) = is_past(directions(i), roots(i), by)

@@ -5,10 +5,11 @@ module evl_wheel_loads
    use evl_load, only: load_point, load_t
    use evl_local_variables, only: i_theta
    use evl_rational, only: rational_parts
+   use evl_tooth_contact, only: tracking_closed_form
    implicit none (type, external)
    private
 
-   public :: hold_loads, load_gradient, load_point_of, load_torque, segment_of, turns_of_wheel
+   public :: hold_still, load_gradient, load_point_of, load_torque, segment_of, turns_of_wheel
    public :: wheel_acceleration, wheel_follows_ground, wheel_housing_torque, wheel_load_torque, wheel_spin_torque
 
 contains
@@ -25,22 +26,13 @@ contains
             at%t = t
             at%omega = wheel_speed(wheel, y)
             if (load%i_segment > 0) at%segment = integers(load%i_segment)
-            if (load%by_angle) call turn_load_point(wheel, y, integers, at)
+            if (.not. load%by_angle) return
+            call turns_of_wheel(wheel, integers, at%revolutions, at%angle)
+            at%angle = at%angle + wheel%ratio*y(i_theta)
+            if (wheel%i_psi > 0) at%angle = at%angle + y(wheel%i_psi)
          end associate
       end associate
    end function load_point_of
-
-   !> The same: the angle.
-   pure subroutine turn_load_point(wheel, y, integers, at)
-      type(wheel_t), intent(in) :: wheel
-      real(wp), intent(in) :: y(:)
-      integer, intent(in) :: integers(:)
-      type(load_point), intent(inout) :: at
-
-      call turns_of_wheel(wheel, integers, at%revolutions, at%angle)
-      at%angle = at%angle + wheel%ratio*y(i_theta)
-      if (wheel%i_psi > 0) at%angle = at%angle + y(wheel%i_psi)
-   end subroutine turn_load_point
 
    !> How far the whole turns of the reference wheel have turned a wheel: its whole turns, and the rest [rad].
    pure subroutine turns_of_wheel(wheel, integers, revolutions, angle)
@@ -88,15 +80,17 @@ contains
       call gearbox%loads(index)%load%ask(at, torque, damping, stiffness)
    end subroutine load_gradient
 
-   !> Put in the place of every load what a steady state takes it for.
-   pure subroutine hold_loads(gearbox)
+   !> Make of a gearbox what a steady state takes it for: loads do not swing, and contacts follow from the wheels' positions.
+   pure subroutine hold_still(gearbox)
       type(gearbox_t), intent(inout) :: gearbox
       integer :: i
 
       do i = 1, size(gearbox%loads)
          gearbox%loads(i)%load%swing = 0
       end do
-   end subroutine hold_loads
+      gearbox%contacts%tracking = tracking_closed_form
+      gearbox%contacts%i_track = 0
+   end subroutine hold_still
 
    !> Sum of the torques that the loads of a wheel know; that of a prescribed speed is not among them [N m].
    pure real(wp) function wheel_load_torque(gearbox, index, t, y, integers) result(torque)

@@ -8,7 +8,7 @@ module evl_collocation
    implicit none (type, external)
    private
 
-   public :: combine, lagrange_at, lagrange_matrix, node_slopes, polynomial_at, extremum_between, weighted_sum, zero_between
+   public :: combine, lagrange_at, lagrange_matrix, polynomial_at, slopes_of, extremum_between, weighted_sum, zero_between
 
    real(wp), parameter :: slopes_of(lanes, lanes) = slope_at_node !! columns are added up lane by lane
 
@@ -98,15 +98,6 @@ contains
       end do
       total = (part(1) + part(3)) + (part(2) + part(4))
    end function weighted_sum
-
-   !> Derivatives with respect to tau at the nodes, for each of n polynomials.
-   pure subroutine node_slopes(n, values, slopes)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: values(lanes, n)
-      real(wp), intent(out) :: slopes(lanes, n)
-
-      call combine(n, slopes_of, values, slopes)
-   end subroutine node_slopes
 
    !> Where the polynomial with these slopes at the nodes has an extremum between left and right, where its slope differs in
    !> sign, to a thousandth of the interval.

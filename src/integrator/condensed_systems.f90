@@ -215,7 +215,7 @@ contains
          call apply_inverse(size(self%kept), self%inverse, self%x, self%kept, b)
       else
          call sparse_lu_solve(self%factors, self%x)
-         call put(size(self%kept), self%kept, self%x, b)
+         b(:, :, self%kept) = self%x
       end if
       call backward(self%n, size(self%kinematic), self%kinematic, self%partner, self%rate, self%inverse_shift, b)
    end subroutine condensed_solve
@@ -242,19 +242,6 @@ contains
          x(:, :, i) = block
       end do
    end subroutine forward
-
-   !> Put the solution of the condensed systems in its place.
-   pure subroutine put(m, kept, x, b)
-      integer, intent(in) :: m
-      integer, intent(in) :: kept(m)
-      real(wp), intent(in) :: x(n_systems, 2, m)
-      real(wp), intent(inout) :: b(n_systems, 2, *)
-      integer :: i
-
-      do i = 1, m
-         b(:, :, kept(i)) = x(:, :, i)
-      end do
-   end subroutine put
 
    !> Unknowns of the kinematic rows: b_q/s_k + c v/s_k.
    pure subroutine backward(n, n_kinematic, kinematic, partner, rate, inverse_shift, b)

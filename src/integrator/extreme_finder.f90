@@ -11,7 +11,7 @@
 !> What passes is a candidate: the caller asks the model itself, around that time.
 module evl_extreme_finder
    use, intrinsic :: iso_fortran_env, only: int64
-   use evl_collocation, only: combine, extremum_between, lagrange_matrix, node_slopes, polynomial_at
+   use evl_collocation, only: combine, extremum_between, lagrange_matrix, polynomial_at, slopes_of
    use evl_kinds, only: lanes, wp
    use evl_radau_coefficients, only: n_stages, node
    implicit none (type, external)
@@ -104,7 +104,7 @@ contains
       least = minval(samples)
       hidden = most_hidden*(most - least)
       if (most + hidden <= upper .and. least - hidden >= lower) return
-      call node_slopes(1, self%values(:, k), slopes)
+      call combine(1, slopes_of, self%values(:, k), slopes)
       if (most + hidden > upper) &
          call list_maxima(1, self%channels(k), upper, samples, self%values(:, k), slopes(:, 1), n, found)
       if (least - hidden < lower) &

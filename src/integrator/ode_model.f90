@@ -88,9 +88,7 @@ contains
       type(status_t), intent(inout) :: status !! touched on failure only
       integer, intent(in), optional :: only   !! the one that is wanted, 1 .. n_roots: the others need not be found
 
-      associate (unused_t => t, unused_y => y, unused_only => present(only))
-         values = 0
-      end associate
+      values = 0
       if (self%n_roots > 0) call fail(status, code_invalid_input, "the model counts root functions but has none")
    end subroutine no_roots
 
@@ -105,9 +103,7 @@ contains
       real(wp), intent(inout) :: values(lanes, self%n_roots)
       type(status_t), intent(inout) :: status !! touched on failure only
 
-      associate (unused_t => t, unused_y => y)
-         values = 0
-      end associate
+      values = 0
       exact = .true.
       if (self%n_roots > 0) call fail(status, code_invalid_input, "the model counts root functions but has none")
    end subroutine no_roots_lanes
@@ -121,9 +117,7 @@ contains
       integer, intent(inout) :: channels(:)       !! [n_rows] the first n of these: to which channel a row belongs
       real(wp), intent(inout) :: values(lanes, *) !! [n_rows] of these
 
-      associate (unused_y => y, unused_channels => channels, unused_values => values(:, 1))
-         n = 0
-      end associate
+      n = 0
    end subroutine nothing_watched
 
    !> Which crossings count in the present discrete state: +1 rising, -1 falling, 0 both, or `never`.

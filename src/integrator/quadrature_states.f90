@@ -100,27 +100,16 @@ contains
       real(wp), intent(in) :: h
       real(wp), intent(in) :: jacobian(*)
       real(wp), intent(inout) :: error(n) !! errors of the coupled states, right-hand sides of the integrals; all errors
-
-      call add_rows(self%n, self%n_coupled, self%start, self%entry, self%column, h/shift_re(1), jacobian, error)
-   end subroutine integrate_error
-
-   !> The same with arrays of known shape.
-   pure subroutine add_rows(n, n_coupled, start, entry, column, factor, jacobian, error)
-      integer, intent(in) :: n, n_coupled
-      integer, intent(in) :: start(n + 1), entry(*), column(*)
-      real(wp), intent(in) :: factor !! inverse of the first shift
-      real(wp), intent(in) :: jacobian(*)
-      real(wp), intent(inout) :: error(n_coupled + n)
       real(wp) :: total
       integer :: i, p
 
-      do i = 1, n
-         total = error(n_coupled + i)
-         do p = start(i), start(i + 1) - 1
-            total = total + jacobian(entry(p))*error(column(p))
+      do i = 1, self%n
+         total = error(self%n_coupled + i)
+         do p = self%start(i), self%start(i + 1) - 1
+            total = total + jacobian(self%entry(p))*error(self%column(p))
          end do
-         error(n_coupled + i) = factor*total
+         error(self%n_coupled + i) = h/shift_re(1)*total
       end do
-   end subroutine add_rows
+   end subroutine integrate_error
 
 end module evl_quadrature_states

@@ -25,7 +25,7 @@ module evl_radau
    use evl_root_finder, only: root_finder_create, root_finder_restart, root_finder_t
    use evl_root_forecast, only: forecast_crossing
    use evl_stage_solver, only: factor_systems, forget, forget_start, move_start, newton_converged, predict_from, set_weights, &
-                               solve_stages, stage_solver_create, stage_solver_t
+                               solve_stages, stage_counts, stage_solver_create, stage_solver_t
    use evl_status, only: clear, code_invalid_input, code_no_solution, code_out_of_domain, fail, has_failed, quantity, status_t
    use evl_step_control, only: fit_step, next_step, step_after_error, step_control_t
    implicit none (type, external)
@@ -53,14 +53,10 @@ module evl_radau
    end type radau_options
 
    !> What it cost.
-   type :: radau_counts
+   type, extends(stage_counts) :: radau_counts
       integer :: steps = 0                    !! accepted
       integer :: rejections = 0               !! steps repeated for their error, or because Newton failed
-      integer :: lane_evaluations = 0         !! of f, lane-wise: as many as Newton iterations
-      integer :: evaluations = 0              !! of f, scalar
       integer :: jacobians = 0
-      integer :: factorisations = 0           !! of the four systems at once
-      integer :: dense_factorisations = 0     !! those of them that needed row exchanges
       integer :: root_evaluations = 0         !! of the root functions, scalar; lane-wise: once a step
       integer :: events = 0                   !! located
       integer :: growth_cuts = 0              !! rejections of steps that would not have followed a mode that grows
@@ -385,10 +381,7 @@ contains
       type(radau_t), intent(in) :: self
 
       counts = self%counts
-      counts%lane_evaluations = self%stages%counts%iterations
-      counts%evaluations = self%stages%counts%evaluations
-      counts%factorisations = self%stages%counts%factorisations
-      counts%dense_factorisations = self%stages%counts%dense
+      counts%stage_counts = self%stages%counts
       counts%root_evaluations = self%roots%evaluations
    end function radau_get_counts
 

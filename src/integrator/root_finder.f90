@@ -12,7 +12,7 @@
 !>
 !> A function that has just fired is zero at the start up to rounding: its sign there is that of its slope.
 module evl_root_finder
-   use evl_collocation, only: extremum_between, lagrange_at, node_slopes, polynomial_at, weighted_sum
+   use evl_collocation, only: combine, extremum_between, lagrange_at, polynomial_at, slopes_of, weighted_sum
    use evl_distant_roots, only: list_near, near_zero, sign_of
    use evl_kinds, only: lanes, wp
    use evl_ode_model, only: never, ode_model
@@ -122,7 +122,7 @@ contains
       earliest = huge(earliest)
       do k = 1, self%n_near
          i = self%near(k)
-         call node_slopes(1, self%g(:, i), self%slope(:, i))
+         call combine(1, slopes_of, self%g(:, i), self%slope(:, i))
          call scan(self, model, step, y, z, i, status)
          if (has_failed(status)) return
          if (self%change(i) == 0) cycle
@@ -156,7 +156,7 @@ contains
             s = 0
             if (self%slope(lanes, i)*self%slope(1, i) < 0) then
                last = extremum_between(0.0_wp, node(1), self%slope(:, i))
-               call value_at(self, model, step, y, z, i, last, status)
+               call values_at(self, model, step, y, z, last, status, i)
                if (has_failed(status)) return
                at_last = self%value(i)
                if (at_last*self%slope(lanes, i) > 0) s = sign_of(at_last)
@@ -261,7 +261,7 @@ contains
       b = node(r)
       f_a = s*self%g(l, i)
       f_b = s*self%g(r, i)
-      call value_at(self, model, step, y, z, i, middle, status)
+      call values_at(self, model, step, y, z, middle, status, i)
       if (has_failed(status)) return
       at_middle = self%value(i)
       do turn = 1, most_turns
@@ -271,7 +271,7 @@ contains
          slope_b = (f_b - f_middle)/(b - middle)
          tau = (a + middle)/2 - slope_a*(b - a)/(2*(slope_b - slope_a))
          if (abs(tau - middle) < near*(node(r) - node(l))) return
-         call value_at(self, model, step, y, z, i, tau, status)
+         call values_at(self, model, step, y, z, tau, status, i)
          if (has_failed(status)) return
          f = s*self%value(i)
          if (f < f_middle) then
@@ -317,7 +317,7 @@ contains
          tau = b - at_b*((b - a)/(at_b - at_a))
          if (tau <= a + tie/4) tau = a + tie/2 ! a step past the end of the bracket closes it
          if (tau >= b - tie/4) tau = b - tie/2
-         call value_at(self, model, step, y, z, i, tau, status)
+         call values_at(self, model, step, y, z, tau, status, i)
          if (has_failed(status)) return
          if (self%value(i)*self%change(i) >= 0) then
             b = tau
@@ -335,31 +335,18 @@ contains
       self%tau(i) = b
    end subroutine locate
 
-   !> Root function i at one time of a step, in `value(i)`.
-   subroutine value_at(self, model, step, y, z, i, tau, status)
-      type(root_finder_t), intent(inout) :: self
-      class(ode_model), intent(in) :: model
-      type(step_state), intent(in) :: step
-      real(wp), intent(in) :: y(:), z(:, :)
-      integer, intent(in) :: i
-      real(wp), intent(in) :: tau
-      type(status_t), intent(inout) :: status
-
-      call go_to(self, y, z, tau)
-      call model%roots(step%t + tau*step%h, self%y, self%value, status, only=i)
-   end subroutine value_at
-
-   !> All root functions at one time of a step.
-   subroutine values_at(self, model, step, y, z, tau, status)
+   !> The root functions at one time of a step.
+   subroutine values_at(self, model, step, y, z, tau, status, only)
       type(root_finder_t), intent(inout) :: self
       class(ode_model), intent(in) :: model
       type(step_state), intent(in) :: step
       real(wp), intent(in) :: y(:), z(:, :)
       real(wp), intent(in) :: tau
       type(status_t), intent(inout) :: status
+      integer, intent(in), optional :: only !! the one that is wanted
 
       call go_to(self, y, z, tau)
-      call model%roots(step%t + tau*step%h, self%y, self%value, status)
+      call model%roots(step%t + tau*step%h, self%y, self%value, status, only)
    end subroutine values_at
 
    !> The state at one time of a step, where root functions are about to be evaluated.

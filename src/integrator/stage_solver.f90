@@ -28,7 +28,7 @@ module evl_stage_solver
    implicit none (type, external)
    private
 
-   public :: stage_solver_t, stage_solver_create, forget, set_weights, factor_systems, solve_stages
+   public :: stage_counts, stage_solver_t, stage_solver_create, forget, set_weights, factor_systems, solve_stages
    public :: predict_nothing, predict_from, predict_linearly, linear_is_better, move_start, forget_start
    public :: estimate_error, foresee_step, most_iterations
    public :: solve_systems ! for the submodules: gfortran 12 makes what is private unknown to them

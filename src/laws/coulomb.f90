@@ -12,18 +12,17 @@ module evl_coulomb
 
    type, extends(friction_law_t) :: coulomb_t
    contains
-      procedure, nopass :: describe
+      procedure :: describe
       procedure :: factor
       procedure :: factor_lanes
       procedure :: knee
-      procedure :: acts
-      procedure :: falls
    end type coulomb_t
 
 contains
 
    !> Name, source and parameters.
-   pure subroutine describe(info)
+   pure subroutine describe(self, info)
+      class(coulomb_t), intent(in) :: self
       type(kind_t), intent(inout) :: info
 
       info%name = "coulomb"
@@ -66,20 +65,6 @@ contains
 
       knee = merge(self%parameters(2), 0.0_wp, self%parameters(1) > 0.0_wp)
    end function knee
-
-   !> Whether there is any friction.
-   pure logical function acts(self)
-      class(coulomb_t), intent(in) :: self
-
-      acts = self%parameters(1) > 0
-   end function acts
-
-   !> It never falls.
-   pure logical function falls(self)
-      class(coulomb_t), intent(in) :: self
-
-      falls = .false.
-   end function falls
 
    !> phi and its slope.
    elemental subroutine coulomb_factor(branch, v_t, coefficient, delta, phi, d_v)

@@ -14,7 +14,7 @@ module evl_damping_ratio
 
    type, extends(damping_law_t) :: damping_ratio_t
    contains
-      procedure, nopass :: describe
+      procedure :: describe
       procedure :: force
       procedure :: left_to_mesh
       procedure :: refuse_mesh
@@ -24,7 +24,8 @@ module evl_damping_ratio
 contains
 
    !> Name, source and parameter.
-   pure subroutine describe(info)
+   pure subroutine describe(self, info)
+      class(damping_ratio_t), intent(in) :: self
       type(kind_t), intent(inout) :: info
 
       info%name = "ratio"

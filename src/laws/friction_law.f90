@@ -16,8 +16,8 @@ module evl_friction_law
    type, abstract, extends(force_law_t) :: friction_law_t
    contains
       procedure(factor), deferred :: factor
-      procedure(asked), deferred :: acts
-      procedure(asked), deferred :: falls
+      procedure :: acts
+      procedure :: falls => never
       procedure :: branch
       procedure :: knee
       procedure :: factor_lanes => lane_by_lane
@@ -36,17 +36,23 @@ module evl_friction_law
          real(wp), intent(out) :: d_v  !! dphi/dv_t [s/m]
       end subroutine factor
 
-      !> `acts`: whether there is any friction. `falls`: whether it falls somewhere as the sliding velocity rises, where damping is
-      !> negative.
-      pure logical function asked(self)
-         import :: friction_law_t
-         implicit none (type, external)
-         class(friction_law_t), intent(in) :: self
-      end function asked
-
    end interface
 
 contains
+
+   !> Whether there is any friction: the first parameter is a coefficient that scales it.
+   pure logical function acts(self)
+      class(friction_law_t), intent(in) :: self
+
+      acts = self%parameters(1) > 0
+   end function acts
+
+   !> Whether it falls somewhere as the sliding velocity rises, where damping is negative.
+   pure logical function never(self)
+      class(friction_law_t), intent(in) :: self
+
+      never = .false.
+   end function never
 
    !> phi in eight states on one branch: a law without a loop of its own is asked state by state.
    pure subroutine lane_by_lane(self, branch, v_t, phi)

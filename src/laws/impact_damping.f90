@@ -10,7 +10,7 @@
 !> is left, whatever the elastic law. Hence e' < 1/chi: in a free impact the flanks never pull.
 !>
 !> Source: P. Flores, M. Machado, M. T. Silva, J. M. Martins, On the continuous contact force models for soft materials in multibody
-!> dynamics, Multibody Syst. Dyn. 25 (2011) 357, which compares them. That of each chi stands with it.
+!> dynamics, Multibody Syst. Dyn. 25 (2011) 357, which compares them. That of each chi stands with it; docs/laws.md has the titles.
 module evl_impact_damping
    use evl_contact_context, only: contact_context, lane_context
    use evl_damping_law, only: damping_law_t, viscous_result
@@ -19,53 +19,64 @@ module evl_impact_damping
    implicit none (type, external)
    private
 
-   public :: describe_impact, impact_damping_t
+   public :: impact_damping_t, impact_factors
 
-   !> The laws of this kind extend it by their name and their chi.
-   type, abstract, extends(damping_law_t) :: impact_damping_t
+   !> How chi follows from the coefficient of restitution e: scale (1 - e), times 1 + e, over e.
+   type :: impact_factor
+      character(len=19) :: name    !! of the law
+      character(len=15) :: formula !! of chi
+      character(len=63) :: source  !! of it
+      real(wp) :: scale
+      logical :: times, over       !! which divides by e refuses 0
+   end type impact_factor
+
+   type(impact_factor), parameter :: impact_factors(*) = [ &
+          impact_factor("hunt_crossley", "1.5 (1 - e)", "Hunt & Crossley 1975, J. Appl. Mech. 42, 440", 1.5_wp, .false., .false.), &
+                      impact_factor("lankarani_nikravesh", "0.75 (1 - e^2)", "Lankarani & Nikravesh 1990, J. Mech. Des. 112, 369", &
+                                                   0.75_wp, .true., .false.), &
+          impact_factor("flores", "8 (1 - e)/(5 e)", "Flores et al. 2011, Multibody Syst. Dyn. 25, 357", 1.6_wp, .false., .true.), &
+           impact_factor("gonthier", "(1 - e^2)/e", "Gonthier et al. 2004, Multibody Syst. Dyn. 11, 209", 1.0_wp, .true., .true.), &
+                               impact_factor("lee_wang", "0.75 (1 - e)", "Lee & Wang 1983, J. Mech. Transm. Autom. Des. 105, 534", &
+                                                   0.75_wp, .false., .false.)]
+
+   type, extends(damping_law_t) :: impact_damping_t
+      integer :: factor = 1 !! which of them
    contains
-      procedure(chi), deferred, nopass :: chi
+      procedure :: describe
       procedure :: force
       procedure :: force_lanes
       procedure :: complete
    end type impact_damping_t
 
-   abstract interface
-
-      !> chi of a nominal coefficient of restitution e.
-      pure real(wp) function chi(e)
-         import :: wp
-         implicit none (type, external)
-         real(wp), intent(in) :: e !! in the range of the description
-      end function chi
-
-   end interface
-
 contains
 
-   !> What their descriptions have in common.
-   pure subroutine describe_impact(name, factor, source, is_positive, info)
-      character(len=*), intent(in) :: name   !! of the law
-      character(len=*), intent(in) :: factor !! chi as a formula
-      character(len=*), intent(in) :: source !! of chi
-      logical, intent(in) :: is_positive     !! chi divides by e: 0 is refused
+   !> Name, source and parameters.
+   pure subroutine describe(self, info)
+      class(impact_damping_t), intent(in) :: self
       type(kind_t), intent(inout) :: info
+      type(impact_factor) :: factor
 
-      info%name = name
-      info%text = "elastic force times chi h'/v0, chi = "//factor
-      info%source = source
+      factor = impact_factors(self%factor)
+      info%name = factor%name
+      info%text = "elastic force times chi h'/v0, chi = "//factor%formula
+      info%source = factor%source
       info%rows = [parameter_row("restitution", "", "nominal coefficient of restitution e", &
-                                 range=range_t(minimum=0.0_wp, maximum=1.0_wp, minimum_open=is_positive)), &
+                                 range=range_t(minimum=0.0_wp, maximum=1.0_wp, minimum_open=factor%over)), &
                    parameter_row("v0_min", "m/s", "smallest approach speed v0 that is used; h_0 sqrt(k/m) if not given", &
                                  range=positive, left_open=.true.)]
-   end subroutine describe_impact
+   end subroutine describe
 
    !> chi/v0 [s/m].
    pure real(wp) function share_of(self, v0) result(share)
       class(impact_damping_t), intent(in) :: self
       real(wp), intent(in) :: v0 !! approach speed at the last closing [m/s]
 
-      share = self%chi(self%parameters(1))/max(v0, self%parameters(2))
+      associate (i => self%factor, e => self%parameters(1))
+         share = impact_factors(i)%scale*(1.0_wp - e)
+         if (impact_factors(i)%times) share = share*(1.0_wp + e)
+         if (impact_factors(i)%over) share = share/e
+      end associate
+      share = share/max(v0, self%parameters(2))
    end function share_of
 
    !> The force.

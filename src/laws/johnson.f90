@@ -33,7 +33,7 @@ module evl_johnson
    type, extends(elastic_law_t) :: johnson_t
       real(wp) :: radii_factor = 1.0_wp !! as how many times as large the radii count: laws of this form with another constant
    contains
-      procedure, nopass :: describe
+      procedure :: describe
       procedure :: force
       procedure :: force_lanes
       procedure :: potential
@@ -49,7 +49,8 @@ contains
    include "numerics/lambert_w.inc"
 
    !> Name and source.
-   pure subroutine describe(info)
+   pure subroutine describe(self, info)
+      class(johnson_t), intent(in) :: self
       type(kind_t), intent(inout) :: info
 
       info%name = "johnson"

@@ -4,14 +4,10 @@ module evl_law_table
    use evl_damping_law, only: damping_law_t
    use evl_damping_ratio, only: damping_ratio_t
    use evl_elastic_law, only: elastic_law_t
-   use evl_flores, only: flores_t
    use evl_friction_law, only: friction_law_t
-   use evl_gonthier, only: gonthier_t
-   use evl_hunt_crossley, only: hunt_crossley_t
+   use evl_impact_damping, only: impact_damping_t, impact_factors
    use evl_johnson, only: johnson_t
    use evl_kind_finder, only: kind_finder
-   use evl_lankarani_nikravesh, only: lankarani_nikravesh_t
-   use evl_lee_wang, only: lee_wang_t
    use evl_linear_damping, only: linear_damping_t
    use evl_linear_spring, only: linear_spring_t
    use evl_no_damping, only: no_damping_t
@@ -58,15 +54,14 @@ contains
    subroutine damping_law(finder, law)
       type(kind_finder), intent(inout) :: finder
       class(damping_law_t), allocatable, intent(out) :: law
+      integer :: i
 
       call offer(no_damping_t())
       call offer(linear_damping_t())
       call offer(one_sided_damping_t())
-      call offer(hunt_crossley_t())
-      call offer(lankarani_nikravesh_t())
-      call offer(flores_t())
-      call offer(gonthier_t())
-      call offer(lee_wang_t())
+      do i = 1, size(impact_factors)
+         call offer(impact_damping_t(factor=i))
+      end do
       call offer(damping_ratio_t())
 
    contains

@@ -11,7 +11,7 @@ module evl_linear_damping
 
    type, extends(damping_law_t) :: linear_damping_t
    contains
-      procedure, nopass :: describe
+      procedure :: describe
       procedure :: force
       procedure :: force_lanes
    end type linear_damping_t
@@ -19,7 +19,8 @@ module evl_linear_damping
 contains
 
    !> Name, source and parameter.
-   pure subroutine describe(info)
+   pure subroutine describe(self, info)
+      class(linear_damping_t), intent(in) :: self
       type(kind_t), intent(inout) :: info
 
       info%name = "linear"

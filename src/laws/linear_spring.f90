@@ -14,7 +14,7 @@ module evl_linear_spring
 
    type, extends(elastic_law_t) :: linear_spring_t
    contains
-      procedure, nopass :: describe
+      procedure :: describe
       procedure :: stiffness
       procedure :: force
       procedure :: force_lanes
@@ -25,7 +25,8 @@ module evl_linear_spring
 contains
 
    !> Name, source and parameter.
-   pure subroutine describe(info)
+   pure subroutine describe(self, info)
+      class(linear_spring_t), intent(in) :: self
       type(kind_t), intent(inout) :: info
 
       info%name = "linear"

@@ -12,7 +12,7 @@ module evl_no_damping
 
    type, extends(damping_law_t) :: no_damping_t
    contains
-      procedure, nopass :: describe
+      procedure :: describe
       procedure, nopass :: is_none => yes
       procedure :: force
       procedure :: force_lanes
@@ -21,7 +21,8 @@ module evl_no_damping
 contains
 
    !> Its name.
-   pure subroutine describe(info)
+   pure subroutine describe(self, info)
+      class(no_damping_t), intent(in) :: self
       type(kind_t), intent(inout) :: info
 
       info%name = "none"

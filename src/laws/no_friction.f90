@@ -11,18 +11,17 @@ module evl_no_friction
 
    type, extends(friction_law_t) :: no_friction_t
    contains
-      procedure, nopass :: describe
+      procedure :: describe
       procedure, nopass :: is_none => yes
       procedure :: factor
       procedure :: factor_lanes
-      procedure :: acts => never
-      procedure :: falls => never
    end type no_friction_t
 
 contains
 
    !> Its name.
-   pure subroutine describe(info)
+   pure subroutine describe(self, info)
+      class(no_friction_t), intent(in) :: self
       type(kind_t), intent(inout) :: info
 
       info%name = "none"
@@ -49,12 +48,5 @@ contains
 
       phi = 0
    end subroutine factor_lanes
-
-   !> There is none, and it does not fall.
-   pure logical function never(self)
-      class(no_friction_t), intent(in) :: self
-
-      never = .false.
-   end function never
 
 end module evl_no_friction

@@ -15,7 +15,7 @@ module evl_one_sided_damping
 
    type, extends(damping_law_t) :: one_sided_damping_t
    contains
-      procedure, nopass :: describe
+      procedure :: describe
       procedure, nopass :: has_sides => yes
       procedure :: force
       procedure :: force_lanes
@@ -24,7 +24,8 @@ module evl_one_sided_damping
 contains
 
    !> Name, source and parameter.
-   pure subroutine describe(info)
+   pure subroutine describe(self, info)
+      class(one_sided_damping_t), intent(in) :: self
       type(kind_t), intent(inout) :: info
 
       info%name = "one_sided"

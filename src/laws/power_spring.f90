@@ -18,7 +18,7 @@ module evl_power_spring
 
    type, extends(elastic_law_t) :: power_spring_t
    contains
-      procedure, nopass :: describe
+      procedure :: describe
       procedure :: force
       procedure :: force_lanes
       procedure :: potential
@@ -33,7 +33,8 @@ contains
    include "numerics/power.inc"
 
    !> Name, source and parameters.
-   pure subroutine describe(info)
+   pure subroutine describe(self, info)
+      class(power_spring_t), intent(in) :: self
       type(kind_t), intent(inout) :: info
 
       info%name = "power"

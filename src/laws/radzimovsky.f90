@@ -28,7 +28,7 @@ module evl_radzimovsky
    !> Valid: |h| < exp(-1/3) rho_sum, |N| < exp(-1/3) pi E* rho_sum, rho_sum > 0
    type, extends(johnson_t) :: radzimovsky_t
    contains
-      procedure, nopass :: describe
+      procedure :: describe
       procedure :: limit_message
    end type radzimovsky_t
 
@@ -44,7 +44,8 @@ contains
    end function johnson_of_larger_radii
 
    !> Name and source.
-   pure subroutine describe(info)
+   pure subroutine describe(self, info)
+      class(radzimovsky_t), intent(in) :: self
       type(kind_t), intent(inout) :: info
 
       info%name = "radzimovsky"

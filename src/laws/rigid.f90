@@ -14,7 +14,7 @@ module evl_rigid
 
    type, extends(elastic_law_t) :: rigid_t
    contains
-      procedure, nopass :: describe
+      procedure :: describe
       procedure, nopass :: is_rigid => yes
       procedure :: force
       procedure :: potential
@@ -28,7 +28,8 @@ module evl_rigid
 contains
 
    !> Name, source and parameters.
-   pure subroutine describe(info)
+   pure subroutine describe(self, info)
+      class(rigid_t), intent(in) :: self
       type(kind_t), intent(inout) :: info
 
       info%name = "rigid"

@@ -16,11 +16,10 @@ module evl_stribeck
 
    type, extends(friction_law_t) :: stribeck_t
    contains
-      procedure, nopass :: describe
+      procedure :: describe
       procedure :: check
       procedure :: factor
       procedure :: factor_lanes
-      procedure :: acts
       procedure :: falls
    end type stribeck_t
 
@@ -32,7 +31,8 @@ contains
    include "laws/smooth_sliding.inc"
 
    !> Name, source and parameters.
-   pure subroutine describe(info)
+   pure subroutine describe(self, info)
+      class(stribeck_t), intent(in) :: self
       type(kind_t), intent(inout) :: info
 
       info%name = "stribeck"
@@ -87,13 +87,6 @@ contains
          call stribeck_factor(v_t(l), p(1), p(2), p(3), p(4), phi(l), d_v)
       end do
    end subroutine factor_lanes
-
-   !> Whether there is any friction.
-   pure logical function acts(self)
-      class(stribeck_t), intent(in) :: self
-
-      acts = self%parameters(1) > 0
-   end function acts
 
    !> It falls from static to kinetic.
    pure logical function falls(self)

@@ -14,11 +14,9 @@ module evl_tanh_friction
 
    type, extends(friction_law_t) :: tanh_friction_t
    contains
-      procedure, nopass :: describe
+      procedure :: describe
       procedure :: factor
       procedure :: factor_lanes
-      procedure :: acts
-      procedure :: falls
    end type tanh_friction_t
 
 contains
@@ -28,7 +26,8 @@ contains
    include "laws/smooth_sliding.inc"
 
    !> Name, source and parameters.
-   pure subroutine describe(info)
+   pure subroutine describe(self, info)
+      class(tanh_friction_t), intent(in) :: self
       type(kind_t), intent(inout) :: info
 
       info%name = "tanh"
@@ -64,20 +63,6 @@ contains
          call tanh_factor(v_t(l), coefficient, delta, phi(l), d_v)
       end do
    end subroutine factor_lanes
-
-   !> Whether there is any friction.
-   pure logical function acts(self)
-      class(tanh_friction_t), intent(in) :: self
-
-      acts = self%parameters(1) > 0
-   end function acts
-
-   !> It never falls.
-   pure logical function falls(self)
-      class(tanh_friction_t), intent(in) :: self
-
-      falls = .false.
-   end function falls
 
    !> phi and its slope.
    elemental subroutine tanh_factor(v_t, coefficient, delta, phi, d_v)

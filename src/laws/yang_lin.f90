@@ -14,14 +14,15 @@ module evl_yang_lin
 
    type, extends(linear_spring_t) :: yang_lin_t
    contains
-      procedure, nopass :: describe
+      procedure :: describe
       procedure :: stiffness
    end type yang_lin_t
 
 contains
 
    !> Name and source.
-   pure subroutine describe(info)
+   pure subroutine describe(self, info)
+      class(yang_lin_t), intent(in) :: self
       type(kind_t), intent(inout) :: info
 
       info%name = "yang_lin"

@@ -7,7 +7,7 @@ module evl_jacobian_entries
    implicit none (type, external)
    private
 
-   public :: jacobian_entries, add_entry, entry_index, full_matrix, listed_entries, marked_entries
+   public :: jacobian_entries, add_entry, entry_index, full_matrix, listed_entries
 
    type :: jacobian_entries
       integer :: n = 0                    !! rows, and columns
@@ -26,15 +26,6 @@ contains
       entries%n = n
       entries%n_entries = n**2
    end subroutine full_matrix
-
-   !> All entries, to be marked: what is added to is 1.
-   pure subroutine marked_entries(n, entries)
-      integer, intent(in) :: n !! rows
-      type(jacobian_entries), intent(out) :: entries
-
-      call full_matrix(n, entries)
-      entries%marks = .true.
-   end subroutine marked_entries
 
    !> Some entries in a given order.
    pure subroutine listed_entries(n, rows, columns, entries)

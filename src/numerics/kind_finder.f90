@@ -10,7 +10,7 @@ module evl_kind_finder
    !> A kind, which describes itself.
    type, abstract :: described_t
    contains
-      procedure(describe), deferred, nopass :: describe
+      procedure(describe), deferred :: describe
    end type described_t
 
    !> Of one walk through a table.
@@ -27,9 +27,10 @@ module evl_kind_finder
    abstract interface
 
       !> Name, text, source and rows of the kind; `info` comes empty.
-      pure subroutine describe(info)
-         import :: kind_t
+      pure subroutine describe(self, info)
+         import :: described_t, kind_t
          implicit none (type, external)
+         class(described_t), intent(in) :: self
          type(kind_t), intent(inout) :: info
       end subroutine describe
 

@@ -7,6 +7,7 @@ module evl_rational
 
    public :: divisor_of, rational_parts, rational_pitches, rational_t, rational_scaled, rational_value, operator(==)
 
+   integer, parameter :: int128 = selected_int_kind(38)
    integer(int64), parameter :: largest = 2_int64**61           !! numerator and denominator, so that twice of it fits
    integer(int64), parameter :: short = int(huge(1_int32), int64) !! times any number of turns it still fits
 
@@ -111,44 +112,20 @@ contains
          whole = r%above*n/r%below
          rest = r%above*n - whole*r%below
       else
-         call multiply(r, n, whole, rest)
+         call split_large(r, n, whole, rest)
       end if
    end subroutine split
 
-   !> r n = whole + rest/below where the product of the numerator and n does not fit: digit by digit in base 2.
-   pure subroutine multiply(r, n, whole, rest)
+   !> The same where the product of the numerator and n needs more than 64 bits.
+   pure subroutine split_large(r, n, whole, rest)
       type(rational_t), intent(in) :: r
       integer, intent(in) :: n
       integer(int64), intent(out) :: whole, rest
-      integer(int64) :: unit
-      integer :: k
+      integer(int128) :: product
 
-      unit = mod(abs(r%above), r%below)
-      whole = 0
-      rest = 0
-      do k = bit_size(n) - 1, 0, -1
-         whole = 2*whole
-         rest = 2*rest
-         call carry(r%below, whole, rest)
-         if (.not. btest(abs(int(n, int64)), k)) cycle
-         rest = rest + unit
-         call carry(r%below, whole, rest)
-      end do
-      whole = whole + abs(r%above)/r%below*abs(int(n, int64))
-      if ((r%above < 0) .neqv. (n < 0)) then
-         whole = -whole
-         rest = -rest
-      end if
-   end subroutine multiply
-
-   !> Whole parts of the rest go to the whole.
-   pure subroutine carry(below, whole, rest)
-      integer(int64), intent(in) :: below
-      integer(int64), intent(inout) :: whole, rest
-
-      if (rest < below) return
-      rest = rest - below
-      whole = whole + 1
-   end subroutine carry
+      product = int(r%above, int128)*n
+      whole = int(product/r%below, int64)
+      rest = int(mod(product, int(r%below, int128)), int64)
+   end subroutine split_large
 
 end module evl_rational

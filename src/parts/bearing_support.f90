@@ -10,13 +10,14 @@ module evl_bearing_support
 
    type, extends(support_kind_t) :: bearing_support
    contains
-      procedure, nopass :: describe
+      procedure :: describe
       procedure :: take
    end type bearing_support
 
 contains
 
-   pure subroutine describe(info)
+   pure subroutine describe(self, info)
+      class(bearing_support), intent(in) :: self
       type(kind_t), intent(inout) :: info
 
       info%name = "bearing"

@@ -12,7 +12,7 @@ module evl_constant_load
    type, extends(load_t) :: constant_load
       real(wp) :: value = 0.0_wp !! [N m]
    contains
-      procedure, nopass :: describe
+      procedure :: describe
       procedure :: take
       procedure :: ask
       procedure :: largest
@@ -21,7 +21,8 @@ module evl_constant_load
 
 contains
 
-   pure subroutine describe(info)
+   pure subroutine describe(self, info)
+      class(constant_load), intent(in) :: self
       type(kind_t), intent(inout) :: info
 
       info%name = "torque"

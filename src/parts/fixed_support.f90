@@ -10,13 +10,14 @@ module evl_fixed_support
 
    type, extends(support_kind_t) :: fixed_support
    contains
-      procedure, nopass :: describe
+      procedure :: describe
       procedure :: take
    end type fixed_support
 
 contains
 
-   pure subroutine describe(info)
+   pure subroutine describe(self, info)
+      class(fixed_support), intent(in) :: self
       type(kind_t), intent(inout) :: info
 
       info%name = "fixed"

@@ -20,7 +20,7 @@ module evl_harmonic_load
       real(wp) :: order = 0.0_wp     !! cycles a turn of the wheel; 0 if by frequency
       real(wp) :: phase = 0.0_wp     !! in cycles
    contains
-      procedure, nopass :: describe
+      procedure :: describe
       procedure, nopass :: refusal
       procedure :: take
       procedure :: ask
@@ -32,7 +32,8 @@ contains
 
    include "numerics/sine_cosine.inc"
 
-   pure subroutine describe(info)
+   pure subroutine describe(self, info)
+      class(harmonic_load), intent(in) :: self
       type(kind_t), intent(inout) :: info
 
       info%name = "harmonic"

@@ -12,7 +12,7 @@ module evl_housing
    public :: housing_fixed, housing_prescribed, housing_mounted
    public :: at_position, at_orientation, at_velocity, at_omega
    public :: housing_frame, apparent_acceleration, frame_acceleration, wheel_moment, mount_force, mount_turn, norm_rate
-   public :: mount_deflection, housing_rates, housing_start, housing_renormalise, housing_turn_columns, housing_take_turn, &
+   public :: mount_deflection, housing_rates, housing_renormalise, housing_turn_columns, housing_take_turn, &
              small_turns
 
    integer, parameter :: housing_fixed = 0      !! at rest, its frame that of the ground
@@ -46,13 +46,9 @@ module evl_housing
    end type housing_t
 
    !> The housing frame at one time.
-   type :: frame_t
+   type, extends(motion_curve) :: frame_t
       real(wp) :: t = 0.0_wp                !! [s]
-      real(wp) :: position(3), velocity(3)  !! r, v: ground [m], [m/s]
-      real(wp) :: orientation(4)            !! p
       real(wp) :: rotation(3, 3)            !! R
-      real(wp) :: omega(3)                  !! Omega [rad/s]
-      real(wp) :: alpha(3)                  !! Omega' [rad/s^2]
       real(wp) :: acceleration(3)           !! a = R^T (v' - g) [m/s^2]
    end type frame_t
 
@@ -64,7 +60,6 @@ contains
       real(wp), intent(in) :: t, y(:)
       type(frame_t), intent(out) :: frame
       real(wp), intent(in), optional :: yp(:)
-      type(motion_curve) :: curve
       real(wp) :: velocity_rate(3)
 
       frame%t = t
@@ -83,13 +78,7 @@ contains
             end if
          end associate
       case (housing_prescribed)
-         call motion_at(housing%motion, t, curve)
-         frame%position = curve%position
-         frame%orientation = curve%orientation
-         frame%velocity = curve%velocity
-         frame%omega = curve%omega
-         frame%alpha = curve%alpha
-         velocity_rate = curve%acceleration
+         call motion_at(housing%motion, t, frame%motion_curve, velocity_rate)
       case default
          frame = frame_t(t=t, position=0.0_wp, velocity=0.0_wp, orientation=[1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp], rotation=identity, &
                          omega=0.0_wp, alpha=0.0_wp, acceleration=-housing%gravity)
@@ -188,16 +177,6 @@ contains
          end associate
       end associate
    end subroutine housing_rates
-
-   !> Put the start of a mounted housing into the state.
-   pure subroutine housing_start(housing, y)
-      type(housing_t), intent(in) :: housing
-      real(wp), intent(inout) :: y(:)
-
-      if (.not. housing%is_mounted) return
-      y(housing%i_state:housing%i_state + n_housing_states - 1) = [housing%position, housing%orientation, housing%velocity, &
-                                                                   housing%omega]
-   end subroutine housing_start
 
    !> Restart with a quaternion of norm 1.
    pure subroutine housing_renormalise(housing, y)

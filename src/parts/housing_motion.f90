@@ -29,9 +29,9 @@ module evl_housing_motion
 
    !> Where the housing is and how it moves.
    type :: motion_curve
-      real(wp) :: position(3), velocity(3), acceleration(3) !! of the origin, in the ground frame [m], [m/s], [m/s^2]
-      real(wp) :: orientation(4)                            !! unit quaternion
-      real(wp) :: omega(3), alpha(3)                        !! in the housing frame [rad/s], [rad/s^2]
+      real(wp) :: position(3), velocity(3) !! r, v of the origin: ground [m], [m/s]
+      real(wp) :: orientation(4)           !! p, unit quaternion
+      real(wp) :: omega(3), alpha(3)       !! Omega, Omega' in the housing frame [rad/s], [rad/s^2]
    end type motion_curve
 
 contains
@@ -110,29 +110,24 @@ contains
    end subroutine motion_prepare
 
    !> The motion at time t.
-   pure subroutine motion_at(terms, t, curve)
+   pure subroutine motion_at(terms, t, curve, acceleration)
       type(motion_term), intent(in) :: terms(:) !! of all coordinates, in any order
       real(wp), intent(in) :: t                 !! [s]
       type(motion_curve), intent(out) :: curve
-      real(wp), dimension(n_coordinates) :: x, rate, second
-      real(wp) :: one(3)
+      real(wp), intent(out) :: acceleration(3)  !! v' [m/s^2]
+      real(wp) :: x(n_coordinates, 3) ! with first and second derivative
       integer :: i
 
       x = 0
-      rate = 0
-      second = 0
       do i = 1, size(terms)
-         one = term_at(terms(i), t)
          associate (k => terms(i)%coordinate)
-            x(k) = x(k) + one(1)
-            rate(k) = rate(k) + one(2)
-            second(k) = second(k) + one(3)
+            x(k, :) = x(k, :) + term_at(terms(i), t)
          end associate
       end do
-      curve%position = x(1:3)
-      curve%velocity = rate(1:3)
-      curve%acceleration = second(1:3)
-      call turn_from_vector(x(4:6), rate(4:6), second(4:6), curve%orientation, curve%omega, curve%alpha)
+      curve%position = x(1:3, 1)
+      curve%velocity = x(1:3, 2)
+      acceleration = x(1:3, 3)
+      call turn_from_vector(x(4:6, 1), x(4:6, 2), x(4:6, 3), curve%orientation, curve%omega, curve%alpha)
    end subroutine motion_at
 
    !> A term with its first and second derivative.

@@ -11,13 +11,14 @@ module evl_slider_support
 
    type, extends(support_kind_t) :: slider_support
    contains
-      procedure, nopass :: describe
+      procedure :: describe
       procedure :: take
    end type slider_support
 
 contains
 
-   pure subroutine describe(info)
+   pure subroutine describe(self, info)
+      class(slider_support), intent(in) :: self
       type(kind_t), intent(inout) :: info
 
       info%name = "slider"

@@ -13,7 +13,7 @@ module evl_speed_load
    type, extends(load_t) :: speed_load
       real(wp) :: value = 0.0_wp !! [rad/s] without a table
    contains
-      procedure, nopass :: describe
+      procedure :: describe
       procedure, nopass :: refusal
       procedure :: take
       procedure :: ask
@@ -24,7 +24,8 @@ module evl_speed_load
 
 contains
 
-   pure subroutine describe(info)
+   pure subroutine describe(self, info)
+      class(speed_load), intent(in) :: self
       type(kind_t), intent(inout) :: info
 
       info%name = "speed"

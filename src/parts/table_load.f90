@@ -12,7 +12,7 @@ module evl_table_load
 
    type, extends(load_t) :: table_load
    contains
-      procedure, nopass :: describe
+      procedure :: describe
       procedure :: take
       procedure :: ask
       procedure :: largest
@@ -23,7 +23,8 @@ contains
 
    include "parts/between_knots.inc"
 
-   pure subroutine describe(info)
+   pure subroutine describe(self, info)
+      class(table_load), intent(in) :: self
       type(kind_t), intent(inout) :: info
 
       info%name = "table"

@@ -12,7 +12,7 @@ module evl_viscous_load
    type, extends(load_t) :: viscous_load
       real(wp) :: coefficient = 0.0_wp !! [N m s] >= 0
    contains
-      procedure, nopass :: describe
+      procedure :: describe
       procedure :: take
       procedure :: ask
       procedure :: largest
@@ -22,7 +22,8 @@ module evl_viscous_load
 
 contains
 
-   pure subroutine describe(info)
+   pure subroutine describe(self, info)
+      class(viscous_load), intent(in) :: self
       type(kind_t), intent(inout) :: info
 
       info%name = "viscous"

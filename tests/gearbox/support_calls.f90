@@ -16,7 +16,7 @@ module support_calls
       real(wp) :: amplitude(2) = 0.0_wp !! [m]
       real(wp) :: w = 0.0_wp            !! [rad/s]
    contains
-      procedure, nopass :: describe
+      procedure :: describe
       procedure :: take
       procedure :: reference
    end type shaken_support
@@ -40,7 +40,8 @@ contains
       gearbox%housing%acts = .true.
    end subroutine support_shake
 
-   pure subroutine describe(info)
+   pure subroutine describe(self, info)
+      class(shaken_support), intent(in) :: self
       type(kind_t), intent(inout) :: info
 
       info%name = "shaken"

@@ -1,13 +1,13 @@
 !> Deviations of flanks and pitch errors for the tests: C calls that the kernel does not export.
 module deviation_calls
    use, intrinsic :: iso_c_binding, only: c_bool, c_double, c_f_pointer, c_int, c_ptr
-   use evl_capi_description, only: first_wheel
    use evl_capi_types, only: c_status, status_to_c
    use evl_deviation_description, only: deviation_create, profile_t
    use evl_flank_deviation, only: deviation_borders, deviation_branch, deviation_on, deviation_zone, flank_deviation_t
    use evl_gearbox, only: gearbox_t
    use evl_pitch_errors, only: pitch_errors_generate, pitch_tolerances
    use evl_status, only: has_failed, status_t
+   use first_wheel_of, only: first_wheel
    implicit none (type, external)
    private
 

@@ -217,8 +217,8 @@ contains
 
       call c_f_pointer(handle, session)
       counts = radau_get_counts(session%solver)
-      numbers = [counts%steps, counts%rejections, counts%lane_evaluations, counts%evaluations, counts%jacobians, &
-                 counts%factorisations, counts%dense_factorisations, counts%root_evaluations, counts%events, &
+      numbers = [counts%steps, counts%rejections, counts%iterations, counts%evaluations, counts%jacobians, &
+                 counts%factorisations, counts%dense, counts%root_evaluations, counts%events, &
                  counts%growth_cuts]
    end subroutine rt_counts
 

@@ -103,8 +103,6 @@ EVL_API int evl_description_set(evl_description *description, int index, const d
 
 /* ---- law tables ------------------------------------------------------------------------------------------------------------ */
 
-typedef enum { EVL_LAWS_CONTACT = 0, EVL_LAWS_DAMPING = 1, EVL_LAWS_FRICTION = 2 } evl_law_family;
-
 /** One law of a family with its parameters in the order of its rows. */
 typedef struct {
     int law; /**< index in the family's kinds */

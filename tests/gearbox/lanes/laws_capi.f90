@@ -18,7 +18,7 @@ module laws_capi
    type, extends(elastic_law_t) :: bare_elastic_t
       class(elastic_law_t), allocatable :: law
    contains
-      procedure, nopass :: describe
+      procedure :: describe => describe_elastic
       procedure :: force => elastic_force
       procedure :: potential
       procedure :: penetration
@@ -28,14 +28,14 @@ module laws_capi
    type, extends(damping_law_t) :: bare_damping_t
       class(damping_law_t), allocatable :: law
    contains
-      procedure, nopass :: describe
+      procedure :: describe => describe_damping
       procedure :: force => damping_force
    end type bare_damping_t
 
    type, extends(friction_law_t) :: bare_friction_t
       class(friction_law_t), allocatable :: law
    contains
-      procedure, nopass :: describe
+      procedure :: describe => describe_friction
       procedure :: factor
       procedure :: acts
       procedure :: falls
@@ -146,11 +146,26 @@ contains
       at%side = 0
    end function context_of_lanes
 
-   pure subroutine describe(info)
+   pure subroutine describe_elastic(self, info)
+      class(bare_elastic_t), intent(in) :: self
       type(kind_t), intent(inout) :: info
 
       info%name = "bare"
-   end subroutine describe
+   end subroutine describe_elastic
+
+   pure subroutine describe_damping(self, info)
+      class(bare_damping_t), intent(in) :: self
+      type(kind_t), intent(inout) :: info
+
+      info%name = "bare"
+   end subroutine describe_damping
+
+   pure subroutine describe_friction(self, info)
+      class(bare_friction_t), intent(in) :: self
+      type(kind_t), intent(inout) :: info
+
+      info%name = "bare"
+   end subroutine describe_friction
 
    pure subroutine elastic_force(self, ctx, result, code)
       class(bare_elastic_t), intent(in) :: self
