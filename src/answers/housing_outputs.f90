@@ -5,9 +5,10 @@ module evl_housing_outputs
    use evl_gearbox, only: axle_acceleration, gearbox_t, wheel_position, wheel_speed, wheel_t
    use evl_housing, only: apparent_acceleration, frame_t, wheel_moment
    use evl_kinds, only: wp
-   use evl_output, only: dims_mesh, dims_none, dims_wheel, in_bearings, in_mesh_positions, in_pose, in_wheel_positions
+   use evl_output, only: dims_mesh, dims_none, dims_wheel, in_bearings, in_mesh_positions, in_pose, in_wheel_positions, &
+                         needs_nothing, needs_rates, needs_reactions
    use evl_rotation, only: cross, turned
-   use evl_teller, only: begin, tell, teller_t
+   use evl_teller, only: begin, needs, tell, teller_t
    use evl_tooth_contact, only: tooth_contact_t
    use evl_wheel_loads, only: wheel_housing_torque
    implicit none (type, external)
@@ -46,6 +47,7 @@ contains
       real(wp), intent(in) :: reaction(6) !! force [N], moment [N m]
 
       call begin(teller, in_bearings, dims_wheel, index)
+      call needs(teller, needs_reactions)
       call tell(teller, "bearing_force", "N", "", "force of the wheel on the housing, housing frame", reaction(1:3))
       call tell(teller, "bearing_moment", "N m", "", "moment of the wheel and its loads on the housing about the wheel's centre", &
                 reaction(4:6))
@@ -62,10 +64,13 @@ contains
       call tell(teller, "housing_orientation", "1", "p", "unit quaternion from the housing frame to the ground frame", &
                 frame%orientation)
       call tell(teller, "housing_velocity", "m s-1", "v", "velocity of the housing's origin, ground frame", frame%velocity)
+      call needs(teller, needs_rates)
       call tell(teller, "housing_acceleration", "m s-2", "v'", "acceleration of the housing's origin, ground frame", &
                 turned(frame%rotation, frame%acceleration) + gravity)
+      call needs(teller, needs_nothing)
       call tell(teller, "housing_angular_velocity", "rad s-1", "Omega", "angular velocity of the housing, housing frame", &
                 frame%omega)
+      call needs(teller, needs_rates)
       call tell(teller, "housing_angular_acceleration", "rad s-2", "Omega'", "angular acceleration of the housing, housing frame", &
                 frame%alpha)
    end subroutine tell_pose

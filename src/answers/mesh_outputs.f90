@@ -9,11 +9,11 @@ module evl_mesh_outputs
    use evl_housing_outputs, only: add_mesh_reaction
    use evl_kinds, only: wp
    use evl_local_variables, only: at_lambda, at_track, n_local, n_track
-   use evl_output, only: dims_mesh, in_coast, in_meshes
+   use evl_output, only: dims_mesh, in_coast, in_meshes, needs_meshes, needs_pairs, needs_points, needs_reactions
    use evl_pair_outputs, only: tell_pairs
    use evl_support, only: axle_motion
    use evl_tangent_line, only: tangent_line_t
-   use evl_teller, only: begin, tell, teller_t
+   use evl_teller, only: begin, needs, tell, teller_t
    use evl_tooth_contact, only: contact_state, flank_coast, flank_drive, flanks_apart, flanks_loaded, flanks_off, &
                                 locate_anywhere, no_force, tooth_contact_t, touches, tracking_closed_form
    implicit none (type, external)
@@ -53,6 +53,7 @@ contains
       type(mesh_points), intent(in) :: points
 
       call begin(teller, in_meshes, dims_mesh, index)
+      call needs(teller, needs_meshes)
       call tell(teller, "transmission_error", "m", "Delta", "dynamic transmission error along the line of action", lag)
       call tell(teller, "penetration", "m", "h", "mutual penetration of the flanks", penetration)
       call tell(teller, "gap", "m", "kappa", "smallest gap between the flanks, negative in contact", -total%h(1))
@@ -63,6 +64,7 @@ contains
       call tell(teller, "sliding_velocity", "m s-1", "v_t", "sliding velocity along t", at%point%v_t)
       call tell(teller, "friction_arm_driving", "m", "l_A", "arm of the friction force about the driving axle", at%point%l_a)
       call tell(teller, "friction_arm_driven", "m", "l_B", "arm of the friction force about the driven axle", at%point%l_b)
+      call needs(teller, needs_points)
       call tell(teller, "gradient_ratio", "1", "lambda", "ratio of the flanks' gradients", points%gradient_ratio)
       call tell(teller, "tracking_residual_driving", "m", "r_bA g_A", "distance of the tracked point from the driving flank", &
                 points%residual(1))
@@ -72,6 +74,7 @@ contains
                 points%line_distance(1))
       call tell(teller, "line_distance_driven", "m", "", "distance of the driven wheel's tracked point from the line of action", &
                 points%line_distance(2))
+      call needs(teller, needs_meshes)
       call tell(teller, "tooth_pair", "1", "k", "the tooth pair longest on the path: pitches since the start", at%mode%tooth_pair)
       call tell(teller, "in_contact", "1", "", "1 if the flanks of any tooth pair overlap", total%touching)
       call tell(teller, "contact_mode", "1", "", &
@@ -85,6 +88,7 @@ contains
       call tell(teller, "friction_loss", "W", "P_f", "power lost to friction", total%loss)
       call tell(teller, "efficiency", "1", "eta", "1 - friction loss over the power that the driving wheel hands over", &
                 efficiency(total, at%point%omega_a))
+      call needs(teller, needs_points)
       call tell(teller, "contact_point_driving", "m", "P_A", "contact point on the driving flank", points%driving)
       call tell(teller, "contact_point_driven", "m", "P_B", "contact point on the driven flank", points%driven)
    end subroutine tell_mesh
@@ -97,13 +101,15 @@ contains
       real(wp), intent(in) :: force !! [N]
 
       call begin(teller, in_coast, dims_mesh, index)
+      call needs(teller, needs_meshes)
       call tell(teller, "coast_gap", "m", "kappa_c", "smallest gap between the flanks on the coast side", gap)
       call tell(teller, "coast_force", "N", "F_nc", "normal force of the tooth pairs on the coast side", force)
    end subroutine tell_coast
 
    !> A mesh at a state.
-   subroutine put_mesh(teller, gearbox, index, t, y, integers, reals, contacts, torque, reactions, potential)
+   subroutine put_mesh(teller, wanted, gearbox, index, t, y, integers, reals, contacts, torque, reactions, potential)
       type(teller_t), intent(inout) :: teller
+      integer, intent(in) :: wanted         !! what wanted outputs need
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index, integers(:)
       real(wp), intent(in) :: t, y(:), reals(:)
@@ -134,19 +140,19 @@ contains
                if (.not. touches(contacts(m)%mode)) contacts(m)%force = no_force
                if (contacts(m)%mode%flanks == flanks_off) cycle
                call add_contact(gearbox%contacts(m), contacts(m), total)
-               if (touches(contacts(m)%mode)) &
+               if (touches(contacts(m)%mode) .and. iand(wanted, needs_reactions) == needs_reactions) &
                   call add_mesh_reaction(gearbox, gearbox%contacts(m), contacts(m)%force%on_a, reactions)
             end do
          end associate
       end do
-      call tell_pairs(teller, gearbox, index, contacts)
+      if (iand(wanted, needs_pairs) == needs_pairs) call tell_pairs(teller, gearbox, index, contacts)
       associate (contact => gearbox%contacts(leader), at => contacts(leader))
          if (at%mode%flanks == flanks_off .and. contact%tracking == tracking_closed_form) call locate_anywhere(contact, .false., at)
          torque(contact%wheel_a) = torque(contact%wheel_a) + total%torque_a
          torque(contact%wheel_b) = torque(contact%wheel_b) + total%torque_b
          lag = transmission_error(contact%pair, contact%axles_rest, at%q)
          call closed_form_line(contact%pair, at%q, line)
-         call find_points(gearbox, contact, t, at, line, points)
+         if (iand(wanted, needs_points) == needs_points) call find_points(gearbox, contact, t, at, line, points)
          penetration = max(total%h(1), 0.0_wp)
          if (.not. total%h(1) > -huge(1.0_wp)) then ! no pair is on the path: nothing overlaps, whatever the involutes would
             total%h(1) = at%point%h

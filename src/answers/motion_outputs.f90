@@ -3,10 +3,11 @@ module evl_motion_outputs
    use evl_gearbox, only: wheel_speed, wheel_t
    use evl_kinds, only: pi, wp
    use evl_local_variables, only: i_theta
-   use evl_output, only: dims_none, dims_shaft, dims_wheel, in_gearbox, in_shaft_constants, in_shafts, in_wheels
+   use evl_output, only: dims_none, dims_shaft, dims_wheel, in_gearbox, in_shaft_constants, in_shafts, in_wheels, needs_meshes, &
+                         needs_nothing, needs_rates
    use evl_shaft, only: shaft_t
    use evl_support, only: axle_deviation
-   use evl_teller, only: begin, tell, teller_t
+   use evl_teller, only: begin, needs, tell, teller_t
    implicit none (type, external)
    private
 
@@ -34,8 +35,11 @@ contains
       call tell(teller, "angle_deviation", "rad", "psi", "angle less the nominal ratio times that of the reference wheel", &
                 at%deviation)
       call tell(teller, "angular_velocity", "rad s-1", "omega", "angular velocity", at%speed)
+      call needs(teller, needs_rates)
       call tell(teller, "angular_acceleration", "rad s-2", "omega'", "angular acceleration", at%acceleration)
+      call needs(teller, needs_meshes)
       call tell(teller, "load_torque", "N m", "M", "torque of the loads", at%load_torque)
+      call needs(teller, needs_nothing)
       call tell(teller, "centre_displacement", "m", "u", "displacement of the axle from its reference position", at%displacement)
       call tell(teller, "centre_velocity", "m s-1", "u'", "velocity of the axle", at%velocity)
    end subroutine tell_wheel
@@ -91,7 +95,9 @@ contains
       real(wp), intent(in) :: twist  !! [rad]
 
       call begin(teller, in_shafts, dims_shaft, index)
+      call needs(teller, needs_meshes)
       call tell(teller, "shaft_torque", "N m", "T", "torque on the second wheel; on the first one its opposite", torque)
+      call needs(teller, needs_nothing)
       call tell(teller, "shaft_twist", "rad", "", "angle of the first wheel less that of the second", twist)
    end subroutine tell_shaft
 
@@ -105,7 +111,9 @@ contains
       call tell(teller, "reference_angle", "rad", "theta", "angle of the reference wheel since the start, less whole turns", theta)
       call tell(teller, "reference_turns", "1", "", "whole turns of the reference wheel beside reference_angle", turns)
       call tell(teller, "kinetic_energy", "J", "T", "kinetic energy", kinetic)
+      call needs(teller, needs_meshes)
       call tell(teller, "potential_energy", "J", "V", "elastic energy of contacts, supports and shafts", potential)
+      call needs(teller, needs_nothing)
       call tell(teller, "dissipated_energy", "J", "D", "energy lost to damping and friction since the start", dissipated)
       call tell(teller, "load_work", "J", "W", "work of the loads since the start", work)
    end subroutine tell_gearbox

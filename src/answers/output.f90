@@ -7,6 +7,7 @@ module evl_output
    private
 
    public :: output_rows, output_t, tell_row
+   public :: needs_nothing, needs_rates, needs_meshes, needs_points, needs_reactions, needs_pairs, needs_all
    public :: dims_none, dims_wheel, dims_mesh, dims_wheel_axis, dims_mesh_axis, dims_space, dims_quaternion, dims_wheel_space
    public :: dims_harmonic, dims_mesh_pair, dims_position, dims_position_pair, dims_shaft
    public :: in_wheel_constants, in_mesh_constants, in_wheel_teeth, in_mesh_teeth, in_gearbox, in_wheels, in_meshes, in_pairs
@@ -31,6 +32,15 @@ module evl_output
       enumerator :: in_shaft_constants, in_shafts
    end enum
 
+   !> What has to be found before a value is known, a bit each; what is needed for it is among its bits.
+   integer, parameter :: needs_nothing = 0                 !! but the state
+   integer, parameter :: needs_rates = 1                   !! of the state, and the forces of the tooth contacts
+   integer, parameter :: needs_meshes = 2 + needs_rates    !! what the tooth contacts of a mesh add up to
+   integer, parameter :: needs_points = 4 + needs_meshes   !! the points of the contact that speaks for its mesh
+   integer, parameter :: needs_reactions = 8 + needs_meshes !! of the wheels on the housing
+   integer, parameter :: needs_pairs = 16 + needs_meshes   !! tooth pairs one by one
+   integer, parameter :: needs_all = ior(ior(needs_points, needs_reactions), needs_pairs)
+
    !> One output; see `evl_output` in the C header.
    type :: output_t
       character(len=31) :: name = "", units = "", symbol = ""
@@ -39,6 +49,7 @@ module evl_output
       logical :: is_static = .false., is_integer = .false.
       integer :: section = 0
       integer :: of = dims_none, length = 1 !! dimensions of the elements of its section, numbers of each
+      integer :: needs = needs_nothing
       real(wp) :: value(4) = 0.0_wp         !! the first of them, where objects are not empty
    end type output_t
 
@@ -48,6 +59,7 @@ module evl_output
       type(output_t), allocatable :: table(:)     !! the first n of these
       integer :: section = 0, of = dims_none      !! of the next row
       logical :: is_static = .false.              !! the same
+      integer :: needs = needs_nothing            !! the same
    end type output_rows
 
 contains
@@ -64,7 +76,7 @@ contains
       rows%n = rows%n + 1
       associate (row => rows%table(rows%n))
          row = output_t(name, units, symbol, text, dims_of(rows%of, size(value)), rows%is_static, is_integer, rows%section, &
-                        rows%of, size(value))
+                        rows%of, size(value), rows%needs)
          row%value(:row%length) = value
       end associate
    end subroutine tell_row

@@ -76,6 +76,7 @@ contains
       do i = size(table), 1, -1
          gearbox%output_sections(table(i)%section) = section_t(gearbox%output_offsets(i), elements_of(gearbox, table(i)))
       end do
+      gearbox%output_needs = table%needs
       gearbox%n_values = sum(gearbox%output_counts)
       allocate (gearbox%constants(gearbox%n_values), source=0.0_wp)
       call tell_constants(gearbox, gearbox%constants)

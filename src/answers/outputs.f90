@@ -1,4 +1,4 @@
-!> What a gearbox tells about itself at a state: the values of its outputs.
+!> What a gearbox tells about itself at a state: the values of its outputs, or of those that are wanted.
 !>
 !> `evl_teller` says how an output is told, `evl_output_list` holds the sections of the table in their order.
 module evl_outputs
@@ -11,6 +11,7 @@ module evl_outputs
    use evl_mesh_outputs, only: put_mesh
    use evl_mode_check, only: check_modes
    use evl_motion_outputs, only: find_wheel_motion, tell_gearbox, tell_shaft, tell_wheel, wheel_motion
+   use evl_output, only: needs_all, needs_meshes, needs_rates, needs_reactions
    use evl_outside_torques, only: load_torques, shaft_torques
    use evl_shaft, only: shaft_energy, shaft_twist
    use evl_status, only: has_failed, status_t
@@ -19,7 +20,7 @@ module evl_outputs
    implicit none (type, external)
    private
 
-   public :: gearbox_outputs
+   public :: gearbox_outputs, wanted_outputs
 
 contains
 
@@ -29,6 +30,41 @@ contains
       real(wp), intent(in) :: t, y(gearbox%n_states), reals(size(gearbox%contacts))
       integer, intent(in) :: integers(gearbox%n_integers)
       logical, intent(in) :: check !! whether to refuse a state that contradicts its modes, as `check_modes` does
+      real(wp), intent(out), target :: values(gearbox%n_values)
+      type(status_t), intent(inout) :: status
+
+      call tell_state(gearbox, t, y, integers, reals, needs_all, check, values, status)
+   end subroutine gearbox_outputs
+
+   !> The values of some outputs at states that share their discrete state, as in a step; the other values stay as they are. What
+   !> only other outputs need is not found.
+   subroutine wanted_outputs(gearbox, t, y, integers, reals, wanted, values, status)
+      type(gearbox_t), intent(in), target :: gearbox
+      real(wp), intent(in) :: t(:), y(:, :), reals(size(gearbox%contacts)) !! y: (n_states, states)
+      integer, intent(in) :: integers(gearbox%n_integers)
+      logical, intent(in) :: wanted(:)                !! of the table
+      real(wp), intent(inout) :: values(:, :)         !! (n_values, states)
+      type(status_t), intent(inout) :: status
+      real(wp), target :: told(gearbox%n_values)
+      integer :: i, s
+
+      do s = 1, size(t)
+         call tell_state(gearbox, t(s), y(:, s), integers, reals, iany(gearbox%output_needs, wanted), .false., told, status)
+         if (has_failed(status)) return
+         do i = 1, size(wanted)
+            associate (first => gearbox%output_offsets(i) + 1, last => gearbox%output_offsets(i) + gearbox%output_counts(i))
+               if (wanted(i)) values(first:last, s) = told(first:last)
+            end associate
+         end do
+      end do
+   end subroutine wanted_outputs
+
+   !> The values that need no more than what is found.
+   subroutine tell_state(gearbox, t, y, integers, reals, needed, check, values, status)
+      type(gearbox_t), intent(in), target :: gearbox
+      real(wp), intent(in) :: t, y(gearbox%n_states), reals(size(gearbox%contacts))
+      integer, intent(in) :: integers(gearbox%n_integers), needed
+      logical, intent(in) :: check
       real(wp), intent(out), target :: values(gearbox%n_values)
       type(status_t), intent(inout) :: status
       type(teller_t) :: teller
@@ -41,19 +77,23 @@ contains
 
       call copy(gearbox%n_values, gearbox%constants, values)
       call fill(teller, gearbox%output_sections, values)
-      call coupled_rates(gearbox, t, y, integers, reals, f, status, contacts)
+      f = 0
+      if (iand(needed, needs_rates) == needs_rates) call coupled_rates(gearbox, t, y, integers, reals, f, status, contacts)
       if (has_failed(status)) return
       call housing_frame(gearbox%housing, t, y, frame, f)
       kinetic = 0
       potential = 0
       torque = 0
+      load_torque = 0
       reactions = 0
-      do i = 1, size(gearbox%pairs)
-         call put_mesh(teller, gearbox, i, t, y, integers, reals, contacts, torque, reactions, potential)
-      end do
-      if (check) call check_modes(gearbox, contacts, status)
-      if (has_failed(status)) return
-      call load_torques(gearbox, t, y, f, frame, integers, torque, load_torque)
+      if (iand(needed, needs_meshes) == needs_meshes) then
+         do i = 1, size(gearbox%pairs)
+            call put_mesh(teller, needed, gearbox, i, t, y, integers, reals, contacts, torque, reactions, potential)
+         end do
+         if (check) call check_modes(gearbox, contacts, status)
+         if (has_failed(status)) return
+         call load_torques(gearbox, t, y, f, frame, integers, torque, load_torque)
+      end if
       do i = 1, size(gearbox%wheels)
          call find_wheel_motion(gearbox%wheels(i), y, f, integers(i_turns), load_torque(i), wheel, kinetic, potential)
          call tell_wheel(teller, i, wheel)
@@ -63,16 +103,20 @@ contains
       end do
       if (gearbox%housing%is_mounted) call ground_energies(gearbox, y, frame, kinetic, potential)
       call tell_gearbox(teller, y(i_theta), integers(i_turns), kinetic, potential, y(gearbox%i_dissipated), y(gearbox%i_work))
-      do i = 1, size(gearbox%wheels)
-         call finish_reaction(gearbox, i, t, y, f, integers, frame, load_torque(i), reactions(:, i))
-         call tell_bearing(teller, i, reactions(:, i))
-      end do
+      if (iand(needed, needs_reactions) == needs_reactions) then
+         do i = 1, size(gearbox%wheels)
+            call finish_reaction(gearbox, i, t, y, f, integers, frame, load_torque(i), reactions(:, i))
+            call tell_bearing(teller, i, reactions(:, i))
+         end do
+      end if
       if (gearbox%housing%kind /= housing_fixed) call tell_pose(teller, frame, gearbox%housing%gravity)
-      if (size(gearbox%shafts) > 0) call shaft_torques(gearbox, y, f, frame, torque + load_torque, carried)
+      carried = 0
+      if (size(gearbox%shafts) > 0 .and. iand(needed, needs_meshes) == needs_meshes) &
+         call shaft_torques(gearbox, y, f, frame, torque + load_torque, carried)
       do i = 1, size(gearbox%shafts)
          call tell_shaft(teller, i, carried(i), shaft_twist(gearbox%shafts(i), y, 0))
       end do
-   end subroutine gearbox_outputs
+   end subroutine tell_state
 
    !> Of arrays that are not targets, as which they would be copied twice.
    pure subroutine copy(n, from, to)

@@ -5,8 +5,8 @@ module evl_pair_outputs
    use evl_contact_point, only: contact_point
    use evl_gearbox, only: gearbox_t
    use evl_kinds, only: wp
-   use evl_output, only: dims_mesh_pair, in_pairs
-   use evl_teller, only: begin, fills, tell, teller_t
+   use evl_output, only: dims_mesh_pair, in_pairs, needs_pairs
+   use evl_teller, only: begin, fills, needs, tell, teller_t
    use evl_tooth_contact, only: contact_force, contact_mode, contact_state, edge_wheel, feet_of, flank_coast, flanks_off, &
                                 no_force, no_mode, tooth_contact_t, tooth_of_a, tooth_of_b
    use evl_touching_flanks, only: contact_pressure
@@ -38,6 +38,7 @@ contains
       real(wp) :: pressure
 
       call begin(teller, in_pairs, dims_mesh_pair, place)
+      call needs(teller, needs_pairs)
       call tell(teller, "pair_normal_force", "N", "F_nk", "normal force of a tooth pair", force%normal)
       call tell(teller, "pair_friction_force", "N", "F_tk", "friction force of a tooth pair on the driving wheel along t", &
                 force%friction)

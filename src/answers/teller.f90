@@ -7,15 +7,16 @@
 !> whole numbers and logicals are known by the type of the value. To list all that can be told of a gearbox the objects that values
 !> come from are empty. A teller that fills puts values where their outputs stand; texts are passed by address and cost nothing.
 !>
+!>    call needs(teller, needs_points)     the rows behind need these; where no wanted row does, they are not found
 !>    if (fills(teller)) x = ...           what cannot be found of empty objects
 module evl_teller
    use evl_gearbox, only: section_t
    use evl_kinds, only: wp
-   use evl_output, only: output_rows, output_t, tell_row
+   use evl_output, only: needs_nothing, output_rows, output_t, tell_row
    implicit none (type, external)
    private
 
-   public :: teller_t, begin, fill, fills, take_rows, tell
+   public :: teller_t, begin, fill, fills, needs, take_rows, tell
 
    type :: teller_t
       private
@@ -78,10 +79,19 @@ contains
       else
          teller%rows%section = section
          teller%rows%of = dims
+         teller%rows%needs = needs_nothing
          teller%rows%is_static = .false.
          if (present(is_static)) teller%rows%is_static = is_static
       end if
    end subroutine begin
+
+   !> What the rows behind need.
+   pure subroutine needs(teller, what)
+      type(teller_t), intent(inout) :: teller
+      integer, intent(in) :: what
+
+      teller%rows%needs = what
+   end subroutine needs
 
    pure subroutine tell_real(teller, name, units, symbol, text, value)
       type(teller_t), intent(inout) :: teller

@@ -1,0 +1,132 @@
+"""Outputs that are asked for one by one, at one state or at eight: those of the whole table."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from kernel.gearbox import APART, LOADED, OPEN, Gearbox, GearboxError, State
+from kernel.gearbox_cases import chain, in_mode, paper_gearbox, set_gap
+from kernel.gearbox_description import ALGEBRAIC, CLOSED_FORM, DIFFERENTIAL
+from kernel.housing_cases import HOUSINGS
+from kernel.kernel import OUT_OF_DOMAIN, Kernel
+from kernel.real_cases import GAPS, PAIRS, made
+from kernel.rigid_cases import rigid_train
+from kernel.shaft_cases import stirred, two_stages
+
+Case = tuple[Gearbox, State]
+SEED = 11
+
+
+def trained(kernel: Kernel, tracking: str, mode: tuple[int, int]) -> Case:
+    gearbox = chain(kernel, 4, tracking)
+    return gearbox, in_mode(gearbox, np.random.default_rng(SEED), mode)
+
+
+def real(kernel: Kernel, pair: str, gap: str) -> Case:
+    gearbox, teeth = made(kernel, PAIRS[pair], GAPS[gap], SEED)
+    return gearbox, teeth.state
+
+
+def shafts(kernel: Kernel, housing: str | None, middle: float | None, driven_by: str) -> Case:
+    of = None if housing is None else HOUSINGS[housing]
+    gearbox = two_stages(kernel, middle=middle, driven_by=driven_by, housing=of)
+    return gearbox, stirred(gearbox, np.random.default_rng(SEED))
+
+
+def rigid(kernel: Kernel) -> Case:
+    gearbox = rigid_train(kernel)
+    return gearbox, gearbox.start()
+
+
+TRACKINGS = {"closed form": CLOSED_FORM, "algebraic": ALGEBRAIC, "differential": DIFFERENTIAL}
+MODES = {"sliding": (LOADED, 1), "open": (OPEN, 0), "apart": (APART, 0)}
+CASES: dict[str, Callable[[Kernel], Case]] = {
+    **{
+        f"{tracking}, {mode}": lambda kernel, t=TRACKINGS[tracking], m=MODES[mode]: trained(
+            kernel, t, m
+        )
+        for tracking in TRACKINGS
+        for mode in MODES
+        if (tracking, mode) != ("closed form", "apart")
+    },
+    **{
+        f"{pair}, {gap}": lambda kernel, pair=pair, gap=gap: real(kernel, pair, gap)
+        for pair in ("standard", "contact lost", "every deviation")
+        for gap in GAPS
+    },
+    "shafts": lambda kernel: shafts(kernel, None, 3e4, "torque"),
+    "rigid shaft, prescribed speed": lambda kernel: shafts(kernel, None, None, "gear"),
+    **{
+        f"housing, {name}": lambda kernel, name=name: shafts(kernel, name, None, "torque")
+        for name in HOUSINGS
+    },
+    "rigid contact": rigid,
+}
+EVERY_CASE = pytest.mark.parametrize("make", CASES.values(), ids=CASES)
+
+
+def names(gearbox: Gearbox) -> list[str]:
+    return [entry.name.decode() for entry in gearbox.table]
+
+
+def near(gearbox: Gearbox, state: State, n: int) -> list[State]:
+    """States of one discrete state, as at places in a step."""
+    random = np.random.default_rng(SEED)
+    states = []
+    for i in range(n):
+        one = state.copy()
+        one.t += 1e-9 * i
+        one.y *= 1 + 1e-12 * i * random.uniform(-1, 1, gearbox.sizes.n_states)
+        states.append(one)
+    return states
+
+
+@EVERY_CASE
+def test_each_output_asked_for_alone_is_that_of_the_whole_table_to_the_bit(kernel, make):
+    gearbox, state = make(kernel)
+    told, kept = gearbox.values(state), np.pi
+    for entry in gearbox.table:
+        mine = np.full((1, gearbox.sizes.n_values), kept)
+        gearbox.wanted([state], {entry.name.decode()}, mine)
+        here = slice(entry.offset, entry.offset + entry.count)
+        np.testing.assert_array_equal(mine[0, here], told[here], err_msg=entry.name.decode())
+        mine[0, here] = kept
+        assert (mine == kept).all(), entry.name
+
+
+@EVERY_CASE
+def test_eight_states_are_eight_times_one_to_the_bit(kernel, make):
+    gearbox, state = make(kernel)
+    states = near(gearbox, state, 8)
+    told = np.array([gearbox.values(one) for one in states])
+    np.testing.assert_array_equal(gearbox.wanted(states, names(gearbox)), told)
+    for entry in gearbox.table:
+        here = slice(entry.offset, entry.offset + entry.count)
+        mine = gearbox.wanted(states, {entry.name.decode()})[:, here]
+        np.testing.assert_array_equal(mine, told[:, here], err_msg=entry.name.decode())
+
+
+def test_the_cases_tell_every_output_of_the_table(kernel):
+    told = set()
+    for make in CASES.values():
+        gearbox, _ = make(kernel)
+        told |= {entry.name for entry in gearbox.table if entry.count > 0}
+    assert told == {entry.name for entry in gearbox.table}
+
+
+def test_what_only_other_outputs_need_is_not_computed(kernel):
+    """Where the law has no force the angles are known all the same, the forces are not."""
+    gearbox = paper_gearbox(kernel)
+    state = in_mode(gearbox, np.random.default_rng(SEED), (LOADED, 1))
+    set_gap(gearbox, state, 0, -0.2)
+    known = {"teeth", "angle", "centre_velocity", "load_work"}
+    values = gearbox.wanted([state], known)
+    assert np.isfinite(values).sum() == sum(
+        entry.count for entry in gearbox.table if entry.name.decode() in known
+    )
+    with pytest.raises(GearboxError) as caught:
+        gearbox.wanted([state], {*known, "normal_force"})
+    assert caught.value.code == OUT_OF_DOMAIN
