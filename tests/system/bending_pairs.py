@@ -220,6 +220,7 @@ class BendingPair:
         speed = self.slow_speed()
         mesh, (pinion, gear) = case["meshes"][0], case["wheels"]
         mesh["damping"] = {"law": "ratio", "value": 0.1}
+        mesh.pop("edge_contact", None)  # without edges some chatter where a pair leaves so slowly
         if friction > 0:
             width = 2e-3 * speed * self.radii[0]
             mesh["friction"] = {"law": "coulomb", "coefficient": friction}
