@@ -21,6 +21,7 @@ module evl_static_analysis
    use evl_kinds, only: pi, wp
    use evl_mesh_at_rest, only: mesh_at_rest
    use evl_mesh_stiffness, only: iso_stiffness
+   use evl_number_text, only: quantity_length
    use evl_pair_place, only: by_a, by_b, edge_of
    use evl_static_mesh, only: solve_static, static_mesh_t, static_state
    use evl_static_outputs, only: n_harmonics, static_sections, static_sum, tell_static_harmonic, tell_static_mesh, &
@@ -130,7 +131,7 @@ contains
    !> A whole number in words.
    pure function counted(n) result(text)
       integer, intent(in) :: n
-      character(len=:), allocatable :: text
+      character(len=quantity_length(real(n, wp), "")) :: text
 
       text = quantity(real(n, wp), "")
    end function counted

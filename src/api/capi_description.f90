@@ -3,7 +3,7 @@ module evl_capi_description
    use, intrinsic :: ieee_arithmetic, only: ieee_negative_inf, ieee_positive_inf, ieee_value
    use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_char, &
                                                                              c_null_ptr, c_ptr
-   use evl_capi_types, only: answer, c_status, from_c, status_from_c, status_to_c, to_c
+   use evl_capi_types, only: answer, c_status, status_from_c, status_to_c, take_text, to_c
    use evl_case_table, only: case_table, kinds_of
    use evl_description_check, only: check_description, entry_path, path_length, place_of_status
    use evl_gearbox_initial, only: initial_t
@@ -91,9 +91,11 @@ contains
       integer(c_int), intent(in), value :: most
       type(c_kind), intent(out) :: kinds(most)
       type(kind_t), allocatable :: all(:)
+      character(len=:), allocatable :: name
       integer :: i
 
-      call kinds_of(from_c(block), all)
+      call take_text(block, name)
+      call kinds_of(name, all)
       n = size(all)
       do i = 1, min(n, most)
          call to_c(all(i)%name, kinds(i)%name)
@@ -138,7 +140,7 @@ contains
       entry%name = ""
       if (.not. c_associated(c%name)) return
       call c_f_pointer(c%name, name, [huge(c%n)])
-      entry%name = from_c(name)
+      call take_text(name, entry%name)
    end subroutine entry_from_c
 
    subroutine evl_description_delete(handle) bind(c)

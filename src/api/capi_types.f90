@@ -8,7 +8,7 @@ module evl_capi_types
 
    public :: c_law_choice, c_status
    public :: c_field_length, c_max_parameters, c_message_length, c_name_length, c_text_length
-   public :: answer, from_c, gearbox_of, status_from_c, status_to_c, to_c
+   public :: answer, gearbox_of, status_from_c, status_to_c, take_text, to_c
 
    integer, parameter :: c_max_parameters = 8 !! EVL_MAX_PARAMETERS
    integer, parameter :: c_name_length = 32       !! EVL_NAME_LENGTH
@@ -67,21 +67,23 @@ contains
    !> The same the other way.
    pure type(status_t) function status_from_c(c) result(status)
       type(c_status), intent(in) :: c
+      character(len=:), allocatable :: field
 
-      status = status_t(code=c%code, subject=c%subject, index=c%index + 1, field=from_c(c%field))
+      call take_text(c%field, field)
+      status = status_t(code=c%code, subject=c%subject, index=c%index + 1, field=field)
    end function status_from_c
 
-   !> A C string as a string.
-   pure function from_c(c) result(text)
+   !> A C string as a string: no function, for the reason that `quantity` gives.
+   pure subroutine take_text(c, text)
       character(kind=c_char), intent(in) :: c(:) !! ends with NUL
-      character(len=:), allocatable :: text
+      character(len=:), allocatable, intent(out) :: text
       integer :: i
 
       allocate (character(len=findloc(c, c_null_char, dim=1) - 1) :: text)
       do i = 1, len(text)
          text(i:i) = c(i)
       end do
-   end function from_c
+   end subroutine take_text
 
    !> The code of a call, and why it failed if it did.
    integer(c_int) function answer(status, c) result(code)

@@ -1,6 +1,6 @@
 !> c and c_j of finite elements as polynomials of the place on the flank: one formula for one state and for eight.
 !>
-!> With x = rho stretched to [-1, 1], in powers of x: their coefficients are at most some 15 times the largest c, so that no digits are
+!> With x = rho stretched to [-1, 1], in powers of x: their coefficients are at most some 15 times the largest c, so no digits are
 !> lost that matter, and sums of products in short chains take less than half of the time of recursions. Degrees are written out,
 !> since a loop over lanes with a loop in it would not become vector instructions: n_own = 16, n_other = 8.
 !>

@@ -8,7 +8,8 @@
 !>    rows .. last           rings down to the hub, growing by 1.5
 !>
 !> A tip that is rounded has two rows and a column more, and no element in their corner. There three elements meet at the point
-!> (1, tooth - 1); the points (0, tooth - 1) and (1, tooth) are one, the middle of the rounding, (0, tooth - 2) and (2, tooth) its ends.
+!> (1, tooth - 1); the points (0, tooth - 1) and (1, tooth) are one, the middle of the rounding, (0, tooth - 2) and (2, tooth) its
+!> ends.
 !>
 !> The outline and the circles are exact on sides of elements, other sides are straight. Borders of elements stand where the
 !> outline's curvature jumps, and at both ends of the involute they come closer: there a load that ends at the edge is narrow.

@@ -4,7 +4,7 @@
 !> distance of the base circles' tangent points. The penetration of perfect flanks is rho_A + rho_B - rho. All derivatives of this
 !> file are to the three, in this order, to second order; those to the wheels' positions follow from them.
 !>
-!> A flank that slopes at its end touches there when its involute is past it by x_* (see evl_tip_edge): so far its profile's e goes on.
+!> A flank that slopes at its end touches there when its involute is past it by x_* (see evl_tip_edge): so far its profile goes on.
 !> Beyond, the edge's wheel lacks e(x_*) + S(x) - S(x_*), and the mate is touched r_b (delta(x) - delta(x_*)) beside the line of
 !> action. Both gap and feet are continuous; so is the slope of the gap, but for what motions of the axles move x_*, which stays.
 module evl_pair_place

@@ -83,7 +83,7 @@ module evl_tooth_contact
       logical :: has_edges = .false.      !! tip edges touch before and after the path; then it deviates
       type(tip_t) :: tips(2)              !! of A and B
       real(wp) :: fillets(2) = 0.0_wp     !! radii of curvature where the fillets of A and B begin; 0: not known [m]
-      real(wp) :: smooth(2, 2) = 0.0_wp   !! radii of curvature between which c is smooth, of A and of B; 0: it does not give way [m]
+      real(wp) :: smooth(2, 2) = 0.0_wp   !! radii of curvature between which c is smooth, of A and B; 0: it is stiff [m]
       integer :: tooth_sign = 1           !! +1: tooth pairs come in the order of A's teeth, counted counterclockwise; -1: against
       integer :: tooth_a = 0, tooth_b = 0 !! teeth of pair 0, counted counterclockwise from the first ones of the wheels
       type(local_link), allocatable :: links(:) !! local variables in terms of the state
@@ -100,7 +100,7 @@ module evl_tooth_contact
       integer :: n_roots = 0              !! how many there are
       integer :: roots(n_root_kinds) = 0  !! their kinds, the first n_roots
       integer :: moved(n_root_kinds) = 0  !! which integer of the mode each of them moves
-      integer :: directions(zone_tip_corner:zone_edge, flanks_open:flanks_off, n_root_kinds) = 0 !! of each: by that integer and the flanks
+      integer :: directions(zone_tip_corner:zone_edge, flanks_open:flanks_off, n_root_kinds) = 0 !! by that integer and the flanks
    end type tooth_contact_t
 
    !> Discrete state of a tooth contact.

@@ -187,7 +187,8 @@ contains
       end associate
    end function flank_curvature
 
-   !> By how much the gap that a tooth pair is given, of first order or second, is wider than that of the real flanks [m], at least 0.
+   !> By how much the gap that a tooth pair is given, of first order or second, is wider than that of the real flanks [m], at
+   !> least 0.
    !>
    !> The smallest g by golden sections: reliefs and crowning make it convex.
    pure real(wp) function second_order_gap(contact, pair, rho_a) result(gap)

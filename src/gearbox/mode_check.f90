@@ -103,10 +103,10 @@ contains
       number = quantity(merge(abs(value), value, is_size), trim(unit))
    end subroutine measure
 
-   !> A text with what it measures in place of # or |#|.
+   !> A text with what it measures in place of # or |#|, with blanks behind.
    pure function filled(text, number) result(full)
       character(len=*), intent(in) :: text, number
-      character(len=:), allocatable :: full
+      character(len=len(text) + len(number)) :: full
       integer :: first, last
 
       first = index(text, "#")

@@ -100,6 +100,19 @@ def test_the_kernel_knows_no_integrator_and_no_file_format(
     assert not [name for _, name in symbols if name.startswith(foreign)]
 
 
+def test_no_procedure_keeps_anything_between_calls(kernel_library: Path):
+    """What two threads would race for; gfortran also keeps the length of a deferred-length result.
+
+    Variables of procedures have a number behind their name; tables of jumps are constant.
+    """
+    command = ["nm", "--defined-only", str(kernel_library)]
+    text = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    rows = [line.split()[-2:] for line in text.splitlines()]
+    assert any(name.startswith("__evl_") for _, name in rows), "a stripped library shows nothing"
+    kept = {name for kind, name in rows if kind in "bBdD" and re.match(r"\w+\.\d+", name)}
+    assert {name for name in kept if not re.match(r"(jumptable|completed)\.", name)} == set()
+
+
 def test_the_kernel_never_stops_the_program_nor_opens_a_file(symbols: list[tuple[str, str]]):
     undefined = {name for kind, name in symbols if kind == "U"}
     assert undefined, "nm finds no undefined symbol: the library is not what it should be"
@@ -145,6 +158,7 @@ def test_the_library_exports_what_the_header_declares(
 FOR_OTHER_PROGRAMS = {
     "evl_description_set": "`evolvent` takes parameters from --set before there is a description;"
     " a program that varies them has no case file. tests/driver/test_parameters.c is one",
+    "evl_gearbox_derivative": "an integrator of another program needs y'; IDA takes the residual",
 }
 
 
