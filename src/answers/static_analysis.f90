@@ -23,6 +23,7 @@ module evl_static_analysis
    use evl_mesh_stiffness, only: iso_stiffness
    use evl_number_text, only: quantity_length
    use evl_pair_place, only: by_a, by_b, edge_of
+   use evl_rational, only: divisor_of
    use evl_static_mesh, only: solve_static, static_mesh_t, static_state
    use evl_static_outputs, only: n_harmonics, static_sections, static_sum, tell_static_harmonic, tell_static_mesh, &
                                  tell_static_pair, tell_static_position, tell_static_start, tell_static_torque, youngest
@@ -82,7 +83,9 @@ contains
                       //" edges hold the wheels; give one a compliance, or edge_contact: true", subject_mesh, mesh)
             return
          end if
-         n_pitches = common_multiple(differing(contact%deviation_a), differing(contact%deviation_b))
+         associate (a => int(differing(contact%deviation_a), int64), b => int(differing(contact%deviation_b), int64))
+            n_pitches = a/divisor_of(a, b)*b ! the least that both divide
+         end associate
          if (points < least_points) then
             call fail(status, code_invalid_input, counted(points)//" positions a pitch are too few: "//counted(least_points) &
                       //" or more show "//counted(n_harmonics)//" harmonics", subject_none)
@@ -135,20 +138,6 @@ contains
 
       text = quantity(real(n, wp), "")
    end function counted
-
-   pure integer(int64) function common_multiple(a, b) result(multiple)
-      integer, intent(in) :: a, b
-      integer :: large, small, rest
-
-      large = a
-      small = b
-      do while (small > 0)
-         rest = mod(large, small)
-         large = small
-         small = rest
-      end do
-      multiple = int(a, int64)*(b/large)
-   end function common_multiple
 
    !> All values at one torque, where the sections of evl_static_outputs have them.
    !> Errors: code_invalid_input for a torque that presses nothing; of evl_static_mesh where the mesh finds no rest.
