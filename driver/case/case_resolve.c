@@ -217,6 +217,35 @@ static bool take_initial(const checker *checker, case_node *block, description *
     return true;
 }
 
+/** The window of the numbers. @param block  NULL: none is given */
+static bool take_numbers(const checker *checker, const case_node *block, description *description)
+{
+    simulation_description *simulation = &description->simulation;
+    const case_node *from = block == NULL ? NULL : node_get(block, "from"), *to = block == NULL ? NULL : node_get(block, "to");
+    const char *mesh = block == NULL ? NULL : node_get_text(block, "pitches_of");
+    const char *wheel = block == NULL ? NULL : node_get_text(block, "turns_of");
+    numbers_description *numbers = &simulation->numbers;
+    *numbers = (numbers_description){
+        .is_given = block != NULL,
+        .from = from == NULL ? simulation->duration / 2 : node_number(from),
+        .to = to == NULL ? simulation->duration : node_number(to),
+        .mesh = mesh == NULL ? 0 : words_index(mesh, description->n_meshes, description->meshes),
+        .wheel = wheel == NULL ? -1 : words_index(wheel, description->n_wheels, description->wheels)};
+    if (mesh != NULL && wheel != NULL) {
+        return checker_refuse(checker, node_get(block, "turns_of")->place,
+                              "periods are pitches of a mesh or turns of a wheel, not both; leave out pitches_of or turns_of");
+    }
+    if (numbers->to > simulation->duration) {
+        return checker_refuse(checker, to->place, "the window ends at %s s, but the case at %.9g s", to->text,
+                              simulation->duration);
+    }
+    if (!(numbers->from < numbers->to)) {
+        return checker_refuse(checker, (from == NULL ? to : from)->place,
+                              "the window is from %.9g to %.9g s, which is no span of time", numbers->from, numbers->to);
+    }
+    return true;
+}
+
 static integrator_kind integrator_of(const case_node *block)
 {
     const char *name = node_get_text(block, "integrator");
@@ -227,6 +256,7 @@ static bool take_simulation(const checker *checker, const case_node *block, desc
 {
     const struct checker of_interval = checker_at(checker, "output_interval");
     const struct checker of_tolerance = checker_at(checker, "tolerance"), of_initial = checker_at(checker, "initial");
+    const struct checker of_numbers = checker_at(checker, "numbers");
     const case_node *interval = node_get(block, "output_interval");
     simulation_description *simulation = &description->simulation;
     simulation->duration = node_get_number(block, "duration");
@@ -247,7 +277,8 @@ static bool take_simulation(const checker *checker, const case_node *block, desc
                               "is %s, but integrator radau takes %g or more; take integrator ida for less",
                               node_get_text(block, "tolerance"), RADAU_SMALLEST_TOLERANCE);
     }
-    return take_initial(&of_initial, node_get(block, "initial"), description);
+    return take_initial(&of_initial, node_get(block, "initial"), description) &&
+           take_numbers(&of_numbers, node_get(block, "numbers"), description);
 }
 
 bool case_resolve(const case_schema *schema, const char *path, case_node *root, description *description,

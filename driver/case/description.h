@@ -11,11 +11,19 @@ typedef enum { INTEGRATOR_OPEN, INTEGRATOR_IDA, INTEGRATOR_RADAU } integrator_ki
 /** Below it rounding spoils the step control of radau. */
 #define RADAU_SMALLEST_TOLERANCE 1e-13
 
+/** A window of whole periods: pitches of a mesh, or turns of a wheel if that is not -1. */
+typedef struct {
+    bool is_given;
+    double from, to; /**< [s] */
+    int mesh, wheel;
+} numbers_description;
+
 typedef struct {
     integrator_kind integrator;
     double duration, output_interval, tolerance;
     double max_step;     /**< [s] */
     evl_initial initial; /**< its arrays belong to it */
+    numbers_description numbers; /**< where it is not given, what it would be if it said nothing */
 } simulation_description;
 
 /** Texts are the tree's that it was made from, which has to outlive it. */

@@ -4,6 +4,7 @@
 #include "base/progress.h"
 #include "commands/command.h"
 #include "commands/result.h"
+#include "commands/run_numbers.h"
 #include "commands/show_geometry.h"
 #include "commands/warn.h"
 #include "files/history.h"
@@ -28,6 +29,7 @@ typedef struct {
     prepared_case prepared;
     history *history;
     extremes *extremes;
+    numbers *numbers; /**< NULL: the case does not ask for them */
     progress progress;
     char message[DAE_MESSAGE_LENGTH]; /**< of a failure */
 } run;
@@ -80,6 +82,7 @@ static bool create_history(run *run, const char *path)
         .kind = "history",
         .axis = {.name = "time", .units = "s", .symbol = "t", .long_name = "model time"},
         .names = &model_about(model)->names,
+        .n_harmonics = description->simulation.numbers.is_given ? NUMBER_HARMONICS : 0,
         .n_outputs = model_about(model)->n_outputs,
         .outputs = model_about(model)->outputs,
         .n_states = model_about(model)->dae.n,
@@ -111,6 +114,22 @@ static bool put_extremes(const run *run)
         }
     }
     return history_put_finals(run->history, 2 * n, outputs, values);
+}
+
+/** The numbers of the case, as variables with window_ in front; and those that tell most, in words. */
+static bool put_numbers(const run *run)
+{
+    const model_names *names = &model_about(run->prepared.model)->names;
+    POOLED memory_pool pool = {NULL};
+    model_output rows[N_NUMBER_ROWS];
+    const int n = number_rows_place(&pool, names->wheels.n, names->meshes.n, rows);
+    OWNED double *values = xcalloc((size_t)n, sizeof *values);
+    numbers_conclude(run->numbers, values);
+    tell_numbers(run->numbers, names, rows, values);
+    for (int i = 0; i < N_NUMBER_ROWS; i++) {
+        rows[i].name = pool_printf(&pool, "window_%s", rows[i].name);
+    }
+    return history_put_finals(run->history, N_NUMBER_ROWS, rows, values);
 }
 
 /** @return false if the history could not be completed; the reason is in run->message */
@@ -216,19 +235,28 @@ static void conclude(run *run, const simulate_result *result, const char *path, 
 static void simulate_case(run *run, const char *path, dae_state *state, evl_error *error)
 {
     simulate_result result;
+    const numbers_description *asked = &case_description(run->prepared.file)->simulation.numbers;
+    if (asked->is_given) {
+        bool all[N_NUMBER_ROWS];
+        memset(all, true, sizeof all);
+        const number_window window = {asked->from, asked->to, asked->mesh, asked->wheel};
+        run->numbers = numbers_create(run->prepared.model, &window, all);
+    }
     run->extremes =
         extremes_create(run->prepared.model, case_description(run->prepared.file)->n_meshes, -INFINITY, INFINITY);
     const simulate_sink sink = {
-        .self = run, .outputs = on_outputs, .event = on_event, .step = on_step, .extremes = run->extremes};
+        .self = run, .outputs = on_outputs, .event = on_event, .step = on_step, .extremes = run->extremes, .numbers = run->numbers};
     simulate(&run->prepared, &sink, state, &result);
     progress_end(&run->progress);
-    if (result.end == SIMULATE_SINK_FAILED || !put_extremes(run)) {
+    if (result.end == SIMULATE_SINK_FAILED || !put_extremes(run) ||
+        (run->numbers != NULL && !put_numbers(run))) {
         evl_error_set(error, EVL_EXIT_IO, "", "%s", history_error(run->history));
         history_abandon(&run->history);
     } else {
         conclude(run, &result, path, error);
     }
     extremes_delete(&run->extremes);
+    numbers_delete(&run->numbers);
 }
 
 static void run_prepared(run *run, const run_options *options, const char *path, evl_error *error)

@@ -1,5 +1,6 @@
 #include "files/dimensions_hdf5.h"
 
+#include "base/memory.h"
 #include "base/words.h"
 
 static const char *const axes[] = {"x", "y", "z"}, *const parts[] = {"w", "x", "y", "z"};
@@ -9,7 +10,7 @@ static const struct {
     const char *name, *long_names[2]; /**< by use */
     bool is_always;                   /**< in a history too, with or without an output */
     name_list names;                  /**< n = 0: those of the case */
-} table[N_DIMENSIONS] = {
+} table[N_NAMED_DIMENSIONS] = {
     {"wheel", {"wheel", "name of the wheel"}, true, {0, NULL}},
     {"mesh", {"mesh", "name of the mesh"}, true, {0, NULL}},
     {"shaft", {"shaft", "name of the shaft"}, false, {0, NULL}},
@@ -31,10 +32,10 @@ static bool is_used(int dimension, int n_outputs, const model_output *outputs)
 bool dimensions_define(dimensions *dimensions, netcdf_file *file, dimensions_use use, const model_names *names,
                        int n_outputs, const model_output *outputs)
 {
-    const name_list *const of_case[N_DIMENSIONS] = {&names->wheels, &names->meshes, &names->shafts, NULL,
+    const name_list *const of_case[N_NAMED_DIMENSIONS] = {&names->wheels, &names->meshes, &names->shafts, NULL,
                                                     NULL,           NULL,           &names->pairs};
     bool good = true;
-    for (int i = 0; i < N_DIMENSIONS && good; i++) {
+    for (int i = 0; i < N_NAMED_DIMENSIONS && good; i++) {
         dimensions->names[i] = table[i].name;
         if (use == DIMENSIONS_OF_STACK || is_used(i, n_outputs, outputs)) {
             good = netcdf_define_names(file, file->id, &dimensions->of[i], table[i].name, table[i].long_names[use],
@@ -42,6 +43,19 @@ bool dimensions_define(dimensions *dimensions, netcdf_file *file, dimensions_use
         }
     }
     return good;
+}
+
+bool dimensions_define_harmonics(dimensions *dimensions, netcdf_file *file, int n)
+{
+    const netcdf_variable variable =
+        netcdf_describe(NETCDF_INTEGER, "harmonic", "1", "n", "harmonic: multiple of the frequency of the mesh");
+    OWNED double *numbers = xcalloc((size_t)n, sizeof *numbers);
+    for (int i = 0; i < n; i++) {
+        numbers[i] = i + 1;
+    }
+    dimensions->names[N_NAMED_DIMENSIONS] = "harmonic";
+    return netcdf_define_values(file, file->id, &dimensions->of[N_NAMED_DIMENSIONS], &variable, n, H5T_NATIVE_DOUBLE,
+                                numbers);
 }
 
 bool dimensions_define_numbers(dimensions *dimensions, netcdf_file *file, int n, const history_coordinate *coordinates)

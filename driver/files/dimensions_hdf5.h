@@ -7,7 +7,8 @@
 
 typedef enum { DIMENSIONS_OF_HISTORY, DIMENSIONS_OF_STACK } dimensions_use;
 
-enum { N_DIMENSIONS = 7 };
+/** Those with names, and behind them one with numbers: harmonics. */
+enum { N_NAMED_DIMENSIONS = 7, N_DIMENSIONS = N_NAMED_DIMENSIONS + 1 };
 
 typedef struct {
     const char *names[N_DIMENSIONS];
@@ -17,6 +18,8 @@ typedef struct {
 /** Define those that the outputs may have, with their names; in a history only those that its outputs do have. */
 bool dimensions_define(dimensions *dimensions, netcdf_file *file, dimensions_use use, const model_names *names,
                        int n_outputs, const model_output *outputs);
+/** Define harmonics 1 to n behind them. */
+bool dimensions_define_harmonics(dimensions *dimensions, netcdf_file *file, int n);
 /** Define other ones, with numbers. */
 bool dimensions_define_numbers(dimensions *dimensions, netcdf_file *file, int n, const history_coordinate *coordinates);
 /** Append the dimensions of an output to those of a variable. */

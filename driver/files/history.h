@@ -28,6 +28,7 @@ typedef struct {
     int n_coordinates;       /**< 0: outputs have the dimensions of a history, and there are events */
     const history_coordinate *coordinates;
     const model_names *names; /**< of a history */
+    int n_harmonics;          /**< the same, of its numbers; 0: none */
     int n_outputs;
     const model_output *outputs; /**< outlive the history */
     int n_states;

@@ -108,8 +108,10 @@ bool history_write_head(history *history, const history_layout *layout)
                            ? dimensions_define(dimensions, netcdf, DIMENSIONS_OF_HISTORY, layout->names,
                                                layout->n_outputs, layout->outputs)
                            : dimensions_define_numbers(dimensions, netcdf, layout->n_coordinates, layout->coordinates));
-    if (good) {
+    const bool has_harmonics =
+        good && (layout->n_harmonics == 0 || dimensions_define_harmonics(dimensions, netcdf, layout->n_harmonics));
+    if (has_harmonics) {
         plan_times(history, &layout->axis, (hsize_t)layout->max_rows);
     }
-    return good && (!history->has_events || start_events(history, layout));
+    return has_harmonics && (!history->has_events || start_events(history, layout));
 }

@@ -55,6 +55,9 @@ static int on_event(void *self, const event_record *record)
 {
     simulation *s = self;
     contact_watch_event(&s->contact, record);
+    if (s->sink->numbers != NULL) {
+        numbers_event(s->sink->numbers, record);
+    }
     if (!s->sink->event(s->sink->self, record)) {
         s->stop = STOP_SINK;
         return 1;
@@ -66,6 +69,9 @@ static void on_watch(void *self, const integrate_step *step)
 {
     const simulation *s = self;
     extremes_watch(s->sink->extremes, step);
+    if (s->sink->numbers != NULL) {
+        numbers_watch(s->sink->numbers, step);
+    }
 }
 
 static int on_step(void *self, double t)

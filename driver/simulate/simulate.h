@@ -3,6 +3,7 @@
 
 #include "integrate/integrate_types.h"
 #include "simulate/extremes.h"
+#include "simulate/numbers.h"
 #include "simulate/prepare.h"
 
 /** Where the outputs of a simulation go. A procedure that returns false ends the simulation with SIMULATE_SINK_FAILED. */
@@ -12,6 +13,7 @@ typedef struct {
     bool (*event)(void *self, const event_record *record);
     void (*step)(void *self, double t); /**< now and then, between steps: how far it is; NULL: nobody asks */
     extremes *extremes;                 /**< to be found between the outputs; NULL: none */
+    numbers *numbers;                   /**< the same; NULL: none. With them there are extremes */
 } simulate_sink;
 
 typedef enum {

@@ -103,7 +103,7 @@ contains
       integer, intent(in) :: index
       type(tooth_contact_t), intent(in) :: contact !! the first of the mesh
       type(spur_pair_t), intent(in) :: pair
-      real(wp) :: root
+      real(wp) :: position, root
 
       call begin(teller, in_mesh_teeth, dims_mesh, index, is_static=.true.)
       call tell(teller, "contact_ratio", "1", "eps_alpha", "path of contact over base pitch", pair%contact_ratio)
@@ -119,6 +119,10 @@ contains
                                                        (pair%rho - contact%rho_start - contact%pair%gap_0)/pair%base_radius_b)
       call tell(teller, "flank_root_driven", "rad", "phi_B", &
                 "direction in which the driven flank of tooth pair 0 meets the base circle at the start", root)
+      position = 0
+      if (fills(teller)) position = (contact%rho_start - contact%rho_entry)/contact%base_pitch
+      call tell(teller, "start_position", "1", "xi_0", "pitches of tooth pair 0 from its start of contact where angles are 0", &
+                position)
    end subroutine tell_mesh_teeth
 
    !> Radius where the active profile of a wheel begins, the smallest over its meshes; 0 without a mesh [m].

@@ -6,7 +6,8 @@ module evl_outputs
    use evl_housing, only: frame_t, housing_fixed, housing_frame
    use evl_housing_dynamics, only: coupled_rates, ground_energies
    use evl_housing_outputs, only: finish_reaction, tell_bearing, tell_pose
-   use evl_kinds, only: wp
+   use evl_kinds, only: lanes, wp
+   use evl_lane_outputs, only: outputs_in_lanes, serves_in_lanes
    use evl_local_variables, only: i_theta
    use evl_mesh_outputs, only: put_mesh
    use evl_mode_check, only: check_modes
@@ -20,7 +21,7 @@ module evl_outputs
    implicit none (type, external)
    private
 
-   public :: gearbox_outputs, wanted_outputs
+   public :: gearbox_outputs, outputs_at, wanted_outputs
 
 contains
 
@@ -58,6 +59,22 @@ contains
          end do
       end do
    end subroutine wanted_outputs
+
+   !> The same, of eight states at once if these outputs are told so: then they may differ by rounding.
+   subroutine outputs_at(gearbox, t, y, integers, reals, wanted, values, status)
+      type(gearbox_t), intent(in), target :: gearbox
+      real(wp), intent(in) :: t(:), y(:, :), reals(size(gearbox%contacts))
+      integer, intent(in) :: integers(gearbox%n_integers)
+      logical, intent(in) :: wanted(:)
+      real(wp), intent(inout) :: values(:, :)
+      type(status_t), intent(inout) :: status
+
+      if (size(t) == lanes .and. serves_in_lanes(gearbox, wanted)) then
+         call outputs_in_lanes(gearbox, t, transpose(y), integers, reals, wanted, values, status)
+      else
+         call wanted_outputs(gearbox, t, y, integers, reals, wanted, values, status)
+      end if
+   end subroutine outputs_at
 
    !> The values that need no more than what is found.
    subroutine tell_state(gearbox, t, y, integers, reals, needed, check, values, status)

@@ -16,7 +16,8 @@ module evl_mesh_reference
 
    real(wp), parameter :: slow = 1.0e-6_wp !! rate of penetration at which dampers are asked, over that of the mesh mode
 
-   !> NaN where there is none: of a rigid contact and without load all, of wheels whose speeds are prescribed all but the stiffness.
+   !> NaN where there is none: of a rigid contact and without load all but the mass, of wheels whose speeds are prescribed all
+   !> but the stiffness.
    type :: mesh_reference_t
       real(wp) :: stiffness = 0.0_wp !! k: dF/dh of one tooth pair under the whole nominal load [N/m]
       real(wp) :: mass = 0.0_wp      !! m: that it accelerates, 1/(r_bA^2/J_A + r_bB^2/J_B) [kg]
@@ -40,12 +41,12 @@ contains
 
       none = ieee_value(1.0_wp, ieee_quiet_nan)
       reference = mesh_reference_t(none, none, none, none, none, choice_of(contact%damping))
+      if (mobility > 0) reference%mass = 1/mobility
       if (contact%rigid .or. .not. has_load) return
       call flank%pair_alone(contact, contact%h_scale, elastic, code)
       if (code /= code_ok) return
       reference%stiffness = elastic%d_h
       if (.not. mobility > 0) return
-      reference%mass = 1/mobility
       reference%frequency = sqrt(reference%stiffness*mobility)/(2*pi)
    end function reference_of
 

@@ -15,8 +15,9 @@ module evl_case_table
    use evl_law_table, only: damping_law, elastic_law, friction_law
    use evl_load, only: load_t
    use evl_load_kinds, only: load_of_kind
-   use evl_row, only: join_words, kind_t, positive, range_t, row_t, type_block, type_choice, type_integer, type_list, type_map, &
-                      type_number, type_text, type_triple
+   use evl_row, only: join_words, kind_t, not_negative, positive, range_t, row_t, type_block, type_choice, type_integer, &
+                      type_list, &
+                      type_map, type_number, type_reference, type_text, type_triple
    use evl_shaft, only: shaft_rows
    use evl_support, only: support_kind_t
    use evl_support_kinds, only: support_of_kind
@@ -48,10 +49,21 @@ module evl_case_table
                                    range=range_t(1e-14_wp, 0.001_wp), default="1e-9"), &
                             row_t("max_step", type_number, "s", "longest step of the integrator", range=positive, default="0.02"), &
                              row_t("initial", type_block, "", "state at time 0", default="{kind: rest}", holds="initial"), &
+                        row_t("numbers", type_block, "", "find numbers of the case over a window of whole pitches or turns; not" &
+                                   //" found if not given", holds="numbers"), &
                              row_t("integrator", type_choice, "", &
                           "SUNDIALS IDA for every case; radau for closed_form tracking without rigid contact in a housing that is" &
                                    //" not mounted, where it is taken unless this says ida", &
                                    words="ida radau")]
+
+   type(row_t), parameter :: numbers_rows(*) = [ &
+                             row_t("from", type_number, "s", "the window begins with the first whole period from here on; half of" &
+                                   //" the duration if not given", range=not_negative), &
+                             row_t("to", type_number, "s", "and ends with the last one before; the end of the case if not given", &
+                                   range=positive), &
+                             row_t("pitches_of", type_reference, "", "mesh whose pitches are the periods; the first one if" &
+                                   //" nothing else is said", holds="meshes"), &
+                             row_t("turns_of", type_reference, "", "wheel whose turns are the periods instead", holds="wheels")]
 
    type(row_t), parameter :: support_rows(*) = [ &
                              row_t("kind", type_choice, "", "", default="fixed")]
@@ -89,6 +101,7 @@ contains
       call put("mount", mount_rows)
       call put("simulation", simulation_rows)
       call put("initial", initial_rows)
+      call put("numbers", numbers_rows)
       call put_kinds("contact", [row_t("law", type_choice, "", "law of the normal elastic force", default="johnson")])
       call put_kinds("damping", [row_t("law", type_choice, "", "law of the normal viscous force", default="none")])
       call put_kinds("friction", [row_t("law", type_choice, "", "law of the tangential force", default="none")])

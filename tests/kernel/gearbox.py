@@ -484,7 +484,11 @@ class Gearbox:
         return result
 
     def wanted(
-        self, states: Sequence[State], names: Collection[str], result: Floats | None = None
+        self,
+        states: Sequence[State],
+        names: Collection[str],
+        result: Floats | None = None,
+        call: str = "test_wanted_outputs",
     ) -> Floats:
         """Values of the named outputs at states that share the first one's discrete state.
 
@@ -496,7 +500,7 @@ class Gearbox:
         times = np.array([state.t for state in states])
         y = np.array([state.y for state in states])
         arrays = (times, y, states[0].integers, states[0].reals, wanted, result)
-        self._call("test_wanted_outputs", len(states), *map(_at, arrays))
+        self._call(call, len(states), *map(_at, arrays))
         return result
 
     def outputs(self, state: State) -> dict[str, Floats]:

@@ -322,6 +322,15 @@ EVL_API void evl_gearbox_output_places(const evl_gearbox *gearbox, int *offsets,
 EVL_API int evl_gearbox_outputs(const evl_gearbox *gearbox, double t, const double *y, const int *integers,
                                 const double *reals, bool check, double *values, evl_status *status);
 
+/** Some outputs at n states of one discrete state, as in a step; eight states at once are quickest, and there values may differ from
+ *  those of one by rounding. Nothing is found that only other outputs need.
+ *  @param t        [n]
+ *  @param y        [n * n_states] state after state
+ *  @param wanted   [n_outputs] which ones
+ *  @param values   [n * n_values] as of evl_gearbox_outputs; those of other outputs stay as they are */
+EVL_API int evl_gearbox_outputs_at(const evl_gearbox *gearbox, int n, const double *t, const double *y, const int *integers,
+                                   const double *reals, const bool *wanted, double *values, evl_status *status);
+
 /* ---- extremes -------------------------------------------------------------------------------------------------------------- */
 
 /** An output of a mesh, or of its tooth pairs, whose extreme is told over the run, the same for all gearboxes. */

@@ -1,0 +1,9 @@
+/** The numbers of a case in words, at the end of a run. */
+#pragma once
+
+#include "simulate/number_channel.h"
+#include "simulate/numbers.h"
+
+/** A line a mesh, or why there are no numbers.
+ *  @param rows, values  of all numbers, as number_rows_place and numbers_conclude give them */
+void tell_numbers(const numbers *numbers, const model_names *names, const model_output *rows, const double *values);

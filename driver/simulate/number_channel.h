@@ -1,0 +1,45 @@
+/** A quantity over a window of whole pitches: moments over time, extremes, harmonics of the mesh order. Sums are taken over the present
+ *  period and count when it is complete. */
+#pragma once
+
+#include "simulate/step_nodes.h"
+
+enum { NUMBER_HARMONICS = 10 };
+
+/** Cosine and sine of 2 pi n xi at the nodes, n from 1. */
+typedef struct {
+    double cosine[NUMBER_HARMONICS][STEP_NODES_MOST], sine[NUMBER_HARMONICS][STEP_NODES_MOST];
+    double rate[STEP_NODES_MOST]; /**< of xi [1/s] */
+} number_waves;
+
+/** @param xi, rate  position [pitches] and its rate at the nodes, [nodes] */
+void number_waves_find(number_waves *waves, int n_nodes, const double *xi, const double *rate);
+
+typedef struct {
+    double power[4];                                         /**< integrals over time of powers of x - shift */
+    double cosine[NUMBER_HARMONICS], sine[NUMBER_HARMONICS]; /**< of (x - shift) times these, over xi */
+    double high, low;
+} channel_sums;
+
+typedef struct {
+    bool has_begun;
+    double shift;               /**< a value near the mean: sums of powers keep their digits */
+    channel_sums period, total; /**< the present period, those that are complete */
+} number_channel;
+
+/** What a window comes to. */
+typedef struct {
+    double mean, deviation; /**< standard deviation, over time */
+    double rms, high, low;
+    double crest;    /**< largest distance from the mean over the standard deviation */
+    double kurtosis; /**< fourth central moment over the square of the second: 3 of a normal distribution */
+    double amplitude[NUMBER_HARMONICS], phase[NUMBER_HARMONICS]; /**< A cos(2 pi n xi - phase) [rad] */
+} channel_numbers;
+
+/** Begin; then one call for each part of a step, and one at the end of each period. */
+void number_channel_init(number_channel *channel);
+/** @param x  at the nodes [nodes->n] */
+void number_channel_add(number_channel *channel, const step_nodes *nodes, const number_waves *waves, const double *x);
+void number_channel_complete(number_channel *channel);
+/** @param time, pitches  length of the complete periods */
+void number_channel_conclude(const number_channel *channel, double time, double pitches, channel_numbers *numbers);

@@ -1,0 +1,64 @@
+/** Which numbers of a case there are: the one table. */
+#pragma once
+
+#include "base/memory.h"
+#include "model/model.h"
+
+/** What is told of a quantity: one row each. */
+typedef enum {
+    TELLS_MEAN,
+    TELLS_DEVIATION,
+    TELLS_RMS,
+    TELLS_RANGE,
+    TELLS_HIGH,
+    TELLS_LOW,
+    TELLS_CREST,
+    TELLS_KURTOSIS,
+    TELLS_AMPLITUDE,
+    TELLS_PHASE,
+    N_TELLS
+} number_tells;
+
+/** Quantities of which all that is told; they are outputs. */
+enum { NUMBER_ERROR, NUMBER_FORCE, NUMBER_SPIN, NUMBER_AXLE, N_NUMBER_QUANTITIES };
+
+/** What is told once of a mesh. */
+typedef enum {
+    NUMBER_NO_CONTACT,
+    NUMBER_ONE_PAIR,
+    NUMBER_TWO_PAIRS,
+    NUMBER_MORE_PAIRS,
+    NUMBER_COAST,
+    NUMBER_DYNAMIC,
+    NUMBER_PAIR_FORCE,
+    NUMBER_PAIR_DYNAMIC,
+    NUMBER_IMPACTS,
+    NUMBER_IMPACT_SPEED,
+    NUMBER_IMPACT_ENERGY,
+    NUMBER_ENERGY,
+    NUMBER_RATTLE,
+    N_OF_CONTACT
+} number_of_contact;
+
+enum { N_NUMBER_ROWS = N_NUMBER_QUANTITIES * N_TELLS + N_OF_CONTACT };
+
+/** Row of what is told of a quantity, and of a mesh. */
+static inline int number_row(int quantity, number_tells tells)
+{
+    return quantity * N_TELLS + (int)tells;
+}
+static inline int number_row_of_contact(number_of_contact what)
+{
+    return N_NUMBER_QUANTITIES * N_TELLS + (int)what;
+}
+
+/** The output that a quantity is. */
+const char *number_quantity(int quantity);
+/** The rows for so many wheels and meshes, with places in an array of all numbers. Texts are in the pool.
+ *  @param rows  [N_NUMBER_ROWS] @return the length of the array */
+int number_rows_place(memory_pool *pool, int n_wheels, int n_meshes, model_output *rows);
+/** Take the rows that words name: a row, a quantity, "contact", "all".
+ *  @param taken  [N_NUMBER_ROWS] rows that are not named stay as they are. @return NULL, or the word that names none */
+const char *number_rows_take(int n_words, const char *const *words, bool *taken);
+/** All words that number_rows_take knows but the rows themselves: a new string. */
+char *number_rows_words(void);

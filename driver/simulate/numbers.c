@@ -1,0 +1,573 @@
+#include "simulate/numbers.h"
+
+#include "base/memory.h"
+#include "base/words.h"
+#include "model/model_static.h"
+#include "simulate/number_channel.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double two_pi = 6.283185307179586;
+
+/* ---- what is kept ---- */
+
+/** A mesh over the periods: sums, and largest values. */
+typedef struct {
+    double time, pitches, torque, energy, impact_energy;
+    double shares[NUMBER_COAST + 1]; /**< times [s] */
+    long impacts;
+    double impact_speed, pair_force;
+} mesh_sums;
+
+typedef struct {
+    int wheel;       /**< that drives it */
+    double xi_0;     /**< position where angles are 0 [pitches] */
+    double per_turn; /**< pitches a radian of that wheel, with the sign of its nominal sense */
+    double mass;     /**< of both wheels along the line of action [kg] */
+    double radius;   /**< base radius of the driving wheel [m] */
+    mesh_sums period, total;
+} mesh_numbers;
+
+/** A channel is one element of an output. */
+typedef struct {
+    int row;     /**< first of its rows: those of its quantity */
+    int element; /**< of the quantity */
+    int offset;  /**< among the values */
+    int mesh;    /**< whose pitches its harmonics are of */
+    number_channel sums;
+} channel;
+
+/** Offsets of what meshes are asked for; -1: there is none. */
+enum { AT_ANGLE, AT_SPEED, AT_FORCE, AT_PAIRS, AT_COAST, AT_TORQUE, AT_PAIR_FORCE, AT_ERROR, N_AT };
+static const char *const asked[N_AT] = {
+    [AT_ANGLE] = "angle",
+    [AT_SPEED] = "angular_velocity",
+    [AT_FORCE] = "normal_force",
+    [AT_PAIRS] = "pairs_in_contact",
+    [AT_COAST] = "coast_force",
+    [AT_TORQUE] = "mesh_torque_driving",
+    [AT_PAIR_FORCE] = "pair_normal_force",
+    [AT_ERROR] = "transmission_error",
+};
+
+struct numbers {
+    memory_pool pool;
+    const model *model;
+    number_window window;
+    const bool *taken;
+    int n_meshes, n_wheels, n_channels, n_pairs;
+    mesh_numbers *meshes;
+    channel *channels;
+    number_waves *waves; /**< [n_meshes] */
+    step_nodes nodes;
+    int at[N_AT];
+    bool *only_angle;       /**< [outputs] mask of the angles alone */
+    double *y, *values;     /**< of one state */
+    int closed, impact;     /**< event kinds */
+    bool is_set_up;         /**< constants are known */
+    bool has_started;       /**< the window has begun */
+    double sense;           /**< of the window's wheel, pitches or turns a radian */
+    double start_position;  /**< where its angle is 0 */
+    double first, next;     /**< position where the window began; of the end of the present period */
+    double t_first, t_last; /**< of the complete periods */
+    double position;        /**< furthest that was reached */
+    double first_seen;      /**< first position in the window */
+    long periods;
+};
+
+static bool takes(const numbers *numbers, int first, int n)
+{
+    bool any = false;
+    for (int i = 0; i < n; i++) {
+        any = any || numbers->taken[first + i];
+    }
+    return any;
+}
+
+static bool takes_contact(const numbers *numbers, number_of_contact what)
+{
+    return numbers->taken[number_row_of_contact(what)];
+}
+
+static void want(numbers *numbers, int what)
+{
+    numbers->at[what] =
+        step_nodes_want(&numbers->nodes, asked[what]) ? model_output_offset(numbers->model, asked[what]) : -1;
+}
+
+static bool takes_energy(const numbers *numbers)
+{
+    return takes_contact(numbers, NUMBER_ENERGY) || takes_contact(numbers, NUMBER_RATTLE) ||
+           takes_contact(numbers, NUMBER_PAIR_DYNAMIC);
+}
+
+static void want_of_meshes(numbers *numbers)
+{
+    const int shares = number_row_of_contact(NUMBER_NO_CONTACT);
+    want(numbers, AT_ANGLE);
+    want(numbers, AT_SPEED);
+    if (takes(numbers, shares, NUMBER_COAST)) {
+        want(numbers, AT_PAIRS);
+    }
+    if (takes_contact(numbers, NUMBER_COAST)) {
+        want(numbers, AT_COAST);
+    }
+    if (takes_energy(numbers)) {
+        want(numbers, AT_TORQUE);
+    }
+    if (takes_contact(numbers, NUMBER_PAIR_FORCE) || takes_contact(numbers, NUMBER_PAIR_DYNAMIC)) {
+        want(numbers, AT_PAIR_FORCE);
+    }
+}
+
+/** Whether a quantity has to be followed: the dynamic factor is made of the force. */
+static bool follows(const numbers *numbers, int quantity)
+{
+    return takes(numbers, number_row(quantity, (number_tells)0), N_TELLS) ||
+           (quantity == NUMBER_FORCE && takes_contact(numbers, NUMBER_DYNAMIC));
+}
+
+static void open_channels(numbers *numbers)
+{
+    for (int quantity = 0; quantity < N_NUMBER_QUANTITIES; quantity++) {
+        const char *name = number_quantity(quantity);
+        if (!follows(numbers, quantity) || !step_nodes_want(&numbers->nodes, name)) {
+            continue;
+        }
+        const model_output *output = model_output_named(numbers->model, name);
+        for (int i = 0; i < output->count; i++) {
+            channel *one = &numbers->channels[numbers->n_channels++];
+            *one = (channel){.row = number_row(quantity, (number_tells)0), .element = i, .offset = output->offset + i};
+            number_channel_init(&one->sums);
+        }
+    }
+}
+
+static int event_kind(const char *name)
+{
+    return words_index(name, model_tables()->n_event_kinds, model_tables()->event_kinds);
+}
+
+numbers *numbers_create(const model *model, const number_window *window, const bool *taken)
+{
+    const model_facts *about = model_about(model);
+    numbers *self = xcalloc(1, sizeof *self);
+    *self = (numbers){.model = model,
+                      .window = *window,
+                      .n_meshes = about->names.meshes.n,
+                      .n_wheels = about->names.wheels.n,
+                      .n_pairs = about->names.pairs.n,
+                      .position = -INFINITY,
+                      .closed = event_kind("contact_closed"),
+                      .impact = event_kind("impact")};
+    memory_pool *pool = &self->pool;
+    bool *own = pool_calloc(pool, N_NUMBER_ROWS, sizeof *own);
+    self->taken = memcpy(own, taken, N_NUMBER_ROWS * sizeof *own);
+    for (int i = 0; i < N_AT; i++) {
+        self->at[i] = -1;
+    }
+    self->meshes = pool_calloc(pool, (size_t)self->n_meshes, sizeof *self->meshes);
+    self->waves = pool_calloc(pool, (size_t)self->n_meshes, sizeof *self->waves);
+    self->channels = pool_calloc(pool, 2 * (size_t)self->n_meshes + 3 * (size_t)self->n_wheels, sizeof *self->channels);
+    self->only_angle = pool_calloc(pool, (size_t)about->n_outputs, sizeof *self->only_angle);
+    self->y = pool_calloc(pool, (size_t)about->dae.n, sizeof *self->y);
+    self->values = pool_calloc(pool, (size_t)about->n_values, sizeof *self->values);
+    step_nodes_init(&self->nodes, model, pool);
+    want_of_meshes(self);
+    for (int i = 0; i < about->n_outputs; i++) {
+        self->only_angle[i] = strcmp(about->outputs[i].name, asked[AT_ANGLE]) == 0;
+    }
+    open_channels(self);
+    return self;
+}
+
+void numbers_delete(numbers **pointer)
+{
+    numbers *self = *pointer;
+    *pointer = NULL;
+    if (self != NULL) {
+        pool_free(&self->pool);
+        free(self);
+    }
+}
+
+/* ---- positions ---- */
+
+static double constant(const numbers *self, const char *name, int index)
+{
+    const int offset = model_output_offset(self->model, name);
+    return offset < 0 ? NAN : self->values[offset + index];
+}
+
+/** The mesh whose pitches the harmonics of a wheel are of: the window's if it is one of its, else its first. */
+static int mesh_of_wheel(const numbers *self, int wheel)
+{
+    int found = -1;
+    for (int m = self->n_meshes - 1; m >= 0; m--) {
+        const bool is_its = self->meshes[m].wheel == wheel || (int)constant(self, "driven_wheel", m) == wheel;
+        found = is_its && (found < 0 || found != self->window.mesh) ? m : found;
+    }
+    return found < 0 ? self->window.mesh : found;
+}
+
+/** What never changes, from any state. */
+static bool set_up(numbers *self, const integrate_step *step)
+{
+    char message[DAE_MESSAGE_LENGTH];
+    dae_state state = *step->state;
+    state.t = step->t_to;
+    state.y = self->y;
+    if (!step->interpolate(step->with, step->t_to, self->y) ||
+        model_outputs(self->model, &state, self->values, message) != DAE_OK) {
+        return false;
+    }
+    for (int m = 0; m < self->n_meshes; m++) {
+        mesh_numbers *mesh = &self->meshes[m];
+        mesh->wheel = (int)constant(self, "driving_wheel", m);
+        mesh->xi_0 = constant(self, "start_position", m);
+        mesh->per_turn = -constant(self, "flank", m) * constant(self, "teeth", mesh->wheel) / two_pi;
+        mesh->mass = constant(self, "reference_mass", m);
+        mesh->radius = constant(self, "base_radius", mesh->wheel);
+    }
+    for (int i = 0; i < self->n_channels; i++) {
+        channel *one = &self->channels[i];
+        const int quantity = one->row / N_TELLS;
+        const int wheel = quantity == NUMBER_AXLE ? one->element / 2 : one->element;
+        one->mesh = quantity == NUMBER_SPIN || quantity == NUMBER_AXLE ? mesh_of_wheel(self, wheel) : one->element;
+    }
+    const int wheel = self->window.wheel;
+    const mesh_numbers *mesh = &self->meshes[self->window.mesh];
+    self->sense = wheel < 0 ? mesh->per_turn
+                            : (constant(self, asked[AT_SPEED], wheel) < 0 ? -1 / two_pi : 1 / two_pi);
+    self->start_position = wheel < 0 ? mesh->xi_0 : 0;
+    self->is_set_up = true;
+    return true;
+}
+
+/** Position of the window's mesh or wheel. @return NAN if it is not known */
+static double position_at(numbers *self, const integrate_step *step, double t)
+{
+    char message[DAE_MESSAGE_LENGTH];
+    const int wheel = self->window.wheel < 0 ? self->meshes[self->window.mesh].wheel : self->window.wheel;
+    if (!step->interpolate(step->with, t, self->y) ||
+        model_outputs_at(self->model, 1, &t, self->y, step->state, self->only_angle, self->values, message) != DAE_OK) {
+        return NAN;
+    }
+    return self->start_position + self->sense * self->values[self->at[AT_ANGLE] + wheel];
+}
+
+/** When a position is reached between two times around it: by secants that keep the bracket (Illinois). */
+static double time_of(numbers *self, const integrate_step *step, double target, double t_a, double f_a, double t_b,
+                      double f_b)
+{
+    enum { MOST = 60 };
+    static const double near = 1e-13; /* periods */
+    double t = t_b;
+    for (int i = 0; i < MOST; i++) {
+        t = t_b - f_b * (t_b - t_a) / (f_b - f_a);
+        const double f = position_at(self, step, t) - target;
+        if (!(fabs(f) > near)) {
+            break;
+        }
+        if ((f > 0) == (f_b > 0)) {
+            f_a *= 0.5;
+        } else {
+            t_a = t_b;
+            f_a = f_b;
+        }
+        t_b = t;
+        f_b = f;
+    }
+    return t;
+}
+
+/* ---- sums ---- */
+
+static double at_node(const numbers *self, int what, int index, int k)
+{
+    const size_t row = (size_t)k * (size_t)model_about(self->model)->n_values;
+    return self->nodes.values[row + (size_t)(self->at[what] + index)];
+}
+
+static void add_to_mesh(numbers *self, int m)
+{
+    mesh_numbers *mesh = &self->meshes[m];
+    mesh_sums *sums = &mesh->period;
+    double xi[STEP_NODES_MOST], rate[STEP_NODES_MOST];
+    for (int k = 0; k < self->nodes.n; k++) {
+        const double weight = self->nodes.weight[k], speed = at_node(self, AT_SPEED, mesh->wheel, k);
+        xi[k] = mesh->xi_0 + mesh->per_turn * at_node(self, AT_ANGLE, mesh->wheel, k);
+        rate[k] = mesh->per_turn * speed;
+        sums->time += weight;
+        sums->pitches += weight * rate[k];
+        if (self->at[AT_TORQUE] >= 0) {
+            const double torque = at_node(self, AT_TORQUE, m, k);
+            sums->torque += weight * torque;
+            sums->energy += weight * fabs(torque * speed);
+        }
+        if (self->at[AT_PAIRS] >= 0) {
+            const long pairs = lround(at_node(self, AT_PAIRS, m, k));
+            sums->shares[pairs > 3 ? 3 : pairs] += weight;
+        }
+        if (self->at[AT_COAST] >= 0) {
+            sums->shares[NUMBER_COAST] += at_node(self, AT_COAST, m, k) > 0 ? weight : 0;
+        }
+    }
+    number_waves_find(&self->waves[m], self->nodes.n, xi, rate);
+    for (int p = 0; p < self->n_pairs && self->at[AT_PAIR_FORCE] >= 0; p++) {
+        double force[STEP_NODES_MOST];
+        for (int k = 0; k < self->nodes.n; k++) {
+            force[k] = at_node(self, AT_PAIR_FORCE, m * self->n_pairs + p, k);
+        }
+        const double beyond = fmax(sums->pair_force, mesh->total.pair_force);
+        sums->pair_force = fmax(sums->pair_force, step_nodes_peak(&self->nodes, force, 1, beyond));
+    }
+}
+
+/** A part of a step in which less than the reach of the nodes passes. */
+static void add_part(numbers *self, const integrate_step *step, double from, double to)
+{
+    if (!step_nodes_look(&self->nodes, step, from, to)) {
+        return;
+    }
+    for (int m = 0; m < self->n_meshes; m++) {
+        add_to_mesh(self, m);
+    }
+    const size_t n_values = (size_t)model_about(self->model)->n_values;
+    for (int i = 0; i < self->n_channels; i++) {
+        channel *one = &self->channels[i];
+        double x[STEP_NODES_MOST];
+        for (int k = 0; k < self->nodes.n; k++) {
+            x[k] = self->nodes.values[(size_t)k * n_values + (size_t)one->offset];
+        }
+        number_channel_add(&one->sums, &self->nodes, &self->waves[one->mesh], x);
+    }
+}
+
+static void add_span(numbers *self, const integrate_step *step, double from, double to, double pitches)
+{
+    const double waves = NUMBER_HARMONICS * fabs(pitches);
+    const int parts = 1 + (int)fmin(waves / step_nodes_reach(&self->nodes), 1e6);
+    for (int i = 0; i < parts && to > from; i++) {
+        add_part(self, step, from + (to - from) * i / parts, i == parts - 1 ? to : from + (to - from) * (i + 1) / parts);
+    }
+}
+
+static void complete_mesh(mesh_numbers *mesh)
+{
+    mesh_sums *total = &mesh->total;
+    const mesh_sums *period = &mesh->period;
+    total->time += period->time;
+    total->pitches += period->pitches;
+    total->torque += period->torque;
+    total->energy += period->energy;
+    total->impact_energy += period->impact_energy;
+    total->impacts += period->impacts;
+    for (int i = 0; i <= NUMBER_COAST; i++) {
+        total->shares[i] += period->shares[i];
+    }
+    total->impact_speed = fmax(total->impact_speed, period->impact_speed);
+    total->pair_force = fmax(total->pair_force, period->pair_force);
+    mesh->period = (mesh_sums){0};
+}
+
+static void complete_period(numbers *self, double t)
+{
+    for (int m = 0; m < self->n_meshes; m++) {
+        complete_mesh(&self->meshes[m]);
+    }
+    for (int i = 0; i < self->n_channels; i++) {
+        number_channel_complete(&self->channels[i].sums);
+    }
+    self->periods++;
+    self->t_last = t;
+}
+
+/* ---- the steps ---- */
+
+/** A beginning of a period: the window starts, or one is complete. */
+static void pass_border(numbers *self, double t)
+{
+    if (self->has_started) {
+        complete_period(self, t);
+    } else {
+        self->has_started = true;
+        self->first = self->next;
+        self->t_first = self->t_last = t;
+    }
+    self->next += 1;
+}
+
+static double pitches_of(const numbers *self, double from, double to)
+{
+    /* a turn has as many pitches as the wheel that drives the first mesh has teeth, or about so many */
+    return self->window.wheel < 0 ? to - from : (to - from) * fabs(self->meshes[self->window.mesh].per_turn) * two_pi;
+}
+
+void numbers_watch(numbers *self, const integrate_step *step)
+{
+    static const double rounding = 1e-10; /* periods: a start as near to a border as that is on it */
+    double t = fmax(step->t_from, self->window.from);
+    const double t_end = fmin(step->t_to, self->window.to);
+    if (!(t_end > t) || (!self->is_set_up && !set_up(self, step))) {
+        return;
+    }
+    double here = position_at(self, step, t);
+    const double end = position_at(self, step, t_end);
+    if (isnan(here) || isnan(end)) {
+        return;
+    }
+    if (!(self->position > -INFINITY)) {
+        self->first_seen = self->position = here;
+        self->next = ceil(here - rounding);
+        if (self->next <= here) {
+            pass_border(self, t);
+        }
+    }
+    while (end >= self->next) {
+        const double t_border = here >= self->next ? t : time_of(self, step, self->next, t, here - self->next, t_end, end - self->next);
+        if (self->has_started) {
+            add_span(self, step, t, t_border, pitches_of(self, here, self->next));
+        }
+        here = self->next;
+        t = t_border;
+        pass_border(self, t);
+    }
+    if (self->has_started) {
+        add_span(self, step, t, t_end, pitches_of(self, here, end));
+    }
+    self->position = fmax(self->position, end);
+}
+
+void numbers_event(numbers *self, const event_record *record)
+{
+    char message[DAE_MESSAGE_LENGTH];
+    const int m = record->what.subject, kind = record->what.kind;
+    if (!self->has_started || m < 0 || m >= self->n_meshes || (kind != self->closed && kind != self->impact) ||
+        record->t > self->window.to || model_outputs(self->model, record->before, self->values, message) != DAE_OK ||
+        constant(self, "pairs_in_contact", m) > 0) {
+        return;
+    }
+    mesh_numbers *mesh = &self->meshes[m];
+    const double speed = fabs(constant(self, "gap_rate", m));
+    mesh->period.impacts++;
+    mesh->period.impact_speed = fmax(mesh->period.impact_speed, speed);
+    mesh->period.impact_energy += 0.5 * mesh->mass * speed * speed;
+}
+
+/* ---- results ---- */
+
+number_span numbers_span(const numbers *self)
+{
+    return (number_span){self->t_first, self->t_last, self->periods,
+                         self->position > -INFINITY ? self->position - self->first_seen : 0};
+}
+
+/** Largest force of a tooth pair of a mesh at rest under a torque; NAN where the analysis does not apply. */
+static double static_force(const numbers *self, int m, double torque)
+{
+    enum { POINTS = 100 };
+    static_plan plan;
+    model_message error;
+    double largest = NAN;
+    if (model_plan_static(self->model, m, POINTS, &plan, &error)) {
+        OWNED double *values = xcalloc((size_t)plan.n_values, sizeof *values);
+        const bool good = model_static(self->model, &plan, torque, values, &error);
+        for (int i = 0; i < plan.n_outputs && good; i++) {
+            const model_output *output = &plan.outputs[i];
+            for (int j = 0; j < output->count && strcmp(output->name, "pair_normal_force") == 0; j++) {
+                largest = fmax(largest, values[output->offset + j]);
+            }
+        }
+    }
+    static_plan_free(&plan);
+    return largest;
+}
+
+static void put(const model_output *rows, double *values, number_of_contact what, int mesh, double value)
+{
+    values[rows[number_row_of_contact(what)].offset + mesh] = value;
+}
+
+static void conclude_mesh(const numbers *self, int m, const model_output *rows, double *values)
+{
+    const mesh_numbers *mesh = &self->meshes[m];
+    const mesh_sums *sums = &mesh->total;
+    for (int i = 0; i <= NUMBER_COAST; i++) {
+        const bool is_known = self->at[i == NUMBER_COAST ? AT_COAST : AT_PAIRS] >= 0;
+        put(rows, values, (number_of_contact)i, m, is_known ? sums->shares[i] / sums->time : i == NUMBER_COAST ? 0 : NAN);
+    }
+    if (self->at[AT_PAIR_FORCE] >= 0) {
+        put(rows, values, NUMBER_PAIR_FORCE, m, sums->pair_force);
+    }
+    if (takes_contact(self, NUMBER_PAIR_DYNAMIC)) {
+        const double mean = -sums->torque / sums->time * (mesh->per_turn > 0 ? 1 : -1);
+        put(rows, values, NUMBER_PAIR_DYNAMIC, m, sums->pair_force / static_force(self, m, mean));
+    }
+    put(rows, values, NUMBER_IMPACTS, m, (double)sums->impacts);
+    put(rows, values, NUMBER_IMPACT_SPEED, m, sums->impact_speed);
+    put(rows, values, NUMBER_IMPACT_ENERGY, m, sums->impact_energy);
+    if (self->at[AT_TORQUE] >= 0) {
+        put(rows, values, NUMBER_ENERGY, m, sums->energy);
+        put(rows, values, NUMBER_RATTLE, m, sums->energy > 0 ? sums->impact_energy / sums->energy : NAN);
+    }
+}
+
+static void conclude_channel(const numbers *self, const channel *one, const model_output *rows, double *values)
+{
+    channel_numbers told;
+    const mesh_sums *mesh = &self->meshes[one->mesh].total;
+    number_channel_conclude(&one->sums, mesh->time, mesh->pitches, &told);
+    const double numbers[] = {[TELLS_MEAN] = told.mean,   [TELLS_DEVIATION] = told.deviation,
+                              [TELLS_RMS] = told.rms,     [TELLS_RANGE] = told.high - told.low,
+                              [TELLS_HIGH] = told.high,   [TELLS_LOW] = told.low,
+                              [TELLS_CREST] = told.crest, [TELLS_KURTOSIS] = told.kurtosis};
+    for (int i = 0; i < TELLS_AMPLITUDE; i++) {
+        values[rows[one->row + i].offset + one->element] = numbers[i];
+    }
+    for (int n = 0; n < NUMBER_HARMONICS; n++) {
+        const int place = one->element * NUMBER_HARMONICS + n;
+        values[rows[one->row + TELLS_AMPLITUDE].offset + place] = told.amplitude[n];
+        values[rows[one->row + TELLS_PHASE].offset + place] = told.phase[n];
+    }
+    if (one->row == number_row(NUMBER_FORCE, (number_tells)0)) {
+        put(rows, values, NUMBER_DYNAMIC, one->element, told.high / told.mean);
+    }
+}
+
+void numbers_conclude(const numbers *self, double *values)
+{
+    POOLED memory_pool pool = {NULL};
+    model_output rows[N_NUMBER_ROWS];
+    const int n = number_rows_place(&pool, self->n_wheels, self->n_meshes, rows);
+    for (int i = 0; i < n; i++) {
+        values[i] = NAN;
+    }
+    if (self->periods == 0) {
+        return;
+    }
+    for (int i = 0; i < self->n_channels; i++) {
+        conclude_channel(self, &self->channels[i], rows, values);
+    }
+    for (int m = 0; m < self->n_meshes; m++) {
+        conclude_mesh(self, m, rows, values);
+    }
+}
+
+void numbers_explain(const numbers *self, char *text, size_t size)
+{
+    text[0] = '\0';
+    if (self->periods > 0) {
+        return;
+    }
+    const model_names *names = &model_about(self->model)->names;
+    const bool by_mesh = self->window.wheel < 0;
+    const double way = numbers_span(self).begun;
+    (void)snprintf(text, size,
+                   "the window of the numbers holds no whole %s of %s '%s', which went %.3g in it: begin earlier, or run longer",
+                   by_mesh ? "pitch" : "turn", by_mesh ? "mesh" : "wheel",
+                   by_mesh ? names->meshes.names[self->window.mesh] : names->wheels.names[self->window.wheel], way);
+}

@@ -1,0 +1,35 @@
+/** The numbers of a case over a window of whole pitches or turns, found while it runs: integrals between the events by quadrature of
+ *  the dense output, so that they depend on no output. number_rows.h says which there are. */
+#pragma once
+
+#include "integrate/integrate_types.h"
+#include "model/model.h"
+#include "simulate/number_rows.h"
+
+/** The window begins where a period does for the first time after `from`, and ends where the last one does before `to`. */
+typedef struct {
+    double from, to; /**< [s] */
+    int mesh;        /**< a period is a pitch of this mesh, counted from where its tooth pair 0 is at the start of contact */
+    int wheel;       /**< or, if it is not -1, a turn of this wheel from its start */
+} number_window;
+
+typedef struct numbers numbers;
+
+/** @param taken  [N_NUMBER_ROWS] which rows are wanted: the others may be NaN */
+numbers *numbers_create(const model *model, const number_window *window, const bool *taken);
+void numbers_delete(numbers **numbers);
+/** Every step of the integration, in order of time, as observer.watch hears it. */
+void numbers_watch(numbers *numbers, const integrate_step *step);
+void numbers_event(numbers *numbers, const event_record *record);
+
+/** What the window came to. */
+typedef struct {
+    double from, to; /**< [s] */
+    long periods;    /**< complete ones; 0: there is no number */
+    double begun;    /**< how much of a period there was */
+} number_span;
+number_span numbers_span(const numbers *numbers);
+/** [as number_rows_place places them] NaN where there is none. */
+void numbers_conclude(const numbers *numbers, double *values);
+/** Why there are none, one sentence; "" if there are. `names` of the model. */
+void numbers_explain(const numbers *numbers, char *text, size_t size);

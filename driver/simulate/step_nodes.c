@@ -1,0 +1,127 @@
+#include "simulate/step_nodes.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Gauss and Legendre: eight nodes where the kernel takes eight states at once, three where it takes one after the other, in
+ * steps of IDA that are short. */
+static const double places_of_8[] = {-0.9602898564975363, -0.7966664774136267, -0.5255324099163290, -0.1834346424956498,
+                                     0.1834346424956498,  0.5255324099163290,  0.7966664774136267,  0.9602898564975363};
+static const double weights_of_8[] = {0.1012285362903763, 0.2223810344533745, 0.3137066458778873, 0.3626837833783620,
+                                      0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
+static const double places_of_3[] = {-0.7745966692414834, 0.0, 0.7745966692414834};
+static const double weights_of_3[] = {0.5555555555555556, 0.8888888888888889, 0.5555555555555556};
+
+static const double *places(const step_nodes *nodes)
+{
+    return nodes->n == 8 ? places_of_8 : places_of_3;
+}
+
+/** Value at x of the polynomial that is 1 at node k and 0 at the others. */
+static double lagrange(int n, const double *x_nodes, int k, double x)
+{
+    double value = 1;
+    for (int j = 0; j < n; j++) {
+        value *= j == k ? 1 : (x - x_nodes[j]) / (x_nodes[k] - x_nodes[j]);
+    }
+    return value;
+}
+
+static double sample_place(const step_nodes *nodes, int i)
+{
+    return -1 + 2.0 * i / (nodes->n_samples - 1);
+}
+
+void step_nodes_init(step_nodes *nodes, const model *model, memory_pool *pool)
+{
+    const model_facts *about = model_about(model);
+    *nodes = (step_nodes){.model = model, .n = about->dae.stepper != NULL ? 8 : 3};
+    nodes->n_samples = 4 * nodes->n + 1;
+    nodes->wanted = pool_calloc(pool, (size_t)about->n_outputs, sizeof(bool));
+    nodes->y = pool_calloc(pool, (size_t)nodes->n * (size_t)about->dae.n, sizeof(double));
+    nodes->values = pool_calloc(pool, (size_t)nodes->n * (size_t)about->n_values, sizeof(double));
+    nodes->samples = pool_calloc(pool, (size_t)nodes->n_samples * (size_t)nodes->n, sizeof(double));
+    for (int i = 0; i < nodes->n_samples; i++) {
+        for (int k = 0; k < nodes->n; k++) {
+            nodes->samples[i * nodes->n + k] = lagrange(nodes->n, places(nodes), k, sample_place(nodes, i));
+        }
+    }
+}
+
+bool step_nodes_want(step_nodes *nodes, const char *output)
+{
+    const model_output *found = model_output_named(nodes->model, output);
+    if (found == NULL || found->count == 0) {
+        return false;
+    }
+    nodes->wanted[found - model_about(nodes->model)->outputs] = true;
+    return true;
+}
+
+double step_nodes_reach(const step_nodes *nodes)
+{
+    return nodes->n == 8 ? 1.0 : 0.05;
+}
+
+bool step_nodes_look(step_nodes *nodes, const integrate_step *step, double from, double to)
+{
+    char message[DAE_MESSAGE_LENGTH];
+    const int n_states = model_about(nodes->model)->dae.n;
+    const double middle = 0.5 * (from + to), half = 0.5 * (to - from);
+    const double *weights = nodes->n == 8 ? weights_of_8 : weights_of_3;
+    for (int k = 0; k < nodes->n; k++) {
+        nodes->t[k] = middle + half * places(nodes)[k];
+        nodes->weight[k] = half * weights[k];
+        if (!step->interpolate(step->with, nodes->t[k], nodes->y + (size_t)k * (size_t)n_states)) {
+            return false;
+        }
+    }
+    return model_outputs_at(nodes->model, nodes->n, nodes->t, nodes->y, step->state, nodes->wanted, nodes->values,
+                            message) == DAE_OK;
+}
+
+/** The polynomial at x in -1..1. */
+static double value_at(const step_nodes *nodes, const double *values, double x)
+{
+    double value = 0;
+    for (int k = 0; k < nodes->n; k++) {
+        value += lagrange(nodes->n, places(nodes), k, x) * values[k];
+    }
+    return value;
+}
+
+double step_nodes_peak(const step_nodes *nodes, const double *values, int sense, double beyond)
+{
+    static const double most_hidden = 0.5; /* of the range of the values: more does not lie between them or behind the last */
+    double high = -INFINITY, low = INFINITY;
+    for (int k = 0; k < nodes->n; k++) {
+        high = fmax(high, sense * values[k]);
+        low = fmin(low, sense * values[k]);
+    }
+    if (high + most_hidden * (high - low) <= beyond) {
+        return high;
+    }
+    double best = -INFINITY, before = 0, after = 0, last = 0;
+    int place = 0;
+    for (int i = 0; i < nodes->n_samples; i++) {
+        double here = 0;
+        for (int k = 0; k < nodes->n; k++) {
+            here += nodes->samples[i * nodes->n + k] * values[k];
+        }
+        here *= sense;
+        after = i == place + 1 ? here : after;
+        if (here > best) {
+            best = here;
+            place = i;
+            before = last;
+        }
+        last = here;
+    }
+    const double bend = before - 2 * best + after;
+    if (place == 0 || place == nodes->n_samples - 1 || !(bend < 0)) {
+        return best;
+    }
+    const double step = 2.0 / (nodes->n_samples - 1);
+    const double top = sample_place(nodes, place) + 0.5 * step * (before - after) / bend;
+    return fmax(best, sense * value_at(nodes, values, top));
+}
