@@ -49,15 +49,19 @@ void batch_case_lost(const batch_plan *plan, long index, const char *message, ba
 
 /* ---- what a case has to have ---- */
 
-/** The window of a case, the design's NaNs filled in. @return false if no output lies in it */
-static bool find_window(const batch_plan *plan, const integrate_options *options, double *from, double *to)
+/** The window of a case: the design's times, or the case's own. @return false if no output lies in it */
+static bool find_window(const batch_plan *plan, const prepared_case *prepared, number_window *window)
 {
-    const double *window = plan->design->window, dt = options->output_interval, slack = 1e-6;
-    *from = isnan(window[0]) ? options->t_end / 2 : window[0];
-    *to = isnan(window[1]) ? options->t_end : window[1];
-    const double first = ceil(*from / dt - slack) * dt; /* on the grid */
-    const bool has_grid_point = first <= fmin(*to, options->t_end) + slack * dt;
-    const bool has_end = *from <= options->t_end && options->t_end <= *to;
+    const numbers_description *own = &case_description(prepared->file)->simulation.numbers;
+    const integrate_options options = simulate_options(prepared);
+    const double *given = plan->design->window, dt = options.output_interval, slack = 1e-6;
+    *window = (number_window){.from = isnan(given[0]) ? own->from : given[0],
+                              .to = isnan(given[1]) ? own->to : given[1],
+                              .mesh = own->mesh,
+                              .wheel = own->wheel};
+    const double first = ceil(window->from / dt - slack) * dt; /* on the grid */
+    const bool has_grid_point = first <= fmin(window->to, options.t_end) + slack * dt;
+    const bool has_end = window->from <= options.t_end && options.t_end <= window->to;
     return has_grid_point || has_end;
 }
 
@@ -73,11 +77,11 @@ static bool has_history_shape(const batch_plan *plan, const model *model, const 
 }
 
 /** @return false with the reason in `refusal` */
-static bool check_case(const batch_plan *plan, const prepared_case *prepared, double *from, double *to,
-                       evl_error *refusal)
+static bool check_case(const batch_plan *plan, const prepared_case *prepared, number_window *window, evl_error *refusal)
 {
     const integrate_options options = simulate_options(prepared);
     const int n_meshes = case_description(prepared->file)->n_meshes;
+    const int n_wheels = case_description(prepared->file)->n_wheels;
     const char *place = case_path(prepared->file);
     if (n_meshes != plan->table.n_meshes) {
         return evl_error_set(
@@ -85,9 +89,15 @@ static bool check_case(const batch_plan *plan, const prepared_case *prepared, do
             "the number of meshes is %d, that of the base case %d; all cases of a design have the same meshes",
             n_meshes, plan->table.n_meshes);
     }
-    if (!find_window(plan, &options, from, to)) {
+    if (plan->table.n_numbers > 0 && n_wheels != plan->table.n_wheels) {
+        return evl_error_set(
+            refusal, EVL_EXIT_CASE, place,
+            "the number of wheels is %d, that of the base case %d; with numbers over whole periods all cases have the same",
+            n_wheels, plan->table.n_wheels);
+    }
+    if (!find_window(plan, prepared, window)) {
         return evl_error_set(refusal, EVL_EXIT_CASE, place,
-                             "the window from %g to %g s holds no output of this case, which ends at %g s", *from, *to,
+                             "the window from %g to %g s holds no output of this case, which ends at %g s", window->from, window->to,
                              options.t_end);
     }
     return plan->histories.n_variables == 0 || has_history_shape(plan, prepared->model, &options) ||
@@ -181,10 +191,11 @@ static bool simulate_prepared(const batch_plan *plan, long index, const prepared
 {
     const double interval = case_description(prepared->file)->simulation.output_interval;
     batch_sink batch = {
-        .plan = plan, .statistics = statistics_create(&plan->table, prepared->model, start->from, start->to, interval)};
+        .plan = plan, .statistics = statistics_create(&plan->table, prepared->model, &start->window, interval)};
     start_history(&batch, prepared->model);
     const simulate_sink sink = {
-        .self = &batch, .outputs = on_outputs, .event = on_event, .extremes = statistics_extremes(batch.statistics)};
+        .self = &batch, .outputs = on_outputs, .event = on_event, .extremes = statistics_extremes(batch.statistics),
+        .numbers = statistics_numbers(batch.statistics)};
     simulate_result result;
     simulate(prepared, &sink, &start->state, &result);
     conclude(&batch, prepared, index, &result, row);
@@ -199,9 +210,9 @@ static bool simulate_prepared(const batch_plan *plan, long index, const prepared
 bool batch_case_prepare(const batch_plan *plan, long index, prepared_case *prepared, batch_start *start,
                         evl_error *refusal)
 {
-    *start = (batch_start){.from = 0};
+    *start = (batch_start){.window = {.wheel = -1}};
     return batch_prepare(plan, index, prepared, refusal) &&
-           check_case(plan, prepared, &start->from, &start->to, refusal) &&
+           check_case(plan, prepared, &start->window, refusal) &&
            prepare_start(prepared, &start->state, refusal);
 }
 

@@ -13,7 +13,7 @@ typedef struct {
 /** How a case begins. */
 typedef struct {
     dae_state state; /**< at t = 0; to be freed */
-    double from, to; /**< its window [s] */
+    number_window window;
 } batch_start;
 
 /** Make a case and check all that can be refused. @param[in,out] prepared  as for batch_case_run

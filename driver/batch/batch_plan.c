@@ -3,6 +3,7 @@
 #include "base/json.h"
 #include "base/memory.h"
 #include "base/suggest.h"
+#include "base/words.h"
 #include "batch/journal.h"
 #include "integrate/integrate_types.h"
 #include "simulate/simulate.h"
@@ -26,12 +27,21 @@ static bool check_paths(const batch_plan *plan, evl_error *error)
     return true;
 }
 
-static void take_table(batch_plan *plan)
+static bool take_table(batch_plan *plan, evl_error *error)
 {
     POOLED memory_pool pool = {NULL};
-    int n = 0;
-    const char **names = case_base_elements(plan->base, "meshes", &pool, &n);
-    statistics_table_init(&plan->table, n, names);
+    name_list meshes = {0}, wheels = {0};
+    meshes.names = case_base_elements(plan->base, "meshes", &pool, &meshes.n);
+    wheels.names = case_base_elements(plan->base, "wheels", &pool, &wheels.n);
+    OWNED char **words = NULL;
+    const int n = words_split(plan->design->numbers, &words);
+    const char *unknown = statistics_table_init(&plan->table, &meshes, &wheels, n, (const char *const *)words);
+    if (unknown == NULL) {
+        return true;
+    }
+    OWNED char *known = number_rows_words();
+    return evl_error_set(error, EVL_EXIT_CASE, plan->design->file,
+                         "numbers: there is no number '%.64s'; there are %s, and what docs/signals.md lists", unknown, known);
 }
 
 bool batch_prepare(const batch_plan *plan, long index, prepared_case *prepared, evl_error *error)
@@ -128,8 +138,7 @@ bool batch_plan_init(batch_plan *plan, const design *design, evl_error *error)
         return false;
     }
     plan->wheels = wheel_store_create();
-    take_table(plan);
-    if (!check_paths(plan, error) || (design->history_variables[0] != '\0' && !plan_histories(plan, error))) {
+    if (!take_table(plan, error) || !check_paths(plan, error) || (design->history_variables[0] != '\0' && !plan_histories(plan, error))) {
         batch_plan_free(plan);
         return false;
     }

@@ -1,5 +1,8 @@
 #include "batch/batch_statistics.h"
 
+#include "base/words.h"
+#include "simulate/number_channel.h"
+
 #include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
@@ -45,24 +48,32 @@ static const struct {
 
 /* ---- the table ---- */
 
-static bool is_taken(const statistics_table *table, const char *name)
+/** Place of a scalar; -1: there is none. */
+static int find_scalar(const statistics_table *table, const char *name)
 {
     for (int i = 0; i < table->n; i++) {
         if (strcmp(table->scalars[i].name, name) == 0) {
-            return true;
+            return i;
         }
     }
-    return false;
+    return -1;
 }
 
-/** NAME_MESH, with letters that a name in a program cannot have as underscores, and a number if that name is taken. */
-static const char *name_of_mesh(statistics_table *table, const char *name, int mesh, const char *mesh_name)
+/** NAME_MESH, with letters that a name in a program cannot have as underscores. */
+static char *name_of(statistics_table *table, const char *name, const char *element)
 {
-    char *full = pool_printf(&table->pool, "%s_%s", name, mesh_name);
+    char *full = pool_printf(&table->pool, "%s_%s", name, element);
     for (char *c = full; *c != '\0'; c++) {
         *c = (char)(isalnum((unsigned char)*c) ? *c : '_');
     }
-    return is_taken(table, full) ? pool_printf(&table->pool, "%s_%d", full, mesh) : full;
+    return full;
+}
+
+/** The same, and a number if that name is taken. */
+static const char *own_name_of(statistics_table *table, const char *name, int index, const char *element)
+{
+    char *full = name_of(table, name, element);
+    return find_scalar(table, full) >= 0 ? pool_printf(&table->pool, "%s_%d", full, index) : full;
 }
 
 static void add(statistics_table *table, const char *name, const char *units, const char *long_name)
@@ -70,19 +81,58 @@ static void add(statistics_table *table, const char *name, const char *units, co
     table->scalars[table->n++] = (statistics_scalar){.name = name, .units = units, .long_name = long_name};
 }
 
-void statistics_table_init(statistics_table *table, int n_meshes, const char *const *mesh_names)
+/** The numbers over whole periods: a scalar each, or the one of that name that is there. */
+static void add_numbers(statistics_table *table, const name_list *meshes, const name_list *wheels)
 {
-    const int n_kinds = model_tables()->n_event_kinds;
-    *table = (statistics_table){.n_meshes = n_meshes};
-    table->scalars =
-        pool_calloc(&table->pool, (size_t)n_meshes * N_OF_MESH + N_OF_CASE + (size_t)n_kinds, sizeof *table->scalars);
+    model_output rows[N_NUMBER_ROWS];
+    (void)number_rows_place(&table->pool, wheels->n, meshes->n, rows);
+    for (int i = 0; i < N_NUMBER_ROWS; i++) {
+        for (int k = 0; k < rows[i].count && table->taken[i]; k++) {
+            const model_output *row = &rows[i];
+            const bool is_of_wheel = words_contain(row->dims, "wheel");
+            const name_list *of = is_of_wheel ? wheels : meshes;
+            const int each = row->count / of->n, element = k / each;
+            const char *name = row->name;
+            if (words_contain(row->dims, "harmonic")) {
+                name = pool_printf(&table->pool, "%s_%d", name, k % NUMBER_HARMONICS + 1);
+            }
+            if (words_contain(row->dims, "axis")) {
+                name = pool_printf(&table->pool, "%s_%c", name, "xy"[k * 2 / each % 2]);
+            }
+            const bool has_own = is_of_wheel || meshes->n > 1;
+            const char *full = has_own ? name_of(table, name, of->names[element]) : name;
+            int scalar = find_scalar(table, full);
+            if (scalar < 0) {
+                scalar = table->n;
+                add(table, full, row->units,
+                    has_own ? pool_printf(&table->pool, "%s, %s '%s'", row->long_name, is_of_wheel ? "wheel" : "mesh",
+                                          of->names[element])
+                            : row->long_name);
+            }
+            table->numbers[table->n_numbers++] = (statistics_number){row->offset + k, scalar};
+        }
+    }
+}
+
+const char *statistics_table_init(statistics_table *table, const name_list *meshes, const name_list *wheels, int n_words,
+                                  const char *const *words)
+{
+    const int n_kinds = model_tables()->n_event_kinds, n_meshes = meshes->n;
+    *table = (statistics_table){.n_meshes = n_meshes, .n_wheels = wheels->n};
+    POOLED memory_pool pool = {NULL};
+    model_output rows[N_NUMBER_ROWS];
+    const int most = number_rows_place(&pool, wheels->n, n_meshes, rows);
+    table->taken = pool_calloc(&table->pool, N_NUMBER_ROWS, sizeof *table->taken);
+    table->numbers = pool_calloc(&table->pool, (size_t)most, sizeof *table->numbers);
+    table->scalars = pool_calloc(&table->pool, (size_t)n_meshes * N_OF_MESH + N_OF_CASE + (size_t)n_kinds + (size_t)most,
+                                 sizeof *table->scalars);
     for (int mesh = 0; mesh < n_meshes; mesh++) {
         for (int i = 0; i < N_OF_MESH; i++) {
             if (n_meshes == 1) {
                 add(table, of_mesh[i].name, of_mesh[i].units, of_mesh[i].long_name);
             } else {
-                add(table, name_of_mesh(table, of_mesh[i].name, mesh, mesh_names[mesh]), of_mesh[i].units,
-                    pool_printf(&table->pool, "%s, mesh '%s'", of_mesh[i].long_name, mesh_names[mesh]));
+                add(table, own_name_of(table, of_mesh[i].name, mesh, meshes->names[mesh]), of_mesh[i].units,
+                    pool_printf(&table->pool, "%s, mesh '%s'", of_mesh[i].long_name, meshes->names[mesh]));
             }
         }
     }
@@ -94,6 +144,9 @@ void statistics_table_init(statistics_table *table, int n_meshes, const char *co
         add(table, pool_printf(&table->pool, "events_%s", name), "1",
             pool_printf(&table->pool, "number of events %s", name));
     }
+    const char *unknown = number_rows_take(n_words, words, table->taken);
+    add_numbers(table, meshes, wheels);
+    return unknown;
 }
 
 /* ---- one case ---- */
@@ -113,6 +166,7 @@ struct statistics {
     bool is_in_window;    /**< the last output was */
     accumulator *of_mesh; /**< [n_meshes * N_OF_MESH] */
     extremes *extremes;   /**< in the window */
+    numbers *numbers;     /**< the same, over whole periods; NULL: none */
     long *events;         /**< [kinds] */
 };
 
@@ -123,17 +177,19 @@ static const char *resolve_output(const model *model, const char *name)
     return counts_pairs && model_output_offset(model, name) < 0 ? "in_contact" : name;
 }
 
-statistics *statistics_create(const statistics_table *table, const model *model, double from, double to,
+statistics *statistics_create(const statistics_table *table, const model *model, const number_window *window,
                               double output_interval)
 {
     static const double slack = 1e-6; /* of an output interval: times that differ by rounding are the same */
     statistics *statistics = xcalloc(1, sizeof *statistics);
     *statistics = (struct statistics){.table = table,
-                                      .from = from - slack * output_interval,
-                                      .to = to + slack * output_interval,
+                                      .from = window->from - slack * output_interval,
+                                      .to = window->to + slack * output_interval,
                                       .t_first = NAN,
                                       .of_mesh = xcalloc((size_t)table->n_meshes * N_OF_MESH, sizeof(accumulator)),
-                                      .extremes = extremes_create(model, table->n_meshes, from, to),
+                                      .extremes = extremes_create(model, table->n_meshes, window->from, window->to),
+                                      .numbers = table->n_numbers == 0 ? NULL
+                                                                       : numbers_create(model, window, table->taken),
                                       .events = xcalloc((size_t)model_tables()->n_event_kinds, sizeof(long))};
     for (int mesh = 0; mesh < table->n_meshes; mesh++) {
         for (int i = 0; i < N_OF_MESH; i++) {
@@ -152,6 +208,7 @@ void statistics_delete(statistics **pointer)
         free(statistics->of_mesh);
         free(statistics->events);
         extremes_delete(&statistics->extremes);
+        numbers_delete(&statistics->numbers);
         free(statistics);
     }
 }
@@ -159,6 +216,11 @@ void statistics_delete(statistics **pointer)
 extremes *statistics_extremes(const statistics *statistics)
 {
     return statistics->extremes;
+}
+
+numbers *statistics_numbers(const statistics *statistics)
+{
+    return statistics->numbers;
 }
 
 static double reduced_value(int row, double value)
@@ -221,6 +283,20 @@ static double reduce(const statistics *statistics, int row, int mesh, double spa
     }
 }
 
+/** The numbers over whole periods, in place of those of the same name. */
+static void put_numbers(const statistics *statistics, double *results)
+{
+    const statistics_table *table = statistics->table;
+    POOLED memory_pool pool = {NULL};
+    model_output rows[N_NUMBER_ROWS];
+    const int n = number_rows_place(&pool, table->n_wheels, table->n_meshes, rows);
+    OWNED double *values = xcalloc((size_t)n, sizeof *values);
+    numbers_conclude(statistics->numbers, values);
+    for (int i = 0; i < table->n_numbers; i++) {
+        results[table->numbers[i].scalar] = values[table->numbers[i].place];
+    }
+}
+
 void statistics_finish(const statistics *statistics, const simulate_result *result, double *results)
 {
     const double span = statistics->t_last - statistics->t_first;
@@ -234,5 +310,11 @@ void statistics_finish(const statistics *statistics, const simulate_result *resu
     n += N_OF_CASE;
     for (int kind = 0; kind < model_tables()->n_event_kinds; kind++) {
         results[n++] = (double)statistics->events[kind];
+    }
+    while (n < statistics->table->n) {
+        results[n++] = NAN;
+    }
+    if (statistics->numbers != NULL && result->end == SIMULATE_DONE) {
+        put_numbers(statistics, results);
     }
 }

@@ -11,25 +11,38 @@ typedef struct {
     const char *name, *units, *long_name;
 } statistics_scalar;
 
+/** A number over whole periods: where it stands among them, and which scalar it becomes. */
+typedef struct {
+    int place, scalar;
+} statistics_number;
+
 /** What all cases of a batch have in common. */
 typedef struct {
     memory_pool pool;
-    int n_meshes, n;
-    statistics_scalar *scalars; /**< [n] those of a mesh together, then those of the whole case */
+    int n_meshes, n_wheels, n;
+    statistics_scalar *scalars; /**< [n] those of a mesh together, then those of the whole case, then further numbers */
+    bool *taken;                /**< [N_NUMBER_ROWS] numbers over whole periods; a scalar of that name is this number */
+    int n_numbers;              /**< 0: none */
+    statistics_number *numbers; /**< [n_numbers] */
 } statistics_table;
 
-/** The table for cases with these meshes. With several, each has its own numbers: NAME_MESH. */
-void statistics_table_init(statistics_table *table, int n_meshes, const char *const *mesh_names);
+/** The table for cases with these meshes and wheels. With several meshes each has its own numbers: NAME_MESH; those of wheels are
+ *  NAME_WHEEL.
+ *  @param words  which numbers over whole periods, as number_rows_take knows them. @return NULL, or a word that names none */
+const char *statistics_table_init(statistics_table *table, const name_list *meshes, const name_list *wheels, int n_words,
+                                  const char *const *words);
 
 typedef struct statistics statistics;
 
-/** Begin a case with n_meshes as in the table.
- *  @param from, to  window of time of all numbers of a mesh [s], both ends included */
-statistics *statistics_create(const statistics_table *table, const model *model, double from, double to,
+/** Begin a case with meshes and wheels as in the table.
+ *  @param window  of time of all numbers of a mesh [s], both ends included */
+statistics *statistics_create(const statistics_table *table, const model *model, const number_window *window,
                               double output_interval);
 void statistics_delete(statistics **statistics);
 /** The extremes in the window, which the simulation finds between the outputs. */
 extremes *statistics_extremes(const statistics *statistics);
+/** The numbers over whole periods; NULL if there are none. */
+numbers *statistics_numbers(const statistics *statistics);
 
 /** @param values  of model_outputs */
 void statistics_outputs(statistics *statistics, double t, const double *values);

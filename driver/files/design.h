@@ -26,6 +26,7 @@ typedef struct {
     char *file, *hash;
     char *base_case;         /**< YAML */
     double window[2];        /**< [s] of the statistics, from and to; NaN: half of each case's duration, its end */
+    char *numbers;           /**< over whole periods that are wanted, separated by blanks; "" if none are */
     char *history_variables; /**< names, separated by blanks; "" if no histories are wanted */
     long history_every;      /**< of the outputs one is kept */
     long n_cases;

@@ -63,6 +63,8 @@ static bool read_head(const reader *reader, design *design)
         !need_text(reader, "history_variables", &design->pool, &design->history_variables)) {
         return false;
     }
+    char *numbers = netcdf_get_text(reader->file, "numbers", &design->pool); /* may be missing */
+    design->numbers = numbers == NULL ? pool_copy(&design->pool, "") : numbers;
     if (!netcdf_get_numbers(reader->file, "n_cases", H5T_NATIVE_LLONG, 1, &n_cases) || n_cases < 0) {
         return refuse(reader, "n_cases", "this attribute of the design is missing, or no count");
     }

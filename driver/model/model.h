@@ -72,13 +72,17 @@ int model_outputs(const model *model, const dae_state *state, double *values, ch
 /** The same, but DAE_RECOVERABLE if y does not agree with the discrete state: an event before it was missed. */
 int model_checked_outputs(const model *model, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH]);
 
-/** Some outputs at n states of one discrete state, as in a step; eight states at once are quickest.
+/** Asks for some outputs at many states. */
+typedef struct model_sampler model_sampler;
+/** @param wanted  [n] indices of outputs. The model has to outlive it */
+model_sampler *model_sampler_create(const model *model, int n, const int *wanted);
+void model_sampler_delete(model_sampler **sampler);
+/** At n states of one discrete state, as in a step; eight at once are quickest.
  *  @param t, y      [n], [n * states] state after state
  *  @param discrete  where the discrete state is taken from
- *  @param wanted    [n_outputs] which ones
- *  @param values    [n * n_values] those of the others stay. @return a dae_code */
-int model_outputs_at(const model *model, int n, const double *t, const double *y, const dae_state *discrete,
-                     const bool *wanted, double *values, char message[DAE_MESSAGE_LENGTH]);
+ *  @param values    one wanted output behind the other, of each value the n states side by side. @return a dae_code */
+int model_sampler_ask(const model_sampler *sampler, int n, const double *t, const double *y, const dae_state *discrete,
+                      double *values, char message[DAE_MESSAGE_LENGTH]);
 
 /** An extreme over the run of an output of a mesh, or of its tooth pairs, and the time at which it was first reached. */
 typedef struct {

@@ -139,12 +139,3 @@ int model_checked_outputs(const model *model, const dae_state *state, double *va
 {
     return outputs(model, state, true, values, message);
 }
-
-int model_outputs_at(const model *model, int n, const double *t, const double *y, const dae_state *discrete,
-                     const bool *wanted, double *values, char message[DAE_MESSAGE_LENGTH])
-{
-    evl_status status;
-    const int code = evl_gearbox_outputs_at(model->gearbox, n, t, y, discrete->integers, discrete->reals, wanted, values,
-                                            &status);
-    return model_answer(model, code, &status, message);
-}

@@ -13,8 +13,8 @@ void number_waves_find(number_waves *waves, int n_nodes, const double *xi, const
             const double next = cosine * c - sine * s;
             sine = sine * c + cosine * s;
             cosine = next;
-            waves->cosine[n][k] = cosine;
-            waves->sine[n][k] = sine;
+            waves->wave[k][n] = cosine;
+            waves->wave[k][NUMBER_HARMONICS + n] = sine;
         }
         waves->rate[k] = rate[k];
     }
@@ -34,23 +34,23 @@ void number_channel_add(number_channel *channel, const step_nodes *nodes, const 
         channel->shift = x[0];
     }
     channel_sums *sums = &channel->period;
-    double over_way[STEP_NODES_MOST];
     for (int k = 0; k < nodes->n; k++) {
         const double d = x[k] - channel->shift, part = nodes->weight[k] * d;
         sums->power[0] += part;
         sums->power[1] += part * d;
         sums->power[2] += part * d * d;
         sums->power[3] += part * d * d * d;
-        over_way[k] = part * waves->rate[k];
-    }
-    for (int n = 0; n < NUMBER_HARMONICS; n++) {
-        for (int k = 0; k < nodes->n; k++) {
-            sums->cosine[n] += over_way[k] * waves->cosine[n][k];
-            sums->sine[n] += over_way[k] * waves->sine[n][k];
+        const double over_way = part * waves->rate[k];
+        for (int n = 0; n < 2 * NUMBER_HARMONICS; n++) { /* harmonics side by side in vectors */
+            sums->wave[n] += over_way * waves->wave[k][n];
         }
     }
-    sums->high = fmax(sums->high, step_nodes_peak(nodes, x, 1, fmax(sums->high, channel->total.high)));
-    sums->low = fmin(sums->low, -step_nodes_peak(nodes, x, -1, -fmin(sums->low, channel->total.low)));
+    const channel_sums *total = &channel->total;
+    const double beyond = sums->high > total->high ? sums->high : total->high;
+    const double below = sums->low < total->low ? sums->low : total->low;
+    const double high = step_nodes_peak(nodes, x, 1, beyond), low = -step_nodes_peak(nodes, x, -1, -below);
+    sums->high = high > sums->high ? high : sums->high;
+    sums->low = low < sums->low ? low : sums->low;
 }
 
 void number_channel_complete(number_channel *channel)
@@ -59,9 +59,8 @@ void number_channel_complete(number_channel *channel)
     for (int i = 0; i < 4; i++) {
         total->power[i] += period->power[i];
     }
-    for (int n = 0; n < NUMBER_HARMONICS; n++) {
-        total->cosine[n] += period->cosine[n];
-        total->sine[n] += period->sine[n];
+    for (int n = 0; n < 2 * NUMBER_HARMONICS; n++) {
+        total->wave[n] += period->wave[n];
     }
     total->high = fmax(total->high, period->high);
     total->low = fmin(total->low, period->low);
@@ -86,7 +85,7 @@ void number_channel_conclude(const number_channel *channel, double time, double 
                                  .crest = variance > 0 ? furthest / sqrt(variance) : NAN,
                                  .kurtosis = variance > 0 ? fourth / (variance * variance) : NAN};
     for (int n = 0; n < NUMBER_HARMONICS; n++) {
-        const double a = 2 * sums->cosine[n] / pitches, b = 2 * sums->sine[n] / pitches;
+        const double a = 2 * sums->wave[n] / pitches, b = 2 * sums->wave[NUMBER_HARMONICS + n] / pitches;
         numbers->amplitude[n] = hypot(a, b);
         numbers->phase[n] = atan2(b, a);
     }

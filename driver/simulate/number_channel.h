@@ -8,7 +8,7 @@ enum { NUMBER_HARMONICS = 10 };
 
 /** Cosine and sine of 2 pi n xi at the nodes, n from 1. */
 typedef struct {
-    double cosine[NUMBER_HARMONICS][STEP_NODES_MOST], sine[NUMBER_HARMONICS][STEP_NODES_MOST];
+    double wave[STEP_NODES_MOST][2 * NUMBER_HARMONICS]; /**< all cosines, then all sines */
     double rate[STEP_NODES_MOST]; /**< of xi [1/s] */
 } number_waves;
 
@@ -16,8 +16,8 @@ typedef struct {
 void number_waves_find(number_waves *waves, int n_nodes, const double *xi, const double *rate);
 
 typedef struct {
-    double power[4];                                         /**< integrals over time of powers of x - shift */
-    double cosine[NUMBER_HARMONICS], sine[NUMBER_HARMONICS]; /**< of (x - shift) times these, over xi */
+    double power[4];                   /**< integrals over time of powers of x - shift */
+    double wave[2 * NUMBER_HARMONICS]; /**< of (x - shift) times these, over xi */
     double high, low;
 } channel_sums;
 

@@ -35,12 +35,12 @@ typedef struct {
 typedef struct {
     int row;     /**< first of its rows: those of its quantity */
     int element; /**< of the quantity */
-    int offset;  /**< among the values */
+    int value;   /**< index at the nodes */
     int mesh;    /**< whose pitches its harmonics are of */
     number_channel sums;
 } channel;
 
-/** Offsets of what meshes are asked for; -1: there is none. */
+/** Values at the nodes of what meshes are asked for; -1: there is none. */
 enum { AT_ANGLE, AT_SPEED, AT_FORCE, AT_PAIRS, AT_COAST, AT_TORQUE, AT_PAIR_FORCE, AT_ERROR, N_AT };
 static const char *const asked[N_AT] = {
     [AT_ANGLE] = "angle",
@@ -64,7 +64,7 @@ struct numbers {
     number_waves *waves; /**< [n_meshes] */
     step_nodes nodes;
     int at[N_AT];
-    bool *only_angle;       /**< [outputs] mask of the angles alone */
+    model_sampler *angles;  /**< of all wheels, at one state */
     double *y, *values;     /**< of one state */
     int closed, impact;     /**< event kinds */
     bool is_set_up;         /**< constants are known */
@@ -94,8 +94,7 @@ static bool takes_contact(const numbers *numbers, number_of_contact what)
 
 static void want(numbers *numbers, int what)
 {
-    numbers->at[what] =
-        step_nodes_want(&numbers->nodes, asked[what]) ? model_output_offset(numbers->model, asked[what]) : -1;
+    numbers->at[what] = step_nodes_want(&numbers->nodes, asked[what]);
 }
 
 static bool takes_energy(const numbers *numbers)
@@ -134,13 +133,11 @@ static void open_channels(numbers *numbers)
 {
     for (int quantity = 0; quantity < N_NUMBER_QUANTITIES; quantity++) {
         const char *name = number_quantity(quantity);
-        if (!follows(numbers, quantity) || !step_nodes_want(&numbers->nodes, name)) {
-            continue;
-        }
-        const model_output *output = model_output_named(numbers->model, name);
-        for (int i = 0; i < output->count; i++) {
+        const int value = follows(numbers, quantity) ? step_nodes_want(&numbers->nodes, name) : -1;
+        const int count = value < 0 ? 0 : model_output_named(numbers->model, name)->count;
+        for (int i = 0; i < count; i++) {
             channel *one = &numbers->channels[numbers->n_channels++];
-            *one = (channel){.row = number_row(quantity, (number_tells)0), .element = i, .offset = output->offset + i};
+            *one = (channel){.row = number_row(quantity, (number_tells)0), .element = i, .value = value + i};
             number_channel_init(&one->sums);
         }
     }
@@ -172,14 +169,12 @@ numbers *numbers_create(const model *model, const number_window *window, const b
     self->meshes = pool_calloc(pool, (size_t)self->n_meshes, sizeof *self->meshes);
     self->waves = pool_calloc(pool, (size_t)self->n_meshes, sizeof *self->waves);
     self->channels = pool_calloc(pool, 2 * (size_t)self->n_meshes + 3 * (size_t)self->n_wheels, sizeof *self->channels);
-    self->only_angle = pool_calloc(pool, (size_t)about->n_outputs, sizeof *self->only_angle);
     self->y = pool_calloc(pool, (size_t)about->dae.n, sizeof *self->y);
     self->values = pool_calloc(pool, (size_t)about->n_values, sizeof *self->values);
     step_nodes_init(&self->nodes, model, pool);
     want_of_meshes(self);
-    for (int i = 0; i < about->n_outputs; i++) {
-        self->only_angle[i] = strcmp(about->outputs[i].name, asked[AT_ANGLE]) == 0;
-    }
+    const int angle = (int)(model_output_named(model, asked[AT_ANGLE]) - about->outputs);
+    self->angles = model_sampler_create(model, 1, &angle);
     open_channels(self);
     return self;
 }
@@ -189,6 +184,8 @@ void numbers_delete(numbers **pointer)
     numbers *self = *pointer;
     *pointer = NULL;
     if (self != NULL) {
+        step_nodes_clear(&self->nodes);
+        model_sampler_delete(&self->angles);
         pool_free(&self->pool);
         free(self);
     }
@@ -241,7 +238,7 @@ static bool set_up(numbers *self, const integrate_step *step)
     const int wheel = self->window.wheel;
     const mesh_numbers *mesh = &self->meshes[self->window.mesh];
     self->sense = wheel < 0 ? mesh->per_turn
-                            : (constant(self, asked[AT_SPEED], wheel) < 0 ? -1 / two_pi : 1 / two_pi);
+                            : (constant(self, "angular_velocity", wheel) < 0 ? -1 / two_pi : 1 / two_pi);
     self->start_position = wheel < 0 ? mesh->xi_0 : 0;
     self->is_set_up = true;
     return true;
@@ -253,10 +250,10 @@ static double position_at(numbers *self, const integrate_step *step, double t)
     char message[DAE_MESSAGE_LENGTH];
     const int wheel = self->window.wheel < 0 ? self->meshes[self->window.mesh].wheel : self->window.wheel;
     if (!step->interpolate(step->with, t, self->y) ||
-        model_outputs_at(self->model, 1, &t, self->y, step->state, self->only_angle, self->values, message) != DAE_OK) {
+        model_sampler_ask(self->angles, 1, &t, self->y, step->state, self->values, message) != DAE_OK) {
         return NAN;
     }
-    return self->start_position + self->sense * self->values[self->at[AT_ANGLE] + wheel];
+    return self->start_position + self->sense * self->values[wheel];
 }
 
 /** When a position is reached between two times around it: by secants that keep the bracket (Illinois). */
@@ -288,8 +285,7 @@ static double time_of(numbers *self, const integrate_step *step, double target, 
 
 static double at_node(const numbers *self, int what, int index, int k)
 {
-    const size_t row = (size_t)k * (size_t)model_about(self->model)->n_values;
-    return self->nodes.values[row + (size_t)(self->at[what] + index)];
+    return step_nodes_value(&self->nodes, self->at[what] + index)[k];
 }
 
 static void add_to_mesh(numbers *self, int m)
@@ -318,32 +314,29 @@ static void add_to_mesh(numbers *self, int m)
     }
     number_waves_find(&self->waves[m], self->nodes.n, xi, rate);
     for (int p = 0; p < self->n_pairs && self->at[AT_PAIR_FORCE] >= 0; p++) {
-        double force[STEP_NODES_MOST];
-        for (int k = 0; k < self->nodes.n; k++) {
-            force[k] = at_node(self, AT_PAIR_FORCE, m * self->n_pairs + p, k);
-        }
+        const double *force = step_nodes_value(&self->nodes, self->at[AT_PAIR_FORCE] + m * self->n_pairs + p);
         const double beyond = fmax(sums->pair_force, mesh->total.pair_force);
         sums->pair_force = fmax(sums->pair_force, step_nodes_peak(&self->nodes, force, 1, beyond));
+    }
+}
+
+/** What is known at the nodes. */
+static void add_nodes(numbers *self)
+{
+    for (int m = 0; m < self->n_meshes; m++) {
+        add_to_mesh(self, m);
+    }
+    for (int i = 0; i < self->n_channels; i++) {
+        channel *one = &self->channels[i];
+        number_channel_add(&one->sums, &self->nodes, &self->waves[one->mesh], step_nodes_value(&self->nodes, one->value));
     }
 }
 
 /** A part of a step in which less than the reach of the nodes passes. */
 static void add_part(numbers *self, const integrate_step *step, double from, double to)
 {
-    if (!step_nodes_look(&self->nodes, step, from, to)) {
-        return;
-    }
-    for (int m = 0; m < self->n_meshes; m++) {
-        add_to_mesh(self, m);
-    }
-    const size_t n_values = (size_t)model_about(self->model)->n_values;
-    for (int i = 0; i < self->n_channels; i++) {
-        channel *one = &self->channels[i];
-        double x[STEP_NODES_MOST];
-        for (int k = 0; k < self->nodes.n; k++) {
-            x[k] = self->nodes.values[(size_t)k * n_values + (size_t)one->offset];
-        }
-        number_channel_add(&one->sums, &self->nodes, &self->waves[one->mesh], x);
+    if (step_nodes_look(&self->nodes, step, from, to)) {
+        add_nodes(self);
     }
 }
 
@@ -407,12 +400,37 @@ static double pitches_of(const numbers *self, double from, double to)
     return self->window.wheel < 0 ? to - from : (to - from) * fabs(self->meshes[self->window.mesh].per_turn) * two_pi;
 }
 
+/** Most steps: all of it lies in one period, far from its end, and within the reach of the nodes. @return whether it was that */
+static bool add_plain(numbers *self, const integrate_step *step, double from, double to)
+{
+    static const double margin = 0.01, rounding = 1e-9;
+    const int wheel = self->window.wheel < 0 ? self->meshes[self->window.mesh].wheel : self->window.wheel;
+    double position[STEP_NODES_MOST];
+    if (!step_nodes_look(&self->nodes, step, from, to)) {
+        return false;
+    }
+    for (int k = 0; k < self->nodes.n; k++) {
+        position[k] = self->start_position + self->sense * at_node(self, AT_ANGLE, wheel, k);
+    }
+    const double end = step_nodes_end(&self->nodes, position), way = 2 * fabs(end - position[0]);
+    if (NUMBER_HARMONICS * pitches_of(self, 0, way) > step_nodes_reach(&self->nodes) ||
+        !(end + margin * way + rounding < self->next)) {
+        return false;
+    }
+    add_nodes(self);
+    self->position = end > self->position ? end : self->position;
+    return true;
+}
+
 void numbers_watch(numbers *self, const integrate_step *step)
 {
     static const double rounding = 1e-10; /* periods: a start as near to a border as that is on it */
     double t = fmax(step->t_from, self->window.from);
     const double t_end = fmin(step->t_to, self->window.to);
     if (!(t_end > t) || (!self->is_set_up && !set_up(self, step))) {
+        return;
+    }
+    if (self->has_started && add_plain(self, step, t, t_end)) {
         return;
     }
     double here = position_at(self, step, t);
@@ -520,7 +538,9 @@ static void conclude_channel(const numbers *self, const channel *one, const mode
 {
     channel_numbers told;
     const mesh_sums *mesh = &self->meshes[one->mesh].total;
+    const bool is_force = one->row == number_row(NUMBER_FORCE, (number_tells)0);
     number_channel_conclude(&one->sums, mesh->time, mesh->pitches, &told);
+    told.low = is_force ? fmax(told.low, 0) : told.low; /* flanks only push; the rest is rounding at the ends of steps */
     const double numbers[] = {[TELLS_MEAN] = told.mean,   [TELLS_DEVIATION] = told.deviation,
                               [TELLS_RMS] = told.rms,     [TELLS_RANGE] = told.high - told.low,
                               [TELLS_HIGH] = told.high,   [TELLS_LOW] = told.low,
@@ -533,7 +553,7 @@ static void conclude_channel(const numbers *self, const channel *one, const mode
         values[rows[one->row + TELLS_AMPLITUDE].offset + place] = told.amplitude[n];
         values[rows[one->row + TELLS_PHASE].offset + place] = told.phase[n];
     }
-    if (one->row == number_row(NUMBER_FORCE, (number_tells)0)) {
+    if (is_force) {
         put(rows, values, NUMBER_DYNAMIC, one->element, told.high / told.mean);
     }
 }

@@ -37,7 +37,8 @@ void step_nodes_init(step_nodes *nodes, const model *model, memory_pool *pool)
     const model_facts *about = model_about(model);
     *nodes = (step_nodes){.model = model, .n = about->dae.stepper != NULL ? 8 : 3};
     nodes->n_samples = 4 * nodes->n + 1;
-    nodes->wanted = pool_calloc(pool, (size_t)about->n_outputs, sizeof(bool));
+    nodes->wanted = pool_calloc(pool, (size_t)about->n_outputs, sizeof(int));
+    nodes->before = pool_calloc(pool, (size_t)about->n_outputs, sizeof(int));
     nodes->y = pool_calloc(pool, (size_t)nodes->n * (size_t)about->dae.n, sizeof(double));
     nodes->values = pool_calloc(pool, (size_t)nodes->n * (size_t)about->n_values, sizeof(double));
     nodes->samples = pool_calloc(pool, (size_t)nodes->n_samples * (size_t)nodes->n, sizeof(double));
@@ -48,14 +49,28 @@ void step_nodes_init(step_nodes *nodes, const model *model, memory_pool *pool)
     }
 }
 
-bool step_nodes_want(step_nodes *nodes, const char *output)
+void step_nodes_clear(step_nodes *nodes)
+{
+    model_sampler_delete(&nodes->sampler);
+}
+
+int step_nodes_want(step_nodes *nodes, const char *output)
 {
     const model_output *found = model_output_named(nodes->model, output);
     if (found == NULL || found->count == 0) {
-        return false;
+        return -1;
     }
-    nodes->wanted[found - model_about(nodes->model)->outputs] = true;
-    return true;
+    const int index = (int)(found - model_about(nodes->model)->outputs);
+    for (int i = 0; i < nodes->n_wanted; i++) {
+        if (nodes->wanted[i] == index) {
+            return nodes->before[i];
+        }
+    }
+    const int before = nodes->n_values;
+    nodes->before[nodes->n_wanted] = before;
+    nodes->wanted[nodes->n_wanted++] = index;
+    nodes->n_values += found->count;
+    return before;
 }
 
 double step_nodes_reach(const step_nodes *nodes)
@@ -76,8 +91,10 @@ bool step_nodes_look(step_nodes *nodes, const integrate_step *step, double from,
             return false;
         }
     }
-    return model_outputs_at(nodes->model, nodes->n, nodes->t, nodes->y, step->state, nodes->wanted, nodes->values,
-                            message) == DAE_OK;
+    if (nodes->sampler == NULL) {
+        nodes->sampler = model_sampler_create(nodes->model, nodes->n_wanted, nodes->wanted);
+    }
+    return model_sampler_ask(nodes->sampler, nodes->n, nodes->t, nodes->y, step->state, nodes->values, message) == DAE_OK;
 }
 
 /** The polynomial at x in -1..1. */
@@ -90,13 +107,23 @@ static double value_at(const step_nodes *nodes, const double *values, double x)
     return value;
 }
 
+double step_nodes_end(const step_nodes *nodes, const double *values)
+{
+    double end = 0;
+    for (int k = 0; k < nodes->n; k++) {
+        end += nodes->samples[(nodes->n_samples - 1) * nodes->n + k] * values[k];
+    }
+    return end;
+}
+
 double step_nodes_peak(const step_nodes *nodes, const double *values, int sense, double beyond)
 {
     static const double most_hidden = 0.5; /* of the range of the values: more does not lie between them or behind the last */
     double high = -INFINITY, low = INFINITY;
-    for (int k = 0; k < nodes->n; k++) {
-        high = fmax(high, sense * values[k]);
-        low = fmin(low, sense * values[k]);
+    for (int k = 0; k < nodes->n; k++) { /* fmax is a call */
+        const double here = sense * values[k];
+        high = here > high ? here : high;
+        low = here < low ? here : low;
     }
     if (high + most_hidden * (high - low) <= beyond) {
         return high;

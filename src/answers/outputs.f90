@@ -6,8 +6,7 @@ module evl_outputs
    use evl_housing, only: frame_t, housing_fixed, housing_frame
    use evl_housing_dynamics, only: coupled_rates, ground_energies
    use evl_housing_outputs, only: finish_reaction, tell_bearing, tell_pose
-   use evl_kinds, only: lanes, wp
-   use evl_lane_outputs, only: outputs_in_lanes, serves_in_lanes
+   use evl_kinds, only: wp
    use evl_local_variables, only: i_theta
    use evl_mesh_outputs, only: put_mesh
    use evl_mode_check, only: check_modes
@@ -21,7 +20,7 @@ module evl_outputs
    implicit none (type, external)
    private
 
-   public :: gearbox_outputs, outputs_at, wanted_outputs
+   public :: gearbox_outputs, wanted_outputs
 
 contains
 
@@ -43,38 +42,23 @@ contains
       type(gearbox_t), intent(in), target :: gearbox
       real(wp), intent(in) :: t(:), y(:, :), reals(size(gearbox%contacts)) !! y: (n_states, states)
       integer, intent(in) :: integers(gearbox%n_integers)
-      logical, intent(in) :: wanted(:)                !! of the table
+      integer, intent(in) :: wanted(:)                !! their places in the table
       real(wp), intent(inout) :: values(:, :)         !! (n_values, states)
       type(status_t), intent(inout) :: status
       real(wp), target :: told(gearbox%n_values)
       integer :: i, s
 
       do s = 1, size(t)
-         call tell_state(gearbox, t(s), y(:, s), integers, reals, iany(gearbox%output_needs, wanted), .false., told, status)
+         call tell_state(gearbox, t(s), y(:, s), integers, reals, iany(gearbox%output_needs(wanted)), .false., told, status)
          if (has_failed(status)) return
          do i = 1, size(wanted)
-            associate (first => gearbox%output_offsets(i) + 1, last => gearbox%output_offsets(i) + gearbox%output_counts(i))
-               if (wanted(i)) values(first:last, s) = told(first:last)
+            associate (first => gearbox%output_offsets(wanted(i)) + 1, &
+                       last => gearbox%output_offsets(wanted(i)) + gearbox%output_counts(wanted(i)))
+               values(first:last, s) = told(first:last)
             end associate
          end do
       end do
    end subroutine wanted_outputs
-
-   !> The same, of eight states at once if these outputs are told so: then they may differ by rounding.
-   subroutine outputs_at(gearbox, t, y, integers, reals, wanted, values, status)
-      type(gearbox_t), intent(in), target :: gearbox
-      real(wp), intent(in) :: t(:), y(:, :), reals(size(gearbox%contacts))
-      integer, intent(in) :: integers(gearbox%n_integers)
-      logical, intent(in) :: wanted(:)
-      real(wp), intent(inout) :: values(:, :)
-      type(status_t), intent(inout) :: status
-
-      if (size(t) == lanes .and. serves_in_lanes(gearbox, wanted)) then
-         call outputs_in_lanes(gearbox, t, transpose(y), integers, reals, wanted, values, status)
-      else
-         call wanted_outputs(gearbox, t, y, integers, reals, wanted, values, status)
-      end if
-   end subroutine outputs_at
 
    !> The values that need no more than what is found.
    subroutine tell_state(gearbox, t, y, integers, reals, needed, check, values, status)

@@ -7,13 +7,12 @@ module evl_capi_outputs
    use evl_gearbox, only: gearbox_t
    use evl_output, only: output_t
    use evl_output_list, only: list_outputs
-   use evl_outputs, only: gearbox_outputs, outputs_at
+   use evl_outputs, only: gearbox_outputs
    use evl_status, only: status_t
    implicit none (type, external)
    private
 
-   public :: c_output, evl_gearbox_output_places, evl_gearbox_outputs, evl_gearbox_outputs_at, evl_output_count, &
-             evl_outputs_describe, output_to_c
+   public :: c_output, evl_gearbox_output_places, evl_gearbox_outputs, evl_output_count, evl_outputs_describe, output_to_c
 
    !> evl_output
    type, bind(c) :: c_output
@@ -62,25 +61,6 @@ contains
       call gearbox_outputs(gearbox_of(handle), t, y, integers, reals, logical(check), values, s)
       code = answer(s, status)
    end function evl_gearbox_outputs
-
-   integer(c_int) function evl_gearbox_outputs_at(handle, n, t, y, integers, reals, wanted, values, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      integer(c_int), intent(in), value :: n
-      real(c_double), intent(in) :: t(n), y(*), reals(*)
-      integer(c_int), intent(in) :: integers(*)
-      logical(c_bool), intent(in) :: wanted(*)
-      real(c_double), intent(inout), target :: values(*)
-      type(c_status), intent(inout), optional :: status
-      real(c_double), pointer, contiguous :: rows(:, :)
-      type(status_t) :: s
-      type(gearbox_t), pointer :: g
-
-      g => gearbox_of(handle)
-      rows(1:g%n_values, 1:n) => values(:g%n_values*n)
-      call outputs_at(g, t, reshape(y(:g%n_states*n), [g%n_states, int(n)]), integers(:g%n_integers), reals(:size(g%contacts)), &
-                      logical(wanted(:size(g%output_counts))), rows, s)
-      code = answer(s, status)
-   end function evl_gearbox_outputs_at
 
    elemental subroutine output_to_c(entry, output)
       type(output_t), intent(in) :: entry

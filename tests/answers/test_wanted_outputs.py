@@ -118,14 +118,11 @@ def test_eight_states_at_once_tell_what_one_tells_to_rounding(kernel, make):
     for entry in gearbox.table:
         here = slice(entry.offset, entry.offset + entry.count)
         name = entry.name.decode()
-        mine = gearbox.wanted(states, {name}, call="evl_gearbox_outputs_at")
         # sums of forces whose parts are a thousand times larger are rounded to 1e-13 of these
         scale = 1e-3 * np.nanmax(np.abs(told[:, here]), initial=0.0)
         np.testing.assert_allclose(
-            mine[:, here], told[:, here], rtol=1e-11, atol=1e-8 * scale, err_msg=name
+            gearbox.sampled(states, name), told[:, here], rtol=1e-11, atol=1e-8 * scale, err_msg=name
         )
-        mine[:, here] = np.nan
-        assert np.isnan(mine).all(), name
 
 
 def test_the_cases_tell_every_output_of_the_table(kernel):

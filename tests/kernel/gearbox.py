@@ -488,7 +488,6 @@ class Gearbox:
         states: Sequence[State],
         names: Collection[str],
         result: Floats | None = None,
-        call: str = "test_wanted_outputs",
     ) -> Floats:
         """Values of the named outputs at states that share the first one's discrete state.
 
@@ -500,8 +499,31 @@ class Gearbox:
         times = np.array([state.t for state in states])
         y = np.array([state.y for state in states])
         arrays = (times, y, states[0].integers, states[0].reals, wanted, result)
-        self._call(call, len(states), *map(_at, arrays))
+        self._call("test_wanted_outputs", len(states), *map(_at, arrays))
         return result
+
+    def sampled(self, states: Sequence[State], name: str) -> Floats:
+        """Values of one output at states that share the first one's discrete state, by a sampler.
+
+        A row each state.
+        """
+        place = next(i for i, entry in enumerate(self.table) if entry.name.decode() == name)
+        self.library.evl_sampler_create.restype = ctypes.c_void_p
+        sampler = ctypes.c_void_p(
+            self.library.evl_sampler_create(self.handle, 1, ctypes.byref(ctypes.c_int(place)))
+        )
+        result = np.full((self.table[place].count, len(states)), np.nan)
+        times = np.array([state.t for state in states])
+        y = np.array([state.y for state in states])
+        arrays = (times, y, states[0].integers, states[0].reals, result)
+        status = Status()
+        code = self.library.evl_sampler_ask(
+            sampler, len(states), *map(_at, arrays), ctypes.byref(status)
+        )
+        self.library.evl_sampler_delete(ctypes.byref(sampler))
+        if code != OK:
+            self.check(code, status)
+        return result.T
 
     def outputs(self, state: State) -> dict[str, Floats]:
         """Outputs that there are by name; those with an axis are (n, 2), in space (n, 3)."""

@@ -54,6 +54,7 @@ class Design:
     parameters: tuple[Parameter, ...]
     n_cases: int
     window: tuple[float, float]  # of the statistics [s], or `LAST_HALF`
+    numbers: tuple[str, ...]  # over whole periods, beside the usual ones
     history_variables: tuple[str, ...]
     history_every: int
     plan: str  # text of the plan that made the design
@@ -75,6 +76,8 @@ class Design:
         """SHA-256 over all that decides the results: case, paths, values, window, histories."""
         digest = hashlib.sha256()
         head = [self.case, list(self.window), list(self.history_variables), self.history_every]
+        if self.numbers:  # designs from before there were any keep their hash
+            head.append(list(self.numbers))
         digest.update(json.dumps(head).encode())
         for p in self.parameters:
             digest.update(json.dumps([p.path, p.name, str(p.values.dtype), p.values.size]).encode())
@@ -144,6 +147,7 @@ def _write(design: Design, file: h5py.File) -> None:
         evolvent_design_format=FORMAT,
         evolvent_version=design.version,
         window=design.window,
+        numbers=" ".join(design.numbers),
         history_variables=" ".join(design.history_variables),
         sampling=design.sampling_text,
     )
@@ -167,7 +171,7 @@ def _read(file: h5py.File) -> Design:
         derived = bool(column.attrs.get("derived", 0))
         parameters.append(Parameter(name, path, units, values, derived))
     # Designs of other programs have only what a batch needs.
-    attrs = {"plan": "", "method": "list", "seed": 0, "sampling": "{}", **file.attrs}
+    attrs = {"plan": "", "method": "list", "seed": 0, "sampling": "{}", "numbers": "", **file.attrs}
     begin, end = (float(t) for t in attrs["window"])
     texts: dict[str, Any] = {name: str(attrs[name]) for name in TEXTS}
     numbers: dict[str, Any] = {name: int(attrs[name]) for name in NUMBERS}
@@ -176,6 +180,7 @@ def _read(file: h5py.File) -> Design:
         **numbers,
         parameters=tuple(parameters),
         window=(begin, end),
+        numbers=tuple(str(attrs["numbers"]).split()),
         history_variables=tuple(str(attrs["history_variables"]).split()),
         version=str(attrs["evolvent_version"]),
         sampling=json.loads(str(attrs["sampling"])),

@@ -35,6 +35,7 @@ def make_plan(path: Path, program: Path) -> tuple[Design, Checked]:
         parameters=tuple(parameters),
         n_cases=n_cases,
         window=spec.window or LAST_HALF,
+        numbers=spec.numbers,
         history_variables=spec.history_variables,
         history_every=spec.history_every,
         plan=spec.text,

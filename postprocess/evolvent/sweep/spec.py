@@ -22,7 +22,7 @@ SCALES = ("linear", "log")
 TAKEN = ("case", "time", "status", "message", "exit_code", "recorded_at", "pi", "e")
 TOP_KEYS = (
     "format", "title", "case", "method", "samples", "seed", "second_order", "file",
-    "parameters", "window", "histories",
+    "parameters", "window", "numbers", "histories",
 )  # fmt: skip
 PARAMETER_KEYS = (
     "path", "name", "units", "value", "values", "from", "to", "number", "scale", "whole",
@@ -67,6 +67,7 @@ class Spec:
     file: Path | None
     entries: tuple[Entry, ...]
     window: tuple[float, float] | None
+    numbers: tuple[str, ...]
     history_variables: tuple[str, ...]
     history_every: int
 
@@ -118,6 +119,7 @@ def _spec(path: Path, text: str, top: Mapping[str, Any]) -> Spec:
         file=path.parent / _text(top.get("file"), "file") if method == "table" else None,
         entries=entries,
         window=_window(top.get("window")),
+        numbers=_strings(top.get("numbers", []), "numbers"),
         history_variables=variables,
         history_every=_whole(histories.get("every", 1), "histories.every", 1),
     )

@@ -322,14 +322,20 @@ EVL_API void evl_gearbox_output_places(const evl_gearbox *gearbox, int *offsets,
 EVL_API int evl_gearbox_outputs(const evl_gearbox *gearbox, double t, const double *y, const int *integers,
                                 const double *reals, bool check, double *values, evl_status *status);
 
-/** Some outputs at n states of one discrete state, as in a step; eight states at once are quickest, and there values may differ from
- *  those of one by rounding. Nothing is found that only other outputs need.
- *  @param t        [n]
- *  @param y        [n * n_states] state after state
- *  @param wanted   [n_outputs] which ones
- *  @param values   [n * n_values] as of evl_gearbox_outputs; those of other outputs stay as they are */
-EVL_API int evl_gearbox_outputs_at(const evl_gearbox *gearbox, int n, const double *t, const double *y, const int *integers,
-                                   const double *reals, const bool *wanted, double *values, evl_status *status);
+/** Asks for some outputs at many states; belongs to one thread. */
+typedef struct evl_sampler evl_sampler;
+
+/** @param wanted  [n] places in the table, from 0. The gearbox has to outlive it */
+EVL_API evl_sampler *evl_sampler_create(const evl_gearbox *gearbox, int n, const int *wanted);
+EVL_API void evl_sampler_delete(evl_sampler **sampler);
+/** At n states of one discrete state, as in a step; eight at once are quickest, and there values may differ from those of one by
+ *  rounding. Nothing is found that only other outputs need.
+ *  @param t       [n]
+ *  @param y       [n * n_states] state after state
+ *  @param values  one wanted output behind the other, as many values each as evl_gearbox_output_places counts; of each the n states side
+ *                 by side. @return as evl_gearbox_outputs without check */
+EVL_API int evl_sampler_ask(evl_sampler *sampler, int n, const double *t, const double *y, const int *integers,
+                            const double *reals, double *values, evl_status *status);
 
 /* ---- extremes -------------------------------------------------------------------------------------------------------------- */
 

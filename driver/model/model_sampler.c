@@ -1,0 +1,34 @@
+#include "base/memory.h"
+#include "model/model_kernel.h"
+
+#include <stdlib.h>
+
+struct model_sampler {
+    const model *model;
+    evl_sampler *sampler;
+};
+
+model_sampler *model_sampler_create(const model *model, int n, const int *wanted)
+{
+    model_sampler *self = xcalloc(1, sizeof *self);
+    *self = (model_sampler){model, evl_sampler_create(model->gearbox, n, wanted)};
+    return self;
+}
+
+void model_sampler_delete(model_sampler **pointer)
+{
+    model_sampler *self = *pointer;
+    *pointer = NULL;
+    if (self != NULL) {
+        evl_sampler_delete(&self->sampler);
+        free(self);
+    }
+}
+
+int model_sampler_ask(const model_sampler *self, int n, const double *t, const double *y, const dae_state *discrete,
+                      double *values, char message[DAE_MESSAGE_LENGTH])
+{
+    evl_status status;
+    const int code = evl_sampler_ask(self->sampler, n, t, y, discrete->integers, discrete->reals, values, &status);
+    return model_answer(self->model, code, &status, message);
+}

@@ -1,0 +1,66 @@
+!> C interface of samplers: some outputs at many states.
+!>
+!> The header's section "outputs" documents each procedure; here is only the passage from C to Fortran. A handle is the address of a
+!> sampler with its gearbox.
+module evl_capi_sampler
+   use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_loc, c_null_ptr, c_ptr
+   use evl_capi_types, only: answer, c_status, gearbox_of
+   use evl_gearbox, only: gearbox_t
+   use evl_output_sampler, only: output_sampler, sample_outputs, sampler_create
+   use evl_status, only: status_t
+   implicit none (type, external)
+   private
+
+   public :: evl_sampler_ask, evl_sampler_create, evl_sampler_delete
+
+   !> evl_sampler
+   type :: sampler_t
+      type(gearbox_t), pointer :: gearbox => null()
+      type(output_sampler) :: outputs
+   end type sampler_t
+
+contains
+
+   type(c_ptr) function evl_sampler_create(gearbox_handle, n, wanted) result(handle) bind(c)
+      type(c_ptr), intent(in), value :: gearbox_handle
+      integer(c_int), intent(in), value :: n
+      integer(c_int), intent(in) :: wanted(n)
+      type(sampler_t), pointer :: self
+
+      allocate (self)
+      self%gearbox => gearbox_of(gearbox_handle)
+      call sampler_create(self%outputs, self%gearbox, wanted + 1)
+      handle = c_loc(self)
+   end function evl_sampler_create
+
+   subroutine evl_sampler_delete(handle) bind(c)
+      type(c_ptr), intent(inout) :: handle
+      type(sampler_t), pointer :: self
+
+      call c_f_pointer(handle, self)
+      if (associated(self)) deallocate (self)
+      handle = c_null_ptr
+   end subroutine evl_sampler_delete
+
+   integer(c_int) function evl_sampler_ask(handle, n, t, y, integers, reals, values, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: n
+      real(c_double), intent(in) :: t(n), reals(*)
+      real(c_double), intent(in), target :: y(*)
+      integer(c_int), intent(in) :: integers(*)
+      real(c_double), intent(inout), target :: values(*)
+      type(c_status), intent(inout), optional :: status
+      real(c_double), pointer, contiguous :: rows(:, :), states(:, :)
+      type(sampler_t), pointer :: self
+      type(status_t) :: s
+
+      call c_f_pointer(handle, self)
+      associate (g => self%gearbox, n_values => self%outputs%before(size(self%outputs%before)))
+         rows(1:n, 1:n_values) => values(:n*n_values)
+         states(1:g%n_states, 1:n) => y(:g%n_states*n)
+         call sample_outputs(self%outputs, g, t, states, integers(:g%n_integers), reals(:size(g%contacts)), rows, s)
+      end associate
+      code = answer(s, status)
+   end function evl_sampler_ask
+
+end module evl_capi_sampler
