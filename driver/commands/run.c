@@ -129,7 +129,15 @@ static bool put_numbers(const run *run)
     for (int i = 0; i < N_NUMBER_ROWS; i++) {
         rows[i].name = pool_printf(&pool, "window_%s", rows[i].name);
     }
-    return history_put_finals(run->history, N_NUMBER_ROWS, rows, values);
+    const number_span span = numbers_span(run->numbers);
+    const double of_span[] = {span.from, span.to, (double)span.periods};
+    const model_output rows_of_span[] = {
+        {"window_begin", "s", "", "where the first whole period of the numbers begins", "", true, false, 0, 1},
+        {"window_end", "s", "", "where the last one ends", "", true, false, 1, 1},
+        {"window_periods", "1", "", "whole periods of the numbers", "", true, true, 2, 1},
+    };
+    return history_put_finals(run->history, 3, rows_of_span, of_span) &&
+           history_put_finals(run->history, N_NUMBER_ROWS, rows, values);
 }
 
 /** @return false if the history could not be completed; the reason is in run->message */

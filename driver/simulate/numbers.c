@@ -28,6 +28,7 @@ typedef struct {
     double per_turn; /**< pitches a radian of that wheel, with the sign of its nominal sense */
     double mass;     /**< of both wheels along the line of action [kg] */
     double radius;   /**< base radius of the driving wheel [m] */
+    double t_impact; /**< of the last one [s]: pairs that meet at once are one */
     mesh_sums period, total;
 } mesh_numbers;
 
@@ -470,6 +471,10 @@ void numbers_event(numbers *self, const event_record *record)
         return;
     }
     mesh_numbers *mesh = &self->meshes[m];
+    if (mesh->period.impacts + mesh->total.impacts > 0 && !(record->t > mesh->t_impact)) {
+        return;
+    }
+    mesh->t_impact = record->t;
     const double speed = fabs(constant(self, "gap_rate", m));
     mesh->period.impacts++;
     mesh->period.impact_speed = fmax(mesh->period.impact_speed, speed);
@@ -480,7 +485,7 @@ void numbers_event(numbers *self, const event_record *record)
 
 number_span numbers_span(const numbers *self)
 {
-    return (number_span){self->t_first, self->t_last, self->periods,
+    return (number_span){self->periods > 0 ? self->t_first : NAN, self->periods > 0 ? self->t_last : NAN, self->periods,
                          self->position > -INFINITY ? self->position - self->first_seen : 0};
 }
 
