@@ -2,6 +2,7 @@
 
 #include "base/json.h"
 #include "base/memory.h"
+#include "base/words.h"
 #include "simulate/simulate.h"
 
 #include <math.h>
@@ -90,15 +91,15 @@ static bool check_case(const batch_plan *plan, const prepared_case *prepared, nu
             n_meshes, plan->table.n_meshes);
     }
     if (plan->table.n_numbers > 0 && n_wheels != plan->table.n_wheels) {
-        return evl_error_set(
-            refusal, EVL_EXIT_CASE, place,
-            "the number of wheels is %d, that of the base case %d; with numbers over whole periods all cases have the same",
-            n_wheels, plan->table.n_wheels);
+        return evl_error_set(refusal, EVL_EXIT_CASE, place,
+                             "the number of wheels is %d, that of the base case %d; with numbers over whole periods "
+                             "all cases have the same",
+                             n_wheels, plan->table.n_wheels);
     }
     if (!find_window(plan, prepared, window)) {
         return evl_error_set(refusal, EVL_EXIT_CASE, place,
-                             "the window from %g to %g s holds no output of this case, which ends at %g s", window->from, window->to,
-                             options.t_end);
+                             "the window from %g to %g s holds no output of this case, which ends at %g s",
+                             window->from, window->to, options.t_end);
     }
     return plan->histories.n_variables == 0 || has_history_shape(plan, prepared->model, &options) ||
            evl_error_set(
@@ -178,9 +179,20 @@ static void conclude(const batch_sink *sink, const prepared_case *prepared, long
     const bool is_done = result->end == SIMULATE_DONE;
     OWNED double *results = xcalloc((size_t)plan->table.n, sizeof *results);
     statistics_finish(sink->statistics, result, results);
-    OWNED char *remark = result->held ? xstrdup(result->remark)
-                                      : xasprintf("%s%sits own invariants are %s", result->remark,
-                                                  result->remark[0] != '\0' ? "; " : "", result->invariants);
+    char no_numbers[DAE_MESSAGE_LENGTH] = "";
+    if (statistics_numbers(sink->statistics) != NULL) {
+        numbers_explain(statistics_numbers(sink->statistics), no_numbers, sizeof no_numbers);
+    }
+    OWNED char *invariants = result->held ? xstrdup("") : xasprintf("its own invariants are %s", result->invariants);
+    const char *const all[] = {result->remark, no_numbers, invariants};
+    const char *told[3];
+    int n_told = 0;
+    for (int i = 0; i < 3; i++) {
+        if (all[i][0] != '\0') {
+            told[n_told++] = all[i];
+        }
+    }
+    OWNED char *remark = words_join(n_told, told, "; ");
     OWNED char *message =
         is_done ? remarks(prepared, remark) : xasprintf("failed at t = %.9g s: %s", result->t, result->message);
     write_row(plan, index, is_done ? JOURNAL_DONE : JOURNAL_FAILED, message, results, row);
@@ -190,12 +202,14 @@ static bool simulate_prepared(const batch_plan *plan, long index, const prepared
                               batch_row *row, evl_error *error)
 {
     const double interval = case_description(prepared->file)->simulation.output_interval;
-    batch_sink batch = {
-        .plan = plan, .statistics = statistics_create(&plan->table, prepared->model, &start->window, interval)};
+    batch_sink batch = {.plan = plan,
+                        .statistics = statistics_create(&plan->table, prepared->model, &start->window, interval)};
     start_history(&batch, prepared->model);
-    const simulate_sink sink = {
-        .self = &batch, .outputs = on_outputs, .event = on_event, .extremes = statistics_extremes(batch.statistics),
-        .numbers = statistics_numbers(batch.statistics)};
+    const simulate_sink sink = {.self = &batch,
+                                .outputs = on_outputs,
+                                .event = on_event,
+                                .extremes = statistics_extremes(batch.statistics),
+                                .numbers = statistics_numbers(batch.statistics)};
     simulate_result result;
     simulate(prepared, &sink, &start->state, &result);
     conclude(&batch, prepared, index, &result, row);
@@ -211,8 +225,7 @@ bool batch_case_prepare(const batch_plan *plan, long index, prepared_case *prepa
                         evl_error *refusal)
 {
     *start = (batch_start){.window = {.wheel = -1}};
-    return batch_prepare(plan, index, prepared, refusal) &&
-           check_case(plan, prepared, &start->window, refusal) &&
+    return batch_prepare(plan, index, prepared, refusal) && check_case(plan, prepared, &start->window, refusal) &&
            prepare_start(prepared, &start->state, refusal);
 }
 

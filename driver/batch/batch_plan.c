@@ -41,7 +41,8 @@ static bool take_table(batch_plan *plan, evl_error *error)
     }
     OWNED char *known = number_rows_words();
     return evl_error_set(error, EVL_EXIT_CASE, plan->design->file,
-                         "numbers: there is no number '%.64s'; there are %s, and what docs/signals.md lists", unknown, known);
+                         "numbers: there is no number '%.64s'; there are %s, and what docs/signals.md lists", unknown,
+                         known);
 }
 
 bool batch_prepare(const batch_plan *plan, long index, prepared_case *prepared, evl_error *error)
@@ -138,7 +139,8 @@ bool batch_plan_init(batch_plan *plan, const design *design, evl_error *error)
         return false;
     }
     plan->wheels = wheel_store_create();
-    if (!take_table(plan, error) || !check_paths(plan, error) || (design->history_variables[0] != '\0' && !plan_histories(plan, error))) {
+    if (!take_table(plan, error) || !check_paths(plan, error) ||
+        (design->history_variables[0] != '\0' && !plan_histories(plan, error))) {
         batch_plan_free(plan);
         return false;
     }

@@ -114,8 +114,8 @@ static void add_numbers(statistics_table *table, const name_list *meshes, const 
     }
 }
 
-const char *statistics_table_init(statistics_table *table, const name_list *meshes, const name_list *wheels, int n_words,
-                                  const char *const *words)
+const char *statistics_table_init(statistics_table *table, const name_list *meshes, const name_list *wheels,
+                                  int n_words, const char *const *words)
 {
     const int n_kinds = model_tables()->n_event_kinds, n_meshes = meshes->n;
     *table = (statistics_table){.n_meshes = n_meshes, .n_wheels = wheels->n};
@@ -124,8 +124,9 @@ const char *statistics_table_init(statistics_table *table, const name_list *mesh
     const int most = number_rows_place(&pool, wheels->n, n_meshes, rows);
     table->taken = pool_calloc(&table->pool, N_NUMBER_ROWS, sizeof *table->taken);
     table->numbers = pool_calloc(&table->pool, (size_t)most, sizeof *table->numbers);
-    table->scalars = pool_calloc(&table->pool, (size_t)n_meshes * N_OF_MESH + N_OF_CASE + (size_t)n_kinds + (size_t)most,
-                                 sizeof *table->scalars);
+    table->scalars =
+        pool_calloc(&table->pool, (size_t)n_meshes * N_OF_MESH + N_OF_CASE + (size_t)n_kinds + (size_t)most,
+                    sizeof *table->scalars);
     for (int mesh = 0; mesh < n_meshes; mesh++) {
         for (int i = 0; i < N_OF_MESH; i++) {
             if (n_meshes == 1) {
@@ -182,15 +183,15 @@ statistics *statistics_create(const statistics_table *table, const model *model,
 {
     static const double slack = 1e-6; /* of an output interval: times that differ by rounding are the same */
     statistics *statistics = xcalloc(1, sizeof *statistics);
-    *statistics = (struct statistics){.table = table,
-                                      .from = window->from - slack * output_interval,
-                                      .to = window->to + slack * output_interval,
-                                      .t_first = NAN,
-                                      .of_mesh = xcalloc((size_t)table->n_meshes * N_OF_MESH, sizeof(accumulator)),
-                                      .extremes = extremes_create(model, table->n_meshes, window->from, window->to),
-                                      .numbers = table->n_numbers == 0 ? NULL
-                                                                       : numbers_create(model, window, table->taken),
-                                      .events = xcalloc((size_t)model_tables()->n_event_kinds, sizeof(long))};
+    *statistics =
+        (struct statistics){.table = table,
+                            .from = window->from - slack * output_interval,
+                            .to = window->to + slack * output_interval,
+                            .t_first = NAN,
+                            .of_mesh = xcalloc((size_t)table->n_meshes * N_OF_MESH, sizeof(accumulator)),
+                            .extremes = extremes_create(model, table->n_meshes, window->from, window->to),
+                            .numbers = table->n_numbers == 0 ? NULL : numbers_create(model, window, table->taken),
+                            .events = xcalloc((size_t)model_tables()->n_event_kinds, sizeof(long))};
     for (int mesh = 0; mesh < table->n_meshes; mesh++) {
         for (int i = 0; i < N_OF_MESH; i++) {
             const int offset = model_output_offset(model, resolve_output(model, of_mesh[i].output));

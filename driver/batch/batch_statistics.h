@@ -29,8 +29,8 @@ typedef struct {
 /** The table for cases with these meshes and wheels. With several meshes each has its own numbers: NAME_MESH; those of wheels are
  *  NAME_WHEEL.
  *  @param words  which numbers over whole periods, as number_rows_take knows them. @return NULL, or a word that names none */
-const char *statistics_table_init(statistics_table *table, const name_list *meshes, const name_list *wheels, int n_words,
-                                  const char *const *words);
+const char *statistics_table_init(statistics_table *table, const name_list *meshes, const name_list *wheels,
+                                  int n_words, const char *const *words);
 
 typedef struct statistics statistics;
 

@@ -221,7 +221,8 @@ static bool take_initial(const checker *checker, case_node *block, description *
 static bool take_numbers(const checker *checker, const case_node *block, description *description)
 {
     simulation_description *simulation = &description->simulation;
-    const case_node *from = block == NULL ? NULL : node_get(block, "from"), *to = block == NULL ? NULL : node_get(block, "to");
+    const case_node *from = block == NULL ? NULL : node_get(block, "from"),
+                    *to = block == NULL ? NULL : node_get(block, "to");
     const char *mesh = block == NULL ? NULL : node_get_text(block, "pitches_of");
     const char *wheel = block == NULL ? NULL : node_get_text(block, "turns_of");
     numbers_description *numbers = &simulation->numbers;
@@ -232,18 +233,19 @@ static bool take_numbers(const checker *checker, const case_node *block, descrip
         .mesh = mesh == NULL ? 0 : words_index(mesh, description->n_meshes, description->meshes),
         .wheel = wheel == NULL ? -1 : words_index(wheel, description->n_wheels, description->wheels)};
     if (mesh != NULL && wheel != NULL) {
-        return checker_refuse(checker, node_get(block, "turns_of")->place,
-                              "periods are pitches of a mesh or turns of a wheel, not both; leave out pitches_of or turns_of");
+        return checker_refuse(
+            checker, node_get(block, "turns_of")->place,
+            "periods are pitches of a mesh or turns of a wheel, not both; leave out pitches_of or turns_of");
     }
-    if (numbers->to > simulation->duration) {
-        return checker_refuse(checker, to->place, "the window ends at %s s, but the case at %.9g s", to->text,
-                              simulation->duration);
+    if (to != NULL && numbers->to > simulation->duration) {
+        return checker_refuse(checker, to->place,
+                              "the window ends at %s s, but the case at %.9g s; make it longer, or leave out to",
+                              to->text, simulation->duration);
     }
-    if (!(numbers->from < numbers->to)) {
-        return checker_refuse(checker, (from == NULL ? to : from)->place,
-                              "the window is from %.9g to %.9g s, which is no span of time", numbers->from, numbers->to);
-    }
-    return true;
+    return block == NULL || numbers->from < numbers->to ||
+           checker_refuse(checker, (from == NULL ? block : from)->place,
+                          "the window is from %.9g to %.9g s, which is no span of time; the case ends at %.9g s",
+                          numbers->from, numbers->to, simulation->duration);
 }
 
 static integrator_kind integrator_of(const case_node *block)

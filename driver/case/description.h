@@ -21,8 +21,8 @@ typedef struct {
 typedef struct {
     integrator_kind integrator;
     double duration, output_interval, tolerance;
-    double max_step;     /**< [s] */
-    evl_initial initial; /**< its arrays belong to it */
+    double max_step;             /**< [s] */
+    evl_initial initial;         /**< its arrays belong to it */
     numbers_description numbers; /**< where it is not given, what it would be if it said nothing */
 } simulation_description;
 

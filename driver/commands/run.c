@@ -252,12 +252,15 @@ static void simulate_case(run *run, const char *path, dae_state *state, evl_erro
     }
     run->extremes =
         extremes_create(run->prepared.model, case_description(run->prepared.file)->n_meshes, -INFINITY, INFINITY);
-    const simulate_sink sink = {
-        .self = run, .outputs = on_outputs, .event = on_event, .step = on_step, .extremes = run->extremes, .numbers = run->numbers};
+    const simulate_sink sink = {.self = run,
+                                .outputs = on_outputs,
+                                .event = on_event,
+                                .step = on_step,
+                                .extremes = run->extremes,
+                                .numbers = run->numbers};
     simulate(&run->prepared, &sink, state, &result);
     progress_end(&run->progress);
-    if (result.end == SIMULATE_SINK_FAILED || !put_extremes(run) ||
-        (run->numbers != NULL && !put_numbers(run))) {
+    if (result.end == SIMULATE_SINK_FAILED || !put_extremes(run) || (run->numbers != NULL && !put_numbers(run))) {
         evl_error_set(error, EVL_EXIT_IO, "", "%s", history_error(run->history));
         history_abandon(&run->history);
     } else {

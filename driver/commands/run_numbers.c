@@ -2,7 +2,6 @@
 
 #include "base/log.h"
 
-
 static double of_mesh(const model_output *rows, const double *values, int row, int mesh)
 {
     return values[rows[row].offset + mesh];
@@ -19,13 +18,13 @@ void tell_numbers(const numbers *numbers, const model_names *names, const model_
     }
     for (int m = 0; m < names->meshes.n; m++) {
         const double first = values[rows[number_row(NUMBER_ERROR, TELLS_AMPLITUDE)].offset + m * NUMBER_HARMONICS];
-        log_note("mesh %s from %.6g to %.6g s: force %.5g N, dynamic factor %.4g; transmission error %.4g um, peak to peak "
-                 "%.4g um, first order %.4g um; without contact %.3g %%",
-                 names->meshes.names[m], span.from, span.to,
-                 of_mesh(rows, values, number_row(NUMBER_FORCE, TELLS_MEAN), m),
-                 of_mesh(rows, values, number_row_of_contact(NUMBER_DYNAMIC), m),
-                 1e6 * of_mesh(rows, values, number_row(NUMBER_ERROR, TELLS_MEAN), m),
-                 1e6 * of_mesh(rows, values, number_row(NUMBER_ERROR, TELLS_RANGE), m), 1e6 * first,
-                 100 * of_mesh(rows, values, number_row_of_contact(NUMBER_NO_CONTACT), m));
+        log_note(
+            "mesh %s from %.6g to %.6g s: force %.5g N, dynamic factor %.4g; transmission error %.4g um, peak to peak "
+            "%.4g um, first order %.4g um; without contact %.3g %%",
+            names->meshes.names[m], span.from, span.to, of_mesh(rows, values, number_row(NUMBER_FORCE, TELLS_MEAN), m),
+            of_mesh(rows, values, number_row_of_contact(NUMBER_DYNAMIC), m),
+            1e6 * of_mesh(rows, values, number_row(NUMBER_ERROR, TELLS_MEAN), m),
+            1e6 * of_mesh(rows, values, number_row(NUMBER_ERROR, TELLS_RANGE), m), 1e6 * first,
+            100 * of_mesh(rows, values, number_row_of_contact(NUMBER_NO_CONTACT), m));
     }
 }

@@ -33,7 +33,7 @@ bool dimensions_define(dimensions *dimensions, netcdf_file *file, dimensions_use
                        int n_outputs, const model_output *outputs)
 {
     const name_list *const of_case[N_NAMED_DIMENSIONS] = {&names->wheels, &names->meshes, &names->shafts, NULL,
-                                                    NULL,           NULL,           &names->pairs};
+                                                          NULL,           NULL,           &names->pairs};
     bool good = true;
     for (int i = 0; i < N_NAMED_DIMENSIONS && good; i++) {
         dimensions->names[i] = table[i].name;

@@ -9,7 +9,7 @@ enum { NUMBER_HARMONICS = 10 };
 /** Cosine and sine of 2 pi n xi at the nodes, n from 1. */
 typedef struct {
     double wave[STEP_NODES_MOST][2 * NUMBER_HARMONICS]; /**< all cosines, then all sines */
-    double rate[STEP_NODES_MOST]; /**< of xi [1/s] */
+    double rate[STEP_NODES_MOST];                       /**< of xi [1/s] */
 } number_waves;
 
 /** @param xi, rate  position [pitches] and its rate at the nodes, [nodes] */

@@ -40,12 +40,14 @@ static const struct {
     [NUMBER_COAST] = {"share_coast_flanks", "1", "share of the time with a force on the coast flanks"},
     [NUMBER_DYNAMIC] = {"dynamic_factor", "1", "largest normal force over its mean"},
     [NUMBER_PAIR_FORCE] = {"pair_normal_force_max", "N", "largest normal force of a tooth pair"},
-    [NUMBER_PAIR_DYNAMIC] = {"pair_dynamic_factor", "1",
-                             "largest normal force of a tooth pair over that of the mesh at rest under its mean torque"},
+    [NUMBER_PAIR_DYNAMIC] =
+        {"pair_dynamic_factor", "1",
+         "largest normal force of a tooth pair over that of the mesh at rest under its mean torque"},
     [NUMBER_IMPACTS] = {"impacts", "1", "how often flanks met while no tooth pair was in contact"},
     [NUMBER_IMPACT_SPEED] = {"impact_speed_max", "m s-1", "largest speed at which they met"},
     [NUMBER_IMPACT_ENERGY] = {"impact_energy", "J", "kinetic energy of the approach of all impacts"},
-    [NUMBER_ENERGY] = {"transmitted_energy", "J", "integral over time of the size of the driving wheel's power to the mesh"},
+    [NUMBER_ENERGY] = {"transmitted_energy", "J",
+                       "integral over time of the size of the driving wheel's power to the mesh"},
     [NUMBER_RATTLE] = {"rattle_index", "1", "energy of impacts over transmitted energy"},
 };
 
@@ -63,13 +65,13 @@ static int count_of(const char *dims, int n_wheels, int n_meshes)
 static model_output row_of_quantity(memory_pool *pool, int quantity, int k)
 {
     const bool is_harmonic = k == TELLS_AMPLITUDE || k == TELLS_PHASE;
-    return (model_output){
-        .name = pool_printf(pool, "%s_%s", quantities[quantity].name, tells[k].name),
-        .units = tells[k].units == NULL ? quantities[quantity].units : tells[k].units,
-        .symbol = "",
-        .long_name = pool_printf(pool, "%s %s", tells[k].text, quantities[quantity].text),
-        .dims = is_harmonic ? pool_printf(pool, "%s harmonic", quantities[quantity].dims) : quantities[quantity].dims,
-        .is_static = true};
+    return (model_output){.name = pool_printf(pool, "%s_%s", quantities[quantity].name, tells[k].name),
+                          .units = tells[k].units == NULL ? quantities[quantity].units : tells[k].units,
+                          .symbol = "",
+                          .long_name = pool_printf(pool, "%s %s", tells[k].text, quantities[quantity].text),
+                          .dims = is_harmonic ? pool_printf(pool, "%s harmonic", quantities[quantity].dims)
+                                              : quantities[quantity].dims,
+                          .is_static = true};
 }
 
 int number_rows_place(memory_pool *pool, int n_wheels, int n_meshes, model_output *rows)

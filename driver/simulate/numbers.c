@@ -238,8 +238,8 @@ static bool set_up(numbers *self, const integrate_step *step)
     }
     const int wheel = self->window.wheel;
     const mesh_numbers *mesh = &self->meshes[self->window.mesh];
-    self->sense = wheel < 0 ? mesh->per_turn
-                            : (constant(self, "angular_velocity", wheel) < 0 ? -1 / two_pi : 1 / two_pi);
+    self->sense =
+        wheel < 0 ? mesh->per_turn : (constant(self, "angular_velocity", wheel) < 0 ? -1 / two_pi : 1 / two_pi);
     self->start_position = wheel < 0 ? mesh->xi_0 : 0;
     self->is_set_up = true;
     return true;
@@ -329,7 +329,8 @@ static void add_nodes(numbers *self)
     }
     for (int i = 0; i < self->n_channels; i++) {
         channel *one = &self->channels[i];
-        number_channel_add(&one->sums, &self->nodes, &self->waves[one->mesh], step_nodes_value(&self->nodes, one->value));
+        number_channel_add(&one->sums, &self->nodes, &self->waves[one->mesh],
+                           step_nodes_value(&self->nodes, one->value));
     }
 }
 
@@ -346,7 +347,8 @@ static void add_span(numbers *self, const integrate_step *step, double from, dou
     const double waves = NUMBER_HARMONICS * fabs(pitches);
     const int parts = 1 + (int)fmin(waves / step_nodes_reach(&self->nodes), 1e6);
     for (int i = 0; i < parts && to > from; i++) {
-        add_part(self, step, from + (to - from) * i / parts, i == parts - 1 ? to : from + (to - from) * (i + 1) / parts);
+        add_part(self, step, from + (to - from) * i / parts,
+                 i == parts - 1 ? to : from + (to - from) * (i + 1) / parts);
     }
 }
 
@@ -447,7 +449,8 @@ void numbers_watch(numbers *self, const integrate_step *step)
         }
     }
     while (end >= self->next) {
-        const double t_border = here >= self->next ? t : time_of(self, step, self->next, t, here - self->next, t_end, end - self->next);
+        const double t_border =
+            here >= self->next ? t : time_of(self, step, self->next, t, here - self->next, t_end, end - self->next);
         if (self->has_started) {
             add_span(self, step, t, t_border, pitches_of(self, here, self->next));
         }
@@ -521,7 +524,10 @@ static void conclude_mesh(const numbers *self, int m, const model_output *rows, 
     const mesh_sums *sums = &mesh->total;
     for (int i = 0; i <= NUMBER_COAST; i++) {
         const bool is_known = self->at[i == NUMBER_COAST ? AT_COAST : AT_PAIRS] >= 0;
-        put(rows, values, (number_of_contact)i, m, is_known ? sums->shares[i] / sums->time : i == NUMBER_COAST ? 0 : NAN);
+        put(rows, values, (number_of_contact)i, m,
+            is_known            ? sums->shares[i] / sums->time
+            : i == NUMBER_COAST ? 0
+                                : NAN);
     }
     if (self->at[AT_PAIR_FORCE] >= 0) {
         put(rows, values, NUMBER_PAIR_FORCE, m, sums->pair_force);
@@ -541,11 +547,12 @@ static void conclude_mesh(const numbers *self, int m, const model_output *rows, 
 
 static void conclude_channel(const numbers *self, const channel *one, const model_output *rows, double *values)
 {
-    channel_numbers told;
+    channel_numbers told = {0};
     const mesh_sums *mesh = &self->meshes[one->mesh].total;
     const bool is_force = one->row == number_row(NUMBER_FORCE, (number_tells)0);
     number_channel_conclude(&one->sums, mesh->time, mesh->pitches, &told);
-    told.low = is_force ? fmax(told.low, 0) : told.low; /* flanks only push; the rest is rounding at the ends of steps */
+    told.low =
+        is_force ? fmax(told.low, 0) : told.low; /* flanks only push; the rest is rounding at the ends of steps */
     const double numbers[] = {[TELLS_MEAN] = told.mean,   [TELLS_DEVIATION] = told.deviation,
                               [TELLS_RMS] = told.rms,     [TELLS_RANGE] = told.high - told.low,
                               [TELLS_HIGH] = told.high,   [TELLS_LOW] = told.low,
@@ -591,8 +598,17 @@ void numbers_explain(const numbers *self, char *text, size_t size)
     const model_names *names = &model_about(self->model)->names;
     const bool by_mesh = self->window.wheel < 0;
     const double way = numbers_span(self).begun;
-    (void)snprintf(text, size,
-                   "the window of the numbers holds no whole %s of %s '%s', which went %.3g in it: begin earlier, or run longer",
-                   by_mesh ? "pitch" : "turn", by_mesh ? "mesh" : "wheel",
-                   by_mesh ? names->meshes.names[self->window.mesh] : names->wheels.names[self->window.wheel], way);
+    if (by_mesh) {
+        (void)snprintf(
+            text, size,
+            "the window of the numbers holds no whole pitch of mesh '%s', from one start of contact to the next: it "
+            "went %.3g pitches in it; begin earlier, or run longer",
+            names->meshes.names[self->window.mesh], way);
+    } else {
+        (void)snprintf(
+            text, size,
+            "the window of the numbers holds no whole turn of wheel '%s', counted from its start: it went %.3g "
+            "turns in it; begin earlier, or run longer",
+            names->wheels.names[self->window.wheel], way);
+    }
 }

@@ -9,8 +9,8 @@
 /** The window begins where a period does for the first time after `from`, and ends where the last one does before `to`. */
 typedef struct {
     double from, to; /**< [s] */
-    int mesh;        /**< a period is a pitch of this mesh, counted from where its tooth pair 0 is at the start of contact */
-    int wheel;       /**< or, if it is not -1, a turn of this wheel from its start */
+    int mesh;  /**< a period is a pitch of this mesh, counted from where its tooth pair 0 is at the start of contact */
+    int wheel; /**< or, if it is not -1, a turn of this wheel from its start */
 } number_window;
 
 typedef struct numbers numbers;

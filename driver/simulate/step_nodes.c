@@ -94,7 +94,8 @@ bool step_nodes_look(step_nodes *nodes, const integrate_step *step, double from,
     if (nodes->sampler == NULL) {
         nodes->sampler = model_sampler_create(nodes->model, nodes->n_wanted, nodes->wanted);
     }
-    return model_sampler_ask(nodes->sampler, nodes->n, nodes->t, nodes->y, step->state, nodes->values, message) == DAE_OK;
+    return model_sampler_ask(nodes->sampler, nodes->n, nodes->t, nodes->y, step->state, nodes->values, message) ==
+           DAE_OK;
 }
 
 /** The polynomial at x in -1..1. */
@@ -118,7 +119,8 @@ double step_nodes_end(const step_nodes *nodes, const double *values)
 
 double step_nodes_peak(const step_nodes *nodes, const double *values, int sense, double beyond)
 {
-    static const double most_hidden = 0.5; /* of the range of the values: more does not lie between them or behind the last */
+    static const double most_hidden =
+        0.5; /* of the range of the values: more does not lie between them or behind the last */
     double high = -INFINITY, low = INFINITY;
     for (int k = 0; k < nodes->n; k++) { /* fmax is a call */
         const double here = sense * values[k];

@@ -11,17 +11,18 @@ enum { STEP_NODES_MOST = 8 };
 
 typedef struct {
     const model *model;
-    int n;                       /**< nodes */
-    int n_wanted, *wanted;       /**< indices of outputs */
-    int *before;                 /**< [n_wanted] values before those of each */
-    int n_values;                /**< of all of them */
-    model_sampler *sampler;      /**< made at the first look */
-    double *y;                   /**< [n * states] */
-    double *values;              /**< [n_values * n] each value at the nodes side by side */
-    double t[STEP_NODES_MOST];   /**< the nodes [s] */
+    int n;                          /**< nodes */
+    int n_wanted, *wanted;          /**< indices of outputs */
+    int *before;                    /**< [n_wanted] values before those of each */
+    int n_values;                   /**< of all of them */
+    model_sampler *sampler;         /**< made at the first look */
+    double *y;                      /**< [n * states] */
+    double *values;                 /**< [n_values * n] each value at the nodes side by side */
+    double t[STEP_NODES_MOST];      /**< the nodes [s] */
     double weight[STEP_NODES_MOST]; /**< of an integral over time [s] */
     int n_samples;
-    double *samples; /**< [n_samples * n] from values at the nodes to those at evenly spaced places, the ends among them */
+    double
+        *samples; /**< [n_samples * n] from values at the nodes to those at evenly spaced places, the ends among them */
 } step_nodes;
 
 /** Ask for nothing yet. @param pool  in which the arrays last */

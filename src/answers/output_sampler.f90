@@ -26,8 +26,8 @@ module evl_output_sampler
 
    !> Names of the outputs that are told in lanes.
    character(len=31), parameter :: lane_names(*) = [character(len=31) :: "transmission_error", "normal_force", "coast_force", &
-                                                    "mesh_torque_driving", "pairs_in_contact", "pair_normal_force", "angle", &
-                                                    "angular_velocity", "angular_acceleration", "centre_acceleration"]
+                                                          "mesh_torque_driving", "pairs_in_contact", "pair_normal_force", "angle", &
+                                                                  "angular_velocity", "angular_acceleration", "centre_acceleration"]
 
    !> The same as numbers, in that order.
    enum, bind(c)

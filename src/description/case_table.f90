@@ -49,7 +49,7 @@ module evl_case_table
                                    range=range_t(1e-14_wp, 0.001_wp), default="1e-9"), &
                             row_t("max_step", type_number, "s", "longest step of the integrator", range=positive, default="0.02"), &
                              row_t("initial", type_block, "", "state at time 0", default="{kind: rest}", holds="initial"), &
-                        row_t("numbers", type_block, "", "find numbers of the case over a window of whole pitches or turns; not" &
+                          row_t("numbers", type_block, "", "find numbers of the case over a window of whole pitches or turns; not" &
                                    //" found if not given", holds="numbers"), &
                              row_t("integrator", type_choice, "", &
                           "SUNDIALS IDA for every case; radau for closed_form tracking without rigid contact in a housing that is" &

@@ -121,7 +121,11 @@ def test_eight_states_at_once_tell_what_one_tells_to_rounding(kernel, make):
         # sums of forces whose parts are a thousand times larger are rounded to 1e-13 of these
         scale = 1e-3 * np.nanmax(np.abs(told[:, here]), initial=0.0)
         np.testing.assert_allclose(
-            gearbox.sampled(states, name), told[:, here], rtol=1e-11, atol=1e-8 * scale, err_msg=name
+            gearbox.sampled(states, name),
+            told[:, here],
+            rtol=1e-11,
+            atol=1e-8 * scale,
+            err_msg=name,
         )
 
 

@@ -1,8 +1,9 @@
-"""Numbers of a case over whole periods: against other programs' figures, and quadrature elsewhere."""
+"""Numbers of a case over whole periods: against other programs and quadrature elsewhere."""
 
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -51,8 +52,7 @@ def rectangular(omega: float, pitches: int, window: int, integrator: str) -> dic
         "format": 1,
         "materials": {"steel": dict(STEEL)},
         "wheels": [
-            {"name": name, **wheel, "loads": [load]}
-            for name, load in zip("ab", loads, strict=True)
+            {"name": name, **wheel, "loads": [load]} for name, load in zip("ab", loads, strict=True)
         ],
         "meshes": [
             {
@@ -192,7 +192,7 @@ def pieces(run: Run, values: Floats) -> list[tuple[float, float, CubicSpline]]:
     borders = [begin, *events[(events > begin) & (events < end)], end]
     limits = [-np.inf, *events, np.inf]
     found = []
-    for left, right in zip(borders[:-1], borders[1:], strict=True):
+    for left, right in pairwise(borders):
         before = max(t for t in limits if t <= left)
         after = min(t for t in limits if t >= right)
         inside = (time > before) & (time < after) & (time > left - 1e-5) & (time < right + 1e-5)
@@ -217,7 +217,9 @@ def harmonics(run: Run, values: Floats) -> Floats:
     found = []
     for n in HARMONICS:
         wave = [f(2 * math.pi * n * xi) for f in (np.cos, np.sin)]
-        found.append(sum(integral(run, values * rate * w) * i for w, i in zip(wave, (1, 1j), strict=True)))
+        found.append(
+            sum(integral(run, values * rate * w) * i for w, i in zip(wave, (1, 1j), strict=True))
+        )
     return 2 / pitches * np.array(found)
 
 
@@ -244,7 +246,9 @@ def test_numbers_are_integrals_between_the_events(fine, quantity):
 
 def test_extremes_are_those_of_very_many_outputs(fine):
     history = fine.history
-    inside = (history["time"] >= history["window_begin"]) & (history["time"] <= history["window_end"])
+    inside = (history["time"] >= history["window_begin"]) & (
+        history["time"] <= history["window_end"]
+    )
     for quantity in ("transmission_error", "normal_force", "angular_acceleration"):
         values = history[quantity].values[inside.values, 0]
         size = np.ptp(values)
@@ -285,7 +289,9 @@ def test_both_integrators_find_the_same(runs, example):
             difference = np.where(clear, values - found[1][name], 0)
             np.testing.assert_allclose(np.sin(difference / 2), 0, atol=1e-4, err_msg=name)
             continue
-        np.testing.assert_allclose(found[1][name], values, rtol=1e-5, atol=1e-5 * size, err_msg=name)
+        np.testing.assert_allclose(
+            found[1][name], values, rtol=1e-5, atol=1e-5 * size, err_msg=name
+        )
 
 
 def test_numbers_do_not_depend_on_the_outputs(runs):

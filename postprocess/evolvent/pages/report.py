@@ -21,6 +21,7 @@ from evolvent.history import run_warning, source_name
 from evolvent.physics.extremes import extremes, extremes_table, is_extreme
 from evolvent.physics.invariants import check_history
 from evolvent.physics.mesh_summary import mesh_summaries
+from evolvent.physics.numbers import is_number, numbers_table, window_text
 from evolvent.units import quantity
 
 # Attributes of a history that have a place of their own on the page.
@@ -76,6 +77,8 @@ def report(history: xr.Dataset, events: xr.Dataset) -> str:
         meshes=mesh_summaries(history),
         extremes=extremes_table(history),
         extremes_note=_extremes_note(history, events),
+        window=window_text(history),
+        numbers={dim: numbers_table(history, dim) for dim in ("mesh", "wheel")},
         events=event_counts(history, events),
         counts={
             k: f"{v:,}" if isinstance(v, int | np.integer) else f"{v:.6g}"
@@ -101,6 +104,8 @@ def static_table(history: xr.Dataset, dim: str) -> dict[str, list[Any]]:
     rows = []
     for name, variable in history.data_vars.items():
         if variable.dims not in ((dim,), (dim, "axis")) or is_extreme(str(name)):
+            continue
+        if is_number(str(name)):
             continue
         units = str(variable.attrs.get("units", "1"))
         names = _names(history, str(name))

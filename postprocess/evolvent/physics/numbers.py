@@ -1,0 +1,53 @@
+"""The numbers over whole periods that a history tells, as they are read."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from evolvent.units import quantity
+
+PREFIX = "window_"
+MOST_HARMONICS = 5  # that are shown
+
+
+def is_number(name: str) -> bool:
+    """Tell whether a static variable is a number over whole periods, by its name."""
+    return name.startswith(PREFIX)
+
+
+def window_text(history: xr.Dataset) -> str:
+    """Say which window the numbers are of; "" if the history has none."""
+    if f"{PREFIX}periods" not in history:
+        return ""
+    begin, end, periods = (
+        float(history[f"{PREFIX}{which}"]) for which in ("begin", "end", "periods")
+    )
+    if periods == 0:
+        return "The window held no whole period."
+    return f"{periods:.0f} whole periods, from {begin:.6g} to {end:.6g} s."
+
+
+def numbers_table(history: xr.Dataset, dim: str) -> list[tuple[str, list[str]]]:
+    """Write the numbers of meshes or wheels: what, and for each how much.
+
+    Phases, and what no mesh or wheel has, are left out.
+    """
+    rows = []
+    for name, variable in history.data_vars.items():
+        if not is_number(str(name)) or variable.dims[:1] != (dim,):
+            continue
+        values = variable.values.reshape(variable.shape[0], -1)
+        if str(name).endswith("phase") or np.isnan(values).all():
+            continue
+        units = str(variable.attrs.get("units", "1"))
+        label = str(variable.attrs.get("long_name", name))
+        if "harmonic" in variable.dims:
+            values = values[:, :MOST_HARMONICS]
+            label += f", 1 to {values.shape[1]}"
+        rows.append((label, [_texts(row, units) for row in values]))
+    return rows
+
+
+def _texts(values: np.ndarray, units: str) -> str:
+    return ", ".join("-" if np.isnan(v) else quantity(float(v), units, 4) for v in values)

@@ -1,0 +1,191 @@
+"""`simulation.numbers` and a design's `numbers`: what is refused, and what ends up where."""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import xarray as xr
+
+from designs import read_journal, write_design
+
+Evolvent = Callable[..., subprocess.CompletedProcess[str]]
+JOURNAL = "r/shard-1-of-1.jsonl"
+SHORT = ("--set", "simulation.duration=0.01")
+
+
+@pytest.fixture
+def case(examples: Path) -> Path:
+    return examples / "spur-pair.yaml"
+
+
+@pytest.mark.parametrize(
+    ("numbers", "told"),
+    [
+        ("{from: 1}", "numbers: the window is from 1 to 0.01 s, which is no span of time"),
+        ("{to: 1}", "numbers: the window ends at 1 s, but the case at 0.01 s"),
+        ("{from: 0.003, to: 0.002}", "the window is from 0.003 to 0.002 s"),
+        ("{from: -1}", "numbers.from: is -1 s, must be at least 0 s"),
+        ("{pitches_of: gears}", "pitches_of: there is no mesh 'gears'; the case has pinion-gear"),
+        ("{turns_of: gearr}", "turns_of: there is no wheel 'gearr' (did you mean 'gear'?)"),
+        ("{turns_of: gear, pitches_of: pinion-gear}", "leave out pitches_of or turns_of"),
+        ("{every: 3}", "unknown key 'every'; known here: from, to, pitches_of, turns_of"),
+        ("3", "numbers: must be a block of keys"),
+    ],
+)
+def test_a_window_that_cannot_be_is_refused_at_its_place(
+    evolvent: Evolvent, case: Path, tmp_path: Path, numbers: str, told: str
+) -> None:
+    result = evolvent("run", case, *SHORT, "--set", f"simulation.numbers={numbers}", "-o", "n.h5")
+    assert result.returncode == 3
+    assert f"--set simulation.numbers={numbers}: simulation." in result.stderr
+    assert told in result.stderr
+    assert len(result.stderr.splitlines()) == 1
+    assert not list(tmp_path.glob("n.h5*"))
+
+
+@pytest.mark.parametrize(
+    ("numbers", "told"),
+    [
+        (
+            "{from: 9.5e-3}",
+            "mesh 'pinion-gear', from one start of contact to the next: it went 0.23",
+        ),
+        (
+            "{turns_of: gear}",
+            "no whole turn of wheel 'gear', counted from its start: it went 0.069",
+        ),
+    ],
+)
+def test_a_window_without_a_whole_period_is_told_and_gives_no_numbers(
+    evolvent: Evolvent, case: Path, tmp_path: Path, numbers: str, told: str
+) -> None:
+    result = evolvent("run", case, *SHORT, "--set", f"simulation.numbers={numbers}", "-o", "n.h5")
+    assert result.returncode == 0
+    assert told in result.stderr
+    assert "begin earlier, or run longer" in result.stderr
+    with xr.open_dataset(tmp_path / "n.h5", engine="h5netcdf") as history:
+        assert int(history["window_periods"]) == 0
+        names = [name for name in history if str(name).startswith("window_")]
+        assert len(names) > 40
+        assert all(np.isnan(history[n].values).all() for n in names if n != "window_periods")
+
+
+def test_a_mesh_that_does_not_turn_is_told(evolvent: Evolvent, examples: Path) -> None:
+    settings = ("wheels.0.loads=[]", "simulation.duration=0.01", "simulation.numbers={}")
+    words = [word for setting in settings for word in ("--set", setting)]
+    result = evolvent("run", examples / "paper.yaml", *words, "-o", "n.h5")
+    assert result.returncode == 0, result.stderr
+    assert "start of contact to the next: it went 0 pitches in it" in result.stderr
+
+
+def rows_of(
+    evolvent: Evolvent, folder: Path, case: Path, words: str | None, *, code: int = 0
+) -> dict[int, dict[str, float]]:
+    base = case.read_text().replace("duration: 0.05 ", "duration: 0.02 ")
+    assert base != case.read_text()
+    design = write_design(folder / "d.h5", {"wheels.pinion.loads.0.value": [-50.0, -30.0]}, base)
+    if words is not None:
+        with h5py.File(design, "a") as file:
+            file.attrs["numbers"] = words
+    result = evolvent("batch", design, "-o", folder / "r")
+    assert result.returncode == code, result.stderr
+    return read_journal(folder / JOURNAL).cases
+
+
+def test_a_batch_tells_the_numbers_that_its_design_names(
+    evolvent: Evolvent, case: Path, tmp_path: Path
+) -> None:
+    folders = [tmp_path / name for name in ("usual", "some", "all")]
+    for folder in folders:
+        folder.mkdir()
+    usual = rows_of(evolvent, folders[0], case, None)
+    some = rows_of(evolvent, folders[1], case, "dynamic_factor normal_force_amplitude")
+    every = rows_of(evolvent, folders[2], case, "all")
+    harmonics = [f"normal_force_amplitude_{n}" for n in range(1, 11)]
+    new = [name for name in some[0] if name not in usual[0]]
+    assert sorted(new) == sorted([*harmonics, "dynamic_factor"])
+    for i in range(2):
+        for name in usual[i]:
+            if name not in ("at", "cpu_time"):
+                assert some[i][name] == usual[i][name], name
+        for name in new:
+            assert some[i][name] == every[i][name], name
+
+
+def test_numbers_of_a_batch_are_those_of_the_history(
+    evolvent: Evolvent, case: Path, tmp_path: Path
+) -> None:
+    rows = rows_of(evolvent, tmp_path, case, "all")
+    settings = ("simulation.numbers={}", "wheels.pinion.loads.0.value=-30")
+    words = [word for setting in settings for word in ("--set", setting)]
+    words += ["--set", "simulation.duration=0.02"]
+    assert evolvent("run", case, *words, "-o", "n.h5").returncode == 0
+    with xr.open_dataset(tmp_path / "n.h5", engine="h5netcdf") as history:
+        told = {
+            "normal_force_mean": history["window_normal_force_mean"][0],
+            "transmission_error_phase_3": history["window_transmission_error_phase"][0, 2],
+            "angular_acceleration_rms_gear": history["window_angular_acceleration_rms"][1],
+            "share_two_pairs": history["window_share_two_pairs"][0],
+            "pair_dynamic_factor": history["window_pair_dynamic_factor"][0],
+        }
+        for name, value in told.items():
+            assert rows[1][name] == float(value), name
+        assert all(
+            len([key for key in rows[1] if key.startswith(str(name).removeprefix("window_"))])
+            for name in history
+            if str(name).startswith("window_")
+            and str(name) not in ("window_begin", "window_end", "window_periods")
+        )
+
+
+def test_a_batch_says_where_a_case_has_no_whole_period(
+    evolvent: Evolvent, case: Path, tmp_path: Path
+) -> None:
+    base = case.read_text().replace("duration: 0.05 ", "duration: 0.002 ")
+    design = write_design(tmp_path / "d.h5", {"wheels.pinion.loads.0.value": [-50.0]}, base)
+    with h5py.File(design, "a") as file:
+        file.attrs["numbers"] = "dynamic_factor"
+    assert evolvent("batch", design, "-o", "r").returncode == 0
+    row = read_journal(tmp_path / JOURNAL).cases[0]
+    assert row["dynamic_factor"] is None
+    assert "holds no whole pitch of mesh 'pinion-gear'" in row["message"]
+
+
+def test_an_unknown_number_is_refused(evolvent: Evolvent, case: Path, tmp_path: Path) -> None:
+    design = write_design(
+        tmp_path / "d.h5", {"wheels.pinion.loads.0.value": [-50.0]}, case.read_text()
+    )
+    with h5py.File(design, "a") as file:
+        file.attrs["numbers"] = "all dynamicfactor"
+    result = evolvent("batch", design, "-o", "r")
+    assert result.returncode == 3
+    assert "numbers: there is no number 'dynamicfactor'; there are all, contact," in result.stderr
+
+
+def test_every_number_is_on_its_page(evolvent: Evolvent, case: Path, tmp_path: Path) -> None:
+    words = ("--set", "simulation.numbers={}")
+    assert evolvent("run", case, *SHORT, *words, "-o", "n.h5").returncode == 0
+    page = (Path(__file__).parents[2] / "docs" / "numbers.md").read_text()
+    quantities = (
+        "transmission_error",
+        "normal_force",
+        "angular_acceleration",
+        "centre_acceleration",
+    )
+    with xr.open_dataset(tmp_path / "n.h5", engine="h5netcdf") as history:
+        for name in map(str, history):
+            if not name.startswith("window_"):
+                continue
+            number = name.removeprefix("window_")
+            for quantity in quantities:
+                number = (
+                    number.replace(f"{quantity}_", "QUANTITY_", 1)
+                    if number.startswith(quantity)
+                    else number
+                )
+            assert f"`{number}`" in page or f"`{name}`" in page, name
