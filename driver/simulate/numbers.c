@@ -408,7 +408,7 @@ static bool add_plain(numbers *self, const integrate_step *step, double from, do
 {
     static const double margin = 0.01, rounding = 1e-9;
     const int wheel = self->window.wheel < 0 ? self->meshes[self->window.mesh].wheel : self->window.wheel;
-    double position[STEP_NODES_MOST];
+    double position[STEP_NODES_MOST] = {0};
     if (!step_nodes_look(&self->nodes, step, from, to)) {
         return false;
     }
