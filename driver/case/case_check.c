@@ -99,20 +99,38 @@ static bool check_key_names(const checker *checker, const char *block, const cas
     return true;
 }
 
+/** The variants of a block in which a key may stand, separated by commas: a new string. */
+static char *variants_with(const checker *checker, const char *block, const char *key)
+{
+    int n = 0;
+    const evl_row *rows = schema_block(checker->schema, block, &n);
+    char *all = xstrdup("");
+    for (int i = 0; i < n; i++) {
+        if (strcmp(rows[i].key, key) == 0) {
+            OWNED char **words = NULL;
+            const int n_words = words_split(rows[i].variants, &words);
+            OWNED char *before = all, *more = words_join(n_words, (const char *const *)words, ", ");
+            all = xasprintf("%s%s%s", before, before[0] == '\0' ? "" : ", ", more);
+        }
+    }
+    return all;
+}
+
 /** A key that stands beside a selector (NULL: its default holds) with which it has no meaning. */
 static bool refuse_variant(const checker *checker, const evl_row *selector, const case_entry *entry,
                            const case_node *value, const char *variant)
 {
+    OWNED char *known = variants_with(checker, selector->block, entry->key);
     if (value == NULL) {
-        return checker_refuse(checker, entry->key_place, "'%s' does not go with '%s: %s', the default", entry->key,
-                              selector->key, variant);
+        return checker_refuse(checker, entry->key_place, "'%s' does not go with '%s: %s', the default; it goes with %s",
+                              entry->key, selector->key, variant, known);
     }
     if (value->place.option != NULL && entry->key_place.option != value->place.option) {
         return checker_refuse(checker, entry->key_place, "'%s' does not go with --set %s; set the whole block",
                               entry->key, value->place.option);
     }
-    return checker_refuse(checker, entry->key_place, "'%s' does not go with '%s: %s'", entry->key, selector->key,
-                          variant);
+    return checker_refuse(checker, entry->key_place, "'%s' does not go with '%s: %s'; it goes with %s", entry->key,
+                          selector->key, variant, known);
 }
 
 /** Find the variant from the selector, and refuse keys of other variants. */

@@ -23,22 +23,20 @@ static const char **names_of(const case_node *node, memory_pool *pool)
     return names;
 }
 
-/** Refuse a list of blocks in which a name stands twice. @return the names; NULL if refused */
-static const char **unique_names(const checker *checker, const case_node *root, const char *key, const char *what,
-                                 memory_pool *pool, int *n)
+/** Take the names of a list of blocks (NULL: there is none); one that stands twice is refused. */
+static bool take_names(const checker *checker, const case_node *list, const char *key, const char *what,
+                       memory_pool *pool, int *n, const char ***names)
 {
-    const case_node *list = node_get(root, key);
-    const char **names = names_of(list, pool);
-    *n = list->n;
-    for (int i = 1; i < list->n; i++) {
-        if (words_index(names[i], i, names) >= 0) {
-            const case_node *node = node_get(list->entries[i].value, "name");
-            (void)checker_refuse(checker, node->place, "%s: the name '%s' is given to two %s; give each %s its own",
-                                 key, names[i], key, what);
-            return NULL;
+    *n = list == NULL ? 0 : list->n;
+    *names = list == NULL ? NULL : names_of(list, pool);
+    const struct checker of_list = checker_at(checker, key);
+    for (int i = 1; i < *n; i++) {
+        if (words_index((*names)[i], i, *names) >= 0) {
+            return checker_refuse(&of_list, node_get(list->entries[i].value, "name")->place,
+                                  "the name '%s' is given to two %s; give each %s its own", (*names)[i], key, what);
         }
     }
-    return names;
+    return true;
 }
 
 /** The word for one element of a list, such as wheel. */
@@ -287,16 +285,18 @@ bool case_resolve(const case_schema *schema, const char *path, case_node *root, 
                   evl_error *error)
 {
     const checker checker = {.schema = schema, .path = path, .error = error};
+    const struct checker of_housing = checker_at(&checker, "housing");
     const struct checker of_simulation = checker_at(&checker, "simulation");
     memory_pool *pool = &description->pool;
     description->title = node_get_text(root, "title");
-    description->wheels = unique_names(&checker, root, "wheels", "wheel", pool, &description->n_wheels);
-    description->meshes = description->wheels == NULL
-                              ? NULL
-                              : unique_names(&checker, root, "meshes", "mesh", pool, &description->n_meshes);
-    description->shafts = description->meshes == NULL
-                              ? NULL
-                              : unique_names(&checker, root, "shafts", "shaft", pool, &description->n_shafts);
-    return description->shafts != NULL && check_inside(&checker, root, CASE_ROOT, root) &&
+    return take_names(&checker, node_get(root, "wheels"), "wheels", "wheel", pool, &description->n_wheels,
+                      &description->wheels) &&
+           take_names(&checker, node_get(root, "meshes"), "meshes", "mesh", pool, &description->n_meshes,
+                      &description->meshes) &&
+           take_names(&checker, node_get(root, "shafts"), "shafts", "shaft", pool, &description->n_shafts,
+                      &description->shafts) &&
+           take_names(&of_housing, node_get(node_get(root, "housing"), "accelerometers"), "accelerometers",
+                      "accelerometer", pool, &description->n_accelerometers, &description->accelerometers) &&
+           check_inside(&checker, root, CASE_ROOT, root) &&
            take_simulation(&of_simulation, node_get(root, "simulation"), description);
 }

@@ -30,8 +30,8 @@ typedef struct {
 typedef struct {
     memory_pool pool;  /**< of all arrays */
     const char *title; /**< "" if none */
-    int n_wheels, n_meshes, n_shafts;
-    const char **wheels, **meshes, **shafts; /**< names */
+    int n_wheels, n_meshes, n_shafts, n_accelerometers;
+    const char **wheels, **meshes, **shafts, **accelerometers; /**< names */
     simulation_description simulation;
     int n_entries;
     evl_entry *entries; /**< all that the case says */

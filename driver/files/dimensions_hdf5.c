@@ -14,6 +14,7 @@ static const struct {
     {"wheel", {"wheel", "name of the wheel"}, true, {0, NULL}},
     {"mesh", {"mesh", "name of the mesh"}, true, {0, NULL}},
     {"shaft", {"shaft", "name of the shaft"}, false, {0, NULL}},
+    {"accelerometer", {"accelerometer", "name of the accelerometer"}, false, {0, NULL}},
     {"axis", {"axis of the housing frame", "axis of the housing frame"}, true, {2, axes}},
     {"space", {"component of a vector in space", "axis of a frame"}, false, {3, axes}},
     {"quaternion", {"component of a quaternion", "part of a quaternion"}, false, {4, parts}},
@@ -32,8 +33,8 @@ static bool is_used(int dimension, int n_outputs, const model_output *outputs)
 bool dimensions_define(dimensions *dimensions, netcdf_file *file, dimensions_use use, const model_names *names,
                        int n_outputs, const model_output *outputs)
 {
-    const name_list *const of_case[N_NAMED_DIMENSIONS] = {&names->wheels, &names->meshes, &names->shafts, NULL,
-                                                          NULL,           NULL,           &names->pairs};
+    const name_list *const of_case[N_NAMED_DIMENSIONS] = {
+        &names->wheels, &names->meshes, &names->shafts, &names->accelerometers, NULL, NULL, NULL, &names->pairs};
     bool good = true;
     for (int i = 0; i < N_NAMED_DIMENSIONS && good; i++) {
         dimensions->names[i] = table[i].name;

@@ -8,7 +8,7 @@
 typedef enum { DIMENSIONS_OF_HISTORY, DIMENSIONS_OF_STACK } dimensions_use;
 
 /** Those with names, and behind them one with numbers: harmonics. */
-enum { N_NAMED_DIMENSIONS = 7, N_DIMENSIONS = N_NAMED_DIMENSIONS + 1 };
+enum { N_NAMED_DIMENSIONS = 8, N_DIMENSIONS = N_NAMED_DIMENSIONS + 1 };
 
 typedef struct {
     const char *names[N_DIMENSIONS];

@@ -40,6 +40,7 @@ model *model_create(const description *description, const evl_wheel_store *wheel
     model->about.names = (model_names){.wheels = {description->n_wheels, description->wheels},
                                        .meshes = {description->n_meshes, description->meshes},
                                        .shafts = {description->n_shafts, description->shafts},
+                                       .accelerometers = {description->n_accelerometers, description->accelerometers},
                                        .pairs = name_pairs(model)};
     model_describe_dae(model);
     model_describe_outputs(model);

@@ -39,7 +39,7 @@ typedef struct {
 
 /** The names of what the values of a model belong to. */
 typedef struct {
-    name_list wheels, meshes, shafts;
+    name_list wheels, meshes, shafts, accelerometers;
     name_list pairs; /**< places for the tooth pairs of a mesh: drive_0, drive_1, ..., coast_0, ... */
 } model_names;
 

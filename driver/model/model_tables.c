@@ -35,6 +35,7 @@ void model_take_outputs(int n, const evl_output *from, model_output *to)
         [EVL_DIMS_POSITION] = "position",
         [EVL_DIMS_POSITION_PAIR] = "position pair",
         [EVL_DIMS_HARMONIC] = "harmonic",
+        [EVL_DIMS_ACCELEROMETER] = "accelerometer",
     };
     for (int i = 0; i < n; i++) {
         to[i] = (model_output){.name = from[i].name,

@@ -5,8 +5,8 @@ module evl_housing_outputs
    use evl_gearbox, only: axle_acceleration, gearbox_t, wheel_position, wheel_speed, wheel_t
    use evl_housing, only: apparent_acceleration, frame_t, wheel_moment
    use evl_kinds, only: wp
-   use evl_output, only: dims_mesh, dims_none, dims_wheel, in_bearings, in_mesh_positions, in_pose, in_wheel_positions, &
-                         needs_nothing, needs_rates, needs_reactions
+   use evl_output, only: dims_accelerometer, dims_mesh, dims_none, dims_wheel, in_accelerometers, in_bearings, &
+                         in_mesh_positions, in_mount, in_pose, in_wheel_positions, needs_nothing, needs_rates, needs_reactions
    use evl_rotation, only: cross, turned
    use evl_teller, only: begin, needs, tell, teller_t
    use evl_tooth_contact, only: tooth_contact_t
@@ -14,7 +14,8 @@ module evl_housing_outputs
    implicit none (type, external)
    private
 
-   public :: add_mesh_reaction, finish_reaction, tell_bearing, tell_mesh_position, tell_pose, tell_wheel_position
+   public :: add_mesh_reaction, finish_reaction
+   public :: tell_accelerometer, tell_bearing, tell_mesh_position, tell_mount, tell_pose, tell_wheel_position
 
 contains
 
@@ -74,6 +75,26 @@ contains
       call tell(teller, "housing_angular_acceleration", "rad s-2", "Omega'", "angular acceleration of the housing, housing frame", &
                 frame%alpha)
    end subroutine tell_pose
+
+   !> Of a mounted housing.
+   subroutine tell_mount(teller, loss)
+      type(teller_t), intent(inout) :: teller
+      real(wp), intent(in) :: loss !! [W]
+
+      call begin(teller, in_mount, dims_none, 1)
+      call tell(teller, "mount_damping_loss", "W", "P_m", "power lost in the dampers of the mount", loss)
+   end subroutine tell_mount
+
+   subroutine tell_accelerometer(teller, index, acceleration)
+      type(teller_t), intent(inout) :: teller
+      integer, intent(in) :: index
+      real(wp), intent(in) :: acceleration !! [m/s^2]
+
+      call begin(teller, in_accelerometers, dims_accelerometer, index)
+      call needs(teller, needs_rates)
+      call tell(teller, "accelerometer_acceleration", "m s-2", "a_k", &
+                "acceleration of the housing there along the direction, gravity not counted", acceleration)
+   end subroutine tell_accelerometer
 
    !> Add a mesh's force to the reactions of its two wheels.
    pure subroutine add_mesh_reaction(gearbox, contact, on_a, reactions)

@@ -5,6 +5,7 @@ module evl_mesh_outputs
    use evl_contact_tracking, only: algebraic_residual, line_distance, tracked_positions
    use evl_contacts_at_state, only: flank_place, place_contact
    use evl_discrete_state, only: leading_contact, take_mode
+   use evl_flank, only: energy_gap
    use evl_gearbox, only: gearbox_local, gearbox_t, wheel_reference
    use evl_housing_outputs, only: add_mesh_reaction
    use evl_kinds, only: wp
@@ -27,6 +28,8 @@ module evl_mesh_outputs
       real(wp) :: friction = 0.0_wp                       !! F_t of the drive flank [N]
       real(wp) :: torque_a = 0.0_wp, torque_b = 0.0_wp    !! [N m]
       real(wp) :: loss = 0.0_wp                           !! power lost to friction [W]
+      real(wp) :: damping_loss = 0.0_wp                   !! that the dampers take [W]
+      real(wp) :: curvature_loss = 0.0_wp                 !! that the elastic energy loses by itself [W]
       integer :: loaded = 0                               !! pairs that carry load
       logical :: touching = .false.                       !! whether any flanks overlap
       real(wp) :: h(2) = -huge(1.0_wp)                    !! largest penetration on the drive flank, on the coast flank [m]
@@ -86,6 +89,9 @@ contains
       call tell(teller, "mesh_torque_driving", "N m", "T_A", "torque of the mesh on the driving wheel", total%torque_a)
       call tell(teller, "mesh_torque_driven", "N m", "T_B", "torque of the mesh on the driven wheel", total%torque_b)
       call tell(teller, "friction_loss", "W", "P_f", "power lost to friction", total%loss)
+      call tell(teller, "contact_damping_loss", "W", "P_d", "power lost in the dampers of the tooth pairs", total%damping_loss)
+      call tell(teller, "curvature_loss", "W", "P_rho", &
+                "power that the elastic energy loses as radii of curvature change; negative where it gains", total%curvature_loss)
       call tell(teller, "efficiency", "1", "eta", "1 - friction loss over the power that the driving wheel hands over", &
                 efficiency(total, at%point%omega_a))
       call needs(teller, needs_points)
@@ -176,6 +182,7 @@ contains
          total%torque_a = total%torque_a + force%torque_a
          total%torque_b = total%torque_b + force%torque_b
          total%loss = total%loss - force%friction*point%v_t
+         if (touches(mode)) call add_losses(at, total)
          if (mode%flanks == flanks_loaded) total%loaded = total%loaded + 1
          if (point%h > total%h(1 + contact%flank)) then
             total%h(1 + contact%flank) = point%h
@@ -184,6 +191,17 @@ contains
          total%touching = total%touching .or. merge(mode%flanks == flanks_loaded, point%h > 0, contact%rigid)
       end associate
    end subroutine add_contact
+
+   !> What the damper of a pair that touches takes, up to all of the elastic force where it would pull; and what its elastic energy
+   !> loses without the work of a force.
+   pure subroutine add_losses(at, total)
+      type(contact_state), intent(in) :: at
+      type(mesh_sum), intent(inout) :: total
+
+      total%damping_loss = total%damping_loss &
+                           + merge(at%viscous%force, -at%elastic%force, at%mode%flanks == flanks_loaded)*at%point%h_dot
+      total%curvature_loss = total%curvature_loss - energy_gap(at%point, at%elastic)
+   end subroutine add_losses
 
    !> 1 - friction loss over the power that the driving wheel hands over; NaN without power.
    elemental real(wp) function efficiency(total, omega_a)

@@ -6,6 +6,7 @@ module evl_motion_outputs
    use evl_output, only: dims_none, dims_shaft, dims_wheel, in_gearbox, in_shaft_constants, in_shafts, in_wheels, needs_meshes, &
                          needs_nothing, needs_rates
    use evl_shaft, only: shaft_t
+   use evl_springs_and_dampers, only: damper_power
    use evl_support, only: axle_deviation
    use evl_teller, only: begin, needs, tell, teller_t
    implicit none (type, external)
@@ -20,7 +21,9 @@ module evl_motion_outputs
       real(wp) :: angle = 0.0_wp, deviation = 0.0_wp          !! [rad]
       real(wp) :: speed = 0.0_wp, acceleration = 0.0_wp       !! [rad/s], [rad/s^2]
       real(wp) :: load_torque = 0.0_wp                        !! [N m]
-      real(wp) :: displacement(2) = 0.0_wp, velocity(2) = 0.0_wp !! of the axle [m], [m/s]
+      !> Of the axle [m], [m/s], [m/s^2].
+      real(wp) :: displacement(2) = 0.0_wp, velocity(2) = 0.0_wp, axle_acceleration(2) = 0.0_wp
+      real(wp) :: damping_loss = 0.0_wp                       !! in the dampers of its support [W]
    end type wheel_motion
 
 contains
@@ -42,6 +45,10 @@ contains
       call needs(teller, needs_nothing)
       call tell(teller, "centre_displacement", "m", "u", "displacement of the axle from its reference position", at%displacement)
       call tell(teller, "centre_velocity", "m s-1", "u'", "velocity of the axle", at%velocity)
+      call needs(teller, needs_rates)
+      call tell(teller, "centre_acceleration", "m s-2", "u''", "acceleration of the axle", at%axle_acceleration)
+      call needs(teller, needs_nothing)
+      call tell(teller, "support_damping_loss", "W", "P_s", "power lost in the dampers of the support", at%damping_loss)
    end subroutine tell_wheel
 
    !> A wheel at a state with its rates f.
@@ -64,10 +71,12 @@ contains
          if (support%n == 0) return
          at%displacement = axle_deviation(support, y, 0)
          at%velocity = axle_deviation(support, y, 1)
+         at%axle_acceleration = axle_deviation(support, f, 1)
          do j = 1, support%n
             associate (i => support%i_state(j))
                kinetic = kinetic + support%mass*y(i + 1)**2/2
                potential = potential + support%stiffness(j)*y(i)**2/2
+               at%damping_loss = at%damping_loss + damper_power(support%damping(j), y(i + 1))
             end associate
          end do
       end associate
@@ -88,17 +97,19 @@ contains
                 merge(0.0_wp, shaft%damping, shaft%rigid))
    end subroutine tell_shaft_constants
 
-   subroutine tell_shaft(teller, index, torque, twist)
+   subroutine tell_shaft(teller, index, torque, twist, loss)
       type(teller_t), intent(inout) :: teller
       integer, intent(in) :: index
       real(wp), intent(in) :: torque !! that it carries [N m]
       real(wp), intent(in) :: twist  !! [rad]
+      real(wp), intent(in) :: loss   !! in its damper [W]
 
       call begin(teller, in_shafts, dims_shaft, index)
       call needs(teller, needs_meshes)
       call tell(teller, "shaft_torque", "N m", "T", "torque on the second wheel; on the first one its opposite", torque)
       call needs(teller, needs_nothing)
       call tell(teller, "shaft_twist", "rad", "", "angle of the first wheel less that of the second", twist)
+      call tell(teller, "shaft_damping_loss", "W", "P_c", "power lost in the damping of the shaft", loss)
    end subroutine tell_shaft
 
    subroutine tell_gearbox(teller, theta, turns, kinetic, potential, dissipated, work)

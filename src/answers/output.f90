@@ -9,9 +9,10 @@ module evl_output
    public :: output_rows, output_t, tell_row
    public :: needs_nothing, needs_rates, needs_meshes, needs_points, needs_reactions, needs_pairs, needs_all
    public :: dims_none, dims_wheel, dims_mesh, dims_wheel_axis, dims_mesh_axis, dims_space, dims_quaternion, dims_wheel_space
-   public :: dims_harmonic, dims_mesh_pair, dims_position, dims_position_pair, dims_shaft
+   public :: dims_accelerometer, dims_harmonic, dims_mesh_pair, dims_position, dims_position_pair, dims_shaft
    public :: in_wheel_constants, in_mesh_constants, in_wheel_teeth, in_mesh_teeth, in_gearbox, in_wheels, in_meshes, in_pairs
-   public :: in_coast, in_wheel_positions, in_mesh_positions, in_bearings, in_pose, in_shaft_constants, in_shafts
+   public :: in_coast, in_wheel_positions, in_mesh_positions, in_bearings, in_pose, in_mount, in_accelerometers
+   public :: in_shaft_constants, in_shafts
 
    integer, parameter :: dims_none = 0, dims_wheel = 1, dims_mesh = 2, dims_wheel_axis = 3, dims_mesh_axis = 4
    integer, parameter :: dims_space = 5       !! x, y, z
@@ -19,6 +20,7 @@ module evl_output
    integer, parameter :: dims_wheel_space = 7 !! x, y, z of every wheel
    integer, parameter :: dims_mesh_pair = 8   !! every place for a tooth pair of every mesh
    integer, parameter :: dims_shaft = 9       !! every shaft
+   integer, parameter :: dims_accelerometer = 13
    ! of the static analysis of a mesh
    integer, parameter :: dims_position = 10      !! every position
    integer, parameter :: dims_position_pair = 11 !! every place for a tooth pair at every position
@@ -28,7 +30,7 @@ module evl_output
    enum, bind(c)
       enumerator :: in_wheel_constants = 1, in_mesh_constants, in_wheel_teeth, in_mesh_teeth
       enumerator :: in_gearbox, in_wheels, in_meshes, in_pairs, in_coast
-      enumerator :: in_wheel_positions, in_mesh_positions, in_bearings, in_pose
+      enumerator :: in_wheel_positions, in_mesh_positions, in_bearings, in_pose, in_mount, in_accelerometers
       enumerator :: in_shaft_constants, in_shafts
    end enum
 

@@ -5,13 +5,15 @@ module evl_output_list
    use evl_gear, only: gear_t
    use evl_gearbox, only: gearbox_t, section_t, wheel_t
    use evl_housing, only: frame_t, housing_fixed
-   use evl_housing_outputs, only: tell_bearing, tell_mesh_position, tell_pose, tell_wheel_position
+   use evl_housing_outputs, only: tell_accelerometer, tell_bearing, tell_mesh_position, tell_mount, tell_pose, &
+                                  tell_wheel_position
    use evl_kinds, only: wp
    use evl_mesh_geometry, only: spur_pair_t
    use evl_mesh_outputs, only: mesh_points, mesh_sum, tell_coast, tell_mesh
    use evl_mesh_reference, only: mesh_reference_t
    use evl_motion_outputs, only: tell_gearbox, tell_shaft, tell_shaft_constants, tell_wheel, wheel_motion
-   use evl_output, only: dims_mesh, dims_mesh_pair, dims_shaft, dims_wheel, in_coast, in_pose, output_t
+   use evl_output, only: dims_accelerometer, dims_mesh, dims_mesh_pair, dims_shaft, dims_wheel, in_coast, in_mount, in_pose, &
+                         output_t
    use evl_pair_outputs, only: no_point, nowhere, tell_pair
    use evl_rotation, only: identity
    use evl_shaft, only: shaft_t
@@ -56,8 +58,10 @@ contains
       call tell_mesh_position(teller, 1, contact)
       call tell_bearing(teller, 1, spread(0.0_wp, 1, 6))
       call tell_pose(teller, frame, spread(0.0_wp, 1, 3))
+      call tell_mount(teller, 0.0_wp)
+      call tell_accelerometer(teller, 1, 0.0_wp)
       call tell_shaft_constants(teller, 1, shaft)
-      call tell_shaft(teller, 1, 0.0_wp, 0.0_wp)
+      call tell_shaft(teller, 1, 0.0_wp, 0.0_wp, 0.0_wp)
       call take_rows(teller, table)
    end subroutine list_outputs
 
@@ -96,10 +100,13 @@ contains
          n = size(gearbox%pairs)*gearbox%n_pair_places
       case (dims_shaft)
          n = size(gearbox%shafts)
+      case (dims_accelerometer)
+         n = size(gearbox%housing%accelerometers)
       case default
          n = 1
       end select
       if (output%section == in_pose .and. gearbox%housing%kind == housing_fixed) n = 0
+      if (output%section == in_mount .and. .not. gearbox%housing%is_mounted) n = 0
       if (output%section == in_coast .and. gearbox%n_pair_places == gearbox%n_drive_places) n = 0
    end function elements_of
 

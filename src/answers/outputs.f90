@@ -3,9 +3,9 @@
 !> `evl_teller` says how an output is told, `evl_output_list` holds the sections of the table in their order.
 module evl_outputs
    use evl_gearbox, only: gearbox_t, i_turns
-   use evl_housing, only: frame_t, housing_fixed, housing_frame
+   use evl_housing, only: felt_acceleration, frame_t, housing_fixed, housing_frame, housing_t, mount_force, mount_loss
    use evl_housing_dynamics, only: coupled_rates, ground_energies
-   use evl_housing_outputs, only: finish_reaction, tell_bearing, tell_pose
+   use evl_housing_outputs, only: finish_reaction, tell_accelerometer, tell_bearing, tell_mount, tell_pose
    use evl_kinds, only: wp
    use evl_local_variables, only: i_theta
    use evl_mesh_outputs, only: put_mesh
@@ -13,7 +13,7 @@ module evl_outputs
    use evl_motion_outputs, only: find_wheel_motion, tell_gearbox, tell_shaft, tell_wheel, wheel_motion
    use evl_output, only: needs_all, needs_meshes, needs_rates, needs_reactions
    use evl_outside_torques, only: load_torques, shaft_torques
-   use evl_shaft, only: shaft_energy, shaft_twist
+   use evl_shaft, only: shaft_energy, shaft_loss, shaft_twist
    use evl_status, only: has_failed, status_t
    use evl_teller, only: fill, teller_t
    use evl_tooth_contact, only: contact_state
@@ -110,14 +110,32 @@ contains
             call tell_bearing(teller, i, reactions(:, i))
          end do
       end if
-      if (gearbox%housing%kind /= housing_fixed) call tell_pose(teller, frame, gearbox%housing%gravity)
+      call tell_housing(teller, gearbox%housing, frame)
       carried = 0
       if (size(gearbox%shafts) > 0 .and. iand(needed, needs_meshes) == needs_meshes) &
          call shaft_torques(gearbox, y, f, frame, torque + load_torque, carried)
       do i = 1, size(gearbox%shafts)
-         call tell_shaft(teller, i, carried(i), shaft_twist(gearbox%shafts(i), y, 0))
+         call tell_shaft(teller, i, carried(i), shaft_twist(gearbox%shafts(i), y, 0), shaft_loss(gearbox%shafts(i), y))
       end do
    end subroutine tell_state
+
+   !> The housing, if it moves.
+   subroutine tell_housing(teller, housing, frame)
+      type(teller_t), intent(inout) :: teller
+      type(housing_t), intent(in) :: housing
+      type(frame_t), intent(in) :: frame
+      real(wp) :: force(3), velocity(3)
+      integer :: i
+
+      if (housing%kind /= housing_fixed) call tell_pose(teller, frame, housing%gravity)
+      if (housing%is_mounted) then
+         call mount_force(housing, frame, force, velocity)
+         call tell_mount(teller, mount_loss(housing, frame, velocity))
+      end if
+      do i = 1, size(housing%accelerometers)
+         call tell_accelerometer(teller, i, felt_acceleration(housing, frame, housing%accelerometers(i)))
+      end do
+   end subroutine tell_housing
 
    !> Of arrays that are not targets, as which they would be copied twice.
    pure subroutine copy(n, from, to)

@@ -26,7 +26,7 @@ module evl_flank
    implicit none (type, external)
    private
 
-   public :: check_edge, context_of, exactly_one, flank_slot, flank_t, in_lanes_on_involutes, next_pair, nominal_context
+   public :: check_edge, context_of, energy_gap, exactly_one, flank_slot, flank_t, in_lanes_on_involutes, next_pair, nominal_context
    public :: pair_on_path
 
    real(wp), parameter :: exactly_one = 1.0e-9_wp !! contact ratios this near a whole number are one; at 1 pairs hand over

@@ -1,5 +1,6 @@
 !> The table of all rows: what a case can say, block by block. A block is a line here, its rows stand with the thing they describe.
 module evl_case_table
+   use evl_accelerometer, only: accelerometer_rows
    use evl_compliance_description, only: compliance_rows
    use evl_damping_law, only: damping_law_t
    use evl_deviation_description, only: accuracy_rows, relief_rows, runout_rows
@@ -99,6 +100,7 @@ contains
       call put("translation", motion_rows("m", "displacement", "m/s", "velocity"))
       call put("rotation", motion_rows("deg", "angle", "rad/s", "rate of the angle"))
       call put("mount", mount_rows)
+      call put("accelerometer", accelerometer_rows)
       call put("simulation", simulation_rows)
       call put("initial", initial_rows)
       call put("numbers", numbers_rows)

@@ -1,6 +1,7 @@
 !> The description that a housing is made from, and whether its numbers are in range.
 module evl_housing_description
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use evl_accelerometer, only: accelerometer_take
    use evl_given, only: given_t
    use evl_housing, only: housing_fixed, housing_mounted, housing_prescribed, housing_t
    use evl_housing_motion, only: motion_take, n_coordinates
@@ -43,7 +44,10 @@ module evl_housing_description
                    row_t("velocity", type_triple, "m/s", "velocity of the origin at the start, ground frame", default="[0, 0, 0]", &
                                            variants="mounted"), &
               row_t("angular_velocity", type_triple, "rad/s", "angular velocity at the start, housing frame", default="[0, 0, 0]", &
-                                           variants="mounted")]
+                                           variants="mounted"), &
+                                     row_t("accelerometers", type_list, "", "points whose acceleration is told", &
+                                           range=range_t(minimum=0.0_wp), default="[]", holds="accelerometer", &
+                                           variants="prescribed mounted")]
 
    type(row_t), parameter, public :: mount_rows(*) = [ &
                                      row_t("point", type_triple, "m", &
@@ -74,8 +78,29 @@ contains
          housing%kind = housing_mounted
          call take_mounted(given, housing, status)
       end select
+      call take_accelerometers(given, housing, status)
       housing%acts = housing%kind /= housing_fixed .or. any(abs(housing%gravity) > 0)
    end subroutine housing_create
+
+   !> What is told of its acceleration; a direction of no length is none.
+   subroutine take_accelerometers(given, housing, status)
+      type(given_t), intent(in) :: given
+      type(housing_t), intent(inout) :: housing
+      type(status_t), intent(inout) :: status
+      type(given_t), allocatable :: blocks(:)
+      character(len=40) :: field
+      integer :: i
+
+      call given%elements("accelerometers", blocks)
+      allocate (housing%accelerometers(size(blocks)))
+      do i = 1, size(blocks)
+         call accelerometer_take(blocks(i), housing%accelerometers(i))
+         if (norm2(housing%accelerometers(i)%direction) > 0) cycle
+         write (field, "(a, i0, a)") "accelerometers.", i - 1, ".direction"
+         call refuse("a vector of zero length is no direction; give for instance [1, 0, 0], along x of the housing", trim(field), &
+                     status)
+      end do
+   end subroutine take_accelerometers
 
    !> Write a refusal down.
    subroutine refuse(message, field, status)

@@ -2,6 +2,7 @@
 !>
 !> Source: docs/housing.md, which derives every equation. Components are those of the housing frame unless the ground is named.
 module evl_housing
+   use evl_accelerometer, only: accelerometer_t
    use evl_housing_motion, only: motion_at, motion_curve, motion_term
    use evl_kinds, only: wp
    use evl_rotation, only: cross, identity, quaternion_product, rotation_matrix, turned, turned_back
@@ -11,7 +12,8 @@ module evl_housing
    public :: housing_t, frame_t, n_housing_states
    public :: housing_fixed, housing_prescribed, housing_mounted
    public :: at_position, at_orientation, at_velocity, at_omega
-   public :: housing_frame, apparent_acceleration, frame_acceleration, wheel_moment, mount_force, mount_turn, norm_rate
+   public :: apparent_acceleration, felt_acceleration, frame_acceleration, housing_frame, norm_rate, wheel_moment
+   public :: mount_force, mount_loss, mount_turn
    public :: mount_deflection, housing_rates, housing_renormalise, housing_turn_columns, housing_take_turn, &
              small_turns
 
@@ -33,6 +35,7 @@ module evl_housing
       logical :: is_mounted = .false.
       real(wp) :: gravity(3) = 0.0_wp           !! ground [m/s^2]
       type(motion_term), allocatable :: motion(:) !! prescribed
+      type(accelerometer_t), allocatable :: accelerometers(:)
       integer :: i_state = 0                    !! index of r in the state, if mounted
       real(wp) :: mass = 0.0_wp                 !! [kg]
       real(wp) :: centre(3) = 0.0_wp            !! centre of mass [m]
@@ -97,6 +100,16 @@ contains
       b = frame%acceleration + cross(frame%alpha, c) + cross(frame%omega, cross(frame%omega, c))
    end function frame_acceleration
 
+   !> Acceleration along its direction that an accelerometer tells: that seen from the ground, gravity not counted [m/s^2].
+   pure real(wp) function felt_acceleration(housing, frame, accelerometer) result(acceleration)
+      type(housing_t), intent(in) :: housing
+      type(frame_t), intent(in) :: frame
+      type(accelerometer_t), intent(in) :: accelerometer
+
+      acceleration = dot_product(accelerometer%direction, frame_acceleration(frame, accelerometer%point) &
+                                 + turned_back(frame%rotation, housing%gravity))
+   end function felt_acceleration
+
    !> The same of a point that moves in the housing, less its relative acceleration [m/s^2].
    pure function apparent_acceleration(frame, c, rate) result(b)
       type(frame_t), intent(in) :: frame
@@ -150,6 +163,15 @@ contains
       end associate
    end function mount_turn
 
+   !> Power that the mount's dampers take [W].
+   pure real(wp) function mount_loss(housing, frame, velocity) result(power)
+      type(housing_t), intent(in) :: housing
+      type(frame_t), intent(in) :: frame
+      real(wp), intent(in) :: velocity(3) !! of `mount_force` [m/s]
+
+      power = dot_product(housing%damping, velocity**2) + dot_product(housing%turn_damping, frame%omega**2)
+   end function mount_loss
+
    !> A mounted housing's part of the rates: r', p', and, in the places of v' and Omega', the force and the moment about the
    !> origin that act on it from the ground, added to what the loads put there; powers lost and put in.
    pure subroutine housing_rates(housing, frame, f, dissipation, power)
@@ -162,7 +184,7 @@ contains
       call mount_force(housing, frame, mount, velocity)
       force = turned_back(frame%rotation, housing%force)
       moment = turned_back(frame%rotation, housing%moment)
-      dissipation = dot_product(housing%damping, velocity**2) + dot_product(housing%turn_damping, frame%omega**2)
+      dissipation = mount_loss(housing, frame, velocity)
       power = dot_product(housing%force, frame%velocity) + dot_product(force, cross(frame%omega, housing%centre)) &
               + dot_product(moment, frame%omega)
       mount = turned_back(frame%rotation, mount)

@@ -19,6 +19,8 @@ USAGE, CASE = 2, 3
 FRICTION = "friction: {law: coulomb, coefficient: 0,"
 NEW_LOAD = "wheels.pinion.loads.0="
 MOTION = "housing={kind: prescribed, rotation: ["
+MOVING = "housing={kind: prescribed, accelerometers: "
+ACCELEROMETER = "[{name: foot, point: [0, 0, 0], direction: [1, 0, 0]}]"
 BODY = "housing={kind: mounted, mass: 1, "
 
 BAD_OPTIONS = {
@@ -159,7 +161,7 @@ BAD_OPTIONS = {
     ),
     "a key of another kind": (
         NEW_LOAD + "{kind: torque, value: 1, amplitude: 2}",
-        "'amplitude' does not go with 'kind: torque'",
+        "'amplitude' does not go with 'kind: torque'; it goes with harmonic",
     ),
     "two prescribed speeds": (
         "wheels.pinion.loads=[{kind: speed, value: 1}, {kind: speed, value: 2}]",
@@ -177,7 +179,44 @@ BAD_OPTIONS = {
     "misspelt housing": ("housing.kind=mountd", "(did you mean 'mounted'?)"),
     "a motion that is mounted": (
         "housing={kind: mounted, mass: 1, inertia: [1, 1, 1], rotation: []}",
-        "'rotation' does not go with 'kind: mounted'",
+        "'rotation' does not go with 'kind: mounted'; it goes with prescribed",
+    ),
+    "an accelerometer without a housing": (
+        "housing.accelerometers=" + ACCELEROMETER,
+        "'accelerometers' does not go with 'kind: fixed', the default; it goes with prescribed,"
+        " mounted",
+    ),
+    "an accelerometer at rest": (
+        "housing={kind: fixed, accelerometers: " + ACCELEROMETER + "}",
+        "'accelerometers' does not go with 'kind: fixed'; it goes with prescribed, mounted",
+    ),
+    "an accelerometer that feels nothing": (
+        MOVING + ACCELEROMETER.replace("1", "0") + "}",
+        "housing.accelerometers.0.direction: a vector of zero length is no direction; give",
+    ),
+    "an accelerometer in the plane": (
+        MOVING + ACCELEROMETER.replace("[0, 0, 0]", "[0, 0]") + "}",
+        "housing.accelerometers.foot.point: has 2 values, must be a vector [x, y, z]",
+    ),
+    "an accelerometer nowhere": (
+        MOVING + ACCELEROMETER.replace("point: [0, 0, 0], ", "") + "}",
+        "housing.accelerometers.foot: 'point' is missing (where it is, housing frame [m])",
+    ),
+    "an accelerometer that is far away": (
+        MOVING + ACCELEROMETER.replace("[0, 0, 0]", "[0, 0, .inf]") + "}",
+        "housing.accelerometers.foot.point: is .inf, which is not a finite number",
+    ),
+    "an accelerometer without a name": (
+        MOVING + ACCELEROMETER.replace("name: foot, ", "") + "}",
+        "housing.accelerometers.0: 'name' is missing",
+    ),
+    "two accelerometers of one name": (
+        MOVING + ACCELEROMETER[:-1] + ", " + ACCELEROMETER[1:] + "}",
+        "housing.accelerometers: the name 'foot' is given to two accelerometers; give each",
+    ),
+    "a single accelerometer": (
+        MOVING + ACCELEROMETER[1:-1] + "}",
+        "housing.accelerometers: must be a list, not a block of keys",
     ),
     "a housing without mass": ("housing={kind: mounted, inertia: [1, 1, 1]}", "'mass' is missing"),
     "a negative frequency": (

@@ -161,9 +161,12 @@ def test_the_documentation_lists_what_a_moving_housing_adds(
     evolvent("run", case, *SHORT)
     with xr.open_dataset(tmp_path / "paper.h5") as history:
         fixed = set(history.data_vars)
-    evolvent("run", case, *SHORT, "--set", "housing={kind: prescribed}")
+    body = "housing={kind: mounted, mass: 100, inertia: [9, 9, 9], accelerometers: "
+    one = "{name: foot, point: [0, 1, 0], direction: [1, 0, 0]}"
+    evolvent("run", case, *SHORT, "--set", f"{body}[{one}]}}")
     with xr.open_dataset(tmp_path / "paper.h5") as history:
         assert history.quaternion.values.tolist() == ["w", "x", "y", "z"]
+        assert history.accelerometer.values.tolist() == ["foot"]
         added = {str(n): v.dims for n, v in history.data_vars.items() if n not in fixed}
     assert documented(text.split("## A housing that moves")[1].split("\n## ")[0]) == added
 

@@ -28,6 +28,10 @@ MOTION = (
     term(TURN_Y, SPLINE, table=[(-1.0, 0.3), (0.2, -0.1), (0.5, 0.4), (2.0, 0.2)]),
     term(TURN_Z, RATE, 1.7),
 )
+ACCELEROMETERS = [
+    {"name": "foot", "point": [0.4, -0.3, 0.2], "direction": [0.0, 0.0, 2.0]},
+    {"name": "bearing", "point": [-0.1, 0.2, 0.5], "direction": [1.0, -2.0, 0.5]},
+]
 BODY = {
     "mass": 30.0,
     "centre_of_mass": [0.1, -0.2, 0.05],
@@ -45,11 +49,14 @@ BODY = {
     "orientation": [0.9, 0.1, -0.3, 0.2],
     "velocity": [0.3, -0.4, 0.2],
     "angular_velocity": [0.7, -1.1, 0.9],
+    "accelerometers": ACCELEROMETERS,
 }
 
 
 HOUSINGS = {
     "gravity": housing(HOUSING_FIXED, gravity=[1.0, -9.0, 2.0]),
-    "prescribed": housing(PRESCRIBED, terms=MOTION, gravity=[0.5, -1.0, -9.7]),
+    "prescribed": housing(
+        PRESCRIBED, terms=MOTION, gravity=[0.5, -1.0, -9.7], accelerometers=ACCELEROMETERS
+    ),
     "mounted": housing(MOUNTED, **BODY),
 }

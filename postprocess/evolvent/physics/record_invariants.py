@@ -73,11 +73,11 @@ def order_of_times(history: xr.Dataset) -> xr.DataArray:
 def finiteness(history: xr.Dataset) -> xr.DataArray:
     """Share of the values that are no finite numbers, dim (variable).
 
-    What only tracked points have is missing on purpose where none are tracked, position and
-    penetration of a tooth pair off the path of contact, its pressure on a hollow flank, the
-    efficiency of a mesh without power, the gap of coast flanks of a mesh that has none, what only
-    real gears have, and the vibration of a mesh whose contact is rigid, that has no load or whose
-    wheels both have prescribed speeds.
+    What only tracked points have is missing on purpose where none are tracked, position,
+    penetration and sliding velocity of a tooth pair off the path of contact, its pressure on a
+    hollow flank, the efficiency of a mesh without power, the gap of coast flanks of a mesh that has
+    none, what only real gears have, and the vibration of a mesh whose contact is rigid, that has no
+    load or whose wheels both have prescribed speeds.
     """
     shares: dict[str, float] = {}
     for name, variable in history.variables.items():
@@ -86,7 +86,7 @@ def finiteness(history: xr.Dataset) -> xr.DataArray:
         values = history[name]
         if name in TRACKED_ONLY:
             values = values.where(is_tracked(history), 0.0)
-        if name in ("pair_position", "pair_penetration"):
+        if name in ("pair_position", "pair_penetration", "pair_sliding_velocity"):
             values = values.where(require(history, "pair_on_path") == 1, 0.0)
         if name == "efficiency":
             driving = require(history, "driving_wheel").values.astype(int)

@@ -295,7 +295,8 @@ typedef enum {
     EVL_DIMS_SHAFT = 9,
     EVL_DIMS_POSITION = 10,      /**< of the static analysis: every position in the mesh */
     EVL_DIMS_POSITION_PAIR = 11, /**< every place for a tooth pair at every position */
-    EVL_DIMS_HARMONIC = 12       /**< every harmonic */
+    EVL_DIMS_HARMONIC = 12,      /**< every harmonic */
+    EVL_DIMS_ACCELEROMETER = 13  /**< of the housing */
 } evl_dims;
 
 /** What an output is, the same for all gearboxes. */

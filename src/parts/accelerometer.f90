@@ -1,0 +1,39 @@
+!> An accelerometer: a point of the housing, and a direction in it, along which its acceleration is told.
+module evl_accelerometer
+   use evl_given, only: given_t
+   use evl_kinds, only: wp
+   use evl_row, only: row_t, type_name, type_triple
+   implicit none (type, external)
+   private
+
+   public :: accelerometer_t, accelerometer_take
+
+   type :: accelerometer_t
+      real(wp) :: point(3) = 0.0_wp     !! housing frame [m]
+      real(wp) :: direction(3) = 0.0_wp !! unit vector in the housing frame
+   end type accelerometer_t
+
+   ! what a case says of an accelerometer
+   type(row_t), parameter, public :: accelerometer_rows(*) = [ &
+                                     row_t("name", type_name, "", "name in paths and the history", required=.true.), &
+                                     row_t("point", type_triple, "m", "where it is, housing frame", required=.true.), &
+                                     row_t("direction", type_triple, "", &
+                                           "along which it feels, of any length but 0, housing frame", required=.true.)]
+
+contains
+
+   !> From its checked description; a direction of length 0 stays so.
+   subroutine accelerometer_take(given, accelerometer)
+      type(given_t), intent(in) :: given
+      type(accelerometer_t), intent(out) :: accelerometer
+      real(wp) :: largest
+
+      accelerometer%point = given%numbers("point")
+      accelerometer%direction = given%numbers("direction")
+      largest = maxval(abs(accelerometer%direction)) ! whose square may overflow, or vanish
+      if (.not. largest > 0) return
+      accelerometer%direction = accelerometer%direction/largest
+      accelerometer%direction = accelerometer%direction/norm2(accelerometer%direction)
+   end subroutine accelerometer_take
+
+end module evl_accelerometer
