@@ -60,8 +60,8 @@ contains
       call warn(gearbox%warnings, trim(text(3:)), subject_wheel, i)
    end subroutine warn_of_sizes
 
-   !> One warning of wheels that turn faster than 100,000 rad/s: as prescribed, where viscous loads balance the torques, or at the
-   !> start.
+   !> One warning of wheels that turn faster than 100,000 rad/s: as prescribed, where viscous loads or drives balance the torques,
+   !> or at the start.
    pure subroutine warn_of_speeds(gearbox, initial, warnings)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: initial(:) !! of the wheels [rad/s]; size 0 if not given

@@ -8,6 +8,7 @@ module evl_steady_refusals
    use evl_housing, only: housing_prescribed
    use evl_joined, only: joined_to
    use evl_kinds, only: wp
+   use evl_load, only: load_point
    use evl_start_positions, only: closed_form_point
    use evl_status, only: code_no_solution, fail, message_length, quantity, status_t, subject_housing, subject_initial, &
                          subject_load, subject_mesh
@@ -121,22 +122,23 @@ contains
    !> The load that parts the drive flanks of a mesh; 0 if none does, or if the loads' ways to the mesh close a loop.
    !>
    !> The contact turns A by sigma F r_bA and B by sigma F r_bB, F > 0: the loads on either side, carried over to A or B by the
-   !> speed ratios, have to turn against sigma. Torques that follow the speed have the sense that others give them, so they are
-   !> named last.
+   !> speed ratios, have to turn against sigma. Torques that follow the speed have the sense that others give them: where all that
+   !> part the flanks do, the prescribed speed is named, or the drive.
    integer function wrong_load(gearbox, contact, t, y, integers) result(wrong)
       type(gearbox_t), intent(in) :: gearbox
       type(tooth_contact_t), intent(in) :: contact
       real(wp), intent(in) :: t, y(:)
       integer, intent(in) :: integers(:)
       logical :: beside_a(size(gearbox%wheels)), follower_parts
-      real(wp) :: share, largest, ratio
-      integer :: i
+      real(wp) :: share, largest, ratio, at_rest, damping, stiffness
+      integer :: drive, i
 
       wrong = 0
       beside_a = joined_without(gearbox, contact)
       if (beside_a(contact%wheel_b)) return
       largest = 0
       follower_parts = .false.
+      drive = 0
       do i = 1, size(gearbox%loads)
          associate (load => gearbox%loads(i)%load)
             ratio = merge(contact%pair%ratio_a, contact%pair%ratio_b, beside_a(load%wheel))
@@ -144,6 +146,8 @@ contains
             if (.not. share > 0) cycle
             if (load%by_speed) then
                follower_parts = .true.
+               call load%ask(load_point(), at_rest, damping, stiffness)
+               if (abs(at_rest) > 0) drive = i
             else if (share*abs(ratio) > largest) then
                largest = share*abs(ratio)
                wrong = i
@@ -151,6 +155,7 @@ contains
          end associate
       end do
       if (wrong > 0 .or. .not. follower_parts) return
+      wrong = drive
       do i = size(gearbox%loads), 1, -1
          if (gearbox%loads(i)%load%prescribes) wrong = i
       end do

@@ -1,6 +1,7 @@
 !> The table of the kinds of load. A kind's index in it, from 0, is that in the C interface.
 module evl_load_kinds
    use evl_constant_load, only: constant_load
+   use evl_drive_load, only: drive_load
    use evl_harmonic_load, only: harmonic_load
    use evl_kind_finder, only: kind_finder
    use evl_load, only: load_t
@@ -24,6 +25,7 @@ contains
       call offer(table_load())
       call offer(speed_load())
       call offer(harmonic_load())
+      call offer(drive_load())
 
    contains
 

@@ -25,6 +25,7 @@ from kernel.gearbox_description import (
     TORQUE,
     VISCOUS,
     load,
+    load_like,
     mesh,
     wheel,
 )
@@ -239,6 +240,13 @@ def test_a_table_enters_the_steady_state_with_its_torque_at_the_start(kernel: Ke
 # ---- starts that cannot be
 
 Refusal = tuple[Callable[[Kernel], Gearbox], dict, int, int, int, str, str]
+
+
+def drive(kernel: Kernel, **fields: float) -> Block:
+    """Drive the first wheel."""
+    return load_like(kernel, 0, {"kind": "drive", "speed": -5.0, "slope": -2.0, **fields})
+
+
 BAD: dict[str, Refusal] = {
     "no kind": (paper_gearbox, {"kind": 3}, INVALID_INPUT, INITIAL, -1, "kind", "no such kind"),
     "no speeds": (paper_gearbox, {"kind": SPEEDS}, INVALID_INPUT, INITIAL, -1, "speeds", "one for"),
@@ -277,6 +285,14 @@ BAD: dict[str, Refusal] = {
     "steady with a pulling flank": (
         *(lambda k: two_wheels(k, load(0, TORQUE, 1.0), load(1, VISCOUS, 10)), {"kind": STEADY}),
         *(NO_SOLUTION, LOAD, 0, "value", "its torque 1 N m has the wrong sense"),
+    ),
+    "steady with a drive of the wrong sense": (
+        *(lambda k: two_wheels(k, drive(k, speed=5.0), load(1, VISCOUS, 10)), {"kind": STEADY}),
+        *(NO_SOLUTION, LOAD, 0, "speed", "has the wrong sense"),
+    ),
+    "steady with a drive of no stiffness": (
+        *(lambda k: two_wheels(k, drive(k, slope=0.0), load(1, TORQUE, -1.0)), {"kind": STEADY}),
+        *(NO_SOLUTION, INITIAL, -1, "kind", "no load depends on the speed"),
     ),
 }
 

@@ -163,6 +163,23 @@ BAD_OPTIONS = {
         NEW_LOAD + "{kind: torque, value: 1, amplitude: 2}",
         "'amplitude' does not go with 'kind: torque'; it goes with harmonic",
     ),
+    "a drive that feeds itself": (
+        NEW_LOAD + "{kind: drive, speed: 150, torque: 50, slope: 2}",
+        "wheels.pinion.loads.0.slope: the torque of a drive has to fall as the speed rises: slope ="
+        " 2 N m s/rad must be at most 0; if that is the stiffness of the motor's curve, give -2",
+    ),
+    "a drive without a slope": (
+        NEW_LOAD + "{kind: drive, speed: 150, torque: 50}",
+        "wheels.pinion.loads.0: 'slope' is missing",
+    ),
+    "a drive at no speed": (
+        NEW_LOAD + "{kind: drive, speed: .inf, slope: -1}",
+        "wheels.pinion.loads.0.speed: is .inf, which is not a finite number",
+    ),
+    "a drive at a table of speeds": (
+        NEW_LOAD + "{kind: drive, speed: [0, 1], time: [0, 1], slope: -1}",
+        "'time' does not go with 'kind: drive'; it goes with table, speed",
+    ),
     "two prescribed speeds": (
         "wheels.pinion.loads=[{kind: speed, value: 1}, {kind: speed, value: 2}]",
         "a second prescribed speed",

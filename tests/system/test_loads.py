@@ -119,3 +119,63 @@ def test_a_steady_start_is_that_of_the_mean_torque(runs, by):
     for name in ("angular_velocity", "penetration", "normal_force"):
         np.testing.assert_array_equal(first[name].values, expected[name].values)
     assert first["load_torque"].values[0] == -0.5
+
+
+# ---- the drive ----
+
+
+def drive(speed: float, torque: float, slope: float) -> dict[str, Any]:
+    return {"kind": "drive", "speed": speed, "torque": torque, "slope": slope}
+
+
+@INTEGRATORS
+def test_a_free_wheel_comes_to_the_speed_of_a_drive_without_torque_as_an_exponential(
+    runs, integrator
+):
+    slope, torque = -40.0, 6.0
+    loads = [drive(12.0, torque, slope), drive(-8.0, -2 / 3 * torque, slope)]
+    run = runs(apart(*loads, duration=0.2, output_interval=1e-3, tolerance=1e-11), integrator)
+    t = run.history["time"].values
+    for wheel, sense in ((0, 1.0), (1, -2 / 3)):
+        end = sense * (12.0 - torque / slope)
+        expected = end * (1 - np.exp(slope / INERTIA * t))
+        # errors of steps are 1e-11 of the scale of a speed reached in a second
+        np.testing.assert_allclose(
+            column(run, "angular_velocity", wheel), expected, rtol=0, atol=1e-8 * abs(end)
+        )
+    gained = run.history["kinetic_energy"].values
+    work = run.history["load_work"].values
+    np.testing.assert_allclose(work, gained, rtol=0, atol=1e-8 * gained[-1])
+
+
+@pytest.mark.parametrize("slope", [-0.1, -5.0, -1e4])
+@pytest.mark.parametrize("against", ["torque", "viscous"])
+def test_a_steady_start_finds_the_speed_at_which_a_drive_balances_the_load(runs, slope, against):
+    """And stays there: the speed is a straight line, the force that of the torque."""
+    speed, torque, ratio, coefficient, resisting = -7.0, -0.6, 20 / 30, 0.3, -1.5
+    case = pair(0.0, duration=0.05, tolerance=1e-11, initial={"kind": "steady"})
+    if against == "viscous":
+        load = {"kind": "viscous", "coefficient": coefficient}
+        expected = (torque - slope * speed) / (coefficient * ratio**2 - slope)
+    else:
+        load = {"kind": "torque", "value": resisting}
+        expected = speed + (ratio * resisting - torque) / slope
+    case["wheels"][0]["loads"] = [drive(speed, torque, slope)]
+    case["wheels"][1]["loads"] = [load]
+    h = runs(case).history
+    found = h["angular_velocity"].values
+    assert found[0, 0] == pytest.approx(expected, rel=1e-12)
+    np.testing.assert_allclose(found, found[0] * np.ones_like(found), rtol=1e-9)
+    force = np.abs(h["load_torque"].values[0, 0]) / h["base_radius"].values[0]
+    np.testing.assert_allclose(h["normal_force"].values[:, 0], force, rtol=1e-7)
+
+
+@pytest.mark.parametrize("against", [[{"kind": "torque", "value": -1.5}], []], ids=["load", "none"])
+def test_the_nominal_load_of_a_drive_is_that_of_its_operating_point(runs, against):
+    """At standstill it would bring ten thousand times as much."""
+    case = pair(0.0, duration=0.01)
+    case["wheels"][0]["loads"] = [drive(-7.0, -1.0, -1.5e3)]
+    case["wheels"][1]["loads"] = against
+    h = runs(case).history
+    expected = 1.0 / float(h["base_radius"][0])
+    assert float(h["reference_force"][0]) == pytest.approx(expected, rel=1e-6)
