@@ -16,6 +16,7 @@ from kernel.gearbox import LOADED, Gearbox, State
 from kernel.gearbox_cases import in_mode
 from kernel.gearbox_description import (
     CLOSED_FORM,
+    SPEEDS,
     STEADY,
     TORQUE,
     load,
@@ -138,6 +139,27 @@ def test_the_work_of_every_load_is_its_torque_times_the_speed(kernel: Kernel, na
     power = float(np.sum(values["load_torque"] * values["angular_velocity"]))
     rate = state.yp[gearbox.names.index("load_work")]
     np.testing.assert_allclose(rate, power, rtol=1e-12)  # sums of three products
+
+
+# ---- the drive ----
+
+
+@pytest.mark.parametrize("against_housing", [False, True], ids=["ground", "housing"])
+@pytest.mark.parametrize("body", [None, "gravity", "prescribed", "mounted"])
+def test_a_drive_at_no_speed_and_no_torque_is_a_viscous_load_to_the_bit(
+    kernel: Kernel, monkeypatch: pytest.MonkeyPatch, body: str | None, against_housing: bool
+):
+    monkeypatch.setitem(SAMPLES, "drive", {"kind": "drive", "speed": 0.0, "slope": -5.0})
+    housing = None if body is None else HOUSINGS[body]
+    told = []
+    for name in ("viscous", "drive"):
+        gearbox = train(kernel, name, housing, against_housing=against_housing)
+        state = gearbox.start(SPEEDS, speeds=[-6.0, 3.7, 3.5])
+        state.t = 0.7
+        told.append((gearbox.derivative(state), gearbox.jacobian(state, 3.0), gearbox.scales()))
+    for viscous, drive in zip(*told, strict=True):
+        for a, b in zip(viscous, drive, strict=True):
+            np.testing.assert_array_equal(a, b)
 
 
 # ---- the harmonic torque ----
