@@ -82,7 +82,6 @@ static bool check_case(const batch_plan *plan, const prepared_case *prepared, nu
 {
     const integrate_options options = simulate_options(prepared);
     const int n_meshes = case_description(prepared->file)->n_meshes;
-    const int n_wheels = case_description(prepared->file)->n_wheels;
     const char *place = case_path(prepared->file);
     if (n_meshes != plan->table.n_meshes) {
         return evl_error_set(
@@ -90,11 +89,15 @@ static bool check_case(const batch_plan *plan, const prepared_case *prepared, nu
             "the number of meshes is %d, that of the base case %d; all cases of a design have the same meshes",
             n_meshes, plan->table.n_meshes);
     }
-    if (plan->table.n_numbers > 0 && n_wheels != plan->table.n_wheels) {
-        return evl_error_set(refusal, EVL_EXIT_CASE, place,
-                             "the number of wheels is %d, that of the base case %d; with numbers over whole periods "
-                             "all cases have the same",
-                             n_wheels, plan->table.n_wheels);
+    const description *description = case_description(prepared->file);
+    if (plan->table.n_numbers > 0 && (description->n_wheels != plan->table.names.wheels.n ||
+                                      description->n_accelerometers != plan->table.names.accelerometers.n)) {
+        return evl_error_set(
+            refusal, EVL_EXIT_CASE, place,
+            "has %d wheels and %d accelerometers, the base case %d and %d; with numbers over whole periods "
+            "all cases have the same",
+            description->n_wheels, description->n_accelerometers, plan->table.names.wheels.n,
+            plan->table.names.accelerometers.n);
     }
     if (!find_window(plan, prepared, window)) {
         return evl_error_set(refusal, EVL_EXIT_CASE, place,

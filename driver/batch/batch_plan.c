@@ -29,13 +29,15 @@ static bool check_paths(const batch_plan *plan, evl_error *error)
 
 static bool take_table(batch_plan *plan, evl_error *error)
 {
-    POOLED memory_pool pool = {NULL};
-    name_list meshes = {0}, wheels = {0};
-    meshes.names = case_base_elements(plan->base, "meshes", &pool, &meshes.n);
-    wheels.names = case_base_elements(plan->base, "wheels", &pool, &wheels.n);
+    memory_pool *pool = &plan->pool;
+    model_names names = {0};
+    names.meshes.names = case_base_elements(plan->base, "meshes", pool, &names.meshes.n);
+    names.wheels.names = case_base_elements(plan->base, "wheels", pool, &names.wheels.n);
+    names.accelerometers.names =
+        case_base_elements(plan->base, "housing.accelerometers", pool, &names.accelerometers.n);
     OWNED char **words = NULL;
     const int n = words_split(plan->design->numbers, &words);
-    const char *unknown = statistics_table_init(&plan->table, &meshes, &wheels, n, (const char *const *)words);
+    const char *unknown = statistics_table_init(&plan->table, &names, n, (const char *const *)words);
     if (unknown == NULL) {
         return true;
     }
@@ -155,6 +157,7 @@ void batch_plan_free(batch_plan *plan)
     free(histories->times);
     stack_close(&plan->stack);
     pool_free(&plan->table.pool);
+    pool_free(&plan->pool);
     wheel_store_delete(&plan->wheels);
     case_base_delete(&plan->base);
 }

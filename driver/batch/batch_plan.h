@@ -19,6 +19,7 @@ typedef struct {
 } batch_histories;
 
 typedef struct {
+    memory_pool pool; /**< of names */
     const design *design;
     case_base *base;
     statistics_table table;

@@ -81,47 +81,49 @@ static void add(statistics_table *table, const char *name, const char *units, co
     table->scalars[table->n++] = (statistics_scalar){.name = name, .units = units, .long_name = long_name};
 }
 
+/** Element k of a row as a scalar: NAME_HARMONIC_AXIS_ELEMENT, without what there is only one of. */
+static int add_number(statistics_table *table, const model_output *row, int k)
+{
+    const name_list *of = number_row_elements(row, &table->names);
+    const bool has_own = of != &table->names.meshes || of->n > 1;
+    const int each = row->count / of->n;
+    const char *element = of->names[k / each], *name = row->name;
+    if (words_contain(row->dims, "harmonic")) {
+        name = pool_printf(&table->pool, "%s_%d", name, k % NUMBER_HARMONICS + 1);
+    }
+    if (words_contain(row->dims, "axis")) {
+        name = pool_printf(&table->pool, "%s_%c", name, "xy"[k * 2 / each % 2]);
+    }
+    const char *full = has_own ? name_of(table, name, element) : name;
+    const int known = find_scalar(table, full);
+    if (known < 0) {
+        add(table, full, row->units,
+            has_own ? pool_printf(&table->pool, "%s, %s", row->long_name, element) : row->long_name);
+    }
+    return known < 0 ? table->n - 1 : known;
+}
+
 /** The numbers over whole periods: a scalar each, or the one of that name that is there. */
-static void add_numbers(statistics_table *table, const name_list *meshes, const name_list *wheels)
+static void add_numbers(statistics_table *table)
 {
     model_output rows[N_NUMBER_ROWS];
-    (void)number_rows_place(&table->pool, wheels->n, meshes->n, rows);
+    (void)number_rows_place(&table->pool, &table->names, rows);
     for (int i = 0; i < N_NUMBER_ROWS; i++) {
         for (int k = 0; k < rows[i].count && table->taken[i]; k++) {
-            const model_output *row = &rows[i];
-            const bool is_of_wheel = words_contain(row->dims, "wheel");
-            const name_list *of = is_of_wheel ? wheels : meshes;
-            const int each = row->count / of->n, element = k / each;
-            const char *name = row->name;
-            if (words_contain(row->dims, "harmonic")) {
-                name = pool_printf(&table->pool, "%s_%d", name, k % NUMBER_HARMONICS + 1);
-            }
-            if (words_contain(row->dims, "axis")) {
-                name = pool_printf(&table->pool, "%s_%c", name, "xy"[k * 2 / each % 2]);
-            }
-            const bool has_own = is_of_wheel || meshes->n > 1;
-            const char *full = has_own ? name_of(table, name, of->names[element]) : name;
-            int scalar = find_scalar(table, full);
-            if (scalar < 0) {
-                scalar = table->n;
-                add(table, full, row->units,
-                    has_own ? pool_printf(&table->pool, "%s, %s '%s'", row->long_name, is_of_wheel ? "wheel" : "mesh",
-                                          of->names[element])
-                            : row->long_name);
-            }
-            table->numbers[table->n_numbers++] = (statistics_number){row->offset + k, scalar};
+            table->numbers[table->n_numbers++] =
+                (statistics_number){rows[i].offset + k, add_number(table, &rows[i], k)};
         }
     }
 }
 
-const char *statistics_table_init(statistics_table *table, const name_list *meshes, const name_list *wheels,
-                                  int n_words, const char *const *words)
+const char *statistics_table_init(statistics_table *table, const model_names *names, int n_words,
+                                  const char *const *words)
 {
-    const int n_kinds = model_tables()->n_event_kinds, n_meshes = meshes->n;
-    *table = (statistics_table){.n_meshes = n_meshes, .n_wheels = wheels->n};
+    const int n_kinds = model_tables()->n_event_kinds, n_meshes = names->meshes.n;
+    *table = (statistics_table){.names = *names, .n_meshes = n_meshes};
     POOLED memory_pool pool = {NULL};
     model_output rows[N_NUMBER_ROWS];
-    const int most = number_rows_place(&pool, wheels->n, n_meshes, rows);
+    const int most = number_rows_place(&pool, names, rows);
     table->taken = pool_calloc(&table->pool, N_NUMBER_ROWS, sizeof *table->taken);
     table->numbers = pool_calloc(&table->pool, (size_t)most, sizeof *table->numbers);
     table->scalars =
@@ -132,8 +134,8 @@ const char *statistics_table_init(statistics_table *table, const name_list *mesh
             if (n_meshes == 1) {
                 add(table, of_mesh[i].name, of_mesh[i].units, of_mesh[i].long_name);
             } else {
-                add(table, own_name_of(table, of_mesh[i].name, mesh, meshes->names[mesh]), of_mesh[i].units,
-                    pool_printf(&table->pool, "%s, mesh '%s'", of_mesh[i].long_name, meshes->names[mesh]));
+                add(table, own_name_of(table, of_mesh[i].name, mesh, names->meshes.names[mesh]), of_mesh[i].units,
+                    pool_printf(&table->pool, "%s, mesh '%s'", of_mesh[i].long_name, names->meshes.names[mesh]));
             }
         }
     }
@@ -146,7 +148,7 @@ const char *statistics_table_init(statistics_table *table, const name_list *mesh
             pool_printf(&table->pool, "number of events %s", name));
     }
     const char *unknown = number_rows_take(n_words, words, table->taken);
-    add_numbers(table, meshes, wheels);
+    add_numbers(table);
     return unknown;
 }
 
@@ -290,7 +292,7 @@ static void put_numbers(const statistics *statistics, double *results)
     const statistics_table *table = statistics->table;
     POOLED memory_pool pool = {NULL};
     model_output rows[N_NUMBER_ROWS];
-    const int n = number_rows_place(&pool, table->n_wheels, table->n_meshes, rows);
+    const int n = number_rows_place(&pool, &table->names, rows);
     OWNED double *values = xcalloc((size_t)n, sizeof *values);
     numbers_conclude(statistics->numbers, values);
     for (int i = 0; i < table->n_numbers; i++) {

@@ -19,18 +19,20 @@ typedef struct {
 /** What all cases of a batch have in common. */
 typedef struct {
     memory_pool pool;
-    int n_meshes, n_wheels, n;
+    model_names names; /**< of the base case; of its meshes, wheels and accelerometers only */
+    int n_meshes, n;
     statistics_scalar *scalars; /**< [n] those of a mesh together, then those of the whole case, then further numbers */
     bool *taken;                /**< [N_NUMBER_ROWS] numbers over whole periods; a scalar of that name is this number */
     int n_numbers;              /**< 0: none */
     statistics_number *numbers; /**< [n_numbers] */
 } statistics_table;
 
-/** The table for cases with these meshes and wheels. With several meshes each has its own numbers: NAME_MESH; those of wheels are
- *  NAME_WHEEL.
+/** The table for cases with these meshes, wheels and accelerometers. With several meshes each has its own numbers: NAME_MESH; those of
+ *  the others are NAME_WHEEL, NAME_ACCELEROMETER.
+ *  @param names  outlive the table
  *  @param words  which numbers over whole periods, as number_rows_take knows them. @return NULL, or a word that names none */
-const char *statistics_table_init(statistics_table *table, const name_list *meshes, const name_list *wheels,
-                                  int n_words, const char *const *words);
+const char *statistics_table_init(statistics_table *table, const model_names *names, int n_words,
+                                  const char *const *words);
 
 typedef struct statistics statistics;
 

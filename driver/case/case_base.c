@@ -32,7 +32,11 @@ void case_base_delete(case_base **base)
 
 const char **case_base_elements(const case_base *base, const char *list, memory_pool *pool, int *n)
 {
-    const case_node *node = node_get(base->root, list);
+    const char *dot = strchr(list, '.');
+    OWNED char *block = dot == NULL ? NULL : xasprintf("%.*s", (int)(dot - list), list);
+    const case_node *root = dot == NULL ? base->root : node_get(base->root, block);
+    const bool is_block = root != NULL && root->kind == NODE_MAPPING;
+    const case_node *node = is_block ? node_get(root, dot == NULL ? list : dot + 1) : NULL;
     *n = node == NULL || node->kind != NODE_SEQUENCE ? 0 : node->n;
     const char **names = pool_calloc(pool, (size_t)*n, sizeof *names);
     for (int i = 0; i < *n; i++) {

@@ -122,7 +122,7 @@ static bool put_numbers(const run *run)
     const model_names *names = &model_about(run->prepared.model)->names;
     POOLED memory_pool pool = {NULL};
     model_output rows[N_NUMBER_ROWS];
-    const int n = number_rows_place(&pool, names->wheels.n, names->meshes.n, rows);
+    const int n = number_rows_place(&pool, names, rows);
     OWNED double *values = xcalloc((size_t)n, sizeof *values);
     numbers_conclude(run->numbers, values);
     tell_numbers(run->numbers, names, rows, values);

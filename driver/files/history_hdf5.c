@@ -100,7 +100,7 @@ bool history_put_finals(history *history, int n, const model_output *outputs, co
 {
     bool good = true;
     for (int i = 0; i < n && good; i++) {
-        good = write_static(history, &outputs[i], values + outputs[i].offset);
+        good = outputs[i].count == 0 || write_static(history, &outputs[i], values + outputs[i].offset);
     }
     return good ? true : fail(history);
 }

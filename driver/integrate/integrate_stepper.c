@@ -56,6 +56,7 @@ static void watch(void *self)
                                  .state = run->state,
                                  .with = run->stepper,
                                  .interpolate = run->model->stepper->interpolate,
+                                 .interpolate_lanes = run->model->stepper->interpolate_lanes,
                                  .look = run->model->stepper->look,
                                  .candidate = run->model->stepper->candidate};
     run->observer->watch(run->observer->self, &step);

@@ -78,7 +78,7 @@ typedef struct model_sampler model_sampler;
 model_sampler *model_sampler_create(const model *model, int n, const int *wanted);
 void model_sampler_delete(model_sampler **sampler);
 /** At n states of one discrete state, as in a step; eight at once are quickest.
- *  @param t, y      [n], [n * states] state after state
+ *  @param t, y      [n], [states * n] of each state the n values side by side
  *  @param discrete  where the discrete state is taken from
  *  @param values    one wanted output behind the other, of each value the n states side by side. @return a dae_code */
 int model_sampler_ask(const model_sampler *sampler, int n, const double *t, const double *y, const dae_state *discrete,

@@ -64,6 +64,13 @@ static bool interpolate(const void *stepper, double t, double *y)
     return true;
 }
 
+static void interpolate_lanes(const void *stepper, const double *t, double *y)
+{
+    _Static_assert((int)DAE_LANES == (int)EVL_LANES, "as many as the kernel's");
+    const radau_stepper *s = stepper;
+    evl_radau_interpolate_lanes(s->radau, t, y);
+}
+
 static int look(void *stepper, const double *high, const double *low)
 {
     const radau_stepper *s = stepper;
@@ -112,6 +119,7 @@ const dae_stepper *model_radau(const model *model)
                                       .start = start,
                                       .advance = advance,
                                       .interpolate = interpolate,
+                                      .interpolate_lanes = interpolate_lanes,
                                       .look = look,
                                       .candidate = candidate,
                                       .restart = restart,

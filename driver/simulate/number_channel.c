@@ -4,10 +4,31 @@
 
 static const double two_pi = 6.283185307179586;
 
+/** Cosine and sine of a small angle [rad], |x| < 0.3: exact to rounding, and no call. */
+static void small_turn(double x, double *cosine, double *sine)
+{
+    const double q = x * x;
+    *cosine = 1 - q / 2 * (1 - q / 12 * (1 - q / 30 * (1 - q / 56 * (1 - q / 90))));
+    *sine = x * (1 - q / 6 * (1 - q / 20 * (1 - q / 42 * (1 - q / 72 * (1 - q / 110)))));
+}
+
 void number_waves_find(number_waves *waves, int n_nodes, const double *xi, const double *rate)
 {
+    static const double small = 0.04; /* pitches */
+    double c = 1, s = 0, before = NAN;
     for (int k = 0; k < n_nodes; k++) {
-        const double angle = two_pi * (xi[k] - floor(xi[k])), c = cos(angle), s = sin(angle);
+        if (fabs(xi[k] - before) < small) { /* on from the node before */
+            double cosine, sine;
+            small_turn(two_pi * (xi[k] - before), &cosine, &sine);
+            const double turned = c * cosine - s * sine;
+            s = s * cosine + c * sine;
+            c = turned;
+        } else {
+            const double angle = two_pi * (xi[k] - floor(xi[k]));
+            c = cos(angle);
+            s = sin(angle);
+        }
+        before = xi[k];
         double cosine = 1, sine = 0;
         for (int n = 0; n < NUMBER_HARMONICS; n++) {
             const double next = cosine * c - sine * s;
@@ -17,6 +38,18 @@ void number_waves_find(number_waves *waves, int n_nodes, const double *xi, const
             waves->wave[k][NUMBER_HARMONICS + n] = sine;
         }
         waves->rate[k] = rate[k];
+    }
+}
+
+/** Add a sum over the nodes to each of the waves; with a number of nodes that the compiler knows it takes harmonics in vectors. */
+static inline void add_waves(int n, const double over_way[STEP_NODES_MOST], const number_waves *waves, double *sums)
+{
+    for (int h = 0; h < 2 * NUMBER_HARMONICS; h++) {
+        double sum = 0;
+        for (int k = 0; k < n; k++) {
+            sum += over_way[k] * waves->wave[k][h];
+        }
+        sums[h] += sum;
     }
 }
 
@@ -34,16 +67,19 @@ void number_channel_add(number_channel *channel, const step_nodes *nodes, const 
         channel->shift = x[0];
     }
     channel_sums *sums = &channel->period;
+    double over_way[STEP_NODES_MOST];
     for (int k = 0; k < nodes->n; k++) {
         const double d = x[k] - channel->shift, part = nodes->weight[k] * d;
         sums->power[0] += part;
         sums->power[1] += part * d;
         sums->power[2] += part * d * d;
         sums->power[3] += part * d * d * d;
-        const double over_way = part * waves->rate[k];
-        for (int n = 0; n < 2 * NUMBER_HARMONICS; n++) { /* harmonics side by side in vectors */
-            sums->wave[n] += over_way * waves->wave[k][n];
-        }
+        over_way[k] = part * waves->rate[k];
+    }
+    if (nodes->n == STEP_NODES_MOST) {
+        add_waves(STEP_NODES_MOST, over_way, waves, sums->wave);
+    } else {
+        add_waves(nodes->n, over_way, waves, sums->wave);
     }
     const channel_sums *total = &channel->total;
     const double beyond = sums->high > total->high ? sums->high : total->high;

@@ -12,6 +12,8 @@ static const struct {
     [NUMBER_FORCE] = {"normal_force", "N", "normal force of all tooth pairs", "mesh"},
     [NUMBER_SPIN] = {"angular_acceleration", "rad s-2", "angular acceleration", "wheel"},
     [NUMBER_AXLE] = {"centre_acceleration", "m s-2", "acceleration of the axle", "wheel axis"},
+    [NUMBER_ACCELEROMETER] = {"accelerometer_acceleration", "m s-2", "acceleration at the accelerometer",
+                              "accelerometer"},
 };
 
 /** units NULL: those of the quantity. */
@@ -56,10 +58,23 @@ const char *number_quantity(int quantity)
     return quantities[quantity].name;
 }
 
-static int count_of(const char *dims, int n_wheels, int n_meshes)
+/** Of what a row tells: the first of its dimensions. */
+static const name_list *elements_of(const char *dims, const model_names *names)
 {
-    const int n = words_contain(dims, "wheel") ? n_wheels : n_meshes;
-    return n * (words_contain(dims, "axis") ? 2 : 1) * (words_contain(dims, "harmonic") ? NUMBER_HARMONICS : 1);
+    return words_contain(dims, "wheel")           ? &names->wheels
+           : words_contain(dims, "accelerometer") ? &names->accelerometers
+                                                  : &names->meshes;
+}
+
+const name_list *number_row_elements(const model_output *row, const model_names *names)
+{
+    return elements_of(row->dims, names);
+}
+
+static int count_of(const char *dims, const model_names *names)
+{
+    return elements_of(dims, names)->n * (words_contain(dims, "axis") ? 2 : 1) *
+           (words_contain(dims, "harmonic") ? NUMBER_HARMONICS : 1);
 }
 
 static model_output row_of_quantity(memory_pool *pool, int quantity, int k)
@@ -74,7 +89,7 @@ static model_output row_of_quantity(memory_pool *pool, int quantity, int k)
                           .is_static = true};
 }
 
-int number_rows_place(memory_pool *pool, int n_wheels, int n_meshes, model_output *rows)
+int number_rows_place(memory_pool *pool, const model_names *names, model_output *rows)
 {
     int n = 0;
     for (int quantity = 0; quantity < N_NUMBER_QUANTITIES; quantity++) {
@@ -92,7 +107,7 @@ int number_rows_place(memory_pool *pool, int n_wheels, int n_meshes, model_outpu
     }
     for (int i = 0; i < N_NUMBER_ROWS; i++) {
         rows[i].offset = n;
-        rows[i].count = count_of(rows[i].dims, n_wheels, n_meshes);
+        rows[i].count = count_of(rows[i].dims, names);
         n += rows[i].count;
     }
     return n;
@@ -109,7 +124,7 @@ const char *number_rows_take(int n_words, const char *const *words, bool *taken)
 {
     POOLED memory_pool pool = {NULL};
     model_output rows[N_NUMBER_ROWS];
-    (void)number_rows_place(&pool, 1, 1, rows);
+    (void)number_rows_place(&pool, &(model_names){0}, rows);
     for (int w = 0; w < n_words; w++) {
         bool is_known = false;
         for (int i = 0; i < N_NUMBER_ROWS; i++) {

@@ -20,7 +20,7 @@ typedef enum {
 } number_tells;
 
 /** Quantities of which all that is told; they are outputs. */
-enum { NUMBER_ERROR, NUMBER_FORCE, NUMBER_SPIN, NUMBER_AXLE, N_NUMBER_QUANTITIES };
+enum { NUMBER_ERROR, NUMBER_FORCE, NUMBER_SPIN, NUMBER_AXLE, NUMBER_ACCELEROMETER, N_NUMBER_QUANTITIES };
 
 /** What is told once of a mesh. */
 typedef enum {
@@ -54,9 +54,11 @@ static inline int number_row_of_contact(number_of_contact what)
 
 /** The output that a quantity is. */
 const char *number_quantity(int quantity);
-/** The rows for so many wheels and meshes, with places in an array of all numbers. Texts are in the pool.
+/** The rows for what has these names, with places in an array of all numbers. Texts are in the pool.
  *  @param rows  [N_NUMBER_ROWS] @return the length of the array */
-int number_rows_place(memory_pool *pool, int n_wheels, int n_meshes, model_output *rows);
+int number_rows_place(memory_pool *pool, const model_names *names, model_output *rows);
+/** The names of what a row is of: wheels, meshes or accelerometers. */
+const name_list *number_row_elements(const model_output *row, const model_names *names);
 /** Take the rows that words name: a row, a quantity, "contact", "all".
  *  @param taken  [N_NUMBER_ROWS] rows that are not named stay as they are. @return NULL, or the word that names none */
 const char *number_rows_take(int n_words, const char *const *words, bool *taken);

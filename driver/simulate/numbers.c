@@ -59,7 +59,7 @@ struct numbers {
     const model *model;
     number_window window;
     const bool *taken;
-    int n_meshes, n_wheels, n_channels, n_pairs;
+    int n_meshes, n_channels, n_pairs;
     mesh_numbers *meshes;
     channel *channels;
     number_waves *waves; /**< [n_meshes] */
@@ -156,7 +156,6 @@ numbers *numbers_create(const model *model, const number_window *window, const b
     *self = (numbers){.model = model,
                       .window = *window,
                       .n_meshes = about->names.meshes.n,
-                      .n_wheels = about->names.wheels.n,
                       .n_pairs = about->names.pairs.n,
                       .position = -INFINITY,
                       .closed = event_kind("contact_closed"),
@@ -169,7 +168,9 @@ numbers *numbers_create(const model *model, const number_window *window, const b
     }
     self->meshes = pool_calloc(pool, (size_t)self->n_meshes, sizeof *self->meshes);
     self->waves = pool_calloc(pool, (size_t)self->n_meshes, sizeof *self->waves);
-    self->channels = pool_calloc(pool, 2 * (size_t)self->n_meshes + 3 * (size_t)self->n_wheels, sizeof *self->channels);
+    self->channels = pool_calloc(
+        pool, 2 * (size_t)self->n_meshes + 3 * (size_t)about->names.wheels.n + (size_t)about->names.accelerometers.n,
+        sizeof *self->channels);
     self->y = pool_calloc(pool, (size_t)about->dae.n, sizeof *self->y);
     self->values = pool_calloc(pool, (size_t)about->n_values, sizeof *self->values);
     step_nodes_init(&self->nodes, model, pool);
@@ -234,7 +235,9 @@ static bool set_up(numbers *self, const integrate_step *step)
         channel *one = &self->channels[i];
         const int quantity = one->row / N_TELLS;
         const int wheel = quantity == NUMBER_AXLE ? one->element / 2 : one->element;
-        one->mesh = quantity == NUMBER_SPIN || quantity == NUMBER_AXLE ? mesh_of_wheel(self, wheel) : one->element;
+        one->mesh = quantity == NUMBER_ACCELEROMETER                     ? self->window.mesh
+                    : quantity == NUMBER_SPIN || quantity == NUMBER_AXLE ? mesh_of_wheel(self, wheel)
+                                                                         : one->element;
     }
     const int wheel = self->window.wheel;
     const mesh_numbers *mesh = &self->meshes[self->window.mesh];
@@ -574,7 +577,7 @@ void numbers_conclude(const numbers *self, double *values)
 {
     POOLED memory_pool pool = {NULL};
     model_output rows[N_NUMBER_ROWS];
-    const int n = number_rows_place(&pool, self->n_wheels, self->n_meshes, rows);
+    const int n = number_rows_place(&pool, &model_about(self->model)->names, rows);
     for (int i = 0; i < n; i++) {
         values[i] = NAN;
     }

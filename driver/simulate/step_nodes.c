@@ -40,6 +40,7 @@ void step_nodes_init(step_nodes *nodes, const model *model, memory_pool *pool)
     nodes->wanted = pool_calloc(pool, (size_t)about->n_outputs, sizeof(int));
     nodes->before = pool_calloc(pool, (size_t)about->n_outputs, sizeof(int));
     nodes->y = pool_calloc(pool, (size_t)nodes->n * (size_t)about->dae.n, sizeof(double));
+    nodes->one = pool_calloc(pool, (size_t)about->dae.n, sizeof(double));
     nodes->values = pool_calloc(pool, (size_t)nodes->n * (size_t)about->n_values, sizeof(double));
     nodes->samples = pool_calloc(pool, (size_t)nodes->n_samples * (size_t)nodes->n, sizeof(double));
     for (int i = 0; i < nodes->n_samples; i++) {
@@ -78,24 +79,38 @@ double step_nodes_reach(const step_nodes *nodes)
     return nodes->n == 8 ? 1.0 : 0.05;
 }
 
+/** The states at the nodes. */
+static bool find_states(step_nodes *nodes, const integrate_step *step)
+{
+    const int n_states = model_about(nodes->model)->dae.n;
+    if (nodes->n == DAE_LANES && step->interpolate_lanes != NULL) {
+        step->interpolate_lanes(step->with, nodes->t, nodes->y);
+        return true;
+    }
+    bool good = true;
+    for (int k = 0; k < nodes->n && good; k++) {
+        good = step->interpolate(step->with, nodes->t[k], nodes->one);
+        for (int i = 0; i < n_states; i++) {
+            nodes->y[(size_t)i * (size_t)nodes->n + (size_t)k] = nodes->one[i];
+        }
+    }
+    return good;
+}
+
 bool step_nodes_look(step_nodes *nodes, const integrate_step *step, double from, double to)
 {
     char message[DAE_MESSAGE_LENGTH];
-    const int n_states = model_about(nodes->model)->dae.n;
     const double middle = 0.5 * (from + to), half = 0.5 * (to - from);
     const double *weights = nodes->n == 8 ? weights_of_8 : weights_of_3;
     for (int k = 0; k < nodes->n; k++) {
         nodes->t[k] = middle + half * places(nodes)[k];
         nodes->weight[k] = half * weights[k];
-        if (!step->interpolate(step->with, nodes->t[k], nodes->y + (size_t)k * (size_t)n_states)) {
-            return false;
-        }
     }
     if (nodes->sampler == NULL) {
         nodes->sampler = model_sampler_create(nodes->model, nodes->n_wanted, nodes->wanted);
     }
-    return model_sampler_ask(nodes->sampler, nodes->n, nodes->t, nodes->y, step->state, nodes->values, message) ==
-           DAE_OK;
+    return find_states(nodes, step) && model_sampler_ask(nodes->sampler, nodes->n, nodes->t, nodes->y, step->state,
+                                                         nodes->values, message) == DAE_OK;
 }
 
 /** The polynomial at x in -1..1. */

@@ -16,7 +16,8 @@ typedef struct {
     int *before;                    /**< [n_wanted] values before those of each */
     int n_values;                   /**< of all of them */
     model_sampler *sampler;         /**< made at the first look */
-    double *y;                      /**< [n * states] */
+    double *y;                      /**< [states * n] each state at the nodes side by side */
+    double *one;                    /**< [states] at a node */
     double *values;                 /**< [n_values * n] each value at the nodes side by side */
     double t[STEP_NODES_MOST];      /**< the nodes [s] */
     double weight[STEP_NODES_MOST]; /**< of an integral over time [s] */

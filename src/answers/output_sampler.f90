@@ -44,7 +44,7 @@ module evl_output_sampler
       integer, allocatable, private :: integers(:) !! discrete state that the slots are settled for
       real(wp), allocatable, private :: reals(:)
       type(lane_slot), allocatable, private :: slots(:)
-      real(wp), allocatable, private :: y(:, :), f(:, :) !! (lanes, states)
+      real(wp), allocatable, private :: f(:, :)   !! (lanes, states)
       real(wp), allocatable, private :: all(:, :)        !! (values of the gearbox, 1)
    end type output_sampler
 
@@ -66,7 +66,7 @@ contains
       self%before = [(sum(gearbox%output_counts(wanted(:i - 1))), i=1, size(wanted) + 1)]
       self%in_lanes = all(self%kinds > 0) .and. lanes_serve(gearbox)
       allocate (self%slots(merge(size(gearbox%contacts), 0, self%in_lanes)), self%all(gearbox%n_values, 1))
-      allocate (self%y(lanes, gearbox%n_states), self%f(lanes, gearbox%n_states))
+      allocate (self%f(lanes, gearbox%n_states))
    end subroutine sampler_create
 
    !> Their values at states that share their discrete state, as in a step. In eight states at once they may differ by rounding from
@@ -74,7 +74,8 @@ contains
    subroutine sample_outputs(self, gearbox, t, y, integers, reals, values, status)
       type(output_sampler), intent(inout) :: self !! scratch of it changes
       type(gearbox_t), intent(in), target :: gearbox
-      real(wp), intent(in) :: t(:), y(:, :), reals(size(gearbox%contacts)) !! y: (n_states, states)
+      real(wp), intent(in) :: t(:), reals(size(gearbox%contacts))
+      real(wp), intent(in), contiguous :: y(:, :) !! (states, n_states)
       integer, intent(in) :: integers(gearbox%n_integers)
       real(wp), intent(out) :: values(:, :)       !! (states, wanted values)
       type(status_t), intent(inout) :: status
@@ -82,22 +83,21 @@ contains
 
       if (self%in_lanes .and. size(t) == lanes) then
          call settle(self, gearbox, integers, reals)
-         self%y = transpose(y)
-         call rates_in_lanes(gearbox, t, self%y, integers, reals, self%slots, self%f, status)
+         call rates_in_lanes(gearbox, t, y, integers, reals, self%slots, self%f, status)
          if (has_failed(status)) return
          do i = 1, size(self%wanted)
             associate (first => self%before(i) + 1, last => self%before(i + 1))
                if (self%kinds(i) < lane_angle) then
-                  call tell_meshes(gearbox, self%kinds(i), self%y, integers, self%slots, values(:, first:last))
+                  call tell_meshes(gearbox, self%kinds(i), y, integers, self%slots, values(:, first:last))
                else
-                  call tell_wheels(gearbox, self%kinds(i), self%y, self%f, integers, values(:, first:last))
+                  call tell_wheels(gearbox, self%kinds(i), y, self%f, integers, values(:, first:last))
                end if
             end associate
          end do
          return
       end if
       do s = 1, size(t)
-         call wanted_outputs(gearbox, t(s:s), y(:, s:s), integers, reals, self%wanted, self%all, status)
+         call wanted_outputs(gearbox, t(s:s), transpose(y(s:s, :)), integers, reals, self%wanted, self%all, status)
          if (has_failed(status)) return
          do i = 1, size(self%wanted)
             associate (first => self%before(i) + 1, last => self%before(i + 1), offset => gearbox%output_offsets(self%wanted(i)))

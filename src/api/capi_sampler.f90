@@ -57,7 +57,7 @@ contains
       call c_f_pointer(handle, self)
       associate (g => self%gearbox, n_values => self%outputs%before(size(self%outputs%before)))
          rows(1:n, 1:n_values) => values(:n*n_values)
-         states(1:g%n_states, 1:n) => y(:g%n_states*n)
+         states(1:n, 1:g%n_states) => y(:g%n_states*n)
          call sample_outputs(self%outputs, g, t, states, integers(:g%n_integers), reals(:size(g%contacts)), rows, s)
       end associate
       code = answer(s, status)

@@ -16,7 +16,7 @@
 !>
 !> Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8 (step control, predictor).
 module evl_radau
-   use evl_collocation, only: lagrange_at, weighted_sum
+   use evl_collocation, only: combine, lagrange_at, lagrange_matrix, weighted_sum
    use evl_elementary, only: real_power
    use evl_extreme_finder, only: candidate_t, extreme_finder_create, extreme_finder_t
    use evl_growth, only: growth_create, growth_forget, growth_t, limit_step
@@ -33,7 +33,7 @@ module evl_radau
 
    public :: radau_t, radau_options, radau_counts, radau_growth
    public :: radau_create, radau_start, radau_advance, radau_restart, radau_redo, radau_interpolate, radau_get_counts, &
-             radau_get_growth, radau_look, radau_step
+             radau_get_growth, radau_interpolate_lanes, radau_look, radau_step
    public :: outcome_step, outcome_event, outcome_stop
 
    integer, parameter :: outcome_step = 0  !! a step was made
@@ -368,6 +368,25 @@ contains
          y(i) = self%y_before(i) + weighted_sum(basis, self%old_z(:, i))
       end do
    end subroutine radau_interpolate
+
+   !> The same at eight times, which differ from it by rounding.
+   pure subroutine radau_interpolate_lanes(self, t, y)
+      type(radau_t), intent(in) :: self
+      real(wp), intent(in) :: t(lanes)                    !! t_before <= t <= self%t
+      real(wp), intent(out) :: y(lanes, size(self%y))
+      real(wp) :: matrix(lanes, lanes)
+      integer :: i
+
+      if (self%old_h > 0) then
+         call lagrange_matrix((t - self%t_before)/self%old_h, matrix)
+         call combine(size(self%y), matrix, self%old_z, y)
+      else
+         y = 0
+      end if
+      do i = 1, size(self%y)
+         y(:, i) = y(:, i) + self%y_before(i)
+      end do
+   end subroutine radau_interpolate_lanes
 
    !> Length of the last step's polynomial, of which the step is all or, before an event, almost all.
    pure real(wp) function radau_step(self) result(h)

@@ -176,6 +176,7 @@ def test_every_number_is_on_its_page(evolvent: Evolvent, case: Path, tmp_path: P
         "normal_force",
         "angular_acceleration",
         "centre_acceleration",
+        "accelerometer_acceleration",
     )
     with xr.open_dataset(tmp_path / "n.h5", engine="h5netcdf") as history:
         for name in map(str, history):

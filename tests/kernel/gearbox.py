@@ -514,7 +514,7 @@ class Gearbox:
         )
         result = np.full((self.table[place].count, len(states)), np.nan)
         times = np.array([state.t for state in states])
-        y = np.array([state.y for state in states])
+        y = np.array([state.y for state in states]).T.copy()
         arrays = (times, y, states[0].integers, states[0].reals, result)
         status = Status()
         code = self.library.evl_sampler_ask(

@@ -336,3 +336,42 @@ def test_impacts_are_closings_after_a_flight(runs):
     assert number(run, "impact_energy") == pytest.approx(energy, rel=1e-9)
     transmitted = number(run, "transmitted_energy")
     assert number(run, "rattle_index") == pytest.approx(energy / transmitted, rel=1e-9)
+
+
+def test_accelerometers_and_moving_axles_have_numbers(runs):
+    """A shaken housing: one of its points goes as prescribed, over ten shakes a turn."""
+    shake, speed, amplitude = 250.0, 1500 * 2 * math.pi / 60, 1e-6
+    run = runs(
+        "spur-pair.yaml",
+        "housing={kind: prescribed, translation: [{kind: harmonic, axis: y, amplitude: 1.0e-6, "
+        "frequency: 250}], accelerometers: "
+        "[{name: top, point: [0, 0.1, 0], direction: [0, 1, 0]}]}",
+        f"wheels.pinion.loads.0={{kind: speed, value: {-speed}}}",
+        "wheels.gear.support={kind: slider, direction: 90, mass: 1, "
+        "stiffness: 1.0e+8, damping: 1.0e+3}",
+        "meshes.0.damping={law: linear, coefficient: 1000}",
+        "simulation.initial={kind: speeds, speeds: "
+        f"{{pinion: {-speed}, gear: {speed * 19 / 34}}}}}",
+        "simulation.numbers={from: 0, to: 0.0401, turns_of: pinion}",
+    )
+    assert run.exit_code == 0, run.messages
+    assert int(run.history["window_periods"]) == 1
+    top = amplitude * (2 * math.pi * shake) ** 2
+    for name, expected in (
+        ("rms", top / math.sqrt(2)),
+        ("max", top),
+        ("min", -top),
+        ("kurtosis", 1.5),
+        ("crest_factor", math.sqrt(2)),
+    ):
+        assert number(run, f"accelerometer_acceleration_{name}") == pytest.approx(
+            expected, rel=1e-7
+        )
+    assert abs(number(run, "accelerometer_acceleration_mean")) < 1e-7 * top
+    history = run.history
+    inside = history["time"].values <= float(history["window_end"])
+    axle = history["centre_acceleration"].values[inside, 1, 1]
+    assert number(run, "centre_acceleration_rms", 3) == pytest.approx(
+        float(np.sqrt(np.mean(axle**2))), rel=0.02
+    )
+    assert number(run, "centre_acceleration_rms", 0) == 0

@@ -21,7 +21,7 @@ from evolvent.history import run_warning, source_name
 from evolvent.physics.extremes import extremes, extremes_table, is_extreme
 from evolvent.physics.invariants import check_history
 from evolvent.physics.mesh_summary import mesh_summaries
-from evolvent.physics.numbers import is_number, numbers_table, window_text
+from evolvent.physics.numbers import is_number, numbers_tables, window_text
 from evolvent.units import quantity
 
 # Attributes of a history that have a place of their own on the page.
@@ -78,7 +78,7 @@ def report(history: xr.Dataset, events: xr.Dataset) -> str:
         extremes=extremes_table(history),
         extremes_note=_extremes_note(history, events),
         window=window_text(history),
-        numbers={dim: numbers_table(history, dim) for dim in ("mesh", "wheel")},
+        numbers=numbers_tables(history),
         events=event_counts(history, events),
         counts={
             k: f"{v:,}" if isinstance(v, int | np.integer) else f"{v:.6g}"

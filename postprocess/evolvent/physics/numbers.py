@@ -28,11 +28,14 @@ def window_text(history: xr.Dataset) -> str:
     return f"{periods:.0f} whole periods, from {begin:.6g} to {end:.6g} s."
 
 
-def numbers_table(history: xr.Dataset, dim: str) -> list[tuple[str, list[str]]]:
-    """Write the numbers of meshes or wheels: what, and for each how much.
+def numbers_tables(history: xr.Dataset) -> list[tuple[list[str], list[tuple[str, list[str]]]]]:
+    """Write the numbers of all meshes, wheels and accelerometers: their names, and a row a number."""
+    dims = [dim for dim in ("mesh", "wheel", "accelerometer") if dim in history.dims]
+    return [([str(v) for v in history[dim].values], _rows(history, dim)) for dim in dims]
 
-    Phases, and what no mesh or wheel has, are left out.
-    """
+
+def _rows(history: xr.Dataset, dim: str) -> list[tuple[str, list[str]]]:
+    """Write what, and for each mesh or wheel how much; without phases, and what none of them has."""
     rows = []
     for name, variable in history.data_vars.items():
         if not is_number(str(name)) or variable.dims[:1] != (dim,):

@@ -260,6 +260,8 @@ EVL_API int evl_radau_advance(evl_radau *radau, double t_stop, double *t, double
                               evl_status *status);
 /** State at t within the last step. */
 EVL_API void evl_radau_interpolate(const evl_radau *radau, double t, double *y);
+/** The same at EVL_LANES times, to rounding: y [n_states * EVL_LANES], of each state the times side by side. */
+EVL_API void evl_radau_interpolate_lanes(const evl_radau *radau, const double *t, double *y);
 /** Go on after an event from (t, y) with the discrete state that evl_gearbox_apply_event left. */
 EVL_API void evl_radau_restart(evl_radau *radau, double t, const double *y, const int *integers, const double *reals);
 /** Take the last step back: go on from its start (t, y), which are set, in smaller ones. */
@@ -323,6 +325,9 @@ EVL_API void evl_gearbox_output_places(const evl_gearbox *gearbox, int *offsets,
 EVL_API int evl_gearbox_outputs(const evl_gearbox *gearbox, double t, const double *y, const int *integers,
                                 const double *reals, bool check, double *values, evl_status *status);
 
+/** How many states the kernel takes at once. */
+enum { EVL_LANES = 8 };
+
 /** Asks for some outputs at many states; belongs to one thread. */
 typedef struct evl_sampler evl_sampler;
 
@@ -332,7 +337,7 @@ EVL_API void evl_sampler_delete(evl_sampler **sampler);
 /** At n states of one discrete state, as in a step; eight at once are quickest, and there values may differ from those of one by
  *  rounding. Nothing is found that only other outputs need.
  *  @param t       [n]
- *  @param y       [n * n_states] state after state
+ *  @param y       [n_states * n] of each state the n values side by side
  *  @param values  one wanted output behind the other, as many values each as evl_gearbox_output_places counts; of each the n states side
  *                 by side. @return as evl_gearbox_outputs without check */
 EVL_API int evl_sampler_ask(evl_sampler *sampler, int n, const double *t, const double *y, const int *integers,

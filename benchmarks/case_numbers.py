@@ -1,4 +1,4 @@
-"""What the numbers over whole periods cost: `python benchmarks/numbers.py PROGRAM [CASE]`.
+"""What the numbers over whole periods cost: `python benchmarks/case_numbers.py PROGRAM [CASE]`.
 
 Processor time of a batch with all numbers over one with the usual list, in alternation; the window
 is the last half of each case, as where nothing is said.
