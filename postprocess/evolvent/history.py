@@ -14,12 +14,25 @@ import xarray as xr
 from evolvent.errors import HistoryError
 
 NEWEST_FORMAT = 1
-HISTORY, STATIC = "history", "static"  # values of the attribute `evolvent_kind`
+# values of the attribute `evolvent_kind`
+HISTORY, STATIC = "history", "static"
+SPECTRUM, ORDER_MAP, CAMPBELL = "spectrum", "order_map", "campbell"
 DIMENSIONS = {
     HISTORY: ("time", "wheel", "mesh", "axis"),
     STATIC: ("torque", "position", "pair", "harmonic"),
+    SPECTRUM: (),  # frequency or order
+    ORDER_MAP: ("time", "order"),
+    CAMPBELL: ("speed", "mode", "excitation", "crossing"),
 }
-WHAT = {HISTORY: "a history", STATIC: "a static analysis", "stack": "histories of many cases"}
+WHAT = {
+    HISTORY: "a history",
+    STATIC: "a static analysis",
+    SPECTRUM: "a spectrum",
+    ORDER_MAP: "an order map",
+    CAMPBELL: "a Campbell picture",
+    "stack": "histories of many cases",
+}
+DRAWN = (STATIC, SPECTRUM, ORDER_MAP, CAMPBELL)  # by evolvent-post plot, beside histories
 DONE, RUNNING = "done", "running"  # values of the attribute `status`
 
 
@@ -176,7 +189,7 @@ def _check_kind(path: Path, result: xr.Dataset, kinds: tuple[str, ...]) -> None:
     kind = result_kind(result)
     if kind not in kinds:
         wanted = " or ".join(WHAT[name] for name in kinds)
-        hint = "; evolvent-post plot draws it" if kind == STATIC else ""
+        hint = "; evolvent-post plot draws it" if kind in DRAWN else ""
         raise HistoryError(f"{path}: is {WHAT.get(kind, f'a result {kind!r}')}, not {wanted}{hint}")
     missing = [name for name in DIMENSIONS[kind] if name not in result.dims]
     if missing:

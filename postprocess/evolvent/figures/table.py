@@ -12,10 +12,23 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from evolvent.errors import HistoryError
+from evolvent.figures.campbell import draw_campbell
+from evolvent.figures.order_map import draw_order_maps
 from evolvent.figures.over_time import Curve, Panel, figure_over_time, of_mesh
 from evolvent.figures.pairs import draw_pairs, last_pitches
+from evolvent.figures.spectrum import draw_spectra
 from evolvent.figures.static import draw_curves, draw_harris, draw_sharing
-from evolvent.history import HISTORY, STATIC, WHAT, require, result_kind, source_name
+from evolvent.history import (
+    CAMPBELL,
+    HISTORY,
+    ORDER_MAP,
+    SPECTRUM,
+    STATIC,
+    WHAT,
+    require,
+    result_kind,
+    source_name,
+)
 from evolvent.physics.extremes import peaks
 
 
@@ -59,7 +72,7 @@ class Drawing:
                 )
             for name in self.needs:
                 require(run.history, name)
-        return self.function(runs) if self.together else self.function(*runs, **options)
+        return self.function(runs, **options) if self.together else self.function(*runs, **options)
 
 
 FIGURES: dict[str, Drawing] = {}
@@ -199,6 +212,40 @@ def harris(run: Run) -> Figure:
     Source: S. L. Harris 1958, whose curves of static transmission error are named after him.
     """
     return draw_harris(run.history)
+
+
+@figure(
+    "amplitudes of all spectra over frequency or order", "amplitude", of=SPECTRUM, together=True
+)
+def spectrum(runs: Sequence[Run]) -> Figure:
+    """Draw the lines of one quantity of several histories."""
+    return draw_spectra([(run.label, run.history) for run in runs])
+
+
+@figure(
+    "amplitudes over speed and order, a panel for each order map",
+    "amplitude",
+    "speed",
+    of=ORDER_MAP,
+    together=True,
+)
+def order_map(runs: Sequence[Run], over_time: bool = False, as_frequency: bool = False) -> Figure:
+    """Draw how the lines change as the gearbox runs up."""
+    return draw_order_maps([(run.label, run.history) for run in runs], over_time, as_frequency)
+
+
+@figure(
+    "natural frequencies and orders over the speed, and where they meet",
+    "natural_frequency",
+    "crossing_speed",
+    of=CAMPBELL,
+)
+def campbell(run: Run) -> Figure:
+    """Draw the Campbell picture.
+
+    Source: W. Campbell 1924, who looked for the speeds at which turbine discs ring.
+    """
+    return draw_campbell(run.history)
 
 
 def _panels(label: str, runs: Sequence[Run], curves: Callable[[int], list[Curve]]) -> Figure:

@@ -8,6 +8,10 @@ COMMANDS = (
     "plot",
     "report",
     "compare",
+    "spectrum",
+    "waterfall",
+    "sidebands",
+    "campbell",
 )
 TEXT = """Check, draw and compare the histories that `evolvent run` writes.
 

@@ -16,7 +16,7 @@ from evolvent.commands.program import new_console, option
 from evolvent.errors import USAGE, HistoryError, writing
 from evolvent.figures.style import Format, save
 from evolvent.figures.table import FIGURES, Run, pairs
-from evolvent.history import HISTORY, STATIC, file_label, open_events, result_kind
+from evolvent.history import DRAWN, HISTORY, WHAT, file_label, open_events, result_kind
 
 Quantity = StrEnum("Quantity", list(FIGURES))  # type: ignore[misc]  # its members are a table
 
@@ -104,12 +104,13 @@ def plot(
 
 def _open(path: Path, label: str, begin: float, end: float) -> Run:
     """Open a file of any kind that has figures; of a history what lies between two times."""
-    result = open_with_warning(path, HISTORY, STATIC)
+    result = open_with_warning(path, HISTORY, *DRAWN)
     is_whole = begin == -math.inf and end == math.inf
-    if result_kind(result) == STATIC:
+    kind = result_kind(result)
+    if kind != HISTORY:
         if not is_whole:
             raise HistoryError(
-                f"{path}: is a static analysis, which has no time: leave out --from and --to", USAGE
+                f"{path}: is {WHAT[kind]}, not a history: leave out --from and --to", USAGE
             )
         return Run(result, label=label)
     part = result.sel(time=(result["time"] >= begin) & (result["time"] <= end))

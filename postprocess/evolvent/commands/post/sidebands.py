@@ -1,0 +1,162 @@
+"""The command evolvent-post sidebands."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Annotated, Any
+
+import typer
+import xarray as xr
+from rich.markup import escape
+from rich.table import Table
+
+from evolvent.commands.post.common import AsJson, File, open_with_warning
+from evolvent.commands.post.signal_options import (
+    WHOLE_TIME,
+    OptionAxis,
+    OptionFrom,
+    OptionPair,
+    OptionQuantity,
+    OptionSelect,
+    OptionTo,
+    OptionWheel,
+    OptionWindow,
+    choice,
+)
+from evolvent.commands.program import json_number, new_console, option, right
+from evolvent.errors import USAGE, HistoryError
+from evolvent.history import source_name
+from evolvent.signals.results import told_sampling
+from evolvent.signals.sampling import EVEN, between, check_reach, last_periods, read_record
+from evolvent.signals.selection import select
+from evolvent.signals.sidebands import Sideband, phase
+from evolvent.signals.sidebands import sidebands as find_sidebands
+from evolvent.signals.turning import find_mesh, ratio, wheels_of
+from evolvent.signals.windows import RECTANGULAR
+from evolvent.units import quantity
+
+
+def sidebands(
+    file: File,
+    mesh: Annotated[
+        str | None, option("--mesh NAME", "Mesh whose orders are the carriers; the first.")
+    ] = None,
+    name: OptionQuantity = "transmission_error",
+    wheel: OptionWheel = None,
+    pair: OptionPair = None,
+    axis: OptionAxis = None,
+    others: OptionSelect = None,
+    begin: OptionFrom = WHOLE_TIME[0],
+    end: OptionTo = WHOLE_TIME[1],
+    carriers: Annotated[int, option("--carriers N", "Mesh orders 1 to N.", min=1)] = 2,
+    sides: Annotated[int, option("--sides N", "Sidebands 1 to N of a wheel.", min=1)] = 2,
+    window: OptionWindow = None,
+    as_json: AsJson = False,
+) -> None:
+    """Show the lines beside the orders of a mesh, wheel by wheel, and how much they modulate it.
+
+    \b
+    Lines of a wheel with z teeth stand 1/z, 2/z, ... mesh orders beside each carrier: n z + k of
+    its own orders. They are read from as many whole turns of the wheel as the record holds, of
+    both wheels where the same teeth meet again in it.
+    Example:
+      evolvent-post sidebands compliant-pair.h5 --carriers 1
+    """  # noqa: D301 - \b keeps click from filling the lines
+    chosen = choice(None, wheel, pair, axis, others)
+    history = open_with_warning(file)
+    with history:
+        carrier = mesh or str(history["mesh"].values[0])
+        if name in history and "mesh" in history[name].dims:
+            chosen["mesh"] = carrier
+        part = between(history, begin, end)
+        signal = select(part, name, chosen)
+        found, remarks = _find(part, signal, carrier, carriers, sides, window)
+    units = str(signal.attrs["units"])
+    what = f"{file}: {name}" + (f" of {signal.attrs['place']}" if signal.attrs["place"] else "")
+    if as_json:
+        typer.echo(json.dumps([_as_json(band) for band in found], indent=2))
+        return
+    console = new_console()
+    for line in [what, *remarks]:
+        console.print(line, highlight=False, markup=False)
+    console.print(_table(found, units))
+
+
+def _find(
+    history: xr.Dataset,
+    signal: xr.DataArray,
+    mesh: str,
+    carriers: int,
+    sides: int,
+    shape: str | None,
+) -> tuple[list[Sideband], list[str]]:
+    """Sidebands of both wheels of a mesh, and over which part of the record each is told."""
+    label = source_name(history)
+    of = find_mesh(history, mesh)
+    record = read_record(history, signal, of)
+    check_reach(record, label, carriers + 0.5)
+    wheels = wheels_of(history, mesh)
+    teeth = [int(ratio(of, wheel)) for wheel in wheels]
+    both = math.lcm(*teeth)
+    records, remarks = {}, []
+    for wheel, z in zip(wheels, teeth, strict=True):
+        block = both if record.periods >= both else z
+        count = int(record.periods * (1 + EVEN)) // block * block
+        if count == 0:
+            remarks.append(f"{wheel}: left out, {record.periods:.4g} pitches are less than a turn")
+            continue
+        records[wheel.name] = last_periods(record, label, count)
+        where = "" if block == both else "; lines of the other wheel leak into these"
+        turns = f"{count // z} whole turn{'s' if count > z else ''}"
+        remarks.append(f"{wheel}: over {turns}, {count} pitches{where}")
+    if not records:
+        raise HistoryError(
+            f"{label}: holds {record.periods:.4g} pitches of {of}, less than a turn of a wheel, "
+            f"which takes {min(teeth)}; run the case longer",
+            USAGE,
+        )
+    wheels = [wheel for wheel in wheels if wheel.name in records]
+    remarks.append(told_sampling(record))
+    return find_sidebands(records, wheels, of, carriers, sides, str(shape or RECTANGULAR)), remarks
+
+
+def _table(found: list[Sideband], units: str) -> Table:
+    table = Table(
+        "line", *map(right, ("order", "amplitude", "phase", "amplitude modulation")),
+        right("phase modulation"), box=None,
+    )  # fmt: skip
+
+    def row(text: str, order: float, line: complex, *more: str) -> None:
+        size = quantity(abs(line), units)
+        table.add_row(
+            escape(text), f"{order:.6g}", size, f"{math.degrees(phase(line)):.1f}°", *more
+        )
+
+    last = 0
+    for band in found:
+        n = band.mesh_order
+        if n != last:
+            row(f"{n} x mesh", float(n), band.carrier)
+            last = n
+        indices = (f"{band.amplitude_modulation:.4g}", f"{band.phase_modulation:.4g} rad")
+        name = f"{band.wheel_order} x {band.wheel}"
+        row(f"  - {name}", n - band.spacing, band.lower)
+        row(f"  + {name}", n + band.spacing, band.upper, *indices)
+    return table
+
+
+def _as_json(band: Sideband) -> dict[str, Any]:
+    lines = {"carrier": band.carrier, "lower": band.lower, "upper": band.upper}
+    return {
+        "mesh_order": band.mesh_order,
+        "wheel": band.wheel,
+        "wheel_order": band.wheel_order,
+        "spacing": band.spacing,
+        "amplitude_modulation": json_number(band.amplitude_modulation),
+        "phase_modulation": json_number(band.phase_modulation),
+        **{
+            name: {"amplitude": json_number(abs(line)), "phase": json_number(phase(line))}
+            for name, line in lines.items()
+        },
+    }

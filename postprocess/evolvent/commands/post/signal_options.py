@@ -1,0 +1,127 @@
+"""What the commands about lines of histories share: options, how a record is chosen, files."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+import xarray as xr
+
+from evolvent.commands.post.common import open_with_warning
+from evolvent.commands.program import option
+from evolvent.errors import USAGE, EvolventError, replacing, writing
+from evolvent.figures.style import Format, save
+from evolvent.history import HISTORY
+from evolvent.signals.sampling import between
+from evolvent.signals.selection import select
+from evolvent.signals.windows import WINDOWS
+
+Window = StrEnum("Window", list(WINDOWS))  # type: ignore[misc]  # its members are a table
+DATA = "h5"
+
+OptionQuantity = Annotated[str, option("--quantity NAME", "Variable of the history.")]
+OptionMesh = Annotated[str | None, option("--mesh NAME", "Its mesh, if there are several.")]
+OptionWheel = Annotated[str | None, option("--wheel NAME", "Its wheel.")]
+OptionPair = Annotated[str | None, option("--pair NAME", "Its place for tooth pairs: drive_0.")]
+OptionAxis = Annotated[str | None, option("--axis NAME", "Its axis: x, y, z.")]
+OptionSelect = Annotated[
+    list[str] | None,
+    option("--select DIM=NAME", "Any other dimension, such as shaft=input; may be repeated."),
+]
+OptionFrom = Annotated[
+    float, option("--from TIME", "First time taken [s]; else the first.", show_default=False)
+]
+OptionTo = Annotated[
+    float, option("--to TIME", "Last time taken [s]; else the last.", show_default=False)
+]
+OptionWindow = Annotated[
+    Window | None,
+    option("--window", "Shape: rectangular over whole periods, else hann, if not given."),
+]
+OptionOutput = Annotated[
+    list[Path] | None,
+    option(
+        "-o --output FILE",
+        "Numbers (.h5) or picture (.png, .svg, .pdf); may be repeated.",
+    ),
+]
+WHOLE_TIME = (-math.inf, math.inf)
+
+
+def choice(
+    mesh: str | None, wheel: str | None, pair: str | None, axis: str | None,
+    others: Sequence[str] | None,
+) -> dict[str, str]:  # fmt: skip
+    """Names by dimension, from the options."""
+    chosen = {"mesh": mesh, "wheel": wheel, "pair": pair, "axis": axis}
+    for text in others or ():
+        dim, equals, name = text.partition("=")
+        if not (dim and equals and name):
+            raise typer.BadParameter(f"{text} is no DIM=NAME", param_hint="--select")
+        chosen[dim] = name
+    return {dim: name for dim, name in chosen.items() if name is not None}
+
+
+def open_signal(
+    path: Path, quantity: str, chosen: dict[str, str], begin: float, end: float
+) -> tuple[xr.Dataset, xr.DataArray]:
+    """Part of a history between two times, and one variable of it."""
+    history = open_with_warning(path, HISTORY)
+    part = between(history, begin, end)
+    return part, select(part, quantity, chosen)
+
+
+def check_outputs(outputs: Sequence[Path] | None, results: int, *more: str) -> None:
+    """Refuse files of other kinds, and several results in one file of numbers, before any work.
+
+    Parameters
+    ----------
+    more : endings that the command writes besides.
+    """
+    endings = [DATA, *more, *Format]
+    for path in outputs or ():
+        ending = path.suffix.lstrip(".").lower()
+        if ending not in endings:
+            known = ", ".join(f".{known}" for known in endings[:-1])
+            raise typer.BadParameter(
+                f"{path} must end in {known} or .{endings[-1]}", param_hint="--output"
+            )
+        if ending == DATA and results > 1:
+            raise EvolventError(
+                f"{path}: holds one result, and there are {results} histories; write the numbers "
+                "of each by itself",
+                USAGE,
+            )
+
+
+def write_outputs(
+    outputs: Sequence[Path] | None, results: Sequence[tuple[str, xr.Dataset]], row: str,
+    **options: Any,
+) -> list[Path]:  # fmt: skip
+    """Write the numbers and pictures that were asked for.
+
+    Parameters
+    ----------
+    results : labels and datasets.
+    row : name of the figure in the table.
+    options : of the figure.
+
+    Returns
+    -------
+    What was written.
+    """
+    from evolvent.figures.table import FIGURES, Run
+
+    for path in outputs or ():
+        if path.suffix.lower() == f".{DATA}":
+            with replacing(path) as temporary:
+                results[0][1].to_netcdf(temporary, engine="h5netcdf")
+            continue
+        figure = FIGURES[row](*(Run(result, label=label) for label, result in results), **options)
+        with writing(path):
+            save(figure, path)
+    return list(outputs or ())

@@ -1,0 +1,200 @@
+"""The command evolvent-post spectrum."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Annotated, Any
+
+import typer
+import xarray as xr
+from rich.table import Table
+
+from evolvent.commands.post.common import AsJson, Files, complain
+from evolvent.commands.post.signal_options import (
+    WHOLE_TIME,
+    OptionAxis,
+    OptionFrom,
+    OptionMesh,
+    OptionOutput,
+    OptionPair,
+    OptionQuantity,
+    OptionSelect,
+    OptionTo,
+    OptionWheel,
+    OptionWindow,
+    check_outputs,
+    choice,
+    open_signal,
+    write_outputs,
+)
+from evolvent.commands.program import json_number, new_console, option, right
+from evolvent.units import displayed, quantity
+
+
+def spectrum(
+    files: Files,
+    output: OptionOutput = None,
+    order_of: Annotated[
+        str | None,
+        option(
+            "--order-of NAME",
+            "Lines over the order of this mesh or wheel; else over frequency, or of a history "
+            "with output by angle over what that counts.",
+        ),
+    ] = None,
+    name: OptionQuantity = "transmission_error",
+    mesh: OptionMesh = None,
+    wheel: OptionWheel = None,
+    pair: OptionPair = None,
+    axis: OptionAxis = None,
+    others: OptionSelect = None,
+    begin: OptionFrom = WHOLE_TIME[0],
+    end: OptionTo = WHOLE_TIME[1],
+    periods: Annotated[
+        int | None,
+        option("--periods N", "The last N periods only; else all whole ones.", min=1),
+    ] = None,
+    window: OptionWindow = None,
+    highest: Annotated[
+        float | None, option("--highest X", "Highest order, or frequency [Hz].", min=0.0)
+    ] = None,
+    count: Annotated[int, option("--lines N", "Lines in the table, the largest.", min=1)] = 10,
+    as_json: AsJson = False,
+) -> None:
+    """Show the lines of a signal: amplitudes and phases over frequency or order.
+
+    \b
+    Amplitudes are those of sines, half of peak to peak. The mean is told apart.
+    Phases are those of A cos(2 pi n xi - phase): xi in pitches from pair 0's start of
+    contact, turns since the start, or periods since t = 0.
+    Example:
+      evolvent-post spectrum compliant-pair.h5 --order-of pinion-gear -o orders.png -o orders.h5
+      evolvent-post spectrum compliant-pair.h5 spur-pair.h5 --from 0.02 -o frequencies.png
+      evolvent-post spectrum two-stage-gears.h5 --order-of motor --mesh first --lines 5
+    """  # noqa: D301 - \b keeps click from filling the lines
+    from evolvent.history import file_label
+
+    check_outputs(output, len(files))
+    chosen = choice(mesh, wheel, pair, axis, others)
+    results = []
+    for path in files:
+        history, signal = open_signal(path, name, chosen, begin, end)
+        with history:
+            result = make_spectrum(history, signal, order_of, periods, window, highest)
+        results.append((file_label(path), result))
+    written = write_outputs(output, results, "spectrum")
+    if as_json:
+        typer.echo(json.dumps([_as_json(result, count) for _, result in results], indent=2))
+        return
+    for _, result in results:
+        _print(result, count)
+    for path in written:
+        typer.echo(path)
+
+
+def make_spectrum(
+    history: xr.Dataset,
+    signal: xr.DataArray,
+    order_of: str | None,
+    periods: int | None,
+    shape: str | None,
+    highest: float | None,
+) -> xr.Dataset:
+    """Lines of one signal; says if a changing speed smears them."""
+    from evolvent.history import source_name
+    from evolvent.signals import results, sampling
+    from evolvent.signals.spectrum import line_spectrum
+    from evolvent.signals.windows import HANN, RECTANGULAR
+    from evolvent.signals.windows import window as window_of
+
+    label = source_name(history)
+    of = sampling.counted_over(history, order_of)
+    record = sampling.read_record(history, signal, of)
+    reach = sampling.check_reach(record, label, highest)
+    if of is not None:
+        record = sampling.last_periods(record, label, periods)
+    elif periods is not None:
+        raise typer.BadParameter("is for --order-of", param_hint="--periods")
+    elif (change := sampling.speed_change(history)) > sampling.STEADY:
+        complain(
+            f"{label}: the speed changes by {100 * change:.2g} %, which smears lines over "
+            "frequency; take --order-of NAME, or evolvent-post waterfall"
+        )
+    name = str(shape or (HANN if of is None else RECTANGULAR))
+    weights = window_of(name, record.values.size)
+    lines = line_spectrum(record.values, record.first, record.step, weights).upto(reach)
+    return results.spectrum_result(history, signal, record, lines, name)
+
+
+def _print(result: xr.Dataset, count: int) -> None:
+    """Say what was done, and show the largest lines."""
+    console = new_console()
+    for line in told(result):
+        console.print(line, highlight=False, markup=False)
+    over = str(result["amplitude"].dims[0])
+    units = str(result["amplitude"].attrs["units"])
+    columns = ["frequency"] if over == "frequency" else ["order", "frequency"]
+    table = Table(*map(right, [*columns, "amplitude", "phase"]), box=None)
+    table.add_row(
+        *[""] * (len(columns) - 1), "mean", quantity(float(result["amplitude"][0]), units), ""
+    )
+    for i in largest(result, count):
+        one = result.isel({over: i})
+        cells = [] if over == "frequency" else [f"{float(one['order']):.6g}"]
+        table.add_row(
+            *cells,
+            f"{float(one['frequency']):.6g} Hz",
+            quantity(float(one["amplitude"]), units),
+            f"{math.degrees(float(one['phase'])):.1f}°",
+        )
+    console.print(table)
+
+
+def told(result: xr.Dataset) -> list[str]:
+    """What a spectrum is of and how it was made, in two lines."""
+    a = result.attrs
+    place = f" of {a['place']}" if a["place"] else ""
+    what = f"{a['source']}: {a['quantity']}{place}, t = {a['begin']:.6g} to {a['end']:.6g} s"
+    spacing = float(result["line_spacing"])
+    bandwidth = float(result["noise_bandwidth"])
+    if not a["order_of"]:
+        return [
+            what,
+            f"{a['window']} window over {a['samples']} outputs: a line every {spacing:.4g} Hz, "
+            f"noise bandwidth {bandwidth:.4g} Hz",
+        ]
+    return [
+        what,
+        f"{a['window']} window over {a['periods']} of {a['order_of']} at "
+        f"{float(result['frequency'][-1] / result['order'][-1]):.6g} Hz, {a['sampling']}: "
+        f"a line every {spacing:.4g} orders, noise bandwidth {bandwidth:.4g} orders",
+    ]
+
+
+def largest(result: xr.Dataset, count: int) -> list[int]:
+    """Indices of the largest lines, by size."""
+    from evolvent.signals.spectrum import Lines, peaks
+
+    over = str(result["amplitude"].dims[0])
+    return peaks(
+        Lines(result[over].values, result["amplitude"].values, result["phase"].values), count
+    )
+
+
+def _as_json(result: xr.Dataset, count: int) -> dict[str, Any]:
+    names = [n for n in ("order", "frequency", "amplitude", "phase") if n in result.variables]
+    over = str(result["amplitude"].dims[0])
+    rows = [
+        {name: json_number(float(result[name][i])) for name in names}
+        for i in largest(result, count)
+    ]
+    kept = ("source", "quantity", "place", "order_of", "window", "sampling", "begin", "end")
+    return {
+        **{name: result.attrs[name] for name in kept},
+        "units": displayed(str(result["amplitude"].attrs["units"])),
+        "mean": json_number(float(result["amplitude"].isel({over: 0}))),
+        "line_spacing": float(result["line_spacing"]),
+        "noise_bandwidth": float(result["noise_bandwidth"]),
+        "lines": rows,
+    }

@@ -1,0 +1,145 @@
+"""The command evolvent-post waterfall."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+import xarray as xr
+from rich.table import Table
+
+from evolvent.commands.post.common import Files
+from evolvent.commands.post.signal_options import (
+    WHOLE_TIME,
+    OptionAxis,
+    OptionFrom,
+    OptionMesh,
+    OptionOutput,
+    OptionPair,
+    OptionQuantity,
+    OptionSelect,
+    OptionTo,
+    OptionWheel,
+    OptionWindow,
+    check_outputs,
+    choice,
+    open_signal,
+    write_outputs,
+)
+from evolvent.commands.program import new_console, option, right
+from evolvent.units import quantity
+
+RPM = 9.549296585513721  # rev/min of 1 rad/s
+
+
+def waterfall(
+    files: Files,
+    order_of: Annotated[
+        str | None,
+        option(
+            "--order-of NAME",
+            "Mesh or wheel; the first mesh, or what the output by angle counts, if not given.",
+        ),
+    ] = None,
+    output: OptionOutput = None,
+    name: OptionQuantity = "transmission_error",
+    mesh: OptionMesh = None,
+    wheel: OptionWheel = None,
+    pair: OptionPair = None,
+    axis: OptionAxis = None,
+    others: OptionSelect = None,
+    begin: OptionFrom = WHOLE_TIME[0],
+    end: OptionTo = WHOLE_TIME[1],
+    length: Annotated[int, option("--length N", "Periods of a window.", min=1)] = 4,
+    hop: Annotated[
+        int | None,
+        option("--hop N", "Periods from window to window; half the length if not given.", min=1),
+    ] = None,
+    window: OptionWindow = None,
+    highest: Annotated[float | None, option("--highest X", "Highest order.", min=0.0)] = None,
+    over_time: Annotated[bool, option("--over-time", "Picture over time, not speed.")] = False,
+    frequency: Annotated[
+        bool, option("--frequency", "Picture with frequencies, not orders.")
+    ] = False,
+) -> None:
+    """Show how the lines of a signal change with the speed: an order map.
+
+    \b
+    Each window has whole pitches of the mesh, or whole turns of the wheel.
+    Example:
+      evolvent-post waterfall compliant-pair.h5 --order-of pinion-gear -o map.png -o map.h5
+    """  # noqa: D301 - \b keeps click from filling the lines
+    from evolvent.history import file_label
+
+    check_outputs(output, len(files))
+    chosen = choice(mesh, wheel, pair, axis, others)
+    results = []
+    for path in files:
+        history, signal = open_signal(path, name, chosen, begin, end)
+        with history:
+            result = make_map(history, signal, order_of, length, hop, window, highest)
+        results.append((file_label(path), result))
+    written = write_outputs(
+        output, results, "order_map", over_time=over_time, as_frequency=frequency
+    )
+    for _, result in results:
+        _print(result)
+    for path in written:
+        typer.echo(path)
+
+
+def make_map(
+    history: xr.Dataset,
+    signal: xr.DataArray,
+    order_of: str | None,
+    length: int,
+    hop: int | None,
+    shape: str | None,
+    highest: float | None,
+) -> xr.Dataset:
+    """Order map of one signal."""
+    from evolvent.history import source_name
+    from evolvent.signals import results, sampling
+    from evolvent.signals.order_map import order_map
+    from evolvent.signals.windows import RECTANGULAR
+
+    label = source_name(history)
+    of = sampling.counted_over(history, order_of) or sampling.counted_over(
+        history, str(history["mesh"].values[0])
+    )
+    record = sampling.read_record(history, signal, of)
+    reach = sampling.check_reach(record, label, highest)
+    name = str(shape or RECTANGULAR)
+    found = order_map(record, label, length, hop or max(1, length // 2), name, reach)
+    return results.order_map_result(history, signal, record, found, name)
+
+
+def _print(result: xr.Dataset) -> None:
+    """Say what was done, and where each of the largest whole orders is largest."""
+    a = result.attrs
+    console = new_console()
+    place = f" of {a['place']}" if a["place"] else ""
+    console.print(
+        f"{a['source']}: {a['quantity']}{place}, t = {a['begin']:.6g} to {a['end']:.6g} s\n"
+        f"{result.sizes['time']} windows of {float(result['window_length']):.4g} "
+        f"{a['periods'].split()[-1]} of {a['order_of']}, {a['window']}, {a['sampling']}; "
+        f"lines up to order {float(result['order'][-1]):.4g}",
+        highlight=False, markup=False,
+    )  # fmt: skip
+    units = str(result["amplitude"].attrs["units"])
+    table = Table(
+        *map(right, ("order", "largest amplitude", f"speed of {a['wheel']}", "frequency", "time")),
+        box=None,
+    )
+    tops = result["amplitude"][:, 1:].max("time")
+    for index in sorted(tops.argsort().values[::-1][:5] + 1):
+        line = result.isel(order=int(index))
+        at = line.isel(time=int(line["amplitude"].values.argmax()))
+        table.add_row(
+            f"{float(at['order']):.6g}",
+            quantity(float(at["amplitude"]), units),
+            f"{float(at['speed']) * RPM:.5g} rpm",
+            f"{float(at['frequency']):.5g} Hz",
+            f"{float(at['time']):.6g} s",
+        )
+    console.print(table)

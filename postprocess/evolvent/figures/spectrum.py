@@ -1,0 +1,106 @@
+"""Spectra of several histories in one picture."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from evolvent.errors import USAGE, HistoryError
+from evolvent.figures.style import ABOVE, LINES, STYLE
+from evolvent.units import prefixed
+
+FEW = 60  # lines that stand each for itself; more are a curve
+MARKED = 12  # peaks of a curve
+DEPTH = 1e-4  # of the largest line: what lies below is not shown
+HEIGHT = 1e-3  # of the largest line: lines are shown up to the last one that is higher
+MARKERS = ("o", "s", "^", "D", "v")
+
+
+def draw_spectra(spectra: Sequence[tuple[str, xr.Dataset]]) -> Figure:
+    """Draw amplitudes over frequency or order, on a logarithmic scale.
+
+    Parameters
+    ----------
+    spectra : names and spectra, all over the same.
+    """
+    over = _common_axis([spectrum for _, spectrum in spectra])
+    first = spectra[0][1]
+    tops = [float(spectrum["amplitude"][1:].max()) for _, spectrum in spectra]
+    factor, unit = prefixed(tops, str(first["amplitude"].attrs["units"]))
+    top = max(max(tops), np.finfo(float).tiny)
+    last = max(_last_shown(spectrum, over, HEIGHT * top) for _, spectrum in spectra)
+    with rc_context(STYLE):
+        figure = Figure(figsize=(7.5, 4.4), layout="constrained")
+        axis = figure.subplots()
+        for number, (label, spectrum) in enumerate(spectra):
+            shown = spectrum.isel({over: slice(1, None)})
+            shown = shown.isel({over: np.flatnonzero(shown[over] <= last * 1.0001)})
+            _draw(axis, shown, over, factor, number, len(spectra), label, DEPTH * top * factor)
+        axis.set_yscale("log")
+        axis.set_ylim(DEPTH * top * factor, 2.0 * top * factor)
+        axis.set_xlim(0.0, 1.03 * last)
+        axis.set_xlabel(
+            "frequency [Hz]" if over == "frequency" else str(first[over].attrs["long_name"])
+        )
+        axis.set_ylabel(f"amplitude [{unit}]" if unit else "amplitude")
+        axis.set_title(described(first), loc="left", fontsize=11, wrap=True)
+        if len(spectra) > 1:
+            figure.legend(loc=ABOVE, ncols=3)
+    return figure
+
+
+def described(result: xr.Dataset) -> str:
+    """Which signal it is, as above a figure."""
+    name = str(result.attrs.get("quantity_long_name", "")).split(",")[0]
+    return ", ".join(filter(None, [name, str(result.attrs.get("place", ""))]))
+
+
+def _common_axis(spectra: list[xr.Dataset]) -> str:
+    """What all are over; refuse what does not belong into one picture."""
+    for attribute, what in (("order_of", "orders"), ("quantity", "quantities")):
+        kinds = sorted({str(s.attrs.get(attribute)) or "frequency" for s in spectra})
+        if len(kinds) > 1:
+            raise HistoryError(
+                f"spectra of different {what} do not belong into one picture: {', '.join(kinds)}; "
+                "draw each alone",
+                USAGE,
+            )
+    return str(spectra[0]["amplitude"].dims[0])
+
+
+def _last_shown(spectrum: xr.Dataset, over: str, least: float) -> float:
+    high = np.flatnonzero(spectrum["amplitude"].values[1:] >= least)
+    return float(spectrum[over][1 + int(high[-1]) if high.size else -1])
+
+
+def _draw(
+    axis: Axes, shown: xr.Dataset, over: str, factor: float, number: int, many: int, label: str,
+    floor: float,
+) -> None:  # fmt: skip
+    place, amplitude = shown[over].values, shown["amplitude"].values * factor
+    style = LINES[number % len(LINES)]
+    dot: dict[str, Any] = {
+        "marker": MARKERS[number % len(MARKERS)],
+        "markersize": 5.5,
+        "markerfacecolor": style["color"] if number % 2 == 0 else "white",
+        "markeredgecolor": style["color"],
+        "linestyle": "none",
+        "zorder": 3,
+    }
+    if place.size <= FEW:
+        apart = 0.22 * (place[1] - place[0] if place.size > 1 else 1.0)
+        beside = place + apart * (number - (many - 1) / 2)
+        axis.vlines(beside, floor, amplitude, color=style["color"], linestyle=style["linestyle"])
+        high = amplitude > floor
+        axis.plot(beside[high], amplitude[high], label=label, **dot)
+        return
+    axis.plot(place, np.maximum(amplitude, floor / 10), linewidth=0.8, color=style["color"])
+    tops = np.flatnonzero((amplitude[1:-1] > amplitude[:-2]) & (amplitude[1:-1] >= amplitude[2:]))
+    tops = 1 + tops[np.argsort(-amplitude[1:-1][tops], kind="stable")][:MARKED]
+    axis.plot(place[tops], amplitude[tops], label=label, **dot)

@@ -1,0 +1,75 @@
+"""Order-time map: lines of short windows along a record."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from evolvent.errors import USAGE, HistoryError
+from evolvent.signals.sampling import Record
+from evolvent.signals.spectrum import line_spectrum
+from evolvent.signals.windows import window
+
+Numbers = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class OrderMap:
+    """Lines over time."""
+
+    order: Numbers
+    time: Numbers  # middle of each window [s]
+    rate: Numbers  # periods a second, the mean over the window
+    amplitude: Numbers  # dims (time, order)
+    phase: Numbers  # the same [rad]
+
+
+def order_map(
+    record: Record, label: str, length: int, hop: int, name: str, highest: float
+) -> OrderMap:
+    """Lines of windows of whole periods.
+
+    Parameters
+    ----------
+    record : over an angle.
+    label : of the history, for what is refused.
+    length : periods a window has.
+    hop : periods from window to window.
+    name : of the window's shape.
+    highest : order.
+
+    Raises
+    ------
+    HistoryError
+        The record is shorter than a window, or a window is no whole number of samples.
+    """
+    assert record.per_period is not None
+    assert record.of is not None
+    block = record.per_period.denominator
+    if length % block or hop % block:
+        raise HistoryError(
+            f"{label}: windows of {length} {record.of.periods} every {hop} are no whole number of "
+            f"samples; choose multiples of {block} by --length and --hop",
+            USAGE,
+        )
+    n, advance = int(length * record.per_period), int(hop * record.per_period)
+    starts = range(0, record.values.size - n + 1, advance)
+    if len(starts) < 2:
+        raise HistoryError(
+            f"{label}: holds {record.periods:.4g} {record.of.periods} of {record.of}, too few for "
+            f"two windows of {length}, {hop} apart; choose a shorter --length, or run the case "
+            "longer",
+            USAGE,
+        )
+    weights = window(name, n)
+    parts = [record.part(start, start + n) for start in starts]
+    lines = [line_spectrum(p.values, p.first, p.step, weights).upto(highest) for p in parts]
+    return OrderMap(
+        lines[0].place,
+        np.array([(p.time[0] + p.time[-1]) / 2 for p in parts]),
+        np.array([p.rate for p in parts]),
+        np.stack([line.amplitude for line in lines]),
+        np.stack([line.phase for line in lines]),
+    )

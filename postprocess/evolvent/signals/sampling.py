@@ -1,0 +1,305 @@
+"""Rows of a history as evenly spaced samples: over time, or over the angle of a mesh or wheel."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from evolvent.errors import BAD_INPUT, USAGE, HistoryError
+from evolvent.history import require, source_name
+from evolvent.signals.resampling import REACH, ROWS_NEEDED, resample
+from evolvent.signals.turning import Turning, find_turning, ratio
+
+Numbers = NDArray[np.float64]
+
+ON_GRID, TURNING_BACK = 0, 2  # values of `output_kind`
+EVEN = 1e-6  # of a step: what rounding and the text of a case leave of even rows
+GAP = 1.5  # steps; a row is missing where two are further apart
+STANDING = 1e-3  # periods; less is no turning
+MOST_SAMPLES = 2**23  # memory: each takes about 100 bytes on its way
+STEADY = 0.01  # change of speed over a record that a spectrum over frequency may have
+
+
+@dataclass(frozen=True)
+class Record:
+    """A signal at even places."""
+
+    values: Numbers
+    time: Numbers  # [s]
+    first: float  # place of the first sample [s, or periods]
+    per_period: Fraction | None  # samples a period; None over time
+    step: float  # from sample to sample [s, or periods]
+    rows: float  # rows of the history in a period, where there are fewest; samples if even
+    of: Turning | None = None  # None over time
+
+    @property
+    def resampled(self) -> bool:
+        """Whether the samples lie between the rows."""
+        return self.per_period is not None and self.rows != float(self.per_period)
+
+    @property
+    def reach(self) -> float:
+        """Highest line that can be told: half the samples, of interpolated ones what is exact."""
+        half = 0.5 / self.step
+        return min(half, REACH * self.rows) if self.resampled else half
+
+    @property
+    def periods(self) -> float:
+        """How many periods the samples stand for."""
+        return self.values.size * self.step
+
+    @property
+    def rate(self) -> float:
+        """Periods a second, the mean."""
+        if self.time.size < 2:
+            return math.nan
+        return float((self.time.size - 1) * self.step / (self.time[-1] - self.time[0]))
+
+    def part(self, begin: int, end: int) -> Record:
+        """Samples from `begin` to before `end`."""
+        return replace(
+            self, values=self.values[begin:end], time=self.time[begin:end],
+            first=self.first + begin * self.step,
+        )  # fmt: skip
+
+
+def is_by_angle(history: xr.Dataset) -> bool:
+    """Whether the rows of a history stand at even angles."""
+    return "output_position" in history and "output_of" in history.attrs
+
+
+def counted_over(history: xr.Dataset, order_of: str | None) -> Turning | None:
+    """What orders are counted over: as asked, else as the rows stand; None over time."""
+    name = order_of or (str(history.attrs["output_of"]) if is_by_angle(history) else None)
+    return None if name is None else find_turning(history, name)
+
+
+def between(history: xr.Dataset, begin: float, end: float) -> xr.Dataset:
+    """Rows between two times.
+
+    Raises
+    ------
+    HistoryError
+        There are fewer than two.
+    """
+    time = history["time"]
+    part = history.isel(time=np.flatnonzero((time >= begin) & (time <= end)))
+    if part.sizes["time"] < 2:
+        raise HistoryError(
+            f"{source_name(history)}: has {part.sizes['time']} outputs between --from and --to; "
+            + (f"it goes from {time[0]:.6g} s to {time[-1]:.6g} s" if time.size else "it is empty"),
+            USAGE,
+        )
+    return part
+
+
+def read_record(history: xr.Dataset, signal: xr.DataArray, of: Turning | None) -> Record:
+    """Even samples of a signal: rows as they stand where they are even, else between them.
+
+    Parameters
+    ----------
+    history : as from `open_history`, or a part of it over time.
+    signal : a variable of it, dims (time).
+    of : what orders are counted over; over time if None.
+
+    Raises
+    ------
+    HistoryError
+        Values or rows that are missing, no even rows, nothing that turns, one that turns back.
+    """
+    values = np.asarray(signal.values, dtype=float)
+    holes = np.flatnonzero(~np.isfinite(values))
+    if holes.size:
+        raise HistoryError(
+            f"{source_name(history)}: `{signal.name}` has no value at t = "
+            f"{float(history['time'][holes[0]]):.6g} s ({holes.size} of {values.size} outputs); "
+            "choose times or a variable without holes"
+        )
+    if of is None:
+        return _over_time(history, values)
+    if is_by_angle(history):
+        return _as_they_stand(history, values, of)
+    return _between_rows(history, values, of)
+
+
+def last_periods(record: Record, label: str, count: int | None = None) -> Record:
+    """The last whole periods of a record over an angle, all of them if `count` is None.
+
+    Raises
+    ------
+    HistoryError
+        There is not one, or there are not so many.
+    """
+    assert record.per_period is not None
+    assert record.of is not None
+    block = record.per_period.denominator  # periods that are a whole number of samples
+    there = int(record.values.size / record.per_period) // block * block
+    wanted = there if count is None else count
+    if wanted < 1 or wanted > there or wanted % block:
+        raise HistoryError(
+            f"{label}: holds {record.periods:.4g} {record.of.periods} of {record.of}, "
+            + (
+                f"and {_whole(block, record.of)} {'is' if block == 1 else 'are'} needed"
+                if wanted <= there
+                else f"not {_whole(wanted, record.of)}"
+            )
+            + ("; choose fewer, or run the case longer" if there else "; run the case longer"),
+            BAD_INPUT if count is None else USAGE,
+        )
+    return record.part(record.values.size - int(wanted * record.per_period), record.values.size)
+
+
+def check_reach(record: Record, label: str, highest: float | None) -> float:
+    """Highest line that is told: as asked, else what the record can tell.
+
+    Raises
+    ------
+    HistoryError
+        The record has too few samples for it.
+    """
+    wanted = 1.0 if highest is None and record.of is not None else highest or 0.0
+    if wanted > record.reach * (1 + EVEN):
+        unit = "Hz" if record.of is None else f"of {record.of}"
+        rows = (
+            f"{1 / record.step:.4g} outputs a second"
+            if record.of is None
+            else f"{record.rows:.4g} outputs a {record.of.period}"
+        )
+        raise HistoryError(
+            f"{label}: {rows} tell lines up to {record.reach:.4g} {unit}, not "
+            f"{'order ' if record.of else ''}{wanted:.6g}; write outputs more often",
+            BAD_INPUT if highest is None else USAGE,
+        )
+    return record.reach if highest is None else highest
+
+
+def speed_change(history: xr.Dataset) -> float:
+    """Change of the first driving wheel's speed over a record, over its mean.
+
+    Of means over the first and the last tenth, so that vibrations do not count.
+    """
+    wheel = int(require(history, "driving_wheel")[0])
+    speed = require(history, "angular_velocity").isel(wheel=wheel).values
+    tenth = max(speed.size // 10, 1)
+    mean = abs(float(speed.mean()))
+    change = abs(float(speed[-tenth:].mean() - speed[:tenth].mean()))
+    return change / mean if mean > 0 else 0.0
+
+
+def _over_time(history: xr.Dataset, values: Numbers) -> Record:
+    time = np.asarray(history["time"].values, dtype=float)
+    steps = np.diff(time)
+    step = float(np.median(steps))
+    if steps.size > 1 and steps[-1] < step * (1 - EVEN):  # the end of the run, off the grid
+        time, values, steps = time[:-1], values[:-1], steps[:-1]
+    _check_steps(history, time, steps, step, "--order-of can do with uneven rows")
+    step = float(time[-1] - time[0]) / steps.size
+    return Record(values, time, float(time[0]), None, step, 1.0)
+
+
+def _check_steps(
+    history: xr.Dataset, time: Numbers, steps: Numbers, step: float, remedy: str
+) -> None:
+    """Refuse rows that are missing, and those that are not even."""
+    wide = np.flatnonzero(steps > GAP * step)
+    if wide.size:
+        i = int(wide[0])
+        raise HistoryError(
+            f"{source_name(history)}: outputs are missing between t = {time[i]:.6g} s and "
+            f"{time[i + 1]:.6g} s; choose a part without holes by --from and --to"
+        )
+    uneven = np.flatnonzero(abs(steps - step) > EVEN * step)
+    if uneven.size:
+        raise HistoryError(
+            f"{source_name(history)}: outputs are not evenly spaced at t = "
+            f"{time[int(uneven[0])]:.6g} s; {remedy}"
+        )
+
+
+def _as_they_stand(history: xr.Dataset, values: Numbers, of: Turning) -> Record:
+    """Rows of a history with output by angle."""
+    label = source_name(history)
+    kinds = require(history, "output_kind").values
+    time = np.asarray(history["time"].values, dtype=float)
+    back = np.flatnonzero(kinds == TURNING_BACK)
+    by = find_turning(history, str(history.attrs["output_of"]))
+    if back.size:
+        raise HistoryError(
+            f"{label}: {by} turns back at t = {time[back[0]]:.6g} s, and orders need one sense; "
+            "choose a part by --from and --to"
+        )
+    kept = np.flatnonzero(kinds == ON_GRID)
+    if kept.size < 2:
+        raise HistoryError(
+            f"{label}: has {kept.size} outputs at even angles of {by}, too few for orders; run the "
+            "case longer, or choose more of it by --from and --to"
+        )
+    number = int(history.attrs["output_number"])
+    position = np.asarray(history["output_position"].values[kept], dtype=float)
+    _check_steps(history, time[kept], np.diff(position), 1.0 / number, "this is no output by angle")
+    geared = ratio(of, by)
+    per_period = Fraction(number) / geared
+    first = of.start + (float(position[0]) - by.start) * float(geared)
+    return Record(
+        values[kept], time[kept], first, per_period, float(1 / per_period), float(per_period), of
+    )
+
+
+def _between_rows(history: xr.Dataset, values: Numbers, of: Turning) -> Record:
+    """Samples at even angles by interpolation, so many that no row is passed over.
+
+    The last row is a sample: at a steady speed and whole rows a period all rows are.
+    """
+    label = source_name(history)
+    time = np.asarray(history["time"].values, dtype=float)
+    position = of.position(history)
+    steps = np.diff(time)
+    wide = np.flatnonzero(steps > GAP * np.median(steps))
+    if wide.size:
+        _check_steps(history, time, steps, float(np.median(steps)), "")
+    moved = abs(position[-1] - position[0])
+    if moved < STANDING:
+        raise HistoryError(
+            f"{label}: {of} does not turn ({moved:.2g} {of.periods} in "
+            f"{time[-1] - time[0]:.3g} s): it has no orders; "
+            "leave out --order-of for lines over frequency"
+        )
+    if position[-1] < position[0]:  # turns against its nominal sense all the time
+        time, position, values = time[::-1], position[::-1], values[::-1]
+    advance = np.diff(position)
+    if not (advance > 0).all():
+        i = int(np.flatnonzero(advance <= 0)[0])
+        raise HistoryError(
+            f"{label}: {of} stands or turns back at t = {time[i]:.6g} s, and orders need one "
+            "sense; choose a part by --from and --to"
+        )
+    if position.size < ROWS_NEEDED:
+        raise HistoryError(
+            f"{label}: {position.size} outputs are too few to interpolate, which takes "
+            f"{ROWS_NEEDED}; choose more of the run by --from and --to, or write outputs more often"
+        )
+    # A last step to the end of the run, off the grid, may be as small as it likes.
+    usual = advance[:-1] if steps[-1] < np.median(steps) * (1 - EVEN) else advance
+    per_period = math.ceil((1 - EVEN) / float(usual.min()))
+    count = math.floor(moved * per_period * (1 + 1e-12)) + 1
+    if count > MOST_SAMPLES:
+        raise HistoryError(
+            f"{label}: {of} turns so slowly at t = {time[int(usual.argmin())]:.6g} s that even "
+            f"angles as dense as the outputs there would be {count} samples; begin later by --from"
+        )
+    places = position[-1] - np.arange(count)[::-1] / per_period
+    both = resample(position, np.stack([values, time], axis=1), places)
+    fewest = 1.0 / float(advance.max())
+    rows = float(per_period) if abs(fewest / per_period - 1) < EVEN else fewest
+    return Record(
+        both[:, 0], both[:, 1], float(places[0]), Fraction(per_period), 1.0 / per_period, rows, of
+    )
+
+
+def _whole(count: int, of: Turning) -> str:
+    return f"{count} whole {of.period if count == 1 else of.periods}"

@@ -1,0 +1,73 @@
+"""Lines of a record: amplitudes and phases by the discrete Fourier transform."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Numbers = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Lines:
+    """x = A_0 + sum A_k cos(2 pi place_k s - phase_k) over the coordinate s of the record."""
+
+    place: Numbers  # frequency or order
+    amplitude: Numbers  # A_0 is the mean, with its sign
+    phase: Numbers  # [rad], from -pi to pi; that of the mean is 0
+
+    def upto(self, highest: float) -> Lines:
+        """Lines up to a place."""
+        kept = self.place <= highest * (1 + 1e-9)
+        return Lines(self.place[kept], self.amplitude[kept], self.phase[kept])
+
+
+def line_spectrum(values: Numbers, first: float, step: float, weights: Numbers) -> Lines:
+    """Lines at multiples of 1/(n step).
+
+    A line reads as high as a sine that stands on it: 2/sum(w) times the transform; the mean and,
+    of an even number of samples, the line at half the sampling rate count once. The weighted mean
+    is taken off before, so that it leaks into no line.
+
+    Parameters
+    ----------
+    values : even samples.
+    first : coordinate of the first one, to which no phase is sensitive but by rounding.
+    step : from sample to sample.
+    weights : window, of the same length.
+    """
+    n = values.size
+    mean = float(values @ weights / weights.sum())
+    lines = np.fft.rfft((values - mean) * weights) * (2.0 / weights.sum())
+    if n % 2 == 0:
+        lines[-1] /= 2.0
+    order = np.arange(lines.size)
+    place = order / (n * step)
+    amplitude, phase = np.abs(lines), wrapped(2 * math.pi * place * first - np.angle(lines))
+    amplitude[0], phase[0] = mean, 0.0
+    return Lines(place, amplitude, phase)
+
+
+def line_at(values: Numbers, first: float, step: float, weights: Numbers, place: float) -> complex:
+    """One line anywhere, A exp(-i phase), 0 < place < 1/(2 step); the mean is taken off before."""
+    mean = float(values @ weights / weights.sum())
+    s = first + step * np.arange(values.size)
+    turned = np.exp(-2j * math.pi * ((place * s) % 1.0))
+    return complex(2.0 * ((values - mean) * weights) @ turned / weights.sum())
+
+
+def wrapped(angle: Numbers) -> Numbers:
+    """Angles from -pi to pi."""
+    return np.asarray((angle + math.pi) % (2 * math.pi) - math.pi)
+
+
+def peaks(lines: Lines, count: int) -> list[int]:
+    """The largest lines that are higher than their neighbours, without the mean, by size."""
+    size = lines.amplitude.copy()
+    size[0] = 0.0
+    padded = np.concatenate([[0.0], size, [0.0]])
+    tops = np.flatnonzero((size > 0) & (size >= padded[:-2]) & (size > padded[2:]))
+    return [int(i) for i in tops[np.argsort(-size[tops], kind="stable")][:count]]
