@@ -132,8 +132,8 @@ def test_sidebands_name_the_wheel_and_the_part_that_holds_its_turns(post, tmp_pa
     path = written(tmp_path / "side.h5", by_angle("pitch", "pinion-gear", 16, xi, signal))
     code, out, err = post("sidebands", path, "--carriers", "1", "--sides", "1")
     assert (code, err) == (0, "")
-    assert "wheel pinion: over 3 whole turns, 57 pitches; lines of the other wheel leak" in out
-    assert "wheel gear: over 1 whole turn, 34 pitches" in out
+    assert "60 pitches: 3.158 turns of wheel pinion, 1.765 turns of wheel gear; rows as" in out
+    assert "the same teeth meet after 646 pitches: other lines may leak into these" in out
     lines = {" ".join(line.split()[:4]): line.split() for line in out.splitlines()}
     assert lines["1 x mesh 1"][-3:] == ["500", "nm", "57.3°"]
     assert lines["+ 1 x pinion"][4:9] == ["1.05263", "50", "nm", "57.3°", "0.2"]
@@ -180,8 +180,7 @@ def test_what_there_is_not_is_named_with_what_there_is(
         (("waterfall", "--length", "40"), "too few for two windows of 40, 20 apart"),
         (("waterfall", "--order-of", "gear"), "choose a shorter --length"),
         (("sidebands", "--sides", "10"), "choose at most 9 by --sides"),
-        (("sidebands", "--carriers", "20"), "not order 20.5; write outputs more often"),
-        (("sidebands", "--to", "0.02"), "less than a turn of a wheel, which takes 19"),
+        (("sidebands", "--carriers", "20"), "not order 21; write outputs more often"),
     ],
 )
 def test_a_record_that_is_too_short_or_too_coarse_is_one_line_with_a_remedy(
@@ -242,7 +241,10 @@ BAD = {
     ),
     "standing": (_standing, ORDERS, "mesh pinion-gear does not turn (0 pitches in 1 s)"),
     "back": (_back_and_forth, ORDERS, "stands or turns back at t = 0.39"),
-    "from rest": (_from_rest, ORDERS, "turns so slowly at t = 0 s"),
+    "from rest": (
+        _from_rest, ORDERS,
+        "turns so slowly at t = 0 s that even angles as dense as the outputs there would be ",
+    ),
     "coarse": (
         lambda: steady(500.0, 1 / 950.0, 0.2, orders), ORDERS,
         "1.9 outputs a pitch tell lines up to 0.684 of mesh pinion-gear, not order 1; write",
@@ -285,6 +287,12 @@ def test_rows_off_the_grid_at_both_ends_of_output_by_angle_are_left_out(post, tm
     code, out, _ = post("spectrum", path)
     assert code == 0
     assert "39 pitches of mesh pinion-gear" in out
+
+
+def test_sidebands_of_less_than_a_turn_are_refused(post, steady_file):
+    code, _, err = post("sidebands", steady_file, "--to", "0.02")
+    assert (code, err.count("\n")) == (3, 1)
+    assert "less than a turn of a wheel, which takes 19; run the case longer" in err
 
 
 @pytest.mark.parametrize("command", COMMANDS)

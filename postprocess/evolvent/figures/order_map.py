@@ -75,7 +75,7 @@ def _last(one: xr.Dataset, least: float, as_frequency: bool) -> float:
     if not high.size:
         return float(places.max())
     rows, lines = high[:, 0] if as_frequency else 0 * high[:, 0], 1 + high[:, 1]
-    return 1.05 * float(places[rows, lines].max())
+    return min(1.05 * float(places[rows, lines].max()), float(places.max()))
 
 
 def _order_label(one: xr.Dataset) -> str:

@@ -288,9 +288,13 @@ def _between_rows(history: xr.Dataset, values: Numbers, of: Turning) -> Record:
     per_period = math.ceil((1 - EVEN) / float(usual.min()))
     count = math.floor(moved * per_period * (1 + 1e-12)) + 1
     if count > MOST_SAMPLES:
+        # samples from each row on; at the last ones there are few
+        samples = (position[-1] - position[:-1]) / np.minimum.accumulate(advance[::-1])[::-1]
+        enough = int(np.flatnonzero(samples < MOST_SAMPLES / 4)[0])
         raise HistoryError(
             f"{label}: {of} turns so slowly at t = {time[int(usual.argmin())]:.6g} s that even "
-            f"angles as dense as the outputs there would be {count} samples; begin later by --from"
+            f"angles as dense as the outputs there would be {count} samples; leave that out, such "
+            f"as by --from {time[enough]:.3g}"
         )
     places = position[-1] - np.arange(count)[::-1] / per_period
     both = resample(position, np.stack([values, time], axis=1), places)

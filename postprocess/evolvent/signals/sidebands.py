@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import cmath
+import math
 from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+
+import numpy as np
 
 from evolvent.errors import USAGE, HistoryError
 from evolvent.signals.sampling import Record
-from evolvent.signals.spectrum import line_at
 from evolvent.signals.turning import Turning, ratio
-from evolvent.signals.windows import window
+
+WORST = 100.0  # condition of a fit: so much does it enlarge what is not among its lines
 
 
 @dataclass(frozen=True)
@@ -42,52 +47,80 @@ class Sideband:
 
 
 def sidebands(
-    records: dict[str, Record], wheels: list[Turning], mesh: Turning, n: int, k: int, name: str
+    record: Record, label: str, wheels: list[Turning], mesh: Turning, n: int, k: int
 ) -> list[Sideband]:
     """Sidebands 1..k of each wheel beside the mesh orders 1..n.
 
+    All these lines, the mean, order n + 1 and the first k orders of the wheels are fitted at once,
+    so that none leaks into another, whatever the length of the record.
+
     Parameters
     ----------
-    records : by the name of the wheel, over the mesh and of whole turns of the wheel, so that its
-        lines and those of the mesh leak into none of each other.
-    name : of the window.
+    record : over the mesh, of whole pitches.
 
     Raises
     ------
     HistoryError
-        Lines of more than half a mesh order meet those of the next one.
+        Lines of more than half a mesh order meet those of the next one, or the record is too
+        short to tell the lines of the wheels apart.
     """
-    found = []
+    spacings = {wheel.name: ratio(wheel, mesh) for wheel in wheels}
     for wheel in wheels:
-        record = records[wheel.name]
-        spacing = ratio(wheel, mesh)
-        weights = window(name, record.values.size)
+        spacing = spacings[wheel.name]
         if k * spacing * 2 >= 1:
             raise HistoryError(
-                f"{k} sidebands of {wheel} reach those of the next mesh order; "
-                f"choose at most {(spacing.denominator - 1) // 2 // spacing.numerator} by --sides",
+                f"{label}: {k} sidebands of {wheel} reach those of the next mesh order; choose at "
+                f"most {(spacing.denominator - 1) // 2 // spacing.numerator} by --sides",
                 USAGE,
             )
+    sides = {s * i for s in spacings.values() for i in range(1, k + 1)}
+    places = {Fraction(order) for order in range(1, n + 2)} | sides
+    places |= {order + sign * s for order in range(1, n + 1) for s in sides for sign in (-1, 1)}
+    ordered = sorted(places)
+    lines, condition = fitted(record, [float(place) for place in ordered])
+    if condition > WORST:
+        closest = min(b - a for a, b in pairwise(ordered))
+        raise HistoryError(
+            f"{label}: {record.periods:.4g} pitches are too few to tell lines apart that are "
+            f"{float(closest):.3g} mesh orders from each other; run the case for "
+            f"{math.ceil(1 / closest)} pitches, or choose fewer by --sides",
+            USAGE,
+        )
+    line = dict(zip(ordered, lines, strict=True))
+    return [
+        Sideband(
+            order,
+            name,
+            side,
+            float(side * spacing),
+            line[Fraction(order)],
+            line[order - side * spacing],
+            line[order + side * spacing],
+        )
+        for name, spacing in spacings.items()
+        for order in range(1, n + 1)
+        for side in range(1, k + 1)
+    ]
 
-        def line(place: float, record: Record = record, weights=weights) -> complex:  # type: ignore[no-untyped-def]
-            return line_at(record.values, record.first, record.step, weights, place)
 
-        for order in range(1, n + 1):
-            carrier = line(float(order))
-            for side in range(1, k + 1):
-                apart = float(side * spacing)
-                found.append(
-                    Sideband(
-                        order,
-                        wheel.name,
-                        side,
-                        apart,
-                        carrier,
-                        line(order - apart),
-                        line(order + apart),
-                    )
-                )
-    return found
+def fitted(record: Record, places: list[float]) -> tuple[list[complex], float]:
+    """Lines A exp(-i phase) at places by least squares, with the mean; the condition of the fit.
+
+    The normal equations of c_0 + sum (c_k exp(i a_k) + its conjugate)/2, whose sums over even
+    samples are geometric series.
+    """
+    n, step = record.values.size, record.step
+    both = np.array([0.0, *places, *(-place for place in places)])
+    apart = both[None, :] - both[:, None]
+    turn = np.exp(2j * math.pi * step * apart)
+    whole = np.exp(2j * math.pi * step * n * apart)
+    same = np.eye(both.size, dtype=bool)
+    gram = np.where(same, 1.0, (whole - 1) / np.where(same, 1.0, n * (turn - 1)))
+    s = step * np.arange(n)
+    measured = [np.exp(-2j * math.pi * place * s) @ record.values / n for place in both]
+    solved = np.linalg.solve(gram, np.array(measured))[1 : 1 + len(places)]
+    shift = np.exp(-2j * math.pi * np.array(places) * record.first)
+    return [complex(line) for line in 2.0 * solved * shift], float(np.linalg.cond(gram))
 
 
 def phase(line: complex) -> float:

@@ -51,7 +51,7 @@ def campbell(
     Natural frequencies are those of `evolvent modes --mean`: at the mean stiffness, under the loads
     of the case. Where a load sets the speed (`kind: speed`), they are computed over the range.
     Example:
-      evolvent-post campbell examples/compliant-pair.yaml --speeds 500:12000 -o campbell.png -o campbell.h5
+      evolvent-post campbell examples/compliant-pair.yaml --speeds 500:12000 -o c.png -o c.h5
     """  # noqa: D301 - \b keeps click from filling the lines
     from evolvent.signals.campbell import crossings
     from evolvent.signals.results import campbell_result

@@ -21,11 +21,10 @@ from evolvent.commands.post.signal_options import (
     OptionSelect,
     OptionTo,
     OptionWheel,
-    OptionWindow,
     choice,
 )
 from evolvent.commands.program import json_number, new_console, option, right
-from evolvent.errors import USAGE, HistoryError
+from evolvent.errors import HistoryError
 from evolvent.history import source_name
 from evolvent.signals.results import told_sampling
 from evolvent.signals.sampling import EVEN, between, check_reach, last_periods, read_record
@@ -33,7 +32,6 @@ from evolvent.signals.selection import select
 from evolvent.signals.sidebands import Sideband, phase
 from evolvent.signals.sidebands import sidebands as find_sidebands
 from evolvent.signals.turning import find_mesh, ratio, wheels_of
-from evolvent.signals.windows import RECTANGULAR
 from evolvent.units import quantity
 
 
@@ -51,15 +49,13 @@ def sidebands(
     end: OptionTo = WHOLE_TIME[1],
     carriers: Annotated[int, option("--carriers N", "Mesh orders 1 to N.", min=1)] = 2,
     sides: Annotated[int, option("--sides N", "Sidebands 1 to N of a wheel.", min=1)] = 2,
-    window: OptionWindow = None,
     as_json: AsJson = False,
 ) -> None:
     """Show the lines beside the orders of a mesh, wheel by wheel, and how much they modulate it.
 
     \b
     Lines of a wheel with z teeth stand 1/z, 2/z, ... mesh orders beside each carrier: n z + k of
-    its own orders. They are read from as many whole turns of the wheel as the record holds, of
-    both wheels where the same teeth meet again in it.
+    its own orders. The lines of both wheels are fitted at once.
     Example:
       evolvent-post sidebands compliant-pair.h5 --carriers 1
     """  # noqa: D301 - \b keeps click from filling the lines
@@ -71,7 +67,7 @@ def sidebands(
             chosen["mesh"] = carrier
         part = between(history, begin, end)
         signal = select(part, name, chosen)
-        found, remarks = _find(part, signal, carrier, carriers, sides, window)
+        found, remarks = _find(part, signal, carrier, carriers, sides)
     units = str(signal.attrs["units"])
     what = f"{file}: {name}" + (f" of {signal.attrs['place']}" if signal.attrs["place"] else "")
     if as_json:
@@ -84,41 +80,30 @@ def sidebands(
 
 
 def _find(
-    history: xr.Dataset,
-    signal: xr.DataArray,
-    mesh: str,
-    carriers: int,
-    sides: int,
-    shape: str | None,
+    history: xr.Dataset, signal: xr.DataArray, mesh: str, carriers: int, sides: int
 ) -> tuple[list[Sideband], list[str]]:
-    """Sidebands of both wheels of a mesh, and over which part of the record each is told."""
+    """Sidebands of both wheels of a mesh, and over which part of the record."""
     label = source_name(history)
     of = find_mesh(history, mesh)
     record = read_record(history, signal, of)
-    check_reach(record, label, carriers + 0.5)
+    check_reach(record, label, carriers + 1.0)
     wheels = wheels_of(history, mesh)
-    teeth = [int(ratio(of, wheel)) for wheel in wheels]
-    both = math.lcm(*teeth)
-    records, remarks = {}, []
-    for wheel, z in zip(wheels, teeth, strict=True):
-        block = both if record.periods >= both else z
-        count = int(record.periods * (1 + EVEN)) // block * block
-        if count == 0:
-            remarks.append(f"{wheel}: left out, {record.periods:.4g} pitches are less than a turn")
-            continue
-        records[wheel.name] = last_periods(record, label, count)
-        where = "" if block == both else "; lines of the other wheel leak into these"
-        turns = f"{count // z} whole turn{'s' if count > z else ''}"
-        remarks.append(f"{wheel}: over {turns}, {count} pitches{where}")
-    if not records:
+    teeth = {wheel.name: int(ratio(of, wheel)) for wheel in wheels}
+    both = math.lcm(*teeth.values())
+    there = int(record.periods * (1 + EVEN))
+    turning = [wheel for wheel in wheels if teeth[wheel.name] <= there]
+    if not turning:
         raise HistoryError(
             f"{label}: holds {record.periods:.4g} pitches of {of}, less than a turn of a wheel, "
-            f"which takes {min(teeth)}; run the case longer",
-            USAGE,
+            f"which takes {min(teeth.values())}; run the case longer"
         )
-    wheels = [wheel for wheel in wheels if wheel.name in records]
-    remarks.append(told_sampling(record))
-    return find_sidebands(records, wheels, of, carriers, sides, str(shape or RECTANGULAR)), remarks
+    record = last_periods(record, label, there // both * both or there)
+    turns = ", ".join(f"{record.periods / teeth[w.name]:.4g} turns of {w}" for w in wheels)
+    remarks = [f"{record.periods:.6g} pitches: {turns}; {told_sampling(record)}"]
+    if there < both:
+        remarks.append(f"the same teeth meet after {both} pitches: other lines may leak into these")
+    remarks += [f"{w}: left out, less than a turn" for w in wheels if w not in turning]
+    return find_sidebands(record, label, turning, of, carriers, sides), remarks
 
 
 def _table(found: list[Sideband], units: str) -> Table:
