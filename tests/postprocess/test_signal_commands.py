@@ -173,8 +173,8 @@ def test_what_there_is_not_is_named_with_what_there_is(
     ("arguments", "message"),
     [
         (("spectrum", "--order-of", "drum"), "no mesh and no wheel `drum`; there is the mesh "),
-        (("spectrum", *ORDERS, "--periods", "51"), "not 51 whole pitches; choose fewer, or run"),
-        (("spectrum", *ORDERS, "--periods", "60", "--from", "0.08"), "not 60 whole pitches"),
+        (("spectrum", *ORDERS, "--periods", "51"), "not 51 whole; choose fewer, or run"),
+        (("spectrum", *ORDERS, "--periods", "60", "--from", "0.08"), "not 60 whole"),
         (("spectrum", *ORDERS, "--highest", "21"), "40 outputs a pitch tell lines up to 20 of"),
         (("spectrum", "--highest", "11e3"), "outputs a second tell lines up to 1e+04 Hz"),
         (("waterfall", "--length", "40"), "too few for two windows of 40, 20 apart"),
@@ -255,7 +255,7 @@ BAD = {
     ),
     "short": (
         lambda: steady(500.0, 5e-5, 0.02, orders), ("--order-of", "pinion"),
-        "holds 0.5276 turns of wheel pinion, and 1 whole turn is needed; run the case longer",
+        "holds 0.5276 turns of wheel pinion, not 1 whole; run the case longer",
     ),
     "by angle back": (
         lambda: _by_angle({200: 2, 201: 2}), (),

@@ -74,11 +74,12 @@ def test_rows_by_turn_give_orders_of_the_mesh_with_phases_from_the_start_of_cont
     assert_lines(found, ORDERS, EXACT)
 
 
-def test_a_turn_of_the_driven_wheel_that_is_no_whole_number_of_rows_takes_several():
+def test_rows_by_turn_that_are_not_whole_ones_of_another_wheel_are_resampled():
     u = np.arange(0, 68, 1 / 40)  # turns of the pinion: a gear's turn is 40*34/19 rows
     history = by_angle("turn", "pinion", 40, u, orders(u * 19 / 34, {1: (1e-6, 0.4)}))
     found = spectrum(history, "gear")
-    assert found.attrs["periods"] == "38 turns"  # 19 have a whole number of rows
+    assert found.attrs["periods"] == "37 turns"
+    assert "spline" in found.attrs["sampling"]
     assert_lines(found, {1: (1e-6, 0.4)}, EXACT)
 
 

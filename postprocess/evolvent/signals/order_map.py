@@ -43,18 +43,11 @@ def order_map(
     Raises
     ------
     HistoryError
-        The record is shorter than a window, or a window is no whole number of samples.
+        The record is too short for two windows.
     """
     assert record.per_period is not None
     assert record.of is not None
-    block = record.per_period.denominator
-    if length % block or hop % block:
-        raise HistoryError(
-            f"{label}: windows of {length} {record.of.periods} every {hop} are no whole number of "
-            f"samples; choose multiples of {block} by --length and --hop",
-            USAGE,
-        )
-    n, advance = int(length * record.per_period), int(hop * record.per_period)
+    n, advance = length * record.per_period, hop * record.per_period
     starts = range(0, record.values.size - n + 1, advance)
     if len(starts) < 2:
         raise HistoryError(

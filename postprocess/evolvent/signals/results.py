@@ -191,7 +191,7 @@ def _what(history: xr.Dataset, signal: xr.DataArray, record: Record, name: str) 
         "place": str(signal.attrs["place"]),
         "order_of": "" if record.of is None else str(record.of),
         "wheel": "" if record.of is None else _wheel(history, record.of),
-        "periods": "" if record.of is None else f"{record.periods:.6g} {record.of.periods}",
+        "periods": "" if record.of is None else record.of.counted(record.periods),
         "begin": float(record.time[0]),
         "end": float(record.time[-1]),
         "samples": int(record.values.size),

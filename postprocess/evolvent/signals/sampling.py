@@ -32,7 +32,7 @@ class Record:
     values: Numbers
     time: Numbers  # [s]
     first: float  # place of the first sample [s, or periods]
-    per_period: Fraction | None  # samples a period; None over time
+    per_period: int | None  # samples a period; None over time
     step: float  # from sample to sample [s, or periods]
     rows: float  # rows of the history in a period, where there are fewest; samples if even
     of: Turning | None = None  # None over time
@@ -40,7 +40,7 @@ class Record:
     @property
     def resampled(self) -> bool:
         """Whether the samples lie between the rows."""
-        return self.per_period is not None and self.rows != float(self.per_period)
+        return self.per_period is not None and self.rows != self.per_period
 
     @property
     def reach(self) -> float:
@@ -123,7 +123,10 @@ def read_record(history: xr.Dataset, signal: xr.DataArray, of: Turning | None) -
     if of is None:
         return _over_time(history, values)
     if is_by_angle(history):
-        return _as_they_stand(history, values, of)
+        return _by_angle(history, values, of)
+    steps = np.diff(history["time"].values)
+    if (steps > GAP * np.median(steps)).any():
+        _over_time(history, values)  # says where
     return _between_rows(history, values, of)
 
 
@@ -137,21 +140,16 @@ def last_periods(record: Record, label: str, count: int | None = None) -> Record
     """
     assert record.per_period is not None
     assert record.of is not None
-    block = record.per_period.denominator  # periods that are a whole number of samples
-    there = int(record.values.size / record.per_period) // block * block
+    there = record.values.size // record.per_period
     wanted = there if count is None else count
-    if wanted < 1 or wanted > there or wanted % block:
+    if not 1 <= wanted <= there:
         raise HistoryError(
-            f"{label}: holds {record.periods:.4g} {record.of.periods} of {record.of}, "
-            + (
-                f"and {_whole(block, record.of)} {'is' if block == 1 else 'are'} needed"
-                if wanted <= there
-                else f"not {_whole(wanted, record.of)}"
-            )
+            f"{label}: holds {record.periods:.4g} {record.of.periods} of {record.of}, not "
+            f"{max(wanted, 1)} whole"
             + ("; choose fewer, or run the case longer" if there else "; run the case longer"),
             BAD_INPUT if count is None else USAGE,
         )
-    return record.part(record.values.size - int(wanted * record.per_period), record.values.size)
+    return record.part(record.values.size - wanted * record.per_period, record.values.size)
 
 
 def check_reach(record: Record, label: str, highest: float | None) -> float:
@@ -221,33 +219,36 @@ def _check_steps(
         )
 
 
-def _as_they_stand(history: xr.Dataset, values: Numbers, of: Turning) -> Record:
-    """Rows of a history with output by angle."""
+def _by_angle(history: xr.Dataset, signal: Numbers, of: Turning) -> Record:
+    """Rows of a history with output by angle: as they stand, if they are whole ones a period."""
     label = source_name(history)
     kinds = require(history, "output_kind").values
     time = np.asarray(history["time"].values, dtype=float)
-    back = np.flatnonzero(kinds == TURNING_BACK)
     by = find_turning(history, str(history.attrs["output_of"]))
+    back = np.flatnonzero(kinds == TURNING_BACK)
     if back.size:
         raise HistoryError(
             f"{label}: {by} turns back at t = {time[back[0]]:.6g} s, and orders need one sense; "
             "choose a part by --from and --to"
         )
     kept = np.flatnonzero(kinds == ON_GRID)
+    position = np.asarray(history["output_position"].values[kept], dtype=float)
+    fresh = np.diff(position, prepend=-math.inf) != 0  # one that stands at its end has it twice
+    kept, position = kept[fresh], position[fresh]
     if kept.size < 2:
         raise HistoryError(
             f"{label}: has {kept.size} outputs at even angles of {by}, too few for orders; run the "
             "case longer, or choose more of it by --from and --to"
         )
     number = int(history.attrs["output_number"])
-    position = np.asarray(history["output_position"].values[kept], dtype=float)
     _check_steps(history, time[kept], np.diff(position), 1.0 / number, "this is no output by angle")
     geared = ratio(of, by)
     per_period = Fraction(number) / geared
+    if per_period.denominator > 1:
+        return _between_rows(history.isel(time=kept), signal[kept], of)
     first = of.start + (float(position[0]) - by.start) * float(geared)
-    return Record(
-        values[kept], time[kept], first, per_period, float(1 / per_period), float(per_period), of
-    )
+    n = int(per_period)
+    return Record(signal[kept], time[kept], first, n, 1.0 / n, float(n), of)
 
 
 def _between_rows(history: xr.Dataset, values: Numbers, of: Turning) -> Record:
@@ -258,10 +259,6 @@ def _between_rows(history: xr.Dataset, values: Numbers, of: Turning) -> Record:
     label = source_name(history)
     time = np.asarray(history["time"].values, dtype=float)
     position = of.position(history)
-    steps = np.diff(time)
-    wide = np.flatnonzero(steps > GAP * np.median(steps))
-    if wide.size:
-        _check_steps(history, time, steps, float(np.median(steps)), "")
     moved = abs(position[-1] - position[0])
     if moved < STANDING:
         raise HistoryError(
@@ -284,7 +281,7 @@ def _between_rows(history: xr.Dataset, values: Numbers, of: Turning) -> Record:
             f"{ROWS_NEEDED}; choose more of the run by --from and --to, or write outputs more often"
         )
     # A last step to the end of the run, off the grid, may be as small as it likes.
-    usual = advance[:-1] if steps[-1] < np.median(steps) * (1 - EVEN) else advance
+    usual = advance[:-1] if advance[-1] < advance[-2] * (1 - EVEN) else advance
     per_period = math.ceil((1 - EVEN) / float(usual.min()))
     count = math.floor(moved * per_period * (1 + 1e-12)) + 1
     if count > MOST_SAMPLES:
@@ -300,10 +297,4 @@ def _between_rows(history: xr.Dataset, values: Numbers, of: Turning) -> Record:
     both = resample(position, np.stack([values, time], axis=1), places)
     fewest = 1.0 / float(advance.max())
     rows = float(per_period) if abs(fewest / per_period - 1) < EVEN else fewest
-    return Record(
-        both[:, 0], both[:, 1], float(places[0]), Fraction(per_period), 1.0 / per_period, rows, of
-    )
-
-
-def _whole(count: int, of: Turning) -> str:
-    return f"{count} whole {of.period if count == 1 else of.periods}"
+    return Record(both[:, 0], both[:, 1], float(places[0]), per_period, 1.0 / per_period, rows, of)

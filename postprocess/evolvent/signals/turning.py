@@ -38,6 +38,10 @@ class Turning:
         """Word for several."""
         return "pitches" if self.kind == "mesh" else "turns"
 
+    def counted(self, count: float) -> str:
+        """A number of periods."""
+        return f"{count:.6g} {self.period if count == 1 else self.periods}"
+
     def __str__(self) -> str:
         return f"{self.kind} {self.name}"
 

@@ -118,11 +118,12 @@ def _print(result: xr.Dataset) -> None:
     """Say what was done, and where each of the largest whole orders is largest."""
     a = result.attrs
     console = new_console()
+    periods = str(result["window_length"].attrs["long_name"]).split()[0]
     place = f" of {a['place']}" if a["place"] else ""
     console.print(
         f"{a['source']}: {a['quantity']}{place}, t = {a['begin']:.6g} to {a['end']:.6g} s\n"
         f"{result.sizes['time']} windows of {float(result['window_length']):.4g} "
-        f"{a['periods'].split()[-1]} of {a['order_of']}, {a['window']}, {a['sampling']}; "
+        f"{periods} of {a['order_of']}, {a['window']}, {a['sampling']}; "
         f"lines up to order {float(result['order'][-1]):.4g}",
         highlight=False, markup=False,
     )  # fmt: skip
