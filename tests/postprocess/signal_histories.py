@@ -28,12 +28,10 @@ def signal_history(
     pair = RealPair(teeth=TEETH, penetration=0.0)
     still = pair.history(np.zeros(1))
     history = still.drop_dims("time").drop_dims("pair", errors="ignore")
-    root = history["flank_root_driving"] - start * pair.pitch / pair.base[0]
     angle = 2 * np.pi * np.stack([-turns, turns * TEETH[0] / TEETH[1]], axis=1)
     units = {"units": "m", "long_name": "transmission error"}
     history = history.assign(
-        centre_line_angle=("mesh", [0.0]),
-        flank_root_driving=root,
+        start_position=("mesh", [start], {"units": "1"}),
         angle=(("time", "wheel"), angle, {"units": "rad"}),
         angular_velocity=(
             ("time", "wheel"),

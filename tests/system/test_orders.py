@@ -54,6 +54,34 @@ def test_nominal_speeds_are_those_of_the_run(train):
     assert float(ratio(second, motor)) == pytest.approx(20 / 47 * 23, rel=1e-15)
 
 
+def test_orders_are_the_harmonics_that_a_run_finds_between_its_events(
+    evolvent, examples, tmp_path: Path
+):
+    """The one from 500 outputs a pitch, the other without any.
+
+    What is left of the start rings down to 1e-5 and is in both a little differently; forces have
+    corners, whose orders above half of the outputs turn up below.
+    """
+    simulation = (
+        "{duration: 0.04, output_interval: 4.2e-6, initial: {kind: steady}, numbers: {from: 0.02}}"
+    )
+    case = examples / "compliant-pair.yaml"
+    run = evolvent("run", case, "-o", "run.h5", "-q", "--set", f"simulation={simulation}")
+    assert run.returncode == 0, run.stderr
+    for name, bound in (("transmission_error", 1e-4), ("normal_force", 1e-3)):
+        with open_history(tmp_path / "run.h5") as history:
+            periods = int(history["window_periods"])
+            signal = select(history, name, {})
+            found = make_spectrum(history, signal, "pinion-gear", periods, None, None)
+            amplitude = history[f"window_{name}_amplitude"].values[0]
+            expected = amplitude * np.exp(-1j * history[f"window_{name}_phase"].values[0])
+            mean = float(history[f"window_{name}_mean"][0])
+        lines = found.sel(order=np.arange(1, 11), method="nearest")
+        told = lines["amplitude"].values * np.exp(-1j * lines["phase"].values)
+        assert abs(told - expected).max() < bound * amplitude[0]
+        assert float(found["amplitude"][0]) == pytest.approx(mean, rel=bound)
+
+
 def test_orders_of_a_slow_run_are_the_harmonics_of_the_mesh_at_rest(
     evolvent, examples, tmp_path: Path
 ):

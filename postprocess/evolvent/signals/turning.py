@@ -147,21 +147,12 @@ def of_wheel(history: xr.Dataset, wheel: int) -> Turning:
 
 
 def _of_mesh(history: xr.Dataset, mesh: int) -> Turning:
-    """Pitches of a mesh from pair 0's start of contact.
-
-    xi_0 = (rho_A - rho_A,start)/p_b with the driving flank's radius of curvature where it would
-    touch at the start: r_b (sigma (chi - flank root) + alpha_w).
-    """
+    """Pitches of a mesh from pair 0's start of contact."""
     one = history.isel(mesh=mesh)
     wheel = int(require(one, "driving_wheel"))
     sigma = int(require(one, "flank"))
     z = int(require(history, "teeth")[wheel])
-    rolled = sigma * (
-        float(require(one, "centre_line_angle")) - float(require(one, "flank_root_driving"))
-    ) + float(require(one, "working_pressure_angle"))
-    base_radius = float(require(history, "base_radius")[wheel])
-    rho = base_radius * ((rolled + math.pi) % TURN - math.pi)
-    start = (rho - float(require(one, "rho_start_driving"))) / float(require(one, "base_pitch"))
+    start = float(require(one, "start_position"))
     trains, speeds = nominal_speeds(history)
     name = str(history["mesh"].values[mesh])
     return Turning("mesh", name, wheel, -sigma, z, start, abs(speeds[wheel]) * z, trains[wheel])
