@@ -14,7 +14,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from evolvent.commands.post.gearbox import Gearbox
-from evolvent.commands.post.signal_options import OptionOutput, check_outputs, write_outputs
+from evolvent.commands.post.signal_options import check_outputs, write_outputs
 from evolvent.commands.program import new_console, option, right
 from evolvent.errors import writing
 
@@ -24,7 +24,13 @@ RPM = 30.0 / math.pi
 def campbell(
     case: Annotated[Path, typer.Argument(metavar="CASE.yaml", help="Case.")],
     speeds: Annotated[str, option("--speeds FROM:TO", "Range of speeds [rpm], such as 500:12000.")],
-    output: OptionOutput = None,
+    output: Annotated[
+        list[Path] | None,
+        option(
+            "-o --output FILE",
+            "Numbers (.h5), crossings (.csv) or picture (.png, .svg, .pdf); may be repeated.",
+        ),
+    ] = None,
     wheel: Annotated[
         str | None,
         option("--wheel NAME", "Wheel whose speed it is; that which drives the first mesh."),
