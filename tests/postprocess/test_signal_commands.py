@@ -37,7 +37,7 @@ def angle_file(tmp_path_factory) -> Path:
 def test_spectrum_shows_the_largest_lines_with_what_was_done(post, steady_file):
     code, out, err = post("spectrum", steady_file, *ORDERS, "--lines", "3")
     assert (code, err) == (0, "")
-    assert "50 pitches of mesh pinion-gear at 500 Hz" in out
+    assert "50 pitches of mesh pinion-gear at 500 Hz, 1578.95 rpm of pinion; rows as they" in out
     assert "rectangular window" in out
     assert "noise bandwidth 0.02 orders" in out
     rows = [line.split() for line in out.splitlines()[-4:]]
@@ -280,6 +280,15 @@ def test_a_bad_record_is_one_line_with_place_and_remedy(post, tmp_path, make, ar
     assert message in err
     assert err.startswith("evolvent-post: bad.h5: ")
     assert err.count("\n") == 1
+
+
+def test_a_history_of_an_older_program_has_orders_of_wheels_but_not_of_meshes(post, tmp_path):
+    old = steady(500.0, 5e-5, 0.1, orders).drop_vars("start_position")
+    path = written(tmp_path / "old.h5", old)
+    code, _, err = post("spectrum", path, *ORDERS)
+    assert (code, err.count("\n")) == (3, 1)
+    assert "no variable `start_position`): it is of an older evolvent; run the case again" in err
+    assert post("spectrum", path, "--order-of", "pinion")[0] == 0
 
 
 def test_rows_off_the_grid_at_both_ends_of_output_by_angle_are_left_out(post, tmp_path):

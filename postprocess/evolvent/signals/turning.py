@@ -148,6 +148,11 @@ def of_wheel(history: xr.Dataset, wheel: int) -> Turning:
 
 def _of_mesh(history: xr.Dataset, mesh: int) -> Turning:
     """Pitches of a mesh from pair 0's start of contact."""
+    if "start_position" not in history:
+        raise HistoryError(
+            f"{source_name(history)}: does not tell where its tooth pairs start (no variable "
+            "`start_position`): it is of an older evolvent; run the case again"
+        )
     one = history.isel(mesh=mesh)
     wheel = int(require(one, "driving_wheel"))
     sigma = int(require(one, "flank"))

@@ -14,11 +14,9 @@ from rich.markup import escape
 from rich.table import Table
 
 from evolvent.commands.post.gearbox import Gearbox
-from evolvent.commands.post.signal_options import check_outputs, write_outputs
+from evolvent.commands.post.signal_options import RPM, check_outputs, write_outputs
 from evolvent.commands.program import new_console, option, right
 from evolvent.errors import writing
-
-RPM = 30.0 / math.pi
 
 
 def campbell(

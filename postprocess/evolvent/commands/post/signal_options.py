@@ -22,6 +22,7 @@ from evolvent.signals.windows import WINDOWS
 
 Window = StrEnum("Window", list(WINDOWS))  # type: ignore[misc]  # its members are a table
 DATA = "h5"
+RPM = 30.0 / math.pi  # rev/min of 1 rad/s
 
 OptionQuantity = Annotated[str, option("--quantity NAME", "Variable of the history.")]
 OptionMesh = Annotated[str | None, option("--mesh NAME", "Its mesh, if there are several.")]

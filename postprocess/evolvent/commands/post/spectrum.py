@@ -12,6 +12,7 @@ from rich.table import Table
 
 from evolvent.commands.post.common import AsJson, Files, complain
 from evolvent.commands.post.signal_options import (
+    RPM,
     WHOLE_TIME,
     OptionAxis,
     OptionFrom,
@@ -152,7 +153,7 @@ def _print(result: xr.Dataset, count: int) -> None:
 
 
 def told(result: xr.Dataset) -> list[str]:
-    """What a spectrum is of and how it was made, in two lines."""
+    """What a spectrum is of and how it was made, in two or three lines."""
     a = result.attrs
     place = f" of {a['place']}" if a["place"] else ""
     what = f"{a['source']}: {a['quantity']}{place}, t = {a['begin']:.6g} to {a['end']:.6g} s"
@@ -164,10 +165,12 @@ def told(result: xr.Dataset) -> list[str]:
             f"{a['window']} window over {a['samples']} outputs: a line every {spacing:.4g} Hz, "
             f"noise bandwidth {bandwidth:.4g} Hz",
         ]
+    rate = float(result["frequency"][-1] / result["order"][-1])
+    rpm = float(result["speed"]) * RPM
     return [
         what,
-        f"{a['window']} window over {a['periods']} of {a['order_of']} at "
-        f"{float(result['frequency'][-1] / result['order'][-1]):.6g} Hz, {a['sampling']}: "
+        f"{a['window']} window over {a['periods']} of {a['order_of']} at {rate:.6g} Hz, "
+        f"{rpm:.6g} rpm of {a['wheel']}; {a['sampling']}",
         f"a line every {spacing:.4g} orders, noise bandwidth {bandwidth:.4g} orders",
     ]
 

@@ -10,6 +10,7 @@ from rich.table import Table
 
 from evolvent.commands.post.common import Files
 from evolvent.commands.post.signal_options import (
+    RPM,
     WHOLE_TIME,
     OptionAxis,
     OptionFrom,
@@ -28,8 +29,6 @@ from evolvent.commands.post.signal_options import (
 )
 from evolvent.commands.program import new_console, option, right
 from evolvent.units import quantity
-
-RPM = 9.549296585513721  # rev/min of 1 rad/s
 
 
 def waterfall(
