@@ -177,6 +177,9 @@ def test_what_there_is_not_is_named_with_what_there_is(
         (("spectrum", *ORDERS, "--periods", "60", "--from", "0.08"), "not 60 whole"),
         (("spectrum", *ORDERS, "--highest", "21"), "40 outputs a pitch tell lines up to 20 of"),
         (("spectrum", "--highest", "11e3"), "outputs a second tell lines up to 1e+04 Hz"),
+        (("spectrum", *ORDERS, "--highest", "0"), "has no line up to 0, the first is at 0.02; "),
+        (("spectrum", "--highest", "5"), "has no line up to 5, the first is at 9.995; choose a"),
+        (("waterfall", "--highest", "0.2"), "has no line up to 0.2, the first is at 0.25"),
         (("waterfall", "--length", "40"), "too few for two windows of 40, 20 apart"),
         (("waterfall", "--order-of", "gear"), "choose a shorter --length"),
         (("sidebands", "--sides", "10"), "choose at most 9 by --sides"),
@@ -313,6 +316,16 @@ def test_a_static_analysis_is_no_record(post, tmp_path, command):
     assert err.count("\n") == 1
 
 
+def test_a_constant_has_a_mean_and_no_lines(post, tmp_path):
+    path = written(tmp_path / "constant.h5", steady(500.0, 5e-5, 0.1, lambda xi: 1.7 + 0 * xi))
+    for words in (("spectrum",), ("spectrum", *ORDERS), ("waterfall",)):
+        code, out, err = post(words[0], path, *words[1:], "-o", "c.png", "-o", "c.h5")
+        assert (code, err) == (0, "")
+        # nothing below the mean of a spectrum, and below the head of the table of a map
+        *_, row, _, _ = out.splitlines()
+        assert row.split()[0] == ("order" if words[0] == "waterfall" else "mean")
+
+
 @pytest.mark.parametrize(
     "arguments",
     [
@@ -322,10 +335,11 @@ def test_a_static_analysis_is_no_record(post, tmp_path, command):
         ("spectrum", "--periods", "3"),
         ("spectrum", "--window", "triangle"),
         ("waterfall", "--length", "0"),
+        ("spectrum", "steady.h5"),
     ],
 )
 def test_wrong_usage_is_code_2(post, steady_file, arguments):
-    command, *options = arguments
+    command, *options = (steady_file if word == "steady.h5" else word for word in arguments)
     code, out, err = post(command, steady_file, *options)
     assert (code, out) == (2, "")
     assert err.startswith("Usage: evolvent-post")

@@ -152,14 +152,24 @@ def last_periods(record: Record, label: str, count: int | None = None) -> Record
     return record.part(record.values.size - wanted * record.per_period, record.values.size)
 
 
-def check_reach(record: Record, label: str, highest: float | None) -> float:
+def check_reach(record: Record, label: str, highest: float | None, spacing: float) -> float:
     """Highest line that is told: as asked, else what the record can tell.
+
+    Parameters
+    ----------
+    spacing : from line to line.
 
     Raises
     ------
     HistoryError
-        The record has too few samples for it.
+        The record has too few samples for it, or there is no line up to it.
     """
+    if highest is not None and highest < spacing * (1 - EVEN):
+        raise HistoryError(
+            f"{label}: has no line up to {highest:.6g}, the first is at {spacing:.4g}; choose a "
+            "larger --highest, or a longer record",
+            USAGE,
+        )
     wanted = 1.0 if highest is None and record.of is not None else highest or 0.0
     if wanted > record.reach * (1 + EVEN):
         unit = "Hz" if record.of is None else f"of {record.of}"

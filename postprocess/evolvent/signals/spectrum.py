@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 Numbers = NDArray[np.float64]
 
+ROUNDING = 1e-14  # of the mean or the largest line: what is smaller is no line
+
 
 @dataclass(frozen=True)
 class Lines:
@@ -68,6 +70,7 @@ def peaks(lines: Lines, count: int) -> list[int]:
     """The largest lines that are higher than their neighbours, without the mean, by size."""
     size = lines.amplitude.copy()
     size[0] = 0.0
+    size[size < ROUNDING * max(abs(float(lines.amplitude[0])), size.max())] = 0.0
     padded = np.concatenate([[0.0], size, [0.0]])
     tops = np.flatnonzero((size > 0) & (size >= padded[:-2]) & (size > padded[2:]))
     return [int(i) for i in tops[np.argsort(-size[tops], kind="stable")][:count]]

@@ -9,7 +9,7 @@ import typer
 import xarray as xr
 
 from evolvent.commands.program import option
-from evolvent.history import HISTORY, open_result, run_warning
+from evolvent.history import HISTORY, file_label, open_result, run_warning
 
 BROKEN = 1
 
@@ -30,3 +30,12 @@ def open_with_warning(path: Path, *kinds: str) -> xr.Dataset:
     if warning:
         complain(f"{path}: {warning}")
     return history
+
+
+def labels(files: list[Path]) -> list[str]:
+    """Name the files by the fewest trailing parts of their paths that tell them apart."""
+    for parts in range(1, 1 + max(len(path.parts) for path in files)):
+        names = ["/".join([*p.parts[-parts:-1], file_label(p)]).lstrip("/") for p in files]
+        if len(set(names)) == len(names):
+            return names
+    raise typer.BadParameter("the same file is given twice", param_hint="FILE")

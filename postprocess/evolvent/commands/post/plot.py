@@ -11,12 +11,12 @@ import typer
 from matplotlib.figure import Figure
 from rich.table import Table
 
-from evolvent.commands.post.common import Files, open_with_warning
+from evolvent.commands.post.common import Files, labels, open_with_warning
 from evolvent.commands.program import new_console, option
 from evolvent.errors import USAGE, HistoryError, writing
 from evolvent.figures.style import Format, save
 from evolvent.figures.table import FIGURES, Run, pairs
-from evolvent.history import DRAWN, HISTORY, WHAT, file_label, open_events, result_kind
+from evolvent.history import DRAWN, HISTORY, WHAT, open_events, result_kind
 
 Quantity = StrEnum("Quantity", list(FIGURES))  # type: ignore[misc]  # its members are a table
 
@@ -81,7 +81,7 @@ def plot(
     if over_time and pairs.name not in asked:
         raise typer.BadParameter("is for --pairs", param_hint="--over-time")
     runs = [
-        _open(path, label, begin, end) for path, label in zip(files, _labels(files), strict=True)
+        _open(path, label, begin, end) for path, label in zip(files, labels(files), strict=True)
     ]
     drawn: dict[str, Figure] = {}
     for name in asked or [row.name for row in FIGURES.values() if row.by_default]:
@@ -117,12 +117,3 @@ def _open(path: Path, label: str, begin: float, end: float) -> Run:
     if part.sizes["time"] == 0:
         raise HistoryError(f"{path}: has no output between --from and --to", USAGE)
     return Run(part, open_events(path), label, is_whole)
-
-
-def _labels(files: list[Path]) -> list[str]:
-    """Name the files by the fewest trailing parts of their paths that tell them apart."""
-    for parts in range(1, 1 + max(len(path.parts) for path in files)):
-        labels = ["/".join([*p.parts[-parts:-1], file_label(p)]).lstrip("/") for p in files]
-        if len(set(labels)) == len(labels):
-            return labels
-    raise typer.BadParameter("the same file is given twice", param_hint="FILE")

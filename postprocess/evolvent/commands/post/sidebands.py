@@ -86,7 +86,7 @@ def _find(
     label = source_name(history)
     of = find_mesh(history, mesh)
     record = read_record(history, signal, of)
-    check_reach(record, label, carriers + 1.0)
+    check_reach(record, label, carriers + 1.0, 1.0)
     wheels = wheels_of(history, mesh)
     teeth = {wheel.name: int(ratio(of, wheel)) for wheel in wheels}
     both = math.lcm(*teeth.values())

@@ -10,7 +10,7 @@ import typer
 import xarray as xr
 from rich.table import Table
 
-from evolvent.commands.post.common import AsJson, Files, complain
+from evolvent.commands.post.common import AsJson, Files, complain, labels
 from evolvent.commands.post.signal_options import (
     RPM,
     WHOLE_TIME,
@@ -74,16 +74,14 @@ def spectrum(
       evolvent-post spectrum compliant-pair.h5 spur-pair.h5 --from 0.02 -o frequencies.png
       evolvent-post spectrum two-stage-gears.h5 --order-of motor --mesh first --lines 5
     """  # noqa: D301 - \b keeps click from filling the lines
-    from evolvent.history import file_label
-
     check_outputs(output, len(files))
     chosen = choice(mesh, wheel, pair, axis, others)
     results = []
-    for path in files:
+    for path, label in zip(files, labels(files), strict=True):
         history, signal = open_signal(path, name, chosen, begin, end)
         with history:
             result = make_spectrum(history, signal, order_of, periods, window, highest)
-        results.append((file_label(path), result))
+        results.append((label, result))
     written = write_outputs(output, results, "spectrum")
     if as_json:
         typer.echo(json.dumps([_as_json(result, count) for _, result in results], indent=2))
@@ -112,7 +110,6 @@ def make_spectrum(
     label = source_name(history)
     of = sampling.counted_over(history, order_of)
     record = sampling.read_record(history, signal, of)
-    reach = sampling.check_reach(record, label, highest)
     if of is not None:
         record = sampling.last_periods(record, label, periods)
     elif periods is not None:
@@ -122,6 +119,7 @@ def make_spectrum(
             f"{label}: the speed changes by {100 * change:.2g} %, which smears lines over "
             "frequency; take --order-of NAME, or evolvent-post waterfall"
         )
+    reach = sampling.check_reach(record, label, highest, 1 / record.periods)
     name = str(shape or (HANN if of is None else RECTANGULAR))
     weights = window_of(name, record.values.size)
     lines = line_spectrum(record.values, record.first, record.step, weights).upto(reach)

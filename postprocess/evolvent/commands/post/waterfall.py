@@ -8,7 +8,7 @@ import typer
 import xarray as xr
 from rich.table import Table
 
-from evolvent.commands.post.common import Files
+from evolvent.commands.post.common import Files, labels
 from evolvent.commands.post.signal_options import (
     RPM,
     WHOLE_TIME,
@@ -28,6 +28,7 @@ from evolvent.commands.post.signal_options import (
     write_outputs,
 )
 from evolvent.commands.program import new_console, option, right
+from evolvent.signals.spectrum import ROUNDING
 from evolvent.units import quantity
 
 
@@ -68,16 +69,14 @@ def waterfall(
     Example:
       evolvent-post waterfall compliant-pair.h5 --order-of pinion-gear -o map.png -o map.h5
     """  # noqa: D301 - \b keeps click from filling the lines
-    from evolvent.history import file_label
-
     check_outputs(output, len(files))
     chosen = choice(mesh, wheel, pair, axis, others)
     results = []
-    for path in files:
+    for path, label in zip(files, labels(files), strict=True):
         history, signal = open_signal(path, name, chosen, begin, end)
         with history:
             result = make_map(history, signal, order_of, length, hop, window, highest)
-        results.append((file_label(path), result))
+        results.append((label, result))
     written = write_outputs(
         output, results, "order_map", over_time=over_time, as_frequency=frequency
     )
@@ -107,7 +106,7 @@ def make_map(
         history, str(history["mesh"].values[0])
     )
     record = sampling.read_record(history, signal, of)
-    reach = sampling.check_reach(record, label, highest)
+    reach = sampling.check_reach(record, label, highest, 1 / length)
     name = str(shape or RECTANGULAR)
     found = order_map(record, label, length, hop or max(1, length // 2), name, reach)
     return results.order_map_result(history, signal, record, found, name)
@@ -132,7 +131,8 @@ def _print(result: xr.Dataset) -> None:
         box=None,
     )
     tops = result["amplitude"][:, 1:].max("time")
-    for index in sorted(tops.argsort().values[::-1][:5] + 1):
+    least = ROUNDING * float(abs(result["amplitude"]).max())
+    for index in sorted(1 + i for i in tops.argsort().values[::-1][:5] if tops[i] > least):
         line = result.isel(order=int(index))
         at = line.isel(time=int(line["amplitude"].values.argmax()))
         table.add_row(
