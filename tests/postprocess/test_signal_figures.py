@@ -8,7 +8,7 @@ from matplotlib.colors import to_rgb
 from signal_results import campbell_of_two_modes, map_of_run_up, spectrum_of_orders
 
 from evolvent import HistoryError
-from evolvent.figures.campbell import draw_campbell
+from evolvent.figures.campbell import draw_campbell, spread
 from evolvent.figures.order_map import DARK, draw_order_maps
 from evolvent.figures.spectrum import FEW, draw_spectra
 
@@ -88,6 +88,15 @@ def test_crossings_are_marked_where_orders_meet_modes():
     (marks,) = [line for line in axis.lines if line.get_marker() == "o"]
     np.testing.assert_allclose(marks.get_xdata(), result["crossing_speed"] * 30 / np.pi)
     np.testing.assert_allclose(marks.get_ydata(), result["crossing_frequency"] / 1000)
+
+
+def test_labels_of_orders_keep_apart_near_where_they_belong():
+    places = [0.1, 0.11, 0.12, 0.5, 0.98, 0.99]
+    found = spread([(place, "") for place in places], 0.05)
+    assert (np.diff(found) >= 0.05 - 1e-12).all()
+    assert found[:3] == pytest.approx([0.06, 0.11, 0.16])
+    assert found[3] == 0.5
+    assert abs(np.array(found) - places).max() < 0.05
 
 
 def test_what_does_not_belong_into_one_picture_is_refused():

@@ -72,6 +72,7 @@ def test_a_prescribed_speed_is_varied_and_its_wheel_does_not_vibrate(campbell, e
         # recorded: the gear alone on the mesh; both wheels together have 11.6 kHz
         assert found["natural_frequency"].values == pytest.approx(5880, rel=0.01)
         assert found.attrs["evolvent_kind"] == "campbell"
+        assert found.attrs["title"].startswith("Spur gears 19/34")
 
 
 def test_speeds_without_a_steady_state_take_the_nearest_and_say_so(campbell, examples):

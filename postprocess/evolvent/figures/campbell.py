@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from evolvent.figures.style import ABOVE, LINES, STYLE
 
 RPM = 30.0 / math.pi
+HIGH, WIDE = 0.042, 0.032  # of a label of an order, over the axes
 HEADROOM = 1.12  # above the highest natural frequency
 ORDER: dict[bool, dict[str, Any]] = {
     True: {"color": "#666666", "linewidth": 1.0, "linestyle": "-"},
@@ -41,9 +42,7 @@ def draw_campbell(result: xr.Dataset) -> Figure:
                 label=f"mode {mode}, damping ratio {damping:.3g}",
                 **{**LINES[number % len(LINES)], "linewidth": 2.0},
             )  # fmt: skip
-        meshes = {_name(e) for e, is_mesh in _excitations(result) if is_mesh}
-        for index in range(result.sizes["excitation"]):
-            _draw_order(axis, result.isel(excitation=index), top, len(meshes) > 1)
+        _draw_orders(axis, result, top)
         for is_mesh in sorted({is_mesh for _, is_mesh in _excitations(result)}, reverse=True):
             axis.plot(
                 [], [], label=f"orders of {'meshes' if is_mesh else 'wheels'}", **ORDER[is_mesh]
@@ -61,27 +60,54 @@ def draw_campbell(result: xr.Dataset) -> Figure:
     return figure
 
 
-def _draw_order(axis: Axes, one: xr.Dataset, top: float, named: bool) -> None:
-    """One order from the left border to the upper or the right one; those of meshes are named."""
-    speed = one["speed"].values
-    slope = float(one["excitation_order"]) / (2000.0 * np.pi)
-    is_mesh = bool(one["is_mesh"])
-    axis.plot(speed * RPM, slope * speed, zorder=1.5, **ORDER[is_mesh])
-    end = min(float(speed[-1]), top / slope)
-    if end <= speed[0] or not is_mesh:
-        return
-    at_top = end < speed[-1]
-    text = str(one["excitation"].item())
+def _draw_orders(axis: Axes, result: xr.Dataset, top: float) -> None:
+    """Orders from the left border to the upper or the right one; those of meshes are named."""
+    speed = result["speed"].values
+    excitations = _excitations(result)
+    several = len({_name(text) for text, is_mesh in excitations if is_mesh}) > 1
+    right, above = [], []
+    for (text, is_mesh), order in zip(excitations, result["excitation_order"].values, strict=True):
+        slope = float(order) / (2000.0 * np.pi)
+        axis.plot(speed * RPM, slope * speed, zorder=1.5, **ORDER[is_mesh])
+        if not is_mesh or slope * speed[0] >= top:
+            continue
+        name = f"{text.split(' ')[0]}x{f' {_name(text)}' if several else ''}"
+        if slope * speed[-1] <= top:
+            right.append((slope * float(speed[-1]) / top, name))
+        else:
+            above.append(((top / slope - speed[0]) / (speed[-1] - speed[0]), name))
+    upright = {"rotation": 90, "ha": "center", "va": "bottom"} if several else {"ha": "center"}
+    for (_, name), place in zip(sorted(right), spread(sorted(right), HIGH), strict=True):
+        _write(axis, name, (1.0, place), (4, 0), ha="left", va="center")
+    for (_, name), place in zip(sorted(above), spread(sorted(above), WIDE), strict=True):
+        _write(axis, name, (place, 1.0), (0, 4), **upright)
+
+
+def spread(labels: list[tuple[float, str]], least: float) -> list[float]:
+    """Places of labels, at least so far from each other, near where they belong.
+
+    Parameters
+    ----------
+    labels : where they belong and their texts, in rising order.
+    """
+    clusters: list[tuple[float, int]] = []  # middle, labels
+    for place, _ in labels:
+        clusters.append((place, 1))
+        while len(clusters) > 1:
+            (a, n), (b, m) = clusters[-2:]
+            if b - a >= least * (n + m) / 2:
+                break
+            clusters[-2:] = [((n * a + m * b) / (n + m), n + m)]
+    return [a + least * (i - (n - 1) / 2) for a, n in clusters for i in range(n)]
+
+
+def _write(
+    axis: Axes, text: str, place: tuple[float, float], shift: tuple[int, int], **how: Any
+) -> None:
     axis.annotate(
-        f"{text.split(' ')[0]}x{f' {_name(text)}' if named else ''}",
-        (end * RPM, slope * end),
-        xytext=(0, 3) if at_top else (4, 0),
-        textcoords="offset points",
-        ha="center" if at_top else "left",
-        va="bottom" if at_top else "center",
-        fontsize=10,
-        color="#444444",
-    )
+        text, place, xytext=shift, xycoords="axes fraction", textcoords="offset points",
+        fontsize=10, color="#444444", **how,
+    )  # fmt: skip
 
 
 def _excitations(result: xr.Dataset) -> list[tuple[str, bool]]:
