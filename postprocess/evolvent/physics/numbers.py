@@ -29,13 +29,13 @@ def window_text(history: xr.Dataset) -> str:
 
 
 def numbers_tables(history: xr.Dataset) -> list[tuple[list[str], list[tuple[str, list[str]]]]]:
-    """Write the numbers of all meshes, wheels and accelerometers: their names, and a row a number."""
+    """Write the numbers of all meshes, wheels, accelerometers: their names, and a row each."""
     dims = [dim for dim in ("mesh", "wheel", "accelerometer") if dim in history.dims]
     return [([str(v) for v in history[dim].values], _rows(history, dim)) for dim in dims]
 
 
 def _rows(history: xr.Dataset, dim: str) -> list[tuple[str, list[str]]]:
-    """Write what, and for each mesh or wheel how much; without phases, and what none of them has."""
+    """Write what, and for each how much; without phases, and what none of them has."""
     rows = []
     for name, variable in history.data_vars.items():
         if not is_number(str(name)) or variable.dims[:1] != (dim,):
