@@ -166,7 +166,7 @@ static bool close_history(run *run, bool commit, const char *status, const char 
 
 /* The run itself. */
 
-static double number_of(const char *name, int n, const evl_quantity *quantities)
+static double number_of(const char *name, int n, const evl_output *quantities)
 {
     int i = 0;
     while (i < n && strcmp(quantities[i].name, name) != 0) {
@@ -180,7 +180,7 @@ static void tell_vibrations(const run *run)
 {
     const description *description = case_description(run->prepared.file);
     for (int i = 0; i < description->n_meshes; i++) {
-        evl_quantity mesh[EVL_MOST_QUANTITIES];
+        evl_output mesh[EVL_MOST_QUANTITIES];
         const int n = model_geometry(run->prepared.model, EVL_OF_MESH, i, mesh);
         if (!isnan(number_of("damping_ratio", n, mesh))) {
             log_note("mesh %s at %.5g N, one tooth pair: natural frequency %.5g Hz, damping ratio %.3g",

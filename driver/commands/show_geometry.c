@@ -16,7 +16,7 @@ static const double MICROMETRES_PER_METRE = 1e6;
 typedef struct {
     const char *name;
     int n;
-    evl_quantity rows[EVL_MOST_QUANTITIES];
+    evl_output rows[EVL_MOST_QUANTITIES];
 } column;
 
 static column column_of(const model *model, evl_of of, int index, const char *name)
@@ -35,7 +35,7 @@ static double *pitch_errors_of(const model *model, int wheel, int *n)
     return errors;
 }
 
-static bool is_angle(const evl_quantity *quantity)
+static bool is_angle(const evl_output *quantity)
 {
     return strcmp(quantity->units, "rad") == 0;
 }
@@ -52,7 +52,7 @@ static void print_rows(FILE *stream, const char *title, const column *column)
     }
     fprintf(stream, "\n%s %s\n", title, column->name);
     for (int i = 0; i < column->n; i++) {
-        const evl_quantity *row = &column->rows[i];
+        const evl_output *row = &column->rows[i];
         fprintf(stream, "  %-*s  %-*s  ", name_width, row->long_name, symbol_width, row->symbol);
         if (row->n == 2) {
             fprintf(stream, "(%.10g, %.10g)", row->value[0], row->value[1]);
@@ -78,7 +78,7 @@ typedef struct {
     double factor;
 } usual_unit;
 
-static const usual_unit *usual(const evl_quantity *quantity)
+static const usual_unit *usual(const evl_output *quantity)
 {
     static const usual_unit units[] = {
         {"rad", "deg", DEGREES_PER_RADIAN}, {"m", "mm", 1e3},      {"1/Pa", "um mm/N", 1e9},
@@ -94,7 +94,7 @@ static const usual_unit *usual(const evl_quantity *quantity)
 static void print_list(FILE *stream, const column *column, const int widths[3], int digits)
 {
     for (int i = 0; i < column->n; i++) {
-        const evl_quantity *row = &column->rows[i];
+        const evl_output *row = &column->rows[i];
         const usual_unit *unit = usual(row);
         fprintf(stream, "  %-*s %-*s %*.*g %s\n", widths[0], row->long_name, widths[1], row->symbol, widths[2], digits,
                 row->value[0] * unit->factor, unit->usual);
@@ -114,7 +114,7 @@ static void print_columns(FILE *stream, int n, const column *columns)
     }
     fputc('\n', stream);
     for (int i = 0; i < columns[0].n; i++) {
-        const evl_quantity *first = &columns[0].rows[i];
+        const evl_output *first = &columns[0].rows[i];
         fprintf(stream, "  %-*s  %-9s  %-3s", name_width, first->long_name, first->symbol, usual(first)->usual);
         for (int k = 0; k < n; k++) {
             fprintf(stream, "  %*.10g", COLUMN_WIDTH, columns[k].rows[i].value[0] * usual(&columns[k].rows[i])->factor);
@@ -214,7 +214,7 @@ char *stiffness_note(const description *description, const model *model)
 static void write_rows(json_writer *writer, const column *column)
 {
     for (int i = 0; i < column->n; i++) {
-        const evl_quantity *row = &column->rows[i];
+        const evl_output *row = &column->rows[i];
         if (row->n == 2) {
             json_numbers(writer, row->name, 2, row->value);
         } else {

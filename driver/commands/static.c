@@ -269,7 +269,7 @@ static void analyse_case(analysis *a, const static_options *options, int points,
         warn_of_case(&a->prepared);
         analyse(a, path, options->torque, error);
     }
-    evl_quantity compliance[EVL_MOST_QUANTITIES];
+    evl_output compliance[EVL_MOST_QUANTITIES];
     if (error->code == EVL_EXIT_OK && (options->json || !options->quiet)) {
         const static_report report = {.file = a->prepared.file,
                                       .plan = &a->plan,

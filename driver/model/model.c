@@ -52,7 +52,7 @@ int model_support_directions(const model *model, int wheel, double directions[2]
     return evl_gearbox_support_directions(model->gearbox, wheel, directions[0]);
 }
 
-int model_geometry(const model *model, evl_of of, int index, evl_quantity quantities[EVL_MOST_QUANTITIES])
+int model_geometry(const model *model, evl_of of, int index, evl_output quantities[EVL_MOST_QUANTITIES])
 {
     return evl_gearbox_geometry(model->gearbox, (int)of, index, quantities);
 }

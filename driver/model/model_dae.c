@@ -96,8 +96,7 @@ void model_describe_dae(model *model)
     const size_t n = (size_t)sizes->n_states;
     double *scale = pool_calloc(&model->pool, n, sizeof *scale),
            *row_scale = pool_calloc(&model->pool, n, sizeof *scale);
-    OWNED int *differential = xcalloc(n, sizeof *differential);
-    evl_gearbox_scales(model->gearbox, &model->initial, scale, row_scale, differential);
+    evl_gearbox_scales(model->gearbox, &model->initial, scale, row_scale);
     model->about.dae = (dae){
         .self = model,
         .n = sizes->n_states,
@@ -115,8 +114,8 @@ void model_describe_dae(model *model)
         .apply_event = apply_event,
         .watched = watched,
         .roots_and_watched = roots_and_watched,
-        .n_watched = evl_watched_count() * sizes->n_meshes,
-        .n_kept = evl_gearbox_watch_room(model->gearbox),
+        .n_watched = model_tables()->n_watched * sizes->n_meshes,
+        .n_kept = sizes->n_kept,
         .stepper = model_radau(model),
     };
 }

@@ -25,7 +25,7 @@ const dae_stepper *model_radau(const model *model);
 void model_explain(const model *model, const evl_status *status, model_message *error);
 /** Why there is no state to start from; what is about nothing else is about the case's initial state. */
 void model_explain_start(const model *model, const evl_status *status, model_message *error);
-/** What outputs are, without places; `from` has to outlive them. */
-void model_take_outputs(int n, const evl_output *from, model_output *to);
+/** The outputs of one of the kernel's tables, without places, and their texts, which have to outlive them: new arrays. @return how many */
+int model_take_outputs(int of, evl_output **texts, model_output **outputs);
 /** Fill the table of outputs. */
 void model_describe_outputs(model *model);

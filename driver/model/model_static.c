@@ -13,21 +13,19 @@ bool model_is_of_request(const model_message *message)
 /** What is told, and where it stands among the values. */
 static void take_outputs(const evl_static_plan *from, static_plan *plan)
 {
-    const size_t n = (size_t)evl_static_count();
-    evl_output *texts = xcalloc(n, sizeof *texts);
-    model_output *outputs = xcalloc(n, sizeof *outputs);
-    OWNED int *offsets = xcalloc(n, sizeof *offsets), *counts = xcalloc(n, sizeof *counts);
-    evl_static_describe(texts);
-    model_take_outputs((int)n, texts, outputs);
+    evl_output *texts;
+    model_output *outputs;
+    const int n = model_take_outputs(EVL_TABLE_OF_STATIC, &texts, &outputs);
+    OWNED int *offsets = xcalloc((size_t)n, sizeof *offsets), *counts = xcalloc((size_t)n, sizeof *counts);
     evl_gearbox_static_places(from, offsets, counts);
-    for (size_t i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++) {
         outputs[i].offset = offsets[i];
         outputs[i].count = counts[i];
         if (texts[i].dims == EVL_DIMS_HARMONIC) {
             plan->n_harmonics = counts[i];
         }
     }
-    plan->n_outputs = (int)n;
+    plan->n_outputs = n;
     plan->outputs = outputs;
     plan->texts = texts;
 }

@@ -15,11 +15,12 @@ static void copy_text(char *to, size_t size, const char *from)
 /* What is the same for all models is copied from the kernel once, whichever thread asks first. */
 static pthread_once_t once = PTHREAD_ONCE_INIT;
 static struct model_tables tables;
-static evl_output *output_texts; /**< [evl_output_count()] */
-static model_output *outputs;    /**< [evl_output_count()] without places */
-static int *outputs_by_name;     /**< [evl_output_count()] in the order of their names */
+static int n_outputs;
+static evl_output *output_texts; /**< [n_outputs] */
+static model_output *outputs;    /**< [n_outputs] without places */
+static int *outputs_by_name;     /**< [n_outputs] in the order of their names */
 
-void model_take_outputs(int n, const evl_output *from, model_output *to)
+int model_take_outputs(int of, evl_output **texts, model_output **outputs)
 {
     static const char *const dims[] = {
         [EVL_DIMS_NONE] = "",
@@ -37,6 +38,10 @@ void model_take_outputs(int n, const evl_output *from, model_output *to)
         [EVL_DIMS_HARMONIC] = "harmonic",
         [EVL_DIMS_ACCELEROMETER] = "accelerometer",
     };
+    const int n = evl_table(of, 0, NULL);
+    evl_output *from = *texts = xcalloc((size_t)n, sizeof *from);
+    model_output *to = *outputs = xcalloc((size_t)n, sizeof *to);
+    (void)evl_table(of, n, from);
     for (int i = 0; i < n; i++) {
         to[i] = (model_output){.name = from[i].name,
                                .units = from[i].units,
@@ -46,42 +51,34 @@ void model_take_outputs(int n, const evl_output *from, model_output *to)
                                .is_static = from[i].is_static,
                                .is_integer = from[i].is_integer};
     }
+    return n;
 }
 
-static void copy_outputs(void)
-{
-    const int n = evl_output_count();
-    output_texts = xcalloc((size_t)n, sizeof *output_texts);
-    outputs = xcalloc((size_t)n, sizeof *outputs);
-    evl_outputs_describe(output_texts);
-    model_take_outputs(n, output_texts, outputs);
-}
-
-static model_output describe_extreme(const evl_extreme *from, bool is_time)
+/** The extreme of an output, or its time. */
+static model_output describe_extreme(const evl_output *from, bool is_time)
 {
     const char *which = from->is_largest ? "max" : "min";
-    return (model_output){.name = xasprintf("%s_%s%s", from->output, which, is_time ? "_time" : ""),
-                          .units = is_time ? "s" : xstrdup(from->units),
+    return (model_output){.name = xasprintf("%s_%s%s", from->name, which, is_time ? "_time" : ""),
+                          .units = is_time ? "s" : from->units,
                           .symbol = is_time ? "t" : xasprintf("%s %s", which, from->symbol),
-                          .long_name =
-                              is_time ? xasprintf("first time of the %s", from->long_name) : xstrdup(from->long_name),
+                          .long_name = is_time ? xasprintf("first time of the %s", from->long_name) : from->long_name,
                           .dims = "mesh",
                           .is_static = true};
 }
 
 static void copy_extremes(void)
 {
-    const int n = tables.n_extremes = evl_extreme_count();
-    OWNED evl_extreme *texts = xcalloc((size_t)n, sizeof *texts);
+    evl_output *texts;
+    OWNED model_output *rows = NULL;
+    const int n = tables.n_extremes = model_take_outputs(EVL_TABLE_OF_EXTREMES, &texts, &rows);
     model_extreme *extremes = xcalloc((size_t)n, sizeof *extremes);
-    evl_extremes_describe(texts);
     for (int i = 0; i < n; i++) {
-        const evl_extreme *from = &texts[i];
-        extremes[i] = (model_extreme){.output = xstrdup(from->output),
-                                      .value = describe_extreme(from, false),
-                                      .time = describe_extreme(from, true),
-                                      .watched = from->watched,
-                                      .is_largest = from->is_largest};
+        extremes[i] = (model_extreme){.output = texts[i].name,
+                                      .value = describe_extreme(&texts[i], false),
+                                      .time = describe_extreme(&texts[i], true),
+                                      .watched = texts[i].watched,
+                                      .is_largest = texts[i].is_largest};
+        tables.n_watched = texts[i].watched < tables.n_watched ? tables.n_watched : texts[i].watched + 1;
     }
     tables.extremes = extremes;
 }
@@ -96,14 +93,14 @@ static int compare_with_name(const void *name, const void *index)
     return strcmp(name, outputs[*(const int *)index].name);
 }
 
-static void sort_outputs(void)
+static void copy_outputs(void)
 {
-    const int n = evl_output_count();
-    outputs_by_name = xcalloc((size_t)n, sizeof *outputs_by_name);
-    for (int i = 0; i < n; i++) {
+    n_outputs = model_take_outputs(EVL_TABLE_OF_STATE, &output_texts, &outputs);
+    outputs_by_name = xcalloc((size_t)n_outputs, sizeof *outputs_by_name);
+    for (int i = 0; i < n_outputs; i++) {
         outputs_by_name[i] = i;
     }
-    qsort(outputs_by_name, (size_t)n, sizeof *outputs_by_name, compare_outputs);
+    qsort(outputs_by_name, (size_t)n_outputs, sizeof *outputs_by_name, compare_outputs);
 }
 
 static void copy_rows(void)
@@ -120,26 +117,22 @@ static void copy_rows(void)
 
 static void copy_event_kinds(void)
 {
-    const int n = tables.n_event_kinds = evl_event_count();
-    const char **names = xcalloc((size_t)n, sizeof *names);
-    for (int kind = 0; kind < n; kind++) {
-        char name[EVL_NAME_LENGTH], text[EVL_TEXT_LENGTH];
-        evl_event_describe(kind, name, text);
-        names[kind] = xstrdup(name);
+    evl_kind *kinds = model_kinds("event", &tables.n_event_kinds);
+    const char **names = xcalloc((size_t)tables.n_event_kinds, sizeof *names);
+    for (int kind = 0; kind < tables.n_event_kinds; kind++) {
+        names[kind] = kinds[kind].name;
     }
     tables.event_kinds = names;
 }
 
 static void copy_tables(void)
 {
-    tables.n_watched = evl_watched_count();
     tables.compiler = evl_kernel_compiler();
     tables.processor = evl_kernel_processor();
     copy_rows();
     copy_event_kinds();
     copy_outputs();
     copy_extremes();
-    sort_outputs();
 }
 
 const struct model_tables *model_tables(void)
@@ -209,7 +202,7 @@ model_state *model_states(const model *model)
 {
     model_state *states = xcalloc((size_t)model->sizes.n_states, sizeof *states);
     for (int i = 0; i < model->sizes.n_states; i++) {
-        char name[EVL_NAME_LENGTH], units[EVL_NAME_LENGTH];
+        char name[EVL_SHORT_LENGTH], units[EVL_SHORT_LENGTH];
         evl_gearbox_state_name(model->gearbox, i, name, units);
         copy_text(states[i].name, sizeof states[i].name, name);
         copy_text(states[i].units, sizeof states[i].units, units);

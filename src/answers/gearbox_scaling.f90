@@ -12,7 +12,7 @@ module evl_gearbox_scaling
    use evl_local_variables, only: i_omega, i_theta, n_track
    use evl_shaft, only: shaft_t
    use evl_status, only: code_ok
-   use evl_tooth_contact, only: tooth_contact_t, tracking_algebraic
+   use evl_tooth_contact, only: tooth_contact_t
    implicit none (type, external)
    private
 
@@ -174,12 +174,11 @@ contains
       end do
    end subroutine static_penetration
 
-   !> Scales of states and residuals for error control, and which states are differential.
-   subroutine gearbox_state_scales(gearbox, speeds, state, row, differential)
+   !> Scales of states and residuals for error control.
+   subroutine gearbox_state_scales(gearbox, speeds, state, row)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: speeds(:)      !! initial angular velocities of the wheels; size 0 if not given [rad/s]
       real(wp), intent(out) :: state(gearbox%n_states), row(gearbox%n_states)
-      integer, intent(out) :: differential(gearbox%n_states)
       real(wp) :: speed, h(size(gearbox%contacts)), rate(size(gearbox%contacts)), frequency
       real(wp), dimension(2, size(gearbox%wheels)) :: arc, turn
       real(wp) :: energy, housing_energy
@@ -194,7 +193,6 @@ contains
          rate(i) = h(i)*frequency
       end do
       call wheel_scales(gearbox, speed, speeds, h, rate, arc, turn, energy)
-      differential = 1
       state(i_theta) = angle_scale(gearbox)
       state(i_omega) = merge(speed, 1.0_wp, speed > 0)
       do i = 1, size(gearbox%wheels)
@@ -222,7 +220,6 @@ contains
             if (contact%i_normal == 0) cycle
             state(contact%i_normal) = multiplier_factor*contact%force_scale
             row(contact%i_normal) = contact%force_scale
-            differential(contact%i_normal) = 0
          end associate
       end do
       do i = 1, size(gearbox%contacts)
@@ -231,7 +228,6 @@ contains
             state(first:first + n_track - 1) = [track_factor*h(i)/contact%pair%rho_0, track_factor*h(i), h(i), h(i), 1.0_wp, &
                                                 contact%pair%r_bb*h(i)]
             row(first:first + n_track - 1) = [h(i), 1.0_wp, h(i), h(i), h(i), h(i)]
-            if (contact%tracking == tracking_algebraic) differential(first:first + n_track - 1) = 0
          end associate
       end do
    end subroutine gearbox_state_scales

@@ -97,9 +97,8 @@ contains
    function state_scales(gearbox) result(scale)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), dimension(gearbox%n_states) :: scale, row_scale
-      integer :: differential(gearbox%n_states)
 
-      call gearbox_state_scales(gearbox, [real(wp) ::], scale, row_scale, differential)
+      call gearbox_state_scales(gearbox, [real(wp) ::], scale, row_scale)
    end function state_scales
 
    !> The places of the speeds and of the positions that are free to move.

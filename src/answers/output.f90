@@ -53,6 +53,8 @@ module evl_output
       integer :: of = dims_none, length = 1 !! dimensions of the elements of its section, numbers of each
       integer :: needs = needs_nothing
       real(wp) :: value(4) = 0.0_wp         !! the first of them, where objects are not empty
+      integer :: watched = 0                !! of an extreme: which of the watched outputs
+      logical :: is_largest = .false.       !! the same: else the smallest
    end type output_t
 
    !> Rows that are told to be listed.

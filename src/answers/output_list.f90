@@ -4,6 +4,7 @@ module evl_output_list
    use evl_constant_outputs, only: active_radius, tell_mesh_constants, tell_mesh_teeth, tell_wheel_constants, tell_wheel_teeth
    use evl_gear, only: gear_t
    use evl_gearbox, only: gearbox_t, section_t, wheel_t
+   use evl_gearbox_watch, only: extremes_table
    use evl_housing, only: frame_t, housing_fixed
    use evl_housing_outputs, only: tell_accelerometer, tell_bearing, tell_mesh_position, tell_mount, tell_pose, &
                                   tell_wheel_position
@@ -22,7 +23,7 @@ module evl_output_list
    implicit none (type, external)
    private
 
-   public :: list_outputs, place_outputs
+   public :: list_extremes, list_outputs, place_outputs
 
 contains
 
@@ -64,6 +65,19 @@ contains
       call tell_shaft(teller, 1, 0.0_wp, 0.0_wp, 0.0_wp)
       call take_rows(teller, table)
    end subroutine list_outputs
+
+   !> The extremes that are told over a run: the outputs that they are of, with texts of their own.
+   subroutine list_extremes(table)
+      type(output_t), intent(out), allocatable :: table(:)
+      type(output_t), allocatable :: outputs(:)
+      integer :: i
+
+      call list_outputs(outputs)
+      table = [(outputs(findloc(outputs%name, extremes_table(i)%output, dim=1)), i=1, size(extremes_table))]
+      table%long_name = extremes_table%long_name
+      table%watched = extremes_table%watched
+      table%is_largest = extremes_table%is_largest
+   end subroutine list_extremes
 
    !> Which outputs a gearbox has, where they stand among its values, and the values that do not change.
    subroutine place_outputs(gearbox)

@@ -52,10 +52,10 @@ contains
       real(wp), dimension(gearbox%n_states) :: f, trial, scale, row_scale
       real(wp) :: matrix(size(system%row), size(system%row)), step(size(system%row), 1)
       real(wp) :: size_now, size_trial, share, last
-      integer :: differential(gearbox%n_states), pivots(size(system%row)), info, turn
+      integer :: pivots(size(system%row)), info, turn
 
       found = .false.
-      call gearbox_state_scales(gearbox, [real(wp) ::], scale, row_scale, differential)
+      call gearbox_state_scales(gearbox, [real(wp) ::], scale, row_scale)
       last = huge(last)
       call follow(system, y)
       call steady_residual(gearbox, t, y, integers, reals, f, status)
@@ -104,12 +104,12 @@ contains
       real(wp), dimension(gearbox%n_states) :: zero, scale, row_scale
       real(wp) :: jacobian(gearbox%n_states, gearbox%n_states)
       real(wp) :: matrix(size(system%speed), size(system%speed)), slopes(size(system%speed), 1)
-      integer :: differential(gearbox%n_states), pivots(size(system%speed)), info
+      integer :: pivots(size(system%speed)), info
 
       zero = 0
       call gearbox_jacobian(gearbox, t, 0.0_wp, y, zero, integers, reals, jacobian, status)
       if (has_failed(status)) return
-      call gearbox_state_scales(gearbox, [real(wp) ::], scale, row_scale, differential)
+      call gearbox_state_scales(gearbox, [real(wp) ::], scale, row_scale)
       associate (n => size(system%speed))
          associate (row => system%row(:n), q => system%unknown(:n))
             matrix = jacobian(row, q)*spread(scale(q), 1, n)/spread(row_scale(row), 2, n)

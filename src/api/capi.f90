@@ -6,11 +6,10 @@ module evl_capi
    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
    use evl_capi_description, only: c_initial, initial_from_c
    use evl_capi_store, only: c_store_t, c_wheel_store
-   use evl_capi_types, only: answer, c_name_length, c_status, c_text_length, gearbox_of, status_to_c, to_c
+   use evl_capi_types, only: answer, c_name_length, c_status, gearbox_of, status_to_c, to_c
    use evl_dae_jacobian, only: gearbox_jacobian
    use evl_dae_residual, only: gearbox_derivative, gearbox_residual
-   use evl_event_kinds, only: event_kind
-   use evl_event_log, only: describe_event, event_log, n_event_kinds
+   use evl_event_log, only: event_log
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_build, only: gearbox_create
    use evl_gearbox_events, only: gearbox_apply_event, gearbox_event_room, gearbox_next_time_event, gearbox_root_directions, &
@@ -18,6 +17,7 @@ module evl_capi
    use evl_gearbox_initial, only: gearbox_initial_speeds, gearbox_start
    use evl_gearbox_scaling, only: gearbox_state_scales
    use evl_gearbox_warnings, only: warn_of_speeds
+   use evl_gearbox_watch, only: n_kept
    use evl_given, only: description_t
    use evl_influence_store, only: influence_store_t
    use evl_state_names, only: gearbox_state_name
@@ -28,14 +28,13 @@ module evl_capi
    public :: evl_gearbox_create, evl_gearbox_delete, evl_gearbox_sizes
    public :: evl_gearbox_initial_state, evl_gearbox_scales
    public :: evl_gearbox_state_name, evl_gearbox_residual, evl_gearbox_jacobian, evl_gearbox_derivative
-   public :: evl_event_count, evl_event_describe
    public :: evl_gearbox_roots, evl_gearbox_root_directions, evl_gearbox_next_time_event
    public :: evl_gearbox_apply_event, evl_gearbox_speed_warning, evl_gearbox_warning
 
    !> evl_sizes
    type, bind(c) :: c_sizes
       integer(c_int) :: n_wheels, n_meshes, n_loads, n_states, n_integers, n_reals, n_roots, n_outputs, n_values, n_warnings, &
-                        n_pair_places, n_drive_places, n_shafts, n_events
+                        n_pair_places, n_drive_places, n_shafts, n_events, n_kept
    end type c_sizes
 
    !> evl_event
@@ -96,7 +95,7 @@ contains
       g => gearbox_of(handle)
       sizes = c_sizes(size(g%wheels), size(g%pairs), size(g%loads), g%n_states, g%n_integers, size(g%contacts), &
                       g%n_roots, size(g%output_counts), g%n_values, size(g%warnings), g%n_pair_places, g%n_drive_places, &
-                      size(g%shafts), gearbox_event_room(g))
+                      size(g%shafts), gearbox_event_room(g), n_kept*size(g%contacts))
    end subroutine evl_gearbox_sizes
 
    integer(c_int) function evl_gearbox_initial_state(handle, initial, t, y, yp, integers, reals, status) result(code) bind(c)
@@ -114,16 +113,15 @@ contains
       code = answer(s, status)
    end function evl_gearbox_initial_state
 
-   subroutine evl_gearbox_scales(handle, initial, state, row, differential) bind(c)
+   subroutine evl_gearbox_scales(handle, initial, state, row) bind(c)
       type(c_ptr), intent(in), value :: handle
       type(c_initial), intent(in) :: initial
       real(c_double), intent(inout) :: state(*), row(*)
-      integer(c_int), intent(inout) :: differential(*)
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
       call gearbox_state_scales(g, gearbox_initial_speeds(g, initial_from_c(initial, size(g%wheels), size(g%pairs))), &
-                                state, row, differential)
+                                state, row)
    end subroutine evl_gearbox_scales
 
    subroutine evl_gearbox_state_name(handle, index, name, units) bind(c)
@@ -175,20 +173,6 @@ contains
       call gearbox_derivative(gearbox_of(handle), t, y, integers, reals, yp, s)
       code = answer(s, status)
    end function evl_gearbox_derivative
-
-   integer(c_int) function evl_event_count() bind(c)
-      evl_event_count = n_event_kinds()
-   end function evl_event_count
-
-   subroutine evl_event_describe(kind, name, text) bind(c)
-      integer(c_int), intent(in), value :: kind
-      character(kind=c_char), intent(out) :: name(c_name_length), text(c_text_length)
-      type(event_kind) :: description
-
-      description = describe_event(kind)
-      call to_c(description%name, name)
-      call to_c(description%text, text)
-   end subroutine evl_event_describe
 
    integer(c_int) function evl_gearbox_roots(handle, y, integers, reals, values, status) result(code) bind(c)
       type(c_ptr), intent(in), value :: handle

@@ -1,7 +1,8 @@
 !> C interface of what follows from a description: geometry, directions of supports, damping. The header documents each procedure.
 module evl_capi_geometry
-   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_ptr
-   use evl_capi_types, only: c_law_choice, c_name_length, c_text_length, gearbox_of, to_c
+   use, intrinsic :: iso_c_binding, only: c_double, c_int, c_ptr
+   use evl_capi_outputs, only: c_output, output_to_c
+   use evl_capi_types, only: c_law_choice, gearbox_of
    use evl_derived_geometry, only: pitch_errors_of, quantities_of
    use evl_gearbox, only: gearbox_t
    use evl_output, only: output_t
@@ -10,33 +11,17 @@ module evl_capi_geometry
 
    public :: evl_gearbox_damping, evl_gearbox_geometry, evl_gearbox_pitch_errors, evl_gearbox_support_directions
 
-   !> evl_quantity
-   type, bind(c) :: c_quantity
-      character(kind=c_char) :: name(c_name_length), units(c_name_length), symbol(c_name_length), long_name(c_text_length)
-      integer(c_int) :: n
-      real(c_double) :: value(2)
-   end type c_quantity
-
 contains
 
    integer(c_int) function evl_gearbox_geometry(handle, of, index, quantities) result(n) bind(c)
       type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: of, index
-      type(c_quantity), intent(inout) :: quantities(*)
+      type(c_output), intent(inout) :: quantities(*)
       type(output_t), allocatable :: table(:)
 
       call quantities_of(gearbox_of(handle), int(of), index + 1, table)
-      do n = 1, size(table)
-         associate (from => table(n), to => quantities(n))
-            call to_c(from%name, to%name)
-            call to_c(from%units, to%units)
-            call to_c(from%symbol, to%symbol)
-            call to_c(from%long_name, to%long_name)
-            to%n = from%length
-            to%value = from%value(:2)
-         end associate
-      end do
       n = size(table)
+      call output_to_c(table, quantities(:n))
    end function evl_gearbox_geometry
 
    integer(c_int) function evl_gearbox_pitch_errors(handle, wheel, most, errors) result(n) bind(c)

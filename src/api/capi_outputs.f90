@@ -1,4 +1,4 @@
-!> C interface of the table of outputs.
+!> C interface of the tables of outputs.
 !>
 !> The header's section "outputs" documents each procedure; here is only the passage from Fortran to C.
 module evl_capi_outputs
@@ -6,37 +6,44 @@ module evl_capi_outputs
    use evl_capi_types, only: answer, c_name_length, c_status, c_text_length, gearbox_of, to_c
    use evl_gearbox, only: gearbox_t
    use evl_output, only: output_t
-   use evl_output_list, only: list_outputs
+   use evl_output_list, only: list_extremes, list_outputs
    use evl_outputs, only: gearbox_outputs
+   use evl_static_outputs, only: list_static
    use evl_status, only: status_t
    implicit none (type, external)
    private
 
-   public :: c_output, evl_gearbox_output_places, evl_gearbox_outputs, evl_output_count, evl_outputs_describe, output_to_c
+   public :: c_output, evl_gearbox_output_places, evl_gearbox_outputs, evl_table, output_to_c
 
    !> evl_output
    type, bind(c) :: c_output
       character(kind=c_char) :: name(c_name_length), units(c_name_length), symbol(c_name_length), long_name(c_text_length)
       integer(c_int) :: dims
-      logical(c_bool) :: is_static, is_integer
+      logical(c_bool) :: is_static, is_integer, is_largest
+      integer(c_int) :: watched, n
+      real(c_double) :: value(2)
    end type c_output
+
+   integer, parameter :: of_static = 1, of_extremes = 2 !! evl_table_of
 
 contains
 
-   integer(c_int) function evl_output_count() result(count) bind(c)
+   integer(c_int) function evl_table(of, most, outputs) result(n) bind(c)
+      integer(c_int), intent(in), value :: of, most
+      type(c_output), intent(out) :: outputs(most)
       type(output_t), allocatable :: table(:)
 
-      call list_outputs(table)
-      count = size(table)
-   end function evl_output_count
-
-   subroutine evl_outputs_describe(outputs) bind(c)
-      type(c_output), intent(out) :: outputs(*)
-      type(output_t), allocatable :: table(:)
-
-      call list_outputs(table)
-      call output_to_c(table, outputs(:size(table)))
-   end subroutine evl_outputs_describe
+      select case (of)
+      case (of_extremes)
+         call list_extremes(table)
+      case (of_static)
+         call list_static(table)
+      case default
+         call list_outputs(table)
+      end select
+      n = size(table)
+      call output_to_c(table(:min(n, most)), outputs(:min(n, most)))
+   end function evl_table
 
    subroutine evl_gearbox_output_places(handle, offsets, counts) bind(c)
       type(c_ptr), intent(in), value :: handle
@@ -73,6 +80,10 @@ contains
       output%dims = entry%dims
       output%is_static = logical(entry%is_static, c_bool)
       output%is_integer = logical(entry%is_integer, c_bool)
+      output%is_largest = logical(entry%is_largest, c_bool)
+      output%watched = entry%watched - 1
+      output%n = entry%length
+      output%value = entry%value(:2)
    end subroutine output_to_c
 
 end module evl_capi_outputs

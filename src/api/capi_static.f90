@@ -3,17 +3,15 @@
 !> The header's section "static analysis" documents each procedure; here is only the passage from C to Fortran.
 module evl_capi_static
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_ptr
-   use evl_capi_outputs, only: c_output, output_to_c
    use evl_capi_types, only: answer, c_status, gearbox_of
    use evl_gearbox, only: gearbox_t
-   use evl_output, only: output_t
    use evl_static_analysis, only: plan_static, solve_static_mesh, static_plan_t
-   use evl_static_outputs, only: list_static, static_counts, youngest
+   use evl_static_outputs, only: static_counts, youngest
    use evl_status, only: has_failed, status_t
    implicit none (type, external)
    private
 
-   public :: evl_gearbox_static, evl_gearbox_static_plan, evl_gearbox_static_places, evl_static_count, evl_static_describe
+   public :: evl_gearbox_static, evl_gearbox_static_plan, evl_gearbox_static_places
 
    !> evl_static_plan
    type, bind(c) :: c_plan
@@ -22,21 +20,6 @@ module evl_capi_static
    end type c_plan
 
 contains
-
-   integer(c_int) function evl_static_count() result(count) bind(c)
-      type(output_t), allocatable :: table(:)
-
-      call list_static(table)
-      count = size(table)
-   end function evl_static_count
-
-   subroutine evl_static_describe(outputs) bind(c)
-      type(c_output), intent(out) :: outputs(*)
-      type(output_t), allocatable :: table(:)
-
-      call list_static(table)
-      call output_to_c(table, outputs(:size(table)))
-   end subroutine evl_static_describe
 
    integer(c_int) function evl_gearbox_static_plan(handle, mesh, points, plan, status) result(code) bind(c)
       type(c_ptr), intent(in), value :: handle

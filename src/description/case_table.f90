@@ -5,6 +5,7 @@ module evl_case_table
    use evl_damping_law, only: damping_law_t
    use evl_deviation_description, only: accuracy_rows, relief_rows, runout_rows
    use evl_elastic_law, only: elastic_law_t
+   use evl_event_log, only: list_event_kinds
    use evl_friction_law, only: friction_law_t
    use evl_gear, only: rack_rows
    use evl_gearbox_description, only: material_rows, mesh_rows, wheel_rows
@@ -161,10 +162,14 @@ contains
 
    !> The kinds of a block; none if it has none.
    subroutine kinds_of(block, kinds)
-      character(len=*), intent(in) :: block !! contact, damping, friction, load or support
+      character(len=*), intent(in) :: block !! contact, damping, friction, load or support; or event
       type(kind_t), allocatable, intent(out) :: kinds(:)
       type(kind_finder) :: finder
 
+      if (block == "event") then
+         call list_event_kinds(kinds)
+         return
+      end if
       call walk()
       allocate (finder%kinds(finder%n))
       finder%n = 0

@@ -1,17 +1,18 @@
 !> What happened at one event, in the order in which it was applied, and the names of all kinds of events.
 module evl_event_log
-   use evl_event_kinds, only: event_kind, event_rows, n_event_rows
+   use evl_event_kinds, only: event_rows, n_event_rows
    use evl_kinds, only: wp
-   use evl_root_kinds, only: n_root_kinds, root_rows
+   use evl_root_kinds, only: root_rows
+   use evl_row, only: kind_t
    use evl_tooth_contact, only: tooth_contact_t
    implicit none (type, external)
    private
 
-   public :: describe_event, event_log, event_of_root, event_t, moment_t, n_event_kinds, note
+   public :: event_log, event_of_root, event_t, list_event_kinds, moment_t, n_event_kinds, note
 
    !> One thing that happened.
    type :: event_t
-      integer :: kind = 0        !! as of `describe_event`
+      integer :: kind = 0        !! place in the table of event kinds, from 0
       integer :: mesh = 0        !! from 1; 0 if it concerns none
       integer :: flank = -1      !! drive or coast; -1 if it concerns none
       integer :: tooth_pair = -1 !! pitches since the start; -1 if it concerns none
@@ -48,18 +49,16 @@ contains
       event = n_event_rows - 1 + count(root_rows(:kind)%text /= "")
    end function event_of_root
 
-   !> Name and meaning of an event kind; blank if there is none.
-   pure type(event_kind) function describe_event(kind) result(description)
-      integer, intent(in) :: kind
-      integer :: i
+   !> Names and meanings of all kinds.
+   pure subroutine list_event_kinds(kinds)
+      type(kind_t), allocatable, intent(out) :: kinds(:)
 
-      description = event_kind("", "")
-      if (kind >= 0 .and. kind < n_event_rows) description = event_rows(kind)
-      do i = 1, n_root_kinds
-         if (root_rows(i)%text /= "" .and. event_of_root(i) == kind) &
-            description = event_kind(root_rows(i)%name, root_rows(i)%text)
-      end do
-   end function describe_event
+      allocate (kinds(n_event_kinds()))
+      kinds(:n_event_rows)%name = event_rows%name
+      kinds(:n_event_rows)%text = event_rows%text
+      kinds(n_event_rows + 1:)%name = pack(root_rows%name, root_rows%text /= "")
+      kinds(n_event_rows + 1:)%text = pack(root_rows%text, root_rows%text /= "")
+   end subroutine list_event_kinds
 
    !> Write an event down.
    pure subroutine note(log, kind, contact, tooth_pair)

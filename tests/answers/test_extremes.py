@@ -10,7 +10,16 @@ import numpy as np
 import pytest
 
 from kernel.deviations import LINEAR, PARABOLIC, deviations, relief
-from kernel.gearbox import LOADED, OPEN, UNLOADED, Gearbox, State
+from kernel.gearbox import (
+    LOADED,
+    OPEN,
+    OUTPUTS_OF_EXTREMES,
+    UNLOADED,
+    Gearbox,
+    Output,
+    State,
+    output_table,
+)
 from kernel.gearbox_cases import chain, in_mode, paper_gearbox
 from kernel.gearbox_description import (
     ALGEBRAIC,
@@ -44,19 +53,6 @@ MAKERS: dict[str, Callable[[Kernel], Gearbox]] = {
 NEAR = 0.98  # as the driver asks
 
 
-class Extreme(ctypes.Structure):
-    """`evl_extreme`."""
-
-    _fields_ = [
-        ("output", ctypes.c_char * 32),
-        ("units", ctypes.c_char * 32),
-        ("symbol", ctypes.c_char * 32),
-        ("long_name", ctypes.c_char * 96),
-        ("watched", _int),
-        ("is_largest", ctypes.c_bool),
-    ]
-
-
 class Candidate(ctypes.Structure):
     """`evl_candidate`."""
 
@@ -67,19 +63,22 @@ class Candidate(ctypes.Structure):
     ]
 
 
-def table(kernel: Kernel) -> list[Extreme]:
-    entries = (Extreme * kernel.library.evl_extreme_count())()
-    kernel.library.evl_extremes_describe(entries)
-    return list(entries)
+def table(kernel: Kernel) -> list[Output]:
+    return output_table(kernel.library, OUTPUTS_OF_EXTREMES)
 
 
 def names(kernel: Kernel) -> dict[str, int]:
     """Name of each watched output, and its number."""
-    return {entry.output.decode(): entry.watched for entry in table(kernel)}
+    return {entry.name.decode(): entry.watched for entry in table(kernel)}
+
+
+def n_watched(library: ctypes.CDLL) -> int:
+    """How many outputs are watched."""
+    return 1 + max(entry.watched for entry in output_table(library, OUTPUTS_OF_EXTREMES))
 
 
 def n_channels(gearbox: Gearbox) -> int:
-    return gearbox.library.evl_watched_count() * gearbox.sizes.n_meshes
+    return n_watched(gearbox.library) * gearbox.sizes.n_meshes
 
 
 def watched(gearbox: Gearbox, state: State) -> Floats:
@@ -90,8 +89,7 @@ def watched(gearbox: Gearbox, state: State) -> Floats:
 
 
 def room(gearbox: Gearbox) -> Floats:
-    gearbox.library.evl_gearbox_watch_room.argtypes = [ctypes.c_void_p]
-    return np.zeros(gearbox.library.evl_gearbox_watch_room(gearbox.handle))
+    return np.zeros(gearbox.sizes.n_kept)
 
 
 def roots_and_watched(
@@ -147,12 +145,12 @@ def test_each_extreme_is_that_of_an_output_with_its_unit(kernel):
     gearbox = paper_gearbox(kernel)
     outputs = {entry.name: entry for entry in gearbox.table}
     entries = table(kernel)
-    assert len({(entry.output, entry.is_largest) for entry in entries}) == len(entries)
-    assert {entry.watched for entry in entries} == set(range(kernel.library.evl_watched_count()))
+    assert len({(entry.name, entry.is_largest) for entry in entries}) == len(entries)
+    assert {entry.watched for entry in entries} == set(range(n_watched(kernel.library)))
     for entry in entries:
-        assert entry.units == outputs[entry.output].units
-        assert entry.symbol == outputs[entry.output].symbol
-        assert outputs[entry.output].dims in (2, 8)  # of meshes, or of their tooth pairs
+        assert entry.units == outputs[entry.name].units
+        assert entry.symbol == outputs[entry.name].symbol
+        assert outputs[entry.name].dims in (2, 8)  # of meshes, or of their tooth pairs
         assert entry.long_name
 
 

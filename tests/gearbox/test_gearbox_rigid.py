@@ -52,7 +52,7 @@ def test_the_normal_force_at_rest_is_that_of_the_torques(kernel: Kernel, trackin
     inertia = np.array([g.inertia for g in geometry])
     force = -(sigma * r * torques / inertia).sum() / (r**2 / inertia).sum()
     assert gearbox.outputs(state)["normal_force"][0] == pytest.approx(force, rel=1e-13)
-    _, row, _ = gearbox.scales()
+    _, row = gearbox.scales()
     assert np.abs(gearbox.residual(state) / row).max() <= 1e-12
 
 
@@ -197,7 +197,7 @@ def test_a_steady_start_accelerates_nothing(kernel: Kernel, tracking: str, frict
     gearbox = rigid_train(kernel, 3, tracking, loads=loads, friction=(friction, KNEE))
     state = gearbox.start(STEADY)
     values = gearbox.outputs(state)
-    scale, _, _ = gearbox.scales()
+    scale, _ = gearbox.scales()
     still = [i for i, name in enumerate(gearbox.names) if "rate" in name or "speed_dev" in name]
     # 1 rad/s^2 is what the torque would do; the scales of the rates are those of a vibration
     assert np.abs(state.yp[still] / scale[still]).max() <= 1e-5

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kernel.description import Block, create
+from kernel.description import Block, create, kinds
 from kernel.gearbox_description import REST, _bool, case_of, initial
 from kernel.kernel import OK, Floats, Integers, Kernel, Status, _at, _double, _int, _pair
 from kernel.wheel_store import WheelStore
@@ -23,6 +23,7 @@ from kernel.wheel_store import WheelStore
 OPEN, LOADED, UNLOADED, APART, OFF = range(5)
 HELD = ("tooth_pair", "flanks", "friction", "zone_a", "zone_b")  # integers that are no sides
 DRIVE, COAST = range(2)
+OUTPUTS_OF_STATE, OUTPUTS_OF_STATIC, OUTPUTS_OF_EXTREMES = range(3)
 OF_WHEEL, OF_MESH, OF_GEAR, OF_GEAR_MESH, OF_DEVIATION, OF_COMPLIANCE = range(6)
 NOTHING, WHEEL, MESH, LOAD, INITIAL, HOUSING, SHAFT = range(7)
 TRACKED = ("turn", "zeta", "dr_t", "dr_e", "gradient_ratio", "mu")
@@ -36,7 +37,7 @@ class Sizes(ctypes.Structure):
         for name in (
             *("n_wheels", "n_meshes", "n_loads", "n_states", "n_integers", "n_reals"),
             *("n_roots", "n_outputs", "n_values", "n_warnings"),
-            *("n_pair_places", "n_drive_places", "n_shafts", "n_events"),
+            *("n_pair_places", "n_drive_places", "n_shafts", "n_events", "n_kept"),
         )
     ]
 
@@ -75,17 +76,6 @@ class MeshGeometry(ctypes.Structure):
     ]
 
 
-class Quantity(ctypes.Structure):
-    """`evl_quantity`."""
-
-    _fields_ = [
-        *((name, ctypes.c_char * 32) for name in ("name", "units", "symbol")),
-        ("long_name", ctypes.c_char * 96),
-        ("n", _int),
-        ("value", _pair),
-    ]
-
-
 class EventRecord(ctypes.Structure):
     """`evl_event`."""
 
@@ -101,8 +91,9 @@ class Output(ctypes.Structure):
         ("symbol", ctypes.c_char * 32),
         ("long_name", ctypes.c_char * 96),
         ("dims", _int),
-        ("is_static", _bool),
-        ("is_integer", _bool),
+        *((name, _bool) for name in ("is_static", "is_integer", "is_largest")),
+        *((name, _int) for name in ("watched", "n")),
+        ("value", _pair),
     ]
     offset: int  # among the values of a gearbox
     count: int
@@ -224,12 +215,10 @@ class Gearbox:
     def _outputs(self) -> list[Output]:
         """Return the table of outputs, with their places among the values of this gearbox."""
         n = self.sizes.n_outputs
-        assert self.library.evl_output_count() == n
-        table = (Output * n)()
+        entries = output_table(self.library, OUTPUTS_OF_STATE)
+        assert len(entries) == n
         offsets, counts = np.empty(n, np.int32), np.empty(n, np.int32)
-        self.library.evl_outputs_describe(table)
         self.library.evl_gearbox_output_places(self.handle, _at(offsets), _at(counts))
-        entries = list(table)
         for entry, offset, count in zip(entries, offsets, counts, strict=True):
             entry.offset, entry.count = int(offset), int(count)
         return entries
@@ -278,7 +267,7 @@ class Gearbox:
 
     def quantities(self, of: int, index: int) -> dict[str, Any]:
         """What `evl_gearbox_geometry` tells, by name: numbers, and points as lists."""
-        rows = (Quantity * 40)()
+        rows = (Output * 40)()
         n = self.library.evl_gearbox_geometry(self.handle, of, index, rows)
         return {
             row.name.decode(): row.value[0] if row.n == 1 else list(row.value) for row in rows[:n]
@@ -317,14 +306,13 @@ class Gearbox:
         self.check(code, status)
         return state
 
-    def scales(self) -> tuple[Floats, Floats, Integers]:
-        """Scales of states and rows for the last start, and which states are differential."""
-        n = self.sizes.n_states
-        state, row, differential = np.empty(n), np.empty(n), np.empty(n, np.int32)
+    def scales(self) -> tuple[Floats, Floats]:
+        """Scales of states and rows for the last start."""
+        state, row = np.empty(self.sizes.n_states), np.empty(self.sizes.n_states)
         self.library.evl_gearbox_scales(
-            self.handle, ctypes.byref(self.initial), _at(state), _at(row), _at(differential)
+            self.handle, ctypes.byref(self.initial), _at(state), _at(row)
         )
-        return state, row, differential
+        return state, row
 
     def _call(self, name: str, *arguments: Any) -> None:
         status = Status()
@@ -545,9 +533,11 @@ def event_names(kernel: Kernel) -> list[str]:
 
 def event_kinds(kernel: Kernel) -> list[tuple[str, str]]:
     """Names and texts of the event kinds."""
-    kinds = []
-    for kind in range(kernel.library.evl_event_count()):
-        name, text = ctypes.create_string_buffer(32), ctypes.create_string_buffer(96)
-        kernel.library.evl_event_describe(kind, name, text)
-        kinds.append((name.value.decode(), text.value.decode()))
-    return kinds
+    return [(kind.name, kind.text) for kind in kinds(kernel.library, "event")]
+
+
+def output_table(library: ctypes.CDLL, of: int) -> list[Output]:
+    """One of the tables of outputs, without places."""
+    table = (Output * library.evl_table(of, 0, None))()
+    assert library.evl_table(of, len(table), table) == len(table)
+    return list(table)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from kernel.gearbox import Gearbox, Output
+from kernel.gearbox import OUTPUTS_OF_STATIC, Gearbox, Output, output_table
 from kernel.kernel import Floats, Status, _at, _double, _int
 
 POSITION, POSITION_PAIR, HARMONIC = 10, 11, 12
@@ -47,9 +47,7 @@ class Curve:
 
 def table(gearbox: Gearbox) -> list[Output]:
     """Rows that a static analysis tells."""
-    outputs = (Output * gearbox.library.evl_static_count())()
-    gearbox.library.evl_static_describe(outputs)
-    return list(outputs)
+    return output_table(gearbox.library, OUTPUTS_OF_STATIC)
 
 
 def static_plan(gearbox: Gearbox, mesh: int = 0, points: int = 200) -> Plan:

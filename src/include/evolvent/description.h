@@ -106,13 +106,34 @@ typedef enum {
 
 enum { EVL_MOST_QUANTITIES = 40 };
 
-/** One of them, in SI units and radians. */
+typedef enum {
+    EVL_DIMS_NONE = 0,
+    EVL_DIMS_WHEEL = 1,
+    EVL_DIMS_MESH = 2,
+    EVL_DIMS_WHEEL_AXIS = 3,
+    EVL_DIMS_MESH_AXIS = 4,
+    EVL_DIMS_SPACE = 5,       /**< x, y, z */
+    EVL_DIMS_QUATERNION = 6,  /**< w, x, y, z */
+    EVL_DIMS_WHEEL_SPACE = 7, /**< x, y, z of every wheel */
+    EVL_DIMS_MESH_PAIR = 8,   /**< every place for a tooth pair of every mesh */
+    EVL_DIMS_SHAFT = 9,
+    EVL_DIMS_POSITION = 10,      /**< of the static analysis: every position in the mesh */
+    EVL_DIMS_POSITION_PAIR = 11, /**< every place for a tooth pair at every position */
+    EVL_DIMS_HARMONIC = 12,      /**< every harmonic */
+    EVL_DIMS_ACCELEROMETER = 13  /**< of the housing */
+} evl_dims;
+
+/** What is told of a gearbox: an output, or a quantity that follows from a case, in SI units and radians. */
 typedef struct {
-    char name[EVL_SHORT_LENGTH], units[EVL_SHORT_LENGTH];
-    char symbol[EVL_SHORT_LENGTH]; /**< as in docs/symbols.md; "" if none */
+    char name[EVL_SHORT_LENGTH], units[EVL_SHORT_LENGTH]; /**< units: UDUNITS; "1" if without */
+    char symbol[EVL_SHORT_LENGTH];                        /**< as in docs/symbols.md; "" if none */
     char long_name[3 * EVL_SHORT_LENGTH];
-    int n; /**< 1, or 2 for a point */
-    double value[2];
-} evl_quantity;
+    int dims;                   /**< evl_dims, axis being x, y */
+    bool is_static, is_integer; /**< is_static: it has no time dimension */
+    bool is_largest;            /**< of an extreme: else it is the smallest */
+    int watched;                /**< of an extreme: which of the watched outputs, from 0; else -1 */
+    int n;                      /**< of a quantity: 1, or 2 for a point */
+    double value[2];            /**< of a quantity */
+} evl_output;
 
 #endif

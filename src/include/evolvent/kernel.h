@@ -50,14 +50,7 @@ typedef enum {
     EVL_SUBJECT_SHAFT = 6
 } evl_subject;
 
-enum {
-    EVL_FIELD_LENGTH = 48,
-    EVL_PATH_LENGTH = 192,
-    EVL_MESSAGE_LENGTH = 320,
-    EVL_NAME_LENGTH = 32,
-    EVL_TEXT_LENGTH = 96,
-    EVL_MAX_PARAMETERS = 8
-};
+enum { EVL_FIELD_LENGTH = 48, EVL_PATH_LENGTH = 192, EVL_MESSAGE_LENGTH = 320, EVL_MAX_PARAMETERS = 8 };
 
 typedef struct {
     int code;                         /**< evl_code */
@@ -72,7 +65,8 @@ typedef struct {
 /** The table of all rows, the same for every case; those of a block stand together, the one that selects its variant first.
  *  @return how many there are; of them `most` are written */
 EVL_API int evl_rows(int most, evl_row *rows);
-/** The kinds of a block that has them: contact, damping, friction, load, support. @return as above */
+/** The kinds of a block that has them: contact, damping, friction, load, support. Those of "event" are what happens in a motion, by
+ *  the number that evl_event has. @return as above */
 EVL_API int evl_kinds(const char *block, int most, evl_kind *kinds);
 
 typedef struct evl_description evl_description;
@@ -127,6 +121,7 @@ typedef struct {
     int n_drive_places; /**< how many of them are for the drive flank; they come first */
     int n_shafts;
     int n_events; /**< the most that can happen at one event */
+    int n_kept;   /**< length of `kept` of evl_gearbox_roots_and_watched */
 } evl_sizes;
 
 EVL_API void evl_gearbox_sizes(const evl_gearbox *gearbox, evl_sizes *sizes);
@@ -139,7 +134,7 @@ EVL_API bool evl_gearbox_speed_warning(const evl_gearbox *gearbox, const evl_ini
 
 /** The geometry that follows from the description, of a wheel or a mesh as evl_of says. quantities: [EVL_MOST_QUANTITIES].
  *  @return how many there are, 0 where it is not what they are of */
-EVL_API int evl_gearbox_geometry(const evl_gearbox *gearbox, int of, int index, evl_quantity *quantities);
+EVL_API int evl_gearbox_geometry(const evl_gearbox *gearbox, int of, int index, evl_output *quantities);
 /** Cumulative position deviations of a wheel's teeth: `most` of them are written, arcs on the reference circle [m].
  *  @return how many there are, one a tooth; 0 if it has no pitch errors */
 EVL_API int evl_gearbox_pitch_errors(const evl_gearbox *gearbox, int wheel, int most, double *errors);
@@ -154,14 +149,13 @@ EVL_API int evl_gearbox_initial_state(const evl_gearbox *gearbox, const evl_init
                                       double *yp, int *integers, double *reals, evl_status *status);
 
 /** Scales for error control, absolute, from the loads and the initial state: state[i] is the unit in which an error of y[i] counts, row[i] the unit
- *  of residual i; differential[i] is 1 for a differential and 0 for an algebraic state. */
-EVL_API void evl_gearbox_scales(const evl_gearbox *gearbox, const evl_initial *initial, double *state, double *row,
-                                int *differential);
+ *  of residual i. */
+EVL_API void evl_gearbox_scales(const evl_gearbox *gearbox, const evl_initial *initial, double *state, double *row);
 
 /** The name of state `index` with its wheel or mesh, such as "angle_deviation_1", and its unit. Wheels that rigid shafts join share
  *  one deviation, named after the first of them. */
-EVL_API void evl_gearbox_state_name(const evl_gearbox *gearbox, int index, char name[EVL_NAME_LENGTH],
-                                    char units[EVL_NAME_LENGTH]);
+EVL_API void evl_gearbox_state_name(const evl_gearbox *gearbox, int index, char name[EVL_SHORT_LENGTH],
+                                    char units[EVL_SHORT_LENGTH]);
 
 /** F(t, y, y') = 0, row i in its own unit. Allocates nothing. @return EVL_OK or EVL_OUT_OF_DOMAIN. */
 EVL_API int evl_gearbox_residual(const evl_gearbox *gearbox, double t, const double *y, const double *yp,
@@ -187,10 +181,6 @@ typedef enum {
     EVL_FLANK_DRIVE = 0, /**< the driving wheel pushes in its nominal sense of rotation */
     EVL_FLANK_COAST = 1  /**< the other side of the teeth */
 } evl_flank;
-
-/** Number of event kinds; the name of one, such as "tooth_switch", and what happens; "" if there is none. */
-EVL_API int evl_event_count(void);
-EVL_API void evl_event_describe(int kind, char name[EVL_NAME_LENGTH], char text[EVL_TEXT_LENGTH]);
 
 /** Root functions [n_roots], each scaled to be of order 1; those that have no meaning in the present mode are 1. */
 EVL_API int evl_gearbox_roots(const evl_gearbox *gearbox, const double *y, const int *integers, const double *reals,
@@ -284,38 +274,15 @@ EVL_API void evl_radau_candidate(const evl_radau *radau, int index, evl_candidat
 
 /* ---- outputs --------------------------------------------------------------------------------------------------------------- */
 
+/** The tables of outputs, the same for all gearboxes. */
 typedef enum {
-    EVL_DIMS_NONE = 0,
-    EVL_DIMS_WHEEL = 1,
-    EVL_DIMS_MESH = 2,
-    EVL_DIMS_WHEEL_AXIS = 3,
-    EVL_DIMS_MESH_AXIS = 4,
-    EVL_DIMS_SPACE = 5,       /**< x, y, z */
-    EVL_DIMS_QUATERNION = 6,  /**< w, x, y, z */
-    EVL_DIMS_WHEEL_SPACE = 7, /**< x, y, z of every wheel */
-    EVL_DIMS_MESH_PAIR = 8,   /**< every place for a tooth pair of every mesh */
-    EVL_DIMS_SHAFT = 9,
-    EVL_DIMS_POSITION = 10,      /**< of the static analysis: every position in the mesh */
-    EVL_DIMS_POSITION_PAIR = 11, /**< every place for a tooth pair at every position */
-    EVL_DIMS_HARMONIC = 12,      /**< every harmonic */
-    EVL_DIMS_ACCELEROMETER = 13  /**< of the housing */
-} evl_dims;
+    EVL_TABLE_OF_STATE = 0,   /**< n_outputs of every gearbox */
+    EVL_TABLE_OF_STATIC = 1,  /**< of the static analysis; static ones do not depend on the torque */
+    EVL_TABLE_OF_EXTREMES = 2 /**< of a mesh, or of its tooth pairs, whose extreme is told over the run */
+} evl_table_of;
 
-/** What an output is, the same for all gearboxes. */
-typedef struct {
-    char name[EVL_NAME_LENGTH];
-    char units[EVL_NAME_LENGTH];  /**< UDUNITS; "1" if without */
-    char symbol[EVL_NAME_LENGTH]; /**< as in docs/symbols.md */
-    char long_name[EVL_TEXT_LENGTH];
-    int dims;       /**< evl_dims, axis being x, y */
-    bool is_static; /**< has no time dimension */
-    bool is_integer;
-} evl_output;
-
-/** Entries of the table of outputs, n_outputs of every gearbox. */
-EVL_API int evl_output_count(void);
-/** All of them [evl_output_count()]. */
-EVL_API void evl_outputs_describe(evl_output *outputs);
+/** A table. @return how many rows it has; of them `most` are written */
+EVL_API int evl_table(int of, int most, evl_output *outputs);
 /** Where the outputs of a gearbox stand in the array that evl_gearbox_outputs fills, in C order; [n_outputs] each. A count of 0:
  *  it is not there, as the pose of a fixed housing. */
 EVL_API void evl_gearbox_output_places(const evl_gearbox *gearbox, int *offsets, int *counts);
@@ -345,31 +312,15 @@ EVL_API int evl_sampler_ask(evl_sampler *sampler, int n, const double *t, const 
 
 /* ---- extremes -------------------------------------------------------------------------------------------------------------- */
 
-/** An output of a mesh, or of its tooth pairs, whose extreme is told over the run, the same for all gearboxes. */
-typedef struct {
-    char output[EVL_NAME_LENGTH]; /**< its name in the table of outputs */
-    char units[EVL_NAME_LENGTH], symbol[EVL_NAME_LENGTH];
-    char long_name[EVL_TEXT_LENGTH];
-    int watched;     /**< which of the watched outputs, from 0 */
-    bool is_largest; /**< else the smallest */
-} evl_extreme;
-
-EVL_API int evl_extreme_count(void);
-/** All of them [evl_extreme_count()]. */
-EVL_API void evl_extremes_describe(evl_extreme *extremes);
-
-/** How many outputs are watched. Each is a channel of each mesh: channel evl_watched_count() * mesh + watched. An output of tooth
- *  pairs is there with the largest of its pairs. */
-EVL_API int evl_watched_count(void);
-/** All channels at a state [evl_watched_count() * n_meshes]. @return EVL_OK or EVL_OUT_OF_DOMAIN */
+/** All channels at a state [n_watched * n_meshes], n_watched being the number of different `watched` in the table of extremes. Each of
+ *  these outputs is a channel of each mesh: channel n_watched * mesh + watched. An output of tooth pairs is there with the largest of
+ *  its pairs. @return EVL_OK or EVL_OUT_OF_DOMAIN */
 EVL_API int evl_gearbox_watched(const evl_gearbox *gearbox, const double *y, const int *integers, const double *reals,
                                 double *values, evl_status *status);
-/** Length of `kept` below. */
-EVL_API int evl_gearbox_watch_room(const evl_gearbox *gearbox);
 /** What evl_gearbox_roots and evl_gearbox_watched give, for little more than the first alone: the pressure of flanks that deviate
  *  from involutes may be an estimate where that is at most near * highest, to half a percent.
  *  @param highest  largest so far of each channel; infinite where nobody asks, -infinite where all are to be exact
- *  @param kept     [evl_gearbox_watch_room()] what was found before of flanks: zeros at first and after each change of the discrete
+ *  @param kept     [n_kept] what was found before of flanks: zeros at first and after each change of the discrete
  *                  state. It is the caller's */
 EVL_API int evl_gearbox_roots_and_watched(const evl_gearbox *gearbox, const double *y, const int *integers,
                                           const double *reals, double near, const double *highest, double *kept,
@@ -435,11 +386,6 @@ EVL_API void evl_gearbox_shape(const evl_gearbox *gearbox, const double *y, cons
 
 /* ---- static analysis ------------------------------------------------------------------------------------------------------- */
 
-/** Number of values that evl_gearbox_static tells, and what they are: those of dims EVL_DIMS_NONE, EVL_DIMS_POSITION,
- *  EVL_DIMS_POSITION_PAIR or EVL_DIMS_HARMONIC; static ones do not depend on the torque. outputs: [evl_static_count()] */
-EVL_API int evl_static_count(void);
-EVL_API void evl_static_describe(evl_output *outputs);
-
 /** What the static analysis of a mesh comes to. */
 typedef struct {
     int n_pitches;   /**< that positions cover: 1, or until the same teeth meet again where errors make them differ */
@@ -455,7 +401,7 @@ typedef struct {
  *          ratio below 1 without tip edges; or for points */
 EVL_API int evl_gearbox_static_plan(const evl_gearbox *gearbox, int mesh, int points, evl_static_plan *plan,
                                     evl_status *status);
-/** Where the outputs stand among the values; [evl_static_count()] each. */
+/** Where the outputs of EVL_TABLE_OF_STATIC stand among the values. */
 EVL_API void evl_gearbox_static_places(const evl_static_plan *plan, int *offsets, int *counts);
 /** The mesh at rest under a torque of the driving wheel in its sense of rotation [N m], axles at their reference positions; one below
  *  0 presses the coast flanks. Static values differ between the two flanks.
