@@ -31,7 +31,7 @@ typedef struct {
     extremes *extremes;
     numbers *numbers; /**< NULL: the case does not ask for them */
     progress progress;
-    char message[DAE_MESSAGE_LENGTH]; /**< of a failure */
+    evl_error *error;
 } run;
 
 /* What the simulation tells. */
@@ -39,7 +39,7 @@ typedef struct {
 static bool on_outputs(void *self, double t, const double *values)
 {
     const run *run = self;
-    return history_append(run->history, t, values);
+    return history_append(run->history, t, values, run->error);
 }
 
 static bool on_event(void *self, const event_record *record)
@@ -53,7 +53,7 @@ static bool on_event(void *self, const event_record *record)
                                  .tooth_pair = what->count,
                                  .before = record->before->y,
                                  .after = record->after->y};
-    return history_add_event(run->history, &event);
+    return history_add_event(run->history, &event, run->error);
 }
 
 static void on_step(void *self, double t)
@@ -93,7 +93,7 @@ static bool create_history(run *run, const char *path)
         .n_attributes = sizeof attributes / sizeof *attributes,
         .attributes = attributes,
     };
-    run->history = history_create(&layout, run->message);
+    run->history = history_create(&layout, run->error);
     return run->history != NULL;
 }
 
@@ -113,7 +113,7 @@ static bool put_extremes(const run *run)
             values[outputs[i].offset + mesh] = i % 2 == 0 ? found.value : found.time;
         }
     }
-    return history_put_finals(run->history, 2 * n, outputs, values);
+    return history_put_finals(run->history, 2 * n, outputs, values, run->error);
 }
 
 /** The numbers of the case, as variables with window_ in front; and those that tell most, in words. */
@@ -136,11 +136,10 @@ static bool put_numbers(const run *run)
         {"window_end", "s", "", "where the last one ends", "", true, false, 1, 1},
         {"window_periods", "1", "", "whole periods of the numbers", "", true, true, 2, 1},
     };
-    return history_put_finals(run->history, 3, rows_of_span, of_span) &&
-           history_put_finals(run->history, N_NUMBER_ROWS, rows, values);
+    return history_put_finals(run->history, 3, rows_of_span, of_span, run->error) &&
+           history_put_finals(run->history, N_NUMBER_ROWS, rows, values, run->error);
 }
 
-/** @return false if the history could not be completed; the reason is in run->message */
 static bool close_history(run *run, bool commit, const char *status, const char *message, const simulate_result *result)
 {
     const integrate_counts *counts = &result->counts;
@@ -161,7 +160,7 @@ static bool close_history(run *run, bool commit, const char *status, const char 
         {"integrator_convergence_failures", .integer = counts->convergence_failures},
     };
     const int n = (int)(sizeof attributes / sizeof *attributes) - (by_stepper ? 1 : 0);
-    return history_close(&run->history, commit, n, attributes, run->message);
+    return history_close(&run->history, commit, n, attributes, run->error);
 }
 
 /* The run itself. */
@@ -210,7 +209,7 @@ static void warn_of_invariants(const simulate_result *result)
 }
 
 /** The run ended: complete the history, and say how it went. */
-static void conclude(run *run, const simulate_result *result, const char *path, evl_error *error)
+static void conclude(run *run, const simulate_result *result, const char *path)
 {
     char reason[2 * DAE_MESSAGE_LENGTH] = "";
     const char *status = "done", *remark = result->remark;
@@ -223,24 +222,22 @@ static void conclude(run *run, const simulate_result *result, const char *path, 
         status = "interrupted";
         (void)snprintf(reason, sizeof reason, "interrupted by %s at t = %.9g s", interrupt_name((int)interrupt_signal),
                        result->t);
-        evl_error_set(error, EVL_EXIT_INTERRUPTED, place, "interrupted by %s; the history up to there is in '%s'",
+        evl_error_set(run->error, EVL_EXIT_INTERRUPTED, place, "interrupted by %s; the history up to there is in '%s'",
                       interrupt_name((int)interrupt_signal), partial);
     } else if (result->end == SIMULATE_FAILED) {
         status = "failed";
         (void)snprintf(reason, sizeof reason, "failed at t = %.9g s: %s", result->t, result->message);
-        evl_error_set(error, EVL_EXIT_INTEGRATION, place, "%s; the history up to there is in '%s'", result->message,
-                      partial);
+        evl_error_set(run->error, EVL_EXIT_INTEGRATION, place, "%s; the history up to there is in '%s'",
+                      result->message, partial);
     }
     const bool is_done = result->end == SIMULATE_DONE;
-    if (!close_history(run, is_done, status, is_done ? remark : reason, result)) {
-        evl_error_set(error, EVL_EXIT_IO, "", "%s", run->message);
-    } else if (is_done) {
+    if (close_history(run, is_done, status, is_done ? remark : reason, result) && is_done) {
         summarise(&result->counts, path);
         warn_of_invariants(result);
     }
 }
 
-static void simulate_case(run *run, const char *path, dae_state *state, evl_error *error)
+static void simulate_case(run *run, const char *path, dae_state *state)
 {
     simulate_result result;
     const numbers_description *asked = &case_description(run->prepared.file)->simulation.numbers;
@@ -261,28 +258,25 @@ static void simulate_case(run *run, const char *path, dae_state *state, evl_erro
     simulate(&run->prepared, &sink, state, &result);
     progress_end(&run->progress);
     if (result.end == SIMULATE_SINK_FAILED || !put_extremes(run) || (run->numbers != NULL && !put_numbers(run))) {
-        evl_error_set(error, EVL_EXIT_IO, "", "%s", history_error(run->history));
         history_abandon(&run->history);
     } else {
-        conclude(run, &result, path, error);
+        conclude(run, &result, path);
     }
     extremes_delete(&run->extremes);
     numbers_delete(&run->numbers);
 }
 
-static void run_prepared(run *run, const run_options *options, const char *path, evl_error *error)
+static void run_prepared(run *run, const run_options *options, const char *path)
 {
     dae_state state;
-    if (!prepare_start(&run->prepared, &state, error)) {
+    if (!prepare_start(&run->prepared, &state, run->error)) {
         return;
     }
     warn_of_case(&run->prepared);
     tell_vibrations(run);
     progress_start(&run->progress, !options->quiet, state.t, case_description(run->prepared.file)->simulation.duration);
     if (create_history(run, path)) {
-        simulate_case(run, path, &state, error);
-    } else {
-        evl_error_set(error, EVL_EXIT_IO, "", "%s", run->message);
+        simulate_case(run, path, &state);
     }
     dae_state_free(&state);
 }
@@ -291,13 +285,13 @@ static void run_prepared(run *run, const run_options *options, const char *path,
 static evl_exit run_case(const char *file, const void *given, evl_error *error)
 {
     const run_options *options = given;
-    run run = {0};
+    run run = {.error = error};
     log_set_quiet(options->quiet);
     interrupt_install();
     OWNED char *path = result_path(options->output, file, "");
     if (prepare_case(&run.prepared, file, options->set.n, options->set.values, error) &&
         result_spares_case("history", path, file, error)) {
-        run_prepared(&run, options, path, error);
+        run_prepared(&run, options, path);
     }
     prepared_case_free(&run.prepared);
     return error->code;

@@ -125,7 +125,6 @@ static double *count_up(int n, double first, double step)
 
 static bool create_file(analysis *a, const char *path, evl_error *error)
 {
-    char message[DAE_MESSAGE_LENGTH];
     const description *description = case_description(a->prepared.file);
     const static_plan *plan = &a->plan;
     OWNED char *warnings = prepare_warnings(&a->prepared, "\n"), *versions = result_versions();
@@ -165,14 +164,13 @@ static bool create_file(analysis *a, const char *path, evl_error *error)
         .n_attributes = sizeof attributes / sizeof *attributes,
         .attributes = attributes,
     };
-    a->file = history_create(&layout, message);
-    return a->file != NULL || evl_error_set(error, EVL_EXIT_IO, "", "%s", message);
+    a->file = history_create(&layout, error);
+    return a->file != NULL;
 }
 
 /** What it came to: the file gets its name, or stays a .partial that says why. */
 static void close_file(analysis *a, const char *path, evl_error *error)
 {
-    char message[DAE_MESSAGE_LENGTH];
     const bool is_done = error->code == EVL_EXIT_OK;
     OWNED char *partial = xstrdup(history_partial_path(a->file)), *reason = xstrdup(error->message);
     const history_attribute attributes[] = {
@@ -181,9 +179,10 @@ static void close_file(analysis *a, const char *path, evl_error *error)
                                                                  : "failed"},
         {"status_message", .text = is_done ? "" : reason},
     };
-    if (!history_close(&a->file, is_done, sizeof attributes / sizeof *attributes, attributes, message)) {
-        evl_error_set(error, EVL_EXIT_IO, "", "%s", message);
-    } else if (is_done) {
+    if (!history_close(&a->file, is_done, sizeof attributes / sizeof *attributes, attributes, error)) {
+        return;
+    }
+    if (is_done) {
         log_note("%d position%s, %d torque%s: %s", a->plan.n_positions, a->plan.n_positions == 1 ? "" : "s",
                  a->n_torques, a->n_torques == 1 ? "" : "s", path);
     } else {
@@ -225,8 +224,7 @@ static void analyse(analysis *a, const char *path, const char *asked, evl_error 
         if (interrupt_signal != 0) {
             evl_error_set(error, EVL_EXIT_INTERRUPTED, case_path(a->prepared.file), "interrupted by %s",
                           interrupt_name((int)interrupt_signal));
-        } else if ((i == 0 || solve(a, i, asked, error)) && !history_append(a->file, a->torques[i], a->values)) {
-            evl_error_set(error, EVL_EXIT_IO, "", "%s", history_error(a->file));
+        } else if ((i == 0 || solve(a, i, asked, error)) && !history_append(a->file, a->torques[i], a->values, error)) {
             history_abandon(&a->file);
             return;
         }

@@ -1,10 +1,11 @@
 /** The time history of a run, on file, or what another analysis finds along an axis of its own. The interface knows nothing of HDF5;
  *  history*_hdf5.c do.
  *
- *  A history grows as NAME.partial and gets NAME only by history_close, which replaces an older one. Every function that can fail returns false and
- *  keeps one sentence for history_error(); after a failure only history_abandon may follow. */
+ *  A history grows as NAME.partial and gets NAME only by history_close, which replaces an older one. Every function that can fail returns false with
+ *  the reason in `error`, EVL_EXIT_IO; after a failure only history_abandon may follow. */
 #pragma once
 
+#include "base/status.h"
 #include "model/model.h"
 
 typedef struct {
@@ -49,18 +50,18 @@ typedef struct {
 
 typedef struct history history;
 
-history *history_create(const history_layout *layout, char message[DAE_MESSAGE_LENGTH]);
+/** @return NULL with the reason in `error` */
+history *history_create(const history_layout *layout, evl_error *error);
 /** One row, at a place of the axis; static variables are taken from the first one. */
-bool history_append(history *history, double place, const double *values);
-bool history_add_event(history *history, const history_event *event);
+bool history_append(history *history, double place, const double *values, evl_error *error);
+bool history_add_event(history *history, const history_event *event, evl_error *error);
 /** Static variables that are known at the end only; `values` as their offsets say. */
-bool history_put_finals(history *history, int n, const model_output *outputs, const double *values);
+bool history_put_finals(history *history, int n, const model_output *outputs, const double *values, evl_error *error);
 /** Set further root attributes, flush, close, fsync; then rename if `commit`, else leave NAME.partial. Frees the history. */
 bool history_close(history **history, bool commit, int n_attributes, const history_attribute *attributes,
-                   char message[DAE_MESSAGE_LENGTH]);
+                   evl_error *error);
 /** Drop what cannot be written any more, free, leave NAME.partial as it is. */
 void history_abandon(history **history);
-const char *history_error(const history *history);
 /** NAME.partial */
 const char *history_partial_path(const history *history);
 /** Version of the library, such as "HDF5 1.10.8". */

@@ -11,13 +11,9 @@
 enum { FLUSH_SECONDS = 5 };
 
 /** Say why writing failed; the first reason counts. @return false */
-static bool fail(history *history)
+static bool fail(const history *history, evl_error *error)
 {
-    if (history->message[0] == '\0') {
-        output_file_describe(history->file.partial_path, history->netcdf.system_error, history->netcdf.reason,
-                             history->message, sizeof history->message);
-    }
-    return false;
+    return output_file_refuse(history->file.partial_path, history->netcdf.system_error, history->netcdf.reason, error);
 }
 
 static void free_history(history *history)
@@ -26,10 +22,10 @@ static void free_history(history *history)
     free(history);
 }
 
-history *history_create(const history_layout *layout, char message[DAE_MESSAGE_LENGTH])
+history *history_create(const history_layout *layout, evl_error *error)
 {
     output_file file;
-    if (!output_file_open(&file, layout->path, message, DAE_MESSAGE_LENGTH)) {
+    if (!output_file_open(&file, layout->path, error)) {
         return NULL;
     }
     history *history = xcalloc(1, sizeof *history);
@@ -46,8 +42,7 @@ history *history_create(const history_layout *layout, char message[DAE_MESSAGE_L
         pool_calloc(&history->netcdf.pool, EVENT_STATES + 2 * (size_t)layout->n_states, sizeof *history->event_row);
     history->last_flush = clock_seconds();
     if (!history_write_head(history, layout)) {
-        (void)fail(history);
-        (void)snprintf(message, DAE_MESSAGE_LENGTH, "%s", history->message);
+        (void)fail(history, error);
         output_file_drop(&history->file, true);
         free_history(history);
         return NULL;
@@ -96,26 +91,26 @@ static bool write_statics(history *history, const double *values)
     return good;
 }
 
-bool history_put_finals(history *history, int n, const model_output *outputs, const double *values)
+bool history_put_finals(history *history, int n, const model_output *outputs, const double *values, evl_error *error)
 {
     bool good = true;
     for (int i = 0; i < n && good; i++) {
         good = outputs[i].count == 0 || write_static(history, &outputs[i], values + outputs[i].offset);
     }
-    return good ? true : fail(history);
+    return good || fail(history, error);
 }
 
-bool history_append(history *history, double place, const double *values)
+bool history_append(history *history, double place, const double *values, evl_error *error)
 {
     history->row[0] = place;
     memcpy(history->row + 1, values, (size_t)history->n_values * sizeof *values);
     const bool good = (history->n_rows > 0 || write_statics(history, values)) &&
                       series_append(&history->times, history->row) && flush_if_due(history);
     history->n_rows++;
-    return good ? true : fail(history);
+    return good || fail(history, error);
 }
 
-bool history_add_event(history *history, const history_event *event)
+bool history_add_event(history *history, const history_event *event, evl_error *error)
 {
     double *row = history->event_row;
     row[EVENT_NUMBER] = (double)history->n_events;
@@ -129,21 +124,20 @@ bool history_add_event(history *history, const history_event *event)
         row[EVENT_STATES + 2 * i + 1] = event->after[i];
     }
     history->n_events++;
-    return series_append(&history->events, row) && flush_if_due(history) ? true : fail(history);
+    return (series_append(&history->events, row) && flush_if_due(history)) || fail(history, error);
 }
 
 bool history_close(history **pointer, bool commit, int n_attributes, const history_attribute *attributes,
-                   char message[DAE_MESSAGE_LENGTH])
+                   evl_error *error)
 {
     history *history = *pointer;
     *pointer = NULL;
     bool good = write_all(history, true) && history_put_attributes(history, n_attributes, attributes) &&
                 netcdf_flush(&history->netcdf) && netcdf_close(&history->netcdf);
     if (good) {
-        good = output_file_close(&history->file, commit, message, DAE_MESSAGE_LENGTH);
+        good = output_file_close(&history->file, commit, error);
     } else {
-        (void)fail(history);
-        (void)snprintf(message, DAE_MESSAGE_LENGTH, "%s", history->message);
+        (void)fail(history, error);
         output_file_drop(&history->file, false);
     }
     free_history(history);
@@ -157,11 +151,6 @@ void history_abandon(history **pointer)
         free_history(*pointer);
         *pointer = NULL;
     }
-}
-
-const char *history_error(const history *history)
-{
-    return history->message;
 }
 
 const char *history_partial_path(const history *history)

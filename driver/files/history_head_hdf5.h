@@ -23,7 +23,6 @@ struct history {
     double *event_row; /**< [EVENT_STATES + 2 n_states] */
     long long n_rows, n_events;
     double last_flush; /**< clock [s] */
-    char message[DAE_MESSAGE_LENGTH];
 };
 
 /** The variable of an output, with its dimensions. */

@@ -35,14 +35,14 @@ static const char *remedy(int system_error)
     }
 }
 
-void output_file_describe(const char *path, int system_error, const char *reason, char *message, size_t size)
+bool output_file_refuse(const char *path, int system_error, const char *reason, evl_error *error)
 {
     enum { REST = 240 }; /* characters that the reason and the remedy may need */
-    const size_t length = strlen(path), room = size > 2 * REST ? size - REST : REST / 2;
+    const size_t length = strlen(path), room = sizeof error->message - REST;
     const bool is_long = length > room;
-    (void)snprintf(message, size, "cannot write '%s%s': %s; %s", is_long ? "..." : "",
-                   is_long ? path + (length - room) : path, reason != NULL ? reason : strerror(system_error),
-                   remedy(system_error));
+    return evl_error_set(error, EVL_EXIT_IO, "", "cannot write '%s%s': %s; %s", is_long ? "..." : "",
+                         is_long ? path + (length - room) : path, reason != NULL ? reason : strerror(system_error),
+                         remedy(system_error));
 }
 
 /** 0, or why a file cannot get this name: only a regular file is ever replaced. */
@@ -67,24 +67,24 @@ static int take_lock(const output_file *file)
     return is_same ? 0 : EWOULDBLOCK; /* another run has just renamed it */
 }
 
-bool output_file_open(output_file *file, const char *path, char *message, size_t size)
+bool output_file_open(output_file *file, const char *path, evl_error *error)
 {
     *file = (output_file){.path = xstrdup(path), .partial_path = xasprintf("%s.partial", path), .descriptor = -1};
-    int error = check_name(path);
+    int reason = check_name(path);
     const char *about = path;
-    if (error == 0) {
+    if (reason == 0) {
         about = file->partial_path;
-        error = check_name(about);
+        reason = check_name(about);
     }
-    if (error == 0) {
+    if (reason == 0) {
         file->descriptor = open(file->partial_path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-        error = file->descriptor < 0 ? errno : take_lock(file);
+        reason = file->descriptor < 0 ? errno : take_lock(file);
     }
-    if (error != 0) {
-        output_file_describe(about, error, error == EEXIST ? "not a regular file" : NULL, message, size);
+    if (reason != 0) {
+        output_file_refuse(about, reason, reason == EEXIST ? "not a regular file" : NULL, error);
         output_file_drop(file, false);
     }
-    return error == 0;
+    return reason == 0;
 }
 
 /** A rename is safe on disk only when its folder is. Not all file systems can do that, and the file itself is safe. */
@@ -102,22 +102,18 @@ static void sync_folder(const char *path)
     }
 }
 
-bool output_file_close(output_file *file, bool commit, char *message, size_t size)
+bool output_file_close(output_file *file, bool commit, evl_error *error)
 {
-    const char *about = file->partial_path;
-    int error = fsync(file->descriptor) != 0 && errno != EINVAL ? errno : 0;
-    if (error == 0 && commit) {
-        about = file->path;
-        error = rename(file->partial_path, file->path) != 0 ? errno : 0;
+    bool good =
+        fsync(file->descriptor) == 0 || errno == EINVAL || output_file_refuse(file->partial_path, errno, NULL, error);
+    if (good && commit) {
+        good = rename(file->partial_path, file->path) == 0 || output_file_refuse(file->path, errno, NULL, error);
     }
-    if (error == 0 && commit) {
+    if (good && commit) {
         sync_folder(file->path);
     }
-    if (error != 0) {
-        output_file_describe(about, error, NULL, message, size);
-    }
     output_file_drop(file, false);
-    return error == 0;
+    return good;
 }
 
 void output_file_drop(output_file *file, bool remove)

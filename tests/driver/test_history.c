@@ -60,7 +60,7 @@ static int remove_place(void **state)
     return 0;
 }
 
-static history *create(const char *path, char *message)
+static history *create(const char *path, evl_error *error)
 {
     static const history_attribute attributes[] = {{.key = "title", .text = "a test"},
                                                    {.key = "status", .text = "running"}};
@@ -77,7 +77,7 @@ static history *create(const char *path, char *message)
                                    .event_kinds = kinds,
                                    .n_attributes = 2,
                                    .attributes = attributes};
-    return history_create(&layout, message);
+    return history_create(&layout, error);
 }
 
 static void fill_values(long row, double values[N_VALUES])
@@ -87,40 +87,40 @@ static void fill_values(long row, double values[N_VALUES])
     memcpy(values, filled, sizeof filled);
 }
 
-static bool append(history *history, long row)
+static bool append(history *history, long row, evl_error *error)
 {
     double values[N_VALUES];
     fill_values(row, values);
-    return history_append(history, 1e-3 * (double)row, values);
+    return history_append(history, 1e-3 * (double)row, values, error);
 }
 
-static bool add_event(history *history, double t)
+static bool add_event(history *history, double t, evl_error *error)
 {
     double before[N_STATES] = {1.0 + t, 2.0}, after[N_STATES] = {3.0 + t, 4.0};
     const history_event event = {.t = t, .kind = 1, .mesh = 0, .flank = 3, .before = before, .after = after};
-    return history_add_event(history, &event);
+    return history_add_event(history, &event, error);
 }
 
-static bool close_as(history **history, bool commit, const char *status, char *message)
+static bool close_as(history **history, bool commit, const char *status, evl_error *error)
 {
     const history_attribute attributes[] = {{.key = "status", .text = status}, {.key = "steps", .integer = 42}};
-    return history_close(history, commit, 2, attributes, message);
+    return history_close(history, commit, 2, attributes, error);
 }
 
 /** A whole run of n_rows; fails the test if anything goes wrong. */
 static void write_run(const place *place, long n_rows, int n_events, bool commit)
 {
-    char message[DAE_MESSAGE_LENGTH] = "";
-    history *history = create(place->path, message);
-    assert_string_equal(message, "");
+    evl_error error = {.code = EVL_EXIT_OK};
+    history *history = create(place->path, &error);
+    assert_int_equal(error.code, EVL_EXIT_OK);
     assert_non_null(history);
     for (long i = 0; i < n_rows; i++) {
-        assert_true(append(history, i));
+        assert_true(append(history, i, &error));
     }
     for (int i = 0; i < n_events; i++) {
-        assert_true(add_event(history, i));
+        assert_true(add_event(history, i, &error));
     }
-    assert_true(close_as(&history, commit, "done", message));
+    assert_true(close_as(&history, commit, "done", &error));
     assert_null(history);
 }
 
@@ -270,11 +270,11 @@ static const double final_values[] = {-99, 0.1, 1e300, NAN, 3, -4}; /* the first
 static void finals_are_read_back_with_their_attributes(void **state)
 {
     const place *place = *state;
-    char message[DAE_MESSAGE_LENGTH] = "";
-    history *history = create(place->path, message);
-    assert_true(append(history, 0) && append(history, 1));
-    assert_true(history_put_finals(history, sizeof finals / sizeof *finals, finals, final_values));
-    assert_true(close_as(&history, true, "done", message));
+    evl_error error = {.code = EVL_EXIT_OK};
+    history *history = create(place->path, &error);
+    assert_true(append(history, 0, &error) && append(history, 1, &error));
+    assert_true(history_put_finals(history, sizeof finals / sizeof *finals, finals, final_values, &error));
+    assert_true(close_as(&history, true, "done", &error));
     check_rows(place->path, 2);
     const hid_t file = H5Fopen(place->path, H5F_ACC_RDONLY, H5P_DEFAULT);
     hsize_t n;
@@ -299,17 +299,17 @@ static void finals_are_read_back_with_their_attributes(void **state)
 static void no_finals_change_nothing(void **state)
 {
     const place *place = *state;
-    char message[DAE_MESSAGE_LENGTH] = "";
+    evl_error error = {.code = EVL_EXIT_OK};
     unsigned char *without, *with;
     size_t n, m;
     write_run(place, 3, 0, true);
     read_bytes(place->path, &without, &n);
-    history *history = create(place->path, message);
+    history *history = create(place->path, &error);
     for (long i = 0; i < 3; i++) {
-        assert_true(append(history, i));
+        assert_true(append(history, i, &error));
     }
-    assert_true(history_put_finals(history, 0, NULL, NULL));
-    assert_true(close_as(&history, true, "done", message));
+    assert_true(history_put_finals(history, 0, NULL, NULL, &error));
+    assert_true(close_as(&history, true, "done", &error));
     read_bytes(place->path, &with, &m);
     assert_int_equal(n, m);
     assert_memory_equal(without, with, n);
@@ -356,19 +356,20 @@ static void a_short_run_makes_a_small_file(void **state)
 static void a_path_that_cannot_be_written_is_refused_with_its_reason(void **state)
 {
     const place *place = *state;
-    char path[160], message[DAE_MESSAGE_LENGTH];
+    char path[160];
+    evl_error error = {.code = EVL_EXIT_OK};
     (void)snprintf(path, sizeof path, "%s/none/run.h5", place->folder);
-    assert_null(create(path, message));
-    assert_non_null(strstr(message, path));
-    assert_non_null(strstr(message, "No such file or directory; create the folder"));
-    assert_null(create(place->folder, message));
-    assert_non_null(strstr(message, "Is a directory; name a file"));
-    assert_null(create("/dev/null", message));
-    assert_non_null(strstr(message, "'/dev/null': not a regular file"));
+    assert_null(create(path, &error));
+    assert_non_null(strstr(error.message, path));
+    assert_non_null(strstr(error.message, "No such file or directory; create the folder"));
+    assert_null(create(place->folder, &error));
+    assert_non_null(strstr(error.message, "Is a directory; name a file"));
+    assert_null(create("/dev/null", &error));
+    assert_non_null(strstr(error.message, "'/dev/null': not a regular file"));
     write_run(place, 3, 0, true);
     (void)snprintf(path, sizeof path, "%s/under.h5", place->path);
-    assert_null(create(path, message));
-    assert_non_null(strstr(message, "Not a directory"));
+    assert_null(create(path, &error));
+    assert_non_null(strstr(error.message, "Not a directory"));
     (void)snprintf(path, sizeof path, "%s.partial", place->folder);
     assert_false(exists(path));
 }
@@ -376,26 +377,26 @@ static void a_path_that_cannot_be_written_is_refused_with_its_reason(void **stat
 static void a_second_run_to_the_same_name_is_refused_while_the_first_writes(void **state)
 {
     const place *place = *state;
-    char message[DAE_MESSAGE_LENGTH];
-    history *first = create(place->path, message);
+    evl_error error = {.code = EVL_EXIT_OK};
+    history *first = create(place->path, &error);
     assert_non_null(first);
-    assert_true(append(first, 0));
-    assert_null(create(place->path, message));
-    assert_non_null(strstr(message, "another run is writing it"));
-    assert_true(close_as(&first, true, "done", message));
+    assert_true(append(first, 0, &error));
+    assert_null(create(place->path, &error));
+    assert_non_null(strstr(error.message, "another run is writing it"));
+    assert_true(close_as(&first, true, "done", &error));
     check_rows(place->path, 1);
 }
 
 static void an_integer_that_is_none_is_refused_by_name(void **state)
 {
     const place *place = *state;
-    char message[DAE_MESSAGE_LENGTH];
-    history *history = create(place->path, message);
+    evl_error error = {.code = EVL_EXIT_OK};
+    history *history = create(place->path, &error);
     double values[N_VALUES];
     fill_values(0, values);
     values[8] = 1e300;
-    assert_false(history_append(history, 0.0, values));
-    assert_non_null(strstr(history_error(history), "tooth_pair"));
+    assert_false(history_append(history, 0.0, values, &error));
+    assert_non_null(strstr(error.message, "tooth_pair"));
     history_abandon(&history);
     assert_null(history);
 }
@@ -403,24 +404,23 @@ static void an_integer_that_is_none_is_refused_by_name(void **state)
 /** Runs in a child, whose files may have `limit` bytes. @return 0 if the writer saw that, and said so */
 static int write_past_limit(const place *place, rlim_t limit)
 {
-    char message[DAE_MESSAGE_LENGTH] = "";
+    evl_error error = {.code = EVL_EXIT_OK};
     const struct rlimit size = {.rlim_cur = limit, .rlim_max = limit};
     (void)signal(SIGXFSZ, SIG_IGN);
     if (setrlimit(RLIMIT_FSIZE, &size) != 0 || history_version()[0] == '\0') {
         return 10;
     }
-    history *history = create(place->path, message);
+    history *history = create(place->path, &error);
     bool good = history != NULL;
     for (long i = 0; good && i < 20000; i++) {
-        good = append(history, i);
+        good = append(history, i, &error);
     }
     if (!good && history != NULL) {
-        (void)snprintf(message, sizeof message, "%s", history_error(history));
         history_abandon(&history);
     } else if (good) {
-        good = close_as(&history, true, "done", message);
+        good = close_as(&history, true, "done", &error);
     }
-    return good ? 11 : strstr(message, "run.h5.partial': File too large; raise the limit") == NULL ? 12 : 0;
+    return good ? 11 : strstr(error.message, "run.h5.partial': File too large; raise the limit") == NULL ? 12 : 0;
 }
 
 /* After a write that failed HDF5 cannot flush its cache, and keeps the memory. */
@@ -436,12 +436,13 @@ static void a_final_integer_that_is_none_is_refused_by_name(void **state)
     const double nones[] = {1e300, -3e9, NAN};
     for (size_t i = 0; i < sizeof nones / sizeof *nones; i++) {
         const double values[] = {0, 0.1, 1, 2, 3, nones[i]};
-        char path[120], message[DAE_MESSAGE_LENGTH] = "";
+        char path[120];
+        evl_error error = {.code = EVL_EXIT_OK};
         (void)snprintf(path, sizeof path, "%s.%zu", place->path, i); /* HDF5 keeps one that was abandoned */
-        history *history = create(path, message);
-        assert_true(append(history, 0));
-        assert_false(history_put_finals(history, sizeof finals / sizeof *finals, finals, values));
-        assert_non_null(strstr(history_error(history), "times_passed"));
+        history *history = create(path, &error);
+        assert_true(append(history, 0, &error));
+        assert_false(history_put_finals(history, sizeof finals / sizeof *finals, finals, values, &error));
+        assert_non_null(strstr(error.message, "times_passed"));
         (void)unlink(history_partial_path(history));
         history_abandon(&history);
     }
