@@ -64,9 +64,7 @@ int model_pitch_errors(const model *model, int wheel, int most, double *errors)
 
 void model_damping(const model *model, int mesh, double parameters[MODEL_MOST_PARAMETERS])
 {
-    evl_law_choice law;
-    evl_gearbox_damping(model->gearbox, mesh, &law);
-    memcpy(parameters, law.parameters, sizeof law.parameters);
+    evl_gearbox_damping(model->gearbox, mesh, parameters);
 }
 
 void model_delete(model **pointer)
@@ -129,14 +127,13 @@ bool model_steady_state(const model *model, double mesh_position, dae_state *sta
 int model_n_warnings(const model *model)
 {
     evl_status status;
-    return model->sizes.n_warnings + evl_gearbox_speed_warning(model->gearbox, &model->initial, &status);
+    const int n = model->sizes.n_warnings;
+    return n + evl_gearbox_warning(model->gearbox, &model->initial, n, &status);
 }
 
 void model_warning(const model *model, int index, model_message *warning)
 {
     evl_status status;
-    if (!evl_gearbox_warning(model->gearbox, index, &status)) {
-        (void)evl_gearbox_speed_warning(model->gearbox, &model->initial, &status);
-    }
+    (void)evl_gearbox_warning(model->gearbox, &model->initial, index, &status);
     model_explain(model, &status, warning);
 }

@@ -107,7 +107,7 @@ const struct model_tables *model_tables(void);
 const case_schema *model_schema(void);
 
 typedef struct {
-    char name[32], units[32];
+    char name[EVL_SHORT_LENGTH], units[EVL_SHORT_LENGTH];
 } model_state;
 /** What the states are, a new array of as many as its dae has. */
 model_state *model_states(const model *model);
@@ -127,7 +127,7 @@ int model_pitch_errors(const model *model, int wheel, int most, double *errors);
 
 /** One of the numbers, or lists of them, that the case gives. */
 typedef struct {
-    char path[192], unit[32]; /**< as in --set */
+    char path[192], unit[EVL_SHORT_LENGTH]; /**< as in --set */
     int n;
     double *numbers; /**< [n], to be freed by the caller */
 } model_parameter;

@@ -80,11 +80,8 @@ static bool find_modes(const model *model, const dae_state *state, double *means
     int n_found = 0;
     *modes = (natural_modes){.n = 0};
     *status = (evl_status){.index = -1};
-    const int code = means == NULL
-                         ? evl_gearbox_modes(model->gearbox, state->t, state->y, state->integers, state->reals,
-                                             &n_found, &modes->n_rigid, eigenvalues, vectors, status)
-                         : evl_gearbox_mean_modes(model->gearbox, state->t, state->y, state->integers, state->reals,
-                                                  &n_found, &modes->n_rigid, eigenvalues, vectors, means, status);
+    const int code = evl_gearbox_modes(model->gearbox, state->t, state->y, state->integers, state->reals, &n_found,
+                                       &modes->n_rigid, eigenvalues, vectors, means, status);
     if (code != EVL_OK) {
         return false;
     }
@@ -127,9 +124,9 @@ mesh_standing model_mesh_standing(const model *model, const dae_state *state, in
                                            [EVL_CONTACT_UNLOADED] = "unloaded",
                                            [EVL_CONTACT_APART] = "apart"};
     evl_mesh_mode mode;
-    evl_gearbox_mesh_mode(model->gearbox, mesh, state->integers, state->reals, &mode);
+    evl_gearbox_mesh_mode(model->gearbox, mesh, state->y, state->integers, state->reals, &mode);
     return (mesh_standing){.contact = contacts[mode.contact],
                            .friction_branch = mode.friction,
                            .tooth_pair = mode.tooth_pair,
-                           .position = evl_gearbox_mesh_position(model->gearbox, mesh, state->y, state->integers)};
+                           .position = mode.position};
 }

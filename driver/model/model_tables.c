@@ -4,14 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/** Both have room for the kernel's texts. Formatting them would cost more than all the rest of a short case's set-up. */
-static void copy_text(char *to, size_t size, const char *from)
-{
-    const size_t length = strnlen(from, size - 1);
-    memcpy(to, from, length);
-    to[length] = '\0';
-}
-
 /* What is the same for all models is copied from the kernel once, whichever thread asks first. */
 static pthread_once_t once = PTHREAD_ONCE_INIT;
 static struct model_tables tables;
@@ -157,15 +149,13 @@ evl_kind *model_kinds(const char *block, int *n)
 bool model_parameter_at(const model *model, int index, model_parameter *parameter)
 {
     evl_parameter from;
-    if (!evl_description_parameter(model->description, index, &from)) {
+    if (!evl_description_parameter(model->description, index, &from, 0, NULL)) {
         return false;
     }
-    copy_text(parameter->path, sizeof parameter->path, from.path);
-    copy_text(parameter->unit, sizeof parameter->unit, from.unit);
-    parameter->n = from.n;
-    parameter->numbers = xcalloc((size_t)from.n, sizeof *parameter->numbers);
-    evl_description_numbers(model->description, index, parameter->numbers);
-    return true;
+    *parameter = (model_parameter){.n = from.n, .numbers = xcalloc((size_t)from.n, sizeof *parameter->numbers)};
+    memcpy(parameter->path, from.path, sizeof from.path);
+    memcpy(parameter->unit, from.unit, sizeof from.unit);
+    return evl_description_parameter(model->description, index, &from, from.n, parameter->numbers);
 }
 
 void model_describe_outputs(model *model)
@@ -202,10 +192,7 @@ model_state *model_states(const model *model)
 {
     model_state *states = xcalloc((size_t)model->sizes.n_states, sizeof *states);
     for (int i = 0; i < model->sizes.n_states; i++) {
-        char name[EVL_SHORT_LENGTH], units[EVL_SHORT_LENGTH];
-        evl_gearbox_state_name(model->gearbox, i, name, units);
-        copy_text(states[i].name, sizeof states[i].name, name);
-        copy_text(states[i].units, sizeof states[i].units, units);
+        evl_gearbox_state_name(model->gearbox, i, states[i].name, states[i].units);
     }
     return states;
 }

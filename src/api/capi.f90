@@ -29,7 +29,7 @@ module evl_capi
    public :: evl_gearbox_initial_state, evl_gearbox_scales
    public :: evl_gearbox_state_name, evl_gearbox_residual, evl_gearbox_jacobian, evl_gearbox_derivative
    public :: evl_gearbox_roots, evl_gearbox_root_directions, evl_gearbox_next_time_event
-   public :: evl_gearbox_apply_event, evl_gearbox_speed_warning, evl_gearbox_warning
+   public :: evl_gearbox_apply_event, evl_gearbox_warning
 
    !> evl_sizes
    type, bind(c) :: c_sizes
@@ -229,31 +229,21 @@ contains
       code = answer(s, status)
    end function evl_gearbox_apply_event
 
-   logical(c_bool) function evl_gearbox_warning(handle, index, warning) result(exists) bind(c)
+   logical(c_bool) function evl_gearbox_warning(handle, initial, index, warning) result(exists) bind(c)
       type(c_ptr), intent(in), value :: handle
+      type(c_initial), intent(in), optional :: initial
       integer(c_int), intent(in), value :: index
-      type(c_status), intent(out) :: warning
-      type(gearbox_t), pointer :: g
-
-      g => gearbox_of(handle)
-      exists = logical(index >= 0 .and. index < size(g%warnings), c_bool)
-      call status_to_c(status_t(), warning)
-      if (exists) call status_to_c(g%warnings(index + 1), warning)
-   end function evl_gearbox_warning
-
-   logical(c_bool) function evl_gearbox_speed_warning(handle, initial, warning) result(exists) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      type(c_initial), intent(in) :: initial
       type(c_status), intent(out) :: warning
       type(gearbox_t), pointer :: g
       type(status_t), allocatable :: warnings(:)
 
       g => gearbox_of(handle)
-      allocate (warnings(0))
-      call warn_of_speeds(g, gearbox_initial_speeds(g, initial_from_c(initial, size(g%wheels), size(g%pairs))), warnings)
-      exists = logical(size(warnings) > 0, c_bool)
+      allocate (warnings, source=g%warnings)
+      if (present(initial)) &
+         call warn_of_speeds(g, gearbox_initial_speeds(g, initial_from_c(initial, size(g%wheels), size(g%pairs))), warnings)
+      exists = logical(index >= 0 .and. index < size(warnings), c_bool)
       call status_to_c(status_t(), warning)
-      if (exists) call status_to_c(warnings(1), warning)
-   end function evl_gearbox_speed_warning
+      if (exists) call status_to_c(warnings(index + 1), warning)
+   end function evl_gearbox_warning
 
 end module evl_capi

@@ -1,7 +1,7 @@
 !> C interface of descriptions: the table of rows, and a case as entries of it. Indices count from 0 in C, from 1 here.
 module evl_capi_description
    use, intrinsic :: ieee_arithmetic, only: ieee_negative_inf, ieee_positive_inf, ieee_value
-   use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_char, &
+   use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_char, c_double, c_f_pointer, c_int, c_loc, &
                                                                              c_null_ptr, c_ptr
    use evl_capi_types, only: answer, c_status, status_from_c, status_to_c, take_text, to_c
    use evl_case_table, only: case_table, kinds_of
@@ -14,7 +14,7 @@ module evl_capi_description
    private
 
    public :: c_initial, initial_from_c
-   public :: evl_description_create, evl_description_delete, evl_description_numbers, evl_description_parameter
+   public :: evl_description_create, evl_description_delete, evl_description_parameter
    public :: evl_description_path, evl_description_set, evl_kinds, evl_rows
 
    !> evl_row
@@ -167,36 +167,29 @@ contains
       i = 0
    end function place_of_parameter
 
-   logical(c_bool) function evl_description_parameter(handle, index, parameter) result(is_one) bind(c)
+   logical(c_bool) function evl_description_parameter(handle, index, parameter, most, numbers) result(is_one) bind(c)
       type(c_ptr), intent(in), value :: handle
-      integer(c_int), intent(in), value :: index
+      integer(c_int), intent(in), value :: index, most
       type(c_parameter), intent(out) :: parameter
+      real(c_double), intent(inout) :: numbers(most)
       type(description_t), pointer :: d
       character(len=path_length) :: path
-      integer :: i
+      integer :: i, n
 
       call c_f_pointer(handle, d)
       i = place_of_parameter(d, index)
       is_one = logical(i > 0, c_bool)
       if (i == 0) return
       call entry_path(d, i, path)
-      call to_c(path, parameter%path)
-      call to_c(d%rows(d%entries(i)%row)%unit, parameter%unit)
-      parameter%row = d%entries(i)%row - 1
-      parameter%n = size(d%entries(i)%numbers)
-   end function evl_description_parameter
-
-   subroutine evl_description_numbers(handle, index, numbers) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      integer(c_int), intent(in), value :: index
-      real(c_double), intent(out) :: numbers(*)
-      type(description_t), pointer :: d
-
-      call c_f_pointer(handle, d)
-      associate (from => d%entries(place_of_parameter(d, index))%numbers)
-         numbers(:size(from)) = from
+      associate (entry => d%entries(i))
+         call to_c(path, parameter%path)
+         call to_c(d%rows(entry%row)%unit, parameter%unit)
+         parameter%row = entry%row - 1
+         parameter%n = size(entry%numbers)
+         n = min(size(entry%numbers), most)
+         numbers(:n) = entry%numbers(:n)
       end associate
-   end subroutine evl_description_numbers
+   end function evl_description_parameter
 
    integer(c_int) function evl_description_set(handle, index, numbers, status) result(code) bind(c)
       type(c_ptr), intent(in), value :: handle

@@ -2,8 +2,9 @@
 module evl_capi_geometry
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_ptr
    use evl_capi_outputs, only: c_output, output_to_c
-   use evl_capi_types, only: c_law_choice, gearbox_of
+   use evl_capi_types, only: gearbox_of
    use evl_derived_geometry, only: pitch_errors_of, quantities_of
+   use evl_force_law, only: max_law_parameters
    use evl_gearbox, only: gearbox_t
    use evl_output, only: output_t
    implicit none (type, external)
@@ -48,14 +49,14 @@ contains
       end associate
    end function evl_gearbox_support_directions
 
-   subroutine evl_gearbox_damping(handle, mesh, choice) bind(c)
+   subroutine evl_gearbox_damping(handle, mesh, parameters) bind(c)
       type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: mesh
-      type(c_law_choice), intent(out) :: choice
+      real(c_double), intent(out) :: parameters(max_law_parameters)
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
-      choice = c_law_choice(g%references(mesh + 1)%law%law, g%references(mesh + 1)%law%parameters)
+      parameters = g%references(mesh + 1)%law%parameters
    end subroutine evl_gearbox_damping
 
 end module evl_capi_geometry

@@ -15,20 +15,21 @@ module evl_capi_modes
    implicit none (type, external)
    private
 
-   public :: evl_gearbox_mean_modes, evl_gearbox_mesh_mode, evl_gearbox_mesh_position, evl_gearbox_modes, evl_gearbox_shape
+   public :: evl_gearbox_mesh_mode, evl_gearbox_modes, evl_gearbox_shape
 
    !> evl_mesh_mode
    type, bind(c) :: c_mesh_mode
       integer(c_int) :: tooth_pair, contact, friction
+      real(c_double) :: position
    end type c_mesh_mode
 
 contains
 
-   subroutine evl_gearbox_mesh_mode(handle, mesh, integers, reals, mode) bind(c)
+   subroutine evl_gearbox_mesh_mode(handle, mesh, y, integers, reals, mode) bind(c)
       type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: mesh
+      real(c_double), intent(in) :: y(*), reals(*)
       integer(c_int), intent(in) :: integers(*)
-      real(c_double), intent(in) :: reals(*)
       type(c_mesh_mode), intent(out) :: mode
       type(gearbox_t), pointer :: g
       type(contact_mode) :: m
@@ -36,47 +37,28 @@ contains
       g => gearbox_of(handle)
       call take_mode(g, leading_contact(g, mesh + 1, integers(:g%n_integers)), integers(:g%n_integers), &
                      reals(:size(g%contacts)), m)
-      mode = c_mesh_mode(m%tooth_pair, m%flanks, m%friction)
+      mode = c_mesh_mode(m%tooth_pair, m%flanks, m%friction, mesh_position(g, mesh + 1, y(i_theta), integers(i_turns)))
    end subroutine evl_gearbox_mesh_mode
 
-   integer(c_int) function evl_gearbox_modes(handle, t, y, integers, reals, n_modes, n_rigid, eigenvalues, vectors, &
+   integer(c_int) function evl_gearbox_modes(handle, t, y, integers, reals, n_modes, n_rigid, eigenvalues, vectors, means, &
                                              status) result(code) bind(c)
       type(c_ptr), intent(in), value :: handle
       real(c_double), intent(in), value :: t
-      real(c_double), intent(in) :: y(*), reals(*)
-      integer(c_int), intent(in) :: integers(*)
-      integer(c_int), intent(out) :: n_modes, n_rigid
-      complex(c_double_complex), intent(inout) :: eigenvalues(*), vectors(*)
-      type(c_status), intent(inout), optional :: status
-      type(status_t) :: s
-
-      call gearbox_modes(gearbox_of(handle), t, y, integers, reals, n_modes, n_rigid, eigenvalues, vectors, s)
-      code = answer(s, status)
-   end function evl_gearbox_modes
-
-   integer(c_int) function evl_gearbox_mean_modes(handle, t, y, integers, reals, n_modes, n_rigid, eigenvalues, vectors, &
-                                                  values, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      real(c_double), intent(in), value :: t
-      real(c_double), intent(inout) :: y(*), reals(*), values(*)
+      real(c_double), intent(inout) :: y(*), reals(*)
       integer(c_int), intent(inout) :: integers(*)
       integer(c_int), intent(out) :: n_modes, n_rigid
       complex(c_double_complex), intent(inout) :: eigenvalues(*), vectors(*)
+      real(c_double), intent(inout), optional :: means(*)
       type(c_status), intent(inout), optional :: status
       type(status_t) :: s
 
-      call gearbox_mean_modes(gearbox_of(handle), t, y, integers, reals, n_modes, n_rigid, eigenvalues, vectors, values, s)
+      if (present(means)) then
+         call gearbox_mean_modes(gearbox_of(handle), t, y, integers, reals, n_modes, n_rigid, eigenvalues, vectors, means, s)
+      else
+         call gearbox_modes(gearbox_of(handle), t, y, integers, reals, n_modes, n_rigid, eigenvalues, vectors, s)
+      end if
       code = answer(s, status)
-   end function evl_gearbox_mean_modes
-
-   real(c_double) function evl_gearbox_mesh_position(handle, mesh, y, integers) result(pitches) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      integer(c_int), intent(in), value :: mesh
-      real(c_double), intent(in) :: y(*)
-      integer(c_int), intent(in) :: integers(*)
-
-      pitches = mesh_position(gearbox_of(handle), mesh + 1, y(i_theta), integers(i_turns))
-   end function evl_gearbox_mesh_position
+   end function evl_gearbox_modes
 
    subroutine evl_gearbox_shape(handle, y, dy, arcs, displacements, penetrations, transmission_errors) bind(c)
       type(c_ptr), intent(in), value :: handle

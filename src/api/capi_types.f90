@@ -1,16 +1,15 @@
 !> The structs of the C header as Fortran sees them, and the passage of strings and statuses.
 module evl_capi_types
-   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_f_pointer, c_int, c_null_char, c_ptr
+   use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_int, c_null_char, c_ptr
    use evl_gearbox, only: gearbox_t
    use evl_status, only: code_ok, status_t
    implicit none (type, external)
    private
 
-   public :: c_law_choice, c_status
-   public :: c_field_length, c_max_parameters, c_message_length, c_name_length, c_text_length
+   public :: c_status
+   public :: c_field_length, c_message_length, c_name_length, c_text_length
    public :: answer, gearbox_of, status_from_c, status_to_c, take_text, to_c
 
-   integer, parameter :: c_max_parameters = 8 !! EVL_MAX_PARAMETERS
    integer, parameter :: c_name_length = 32       !! EVL_NAME_LENGTH
    integer, parameter :: c_text_length = 96       !! EVL_TEXT_LENGTH
    integer, parameter :: c_field_length = 48      !! EVL_FIELD_LENGTH
@@ -22,12 +21,6 @@ module evl_capi_types
       character(kind=c_char) :: field(c_field_length)
       character(kind=c_char) :: message(c_message_length)
    end type c_status
-
-   !> evl_law_choice
-   type, bind(c) :: c_law_choice
-      integer(c_int) :: law
-      real(c_double) :: parameters(c_max_parameters)
-   end type c_law_choice
 
 contains
 

@@ -147,9 +147,9 @@ static int check_example(const char *example)
     assert_non_null(description);
     evl_parameter parameter;
     int checked = 0;
-    for (int i = 0; evl_description_parameter(description, i, &parameter); i++) {
+    for (int i = 0; evl_description_parameter(description, i, &parameter, 0, NULL); i++) {
         double *numbers = xcalloc((size_t)parameter.n, sizeof *numbers);
-        evl_description_numbers(description, i, numbers);
+        (void)evl_description_parameter(description, i, &parameter, parameter.n, numbers);
         checked += check_parameter(example, description, i, &model_schema()->rows[parameter.row], parameter.path,
                                    parameter.n, numbers);
         free(numbers);
@@ -189,7 +189,7 @@ static void a_number_out_of_range_is_refused_and_the_old_one_kept(void **state)
         evl_description_create(case_description(file)->n_entries, case_description(file)->entries, &status);
     evl_parameter parameter;
     int width = 0;
-    while (evl_description_parameter(description, width, &parameter) &&
+    while (evl_description_parameter(description, width, &parameter, 0, NULL) &&
            strcmp(parameter.path, "wheels.pinion.width") != 0) {
         width++;
     }
@@ -200,7 +200,7 @@ static void a_number_out_of_range_is_refused_and_the_old_one_kept(void **state)
     char path[EVL_PATH_LENGTH];
     evl_description_path(description, &status, path);
     assert_string_equal(path, "wheels.pinion.width");
-    evl_description_numbers(description, width, &now);
+    (void)evl_description_parameter(description, width, &parameter, 1, &now);
     assert_true(now == 0.1);
     evl_description_delete(&description);
     case_delete(&file);

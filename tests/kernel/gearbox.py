@@ -232,26 +232,24 @@ class Gearbox:
         first = self.place(f"turn_{mesh}")
         return slice(first, first + len(TRACKED))
 
+    def _warning(self, index: int, start: Any = None) -> Warned | None:
+        status, ask = Status(), self.library.evl_gearbox_warning
+        ask.restype = _bool
+        if not ask(self.handle, start, index, ctypes.byref(status)):
+            return None
+        assert status.code == OK
+        return Warned(*self._about(status))
+
     def warnings(self) -> list[Warned]:
         """What the creation found worth knowing."""
-        status, warnings = Status(), []
-        for index in range(self.sizes.n_warnings):
-            assert self.library.evl_gearbox_warning(self.handle, index, ctypes.byref(status))
-            assert status.code == OK
-            warnings.append(Warned(*self._about(status)))
-        assert not self.library.evl_gearbox_warning(
-            self.handle, len(warnings), ctypes.byref(status)
-        )
-        return warnings
+        n = self.sizes.n_warnings
+        found = [self._warning(index) for index in range(n + 1)]
+        assert found[n] is None
+        return [warned for warned in found if warned is not None]
 
     def speed_warning(self, kind: int = REST, speeds: ArrayLike | None = None) -> Warned | None:
         """What is worth knowing of the speeds of the loads and of a start; None if nothing is."""
-        status, start = Status(), initial(kind, speeds)
-        ask = self.library.evl_gearbox_speed_warning
-        ask.restype = _bool
-        if not ask(self.handle, ctypes.byref(start), ctypes.byref(status)):
-            return None
-        return Warned(*self._about(status))
+        return self._warning(self.sizes.n_warnings, ctypes.byref(initial(kind, speeds)))
 
     def wheel_geometry(self, index: int) -> WheelGeometry:
         """Geometry of a wheel."""

@@ -42,7 +42,7 @@ class Status(ctypes.Structure):
 
 
 class LawChoice(ctypes.Structure):
-    """`evl_law_choice`."""
+    """A law of its family with its parameters: `given_law` of the tests."""
 
     _fields_ = [("law", _int), ("parameters", _double * 8)]
 

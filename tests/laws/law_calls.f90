@@ -1,11 +1,11 @@
 !> The force laws one by one for the tests: C calls that the kernel does not export.
 module law_calls
    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int
-   use evl_capi_types, only: c_max_parameters, c_message_length, c_status, status_to_c, to_c
+   use evl_capi_types, only: c_message_length, c_status, status_to_c, to_c
    use evl_contact_context, only: contact_context
    use evl_damping_law, only: damping_law_t, no_viscous, viscous_force, viscous_result
    use evl_elastic_law, only: elastic_law_t, elastic_result
-   use evl_force_law, only: force_law_t
+   use evl_force_law, only: force_law_t, max_law_parameters
    use evl_friction_law, only: friction_law_t
    use evl_kind_finder, only: kind_finder
    use evl_law_table, only: damping_law, elastic_law, friction_law
@@ -21,7 +21,7 @@ module law_calls
    !> A law of a family with its parameters in the order of the table.
    type, bind(c) :: given_law
       integer(c_int) :: law
-      real(c_double) :: parameters(c_max_parameters)
+      real(c_double) :: parameters(max_law_parameters)
    end type given_law
 
    !> What a law may know about a contact: the fields of `contact_context` that tests give.

@@ -88,20 +88,11 @@ typedef struct {
     int n;                       /**< how many numbers */
 } evl_parameter;
 
-/** Parameter `index` (from 0) of a description, in its order. @return whether there is one */
-EVL_API bool evl_description_parameter(const evl_description *description, int index, evl_parameter *parameter);
-/** Its numbers [n]. */
-EVL_API void evl_description_numbers(const evl_description *description, int index, double *numbers);
+/** Parameter `index` (from 0) of a description, in its order, and of its n numbers `most`. @return whether there is one */
+EVL_API bool evl_description_parameter(const evl_description *description, int index, evl_parameter *parameter,
+                                       int most, double *numbers);
 /** Give it others [n]; gearboxes that were made before stay as they are. @return EVL_OK, or EVL_INVALID_INPUT: it keeps its own */
 EVL_API int evl_description_set(evl_description *description, int index, const double *numbers, evl_status *status);
-
-/* ---- law tables ------------------------------------------------------------------------------------------------------------ */
-
-/** One law of a family with its parameters in the order of its rows. */
-typedef struct {
-    int law; /**< index in the family's kinds */
-    double parameters[EVL_MAX_PARAMETERS];
-} evl_law_choice;
 
 /* ---- gearbox --------------------------------------------------------------------------------------------------------------- */
 
@@ -127,10 +118,10 @@ typedef struct {
 EVL_API void evl_gearbox_sizes(const evl_gearbox *gearbox, evl_sizes *sizes);
 
 /** Warning `index` (from 0) of the creation: something allowed, but worth knowing. As an error it says what it is about by
- *  subject, index and field; its code is EVL_OK. @return whether there is one */
-EVL_API bool evl_gearbox_warning(const evl_gearbox *gearbox, int index, evl_status *warning);
-/** The same of speeds above 1e5 rad/s, of the loads or the start. */
-EVL_API bool evl_gearbox_speed_warning(const evl_gearbox *gearbox, const evl_initial *initial, evl_status *warning);
+ *  subject, index and field; its code is EVL_OK. With `initial`, which may be NULL, one more may follow, of speeds above 1e5 rad/s of
+ *  the loads or the start. @return whether there is one */
+EVL_API bool evl_gearbox_warning(const evl_gearbox *gearbox, const evl_initial *initial, int index,
+                                 evl_status *warning);
 
 /** The geometry that follows from the description, of a wheel or a mesh as evl_of says. quantities: [EVL_MOST_QUANTITIES].
  *  @return how many there are, 0 where it is not what they are of */
@@ -141,8 +132,8 @@ EVL_API int evl_gearbox_pitch_errors(const evl_gearbox *gearbox, int wheel, int 
 /** Directions in which the support of a wheel lets its axle move: unit vectors (x, y) one after the other. @return how many, 0 to 2 */
 EVL_API int evl_gearbox_support_directions(const evl_gearbox *gearbox, int wheel, double directions[4]);
 
-/** The damping law of a mesh as it was chosen, with what it left open filled in. */
-EVL_API void evl_gearbox_damping(const evl_gearbox *gearbox, int mesh, evl_law_choice *choice);
+/** Parameters of the damping law of a mesh in the order of its rows, with what the case left open filled in. */
+EVL_API void evl_gearbox_damping(const evl_gearbox *gearbox, int mesh, double parameters[EVL_MAX_PARAMETERS]);
 /** Fill y, yp, integers and reals for time t. @return EVL_OK, EVL_INVALID_INPUT (initial values that contradict each other or the
  *  loads), EVL_NO_SOLUTION (steady state), EVL_OUT_OF_DOMAIN. */
 EVL_API int evl_gearbox_initial_state(const evl_gearbox *gearbox, const evl_initial *initial, double t, double *y,
@@ -340,11 +331,13 @@ typedef struct {
     int tooth_pair; /**< pitches since the start */
     int contact;    /**< evl_contact_mode */
     int friction;   /**< branch of the friction law */
+    double
+        position; /**< pitches, from 0 to 1, that the tooth pair which came last is, unloaded, from the start of contact */
 } evl_mesh_mode;
 
 /** Discrete state of the tooth pair that has been longest on the path of a mesh's drive flank. */
-EVL_API void evl_gearbox_mesh_mode(const evl_gearbox *gearbox, int mesh, const int *integers, const double *reals,
-                                   evl_mesh_mode *mode);
+EVL_API void evl_gearbox_mesh_mode(const evl_gearbox *gearbox, int mesh, const double *y, const int *integers,
+                                   const double *reals, evl_mesh_mode *mode);
 
 /** Linearise the gearbox at a state: eigenvalues and eigenvectors of small motions x' = A x, from slow to fast.
  *
@@ -357,24 +350,15 @@ EVL_API void evl_gearbox_mesh_mode(const evl_gearbox *gearbox, int mesh, const i
  *  @param[out] eigenvalues  [2 * n_states] real and imaginary part [1/s] by turns, as C's double complex; the partner of a complex
  *                           one stands beside it, positive imaginary part first; 0 if rounding leaves nothing else
  *  @param[out] vectors      [2 * n_states * n_states] mode after mode, each a change of y, of any size; theta is omega/lambda
- *  @return EVL_OK, EVL_OUT_OF_DOMAIN (the state is not one of the model's, or forces have no derivative there),
- *          EVL_NO_SOLUTION (LAPACK found no eigenvalues) */
-EVL_API int evl_gearbox_modes(const evl_gearbox *gearbox, double t, const double *y, const int *integers,
-                              const double *reals, int *n_modes, int *n_rigid, double *eigenvalues, double *vectors,
+ *  @param[out] means  [n_values] NULL; or else it is the mean of A over the steady states at all positions of the meshes: 997, spread
+ *                      evenly over the least number of pitches of the first mesh, at most 10000, in which every mesh passes whole
+ *                      pitches. Then outputs, averaged in the same way, and y, integers, reals become the steady state half a pitch
+ *                      from the start of contact, to which the vectors belong
+ *  @return EVL_OK, EVL_OUT_OF_DOMAIN (the state is not one of the model's, or forces have no derivative there), EVL_NO_SOLUTION
+ *          (LAPACK found no eigenvalues); of the mean also what evl_gearbox_initial_state returns where there is no steady state */
+EVL_API int evl_gearbox_modes(const evl_gearbox *gearbox, double t, double *y, int *integers, double *reals,
+                              int *n_modes, int *n_rigid, double *eigenvalues, double *vectors, double *means,
                               evl_status *status);
-
-/** The same of the mean of A over the steady states at all positions of the meshes: 997, spread evenly over the least number of
- *  pitches of the first mesh, at most 10000, in which every mesh passes whole pitches.
- *
- *  @param[out] y, integers, reals  the steady state half a pitch from the start of contact, to which the vectors belong
- *  @param[out] values              [n_values] outputs, averaged in the same way
- *  @return as evl_gearbox_modes, or what evl_gearbox_initial_state returns where a steady state is not found */
-EVL_API int evl_gearbox_mean_modes(const evl_gearbox *gearbox, double t, double *y, int *integers, double *reals,
-                                   int *n_modes, int *n_rigid, double *eigenvalues, double *vectors, double *values,
-                                   evl_status *status);
-
-/** How many pitches, from 0 to 1, the tooth pair of a mesh that came last is, unloaded, from the start of contact. */
-EVL_API double evl_gearbox_mesh_position(const evl_gearbox *gearbox, int mesh, const double *y, const int *integers);
 
 /** What a small change dy of the state y moves, to first order and so linear in dy.
  *  @param[out] arcs                 [n_wheels] r_b phi, r phi of a wheel without a mesh, counterclockwise [m]
