@@ -24,13 +24,12 @@ static const double elsewhere_interval = 60.0; /* [s] and in a log */
 
 typedef struct {
     memory_pool memory; /**< of the arrays */
-    batch_work work;    /**< its list is what is left of that of the state */
+    batch_work work;    /**< its list is that of the state, of which it keeps what is left */
     batch_state *state;
     evl_error *error;
     int n_workers;
     batch_worker *workers;
     long n_left;  /**< length of the list */
-    long *left;   /**< the list of the work */
     int *n_tries; /**< [n_left] how often the process died that ran it; -1: the case is recorded */
     long n_bad;   /**< failed or refused in this run */
     double started, synced, shown;
@@ -99,7 +98,7 @@ static bool record(pool *pool, long place, batch_row *row)
 {
     const bool good = journal_append(&pool->state->journal, row->line, row->length, pool->error);
     if (good) {
-        pool->state->cases[pool->left[place]].status = row->status;
+        pool->state->cases[pool->work.todo[place]].status = row->status;
         pool->state->n_finished++;
         pool->n_bad += row->status == JOURNAL_DONE ? 0 : 1;
         pool->n_tries[place] = -1;
@@ -119,7 +118,7 @@ static bool record_lost(pool *pool, long place, int wait_status)
         (void)snprintf(message, sizeof message, "the process that ran it ended with exit code %d, twice",
                        WEXITSTATUS(wait_status));
     }
-    batch_case_lost(pool->work.plan, pool->left[place], message, &row);
+    batch_case_lost(pool->work.plan, pool->work.todo[place], message, &row);
     return record(pool, place, &row);
 }
 
@@ -231,12 +230,8 @@ static bool begin(pool *pool, int jobs)
         pool->workers[i].socket = -1;
     }
     pool->n_left = n;
-    pool->left = pool_calloc(&pool->memory, (size_t)n, sizeof *pool->left);
     pool->n_tries = pool_calloc(&pool->memory, (size_t)n, sizeof *pool->n_tries);
-    for (long i = 0; i < n; i++) {
-        pool->left[i] = pool->state->todo[i];
-    }
-    pool->work.todo = pool->left;
+    pool->work.todo = pool->state->todo;
     pool->work.queue = batch_queue_create(n, pool->n_workers);
     if (pool->work.queue == NULL) {
         evl_error_set(pool->error, EVL_EXIT_INTERRUPTED, "", "cannot share memory with the workers: %s",
@@ -252,7 +247,7 @@ static void keep_unrecorded(pool *pool)
     long n = 0;
     for (long i = 0; i < pool->n_left; i++) {
         if (pool->n_tries[i] >= 0) {
-            pool->left[n] = pool->left[i];
+            pool->state->todo[n] = pool->state->todo[i];
             pool->n_tries[n++] = pool->n_tries[i];
         }
     }

@@ -7,7 +7,7 @@
 typedef struct {
     journal journal;
     journal_case *cases; /**< [n_cases] */
-    long *todo;          /**< numbers of the cases to run, in their order */
+    long *todo; /**< numbers of the cases to run, in their order; batch_pool_run leaves what is not recorded in front */
     long n_todo;
     long n_finished; /**< of them, so far */
     long n_wheels;   /**< that give way and were computed for them */

@@ -1,6 +1,7 @@
 #include "batch/batch_worker.h"
 
 #include "base/memory.h"
+#include "base/write_bytes.h"
 
 #include <errno.h>
 #include <signal.h>
@@ -15,23 +16,6 @@
 
 /* ---- in the worker ---- */
 
-static bool send_bytes(int socket, const void *bytes, size_t length)
-{
-    const char *from = bytes;
-    while (length > 0) {
-        const ssize_t n = send(socket, from, length, MSG_NOSIGNAL);
-        if (n < 0 && errno == EINTR) {
-            continue;
-        }
-        if (n <= 0) {
-            return false;
-        }
-        from += n;
-        length -= (size_t)n;
-    }
-    return true;
-}
-
 /** The answer and the text behind it, with one call: each wakes the parent. */
 static bool send_answer(int socket, const batch_answer *answer)
 {
@@ -39,13 +23,13 @@ static bool send_answer(int socket, const batch_answer *answer)
     OWNED char *message = xcalloc(length, 1);
     memcpy(message, answer, sizeof *answer);
     memcpy(message + sizeof *answer, answer->row.line, answer->row.length);
-    return send_bytes(socket, message, length);
+    return write_bytes(socket, -1, message, length) == length;
 }
 
-/** Only the parent decides when a job ends: it is told as well. */
+/** Only the parent decides when a job ends: it is told as well. If it is gone, writing to it fails. */
 static void leave_signals_to_parent(pid_t parent)
 {
-    static const int signals[] = {SIGINT, SIGTERM, SIGUSR1, SIGHUP};
+    static const int signals[] = {SIGINT, SIGTERM, SIGUSR1, SIGHUP, SIGPIPE};
     struct sigaction ignoring = {.sa_handler = SIG_IGN};
     (void)sigemptyset(&ignoring.sa_mask);
     for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) {

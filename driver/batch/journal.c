@@ -1,6 +1,7 @@
 #include "batch/journal.h"
 
 #include "base/memory.h"
+#include "base/write_bytes.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -95,15 +96,7 @@ static void take_line(const char *line, size_t length, long n_cases, journal_cas
 /** With one write; the rest of one that came up short is tried for the reason's sake. */
 static bool write_all(const journal *journal, const char *text, size_t length, evl_error *error)
 {
-    size_t done = 0;
-    while (done < length) {
-        const ssize_t n = write(journal->descriptor, text + done, length - done);
-        if (n > 0) {
-            done += (size_t)n;
-        } else if (n == 0 || errno != EINTR) {
-            break;
-        }
-    }
+    const size_t done = write_bytes(journal->descriptor, -1, text, length);
     if (done == length) {
         return true;
     }

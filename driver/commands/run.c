@@ -165,26 +165,17 @@ static bool close_history(run *run, bool commit, const char *status, const char 
 
 /* The run itself. */
 
-static double number_of(const char *name, int n, const evl_output *quantities)
-{
-    int i = 0;
-    while (i < n && strcmp(quantities[i].name, name) != 0) {
-        i++;
-    }
-    return i < n ? quantities[i].value[0] : NAN;
-}
-
 /** What the meshes' stiffness and damping come to. */
 static void tell_vibrations(const run *run)
 {
     const description *description = case_description(run->prepared.file);
     for (int i = 0; i < description->n_meshes; i++) {
-        evl_output mesh[EVL_MOST_QUANTITIES];
-        const int n = model_geometry(run->prepared.model, EVL_OF_MESH, i, mesh);
-        if (!isnan(number_of("damping_ratio", n, mesh))) {
+        const model *model = run->prepared.model;
+        const double ratio = model_quantity(model, EVL_OF_MESH, i, "damping_ratio");
+        if (!isnan(ratio)) {
             log_note("mesh %s at %.5g N, one tooth pair: natural frequency %.5g Hz, damping ratio %.3g",
-                     description->meshes[i], number_of("reference_force", n, mesh),
-                     number_of("natural_frequency", n, mesh), number_of("damping_ratio", n, mesh));
+                     description->meshes[i], model_quantity(model, EVL_OF_MESH, i, "reference_force"),
+                     model_quantity(model, EVL_OF_MESH, i, "natural_frequency"), ratio);
         }
     }
     OWNED char *note = stiffness_note(description, run->prepared.model);

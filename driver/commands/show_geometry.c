@@ -193,12 +193,9 @@ char *stiffness_note(const description *description, const model *model)
     const char *first = NULL;
     int others = -1;
     for (int i = 0; i < description->n_meshes; i++) {
-        const column column = column_of(model, EVL_OF_MESH, i, description->meshes[i]);
-        for (int k = 0; k < column.n; k++) {
-            if (strcmp(column.rows[k].name, "gives_way") == 0 && column.rows[k].value[0] == 0) {
-                first = first == NULL ? description->meshes[i] : first;
-                others++;
-            }
+        if (model_quantity(model, EVL_OF_MESH, i, "gives_way") == 0) {
+            first = first == NULL ? description->meshes[i] : first;
+            others++;
         }
     }
     OWNED char *more = others > 0 ? xasprintf(" and %d more", others) : xstrdup("");

@@ -67,10 +67,10 @@ static void plan_events(history *history, hid_t group, const history_layout *lay
         series_add_column(events, &columns[i], i, 1);
     }
     for (int i = 0; i < layout->n_states; i++) {
-        const char *state = layout->states[i].name;
-        char long_name[128];
-        (void)snprintf(long_name, sizeof long_name, "state %s on both sides of the event", state);
-        netcdf_variable variable = netcdf_describe(NETCDF_REAL, state, layout->states[i].units, state, long_name);
+        memory_pool *pool = &history->netcdf.pool;
+        const char *state = pool_copy(pool, layout->states[i].name), *units = pool_copy(pool, layout->states[i].units);
+        const char *long_name = pool_printf(pool, "state %s on both sides of the event", state);
+        netcdf_variable variable = netcdf_describe(NETCDF_REAL, state, units, state, long_name);
         variable.rank = 1;
         variable.dimensions[0] = &history->side;
         series_add_column(events, &variable, EVENT_STATES + 2 * i, 2);

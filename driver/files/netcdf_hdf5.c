@@ -315,17 +315,6 @@ static bool add_variable_attributes(netcdf_file *file, hid_t dataset, const netc
            (variable->n_flags == 0 || add_flags(file, dataset, variable));
 }
 
-netcdf_variable netcdf_describe(netcdf_type type, const char *name, const char *units, const char *symbol,
-                                const char *long_name)
-{
-    netcdf_variable variable = {.type = type};
-    (void)snprintf(variable.name, sizeof variable.name, "%s", name);
-    (void)snprintf(variable.units, sizeof variable.units, "%s", units);
-    (void)snprintf(variable.symbol, sizeof variable.symbol, "%s", symbol);
-    (void)snprintf(variable.long_name, sizeof variable.long_name, "%s", long_name);
-    return variable;
-}
-
 bool netcdf_check_integers(netcdf_file *file, const char *name, int n, const double *values)
 {
     for (int i = 0; i < n; i++) {

@@ -43,9 +43,10 @@ typedef enum {
     NETCDF_TEXT
 } netcdf_type;
 
+/** Its texts have to outlive it. */
 typedef struct {
-    char name[64], units[32], symbol[64], long_name[128];
     netcdf_type type;
+    const char *name, *units, *symbol, *long_name;
     int rank;
     netcdf_dimension *dimensions[NETCDF_MAX_RANK]; /**< only the first may grow */
     int n_flags;               /**< the values 0..n_flags-1 have a meaning; 0 if they are plain numbers */
@@ -78,9 +79,12 @@ bool netcdf_put(netcdf_file *file, hid_t object, const char *name, hid_t type, i
 bool netcdf_put_text(netcdf_file *file, hid_t object, const char *name, const char *text);
 bool netcdf_put_integer(netcdf_file *file, hid_t object, const char *name, long long value);
 
-/** A variable without dimensions yet; texts that are too long are cut. */
-netcdf_variable netcdf_describe(netcdf_type type, const char *name, const char *units, const char *symbol,
-                                const char *long_name);
+/** A variable without dimensions yet. */
+static inline netcdf_variable netcdf_describe(netcdf_type type, const char *name, const char *units, const char *symbol,
+                                              const char *long_name)
+{
+    return (netcdf_variable){.type = type, .name = name, .units = units, .symbol = symbol, .long_name = long_name};
+}
 /** Whether all values of an integer variable are in the range of one. */
 bool netcdf_check_integers(netcdf_file *file, const char *name, int n, const double *values);
 /** Create a variable with its attributes, its axes attached to their dimensions.

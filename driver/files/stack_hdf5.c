@@ -1,6 +1,7 @@
 #include "files/stack.h"
 
 #include "base/memory.h"
+#include "base/write_bytes.h"
 #include "files/dimensions_hdf5.h"
 
 #include <errno.h>
@@ -152,18 +153,8 @@ bool stack_write(const stack *stack, long row, const float *values, evl_error *e
     for (int i = 0; i < stack->n_variables; i++) {
         const size_t n = (size_t)stack->n_times * (size_t)stack->counts[i], bytes = n * sizeof *values;
         const off_t start = (off_t)stack->offsets[i] + (off_t)row * (off_t)bytes;
-        size_t done = 0;
-        while (done < bytes) {
-            const ssize_t more =
-                pwrite(stack->descriptor, (const char *)values + done, bytes - done, start + (off_t)done);
-            if (more < 0 && errno == EINTR) {
-                continue;
-            }
-            if (more <= 0) {
-                errno = more < 0 ? errno : ENOSPC;
-                return evl_error_set_unwritten(error, stack->path);
-            }
-            done += (size_t)more;
+        if (write_bytes(stack->descriptor, start, values, bytes) < bytes) {
+            return evl_error_set_unwritten(error, stack->path);
         }
         values += n;
     }

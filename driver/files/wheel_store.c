@@ -13,16 +13,11 @@
 /** Wheels in memory: a sweep over the geometry has no end of them. */
 enum { MOST_KEPT = 1000 };
 
-typedef struct {
-    int n_key, n;
-    double *key, *numbers; /**< one array, the key first */
-} kept_wheel;
-
 struct wheel_store {
     evl_wheel_store door;
-    char *folder; /**< NULL: none */
-    kept_wheel kept[MOST_KEPT];
-    long n_met, n_computed; /**< wheel i that was met is at i mod MOST_KEPT */
+    char *folder;                  /**< NULL: none */
+    wheel_numbers kept[MOST_KEPT]; /**< the numbers of each and its key behind them are one array */
+    long n_met, n_computed;        /**< wheel i that was met is at i mod MOST_KEPT */
     evl_error error;
 };
 
@@ -37,7 +32,7 @@ static bool recall(const wheel_store *store, const wheel_numbers *wheel)
 {
     const size_t size = (size_t)wheel->n_key * sizeof *wheel->key;
     for (long i = 0; i < n_kept(store); i++) {
-        const kept_wheel *kept = &store->kept[i];
+        const wheel_numbers *kept = &store->kept[i];
         if (kept->n_key == wheel->n_key && kept->n == wheel->n && memcmp(kept->key, wheel->key, size) == 0) {
             memcpy(wheel->numbers, kept->numbers, (size_t)wheel->n * sizeof *wheel->numbers);
             return true;
@@ -48,13 +43,11 @@ static bool recall(const wheel_store *store, const wheel_numbers *wheel)
 
 static void remember(wheel_store *store, const wheel_numbers *wheel)
 {
-    kept_wheel *kept = &store->kept[store->n_met++ % MOST_KEPT];
-    free(kept->key);
-    *kept = (kept_wheel){.n_key = wheel->n_key, .n = wheel->n};
-    kept->key = xcalloc((size_t)wheel->n_key + (size_t)wheel->n, sizeof *kept->key);
-    kept->numbers = kept->key + wheel->n_key;
-    memcpy(kept->key, wheel->key, (size_t)wheel->n_key * sizeof *kept->key);
-    memcpy(kept->numbers, wheel->numbers, (size_t)wheel->n * sizeof *kept->key);
+    wheel_numbers *kept = &store->kept[store->n_met++ % MOST_KEPT];
+    double *numbers = xrealloc(kept->numbers, (size_t)wheel->n_key + (size_t)wheel->n, sizeof *numbers);
+    double *key = memcpy(numbers + wheel->n, wheel->key, (size_t)wheel->n_key * sizeof *key);
+    memcpy(numbers, wheel->numbers, (size_t)wheel->n * sizeof *numbers);
+    *kept = (wheel_numbers){.n_key = wheel->n_key, .n = wheel->n, .key = key, .numbers = numbers};
 }
 
 /* ---- in the folder ---- */
@@ -148,7 +141,7 @@ void wheel_store_delete(wheel_store **pointer)
         return;
     }
     for (long i = 0; i < n_kept(store); i++) {
-        free(store->kept[i].key);
+        free(store->kept[i].numbers);
     }
     free(store->folder);
     free(store);
@@ -159,9 +152,7 @@ bool wheel_store_share(wheel_store *store, const char *folder, evl_error *error)
     store->folder = xstrdup(folder);
     drop_leftovers(folder);
     for (long i = 0; i < n_kept(store); i++) {
-        const kept_wheel *kept = &store->kept[i];
-        const wheel_numbers wheel = {.n_key = kept->n_key, .key = kept->key, .n = kept->n, .numbers = kept->numbers};
-        if (settle(store, &wheel) < 0) {
+        if (settle(store, &store->kept[i]) < 0) {
             *error = store->error;
             return false;
         }

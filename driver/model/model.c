@@ -1,5 +1,6 @@
 #include "model/model_kernel.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -55,6 +56,16 @@ int model_support_directions(const model *model, int wheel, double directions[2]
 int model_geometry(const model *model, evl_of of, int index, evl_output quantities[EVL_MOST_QUANTITIES])
 {
     return evl_gearbox_geometry(model->gearbox, (int)of, index, quantities);
+}
+
+double model_quantity(const model *model, evl_of of, int index, const char *name)
+{
+    evl_output quantities[EVL_MOST_QUANTITIES];
+    int i = model_geometry(model, of, index, quantities) - 1;
+    while (i >= 0 && strcmp(quantities[i].name, name) != 0) {
+        i--;
+    }
+    return i < 0 ? NAN : quantities[i].value[0];
 }
 
 int model_pitch_errors(const model *model, int wheel, int most, double *errors)

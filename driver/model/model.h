@@ -121,6 +121,8 @@ int model_support_directions(const model *model, int wheel, double directions[2]
 
 /** The geometry that follows from the case. @return how many quantities there are, 0 where it is not what they are of */
 int model_geometry(const model *model, evl_of of, int index, evl_output quantities[EVL_MOST_QUANTITIES]);
+/** One of these by its name, NaN if there is none such. */
+double model_quantity(const model *model, evl_of of, int index, const char *name);
 /** Cumulative position deviations of a wheel's teeth [m]. @return how many there are, 0 if it has no pitch errors; `most` of
  *  them are written */
 int model_pitch_errors(const model *model, int wheel, int most, double *errors);
