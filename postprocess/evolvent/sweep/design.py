@@ -2,6 +2,11 @@
 
 The only module that knows how DESIGN.h5 lies on file; `evolvent batch` reads the same layout, and
 docs/sweeps.md describes it.
+
+It is read here and not asked of the program, as journals are: four columns of a million cases take
+0.03 s of processor time so, but 2.7 s as lines of JSON (0.7 s to print them, 2 s to understand
+them), 1.4 s as lists. The program knows what decides a case (case, hash, n_cases, window,
+histories, paths and values); title, plan, method, seed, sampling, names and units only this module.
 """
 
 from __future__ import annotations
